@@ -1,0 +1,23 @@
+//! The interpolator: one set-point per cycle along the prepared path.
+
+use crate::Place;
+use nalgebra::{Point3, Vector3};
+
+/// Where the tool shall be at one instant, in the work frame: what [`Interpolator`] makes per cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToolSetpoint {
+    /// Time since the start of the program, ns.
+    pub time_ns: i64,
+    /// The block whose element is being traversed.
+    pub place: Place,
+    /// True on a rapid (G0): the tool is not engaged.
+    pub rapid: bool,
+    /// Position, m.
+    pub position: Point3<f64>,
+    /// Velocity, m/s.
+    pub velocity: Vector3<f64>,
+    /// Acceleration, m/s².
+    pub acceleration: Vector3<f64>,
+    /// Velocity along the path, m/s.
+    pub path_velocity: f64,
+}

@@ -1,0 +1,17 @@
+//! From a CNC program to time-stamped set-points.
+//!
+//! One type per stage, each stage an iterator over the one before it, so that memory is bounded by the look-ahead
+//! window and never by the length of the program:
+//! [`din66025::Decoder`] → [`path::PathElement`] → [`prepare`] → [`interpolate::Interpolator`] →
+//! [`interpolate::ToolSetpoint`].
+//!
+//! Inside, lengths are metres and times seconds; millimetres become metres once, in the decoder.
+
+pub mod din66025;
+pub mod interpolate;
+pub mod path;
+pub mod prepare;
+
+mod place;
+
+pub use place::Place;

@@ -1,0 +1,1 @@
+//! Path preparation: stream adapters over path elements.

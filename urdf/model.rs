@@ -1,0 +1,118 @@
+//! Links and joints of a machine, with everything physics and pictures need.
+
+use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
+
+/// A tree of links, joined by joints. Link 0 is the base, fixed in the machine frame; every other link is the child
+/// of exactly one joint, and joints are ordered so that a parent comes before its children.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// Name of the machine.
+    pub name: String,
+    /// The links; 0 is the base.
+    pub links: Vec<Link>,
+    /// The joints, `joints[i].child == i + 1`.
+    pub joints: Vec<Joint>,
+    /// The link that carries the tool, and the tool tip in its frame, m.
+    pub tip: Tip,
+}
+
+/// Where the tool tip is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tip {
+    /// Index into [`Model::links`].
+    pub link: usize,
+    /// In the frame of that link, m.
+    pub point: Point3<f64>,
+}
+
+/// A rigid body. Its frame is the frame of the joint that moves it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Link {
+    /// Unique name.
+    pub name: String,
+    /// Mass and inertia; `None` for the base or a massless frame.
+    pub inertial: Option<Inertial>,
+    /// What it looks like; also its collision geometry.
+    pub solids: Vec<Solid>,
+}
+
+/// Mass properties of a link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Inertial {
+    /// kg.
+    pub mass: f64,
+    /// Centre of mass in the link frame, m.
+    pub center: Point3<f64>,
+    /// Inertia about the centre of mass, axes parallel to the link frame, kg·m².
+    pub inertia: Matrix3<f64>,
+}
+
+/// A simple body in the frame of its link.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solid {
+    /// Shape, centred on its own origin.
+    pub shape: SolidShape,
+    /// Pose of the shape in the link frame.
+    pub origin: Isometry3<f64>,
+    /// Red, green, blue, alpha in 0..=1.
+    pub color: [f64; 4],
+}
+
+/// The shape of a [`Solid`], all measures in m.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SolidShape {
+    /// Edge lengths along x, y, z.
+    Box {
+        /// Full edge lengths.
+        size: Vector3<f64>,
+    },
+    /// About the z axis.
+    Cylinder {
+        /// Radius.
+        radius: f64,
+        /// Full length along z.
+        length: f64,
+    },
+    /// About the origin.
+    Sphere {
+        /// Radius.
+        radius: f64,
+    },
+}
+
+/// A joint: moves its child link along or about [`Joint::axis`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joint {
+    /// Unique name; the name of the machine axis that moves it.
+    pub name: String,
+    /// Whether and how it moves.
+    pub kind: JointKind,
+    /// Parent link.
+    pub parent: usize,
+    /// Child link.
+    pub child: usize,
+    /// Pose of the joint frame in the parent link at joint position 0.
+    pub origin: Isometry3<f64>,
+    /// Direction of motion in the joint frame.
+    pub axis: Unit<Vector3<f64>>,
+    /// Index of the machine axis (machine-file order) whose position is this joint's position; `None` if fixed.
+    /// Zero offsets of a machine are inside [`Joint::origin`], so the two are equal.
+    pub machine_axis: Option<usize>,
+    /// Lower and upper position, m or rad.
+    pub position_limits: Option<[f64; 2]>,
+    /// m/s or rad/s.
+    pub velocity_limit: Option<f64>,
+    /// N or Nm.
+    pub effort_limit: Option<f64>,
+}
+
+/// How a joint moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointKind {
+    /// Rotates about the axis, rad.
+    Revolute,
+    /// Slides along the axis, m.
+    Prismatic,
+    /// Does not move.
+    Fixed,
+}
