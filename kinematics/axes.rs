@@ -73,4 +73,9 @@ impl AxisMotion {
         let zero = AxisVector::zeros(position.len());
         Self { position, velocity: zero, acceleration: zero }
     }
+
+    /// True if every number is finite.
+    pub fn is_finite(&self) -> bool {
+        self.position.is_finite() && self.velocity.is_finite() && self.acceleration.is_finite()
+    }
 }

@@ -37,6 +37,14 @@ pub enum KinematicsError {
         /// Values expected.
         expected: usize,
     },
+    /// An arm without a length.
+    #[error("arm {} is {:.3} mm long; it must be longer than 0", arm + 1, length * 1e3)]
+    ArmLength {
+        /// Index of the arm, from 0.
+        arm: usize,
+        /// The length given, m.
+        length: f64,
+    },
     /// An input is infinite or not a number.
     #[error("a coordinate or axis value is not a finite number")]
     NotFinite,

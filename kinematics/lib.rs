@@ -16,11 +16,13 @@ pub mod gantry;
 mod machine_axes;
 mod pose;
 pub mod scara;
+#[cfg(test)]
+mod tests;
 
 pub use axes::{AxisMotion, AxisVector, MAX_AXES};
 pub use error::KinematicsError;
 pub use frame::WorkFrame;
-pub use machine_axes::{AxisSource, Coordinate, MachineAxes};
+pub use machine_axes::{AxisSource, Coordinate, MachineAxes, MachineAxesError};
 pub use pose::{Pose, ToolMotion};
 
 /// A transform between the tool pose in the machine frame and a fixed number of axes.
@@ -30,6 +32,10 @@ pub use pose::{Pose, ToolMotion};
 pub trait Kinematics: std::fmt::Debug + Send + Sync {
     /// How many axes this transform moves.
     fn axis_count(&self) -> usize;
+
+    /// The coordinates that this transform turns into axis positions. It must be given 0 for the others, which have
+    /// axes of their own or none ([`MachineAxes`]).
+    fn coordinates(&self) -> &[Coordinate];
 
     /// The tool pose that the axis positions `axes` (m or rad) give, in the machine frame.
     ///
@@ -45,7 +51,8 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// [`KinematicsError::Unreachable`] if no axis position gives the pose, [`KinematicsError::NoAxis`] if the pose
-    /// needs a coordinate the machine has no axis for, [`KinematicsError::NotFinite`].
+    /// needs a coordinate the machine has no axis for, [`KinematicsError::AxisCount`] if `near` has another length
+    /// than [`Self::axis_count`] and is needed, [`KinematicsError::NotFinite`].
     fn inverse(&self, pose: &Pose, near: &AxisVector) -> Result<AxisVector, KinematicsError>;
 
     /// Axis positions, velocities and accelerations for a moving tool (the manual's `SMC_TRAFOV_x`, one derivative
@@ -53,5 +60,9 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// Those of [`Self::inverse`], and [`KinematicsError::Singular`] where the axes cannot follow the tool velocity.
-    fn inverse_motion(&self, tool: &ToolMotion, near: &AxisVector) -> Result<AxisMotion, KinematicsError>;
+    fn inverse_motion(
+        &self,
+        tool: &ToolMotion,
+        near: &AxisVector,
+    ) -> Result<AxisMotion, KinematicsError>;
 }

@@ -50,4 +50,12 @@ impl ToolMotion {
             direction_acceleration: 0.0,
         }
     }
+
+    /// True if every number is finite.
+    pub fn is_finite(&self) -> bool {
+        self.pose.is_finite()
+            && self.velocity.iter().chain(&self.acceleration).all(|value| value.is_finite())
+            && self.direction_velocity.is_finite()
+            && self.direction_acceleration.is_finite()
+    }
 }
