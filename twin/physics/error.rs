@@ -1,0 +1,98 @@
+//! What the physics machine refuses, and why.
+
+/// A machine that cannot be simulated, or an input it cannot follow. Axes and joints are counted from 0.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum PhysicsError {
+    /// The number of values does not fit the number of axes.
+    #[error("{given} axis values given, the machine has {expected} axes")]
+    AxisCount {
+        /// Values given.
+        given: usize,
+        /// Values expected.
+        expected: usize,
+    },
+    /// More axes than [`twin_kinematics::MAX_AXES`], or none.
+    #[error("{given} axes, a machine has 1 to {}", twin_kinematics::MAX_AXES)]
+    AxisNumber {
+        /// Axes asked for.
+        given: usize,
+    },
+    /// No joint is moved by this axis.
+    #[error("no joint of the model is moved by axis {axis}")]
+    AxisWithoutJoint {
+        /// The axis.
+        axis: usize,
+    },
+    /// Two joints name the same axis.
+    #[error("joint {joint} is moved by axis {axis}, which moves another joint already")]
+    AxisMovesTwoJoints {
+        /// The second joint.
+        joint: usize,
+        /// The axis.
+        axis: usize,
+    },
+    /// A joint that can move has no axis (or one the machine does not have), or a fixed one has an axis.
+    #[error(
+        "joint {joint} and its machine axis do not belong together (a joint that moves has one, a fixed one none)"
+    )]
+    JointAxis {
+        /// The joint.
+        joint: usize,
+    },
+    /// The links are not ordered as a tree: `joints[i].child == i + 1` and parents first.
+    #[error(
+        "joint {joint} joins parent link {parent} and child link {child}, out of the order of a tree"
+    )]
+    NotATree {
+        /// The joint.
+        joint: usize,
+        /// Its parent link.
+        parent: usize,
+        /// Its child link.
+        child: usize,
+    },
+    /// A mass or an inertia is negative or not finite, or the inertia is not symmetric.
+    #[error("link {link} of {mass} kg has mass properties no body can have")]
+    MassProperties {
+        /// The link.
+        link: usize,
+        /// Its mass, kg.
+        mass: f64,
+    },
+    /// Nothing with mass hangs on the axis: a force would accelerate it without bound.
+    #[error("axis {axis} moves {inertia} kg or kg·m²: no mass and no rotor inertia")]
+    NoInertia {
+        /// The axis.
+        axis: usize,
+        /// What it moves, kg or kg·m².
+        inertia: f64,
+    },
+    /// A drive parameter is out of range.
+    #[error("axis {axis}: {parameter} = {value} is out of range")]
+    DriveParameter {
+        /// The axis.
+        axis: usize,
+        /// Field of [`super::AxisDriveParameters`].
+        parameter: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// The cycle time is not between 1 µs and 1 s.
+    #[error("a cycle of {cycle_ns} ns is not between 1 µs and 1 s")]
+    CycleTime {
+        /// The value given, ns.
+        cycle_ns: i64,
+    },
+    /// Gravity, a set-point, an effort or a deceleration is infinite, not a number, or has the wrong sign.
+    #[error("an input at {time_ns} ns is not a number that the machine can follow")]
+    Input {
+        /// Start of the cycle, ns.
+        time_ns: i64,
+    },
+    /// The motion became infinite: the drive parameters make the loop unstable.
+    #[error("the motion of the machine diverged at {time_ns} ns")]
+    Diverged {
+        /// Start of the cycle, ns.
+        time_ns: i64,
+    },
+}

@@ -1,0 +1,258 @@
+//! Drives on the machine, and what the machine refuses.
+
+use super::*;
+
+/// Drives for a gantry, tuned by rule.
+fn tuned(limit: f64) -> [AxisDriveParameters; 3] {
+    [20.0, 8.0, 3.0].map(|mass| {
+        AxisDriveParameters::tuned(mass, AxisDriveParameters::DEFAULT_BANDWIDTH_HZ, limit)
+    })
+}
+
+fn machine(drives: &[AxisDriveParameters]) -> PhysicsMachine {
+    PhysicsMachine::new(&gantry(), drives, down(), &axes([0.1, 0.2, 0.3]), CYCLE_NS).unwrap()
+}
+
+/// A vertical axis neither sags nor jumps when the drives are enabled, and its drive carries the weight.
+#[test]
+fn enabled_drives_hold_the_machine() {
+    let with_dynamics = tuned(500.0).map(|drive| AxisDriveParameters {
+        effort_feed_forward: EffortFeedForward::Dynamics(0.7),
+        ..drive
+    });
+    let without_integral =
+        tuned(500.0).map(|drive| AxisDriveParameters { integral_time: f64::INFINITY, ..drive });
+    for drives in [tuned(500.0), with_dynamics, without_integral] {
+        let mut machine = machine(&drives);
+        let rest = AxisMotion::at_rest(axes([0.1, 0.2, 0.3]));
+        for _ in 0..500 {
+            let state = machine.step(&rest).unwrap();
+            assert!((state.position[2] - 0.3).abs() < 1e-12, "{state:?}");
+            assert!((state.effort[2] - 3.0 * G).abs() < 1e-9, "{state:?}");
+            assert!(state.effort[0].abs() < 1e-9, "{state:?}");
+        }
+    }
+}
+
+/// A step of the position set-point: towards it at once, and there in the end, without a lasting error.
+#[test]
+fn a_step_is_followed() {
+    let mut machine = machine(&tuned(500.0));
+    let target = AxisMotion::at_rest(axes([0.101, 0.199, 0.302]));
+    for _ in 0..5 {
+        machine.step(&target).unwrap();
+    }
+    let state = *machine.axis_state();
+    assert!(
+        state.velocity[0] > 0.0 && state.velocity[1] < 0.0 && state.velocity[2] > 0.0,
+        "{state:?}"
+    );
+    for _ in 0..1000 {
+        machine.step(&target).unwrap();
+    }
+    let state = *machine.axis_state();
+    for (position, target) in state.position.iter().zip(target.position.iter()) {
+        assert!((position - target).abs() < 1e-9, "{state:?}");
+    }
+}
+
+/// Only what the drive can push: 50 N on 20 kg is 2.5 m/s² however far the set-point is.
+#[test]
+fn the_effort_limit_is_kept() {
+    let mut machine = machine(&tuned(50.0));
+    let target = AxisMotion::at_rest(axes([0.6, 0.2, 0.3]));
+    for cycle in 1..=100 {
+        let state = machine.step(&target).unwrap();
+        assert!(state.effort.iter().all(|effort| effort.abs() <= 50.0), "{state:?}");
+        if cycle > 1 {
+            assert!(state.saturated[0] && !state.saturated[1], "{state:?}");
+        }
+    }
+    let state = *machine.axis_state();
+    let t = 0.1;
+    assert!((state.position[0] - (0.1 + 0.5 * 2.5 * t * t)).abs() < 1e-4, "{state:?}");
+    assert!((state.velocity[0] - 2.5 * t).abs() < 5e-3, "{state:?}");
+}
+
+/// Waiting at its limit does not wind the integral up: 1.5 kg more than the lift can carry pull it down, and when
+/// they are gone it comes back without shooting past.
+#[test]
+fn the_integral_does_not_wind_up() {
+    let drive = AxisDriveParameters::tuned(3.0, 50.0, 32.0);
+    let mut machine =
+        PhysicsMachine::new(&lift(3.0), &[drive], down(), &axes([0.0]), CYCLE_NS).unwrap();
+    let rest = AxisMotion::at_rest(axes([0.0]));
+    // The extra load, as a drive that has to carry it: the limit is 15 N lower.
+    machine.drives[0].parameters.effort_limit = 17.0;
+    for _ in 0..20 {
+        assert!(machine.step(&rest).unwrap().saturated[0]);
+    }
+    assert!(machine.axis_state().position[0] < -5e-4, "{:?}", machine.axis_state());
+    machine.drives[0].parameters.effort_limit = 320.0;
+    let mut highest = f64::NEG_INFINITY;
+    for _ in 0..1000 {
+        highest = highest.max(machine.step(&rest).unwrap().position[0]);
+    }
+    assert!(machine.axis_state().position[0].abs() < 1e-9);
+    assert!(highest < 5e-4, "{highest}");
+}
+
+/// With velocity and inertia fed forward a decoupled axis follows a smooth motion within micrometres; without, it
+/// follows v/Kv behind.
+#[test]
+fn the_following_error_is_that_of_the_loop() {
+    let lagging = tuned(500.0).map(|drive| AxisDriveParameters {
+        velocity_feed_forward: 0.0,
+        effort_feed_forward: EffortFeedForward::None,
+        integral_time: f64::INFINITY,
+        ..drive
+    });
+    let mut good = machine(&tuned(500.0));
+    let mut lag = machine(&lagging);
+    // 0.2 m/s, reached with sin² in 0.2 s.
+    let (speed, rise) = (0.2, 0.2);
+    let w = std::f64::consts::PI / rise;
+    let motion = |t: f64| {
+        let (position, velocity, acceleration) = if t < rise {
+            (
+                0.5 * speed * (t - (w * t).sin() / w),
+                0.5 * speed * (1.0 - (w * t).cos()),
+                0.5 * speed * w * (w * t).sin(),
+            )
+        } else {
+            (speed * (t - 0.5 * rise), speed, 0.0)
+        };
+        AxisMotion {
+            position: axes([0.1 + position, 0.2, 0.3]),
+            velocity: axes([velocity, 0.0, 0.0]),
+            acceleration: axes([acceleration, 0.0, 0.0]),
+        }
+    };
+    let mut worst = 0.0_f64;
+    for cycle in 1..=1000 {
+        let target = motion(f64::from(cycle) * 1e-3);
+        let state = good.step(&target).unwrap();
+        worst = worst.max((state.position[0] - target.position[0]).abs());
+        lag.step(&target).unwrap();
+    }
+    assert!(worst < 1e-6, "{worst} m");
+    let behind = lag.setpoint().position[0] - lag.axis_state().position[0];
+    assert!((behind - speed / lagging[0].position_gain).abs() < 1e-6, "{behind}");
+}
+
+/// A controlled stop takes v²/2a and ends at rest.
+#[test]
+fn braking_stops_within_the_distance() {
+    let mut machine = machine(&tuned(500.0));
+    let speed = 0.2;
+    let mut position = 0.1;
+    for cycle in 1..=400 {
+        let t = f64::from(cycle) * 1e-3;
+        let acceleration = if t <= 0.2 { 1.0 } else { 0.0 };
+        position = if t <= 0.2 { 0.1 + 0.5 * t * t } else { 0.1 + 0.02 + speed * (t - 0.2) };
+        machine
+            .step(&AxisMotion {
+                position: axes([position, 0.2, 0.3]),
+                velocity: axes([speed.min(t), 0.0, 0.0]),
+                acceleration: axes([acceleration, 0.0, 0.0]),
+            })
+            .unwrap();
+    }
+    let mut cycles = 0;
+    while machine.setpoint().velocity.iter().any(|velocity| velocity.abs() > 0.0) {
+        machine.brake(&axes([2.0; 3])).unwrap();
+        cycles += 1;
+        assert!(cycles < 1000, "it never stops");
+    }
+    assert!((100..=101).contains(&cycles), "{cycles}");
+    for _ in 0..1000 {
+        machine.brake(&axes([2.0; 3])).unwrap();
+    }
+    let state = machine.axis_state();
+    assert!((state.position[0] - (position + speed * speed / 4.0)).abs() < 1e-8, "{state:?}");
+    assert!(state.velocity[0].abs() < 1e-9, "{state:?}");
+    assert_eq!(
+        machine.brake(&axes([2.0, 0.0, 2.0])),
+        Err(PhysicsError::Input { time_ns: machine.axis_state().time_ns })
+    );
+}
+
+#[test]
+fn what_cannot_be_simulated_is_refused() {
+    let build =
+        |model: &Model, drives: &[AxisDriveParameters], initial: &AxisVector, cycle_ns: i64| {
+            PhysicsMachine::new(model, drives, down(), initial, cycle_ns).map(|_| ())
+        };
+    let model = gantry();
+    let start = axes([0.0; 3]);
+    assert_eq!(build(&model, &[SLACK; 3], &start, 0), Err(PhysicsError::CycleTime { cycle_ns: 0 }));
+    assert_eq!(build(&model, &[], &axes([]), CYCLE_NS), Err(PhysicsError::AxisNumber { given: 0 }));
+    assert_eq!(
+        build(&model, &[SLACK; 2], &axes([0.0; 2]), CYCLE_NS),
+        Err(PhysicsError::JointAxis { joint: 2 })
+    );
+    assert_eq!(
+        build(&model, &[SLACK; 4], &axes([0.0; 4]), CYCLE_NS),
+        Err(PhysicsError::AxisWithoutJoint { axis: 3 })
+    );
+    assert_eq!(
+        build(&model, &[SLACK; 3], &axes([0.0; 2]), CYCLE_NS),
+        Err(PhysicsError::AxisCount { given: 2, expected: 3 })
+    );
+    let wrong = AxisDriveParameters { velocity_feed_forward: 1.5, ..SLACK };
+    assert_eq!(
+        build(&model, &[SLACK, wrong, SLACK], &start, CYCLE_NS),
+        Err(PhysicsError::DriveParameter {
+            axis: 1,
+            parameter: "velocity_feed_forward",
+            value: 1.5
+        })
+    );
+    assert_eq!(
+        build(&model, &[SLACK; 3], &axes([0.0, f64::NAN, 0.0]), CYCLE_NS),
+        Err(PhysicsError::Input { time_ns: 0 })
+    );
+
+    let mut twice = gantry();
+    twice.joints[2].machine_axis = Some(1);
+    assert_eq!(
+        build(&twice, &[SLACK; 3], &start, CYCLE_NS),
+        Err(PhysicsError::AxisMovesTwoJoints { joint: 2, axis: 1 })
+    );
+    let mut swapped = gantry();
+    swapped.joints[1].parent = 2;
+    assert_eq!(
+        build(&swapped, &[SLACK; 3], &start, CYCLE_NS),
+        Err(PhysicsError::NotATree { joint: 1, parent: 2, child: 2 })
+    );
+    let mut weightless = gantry();
+    weightless.links[3].inertial = None;
+    assert_eq!(
+        build(&weightless, &[SLACK; 3], &start, CYCLE_NS),
+        Err(PhysicsError::NoInertia { axis: 2, inertia: 0.0 })
+    );
+    let rotor = AxisDriveParameters { armature: 0.1, ..SLACK };
+    assert_eq!(build(&weightless, &[SLACK, SLACK, rotor], &start, CYCLE_NS), Ok(()));
+    let mut negative = gantry();
+    negative.links[1].inertial.as_mut().unwrap().mass = -1.0;
+    assert_eq!(
+        build(&negative, &[SLACK; 3], &start, CYCLE_NS),
+        Err(PhysicsError::MassProperties { link: 1, mass: -1.0 })
+    );
+}
+
+#[test]
+fn a_loop_that_is_unstable_is_reported() {
+    let wild =
+        AxisDriveParameters { velocity_gain: 1e9, position_gain: 1e4, ..tuned(f64::INFINITY)[0] };
+    let mut machine = machine(&[wild; 3]);
+    let target = AxisMotion::at_rest(axes([0.2, 0.2, 0.3]));
+    let mut last = Ok(*machine.axis_state());
+    for _ in 0..2000 {
+        last = machine.step(&target);
+        if last.is_err() {
+            break;
+        }
+    }
+    assert!(matches!(last, Err(PhysicsError::Diverged { .. })), "{last:?}");
+}

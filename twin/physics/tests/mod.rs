@@ -1,0 +1,137 @@
+//! Tests of the physics machine: machines made by hand, closed forms, and peers' numbers.
+
+mod closed_forms;
+mod drives;
+mod rapier;
+mod scara;
+
+use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
+use twin_urdf::{Inertial, Joint, JointKind, Link, Tip};
+
+use super::*;
+
+/// One cycle, ns.
+const CYCLE_NS: i64 = 1_000_000;
+
+/// m/s².
+const G: f64 = 9.81;
+
+fn down() -> Vector3<f64> {
+    Vector3::new(0.0, 0.0, -G)
+}
+
+fn axes<const N: usize>(values: [f64; N]) -> AxisVector {
+    AxisVector::from_values(values)
+}
+
+fn joints<const N: usize>(values: [f64; N]) -> JointVector {
+    joint_vector(values.into_iter())
+}
+
+/// A drive that does nothing by itself.
+const SLACK: AxisDriveParameters = AxisDriveParameters {
+    position_gain: 0.0,
+    velocity_gain: 0.0,
+    integral_time: f64::INFINITY,
+    velocity_feed_forward: 0.0,
+    effort_feed_forward: EffortFeedForward::None,
+    effort_limit: f64::INFINITY,
+    coulomb_friction: 0.0,
+    viscous_friction: 0.0,
+    armature: 0.0,
+};
+
+/// A uniform box of `mass` kg with edges `size` m: the closed form of its inertia.
+fn uniform_box(mass: f64, center: [f64; 3], size: [f64; 3]) -> Inertial {
+    let [x, y, z] = size.map(|edge| edge * edge);
+    let inertia = Matrix3::from_diagonal(&Vector3::new(y + z, x + z, x + y)) * (mass / 12.0);
+    Inertial { mass, center: Point3::from(center), inertia }
+}
+
+/// A link and the joint that moves it: kind, direction, place on the parent, mass.
+type ChainLink = (JointKind, Vector3<f64>, Isometry3<f64>, Option<Inertial>);
+
+/// A chain of links behind the base, joint `i` moved by machine axis `i`; the tip at the origin of the last link.
+fn chain<const N: usize>(links: [ChainLink; N]) -> Model {
+    let link = |name: String, inertial| Link { name, inertial, solids: Vec::new() };
+    let mut model = Model {
+        name: "chain".into(),
+        links: vec![link("base".into(), None)],
+        joints: Vec::new(),
+        tip: Tip { link: N, point: Point3::origin() },
+    };
+    let mut axis_count = 0;
+    for (index, (kind, axis, origin, inertial)) in links.into_iter().enumerate() {
+        let machine_axis = (kind != JointKind::Fixed).then_some(axis_count);
+        axis_count += usize::from(machine_axis.is_some());
+        model.links.push(link(format!("link{index}"), inertial));
+        model.joints.push(Joint {
+            name: format!("joint{index}"),
+            kind,
+            parent: index,
+            child: index + 1,
+            origin,
+            axis: Unit::new_normalize(axis),
+            machine_axis,
+            position_limits: None,
+            velocity_limit: None,
+            effort_limit: None,
+        });
+    }
+    model
+}
+
+/// A mass on a vertical slide.
+fn lift(mass: f64) -> Model {
+    let cube = uniform_box(mass, [0.02, -0.01, 0.05], [0.1, 0.1, 0.1]);
+    chain([(JointKind::Prismatic, Vector3::z(), Isometry3::identity(), Some(cube))])
+}
+
+/// Three slides x, y, z, with masses.
+fn gantry() -> Model {
+    let body = |mass| Some(uniform_box(mass, [0.0, 0.0, 0.1], [0.3, 0.2, 0.1]));
+    chain([
+        (JointKind::Prismatic, Vector3::x(), Isometry3::identity(), body(12.0)),
+        (JointKind::Prismatic, Vector3::y(), Isometry3::translation(0.0, 0.0, 0.2), body(5.0)),
+        (JointKind::Prismatic, Vector3::z(), Isometry3::translation(0.05, 0.0, 0.0), body(3.0)),
+    ])
+}
+
+/// A chain in which nothing is aligned: turned frames, an axis of −z, a fixed and a massless link.
+fn crooked() -> Model {
+    let turned = |x, y, z, roll, pitch, yaw| {
+        Isometry3::from_parts(
+            nalgebra::Translation3::new(x, y, z),
+            nalgebra::UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+        )
+    };
+    chain([
+        (
+            JointKind::Revolute,
+            Vector3::new(0.2, -0.4, 1.0),
+            turned(0.1, 0.2, 0.3, 0.4, -0.3, 0.8),
+            Some(uniform_box(6.0, [0.2, 0.03, -0.05], [0.4, 0.1, 0.08])),
+        ),
+        (
+            JointKind::Prismatic,
+            Vector3::new(0.7, 0.3, -0.2),
+            turned(0.35, -0.1, 0.05, -0.7, 0.2, 0.1),
+            Some(uniform_box(3.0, [0.02, 0.1, 0.0], [0.2, 0.3, 0.05])),
+        ),
+        (JointKind::Fixed, Vector3::x(), turned(0.0, 0.15, 0.02, 0.3, 0.3, -1.2), None),
+        (
+            JointKind::Revolute,
+            -Vector3::z(),
+            turned(0.05, 0.02, 0.1, 1.1, 0.0, 0.4),
+            Some(uniform_box(1.5, [0.05, 0.0, 0.04], [0.1, 0.04, 0.15])),
+        ),
+    ])
+}
+
+impl PhysicsMachine {
+    /// Makes the machine move, as if it had been moving before.
+    fn start_moving(&mut self, velocity: JointVector) {
+        self.joints.velocity = velocity;
+        self.setpoint.velocity = axis_vector(&velocity, self.drives.len());
+    }
+}

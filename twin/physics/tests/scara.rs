@@ -1,0 +1,320 @@
+//! The reference SCARA against pinocchio 4.1 (articulated-body algorithm, RK4 with 100 µs; halving that step moves its
+//! tip by 3e-15 m). The numbers are rows of its two runs, copied as facts.
+
+use std::f64::consts::{PI, TAU};
+
+use super::*;
+
+/// Two revolute axes about +z, 0.4 m and 0.3 m apart, and a slide along +z; masses of uniform boxes.
+fn scara() -> Model {
+    chain([
+        (
+            JointKind::Revolute,
+            Vector3::z(),
+            Isometry3::identity(),
+            Some(uniform_box(8.0, [0.2, 0.0, 0.0], [0.4, 0.1, 0.08])),
+        ),
+        (
+            JointKind::Revolute,
+            Vector3::z(),
+            Isometry3::translation(0.4, 0.0, 0.0),
+            Some(uniform_box(4.0, [0.15, 0.0, 0.0], [0.3, 0.08, 0.06])),
+        ),
+        (
+            JointKind::Prismatic,
+            Vector3::z(),
+            Isometry3::translation(0.3, 0.0, 0.0),
+            Some(uniform_box(2.0, [0.0, 0.0, -0.02], [0.04, 0.04, 0.2])),
+        ),
+    ])
+}
+
+/// Joint motion on a circle of 0.1 m about (0.45, 0) at 0.5 m/s, z = 0.02·sin(2πt), in closed form.
+fn circle(t: f64) -> [JointVector; 3] {
+    let (sin, cos) = (5.0 * t).sin_cos();
+    let place = [0.45 + 0.1 * cos, 0.1 * sin];
+    let velocity = [-0.5 * sin, 0.5 * cos];
+    let acceleration = [-2.5 * cos, -2.5 * sin];
+    let (l1, l2) = (0.4, 0.3);
+    let q2 = ((place[0].powi(2) + place[1].powi(2) - l1 * l1 - l2 * l2) / (2.0 * l1 * l2)).acos();
+    let q1 = place[1].atan2(place[0]) - (l2 * q2.sin()).atan2(l1 + l2 * q2.cos());
+    // Jacobian of (x, y) and its rate.
+    let (s1, c1) = q1.sin_cos();
+    let (s12, c12) = (q1 + q2).sin_cos();
+    let determinant = l1 * l2 * q2.sin();
+    let solve = |x: f64, y: f64| {
+        [
+            (l2 * c12 * x + l2 * s12 * y) / determinant,
+            (-(l1 * c1 + l2 * c12) * x - (l1 * s1 + l2 * s12) * y) / determinant,
+        ]
+    };
+    let [v1, v2] = solve(velocity[0], velocity[1]);
+    let v12 = v1 + v2;
+    let [a1, a2] = solve(
+        acceleration[0] + l1 * c1 * v1 * v1 + l2 * c12 * v12 * v12,
+        acceleration[1] + l1 * s1 * v1 * v1 + l2 * s12 * v12 * v12,
+    );
+    let (sin_z, cos_z) = (TAU * t).sin_cos();
+    [
+        joints([q1, q2, 0.02 * sin_z]),
+        joints([v1, v2, 0.02 * TAU * cos_z]),
+        joints([a1, a2, -0.02 * TAU * TAU * sin_z]),
+    ]
+}
+
+fn tip(q: &JointVector) -> Vector3<f64> {
+    let (s1, c1) = q[0].sin_cos();
+    let (s12, c12) = (q[0] + q[1]).sin_cos();
+    Vector3::new(0.4 * c1 + 0.3 * c12, 0.4 * s1 + 0.3 * s12, q[2] - 0.12)
+}
+
+/// Cycle, `tau_ff` of that cycle: inverse dynamics half a cycle ahead (`scara_circle.csv`).
+const FEED_FORWARD: [(u32, [f64; 3]); 6] = [
+    (0, [-3.135_973_326_919_322, 1.785_836_656_586_677_5, 19.615_039_003_891_674]),
+    (100, [-5.601_531_892_777_208, 0.956_656_077_830_836, 18.687_797_784_218_347]),
+    (500, [-5.064_228_138_827_286, -1.988_900_794_408_700_3, 19.624_960_996_108_328]),
+    (2000, [9.068_645_238_827_404, -1.574_633_442_673_348_4, 19.615_039_003_891_67]),
+    (3500, [6.769_164_471_756_556_4, 2.221_269_747_584_585, 19.624_960_996_108_328]),
+    (4250, [-5.699_283_707_054_434, -1.873_913_397_421_414_8, 18.040_871_088_546_577]),
+];
+
+/// Cycle, q, v under the reference's controller (`scara_circle.csv`).
+const CLOSED_LOOP: [(u32, [f64; 3], [f64; 3]); 9] = [
+    (
+        1,
+        [-0.560_341_926_873_680_5, 1.350_267_869_165_776_3, 0.000_125_662_465_894_564_62],
+        [0.905_392_799_324_915_8, 0.009_607_651_600_974_322, 0.125_661_225_645_537_56],
+    ),
+    (
+        2,
+        [-0.559_438_389_214_622_6, 1.350_282_279_958_087_6, 0.000_251_319_972_678_484_7],
+        [0.901_683_014_058_099_1, 0.019_214_980_514_512_904, 0.125_653_787_922_302_47],
+    ),
+    (
+        100,
+        [-0.490_222_513_285_094_86, 1.397_080_442_344_864_8, 0.011_755_697_435_901_803],
+        [0.502_216_515_159_302_5, 0.912_660_522_201_297_1, 0.101_664_434_758_503_44],
+    ),
+    (
+        500,
+        [-0.632_336_028_449_084_5, 2.045_054_716_955_356, 8.675_802_907_633_77e-9],
+        [-1.244_008_902_613_064_5, 1.261_350_496_978_131_7, -0.125_664_113_185_100_6],
+    ),
+    (
+        1250,
+        [-0.567_363_625_395_702_8, 1.350_474_651_125_280_8, 0.019_999_998_985_049_033],
+        [0.933_330_280_869_791_9, -0.063_752_002_791_716_92, 5.451_186_112_424_258_5e-8],
+    ),
+    (
+        2000,
+        [-0.944_242_894_261_650_9, 2.061_109_141_819_579_7, -8.675_802_911_062_614e-9],
+        [-0.730_497_466_838_947_1, -1.156_266_643_288_142_5, 0.125_664_113_185_100_9],
+    ),
+    (
+        2750,
+        [-0.461_152_721_137_332_5, 1.585_459_342_233_669_4, -0.019_999_998_985_049_03],
+        [-0.074_117_875_205_443_05, 1.736_405_907_581_435_8, -5.451_186_121_970_658_6e-8],
+    ),
+    (
+        3500,
+        [-0.873_618_011_341_746_4, 1.644_824_038_374_924_6, 8.675_802_917_521_882e-9],
+        [1.068_607_198_266_105_8, -1.834_327_520_544_726_5, -0.125_664_113_185_100_62],
+    ),
+    (
+        5000,
+        [-0.586_645_284_121_513_3, 1.353_642_622_663_298, -8.675_802_916_256_348e-9],
+        [1.002_501_165_413_457_2, -0.254_128_058_040_142_3, 0.125_664_113_185_099_82],
+    ),
+];
+
+/// Cycle, q, v without torque and gravity from q = (0, 1, 0), v = (3, −2, 0) (`scara_free.csv`).
+const FREE: [(u32, [f64; 2], [f64; 2]); 6] = [
+    (
+        1,
+        [0.003_001_502_865_915_360_8, 0.997_991_201_395_600_2],
+        [3.003_006_291_880_184, -2.017_601_014_547_441_5],
+    ),
+    (
+        500,
+        [1.714_852_492_022_293_6, -1.060_916_055_124_191_6],
+        [2.891_861_486_754_337_7, -1.377_302_941_889_792_4],
+    ),
+    (
+        1500,
+        [3.617_327_226_511_616_5, 0.721_567_801_010_169_4],
+        [3.340_483_066_349_476_4, -3.850_514_362_212_109],
+    ),
+    (
+        2500,
+        [5.894_931_598_232_819, 0.816_650_178_551_034_5],
+        [1.460_788_020_685_348_7, 3.298_561_888_230_653],
+    ),
+    (
+        3500,
+        [8.827_637_042_893_121, -1.018_193_938_140_644_4],
+        [2.046_839_715_468_586_5, 1.834_025_313_781_984_6],
+    ),
+    (
+        5000,
+        [12.304_602_326_926_238, -0.757_156_929_654_801_5],
+        [1.312_750_586_903_465_5, 3.649_412_506_891_395_4],
+    ),
+];
+
+/// `tau_ff` of cycle `k`.
+fn feed_forward(dynamics: &mut Dynamics, cycle: u32) -> JointVector {
+    let [q, v, a] = circle((f64::from(cycle) + 0.5) * 1e-3);
+    dynamics.inverse_dynamics(&q, &v, &a)
+}
+
+#[test]
+fn inverse_dynamics_is_pinocchios() {
+    let mut dynamics = Dynamics::new(&scara(), 3, down(), JointVector::zeros()).unwrap();
+    for (cycle, expected) in FEED_FORWARD {
+        let effort = feed_forward(&mut dynamics, cycle);
+        assert!(
+            (effort - joints(expected)).amax() < 1e-13,
+            "cycle {cycle}: {effort} is not {expected:?}"
+        );
+    }
+}
+
+/// Under the controller of the reference (held over each cycle) the machine does what pinocchio's does: within a
+/// picometre after 5 s.
+#[test]
+fn the_closed_loop_is_pinocchios() {
+    let mut dynamics = Dynamics::new(&scara(), 3, down(), JointVector::zeros()).unwrap();
+    let [start, velocity, _] = circle(0.0);
+    let mut machine =
+        PhysicsMachine::new(&scara(), &[SLACK; 3], down(), &axis_vector(&start, 3), CYCLE_NS)
+            .unwrap();
+    machine.start_moving(velocity);
+
+    let w = TAU * 15.0;
+    let kp = joints([2.0, 0.3, 2.0]) * (w * w);
+    let kd = joints([2.0, 0.3, 2.0]) * (2.0 * w);
+    let mut worst = 0.0_f64;
+    let mut compared = 0;
+    for cycle in 0..5000 {
+        let [q, v, _] = circle(f64::from(cycle) * 1e-3);
+        let JointState { position, velocity } = machine.joints;
+        let effort = feed_forward(&mut dynamics, cycle)
+            + kp.component_mul(&(q - position))
+            + kd.component_mul(&(v - velocity));
+        machine.step_with_efforts(&axis_vector(&effort, 3)).unwrap();
+        for (_, q, v) in CLOSED_LOOP.iter().filter(|(at, ..)| *at == cycle + 1) {
+            worst = worst.max((tip(&machine.joints.position) - tip(&joints(*q))).norm());
+            assert!((machine.joints.velocity - joints(*v)).amax() < 1e-10, "cycle {cycle}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, CLOSED_LOOP.len());
+    assert!(worst < 1e-12, "the tip is {worst} m off");
+    // It went somewhere: the circle is 5 / (2π/5) ≈ 4 turns.
+    assert!((tip(&machine.joints.position) - tip(&start)).norm() > 0.005);
+}
+
+/// Without torque errors only grow; kinetic energy and angular momentum (which the peer keeps) must stay.
+#[test]
+fn the_free_motion_is_pinocchios() {
+    let model = scara();
+    let mut dynamics = Dynamics::new(&model, 3, Vector3::zeros(), JointVector::zeros()).unwrap();
+    let mut machine = PhysicsMachine::new(
+        &model,
+        &[SLACK; 3],
+        Vector3::zeros(),
+        &axes([0.0, 1.0, 0.0]),
+        CYCLE_NS,
+    )
+    .unwrap();
+    machine.start_moving(joints([3.0, -2.0, 0.0]));
+    let (energy, _) = dynamics.energy(&machine.joints.position, &machine.joints.velocity);
+    let mut compared = 0;
+    for cycle in 1..=5000 {
+        machine.step_with_efforts(&axes([0.0; 3])).unwrap();
+        for (_, q, v) in FREE.iter().filter(|(at, ..)| *at == cycle) {
+            let error = (machine.joints.position - joints([q[0], q[1], 0.0])).amax();
+            assert!(error < 1e-9, "cycle {cycle}: {error} rad off");
+            assert!(
+                (machine.joints.velocity - joints([v[0], v[1], 0.0])).amax() < 1e-8,
+                "cycle {cycle}"
+            );
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, FREE.len());
+    let (now, _) = dynamics.energy(&machine.joints.position, &machine.joints.velocity);
+    assert!((now / energy - 1.0).abs() < 1e-10, "energy went from {energy} J to {now} J");
+}
+
+/// The drives themselves, tuned by rule for one pose, keep the tip near the circle, within their limits.
+#[test]
+fn the_drives_follow_the_circle() {
+    let model = scara();
+    let start = AxisVector::from_values(circle(0.0)[0].iter().copied().take(3));
+    let inertia = axis_inertia(&model, &start).unwrap();
+    let limits = [60.0, 30.0, 80.0];
+    let drives: Vec<_> = inertia
+        .iter()
+        .zip(limits)
+        .map(|(inertia, limit)| {
+            AxisDriveParameters::tuned(*inertia, AxisDriveParameters::DEFAULT_BANDWIDTH_HZ, limit)
+        })
+        .collect();
+    let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
+    machine.start_moving(circle(0.0)[1]);
+    let mut worst = 0.0_f64;
+    for cycle in 1..=2000 {
+        let [position, velocity, acceleration] =
+            circle(f64::from(cycle) * 1e-3).map(|v| axis_vector(&v, 3));
+        let state = machine.step(&AxisMotion { position, velocity, acceleration }).unwrap();
+        assert!(state.effort.iter().zip(limits).all(|(effort, limit)| effort.abs() <= limit));
+        assert_eq!(state.saturated, [false; MAX_AXES]);
+        if cycle > 500 {
+            let error = tip(&joint_vector(state.position.iter().copied()))
+                - tip(&circle(f64::from(cycle) * 1e-3)[0]);
+            worst = worst.max(error.norm());
+        }
+    }
+    // Coupling of the arms is a disturbance to drives that know one inertia each: not zero, but small.
+    assert!(worst < 1e-3, "{worst} m");
+    assert!(worst > 1e-7, "no real drive is that good: {worst} m");
+}
+
+/// Fed forward the machine's own dynamics, the drives have little left to do.
+#[test]
+fn dynamic_feed_forward_leaves_micrometres() {
+    let model = scara();
+    let start = AxisVector::from_values(circle(0.0)[0].iter().copied().take(3));
+    let inertia = axis_inertia(&model, &start).unwrap();
+    let drives: Vec<_> = inertia
+        .iter()
+        .map(|inertia| AxisDriveParameters {
+            effort_feed_forward: EffortFeedForward::Dynamics(1.0),
+            ..AxisDriveParameters::tuned(*inertia, 50.0, 100.0)
+        })
+        .collect();
+    let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
+    machine.start_moving(circle(0.0)[1]);
+    machine.setpoint.acceleration = axis_vector(&circle(0.0)[2], 3);
+    let mut worst = 0.0_f64;
+    for cycle in 1..=2000 {
+        let [position, velocity, acceleration] =
+            circle(f64::from(cycle) * 1e-3).map(|v| axis_vector(&v, 3));
+        let state = machine.step(&AxisMotion { position, velocity, acceleration }).unwrap();
+        let error = tip(&joint_vector(state.position.iter().copied()))
+            - tip(&circle(f64::from(cycle) * 1e-3)[0]);
+        worst = worst.max(error.norm());
+    }
+    assert!(worst < 0.1e-6, "{worst} m");
+}
+
+/// The closed form of the joint motion is consistent: it returns after 2π/5 s, and it is on the circle.
+#[test]
+fn the_circle_is_one() {
+    let [start, ..] = circle(0.0);
+    let [end, ..] = circle(2.0 * PI / 5.0);
+    assert!((start - end).xy().norm() < 1e-12);
+    let here = tip(&circle(0.777)[0]);
+    assert!((here.xy() - nalgebra::Vector2::new(0.45, 0.0)).norm() - 0.1 < 1e-12);
+}
