@@ -1,8 +1,12 @@
 //! Path elements: what the manual calls `SMC_GEOINFO` (6.5).
 
 mod arc;
+mod shape;
+#[cfg(test)]
+mod tests;
 
 pub use arc::Arc;
+pub use shape::{PathPoint, Shape};
 
 use crate::Place;
 use nalgebra::{Point3, Vector3};
@@ -27,6 +31,41 @@ pub struct PathElement {
     pub end_velocity: f64,
 }
 
+impl PathElement {
+    /// Length of the path to travel, m (`dLength`). A jump has none, however far it goes.
+    pub fn length(&self) -> f64 {
+        match self.kind {
+            ElementKind::Jump => 0.0,
+            ElementKind::Rapid | ElementKind::Cut => self.shape.length(),
+        }
+    }
+
+    /// Start, m (`piStartPos`).
+    pub fn start(&self) -> Point3<f64> {
+        self.shape.start()
+    }
+
+    /// End, m (`piDestPos`).
+    pub fn end(&self) -> Point3<f64> {
+        self.shape.end()
+    }
+
+    /// Position and derivatives at path length `s`, m, from the start; see [`Shape::at`].
+    pub fn at(&self, s: f64) -> PathPoint {
+        self.shape.at(s)
+    }
+
+    /// Direction in which the path leaves the start; zero on an element of length zero.
+    pub fn start_tangent(&self) -> Vector3<f64> {
+        self.shape.start_tangent()
+    }
+
+    /// Direction in which the path arrives at the end; zero on an element of length zero.
+    pub fn end_tangent(&self) -> Vector3<f64> {
+        self.shape.end_tangent()
+    }
+}
+
 /// What an element does, apart from its shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ElementKind {
@@ -36,29 +75,4 @@ pub enum ElementKind {
     Cut,
     /// G92 after the first motion: the set-point jumps from the start of the shape to its end, without a path.
     Jump,
-}
-
-/// Geometry of an element. Parametrised by the path length `s` in m from its start.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
-    /// Straight from start to end.
-    Line {
-        /// Start, m.
-        start: Point3<f64>,
-        /// End, m.
-        end: Point3<f64>,
-    },
-    /// Circular arc or helix.
-    Arc(Arc),
-}
-
-/// Position and its derivatives with respect to path length.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathPoint {
-    /// Position, m.
-    pub position: Point3<f64>,
-    /// First derivative: the unit tangent (zero on an element of length zero).
-    pub tangent: Vector3<f64>,
-    /// Second derivative: curvature times the unit normal, 1/m.
-    pub curvature: Vector3<f64>,
 }

@@ -1,0 +1,98 @@
+//! Geometry of a path element: position and derivatives over path length.
+
+use super::Arc;
+use nalgebra::{Point3, Vector3};
+
+/// Geometry of an element. Parametrised by the path length `s` in m from its start.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// Straight from start to end.
+    Line {
+        /// Start, m.
+        start: Point3<f64>,
+        /// End, m.
+        end: Point3<f64>,
+    },
+    /// Circular arc or helix.
+    Arc(Arc),
+}
+
+impl Shape {
+    /// Path length, m (`SMC_CalcLengthGeo`, manual 11.8).
+    pub fn length(&self) -> f64 {
+        match self {
+            Self::Line { start, end } => (end - start).norm(),
+            Self::Arc(arc) => arc.length(),
+        }
+    }
+
+    /// Start, m.
+    pub fn start(&self) -> Point3<f64> {
+        match self {
+            Self::Line { start, .. } => *start,
+            Self::Arc(arc) => arc.start(),
+        }
+    }
+
+    /// End, m (`SMC_CalcEndPnt`, manual 11.8).
+    pub fn end(&self) -> Point3<f64> {
+        match self {
+            Self::Line { end, .. } => *end,
+            Self::Arc(arc) => arc.end(),
+        }
+    }
+
+    /// Position and derivatives at `s` m from the start, 0 ≤ `s` ≤ [`Self::length`].
+    ///
+    /// At 0 and at the length the positions are start and end, bit for bit. Beyond them it is the caller who is wrong;
+    /// the position stays at start or end.
+    pub fn at(&self, s: f64) -> PathPoint {
+        match self {
+            Self::Line { start, end } => on_line(start, end, s),
+            Self::Arc(arc) => arc.at(s),
+        }
+    }
+
+    /// Unit tangent at the start; zero on a shape of length zero.
+    pub fn start_tangent(&self) -> Vector3<f64> {
+        self.at(0.0).tangent
+    }
+
+    /// Unit tangent at the end; zero on a shape of length zero.
+    pub fn end_tangent(&self) -> Vector3<f64> {
+        self.at(self.length()).tangent
+    }
+}
+
+/// Position and its derivatives with respect to path length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathPoint {
+    /// Position, m.
+    pub position: Point3<f64>,
+    /// First derivative: the unit tangent (zero on an element of length zero).
+    pub tangent: Vector3<f64>,
+    /// Second derivative: curvature times the unit normal, 1/m.
+    pub curvature: Vector3<f64>,
+}
+
+impl PathPoint {
+    /// A point from which nothing leads on.
+    pub(super) fn resting(position: Point3<f64>) -> Self {
+        Self { position, tangent: Vector3::zeros(), curvature: Vector3::zeros() }
+    }
+}
+
+fn on_line(start: &Point3<f64>, end: &Point3<f64>, s: f64) -> PathPoint {
+    let length = (end - start).norm();
+    if length <= 0.0 {
+        return PathPoint::resting(*end);
+    }
+    let position = if s <= 0.0 {
+        *start
+    } else if s >= length {
+        *end
+    } else {
+        start + (end - start) * (s / length)
+    };
+    PathPoint { position, tangent: (end - start) / length, curvature: Vector3::zeros() }
+}
