@@ -114,6 +114,22 @@ fn dry_friction_holds_and_brakes() {
     assert!(state.velocity[0].abs() < 1e-12, "{state:?}");
 }
 
+/// Axes that pull at each other stick together: nothing creeps, however long gravity works.
+#[test]
+fn coupled_axes_stick() {
+    let drive = AxisDriveParameters { coulomb_friction: 60.0, ..SLACK };
+    let start = axes([0.3, 0.1, -0.5]);
+    let holding = holding_effort(&crooked(), down(), &start).unwrap();
+    assert!(holding.iter().any(|effort| effort.abs() > 10.0), "{holding:?}");
+    assert!(holding.iter().all(|effort| effort.abs() < 50.0), "{holding:?}");
+    let mut machine =
+        PhysicsMachine::new(&crooked(), &[drive; 3], down(), &start, CYCLE_NS).unwrap();
+    let state = run(&mut machine, &axes([0.0; 3]), 1000);
+    for (now, start) in state.position.iter().zip(start.iter()) {
+        assert!((now - start).abs() < 1e-12, "{state:?}");
+    }
+}
+
 /// Viscous friction: velocity approaches F/c as 1 − exp(−c·t/m).
 #[test]
 fn viscous_friction_ends_the_acceleration() {

@@ -4,6 +4,7 @@ mod closed_forms;
 mod drives;
 mod rapier;
 mod scara;
+mod trees;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use twin_urdf::{Inertial, Joint, JointKind, Link, Tip};
