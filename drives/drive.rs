@@ -74,7 +74,11 @@ pub trait Drive: Send {
     ///
     /// # Errors
     /// If the device refuses or a value does not fit its registers.
-    fn move_to(&mut self, target: &Increments, speed: &[f64; MAX_DRIVE_AXES]) -> Result<(), DriveError>;
+    fn move_to(
+        &mut self,
+        target: &Increments,
+        speed: &[f64; MAX_DRIVE_AXES],
+    ) -> Result<(), DriveError>;
 
     /// Position and state, now.
     ///

@@ -2,6 +2,12 @@
 //!
 //! This crate knows increments, registers and wires; it never learns which machine hangs on the axes.
 
+mod clock;
 mod drive;
+mod error;
+pub mod interpcnc;
+mod pty;
 
-pub use drive::{Drive, Increments, IncrementMotion, MAX_DRIVE_AXES, Sample, SetpointStream};
+pub use clock::Clock;
+pub use drive::{Drive, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample, SetpointStream};
+pub use error::{Action, DriveError, EmulatorError, Exchange, ProtocolFault};

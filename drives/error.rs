@@ -1,0 +1,316 @@
+//! What can go wrong between the twin and a device.
+
+use std::{fmt, io, path::PathBuf, sync::Arc, time::Duration};
+
+/// What was being done with a device when something went wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// Opening and configuring the port.
+    Open,
+    /// Reading status and positions.
+    ReadState,
+    /// Sending a command of the device's own numbering.
+    Command {
+        /// Number on the wire.
+        number: u16,
+        /// What the manual calls it.
+        name: &'static str,
+    },
+}
+
+impl fmt::Display for Action {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Open => f.write_str("opening the port"),
+            Self::ReadState => f.write_str("reading status and positions"),
+            Self::Command { number, name } => write!(f, "command {number} ({name})"),
+        }
+    }
+}
+
+/// Where and in the course of what an error happened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Exchange {
+    /// Path of the port.
+    pub port: Arc<str>,
+    /// Station (slave) address on that port.
+    pub station: u8,
+    /// What was being done.
+    pub action: Action,
+}
+
+impl fmt::Display for Exchange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}, station {}: {}", self.port, self.station, self.action)
+    }
+}
+
+/// An answer that arrived in time and is not the answer to what was asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ProtocolFault {
+    /// Another station answered.
+    #[error("another station answered")]
+    Station,
+    /// The answer belongs to another function.
+    #[error("function {sent} was asked, the answer belongs to function {received}")]
+    Function {
+        /// Function code sent.
+        sent: u8,
+        /// Function code received.
+        received: u8,
+    },
+    /// The answer has another number of registers than asked for.
+    #[error("{expected} registers were asked for, {received} came")]
+    Length {
+        /// Registers asked for.
+        expected: usize,
+        /// Registers received.
+        received: usize,
+    },
+    /// A write was confirmed for other registers than those written.
+    #[error(
+        "{count} registers at {address} were written, the device confirms {confirmed_count} at {confirmed_address}"
+    )]
+    Confirmation {
+        /// First register written.
+        address: u16,
+        /// Registers written.
+        count: u16,
+        /// First register confirmed.
+        confirmed_address: u16,
+        /// Registers confirmed.
+        confirmed_count: u16,
+    },
+    /// The bytes make no frame (wrong check sum, noise).
+    #[error("the answer is garbled")]
+    Garbled,
+}
+
+/// A device that did not do what it was asked to, with the reason.
+#[derive(Debug, thiserror::Error)]
+pub enum DriveError {
+    /// The port cannot be opened, read or written.
+    #[error("{at}: {source}")]
+    Transport {
+        /// Where.
+        at: Exchange,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// No answer before the deadline. Whether the device got the request is unknown.
+    #[error("{at}: no answer within {} ms", deadline.as_millis())]
+    Timeout {
+        /// Where.
+        at: Exchange,
+        /// The deadline.
+        deadline: Duration,
+    },
+    /// An answer came that is not the answer to the request.
+    #[error("{at}: {fault}")]
+    Protocol {
+        /// Where.
+        at: Exchange,
+        /// What is wrong with it.
+        fault: ProtocolFault,
+    },
+    /// The device refused the request.
+    #[error("{at}: refused with exception {code}, {}", exception_meaning(*code))]
+    Device {
+        /// Where.
+        at: Exchange,
+        /// Modbus exception code.
+        code: u8,
+    },
+    /// The device is locked: it accepts motion commands and does nothing.
+    #[error("{at}: the board is locked")]
+    Locked {
+        /// Where.
+        at: Exchange,
+    },
+    /// The enable input is open (emergency stop): the device is locked and cannot be unlocked.
+    #[error("{at}: the ENABLE input is open, the board cannot be unlocked")]
+    EnableOpen {
+        /// Where.
+        at: Exchange,
+    },
+    /// The device should have locked itself and has not.
+    #[error("{at}: the board is not locked")]
+    NotLocked {
+        /// Where.
+        at: Exchange,
+    },
+    /// An axis has run onto a limit switch.
+    #[error("{at}: a limit switch is active, axes {}", axis_letters(*axes))]
+    LimitSwitch {
+        /// Where.
+        at: Exchange,
+        /// Axes, bit 0 = X … bit 4 = B.
+        axes: u8,
+    },
+    /// Axes move that must be at rest for what was asked.
+    #[error("{at}: still moving, axes {}", axis_letters(*axes))]
+    Moving {
+        /// Where.
+        at: Exchange,
+        /// Axes, bit 0 = X … bit 4 = B.
+        axes: u8,
+    },
+    /// A position counter does not hold what was just written to it.
+    #[error("{at}: counter of axis {} reads {found} after {written} was written", axis_letters(1 << axis))]
+    NotWritten {
+        /// Where.
+        at: Exchange,
+        /// Axis on the device, 0 = X … 4 = B.
+        axis: u8,
+        /// Increments written.
+        written: i64,
+        /// Increments read back.
+        found: i64,
+    },
+    /// A value does not fit the register that carries it.
+    #[error("{at}: {value} does not fit register {register} ({low} to {high})")]
+    Range {
+        /// Where.
+        at: Exchange,
+        /// First register of the value.
+        register: u16,
+        /// The value.
+        value: f64,
+        /// Smallest value that fits.
+        low: f64,
+        /// Largest value that fits.
+        high: f64,
+    },
+    /// A setting of the driver itself is impossible.
+    #[error("{at}: {setting} = {value} is impossible ({low} to {high})")]
+    Setting {
+        /// Where.
+        at: Exchange,
+        /// Name of the setting.
+        setting: &'static str,
+        /// Its value.
+        value: u32,
+        /// Smallest value possible.
+        low: u32,
+        /// Largest value possible.
+        high: u32,
+    },
+}
+
+impl DriveError {
+    /// Where and in the course of what it happened.
+    pub fn at(&self) -> &Exchange {
+        match self {
+            Self::Transport { at, .. }
+            | Self::Timeout { at, .. }
+            | Self::Protocol { at, .. }
+            | Self::Device { at, .. }
+            | Self::Locked { at }
+            | Self::EnableOpen { at }
+            | Self::NotLocked { at }
+            | Self::LimitSwitch { at, .. }
+            | Self::Moving { at, .. }
+            | Self::NotWritten { at, .. }
+            | Self::Range { at, .. }
+            | Self::Setting { at, .. } => at,
+        }
+    }
+}
+
+/// The manual's words for an exception code ("Traitement des erreurs").
+fn exception_meaning(code: u8) -> &'static str {
+    match code {
+        1 => "invalid function",
+        2 => "invalid address",
+        3 => "invalid count or value",
+        4 => "undetermined error",
+        _ => "unknown code",
+    }
+}
+
+/// "XZ" for bits 0 and 2.
+fn axis_letters(mask: u8) -> String {
+    "XYZAB"
+        .chars()
+        .enumerate()
+        .filter(|(axis, _)| mask >> axis & 1 == 1)
+        .map(|(_, letter)| letter)
+        .collect()
+}
+
+/// An emulator that cannot be started.
+#[derive(Debug, thiserror::Error)]
+pub enum EmulatorError {
+    /// No pseudo-terminal.
+    #[error("cannot open a pseudo-terminal: {source}")]
+    Terminal {
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The path for the link is taken by something that is not a symbolic link.
+    #[error("{} exists and is not a symbolic link", path.display())]
+    LinkTaken {
+        /// The path.
+        path: PathBuf,
+    },
+    /// The link cannot be made.
+    #[error("cannot link {}: {source}", path.display())]
+    Link {
+        /// The path.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The thread that serves the emulated device cannot be started.
+    #[error("cannot start the emulator's thread: {source}")]
+    Thread {
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The emulator has ended.
+    #[error("the emulator has ended")]
+    Ended,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at() -> Exchange {
+        let action = Action::Command { number: 80, name: "independent move" };
+        Exchange { port: "/dev/ttyUSB0".into(), station: 7, action }
+    }
+
+    #[test]
+    fn every_message_names_port_station_and_command() {
+        let errors = [
+            DriveError::Transport { at: at(), source: io::ErrorKind::BrokenPipe.into() },
+            DriveError::Timeout { at: at(), deadline: Duration::from_millis(250) },
+            DriveError::Protocol { at: at(), fault: ProtocolFault::Garbled },
+            DriveError::Device { at: at(), code: 3 },
+            DriveError::Locked { at: at() },
+            DriveError::EnableOpen { at: at() },
+            DriveError::NotLocked { at: at() },
+            DriveError::LimitSwitch { at: at(), axes: 0b101 },
+            DriveError::Moving { at: at(), axes: 1 },
+            DriveError::NotWritten { at: at(), axis: 2, written: 5, found: 4 },
+            DriveError::Range { at: at(), register: 4103, value: 3e9, low: 0.0, high: 1.0 },
+            DriveError::Setting { at: at(), setting: "station", value: 248, low: 1, high: 247 },
+        ];
+        for error in errors {
+            let text = error.to_string();
+            assert!(
+                text.contains("/dev/ttyUSB0, station 7: command 80 (independent move)"),
+                "{text}"
+            );
+            assert_eq!(*error.at(), at());
+        }
+    }
+
+    #[test]
+    fn axes_are_named_by_letter() {
+        assert_eq!(axis_letters(0b10101), "XZB");
+        let text = DriveError::LimitSwitch { at: at(), axes: 0b01010 }.to_string();
+        assert!(text.ends_with("axes YA"), "{text}");
+    }
+}

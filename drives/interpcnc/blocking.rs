@@ -1,0 +1,280 @@
+//! The board as a [`Drive`].
+
+use std::time::Duration;
+
+use tokio::{runtime::Runtime, time::timeout};
+
+use super::{
+    AxisValues, BoardAxis, BoardState, Command, InterpCnc, InterpCncOptions, MoveProfile, Stamp,
+    follow::Follower,
+    registers::{AXES, AxisMask, COMMAND},
+};
+use crate::{
+    Action, Clock, Drive, DriveError, Exchange, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
+};
+
+/// Clock for exchanges whose time matters to nobody.
+fn no_clock() -> i64 {
+    0
+}
+
+/// An InterpCNC board on a serial port.
+///
+/// Owns the runtime its exchanges run on; calls must not be made from within another runtime.
+#[derive(Debug)]
+pub struct InterpCncDrive {
+    board: InterpCnc,
+    follower: Follower,
+    /// Last, so that the port is closed while its runtime exists.
+    runtime: Runtime,
+}
+
+impl InterpCncDrive {
+    /// Opens the serial port. Sends nothing.
+    ///
+    /// # Errors
+    /// If an option is impossible or the port cannot be opened.
+    pub fn open(port: &str, options: &InterpCncOptions) -> Result<Self, DriveError> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+        let runtime = runtime.map_err(|source| {
+            let at = Exchange { port: port.into(), station: options.station, action: Action::Open };
+            DriveError::Transport { at, source }
+        })?;
+        let board = {
+            let _inside = runtime.enter();
+            InterpCnc::open(port, options)?
+        };
+        let follower = Follower::new(&options.axes, options.line);
+        Ok(Self { board, follower, runtime })
+    }
+
+    fn state(&mut self, clock: &dyn Clock) -> Result<(BoardState, Stamp), DriveError> {
+        self.runtime.block_on(self.board.state(clock))
+    }
+
+    fn send(&mut self, command: &Command, clock: &dyn Clock) -> Result<Stamp, DriveError> {
+        self.runtime.block_on(self.board.send(command, clock))
+    }
+
+    /// Board axes in use, in the order of the arrays.
+    fn axes(&self) -> impl Iterator<Item = BoardAxis> + use<'_> {
+        self.board.options().axes.iter().map(|axis| axis.axis)
+    }
+
+    fn moving(&self, state: &BoardState) -> AxisMask {
+        state.status.moving().intersection(self.board.options().mask())
+    }
+
+    fn to_sample(&self, state: &BoardState, stamp: Stamp) -> Sample {
+        let mut position = [0; MAX_DRIVE_AXES];
+        for (position, axis) in position.iter_mut().zip(self.axes()) {
+            *position = counter(state, axis).into();
+        }
+        Sample { time_ns: stamp.executed_ns, position, moving: !self.moving(state).is_empty() }
+    }
+
+    /// Reads the state of a board that is expected to obey.
+    fn obeying_state(&mut self, clock: &dyn Clock) -> Result<(BoardState, Stamp), DriveError> {
+        let (state, stamp) = self.state(clock)?;
+        self.board.check_obeys(&state, Action::ReadState)?;
+        let switches = state.status.on_limit_switch().intersection(self.board.options().mask());
+        if !switches.is_empty() {
+            return Err(DriveError::LimitSwitch {
+                at: self.board.at(Action::ReadState),
+                axes: switches.bits(),
+            });
+        }
+        Ok((state, stamp))
+    }
+
+    /// A position as a counter holds it.
+    fn counter_value(
+        &self,
+        command: &Command,
+        register: u16,
+        position: i64,
+    ) -> Result<i32, DriveError> {
+        i32::try_from(position).map_err(|_| {
+            #[expect(clippy::cast_precision_loss, reason = "for a message")]
+            let value = position as f64;
+            let (low, high) = (i32::MIN.into(), i32::MAX.into());
+            DriveError::Range { at: self.board.at(command.action()), register, value, low, high }
+        })
+    }
+}
+
+fn counter(state: &BoardState, axis: BoardAxis) -> i32 {
+    state.positions.get(axis.index()).copied().unwrap_or(0)
+}
+
+impl Drive for InterpCncDrive {
+    fn describe(&self) -> String {
+        let Exchange { port, station, .. } = self.board.at(Action::Open);
+        format!("InterpCNC at {port}, station {station}")
+    }
+
+    fn axis_count(&self) -> usize {
+        self.board.options().axes.len()
+    }
+
+    fn probe(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        let (state, stamp) = self.state(&|| stream.now_ns())?;
+        if state.status.enable_open() {
+            return Err(DriveError::EnableOpen { at: self.board.at(Action::ReadState) });
+        }
+        Ok(self.to_sample(&state, stamp))
+    }
+
+    fn enable(&mut self) -> Result<(), DriveError> {
+        self.runtime.block_on(self.board.unlock(&no_clock))
+    }
+
+    fn set_position(&mut self, position: &Increments) -> Result<(), DriveError> {
+        let mut command = Command::WritePosition { positions: [None; AXES] };
+        let mut positions: AxisValues = [None; AXES];
+        let mut register = COMMAND + 2;
+        let wanted: Vec<_> = self.axes().zip(position.iter().copied()).collect();
+        for (axis, position) in &wanted {
+            let value = self.counter_value(&command, register, *position)?;
+            if let Some(slot) = positions.get_mut(axis.index()) {
+                *slot = Some(value);
+            }
+            register += 2;
+        }
+        command = Command::WritePosition { positions };
+        let (before, _) = self.state(&no_clock)?;
+        let moving = self.moving(&before);
+        if !moving.is_empty() {
+            return Err(DriveError::Moving {
+                at: self.board.at(command.action()),
+                axes: moving.bits(),
+            });
+        }
+        self.follower.restart();
+        self.send(&command, &no_clock)?;
+        let (after, _) = self.state(&no_clock)?;
+        for (axis, written) in wanted {
+            let found = i64::from(counter(&after, axis));
+            if found != written {
+                let at = self.board.at(command.action());
+                return Err(DriveError::NotWritten { at, axis: axis.number() - 1, written, found });
+            }
+        }
+        Ok(())
+    }
+
+    fn move_to(
+        &mut self,
+        target: &Increments,
+        speed: &[f64; MAX_DRIVE_AXES],
+    ) -> Result<(), DriveError> {
+        self.follower.restart();
+        let mut commands = Vec::with_capacity(AXES);
+        let axes = self.board.options().axes.clone();
+        for ((options, target), speed) in axes.iter().zip(target).zip(speed) {
+            let profile = MoveProfile {
+                start_stop_hz: options.start_stop_hz,
+                acceleration_khz_per_s: options.acceleration_khz_per_s,
+                speed_hz: 0,
+                deceleration_khz_per_s: options.deceleration_khz_per_s,
+                target: 0,
+            };
+            let command = Command::Move { axis: options.axis, profile };
+            let target = self.counter_value(&command, COMMAND + 7, *target)?;
+            let high = f64::from(options.max_speed_hz);
+            if !(1.0..=high).contains(&speed.round()) {
+                let at = self.board.at(command.action());
+                return Err(DriveError::Range {
+                    at,
+                    register: COMMAND + 4,
+                    value: *speed,
+                    low: 1.0,
+                    high,
+                });
+            }
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "just compared"
+            )]
+            let speed_hz = speed.round() as u32;
+            commands.push(Command::Move {
+                axis: options.axis,
+                profile: MoveProfile { speed_hz, target, ..profile },
+            });
+        }
+        commands.iter().try_for_each(|command| self.send(command, &no_clock).map(|_| ()))
+    }
+
+    fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        let (state, stamp) = self.obeying_state(&|| stream.now_ns())?;
+        Ok(self.to_sample(&state, stamp))
+    }
+
+    fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        let clock = || stream.now_ns();
+        let needing = self.follower.survey(stream);
+        for index in &needing {
+            let decided_ns = stream.now_ns();
+            let Some(order) = self.follower.order(*index, needing.len(), decided_ns) else {
+                continue;
+            };
+            let Some(axis) = self.axes().nth(order.axis) else { continue };
+            let sent = self.send(&Command::Move { axis, profile: order.profile }, &clock);
+            // Whether a lost command was executed is unknown: start again from what the next sample shows.
+            let stamp = sent.inspect_err(|_| self.follower.restart())?;
+            self.follower.executed(&order, decided_ns, stamp.executed_ns, stamp.answered_ns);
+        }
+        let (state, stamp) = self.obeying_state(&clock).inspect_err(|_| self.follower.restart())?;
+        let moving = state.status.moving();
+        let counters = self
+            .board
+            .options()
+            .axes
+            .iter()
+            .map(|axis| (counter(&state, axis.axis), moving.contains(axis.axis)));
+        self.follower.sampled(stamp.executed_ns, counters);
+        Ok(self.to_sample(&state, stamp))
+    }
+
+    fn soft_stop(&mut self) -> Result<(), DriveError> {
+        self.follower.restart();
+        self.send(&Command::RampStop, &no_clock)?;
+        let options = self.board.options();
+        let braking = |axis: &super::AxisOptions| {
+            f64::from(axis.max_speed_hz) / (1e3 * f64::from(axis.deceleration_khz_per_s.max(1)))
+        };
+        let slowest = options.axes.iter().map(braking).fold(0.0, f64::max);
+        let patience =
+            Duration::from_secs_f64(slowest) + 2 * (options.deadline + options.worst_latency);
+        let mask = options.mask();
+        let at_rest = async {
+            loop {
+                let (state, _) = self.board.state(&no_clock).await?;
+                if state.status.moving().intersection(mask).is_empty() {
+                    return Ok(());
+                }
+            }
+        };
+        let rested = self.runtime.block_on(async { timeout(patience, at_rest).await });
+        rested.unwrap_or_else(|_| {
+            let at = self.board.at(Command::RampStop.action());
+            Err(DriveError::Moving { at, axes: mask.bits() })
+        })
+    }
+
+    fn hard_stop(&mut self) -> Result<(), DriveError> {
+        self.follower.restart();
+        self.send(&Command::Stop, &no_clock)?;
+        let (state, _) = self.state(&no_clock)?;
+        let at = || self.board.at(Command::Stop.action());
+        let moving = self.moving(&state);
+        if !moving.is_empty() {
+            Err(DriveError::Moving { at: at(), axes: moving.bits() })
+        } else if state.status.locked() {
+            Ok(())
+        } else {
+            Err(DriveError::NotLocked { at: at() })
+        }
+    }
+}

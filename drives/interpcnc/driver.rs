@@ -1,0 +1,429 @@
+//! The board over the wire: one exchange at a time, each with a deadline.
+
+use std::{borrow::Cow, io, pin::Pin, sync::Arc, time::Duration};
+
+use tokio::{
+    io::AsyncReadExt,
+    time::{Sleep, sleep, timeout},
+};
+use tokio_modbus::{
+    Error, ProtocolError, Request, Response, Slave,
+    client::{Client, Context, rtu},
+};
+use tokio_serial::{DataBits, FlowControl, SerialPortBuilderExt, StopBits};
+
+use super::{
+    Command, InterpCncOptions, Line, Parity,
+    port::{SharedPort, Transport},
+    registers::{AXES, COMMAND, MAX_SPEED_HZ, STATE_REGISTERS, STATUS, Status, join},
+};
+use crate::{Action, Clock, DriveError, Exchange, ProtocolFault};
+
+/// Attempts at a request that may be sent again.
+const ATTEMPTS: u32 = 2;
+/// Attempts at a stop, which never waits for the wire to become quiet first.
+const STOP_ATTEMPTS: u32 = 3;
+/// Reads after which no more silence is waited for.
+const MOST_LEFTOVERS: u32 = 64;
+
+/// Status and positions, registers 1024 to 1035.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BoardState {
+    /// Status bits.
+    pub status: Status,
+    /// Position counters X, Y, Z, A, B, steps.
+    pub positions: [i32; AXES],
+}
+
+impl BoardState {
+    fn from_registers(registers: &[u16]) -> Option<Self> {
+        let registers: &[u16; STATE_REGISTERS as usize] = registers.try_into().ok()?;
+        let [high, low, counters @ ..] = *registers;
+        let mut positions = [0; AXES];
+        for (position, pair) in positions.iter_mut().zip(counters.chunks_exact(2)) {
+            let &[high, low] = pair else { continue };
+            *position = join(high, low).cast_signed();
+        }
+        Some(Self { status: Status(join(high, low)), positions })
+    }
+}
+
+/// When an exchange took place, on the caller's clock.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stamp {
+    /// The first byte was handed to the port, ns.
+    pub sent_ns: i64,
+    /// The board executed the request, ns: the middle between the last byte of the request and the first byte of the
+    /// answer. It is wrong by no more than half the time between them.
+    pub executed_ns: i64,
+    /// The answer was there, ns.
+    pub answered_ns: i64,
+}
+
+/// The board as a Modbus station. All calls need a tokio runtime with I/O and time.
+///
+/// After an exchange without a proper answer the answer may still come, and would be taken for that to the next
+/// request. The client is therefore dropped; before the next request, unless it is a stop, the driver waits until
+/// no answer can come any more and throws away what has come.
+pub struct InterpCnc {
+    port: Arc<str>,
+    options: InterpCncOptions,
+    transport: SharedPort,
+    client: Option<Context>,
+    /// An answer may still be on its way.
+    late: bool,
+    /// Silence between the last frame and the next.
+    silence: Option<Pin<Box<Sleep>>>,
+}
+
+impl std::fmt::Debug for InterpCnc {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { port, options, late, .. } = self;
+        f.debug_struct("InterpCnc")
+            .field("port", port)
+            .field("options", options)
+            .field("late", late)
+            .finish()
+    }
+}
+
+impl InterpCnc {
+    /// Opens the serial port. Sends nothing.
+    ///
+    /// # Errors
+    /// If an option is impossible or the port cannot be opened.
+    pub fn open(port: &str, options: &InterpCncOptions) -> Result<Self, DriveError> {
+        let name: Arc<str> = port.into();
+        options.check(&name)?;
+        let Line { baud, parity } = options.line;
+        let parity = match parity {
+            Parity::None => tokio_serial::Parity::None,
+            Parity::Even => tokio_serial::Parity::Even,
+            Parity::Odd => tokio_serial::Parity::Odd,
+        };
+        let opened = tokio_serial::new(port, baud)
+            .parity(parity)
+            .data_bits(DataBits::Eight)
+            .stop_bits(StopBits::One)
+            .flow_control(FlowControl::None)
+            .open_native_async();
+        let stream = opened.map_err(|error| DriveError::Transport {
+            at: Exchange {
+                port: Arc::clone(&name),
+                station: options.station,
+                action: Action::Open,
+            },
+            source: error.into(),
+        })?;
+        Ok(Self::attach(name, stream, options))
+    }
+
+    /// The board at the other end of any stream of bytes.
+    pub(crate) fn attach(
+        port: Arc<str>,
+        transport: impl Transport + 'static,
+        options: &InterpCncOptions,
+    ) -> Self {
+        let transport = SharedPort::new(transport);
+        // What lies in the input from before is nobody's answer: the first exchange starts by clearing it.
+        Self { port, options: options.clone(), transport, client: None, late: false, silence: None }
+    }
+
+    /// Where and in the course of what something happens.
+    pub(crate) fn at(&self, action: Action) -> Exchange {
+        Exchange { port: Arc::clone(&self.port), station: self.options.station, action }
+    }
+
+    /// Options it was opened with.
+    pub(crate) fn options(&self) -> &InterpCncOptions {
+        &self.options
+    }
+
+    /// Reads status and positions; asked again once if no proper answer comes.
+    ///
+    /// # Errors
+    /// If no proper answer comes.
+    pub async fn state(&mut self, clock: &dyn Clock) -> Result<(BoardState, Stamp), DriveError> {
+        let request = Request::ReadInputRegisters(STATUS, STATE_REGISTERS);
+        let mut attempt = 1;
+        loop {
+            let outcome = self.settled_exchange(Action::ReadState, request.clone(), clock).await;
+            match outcome.and_then(|(response, stamp)| Ok((self.state_of(&response)?, stamp))) {
+                Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })
+                    if attempt < ATTEMPTS =>
+                {
+                    attempt += 1
+                }
+                done => return done,
+            }
+        }
+    }
+
+    /// Sends a command; success means that the board has accepted it, not that it is finished.
+    ///
+    /// Only commands that are idempotent ([`Command::is_idempotent`]) are sent again if no proper answer comes. After
+    /// an error of any other it is unknown whether the board has executed it.
+    ///
+    /// # Errors
+    /// If a value is beyond what the board takes, if the board refuses it, or if no proper answer comes.
+    pub async fn send(
+        &mut self,
+        command: &Command,
+        clock: &dyn Clock,
+    ) -> Result<Stamp, DriveError> {
+        self.check(command)?;
+        let stop =
+            matches!(command, Command::RampStopAxes { .. } | Command::RampStop | Command::Stop);
+        let attempts = if stop {
+            STOP_ATTEMPTS
+        } else if command.is_idempotent() {
+            ATTEMPTS
+        } else {
+            1
+        };
+        let registers = command.registers();
+        let mut attempt = 1;
+        loop {
+            let request = Request::WriteMultipleRegisters(COMMAND, Cow::Borrowed(&registers));
+            let outcome = if stop {
+                // A stop does not wait: a late answer of another exchange confirms other registers and is told apart.
+                self.exchange(command.action(), request, clock).await
+            } else {
+                self.settled_exchange(command.action(), request, clock).await
+            };
+            match outcome.and_then(|(response, stamp)| {
+                self.confirmed(command, &registers, &response).map(|()| stamp)
+            }) {
+                Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })
+                    if attempt < attempts =>
+                {
+                    attempt += 1
+                }
+                done => return done,
+            }
+        }
+    }
+
+    /// Clears "Board Locked" (command 66) and checks that it is cleared.
+    ///
+    /// # Errors
+    /// If the ENABLE input is open, the board stays locked, or no proper answer comes.
+    pub async fn unlock(&mut self, clock: &dyn Clock) -> Result<(), DriveError> {
+        let command = Command::Reset { unlock: true, homing_error: false, probe_error: false };
+        self.send(&command, clock).await?;
+        // The board answers normally even where it stays locked.
+        let (state, _) = self.state(clock).await?;
+        self.check_obeys(&state, command.action())
+    }
+
+    /// Checks that the board is neither locked nor without ENABLE.
+    pub(crate) fn check_obeys(&self, state: &BoardState, action: Action) -> Result<(), DriveError> {
+        if state.status.enable_open() {
+            Err(DriveError::EnableOpen { at: self.at(action) })
+        } else if state.status.locked() {
+            Err(DriveError::Locked { at: self.at(action) })
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Checks values that fit the registers and not the board.
+    fn check(&self, command: &Command) -> Result<(), DriveError> {
+        let within = |register: u16, value: u32, high: u32| {
+            if (1..=high).contains(&value) {
+                return Ok(());
+            }
+            let at = self.at(command.action());
+            Err(DriveError::Range {
+                at,
+                register,
+                value: value.into(),
+                low: 1.0,
+                high: high.into(),
+            })
+        };
+        match command {
+            Command::Move { profile, .. } => {
+                within(COMMAND + 3, profile.acceleration_khz_per_s.into(), u16::MAX.into())?;
+                within(COMMAND + 4, profile.speed_hz, MAX_SPEED_HZ)?;
+                within(COMMAND + 6, profile.deceleration_khz_per_s.into(), u16::MAX.into())
+            }
+            Command::ChangeSpeed { speed_hz, .. } | Command::Interpolated { speed_hz, .. } => {
+                within(COMMAND + 2, *speed_hz, MAX_SPEED_HZ)
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn state_of(&mut self, response: &Response) -> Result<BoardState, DriveError> {
+        let registers = match response {
+            Response::ReadInputRegisters(registers) => registers.as_slice(),
+            _ => &[],
+        };
+        BoardState::from_registers(registers).ok_or_else(|| {
+            let fault = ProtocolFault::Length {
+                expected: STATE_REGISTERS.into(),
+                received: registers.len(),
+            };
+            self.distrust(Action::ReadState, fault)
+        })
+    }
+
+    fn confirmed(
+        &mut self,
+        command: &Command,
+        written: &[u16],
+        response: &Response,
+    ) -> Result<(), DriveError> {
+        let (confirmed_address, confirmed_count) = match response {
+            Response::WriteMultipleRegisters(address, count) => (*address, *count),
+            _ => (0, 0),
+        };
+        let count = u16::try_from(written.len()).unwrap_or(u16::MAX);
+        if (confirmed_address, confirmed_count) == (COMMAND, count) {
+            return Ok(());
+        }
+        let fault = ProtocolFault::Confirmation {
+            address: COMMAND,
+            count,
+            confirmed_address,
+            confirmed_count,
+        };
+        Err(self.distrust(command.action(), fault))
+    }
+
+    /// An answer to something else came: answers may be out of step.
+    fn distrust(&mut self, action: Action, fault: ProtocolFault) -> DriveError {
+        self.client = None;
+        self.late = true;
+        DriveError::Protocol { at: self.at(action), fault }
+    }
+
+    /// One exchange after any late answer has been waited for.
+    async fn settled_exchange(
+        &mut self,
+        action: Action,
+        request: Request<'_>,
+        clock: &dyn Clock,
+    ) -> Result<(Response, Stamp), DriveError> {
+        if self.late {
+            self.client = None;
+            sleep(self.options.worst_latency).await;
+            self.clear(action).await?;
+            self.late = false;
+        }
+        self.exchange(action, request, clock).await
+    }
+
+    /// Throws away what has come until the line is silent. A line that never is shows in the answer.
+    async fn clear(&mut self, action: Action) -> Result<(), DriveError> {
+        let mut leftovers = [0; 256];
+        for _ in 0..MOST_LEFTOVERS {
+            match timeout(self.options.line.silence(), self.transport.read(&mut leftovers)).await {
+                Err(_) | Ok(Ok(0)) => return Ok(()),
+                Ok(Ok(_)) => {}
+                Ok(Err(source)) => {
+                    return Err(DriveError::Transport { at: self.at(action), source });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Sends a request and takes the answer, whichever it is, within the deadline.
+    async fn exchange(
+        &mut self,
+        action: Action,
+        request: Request<'_>,
+        clock: &dyn Clock,
+    ) -> Result<(Response, Stamp), DriveError> {
+        if let Some(silence) = self.silence.take() {
+            silence.await;
+        }
+        let mut client = match self.client.take() {
+            Some(client) => client,
+            None => {
+                self.clear(action).await?;
+                rtu::attach_slave(self.transport.clone(), Slave(self.options.station))
+            }
+        };
+        let sent_bytes = request_bytes(&request);
+        let sent_ns = clock.now_ns();
+        let outcome = timeout(self.options.deadline, client.call(request)).await;
+        let answered_ns = clock.now_ns();
+        self.silence = Some(Box::pin(sleep(self.options.line.silence())));
+        let at = self.at(action);
+        let error = match outcome {
+            Ok(Ok(Ok(response))) => {
+                self.client = Some(client);
+                let stamp = self.stamp(sent_ns, answered_ns, sent_bytes, answer_bytes(&response));
+                return Ok((response, stamp));
+            }
+            Ok(Ok(Err(code))) => {
+                self.client = Some(client);
+                return Err(DriveError::Device { at, code: code.into() });
+            }
+            Ok(Err(Error::Protocol(mismatch))) => {
+                DriveError::Protocol { at, fault: fault(&mismatch) }
+            }
+            Ok(Err(Error::Transport(source))) if source.kind() == io::ErrorKind::InvalidData => {
+                DriveError::Protocol { at, fault: ProtocolFault::Garbled }
+            }
+            Ok(Err(Error::Transport(source))) => DriveError::Transport { at, source },
+            Err(_) => DriveError::Timeout { at, deadline: self.options.deadline },
+        };
+        self.late = true;
+        Err(error)
+    }
+
+    fn stamp(
+        &self,
+        sent_ns: i64,
+        answered_ns: i64,
+        sent_bytes: usize,
+        answer_bytes: usize,
+    ) -> Stamp {
+        let wire_ns = |bytes| whole(self.options.line.duration(bytes));
+        let executed_ns =
+            i64::midpoint(sent_ns + wire_ns(sent_bytes), answered_ns - wire_ns(answer_bytes));
+        // A line faster than its baud rate (a pseudo-terminal) may make the wire times exceed the exchange.
+        Stamp {
+            sent_ns,
+            executed_ns: executed_ns.clamp(sent_ns, answered_ns.max(sent_ns)),
+            answered_ns,
+        }
+    }
+}
+
+/// Length of the frame of a request of this driver.
+fn request_bytes(request: &Request<'_>) -> usize {
+    match request {
+        Request::WriteMultipleRegisters(_, words) => 9 + 2 * words.len(),
+        _ => 8,
+    }
+}
+
+/// Length of the frame of an answer.
+fn answer_bytes(response: &Response) -> usize {
+    match response {
+        Response::ReadInputRegisters(words) => 5 + 2 * words.len(),
+        _ => 8,
+    }
+}
+
+fn fault(error: &ProtocolError) -> ProtocolFault {
+    match error {
+        ProtocolError::HeaderMismatch { .. } => ProtocolFault::Station,
+        ProtocolError::FunctionCodeMismatch { request, result } => {
+            let received = match result {
+                Ok(response) => response.function_code(),
+                Err(exception) => exception.function,
+            };
+            ProtocolFault::Function { sent: request.value(), received: received.value() }
+        }
+    }
+}
+
+fn whole(duration: Duration) -> i64 {
+    i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
+}

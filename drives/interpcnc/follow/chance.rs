@@ -1,0 +1,170 @@
+//! The commands that make sense for an axis, and which of them keeps it nearest to the plan.
+
+use super::{Tracked, ramp_of, window::AxisWindow};
+use crate::interpcnc::{
+    MoveProfile,
+    ramp::{Motion, State, nanoseconds},
+    registers::MAX_SPEED_HZ,
+};
+
+/// Parts of a round in which a cruise may change its speed.
+const RAMP_PARTS: [f64; 4] = [0.2, 0.5, 0.8, 1.0];
+/// Part of the position error that a round makes good.
+const CORRECTION: f64 = 0.7;
+/// Parts of a round at which a motion is compared with the plan: also after it, as the next command may be late.
+pub(super) const COMPARED: [f64; 5] = [0.25, 0.5, 0.75, 1.0, 1.25];
+
+/// One axis at the instant at which a command can reach it.
+pub(super) struct Chance<'a> {
+    pub(super) axis: &'a Tracked,
+    pub(super) plan: AxisWindow<'a>,
+    pub(super) executed_ns: i64,
+    /// Time until the next command, s.
+    pub(super) round: f64,
+}
+
+impl Chance<'_> {
+    fn after(&self, part: f64) -> i64 {
+        self.executed_ns + nanoseconds(part * self.round)
+    }
+
+    pub(super) fn motion(&self, profile: &MoveProfile) -> Motion {
+        Motion::plan(self.executed_ns, self.axis.motion.at(self.executed_ns), &ramp_of(profile))
+    }
+
+    /// How far a motion is from the plan, increments². A wrong speed at the end of the round counts as half the
+    /// distance it makes in the next.
+    pub(super) fn cost(&self, motion: &Motion) -> f64 {
+        let apart = |part: f64| {
+            let time_ns = self.after(part);
+            motion.at(time_ns).position - self.plan.at(time_ns).position
+        };
+        let end_ns = self.after(1.0);
+        let speed = motion.at(end_ns).velocity - self.plan.at(end_ns).velocity;
+        COMPARED.iter().map(|part| apart(*part).powi(2)).sum::<f64>()
+            + (0.5 * self.round * speed).powi(2)
+    }
+
+    pub(super) fn candidates(&self) -> Vec<MoveProfile> {
+        let mut out = Vec::with_capacity(16);
+        let now = self.axis.motion.at(self.executed_ns);
+        let start = self.plan.at(self.executed_ns);
+        let end = self.plan.at(self.after(1.0));
+        let way =
+            end.position - now.position - (1.0 - CORRECTION) * (start.position - now.position);
+        for part in RAMP_PARTS {
+            out.extend(self.cruise(now, way, part));
+        }
+        for sense in [1.0, -1.0] {
+            self.rest(now, sense, &mut out);
+        }
+        self.turn(now, end, &mut out);
+        out
+    }
+
+    /// Largest acceleration and deceleration, steps/s².
+    fn limits(&self) -> (f64, f64) {
+        let options = &self.axis.options;
+        (
+            1e3 * f64::from(options.acceleration_khz_per_s),
+            1e3 * f64::from(options.deceleration_khz_per_s),
+        )
+    }
+
+    /// Makes `way` in the round, changing speed during about `part` of it, and goes on.
+    fn cruise(&self, now: State, way: f64, part: f64) -> Option<MoveProfile> {
+        // way = v₀·T + w·T − sgn(w)·w²/(2·rate), w = change of speed; with a ramp of part·T, w²/rate = |w|·part·T.
+        let lack = way - now.velocity * self.round;
+        let change = lack / (self.round * (1.0 - 0.5 * part));
+        let rate = change.abs() / (part * self.round);
+        let (most_up, most_down) = self.limits();
+        let slower = change * now.velocity < 0.0;
+        let rate = whole_rate(rate, if slower { most_down } else { most_up });
+        // The rate is rounded and limited: solve again for the change.
+        let reach = rate * self.round;
+        let change =
+            lack.signum() * (reach - (reach * reach - 2.0 * rate * lack.abs()).max(0.0).sqrt());
+        let velocity = now.velocity + change;
+        let speed = velocity.abs().round();
+        if speed < 1.0 {
+            return None;
+        }
+        let sense = velocity.signum();
+        // Ramps down are gentle where the way allows, else as steep as allowed.
+        let down = if slower { rate.max(0.25 * most_down) } else { most_down };
+        let margin = 1.5 * self.round + 0.01;
+        let clear = now.position + way + sense * speed * margin;
+        let from = if self.plan.at(self.executed_ns).velocity * sense >= 0.0 { 0.0 } else { 1.0 };
+        let target =
+            self.plan.reached(self.after(from), sense, clear + sense * speed * speed * 0.5 / down);
+        let left = ((target - clear) * sense).max(1.0);
+        let down = down.max(speed * speed * 0.5 / left);
+        let up = if slower { most_up } else { rate };
+        ((target - now.position) * sense > 0.5).then(|| self.profile(up, speed, down, target))
+    }
+
+    /// Stands on the next point of rest or turning point, if there is one to be reached soon.
+    fn rest(&self, now: State, sense: f64, out: &mut Vec<MoveProfile>) {
+        let target = self.plan.reached(self.executed_ns, sense, sense * f64::INFINITY).round();
+        let way = (target - now.position) * sense;
+        if way < 0.5 {
+            return;
+        }
+        let (most_up, most_down) = self.limits();
+        let base = f64::from(self.axis.options.start_stop_hz);
+        let speed = (now.velocity * sense).max(0.0);
+        if speed > base {
+            // Brakes from now on, all the way to the target.
+            out.push(self.profile(
+                most_up,
+                speed,
+                (speed * speed - base * base) * 0.5 / way,
+                target,
+            ));
+        }
+        for part in [0.5, 1.0, 2.0] {
+            out.push(self.profile(most_up, way / (part * self.round), most_down, target));
+        }
+        out.push(self.profile(most_up, f64::from(MAX_SPEED_HZ), most_down, target));
+    }
+
+    /// Brakes, reverses and has the plan's speed at the end of the round.
+    fn turn(&self, now: State, end: State, out: &mut Vec<MoveProfile>) {
+        let sense = end.velocity.signum();
+        let speed = end.velocity.abs();
+        if speed < 1.0 || now.velocity * sense >= 0.0 {
+            return;
+        }
+        let (most_up, most_down) = self.limits();
+        let clear = end.position + sense * speed * (1.5 * self.round + 0.01);
+        let rate = (end.velocity - now.velocity).abs() / self.round;
+        for (up, down) in [(rate, rate), (most_up, most_down)] {
+            let wanted = clear + sense * speed * speed * 0.5 / down.min(most_down);
+            let target = self.plan.reached(self.after(1.0), sense, wanted);
+            out.push(self.profile(up, speed, down, target));
+        }
+    }
+
+    /// The registers nearest to what is wanted, within the axis's limits.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "positive and limited"
+    )]
+    fn profile(&self, up: f64, speed: f64, down: f64, target: f64) -> MoveProfile {
+        let options = &self.axis.options;
+        let (most_up, most_down) = self.limits();
+        MoveProfile {
+            start_stop_hz: options.start_stop_hz,
+            acceleration_khz_per_s: (whole_rate(up, most_up) / 1e3) as u16,
+            speed_hz: speed.round().clamp(1.0, f64::from(options.max_speed_hz)) as u32,
+            deceleration_khz_per_s: (whole_rate(down, most_down) / 1e3) as u16,
+            target: target.round() as i32,
+        }
+    }
+}
+
+/// A rate in whole kHz/s, at least as steep as wanted and at most as allowed, steps/s².
+fn whole_rate(rate: f64, most: f64) -> f64 {
+    ((rate / 1e3).ceil() * 1e3).clamp(1e3, most.max(1e3))
+}

@@ -1,0 +1,26 @@
+//! SOPROLEC InterpCNC V2.1, a stepper board for five axes on Modbus RTU.
+//!
+//! [`InterpCncDrive`] is the driver; [`emulator`] is the board without hardware. Both take registers and commands
+//! from the same tables ([`registers`], [`Command`]), which are checked against frames computed elsewhere.
+//!
+//! Source: "Carte d'axe SOPROLEC InterpCNC V2.1, Protocole de communication MODBUS" (firmware up to 5.30).
+
+mod blocking;
+mod command;
+mod driver;
+pub mod emulator;
+mod follow;
+mod options;
+mod port;
+mod ramp;
+pub mod registers;
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod vectors;
+
+pub use blocking::InterpCncDrive;
+pub use command::{AxisValues, BadCommand, Command, CommandRegisters, MoveProfile};
+pub use driver::{BoardState, InterpCnc, Stamp};
+pub use options::{AxisOptions, InterpCncOptions, Line, Parity};
+pub use registers::{AxisMask, BoardAxis};

@@ -1,0 +1,180 @@
+//! Settings of the driver and what follows from them for the wire.
+
+use std::{sync::Arc, time::Duration};
+
+use super::registers::{AxisMask, BoardAxis, MAX_SPEED_HZ};
+use crate::{Action, DriveError, Exchange};
+
+/// Parity of the serial line; a board parameter (102).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Parity {
+    /// No parity bit.
+    #[default]
+    None,
+    /// Even number of ones.
+    Even,
+    /// Odd number of ones.
+    Odd,
+}
+
+/// How the bytes travel: 8 data bits and 1 stop bit always.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Line {
+    /// Bits per second; the firmware supports 4800 to 256000.
+    pub baud: u32,
+    /// Parity.
+    pub parity: Parity,
+}
+
+impl Default for Line {
+    /// 115200 baud without parity. The manual gives no defaults.
+    fn default() -> Self {
+        Self { baud: 115_200, parity: Parity::None }
+    }
+}
+
+impl Line {
+    /// Time that `bytes` take on the wire: 10 bits each, 11 with parity.
+    pub fn duration(self, bytes: usize) -> Duration {
+        let bits = if self.parity == Parity::None { 10 } else { 11 };
+        let nanoseconds =
+            u128::try_from(bytes).unwrap_or(u128::MAX).saturating_mul(bits * 1_000_000_000)
+                / u128::from(self.baud.max(1));
+        Duration::from_nanos(u64::try_from(nanoseconds).unwrap_or(u64::MAX))
+    }
+
+    /// Silence that ends a frame: 3.5 characters of 11 bits, and 1.75 ms from 19200 baud up ("MODBUS over serial
+    /// line specification" 1.02, 2.5.1.1).
+    pub fn silence(self) -> Duration {
+        if self.baud >= 19_200 {
+            Duration::from_micros(1750)
+        } else {
+            Duration::from_secs(77) / (2 * self.baud.max(1))
+        }
+    }
+}
+
+/// Profile limits of one axis of the board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AxisOptions {
+    /// Which axis of the board.
+    pub axis: BoardAxis,
+    /// Speed at which the motor starts and stops without ramp, steps/s.
+    pub start_stop_hz: u16,
+    /// Largest acceleration, 1000 steps/s².
+    pub acceleration_khz_per_s: u16,
+    /// Largest deceleration, 1000 steps/s².
+    pub deceleration_khz_per_s: u16,
+    /// Largest speed, steps/s.
+    pub max_speed_hz: u32,
+}
+
+impl AxisOptions {
+    /// Board axis `axis` with the profile of the digest's example (vector 11) and the board's largest speed.
+    pub fn new(axis: BoardAxis) -> Self {
+        Self {
+            axis,
+            start_stop_hz: 200,
+            acceleration_khz_per_s: 50,
+            deceleration_khz_per_s: 40,
+            max_speed_hz: MAX_SPEED_HZ,
+        }
+    }
+}
+
+/// Settings of the driver.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InterpCncOptions {
+    /// Station address, 1 to 247; board parameter 103.
+    pub station: u8,
+    /// Speed and parity; board parameters 101 and 102.
+    pub line: Line,
+    /// Longest time an exchange may take. A USB adapter alone may add 16 ms.
+    pub deadline: Duration,
+    /// Time after which an answer that is late comes no more. After a missed deadline the driver waits so long
+    /// before it asks anything but a stop, lest the late answer be taken for the next.
+    pub worst_latency: Duration,
+    /// Axes in use, in the order of the arrays of [`crate::Drive`].
+    pub axes: Vec<AxisOptions>,
+}
+
+impl InterpCncOptions {
+    /// Station 1, 115200 baud, no parity, 250 ms, the given axes.
+    pub fn new(axes: Vec<AxisOptions>) -> Self {
+        Self {
+            station: 1,
+            line: Line::default(),
+            deadline: Duration::from_millis(250),
+            worst_latency: Duration::from_millis(500),
+            axes,
+        }
+    }
+
+    /// The board axes in use.
+    pub(crate) fn mask(&self) -> AxisMask {
+        self.axes.iter().fold(AxisMask::NONE, |mask, axis| mask.union(axis.axis.mask()))
+    }
+
+    /// Checks what no board could do.
+    pub(crate) fn check(&self, port: &Arc<str>) -> Result<(), DriveError> {
+        let at =
+            || Exchange { port: Arc::clone(port), station: self.station, action: Action::Open };
+        let within = |setting, value: u32, low, high| {
+            let fits = (low..=high).contains(&value);
+            if fits {
+                Ok(())
+            } else {
+                Err(DriveError::Setting { at: at(), setting, value, low, high })
+            }
+        };
+        within("station", self.station.into(), 1, 247)?;
+        within("baud", self.line.baud, 4800, 256_000)?;
+        let count = u32::try_from(self.axes.len()).unwrap_or(u32::MAX);
+        within("number of axes", count, 1, self.mask().bits().count_ones().max(1))?;
+        for axis in &self.axes {
+            within("acceleration (kHz/s)", axis.acceleration_khz_per_s.into(), 1, u16::MAX.into())?;
+            within("deceleration (kHz/s)", axis.deceleration_khz_per_s.into(), 1, u16::MAX.into())?;
+            within("largest speed (Hz)", axis.max_speed_hz, 1, MAX_SPEED_HZ)?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wire_times_are_those_of_the_line() {
+        // drives-notes: 8N1 at 115200 baud is 86.8 µs per byte; with parity a byte has 11 bits.
+        let line = Line::default();
+        assert_eq!(line.duration(37).as_micros(), 3211);
+        assert_eq!(
+            Line { parity: Parity::Even, baud: 9600 }.duration(96),
+            Duration::from_millis(110)
+        );
+        assert_eq!(line.silence(), Duration::from_micros(1750));
+        // 3.5 characters of 11 bits at 9600 baud.
+        assert_eq!(Line { baud: 9600, parity: Parity::None }.silence().as_micros(), 4010);
+    }
+
+    #[test]
+    fn impossible_settings_are_named() {
+        let port: Arc<str> = "p".into();
+        let good = InterpCncOptions::new(vec![
+            AxisOptions::new(BoardAxis::X),
+            AxisOptions::new(BoardAxis::Z),
+        ]);
+        assert!(good.check(&port).is_ok());
+        let refused = |options: InterpCncOptions| match options.check(&port) {
+            Err(DriveError::Setting { setting, .. }) => setting,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(refused(InterpCncOptions { station: 0, ..good.clone() }), "station");
+        assert_eq!(refused(InterpCncOptions { axes: vec![], ..good.clone() }), "number of axes");
+        let twice = vec![AxisOptions::new(BoardAxis::X); 2];
+        assert_eq!(refused(InterpCncOptions { axes: twice, ..good.clone() }), "number of axes");
+        let line = Line { baud: 300, ..good.line };
+        assert_eq!(refused(InterpCncOptions { line, ..good }), "baud");
+    }
+}

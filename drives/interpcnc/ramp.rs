@@ -1,0 +1,351 @@
+//! The profile generator of one axis: what the board does with an independent move (command 80).
+//!
+//! The axis starts at its start/stop frequency, accelerates, cruises, decelerates to the start/stop frequency and
+//! stands on the target. If it already moves, speed stays continuous: it slows down to a lower speed, or brakes,
+//! reverses and returns when the target lies behind it or too near to stop at ("Commande 80").
+//!
+//! A motion is planned once, in closed form, as a few stretches of constant acceleration from the instant of the
+//! command; asking for the state at any later instant depends on nothing in between. The emulator moves by it, and
+//! the driver foresees by it where the board will be when the next command reaches it.
+
+/// What limits a motion and where it goes, in steps and seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ramp {
+    /// Speed at which the axis may start and stop at once, steps/s.
+    pub(crate) start_stop: f64,
+    /// Steps/s², more than zero.
+    pub(crate) acceleration: f64,
+    /// Steps/s, more than zero.
+    pub(crate) speed: f64,
+    /// Steps/s², more than zero.
+    pub(crate) deceleration: f64,
+    /// Steps.
+    pub(crate) target: f64,
+}
+
+/// Ways shorter than this are rounding errors (positions of 32 bits), steps.
+const TOLERANCE: f64 = 1e-6;
+
+/// Position and velocity, steps and steps/s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct State {
+    pub(crate) position: f64,
+    pub(crate) velocity: f64,
+}
+
+/// A stretch of constant acceleration.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Stretch {
+    duration: f64,
+    state: State,
+    acceleration: f64,
+}
+
+impl Stretch {
+    fn at(&self, time: f64) -> State {
+        State {
+            position: self.state.position
+                + (self.state.velocity + 0.5 * self.acceleration * time) * time,
+            velocity: self.state.velocity + self.acceleration * time,
+        }
+    }
+}
+
+/// A motion from one instant on: at most a brake before reversing, then up (or down) to speed, cruise and final brake.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Motion {
+    start_ns: i64,
+    stretches: [Stretch; 4],
+    end_s: f64,
+    rest: f64,
+    /// Duration of the final brake, s.
+    final_brake_s: f64,
+    /// Sign of the velocity with which it ends; 0 if it never moves.
+    final_sense: f64,
+}
+
+impl Motion {
+    /// Standing at `position`.
+    pub(crate) fn at_rest(position: f64) -> Self {
+        Self { rest: position, ..Self::default() }
+    }
+
+    /// The motion that a move command given at `start_ns` makes of `state`.
+    pub(crate) fn plan(start_ns: i64, mut state: State, ramp: &Ramp) -> Self {
+        let mut stretches = [Stretch::default(); 4];
+        let mut final_sense = if state.velocity == 0.0 { 0.0 } else { state.velocity.signum() };
+        let [turn, change, cruise, brake] = &mut stretches;
+        // Below the start/stop frequency there is no ramp.
+        let base = ramp.start_stop.min(ramp.speed);
+        let base_v2 = base * base;
+        let half_up = 0.5 / ramp.acceleration;
+        let half_down = 0.5 / ramp.deceleration;
+
+        let ahead = |state: &State| (ramp.target - state.position) * state.velocity.signum();
+        let stopping = (state.velocity * state.velocity - base_v2).max(0.0) * half_down;
+        let overshoots = stopping > ahead(&state) + TOLERANCE;
+        if state.velocity != 0.0 && (overshoots || ahead(&state) <= 0.0) {
+            let (stretch, stopped) =
+                stretch_to(state, base.min(state.velocity.abs()), ramp.deceleration);
+            *turn = stretch;
+            state = State { position: stopped.position, velocity: 0.0 };
+        }
+
+        let sense = (ramp.target - state.position).signum();
+        let distance = (ramp.target - state.position).abs();
+        let speed = (state.velocity * sense).max(base);
+        if distance > TOLERANCE {
+            final_sense = sense;
+            state.velocity = sense * speed;
+            if speed > ramp.speed {
+                (*change, state) = stretch_to(state, ramp.speed, ramp.deceleration);
+            } else {
+                // Where the way is too short for the full speed, ramps meet at the peak.
+                let peak_v2 = (distance + speed * speed * half_up + base_v2 * half_down)
+                    / (half_up + half_down);
+                let peak = peak_v2.sqrt().clamp(speed, ramp.speed.max(speed));
+                (*change, state) = stretch_to(state, peak, ramp.acceleration);
+            }
+            let peak = state.velocity.abs();
+            let braking = (peak * peak - base_v2).max(0.0) * half_down;
+            let cruising = ((ramp.target - state.position) * sense - braking).max(0.0);
+            *cruise = Stretch { duration: cruising / peak, state, acceleration: 0.0 };
+            state.position += sense * cruising;
+            (*brake, _) = stretch_to(state, base.min(peak), ramp.deceleration);
+        }
+        let end_s = stretches.iter().map(|stretch| stretch.duration).sum();
+        Self {
+            start_ns,
+            stretches,
+            end_s,
+            rest: ramp.target,
+            final_brake_s: stretches[3].duration,
+            final_sense,
+        }
+    }
+
+    /// The motion that a ramp stop (commands 41, 42) given at `start_ns` makes of `state`: it ends on the whole step
+    /// nearest to where the ramp ends.
+    pub(crate) fn stop(start_ns: i64, state: State, ramp: &Ramp) -> Self {
+        let (brake, stopped) =
+            stretch_to(state, ramp.start_stop.min(state.velocity.abs()), ramp.deceleration);
+        let mut stretches = [Stretch::default(); 4];
+        stretches[0] = brake;
+        let final_sense = if state.velocity == 0.0 { 0.0 } else { state.velocity.signum() };
+        let rest = stopped.position.round();
+        Self {
+            start_ns,
+            stretches,
+            end_s: brake.duration,
+            rest,
+            final_brake_s: brake.duration,
+            final_sense,
+        }
+    }
+
+    /// Position and velocity at an instant; before the start as at the start.
+    pub(crate) fn at(&self, time_ns: i64) -> State {
+        let mut time = self.elapsed(time_ns);
+        if time >= self.end_s {
+            return State { position: self.rest, velocity: 0.0 };
+        }
+        for stretch in &self.stretches {
+            if time < stretch.duration {
+                return stretch.at(time);
+            }
+            time -= stretch.duration;
+        }
+        State { position: self.rest, velocity: 0.0 }
+    }
+
+    /// True until the motion has ended.
+    pub(crate) fn moving(&self, time_ns: i64) -> bool {
+        self.elapsed(time_ns) < self.end_s
+    }
+
+    /// Sign of the velocity at an instant, after the end of the last velocity; 0 if it never moves.
+    pub(crate) fn sense(&self, time_ns: i64) -> f64 {
+        let velocity = self.at(time_ns).velocity;
+        if velocity == 0.0 { self.final_sense } else { velocity.signum() }
+    }
+
+    /// True while it brakes to stand on the target.
+    pub(crate) fn in_final_brake(&self, time_ns: i64) -> bool {
+        let time = self.elapsed(time_ns);
+        time < self.end_s && time >= self.end_s - self.final_brake_s
+    }
+
+    fn elapsed(&self, time_ns: i64) -> f64 {
+        seconds(time_ns.saturating_sub(self.start_ns).max(0))
+    }
+}
+
+/// The stretch from `state` to `speed` in the same sense, and the state at its end. At rest or at that speed already
+/// it has no duration.
+fn stretch_to(state: State, speed: f64, rate: f64) -> (Stretch, State) {
+    let sense = state.velocity.signum();
+    let change = speed - state.velocity.abs();
+    let stretch = Stretch {
+        duration: change.abs() / rate,
+        state,
+        acceleration: sense * change.signum() * rate,
+    };
+    if stretch.duration > 0.0 {
+        (stretch, State { velocity: sense * speed, ..stretch.at(stretch.duration) })
+    } else {
+        (Stretch::default(), state)
+    }
+}
+
+/// Nanoseconds as seconds.
+#[expect(
+    clippy::cast_precision_loss,
+    reason = "spans of at most days: the rounding is below a nanosecond"
+)]
+pub(crate) fn seconds(ns: i64) -> f64 {
+    ns as f64 * 1e-9
+}
+
+/// Seconds as nanoseconds, to the nearest.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "a float cast saturates, and spans are far from the limit"
+)]
+pub(crate) fn nanoseconds(seconds: f64) -> i64 {
+    (seconds * 1e9).round() as i64
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const RAMP: Ramp = Ramp {
+        start_stop: 200.0,
+        acceleration: 50e3,
+        speed: 20e3,
+        deceleration: 40e3,
+        target: 100_000.0,
+    };
+
+    fn near(a: f64, b: f64) {
+        assert!((a - b).abs() < 1e-6 * b.abs().max(1.0), "{a} is not {b}");
+    }
+
+    #[test]
+    fn a_long_move_is_a_trapezoid() {
+        // Vector 11 of the digest: start/stop 200 Hz, 50 kHz/s, 20 kHz, 40 kHz/s, 100 000 steps.
+        let motion = Motion::plan(0, State::default(), &RAMP);
+        let up = 19_800.0 / 50e3;
+        let down = 19_800.0 / 40e3;
+        let way = 100_000.0 - 10_100.0 * (up + down);
+        near(motion.end_s, up + way / 20e3 + down);
+        near(motion.at(0).velocity, 200.0);
+        near(motion.at(nanoseconds(up)).position, 10_100.0 * up);
+        near(motion.at(nanoseconds(up + 1.0)).velocity, 20e3);
+        near(motion.at(nanoseconds(motion.end_s - 0.1)).velocity, 200.0 + 4e3);
+        assert_eq!(
+            motion.at(nanoseconds(motion.end_s + 1e-6)),
+            State { position: 100_000.0, velocity: 0.0 }
+        );
+    }
+
+    #[test]
+    fn a_short_move_peaks_below_its_speed() {
+        // Without start/stop frequency: peak² = 2·way·a·d/(a + d).
+        let ramp = Ramp { start_stop: 0.0, target: 900.0, ..RAMP };
+        let motion = Motion::plan(0, State::default(), &ramp);
+        let peak = (2.0 * 900.0 * 50e3 * 40e3 / 90e3_f64).sqrt();
+        near(motion.at(nanoseconds(peak / 50e3)).velocity, peak);
+        near(motion.end_s, peak / 50e3 + peak / 40e3);
+    }
+
+    #[test]
+    fn a_reversed_target_brakes_reverses_and_returns() {
+        let state = State { position: 10_000.0, velocity: 20e3 };
+        let ramp = Ramp { target: -5000.0, speed: 150e3, ..RAMP };
+        let motion = Motion::plan(0, state, &ramp);
+        let brake = 19_800.0 / 40e3;
+        let turn = 10_000.0 + 10_100.0 * brake;
+        let after = motion.at(nanoseconds(brake) + 1);
+        near(after.position, turn);
+        assert!(after.velocity < 0.0 && after.velocity > -201.0, "{after:?}");
+        near(motion.at(i64::MAX).position, -5000.0);
+    }
+
+    #[test]
+    fn a_lower_speed_is_reached_on_the_ramp() {
+        let state = State { position: 0.0, velocity: 20e3 };
+        let motion = Motion::plan(0, state, &Ramp { speed: 8e3, ..RAMP });
+        near(motion.at(nanoseconds(0.15)).velocity, 14e3);
+        near(motion.at(nanoseconds(0.4)).velocity, 8e3);
+    }
+
+    #[test]
+    fn a_ramp_stop_ends_on_a_whole_step() {
+        let motion = Motion::stop(0, State { position: 0.3, velocity: -20e3 }, &RAMP);
+        let end: f64 = 0.3 - (20e3 * 20e3 - 200.0 * 200.0) / 80e3;
+        near(motion.at(i64::MAX).position, end.round());
+        near(motion.end_s, 19_800.0 / 40e3);
+    }
+
+    fn ramps() -> impl Strategy<Value = Ramp> {
+        (0.0..1e3, 1e3..1e6, 1.0..2e5, 1e3..1e6, -1e5..1e5).prop_map(
+            |(start_stop, acceleration, speed, deceleration, target): (f64, f64, f64, f64, f64)| {
+                Ramp {
+                    start_stop,
+                    acceleration,
+                    speed: speed.round(),
+                    deceleration,
+                    target: target.round(),
+                }
+            },
+        )
+    }
+
+    proptest! {
+        #[test]
+        fn random_retargets_stay_continuous_within_limits_and_end_on_target(
+            orders in prop::collection::vec((ramps(), 1_i64..400), 1..8)
+        ) {
+            let mut now = 0;
+            let mut motion = Motion::at_rest(0.0);
+            let mut last_speed = 0.0_f64;
+            for (ramp, wait_ms) in &orders {
+                motion = Motion::plan(now, motion.at(now), ramp);
+                let limit = ramp.speed.max(last_speed);
+                let (fastest, base) = (ramp.acceleration.max(ramp.deceleration), ramp.start_stop.min(ramp.speed));
+                let mut before = motion.at(now);
+                for _ in 0..wait_ms * 4 {
+                    now += 250_000;
+                    let state = motion.at(now);
+                    prop_assert!(state.velocity.abs() <= limit * (1.0 + 1e-9));
+                    // Jumps only between −base and base; elsewhere the ramps bound the change.
+                    let change = (state.velocity - before.velocity).abs();
+                    prop_assert!(change <= fastest * 250e-6 + 2.0 * base + 1e-6, "{before:?} {state:?} {ramp:?}");
+                    let way = (state.position - before.position).abs();
+                    prop_assert!(way <= limit * 250e-6 + 1e-3, "{before:?} {state:?} {ramp:?}");
+                    before = state;
+                }
+                last_speed = before.velocity.abs();
+            }
+            let last = orders.last().map_or(0.0, |(ramp, _)| ramp.target);
+            prop_assert_eq!(motion.at(i64::MAX), State { position: last, velocity: 0.0 });
+        }
+
+        #[test]
+        fn a_move_never_passes_its_target_if_it_can_stop(ramp in ramps(), speed in 0.0..1.0) {
+            let speed: f64 = speed;
+            let way = ramp.target.abs();
+            let base = ramp.start_stop.min(ramp.speed);
+            let velocity = ramp.target.signum() * speed * (2.0 * ramp.deceleration * way + base * base).sqrt();
+            let motion = Motion::plan(0, State { position: 0.0, velocity }, &ramp);
+            let end = nanoseconds(motion.end_s);
+            for part in 0..=1000 {
+                let position = motion.at(end / 1000 * part).position;
+                prop_assert!(position.abs() <= way + 1e-3 && position * ramp.target >= -1e-3);
+            }
+        }
+    }
+}

@@ -1,0 +1,4 @@
+//! The driver against frames computed elsewhere, and against the emulator on a pseudo-terminal.
+
+mod terminal;
+mod wire;

@@ -1,0 +1,243 @@
+//! The driver against the emulator, on a pseudo-terminal and in real time.
+
+use std::{
+    f64::consts::TAU,
+    time::{Duration, Instant},
+};
+
+use crate::{
+    Drive, DriveError, IncrementMotion, MAX_DRIVE_AXES, SetpointStream,
+    interpcnc::{
+        AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions, Line, Parity,
+        emulator::{BoardOptions, EmulatedBoard, EmulatorOptions, Wire},
+    },
+};
+
+/// The clock of these tests.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "these tests run in real time and are their own session"
+)]
+fn clock() -> impl Fn() -> i64 + Send + Sync + Copy {
+    let zero = Instant::now();
+    move || i64::try_from(zero.elapsed().as_nanos()).unwrap()
+}
+
+/// A plan of two axes: to and fro, at rest before and after.
+struct Plan<C> {
+    clock: C,
+    start_ns: i64,
+}
+
+/// Stroke of the first axis, increments; the second makes half of it.
+const STROKE: f64 = 8000.0;
+const PERIOD_S: f64 = 1.0;
+
+#[expect(clippy::cast_precision_loss, reason = "seconds")]
+impl<C: Fn() -> i64 + Sync> SetpointStream for Plan<C> {
+    fn now_ns(&self) -> i64 {
+        (self.clock)() - self.start_ns
+    }
+
+    fn at(&self, time_ns: i64) -> IncrementMotion {
+        let time = (time_ns as f64 * 1e-9).clamp(0.0, 1.5 * PERIOD_S);
+        let mut motion = IncrementMotion::default();
+        for axis in 0..2 {
+            let (half, angle) = (STROKE / [2.0, 4.0][axis], TAU / PERIOD_S);
+            motion.position[axis] = half * (1.0 - (angle * time).cos());
+            motion.velocity[axis] = half * angle * (angle * time).sin();
+        }
+        motion
+    }
+
+    fn horizon_ns(&self) -> i64 {
+        250_000_000
+    }
+}
+
+fn options(axes: &[BoardAxis]) -> InterpCncOptions {
+    let axis = |axis: &BoardAxis| AxisOptions {
+        acceleration_khz_per_s: 1000,
+        deceleration_khz_per_s: 1000,
+        max_speed_hz: 100_000,
+        ..AxisOptions::new(*axis)
+    };
+    let mut options = InterpCncOptions::new(axes.iter().map(axis).collect());
+    // Other tests and builds may keep the emulator waiting.
+    options.deadline = Duration::from_secs(2);
+    options
+}
+
+fn open(board: &EmulatedBoard, options: &InterpCncOptions) -> InterpCncDrive {
+    InterpCncDrive::open(board.path().to_str().unwrap(), options).unwrap()
+}
+
+fn wait_until_rest(
+    drive: &mut InterpCncDrive,
+    stream: &dyn SetpointStream,
+) -> [i64; MAX_DRIVE_AXES] {
+    loop {
+        let sample = drive.sample(stream).unwrap();
+        if !sample.moving {
+            return sample.position;
+        }
+    }
+}
+
+#[test]
+fn a_board_is_enabled_moved_and_stopped() {
+    let clock = clock();
+    let board = EmulatedBoard::start(&EmulatorOptions::default(), clock).unwrap();
+    let stream = Plan { clock, start_ns: 0 };
+    // Axes Y and B only: the first and second entry of every array.
+    let mut drive = open(&board, &options(&[BoardAxis::Y, BoardAxis::B]));
+    assert_eq!(drive.axis_count(), 2);
+    assert_eq!(drive.describe(), format!("InterpCNC at {}, station 1", board.path().display()));
+
+    let before = clock();
+    let sample = drive.probe(&stream).unwrap();
+    assert_eq!((sample.position, sample.moving), ([0; 5], false));
+    assert!(sample.time_ns > before && sample.time_ns < clock());
+
+    let locked = drive.sample(&stream);
+    assert!(matches!(locked, Err(DriveError::Locked { .. })), "{locked:?}");
+    drive.enable().unwrap();
+    drive.set_position(&[1000, -500, 0, 0, 0]).unwrap();
+    drive.move_to(&[4000, -3000, 0, 0, 0], &[20e3, 10e3, 0.0, 0.0, 0.0]).unwrap();
+    assert!(drive.sample(&stream).unwrap().moving);
+    let moving = drive.set_position(&[0; 5]);
+    assert!(matches!(moving, Err(DriveError::Moving { .. })), "{moving:?}");
+    assert_eq!(wait_until_rest(&mut drive, &stream), [4000, -3000, 0, 0, 0]);
+
+    drive.move_to(&[1_000_000, -3000, 0, 0, 0], &[20e3, 10e3, 0.0, 0.0, 0.0]).unwrap();
+    drive.soft_stop().unwrap();
+    let sample = drive.sample(&stream).unwrap();
+    assert!(
+        !sample.moving && sample.position[0] > 4000 && sample.position[0] < 1_000_000,
+        "{sample:?}"
+    );
+
+    drive.move_to(&[1_000_000, 0, 0, 0, 0], &[20e3, 10e3, 0.0, 0.0, 0.0]).unwrap();
+    drive.hard_stop().unwrap();
+    assert!(matches!(drive.sample(&stream), Err(DriveError::Locked { .. })));
+    let end = board.stop().unwrap();
+    assert!(end.status().locked() && end.status().moving().is_empty());
+    assert_eq!((end.counters()[0], end.counters()[2], end.counters()[3]), (0, 0, 0));
+}
+
+#[test]
+fn a_plan_is_followed_to_its_end() {
+    let clock = clock();
+    let board = EmulatedBoard::start(&EmulatorOptions::default(), clock).unwrap();
+    let mut drive = open(&board, &options(&[BoardAxis::X, BoardAxis::Y]));
+    drive.enable().unwrap();
+    let stream = Plan { clock, start_ns: clock() + 100_000_000 };
+    let mut samples = Vec::new();
+    loop {
+        let sample = drive.follow(&stream).unwrap();
+        samples.push(sample);
+        if sample.time_ns > 1_600_000_000 && !sample.moving {
+            break;
+        }
+    }
+    for axis in 0..2 {
+        #[expect(clippy::cast_precision_loss, reason = "counters have 32 bits")]
+        let errors = samples
+            .iter()
+            .map(|sample| sample.position[axis] as f64 - stream.at(sample.time_ns).position[axis]);
+        let (mut squares, mut largest) = (0.0, 0.0_f64);
+        errors.for_each(|error| {
+            squares += error * error;
+            largest = largest.max(error.abs());
+        });
+        let count = f64::from(u32::try_from(samples.len()).unwrap());
+        let (rms, fastest) = ((squares / count).sqrt(), STROKE / [2.0, 4.0][axis] * TAU / PERIOD_S);
+        println!(
+            "axis {axis}: {count} samples, {fastest:.0} Hz at most; error rms {rms:.1}, max {largest:.1} increments \
+             = {:.2}, {:.2} ms",
+            1e3 * rms / fastest,
+            1e3 * largest / fastest
+        );
+        // Both axes have really gone there (1.5 periods end at the far end); accuracy is asserted where time is not real.
+        let end = stream.at(i64::MAX).position[axis];
+        let last = samples.last().unwrap().position[axis];
+        assert_eq!(last.to_string(), format!("{end:.0}"));
+        assert!(
+            samples.iter().any(|sample| sample.position[axis] > 0 && sample.position[axis] < last)
+        );
+    }
+}
+
+#[test]
+fn an_open_enable_input_is_an_error_of_its_own() {
+    let clock = clock();
+    let stream = Plan { clock, start_ns: 0 };
+    let board = EmulatedBoard::start(&EmulatorOptions::default(), clock).unwrap();
+    let mut drive = open(&board, &options(&[BoardAxis::X]));
+    drive.enable().unwrap();
+    drive.move_to(&[1_000_000, 0, 0, 0, 0], &[5000.0; 5]).unwrap();
+    board.set_enable(false).unwrap();
+    let lost = loop {
+        match drive.sample(&stream) {
+            Ok(_) => {}
+            Err(error) => break error,
+        }
+    };
+    assert!(matches!(lost, DriveError::EnableOpen { .. }), "{lost:?}");
+    assert!(matches!(drive.probe(&stream), Err(DriveError::EnableOpen { .. })));
+    assert!(matches!(drive.enable(), Err(DriveError::EnableOpen { .. })));
+    board.set_enable(true).unwrap();
+    drive.enable().unwrap();
+    assert!(!drive.sample(&stream).unwrap().moving);
+}
+
+#[test]
+fn a_board_slower_than_the_deadline_is_a_timeout_and_no_wrong_answer() {
+    let clock = clock();
+    let stream = Plan { clock, start_ns: 0 };
+    let wire = Wire { turnaround: Duration::from_millis(150), ..Wire::default() };
+    let board =
+        EmulatedBoard::start(&EmulatorOptions { wire, ..EmulatorOptions::default() }, clock)
+            .unwrap();
+    let mut hasty = options(&[BoardAxis::X]);
+    hasty.deadline = Duration::from_millis(40);
+    hasty.worst_latency = Duration::from_millis(300);
+    let mut drive = open(&board, &hasty);
+    let late = drive.probe(&stream);
+    assert!(matches!(late, Err(DriveError::Timeout { .. })), "{late:?}");
+    drop(drive);
+    // The late answer is still in the terminal when a patient driver opens it.
+    let mut drive = open(&board, &options(&[BoardAxis::X]));
+    drive.enable().unwrap();
+    drive.set_position(&[77, 0, 0, 0, 0]).unwrap();
+    assert_eq!(drive.sample(&stream).unwrap().position[0], 77);
+}
+
+#[test]
+fn another_station_and_other_line_settings_work() {
+    let clock = clock();
+    let stream = Plan { clock, start_ns: 0 };
+    let line = Line { baud: 19_200, parity: Parity::Even };
+    let emulator = EmulatorOptions {
+        board: BoardOptions { station: 42, line, enable: true },
+        wire: Wire { line, ..Wire::default() },
+        link: None,
+    };
+    let board = EmulatedBoard::start(&emulator, clock).unwrap();
+    let right = InterpCncOptions { station: 42, line, ..options(&[BoardAxis::X]) };
+    open(&board, &right).probe(&stream).unwrap();
+    let wrong = InterpCncOptions { station: 41, deadline: Duration::from_millis(60), ..right };
+    let wrong = InterpCncOptions { worst_latency: Duration::from_millis(10), ..wrong };
+    let nobody = open(&board, &wrong).probe(&stream);
+    assert!(matches!(nobody, Err(DriveError::Timeout { .. })), "{nobody:?}");
+}
+
+#[test]
+fn a_port_that_is_not_there_is_named() {
+    let missing = InterpCncDrive::open("/dev/no-such-port", &options(&[BoardAxis::X]));
+    let Err(error @ DriveError::Transport { .. }) = missing else { panic!("{missing:?}") };
+    assert!(
+        error.to_string().starts_with("/dev/no-such-port, station 1: opening the port: "),
+        "{error}"
+    );
+}

@@ -1,0 +1,374 @@
+//! The driver's bytes against the digest's vectors, and what it makes of answers that are late, cut or wrong.
+
+use std::{future::Future, sync::Arc, time::Duration};
+
+use tokio::{
+    io::{AsyncReadExt, AsyncWriteExt, DuplexStream, duplex},
+    time::sleep,
+};
+
+use crate::{
+    Action, DriveError, ProtocolFault,
+    interpcnc::{
+        AxisMask, AxisOptions, BoardAxis, Command, InterpCnc, InterpCncOptions, MoveProfile,
+        emulator::seal,
+        registers::Status,
+        vectors::{bytes, vector},
+    },
+};
+
+fn no_clock() -> i64 {
+    0
+}
+
+fn run<T>(test: impl Future<Output = T>) -> T {
+    tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap().block_on(test)
+}
+
+/// A driver of station 1 and the other end of its wire.
+fn attached(deadline_ms: u64, worst_latency_ms: u64) -> (InterpCnc, DuplexStream) {
+    let (near, far) = duplex(4096);
+    let mut options = InterpCncOptions::new(vec![AxisOptions::new(BoardAxis::X)]);
+    options.deadline = Duration::from_millis(deadline_ms);
+    options.worst_latency = Duration::from_millis(worst_latency_ms);
+    (InterpCnc::attach(Arc::from("wire"), near, &options), far)
+}
+
+/// The next request; the driver writes each in one piece. Empty if the driver is gone.
+async fn request(far: &mut DuplexStream) -> Vec<u8> {
+    let mut buffer = [0; 256];
+    let count = far.read(&mut buffer).await.unwrap();
+    buffer[..count].to_vec()
+}
+
+/// All requests, none answered, until the driver is gone.
+async fn unanswered(mut far: DuplexStream) -> Vec<Vec<u8>> {
+    let mut requests = Vec::new();
+    loop {
+        match request(&mut far).await {
+            bytes if bytes.is_empty() => return requests,
+            bytes => requests.push(bytes),
+        }
+    }
+}
+
+/// Sends `command`, answered with `answer`; the request and the outcome.
+fn exchange(command: Command, answer: Vec<u8>) -> (Vec<u8>, Result<(), DriveError>) {
+    run(async {
+        let (mut driver, mut far) = attached(1000, 1);
+        let board = async {
+            let request = request(&mut far).await;
+            far.write_all(&answer).await.unwrap();
+            request
+        };
+        let (request, outcome) = tokio::join!(board, driver.send(&command, &no_clock));
+        (request, outcome.map(|_| ()))
+    })
+}
+
+fn move_x(speed_hz: u32, target: i32) -> Command {
+    let profile = MoveProfile {
+        start_stop_hz: 200,
+        acceleration_khz_per_s: 50,
+        speed_hz,
+        deceleration_khz_per_s: 40,
+        target,
+    };
+    Command::Move { axis: BoardAxis::X, profile }
+}
+
+#[test]
+fn commands_are_the_bytes_of_their_vectors() {
+    let x_and = |second: BoardAxis, x: i32, other: i32| {
+        let mut values = [None; 5];
+        values[0] = Some(x);
+        values[second.index()] = Some(other);
+        values
+    };
+    let x = |value| [Some(value), None, None, None, None];
+    let commands = [
+        (1, Command::Reset { unlock: true, homing_error: false, probe_error: false }),
+        (3, Command::HomeMachine { max_strokes: x_and(BoardAxis::Y, 10_000, 20_000) }),
+        (4, Command::HomeMachine { max_strokes: x_and(BoardAxis::Z, 10_000, 20_000) }),
+        (
+            5,
+            Command::Probe {
+                axes: BoardAxis::Z.mask(),
+                positive: false,
+                input: 3,
+                level: 1,
+                max_stroke: 10_000,
+                speed_hz: 1000,
+                start_stop_hz: 100,
+                acceleration_khz_per_s: 50,
+                deceleration_khz_per_s: 100,
+            },
+        ),
+        (7, Command::WritePosition { positions: x(1000) }),
+        (8, Command::WritePosition { positions: x_and(BoardAxis::Z, 1000, 0) }),
+        (9, Command::ChangeSpeed { axes: BoardAxis::X.mask(), speed_hz: 10_000 }),
+        (10, Command::WritePosition { positions: x(10_000) }),
+        (11, move_x(20_000, 100_000)),
+        (12, move_x(150_000, -5000)),
+        (13, Command::Interpolated { speed_hz: 5000, targets: x_and(BoardAxis::Z, 1000, -2000) }),
+        (
+            14,
+            Command::Interpolated {
+                speed_hz: 5000,
+                targets: [Some(1), Some(2), Some(3), Some(4), Some(-5)],
+            },
+        ),
+        (
+            15,
+            Command::HomeAxis {
+                axis: BoardAxis::X,
+                input: 5,
+                contact: 0,
+                acceleration_khz_per_s: 20,
+                fast_hz: 4000,
+                deceleration_khz_per_s: 40,
+                max_stroke: -60_000,
+                slow_hz: 300,
+                final_position: 0,
+            },
+        ),
+        (16, Command::RampStopAxes { axes: AxisMask::from_bits(0b11) }),
+        (17, Command::RampStop),
+        (18, Command::Stop),
+    ];
+    for (number, command) in commands {
+        let expected = vector(number);
+        // A write is confirmed with its address and count (vectors 2 and 6).
+        let answer = seal(expected[..6].to_vec());
+        match number {
+            1 => assert_eq!(answer, vector(2)),
+            5 => assert_eq!(answer, vector(6)),
+            _ => {}
+        }
+        let (request, outcome) = exchange(command, answer);
+        assert_eq!(request, expected, "vector {number}");
+        assert!(outcome.is_ok(), "vector {number}: {outcome:?}");
+    }
+}
+
+#[test]
+fn vectors_20_and_21_are_the_state() {
+    run(async {
+        let (mut driver, mut far) = attached(1000, 1);
+        let board = async {
+            let request = request(&mut far).await;
+            far.write_all(&vector(21)).await.unwrap();
+            request
+        };
+        let (request, state) = tokio::join!(board, driver.state(&no_clock));
+        assert_eq!(request, vector(20));
+        let (state, _) = state.unwrap();
+        assert_eq!(state.status, Status(0x0040_0020));
+        assert_eq!(state.status.moving(), BoardAxis::X.mask());
+        assert_eq!(state.positions, [100_000, -1, 0, 0, 0]);
+    });
+}
+
+#[test]
+fn an_exception_is_an_error_with_its_code_and_command() {
+    let (_, outcome) = exchange(move_x(20_000, 5), vector(29));
+    let Err(DriveError::Device { at, code: 2 }) = outcome else { panic!("{outcome:?}") };
+    assert_eq!(
+        (at.station, at.action),
+        (1, Action::Command { number: 80, name: "independent move" })
+    );
+    let message = DriveError::Device { at, code: 2 }.to_string();
+    assert_eq!(
+        message,
+        "wire, station 1: command 80 (independent move): refused with exception 2, invalid address"
+    );
+}
+
+#[test]
+fn values_beyond_the_board_are_not_sent() {
+    run(async {
+        let (mut driver, far) = attached(1000, 1);
+        let too_fast = driver.send(&move_x(200_001, 5), &no_clock).await;
+        assert!(matches!(too_fast, Err(DriveError::Range { register: 4100, .. })), "{too_fast:?}");
+        let standing = driver
+            .send(&Command::ChangeSpeed { axes: AxisMask::ALL, speed_hz: 0 }, &no_clock)
+            .await;
+        assert!(matches!(standing, Err(DriveError::Range { register: 4098, .. })), "{standing:?}");
+        drop(driver);
+        assert!(unanswered(far).await.is_empty());
+    });
+}
+
+/// Answers every request for the state with `answer` and gives the outcome.
+async fn state_from(answer: &[u8]) -> Result<Status, DriveError> {
+    let (mut driver, mut far) = attached(20, 1);
+    let board = async {
+        loop {
+            request(&mut far).await;
+            far.write_all(answer).await.unwrap();
+        }
+    };
+    tokio::select! {
+        outcome = driver.state(&no_clock) => outcome.map(|(state, _)| state.status),
+        () = board => unreachable!(),
+    }
+}
+
+#[test]
+fn every_truncated_answer_is_a_timeout() {
+    run(async {
+        let answer = vector(21);
+        for length in 0..answer.len() {
+            let outcome = state_from(&answer[..length]).await;
+            assert!(
+                matches!(outcome, Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })),
+                "{length} bytes: {outcome:?}"
+            );
+        }
+    });
+}
+
+#[test]
+fn every_corrupted_answer_is_refused() {
+    run(async {
+        let answer = vector(21);
+        for place in 0..answer.len() {
+            for bit in [0x01, 0x80] {
+                let mut wrong = answer.clone();
+                wrong[place] ^= bit;
+                let outcome = state_from(&wrong).await;
+                assert!(
+                    matches!(
+                        outcome,
+                        Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })
+                    ),
+                    "byte {place} ^ {bit}: {outcome:?}"
+                );
+            }
+        }
+    });
+}
+
+#[test]
+fn an_answer_from_elsewhere_is_named() {
+    run(async {
+        let foreign = seal([&[2], &vector(21)[1..27]].concat());
+        let outcome = state_from(&foreign).await;
+        let fault = |outcome: Result<Status, DriveError>| match outcome {
+            Err(DriveError::Protocol { fault, .. }) => fault,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(fault(outcome), ProtocolFault::Station);
+        let outcome = state_from(&vector(2)).await;
+        assert_eq!(fault(outcome), ProtocolFault::Function { sent: 4, received: 16 });
+        let short = seal(bytes("01 04 02 00 40"));
+        assert_eq!(
+            fault(state_from(&short).await),
+            ProtocolFault::Length { expected: 12, received: 1 }
+        );
+    });
+    // Two registers are confirmed where nine were written.
+    let (_, outcome) = exchange(move_x(20_000, 5), vector(2));
+    let fault = match outcome {
+        Err(DriveError::Protocol { fault, .. }) => fault,
+        other => panic!("{other:?}"),
+    };
+    let expected = ProtocolFault::Confirmation {
+        address: 4096,
+        count: 9,
+        confirmed_address: 4096,
+        confirmed_count: 2,
+    };
+    assert_eq!(fault, expected);
+}
+
+#[test]
+fn only_what_may_be_repeated_is_repeated() {
+    for (command, times) in [
+        (move_x(20_000, 5), 1),
+        (Command::WritePosition { positions: [Some(1); 5] }, 1),
+        (Command::ChangeSpeed { axes: AxisMask::ALL, speed_hz: 9 }, 1),
+        (Command::Reset { unlock: true, homing_error: false, probe_error: false }, 2),
+        (Command::RampStop, 3),
+        (Command::Stop, 3),
+    ] {
+        run(async {
+            let (mut driver, far) = attached(10, 1);
+            let sending = async move {
+                let outcome = driver.send(&command, &no_clock).await;
+                assert!(matches!(outcome, Err(DriveError::Timeout { .. })), "{outcome:?}");
+            };
+            let ((), requests) = tokio::join!(sending, unanswered(far));
+            assert_eq!(requests.len(), times, "{command:?}");
+        });
+    }
+}
+
+/// The answer to vector 20 with `x` on axis X.
+fn state_answer(x: u8) -> Vec<u8> {
+    let mut body = vector(21)[..27].to_vec();
+    body[7..11].copy_from_slice(&[0, 0, 0, x]);
+    seal(body)
+}
+
+#[test]
+fn a_late_answer_is_not_taken_for_the_next() {
+    run(async {
+        let (mut driver, mut far) = attached(30, 120);
+        let board = async {
+            // The first answer comes after the deadline; those after it, which count on, in time.
+            request(&mut far).await;
+            sleep(Duration::from_millis(80)).await;
+            far.write_all(&state_answer(1)).await.unwrap();
+            for x in 2..=5 {
+                request(&mut far).await;
+                far.write_all(&state_answer(x)).await.unwrap();
+            }
+        };
+        let asking = async {
+            for x in 2..=5 {
+                let (state, _) = driver.state(&no_clock).await.unwrap();
+                assert_eq!(state.positions[0], x);
+            }
+        };
+        tokio::join!(board, asking);
+    });
+}
+
+#[test]
+fn a_stop_waits_for_no_late_answer() {
+    run(async {
+        // Were the worst latency waited for, this test would take an hour.
+        let (mut driver, mut far) = attached(50, 3_600_000);
+        let board = async {
+            request(&mut far).await;
+            let stop = request(&mut far).await;
+            // First the answer to the move that the driver has given up, then nothing; the stop comes again.
+            far.write_all(&seal(vector(11)[..6].to_vec())).await.unwrap();
+            let again = request(&mut far).await;
+            far.write_all(&seal(stop[..6].to_vec())).await.unwrap();
+            (stop, again)
+        };
+        let driving = async {
+            let lost = driver.send(&move_x(20_000, 100_000), &no_clock).await;
+            assert!(matches!(lost, Err(DriveError::Timeout { .. })), "{lost:?}");
+            driver.send(&Command::RampStop, &no_clock).await.unwrap();
+        };
+        let ((stop, again), ()) = tokio::join!(board, driving);
+        assert_eq!((stop, again), (vector(17), vector(17)));
+    });
+}
+
+#[test]
+fn what_lies_in_the_input_from_before_is_nobodys_answer() {
+    run(async {
+        let (mut driver, mut far) = attached(1000, 1);
+        far.write_all(&state_answer(1)).await.unwrap();
+        let board = async {
+            request(&mut far).await;
+            far.write_all(&state_answer(2)).await.unwrap();
+        };
+        let ((), state) = tokio::join!(board, driver.state(&no_clock));
+        assert_eq!(state.unwrap().0.positions[0], 2);
+    });
+}
