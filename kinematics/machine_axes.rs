@@ -23,19 +23,19 @@ impl Coordinate {
     /// All of them, in order.
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
-    const fn index(self) -> usize {
-        match self {
-            Self::X => 0,
-            Self::Y => 1,
-            Self::Z => 2,
-        }
-    }
-
     fn of(self, values: &Vector3<f64>) -> f64 {
         match self {
             Self::X => values.x,
             Self::Y => values.y,
             Self::Z => values.z,
+        }
+    }
+
+    fn of_mut(self, values: &mut Vector3<f64>) -> &mut f64 {
+        match self {
+            Self::X => &mut values.x,
+            Self::Y => &mut values.y,
+            Self::Z => &mut values.z,
         }
     }
 }
@@ -232,7 +232,7 @@ impl MachineAxes {
     fn part_of_transform(&self, flange: &Vector3<f64>) -> Vector3<f64> {
         let mut part = Vector3::zeros();
         for coordinate in self.transform.coordinates() {
-            part[coordinate.index()] = coordinate.of(flange);
+            *coordinate.of_mut(&mut part) = coordinate.of(flange);
         }
         part
     }
@@ -267,7 +267,7 @@ impl Kinematics for MachineAxes {
         let mut pose = self.transform.forward(&self.outputs(axes))?;
         for (value, source) in axes.iter().zip(&self.sources) {
             if let AxisSource::Coordinate(coordinate) = *source {
-                pose.position[coordinate.index()] = *value;
+                *coordinate.of_mut(&mut pose.position.coords) = *value;
             }
         }
         pose.position.z -= self.tool_length;

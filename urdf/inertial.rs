@@ -1,7 +1,7 @@
 //! Mass properties of uniform bodies.
 
 use crate::{Inertial, Solid, SolidShape};
-use nalgebra::{Matrix3, Point3, Vector3};
+use nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
 
 impl Inertial {
     /// A uniform box of `mass` (kg) with edges `size` (m) along the axes of the link frame.
@@ -57,11 +57,15 @@ impl Solid {
                 Inertial::uniform_sphere(mass, radius, Point3::origin())
             }
         };
-        let turn = self.origin.rotation.to_rotation_matrix();
-        Inertial {
-            mass,
-            center: self.origin.translation.vector.into(),
-            inertia: turn.matrix() * own.inertia * turn.matrix().transpose(),
-        }
+        let center = self.origin.translation.vector.into();
+        Inertial { mass, center, inertia: turned(&own.inertia, &self.origin.rotation) }
     }
+}
+
+/// An inertia given along turned axes, `rotation` taking them to those of the link.
+pub(crate) fn turned(inertia: &Matrix3<f64>, rotation: &UnitQuaternion<f64>) -> Matrix3<f64> {
+    let rotation = rotation.to_rotation_matrix();
+    let product = rotation.matrix() * inertia * rotation.matrix().transpose();
+    // Rounding must not make it unsymmetric.
+    (product + product.transpose()) / 2.0
 }

@@ -7,9 +7,16 @@
 mod error;
 mod generate;
 mod inertial;
+mod load;
 mod model;
 mod pose;
+#[cfg(test)]
+mod tests;
+mod to_urdf;
 
-pub use error::DimensionError;
+pub use error::{DimensionError, Part, UrdfError};
 pub use generate::{GantryDimensions, MachineJoint, ScaraDimensions};
 pub use model::{Inertial, Joint, JointKind, Link, Model, Solid, SolidShape, Tip};
+
+/// Name of the link that marks the tool tip in URDF text, and of the joint that fixes it.
+pub const TIP_NAME: &str = "tool_tip";

@@ -107,12 +107,12 @@ impl GantryDimensions {
     pub fn model(&self) -> Result<Model, DimensionError> {
         let gantry = self.complete()?;
         let axes = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()];
-        let joint = |index: usize| {
-            let axis = axes[index];
-            let shift = axis.into_inner() * -self.offsets[index];
-            let origin = Isometry3::translation(shift.x, shift.y, shift.z);
-            self.joints[index].joint(JointKind::Prismatic, axis, index, index + 1, origin)
-        };
+        let joints = self.joints.iter().zip(axes).zip(self.offsets).enumerate().map(
+            |(link, ((joint, axis), offset))| {
+                let origin = Isometry3::from(axis.into_inner() * -offset);
+                joint.joint(JointKind::Prismatic, axis, link, link + 1, origin)
+            },
+        );
         Ok(Model {
             name: self.name.clone(),
             links: vec![
@@ -121,7 +121,7 @@ impl GantryDimensions {
                 gantry.carriage(),
                 gantry.quill(),
             ],
-            joints: vec![joint(0), joint(1), joint(2)],
+            joints: joints.collect(),
             tip: Tip { link: 3, point: Point3::new(0.0, 0.0, -self.tool_length) },
         })
     }
@@ -137,8 +137,14 @@ impl GantryDimensions {
         }
         check_joints(self.joints.iter())?;
 
-        let travel = [0, 1, 2]
-            .map(|axis| self.joints[axis].position_limits.map(|limit| limit - self.offsets[axis]));
+        let [x, y, z] = &self.joints;
+        let travel_of =
+            |joint: &MachineJoint, offset: f64| joint.position_limits.map(|limit| limit - offset);
+        let travel = [
+            travel_of(x, self.offsets[0]),
+            travel_of(y, self.offsets[1]),
+            travel_of(z, self.offsets[2]),
+        ];
         let [span, stroke] = [travel[1][1] - travel[1][0], travel[2][1] - travel[2][0]];
         let beam = self.beam_section.unwrap_or_else(|| {
             let width = (span / 12.0).clamp(0.06, 0.3);

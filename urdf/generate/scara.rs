@@ -66,13 +66,20 @@ pub struct ScaraDimensions {
     pub tool_mass: f64,
 }
 
+/// An arm with all its dimensions, in m and kg.
+struct Arm {
+    length: f64,
+    width: f64,
+    height: f64,
+    mass: f64,
+    /// Height of its lower side, machine frame.
+    bottom: f64,
+}
+
 /// All dimensions, derived ones included.
-struct Scara<'a> {
-    given: &'a ScaraDimensions,
-    sections: [[f64; 2]; 2],
-    masses: [f64; 2],
-    /// Lower and upper side of each arm, machine frame.
-    heights: [[f64; 2]; 2],
+struct Scara {
+    first: Arm,
+    second: Arm,
     floor: f64,
     column_top: f64,
     column_radius: f64,
@@ -80,6 +87,8 @@ struct Scara<'a> {
     quill_length: f64,
     quill_mass: f64,
     tool_radius: f64,
+    tool_length: f64,
+    tool_mass: f64,
 }
 
 impl ScaraDimensions {
@@ -115,8 +124,7 @@ impl ScaraDimensions {
     /// [`DimensionError`] names the first dimension that makes no sense.
     pub fn model(&self) -> Result<Model, DimensionError> {
         let scara = self.complete()?;
-        let mid = |arm: usize| f64::midpoint(scara.heights[arm][0], scara.heights[arm][1]);
-        let [first, second] = [mid(0), mid(1)];
+        let [first, second] = [scara.first.middle(), scara.second.middle()];
         let quill_origin = Isometry3::translation(self.arms[1], 0.0, -second);
         let quill_joint = match &self.quill_joint {
             Some(joint) => joint.joint(JointKind::Prismatic, Vector3::z_axis(), 2, 3, quill_origin),
@@ -133,30 +141,25 @@ impl ScaraDimensions {
                 effort_limit: None,
             },
         };
-        let arm_joint = |arm: usize, x: f64, z: f64| {
-            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -self.offsets[arm]);
-            let origin = Isometry3::from_parts(Translation3::new(x, 0.0, z), turn);
-            self.arm_joints[arm].joint(JointKind::Revolute, Vector3::z_axis(), arm, arm + 1, origin)
+        let origin = |offset: f64, x: f64, z: f64| {
+            let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -offset);
+            Isometry3::from_parts(Translation3::new(x, 0.0, z), turn)
         };
+        let [shoulder, elbow] = &self.arm_joints;
+        let shoulder_origin = origin(self.offsets[0], 0.0, first);
+        let elbow_origin = origin(self.offsets[1], self.arms[0], second - first);
+        let part = |name: &str, inertial, solids| Link { name: name.to_owned(), inertial, solids };
         Ok(Model {
             name: self.name.clone(),
             links: vec![
-                Link { name: "base".to_owned(), inertial: None, solids: scara.base() },
-                Link {
-                    name: "arm1".to_owned(),
-                    inertial: Some(scara.arm_inertial(0)),
-                    solids: scara.arm1(),
-                },
-                Link {
-                    name: "arm2".to_owned(),
-                    inertial: Some(scara.arm_inertial(1)),
-                    solids: scara.arm2(),
-                },
-                scara.quill(),
+                part("base", None, scara.base()),
+                part("arm1", Some(scara.first.inertial()), scara.first.beam(paint::IVORY)),
+                part("arm2", Some(scara.second.inertial()), scara.arm2()),
+                part("quill", scara.quill_inertial(), scara.quill()),
             ],
             joints: vec![
-                arm_joint(0, 0.0, first),
-                arm_joint(1, self.arms[0], second - first),
+                shoulder.joint(JointKind::Revolute, Vector3::z_axis(), 0, 1, shoulder_origin),
+                elbow.joint(JointKind::Revolute, Vector3::z_axis(), 1, 2, elbow_origin),
                 quill_joint,
             ],
             tip: Tip { link: 3, point: Point3::new(0.0, 0.0, -self.tool_length) },
@@ -164,7 +167,7 @@ impl ScaraDimensions {
     }
 
     /// Checks what is given and derives the rest.
-    fn complete(&self) -> Result<Scara<'_>, DimensionError> {
+    fn complete(&self) -> Result<Scara, DimensionError> {
         check_positive(&[
             ("the length of arm 1", self.arms[0]),
             ("the length of arm 2", self.arms[1]),
@@ -178,46 +181,52 @@ impl ScaraDimensions {
         }
         check_joints(self.arm_joints.iter().chain(&self.quill_joint))?;
 
-        let sections = self
-            .arm_sections
-            .unwrap_or_else(|| self.arms.map(|length| [length / 4.0, length / 5.0]));
+        let derived_section = |length: f64| [length / 4.0, length / 5.0];
+        let sections = self.arm_sections.unwrap_or_else(|| self.arms.map(derived_section));
+        let derived_mass =
+            |length: f64, [width, height]: [f64; 2]| ARM_DENSITY * length * width * height;
+        let masses = self.arm_masses.unwrap_or_else(|| {
+            [derived_mass(self.arms[0], sections[0]), derived_mass(self.arms[1], sections[1])]
+        });
         let [lowest, highest] =
             self.quill_joint.as_ref().map_or([0.0; 2], |joint| joint.position_limits);
-        let arm2_bottom = highest + CLEARANCE;
-        let arm1_top = arm2_bottom - GAP;
-        let heights =
-            [[arm1_top - sections[0][1], arm1_top], [arm2_bottom, arm2_bottom + sections[1][1]]];
-        let column_top = heights[0][0] - GAP;
+        let arm = |length, [width, height]: [f64; 2], mass, bottom| Arm {
+            length,
+            width,
+            height,
+            mass,
+            bottom,
+        };
+        let second = arm(self.arms[1], sections[1], masses[1], highest + CLEARANCE);
+        let first = arm(self.arms[0], sections[0], masses[0], second.bottom - GAP - sections[0][1]);
+        let column_top = first.bottom - GAP;
         let column_height = self.column_height.unwrap_or_else(|| {
             let below_tool = lowest - self.tool_length - CLEARANCE;
-            (column_top - below_tool).max(sections[0][0])
+            (column_top - below_tool).max(first.width)
         });
-        let masses = self.arm_masses.unwrap_or_else(|| {
-            [0, 1].map(|arm| ARM_DENSITY * self.arms[arm] * sections[arm][0] * sections[arm][1])
-        });
-        let quill_radius = self.quill_radius.unwrap_or(sections[1][0] / 5.0);
-        let quill_length = self.quill_length.unwrap_or(heights[1][1] + CLEARANCE - lowest);
+        let quill_radius = self.quill_radius.unwrap_or(second.width / 5.0);
+        let quill_length = self.quill_length.unwrap_or(second.top() + CLEARANCE - lowest);
         let quill_volume = std::f64::consts::PI * quill_radius * quill_radius * quill_length;
         let scara = Scara {
-            given: self,
-            sections,
-            masses,
-            heights,
             floor: column_top - column_height,
             column_top,
-            column_radius: self.column_radius.unwrap_or(0.6 * sections[0][0]),
+            column_radius: self.column_radius.unwrap_or(0.6 * first.width),
             quill_radius,
             quill_length,
             quill_mass: self.quill_mass.unwrap_or(QUILL_DENSITY * quill_volume),
             tool_radius: self.tool_radius.unwrap_or(quill_radius / 2.0),
+            tool_length: self.tool_length,
+            tool_mass: self.tool_mass,
+            first,
+            second,
         };
         check_positive(&[
-            ("the width of arm 1", sections[0][0]),
-            ("the height of arm 1", sections[0][1]),
-            ("the width of arm 2", sections[1][0]),
-            ("the height of arm 2", sections[1][1]),
-            ("the mass of arm 1", masses[0]),
-            ("the mass of arm 2", masses[1]),
+            ("the width of arm 1", scara.first.width),
+            ("the height of arm 1", scara.first.height),
+            ("the mass of arm 1", scara.first.mass),
+            ("the width of arm 2", scara.second.width),
+            ("the height of arm 2", scara.second.height),
+            ("the mass of arm 2", scara.second.mass),
             ("the height of the column", column_height),
             ("the radius of the column", scara.column_radius),
             ("the radius of the quill", quill_radius),
@@ -229,7 +238,34 @@ impl ScaraDimensions {
     }
 }
 
-impl Scara<'_> {
+impl Arm {
+    fn top(&self) -> f64 {
+        self.bottom + self.height
+    }
+
+    /// Height of the origin of its frame, machine frame.
+    fn middle(&self) -> f64 {
+        self.bottom + self.height / 2.0
+    }
+
+    /// A beam with round ends.
+    fn beam(&self, color: [f64; 4]) -> Vec<Solid> {
+        let (side, level) = (self.width / 2.0, self.height / 2.0);
+        vec![
+            cuboid([0.0, -side, -level], [self.length, side, level], color),
+            upright(0.0, 0.0, [-level, level], side, color),
+            upright(self.length, 0.0, [-level, level], side, color),
+        ]
+    }
+
+    /// Of the box between the axes; the round ends are paint.
+    fn inertial(&self) -> Inertial {
+        let size = Vector3::new(self.length, self.width, self.height);
+        Inertial::uniform_box(self.mass, size, Point3::new(self.length / 2.0, 0.0, 0.0))
+    }
+}
+
+impl Scara {
     fn base(&self) -> Vec<Solid> {
         let half = 1.6 * self.column_radius;
         let plate = self.floor + 0.1 * (self.column_top - self.floor).min(2.0 * self.column_radius);
@@ -239,55 +275,45 @@ impl Scara<'_> {
         ]
     }
 
-    /// A beam with round ends, in the frame of the arm: at half its height.
-    fn beam(&self, arm: usize, color: [f64; 4]) -> Vec<Solid> {
-        let (length, [width, height]) = (self.given.arms[arm], self.sections[arm]);
-        let (side, level) = (width / 2.0, height / 2.0);
-        vec![
-            cuboid([0.0, -side, -level], [length, side, level], color),
-            upright(0.0, 0.0, [-level, level], side, color),
-            upright(length, 0.0, [-level, level], side, color),
-        ]
-    }
-
-    /// Of the box between the axes; the round ends are paint.
-    fn arm_inertial(&self, arm: usize) -> Inertial {
-        let (length, [width, height]) = (self.given.arms[arm], self.sections[arm]);
-        let size = Vector3::new(length, width, height);
-        Inertial::uniform_box(self.masses[arm], size, Point3::new(length / 2.0, 0.0, 0.0))
-    }
-
-    fn arm1(&self) -> Vec<Solid> {
-        self.beam(0, paint::IVORY)
-    }
-
     fn arm2(&self) -> Vec<Solid> {
-        let (length, [width, height]) = (self.given.arms[1], self.sections[1]);
-        let mut solids = self.beam(1, paint::BLUE);
+        let arm = &self.second;
+        let mut solids = arm.beam(paint::BLUE);
         // The cover of the motors leaves the quill free.
-        let (side, start) = (0.4 * width, -0.3 * width);
-        let end = (0.65 * length).min(length - 2.0 * self.quill_radius);
+        let (side, start) = (0.4 * arm.width, -0.3 * arm.width);
+        let end = (0.65 * arm.length).min(arm.length - 2.0 * self.quill_radius);
         if end > start {
-            let level = height / 2.0;
+            let level = arm.height / 2.0;
             solids.push(cuboid(
                 [start, -side, level],
-                [end, side, level + 0.7 * height],
+                [end, side, level + 0.7 * arm.height],
                 paint::GRAPHITE,
             ));
         }
         solids
     }
 
-    /// The quill and its tool, in the frame of the flange.
-    fn quill(&self) -> Link {
-        let quill = upright(0.0, 0.0, [0.0, self.quill_length], self.quill_radius, paint::STEEL);
-        let tool_length = self.given.tool_length;
-        let tool = upright(0.0, 0.0, [-tool_length, 0.0], self.tool_radius, paint::AMBER);
-        let parts = [quill.uniform(self.quill_mass), tool.uniform(self.given.tool_mass)];
-        let mut solids = vec![quill];
-        if tool_length > 0.0 {
-            solids.push(tool);
+    /// The quill, in the frame of the flange.
+    fn shaft(&self) -> Solid {
+        upright(0.0, 0.0, [0.0, self.quill_length], self.quill_radius, paint::STEEL)
+    }
+
+    /// The tool, in the frame of the flange.
+    fn tool(&self) -> Solid {
+        upright(0.0, 0.0, [-self.tool_length, 0.0], self.tool_radius, paint::AMBER)
+    }
+
+    fn quill(&self) -> Vec<Solid> {
+        let mut solids = vec![self.shaft()];
+        if self.tool_length > 0.0 {
+            solids.push(self.tool());
         }
-        Link { name: "quill".to_owned(), inertial: Inertial::union(&parts), solids }
+        solids
+    }
+
+    fn quill_inertial(&self) -> Option<Inertial> {
+        Inertial::union(&[
+            self.shaft().uniform(self.quill_mass),
+            self.tool().uniform(self.tool_mass),
+        ])
     }
 }
