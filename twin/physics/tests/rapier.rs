@@ -1,5 +1,7 @@
 //! rapier's bodies against our own equation of motion: two formulations of the same machine.
 
+use twin_urdf::{MachineJoint, ScaraDimensions};
+
 use super::*;
 
 /// Largest distance between the links of two sets of poses, m.
@@ -11,30 +13,13 @@ fn distance(a: &[Isometry3<f64>], b: &[Isometry3<f64>]) -> f64 {
     pairs.fold(0.0, f64::max)
 }
 
-/// The poses written down once more, straight from the model.
-fn model_poses(model: &Model, position: &AxisVector) -> Vec<Isometry3<f64>> {
-    let mut poses = vec![Isometry3::identity()];
-    for joint in &model.joints {
-        let value = joint.machine_axis.map_or(0.0, |axis| position[axis]);
-        let motion = match joint.kind {
-            JointKind::Revolute => Isometry3::rotation(joint.axis.into_inner() * value),
-            JointKind::Prismatic => {
-                Isometry3::from(nalgebra::Translation3::from(joint.axis.into_inner() * value))
-            }
-            JointKind::Fixed => Isometry3::identity(),
-        };
-        poses.push(poses[joint.parent] * joint.origin * motion);
-    }
-    poses
-}
-
 #[test]
 fn the_bodies_are_where_the_model_says() {
     for (model, start) in [(gantry(), axes([0.3, -0.2, 0.1])), (crooked(), axes([0.7, -0.1, 2.0]))]
     {
         let mut machine =
             PhysicsMachine::new(&model, &[SLACK; 3], down(), &start, CYCLE_NS).unwrap();
-        assert!(distance(&machine.link_poses(), &model_poses(&model, &start)) < 1e-14);
+        assert!(distance(&machine.link_poses(), &model.link_poses(&start)) < 1e-14);
         for _ in 0..300 {
             machine.step_with_efforts(&axes([5.0, 3.0, -0.2])).unwrap();
         }
@@ -44,9 +29,40 @@ fn the_bodies_are_where_the_model_says() {
             "{state:?}"
         );
         let poses = machine.link_poses();
-        assert!(distance(&poses, &model_poses(&model, &state.position)) < 1e-13);
+        assert!(distance(&poses, &model.link_poses(&state.position)) < 1e-13);
         assert!(distance(&poses, &machine.dynamics.link_poses(&machine.joints.position)) < 1e-13);
     }
+}
+
+/// A machine generated from its dimensions holds its place, moves where its drives are told, and its tool tip in
+/// rapier is the model's.
+#[test]
+fn a_generated_scara_runs() {
+    let joint = |name: &str, axis, limits| MachineJoint::new(name, axis, limits);
+    // Axes in another order than joints.
+    let arm_joints = [joint("A", 1, [-2.5, 2.5]), joint("B", 2, [-2.5, 2.5])];
+    let mut dimensions =
+        ScaraDimensions::new("scara", arm_joints, Some(joint("Z", 0, [-0.1, 0.1])), [0.25, 0.2]);
+    dimensions.tool_length = 0.06;
+    dimensions.tool_mass = 0.3;
+    let model = dimensions.model().unwrap();
+
+    let start = axes([0.02, 0.4, 1.0]);
+    let inertia = axis_inertia(&model, &start).unwrap();
+    let holding = holding_effort(&model, down(), &start).unwrap();
+    assert!((holding[0] - inertia[0] * G).abs() < 1e-9, "the quill carries itself: {holding:?}");
+    assert!(holding[1].abs() < 1e-12 && holding[2].abs() < 1e-12, "{holding:?}");
+
+    let drives: Vec<_> =
+        inertia.iter().map(|inertia| AxisDriveParameters::tuned(*inertia, 50.0, 200.0)).collect();
+    let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
+    let target = axes([0.021, 0.39, 1.02]);
+    for _ in 0..1000 {
+        machine.step(&AxisMotion::at_rest(target)).unwrap();
+    }
+    let tip = machine.link_poses()[model.tip.link] * model.tip.point;
+    assert!((tip - model.tip_position(&target)).norm() < 1e-9, "{tip}");
+    assert!((tip - model.tip_position(&start)).norm() > 1e-3, "{tip}");
 }
 
 /// Given the bias efforts, rapier leaves the velocity it was given alone: no friction, damping or drift of its own,
