@@ -94,7 +94,7 @@ impl InterpCncDrive {
         register: u16,
         position: i64,
     ) -> Result<i32, DriveError> {
-        i32::try_from(position).map_err(|_| {
+        i32::try_from(position).map_err(|_beyond| {
             #[expect(clippy::cast_precision_loss, reason = "for a message")]
             let value = position as f64;
             let (low, high) = (i32::MIN.into(), i32::MAX.into());
@@ -223,9 +223,13 @@ impl Drive for InterpCncDrive {
             let sent = self.send(&Command::Move { axis, profile: order.profile }, &clock);
             // Whether a lost command was executed is unknown: start again from what the next sample shows.
             let stamp = sent.inspect_err(|_| self.follower.restart())?;
-            self.follower.executed(&order, decided_ns, stamp.executed_ns, stamp.answered_ns);
+            self.follower.executed(&order, decided_ns, &stamp);
         }
-        let (state, stamp) = self.obeying_state(&clock).inspect_err(|_| self.follower.restart())?;
+        let mut seen = self.obeying_state(&clock);
+        if seen.as_ref().is_ok_and(|(_, stamp)| self.follower.is_poor(stamp)) {
+            seen = self.obeying_state(&clock);
+        }
+        let (state, stamp) = seen.inspect_err(|_| self.follower.restart())?;
         let moving = state.status.moving();
         let counters = self
             .board
@@ -233,7 +237,7 @@ impl Drive for InterpCncDrive {
             .axes
             .iter()
             .map(|axis| (counter(&state, axis.axis), moving.contains(axis.axis)));
-        self.follower.sampled(stamp.executed_ns, counters);
+        self.follower.sampled(&stamp, counters);
         Ok(self.to_sample(&state, stamp))
     }
 

@@ -54,8 +54,10 @@ pub struct Stamp {
     /// The first byte was handed to the port, ns.
     pub sent_ns: i64,
     /// The board executed the request, ns: the middle between the last byte of the request and the first byte of the
-    /// answer. It is wrong by no more than half the time between them.
+    /// answer.
     pub executed_ns: i64,
+    /// Half the time between them: `executed_ns` is wrong by no more, ns.
+    pub uncertainty_ns: i64,
     /// The answer was there, ns.
     pub answered_ns: i64,
 }
@@ -152,7 +154,7 @@ impl InterpCnc {
                 Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })
                     if attempt < ATTEMPTS =>
                 {
-                    attempt += 1
+                    attempt += 1;
                 }
                 done => return done,
             }
@@ -197,7 +199,7 @@ impl InterpCnc {
                 Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })
                     if attempt < attempts =>
                 {
-                    attempt += 1
+                    attempt += 1;
                 }
                 done => return done,
             }
@@ -340,13 +342,11 @@ impl InterpCnc {
         if let Some(silence) = self.silence.take() {
             silence.await;
         }
-        let mut client = match self.client.take() {
-            Some(client) => client,
-            None => {
-                self.clear(action).await?;
-                rtu::attach_slave(self.transport.clone(), Slave(self.options.station))
-            }
-        };
+        if self.client.is_none() {
+            self.clear(action).await?;
+        }
+        let attach = || rtu::attach_slave(self.transport.clone(), Slave(self.options.station));
+        let mut client = self.client.take().unwrap_or_else(attach);
         let sent_bytes = request_bytes(&request);
         let sent_ns = clock.now_ns();
         let outcome = timeout(self.options.deadline, client.call(request)).await;
@@ -383,15 +383,12 @@ impl InterpCnc {
         sent_bytes: usize,
         answer_bytes: usize,
     ) -> Stamp {
-        let wire_ns = |bytes| whole(self.options.line.duration(bytes));
-        let executed_ns =
-            i64::midpoint(sent_ns + wire_ns(sent_bytes), answered_ns - wire_ns(answer_bytes));
+        let (line, answered_ns) = (self.options.line, answered_ns.max(sent_ns));
+        let first = sent_ns + whole(line.duration(sent_bytes));
+        let last = answered_ns - whole(line.duration(answer_bytes));
         // A line faster than its baud rate (a pseudo-terminal) may make the wire times exceed the exchange.
-        Stamp {
-            sent_ns,
-            executed_ns: executed_ns.clamp(sent_ns, answered_ns.max(sent_ns)),
-            answered_ns,
-        }
+        let executed_ns = i64::midpoint(first, last).clamp(sent_ns, answered_ns);
+        Stamp { sent_ns, executed_ns, uncertainty_ns: (last - first).max(0) / 2, answered_ns }
     }
 }
 

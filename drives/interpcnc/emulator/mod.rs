@@ -222,14 +222,18 @@ impl Board {
                 if !places.iter().all(|(address, _)| Self::coil_is_writable(*address)) {
                     return Err(Refusal::Address);
                 }
-                places.into_iter().for_each(|(address, value)| self.set_coil(address, value));
+                for (address, value) in places {
+                    self.set_coil(address, value);
+                }
             }
             Request::WriteHolding(start, values) => {
                 let places = addressed(*start, values)?;
                 places
                     .iter()
                     .try_for_each(|(address, value)| self.check_holding(*address, *value))?;
-                places.into_iter().for_each(|(address, value)| self.set_holding(address, value));
+                for (address, value) in places {
+                    self.set_holding(address, value);
+                }
                 if *start == COMMAND {
                     self.command()?;
                 }
@@ -241,7 +245,7 @@ impl Board {
 
     /// Carries out the command in the command registers.
     fn command(&mut self) -> Result<(), Refusal> {
-        let command = Command::decode(&self.memory.command()).map_err(|_| Refusal::Value)?;
+        let command = Command::decode(&self.memory.command()).map_err(|_bad| Refusal::Value)?;
         let now = self.now_ns;
         match command {
             Command::Reset { unlock, .. } => {
@@ -312,7 +316,7 @@ impl Board {
 
 /// Values with their addresses, none of which exceeds 65535.
 fn addressed<T: Copy>(start: u16, values: &[T]) -> Result<Vec<(u16, T)>, Refusal> {
-    let count = u16::try_from(values.len()).map_err(|_| Refusal::Value)?;
+    let count = u16::try_from(values.len()).map_err(|_beyond| Refusal::Value)?;
     let range = Block { start, count }.addresses()?;
     Ok(range.zip(values.iter().copied()).collect())
 }

@@ -3,7 +3,7 @@
 //! Source: "MODBUS over serial line specification" 1.02 (frame, check sum) and the board's manual, "Traitement des
 //! erreurs et diagnostique" (what is answered and what is not).
 
-/// Check sum of a frame: CRC-16 with polynomial A001h, start FFFFh, sent low byte first.
+/// Check sum of a frame: CRC-16 with polynomial `A001h`, start `FFFFh`, sent low byte first.
 pub(super) fn crc16(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0xFFFF, |crc, byte| {
         (0..8).fold(

@@ -89,14 +89,14 @@ impl EmulatedBoard {
         let thread = self.thread.take().ok_or(EmulatorError::Ended)?;
         thread
             .join()
-            .map_err(|_| EmulatorError::Ended)?
+            .map_err(|_panic| EmulatorError::Ended)?
             .map_err(|source| EmulatorError::Terminal { source })
     }
 
     fn send(&self, message: Control) -> Result<(), EmulatorError> {
         // The emulator takes messages as they come: the queue is full only if it no longer runs.
         let control = self.control.as_ref().ok_or(EmulatorError::Ended)?;
-        control.try_send(message).map_err(|_| EmulatorError::Ended)
+        control.try_send(message).map_err(|_unsent| EmulatorError::Ended)
     }
 }
 

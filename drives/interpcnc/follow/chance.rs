@@ -11,6 +11,10 @@ use crate::interpcnc::{
 const RAMP_PARTS: [f64; 4] = [0.2, 0.5, 0.8, 1.0];
 /// Part of the position error that a round makes good.
 const CORRECTION: f64 = 0.7;
+/// How long after the next command is due an axis still need not brake for its target: rounds and s. Long enough for
+/// a master that the operating system keeps waiting; what a master that dies leaves undone is not much longer.
+const MARGIN_ROUNDS: f64 = 1.5;
+const MARGIN_S: f64 = 0.03;
 /// Parts of a round at which a motion is compared with the plan: also after it, as the next command may be late.
 pub(super) const COMPARED: [f64; 5] = [0.25, 0.5, 0.75, 1.0, 1.25];
 
@@ -92,7 +96,7 @@ impl Chance<'_> {
         let sense = velocity.signum();
         // Ramps down are gentle where the way allows, else as steep as allowed.
         let down = if slower { rate.max(0.25 * most_down) } else { most_down };
-        let margin = 1.5 * self.round + 0.01;
+        let margin = MARGIN_ROUNDS * self.round + MARGIN_S;
         let clear = now.position + way + sense * speed * margin;
         let from = if self.plan.at(self.executed_ns).velocity * sense >= 0.0 { 0.0 } else { 1.0 };
         let target =
@@ -136,7 +140,7 @@ impl Chance<'_> {
             return;
         }
         let (most_up, most_down) = self.limits();
-        let clear = end.position + sense * speed * (1.5 * self.round + 0.01);
+        let clear = end.position + sense * speed * (MARGIN_ROUNDS * self.round + MARGIN_S);
         let rate = (end.velocity - now.velocity).abs() / self.round;
         for (up, down) in [(rate, rate), (most_up, most_down)] {
             let wanted = clear + sense * speed * speed * 0.5 / down.min(most_down);

@@ -23,21 +23,36 @@ use chance::{COMPARED, Chance};
 use window::Window;
 
 use super::{
-    AxisOptions, Line, MoveProfile,
+    AxisOptions, Line, MoveProfile, Stamp,
     ramp::{Motion, Ramp, State, nanoseconds, seconds},
 };
 use crate::SetpointStream;
 
 /// An axis is left alone while its present move stays this near to the plan, increments: what rounding makes.
 const TOLERANCE: f64 = 0.6;
-/// Samples move the model by this part of the difference: their time stamps are uncertain by a millisecond or two,
-/// which at speed is more than the model errs between two samples.
-const SAMPLE_GAIN: f64 = 0.3;
-/// A difference that lasts longer than the uncertainty of time stamps explains is an axis that does not do as
-/// modelled: then the sample is right, s.
-const STAMP_UNCERTAINTY: f64 = 0.05;
 /// Weight of an exchange in the running means.
 const MEAN_GAIN: f64 = 0.2;
+/// A duration counts as at most so many times the mean: one exchange that something else delayed says little.
+const MEAN_LIMIT: f64 = 2.0;
+/// What a model may have strayed between two samples, as a part of what a usual time stamp is uncertain by: samples
+/// come with that uncertainty times the speed, and between them the model errs less.
+const STRAYING: f64 = 0.36;
+/// The same for whole steps and rounded speeds, increments².
+const STRAYING_V2: f64 = 0.05;
+/// Variance of a counter, which shows whole steps, increments².
+const STEP_V2: f64 = 0.1;
+/// A difference beyond so many times what is explained is an axis that does not do as modelled: the sample is right.
+const DOUBT: f64 = 5.0;
+
+/// A mean of durations, s.
+#[derive(Clone, Copy, Debug)]
+struct Mean(f64);
+
+impl Mean {
+    fn add(&mut self, value: f64) {
+        self.0 += MEAN_GAIN * (value.clamp(0.0, MEAN_LIMIT * self.0) - self.0);
+    }
+}
 
 /// What the driver believes about one axis.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +60,8 @@ struct Tracked {
     options: AxisOptions,
     motion: Motion,
     ramp: Ramp,
+    /// Variance of the modelled position, increments².
+    variance: f64,
 }
 
 /// A command for an axis, computed for the instant at which it will probably be executed.
@@ -61,10 +78,12 @@ pub(in crate::interpcnc) struct Order {
 pub(in crate::interpcnc) struct Follower {
     axes: Vec<Tracked>,
     window: Window,
-    /// Running mean of the duration of an exchange, silence before it included, s.
-    exchange: f64,
-    /// Running mean of the time from the decision for a command to its execution, s.
-    lead: f64,
+    /// Duration of an exchange, silence before it included.
+    exchange: Mean,
+    /// Time from the decision for a command to its execution.
+    lead: Mean,
+    /// Uncertainty of a time stamp.
+    uncertainty: Mean,
     /// Whether the models have been started from a sample.
     started: bool,
 }
@@ -81,6 +100,7 @@ impl Follower {
         let tracked = |options: &AxisOptions| Tracked {
             options: *options,
             motion: Motion::at_rest(0.0),
+            variance: 0.0,
             ramp: ramp(options),
         };
         // Request 27 bytes, answer 8, two silences; 2 ms for the board until it is known better.
@@ -88,8 +108,9 @@ impl Follower {
         Self {
             axes: axes.iter().map(tracked).collect(),
             window: Window::default(),
-            exchange: line.duration(35).as_secs_f64() + 2.0 * silence + 0.002,
-            lead: line.duration(27).as_secs_f64() + 2.0 * silence,
+            exchange: Mean(line.duration(35).as_secs_f64() + 2.0 * silence + 0.002),
+            lead: Mean(line.duration(27).as_secs_f64() + 2.0 * silence),
+            uncertainty: Mean(0.5 * silence + 0.001),
             started: false,
         }
     }
@@ -107,7 +128,7 @@ impl Follower {
         }
         // An axis left alone now gets its next command a round of all axes later at worst.
         let round = self.round(self.axes.len());
-        let executed_ns = self.window.start_ns + nanoseconds(self.lead);
+        let executed_ns = self.window.start_ns + nanoseconds(self.lead.0);
         let needs = |(index, axis): &(usize, &Tracked)| {
             let plan = self.window.axis(*index);
             COMPARED.iter().any(|part| {
@@ -131,7 +152,7 @@ impl Follower {
         let chance = Chance {
             axis,
             plan,
-            executed_ns: now_ns + nanoseconds(self.lead),
+            executed_ns: now_ns + nanoseconds(self.lead.0),
             round: self.round(round),
         };
         let mut best = (chance.cost(&axis.motion), None);
@@ -144,55 +165,68 @@ impl Follower {
         best.1.map(|profile| Order { axis: index, profile })
     }
 
-    /// The board has accepted an order, decided at `decided_ns`, and executed it at `executed_ns`.
-    pub(in crate::interpcnc) fn executed(
-        &mut self,
-        order: &Order,
-        decided_ns: i64,
-        executed_ns: i64,
-        answered_ns: i64,
-    ) {
-        self.exchange += MEAN_GAIN * (seconds(answered_ns - decided_ns) - self.exchange);
-        self.lead += MEAN_GAIN * (seconds(executed_ns - decided_ns) - self.lead);
+    /// The board has accepted an order that was decided at `decided_ns`.
+    pub(in crate::interpcnc) fn executed(&mut self, order: &Order, decided_ns: i64, stamp: &Stamp) {
+        let executed_ns = stamp.executed_ns;
+        self.exchange.add(seconds(stamp.answered_ns - decided_ns));
+        self.lead.add(seconds(executed_ns - decided_ns));
+        self.uncertainty.add(seconds(stamp.uncertainty_ns));
         if let Some(axis) = self.axes.get_mut(order.axis) {
+            let before = axis.motion.at(executed_ns);
             axis.ramp = ramp_of(&order.profile);
-            axis.motion = Motion::plan(executed_ns, axis.motion.at(executed_ns), &axis.ramp);
+            axis.motion = Motion::plan(executed_ns, before, &axis.ramp);
+            // Had it been executed earlier or later, it would have been at the other speed for that long.
+            let after = axis.motion.at(stamp.answered_ns).velocity;
+            axis.variance += ((after - before.velocity) * seconds(stamp.uncertainty_ns)).powi(2);
         }
     }
 
-    /// The board has shown its counters and which axes move, as they were at `time_ns`.
+    /// The board has shown its counters and which axes move. Each model goes towards its counter by the part that
+    /// its variance has in the sum of both (a Kalman filter in one dimension).
     pub(in crate::interpcnc) fn sampled(
         &mut self,
-        time_ns: i64,
+        stamp: &Stamp,
         counters: impl Iterator<Item = (i32, bool)>,
     ) {
+        let time_ns = stamp.executed_ns;
+        self.uncertainty.add(seconds(stamp.uncertainty_ns));
         for (axis, (counter, moving)) in self.axes.iter_mut().zip(counters) {
             let counter = f64::from(counter);
             let model = axis.motion.at(time_ns);
+            let speed = model.velocity.abs();
+            let modelled =
+                axis.variance + (STRAYING * speed * self.uncertainty.0).powi(2) + STRAYING_V2;
+            let shown = (speed * seconds(stamp.uncertainty_ns)).powi(2) + STEP_V2;
             let difference = counter - model.position;
-            let explained = model.velocity.abs() * STAMP_UNCERTAINTY + 2.0;
-            if !self.started || !moving && !axis.motion.moving(time_ns) {
+            let doubtful = difference.abs() > DOUBT * (modelled + shown).sqrt() + 1.0;
+            if !self.started || !moving && (doubtful || !axis.motion.moving(time_ns)) {
                 axis.motion = Motion::at_rest(counter);
-            } else if difference.abs() > explained {
-                let velocity = if moving { model.velocity } else { 0.0 };
-                let state = State { position: counter, velocity };
-                axis.motion = if moving {
-                    Motion::plan(time_ns, state, &axis.ramp)
-                } else {
-                    Motion::at_rest(counter)
-                };
-            } else if difference.abs() > 0.5 {
-                let state = State { position: model.position + SAMPLE_GAIN * difference, ..model };
-                axis.motion = Motion::plan(time_ns, state, &axis.ramp);
+                axis.variance = 0.0;
+            } else if doubtful {
+                axis.motion =
+                    Motion::plan(time_ns, State { position: counter, ..model }, &axis.ramp);
+                axis.variance = shown;
+            } else {
+                let gain = modelled / (modelled + shown);
+                axis.variance = (1.0 - gain) * modelled;
+                if difference.abs() > 0.5 {
+                    let position = model.position + gain * difference;
+                    axis.motion = Motion::plan(time_ns, State { position, ..model }, &axis.ramp);
+                }
             }
         }
         self.started = true;
     }
 
+    /// True if the time of a sample is so much less certain than usual that another is worth its time.
+    pub(in crate::interpcnc) fn is_poor(&self, stamp: &Stamp) -> bool {
+        seconds(stamp.uncertainty_ns) > (3.0 * self.uncertainty.0).max(0.004)
+    }
+
     /// Duration of a round of so many commands and a sample, s.
     fn round(&self, commands: usize) -> f64 {
         let exchanges = u32::try_from(commands + 1).unwrap_or(u32::MAX);
-        self.exchange * f64::from(exchanges)
+        self.exchange.0 * f64::from(exchanges)
     }
 }
 

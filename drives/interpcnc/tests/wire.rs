@@ -53,12 +53,12 @@ async fn unanswered(mut far: DuplexStream) -> Vec<Vec<u8>> {
 }
 
 /// Sends `command`, answered with `answer`; the request and the outcome.
-fn exchange(command: Command, answer: Vec<u8>) -> (Vec<u8>, Result<(), DriveError>) {
+fn exchange(command: Command, answer: &[u8]) -> (Vec<u8>, Result<(), DriveError>) {
     run(async {
         let (mut driver, mut far) = attached(1000, 1);
         let board = async {
             let request = request(&mut far).await;
-            far.write_all(&answer).await.unwrap();
+            far.write_all(answer).await.unwrap();
             request
         };
         let (request, outcome) = tokio::join!(board, driver.send(&command, &no_clock));
@@ -145,7 +145,7 @@ fn commands_are_the_bytes_of_their_vectors() {
             5 => assert_eq!(answer, vector(6)),
             _ => {}
         }
-        let (request, outcome) = exchange(command, answer);
+        let (request, outcome) = exchange(command, &answer);
         assert_eq!(request, expected, "vector {number}");
         assert!(outcome.is_ok(), "vector {number}: {outcome:?}");
     }
@@ -171,7 +171,7 @@ fn vectors_20_and_21_are_the_state() {
 
 #[test]
 fn an_exception_is_an_error_with_its_code_and_command() {
-    let (_, outcome) = exchange(move_x(20_000, 5), vector(29));
+    let (_, outcome) = exchange(move_x(20_000, 5), &vector(29));
     let Err(DriveError::Device { at, code: 2 }) = outcome else { panic!("{outcome:?}") };
     assert_eq!(
         (at.station, at.action),
@@ -200,8 +200,8 @@ fn values_beyond_the_board_are_not_sent() {
 }
 
 /// Answers every request for the state with `answer` and gives the outcome.
-async fn state_from(answer: &[u8]) -> Result<Status, DriveError> {
-    let (mut driver, mut far) = attached(20, 1);
+async fn state_from(answer: &[u8], deadline_ms: u64) -> Result<Status, DriveError> {
+    let (mut driver, mut far) = attached(deadline_ms, 1);
     let board = async {
         loop {
             request(&mut far).await;
@@ -219,7 +219,7 @@ fn every_truncated_answer_is_a_timeout() {
     run(async {
         let answer = vector(21);
         for length in 0..answer.len() {
-            let outcome = state_from(&answer[..length]).await;
+            let outcome = state_from(&answer[..length], 5).await;
             assert!(
                 matches!(outcome, Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })),
                 "{length} bytes: {outcome:?}"
@@ -236,7 +236,7 @@ fn every_corrupted_answer_is_refused() {
             for bit in [0x01, 0x80] {
                 let mut wrong = answer.clone();
                 wrong[place] ^= bit;
-                let outcome = state_from(&wrong).await;
+                let outcome = state_from(&wrong, 5).await;
                 assert!(
                     matches!(
                         outcome,
@@ -253,22 +253,22 @@ fn every_corrupted_answer_is_refused() {
 fn an_answer_from_elsewhere_is_named() {
     run(async {
         let foreign = seal([&[2], &vector(21)[1..27]].concat());
-        let outcome = state_from(&foreign).await;
+        let outcome = state_from(&foreign, 1000).await;
         let fault = |outcome: Result<Status, DriveError>| match outcome {
             Err(DriveError::Protocol { fault, .. }) => fault,
             other => panic!("{other:?}"),
         };
         assert_eq!(fault(outcome), ProtocolFault::Station);
-        let outcome = state_from(&vector(2)).await;
+        let outcome = state_from(&vector(2), 1000).await;
         assert_eq!(fault(outcome), ProtocolFault::Function { sent: 4, received: 16 });
         let short = seal(bytes("01 04 02 00 40"));
         assert_eq!(
-            fault(state_from(&short).await),
+            fault(state_from(&short, 1000).await),
             ProtocolFault::Length { expected: 12, received: 1 }
         );
     });
     // Two registers are confirmed where nine were written.
-    let (_, outcome) = exchange(move_x(20_000, 5), vector(2));
+    let (_, outcome) = exchange(move_x(20_000, 5), &vector(2));
     let fault = match outcome {
         Err(DriveError::Protocol { fault, .. }) => fault,
         other => panic!("{other:?}"),

@@ -3,6 +3,9 @@
 //! A command is a write to the registers from 4096 on, the command number first, arguments after it. In commands
 //! 6, 67 and 71 only the axes of the mask have values, without gaps, in the order X, Y, Z, A, B.
 
+#[cfg(test)]
+mod tests;
+
 use super::registers::{AXES, AxisMask, BoardAxis, COMMAND_REGISTERS, join, words};
 use crate::Action;
 
@@ -379,73 +382,4 @@ fn take_values(mask: AxisMask, registers: &[u16]) -> AxisValues {
             _ => None,
         }
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    fn decode(registers: &[u16]) -> Result<Command, BadCommand> {
-        let mut all = [0xAAAA; COMMAND_REGISTERS as usize];
-        all.iter_mut().zip(registers).for_each(|(to, from)| *to = *from);
-        Command::decode(&all)
-    }
-
-    #[test]
-    fn unknown_numbers_and_impossible_axes_are_no_commands() {
-        assert_eq!(decode(&[5, 1]), Err(BadCommand::Unknown(5)));
-        assert_eq!(decode(&[41, 0]), Err(BadCommand::Axes(0)));
-        assert_eq!(decode(&[67, 32]), Err(BadCommand::Axes(32)));
-        // Command 80 moves one axis, command 78 counts axes from 1 to 5.
-        assert_eq!(decode(&[80, 3]), Err(BadCommand::Axes(3)));
-        assert_eq!(decode(&[78, 6]), Err(BadCommand::Axes(6)));
-    }
-
-    #[test]
-    fn a_motion_command_is_never_sent_twice() {
-        let values = [Some(1); AXES];
-        assert!(!Command::Interpolated { speed_hz: 1, targets: values }.is_idempotent());
-        assert!(!Command::HomeMachine { max_strokes: values }.is_idempotent());
-        assert!(!Command::WritePosition { positions: values }.is_idempotent());
-        assert!(!Command::ChangeSpeed { axes: AxisMask::ALL, speed_hz: 1 }.is_idempotent());
-        assert!(Command::RampStop.is_idempotent() && Command::Stop.is_idempotent());
-    }
-
-    proptest! {
-        #[test]
-        fn every_register_list_decodes_to_the_command_it_was_made_of(
-            targets in prop::array::uniform5(prop::option::of(any::<i32>())),
-            target in any::<i32>(),
-            speed_hz in any::<u32>(),
-            small in any::<[u16; 4]>(),
-            axis in 0..5_usize,
-        ) {
-            let [start_stop_hz, acceleration_khz_per_s, deceleration_khz_per_s, input] = small;
-            let axis = BoardAxis::ALL[axis];
-            let profile =
-                MoveProfile { start_stop_hz, acceleration_khz_per_s, speed_hz, deceleration_khz_per_s, target };
-            let mut commands = vec![
-                Command::Move { axis, profile },
-                Command::ChangeSpeed { axes: axis.mask(), speed_hz },
-                Command::HomeAxis {
-                    axis, input, contact: start_stop_hz, acceleration_khz_per_s, fast_hz: speed_hz,
-                    deceleration_khz_per_s, max_stroke: target, slow_hz: start_stop_hz, final_position: !target,
-                },
-                Command::Probe {
-                    axes: axis.mask(), positive: target > 0, input, level: 1, max_stroke: target, speed_hz,
-                    start_stop_hz, acceleration_khz_per_s, deceleration_khz_per_s,
-                },
-            ];
-            if targets.iter().any(Option::is_some) {
-                commands.push(Command::Interpolated { speed_hz, targets });
-                commands.push(Command::WritePosition { positions: targets });
-                commands.push(Command::HomeMachine { max_strokes: targets });
-            }
-            for command in commands {
-                prop_assert_eq!(decode(&command.registers()), Ok(command));
-            }
-        }
-    }
 }

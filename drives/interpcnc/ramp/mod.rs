@@ -8,6 +8,9 @@
 //! command; asking for the state at any later instant depends on nothing in between. The emulator moves by it, and
 //! the driver foresees by it where the board will be when the next command reaches it.
 
+#[cfg(test)]
+mod tests;
+
 /// What limits a motion and where it goes, in steps and seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ramp {
@@ -213,139 +216,4 @@ pub(crate) fn seconds(ns: i64) -> f64 {
 )]
 pub(crate) fn nanoseconds(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
-}
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    const RAMP: Ramp = Ramp {
-        start_stop: 200.0,
-        acceleration: 50e3,
-        speed: 20e3,
-        deceleration: 40e3,
-        target: 100_000.0,
-    };
-
-    fn near(a: f64, b: f64) {
-        assert!((a - b).abs() < 1e-6 * b.abs().max(1.0), "{a} is not {b}");
-    }
-
-    #[test]
-    fn a_long_move_is_a_trapezoid() {
-        // Vector 11 of the digest: start/stop 200 Hz, 50 kHz/s, 20 kHz, 40 kHz/s, 100 000 steps.
-        let motion = Motion::plan(0, State::default(), &RAMP);
-        let up = 19_800.0 / 50e3;
-        let down = 19_800.0 / 40e3;
-        let way = 100_000.0 - 10_100.0 * (up + down);
-        near(motion.end_s, up + way / 20e3 + down);
-        near(motion.at(0).velocity, 200.0);
-        near(motion.at(nanoseconds(up)).position, 10_100.0 * up);
-        near(motion.at(nanoseconds(up + 1.0)).velocity, 20e3);
-        near(motion.at(nanoseconds(motion.end_s - 0.1)).velocity, 200.0 + 4e3);
-        assert_eq!(
-            motion.at(nanoseconds(motion.end_s + 1e-6)),
-            State { position: 100_000.0, velocity: 0.0 }
-        );
-    }
-
-    #[test]
-    fn a_short_move_peaks_below_its_speed() {
-        // Without start/stop frequency: peak² = 2·way·a·d/(a + d).
-        let ramp = Ramp { start_stop: 0.0, target: 900.0, ..RAMP };
-        let motion = Motion::plan(0, State::default(), &ramp);
-        let peak = (2.0 * 900.0 * 50e3 * 40e3 / 90e3_f64).sqrt();
-        near(motion.at(nanoseconds(peak / 50e3)).velocity, peak);
-        near(motion.end_s, peak / 50e3 + peak / 40e3);
-    }
-
-    #[test]
-    fn a_reversed_target_brakes_reverses_and_returns() {
-        let state = State { position: 10_000.0, velocity: 20e3 };
-        let ramp = Ramp { target: -5000.0, speed: 150e3, ..RAMP };
-        let motion = Motion::plan(0, state, &ramp);
-        let brake = 19_800.0 / 40e3;
-        let turn = 10_000.0 + 10_100.0 * brake;
-        let after = motion.at(nanoseconds(brake) + 1);
-        near(after.position, turn);
-        assert!(after.velocity < 0.0 && after.velocity > -201.0, "{after:?}");
-        near(motion.at(i64::MAX).position, -5000.0);
-    }
-
-    #[test]
-    fn a_lower_speed_is_reached_on_the_ramp() {
-        let state = State { position: 0.0, velocity: 20e3 };
-        let motion = Motion::plan(0, state, &Ramp { speed: 8e3, ..RAMP });
-        near(motion.at(nanoseconds(0.15)).velocity, 14e3);
-        near(motion.at(nanoseconds(0.4)).velocity, 8e3);
-    }
-
-    #[test]
-    fn a_ramp_stop_ends_on_a_whole_step() {
-        let motion = Motion::stop(0, State { position: 0.3, velocity: -20e3 }, &RAMP);
-        let end: f64 = 0.3 - (20e3 * 20e3 - 200.0 * 200.0) / 80e3;
-        near(motion.at(i64::MAX).position, end.round());
-        near(motion.end_s, 19_800.0 / 40e3);
-    }
-
-    fn ramps() -> impl Strategy<Value = Ramp> {
-        (0.0..1e3, 1e3..1e6, 1.0..2e5, 1e3..1e6, -1e5..1e5).prop_map(
-            |(start_stop, acceleration, speed, deceleration, target): (f64, f64, f64, f64, f64)| {
-                Ramp {
-                    start_stop,
-                    acceleration,
-                    speed: speed.round(),
-                    deceleration,
-                    target: target.round(),
-                }
-            },
-        )
-    }
-
-    proptest! {
-        #[test]
-        fn random_retargets_stay_continuous_within_limits_and_end_on_target(
-            orders in prop::collection::vec((ramps(), 1_i64..400), 1..8)
-        ) {
-            let mut now = 0;
-            let mut motion = Motion::at_rest(0.0);
-            let mut last_speed = 0.0_f64;
-            for (ramp, wait_ms) in &orders {
-                motion = Motion::plan(now, motion.at(now), ramp);
-                let limit = ramp.speed.max(last_speed);
-                let (fastest, base) = (ramp.acceleration.max(ramp.deceleration), ramp.start_stop.min(ramp.speed));
-                let mut before = motion.at(now);
-                for _ in 0..wait_ms * 4 {
-                    now += 250_000;
-                    let state = motion.at(now);
-                    prop_assert!(state.velocity.abs() <= limit * (1.0 + 1e-9));
-                    // Jumps only between −base and base; elsewhere the ramps bound the change.
-                    let change = (state.velocity - before.velocity).abs();
-                    prop_assert!(change <= fastest * 250e-6 + 2.0 * base + 1e-6, "{before:?} {state:?} {ramp:?}");
-                    let way = (state.position - before.position).abs();
-                    prop_assert!(way <= limit * 250e-6 + 1e-3, "{before:?} {state:?} {ramp:?}");
-                    before = state;
-                }
-                last_speed = before.velocity.abs();
-            }
-            let last = orders.last().map_or(0.0, |(ramp, _)| ramp.target);
-            prop_assert_eq!(motion.at(i64::MAX), State { position: last, velocity: 0.0 });
-        }
-
-        #[test]
-        fn a_move_never_passes_its_target_if_it_can_stop(ramp in ramps(), speed in 0.0..1.0) {
-            let speed: f64 = speed;
-            let way = ramp.target.abs();
-            let base = ramp.start_stop.min(ramp.speed);
-            let velocity = ramp.target.signum() * speed * (2.0 * ramp.deceleration * way + base * base).sqrt();
-            let motion = Motion::plan(0, State { position: 0.0, velocity }, &ramp);
-            let end = nanoseconds(motion.end_s);
-            for part in 0..=1000 {
-                let position = motion.at(end / 1000 * part).position;
-                prop_assert!(position.abs() <= way + 1e-3 && position * ramp.target >= -1e-3);
-            }
-        }
-    }
 }

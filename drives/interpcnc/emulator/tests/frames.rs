@@ -1,0 +1,165 @@
+//! The digest's vectors, by number.
+
+use super::*;
+
+#[test]
+fn vectors_7_to_10_write_counters_and_change_speed() {
+    let mut board = unlocked();
+    board.handle(&vector(7)).unwrap();
+    assert_eq!(board.counters(), [1000, 0, 0, 0, 0]);
+    send(&mut board, Command::WritePosition { positions: [Some(5), None, Some(7), None, None] });
+    board.handle(&vector(8)).unwrap();
+    assert_eq!(board.counters(), [1000, 0, 0, 0, 0]);
+    // The example of command 96 as printed sets the counter instead.
+    board.handle(&vector(10)).unwrap();
+    assert_eq!(board.counters()[0], 10_000);
+
+    board.handle(&vector(11)).unwrap();
+    board.advance(1000 * MS);
+    assert!((board.velocity(BoardAxis::X) - 20_000.0).abs() < 1e-6);
+    board.handle(&vector(9)).unwrap();
+    board.advance(1000 * MS);
+    assert!((board.velocity(BoardAxis::X) - 10_000.0).abs() < 1e-6);
+    board.advance(20_000 * MS);
+    assert_eq!(board.counters()[0], 100_000);
+}
+
+#[test]
+fn vectors_11_and_12_move_and_retarget_in_flight() {
+    let mut board = unlocked();
+    board.handle(&vector(11)).unwrap();
+    // Closed form of the trapezoid: 200 Hz → 20 kHz at 50 kHz/s, then cruise.
+    board.advance(396 * MS);
+    same(x(&board), (10_100.0_f64 * 0.396).round());
+    board.advance(1000 * MS);
+    same(x(&board), (10_100.0_f64 * 0.396 + 20_000.0).round());
+    assert_eq!(board.status().moving().bits(), 1);
+
+    board.handle(&vector(12)).unwrap();
+    let turned = 10_100.0_f64 * 0.396 + 20_000.0 + 10_100.0 * 0.495;
+    board.advance(495 * MS);
+    same(x(&board), turned.round());
+    let before = board.counters()[0];
+    board.advance(100 * MS);
+    assert!(board.counters()[0] < before && board.velocity(BoardAxis::X) < 0.0);
+    board.advance(60_000 * MS);
+    assert_eq!(board.counters()[0], -5000);
+    assert!(board.status().moving().is_empty());
+}
+
+#[test]
+fn vectors_3_to_5_and_13_to_15_are_not_done_and_say_so() {
+    let mut board = unlocked();
+    for number in [3, 4, 5, 13, 14, 15] {
+        let answer = board.handle(&vector(number)).unwrap();
+        assert_eq!(answer, seal(vec![1, 0x90, 3]), "vector {number}");
+    }
+    board.advance(1000 * MS);
+    assert_eq!(board.counters(), [0; 5]);
+}
+
+#[test]
+fn vector_16_stops_two_axes_on_their_ramps() {
+    let mut board = unlocked();
+    for axis in [BoardAxis::X, BoardAxis::Y, BoardAxis::Z] {
+        send(&mut board, go(axis, 1_000_000));
+    }
+    board.advance(1000 * MS);
+    board.handle(&vector(16)).unwrap();
+    board.advance(494 * MS);
+    assert_eq!(board.status().moving().bits(), 0b111);
+    board.advance(2 * MS);
+    assert_eq!(board.status().moving().bits(), 0b100);
+    // Ramp up, cruise, and (20000² − 200²) / (2 · 40000) steps of ramp down.
+    let end = 10_100.0_f64 * 0.396 + 20_000.0 * 0.604 + 4999.5;
+    same(x(&board), end.round());
+    assert!(!board.status().locked());
+}
+
+#[test]
+fn vectors_17_and_19_stop_everything_on_its_ramp() {
+    for number in [17, 19] {
+        let mut board = unlocked();
+        send(&mut board, go(BoardAxis::X, 1_000_000));
+        send(&mut board, go(BoardAxis::B, -1_000_000));
+        board.advance(1000 * MS);
+        let answer = board.handle(&vector(number)).unwrap();
+        if number == 19 {
+            assert_eq!(answer, vector(19));
+        }
+        board.advance(496 * MS);
+        assert!(board.status().moving().is_empty() && !board.status().locked());
+    }
+}
+
+#[test]
+fn vector_18_stops_at_once_and_locks() {
+    let mut board = unlocked();
+    send(&mut board, go(BoardAxis::X, 1_000_000));
+    board.advance(1000 * MS);
+    let before = board.counters();
+    board.handle(&vector(18)).unwrap();
+    assert!(board.status().locked() && !board.status().enable_open());
+    board.advance(1000 * MS);
+    assert_eq!(board.counters(), before);
+    // Locked, a move is accepted and does nothing.
+    send(&mut board, go(BoardAxis::X, 0));
+    board.advance(1000 * MS);
+    assert_eq!(board.counters(), before);
+}
+
+#[test]
+fn vectors_20_to_23_show_status_and_positions() {
+    let mut board = unlocked();
+    let positions = [Some(100_000), Some(-1), Some(0), Some(0), Some(0)];
+    send(&mut board, Command::WritePosition { positions });
+    send(&mut board, go(BoardAxis::X, 200_000));
+    assert_eq!(board.handle(&vector(20)), Some(vector(21)));
+    assert_eq!(board.handle(&vector(22)), Some(vector(23)));
+}
+
+#[test]
+fn vectors_24_and_25_switch_outputs_unless_locked() {
+    let mut board = unlocked();
+    assert_eq!(board.handle(&vector(24)), Some(vector(24)));
+    assert_eq!(board.outputs(), 1);
+    assert_eq!(board.handle(&vector(25)), Some(seal(bytes("01 0F 01 00 00 0C"))));
+    assert_eq!(board.outputs(), 0x0A5);
+    // OUT1 to OUT16 as a word: written at 4149, read there and at 1039.
+    assert_eq!(refusal(&mut board, "01 06 10 35 80 01"), None);
+    assert_eq!(
+        board.handle(&seal(bytes("01 04 04 0F 00 01"))),
+        Some(seal(bytes("01 04 02 80 01")))
+    );
+    assert_eq!(
+        board.handle(&seal(bytes("01 03 10 35 00 01"))),
+        Some(seal(bytes("01 03 02 80 01")))
+    );
+    board.handle(&vector(18)).unwrap();
+    board.handle(&vector(25)).unwrap();
+    assert_eq!(board.outputs(), 0x8001);
+}
+
+#[test]
+fn vector_26_reads_the_lock_which_writing_0_opens() {
+    let mut board = Board::new(&BoardOptions::default());
+    assert_eq!(board.handle(&vector(26)), Some(seal(bytes("01 01 01 01"))));
+    board.handle(&seal(bytes("01 05 01 20 00 00"))).unwrap();
+    assert_eq!(board.handle(&vector(26)), Some(seal(bytes("01 01 01 00"))));
+    board.handle(&seal(bytes("01 05 01 20 FF 00"))).unwrap();
+    assert!(board.status().locked());
+}
+
+#[test]
+fn vectors_27_and_28_read_the_speed_parameter() {
+    assert_eq!(unlocked().handle(&vector(27)), Some(vector(28)));
+}
+
+#[test]
+fn vectors_29_to_31_are_exceptions() {
+    let mut board = unlocked();
+    assert_eq!(board.handle(&seal(bytes("01 10 1B 58 00 01 02 00 00"))), Some(vector(29)));
+    let read_write = "01 17 10 00 00 01 10 00 00 01 02 00 00";
+    assert_eq!(board.handle(&seal(bytes(read_write))), Some(vector(30)));
+    assert_eq!(board.handle(&seal(bytes("01 04 04 00 00 00"))), Some(vector(31)));
+}

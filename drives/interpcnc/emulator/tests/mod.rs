@@ -1,0 +1,61 @@
+//! The emulated board against the digest's vectors and the behaviour that digest and manual describe.
+
+mod behaviour;
+mod frames;
+mod map;
+
+use super::{rtu::seal, *};
+use crate::interpcnc::{
+    MoveProfile,
+    vectors::{bytes, vector},
+};
+
+fn unlocked() -> Board {
+    let mut board = Board::new(&BoardOptions::default());
+    assert_eq!(board.handle(&vector(1)), Some(vector(2)));
+    board
+}
+
+/// Sends a command from station 1 and expects it to be accepted.
+fn send(board: &mut Board, command: Command) {
+    assert_eq!(write(board, &command.registers()), None, "{command:?}");
+}
+
+/// Writes command registers; the exception code, if there is one.
+fn write(board: &mut Board, registers: &[u16]) -> Option<u8> {
+    let count = u8::try_from(registers.len()).unwrap();
+    let mut frame = vec![1, 16, 0x10, 0, 0, count, 2 * count];
+    frame.extend(registers.iter().flat_map(|register| register.to_be_bytes()));
+    let answer = board.handle(&seal(frame)).unwrap();
+    (answer[1] != 16).then_some(answer[2])
+}
+
+/// The exception code that a request from station 1 gets.
+fn refusal(board: &mut Board, request: &str) -> Option<u8> {
+    let answer = board.handle(&seal(bytes(request))).unwrap();
+    (answer[1] & 0x80 != 0).then(|| answer[2])
+}
+
+fn go(axis: BoardAxis, target: i32) -> Command {
+    let profile = MoveProfile {
+        start_stop_hz: 200,
+        acceleration_khz_per_s: 50,
+        speed_hz: 20_000,
+        deceleration_khz_per_s: 40,
+        target,
+    };
+    Command::Move { axis, profile }
+}
+
+const MS: i64 = 1_000_000;
+
+/// The X counter.
+fn x(board: &Board) -> f64 {
+    f64::from(board.counters()[0])
+}
+
+/// Compares whole numbers.
+#[track_caller]
+fn same(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 1e-6, "{found} is not {expected}");
+}

@@ -1,0 +1,1 @@
+//! Motions against closed forms, and under random retargets.
