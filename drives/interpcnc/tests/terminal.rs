@@ -2,14 +2,18 @@
 
 use std::{
     f64::consts::TAU,
+    io::{Read, Write},
     time::{Duration, Instant},
 };
+
+use serialport::TTYPort;
 
 use crate::{
     Drive, DriveError, IncrementMotion, MAX_DRIVE_AXES, SetpointStream,
     interpcnc::{
         AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions, Line, Parity,
-        emulator::{BoardOptions, EmulatedBoard, EmulatorOptions, Wire},
+        emulator::{BoardOptions, EmulatedBoard, EmulatorOptions, Wire, seal},
+        vectors::{bytes, vector},
     },
 };
 
@@ -240,4 +244,29 @@ fn a_port_that_is_not_there_is_named() {
         error.to_string().starts_with("/dev/no-such-port, station 1: opening the port: "),
         "{error}"
     );
+}
+
+#[test]
+fn noise_and_unknown_functions_leave_the_board_answering() {
+    let board = EmulatedBoard::start(&EmulatorOptions::default(), clock()).unwrap();
+    let port = serialport::new(board.path().to_str().unwrap(), 115_200);
+    let mut port = TTYPort::open(&port.timeout(Duration::from_secs(5))).unwrap();
+    // Silence ends noise and frames of unknown length; without it the next frame would belong to the noise.
+    let silence = || std::thread::sleep(Duration::from_millis(100));
+    let expect = |port: &mut TTYPort, answer: &[u8]| {
+        let mut received = vec![0; answer.len()];
+        port.read_exact(&mut received).unwrap();
+        assert_eq!(received, answer);
+    };
+    port.write_all(&[0x55; 30]).unwrap();
+    silence();
+    port.write_all(&seal(bytes("01 17 10 00 00 01 10 00 00 01 02 00 00"))).unwrap();
+    expect(&mut port, &vector(30));
+    // A foreign frame is not answered; two frames at once are answered one after the other.
+    port.write_all(&seal(bytes("02 04 04 00 00 0C"))).unwrap();
+    silence();
+    port.write_all(&[vector(1), vector(26)].concat()).unwrap();
+    expect(&mut port, &[vector(2), seal(bytes("01 01 01 00"))].concat());
+    drop(port);
+    assert_eq!(board.stop().unwrap().frames_handled(), 3);
 }
