@@ -1,1 +1,39 @@
-//! SoftMotion's DIN 66025 dialect (manual 3.2): text to path elements.
+//! SoftMotion's DIN 66025 dialect (manual 3.2): text to path elements, `SMC_NCDecoder`.
+//!
+//! ```text
+//! % name                              the first line
+//! N10 G1 X100 Y100 F100 E100 E-200    one block per line: N word, at most one G word, then any others
+//! ```
+//!
+//! Lengths are mm, velocities (F) mm/s, accelerations (E above zero, and below zero for decelerating) mm/s². Case,
+//! leading zeros and blanks between words do not matter. `(…)` is a comment, `/` at the beginning marks a block that
+//! may be suppressed.
+//!
+//! The words of a block act from right to left: every word but G stores its number, the leftmost of its letter last,
+//! and then G reads them. F, E, the modes and the target stay from block to block; I, J and R hold for one block.
+//! Without a G word the last motion of G0 to G3 repeats, G1 at first.
+//!
+//! Where the manual says nothing:
+//! - A comment ends in its line, as the block does.
+//! - A block that names no coordinate (and, for an arc, no I, J or R) is no path object: `N50 G1 F100` sets the
+//!   motion and the feed. One whose target is where the tool is already is an object of length zero.
+//! - X, Y, Z, I, J, R in a block with G90, G91, G98 or G99 would act at some later motion; they are errors.
+//! - G92 is absolute also under G91; coordinates it leaves out stay.
+//! - The sign of R has no meaning (and gets a warning): an arc by R is never larger than a semicircle.
+//! - Start and end are on one circle if their distances from the centre differ by at most 5 µm, which numbers of
+//!   three decimals need.
+//! - An arc by R from a point to itself has no centre; like other arcs that cannot be, it becomes a straight line.
+
+mod arc;
+mod block;
+mod decoder;
+mod error;
+mod lexer;
+mod number;
+mod state;
+#[cfg(test)]
+mod tests;
+mod word;
+
+pub use decoder::{Decoder, DecoderOptions, Item, MAX_LINE_BYTES};
+pub use error::{DecodeError, Diagnostic, Failure, Rule};

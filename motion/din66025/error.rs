@@ -1,0 +1,298 @@
+//! What can be wrong with a program, and where.
+
+use crate::Place;
+use std::io;
+use std::ops::Range;
+
+/// One thing wrong with a block, with the place to point at.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{place}: {error}")]
+pub struct Diagnostic {
+    /// The block.
+    pub place: Place,
+    /// Bytes of the line to point at, counted from 0; `None` if it is the line as a whole.
+    pub columns: Option<Range<usize>>,
+    /// What is wrong.
+    pub error: DecodeError,
+}
+
+/// Why the decoder has no element to give.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// A block is wrong. Decoding goes on with the next one.
+    #[error(transparent)]
+    Diagnostic(#[from] Diagnostic),
+    /// The program cannot be read any further. Nothing follows.
+    #[error("the program cannot be read")]
+    Io(#[source] io::Error),
+}
+
+/// The rule a [`DecodeError`] breaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Rule {
+    /// The text is no program of this dialect.
+    Syntax,
+    /// A word that the dialect, or this version, does not know.
+    UnsupportedWord,
+    /// An arc whose centre or radius does not fit its ends.
+    ArcGeometry,
+}
+
+/// What is wrong with a block (manual 3.2). Numbers are in the units of the program.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum DecodeError {
+    /// The first line is not the `%` line.
+    #[error("a program begins with a line with %, and its name if it has one")]
+    MissingPercent,
+    /// A `%` elsewhere.
+    #[error("only the first line of a program begins with %")]
+    MisplacedPercent,
+    /// A line without end.
+    #[error("the line is longer than {limit} bytes")]
+    LineTooLong {
+        /// The longest line that is read.
+        limit: usize,
+    },
+    /// A character that begins no word.
+    #[error("{character:?} is not part of a word: a block is made of letters followed by numbers")]
+    UnexpectedCharacter {
+        /// The character.
+        character: char,
+    },
+    /// A byte that is no text.
+    #[error("byte {byte:#04x} is neither ASCII nor UTF-8 text")]
+    UnexpectedByte {
+        /// The byte.
+        byte: u8,
+    },
+    /// `(` without `)`.
+    #[error("the comment is not closed with ) in its line")]
+    UnclosedComment,
+    /// `(` within a comment.
+    #[error("comments cannot be nested")]
+    NestedComment,
+    /// A letter without its number.
+    #[error("a number must follow directly after {letter}")]
+    MissingNumber {
+        /// The word's letter.
+        letter: char,
+    },
+    /// What follows the letter is no number.
+    #[error("what follows {letter} is no number")]
+    InvalidNumber {
+        /// The word's letter.
+        letter: char,
+    },
+    /// A decimal comma.
+    #[error(
+        "what follows {letter} is no number: decimals are set off with a point, not with a comma"
+    )]
+    DecimalComma {
+        /// The word's letter.
+        letter: char,
+    },
+    /// A fraction where only whole numbers are allowed (G, N).
+    #[error("{letter} takes a whole number, not {value}")]
+    NotWhole {
+        /// The word's letter.
+        letter: char,
+        /// Its number.
+        value: f64,
+    },
+    /// A number, or the position it leads to, beyond what any machine has.
+    #[error("{letter} is {value}{unit}, outside {min}{unit} to {max}{unit}")]
+    OutOfRange {
+        /// The word's letter.
+        letter: char,
+        /// Its number.
+        value: f64,
+        /// Smallest number allowed.
+        min: f64,
+        /// Largest number allowed.
+        max: f64,
+        /// Unit with a blank before it, or nothing.
+        unit: &'static str,
+    },
+    /// F is zero or negative.
+    #[error("the feed F is {value} mm/s, it must be more than 0 mm/s")]
+    NonPositiveFeed {
+        /// F in mm/s.
+        value: f64,
+    },
+    /// E is zero: neither an acceleration (`SMC_DEC_ACC_TOO_LITTLE`, 1200) nor a deceleration
+    /// (`SMC_DEC_RET_TOO_LITTLE`, 1201).
+    #[error(
+        "E is 0 mm/s², it must be more than 0 mm/s² (acceleration) or less than 0 mm/s² (deceleration)"
+    )]
+    ZeroAcceleration,
+    /// Motion before any F. Reported once per program.
+    #[error(
+        "motion without a feed: F has not been set yet (SoftMotion error 1001, SMC_INT_VEL_ZERO)"
+    )]
+    MissingFeed,
+    /// More than one G word.
+    #[error(
+        "a second G word, G{second}, in a block that has G{first} already: there can be only one"
+    )]
+    SecondG {
+        /// Number of the first G word.
+        first: f64,
+        /// Number of this one.
+        second: f64,
+    },
+    /// A G word with other words before it: they would act after the motion.
+    #[error("G{number} must be the first word after N: words act from right to left")]
+    MisplacedG {
+        /// Number of the G word.
+        number: f64,
+    },
+    /// An N word that does not open the block.
+    #[error("N{number} must be the first word of its block")]
+    MisplacedN {
+        /// Number of the N word.
+        number: f64,
+    },
+    /// A coordinate in a block that cannot use it.
+    #[error(
+        "{letter} has nothing to act on in a block with G{command}: put it into a block with G0, G1, G2 or G3"
+    )]
+    WordWithoutMotion {
+        /// The word's letter.
+        letter: char,
+        /// Number of the block's G word.
+        command: u8,
+    },
+    /// A word the motion of its block does not look at. A warning.
+    #[error("{letter} has no effect in a block with G{command}")]
+    UnusedWord {
+        /// The word's letter.
+        letter: char,
+        /// Number of the block's G word, or of the one in force.
+        command: u8,
+    },
+    /// A letter of SoftMotion's dialect that this version does not execute.
+    #[error("{letter} words are part of SoftMotion's dialect but not supported yet")]
+    LetterNotSupported {
+        /// The word's letter.
+        letter: char,
+    },
+    /// A G word of SoftMotion's dialect that this version does not execute.
+    #[error("G{number} is part of SoftMotion's dialect but not supported yet")]
+    CommandNotSupported {
+        /// Its number.
+        number: u8,
+    },
+    /// `$name$` in place of a number.
+    #[error("variables ($name$) are part of SoftMotion's dialect but not supported yet")]
+    VariableNotSupported,
+    /// A letter that SoftMotion's dialect does not have.
+    #[error("{letter} words are unknown to SoftMotion's dialect of DIN 66025")]
+    UnknownLetter {
+        /// The word's letter.
+        letter: char,
+    },
+    /// A G word that SoftMotion's dialect does not have.
+    #[error("G{number} is unknown to SoftMotion's dialect of DIN 66025")]
+    UnknownCommand {
+        /// Its number.
+        number: f64,
+    },
+    /// G2 or G3 with neither R nor I and J.
+    #[error("an arc needs its radius R or its centre I and J")]
+    ArcWithoutCenter,
+    /// G2 or G3 with both.
+    #[error("an arc takes either its radius R or its centre I and J, not both")]
+    RadiusAndCenter,
+    /// One of I and J is missing where they are absolute (G98).
+    #[error("{missing} is missing: with G98 the centre of an arc needs both I and J")]
+    IncompleteCenter {
+        /// The missing word's letter.
+        missing: char,
+    },
+    /// R is less than half the chord. A warning; the arc becomes a straight line.
+    #[error(
+        "no arc of radius R {radius_mm} mm joins two points that are 2 × {half_chord_mm} mm apart: \
+         replaced by a straight line"
+    )]
+    RadiusTooSmall {
+        /// R without its sign, mm.
+        radius_mm: f64,
+        /// Half the distance from start to end in the plane, mm.
+        half_chord_mm: f64,
+    },
+    /// An arc by R from a point to itself. A warning; the arc becomes a straight line.
+    #[error(
+        "start and end are the same, which leaves the centre of an arc of radius R {radius_mm} mm open: \
+         replaced by a straight line (full circles need I and J)"
+    )]
+    RadiusWithoutChord {
+        /// R without its sign, mm.
+        radius_mm: f64,
+    },
+    /// A negative R. A warning.
+    #[error(
+        "the sign of R {radius_mm} mm has no meaning: an arc by R is at most a semicircle (larger ones need I and J)"
+    )]
+    NegativeRadius {
+        /// R, mm.
+        radius_mm: f64,
+    },
+    /// Start and end are not on one circle about I/J. A warning; the arc becomes a straight line.
+    #[error(
+        "start and end are not on one circle: {start_radius_mm} mm and {end_radius_mm} mm from the centre I/J: \
+         replaced by a straight line"
+    )]
+    CenterMismatch {
+        /// Distance of the start from the centre, mm.
+        start_radius_mm: f64,
+        /// Distance of the end from the centre, mm.
+        end_radius_mm: f64,
+    },
+}
+
+impl DecodeError {
+    /// The rule it breaks.
+    pub fn rule(&self) -> Rule {
+        match self {
+            Self::MissingPercent
+            | Self::MisplacedPercent
+            | Self::LineTooLong { .. }
+            | Self::UnexpectedCharacter { .. }
+            | Self::UnexpectedByte { .. }
+            | Self::UnclosedComment
+            | Self::NestedComment
+            | Self::MissingNumber { .. }
+            | Self::InvalidNumber { .. }
+            | Self::DecimalComma { .. }
+            | Self::NotWhole { .. }
+            | Self::OutOfRange { .. }
+            | Self::NonPositiveFeed { .. }
+            | Self::ZeroAcceleration
+            | Self::MissingFeed
+            | Self::SecondG { .. }
+            | Self::MisplacedG { .. }
+            | Self::MisplacedN { .. }
+            | Self::WordWithoutMotion { .. }
+            | Self::UnusedWord { .. } => Rule::Syntax,
+            Self::LetterNotSupported { .. }
+            | Self::CommandNotSupported { .. }
+            | Self::VariableNotSupported
+            | Self::UnknownLetter { .. }
+            | Self::UnknownCommand { .. } => Rule::UnsupportedWord,
+            Self::ArcWithoutCenter
+            | Self::RadiusAndCenter
+            | Self::IncompleteCenter { .. }
+            | Self::RadiusTooSmall { .. }
+            | Self::RadiusWithoutChord { .. }
+            | Self::NegativeRadius { .. }
+            | Self::CenterMismatch { .. } => Rule::ArcGeometry,
+        }
+    }
+}
+
+/// An error of the block at hand and the bytes of its line to point at.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Problem {
+    pub(super) columns: Range<usize>,
+    pub(super) error: DecodeError,
+}

@@ -1,0 +1,126 @@
+//! From the bytes of a line to words.
+
+use super::error::{DecodeError, Problem};
+use super::number;
+use super::word::{Letter, Word};
+
+/// Appends the words of `line`, from byte `at` on, to `words`, and what is wrong with it to `problems`.
+///
+/// A word that is well formed but of no use is left out and the words after it are still read. After bytes that are
+/// no word at all nothing more is read: what would follow are errors of guessing where the next word begins.
+pub(super) fn lex(line: &[u8], mut at: usize, words: &mut Vec<Word>, problems: &mut Vec<Problem>) {
+    while let Some(&byte) = line.get(at) {
+        let token = match byte {
+            b' ' | b'\t' => Token::Nothing,
+            b'(' => comment(line, at),
+            _ if byte.is_ascii_alphabetic() => word(line, at, byte),
+            _ => unexpected(line, at, byte),
+        };
+        match token {
+            Token::Nothing => at += 1,
+            Token::Comment { end } => at = end,
+            Token::Word(word) => {
+                at = word.columns.end;
+                words.push(word);
+            }
+            Token::Useless(problem) => {
+                at = problem.columns.end;
+                problems.push(problem);
+            }
+            Token::Broken(problem) => {
+                problems.push(problem);
+                return;
+            }
+        }
+    }
+}
+
+enum Token {
+    Nothing,
+    Comment { end: usize },
+    Word(Word),
+    Useless(Problem),
+    Broken(Problem),
+}
+
+fn rest(line: &[u8], at: usize) -> &[u8] {
+    line.get(at..).unwrap_or_default()
+}
+
+/// The comment that begins at `at`. What is in it may be any bytes.
+fn comment(line: &[u8], at: usize) -> Token {
+    let inside = at + 1;
+    match rest(line, inside).iter().position(|byte| matches!(byte, b'(' | b')')) {
+        None => {
+            Token::Broken(Problem { columns: at..line.len(), error: DecodeError::UnclosedComment })
+        }
+        Some(length) if line.get(inside + length) == Some(&b'(') => {
+            let column = inside + length;
+            Token::Broken(Problem {
+                columns: column..column + 1,
+                error: DecodeError::NestedComment,
+            })
+        }
+        Some(length) => Token::Comment { end: inside + length + 1 },
+    }
+}
+
+/// The word whose letter is at `at`.
+fn word(line: &[u8], at: usize, byte: u8) -> Token {
+    let letter = char::from(byte.to_ascii_uppercase());
+    let after = rest(line, at + 1);
+    if after.first() == Some(&b'$') {
+        return variable(line, at);
+    }
+    let length = after
+        .iter()
+        .take_while(|byte| matches!(byte, b'0'..=b'9' | b'.' | b',' | b'+' | b'-'))
+        .count();
+    let columns = at..at + 1 + length;
+    let Some(digits) = after.get(..length).filter(|digits| !digits.is_empty()) else {
+        return Token::Broken(Problem { columns, error: DecodeError::MissingNumber { letter } });
+    };
+    let Some(value) = number::parse(digits) else {
+        let error = if digits.contains(&b',') {
+            DecodeError::DecimalComma { letter }
+        } else {
+            DecodeError::InvalidNumber { letter }
+        };
+        return Token::Useless(Problem { columns, error });
+    };
+    let letter = match Letter::from_byte(byte) {
+        Ok(letter) => letter,
+        Err(error) => return Token::Useless(Problem { columns, error }),
+    };
+    match letter.check(value) {
+        Some(error) => Token::Useless(Problem { columns, error }),
+        None => Token::Word(Word { letter, value, columns }),
+    }
+}
+
+/// The word at `at` with a variable for its number.
+fn variable(line: &[u8], at: usize) -> Token {
+    let name = at + 2;
+    match rest(line, name).iter().position(|byte| *byte == b'$') {
+        Some(length) => Token::Useless(Problem {
+            columns: at..name + length + 1,
+            error: DecodeError::VariableNotSupported,
+        }),
+        None => Token::Broken(Problem {
+            columns: at + 1..name,
+            error: DecodeError::UnexpectedCharacter { character: '$' },
+        }),
+    }
+}
+
+/// What is at `at` begins no word.
+fn unexpected(line: &[u8], at: usize, byte: u8) -> Token {
+    // No character is longer than four bytes.
+    let bytes = line.get(at..line.len().min(at + 4)).unwrap_or_default();
+    let character = bytes.utf8_chunks().next().and_then(|chunk| chunk.valid().chars().next());
+    let (length, error) = match character {
+        Some(character) => (character.len_utf8(), DecodeError::UnexpectedCharacter { character }),
+        None => (1, DecodeError::UnexpectedByte { byte }),
+    };
+    Token::Broken(Problem { columns: at..at + length, error })
+}

@@ -1,0 +1,120 @@
+//! The worked vectors of the arcs and of relative programming. Numbers in mm and degrees, to 1e-8.
+
+use super::*;
+use crate::path::Arc;
+
+/// The arc of a program's only element, or of its second after a positioning.
+#[track_caller]
+fn arc_of(blocks: &str) -> Arc {
+    match elements(blocks).pop().unwrap().shape {
+        Shape::Arc(arc) => arc,
+        line @ Shape::Line { .. } => panic!("{line:?}"),
+    }
+}
+
+/// Centre, radius, dT1, dT2 (with the manual's sign) and length.
+#[track_caller]
+fn assert_arc(arc: &Arc, center: [f64; 2], radius: f64, t1: f64, t2: f64, length: f64) {
+    let [x, y] = center;
+    assert_close(arc.center().x * 1e3, x);
+    assert_close(arc.center().y * 1e3, y);
+    assert_close(arc.radius() * 1e3, radius);
+    assert_close(arc.end_radius() * 1e3, radius);
+    assert_close(arc.start_angle().to_degrees(), t1);
+    assert_close(-arc.sweep().to_degrees(), t2);
+    assert_close(arc.length() * 1e3, length);
+}
+
+#[track_caller]
+fn assert_passes(arc: &Arc, fraction: f64, point_mm: [f64; 3]) {
+    let shape = Shape::Arc(arc.clone());
+    let position = shape.at(fraction * shape.length()).position * 1e3;
+    assert!((position - Point3::from(point_mm)).norm() < 1e-8, "{position}, expected {point_mm:?}");
+}
+
+/// `cnc-arc-R-semicircle`; manual 3.2.4, example for a semicircle.
+#[test]
+fn arc_by_radius_semicircle() {
+    let arc = arc_of("N10 G1 X100 Y100 F10\nN20 G2 X200 Y100 R50");
+    assert_arc(&arc, [150.0, 100.0], 50.0, 180.0, 180.0, 157.079_632_679);
+    assert_passes(&arc, 0.5, [150.0, 150.0, 0.0]);
+}
+
+/// `cnc-arc-IJ-same`; manual 3.2.4, the same arc with relative and with absolute centre.
+#[test]
+fn arc_by_center() {
+    for blocks in [
+        "N10 G1 X100 Y100 F10\nN15 G99\nN20 G2 X200 Y100 I50 J0",
+        "N10 G1 X100 Y100 F10\nN15 G98\nN20 G2 X200 Y100 I150 J100",
+        "N10 G1 X100 Y100 F10\nN20 G2 X200 Y100 I50",
+    ] {
+        let arc = arc_of(blocks);
+        assert_arc(&arc, [150.0, 100.0], 50.0, 180.0, 180.0, 157.079_632_679);
+        assert_passes(&arc, 0.5, [150.0, 150.0, 0.0]);
+    }
+}
+
+/// `cnc-arc-R-minor`; block N30 of the program example in manual 3.2.
+#[test]
+fn arc_by_radius_minor() {
+    let arc = arc_of("N10 G1 X100 Y100 F10\nN30 G03 X-100 R200 F100");
+    assert_arc(&arc, [0.0, -73.205_080_757], 200.0, 60.0, -60.0, 209.439_510_239);
+    assert_passes(&arc, 0.5, [0.0, 126.794_919_243, 0.0]);
+}
+
+/// `cnc-arc-full`.
+#[test]
+fn full_circle() {
+    for blocks in ["G1 X10 F10\nG2 X10 Y0 I-10 J0", "G1 X10 F10\nG2 I-10"] {
+        let arc = arc_of(blocks);
+        assert_arc(&arc, [0.0, 0.0], 10.0, 0.0, 360.0, 62.831_853_072);
+        assert_passes(&arc, 0.25, [0.0, -10.0, 0.0]);
+    }
+}
+
+/// `cnc-arc-fallback`: radii 3 and 7 give a straight line, and the caller is told.
+#[test]
+fn mismatched_center() {
+    let decoded = decode("G2 X10 I3 J0 F10");
+    let [Ok(Item::Warning(warning)), Ok(Item::Element(element))] = decoded.as_slice() else {
+        panic!("{decoded:?}")
+    };
+    let DecodeError::CenterMismatch { start_radius_mm, end_radius_mm } = warning.error else {
+        panic!("{warning:?}")
+    };
+    assert_close(start_radius_mm, 3.0);
+    assert_close(end_radius_mm, 7.0);
+    assert!(matches!(element.shape, Shape::Line { .. }));
+    assert_eq!(element.kind, ElementKind::Cut);
+    assert_close(element.length() * 1e3, 10.0);
+}
+
+/// `cnc-helix`.
+#[test]
+fn helix() {
+    let arc = arc_of("G1 X10 F10\nG3 X0 Y10 Z5 I-10 J0");
+    assert_arc(&arc, [0.0, 0.0], 10.0, 0.0, -90.0, 16.484_541_547);
+    assert_passes(&arc, 0.5, [7.071_067_812, 7.071_067_812, 2.5]);
+}
+
+/// `cnc-arc-major`.
+#[test]
+fn three_quarters() {
+    let arc = arc_of("G1 X10 F10\nG3 X0 Y-10 I-10 J0");
+    assert_arc(&arc, [0.0, 0.0], 10.0, 0.0, -270.0, 47.123_889_804);
+    assert_passes(&arc, 0.5, [-7.071_067_812, 7.071_067_812, 0.0]);
+}
+
+/// `cnc-g91-g92`.
+#[test]
+fn relative_targets_after_setting_the_position() {
+    let elements =
+        elements("N10 G92 X10 Y10\nN20 G91\nN30 G1 X5 F10\nN40 G1 Y5\nN50 G90\nN60 G1 X0\n");
+    let expected = [
+        [[10.0, 10.0, 0.0], [15.0, 10.0, 0.0]],
+        [[15.0, 10.0, 0.0], [15.0, 15.0, 0.0]],
+        [[15.0, 15.0, 0.0], [0.0, 15.0, 0.0]],
+    ];
+    assert_eq!(ends_mm(&elements), expected);
+    assert_eq!(kinds(&elements), [ElementKind::Cut; 3]);
+}

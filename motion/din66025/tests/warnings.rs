@@ -1,0 +1,92 @@
+//! Programs that run, but perhaps not as meant.
+
+use super::*;
+use crate::din66025::Rule;
+
+/// The warnings of a block after `G1 X10 F10`, with the text they point at, and the kind of shape made of it.
+#[track_caller]
+fn assert_warnings(block: &str, expected: &[(&str, DecodeError)], arc: bool) {
+    let decoded = decode(&format!("G1 X10 F10\n{block}"));
+    let warnings: Vec<_> = decoded
+        .iter()
+        .filter_map(|item| match item {
+            Ok(Item::Warning(warning)) => {
+                Some((&block[warning.columns.clone().unwrap()], warning.error.clone()))
+            }
+            Ok(Item::Element(_)) => None,
+            Err(error) => panic!("{error}"),
+        })
+        .collect();
+    assert_eq!(warnings, expected, "{block}");
+    let elements = remaining(&decoded);
+    assert_eq!(matches!(elements[1].shape, Shape::Arc(_)), arc, "{block}: {elements:?}");
+    // The warning is before the element.
+    assert!(matches!(decoded.last(), Some(Ok(Item::Element(_)))));
+}
+
+#[test]
+fn radius_too_small() {
+    // A chord of 30, 40: 50 long.
+    let error = DecodeError::RadiusTooSmall { radius_mm: 24.9, half_chord_mm: 25.0 };
+    assert_eq!(error.rule(), Rule::ArcGeometry);
+    assert_warnings("N20 G2 X40 Y40 R24.9 F5", &[("R24.9", error)], false);
+    let zero = DecodeError::RadiusTooSmall { radius_mm: 0.0, half_chord_mm: 25.0 };
+    assert_warnings("N20 G3 X40 Y40 R0", &[("R0", zero)], false);
+    assert_warnings("N20 G2 X40 Y40 R24.996", &[], true);
+}
+
+#[test]
+fn radius_without_chord() {
+    let error = DecodeError::RadiusWithoutChord { radius_mm: 25.0 };
+    assert_eq!(error.rule(), Rule::ArcGeometry);
+    assert_warnings("N20 G2 X10 R25", &[("R25", error.clone())], false);
+    assert_warnings("N20 G2 Z-5 R25", &[("R25", error)], false);
+}
+
+#[test]
+fn center_mismatch() {
+    // From 10/0 about 20/0: the end is 10.01 away.
+    let error = |start_radius_mm, end_radius_mm| DecodeError::CenterMismatch {
+        start_radius_mm,
+        end_radius_mm,
+    };
+    assert_eq!(error(1.0, 2.0).rule(), Rule::ArcGeometry);
+    for (block, pointed, radii) in [
+        ("N20 G2 X30.01 I10 J0 F5", "I10 J0", Some([10.0, 10.01])),
+        ("N20 G2 X30.004 J0 F5 I10", "J0 F5 I10", None),
+        ("N20 G3 X10 I0 J0", "I0 J0", Some([0.0, 0.0])),
+        ("N20 G3 X10.002 I0.01 J0", "I0.01 J0", Some([0.01, 0.008])),
+    ] {
+        let decoded = decode(&format!("G1 X10 F10\n{block}"));
+        let found = diagnostics(&decoded);
+        assert_eq!(found.len(), usize::from(radii.is_some()), "{block}");
+        let Some([start, end]) = radii else { continue };
+        let DecodeError::CenterMismatch { start_radius_mm, end_radius_mm } = found[0].error else {
+            panic!("{found:?}")
+        };
+        assert_close(start_radius_mm, start);
+        assert_close(end_radius_mm, end);
+        assert_eq!(&block[found[0].columns.clone().unwrap()], pointed);
+        assert!(matches!(remaining(&decoded)[1].shape, Shape::Line { .. }));
+    }
+}
+
+/// The sign of R does not ask for the larger arc.
+#[test]
+fn negative_radius() {
+    let error = DecodeError::NegativeRadius { radius_mm: -20.0 };
+    assert_eq!(error.rule(), Rule::ArcGeometry);
+    assert_warnings("N20 G2 X40 R-20", &[("R-20", error)], true);
+    let (negative, positive) = (decode("G2 X30 R-20 F5"), decode("G2 X30 R20 F5"));
+    assert_eq!(remaining(&negative), remaining(&positive));
+}
+
+#[test]
+fn words_without_effect() {
+    let unused = |letter, command| DecodeError::UnusedWord { letter, command };
+    assert_eq!(unused('R', 1).rule(), Rule::Syntax);
+    assert_warnings("N20 G1 X40 R5 I1", &[("R5", unused('R', 1)), ("I1", unused('I', 1))], false);
+    assert_warnings("N20 G0 J2 X40", &[("J2", unused('J', 0))], false);
+    let decoded = decode("G92 X5 R5");
+    assert_eq!(diagnostics(&decoded)[0].error, unused('R', 92));
+}
