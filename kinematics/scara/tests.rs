@@ -1,0 +1,272 @@
+use super::{Elbow, Scara2};
+use crate::tests::differences;
+use crate::{AxisVector, Coordinate, Kinematics, KinematicsError, Pose, ToolMotion};
+use nalgebra::{Vector2, Vector3};
+use proptest::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+fn axes(values: [f64; 2]) -> AxisVector {
+    AxisVector::from_values(values)
+}
+
+/// The machine of the SoftMotion vectors `trafo-scara2-*`: arms 250 and 200 mm, offsets 10° and −20°.
+fn manual(elbow: Elbow) -> Scara2 {
+    Scara2::new([0.25, 0.2], [10_f64.to_radians(), -20_f64.to_radians()], elbow).unwrap()
+}
+
+fn assert_vector(elbow: Elbow, expected_deg: [f64; 2]) {
+    let scara = manual(elbow);
+    let pose = Pose::at(0.3, 0.2, 0.0);
+    let found = scara.inverse(&pose, &AxisVector::zeros(2)).unwrap();
+    for (found, expected) in found.iter().zip(expected_deg) {
+        assert!((found.to_degrees() - expected).abs() < 1e-9, "{} {expected}", found.to_degrees());
+    }
+    let back = scara.forward(&axes(expected_deg.map(f64::to_radians))).unwrap();
+    assert!((back.position - pose.position).norm() < 1e-11, "{back:?}");
+}
+
+#[test]
+fn trafo_scara2_low() {
+    assert_vector(Elbow::Low, [11.460_471_739, 54.037_985_837]);
+}
+
+#[test]
+fn trafo_scara2_high() {
+    assert_vector(Elbow::High, [75.919_663_313, -94.037_985_837]);
+}
+
+#[test]
+fn trafo_scara2_unreachable() {
+    for elbow in [Elbow::Low, Elbow::High] {
+        let error =
+            manual(elbow).inverse(&Pose::at(0.4, 0.3, 0.0), &AxisVector::zeros(2)).unwrap_err();
+        let KinematicsError::Unreachable { target, distance, reach } = error else {
+            panic!("{error}")
+        };
+        assert_eq!(target, [0.4, 0.3, 0.0]);
+        assert!((distance - 0.5).abs() < 1e-15);
+        assert!((reach[0] - 0.05).abs() < 1e-15 && (reach[1] - 0.45).abs() < 1e-15);
+        assert_eq!(
+            error.to_string(),
+            "(400.000, 300.000, 0.000) mm is 500.000 mm away, reach is 50.000 to 450.000 mm"
+        );
+    }
+}
+
+/// Arms 3 and 4, tip 5 away: a right angle at the elbow, and the elbow on the right of the line to the tip when low.
+#[test]
+fn right_triangle() {
+    for (elbow, sign) in [(Elbow::Low, 1.0), (Elbow::High, -1.0)] {
+        let [alpha, beta] =
+            Scara2::new([3.0, 4.0], [0.0; 2], elbow).unwrap().solve(5.0, 0.0).unwrap();
+        assert!((beta - sign * PI / 2.0).abs() < 1e-15, "{beta}");
+        assert!((alpha + sign * 4_f64.atan2(3.0)).abs() < 1e-15, "{alpha}");
+    }
+}
+
+#[test]
+fn both_arms_point_along_x_when_the_axes_are_at_their_offsets() {
+    let scara = manual(Elbow::Low);
+    let [x, y] = scara.tip(scara.offsets());
+    assert!((x - 0.45).abs() < 1e-15 && y.abs() < 1e-16, "{x} {y}");
+    assert_eq!((scara.arms(), scara.elbow()), ([0.25, 0.2], Elbow::Low));
+}
+
+#[test]
+fn refuses_arms_without_length() {
+    let error = Scara2::new([0.25, 0.0], [0.0; 2], Elbow::Low).unwrap_err();
+    assert_eq!(error, KinematicsError::ArmLength { arm: 1, length: 0.0 });
+    assert_eq!(error.to_string(), "arm 2 is 0.000 mm long; it must be longer than 0");
+    let infinite = Scara2::new([f64::INFINITY, 0.2], [0.0; 2], Elbow::Low);
+    assert_eq!(infinite, Err(KinematicsError::NotFinite));
+    let lost = Scara2::new([0.25, 0.2], [0.0, f64::NAN], Elbow::Low);
+    assert_eq!(lost, Err(KinematicsError::NotFinite));
+}
+
+#[test]
+fn refuses_what_is_no_number_and_the_wrong_number_of_axes() {
+    let scara = manual(Elbow::Low);
+    let near = AxisVector::zeros(2);
+    let pose = Pose::at(0.3, 0.2, 0.0);
+    assert_eq!(
+        scara.inverse(&Pose::at(0.3, f64::NAN, 0.0), &near),
+        Err(KinematicsError::NotFinite)
+    );
+    assert_eq!(scara.inverse(&pose, &axes([0.0, f64::INFINITY])), Err(KinematicsError::NotFinite));
+    assert_eq!(scara.forward(&axes([0.0, f64::NAN])), Err(KinematicsError::NotFinite));
+    assert!(matches!(scara.solve(f64::NAN, 0.0), Err(KinematicsError::Unreachable { .. })));
+    assert!(matches!(scara.solve(1e200, 0.0), Err(KinematicsError::Unreachable { .. })));
+    let count = KinematicsError::AxisCount { given: 3, expected: 2 };
+    assert_eq!(scara.inverse(&pose, &AxisVector::zeros(3)), Err(count));
+    assert_eq!(scara.forward(&AxisVector::zeros(3)), Err(count));
+    let mut tool = ToolMotion::at_rest(pose);
+    tool.velocity.x = f64::INFINITY;
+    assert_eq!(scara.inverse_motion(&tool, &near), Err(KinematicsError::NotFinite));
+}
+
+#[test]
+fn does_not_leave_its_plane() {
+    let near = AxisVector::zeros(2);
+    let scara = manual(Elbow::Low);
+    assert!(scara.inverse(&Pose::at(0.3, 0.2, 1e-10), &near).is_ok());
+    let expected = KinematicsError::NoAxis { coordinate: Coordinate::Z, value: 0.001 };
+    assert_eq!(scara.inverse(&Pose::at(0.3, 0.2, 0.001), &near), Err(expected));
+}
+
+/// Equal arms reach their own axis, where the direction of the first arm is free: it stays where it is.
+#[test]
+fn equal_arms_fold_onto_the_axis() {
+    for elbow in [Elbow::Low, Elbow::High] {
+        let scara = Scara2::new([0.2, 0.2], [0.3, 0.0], elbow).unwrap();
+        for zero in [0.0, -0.0] {
+            let found = scara.inverse(&Pose::at(zero, zero, 0.0), &axes([1.25, 3.0])).unwrap();
+            assert_eq!(found[0], 1.25);
+            assert!((found[1] - PI).abs() < 1e-15, "{found:?}");
+            assert_eq!(scara.solve(zero, zero).unwrap()[0], 0.3);
+        }
+    }
+}
+
+fn elbows() -> impl Strategy<Value = Elbow> {
+    prop_oneof![Just(Elbow::Low), Just(Elbow::High)]
+}
+
+prop_compose! {
+    fn machines()(
+        arms in prop::array::uniform2(0.05..1.0),
+        offsets in prop::array::uniform2(-TAU..TAU),
+        elbow in elbows(),
+    ) -> Scara2 {
+        Scara2::new(arms, offsets, elbow).unwrap()
+    }
+}
+
+/// α and β that are not nearer than `margin` to where the arms are stretched or folded, in the machine's branch.
+fn poses(scara: &Scara2, alpha: f64, part: f64, margin: f64) -> [f64; 2] {
+    let beta = margin + part * (PI - 2.0 * margin);
+    let beta = if scara.elbow() == Elbow::Low { beta } else { -beta };
+    [alpha + scara.offsets()[0], beta + scara.offsets()[1]]
+}
+
+proptest! {
+    #[test]
+    fn forward_undoes_inverse(
+        scara in machines(), part in 0.0..=1.0, angle in -PI..PI, turns in prop::array::uniform2(-20.0..20.0),
+    ) {
+        let [inner, outer] = scara.reach();
+        let r = inner + part * (outer - inner);
+        let pose = Pose::at(r * angle.cos(), r * angle.sin(), 0.0);
+        let near = axes(turns);
+        let found = scara.inverse(&pose, &near).unwrap();
+        let back = scara.forward(&found).unwrap();
+        prop_assert!((back.position - pose.position).norm() < 1e-13 * outer, "{found:?} {back:?}");
+        for (found, near) in found.iter().zip(turns) {
+            prop_assert!((found - near).abs() <= PI + 1e-12, "{found} {near}");
+        }
+        let beta = (found[1] - scara.offsets()[1]).rem_euclid(TAU);
+        let low = beta <= PI + 1e-12;
+        let high = beta >= PI - 1e-12 || beta <= 1e-12;
+        prop_assert!(if scara.elbow() == Elbow::Low { low } else { high }, "{beta}");
+    }
+
+    #[test]
+    fn inverse_undoes_forward(
+        scara in machines(), alpha in -PI..PI, part in 0.0..=1.0, turns in prop::array::uniform2(-3..=3),
+    ) {
+        let [first, second] = poses(&scara, alpha, part, 0.05);
+        let position = axes([first + TAU * f64::from(turns[0]), second + TAU * f64::from(turns[1])]);
+        let found = scara.inverse(&scara.forward(&position).unwrap(), &position).unwrap();
+        for (found, expected) in found.iter().zip(position.iter()) {
+            // Near the folded position of equal arms a target says less about α, by r / L.
+            prop_assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+
+    /// The other branch reaches the same point with the elbow mirrored at the line to it.
+    #[test]
+    fn branches_mirror_each_other(arms in prop::array::uniform2(0.05..1.0), part in 0.01..0.99, angle in -1.5..1.5) {
+        let [low, high] = [Elbow::Low, Elbow::High].map(|elbow| Scara2::new(arms, [0.0; 2], elbow).unwrap());
+        let [inner, outer] = low.reach();
+        let r = inner + part * (outer - inner);
+        let [x, y] = [r * f64::cos(angle), r * f64::sin(angle)];
+        let ([a1, b1], [a2, b2]) = (low.solve(x, y).unwrap(), high.solve(x, y).unwrap());
+        prop_assert!(b1 > 0.0 && (b1 + b2).abs() < 1e-15, "{b1} {b2}");
+        let sum = (a1 + a2 - 2.0 * angle).rem_euclid(TAU);
+        prop_assert!(sum.min(TAU - sum) < 1e-12, "{a1} {a2} {angle}");
+    }
+
+    #[test]
+    fn edges_of_the_reach_are_sharp(scara in machines(), angle in -PI..PI) {
+        let [inner, outer] = scara.reach();
+        let solve = |r: f64| scara.solve(r * angle.cos(), r * angle.sin());
+        let step = 1e-12 * outer;
+        prop_assert!(solve(outer).is_ok() && solve(outer - step).is_ok());
+        prop_assert!(solve(inner).is_ok() && solve(inner + step).is_ok());
+        prop_assert!(solve(outer + step).is_err(), "{:?}", solve(outer + step));
+        if inner > step {
+            prop_assert!(solve(inner - step).is_err(), "{:?}", solve(inner - step));
+        }
+    }
+
+    #[test]
+    fn on_an_edge_the_tool_can_only_rest(scara in machines(), angle in -PI..PI, outside in any::<bool>()) {
+        let r = scara.reach()[usize::from(outside)];
+        let near = axes(scara.offsets());
+        let pose = Pose::at(r * angle.cos(), r * angle.sin(), 0.0);
+        let mut tool = ToolMotion::at_rest(pose);
+        let rest = scara.inverse_motion(&tool, &near).unwrap();
+        prop_assert_eq!(rest.position, scara.inverse(&pose, &near).unwrap());
+        prop_assert!(rest.velocity.iter().chain(rest.acceleration.iter()).all(|value| *value == 0.0));
+        tool.velocity = Vector3::new(0.0, 1e-3, 0.0);
+        let singular = Err(KinematicsError::Singular { target: pose.position.into() });
+        prop_assert_eq!(scara.inverse_motion(&tool, &near), singular);
+    }
+
+    /// Against differences of the positions alone, along a parabola.
+    #[test]
+    fn velocity_and_acceleration_are_the_derivatives_of_the_position(
+        scara in machines(), alpha in -PI..PI, part in 0.0..=1.0,
+        velocity in prop::array::uniform2(-1.0..1.0), acceleration in prop::array::uniform2(-1.0..1.0),
+    ) {
+        let position = poses(&scara, alpha, part, 0.5);
+        let start = Vector2::from(scara.tip(position));
+        // One length unit per time unit of the machine's own size, so that tolerances are relative.
+        let size = scara.arms()[0].min(scara.arms()[1]);
+        let (velocity, acceleration) = (Vector2::from(velocity) * size, Vector2::from(acceleration) * size);
+        let near = axes(position);
+        let at = |t: f64| {
+            let tip = start + velocity * t + acceleration * (t * t / 2.0);
+            let found = scara.inverse(&Pose::at(tip.x, tip.y, 0.0), &near).unwrap();
+            [found[0], found[1]]
+        };
+        let mut tool = ToolMotion::at_rest(Pose::at(start.x, start.y, 0.0));
+        tool.velocity = velocity.push(0.0);
+        tool.acceleration = acceleration.push(0.0);
+        let found = scara.inverse_motion(&tool, &near).unwrap();
+        let (first, second) = differences(at, 2e-3);
+        for axis in 0..2 {
+            let scale = 1.0 + found.velocity[axis].abs();
+            prop_assert!((found.velocity[axis] - first[axis]).abs() < 1e-10 * scale, "{found:?} {first:?}");
+            let scale = 1.0 + found.acceleration[axis].abs();
+            prop_assert!((found.acceleration[axis] - second[axis]).abs() < 1e-7 * scale, "{found:?} {second:?}");
+        }
+    }
+
+    #[test]
+    fn jacobian_is_the_derivative_of_the_tip(scara in machines(), position in prop::array::uniform2(-PI..PI)) {
+        let jacobian = scara.jacobian(position);
+        for axis in 0..2 {
+            let at = |t: f64| {
+                let mut moved = position;
+                moved[axis] += t;
+                scara.tip(moved)
+            };
+            let (first, _) = differences(at, 1e-2);
+            let error = (jacobian.column(axis) - Vector2::from(first)).norm();
+            prop_assert!(error < 1e-12, "{error}");
+        }
+        let [first, second] = scara.arms();
+        let beta = position[1] - scara.offsets()[1];
+        prop_assert!((jacobian.determinant() - first * second * beta.sin()).abs() < 1e-14);
+    }
+}

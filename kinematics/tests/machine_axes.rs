@@ -1,0 +1,155 @@
+use crate::gantry::Gantry3;
+use crate::scara::{Elbow, Scara2};
+use crate::{
+    AxisSource, AxisVector, Coordinate, Kinematics, KinematicsError, MachineAxes, MachineAxesError,
+    Pose, ToolMotion,
+};
+use nalgebra::Vector3;
+use proptest::prelude::*;
+
+const A: AxisSource = AxisSource::Transform(0);
+const B: AxisSource = AxisSource::Transform(1);
+const Z: AxisSource = AxisSource::Coordinate(Coordinate::Z);
+
+fn scara() -> Scara2 {
+    Scara2::new([0.25, 0.2], [0.1, -0.2], Elbow::Low).unwrap()
+}
+
+fn machine(sources: &[AxisSource], tool_length: f64) -> MachineAxes {
+    MachineAxes::new(Box::new(scara()), sources.to_vec(), tool_length).unwrap()
+}
+
+fn refusal(sources: &[AxisSource]) -> MachineAxesError {
+    MachineAxes::new(Box::new(scara()), sources.to_vec(), 0.0).unwrap_err()
+}
+
+#[test]
+fn axes_come_in_the_order_of_the_machine_file() {
+    let [a, b] = scara().solve(0.3, 0.2).unwrap();
+    let pose = Pose::at(0.3, 0.2, -0.05);
+    for (sources, expected) in
+        [([A, B, Z], [a, b, 0.07]), ([Z, B, A], [0.07, b, a]), ([B, Z, A], [b, 0.07, a])]
+    {
+        // A tool of 120 mm whose tip is at −50 mm hangs on a flange at 70 mm.
+        let machine = machine(&sources, 0.12);
+        assert_eq!((machine.axis_count(), machine.coordinates()), (3, &Coordinate::ALL[..]));
+        let found = machine.inverse(&pose, &AxisVector::zeros(3)).unwrap();
+        assert!(
+            found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-15),
+            "{found:?}"
+        );
+        let back = machine.forward(&found).unwrap();
+        assert!((back.position - pose.position).norm() < 1e-15, "{back:?}");
+    }
+}
+
+#[test]
+fn motion_reaches_every_axis() {
+    let mut tool = ToolMotion::at_rest(Pose::at(0.3, 0.2, -0.05));
+    tool.velocity = Vector3::new(0.1, -0.2, 0.3);
+    tool.acceleration = Vector3::new(1.0, 2.0, -3.0);
+    let mut flat = tool;
+    flat.pose.position.z = 0.0;
+    let expected = scara().inverse_motion(&flat, &AxisVector::zeros(2)).unwrap();
+    let found = machine(&[B, Z, A], 0.12).inverse_motion(&tool, &AxisVector::zeros(3)).unwrap();
+    let [a, b] = [0, 1].map(|axis| (expected.velocity[axis], expected.acceleration[axis]));
+    assert_eq!(*found.velocity, [b.0, 0.3, a.0]);
+    assert_eq!(*found.acceleration, [b.1, -3.0, a.1]);
+    assert!((found.position[1] - 0.07).abs() < 1e-16);
+}
+
+#[test]
+fn near_reaches_the_transform_in_its_order() {
+    let turn = std::f64::consts::TAU;
+    let machine = machine(&[Z, B, A], 0.0);
+    let pose = Pose::at(0.3, 0.2, 0.0);
+    let base = machine.inverse(&pose, &AxisVector::zeros(3)).unwrap();
+    let near = AxisVector::from_values([0.0, base[1] - turn, base[2] + turn]);
+    let found = machine.inverse(&pose, &near).unwrap();
+    assert!((found[1] - near[1]).abs() < 1e-14 && (found[2] - near[2]).abs() < 1e-14, "{found:?}");
+}
+
+#[test]
+fn a_coordinate_without_an_axis_stays_at_zero() {
+    let machine = machine(&[A, B], 0.0);
+    let near = AxisVector::zeros(2);
+    assert_eq!(machine.coordinates(), [Coordinate::X, Coordinate::Y]);
+    assert!(machine.inverse(&Pose::at(0.3, 0.2, 0.9e-9), &near).is_ok());
+    let error = machine.inverse(&Pose::at(0.3, 0.2, -0.005), &near).unwrap_err();
+    assert_eq!(error, KinematicsError::NoAxis { coordinate: Coordinate::Z, value: -0.005 });
+    assert_eq!(error.to_string(), "Z = -5.000 mm is asked for, but no axis of the machine moves Z");
+}
+
+#[test]
+fn errors_speak_of_the_tool_tip() {
+    let machine = machine(&[A, B, Z], 0.12);
+    let near = AxisVector::zeros(3);
+    let error = machine.inverse(&Pose::at(0.4, 0.3, -0.05), &near).unwrap_err();
+    assert!(
+        matches!(error, KinematicsError::Unreachable { target: [0.4, 0.3, -0.05], .. }),
+        "{error:?}"
+    );
+    let mut tool = ToolMotion::at_rest(Pose::at(0.45, 0.0, -0.05));
+    tool.velocity.x = -0.1;
+    let error = machine.inverse_motion(&tool, &near).unwrap_err();
+    assert_eq!(error, KinematicsError::Singular { target: [0.45, 0.0, -0.05] });
+    // Z alone can move with stretched arms.
+    tool.velocity = Vector3::new(0.0, 0.0, 0.1);
+    assert_eq!(machine.inverse_motion(&tool, &near).unwrap().velocity[2], 0.1);
+}
+
+#[test]
+fn refuses_the_wrong_number_of_values() {
+    let machine = machine(&[A, B, Z], 0.0);
+    let error = KinematicsError::AxisCount { given: 2, expected: 3 };
+    assert_eq!(machine.forward(&AxisVector::zeros(2)), Err(error));
+    assert_eq!(machine.inverse(&Pose::at(0.3, 0.2, 0.0), &AxisVector::zeros(2)), Err(error));
+    let lost = AxisVector::from_values([0.0, 0.0, f64::NAN]);
+    assert_eq!(machine.forward(&lost), Err(KinematicsError::NotFinite));
+}
+
+#[test]
+fn refuses_axes_that_do_not_fit_the_transform() {
+    let x = AxisSource::Coordinate(Coordinate::X);
+    assert_eq!(refusal(&[A, Z]), MachineAxesError::OutputWithoutAxis { output: 1 });
+    assert_eq!(refusal(&[A, B, A]), MachineAxesError::OutputTwice { output: 0 });
+    assert_eq!(
+        refusal(&[A, B, Z, Z]),
+        MachineAxesError::CoordinateTwice { coordinate: Coordinate::Z }
+    );
+    assert_eq!(
+        refusal(&[A, B, x]),
+        MachineAxesError::CoordinateOfTransform { coordinate: Coordinate::X }
+    );
+    let third = MachineAxesError::NoSuchOutput { output: 2, outputs: 2 };
+    assert_eq!(refusal(&[A, B, AxisSource::Transform(2)]), third);
+    assert_eq!(
+        third.to_string(),
+        "output 3 of the transform is assigned to an axis, but the transform has 2"
+    );
+    assert_eq!(refusal(&[A; 9]), MachineAxesError::TooMany { given: 9 });
+    let no_z = MachineAxes::new(Box::new(scara()), vec![A, B], 0.1).unwrap_err();
+    assert_eq!(no_z, MachineAxesError::ToolWithoutZ { length: 0.1 });
+    let no_length = MachineAxes::new(Box::new(scara()), vec![A, B, Z], f64::NAN).unwrap_err();
+    assert_eq!(no_length, MachineAxesError::ToolLength);
+}
+
+proptest! {
+    #[test]
+    fn gantry_forward_undoes_inverse(
+        offset in prop::array::uniform3(-2.0..2.0), target in prop::array::uniform3(-2.0..2.0),
+        tool_length in 0.0..0.5, swapped in any::<bool>(),
+    ) {
+        let mut sources: Vec<_> = (0..3).map(AxisSource::Transform).collect();
+        if swapped {
+            sources.swap(0, 2);
+        }
+        let machine = MachineAxes::new(Box::new(Gantry3::new(offset)), sources, tool_length).unwrap();
+        let pose = Pose::at(target[0], target[1], target[2]);
+        let found = machine.inverse(&pose, &AxisVector::zeros(3)).unwrap();
+        let z = found[if swapped { 0 } else { 2 }];
+        prop_assert!((z - (target[2] + tool_length + offset[2])).abs() < 1e-14);
+        let back = machine.forward(&found).unwrap();
+        prop_assert!((back.position - pose.position).norm() < 1e-14);
+    }
+}
