@@ -233,3 +233,33 @@ fn tells_where_it_is() {
     decoder.next();
     assert_eq!((decoder.lines(), decoder.position()), (3, Point3::new(0.001, 0.0, 0.0)));
 }
+
+/// The example shipped with the product: 60 to 150 blocks numbered in tens, nothing wrong, within the reach of the
+/// machine it names, between safe height and its greatest depth, and back where it began.
+#[test]
+fn example_program() {
+    let program = include_str!("../../../examples/plate.cnc");
+    let elements = elements_of(decode_from([0.0; 3], program.as_bytes()));
+    let blocks: Vec<_> = program.lines().filter(|line| line.starts_with('N')).collect();
+    assert!((60..=150).contains(&blocks.len()), "{} blocks", blocks.len());
+    for (index, block) in blocks.iter().enumerate() {
+        assert!(block.starts_with(&format!("N{} ", 10 * (index + 1))), "{block}");
+    }
+    let home = Point3::new(0.3, 0.0, 0.02);
+    assert_eq!((elements[0].start(), elements.last().unwrap().end()), (home, home));
+    for element in &elements {
+        for step in 0..=20 {
+            let position = element.at(element.length() * f64::from(step) / 20.0).position;
+            let reach = position.x.hypot(position.y);
+            assert!((0.15..=0.41).contains(&reach), "{position} in {}", element.place);
+            assert!((-0.006..=0.02).contains(&position.z), "{position} in {}", element.place);
+        }
+    }
+    // Twice round a plate of 170 mm × 130 mm with corners of 12 mm, a tool of radius 3 mm outside.
+    let round = |element: &&PathElement| {
+        element.kind == Cut && matches!(element.place.block, Some(890..=970 | 1020..=1100))
+    };
+    let length: f64 = elements.iter().filter(round).map(PathElement::length).sum();
+    let perimeter = 2.0 * (176.0 + 136.0) - 8.0 * 15.0 + std::f64::consts::TAU * 15.0;
+    assert_close(length * 1e3, 2.0 * perimeter);
+}

@@ -1,0 +1,134 @@
+% MOUNTING PLATE
+(Plate 170 x 130 x 6, corners R12: circular pocket D50, slot 50 x 10, four bores D12)
+(Tool: end mill D6; the path is that of its centre, Z0 is the top of the stock)
+(Frame: that of the SCARA in machines/scara2.toml, origin on the axis of its first arm)
+N10 G92 X300 Y0 Z20
+N20 F250 E800 E-800
+(--- circular pocket D50, 4 deep, in two steps ---)
+N30 G0 X289 Y5
+N40 G0 Z1
+N50 G1 Z0 F40
+(step 1: helical entry)
+N60 G3 X289 Y5 Z-1 I-4 J0 F60
+N70 I-4 J0 Z-2
+N80 I-4 J0
+(spiral out in semicircles)
+N90 G3 X278 R5.5 F80
+N100 X295 R8.5
+N110 X272 R11.5
+N120 X301 R14.5
+N130 X266 R17.5
+N140 X307 R20.5
+(finish the wall)
+N150 I-22 J0
+N160 G1 X304
+(step 2: back to the middle, clear of the bottom)
+N170 G0 Z-1.5 F250
+N180 G0 X289
+N190 G1 Z-2 F40
+N200 G3 I-4 J0 Z-3 F60
+N210 I-4 J0 Z-4
+N220 I-4 J0
+(spiral out in semicircles)
+N230 G3 X278 R5.5 F80
+N240 X295 R8.5
+N250 X272 R11.5
+N260 X301 R14.5
+N270 X266 R17.5
+N280 X307 R20.5
+(finish the wall)
+N290 I-22 J0
+N300 G1 X304
+N310 G0 Z20 F250
+(--- slot 50 x 10, 5 deep: down a ramp that goes round, then round once ---)
+N320 G0 X265 Y48
+N330 G0 Z1
+N340 G1 Z0 F40
+N350 G1 X305 Z-1.25 F50
+N360 G3 Y52 R2
+N370 G1 X265 Z-2.5
+N380 G3 Y48 R2
+N390 G1 X305 Z-3.75
+N400 G3 Y52 R2
+N410 G1 X265 Z-5
+N420 G3 Y48 R2
+N430 G1 X305
+N440 G3 Y52 R2
+N450 G1 X265
+N460 G3 Y48 R2
+N470 G1 X275 Y50
+N480 G0 Z20 F250
+(--- four bores D12, through, each on a helix of pitch 2 ---)
+(bore 1)
+N490 G0 X218 Y55
+N500 G0 Z1
+N510 G1 Z0 F50
+N520 G3 I-3 J0 Z-2
+N530 I-3 J0 Z-4
+N540 I-3 J0 Z-6
+N550 I-3 J0
+N560 G1 X215
+N570 G0 Z20 F250
+(bore 2)
+N580 G0 X218 Y-45 F250
+N590 G0 Z1
+N600 G1 Z0 F50
+N610 G3 I-3 J0 Z-2
+N620 I-3 J0 Z-4
+N630 I-3 J0 Z-6
+N640 I-3 J0
+N650 G1 X215
+N660 G0 Z20 F250
+(bore 3)
+N670 G0 X358 Y-45 F250
+N680 G0 Z1
+N690 G1 Z0 F50
+N700 G3 I-3 J0 Z-2
+N710 I-3 J0 Z-4
+N720 I-3 J0 Z-6
+N730 I-3 J0
+N740 G1 X355
+N750 G0 Z20 F250
+(bore 4)
+N760 G0 X358 Y55 F250
+N770 G0 Z1
+N780 G1 Z0 F50
+N790 G3 I-3 J0 Z-2
+N800 I-3 J0 Z-4
+N810 I-3 J0 Z-6
+N820 I-3 J0
+N830 G1 X355
+N840 G0 Z20 F250
+(--- outer contour, climb milling, in two steps ---)
+N850 G0 X295 Y-73 F250
+N860 G0 Z1
+(step 1: tangential run-in, once round, run-out)
+N870 G1 Z-3 F40
+N880 G3 X285 Y-63 R10 F80
+N890 G1 X212
+N900 G2 X197 Y-48 R15
+N910 G1 Y58
+N920 G2 X212 Y73 I15 J0
+N930 G1 X358
+N940 G2 X373 Y58 R15
+N950 G1 Y-48
+N960 G2 X358 Y-63 I-15 J0
+N970 G1 X285
+N980 G3 X275 Y-73 R10
+(step 2: tangential run-in, once round, run-out)
+N990 G1 X295
+N1000 G1 Z-6 F40
+N1010 G3 X285 Y-63 R10 F80
+N1020 G1 X212
+N1030 G2 X197 Y-48 R15
+N1040 G1 Y58
+N1050 G2 X212 Y73 I15 J0
+N1060 G1 X358
+N1070 G2 X373 Y58 R15
+N1080 G1 Y-48
+N1090 G2 X358 Y-63 I-15 J0
+N1100 G1 X285
+N1110 G3 X275 Y-73 R10
+(--- back to where it began ---)
+N1120 G0 Z20 F250
+N1130 G0 X300 Y0
