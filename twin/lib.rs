@@ -1,1 +1,21 @@
-//! skeleton
+//! A physics-backed digital twin for CNC machines.
+//!
+//! This library is what the `twin` command is made of; ARCHITECTURE.md says how it hangs together.
+
+pub mod check;
+pub mod clock;
+pub mod command;
+pub mod compare;
+pub mod emulated;
+pub mod finding;
+pub mod hardware;
+pub mod machine;
+pub mod number;
+pub mod physics;
+pub mod picture;
+pub mod plant;
+pub mod program;
+pub mod report;
+pub mod session;
+pub mod setpoint;
+pub mod simulated;

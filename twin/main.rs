@@ -1,1 +1,7 @@
-fn main() {}
+//! The `twin` command.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    twin::command::main()
+}

@@ -1,0 +1,3 @@
+% number
+N10 G92 X300 Y0 Z20
+N20 G1 X31O Y10 F40

@@ -1,0 +1,3 @@
+% trapezoid
+N10 G92 X0 Y0 Z20
+N20 G1 X100 F20 E40 E-80

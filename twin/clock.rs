@@ -1,0 +1,36 @@
+//! The only place that reads the time.
+
+use std::time::{Duration, Instant};
+
+/// The session's clock: nanoseconds since an instant that it can be set to, monotonic.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    zero: Instant,
+}
+
+impl Clock {
+    /// A clock that reads 0 now.
+    pub fn start() -> Self {
+        Self::in_future(Duration::ZERO)
+    }
+
+    /// A clock that will read 0 after `delay`, and negative times until then.
+    #[expect(clippy::disallowed_methods, reason = "this is the session's clock")]
+    pub fn in_future(delay: Duration) -> Self {
+        Self { zero: Instant::now() + delay }
+    }
+
+    /// Nanoseconds since zero.
+    #[expect(clippy::disallowed_methods, reason = "this is the session's clock")]
+    pub fn now_ns(&self) -> i64 {
+        let now = Instant::now();
+        match now.checked_duration_since(self.zero) {
+            Some(since) => nanoseconds(since),
+            None => -nanoseconds(self.zero - now),
+        }
+    }
+}
+
+fn nanoseconds(duration: Duration) -> i64 {
+    i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
+}

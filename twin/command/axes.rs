@@ -1,0 +1,148 @@
+//! `twin axes`: the transform as a calculator.
+
+use super::options::MachineOption;
+use super::{Failure, Status};
+use crate::machine::Machine;
+use crate::number::significant;
+use nalgebra::Point3;
+use std::io;
+use twin_kinematics::{AxisVector, Kinematics, Pose};
+
+/// Digits of the answers.
+const DIGITS: usize = 12;
+
+/// Convert tool positions to axis positions and back: CSV lines from standard input to standard output
+///
+/// A line that cannot be converted gives `error,REASON`; the exit status is then 1. Positions are those of the tool
+/// tip in the machine frame. Rotary axes go on from line to line: each answer is the one nearest to the line before.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    direction: Direction,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Direction {
+    /// Lines `x_mm,y_mm[,z_mm[,direction_deg]]` to the axes in machine-file order, in mm and degrees
+    Inverse {
+        #[command(flatten)]
+        machine: MachineOption,
+    },
+    /// Lines with the axes in machine-file order, in mm and degrees, to `x_mm,y_mm,z_mm,direction_deg`
+    Forward {
+        #[command(flatten)]
+        machine: MachineOption,
+    },
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    match &arguments.direction {
+        Direction::Inverse { machine } => {
+            let machine = machine.load()?;
+            let mut near = AxisVector::zeros(machine.axes.len());
+            convert(|numbers| inverse(&machine, numbers, &mut near))
+        }
+        Direction::Forward { machine } => {
+            let machine = machine.load()?;
+            convert(|numbers| forward(&machine, numbers))
+        }
+    }
+}
+
+fn convert(mut line: impl FnMut(&[f64]) -> Result<Vec<f64>, String>) -> Result<Status, Failure> {
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .comment(Some(b'#'))
+        .from_reader(io::stdin().lock());
+    let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(io::stdout().lock());
+    let mut status = Status::Fit;
+    let mut record = csv::ByteRecord::new();
+    while reader.read_byte_record(&mut record).map_err(stdio)? {
+        let answer = numbers(&record).and_then(|numbers| line(&numbers));
+        match answer {
+            Ok(values) => {
+                let fields = values.into_iter().map(|value| significant(value, DIGITS));
+                writer.write_record(fields).map_err(stdio)?;
+            }
+            Err(reason) => {
+                status = Status::Unfit;
+                writer.write_record(["error", &reason]).map_err(stdio)?;
+            }
+        }
+    }
+    writer.flush().map_err(Failure::Stdio)?;
+    Ok(status)
+}
+
+fn stdio(error: csv::Error) -> Failure {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => Failure::Stdio(error),
+        other => Failure::Stdio(io::Error::other(format!("{other:?}"))),
+    }
+}
+
+fn numbers(record: &csv::ByteRecord) -> Result<Vec<f64>, String> {
+    record
+        .iter()
+        .map(|field| {
+            let text = String::from_utf8_lossy(field);
+            let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+            number.ok_or_else(|| format!("`{text}` is not a number"))
+        })
+        .collect()
+}
+
+fn inverse(machine: &Machine, numbers: &[f64], near: &mut AxisVector) -> Result<Vec<f64>, String> {
+    let (x, y, z, direction) = match *numbers {
+        [x, y] => (x, y, None, 0.0),
+        [x, y, z] => (x, y, Some(z), 0.0),
+        [x, y, z, direction] => (x, y, Some(z), direction),
+        _ => {
+            return Err(format!(
+                "{} values; expected x_mm,y_mm[,z_mm[,direction_deg]]",
+                numbers.len()
+            ));
+        }
+    };
+    // Without a z the tool is where it is with every linear axis at 0.
+    let z = z.map_or_else(|| machine.rest_height(), |z| z * 1e-3);
+    let pose =
+        Pose { position: Point3::new(x * 1e-3, y * 1e-3, z), direction: direction.to_radians() };
+    let axes = machine.kinematics.inverse(&pose, near).map_err(|error| error.to_string())?;
+    *near = axes;
+    for (axis, position) in machine.axes.iter().zip(axes.iter()) {
+        let [low, high] = axis.position_limits;
+        if !(low..=high).contains(position) {
+            eprintln!(
+                "note: axis {} at {:.3} {unit} is beyond its limits {:.3} to {:.3} {unit}",
+                axis.name,
+                axis.from_si(*position),
+                axis.from_si(low),
+                axis.from_si(high),
+                unit = axis.unit()
+            );
+        }
+    }
+    Ok(machine
+        .axes
+        .iter()
+        .zip(axes.iter())
+        .map(|(axis, position)| axis.from_si(*position))
+        .collect())
+}
+
+fn forward(machine: &Machine, numbers: &[f64]) -> Result<Vec<f64>, String> {
+    if numbers.len() != machine.axes.len() {
+        let names: Vec<_> = machine.axes.iter().map(|axis| axis.name.as_str()).collect();
+        return Err(format!("{} values; expected {}", numbers.len(), names.join(",")));
+    }
+    let axes = machine.axes.iter().zip(numbers).map(|(axis, number)| axis.to_si(*number));
+    let pose = machine
+        .kinematics
+        .forward(&AxisVector::from_values(axes))
+        .map_err(|error| error.to_string())?;
+    let position = pose.position * 1e3;
+    Ok(vec![position.x, position.y, position.z, pose.direction.to_degrees()])
+}

@@ -1,0 +1,161 @@
+//! `twin check`: is the program fit for the machine?
+
+use super::options::{MachineOption, ReadOptions, unreadable};
+use super::{Failure, Status, show};
+use crate::check::{self, Outcome};
+use crate::finding;
+use crate::machine::Machine;
+use crate::program::ProgramFile;
+use crate::report::{CheckReport, seconds};
+use indicatif::MultiProgress;
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Check programs against a machine: syntax, reach, axis limits, velocities and accelerations, per program line
+///
+/// Everything `twin run` checks before it moves anything. Several programs are checked in parallel.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// Programs to check
+    #[arg(required = true, value_name = "PROGRAM")]
+    programs: Vec<PathBuf>,
+
+    #[command(flatten)]
+    machine: MachineOption,
+
+    #[command(flatten)]
+    read: ReadOptions,
+
+    /// Output for people or for other programs (one JSON object per program, a line each)
+    #[arg(long, value_enum, default_value = "human")]
+    format: Format,
+
+    /// Also run each program on the simulated machine and report following errors
+    #[arg(long)]
+    physics: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Format {
+    Human,
+    Json,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    let machine = arguments.machine.load()?;
+    let programs: Vec<_> =
+        arguments.programs.iter().map(|path| arguments.read.program(path)).collect();
+    let next = AtomicUsize::new(0);
+    let slots: Vec<_> = programs.iter().map(|_| Mutex::new(None)).collect();
+    let bars = MultiProgress::new();
+    let workers = std::thread::available_parallelism().map_or(1, usize::from).min(programs.len());
+    std::thread::scope(|scope| {
+        for _ in 0..workers {
+            scope.spawn(|| {
+                loop {
+                    let index = next.fetch_add(1, Ordering::Relaxed);
+                    let Some((Ok(program), slot)) = programs.get(index).zip(slots.get(index))
+                    else {
+                        if index >= programs.len() {
+                            return;
+                        }
+                        continue;
+                    };
+                    let outcome = one(&machine, program, arguments.physics, &bars);
+                    if let Ok(mut slot) = slot.lock() {
+                        *slot = Some(outcome);
+                    }
+                }
+            });
+        }
+    });
+    // A program that cannot be read does not keep the others from being reported.
+    let mut status = Status::Fit;
+    for (program, slot) in programs.into_iter().zip(slots) {
+        let outcome = program.and_then(|program| match slot.into_inner() {
+            Ok(Some(outcome)) => outcome.map(|outcome| (program, outcome)),
+            _ => Err(Failure::Usage(format!("{} was not checked", program.path().display()))),
+        });
+        match outcome {
+            Ok((program, outcome)) => {
+                report(&machine, &program, &outcome, arguments.format).map_err(Failure::Stdio)?;
+                if finding::unfit(&outcome.findings) {
+                    status = status.max(Status::Unfit);
+                }
+            }
+            Err(failure) => {
+                failure.show();
+                status = Status::Failed;
+            }
+        }
+    }
+    Ok(status)
+}
+
+fn one(
+    machine: &Machine,
+    program: &ProgramFile,
+    physics: bool,
+    bars: &MultiProgress,
+) -> Result<Outcome, Failure> {
+    let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
+    let bar = bars.add(show::progress(bytes, "{msg} {bar:30} {percent:>3} % {bytes_per_sec}"));
+    bar.set_message(program.path().display().to_string());
+    let outcome = check::check(machine, program, physics, &mut |read| bar.set_position(read));
+    bar.finish_and_clear();
+    outcome.map_err(|failure| Failure::check(program, failure))
+}
+
+/// Writes what was found about one program.
+fn report(
+    machine: &Machine,
+    program: &ProgramFile,
+    outcome: &Outcome,
+    format: Format,
+) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    match format {
+        Format::Json => {
+            serde_json::to_writer(&mut out, &CheckReport::new(machine, program, outcome))?;
+            writeln!(out)
+        }
+        Format::Human => {
+            show::findings(program, &outcome.findings);
+            summary(&mut out, machine, program, outcome)
+        }
+    }
+}
+
+/// The lines that sum up a check, with the table of peaks.
+pub(super) fn summary(
+    out: &mut impl Write,
+    machine: &Machine,
+    program: &ProgramFile,
+    outcome: &Outcome,
+) -> io::Result<()> {
+    writeln!(
+        out,
+        "{} ({}) on {}: {} elements, {:.1} mm, {:.3} s",
+        program.path().display(),
+        program.dialect().name(),
+        machine.name,
+        outcome.elements,
+        outcome.length * 1e3,
+        seconds(outcome.duration_ns),
+    )?;
+    if outcome.peaks.iter().any(|peak| peak.position.is_some()) {
+        writeln!(out, "{}", show::peaks(machine, &outcome.peaks))?;
+    }
+    let count =
+        |severity| outcome.findings.iter().filter(|finding| finding.severity == severity).count();
+    let errors = count(finding::Severity::Error);
+    let warnings = count(finding::Severity::Warning);
+    let verdict = if errors == 0 { "fit for the machine" } else { "NOT fit for the machine" };
+    write!(out, "{verdict}: {errors} errors, {warnings} warnings")?;
+    if outcome.findings_left_out > 0 {
+        write!(out, " (and {} findings more, left out)", outcome.findings_left_out)?;
+    }
+    writeln!(out)
+}

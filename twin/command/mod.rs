@@ -1,0 +1,168 @@
+//! The command line: one module per command, exit status as the contract says.
+
+mod axes;
+mod check;
+mod emulate;
+mod machine;
+mod options;
+mod path;
+mod run;
+mod show;
+mod view;
+
+use crate::check::CheckFailure;
+use crate::machine::MachineFileError;
+use crate::program::ProgramFile;
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// How a command ended, in the order of the exit status.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Status {
+    /// 0: done, nothing wrong.
+    Fit,
+    /// 1: it ran; the program is not fit for the machine, or a tolerance was exceeded.
+    Unfit,
+    /// 2: it could not be carried out.
+    Failed,
+}
+
+impl From<Status> for ExitCode {
+    fn from(status: Status) -> Self {
+        match status {
+            Status::Fit => Self::SUCCESS,
+            Status::Unfit => Self::from(1),
+            Status::Failed => Self::from(2),
+        }
+    }
+}
+
+/// A physics-backed digital twin for CNC machines.
+///
+/// Checks CNC programs on a virtual SCARA or gantry before anything moves, then runs them on a simulated machine and
+/// on the drives in parallel and shows how far apart they are.
+#[derive(Debug, Parser)]
+#[command(name = "twin", version, arg_required_else_help = true, after_help = AFTER_HELP)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Exit status: 0 nothing wrong; 1 the program is not fit for the machine, or a tolerance was exceeded; 2 the command
+could not be carried out.
+
+Start with:
+  twin check examples/plate.cnc --machine machines/scara2.toml
+  twin run   examples/plate.cnc --machine machines/scara2.toml --serve";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Run(run::Arguments),
+    Check(check::Arguments),
+    Path(path::Arguments),
+    Axes(axes::Arguments),
+    Emulate(emulate::Arguments),
+    View(view::Arguments),
+    Machine(machine::Arguments),
+}
+
+/// Carries out the command line.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let result = match arguments.command {
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Path(arguments) => path::run(&arguments),
+        Command::Axes(arguments) => axes::run(&arguments),
+        Command::Emulate(arguments) => emulate::run(&arguments),
+        Command::View(arguments) => view::run(&arguments),
+        Command::Machine(arguments) => machine::run(&arguments),
+    };
+    match result {
+        Ok(status) => status.into(),
+        Err(failure) => {
+            failure.show();
+            Status::Failed.into()
+        }
+    }
+}
+
+/// Why a command could not be carried out.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    /// The machine file.
+    #[error(transparent)]
+    Machine(#[from] MachineFileError),
+    /// The program file.
+    #[error("cannot read program {path}: {source}")]
+    Program {
+        /// The file.
+        path: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// Which dialect the program is written in is not known, or not read yet.
+    #[error(transparent)]
+    Dialect(#[from] crate::program::DialectError),
+    /// The simulated machine.
+    #[error("the simulated machine cannot be built: {0}")]
+    Physics(#[from] crate::physics::PhysicsError),
+    /// Emulated drives.
+    #[error(transparent)]
+    Connect(#[from] crate::emulated::ConnectError),
+    /// An emulator on its own.
+    #[error(transparent)]
+    Emulator(#[from] twin_drives::EmulatorError),
+    /// The drives.
+    #[error(transparent)]
+    Hardware(#[from] crate::hardware::HardwareError),
+    /// The view.
+    #[error(transparent)]
+    View(#[from] twin_viz::VizError),
+    /// The view of a run.
+    #[error(transparent)]
+    Picture(#[from] crate::picture::PictureError),
+    /// The machine as URDF.
+    #[error(transparent)]
+    Urdf(#[from] twin_urdf::UrdfError),
+    /// A file that was to be written.
+    #[error("cannot write {path}: {source}")]
+    Write {
+        /// The file.
+        path: String,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// Standard input or output.
+    #[error("standard input or output: {0}")]
+    Stdio(std::io::Error),
+    /// The handler for Ctrl-C.
+    #[error("Ctrl-C cannot be caught: {0}")]
+    Interrupt(#[from] ctrlc::Error),
+    /// A combination of options that makes no sense.
+    #[error("{0}")]
+    Usage(String),
+}
+
+impl Failure {
+    fn check(program: &ProgramFile, failure: CheckFailure) -> Self {
+        match failure {
+            CheckFailure::Read(source) => options::unreadable(program.path(), source),
+            CheckFailure::Physics(error) => Self::Physics(error),
+        }
+    }
+
+    fn show(self) {
+        match self {
+            Self::Machine(error) => {
+                for report in error.reports() {
+                    eprintln!("{report:?}");
+                }
+            }
+            // Whoever reads our output has gone: not worth a message.
+            Self::Stdio(error) if error.kind() == std::io::ErrorKind::BrokenPipe => {}
+            other => eprintln!("{:?}", miette::Report::msg(other.to_string())),
+        }
+    }
+}

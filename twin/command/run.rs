@@ -1,0 +1,351 @@
+//! `twin run`: the program on the simulated machine and on the drives at once.
+
+use super::options::{MachineOption, ReadOptions, unreadable};
+use super::{Failure, Status, check, show};
+use crate::check::Outcome;
+use crate::compare::{Comparison, ErrorStatistics, Statistics};
+use crate::finding;
+use crate::hardware::Hardware;
+use crate::machine::Machine;
+use crate::picture::Picture;
+use crate::program::ProgramFile;
+use crate::report::{AxisErrorReport, CheckReport, ComparisonReport, PerAxis, RunReport, seconds};
+use crate::session::{DriveSample, Ending, Observer, Session, Stopped, TwinCycle};
+use crate::simulated::Simulated;
+use indicatif::ProgressBar;
+use std::io::{self, Write};
+use std::net::SocketAddr;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
+use twin_viz::{Playback, SceneOptions};
+
+/// Where the page is served unless told otherwise.
+pub(super) const DEFAULT_ADDRESS: &str = "127.0.0.1:9090";
+
+/// Part of each axis's largest velocity with which the drives approach the start of the program.
+const APPROACH: f64 = 0.25;
+
+/// Run a program on the simulated machine and, from the same set-points, on drives; show how far apart they are
+///
+/// The whole program is checked first, and nothing moves if it is not fit for the machine. Without drives the run
+/// goes as fast as it can; with drives it is in step with the wall clock. Ctrl-C brakes on the path and still
+/// writes recording and report; a second Ctrl-C brakes the drives where they are.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// The program
+    program: PathBuf,
+
+    #[command(flatten)]
+    machine: MachineOption,
+
+    #[command(flatten)]
+    read: ReadOptions,
+
+    /// Drives to run in parallel to the simulated machine
+    #[arg(long, value_enum, default_value = "emulated")]
+    drives: Drives,
+
+    /// Run in step with the wall clock also without drives
+    #[arg(long)]
+    realtime: bool,
+
+    /// Write a rerun recording
+    #[arg(long, value_name = "OUT.rrd")]
+    record: Option<PathBuf>,
+
+    /// Show the run live in the built-in web viewer, until Ctrl-C [default address: 127.0.0.1:9090]
+    #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = DEFAULT_ADDRESS)]
+    serve: Option<SocketAddr>,
+
+    /// Write a JSON report
+    #[arg(long, value_name = "OUT.json")]
+    report: Option<PathBuf>,
+
+    /// Exit with status 1 if the tool of twin or drives is farther than this from its set-point
+    #[arg(long, value_name = "MM")]
+    tolerance: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Drives {
+    /// The simulated machine alone
+    None,
+    /// Emulators of the drives named in the machine file, on pseudo-terminals, with the real driver code
+    Emulated,
+    /// The drives on the ports of the machine file
+    Real,
+}
+
+/// Ctrl-C, counted.
+#[derive(Clone, Debug)]
+pub(super) struct Interrupt {
+    count: Arc<AtomicU32>,
+}
+
+impl Interrupt {
+    pub(super) fn catch() -> Result<Self, Failure> {
+        let count = Arc::new(AtomicU32::new(0));
+        let counter = Arc::clone(&count);
+        ctrlc::set_handler(move || {
+            counter.fetch_add(1, Ordering::Relaxed);
+        })?;
+        Ok(Self { count })
+    }
+
+    fn count(&self) -> u32 {
+        self.count.load(Ordering::Relaxed)
+    }
+
+    /// Sleeps until the next Ctrl-C.
+    pub(super) fn wait(&self) {
+        let before = self.count();
+        while self.count() == before {
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    if arguments.drives == Drives::Real {
+        return Err(Failure::Usage(
+            "--drives real is not there yet: homing and the start-up checks that must come before a real axis moves \
+             are missing; --drives emulated runs the same driver against an emulated board"
+                .to_owned(),
+        ));
+    }
+    if arguments.tolerance.is_some_and(|tolerance| !(tolerance > 0.0)) {
+        return Err(Failure::Usage("--tolerance must be above 0 mm".to_owned()));
+    }
+    let interrupt = Interrupt::catch()?;
+    let machine = arguments.machine.load()?;
+    let program = arguments.read.program(&arguments.program)?;
+    eprintln!("{} is read as {}", program.path().display(), program.dialect().name());
+
+    let outcome = check_first(&machine, &program)?;
+    show::findings(&program, &outcome.findings);
+    let unfit = finding::unfit(&outcome.findings);
+    let Some(start) = outcome.start.filter(|_| !unfit) else {
+        check::summary(&mut io::stdout().lock(), &machine, &program, &outcome)
+            .map_err(Failure::Stdio)?;
+        if !unfit {
+            println!("the program moves nothing");
+        }
+        let ending = Ending::nothing(&machine);
+        let reason =
+            unfit.then(|| "the program is not fit for the machine; nothing moved".to_owned());
+        write_report(arguments, &machine, &program, &outcome, &ending, reason)?;
+        return Ok(if unfit { Status::Unfit } else { Status::Fit });
+    };
+
+    let paced =
+        arguments.realtime || (arguments.drives != Drives::None && !machine.drives.is_empty());
+    let scene = SceneOptions {
+        record: arguments.record.clone(),
+        serve: arguments.serve,
+        playback: if paced { Playback::Follow } else { Playback::FromStart },
+    };
+    let named = (arguments.drives == Drives::Emulated && !machine.drives.is_empty())
+        .then_some("InterpCNC, emulated");
+    let mut picture = Picture::open(&scene, &machine, &program, &start, named)?;
+    if let Some(url) = picture.url() {
+        eprintln!("live view: {url}");
+    }
+    let mut boards = Vec::new();
+    let hardware = match arguments.drives {
+        Drives::Emulated if machine.drives.is_empty() => {
+            eprintln!(
+                "{} names no drives; the simulated machine runs alone",
+                machine.path.display()
+            );
+            None
+        }
+        Drives::Emulated => {
+            let (board, drive) = crate::emulated::connect(&machine)?;
+            eprintln!("emulated {} on {}", drive.describe(), board.path().display());
+            boards.push(board);
+            let hardware = Hardware::start(&machine, drive, &start, machine.cycle_ns, APPROACH)?;
+            Some(approach(hardware, &interrupt)?)
+        }
+        Drives::None | Drives::Real => None,
+    };
+    let hardware = match hardware {
+        Some(None) => {
+            eprintln!("stopped by the user on the way to the start of the program");
+            return Ok(Status::Failed);
+        }
+        Some(Some(hardware)) => Some(hardware),
+        None => None,
+    };
+
+    let twin = Simulated::new(&machine, &start)?;
+    let bar = show::progress(
+        u64::try_from(outcome.duration_ns / 1_000_000).unwrap_or(0),
+        "{elapsed_precise} {bar:30} {percent:>3} %  {msg}",
+    );
+    let session = Session {
+        machine: &machine,
+        program: &program,
+        twin,
+        hardware,
+        realtime: arguments.realtime,
+    };
+    let mut watcher = Watcher { picture: &mut picture, bar: &bar, last_shown_ns: i64::MIN };
+    let clock = crate::clock::Clock::start();
+    let ending = session
+        .run(&mut watcher, &|| interrupt.count())
+        .map_err(|source| unreadable(program.path(), source))?;
+    let took = seconds(clock.now_ns());
+    bar.finish_and_clear();
+    let shown = picture.finish();
+    drop(boards);
+
+    let mut out = io::stdout().lock();
+    check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
+    summary(&mut out, &machine, &ending, took).map_err(Failure::Stdio)?;
+    let reason = ending.stopped.as_ref().map(ToString::to_string);
+    if let Some(reason) = &reason {
+        eprintln!("{reason}");
+    }
+    write_report(arguments, &machine, &program, &outcome, &ending, reason)?;
+    shown?;
+    let mut status = match &ending.stopped {
+        Some(_) => Status::Failed,
+        None => Status::Fit,
+    };
+    if let Some(tolerance) = arguments.tolerance {
+        for (who, statistics) in
+            [("twin", ending.comparison.tool.twin), ("drives", ending.comparison.tool.drives)]
+        {
+            if let Some((error, place)) =
+                statistics.maximum().filter(|(error, _)| error * 1e3 > tolerance)
+            {
+                eprintln!(
+                    "the tool of the {who} is {:.4} mm off at {place}; the tolerance is {tolerance} mm",
+                    error * 1e3
+                );
+                status = status.max(Status::Unfit);
+            }
+        }
+    }
+    if let Some(url) =
+        picture.url().filter(|_| !matches!(ending.stopped, Some(Stopped::Interrupted(_))))
+    {
+        eprintln!("the view stays at {url} until Ctrl-C");
+        interrupt.wait();
+    }
+    Ok(status)
+}
+
+fn check_first(machine: &Machine, program: &ProgramFile) -> Result<Outcome, Failure> {
+    let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
+    let bar = show::progress(bytes, "checking {bar:30} {percent:>3} % {bytes_per_sec}");
+    let outcome = crate::check::check(machine, program, false, &mut |read| bar.set_position(read));
+    bar.finish_and_clear();
+    outcome.map_err(|failure| Failure::check(program, failure))
+}
+
+/// Waits until the drives stand at the start of the program; `None` if the user stopped them on the way.
+fn approach(mut hardware: Hardware, interrupt: &Interrupt) -> Result<Option<Hardware>, Failure> {
+    let bar =
+        ProgressBar::new_spinner().with_message("the drives move to the start of the program");
+    bar.enable_steady_tick(Duration::from_millis(100));
+    loop {
+        if interrupt.count() > 0 {
+            return Ok(None);
+        }
+        if hardware.ready()? {
+            bar.finish_and_clear();
+            return Ok(Some(hardware));
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Shows a run while it goes on.
+struct Watcher<'a, 'm> {
+    picture: &'a mut Picture<'m>,
+    bar: &'a ProgressBar,
+    last_shown_ns: i64,
+}
+
+impl Observer for Watcher<'_, '_> {
+    fn twin(&mut self, cycle: &TwinCycle<'_>) {
+        self.picture.twin(cycle);
+        let time_ns = cycle.setpoint.time_ns;
+        if time_ns.saturating_sub(self.last_shown_ns) >= 100_000_000 {
+            self.last_shown_ns = time_ns;
+            self.bar.set_position(u64::try_from(time_ns / 1_000_000).unwrap_or(0));
+            let error = (cycle.twin.tool - cycle.wanted.tool).norm() * 1e3;
+            self.bar.set_message(format!("{}  twin {error:.3} mm off", cycle.setpoint.place));
+        }
+    }
+
+    fn drives(&mut self, sample: &DriveSample<'_>) {
+        self.picture.drives(sample);
+    }
+}
+
+fn summary(out: &mut impl Write, machine: &Machine, ending: &Ending, took: f64) -> io::Result<()> {
+    let executed = seconds(ending.executed_ns);
+    let ratio = if took > 0.0 { executed / took } else { 0.0 };
+    writeln!(out, "ran {executed:.3} s of program in {took:.3} s ({ratio:.1} × real time)")?;
+    let mut table = show::table();
+    table.set_header(["error", "max", "rms", "line of max"]);
+    let mut rows = |name: &str, statistics: &ErrorStatistics, scale: f64, unit: &str| {
+        let mut row = |what: &str, one: &Statistics| {
+            if let Some((max, place)) = one.maximum() {
+                let block = place.block.map_or(String::new(), |block| format!(" (N{block})"));
+                table.add_row([
+                    format!("{name}, {what}"),
+                    format!("{:.4} {unit}", max * scale),
+                    format!("{:.4} {unit}", one.rms() * scale),
+                    format!("{}{block}", place.line),
+                ]);
+            }
+        };
+        row("twin", &statistics.twin);
+        row("drives", &statistics.drives);
+        row("drives against twin", &statistics.drives_against_twin);
+    };
+    rows("tool", &ending.comparison.tool, 1e3, "mm");
+    for (axis, statistics) in machine.axes.iter().zip(&ending.comparison.axes) {
+        rows(&format!("axis {}", axis.name), statistics, axis.from_si(1.0), axis.unit());
+    }
+    writeln!(out, "{table}")
+}
+
+fn write_report(
+    arguments: &Arguments,
+    machine: &Machine,
+    program: &ProgramFile,
+    outcome: &Outcome,
+    ending: &Ending,
+    stopped_because: Option<String>,
+) -> Result<(), Failure> {
+    let Some(path) = &arguments.report else { return Ok(()) };
+    let Comparison { tool, axes } = &ending.comparison;
+    let axis_error = machine.axes.iter().zip(axes);
+    let report = RunReport {
+        check: CheckReport::new(machine, program, outcome),
+        completed: stopped_because.is_none(),
+        stopped_because,
+        executed_s: seconds(ending.executed_ns),
+        tool_error_mm: ComparisonReport::new(tool, 1e3),
+        axis_error: PerAxis(
+            axis_error
+                .map(|(axis, one)| (axis.name.clone(), AxisErrorReport::new(axis, one)))
+                .collect(),
+        ),
+    };
+    write_json(path, &report)
+        .map_err(|source| Failure::Write { path: path.display().to_string(), source })
+}
+
+fn write_json(path: &Path, report: &RunReport) -> io::Result<()> {
+    let mut file = io::BufWriter::new(std::fs::File::create(path)?);
+    serde_json::to_writer_pretty(&mut file, report)?;
+    writeln!(file)?;
+    file.flush()
+}

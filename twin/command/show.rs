@@ -1,0 +1,267 @@
+//! How things look on a terminal.
+
+use crate::finding::{Finding, Severity};
+use crate::machine::Machine;
+use crate::program::ProgramFile;
+use crate::report::AxisPeak;
+use comfy_table::{Cell, CellAlignment, Color, ContentArrangement, Table, presets};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use miette::{
+    Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents,
+};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::io::{self, BufRead, IsTerminal, Write};
+use twin_motion::Place;
+
+/// How many findings a person is shown; the JSON report has them all.
+const SHOWN_FINDINGS: usize = 20;
+
+/// Shows findings on standard error with the lines they are about, the worst first.
+pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
+    let shown = findings.get(..SHOWN_FINDINGS).unwrap_or(findings);
+    let lines = lines_of(program, shown);
+    for finding in shown {
+        let shown = ShownFinding {
+            finding,
+            source: lines.get(&finding.line).map(|line| Line {
+                name: program.path().display().to_string(),
+                number: finding.line,
+                text: line.clone(),
+            }),
+        };
+        let mut text = String::new();
+        let handler = miette::GraphicalReportHandler::new_themed(theme()).with_links(false);
+        if handler.render_report(&mut text, &shown).is_ok() {
+            // A message that cannot be shown must not end the command.
+            writeln!(io::stderr(), "{}", text.trim_end()).unwrap_or_default();
+        }
+    }
+    if findings.len() > shown.len() {
+        let rest = findings.len() - shown.len();
+        writeln!(io::stderr(), "… and {rest} more (--format json lists them all)")
+            .unwrap_or_default();
+    }
+}
+
+/// Colours only on a terminal.
+fn theme() -> miette::GraphicalTheme {
+    match (io::stderr().is_terminal(), std::env::var_os("NO_COLOR")) {
+        (true, None) => miette::GraphicalTheme::unicode(),
+        _ => miette::GraphicalTheme::unicode_nocolor(),
+    }
+}
+
+/// The lines that findings are about, read from the file again: nothing keeps the program in memory.
+fn lines_of(program: &ProgramFile, findings: &[Finding]) -> BTreeMap<u32, String> {
+    let Some(last) = findings.iter().map(|finding| finding.line).max() else {
+        return BTreeMap::new();
+    };
+    let Ok(file) = std::fs::File::open(program.path()) else { return BTreeMap::new() };
+    let mut reader = io::BufReader::new(file);
+    let mut lines = BTreeMap::new();
+    let mut buffer = Vec::new();
+    for number in 1..=last {
+        buffer.clear();
+        match reader.read_until(b'\n', &mut buffer) {
+            Ok(0) | Err(_) => break,
+            Ok(_) => {}
+        }
+        if findings.iter().any(|finding| finding.line == number) {
+            let text = String::from_utf8_lossy(&buffer).trim_end_matches(['\r', '\n']).to_owned();
+            lines.insert(number, text);
+        }
+    }
+    lines
+}
+
+/// One line of a program that knows its number.
+#[derive(Debug)]
+struct Line {
+    name: String,
+    number: u32,
+    text: String,
+}
+
+impl SourceCode for Line {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        _context_lines_before: usize,
+        _context_lines_after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        if span.offset() + span.len() > self.text.len() {
+            return Err(MietteError::OutOfBounds);
+        }
+        let whole = SourceSpan::from(0..self.text.len());
+        let line = usize::try_from(self.number).unwrap_or(usize::MAX).saturating_sub(1);
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.name.clone(),
+            self.text.as_bytes(),
+            whole,
+            line,
+            0,
+            1,
+        )))
+    }
+}
+
+#[derive(Debug)]
+struct ShownFinding<'a> {
+    finding: &'a Finding,
+    source: Option<Line>,
+}
+
+impl fmt::Display for ShownFinding<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let place = Place { line: self.finding.line, block: self.finding.block };
+        write!(f, "{place}: {}", self.finding.message)
+    }
+}
+
+impl std::error::Error for ShownFinding<'_> {}
+
+impl Diagnostic for ShownFinding<'_> {
+    fn code<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        Some(Box::new(self.finding.rule.name()))
+    }
+
+    fn severity(&self) -> Option<miette::Severity> {
+        Some(match self.finding.severity {
+            Severity::Error => miette::Severity::Error,
+            Severity::Warning => miette::Severity::Warning,
+            Severity::Note => miette::Severity::Advice,
+        })
+    }
+
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        let feed = self.finding.largest_feed_mm_per_s?;
+        Some(Box::new(format!(
+            "with F{} or less this axis stays within its limit here",
+            floor_3(feed)
+        )))
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.source.as_ref().map(|line| line as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let line = self.source.as_ref()?;
+        let length = line.text.len();
+        let whole = 0..length;
+        let columns = self.finding.columns.clone().unwrap_or(whole);
+        let columns = columns.start.min(length)..columns.end.min(length);
+        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(None, columns))))
+    }
+}
+
+/// Three significant digits, rounded down: a feed that is recommended must not be too large.
+fn floor_3(value: f64) -> String {
+    if !(value.is_finite() && value > 0.0) {
+        return "0".to_owned();
+    }
+    let digits = value.log10().floor();
+    let unit = 10f64.powf(digits - 2.0);
+    let floored = (value / unit).floor() * unit;
+    let decimals = if digits >= 2.0 {
+        0
+    } else if digits >= 1.0 {
+        1
+    } else if digits >= 0.0 {
+        2
+    } else {
+        6
+    };
+    format!("{floored:.decimals$}")
+}
+
+/// The table of largest values per axis, each against its limit.
+pub(super) fn peaks(machine: &Machine, peaks: &[AxisPeak]) -> Table {
+    let mut table = table();
+    let physics = peaks.iter().any(|peak| peak.following_error.is_some());
+    let mut header = vec![
+        "axis",
+        "position",
+        "limits",
+        "velocity",
+        "limit",
+        "line",
+        "acceleration",
+        "limit",
+        "line",
+    ];
+    if physics {
+        header.extend(["following error", "line"]);
+    }
+    table.set_header(header);
+    for (axis, peak) in machine.axes.iter().zip(peaks) {
+        let show = |value: f64| format!("{:.1}", axis.from_si(value));
+        let unit = axis.unit();
+        let position = peak
+            .position
+            .map_or("–".to_owned(), |[min, max]| format!("{} … {} {unit}", show(min), show(max)));
+        let [low, high] = axis.position_limits;
+        let mut row = vec![
+            Cell::new(&axis.name),
+            Cell::new(position),
+            Cell::new(format!("{} … {}", show(low), show(high))),
+            against(
+                format!("{} {unit}/s", show(peak.velocity.value)),
+                peak.velocity.value,
+                axis.max_velocity,
+            ),
+            Cell::new(show(axis.max_velocity)),
+            Cell::new(peak.velocity.place.line),
+            against(
+                format!("{} {unit}/s²", show(peak.acceleration.value)),
+                peak.acceleration.value,
+                axis.max_acceleration,
+            ),
+            Cell::new(show(axis.max_acceleration)),
+            Cell::new(peak.acceleration.place.line),
+        ];
+        if physics {
+            let error = peak.following_error.unwrap_or_default();
+            row.push(Cell::new(format!("{:.4} {unit}", axis.from_si(error.value))));
+            row.push(Cell::new(error.place.line));
+        }
+        table.add_row(row.into_iter().enumerate().map(|(column, cell)| {
+            if column == 0 { cell } else { cell.set_alignment(CellAlignment::Right) }
+        }));
+    }
+    table
+}
+
+/// A cell that turns red beyond its limit and yellow close to it.
+fn against(text: String, value: f64, limit: f64) -> Cell {
+    let cell = Cell::new(text);
+    if value > limit * (1.0 + 1e-9) {
+        cell.fg(Color::Red)
+    } else if value > limit * 0.9 {
+        cell.fg(Color::Yellow)
+    } else {
+        cell
+    }
+}
+
+/// An empty table in the house style.
+pub(super) fn table() -> Table {
+    let mut table = Table::new();
+    table
+        .load_style(presets::UTF8_HORIZONTAL_ONLY)
+        .set_content_arrangement(ContentArrangement::Disabled);
+    if !io::stdout().is_terminal() || std::env::var_os("NO_COLOR").is_some() {
+        table.force_no_tty();
+    }
+    table
+}
+
+/// A progress bar over `length` units, on standard error, only on a terminal.
+pub(super) fn progress(length: u64, template: &str) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr_with_hz(10));
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style.progress_chars("━╸ "));
+    }
+    bar
+}

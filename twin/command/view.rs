@@ -1,0 +1,28 @@
+//! `twin view`: a recording in the browser.
+
+use super::{Failure, Status, run};
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+/// Show a recording made with `twin run --record` in the built-in web viewer
+///
+/// Serves until Ctrl-C.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// The recording
+    #[arg(value_name = "FILE.rrd")]
+    recording: PathBuf,
+
+    /// Address of the page
+    #[arg(long, value_name = "ADDR", default_value = run::DEFAULT_ADDRESS)]
+    serve: SocketAddr,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    let interrupt = run::Interrupt::catch()?;
+    let viewer = twin_viz::view_recording(&arguments.recording, arguments.serve)?;
+    eprintln!("{} is shown at {}", arguments.recording.display(), viewer.url());
+    eprintln!("Ctrl-C ends it.");
+    interrupt.wait();
+    Ok(Status::Fit)
+}

@@ -1,0 +1,75 @@
+//! Emulators of the drives a machine file names, in this process, with the real driver connected to them.
+
+use crate::clock::Clock;
+use crate::machine::{DeviceEntry, Machine, Parity};
+use std::time::Duration;
+use twin_drives::interpcnc::emulator::{BoardOptions, EmulatedBoard, EmulatorOptions, Wire};
+use twin_drives::interpcnc::{
+    AxisOptions, InterpCncDrive, InterpCncOptions, Line, registers::BoardAxis,
+};
+use twin_drives::{Drive, DriveError, EmulatorError};
+
+/// Why no emulated drive can be had.
+#[derive(Debug, thiserror::Error)]
+pub enum ConnectError {
+    /// The emulator.
+    #[error("the drive cannot be emulated: {0}")]
+    Emulator(#[from] EmulatorError),
+    /// The driver.
+    #[error(transparent)]
+    Drive(#[from] DriveError),
+    /// The machine file has no such device.
+    #[error("the machine file names no drive for its axes")]
+    NoDevice,
+}
+
+/// Powers up an emulated board on a pseudo-terminal and opens it with the driver.
+///
+/// # Errors
+/// [`ConnectError`].
+pub fn connect(machine: &Machine) -> Result<(EmulatedBoard, Box<dyn Drive>), ConnectError> {
+    let device = machine.drives.first().ok_or(ConnectError::NoDevice)?;
+    let clock = Clock::start();
+    let board = EmulatedBoard::start(&emulator_options(device), move || clock.now_ns())?;
+    let port = board.path().display().to_string();
+    let drive = InterpCncDrive::open(&port, &driver_options(machine, device))?;
+    Ok((board, Box::new(drive)))
+}
+
+/// The board that `device` describes.
+pub fn emulator_options(device: &DeviceEntry) -> EmulatorOptions {
+    let line = line(device);
+    EmulatorOptions {
+        board: BoardOptions { station: device.station, line, ..BoardOptions::default() },
+        wire: Wire { line, turnaround: Duration::from_micros(device.turnaround_us.into()) },
+        link: None,
+    }
+}
+
+/// How the driver is to speak to `device`, which moves the axes of `machine`.
+fn driver_options(machine: &Machine, device: &DeviceEntry) -> InterpCncOptions {
+    let axes = machine.axes.iter().filter_map(|axis| {
+        let board_axis = BoardAxis::ALL.get(axis.drive.as_ref()?.index)?;
+        Some(AxisOptions {
+            start_stop_hz: device.start_stop_hz,
+            acceleration_khz_per_s: device.acceleration_khz_per_s,
+            deceleration_khz_per_s: device.acceleration_khz_per_s,
+            ..AxisOptions::new(*board_axis)
+        })
+    });
+    InterpCncOptions {
+        station: device.station,
+        line: line(device),
+        ..InterpCncOptions::new(axes.collect())
+    }
+}
+
+fn line(device: &DeviceEntry) -> Line {
+    use twin_drives::interpcnc::Parity as WireParity;
+    let parity = match device.parity {
+        Parity::None => WireParity::None,
+        Parity::Even => WireParity::Even,
+        Parity::Odd => WireParity::Odd,
+    };
+    Line { baud: device.baud, parity }
+}

@@ -1,0 +1,138 @@
+//! What is found wrong with a program, and where.
+
+use serde::Serialize;
+use std::ops::Range;
+use twin_motion::Place;
+
+/// The rule a finding belongs to. The names are part of the command-line contract.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rule {
+    /// The text is not a program of its dialect.
+    Syntax,
+    /// A word that the dialect, or this version of twin, does not know.
+    UnsupportedWord,
+    /// An arc whose centre or radius does not fit its ends.
+    ArcGeometry,
+    /// A point the machine cannot reach.
+    Reach,
+    /// An axis beyond its software limits.
+    AxisPosition,
+    /// An axis asked for more than its velocity.
+    AxisVelocity,
+    /// An axis asked for more than its acceleration.
+    AxisAcceleration,
+    /// An axis asked for more than its jerk.
+    AxisJerk,
+    /// The arms are stretched or folded.
+    Singularity,
+    /// An axis that the simulated machine cannot keep on its set-point.
+    FollowingError,
+}
+
+impl Rule {
+    /// The rule's name as in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Syntax => "syntax",
+            Self::UnsupportedWord => "unsupported-word",
+            Self::ArcGeometry => "arc-geometry",
+            Self::Reach => "reach",
+            Self::AxisPosition => "axis-position",
+            Self::AxisVelocity => "axis-velocity",
+            Self::AxisAcceleration => "axis-acceleration",
+            Self::AxisJerk => "axis-jerk",
+            Self::Singularity => "singularity",
+            Self::FollowingError => "following-error",
+        }
+    }
+}
+
+/// How bad a finding is. Ordered: the worst is the greatest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Worth knowing.
+    Note,
+    /// The program runs, but perhaps not as meant.
+    Warning,
+    /// The program is not fit for the machine.
+    Error,
+}
+
+/// One thing found.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// Which rule.
+    pub rule: Rule,
+    /// How bad.
+    pub severity: Severity,
+    /// Line of the program file, from 1.
+    pub line: u32,
+    /// N word of the block, if it has one.
+    pub block: Option<u32>,
+    /// What is wrong, with value and limit.
+    pub message: String,
+    /// The axis concerned.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis: Option<String>,
+    /// The value found, in `unit`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
+    /// The limit it breaks, in `unit`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<f64>,
+    /// Unit of `value` and `limit`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<&'static str>,
+    /// The largest feed with which this would not be found, mm/s, where that has a closed form.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_feed_mm_per_s: Option<f64>,
+    /// Bytes of the line to underline.
+    #[serde(skip)]
+    pub columns: Option<Range<usize>>,
+}
+
+impl Finding {
+    /// An error of `rule` at `place`.
+    pub fn error(rule: Rule, place: Place, message: String) -> Self {
+        Self {
+            rule,
+            severity: Severity::Error,
+            line: place.line,
+            block: place.block,
+            message,
+            axis: None,
+            value: None,
+            limit: None,
+            unit: None,
+            largest_feed_mm_per_s: None,
+            columns: None,
+        }
+    }
+
+    /// With the numbers behind it.
+    #[must_use]
+    pub fn with_value(mut self, value: f64, limit: f64, unit: &'static str) -> Self {
+        self.value = Some(value);
+        self.limit = Some(limit);
+        self.unit = Some(unit);
+        self
+    }
+}
+
+/// Brings findings into the order they are shown in: the worst first, then by line.
+pub fn sort(findings: &mut [Finding]) {
+    findings.sort_by(|a, b| {
+        b.severity
+            .cmp(&a.severity)
+            .then(a.line.cmp(&b.line))
+            .then(a.rule.cmp(&b.rule))
+            .then_with(|| a.axis.cmp(&b.axis))
+    });
+}
+
+/// True if any finding makes the program unfit for the machine.
+pub fn unfit(findings: &[Finding]) -> bool {
+    findings.iter().any(|finding| finding.severity == Severity::Error)
+}

@@ -1,0 +1,222 @@
+//! `[[axes]]`: what each axis of the machine is and can do.
+
+use super::section::Section;
+
+/// Whether an axis turns or slides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AxisKind {
+    /// Positions in rad, shown in degrees.
+    Rotary,
+    /// Positions in m, shown in mm.
+    Linear,
+}
+
+impl AxisKind {
+    /// The unit that people read and write.
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::Rotary => "deg",
+            Self::Linear => "mm",
+        }
+    }
+
+    /// One such unit in SI.
+    pub const fn scale(self) -> f64 {
+        match self {
+            Self::Rotary => std::f64::consts::PI / 180.0,
+            Self::Linear => 1e-3,
+        }
+    }
+}
+
+/// How many increments of a drive one unit of the axis is, as an exact ratio (the manual's
+/// `dwRatioTechUnitsDenom` / `iRatioTechUnitsNum`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IncrementRatio {
+    /// Increments …
+    pub increments: i64,
+    /// … per this many degrees or millimetres.
+    pub per_units: f64,
+}
+
+/// One axis of the machine. SI inside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// Its name in reports.
+    pub name: String,
+    /// Rotary or linear.
+    pub kind: AxisKind,
+    /// Software limits, lower and upper, m or rad.
+    pub position_limits: [f64; 2],
+    /// m/s or rad/s.
+    pub max_velocity: f64,
+    /// m/s² or rad/s².
+    pub max_acceleration: f64,
+    /// m/s³ or rad/s³; `None`: not limited.
+    pub max_jerk: Option<f64>,
+    /// Largest distance from the set-point, m or rad; `None`: not watched.
+    pub max_following_error: Option<f64>,
+    /// Its drive in the simulated machine.
+    pub simulated: SimulatedAxis,
+    /// Its drive, if it has one.
+    pub drive: Option<AxisDrive>,
+}
+
+/// `[axes.physics]`: the servo drive that moves the axis of the simulated machine. SI, at the axis (behind the gear).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SimulatedAxis {
+    /// Largest force or torque, N or Nm.
+    pub effort_limit: f64,
+    /// Bandwidth of the velocity loop, Hz.
+    pub bandwidth_hz: f64,
+    /// Dry friction, N or Nm.
+    pub coulomb_friction: f64,
+    /// Friction proportional to velocity, N·s/m or Nm·s/rad.
+    pub viscous_friction: f64,
+    /// Rotor and gear inertia as felt at the axis, kg or kg·m².
+    pub armature: f64,
+}
+
+/// The drive an axis hangs on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisDrive {
+    /// Index into [`super::Machine::drives`].
+    pub device: usize,
+    /// Index of the axis on that device, from 0 (X).
+    pub index: usize,
+    /// Increments per unit.
+    pub ratio: IncrementRatio,
+}
+
+impl Axis {
+    /// The unit that people read: "deg" or "mm".
+    pub const fn unit(&self) -> &'static str {
+        self.kind.unit()
+    }
+
+    /// A value in SI (or a derivative of one) in the unit people read.
+    pub fn from_si(&self, value: f64) -> f64 {
+        value / self.kind.scale()
+    }
+
+    /// A value in the unit people write (or a derivative) in SI.
+    pub fn to_si(&self, value: f64) -> f64 {
+        value * self.kind.scale()
+    }
+
+    /// Increments per m or rad; 0 without a drive.
+    #[expect(clippy::cast_precision_loss, reason = "read from a file where it is at most 10^12")]
+    pub fn increments_per_si(&self) -> f64 {
+        self.drive
+            .as_ref()
+            .map_or(0.0, |drive| drive.ratio.increments as f64 / self.to_si(drive.ratio.per_units))
+    }
+}
+
+/// What `[[axes]]` says beside the axis itself.
+#[derive(Clone, Debug)]
+pub(super) struct AxisEntry {
+    pub(super) axis: Axis,
+    /// What it moves: an output of the transform or a coordinate. Its name, unless `role` says otherwise.
+    pub(super) role: String,
+}
+
+/// Reads one `[[axes]]` table. `devices` are the names of `[[drives]]`.
+pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntry> {
+    let name = section.required_text("name");
+    let role = section.text("role").or(name);
+    let kind = section
+        .required_choice("kind", &[("rotary", AxisKind::Rotary), ("linear", AxisKind::Linear)]);
+    let Some(kind) = kind else {
+        // The other keys carry the unit, which is not known: one complaint is enough.
+        section.accept_all();
+        return None;
+    };
+    let unit = kind.unit();
+    let position_min = section.required_number(&format!("position_min_{unit}"), -1e6..=1e6);
+    let position_max = section.required_number(&format!("position_max_{unit}"), -1e6..=1e6);
+    let max_velocity = section.required_number(&format!("max_velocity_{unit}_per_s"), 1e-3..=1e6);
+    let max_acceleration =
+        section.required_number(&format!("max_acceleration_{unit}_per_s2"), 1e-3..=1e8);
+    let max_jerk = section.number(&format!("max_jerk_{unit}_per_s3"), 1e-3..=1e12);
+    let max_following_error = section.number(&format!("max_following_error_{unit}"), 1e-6..=1e4);
+    let simulated = read_simulated(&section.section("physics"), kind);
+    let drive = read_drive(section, unit, devices);
+    let (min, max) = (position_min?, position_max?);
+    if min >= max {
+        let key = format!("position_max_{unit}");
+        section.complain_at(
+            &key,
+            format!("`{key}` is {max}; it must be above `position_min_{unit}`, {min}"),
+        );
+        return None;
+    }
+    let scale = kind.scale();
+    Some(AxisEntry {
+        axis: Axis {
+            name: name?.to_owned(),
+            kind,
+            position_limits: [min * scale, max * scale],
+            max_velocity: max_velocity? * scale,
+            max_acceleration: max_acceleration? * scale,
+            max_jerk: max_jerk.map(|jerk| jerk * scale),
+            max_following_error: max_following_error.map(|error| error * scale),
+            simulated,
+            drive,
+        },
+        role: role?.to_owned(),
+    })
+}
+
+fn read_simulated(section: &Section<'_>, kind: AxisKind) -> SimulatedAxis {
+    let (effort, coulomb, viscous, armature) = match kind {
+        AxisKind::Rotary => (
+            "max_torque_nm",
+            "coulomb_friction_nm",
+            "viscous_friction_nm_s_per_rad",
+            "rotor_inertia_kg_m2",
+        ),
+        AxisKind::Linear => {
+            ("max_force_n", "coulomb_friction_n", "viscous_friction_n_s_per_m", "rotor_inertia_kg")
+        }
+    };
+    let simulated = SimulatedAxis {
+        effort_limit: section.number(effort, 1e-3..=1e7).unwrap_or(f64::INFINITY),
+        bandwidth_hz: section.number("velocity_loop_bandwidth_hz", 1.0..=250.0).unwrap_or(50.0),
+        coulomb_friction: section.number(coulomb, 0.0..=1e6).unwrap_or(0.0),
+        viscous_friction: section.number(viscous, 0.0..=1e6).unwrap_or(0.0),
+        armature: section.number(armature, 0.0..=1e6).unwrap_or(0.0),
+    };
+    section.check_unknown();
+    simulated
+}
+
+fn read_drive(section: &Section<'_>, unit: &str, devices: &[String]) -> Option<AxisDrive> {
+    let device = section.text("drive");
+    let index = section.choice("drive_axis", &[("X", 0), ("Y", 1), ("Z", 2), ("A", 3), ("B", 4)]);
+    let increments = section.integer("increments", -1_000_000_000_000..=1_000_000_000_000);
+    let per_key = format!("per_{unit}");
+    let per_units = section.number(&per_key, 1e-6..=1e9);
+    let device = device?;
+    let Some(found) = devices.iter().position(|name| name == device) else {
+        let known =
+            if devices.is_empty() { "there is none".to_owned() } else { devices.join(", ") };
+        section
+            .complain_at("drive", format!("`drive` names \"{device}\", but of [[drives]] {known}"));
+        return None;
+    };
+    for key in ["drive_axis", "increments", &per_key] {
+        if !section.has(key) {
+            section.complain(format!("an axis with a `drive` needs `{key}` too"));
+        }
+    }
+    if increments == Some(0) {
+        section.complain_at(
+            "increments",
+            "`increments` is 0; a drive that never steps moves nothing".to_owned(),
+        );
+        return None;
+    }
+    let ratio = IncrementRatio { increments: increments?, per_units: per_units? };
+    Some(AxisDrive { device: found, index: index?, ratio })
+}

@@ -1,0 +1,216 @@
+//! The machine file: one TOML file that describes a machine. `machines/*.toml` are commented as documentation.
+
+mod axis;
+mod drives;
+mod geometry;
+mod problem;
+mod section;
+
+pub use axis::{Axis, AxisDrive, AxisKind, IncrementRatio, SimulatedAxis};
+pub use drives::{DeviceEntry, Parity};
+pub use problem::{MachineFileError, Problem};
+
+use axis::AxisEntry;
+use nalgebra::{Point3, Vector3};
+use section::{Complaints, Section};
+use std::path::{Path, PathBuf};
+use toml::de::DeTable;
+use twin_kinematics::{AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
+use twin_urdf::Model;
+
+/// Turns of the path up to this angle are passed without a stop unless the machine file says otherwise, rad.
+pub const DEFAULT_ANGLE_TOLERANCE: f64 = 2.0 * std::f64::consts::PI / 180.0;
+
+/// One set-point per millisecond.
+const CYCLE_NS: i64 = 1_000_000;
+
+/// Everything known about a machine. SI inside.
+#[derive(Debug)]
+pub struct Machine {
+    /// The file it was read from.
+    pub path: PathBuf,
+    /// Its name.
+    pub name: String,
+    /// Kind of its transform, as in the file: "scara2", "gantry3".
+    pub kind: &'static str,
+    /// From the tool to the axes and back.
+    pub kinematics: MachineAxes,
+    /// Where the program's frame lies.
+    pub frame: WorkFrame,
+    /// The axes.
+    pub axes: Vec<Axis>,
+    /// Links and joints, for physics and pictures.
+    pub model: Model,
+    /// The devices on the wires.
+    pub drives: Vec<DeviceEntry>,
+    /// Acceleration of free fall in the machine frame, m/s².
+    pub gravity: Vector3<f64>,
+    /// Where a program starts that does not say so itself (G92), work frame, m.
+    pub start: [f64; 3],
+    /// Turns of the path up to this angle are passed without a stop, rad.
+    pub angle_tolerance: f64,
+    /// Time between set-points, ns.
+    pub cycle_ns: i64,
+}
+
+impl Machine {
+    /// Reads a machine file.
+    ///
+    /// # Errors
+    /// With everything that is wrong with it.
+    pub fn load(path: &Path) -> Result<Self, MachineFileError> {
+        let text = std::fs::read(path)
+            .and_then(|bytes| {
+                String::from_utf8(bytes).map_err(|error| {
+                    std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())
+                })
+            })
+            .map_err(|source| MachineFileError::Read { path: path.to_owned(), source })?;
+        Self::parse(path, &text).map_err(|problems| MachineFileError::Content {
+            path: path.to_owned(),
+            text,
+            problems,
+        })
+    }
+
+    /// Reads the text of a machine file; `path` is for messages.
+    ///
+    /// # Errors
+    /// With everything that is wrong with it, in file order.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, Vec<Problem>> {
+        let table = DeTable::parse(text).map_err(|error| {
+            vec![Problem {
+                span: error.span().unwrap_or(0..0),
+                message: error.message().to_owned(),
+                help: None,
+            }]
+        })?;
+        let complaints = Complaints::default();
+        let machine = read(path, &Section::root(&table, &complaints));
+        let problems = complaints.into_list();
+        match machine {
+            Some(machine) if problems.is_empty() => Ok(machine),
+            _ => Err(problems),
+        }
+    }
+
+    /// Height of the tool tip above the machine frame's origin with every linear axis at 0, m.
+    pub fn rest_height(&self) -> f64 {
+        let axes = AxisVector::zeros(self.axes.len());
+        self.kinematics.forward(&axes).map_or(0.0, |pose| pose.position.z)
+    }
+
+    /// Where the tool is and the axes are when a program starts that does not say where, if that can be reached.
+    pub fn start_axes(&self) -> Option<AxisVector> {
+        let position = Point3::from(self.start);
+        let pose = self.frame.pose_to_machine(&Pose { position, direction: 0.0 });
+        self.kinematics.inverse(&pose, &AxisVector::zeros(self.axes.len())).ok()
+    }
+}
+
+fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
+    let name = root.required_text("name");
+    let drives = root.sections("drives");
+    let devices: Vec<_> = drives.iter().map(drives::read).collect();
+    let device_names: Vec<_> = devices
+        .iter()
+        .map(|device| device.as_ref().map_or_else(String::new, |device| device.name.clone()))
+        .collect();
+    if drives.len() > 1 {
+        root.complain_at("drives", format!("{} devices; one is supported so far", drives.len()));
+    }
+    drives.into_iter().for_each(Section::finish);
+
+    let axis_sections = root.sections("axes");
+    let entries: Vec<_> =
+        axis_sections.iter().map(|section| axis::read(section, &device_names)).collect();
+    check_axes(root, &axis_sections, &entries);
+    axis_sections.into_iter().for_each(Section::finish);
+    let axes: Option<Vec<_>> = entries.into_iter().collect();
+
+    let tool = root.section("tool");
+    let mounted = geometry::Tool {
+        length: tool.number("length_mm", 0.0..=10_000.0).unwrap_or(0.0) * 1e-3,
+        mass: tool.number("mass_kg", 0.0..=1000.0).unwrap_or(0.0),
+    };
+    tool.finish();
+
+    let frame = root.section("work_frame");
+    let translation = frame.numbers::<3>("translation_mm", -1e5..=1e5).unwrap_or_default();
+    let rotation = frame.numbers::<3>("rotation_deg", -360.0..=360.0).unwrap_or_default();
+    frame.finish();
+
+    let program = root.section("program");
+    let start = program.numbers::<3>("start_mm", -1e5..=1e5).unwrap_or_default();
+    let angle_tolerance = program.number("angle_tolerance_deg", 0.0..=180.0);
+    program.finish();
+
+    let environment = root.section("environment");
+    let gravity =
+        environment.numbers::<3>("gravity_m_per_s2", -100.0..=100.0).unwrap_or([0.0, 0.0, -9.81]);
+    environment.finish();
+
+    let geometry = geometry::read(root, name.unwrap_or_default(), axes.as_deref(), mounted);
+    root.check_unknown();
+
+    let geometry = geometry?;
+    let [roll, pitch, yaw] = rotation.map(f64::to_radians);
+    Some(Machine {
+        path: path.to_owned(),
+        name: name?.to_owned(),
+        kind: geometry.kind,
+        kinematics: geometry.kinematics,
+        model: geometry.model,
+        frame: WorkFrame::new(Vector3::from(translation) * 1e-3, roll, pitch, yaw),
+        axes: axes?.into_iter().map(|entry| entry.axis).collect(),
+        drives: devices.into_iter().collect::<Option<_>>()?,
+        gravity: Vector3::from(gravity),
+        start: start.map(|value| value * 1e-3),
+        angle_tolerance: angle_tolerance.map_or(DEFAULT_ANGLE_TOLERANCE, f64::to_radians),
+        cycle_ns: CYCLE_NS,
+    })
+}
+
+/// What must hold between the axes.
+fn check_axes(root: &Section<'_>, sections: &[Section<'_>], entries: &[Option<AxisEntry>]) {
+    if sections.is_empty() {
+        root.complain("the file lacks [[axes]]".to_owned());
+    }
+    if sections.len() > MAX_AXES {
+        root.complain_at(
+            "axes",
+            format!("{} axes; at most {MAX_AXES} are supported", sections.len()),
+        );
+    }
+    let known: Vec<_> = entries.iter().flatten().collect();
+    for (section, entry) in sections.iter().zip(entries) {
+        let Some(entry) = entry else { continue };
+        let earlier = known.iter().take_while(|other| !std::ptr::eq(**other, entry));
+        for other in earlier {
+            if other.axis.name == entry.axis.name {
+                section.complain_at("name", format!("there are two axes \"{}\"", entry.axis.name));
+            }
+            let same_place =
+                |a: &AxisDrive, b: &AxisDrive| (a.device, a.index) == (b.device, b.index);
+            if let (Some(a), Some(b)) = (&other.axis.drive, &entry.axis.drive)
+                && same_place(a, b)
+            {
+                let message =
+                    format!("axis \"{}\" already hangs on this axis of the drive", other.axis.name);
+                section.complain_at("drive_axis", message);
+            }
+        }
+    }
+    let driven = known.iter().filter(|entry| entry.axis.drive.is_some()).count();
+    if driven > 0 && driven < known.len() {
+        let without: Vec<_> = known
+            .iter()
+            .filter(|entry| entry.axis.drive.is_none())
+            .map(|entry| entry.axis.name.as_str())
+            .collect();
+        root.complain_at(
+            "axes",
+            format!("some axes have a `drive`, but not {}: all or none", without.join(", ")),
+        );
+    }
+}

@@ -1,0 +1,90 @@
+//! What can be wrong with a machine file.
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode};
+use std::fmt;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// One thing wrong, and where in the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// Bytes of the text.
+    pub span: Range<usize>,
+    /// What is wrong.
+    pub message: String,
+    /// What would be right, where that can be guessed.
+    pub help: Option<String>,
+}
+
+/// Why a machine file cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum MachineFileError {
+    /// The file cannot be read.
+    #[error("cannot read machine file {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The file is not what a machine file must be.
+    #[error("machine file {} has {} problem(s)", path.display(), problems.len())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// Its text.
+        text: String,
+        /// Everything that is wrong with it, in file order.
+        problems: Vec<Problem>,
+    },
+}
+
+impl MachineFileError {
+    /// One report per problem, for people.
+    pub fn reports(self) -> Vec<miette::Report> {
+        match self {
+            Self::Read { .. } => vec![miette::Report::msg(self.to_string())],
+            Self::Content { path, text, problems } => problems
+                .into_iter()
+                .map(|problem| {
+                    let source = NamedSource::new(path.display().to_string(), text.clone());
+                    miette::Report::new(Shown { problem, source })
+                })
+                .collect(),
+        }
+    }
+}
+
+/// A problem together with the text it is about.
+#[derive(Debug)]
+struct Shown {
+    problem: Problem,
+    source: NamedSource<String>,
+}
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.problem.message)
+    }
+}
+
+impl std::error::Error for Shown {}
+
+impl Diagnostic for Shown {
+    fn severity(&self) -> Option<Severity> {
+        Some(Severity::Error)
+    }
+
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.problem.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        Some(&self.source)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let label = LabeledSpan::new_with_span(Some("here".to_owned()), self.problem.span.clone());
+        Some(Box::new(std::iter::once(label)))
+    }
+}

@@ -1,0 +1,311 @@
+//! Reads values out of TOML tables, so that every complaint knows its place in the file.
+
+use super::problem::Problem;
+use std::cell::RefCell;
+use std::ops::{Range, RangeInclusive};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// Gathers what is wrong with a file, so that a user sees all of it at once.
+#[derive(Debug, Default)]
+pub(super) struct Complaints {
+    list: RefCell<Vec<Problem>>,
+}
+
+impl Complaints {
+    pub(super) fn add(&self, span: Range<usize>, message: String, help: Option<String>) {
+        self.list.borrow_mut().push(Problem { span, message, help });
+    }
+
+    pub(super) fn into_list(self) -> Vec<Problem> {
+        let mut list = self.list.into_inner();
+        list.sort_by_key(|problem| problem.span.start);
+        list
+    }
+}
+
+/// One table of the file. Remembers which keys were asked for: the others are unknown keys.
+#[derive(Debug)]
+pub(super) struct Section<'a> {
+    name: String,
+    table: Option<&'a DeTable<'a>>,
+    span: Range<usize>,
+    complaints: &'a Complaints,
+    known: RefCell<Vec<String>>,
+}
+
+impl<'a> Section<'a> {
+    pub(super) fn root(table: &'a Spanned<DeTable<'a>>, complaints: &'a Complaints) -> Self {
+        Self::new("the file".to_owned(), Some(table.get_ref()), 0..0, complaints)
+    }
+
+    fn new(
+        name: String,
+        table: Option<&'a DeTable<'a>>,
+        span: Range<usize>,
+        complaints: &'a Complaints,
+    ) -> Self {
+        Self { name, table, span, complaints, known: RefCell::default() }
+    }
+
+    /// Complains about this section as a whole.
+    pub(super) fn complain(&self, message: String) {
+        self.complaints.add(self.span.clone(), message, None);
+    }
+
+    /// Complains about the value of `key`, or about the section if the key is absent.
+    pub(super) fn complain_at(&self, key: &str, message: String) {
+        let span = self.look_up(key).map_or_else(|| self.span.clone(), Spanned::span);
+        self.complaints.add(span, message, None);
+    }
+
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.look_up(key).is_some()
+    }
+
+    fn look_up(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
+        self.table?.get(key)
+    }
+
+    /// The value of `key`, noting that the key is known.
+    fn value(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
+        self.known.borrow_mut().push(key.to_owned());
+        self.look_up(key)
+    }
+
+    fn missing(&self, key: &str) {
+        self.complain(format!("{} lacks `{key}`", self.name));
+    }
+
+    fn wrong_type(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
+        let found = value.get_ref().type_str();
+        self.complaints.add(
+            value.span(),
+            format!("`{key}` is a {found}; expected {expected}"),
+            None,
+        );
+    }
+
+    /// A table; an absent one is read as empty, so that its keys take their defaults.
+    pub(super) fn section(&self, key: &str) -> Section<'a> {
+        let value = self.value(key);
+        let table = value.and_then(|value| {
+            let table = value.get_ref().as_table();
+            if table.is_none() {
+                self.wrong_type(key, value, "a table");
+            }
+            table
+        });
+        let span = value.map_or_else(|| self.span.clone(), Spanned::span);
+        Section::new(format!("[{key}]"), table, span, self.complaints)
+    }
+
+    /// An array of tables (`[[key]]`), empty if absent.
+    pub(super) fn sections(&self, key: &str) -> Vec<Section<'a>> {
+        let Some(value) = self.value(key) else { return Vec::new() };
+        let Some(array) = value.get_ref().as_array() else {
+            self.wrong_type(key, value, &format!("tables headed [[{key}]]"));
+            return Vec::new();
+        };
+        let mut sections = Vec::new();
+        for (index, item) in array.iter().enumerate() {
+            match item.get_ref().as_table() {
+                Some(table) => sections.push(Section::new(
+                    format!("[[{key}]] number {}", index + 1),
+                    Some(table),
+                    item.span(),
+                    self.complaints,
+                )),
+                None => self.wrong_type(key, item, &format!("tables headed [[{key}]]")),
+            }
+        }
+        sections
+    }
+
+    pub(super) fn text(&self, key: &str) -> Option<&'a str> {
+        let value = self.value(key)?;
+        let text = value.get_ref().as_str();
+        if text.is_none() {
+            self.wrong_type(key, value, "a string");
+        }
+        text
+    }
+
+    pub(super) fn required_text(&self, key: &str) -> Option<&'a str> {
+        if !self.has(key) {
+            self.value(key);
+            self.missing(key);
+            return None;
+        }
+        self.text(key)
+    }
+
+    /// One of a few words, each with its meaning.
+    pub(super) fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
+        let text = self.text(key)?;
+        let found = choices.iter().find(|(word, _)| *word == text).map(|(_, meaning)| *meaning);
+        if found.is_none() {
+            let words: Vec<_> = choices.iter().map(|(word, _)| format!("\"{word}\"")).collect();
+            let help = nearest(text, choices.iter().map(|(word, _)| *word))
+                .map(|word| format!("did you mean \"{word}\"?"));
+            let span = self.look_up(key).map_or(0..0, Spanned::span);
+            self.complaints.add(
+                span,
+                format!("`{key}` is \"{text}\"; expected {}", words.join(" or ")),
+                help,
+            );
+        }
+        found
+    }
+
+    pub(super) fn required_choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
+        if !self.has(key) {
+            self.value(key);
+            self.missing(key);
+            return None;
+        }
+        self.choice(key, choices)
+    }
+
+    /// A number within `range`, as written (in the unit its key names).
+    pub(super) fn number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
+        let value = self.value(key)?;
+        self.checked_number(key, value, &range)
+    }
+
+    pub(super) fn required_number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
+        if !self.has(key) {
+            self.value(key);
+            self.missing(key);
+            return None;
+        }
+        self.number(key, range)
+    }
+
+    /// `N` numbers, each within `range`.
+    pub(super) fn numbers<const N: usize>(
+        &self,
+        key: &str,
+        range: RangeInclusive<f64>,
+    ) -> Option<[f64; N]> {
+        let value = self.value(key)?;
+        let Some(array) = value.get_ref().as_array() else {
+            self.wrong_type(key, value, &format!("an array of {N} numbers"));
+            return None;
+        };
+        if array.iter().count() != N {
+            let found = array.iter().count();
+            let message = format!("`{key}` has {found} entries; expected {N} numbers");
+            self.complaints.add(value.span(), message, None);
+            return None;
+        }
+        let mut numbers = [0.0; N];
+        let mut complete = true;
+        for (slot, item) in numbers.iter_mut().zip(array.iter()) {
+            match self.checked_number(key, item, &range) {
+                Some(number) => *slot = number,
+                None => complete = false,
+            }
+        }
+        complete.then_some(numbers)
+    }
+
+    pub(super) fn required_numbers<const N: usize>(
+        &self,
+        key: &str,
+        range: RangeInclusive<f64>,
+    ) -> Option<[f64; N]> {
+        if !self.has(key) {
+            self.value(key);
+            self.missing(key);
+            return None;
+        }
+        self.numbers(key, range)
+    }
+
+    /// A whole number within `range`.
+    pub(super) fn integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
+        let value = self.value(key)?;
+        let Some(integer) = value.get_ref().as_integer() else {
+            self.wrong_type(key, value, "a whole number");
+            return None;
+        };
+        let parsed = i64::from_str_radix(integer.as_str(), integer.radix()).ok();
+        let found = parsed.filter(|number| range.contains(number));
+        if found.is_none() {
+            self.out_of_range(key, value.span(), integer.as_str(), range.start(), range.end());
+        }
+        found
+    }
+
+    fn checked_number(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+        range: &RangeInclusive<f64>,
+    ) -> Option<f64> {
+        let text = match value.get_ref() {
+            DeValue::Float(float) => float.as_str(),
+            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
+            _ => {
+                self.wrong_type(key, value, "a number");
+                return None;
+            }
+        };
+        let number = text.parse::<f64>().ok().filter(|number| range.contains(number));
+        if number.is_none() {
+            self.out_of_range(key, value.span(), text, range.start(), range.end());
+        }
+        number
+    }
+
+    fn out_of_range<T: std::fmt::Display>(
+        &self,
+        key: &str,
+        span: Range<usize>,
+        text: &str,
+        low: &T,
+        high: &T,
+    ) {
+        let message = format!("`{key}` is {text}; it must lie between {low} and {high}");
+        self.complaints.add(span, message, None);
+    }
+
+    /// Lets every key pass, where an earlier complaint keeps the section from being read.
+    pub(super) fn accept_all(&self) {
+        let keys = self.table.into_iter().flatten().map(|(key, _)| key.get_ref().to_string());
+        self.known.borrow_mut().extend(keys);
+    }
+
+    /// To be called when everything has been read: keys nobody asked for are unknown.
+    pub(super) fn finish(self) {
+        self.check_unknown();
+    }
+
+    /// As [`Self::finish`], for a section that is still used.
+    pub(super) fn check_unknown(&self) {
+        let Some(table) = self.table else { return };
+        let known = self.known.borrow();
+        for (key, _) in table {
+            let name: &str = key.get_ref();
+            if known.iter().any(|known| known == name) {
+                continue;
+            }
+            let help = match nearest(name, known.iter().map(String::as_str)) {
+                Some(known) => format!("did you mean `{known}`?"),
+                None => format!("known here: {}", known.join(", ")),
+            };
+            let message = format!("unknown key `{name}` in {}", self.name);
+            self.complaints.add(key.span(), message, Some(help));
+        }
+    }
+}
+
+/// The candidate that a mistyped `word` most likely stands for.
+fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
+    candidates
+        .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate))
+        .filter(|(similarity, _)| *similarity > 0.8)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate)
+}

@@ -1,0 +1,39 @@
+//! Numbers as text for other programs.
+
+/// `value` with `digits` significant digits, in plain decimal notation, without trailing zeros. Not finite values
+/// come out as Rust writes them.
+pub fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return if value == 0.0 { "0".to_owned() } else { value.to_string() };
+    }
+    // Through the scientific form, which rounds correctly also where rounding adds a digit (9.9996 → 10.00).
+    let scientific = format!("{value:.*e}", digits.saturating_sub(1));
+    let exponent: i32 =
+        scientific.rsplit('e').next().and_then(|text| text.parse().ok()).unwrap_or(0);
+    let decimals =
+        i32::try_from(digits).unwrap_or(i32::MAX).saturating_sub(1).saturating_sub(exponent);
+    let text = format!("{value:.*}", usize::try_from(decimals).unwrap_or(0));
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::significant;
+
+    #[test]
+    fn digits_are_significant_not_decimal() {
+        assert_eq!(significant(0.0, 12), "0");
+        assert_eq!(significant(-0.0, 12), "0");
+        assert_eq!(significant(std::f64::consts::PI, 12), "3.14159265359");
+        assert_eq!(significant(100.0 * std::f64::consts::PI, 12), "314.159265359");
+        assert_eq!(significant(-std::f64::consts::PI * 1e-6, 12), "-0.00000314159265359");
+        assert_eq!(significant(9.999_96, 5), "10");
+        assert_eq!(significant(1234.5, 12), "1234.5");
+        assert_eq!(significant(123_456.0, 3), "123456");
+        assert_eq!(significant(f64::INFINITY, 3), "inf");
+    }
+}

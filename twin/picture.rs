@@ -1,0 +1,266 @@
+//! What a run looks like: feeds the view with the programmed path and with what twin and drives do.
+
+use crate::compare::Measured;
+use crate::machine::{AxisKind, Machine};
+use crate::program::{ElementItem, ProgramFile};
+use crate::session::{DriveSample, TwinCycle};
+use nalgebra::{Isometry3, Point3};
+use std::collections::VecDeque;
+use twin_kinematics::AxisVector;
+use twin_motion::path::{ElementKind, PathElement, Shape};
+use twin_viz::{
+    Axis, AxisUnit, Deviation, DrivesFrame, Frame, MoveKind, PathStrip, Program, Scene,
+    SceneOptions, Setup, Viewer, VizError,
+};
+
+/// Cycles of the twin shown between samples of the drives, ns.
+const INTERVAL_NS: i64 = 4_000_000;
+
+/// How long cycles of the twin wait for a sample of the drives to be shown in order, ns.
+const PATIENCE_NS: i64 = 300_000_000;
+
+/// Chords of arcs in the picture are this short, m, and at most this many.
+const CHORD: f64 = 0.5e-3;
+const MAX_CHORDS: f64 = 200.0;
+
+/// Path elements logged at once.
+const BATCH: usize = 2000;
+
+/// More of a program's text than this is not shown beside the machine, bytes.
+const MAX_TEXT: u64 = 8 << 20;
+
+/// The view of a run; does nothing if nobody asked for one.
+#[derive(Debug)]
+pub struct Picture<'m> {
+    machine: &'m Machine,
+    scene: Option<Scene>,
+    viewer: Option<Viewer>,
+    /// Cycles that wait for a sample of the drives.
+    waiting: VecDeque<Instant>,
+    has_drives: bool,
+    next_ns: i64,
+    failure: Option<VizError>,
+    poses: Vec<Isometry3<f64>>,
+}
+
+/// One cycle of the twin as it is shown.
+#[derive(Clone, Copy, Debug)]
+struct Instant {
+    time_ns: i64,
+    line: u32,
+    path_speed: f64,
+    wanted: Measured,
+    twin: Measured,
+}
+
+impl<'m> Picture<'m> {
+    /// Starts recording and page and shows the machine at `start` and the programmed path.
+    ///
+    /// # Errors
+    /// If file or page cannot be had, or the program cannot be read.
+    pub fn open(
+        options: &SceneOptions,
+        machine: &'m Machine,
+        program: &ProgramFile,
+        start: &AxisVector,
+        drives: Option<&str>,
+    ) -> Result<Self, PictureError> {
+        let mut picture = Self {
+            machine,
+            scene: None,
+            viewer: None,
+            waiting: VecDeque::new(),
+            has_drives: drives.is_some(),
+            next_ns: 0,
+            failure: None,
+            poses: machine.model.link_poses(start),
+        };
+        if options.record.is_none() && options.serve.is_none() {
+            return Ok(picture);
+        }
+        let text = if program.size()? <= MAX_TEXT {
+            String::from_utf8_lossy(&std::fs::read(program.path())?).into_owned()
+        } else {
+            String::new()
+        };
+        let axes: Vec<_> = machine
+            .axes
+            .iter()
+            .map(|axis| Axis {
+                name: axis.name.clone(),
+                unit: match axis.kind {
+                    AxisKind::Rotary => AxisUnit::Rotary,
+                    AxisKind::Linear => AxisUnit::Linear,
+                },
+            })
+            .collect();
+        let name = program.path().file_name().unwrap_or_default().to_string_lossy();
+        let setup = Setup {
+            machine: &machine.model,
+            home: &picture.poses,
+            axes: &axes,
+            program: Program { name: &name, text: &text },
+            drives,
+        };
+        let mut scene = Scene::open(options, &setup)?;
+        let mut strips = Vec::new();
+        for item in program.elements(machine.start, None)? {
+            let ElementItem::Element(element) = item else { continue };
+            strips.extend(strip(machine, &element));
+            if strips.len() >= BATCH {
+                scene.programmed_path(&joined(std::mem::take(&mut strips)))?;
+            }
+        }
+        scene.programmed_path(&joined(strips))?;
+        picture.scene = Some(scene);
+        Ok(picture)
+    }
+
+    /// Address of the live page.
+    pub fn url(&self) -> Option<String> {
+        self.viewer.as_ref().or_else(|| self.scene.as_ref()?.viewer()).map(Viewer::url)
+    }
+
+    /// One cycle of the twin.
+    pub fn twin(&mut self, cycle: &TwinCycle<'_>) {
+        let time_ns = cycle.setpoint.time_ns;
+        if self.scene.is_none() || time_ns < self.next_ns {
+            return;
+        }
+        self.next_ns = time_ns + INTERVAL_NS;
+        self.waiting.push_back(Instant {
+            time_ns,
+            line: cycle.setpoint.place.line,
+            path_speed: cycle.setpoint.path_velocity,
+            wanted: *cycle.wanted,
+            twin: *cycle.twin,
+        });
+        self.show_before(if self.has_drives { time_ns - PATIENCE_NS } else { i64::MAX });
+    }
+
+    /// One sample of the drives.
+    pub fn drives(&mut self, sample: &DriveSample<'_>) {
+        if self.scene.is_none() {
+            return;
+        }
+        self.show_before(sample.time_ns);
+        let path_speed = self.waiting.front().map_or(0.0, |next| next.path_speed);
+        let instant = Instant {
+            time_ns: sample.time_ns,
+            line: sample.place.line,
+            path_speed,
+            wanted: *sample.wanted,
+            twin: *sample.twin,
+        };
+        self.show(&instant, Some(sample.drives));
+    }
+
+    /// Writes everything; the page stays until the picture is dropped.
+    ///
+    /// # Errors
+    /// The first thing that could not be shown or written, since the beginning.
+    pub fn finish(&mut self) -> Result<(), VizError> {
+        self.show_before(i64::MAX);
+        let failure = self.failure.take();
+        if let Some(scene) = self.scene.take() {
+            self.viewer = scene.finish()?;
+        }
+        failure.map_or(Ok(()), Err)
+    }
+
+    /// Shows the waiting cycles before `time_ns`.
+    fn show_before(&mut self, time_ns: i64) {
+        while let Some(next) = self.waiting.front().copied().filter(|next| next.time_ns < time_ns) {
+            self.waiting.pop_front();
+            self.show(&next, None);
+        }
+    }
+
+    fn show(&mut self, instant: &Instant, drives: Option<&Measured>) {
+        let Some(scene) = &mut self.scene else { return };
+        self.machine.model.link_poses_into(&instant.twin.axes, &mut self.poses);
+        let Instant { wanted, twin, .. } = instant;
+        let twin_errors = differences(&twin.axes, &wanted.axes);
+        let drive_errors =
+            drives.map_or(twin_errors, |drives| differences(&drives.axes, &wanted.axes));
+        let frame = Frame {
+            time_ns: instant.time_ns,
+            line: instant.line,
+            setpoint: wanted.tool,
+            path_speed: instant.path_speed,
+            programmed_speed: None,
+            link_poses: &self.poses,
+            twin: Deviation {
+                tool: twin.tool,
+                tool_error: (twin.tool - wanted.tool).norm(),
+                axis_errors: &twin_errors,
+            },
+            drives: drives.map(|drives| DrivesFrame {
+                deviation: Deviation {
+                    tool: drives.tool,
+                    tool_error: (drives.tool - wanted.tool).norm(),
+                    axis_errors: &drive_errors,
+                },
+                tool_error_to_twin: (drives.tool - twin.tool).norm(),
+            }),
+        };
+        if let Err(error) = scene.frame(&frame) {
+            // The run goes on without a view; the first failure is reported at its end.
+            self.failure.get_or_insert(error);
+        }
+    }
+}
+
+/// Why there is no view.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureError {
+    /// The recording or the page.
+    #[error(transparent)]
+    View(#[from] VizError),
+    /// The program.
+    #[error("the program cannot be read: {0}")]
+    Read(#[from] std::io::Error),
+}
+
+fn differences(actual: &AxisVector, wanted: &AxisVector) -> AxisVector {
+    AxisVector::from_values(
+        actual.iter().zip(wanted.iter()).map(|(actual, wanted)| actual - wanted),
+    )
+}
+
+/// An element as a polyline in the machine frame; jumps have none.
+fn strip(machine: &Machine, element: &PathElement) -> Option<PathStrip> {
+    let kind = match element.kind {
+        ElementKind::Rapid => MoveKind::Rapid,
+        ElementKind::Cut => MoveKind::Cut,
+        ElementKind::Jump => return None,
+    };
+    let shape = &element.shape;
+    let length = shape.length();
+    let chords = match shape {
+        Shape::Line { .. } => 1.0,
+        Shape::Arc(_) => (length / CHORD).ceil().clamp(8.0, MAX_CHORDS),
+    };
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 200")]
+    let count = chords as u32;
+    let point = |chord| shape.at(length * f64::from(chord) / chords).position;
+    let points = (0..=count).map(|chord| machine.frame.point_to_machine(&point(chord))).collect();
+    Some(PathStrip { kind, points })
+}
+
+/// Joins strips of one kind that follow each other: a strip costs more than its points.
+fn joined(strips: Vec<PathStrip>) -> Vec<PathStrip> {
+    let mut joined: Vec<PathStrip> = Vec::new();
+    for strip in strips {
+        let meets = |last: &PathStrip| {
+            let ends: (Option<&Point3<f64>>, Option<&Point3<f64>>) =
+                (last.points.last(), strip.points.first());
+            last.kind == strip.kind && ends.0 == ends.1
+        };
+        match joined.last_mut().filter(|last| meets(last)) {
+            Some(last) => last.points.extend(strip.points.into_iter().skip(1)),
+            None => joined.push(strip),
+        }
+    }
+    joined
+}

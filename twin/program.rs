@@ -1,0 +1,349 @@
+//! A program file and the stages it streams through.
+
+use crate::finding::{Finding, Rule, Severity};
+use crate::machine::Machine;
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::num::NonZeroU32;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+use twin_motion::din66025::{self, Decoder, DecoderOptions};
+use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead, ToolSetpoint};
+use twin_motion::path::{ElementKind, PathElement};
+use twin_motion::prepare::{CheckError, CheckVelocities};
+
+/// The language of a program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Dialect {
+    /// CoDeSys SoftMotion's dialect of DIN 66025 (.cnc)
+    Din66025,
+    /// Shop-floor RS274 (.ngc .nc .tap .gcode); not read yet
+    Rs274,
+}
+
+/// Why a program's dialect cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum DialectError {
+    /// Nothing tells which dialect it is.
+    #[error("{} does not tell its dialect: its ending is none of .cnc .ngc .nc .tap .gcode and it does not begin with % and N blocks; say --dialect", .0.display())]
+    Unknown(PathBuf),
+    /// A dialect of a later version.
+    #[error("{} is taken for RS274, which is not read yet; if it is a SoftMotion program say --dialect din66025", .0.display())]
+    NotYet(PathBuf),
+}
+
+impl Dialect {
+    /// The name on the command line and in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Din66025 => "din66025",
+            Self::Rs274 => "rs274",
+        }
+    }
+
+    /// The dialect that a file's ending or, where that says nothing, its beginning tells.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn guess(path: &Path) -> io::Result<Option<Self>> {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        match ending.as_deref() {
+            Some("cnc") => return Ok(Some(Self::Din66025)),
+            Some("ngc" | "nc" | "tap" | "gcode") => return Ok(Some(Self::Rs274)),
+            _ => {}
+        }
+        let mut beginning = Vec::new();
+        File::open(path)?.take(4096).read_to_end(&mut beginning)?;
+        let text = String::from_utf8_lossy(&beginning);
+        let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+        let percent = lines.next().is_some_and(|line| line.starts_with('%'));
+        let blocks = lines.find(|line| !line.starts_with(['(', '/']));
+        let numbered = blocks.is_some_and(|line| line.starts_with(['N', 'n']));
+        Ok((percent && numbered).then_some(Self::Din66025))
+    }
+}
+
+/// A program on disk. It is read as a stream, each time it is opened, and never held as a whole.
+#[derive(Clone, Debug)]
+pub struct ProgramFile {
+    path: PathBuf,
+    dialect: Dialect,
+    skip_suppressed: bool,
+}
+
+impl ProgramFile {
+    /// The program at `path`; with `skip_suppressed` without the blocks that begin with `/`.
+    ///
+    /// # Errors
+    /// If the dialect is not known or not read yet.
+    pub fn new(
+        path: &Path,
+        dialect: Option<Dialect>,
+        skip_suppressed: bool,
+    ) -> Result<Self, DialectError> {
+        match dialect {
+            Some(dialect @ Dialect::Din66025) => {
+                Ok(Self { path: path.to_owned(), dialect, skip_suppressed })
+            }
+            Some(Dialect::Rs274) => Err(DialectError::NotYet(path.to_owned())),
+            None => Err(DialectError::Unknown(path.to_owned())),
+        }
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// How it is read.
+    pub fn dialect(&self) -> Dialect {
+        self.dialect
+    }
+
+    /// Its size, bytes.
+    ///
+    /// # Errors
+    /// If there is no such file.
+    pub fn size(&self) -> io::Result<u64> {
+        Ok(std::fs::metadata(&self.path)?.len())
+    }
+
+    /// Its path elements, starting at `start` (m, work frame); with an angle tolerance (rad) also their transition
+    /// velocities.
+    ///
+    /// # Errors
+    /// If it cannot be opened.
+    pub fn elements(&self, start: [f64; 3], angle_tolerance: Option<f64>) -> io::Result<Elements> {
+        let (decoded, ledger) = self.decode(start)?;
+        let stage = match angle_tolerance {
+            None => Stage::Decoded(decoded),
+            Some(tolerance) => Stage::Prepared(CheckVelocities::new(decoded, tolerance)),
+        };
+        Ok(Elements { stage, ledger })
+    }
+
+    /// Its set-points on `machine`.
+    ///
+    /// # Errors
+    /// If it cannot be opened.
+    pub fn open(&self, machine: &Machine) -> io::Result<Setpoints> {
+        let (decoded, ledger) = self.decode(machine.start)?;
+        let checked = CheckVelocities::new(decoded, machine.angle_tolerance);
+        let cycle = u32::try_from(machine.cycle_ns)
+            .ok()
+            .and_then(NonZeroU32::new)
+            .unwrap_or(DEFAULT_CYCLE_NS);
+        Ok(Setpoints { interpolator: Interpolator::new(LookAhead::new(checked), cycle), ledger })
+    }
+
+    fn decode(&self, start: [f64; 3]) -> io::Result<(Decoded, Rc<RefCell<Ledger>>)> {
+        let ledger = Rc::new(RefCell::new(Ledger::default()));
+        let file = File::open(&self.path)?;
+        // Reading a directory fails later and less clearly.
+        if file.metadata()?.is_dir() {
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a directory"));
+        }
+        let file = Counted { file, ledger: Rc::clone(&ledger) };
+        let options = DecoderOptions { start, skip_suppressed_blocks: self.skip_suppressed };
+        let decoder = Decoder::new(BufReader::with_capacity(1 << 16, file), options);
+        Ok((Decoded { decoder, ledger: Rc::clone(&ledger) }, ledger))
+    }
+}
+
+/// What the stages leave behind for whoever reads the stream.
+#[derive(Debug, Default)]
+struct Ledger {
+    bytes: u64,
+    elements: u64,
+    length: f64,
+    findings: VecDeque<Finding>,
+}
+
+/// Counts what is read.
+#[derive(Debug)]
+struct Counted {
+    file: File,
+    ledger: Rc<RefCell<Ledger>>,
+}
+
+impl Read for Counted {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        self.ledger.borrow_mut().bytes += u64::try_from(count).unwrap_or(u64::MAX);
+        Ok(count)
+    }
+}
+
+/// What ends a stream early.
+#[derive(Debug)]
+enum Halt {
+    Io(io::Error),
+    Check(CheckError),
+}
+
+impl From<CheckError> for Halt {
+    fn from(error: CheckError) -> Self {
+        Self::Check(error)
+    }
+}
+
+impl Halt {
+    fn finding(error: &CheckError) -> Finding {
+        let place = match error {
+            CheckError::NonPositiveLimit { place, .. } | CheckError::Length { place, .. } => *place,
+        };
+        Finding::error(Rule::Syntax, place, error.to_string())
+    }
+}
+
+/// The decoder with its diagnostics taken out, so that an erroneous block does not end the stream: all errors of a
+/// program are found at once.
+#[derive(Debug)]
+struct Decoded {
+    decoder: Decoder<BufReader<Counted>>,
+    ledger: Rc<RefCell<Ledger>>,
+}
+
+impl Iterator for Decoded {
+    type Item = Result<PathElement, Halt>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            match self.decoder.next()? {
+                Ok(din66025::Item::Element(element)) => {
+                    let mut ledger = self.ledger.borrow_mut();
+                    ledger.elements += 1;
+                    if element.kind != ElementKind::Jump {
+                        ledger.length += element.length();
+                    }
+                    return Some(Ok(element));
+                }
+                Ok(din66025::Item::Warning(diagnostic)) => {
+                    let finding = Finding { severity: Severity::Warning, ..finding(&diagnostic) };
+                    self.ledger.borrow_mut().findings.push_back(finding);
+                }
+                Err(din66025::Failure::Io(error)) => return Some(Err(Halt::Io(error))),
+                Err(din66025::Failure::Diagnostic(diagnostic)) => {
+                    self.ledger.borrow_mut().findings.push_back(finding(&diagnostic));
+                }
+            }
+        }
+    }
+}
+
+/// A diagnostic of the decoder as a finding.
+fn finding(diagnostic: &din66025::Diagnostic) -> Finding {
+    let rule = match diagnostic.error.rule() {
+        din66025::Rule::Syntax => Rule::Syntax,
+        din66025::Rule::UnsupportedWord => Rule::UnsupportedWord,
+        din66025::Rule::ArcGeometry => Rule::ArcGeometry,
+    };
+    let mut finding = Finding::error(rule, diagnostic.place, diagnostic.error.to_string());
+    finding.columns.clone_from(&diagnostic.columns);
+    finding
+}
+
+/// Path elements of a program.
+#[derive(Debug)]
+pub struct Elements {
+    stage: Stage,
+    ledger: Rc<RefCell<Ledger>>,
+}
+
+#[derive(Debug)]
+enum Stage {
+    Decoded(Decoded),
+    Prepared(CheckVelocities<Decoded, Halt>),
+}
+
+/// What comes out of [`Elements`].
+#[derive(Debug)]
+pub enum ElementItem {
+    /// The next element.
+    Element(PathElement),
+    /// Something wrong with the program; the elements after it follow.
+    Diagnostic(Finding),
+    /// The file cannot be read any further.
+    Io(io::Error),
+}
+
+impl Iterator for Elements {
+    type Item = ElementItem;
+
+    fn next(&mut self) -> Option<ElementItem> {
+        if let Some(finding) = self.ledger.borrow_mut().findings.pop_front() {
+            return Some(ElementItem::Diagnostic(finding));
+        }
+        let next = match &mut self.stage {
+            Stage::Decoded(decoded) => decoded.next(),
+            Stage::Prepared(prepared) => {
+                Some(prepared.next()?.map(twin_motion::prepare::CheckedElement::into_element))
+            }
+        };
+        match next {
+            Some(Ok(element)) => Some(ElementItem::Element(element)),
+            Some(Err(Halt::Io(error))) => Some(ElementItem::Io(error)),
+            Some(Err(Halt::Check(error))) => Some(ElementItem::Diagnostic(Halt::finding(&error))),
+            None => self.ledger.borrow_mut().findings.pop_front().map(ElementItem::Diagnostic),
+        }
+    }
+}
+
+/// Set-points of a program, one per cycle.
+#[derive(Debug)]
+pub struct Setpoints {
+    interpolator: Interpolator<LookAhead<CheckVelocities<Decoded, Halt>, Halt>, Halt>,
+    ledger: Rc<RefCell<Ledger>>,
+}
+
+/// What comes out of [`Setpoints`].
+#[derive(Debug)]
+pub enum ProgramItem {
+    /// The next set-point.
+    Setpoint(ToolSetpoint),
+    /// Something wrong with the program; the set-points after it follow the path as if the block were not there.
+    Diagnostic(Finding),
+    /// The file cannot be read any further.
+    Io(io::Error),
+}
+
+impl Setpoints {
+    /// Brakes along the path and ends.
+    pub fn request_stop(&mut self) {
+        self.interpolator.request_stop();
+    }
+
+    /// Path elements decoded so far.
+    pub fn elements(&self) -> u64 {
+        self.ledger.borrow().elements
+    }
+
+    /// Length of the path decoded so far, m.
+    pub fn length(&self) -> f64 {
+        self.ledger.borrow().length
+    }
+
+    /// Bytes of the file read so far.
+    pub fn bytes_read(&self) -> u64 {
+        self.ledger.borrow().bytes
+    }
+}
+
+impl Iterator for Setpoints {
+    type Item = ProgramItem;
+
+    fn next(&mut self) -> Option<ProgramItem> {
+        let waiting = self.ledger.borrow_mut().findings.pop_front();
+        if let Some(finding) = waiting {
+            return Some(ProgramItem::Diagnostic(finding));
+        }
+        match self.interpolator.next() {
+            Some(Ok(setpoint)) => Some(ProgramItem::Setpoint(setpoint)),
+            Some(Err(Halt::Io(error))) => Some(ProgramItem::Io(error)),
+            Some(Err(Halt::Check(error))) => Some(ProgramItem::Diagnostic(Halt::finding(&error))),
+            None => self.ledger.borrow_mut().findings.pop_front().map(ProgramItem::Diagnostic),
+        }
+    }
+}

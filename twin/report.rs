@@ -1,0 +1,221 @@
+//! The report as JSON: the shape is part of the command-line contract.
+
+use crate::check::Outcome;
+use crate::compare::{ErrorStatistics, Statistics};
+use crate::finding::Finding;
+use crate::machine::{Axis, Machine};
+use crate::program::ProgramFile;
+use serde::ser::{Serialize, SerializeMap, Serializer};
+use twin_motion::Place;
+
+/// What `twin check` writes per program, and `twin run` as part of its report.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct CheckReport {
+    program: String,
+    machine: String,
+    dialect: &'static str,
+    elements: u64,
+    length_mm: f64,
+    duration_s: f64,
+    peak: PerAxis<AxisPeakReport>,
+    findings: Vec<Finding>,
+    findings_left_out: u64,
+}
+
+impl CheckReport {
+    /// The outcome of checking `program` on `machine`.
+    pub fn new(machine: &Machine, program: &ProgramFile, outcome: &Outcome) -> Self {
+        let peaks = machine.axes.iter().zip(&outcome.peaks);
+        Self {
+            program: program.path().display().to_string(),
+            machine: machine.path.display().to_string(),
+            dialect: program.dialect().name(),
+            elements: outcome.elements,
+            length_mm: outcome.length * 1e3,
+            duration_s: seconds(outcome.duration_ns),
+            peak: PerAxis(
+                peaks
+                    .map(|(axis, peak)| (axis.name.clone(), AxisPeakReport::new(axis, peak)))
+                    .collect(),
+            ),
+            findings: outcome.findings.clone(),
+            findings_left_out: outcome.findings_left_out,
+        }
+    }
+}
+
+/// What `twin run` writes.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct RunReport {
+    /// The same object as `twin check` writes.
+    #[serde(flatten)]
+    pub check: CheckReport,
+    /// Whether the program ran to its end, and if not, why.
+    pub completed: bool,
+    /// Why it did not.
+    pub stopped_because: Option<String>,
+    /// Time of the last set-point that was sent, s.
+    pub executed_s: f64,
+    /// Errors of the tool tip.
+    pub tool_error_mm: ComparisonReport,
+    /// Errors per axis, in the axis's unit.
+    pub axis_error: PerAxis<AxisErrorReport>,
+}
+
+/// Statistics of one kind of error for each pair that was compared.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct ComparisonReport {
+    twin: Option<StatisticsReport>,
+    drives: Option<StatisticsReport>,
+    drives_against_twin: Option<StatisticsReport>,
+}
+
+/// As [`ComparisonReport`], with the unit.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct AxisErrorReport {
+    unit: &'static str,
+    #[serde(flatten)]
+    comparison: ComparisonReport,
+}
+
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+struct StatisticsReport {
+    max: f64,
+    rms: f64,
+    line: u32,
+    block: Option<u32>,
+}
+
+impl ComparisonReport {
+    /// `scale` turns the SI values into the unit of the report.
+    pub fn new(statistics: &ErrorStatistics, scale: f64) -> Self {
+        let one = |one: &Statistics| {
+            one.maximum().map(|(max, place)| StatisticsReport {
+                max: max * scale,
+                rms: one.rms() * scale,
+                line: place.line,
+                block: place.block,
+            })
+        };
+        Self {
+            twin: one(&statistics.twin),
+            drives: one(&statistics.drives),
+            drives_against_twin: one(&statistics.drives_against_twin),
+        }
+    }
+}
+
+impl AxisErrorReport {
+    /// For one axis.
+    pub fn new(axis: &Axis, statistics: &ErrorStatistics) -> Self {
+        Self { unit: axis.unit(), comparison: ComparisonReport::new(statistics, axis.from_si(1.0)) }
+    }
+}
+
+/// A map from axis names to values, in machine-file order.
+#[derive(Clone, Debug)]
+pub struct PerAxis<T>(pub Vec<(String, T)>);
+
+impl<T: Serialize> Serialize for PerAxis<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.0.len()))?;
+        for (name, value) in &self.0 {
+            map.serialize_entry(name, value)?;
+        }
+        map.end()
+    }
+}
+
+/// A value, its limit and where it was found. SI.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Peak {
+    /// The largest absolute value.
+    pub value: f64,
+    /// Where.
+    pub place: Place,
+}
+
+impl Peak {
+    /// Takes `value` if it is larger.
+    pub fn include(&mut self, value: f64, place: Place) {
+        if value.abs() > self.value {
+            *self = Self { value: value.abs(), place };
+        }
+    }
+}
+
+/// The largest values asked of one axis. SI.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AxisPeak {
+    /// Smallest and largest position.
+    pub position: Option<[f64; 2]>,
+    /// Velocity.
+    pub velocity: Peak,
+    /// Acceleration.
+    pub acceleration: Peak,
+    /// Jerk, by differences of the acceleration between cycles.
+    pub jerk: Peak,
+    /// Distance between set-point and simulated machine, if it was simulated.
+    pub following_error: Option<Peak>,
+}
+
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+struct PeakReport {
+    value: f64,
+    limit: Option<f64>,
+    line: u32,
+    block: Option<u32>,
+}
+
+#[derive(Clone, Debug, serde::Serialize)]
+struct PositionReport {
+    min: Option<f64>,
+    max: Option<f64>,
+    limit_min: f64,
+    limit_max: f64,
+}
+
+#[derive(Clone, Debug, serde::Serialize)]
+struct AxisPeakReport {
+    unit: &'static str,
+    position: PositionReport,
+    velocity: PeakReport,
+    acceleration: PeakReport,
+    jerk: PeakReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    following_error: Option<PeakReport>,
+}
+
+impl AxisPeakReport {
+    fn new(axis: &Axis, peak: &AxisPeak) -> Self {
+        let report = |peak: &Peak, limit: Option<f64>| PeakReport {
+            value: axis.from_si(peak.value),
+            limit: limit.map(|limit| axis.from_si(limit)),
+            line: peak.place.line,
+            block: peak.place.block,
+        };
+        let [limit_min, limit_max] = axis.position_limits.map(|limit| axis.from_si(limit));
+        Self {
+            unit: axis.unit(),
+            position: PositionReport {
+                min: peak.position.map(|[min, _]| axis.from_si(min)),
+                max: peak.position.map(|[_, max]| axis.from_si(max)),
+                limit_min,
+                limit_max,
+            },
+            velocity: report(&peak.velocity, Some(axis.max_velocity)),
+            acceleration: report(&peak.acceleration, Some(axis.max_acceleration)),
+            jerk: report(&peak.jerk, axis.max_jerk),
+            following_error: peak
+                .following_error
+                .as_ref()
+                .map(|error| report(error, axis.max_following_error)),
+        }
+    }
+}
+
+/// Nanoseconds as seconds.
+#[expect(clippy::cast_precision_loss, reason = "a program of 104 days would lose a nanosecond")]
+pub fn seconds(time_ns: i64) -> f64 {
+    time_ns as f64 * 1e-9
+}
