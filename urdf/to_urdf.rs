@@ -322,7 +322,7 @@ fn roll_pitch_yaw(origin: &Isometry3<f64>) -> [f64; 3] {
     let m = rotation.matrix();
     let yaw = m.m21.atan2(m.m11);
     let (sin, cos) = yaw.sin_cos();
-    let pitch = (-m.m31).atan2(cos * m.m11 + sin * m.m21);
+    let pitch = (0.0 - m.m31).atan2(cos * m.m11 + sin * m.m21);
     let roll = (sin * m.m13 - cos * m.m23).atan2(cos * m.m22 - sin * m.m12);
     [roll, pitch, yaw]
 }

@@ -1,1 +1,31 @@
+mod generated;
+mod inertial;
+mod read;
+mod refused;
+mod round_trip;
 
+use crate::{GantryDimensions, MachineJoint, ScaraDimensions};
+
+/// The SCARA of the SoftMotion vectors, with a quill and a tool.
+fn scara() -> ScaraDimensions {
+    let arm_joints =
+        [MachineJoint::new("A", 0, [-2.5, 2.5]), MachineJoint::new("B", 1, [-2.6, 2.6])];
+    let quill_joint = MachineJoint::new("Z", 2, [-0.1, 0.05]);
+    let dimensions = ScaraDimensions::new("scara", arm_joints, Some(quill_joint), [0.25, 0.2]);
+    ScaraDimensions { tool_length: 0.08, tool_mass: 0.3, ..dimensions }
+}
+
+fn gantry() -> GantryDimensions {
+    let joint = |name: &str, axis, limits| MachineJoint {
+        velocity_limit: Some(0.5),
+        effort_limit: Some(200.0),
+        ..MachineJoint::new(name, axis, limits)
+    };
+    let joints =
+        [joint("X", 0, [0.0, 0.6]), joint("Y", 1, [-0.2, 0.2]), joint("Z", 2, [-0.15, 0.0])];
+    GantryDimensions {
+        tool_length: 0.05,
+        tool_mass: 0.2,
+        ..GantryDimensions::new("gantry", joints)
+    }
+}

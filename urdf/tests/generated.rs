@@ -1,0 +1,279 @@
+use super::{gantry, scara};
+use crate::{
+    DimensionError, GantryDimensions, Joint, JointKind, MachineJoint, Model, ScaraDimensions,
+    SolidShape,
+};
+use nalgebra::{Isometry3, Point3, Vector3};
+use proptest::prelude::*;
+use std::f64::consts::PI;
+use twin_kinematics::gantry::Gantry3;
+use twin_kinematics::scara::{Elbow, Scara2};
+use twin_kinematics::{AxisSource, AxisVector, Coordinate, Kinematics, MachineAxes};
+
+/// Lower and upper corner of what a link fills when the machine's axes are at `axes`, as long as it is not tilted.
+fn bounds(model: &Model, link: usize, axes: &[f64]) -> Vec<[Point3<f64>; 2]> {
+    let pose = model.link_poses(axes)[link];
+    let bounds = |solid: &crate::Solid| {
+        let half = match solid.shape {
+            SolidShape::Box { size } => size / 2.0,
+            SolidShape::Cylinder { radius, length } => Vector3::new(radius, radius, length / 2.0),
+            SolidShape::Sphere { radius } => Vector3::repeat(radius),
+        };
+        let center = pose * Point3::from(solid.origin.translation.vector);
+        [center - half, center + half]
+    };
+    model.links[link].solids.iter().map(bounds).collect()
+}
+
+/// Whether any solids of two links meet.
+fn meet(one: &[[Point3<f64>; 2]], other: &[[Point3<f64>; 2]]) -> bool {
+    let apart = |a: &[Point3<f64>; 2], b: &[Point3<f64>; 2]| {
+        (0..3).any(|i| a[1][i] < b[0][i] || b[1][i] < a[0][i])
+    };
+    one.iter().any(|a| other.iter().any(|b| !apart(a, b)))
+}
+
+/// Lowest and highest point.
+fn heights(solids: &[[Point3<f64>; 2]]) -> [f64; 2] {
+    let low = solids.iter().map(|solid| solid[0].z).fold(f64::INFINITY, f64::min);
+    let high = solids.iter().map(|solid| solid[1].z).fold(f64::NEG_INFINITY, f64::max);
+    [low, high]
+}
+
+fn corners(model: &Model) -> Vec<Vec<f64>> {
+    let limits = |joint: &Joint| joint.position_limits.unwrap();
+    let limits: Vec<_> = model.moving_joints().map(|(_, joint)| limits(joint)).collect();
+    let count = 1 << limits.len();
+    (0..count)
+        .map(|corner| {
+            limits.iter().enumerate().map(|(i, limit)| limit[(corner >> i) & 1]).collect()
+        })
+        .collect()
+}
+
+#[test]
+fn a_scara_stands_over_its_work() {
+    let model = scara().model().unwrap();
+    let names: Vec<_> = model.links.iter().map(|link| link.name.as_str()).collect();
+    assert_eq!(names, ["base", "arm1", "arm2", "quill"]);
+    for axes in corners(&model) {
+        let [base, arm1, arm2, quill] =
+            [0, 1, 2, 3].map(|link| heights(&bounds(&model, link, &axes)));
+        assert!(base[1] < arm1[0] && arm1[1] < arm2[0], "{base:?} {arm1:?} {arm2:?}");
+        // The flange, which is where Z is, below arm 2; the shaft out of its top; the tool above the floor.
+        assert!(axes[2] < arm2[0] && quill[1] > axes[2] + 0.15, "{quill:?} {arm2:?}");
+        assert!(
+            (quill[0] - (axes[2] - 0.08)).abs() < 1e-15 && quill[0] > base[0],
+            "{quill:?} {base:?}"
+        );
+        assert!(model.tip_position(&axes).z >= base[0] + 0.0199);
+    }
+    let lowest = model.link_poses(&[0.0, 0.0, -0.1])[3] * Point3::origin();
+    let shaft_top = heights(&bounds(&model, 3, &[0.0, 0.0, -0.1]))[1];
+    let arm2_beam = bounds(&model, 2, &[0.0; 3])[0];
+    assert!(
+        (lowest.z + 0.1).abs() < 1e-15 && shaft_top > arm2_beam[1].z,
+        "{shaft_top} {arm2_beam:?}"
+    );
+}
+
+#[test]
+fn a_gantry_touches_itself_nowhere() {
+    let gantry = gantry();
+    for offsets in [[0.0; 3], [0.3, -0.1, 0.05]] {
+        let model = GantryDimensions { offsets, ..gantry.clone() }.model().unwrap();
+        for axes in corners(&model) {
+            let links = [0, 1, 2, 3].map(|link| bounds(&model, link, &axes));
+            for one in 0..4 {
+                for other in 0..one {
+                    assert!(
+                        !meet(&links[one], &links[other]),
+                        "links {one} and {other} at {axes:?}"
+                    );
+                }
+            }
+            let [table, ..] = links[0][0..1] else { panic!("no table") };
+            let tip = model.tip_position(&axes);
+            assert!(table[1].z < tip.z, "{table:?} {tip}");
+            assert!(
+                (0..2).all(|i| table[0][i] < tip[i] && tip[i] < table[1][i]),
+                "{table:?} {tip}"
+            );
+        }
+    }
+}
+
+/// The gantry test would notice parts that meet.
+#[test]
+fn parts_that_meet_are_noticed() {
+    let model = gantry().model().unwrap();
+    let quill_in_table = bounds(&model, 3, &[0.3, 0.0, -0.25]);
+    assert!(meet(&bounds(&model, 0, &[0.0; 3]), &quill_in_table));
+}
+
+#[test]
+fn joints_are_the_axes_of_the_machine() {
+    let effort = |joint: MachineJoint| MachineJoint {
+        effort_limit: Some(40.0),
+        velocity_limit: Some(3.0),
+        ..joint
+    };
+    let mut dimensions = scara();
+    dimensions.arm_joints = dimensions.arm_joints.map(effort);
+    dimensions.arm_joints[0].machine_axis = 2;
+    dimensions.quill_joint.as_mut().unwrap().machine_axis = 0;
+    let model = dimensions.model().unwrap();
+    let found: Vec<_> = model
+        .moving_joints()
+        .map(|(index, joint)| (index, joint.name.as_str(), joint.machine_axis))
+        .collect();
+    assert_eq!(found, [(0, "A", Some(2)), (1, "B", Some(1)), (2, "Z", Some(0))]);
+    let [a, _, z] = &model.joints[..] else { panic!() };
+    assert_eq!(
+        (a.position_limits, a.velocity_limit, a.effort_limit),
+        (Some([-2.5, 2.5]), Some(3.0), Some(40.0))
+    );
+    assert_eq!((z.kind, z.effort_limit), (JointKind::Prismatic, None));
+    // Z first: axis 0 is 10 mm up.
+    assert!((model.tip_position(&[0.01, 0.0, 0.0]) - Point3::new(0.45, 0.0, -0.07)).norm() < 1e-15);
+}
+
+#[test]
+fn a_scara_without_a_z_axis_works_in_one_plane() {
+    let dimensions =
+        ScaraDimensions { quill_joint: None, tool_length: 0.0, tool_mass: 0.0, ..scara() };
+    let model = dimensions.model().unwrap();
+    assert_eq!(model.moving_joints().count(), 2);
+    assert_eq!(model.joints[2].kind, JointKind::Fixed);
+    assert!((model.tip_position(&[0.0, 0.0]) - Point3::new(0.45, 0.0, 0.0)).norm() < 1e-15);
+}
+
+/// Arms of 0.4 and 0.3 m, 8 and 4 kg, sections 100 × 80 and 80 × 60 mm: the uniform boxes of the reference machine.
+#[test]
+fn arms_are_uniform_boxes() {
+    let dimensions = ScaraDimensions {
+        arms: [0.4, 0.3],
+        arm_sections: Some([[0.1, 0.08], [0.08, 0.06]]),
+        arm_masses: Some([8.0, 4.0]),
+        ..scara()
+    };
+    let model = dimensions.model().unwrap();
+    for (link, mass, [l, w, h]) in
+        [(1, 8.0, [0.4_f64, 0.1_f64, 0.08_f64]), (2, 4.0, [0.3, 0.08, 0.06])]
+    {
+        let inertial = model.links[link].inertial.unwrap();
+        assert_eq!((inertial.mass, inertial.center), (mass, Point3::new(l / 2.0, 0.0, 0.0)));
+        let expected =
+            [w * w + h * h, l * l + h * h, l * l + w * w].map(|square| mass / 12.0 * square);
+        assert!(
+            (inertial.inertia.diagonal() - Vector3::from(expected)).norm() < 1e-16,
+            "{inertial:?}"
+        );
+    }
+    // The derived sections are those, give or take 5 mm, and the derived masses follow from them.
+    let derived = ScaraDimensions { arms: [0.4, 0.3], ..scara() }.model().unwrap();
+    assert!((derived.links[1].inertial.unwrap().mass - 8.0).abs() < 1e-12);
+}
+
+#[test]
+fn every_moving_link_is_a_possible_body() {
+    for model in [scara().model().unwrap(), gantry().model().unwrap()] {
+        assert!(model.links[0].inertial.is_none());
+        for link in &model.links[1..] {
+            let inertial = link.inertial.unwrap();
+            let moments = inertial.inertia.symmetric_eigenvalues();
+            assert!(inertial.mass > 0.1 && inertial.mass < 100.0, "{link:?}");
+            assert!(
+                moments.min() > 0.0 && 2.0 * moments.max() <= moments.sum() * (1.0 + 1e-12),
+                "{link:?}"
+            );
+            // The centre of mass lies within the link.
+            let pose = Isometry3::identity();
+            let inside = |solid: &crate::Solid| {
+                let half = match solid.shape {
+                    SolidShape::Box { size } => size / 2.0,
+                    SolidShape::Cylinder { radius, length } => {
+                        Vector3::new(radius, radius, length / 2.0)
+                    }
+                    SolidShape::Sphere { radius } => Vector3::repeat(radius),
+                };
+                let offset = (pose * solid.origin).inverse() * inertial.center;
+                (0..3).all(|i| offset[i].abs() <= half[i])
+            };
+            assert!(link.solids.iter().any(inside), "{link:?}");
+        }
+    }
+}
+
+#[test]
+fn impossible_dimensions_are_named() {
+    let refusal = |dimensions: ScaraDimensions| dimensions.model().unwrap_err().to_string();
+    let arms = ScaraDimensions { arms: [0.25, -0.2], ..scara() };
+    assert_eq!(refusal(arms), "the length of arm 2 is -0.2; it must be a finite number above 0");
+    let quill = ScaraDimensions { quill_radius: Some(f64::NAN), ..scara() };
+    assert_eq!(
+        refusal(quill),
+        "the radius of the quill is NaN; it must be a finite number above 0"
+    );
+    let tool = ScaraDimensions { tool_length: -0.01, ..scara() };
+    assert_eq!(
+        refusal(tool),
+        "the length of the tool is -0.01; it must be a finite number, 0 or above"
+    );
+    let offset = ScaraDimensions { offsets: [0.0, f64::INFINITY], ..scara() };
+    assert_eq!(refusal(offset), "an offset is not a finite number");
+    let mut twice = gantry();
+    twice.joints[2].name = "X".to_owned();
+    let joints = ["X".to_owned(), "X".to_owned()];
+    assert_eq!(twice.model(), Err(DimensionError::JointTwice { joints }));
+    let mut shared = gantry();
+    shared.joints[2].machine_axis = 1;
+    assert_eq!(
+        shared.model().unwrap_err().to_string(),
+        "joints Y and Z have the same name or the same machine axis"
+    );
+    let mut stuck = gantry();
+    stuck.joints[0].position_limits = [0.5, 0.5];
+    assert!(stuck.model().unwrap_err().to_string().contains("joint X can move from 0.5 to 0.5"));
+    let mut heavy = gantry();
+    heavy.beam_section = Some([0.1, 0.0]);
+    assert!(heavy.model().unwrap_err().to_string().contains("the height of the beam is 0"));
+}
+
+proptest! {
+    /// The chain of joints and the transform are two ways to the same tool tip.
+    #[test]
+    fn the_tip_of_a_scara_is_where_its_transform_says(
+        arms in prop::array::uniform2(0.1..0.8), offsets in prop::array::uniform2(-PI..PI), tool_length in 0.0..0.3,
+        position in [-PI..PI, -PI..PI, -0.1..0.05], low in any::<bool>(),
+    ) {
+        let model = ScaraDimensions { arms, offsets, tool_length, ..scara() }.model().unwrap();
+        let elbow = if low { Elbow::Low } else { Elbow::High };
+        let sources = vec![AxisSource::Transform(0), AxisSource::Transform(1), AxisSource::Coordinate(Coordinate::Z)];
+        let transform = Box::new(Scara2::new(arms, offsets, elbow).unwrap());
+        let machine = MachineAxes::new(transform, sources, tool_length).unwrap();
+        let expected = machine.forward(&AxisVector::from_values(position)).unwrap().position;
+        let tip = model.tip_position(&position);
+        prop_assert!((tip - expected).norm() < 1e-14, "{tip} {expected}");
+        let poses = model.link_poses(&position);
+        prop_assert!((poses[model.tip.link] * model.tip.point - expected).norm() < 1e-14);
+        prop_assert_eq!(poses[0], Isometry3::identity());
+    }
+
+    #[test]
+    fn the_tip_of_a_gantry_is_where_its_transform_says(
+        offsets in prop::array::uniform3(-1.0..1.0), tool_length in 0.0..0.3,
+        position in [0.0..0.6, -0.2..0.2, -0.15..0.0],
+    ) {
+        let model = GantryDimensions { offsets, tool_length, ..gantry() }.model().unwrap();
+        let sources = (0..3).map(AxisSource::Transform).collect();
+        let machine = MachineAxes::new(Box::new(Gantry3::new(offsets)), sources, tool_length).unwrap();
+        let expected = machine.forward(&AxisVector::from_values(position)).unwrap().position;
+        let tip = model.tip_position(&position);
+        prop_assert!((tip - expected).norm() < 1e-14, "{tip} {expected}");
+        let mut poses = [Isometry3::translation(9.0, 9.0, 9.0); 4];
+        model.link_poses_into(&position, &mut poses);
+        prop_assert!((poses[3] * model.tip.point - expected).norm() < 1e-14);
+        prop_assert_eq!(poses.to_vec(), model.link_poses(&position));
+    }
+}

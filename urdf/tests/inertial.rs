@@ -1,0 +1,85 @@
+use crate::{Inertial, Solid, SolidShape};
+use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Mass properties of `solid` (mass 1) summed over many small cubes of the link frame.
+fn summed(solid: &Solid, reach: f64) -> Inertial {
+    const STEPS: i32 = 80;
+    let step = 2.0 * reach / f64::from(STEPS);
+    let at = |i: i32| -reach + (f64::from(i) + 0.5) * step;
+    let inside = |point: &Point3<f64>| {
+        let p = solid.origin.inverse() * point;
+        match solid.shape {
+            SolidShape::Box { size } => (0..3).all(|i| p[i].abs() <= size[i] / 2.0),
+            SolidShape::Cylinder { radius, length } => {
+                p.xy().coords.norm() <= radius && p.z.abs() <= length / 2.0
+            }
+            SolidShape::Sphere { radius } => p.coords.norm() <= radius,
+        }
+    };
+    let range = || 0..STEPS;
+    let cubes = range().flat_map(|i| {
+        range().flat_map(move |j| range().map(move |k| Point3::new(at(i), at(j), at(k))))
+    });
+    let points: Vec<_> = cubes.filter(inside).collect();
+    let mass = 1.0 / f64::from(u32::try_from(points.len()).unwrap());
+    let center = Point3::from(points.iter().map(|point| point.coords * mass).sum::<Vector3<f64>>());
+    let inertia = points.iter().map(|point| {
+        let arm = point - center;
+        (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose()) * mass
+    });
+    Inertial { mass: 1.0, center, inertia: inertia.sum() }
+}
+
+#[test]
+fn shapes_agree_with_a_sum_over_their_volume() {
+    let origin = Isometry3::new(Vector3::new(0.1, -0.2, 0.15), Vector3::new(0.5, -1.0, 0.7));
+    let shapes = [
+        SolidShape::Box { size: Vector3::new(0.9, 0.6, 0.4) },
+        SolidShape::Cylinder { radius: 0.35, length: 0.8 },
+        SolidShape::Sphere { radius: 0.45 },
+    ];
+    for shape in shapes {
+        let solid = Solid { shape, origin, color: [1.0; 4] };
+        let (found, expected) = (solid.uniform(1.0), summed(&solid, 1.0));
+        assert!((found.center - expected.center).norm() < 2e-3, "{found:?} {expected:?}");
+        assert!((found.inertia - expected.inertia).norm() < 2e-3, "{found:?} {expected:?}");
+        assert_eq!(found.inertia, found.inertia.transpose());
+    }
+}
+
+/// A cylinder lying along x: its own axis has m·r²/2.
+#[test]
+fn a_turned_cylinder_turns_its_inertia() {
+    let origin = Isometry3::new(Vector3::zeros(), Vector3::new(0.0, FRAC_PI_2, 0.0));
+    let shape = SolidShape::Cylinder { radius: 0.1, length: 0.6 };
+    let found = Solid { shape, origin, color: [1.0; 4] }.uniform(3.0).inertia;
+    let (along, across) = (3.0 * 0.01 / 2.0, 3.0 * (0.03 + 0.36) / 12.0);
+    assert!(
+        (found - Matrix3::from_diagonal(&Vector3::new(along, across, across))).norm() < 1e-16,
+        "{found}"
+    );
+}
+
+/// Two halves of a box make the box; nothing makes nothing.
+#[test]
+fn a_union_is_the_whole() {
+    let half =
+        |x| Inertial::uniform_box(2.0, Vector3::new(0.5, 0.2, 0.1), Point3::new(x, 0.0, 0.3));
+    let found = Inertial::union(&[half(0.25), half(0.75)]).unwrap();
+    let whole = Inertial::uniform_box(4.0, Vector3::new(1.0, 0.2, 0.1), Point3::new(0.5, 0.0, 0.3));
+    assert!(
+        (found.center - whole.center).norm() < 1e-15
+            && (found.inertia - whole.inertia).norm() < 1e-15
+    );
+    assert_eq!(Inertial::union(&[]), None);
+    let weightless = Inertial::uniform_sphere(0.0, 1.0, Point3::origin());
+    assert_eq!(Inertial::union(&[weightless]), None);
+    assert_eq!(Inertial::union(&[weightless, whole]).unwrap().mass, 4.0);
+}
+
+#[test]
+fn a_thin_long_cylinder_is_a_rod() {
+    let rod = Inertial::uniform_cylinder(1.0, 1e-9, PI, Point3::origin());
+    assert!((rod.inertia.m11 - PI * PI / 12.0).abs() < 1e-15);
+}
