@@ -1,4 +1,22 @@
-//! The interpolator: one set-point per cycle along the prepared path.
+//! The interpolator: one set-point per cycle along the prepared path (`SMC_Interpolator`, manual 6.2.9).
+//!
+//! [`LookAhead`] plans the velocities at the transitions, [`Profile`] fills in the element between them, and
+//! [`Interpolator`] samples the result at the cycle:
+//!
+//! ```text
+//! CheckedElement ─ LookAhead ─▶ PlannedElement ─ Interpolator ─▶ ToolSetpoint
+//! ```
+
+mod instant;
+mod interpolator;
+mod look_ahead;
+mod profile;
+#[cfg(test)]
+mod tests;
+
+pub use interpolator::{DEFAULT_CYCLE_NS, Interpolator};
+pub use look_ahead::{DEFAULT_WINDOW, LookAhead, PlannedElement};
+pub use profile::{PathState, Profile};
 
 use crate::Place;
 use nalgebra::{Point3, Vector3};

@@ -1,0 +1,17 @@
+//! Programs to plan and to run, shared by the tests of every part.
+
+#![expect(clippy::float_cmp, reason = "given, or to be the same bit for bit")]
+#![expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_possible_wrap,
+    reason = "counts of set-points and elements: thousands"
+)]
+
+mod absurd;
+mod interpolator;
+mod look_ahead;
+mod profile;
+mod program;
+mod stop;
