@@ -4,7 +4,7 @@ use crate::finding::{Finding, Severity};
 use crate::machine::Machine;
 use crate::program::ProgramFile;
 use crate::report::AxisPeak;
-use comfy_table::{Cell, CellAlignment, Color, ContentArrangement, Table, presets};
+use comfy_table::{Cell, CellAlignment, Color, ContentArrangement, LineStyle, Table, TableStyle};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{
     Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents,
@@ -163,7 +163,8 @@ fn floor_3(value: f64) -> String {
     }
     let digits = value.log10().floor();
     let unit = 10f64.powf(digits - 2.0);
-    let floored = (value / unit).floor() * unit;
+    // What is a round number but for rounding stays one.
+    let floored = (value / unit * (1.0 + 1e-9)).floor() * unit;
     let decimals = if digits >= 2.0 {
         0
     } else if digits >= 1.0 {
@@ -245,11 +246,17 @@ fn against(text: String, value: f64, limit: f64) -> Cell {
     }
 }
 
+/// Rules above, below and under the header; nothing between rows.
+const STYLE: TableStyle = TableStyle::new()
+    .top_border(LineStyle::none().fill('─').junction('─'))
+    .header_separator(LineStyle::none().fill('─').junction('─'))
+    .bottom_border(LineStyle::none().fill('─').junction('─'));
+
 /// An empty table in the house style.
 pub(super) fn table() -> Table {
     let mut table = Table::new();
     table
-        .load_style(presets::UTF8_HORIZONTAL_ONLY)
+        .load_style(STYLE)
         .set_content_arrangement(ContentArrangement::Disabled);
     if !io::stdout().is_terminal() || std::env::var_os("NO_COLOR").is_some() {
         table.force_no_tty();
