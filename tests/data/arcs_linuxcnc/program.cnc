@@ -1,0 +1,78 @@
+% TRICKY ARCS
+(what RS274 and DIN 66025 share; written for comparison with an independent interpreter)
+N10 G92 X12.5 Y-7.25 Z3
+N20 F30 E400 E-400
+(arcs by R: half chord, a little more, much more, nearly straight; both senses, every quadrant)
+N30 G2 X15.8 Y-2.85 R2.75
+N40 G3 X19.1 Y1.55 R2.75
+N50 G2 X15.8 Y5.95 R2.7501
+N60 G3 X12.5 Y1.55 R3
+N70 G2 X9.2 Y-2.85 R4
+N80 G3 X5.9 Y1.55 R25
+N90 G2 X0 Y0 R10000
+N100 G3 X0.01 Y-0.01 R0.01
+N110 G2 X-10 Y0 R5.0050025
+N120 G3 X-10 Y8.4 R4.2 Z1
+N130 X-2 R4.000001 Z-2 F25.5
+N140 X-2.001 Y8.401 R50
+(arcs by I and J: small, large, nearly nothing, nearly all; only one of them)
+N150 G0 X20 Y0 Z0 F100
+N160 G2 X0 Y-20 I-20 J0 F33.25
+N170 G3 X20 Y0 I0 J20
+N180 G3 X0 Y-20 J0 I-20
+N190 G2 X20 Y0 J20
+N200 G2 X14.142136 Y14.142136 I-20
+N210 G3 X14.135 Y14.149 I-14.142136 J-14.142136
+N220 G2 X14.142 Y14.142 I-14.135 J-14.149
+N230 G3 X14.149 Y14.135 I-14.142 J-14.142
+(numbers of three decimals: start and end are not quite on one circle)
+N240 G1 X10 Y0
+N250 G3 X8.66 Y5 I-10 J0
+N260 G3 X7.071 Y7.071 I-8.66 J-5
+N270 G2 X10 Y0 I-7.071 J-7.071
+(full circles: in place, with the end named, with one coordinate, up and down)
+N280 G2 I-10
+N290 G3 J6.125
+N300 X10 Y0 I3 J-4
+N310 G2 X10 I1.5 J2
+N320 G2 Z-3.3 I-0.25 J0.125
+N330 Z4.7 J-12
+N340 G3 Z4.7 I100 J-100
+(helices, less and more than half a turn)
+N350 G3 X-10 Y0 Z5 I-10 J0
+N360 G3 X0 Y10 Z-5 I10 J0
+N370 G2 X10 Y0 Z-4.5 I0 J-10
+N380 G2 X0 Y10 I-10 J0 Z0
+(relative targets)
+N390 G91
+N400 G1 X0.1 Y0.1 Z0.1
+N410 X0.1 Y0.2
+N420 X-0.3 Z-0.1
+N430 G2 X10 Y0 R5
+N440 G3 X10 R5.5
+N450 G3 Y-7 R100
+N460 G2 I-5 J5
+N470 X0 Y0 Z-2 I3 J4
+N480 G3 X-3 Y-3 I-3 J0
+N490 G2 X3 Y3 I0 J3 Z0.001
+N500 G0 Z-1
+N510 X1 Y1
+(absolute centres, with relative targets and with absolute ones)
+N520 G98
+N530 G1 X-1 Y-1
+N540 G90
+N550 G1 X50 Y50 Z0
+N560 G91
+N570 G2 X10 Y10 I60 J50
+N580 G3 X10 Y-10 I60 J50
+N590 G2 I65 J40 Z1
+N600 G90
+N610 G3 X60 Y40 I65 J45
+N620 G2 X70 Y50 I65 J45 F0.5
+N630 G99
+N640 G2 X60 Y40 I-5 J-5
+(case, leading zeros, signs, no blanks, the target not first)
+n650 g03 r+05.0 x+068.0 y040 f007.50
+N660G02I-4.J-3.X60.Z-.5Y40.
+N680 G01 X60 Y40 Z-0.5
+N690 G1 X60 Y40 Z-0.5
