@@ -14,6 +14,7 @@ pub mod number;
 pub mod physics;
 pub mod picture;
 pub mod plant;
+pub mod priority;
 pub mod program;
 pub mod report;
 pub mod session;

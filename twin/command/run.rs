@@ -10,7 +10,7 @@ use crate::machine::Machine;
 use crate::picture::Picture;
 use crate::program::ProgramFile;
 use crate::report::{AxisErrorReport, CheckReport, ComparisonReport, PerAxis, RunReport, seconds};
-use crate::session::{DriveSample, Ending, Observer, Session, Stopped, TwinCycle};
+use crate::session::{DriveSample, Ending, Observer, Session, TwinCycle};
 use crate::simulated::Simulated;
 use indicatif::ProgressBar;
 use std::io::{self, Write};
@@ -108,16 +108,7 @@ impl Interrupt {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.drives == Drives::Real {
-        return Err(Failure::Usage(
-            "--drives real is not there yet: homing and the start-up checks that must come before a real axis moves \
-             are missing; --drives emulated runs the same driver against an emulated board"
-                .to_owned(),
-        ));
-    }
-    if arguments.tolerance.is_some_and(|tolerance| !(tolerance > 0.0)) {
-        return Err(Failure::Usage("--tolerance must be above 0 mm".to_owned()));
-    }
+    arguments.check()?;
     let interrupt = Interrupt::catch()?;
     let machine = arguments.machine.load()?;
     let program = arguments.read.program(&arguments.program)?;
@@ -126,57 +117,66 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let outcome = check_first(&machine, &program)?;
     show::findings(&program, &outcome.findings);
     let unfit = finding::unfit(&outcome.findings);
+    let report = |ending: &Ending, stopped_because| {
+        write_report(arguments, &machine, &program, &outcome, ending, stopped_because)
+    };
     let Some(start) = outcome.start.filter(|_| !unfit) else {
-        check::summary(&mut io::stdout().lock(), &machine, &program, &outcome)
-            .map_err(Failure::Stdio)?;
-        if !unfit {
-            println!("the program moves nothing");
+        let mut out = io::stdout().lock();
+        check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
+        let nothing = Ending::nothing(&machine);
+        if unfit {
+            report(
+                &nothing,
+                Some("the program is not fit for the machine; nothing moved".to_owned()),
+            )?;
+            return Ok(Status::Unfit);
         }
-        let ending = Ending::nothing(&machine);
-        let reason =
-            unfit.then(|| "the program is not fit for the machine; nothing moved".to_owned());
-        write_report(arguments, &machine, &program, &outcome, &ending, reason)?;
-        return Ok(if unfit { Status::Unfit } else { Status::Fit });
+        writeln!(out, "the program moves nothing").map_err(Failure::Stdio)?;
+        report(&nothing, None)?;
+        return Ok(Status::Fit);
     };
 
-    let paced =
-        arguments.realtime || (arguments.drives != Drives::None && !machine.drives.is_empty());
+    let emulated = arguments.drives == Drives::Emulated && !machine.drives.is_empty();
     let scene = SceneOptions {
         record: arguments.record.clone(),
         serve: arguments.serve,
-        playback: if paced { Playback::Follow } else { Playback::FromStart },
+        playback: if arguments.realtime || emulated {
+            Playback::Follow
+        } else {
+            Playback::FromStart
+        },
     };
-    let named = (arguments.drives == Drives::Emulated && !machine.drives.is_empty())
-        .then_some("InterpCNC, emulated");
-    let mut picture = Picture::open(&scene, &machine, &program, &start, named)?;
+    let drives = emulated.then_some("InterpCNC, emulated");
+    let mut picture = Picture::open(&scene, &machine, &program, &start, drives)?;
     if let Some(url) = picture.url() {
         eprintln!("live view: {url}");
     }
-    let mut boards = Vec::new();
-    let hardware = match arguments.drives {
-        Drives::Emulated if machine.drives.is_empty() => {
+    // The board lives until the drives have come to rest.
+    let (hardware, board) = if emulated {
+        if crate::priority::real_time().is_err() {
+            eprintln!(
+                "note: this user may not run the drives with real-time priority; on a busy computer they lag behind"
+            );
+        }
+        let (board, drive) = crate::emulated::connect(&machine)?;
+        eprintln!("emulated {} on {}", drive.describe(), board.path().display());
+        let hardware = Hardware::start(&machine, drive, &start, machine.cycle_ns, APPROACH)?;
+        let Some(hardware) = approach(hardware, &interrupt)? else {
+            let reason = "stopped by the user on the way to the start of the program".to_owned();
+            eprintln!("{reason}");
+            picture.finish()?;
+            report(&Ending::nothing(&machine), Some(reason))?;
+            return Ok(Status::Failed);
+        };
+        (Some(hardware), Some(board))
+    } else {
+        if arguments.drives == Drives::Emulated {
             eprintln!(
                 "{} names no drives; the simulated machine runs alone",
                 machine.path.display()
             );
-            None
         }
-        Drives::Emulated => {
-            let (board, drive) = crate::emulated::connect(&machine)?;
-            eprintln!("emulated {} on {}", drive.describe(), board.path().display());
-            boards.push(board);
-            let hardware = Hardware::start(&machine, drive, &start, machine.cycle_ns, APPROACH)?;
-            Some(approach(hardware, &interrupt)?)
-        }
-        Drives::None | Drives::Real => None,
-    };
-    let hardware = match hardware {
-        Some(None) => {
-            eprintln!("stopped by the user on the way to the start of the program");
-            return Ok(Status::Failed);
-        }
-        Some(Some(hardware)) => Some(hardware),
-        None => None,
+        (None, None)
     };
 
     let twin = Simulated::new(&machine, &start)?;
@@ -198,8 +198,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         .map_err(|source| unreadable(program.path(), source))?;
     let took = seconds(clock.now_ns());
     bar.finish_and_clear();
+    drop(board);
     let shown = picture.finish();
-    drop(boards);
 
     let mut out = io::stdout().lock();
     check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
@@ -208,34 +208,53 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if let Some(reason) = &reason {
         eprintln!("{reason}");
     }
-    write_report(arguments, &machine, &program, &outcome, &ending, reason)?;
+    report(&ending, reason)?;
     shown?;
-    let mut status = match &ending.stopped {
-        Some(_) => Status::Failed,
-        None => Status::Fit,
-    };
-    if let Some(tolerance) = arguments.tolerance {
-        for (who, statistics) in
-            [("twin", ending.comparison.tool.twin), ("drives", ending.comparison.tool.drives)]
-        {
-            if let Some((error, place)) =
-                statistics.maximum().filter(|(error, _)| error * 1e3 > tolerance)
-            {
-                eprintln!(
-                    "the tool of the {who} is {:.4} mm off at {place}; the tolerance is {tolerance} mm",
-                    error * 1e3
-                );
-                status = status.max(Status::Unfit);
-            }
-        }
-    }
-    if let Some(url) =
-        picture.url().filter(|_| !matches!(ending.stopped, Some(Stopped::Interrupted(_))))
-    {
+    let status = judge(arguments, &ending);
+    if let Some(url) = picture.url().filter(|_| interrupt.count() == 0) {
         eprintln!("the view stays at {url} until Ctrl-C");
         interrupt.wait();
     }
     Ok(status)
+}
+
+impl Arguments {
+    /// What is found out now rather than after a run of an hour.
+    fn check(&self) -> Result<(), Failure> {
+        if self.drives == Drives::Real {
+            return Err(Failure::Usage(
+                "--drives real is not there yet: homing and the start-up checks that must come before a real axis \
+                 moves are missing; --drives emulated runs the same driver against an emulated board"
+                    .to_owned(),
+            ));
+        }
+        if self.tolerance.is_some_and(|tolerance| !(tolerance > 0.0)) {
+            return Err(Failure::Usage("--tolerance must be above 0 mm".to_owned()));
+        }
+        if let Some(path) = &self.report {
+            let file = std::fs::OpenOptions::new().append(true).create(true).open(path);
+            file.map_err(|source| Failure::Write { path: path.display().to_string(), source })?;
+        }
+        Ok(())
+    }
+}
+
+/// The exit status that a run deserves; says which tolerance was exceeded.
+fn judge(arguments: &Arguments, ending: &Ending) -> Status {
+    let mut status = if ending.stopped.is_some() { Status::Failed } else { Status::Fit };
+    let Some(tolerance) = arguments.tolerance else { return status };
+    let tool = &ending.comparison.tool;
+    for (who, statistics) in [("twin", tool.twin), ("drives", tool.drives)] {
+        let Some((error, place)) = statistics.maximum() else { continue };
+        let error = error * 1e3;
+        if error > tolerance {
+            eprintln!(
+                "the tool of the {who} is {error:.4} mm off at {place}; the tolerance is {tolerance} mm"
+            );
+            status = status.max(Status::Unfit);
+        }
+    }
+    status
 }
 
 fn check_first(machine: &Machine, program: &ProgramFile) -> Result<Outcome, Failure> {

@@ -3,7 +3,7 @@
 use crate::finding::{Finding, Severity};
 use crate::machine::Machine;
 use crate::program::ProgramFile;
-use crate::report::AxisPeak;
+use crate::report::{AxisPeak, Peak};
 use comfy_table::{Cell, CellAlignment, Color, ContentArrangement, LineStyle, Table, TableStyle};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{
@@ -213,25 +213,30 @@ pub(super) fn peaks(machine: &Machine, peaks: &[AxisPeak]) -> Table {
                 axis.max_velocity,
             ),
             Cell::new(show(axis.max_velocity)),
-            Cell::new(peak.velocity.place.line),
+            line(&peak.velocity),
             against(
                 format!("{} {unit}/s²", show(peak.acceleration.value)),
                 peak.acceleration.value,
                 axis.max_acceleration,
             ),
             Cell::new(show(axis.max_acceleration)),
-            Cell::new(peak.acceleration.place.line),
+            line(&peak.acceleration),
         ];
         if physics {
             let error = peak.following_error.unwrap_or_default();
             row.push(Cell::new(format!("{:.4} {unit}", axis.from_si(error.value))));
-            row.push(Cell::new(error.place.line));
+            row.push(line(&error));
         }
         table.add_row(row.into_iter().enumerate().map(|(column, cell)| {
             if column == 0 { cell } else { cell.set_alignment(CellAlignment::Right) }
         }));
     }
     table
+}
+
+/// The line of a peak; an axis that does not move has none.
+fn line(peak: &Peak) -> Cell {
+    if peak.value > 0.0 { Cell::new(peak.place.line) } else { Cell::new("–") }
 }
 
 /// A cell that turns red beyond its limit and yellow close to it.
@@ -255,9 +260,7 @@ const STYLE: TableStyle = TableStyle::new()
 /// An empty table in the house style.
 pub(super) fn table() -> Table {
     let mut table = Table::new();
-    table
-        .load_style(STYLE)
-        .set_content_arrangement(ContentArrangement::Disabled);
+    table.load_style(STYLE).set_content_arrangement(ContentArrangement::Disabled);
     if !io::stdout().is_terminal() || std::env::var_os("NO_COLOR").is_some() {
         table.force_no_tty();
     }

@@ -1,0 +1,21 @@
+//! Threads that must not wait for others.
+
+use thread_priority::unix::{set_thread_priority_and_policy, thread_native_id};
+use thread_priority::{
+    Error, RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
+};
+
+/// Above everything that is not real-time, below what the kernel runs in threads of its own.
+const PRIORITY: u8 = 10;
+
+/// Runs the calling thread, and the threads it will start, before every ordinary thread of the computer
+/// (`SCHED_FIFO`): a drive that is not spoken to for a tenth of a second is a tenth of a second behind the plan.
+///
+/// # Errors
+/// Most users may not do this; the run then goes on at the mercy of what else the computer does.
+pub fn real_time() -> Result<(), Error> {
+    let value = ThreadPriorityValue::try_from(PRIORITY)
+        .map_or(ThreadPriority::Min, ThreadPriority::Crossplatform);
+    let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
+    set_thread_priority_and_policy(thread_native_id(), value, policy)
+}
