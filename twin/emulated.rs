@@ -1,13 +1,21 @@
 //! Emulators of the drives a machine file names, in this process, with the real driver connected to them.
 
 use crate::clock::Clock;
-use crate::machine::{DeviceEntry, Machine, Parity};
+use crate::machine::{Axis, DeviceEntry, Machine, Parity};
 use std::time::Duration;
 use twin_drives::interpcnc::emulator::{BoardOptions, EmulatedBoard, EmulatorOptions, Wire};
 use twin_drives::interpcnc::{
-    AxisOptions, InterpCncDrive, InterpCncOptions, Line, registers::BoardAxis,
+    AxisOptions, InterpCncDrive, InterpCncOptions, Line,
+    registers::{BoardAxis, MAX_SPEED_HZ},
 };
 use twin_drives::{Drive, DriveError, EmulatorError};
+
+/// How long an emulated board may take to answer. The kernel passes the bytes of a pseudo-terminal on when nothing
+/// more urgent is to be done, which on a busy computer can be a while; a wire does not wait.
+const EMULATED_DEADLINE: Duration = Duration::from_secs(2);
+
+/// A drive that lags may go this much faster than its axis's largest velocity.
+const CATCH_UP: f64 = 1.2;
 
 /// Why no emulated drive can be had.
 #[derive(Debug, thiserror::Error)]
@@ -32,8 +40,18 @@ pub fn connect(machine: &Machine) -> Result<(EmulatedBoard, Box<dyn Drive>), Con
     let clock = Clock::start();
     let board = EmulatedBoard::start(&emulator_options(device), move || clock.now_ns())?;
     let port = board.path().display().to_string();
-    let drive = InterpCncDrive::open(&port, &driver_options(machine, device))?;
+    let options =
+        InterpCncOptions { deadline: EMULATED_DEADLINE, ..driver_options(machine, device) };
+    let drive = InterpCncDrive::open(&port, &options)?;
     Ok((board, Box::new(drive)))
+}
+
+/// The speed the board may go, steps/s: the axis's own with room to catch up, within what the board can do.
+fn max_speed_hz(axis: &Axis) -> u32 {
+    let speed = (axis.max_velocity * axis.increments_per_si()).abs() * CATCH_UP;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+    let speed = speed.clamp(1.0, f64::from(MAX_SPEED_HZ)) as u32;
+    speed
 }
 
 /// The board that `device` describes.
@@ -54,6 +72,7 @@ fn driver_options(machine: &Machine, device: &DeviceEntry) -> InterpCncOptions {
             start_stop_hz: device.start_stop_hz,
             acceleration_khz_per_s: device.acceleration_khz_per_s,
             deceleration_khz_per_s: device.acceleration_khz_per_s,
+            max_speed_hz: max_speed_hz(axis),
             ..AxisOptions::new(*board_axis)
         })
     });

@@ -119,7 +119,7 @@ impl ProgramFile {
         let (decoded, ledger) = self.decode(start)?;
         let stage = match angle_tolerance {
             None => Stage::Decoded(decoded),
-            Some(tolerance) => Stage::Prepared(CheckVelocities::new(decoded, tolerance)),
+            Some(tolerance) => Stage::Prepared(Box::new(CheckVelocities::new(decoded, tolerance))),
         };
         Ok(Elements { stage, ledger })
     }
@@ -255,7 +255,7 @@ pub struct Elements {
 #[derive(Debug)]
 enum Stage {
     Decoded(Decoded),
-    Prepared(CheckVelocities<Decoded, Halt>),
+    Prepared(Box<CheckVelocities<Decoded, Halt>>),
 }
 
 /// What comes out of [`Elements`].

@@ -56,10 +56,23 @@ pub struct RunReport {
     pub stopped_because: Option<String>,
     /// Time of the last set-point that was sent, s.
     pub executed_s: f64,
+    /// How often the drives were heard of, if there were any.
+    pub drive_samples: Option<DriveSamplesReport>,
     /// Errors of the tool tip.
     pub tool_error_mm: ComparisonReport,
     /// Errors per axis, in the axis's unit.
     pub axis_error: PerAxis<AxisErrorReport>,
+}
+
+/// How often the drives were heard of.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub struct DriveSamplesReport {
+    /// Number of samples.
+    pub count: u32,
+    /// Mean rate, 1/s.
+    pub per_s: f64,
+    /// Longest time without one, ms: while it lasts nobody corrects the drives.
+    pub longest_gap_ms: f64,
 }
 
 /// Statistics of one kind of error for each pair that was compared.

@@ -2,6 +2,12 @@
 //!
 //! Throughput counts lines, set-points or cycles. These machines are noisy: compare within one run.
 
+#![allow(
+    clippy::expect_used,
+    missing_docs,
+    reason = "a benchmark that cannot be set up has failed"
+)]
+
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use std::fmt::Write;
 use std::hint::black_box;
@@ -17,13 +23,13 @@ use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead, ToolSe
 use twin_motion::path::PathElement;
 use twin_motion::prepare::{CheckError, CheckVelocities};
 
-const LINES: u64 = 20_000;
+const LINES: u32 = 20_000;
 
 /// Short segments on a gentle curve: what CAM systems write.
 fn program() -> String {
     let mut text = String::from("% spiral\nG92 X300 Y0 Z20 F60 E800 E-800\n");
     for number in 1..=LINES {
-        let turn = number as f64 * 0.01;
+        let turn = f64::from(number) * 0.01;
         let (x, y) = (300.0 + 40.0 * turn.sin(), 40.0 * turn.cos() - 40.0);
         writeln!(text, "N{number} G1 X{x:.4} Y{y:.4}").expect("a string takes everything");
     }
@@ -39,13 +45,15 @@ fn decode(text: &str) -> impl Iterator<Item = PathElement> {
 }
 
 fn machine() -> Machine {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace is above the crate");
+    let root =
+        Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace is above the crate");
     Machine::load(&root.join("machines/scara2.toml")).expect("shipped with the product")
 }
 
 /// Set-points of the shipped program.
 fn setpoints(machine: &Machine) -> Vec<ToolSetpoint> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace is above the crate");
+    let root =
+        Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace is above the crate");
     let path = root.join("examples/plate.cnc");
     let program = ProgramFile::new(&path, Some(Dialect::Din66025), false).expect("a known dialect");
     let items = program.open(machine).expect("shipped with the product");
@@ -60,8 +68,9 @@ fn setpoints(machine: &Machine) -> Vec<ToolSetpoint> {
 fn decode_stage(criterion: &mut Criterion) {
     let text = program();
     let mut group = criterion.benchmark_group("decode");
-    group.throughput(Throughput::Elements(LINES));
-    group.bench_function("lines of G1", |bencher| bencher.iter(|| decode(black_box(&text)).count()));
+    group.throughput(Throughput::Elements(LINES.into()));
+    group
+        .bench_function("lines of G1", |bencher| bencher.iter(|| decode(black_box(&text)).count()));
     group.finish();
 }
 
@@ -73,9 +82,13 @@ fn plan_stage(criterion: &mut Criterion) {
         LookAhead::new(checked)
     };
     let mut group = criterion.benchmark_group("plan");
-    group.throughput(Throughput::Elements(LINES));
+    group.throughput(Throughput::Elements(LINES.into()));
     group.bench_function("elements looked ahead", |bencher| {
-        bencher.iter_batched(|| elements.clone(), |elements| plan(elements).count(), BatchSize::LargeInput);
+        bencher.iter_batched(
+            || elements.clone(),
+            |elements| plan(elements).count(),
+            BatchSize::LargeInput,
+        );
     });
     let count = Interpolator::new(plan(elements.clone()), DEFAULT_CYCLE_NS).count();
     group.throughput(Throughput::Elements(count as u64));
@@ -106,7 +119,9 @@ fn transform_stage(criterion: &mut Criterion) {
     };
     group.bench_function("scara2 with Z, forward", |bencher| {
         bencher.iter(|| {
-            let poses = axes.iter().filter_map(|axes| machine.kinematics.forward(black_box(&axes.axes.position)).ok());
+            let poses = axes
+                .iter()
+                .filter_map(|axes| machine.kinematics.forward(black_box(&axes.axes.position)).ok());
             poses.count()
         });
     });
@@ -116,8 +131,11 @@ fn transform_stage(criterion: &mut Criterion) {
 fn physics_stage(criterion: &mut Criterion) {
     let machine = machine();
     let mut transformer = Transformer::new(&machine);
-    let setpoints: Vec<AxisSetpoint> =
-        setpoints(&machine).iter().take(2000).filter_map(|tool| transformer.axes(tool).ok()).collect();
+    let setpoints: Vec<AxisSetpoint> = setpoints(&machine)
+        .iter()
+        .take(2000)
+        .filter_map(|tool| transformer.axes(tool).ok())
+        .collect();
     let start = setpoints.first().expect("the program moves").axes.position;
     let mut group = criterion.benchmark_group("physics");
     group.throughput(Throughput::Elements(setpoints.len() as u64));

@@ -17,7 +17,9 @@ pub(crate) fn json_lines(expected: &str, actual: &str, tolerance: f64) -> Vec<St
                 differ(&format!("line {}", number + 1), &expected, &actual, tolerance, &mut wrong);
             }
             (Err(error), _) => wrong.push(format!("expected line {}: {error}", number + 1)),
-            (_, Err(error)) => wrong.push(format!("printed line {}: {error}: {actual}", number + 1)),
+            (_, Err(error)) => {
+                wrong.push(format!("printed line {}: {error}: {actual}", number + 1));
+            }
         }
     }
     wrong
@@ -32,7 +34,9 @@ fn differ(place: &str, expected: &Value, actual: &Value, tolerance: f64, wrong: 
         (Value::Object(expected), Value::Object(actual)) => {
             for (key, value) in expected {
                 match actual.get(key) {
-                    Some(found) => differ(&format!("{place}.{key}"), value, found, tolerance, wrong),
+                    Some(found) => {
+                        differ(&format!("{place}.{key}"), value, found, tolerance, wrong);
+                    }
                     None => wrong.push(format!("{place} lacks `{key}`")),
                 }
             }
@@ -62,12 +66,15 @@ pub(crate) fn csv(expected: &str, actual: &str, tolerance: f64) -> Vec<String> {
         wrong.push(format!("{} lines printed, {} expected", actual.len(), expected.len()));
     }
     for (number, (expected, actual)) in expected.iter().zip(&actual).enumerate() {
-        let (one, other): (Vec<_>, Vec<_>) = (expected.split(',').collect(), actual.split(',').collect());
-        let same = |one: &str, other: &str| match (one.trim().parse::<f64>(), other.parse::<f64>()) {
+        let (one, other): (Vec<_>, Vec<_>) =
+            (expected.split(',').collect(), actual.split(',').collect());
+        let same = |one: &str, other: &str| match (one.trim().parse::<f64>(), other.parse::<f64>())
+        {
             (Ok(one), Ok(other)) => (one - other).abs() <= tolerance,
             _ => other.trim_matches('"').starts_with(one.trim()),
         };
-        let fits = one.len() <= other.len() && one.iter().zip(&other).all(|(one, other)| same(one, other));
+        let fits =
+            one.len() <= other.len() && one.iter().zip(&other).all(|(one, other)| same(one, other));
         let numbers = one.iter().all(|field| field.trim().parse::<f64>().is_ok());
         if !fits || (numbers && one.len() != other.len()) {
             wrong.push(format!("line {}: {actual}, expected {expected} ± {tolerance}", number + 1));

@@ -4,6 +4,8 @@
 //! must print, and, always, where the expected values come from. Paths are relative to the folder; `machines/` and
 //! `examples/` at the beginning of an argument are those of the workspace.
 
+#![allow(clippy::expect_used, reason = "a test that cannot be set up has failed")]
+
 mod compare;
 
 use serde::Deserialize;
@@ -39,7 +41,10 @@ fn exact() -> f64 {
 }
 
 fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace is above the crate").to_owned()
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .expect("the workspace is above the crate")
+        .to_owned()
 }
 
 fn folders(path: &Path) -> Vec<PathBuf> {
@@ -79,27 +84,37 @@ fn check(folder: &Path) -> Result<(), String> {
         stdin.write_all(&input).map_err(|error| error.to_string())?;
     }
     let output = child.wait_with_output().map_err(|error| error.to_string())?;
-    let (stdout, stderr) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+    let (stdout, stderr) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     let mut wrong = Vec::new();
     if output.status.code() != Some(case.status) {
         wrong.push(format!("exit status {:?}, expected {}", output.status.code(), case.status));
     }
     for text in &case.stderr {
         // Long messages are wrapped; what counts is the words.
-        let words = |text: &str| text.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+        let words = |text: &str| {
+            text.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
+        };
         if !words(&stderr).contains(&words(text)) {
             wrong.push(format!("standard error lacks {text:?}"));
         }
     }
     if let Some(name) = &case.stdout {
         let expected = fs::read_to_string(folder.join(name)).map_err(|error| error.to_string())?;
-        let compare = if name.ends_with(".csv") { compare::csv } else { compare::json_lines };
+        let compare = if Path::new(name).extension().is_some_and(|ending| ending == "csv") {
+            compare::csv
+        } else {
+            compare::json_lines
+        };
         wrong.extend(compare(&expected, &stdout, case.tolerance));
     }
     if wrong.is_empty() {
         return Ok(());
     }
-    Err(format!("{}\n--- standard output\n{stdout}\n--- standard error\n{stderr}", wrong.join("\n")))
+    Err(format!(
+        "{}\n--- standard output\n{stdout}\n--- standard error\n{stderr}",
+        wrong.join("\n")
+    ))
 }
 
 #[test]
@@ -108,7 +123,15 @@ fn every_case_of_tests_data() {
     assert!(folders.len() >= 10, "only {} cases found", folders.len());
     let failures: Vec<_> = folders
         .iter()
-        .filter_map(|folder| check(folder).err().map(|error| format!("{}: {error}", folder.display())))
+        .filter_map(|folder| {
+            check(folder).err().map(|error| format!("{}: {error}", folder.display()))
+        })
         .collect();
-    assert!(failures.is_empty(), "{} of {} cases:\n{}", failures.len(), folders.len(), failures.join("\n\n"));
+    assert!(
+        failures.is_empty(),
+        "{} of {} cases:\n{}",
+        failures.len(),
+        folders.len(),
+        failures.join("\n\n")
+    );
 }

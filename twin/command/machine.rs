@@ -107,7 +107,7 @@ fn describe(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
             writeln!(out, " = {}", axes.join(", "))?;
         }
         None => {
-            writeln!(out, ", which the machine cannot reach: such programs must begin with G92")?
+            writeln!(out, ", which the machine cannot reach: such programs must begin with G92")?;
         }
     }
     let zero = twin_kinematics::AxisVector::zeros(machine.axes.len());

@@ -32,7 +32,7 @@ pub(super) struct ReadOptions {
 }
 
 impl ReadOptions {
-    pub(super) fn program(&self, path: &Path) -> Result<ProgramFile, Failure> {
+    pub(super) fn program(self, path: &Path) -> Result<ProgramFile, Failure> {
         let dialect = match self.dialect {
             Some(dialect) => Some(dialect),
             None => Dialect::guess(path).map_err(|source| unreadable(path, source))?,

@@ -46,7 +46,7 @@ enum Format {
 }
 
 #[derive(serde::Serialize)]
-struct Line {
+struct Row {
     line: u32,
     block: Option<u32>,
     kind: &'static str,
@@ -117,7 +117,7 @@ fn write_element(out: &mut impl Write, frame: &WorkFrame, element: &PathElement)
     };
     let machine = |point: &Point3<f64>| millimetres(&frame.point_to_machine(point));
     let normal = frame.vector_to_machine(&Vector3::z());
-    let line = Line {
+    let row = Row {
         line: element.place.line,
         block: element.place.block,
         kind,
@@ -130,6 +130,6 @@ fn write_element(out: &mut impl Write, frame: &WorkFrame, element: &PathElement)
         feed_mm_per_s: number(element.feed * 1e3),
         end_velocity_mm_per_s: number(element.end_velocity * 1e3),
     };
-    serde_json::to_writer(&mut *out, &line)?;
+    serde_json::to_writer(&mut *out, &row)?;
     writeln!(out)
 }

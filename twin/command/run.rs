@@ -9,7 +9,9 @@ use crate::hardware::Hardware;
 use crate::machine::Machine;
 use crate::picture::Picture;
 use crate::program::ProgramFile;
-use crate::report::{AxisErrorReport, CheckReport, ComparisonReport, PerAxis, RunReport, seconds};
+use crate::report::{
+    AxisErrorReport, CheckReport, ComparisonReport, DriveSamplesReport, PerAxis, RunReport, seconds,
+};
 use crate::session::{DriveSample, Ending, Observer, Session, TwinCycle};
 use crate::simulated::Simulated;
 use indicatif::ProgressBar;
@@ -19,6 +21,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
+use twin_drives::interpcnc::emulator::EmulatedBoard;
+use twin_kinematics::AxisVector;
 use twin_viz::{Playback, SceneOptions};
 
 /// Where the page is served unless told otherwise.
@@ -117,8 +121,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let outcome = check_first(&machine, &program)?;
     show::findings(&program, &outcome.findings);
     let unfit = finding::unfit(&outcome.findings);
-    let report = |ending: &Ending, stopped_because| {
-        write_report(arguments, &machine, &program, &outcome, ending, stopped_because)
+    let report = |ending: &Ending, samples: DriveSamples, stopped_because| {
+        let drives = (samples.count > 0).then_some(samples);
+        write_report(arguments, &machine, &program, &outcome, ending, drives, stopped_because)
     };
     let Some(start) = outcome.start.filter(|_| !unfit) else {
         let mut out = io::stdout().lock();
@@ -127,12 +132,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         if unfit {
             report(
                 &nothing,
+                DriveSamples::default(),
                 Some("the program is not fit for the machine; nothing moved".to_owned()),
             )?;
             return Ok(Status::Unfit);
         }
         writeln!(out, "the program moves nothing").map_err(Failure::Stdio)?;
-        report(&nothing, None)?;
+        report(&nothing, DriveSamples::default(), None)?;
         return Ok(Status::Fit);
     };
 
@@ -146,38 +152,26 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             Playback::FromStart
         },
     };
-    let drives = emulated.then_some("InterpCNC, emulated");
-    let mut picture = Picture::open(&scene, &machine, &program, &start, drives)?;
+    let named = emulated.then_some("InterpCNC, emulated");
+    let mut picture = Picture::open(&scene, &machine, &program, &start, named)?;
     if let Some(url) = picture.url() {
         eprintln!("live view: {url}");
     }
-    // The board lives until the drives have come to rest.
-    let (hardware, board) = if emulated {
-        if crate::priority::real_time().is_err() {
-            eprintln!(
-                "note: this user may not run the drives with real-time priority; on a busy computer they lag behind"
-            );
-        }
-        let (board, drive) = crate::emulated::connect(&machine)?;
-        eprintln!("emulated {} on {}", drive.describe(), board.path().display());
-        let hardware = Hardware::start(&machine, drive, &start, machine.cycle_ns, APPROACH)?;
-        let Some(hardware) = approach(hardware, &interrupt)? else {
+    let mut drives = None;
+    if emulated {
+        drives = connect(&machine, &start, &interrupt)?;
+        if drives.is_none() {
             let reason = "stopped by the user on the way to the start of the program".to_owned();
             eprintln!("{reason}");
             picture.finish()?;
-            report(&Ending::nothing(&machine), Some(reason))?;
+            report(&Ending::nothing(&machine), DriveSamples::default(), Some(reason))?;
             return Ok(Status::Failed);
-        };
-        (Some(hardware), Some(board))
-    } else {
-        if arguments.drives == Drives::Emulated {
-            eprintln!(
-                "{} names no drives; the simulated machine runs alone",
-                machine.path.display()
-            );
         }
-        (None, None)
-    };
+    } else if arguments.drives == Drives::Emulated {
+        eprintln!("{} names no drives; the simulated machine runs alone", machine.path.display());
+    }
+    // The board lives until the drives have come to rest.
+    let (hardware, board) = drives.unzip();
 
     let twin = Simulated::new(&machine, &start)?;
     let bar = show::progress(
@@ -191,24 +185,30 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         hardware,
         realtime: arguments.realtime,
     };
-    let mut watcher = Watcher { picture: &mut picture, bar: &bar, last_shown_ns: i64::MIN };
+    let mut watcher = Watcher {
+        picture: &mut picture,
+        bar: &bar,
+        last_shown_ns: i64::MIN,
+        samples: DriveSamples::default(),
+    };
     let clock = crate::clock::Clock::start();
     let ending = session
         .run(&mut watcher, &|| interrupt.count())
         .map_err(|source| unreadable(program.path(), source))?;
     let took = seconds(clock.now_ns());
+    let samples = watcher.samples;
     bar.finish_and_clear();
     drop(board);
     let shown = picture.finish();
 
     let mut out = io::stdout().lock();
     check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
-    summary(&mut out, &machine, &ending, took).map_err(Failure::Stdio)?;
+    summary(&mut out, &machine, &ending, samples, took).map_err(Failure::Stdio)?;
     let reason = ending.stopped.as_ref().map(ToString::to_string);
     if let Some(reason) = &reason {
         eprintln!("{reason}");
     }
-    report(&ending, reason)?;
+    report(&ending, samples, reason)?;
     shown?;
     let status = judge(arguments, &ending);
     if let Some(url) = picture.url().filter(|_| interrupt.count() == 0) {
@@ -228,7 +228,7 @@ impl Arguments {
                     .to_owned(),
             ));
         }
-        if self.tolerance.is_some_and(|tolerance| !(tolerance > 0.0)) {
+        if self.tolerance.is_some_and(|tolerance| tolerance.is_nan() || tolerance <= 0.0) {
             return Err(Failure::Usage("--tolerance must be above 0 mm".to_owned()));
         }
         if let Some(path) = &self.report {
@@ -265,6 +265,24 @@ fn check_first(machine: &Machine, program: &ProgramFile) -> Result<Outcome, Fail
     outcome.map_err(|failure| Failure::check(program, failure))
 }
 
+/// Powers up the emulated board of the machine file and lets the driver bring the axes to `start`; `None` if the user
+/// stopped it on the way.
+fn connect(
+    machine: &Machine,
+    start: &AxisVector,
+    interrupt: &Interrupt,
+) -> Result<Option<(Hardware, EmulatedBoard)>, Failure> {
+    if crate::priority::real_time().is_err() {
+        eprintln!(
+            "note: this user may not run the drives with real-time priority; on a busy computer they lag behind"
+        );
+    }
+    let (board, drive) = crate::emulated::connect(machine)?;
+    eprintln!("emulated {} on {}", drive.describe(), board.path().display());
+    let hardware = Hardware::start(machine, drive, start, machine.cycle_ns, APPROACH)?;
+    Ok(approach(hardware, interrupt)?.map(|hardware| (hardware, board)))
+}
+
 /// Waits until the drives stand at the start of the program; `None` if the user stopped them on the way.
 fn approach(mut hardware: Hardware, interrupt: &Interrupt) -> Result<Option<Hardware>, Failure> {
     let bar =
@@ -282,11 +300,50 @@ fn approach(mut hardware: Hardware, interrupt: &Interrupt) -> Result<Option<Hard
     }
 }
 
+/// How often the drives were heard of.
+#[derive(Clone, Copy, Debug, Default)]
+struct DriveSamples {
+    count: u32,
+    first_ns: i64,
+    last_ns: i64,
+    longest_gap_ns: i64,
+}
+
+impl DriveSamples {
+    fn include(&mut self, time_ns: i64) {
+        if self.count == 0 {
+            self.first_ns = time_ns;
+        } else {
+            self.longest_gap_ns = self.longest_gap_ns.max(time_ns - self.last_ns);
+        }
+        self.last_ns = time_ns;
+        self.count += 1;
+    }
+
+    fn per_s(self) -> f64 {
+        let time = seconds(self.last_ns - self.first_ns);
+        if time > 0.0 { f64::from(self.count.saturating_sub(1)) / time } else { 0.0 }
+    }
+
+    fn longest_gap_ms(self) -> f64 {
+        seconds(self.longest_gap_ns) * 1e3
+    }
+
+    fn report(self) -> DriveSamplesReport {
+        DriveSamplesReport {
+            count: self.count,
+            per_s: self.per_s(),
+            longest_gap_ms: self.longest_gap_ms(),
+        }
+    }
+}
+
 /// Shows a run while it goes on.
 struct Watcher<'a, 'm> {
     picture: &'a mut Picture<'m>,
     bar: &'a ProgressBar,
     last_shown_ns: i64,
+    samples: DriveSamples,
 }
 
 impl Observer for Watcher<'_, '_> {
@@ -302,14 +359,30 @@ impl Observer for Watcher<'_, '_> {
     }
 
     fn drives(&mut self, sample: &DriveSample<'_>) {
+        self.samples.include(sample.time_ns);
         self.picture.drives(sample);
     }
 }
 
-fn summary(out: &mut impl Write, machine: &Machine, ending: &Ending, took: f64) -> io::Result<()> {
+fn summary(
+    out: &mut impl Write,
+    machine: &Machine,
+    ending: &Ending,
+    samples: DriveSamples,
+    took: f64,
+) -> io::Result<()> {
     let executed = seconds(ending.executed_ns);
     let ratio = if took > 0.0 { executed / took } else { 0.0 };
     writeln!(out, "ran {executed:.3} s of program in {took:.3} s ({ratio:.1} × real time)")?;
+    if samples.count > 0 {
+        writeln!(
+            out,
+            "drives: {} samples, {:.0} per second, longest gap {:.0} ms",
+            samples.count,
+            samples.per_s(),
+            samples.longest_gap_ms()
+        )?;
+    }
     let mut table = show::table();
     table.set_header(["error", "max", "rms", "line of max"]);
     let mut rows = |name: &str, statistics: &ErrorStatistics, scale: f64, unit: &str| {
@@ -341,6 +414,7 @@ fn write_report(
     program: &ProgramFile,
     outcome: &Outcome,
     ending: &Ending,
+    drives: Option<DriveSamples>,
     stopped_because: Option<String>,
 ) -> Result<(), Failure> {
     let Some(path) = &arguments.report else { return Ok(()) };
@@ -351,6 +425,7 @@ fn write_report(
         completed: stopped_because.is_none(),
         stopped_because,
         executed_s: seconds(ending.executed_ns),
+        drive_samples: drives.map(DriveSamples::report),
         tool_error_mm: ComparisonReport::new(tool, 1e3),
         axis_error: PerAxis(
             axis_error

@@ -76,7 +76,7 @@ pub(super) fn read(
     };
     let geometry = match kind {
         Kind::Scara2 => scara(&kinematics, &body),
-        Kind::Gantry3 => gantry(&kinematics, &body),
+        Kind::Gantry3 => Some(gantry(&kinematics, &body)),
     };
     kinematics.check_unknown();
     body.finish();
@@ -155,10 +155,7 @@ fn scara<'a>(
     Some((Box::new(transform), build))
 }
 
-fn gantry<'a>(
-    kinematics: &Section<'_>,
-    body: &Section<'_>,
-) -> Option<(Box<dyn Kinematics>, Build<'a>)> {
+fn gantry<'a>(kinematics: &Section<'_>, body: &Section<'_>) -> (Box<dyn Kinematics>, Build<'a>) {
     let offsets = kinematics.numbers::<3>("offsets_mm", -1e5..=1e5).unwrap_or_default();
     let bridge_mass = body.number("bridge_mass_kg", MASS_KG);
     let carriage_mass = body.number("carriage_mass_kg", MASS_KG);
@@ -180,7 +177,7 @@ fn gantry<'a>(
         };
         Some(dimensions.model())
     });
-    Some((Box::new(Gantry3::new(offsets)), build))
+    (Box::new(Gantry3::new(offsets)), build)
 }
 
 /// What moves each axis; complains where that is not one to one.
