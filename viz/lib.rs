@@ -1,1 +1,35 @@
-//! skeleton
+//! What is shown: the machine moving in 3D, its paths, and how far the twin and the drives are from the set-point.
+//!
+//! A [`Scene`] is a [rerun](https://rerun.io) recording being written. It goes to a file ([`SceneOptions::record`]), to
+//! a page in the browser ([`SceneOptions::serve`]), or to both at once. The page is rerun's own web viewer, shipped
+//! inside this binary; the page reads the same recording file while it grows, so both always show the same thing and
+//! memory does not grow with the program. [`view_recording`] serves a finished recording with the same page.
+//!
+//! Everything handed to a [`Scene`] is SI, in the machine frame; everything a person sees is mm, degrees and mm/s.
+//!
+//! | entity | what | timelines |
+//! |---|---|---|
+//! | `machine/<link>` | pose of a link of the twin; its solids below it | `time`, `line` |
+//! | `program/cuts/<n>`, `program/rapids/<n>` | programmed path | static |
+//! | `trail/{set-point,twin,drives}` | path travelled, in pieces; `trail/newest/…` the end not yet in a piece | `time`, `line` |
+//! | `tool/{set-point,twin,drives}` | where the tool is | `time`, `line` |
+//! | `error/tool/{twin,drives,drives_to_twin}` | distance between tool positions, mm | `time`, `line` |
+//! | `error/axis_deg/<axis>/{twin,drives}`, `error/axis_mm/…` | axis position minus set-point | `time`, `line` |
+//! | `speed/{set-point,programmed}` | along the path, mm/s | `time`, `line` |
+//! | `program/here`, `about` | lines around the current one; names and colours | `time`, `line`; static |
+//!
+//! `time` counts from the start of the program; `line` is the line of the program file, from 1.
+
+mod blueprint;
+mod bounds;
+mod error;
+mod frame;
+mod palette;
+mod scene;
+mod server;
+mod units;
+
+pub use error::VizError;
+pub use frame::{Axis, AxisUnit, Deviation, DrivesFrame, Frame, MoveKind, PathStrip, Program};
+pub use scene::{Playback, Scene, SceneOptions, Setup};
+pub use server::{DEFAULT_ADDRESS, Viewer, view_recording};

@@ -1,0 +1,319 @@
+//! The layout of the page: what is where, so that nobody has to arrange anything to see the comparison.
+//!
+//! Left, large: the machine with the programmed path and the trails; below it the surroundings of the tool, much
+//! enlarged, the program and the names. Right: tool error, axis errors, speed. A layout is a small recording of its
+//! own, which rerun calls a blueprint; its Rust interface does not reach cameras and time ranges, so the blueprint's
+//! archetypes are logged here one by one.
+
+use nalgebra::Vector3;
+use rerun::blueprint::components as parts;
+use rerun::external::re_log_types::{BlueprintActivationCommand, LogMsg};
+use rerun::external::re_sdk_types::blueprint::archetypes as layout;
+use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, components, datatypes};
+
+use crate::bounds::Bounds;
+use crate::error::VizError;
+use crate::frame::{Axis, AxisUnit};
+use crate::scene::{Playback, TIME};
+use crate::units::{f32_of, mm, mm_f32, point_mm};
+
+/// Half the height of the camera's view, rad: rerun's camera sees 55° from top to bottom.
+const HALF_VIEW: f64 = 0.48;
+/// From where the machine is looked at: from the front right, above.
+const FROM: [f64; 3] = [0.45, -1.0, 1.1];
+
+/// A machine does not fill the sphere around it: the camera may go this much closer than the sphere asks for.
+const CLOSER: f64 = 0.9;
+
+/// What the layout depends on.
+#[derive(Clone, Debug)]
+pub(crate) struct Layout {
+    /// The axes, which may need one plot for degrees and one for mm.
+    pub(crate) axes: Vec<Axis>,
+    /// Height of what the close-up shows, m.
+    pub(crate) close_up: f64,
+}
+
+/// Sends the layout with the recording.
+pub(crate) fn send(
+    recording: &RecordingStream,
+    application: &'static str,
+    layout: &Layout,
+    bounds: &Bounds,
+    playback: Playback,
+) -> Result<(), VizError> {
+    let (stream, storage) =
+        RecordingStreamBuilder::new(application).enabled(true).blueprint().memory()?;
+    stream.set_time_sequence("blueprint", 0);
+    let mut page = Page { stream, last_id: 0 };
+    let root = page.everything(layout, bounds)?;
+    page.panels(playback)?;
+    let viewport = layout::ViewportBlueprint::new()
+        .with_root_container(root.uuid())
+        .with_auto_layout(false)
+        .with_auto_views(false);
+    page.stream.log("viewport", &viewport)?;
+
+    let messages = storage.take();
+    let blueprint_id = messages.iter().find_map(|message| match message {
+        LogMsg::SetStoreInfo(info) => Some(info.info.store_id.clone()),
+        _ => None,
+    });
+    if let Some(blueprint_id) = blueprint_id {
+        let activation =
+            BlueprintActivationCommand { blueprint_id, make_active: true, make_default: true };
+        recording.send_blueprint(messages, activation);
+    }
+    Ok(())
+}
+
+/// A container or a view of the page.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    kind: &'static str,
+    id: u8,
+}
+
+impl Part {
+    fn uuid(self) -> datatypes::Uuid {
+        let mut bytes = *b"twin-layout-\0\0\0\0";
+        bytes[15] = self.id;
+        datatypes::Uuid { bytes }
+    }
+
+    fn path(self) -> String {
+        // As rerun writes UUIDs: 8-4-4-4-12 hexadecimal digits.
+        let number = u128::from_be_bytes(self.uuid().bytes);
+        let group = |shift: u32, digits: u32| (number >> shift) & ((1 << (4 * digits)) - 1);
+        format!(
+            "{}/{:08x}-{:04x}-{:04x}-{:04x}-{:012x}",
+            self.kind,
+            group(96, 8),
+            group(80, 4),
+            group(64, 4),
+            group(48, 4),
+            group(0, 12)
+        )
+    }
+}
+
+struct Page {
+    stream: RecordingStream,
+    last_id: u8,
+}
+
+impl Page {
+    fn everything(&mut self, layout: &Layout, bounds: &Bounds) -> Result<Part, VizError> {
+        let scene = self.scene(bounds)?;
+        let close_up = self.close_up(layout)?;
+        let here = self.text("Program", "program/here")?;
+        let about = self.text("What is shown", "about")?;
+        let words = self.column(&[here, about], &[1.1, 1.0])?;
+        let below = self.row(&[close_up, words], &[1.0, 1.25])?;
+        let left = self.column(&[scene, below], &[1.75, 1.0])?;
+
+        let mut plots = vec![self.plot("Tool error (mm)", "error/tool")?];
+        let has = |unit| layout.axes.iter().any(|axis| axis.unit == unit);
+        if has(AxisUnit::Rotary) {
+            plots.push(self.plot("Axis errors (degrees)", "error/axis_deg")?);
+        }
+        if has(AxisUnit::Linear) {
+            plots.push(self.plot("Axis errors (mm)", "error/axis_mm")?);
+        }
+        plots.push(self.plot("Speed along the path (mm/s)", "speed")?);
+        let shares = vec![1.0; plots.len()];
+        let right = self.column(&plots, &shares)?;
+        self.row(&[left, right], &[3.0, 2.0])
+    }
+
+    fn panels(&self, playback: Playback) -> Result<(), VizError> {
+        let collapsed = layout::PanelBlueprint::new().with_state(parts::PanelState::Collapsed);
+        self.stream.log("blueprint_panel", &collapsed)?;
+        self.stream.log("selection_panel", &collapsed)?;
+        let play_state = match playback {
+            Playback::FromStart => parts::PlayState::Playing,
+            Playback::Follow => parts::PlayState::Following,
+        };
+        let time = layout::TimePanelBlueprint::new()
+            .with_state(parts::PanelState::Collapsed)
+            .with_timeline(TIME)
+            .with_play_state(play_state)
+            .with_loop_mode(parts::LoopMode::Off);
+        self.stream.log("time_panel", &time)?;
+        Ok(())
+    }
+
+    /// The machine, its path and the trails.
+    fn scene(&mut self, bounds: &Bounds) -> Result<Part, VizError> {
+        let (center, radius) = bounds.sphere().unwrap_or_default();
+        let spacing = grid_spacing(mm(radius));
+        let name = format!("Machine and paths (grid {spacing} mm)");
+        let contents = ["+ /machine/**", "+ /program/**", "+ /trail/**", "+ /tool/**"];
+        let view = self.view("3D", &name, "/", &contents)?;
+        let eye = center + Vector3::from(FROM).normalize() * (radius / HALF_VIEW.sin() * CLOSER);
+        let camera = layout::EyeControls3D::new()
+            .with_kind(parts::Eye3DKind::Orbital)
+            .with_position(point_mm(&eye))
+            .with_look_target(point_mm(&center))
+            .with_eye_up([0.0, 0.0, 1.0]);
+        self.property(view, "EyeControls3D", &camera)?;
+        self.property(view, "Background", &background())?;
+        let floor = components::Plane3D::from(datatypes::Plane3D::new(
+            [0.0, 0.0, 1.0],
+            mm_f32(bounds.floor().unwrap_or_default()),
+        ));
+        let grid = layout::LineGrid3D::new()
+            .with_visible(true)
+            .with_spacing(spacing)
+            .with_plane(floor)
+            .with_stroke_width(1.0)
+            .with_color(components::Color::from_rgb(48, 53, 60));
+        self.property(view, "LineGrid3D", &grid)?;
+        self.keep_trails(view)?;
+        Ok(view)
+    }
+
+    /// The surroundings of the set-point, moving with it: deviations of a hundredth of a millimetre are seen here.
+    fn close_up(&mut self, layout: &Layout) -> Result<Part, VizError> {
+        let width = mm(layout.close_up);
+        let name = format!("At the tool ({width} mm high)");
+        let contents = ["+ /program/cuts/**", "+ /program/rapids/**", "+ /trail/**", "+ /tool/**"];
+        let view = self.view("3D", &name, "/tool/set-point", &contents)?;
+        let distance = f32_of(width / 2.0 / HALF_VIEW.tan());
+        let camera = layout::EyeControls3D::new()
+            .with_kind(parts::Eye3DKind::Orbital)
+            .with_position([0.0, 0.0, distance])
+            .with_look_target([0.0_f32; 3])
+            .with_eye_up([0.0, 1.0, 0.0]);
+        self.property(view, "EyeControls3D", &camera)?;
+        self.property(view, "Background", &background())?;
+        self.property(view, "LineGrid3D", &layout::LineGrid3D::new().with_visible(false))?;
+        self.keep_trails(view)?;
+        Ok(view)
+    }
+
+    /// Trails come in pieces; all up to the cursor are shown, not only the newest.
+    fn keep_trails(&self, view: Part) -> Result<(), VizError> {
+        let range = datatypes::VisibleTimeRange {
+            timeline: TIME.into(),
+            range: datatypes::TimeRange {
+                start: datatypes::TimeRangeBoundary::Infinite,
+                end: datatypes::TimeRangeBoundary::AT_CURSOR,
+            },
+        };
+        for trail in ["set-point", "twin", "drives"] {
+            let path = format!("{}/ViewContents/overrides/trail/{trail}/visualizers", view.path());
+            self.stream.log(path, &layout::VisibleTimeRanges::new([range.clone()]))?;
+        }
+        Ok(())
+    }
+
+    fn plot(&mut self, name: &str, origin: &str) -> Result<Part, VizError> {
+        let view = self.view("TimeSeries", name, origin, &["+ $origin/**"])?;
+        let legend =
+            layout::PlotLegend::new().with_visible(true).with_corner(parts::Corner2D::RightTop);
+        self.property(view, "PlotLegend", &legend)?;
+        Ok(view)
+    }
+
+    fn text(&mut self, name: &str, entity: &str) -> Result<Part, VizError> {
+        self.view("TextDocument", name, entity, &["+ $origin"])
+    }
+
+    fn view(
+        &mut self,
+        class: &str,
+        name: &str,
+        origin: &str,
+        contents: &[&str],
+    ) -> Result<Part, VizError> {
+        let view = self.part("view");
+        let contents = contents.iter().map(|query| parts::QueryExpression((*query).into()));
+        self.stream
+            .log(format!("{}/ViewContents", view.path()), &layout::ViewContents::new(contents))?;
+        let blueprint =
+            layout::ViewBlueprint::new(class).with_display_name(name).with_space_origin(origin);
+        self.stream.log(view.path(), &blueprint)?;
+        Ok(view)
+    }
+
+    fn property(&self, view: Part, name: &str, value: &impl AsComponents) -> Result<(), VizError> {
+        self.stream.log(format!("{}/{name}", view.path()), value)?;
+        Ok(())
+    }
+
+    fn row(&mut self, parts: &[Part], shares: &[f32]) -> Result<Part, VizError> {
+        let row = layout::ContainerBlueprint::new(parts::ContainerKind::Horizontal)
+            .with_col_shares(shares.iter().copied().map(parts::ColumnShare::from));
+        self.container(&row, parts)
+    }
+
+    fn column(&mut self, parts: &[Part], shares: &[f32]) -> Result<Part, VizError> {
+        let column = layout::ContainerBlueprint::new(parts::ContainerKind::Vertical)
+            .with_row_shares(shares.iter().copied().map(parts::RowShare::from));
+        self.container(&column, parts)
+    }
+
+    fn container(
+        &mut self,
+        container: &layout::ContainerBlueprint,
+        parts: &[Part],
+    ) -> Result<Part, VizError> {
+        let part = self.part("container");
+        let contents = parts.iter().map(|part| parts::IncludedContent(part.path().into()));
+        self.stream.log(part.path(), &container.clone().with_contents(contents))?;
+        Ok(part)
+    }
+
+    fn part(&mut self, kind: &'static str) -> Part {
+        self.last_id += 1;
+        Part { kind, id: self.last_id }
+    }
+}
+
+/// Dark, whatever theme the browser asks for: the colours of the paths are chosen for it.
+fn background() -> layout::Background {
+    layout::Background::new(parts::BackgroundKind::SolidColor)
+        .with_color(components::Color::from_rgb(24, 27, 32))
+}
+
+/// A round number of mm (1, 2 or 5 times a power of ten) of which some ten fit the scene.
+fn grid_spacing(radius_mm: f64) -> f32 {
+    let wanted = (radius_mm / 5.0).max(0.1);
+    let decade = 10.0_f64.powf(wanted.log10().floor());
+    let round =
+        [1.0, 2.0, 5.0, 10.0].into_iter().find(|step| step * decade >= wanted).unwrap_or(10.0);
+    f32_of(round * decade)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn some_ten_round_steps_fit_the_scene() {
+        for (radius_mm, spacing) in
+            [(5.0, 1.0), (6.0, 2.0), (24.0, 5.0), (26.0, 10.0), (400.0, 100.0), (1200.0, 500.0)]
+        {
+            assert!(
+                (grid_spacing(radius_mm) - spacing).abs() < 1e-6 * spacing,
+                "{radius_mm}: {}",
+                grid_spacing(radius_mm)
+            );
+        }
+        // A machine without extent still gets a grid.
+        assert!((grid_spacing(0.0) - 0.1).abs() < 1e-6);
+    }
+
+    #[test]
+    fn parts_have_paths_that_rerun_takes_for_ids() {
+        let part = Part { kind: "view", id: 0xab };
+        let path = part.path();
+        let (kind, id) = path.split_once('/').unwrap();
+        assert_eq!(kind, "view");
+        let groups: Vec<usize> = id.split('-').map(str::len).collect();
+        assert_eq!(groups, [8, 4, 4, 4, 12]);
+        // "twin-layout-" in ASCII, then the number of the part.
+        assert_eq!(id.replace('-', ""), "7477696e2d6c61796f75742d000000ab");
+    }
+}

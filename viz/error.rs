@@ -1,0 +1,112 @@
+//! What can go wrong while showing.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+/// Why a recording could not be written or shown.
+#[derive(Debug, thiserror::Error)]
+pub enum VizError {
+    /// Neither a file nor an address was given.
+    #[error("neither a recording file nor an address to serve at was given")]
+    NoDestination,
+
+    /// The recording cannot be created.
+    #[error("cannot create the recording {}", .path.display())]
+    Create {
+        /// The file asked for.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        source: rerun::sink::FileSinkError,
+    },
+
+    /// A page without a recording of its own needs a temporary file, which cannot be created.
+    #[error("cannot create a temporary recording in {}", .folder.display())]
+    Temporary {
+        /// The folder for temporary files.
+        folder: PathBuf,
+        /// Why.
+        #[source]
+        source: std::io::Error,
+    },
+
+    /// The recording cannot be written any more; the disk may be full.
+    #[error("cannot write the recording {}", .path.display())]
+    Write {
+        /// The recording.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        source: rerun::sink::SinkFlushError,
+    },
+
+    /// A frame was refused by rerun.
+    #[error("cannot log to the recording")]
+    Log(#[from] rerun::RecordingStreamError),
+
+    /// A value cannot be expressed in rerun's format.
+    #[error("cannot encode a value for the recording")]
+    Encode(#[from] rerun::SerializationError),
+
+    /// A frame has another number of link poses than the machine has links.
+    #[error("the machine has {expected} links, the frame {found} link poses")]
+    LinkCount {
+        /// Links of the machine.
+        expected: usize,
+        /// Poses in the frame.
+        found: usize,
+    },
+
+    /// A frame has another number of axis errors than there are axes.
+    #[error("the machine has {expected} axes, the frame {found} axis errors")]
+    AxisCount {
+        /// Axes of the machine.
+        expected: usize,
+        /// Axis errors in the frame.
+        found: usize,
+    },
+
+    /// The address cannot be listened on: it is taken by another program, or is not this computer's.
+    #[error("cannot serve the viewer at {address}")]
+    Bind {
+        /// The address asked for.
+        address: SocketAddr,
+        /// Why.
+        #[source]
+        source: std::io::Error,
+    },
+
+    /// The web server cannot start at an address that is free.
+    #[error("cannot start the web server at {address}")]
+    Serve {
+        /// The address asked for.
+        address: SocketAddr,
+        /// Why.
+        #[source]
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+
+    /// The viewer inside this binary is damaged.
+    #[error("the viewer inside this program cannot be read")]
+    Assets(#[from] re_web_viewer_server::WebViewerDataError),
+
+    /// A recording cannot be opened.
+    #[error("cannot open the recording {}", .path.display())]
+    Open {
+        /// The file asked for.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        source: std::io::Error,
+    },
+
+    /// A file is not a recording, or one of a version that this viewer cannot show.
+    #[error("{} is not a rerun recording that this viewer can show", .path.display())]
+    NotARecording {
+        /// The file asked for.
+        path: PathBuf,
+        /// Why; `None` if it is a recording in which nothing was recorded.
+        #[source]
+        source: Option<rerun::external::re_log_encoding::DecodeError>,
+    },
+}

@@ -1,0 +1,224 @@
+//! A picture to look at while working on the page: a made-up two-arm machine draws a circle and a square, and its
+//! "twin" and "drives" lag behind by made-up amounts. Nothing here is simulated; the product's pictures come from
+//! `twin run`.
+//!
+//! ```text
+//! cargo run --release -p twin-viz --example demo -- [--serve 127.0.0.1:9090] [--record demo.rrd] [--realtime]
+//! ```
+
+use std::f64::consts::TAU;
+use std::time::Duration;
+
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
+use twin_urdf::{Inertial, Joint, JointKind, Link, Model, Solid, SolidShape, Tip};
+use twin_viz::{
+    Axis, AxisUnit, Deviation, DrivesFrame, Frame, MoveKind, PathStrip, Playback, Program, Scene,
+    SceneOptions, Setup,
+};
+
+const UPPER_ARM: f64 = 0.3;
+const FOREARM: f64 = 0.25;
+const COLUMN: f64 = 0.25;
+const QUILL: f64 = 0.3;
+const FEED: f64 = 0.06;
+
+const PROGRAM: &str = "% demo\n\
+N10 G0 X300 Y200\n\
+N20 G2 X300 Y200 I50 J0 F60\n\
+N30 G0 X280 Y80\n\
+N40 G1 X380 Y80 F60\n\
+N50 G1 X380 Y-20\n\
+N60 G1 X280 Y-20\n\
+N70 G1 X280 Y80\n\
+N80 G0 X300 Y200\n";
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut options = SceneOptions::default();
+    let mut is_realtime = false;
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--record" => options.record = arguments.next().map(Into::into),
+            "--serve" => {
+                options.serve = arguments.next().map(|address| address.parse()).transpose()?;
+            }
+            "--realtime" => (is_realtime, options.playback) = (true, Playback::Follow),
+            other => return Err(format!("unknown argument {other}").into()),
+        }
+    }
+    let model = machine();
+    let axes = [("A1", AxisUnit::Rotary), ("A2", AxisUnit::Rotary), ("Z", AxisUnit::Linear)]
+        .map(|(name, unit)| Axis { name: name.to_owned(), unit });
+    let path = path();
+    let start = axis_positions(&Point3::new(0.3, 0.2, 0.0));
+    let mut scene = Scene::open(
+        &options,
+        &Setup {
+            machine: &model,
+            home: &poses(start),
+            axes: &axes,
+            program: Program { name: "demo.cnc", text: PROGRAM },
+            drives: Some("made up"),
+        },
+    )?;
+    if let Some(viewer) = scene.viewer() {
+        println!("{}", viewer.url());
+    }
+    scene.programmed_path(&path.iter().map(|(_, strip)| strip.clone()).collect::<Vec<_>>())?;
+
+    let positions = travel(&path);
+    let first = positions.first().map_or_else(Point3::origin, |(_, at)| *at);
+    let mut followers = (first, first);
+    for (ms, (line, setpoint)) in positions.iter().enumerate() {
+        // The "twin" follows with 4 ms and sags a little, the "drives" follow with 9 ms.
+        let ahead = positions.get(ms + 1).map_or(*setpoint, |(_, at)| *at);
+        followers = (
+            followers.0 + (setpoint - followers.0) / 4.0,
+            followers.1 + (setpoint - followers.1) / 9.0,
+        );
+        let twin = followers.0 + Vector3::new(0.0, 0.0, -1.5e-5);
+        let drives = followers.1;
+        let wanted = axis_positions(setpoint);
+        let errors = |tool: &Point3<f64>| {
+            let got = axis_positions(tool);
+            [got[0] - wanted[0], got[1] - wanted[1], got[2] - wanted[2]]
+        };
+        scene.frame(&Frame {
+            time_ns: i64::try_from(ms)? * 1_000_000,
+            line: *line,
+            setpoint: *setpoint,
+            path_speed: (ahead - setpoint).norm() * 1000.0,
+            programmed_speed: Some(FEED),
+            link_poses: &poses(axis_positions(&twin)),
+            twin: Deviation {
+                tool: twin,
+                tool_error: (twin - setpoint).norm(),
+                axis_errors: &errors(&twin),
+            },
+            drives: Some(DrivesFrame {
+                deviation: Deviation {
+                    tool: drives,
+                    tool_error: (drives - setpoint).norm(),
+                    axis_errors: &errors(&drives),
+                },
+                tool_error_to_twin: (drives - twin).norm(),
+            }),
+        })?;
+        if is_realtime {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+    if let Some(viewer) = scene.finish()? {
+        println!("finished; Ctrl-C ends");
+        viewer.wait_until(|| false);
+    }
+    Ok(())
+}
+
+/// A rapid, a circle, a rapid, a square and a rapid, each with its line of the program.
+fn path() -> Vec<(u32, PathStrip)> {
+    let circle = (0..=180_u32).map(|step| {
+        let angle = TAU * f64::from(step) / 180.0;
+        Point3::new(0.35 - 0.05 * angle.cos(), 0.2 + 0.05 * angle.sin(), 0.0)
+    });
+    let corners = [[0.28, 0.08], [0.38, 0.08], [0.38, -0.02], [0.28, -0.02], [0.28, 0.08]]
+        .map(|[x, y]| Point3::new(x, y, 0.0));
+    let strip = |kind, points: Vec<Point3<f64>>| PathStrip { kind, points };
+    let mut path = vec![
+        (3, strip(MoveKind::Cut, circle.collect())),
+        (4, strip(MoveKind::Rapid, vec![Point3::new(0.3, 0.2, 0.0), corners[0]])),
+    ];
+    path.extend((5_u32..).zip(corners.windows(2).map(|side| strip(MoveKind::Cut, side.to_vec()))));
+    path.push((9, strip(MoveKind::Rapid, vec![corners[0], Point3::new(0.3, 0.2, 0.0)])));
+    path
+}
+
+/// Positions each ms at constant feed, with the line of the program.
+fn travel(path: &[(u32, PathStrip)]) -> Vec<(u32, Point3<f64>)> {
+    let mut positions = Vec::new();
+    let mut left = 0.0;
+    for (line, strip) in path {
+        for ends in strip.points.windows(2) {
+            let [from, to] = ends else { continue };
+            let length = (to - from).norm();
+            let mut at = left;
+            while at < length {
+                positions.push((*line, from + (to - from) * (at / length)));
+                at += FEED / 1000.0;
+            }
+            left = at - length;
+        }
+    }
+    positions
+}
+
+/// Shoulder and elbow angles (elbow right) and tool height.
+fn axis_positions(tool: &Point3<f64>) -> [f64; 3] {
+    let reach_2 = tool.x * tool.x + tool.y * tool.y;
+    let elbow = -((reach_2 - UPPER_ARM * UPPER_ARM - FOREARM * FOREARM)
+        / (2.0 * UPPER_ARM * FOREARM))
+        .acos();
+    let shoulder =
+        tool.y.atan2(tool.x) - (FOREARM * elbow.sin()).atan2(UPPER_ARM + FOREARM * elbow.cos());
+    [shoulder, elbow, tool.z]
+}
+
+fn poses([shoulder, elbow, height]: [f64; 3]) -> [Isometry3<f64>; 4] {
+    let about_z = |angle| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+    let upper_arm = Isometry3::from_parts(Translation3::new(0.0, 0.0, COLUMN), about_z(shoulder));
+    let forearm =
+        upper_arm * Isometry3::from_parts(Translation3::new(UPPER_ARM, 0.0, 0.0), about_z(elbow));
+    let quill = forearm * Isometry3::translation(FOREARM, 0.0, height - COLUMN);
+    [Isometry3::identity(), upper_arm, forearm, quill]
+}
+
+fn machine() -> Model {
+    let bar = |length: f64, color| Solid {
+        shape: SolidShape::Box { size: Vector3::new(length, 0.05, 0.04) },
+        origin: Isometry3::translation(length / 2.0, 0.0, 0.0),
+        color,
+    };
+    let post = |radius, length, z, color| Solid {
+        shape: SolidShape::Cylinder { radius, length },
+        origin: Isometry3::translation(0.0, 0.0, z),
+        color,
+    };
+    let link = |name: &str, solids| Link {
+        name: name.to_owned(),
+        inertial: Some(Inertial {
+            mass: 1.0,
+            center: Point3::origin(),
+            inertia: Matrix3::identity(),
+        }),
+        solids,
+    };
+    let joint = |name: &str, kind, parent, x, z, axis: usize| Joint {
+        name: name.to_owned(),
+        kind,
+        parent,
+        child: parent + 1,
+        origin: Isometry3::translation(x, 0.0, z),
+        axis: Vector3::z_axis(),
+        machine_axis: Some(axis),
+        position_limits: None,
+        velocity_limit: None,
+        effort_limit: None,
+    };
+    let (grey, blue, light) =
+        ([0.35, 0.37, 0.4, 1.0], [0.3, 0.42, 0.55, 1.0], [0.5, 0.6, 0.7, 1.0]);
+    Model {
+        name: "demo machine".to_owned(),
+        links: vec![
+            link("base", vec![post(0.05, COLUMN - 0.02, COLUMN / 2.0 - 0.01, grey)]),
+            link("upper arm", vec![bar(UPPER_ARM, blue), post(0.035, 0.05, 0.0, grey)]),
+            link("forearm", vec![bar(FOREARM, light), post(0.03, 0.05, 0.0, grey)]),
+            link("quill", vec![post(0.006, QUILL, QUILL / 2.0, grey)]),
+        ],
+        joints: vec![
+            joint("A1", JointKind::Revolute, 0, 0.0, COLUMN, 0),
+            joint("A2", JointKind::Revolute, 1, UPPER_ARM, 0.0, 1),
+            joint("Z", JointKind::Prismatic, 2, FOREARM, -COLUMN, 2),
+        ],
+        tip: Tip { link: 3, point: Point3::origin() },
+    }
+}

@@ -1,0 +1,89 @@
+//! What a scene is told.
+
+use nalgebra::{Isometry3, Point3};
+
+/// The program being run.
+#[derive(Clone, Copy, Debug)]
+pub struct Program<'a> {
+    /// Name of its file.
+    pub name: &'a str,
+    /// Its text; the lines around the current one are shown beside the machine.
+    pub text: &'a str,
+}
+
+/// An axis of the machine.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Axis {
+    /// Its name in the machine file.
+    pub name: String,
+    /// What its error is measured in.
+    pub unit: AxisUnit,
+}
+
+/// What the position of an axis is; decides the unit in which its error is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AxisUnit {
+    /// rad, shown in degrees.
+    Rotary,
+    /// m, shown in mm.
+    Linear,
+}
+
+/// What a piece of the programmed path is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MoveKind {
+    /// A cutting move (G1, G2, G3, ...).
+    Cut,
+    /// A positioning move (G0).
+    Rapid,
+}
+
+/// A piece of the programmed path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PathStrip {
+    /// Cutting or positioning.
+    pub kind: MoveKind,
+    /// A polyline of tool positions in the machine frame, m.
+    pub points: Vec<Point3<f64>>,
+}
+
+/// One instant of the run.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// Since the start of the program, ns.
+    pub time_ns: i64,
+    /// Line of the program file, from 1.
+    pub line: u32,
+    /// Where the tool should be: set-point in the machine frame, m.
+    pub setpoint: Point3<f64>,
+    /// Speed of the set-point along the path, m/s.
+    pub path_speed: f64,
+    /// The feed that the program asks for here, m/s; `None` during rapids and dwells.
+    pub programmed_speed: Option<f64>,
+    /// Poses of the links of the twin in the machine frame, in the order of the model.
+    pub link_poses: &'a [Isometry3<f64>],
+    /// The twin against the set-point.
+    pub twin: Deviation<'a>,
+    /// What came back from the drives, if there are any and they have answered for this instant.
+    pub drives: Option<DrivesFrame<'a>>,
+}
+
+/// How far something is from the set-point.
+#[derive(Clone, Copy, Debug)]
+pub struct Deviation<'a> {
+    /// Where it has the tool, in the machine frame, m.
+    pub tool: Point3<f64>,
+    /// Distance of that from the set-point, m.
+    pub tool_error: f64,
+    /// Axis positions minus the axis set-points, in the order of the axes; rad or m.
+    pub axis_errors: &'a [f64],
+}
+
+/// What came back from the drives.
+#[derive(Clone, Copy, Debug)]
+pub struct DrivesFrame<'a> {
+    /// The drives against the set-point.
+    pub deviation: Deviation<'a>,
+    /// Distance between the tool positions of drives and twin, m.
+    pub tool_error_to_twin: f64,
+}

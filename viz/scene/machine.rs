@@ -1,0 +1,116 @@
+//! The machine: solids once, poses as it moves.
+
+use nalgebra::Isometry3;
+use rerun::{FillMode, RecordingStream};
+use twin_urdf::{Model, Solid, SolidShape};
+
+use crate::bounds::Bounds;
+use crate::error::VizError;
+use crate::units;
+
+/// Logs the solids of every link below an entity of its own, and takes them into the bounds at their home poses.
+/// Returns the entities of the links, in the order of the model.
+pub(super) fn log_solids(
+    stream: &RecordingStream,
+    model: &Model,
+    home: &[Isometry3<f64>],
+    bounds: &mut Bounds,
+) -> Result<Vec<String>, VizError> {
+    let mut entities = Vec::with_capacity(model.links.len());
+    for (link, pose) in model.links.iter().zip(home) {
+        link.solids.iter().for_each(|solid| bounds.add_solid(pose, solid));
+        let entity = rerun::EntityPath::from_single_string(link.name.clone());
+        let entity = format!("machine{entity}");
+        log_boxes(stream, &entity, &link.solids)?;
+        log_cylinders(stream, &entity, &link.solids)?;
+        log_spheres(stream, &entity, &link.solids)?;
+        entities.push(entity);
+    }
+    Ok(entities)
+}
+
+/// Logs where the links are, at the stream's time.
+pub(super) fn log_poses(
+    stream: &RecordingStream,
+    entities: &[String],
+    poses: &[Isometry3<f64>],
+) -> Result<(), VizError> {
+    for (entity, pose) in entities.iter().zip(poses) {
+        let transform = rerun::Transform3D::update_fields()
+            .with_translation(units::vector_mm(&pose.translation.vector))
+            .with_quaternion(units::quaternion(pose));
+        stream.log(entity.as_str(), &transform)?;
+    }
+    Ok(())
+}
+
+fn centers(solids: &[&Solid]) -> Vec<[f32; 3]> {
+    solids.iter().map(|solid| units::vector_mm(&solid.origin.translation.vector)).collect()
+}
+
+fn quaternions(solids: &[&Solid]) -> Vec<rerun::Quaternion> {
+    solids.iter().map(|solid| units::quaternion(&solid.origin)).collect()
+}
+
+fn colors(solids: &[&Solid]) -> Vec<rerun::Color> {
+    solids.iter().map(|solid| units::color(&solid.color)).collect()
+}
+
+/// The solids of one shape, with what `measure` takes from it.
+fn of_shape<T>(
+    solids: &[Solid],
+    measure: impl Fn(&SolidShape) -> Option<T>,
+) -> (Vec<&Solid>, Vec<T>) {
+    solids
+        .iter()
+        .filter_map(|solid| measure(&solid.shape).map(|measures| (solid, measures)))
+        .unzip()
+}
+
+fn log_boxes(stream: &RecordingStream, link: &str, solids: &[Solid]) -> Result<(), VizError> {
+    let (solids, sizes) = of_shape(solids, |shape| match shape {
+        SolidShape::Box { size } => Some(units::vector_mm(size)),
+        SolidShape::Cylinder { .. } | SolidShape::Sphere { .. } => None,
+    });
+    if !solids.is_empty() {
+        let boxes = rerun::Boxes3D::from_centers_and_sizes(centers(&solids), sizes)
+            .with_quaternions(quaternions(&solids))
+            .with_colors(colors(&solids))
+            .with_fill_mode(FillMode::Solid);
+        stream.log_static(format!("{link}/boxes"), &boxes)?;
+    }
+    Ok(())
+}
+
+fn log_cylinders(stream: &RecordingStream, link: &str, solids: &[Solid]) -> Result<(), VizError> {
+    let (solids, measures) = of_shape(solids, |shape| match shape {
+        SolidShape::Cylinder { radius, length } => {
+            Some((units::mm_f32(*length), units::mm_f32(*radius)))
+        }
+        SolidShape::Box { .. } | SolidShape::Sphere { .. } => None,
+    });
+    if !solids.is_empty() {
+        let (lengths, radii): (Vec<_>, Vec<_>) = measures.into_iter().unzip();
+        let cylinders = rerun::Cylinders3D::from_lengths_and_radii(lengths, radii)
+            .with_centers(centers(&solids))
+            .with_quaternions(quaternions(&solids))
+            .with_colors(colors(&solids))
+            .with_fill_mode(FillMode::Solid);
+        stream.log_static(format!("{link}/cylinders"), &cylinders)?;
+    }
+    Ok(())
+}
+
+fn log_spheres(stream: &RecordingStream, link: &str, solids: &[Solid]) -> Result<(), VizError> {
+    let (solids, radii) = of_shape(solids, |shape| match shape {
+        SolidShape::Sphere { radius } => Some(units::mm_f32(*radius)),
+        SolidShape::Box { .. } | SolidShape::Cylinder { .. } => None,
+    });
+    if !solids.is_empty() {
+        let spheres = rerun::Ellipsoids3D::from_centers_and_radii(centers(&solids), radii)
+            .with_colors(colors(&solids))
+            .with_fill_mode(FillMode::Solid);
+        stream.log_static(format!("{link}/spheres"), &spheres)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,517 @@
+//! Recordings are read back with rerun's decoder; expectations are what was put in, in other units.
+
+use std::net::{IpAddr, Ipv4Addr};
+use std::path::Path;
+
+use nalgebra::{Translation3, UnitQuaternion, Vector3};
+use rerun::external::re_log_encoding::Decoder;
+use rerun::log::{Chunk, LogMsg};
+use rerun::{ComponentDescriptor, components};
+use twin_urdf::{Joint, JointKind, Link, Solid, SolidShape, Tip};
+
+use super::*;
+use crate::frame::{AxisUnit, DrivesFrame, MoveKind};
+
+/// What a recording holds.
+struct Read {
+    chunks: Vec<Chunk>,
+    has_blueprint: bool,
+    activations: usize,
+}
+
+impl Read {
+    fn new(path: &Path) -> Self {
+        let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+        let (mut chunks, mut has_blueprint, mut activations) = (Vec::new(), false, 0);
+        for message in Decoder::<LogMsg>::decode_eager(file).unwrap() {
+            match message.unwrap() {
+                LogMsg::ArrowMsg(store, message) if store.is_recording() => {
+                    chunks.push(Chunk::from_arrow_msg(&message).unwrap());
+                }
+                LogMsg::ArrowMsg(..) => has_blueprint = true,
+                LogMsg::BlueprintActivationCommand(_) => activations += 1,
+                LogMsg::SetStoreInfo(_) => {}
+            }
+        }
+        Self { chunks, has_blueprint, activations }
+    }
+
+    fn of<'a>(&'a self, entity: &'a str) -> impl Iterator<Item = &'a Chunk> {
+        self.chunks
+            .iter()
+            .filter(move |chunk| *chunk.entity_path() == rerun::EntityPath::from(entity))
+    }
+
+    /// Rows of a component with their time (ns) and line, in the order of time.
+    fn rows<C: rerun::Component>(
+        &self,
+        entity: &str,
+        component: &ComponentDescriptor,
+    ) -> Vec<(i64, i64, Vec<C>)> {
+        let mut rows = Vec::new();
+        for chunk in self.of(entity) {
+            let index = |timeline: &'static str| {
+                chunk
+                    .iter_component_indices(timeline.into(), component.component)
+                    .map(|(time, _)| time.as_i64())
+            };
+            let places: Vec<_> = index(TIME).zip(index(LINE)).collect();
+            let values = chunk.iter_component::<C>(component.component);
+            let values: Vec<Vec<C>> =
+                values.into_iter().map(|values| values.as_slice().to_vec()).collect();
+            rows.extend(
+                places.into_iter().zip(values).map(|((time, line), values)| (time, line, values)),
+            );
+        }
+        rows.sort_by_key(|(time, ..)| *time);
+        rows
+    }
+
+    fn statics<C: rerun::Component>(
+        &self,
+        entity: &str,
+        component: &ComponentDescriptor,
+    ) -> Vec<C> {
+        let chunks = self.of(entity).filter(|chunk| chunk.is_static());
+        chunks
+            .flat_map(|chunk| {
+                let values = chunk.iter_component::<C>(component.component);
+                values.into_iter().flat_map(|values| values.as_slice().to_vec()).collect::<Vec<_>>()
+            })
+            .collect()
+    }
+
+    fn scalars(&self, entity: &str) -> Vec<(i64, i64, f64)> {
+        let rows = self.rows::<components::Scalar>(entity, &rerun::Scalars::descriptor_scalars());
+        rows.into_iter()
+            .flat_map(|(time, line, values)| values.into_iter().map(move |v| (time, line, v.0.0)))
+            .collect()
+    }
+
+    fn strips(&self, entity: &str) -> Vec<(i64, Vec<[f32; 3]>)> {
+        let rows =
+            self.rows::<components::LineStrip3D>(entity, &rerun::LineStrips3D::descriptor_strips());
+        rows.into_iter()
+            .flat_map(|(time, _, strips)| {
+                strips
+                    .into_iter()
+                    .map(move |strip| (time, strip.0.into_iter().map(|point| point.0).collect()))
+            })
+            .collect()
+    }
+}
+
+fn machine() -> Model {
+    let link = |name: &str, solids| Link { name: name.to_owned(), inertial: None, solids };
+    let solid = |shape| Solid {
+        shape,
+        origin: Isometry3::translation(0.0, 0.0, 0.01),
+        color: [1.0, 0.5, 0.0, 1.0],
+    };
+    Model {
+        name: "one arm".to_owned(),
+        links: vec![
+            link("base", vec![solid(SolidShape::Box { size: Vector3::new(0.1, 0.2, 0.3) })]),
+            link(
+                "arm 1",
+                vec![
+                    solid(SolidShape::Cylinder { radius: 0.02, length: 0.4 }),
+                    solid(SolidShape::Sphere { radius: 0.03 }),
+                ],
+            ),
+        ],
+        joints: vec![Joint {
+            name: "A".to_owned(),
+            kind: JointKind::Revolute,
+            parent: 0,
+            child: 1,
+            origin: Isometry3::identity(),
+            axis: Vector3::z_axis(),
+            machine_axis: Some(0),
+            position_limits: None,
+            velocity_limit: None,
+            effort_limit: None,
+        }],
+        tip: Tip { link: 1, point: Point3::new(0.4, 0.0, 0.0) },
+    }
+}
+
+fn axes() -> Vec<Axis> {
+    vec![
+        Axis { name: "A".to_owned(), unit: AxisUnit::Rotary },
+        Axis { name: "Z".to_owned(), unit: AxisUnit::Linear },
+    ]
+}
+
+fn open(options: &SceneOptions) -> Result<Scene, VizError> {
+    let setup = Setup {
+        machine: &machine(),
+        home: &[Isometry3::identity(); 2],
+        axes: &axes(),
+        program: Program { name: "part.cnc", text: "%\nN10 G0 X10\nN20 G1 X20 F5\n" },
+        drives: None,
+    };
+    Scene::open(options, &setup)
+}
+
+fn open_file(path: &Path) -> Scene {
+    open(&SceneOptions { record: Some(path.to_owned()), ..SceneOptions::default() }).unwrap()
+}
+
+/// The tool goes 1 µm per ms along x; the twin is 2 µm, the drives are 3 µm behind. Lines change every 10 ms.
+fn log_ms(scene: &mut Scene, ms: u32, has_drives: bool) -> Result<(), VizError> {
+    let (x, angle) = (f64::from(ms) * 1e-6, f64::from(ms).to_radians() * 1e-3);
+    let at = |x| Point3::new(x, 0.0, 0.5);
+    let arm = Isometry3::from_parts(
+        Translation3::new(x, 0.0, 0.0),
+        UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2),
+    );
+    let (twin_errors, drive_errors) = ([angle, 5e-6], [-angle, 0.0]);
+    let behind = |x, axis_errors| Deviation { tool: at(x), tool_error: 2e-6, axis_errors };
+    scene.frame(&Frame {
+        time_ns: i64::from(ms) * 1_000_000,
+        line: 1 + ms / 10,
+        setpoint: at(x),
+        path_speed: 1e-3,
+        programmed_speed: None,
+        link_poses: &[Isometry3::identity(), arm],
+        twin: behind(x - 2e-6, &twin_errors),
+        drives: has_drives.then(|| DrivesFrame {
+            deviation: Deviation { tool_error: 3e-6, ..behind(x - 3e-6, &drive_errors) },
+            tool_error_to_twin: 1e-6,
+        }),
+    })
+}
+
+/// A small real recording, for other tests.
+pub(crate) fn record_three_frames(path: &Path) {
+    let mut scene = open_file(path);
+    for ms in 0..3 {
+        log_ms(&mut scene, ms, false).unwrap();
+    }
+    assert!(scene.finish().unwrap().is_none());
+}
+
+fn record(milliseconds: u32, has_drives: bool) -> Read {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.rrd");
+    let mut scene = open_file(&path);
+    let strip =
+        |kind, x| PathStrip { kind, points: vec![Point3::origin(), Point3::new(x, 0.0, 0.0)] };
+    scene
+        .programmed_path(&[
+            strip(MoveKind::Cut, 0.25),
+            strip(MoveKind::Rapid, 0.5),
+            strip(MoveKind::Cut, 1.0),
+        ])
+        .unwrap();
+    for ms in 0..milliseconds {
+        log_ms(&mut scene, ms, has_drives).unwrap();
+    }
+    scene.finish().unwrap();
+    Read::new(&path)
+}
+
+fn seconds(time_ns: i64) -> f64 {
+    f64::from(i32::try_from(time_ns / 1000).unwrap()) * 1e-6
+}
+
+fn assert_near(found: f64, wanted: f64) {
+    assert!((found - wanted).abs() < 1e-9, "{found} is not {wanted}");
+}
+
+#[test]
+fn every_error_comes_back_in_mm_and_degrees_at_its_time_and_line() {
+    let read = record(25, true);
+    for (entity, wanted) in [
+        ("error/tool/twin", 2e-3),
+        ("error/tool/drives", 3e-3),
+        ("error/tool/drives_to_twin", 1e-3),
+        ("speed/set-point", 1.0),
+    ] {
+        let rows = read.scalars(entity);
+        assert_eq!(rows.len(), 25, "{entity}");
+        for (ms, (time_ns, line, value)) in (0..).zip(rows) {
+            assert_eq!((time_ns, line), (ms * 1_000_000, 1 + ms / 10), "{entity}");
+            assert_near(value, wanted);
+        }
+    }
+    for (ms, (twin, drives)) in (0_u32..).zip(
+        read.scalars("error/axis_deg/A/twin")
+            .into_iter()
+            .zip(read.scalars("error/axis_deg/A/drives")),
+    ) {
+        assert_near(twin.2, f64::from(ms) * 1e-3);
+        assert_near(drives.2, f64::from(ms) * -1e-3);
+    }
+    assert_eq!(read.scalars("error/axis_mm/Z/twin").len(), 25);
+    read.scalars("error/axis_mm/Z/twin").iter().for_each(|row| assert_near(row.2, 5e-3));
+    assert_eq!(read.scalars("speed/programmed"), []);
+}
+
+#[test]
+fn lines_in_plots_are_named_before_they_have_values() {
+    let read = record(3, true);
+    for (entity, name) in [
+        ("error/tool/twin", "twin to set-point"),
+        ("error/axis_deg/A/drives", "A drives (°)"),
+        ("error/axis_mm/Z/twin", "Z twin (mm)"),
+    ] {
+        let names =
+            read.statics::<components::Name>(entity, &rerun::SeriesLines::descriptor_names());
+        assert_eq!(names.iter().map(|name| name.0.as_str()).collect::<Vec<_>>(), [name]);
+        assert!(read.of(entity).next().unwrap().is_static(), "{entity}");
+    }
+}
+
+#[test]
+fn the_machine_moves_fifty_times_a_second_in_mm() {
+    let read = record(45, false);
+    let poses = read.rows::<components::Translation3D>(
+        "machine/arm 1",
+        &rerun::Transform3D::descriptor_translation(),
+    );
+    // The home pose and that of the first frame share the time 0.
+    let places: Vec<_> = poses.iter().map(|(time, line, _)| (*time / 1_000_000, *line)).collect();
+    assert_eq!(places, [(0, 0), (0, 1), (20, 3), (40, 5)]);
+    for (found, wanted) in poses[3].2[0].0.0.into_iter().zip([0.04, 0.0, 0.0]) {
+        assert!((found - wanted).abs() < 1e-6, "{poses:?}");
+    }
+    let turns = read.rows::<components::RotationQuat>(
+        "machine/arm 1",
+        &rerun::Transform3D::descriptor_quaternion(),
+    );
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    for (found, wanted) in turns[3].2[0].0.xyzw().iter().zip([0.0, 0.0, half, half]) {
+        assert!((found - wanted).abs() < 1e-6, "{turns:?}");
+    }
+}
+
+#[test]
+fn drives_that_answer_now_and_then_are_shown_whenever_they_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("slow.rrd");
+    let mut scene = open_file(&path);
+    // The drives answer each 25 ms, the first time at 5 ms: never when a pose of the machine is due.
+    for ms in 0..100 {
+        log_ms(&mut scene, ms, ms % 25 == 5).unwrap();
+    }
+    scene.finish().unwrap();
+    let read = Read::new(&path);
+    let markers = read.rows::<components::Translation3D>(
+        "tool/drives",
+        &rerun::Transform3D::descriptor_translation(),
+    );
+    let times: Vec<_> = markers.iter().map(|(time_ns, ..)| time_ns / 1_000_000).collect();
+    assert_eq!(times, [5, 30, 55, 80]);
+    assert_eq!(read.scalars("error/tool/drives").len(), 4);
+}
+
+#[test]
+fn solids_are_logged_once_in_mm() {
+    let read = record(1, false);
+    let sizes = read.statics::<components::HalfSize3D>(
+        "machine/base/boxes",
+        &rerun::Boxes3D::descriptor_half_sizes(),
+    );
+    assert_eq!(sizes.iter().map(|size| size.0.0).collect::<Vec<_>>(), [[50.0, 100.0, 150.0]]);
+    let arm = "machine/arm 1/cylinders";
+    let lengths =
+        read.statics::<components::Length>(arm, &rerun::Cylinders3D::descriptor_lengths());
+    assert_eq!(lengths.iter().map(|length| length.0.0).collect::<Vec<_>>(), [400.0]);
+    let centers =
+        read.statics::<components::Translation3D>(arm, &rerun::Cylinders3D::descriptor_centers());
+    assert_eq!(centers.iter().map(|center| center.0.0).collect::<Vec<_>>(), [[0.0, 0.0, 10.0]]);
+    let colors = read.statics::<components::Color>(arm, &rerun::Cylinders3D::descriptor_colors());
+    assert_eq!(colors[0].to_array(), [255, 128, 0, 255]);
+    let spheres = read.statics::<components::HalfSize3D>(
+        "machine/arm 1/spheres",
+        &rerun::Ellipsoids3D::descriptor_half_sizes(),
+    );
+    assert_eq!(spheres.iter().map(|size| size.0.0).collect::<Vec<_>>(), [[30.0; 3]]);
+}
+
+#[test]
+fn cuts_and_rapids_are_told_apart() {
+    let read = record(1, false);
+    let lines = |entity| {
+        let strips = read
+            .statics::<components::LineStrip3D>(entity, &rerun::LineStrips3D::descriptor_strips());
+        strips.into_iter().map(|strip| strip.0[1].0[0]).collect::<Vec<_>>()
+    };
+    assert_eq!(lines("program/cuts/1"), [250.0, 1000.0]);
+    assert_eq!(lines("program/rapids/1"), [500.0]);
+}
+
+#[test]
+fn a_trail_is_whole_and_every_piece_is_sent_once() {
+    let read = record(1001, true);
+    for (name, behind) in [("set-point", 0.0), ("twin", 0.002), ("drives", 0.003_f32)] {
+        let pieces = read.strips(&format!("trail/{name}"));
+        assert!((4..=6).contains(&pieces.len()), "{name}: {}", pieces.len());
+        for pair in pieces.windows(2) {
+            assert_eq!(pair[0].1.last(), pair[1].1.first(), "{name}: a gap");
+        }
+        let points: usize = pieces.iter().map(|(_, points)| points.len()).sum();
+        // One each 4 ms, and one more per piece.
+        assert!((250..=257).contains(&points), "{name}: {points}");
+        for (time_ns, points) in &pieces {
+            // 1 µm per ms: at 1 s the tool is at 1 mm. No piece shows what has not happened yet.
+            let reached = points.last().unwrap()[0] + behind;
+            assert!(
+                (f64::from(reached) - seconds(*time_ns)).abs() <= 0.004,
+                "{name}: {reached} mm at {time_ns} ns"
+            );
+        }
+        let newest = read.strips(&format!("trail/newest/{name}"));
+        assert_eq!(newest.len(), 51, "{name}");
+        for (time_ns, points) in &newest {
+            let reached = f64::from(points.last().unwrap()[0] + behind);
+            assert!(
+                (reached - seconds(*time_ns)).abs() < 1e-6,
+                "{name}: {reached} mm at {time_ns} ns"
+            );
+            assert!(points.len() <= 52, "{name}: the newest end grows: {}", points.len());
+        }
+    }
+}
+
+#[test]
+fn a_machine_without_drives_shows_none() {
+    let read = record(30, false);
+    let drives: Vec<_> = read
+        .chunks
+        .iter()
+        .map(|chunk| chunk.entity_path().to_string())
+        .filter(|path| path.contains("drives"))
+        .collect();
+    assert!(drives.is_empty(), "{drives:?}");
+    assert!(read.of("tool/twin/dot").next().is_some());
+}
+
+#[test]
+fn the_line_being_run_is_shown_when_it_changes() {
+    let read = record(25, false);
+    let here =
+        read.rows::<components::Text>("program/here", &rerun::TextDocument::descriptor_text());
+    assert_eq!(
+        here.iter().map(|(time, line, _)| (*time / 1_000_000, *line)).collect::<Vec<_>>(),
+        [(0, 1), (10, 2), (20, 3)]
+    );
+    assert!(here[1].2[0].0.contains("▶     2  N10 G0 X10\n"), "{here:?}");
+}
+
+#[test]
+fn a_layout_comes_with_the_recording() {
+    let read = record(1, false);
+    assert!(read.has_blueprint);
+    assert_eq!(read.activations, 1);
+}
+
+#[test]
+fn only_the_time_of_the_program_is_in_the_recording() {
+    let read = record(25, true);
+    for chunk in read.chunks.iter().filter(|chunk| !chunk.is_static()) {
+        let mut timelines: Vec<_> = chunk.timelines().keys().map(ToString::to_string).collect();
+        timelines.sort();
+        assert_eq!(timelines, ["line", "time"], "{}", chunk.entity_path());
+    }
+}
+
+#[test]
+fn a_frame_for_another_machine_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = open_file(&folder.path().join("a.rrd"));
+    let deviation =
+        |axis_errors| Deviation { tool: Point3::origin(), tool_error: 0.0, axis_errors };
+    let frame = |link_poses, axis_errors| Frame {
+        time_ns: 0,
+        line: 1,
+        setpoint: Point3::origin(),
+        path_speed: 0.0,
+        programmed_speed: None,
+        link_poses,
+        twin: deviation(axis_errors),
+        drives: None,
+    };
+    let poses = [Isometry3::identity(); 2];
+    assert!(matches!(
+        scene.frame(&frame(&poses[..1], &[0.0, 0.0])),
+        Err(VizError::LinkCount { expected: 2, found: 1 })
+    ));
+    assert!(matches!(
+        scene.frame(&frame(&poses, &[0.0])),
+        Err(VizError::AxisCount { expected: 2, found: 1 })
+    ));
+    let drives = DrivesFrame { deviation: deviation(&[0.0; 3]), tool_error_to_twin: 0.0 };
+    let fitting = frame(&poses, &[0.0, 0.0]);
+    assert!(matches!(
+        scene.frame(&Frame { drives: Some(drives), ..fitting }),
+        Err(VizError::AxisCount { expected: 2, found: 3 })
+    ));
+    scene.frame(&fitting).unwrap();
+}
+
+#[test]
+fn a_scene_must_go_somewhere_that_can_be_written() {
+    assert!(matches!(open(&SceneOptions::default()), Err(VizError::NoDestination)));
+    let record = Some("/nowhere/run.rrd".into());
+    let error = open(&SceneOptions { record, ..SceneOptions::default() }).unwrap_err();
+    assert!(
+        matches!(&error, VizError::Create { path, .. } if path == Path::new("/nowhere/run.rrd")),
+        "{error:?}"
+    );
+}
+
+#[test]
+fn a_taken_address_costs_no_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("precious.rrd");
+    std::fs::write(&path, "yesterday's run").unwrap();
+    let holder = std::net::TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).unwrap();
+    let taken = holder.local_addr().unwrap();
+    let options =
+        SceneOptions { record: Some(path.clone()), serve: Some(taken), ..SceneOptions::default() };
+    let error = open(&options).unwrap_err();
+    assert!(matches!(&error, VizError::Bind { address, .. } if *address == taken), "{error:?}");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), "yesterday's run");
+}
+
+#[test]
+fn file_and_page_at_once_are_the_same_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("both.rrd");
+    let serve = Some(SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 0));
+    let mut scene =
+        open(&SceneOptions { record: Some(path.clone()), serve, ..SceneOptions::default() })
+            .unwrap();
+    let address = scene.viewer().unwrap().address();
+    let reader =
+        std::thread::Builder::new().spawn(move || crate::server::tests::download(address)).unwrap();
+    for ms in 0..300 {
+        log_ms(&mut scene, ms, true).unwrap();
+    }
+    let viewer = scene.finish().unwrap().unwrap();
+    let downloaded = reader.join().unwrap();
+    assert_eq!(downloaded, std::fs::read(&path).unwrap());
+    assert_eq!(Read::new(&path).scalars("error/tool/twin").len(), 300);
+    // The page outlives the run.
+    assert_eq!(crate::server::tests::download(viewer.address()), downloaded);
+}
+
+#[test]
+fn a_scene_given_up_half_way_leaves_a_readable_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("half.rrd");
+    let mut scene = open_file(&path);
+    for ms in 0..30 {
+        log_ms(&mut scene, ms, false).unwrap();
+    }
+    drop(scene);
+    let read = Read::new(&path);
+    let poses = read.rows::<components::Translation3D>(
+        "machine/arm 1",
+        &rerun::Transform3D::descriptor_translation(),
+    );
+    assert_eq!(poses.len(), 3);
+}

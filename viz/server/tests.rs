@@ -1,0 +1,196 @@
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+
+use super::*;
+use crate::scene::tests::record_three_frames;
+
+const ANY_PORT: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 0);
+
+/// A request as browsers make it, without keeping the connection.
+fn ask(address: SocketAddr, method: &str, path: &str, host: &str) -> BufReader<TcpStream> {
+    let mut connection = TcpStream::connect(address).unwrap();
+    write!(connection, "{method} {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n")
+        .unwrap();
+    BufReader::new(connection)
+}
+
+/// Status and headers, which are read off.
+fn head(answer: &mut impl BufRead) -> (u16, String) {
+    let mut lines = answer.lines().map(Result::unwrap).take_while(|line| !line.is_empty());
+    let status = lines.next().unwrap().split(' ').nth(1).unwrap().parse().unwrap();
+    (status, lines.collect::<Vec<_>>().join("\n"))
+}
+
+/// One chunk (RFC 9112, section 7.1): its size in hexadecimal, the bytes, each ended by CR LF.
+fn chunk(answer: &mut impl BufRead) -> Vec<u8> {
+    let mut size = String::new();
+    answer.read_line(&mut size).unwrap();
+    let mut bytes = vec![0; usize::from_str_radix(size.trim_end(), 16).unwrap() + 2];
+    answer.read_exact(&mut bytes).unwrap();
+    assert_eq!(bytes.split_off(bytes.len() - 2), b"\r\n");
+    bytes
+}
+
+fn chunks_to_end(answer: &mut impl BufRead) -> Vec<u8> {
+    let mut all = Vec::new();
+    loop {
+        let chunk = chunk(answer);
+        if chunk.is_empty() {
+            return all;
+        }
+        all.extend(chunk);
+    }
+}
+
+/// The whole recording, once it is complete.
+pub(crate) fn download(address: SocketAddr) -> Vec<u8> {
+    let mut answer = ask(address, "GET", "/recording.rrd", "localhost");
+    assert_eq!(head(&mut answer).0, 200);
+    chunks_to_end(&mut answer)
+}
+
+fn show(bytes: &[u8]) -> (tempfile::NamedTempFile, Result<Viewer, VizError>) {
+    let mut file = tempfile::NamedTempFile::new().unwrap();
+    file.write_all(bytes).unwrap();
+    let viewer = view_recording(file.path(), ANY_PORT);
+    (file, viewer)
+}
+
+fn recording() -> Vec<u8> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.rrd");
+    record_three_frames(&path);
+    std::fs::read(path).unwrap()
+}
+
+#[test]
+fn a_recording_is_served_byte_for_byte_beside_a_page_that_loads_it() {
+    let bytes = recording();
+    let (_file, viewer) = show(&bytes);
+    let viewer = viewer.unwrap();
+    assert!(viewer.address().ip().is_loopback());
+    assert_eq!(viewer.url(), format!("http://{}/", viewer.address()));
+
+    assert_eq!(download(viewer.address()), bytes);
+
+    let mut answer = ask(viewer.address(), "GET", "/?renderer=webgl", "127.0.0.1:9090");
+    let (status, headers) = head(&mut answer);
+    assert_eq!(status, 200);
+    assert!(headers.contains("connect-src 'self';"), "{headers}");
+    let mut page = String::new();
+    answer.read_to_string(&mut page).unwrap();
+    for script in ["/re_viewer.js", "/page.js"] {
+        assert!(page.contains(script), "{page}");
+        assert_eq!(head(&mut ask(viewer.address(), "GET", script, "localhost")).0, 200);
+    }
+    assert!(
+        !page.contains("http://") && !page.contains("https://"),
+        "the page must load nothing from elsewhere: {page}"
+    );
+}
+
+#[test]
+fn the_viewer_itself_is_in_the_binary() {
+    let (_file, viewer) = show(&recording());
+    let viewer = viewer.unwrap();
+    let mut answer = ask(viewer.address(), "GET", "/re_viewer_bg.wasm", "[::1]:9090");
+    let (status, headers) = head(&mut answer);
+    assert_eq!(status, 200);
+    assert!(headers.contains("application/wasm"), "{headers}");
+    let mut start = [0; 4];
+    answer.read_exact(&mut start).unwrap();
+    assert_eq!(&start, b"\0asm");
+}
+
+#[test]
+fn pages_of_other_names_are_refused() {
+    let (_file, viewer) = show(&recording());
+    let viewer = viewer.unwrap();
+    for (method, path, host, status) in [
+        ("GET", "/recording.rrd", "evil.example:9090", 403),
+        ("GET", "/", "192.0.2.1", 403),
+        ("GET", "/etc/passwd", "localhost", 404),
+        ("GET", "//recording.rrd", "localhost", 404),
+        ("POST", "/", "localhost", 405),
+    ] {
+        assert_eq!(
+            head(&mut ask(viewer.address(), method, path, host)).0,
+            status,
+            "{method} {path} {host}"
+        );
+    }
+}
+
+#[test]
+fn a_growing_recording_is_sent_as_it_grows() {
+    let mut file = tempfile::NamedTempFile::new().unwrap();
+    let complete = Arc::new(AtomicBool::new(false));
+    let source = Source::file(file.path().to_owned(), complete.clone());
+    let viewer = Viewer::start(bind(ANY_PORT).unwrap(), "grows", source).unwrap();
+
+    file.write_all(b"first").unwrap();
+    let mut answer = ask(viewer.address(), "GET", "/recording.rrd", "localhost");
+    head(&mut answer);
+    assert_eq!(chunk(&mut answer), b"first");
+    file.write_all(b"second").unwrap();
+    assert_eq!(chunk(&mut answer), b"second");
+    // What is written just before the end is not lost.
+    file.write_all(b"last").unwrap();
+    complete.store(true, Ordering::Release);
+    assert_eq!(chunks_to_end(&mut answer), b"last");
+}
+
+#[test]
+fn an_unfinished_recording_does_not_keep_the_viewer_from_ending() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let source = Source::file(file.path().to_owned(), Arc::new(AtomicBool::new(false)));
+    let viewer = Viewer::start(bind(ANY_PORT).unwrap(), "unfinished", source).unwrap();
+    let mut answer = ask(viewer.address(), "GET", "/recording.rrd", "localhost");
+    head(&mut answer);
+    drop(viewer);
+    assert_eq!(chunks_to_end(&mut answer), b"");
+}
+
+#[test]
+fn a_page_without_a_recording_of_its_own_leaves_no_file_behind() {
+    let source = {
+        let temporary = tempfile::NamedTempFile::new().unwrap().into_temp_path();
+        Source::temporary(temporary, Arc::new(AtomicBool::new(true)))
+    };
+    let path = source.path.clone();
+    let viewer = Viewer::start(bind(ANY_PORT).unwrap(), "temporary", source).unwrap();
+    assert!(path.exists());
+    drop(viewer);
+    assert!(!path.exists());
+}
+
+#[test]
+fn a_taken_address_is_named() {
+    let holder = TcpListener::bind(ANY_PORT).unwrap();
+    let taken = holder.local_addr().unwrap();
+    let mut file = tempfile::NamedTempFile::new().unwrap();
+    file.write_all(&recording()).unwrap();
+    let error = view_recording(file.path(), taken).unwrap_err();
+    assert!(matches!(&error, VizError::Bind { address, .. } if *address == taken), "{error:?}");
+    assert!(error.to_string().contains(&taken.to_string()), "{error}");
+}
+
+#[test]
+fn what_is_not_a_recording_is_refused() {
+    for bytes in [&b""[..], b"G0 X0\nG1 X10 F100\n", b"RRF2", &[0; 4096]] {
+        let (_file, viewer) = show(bytes);
+        assert!(matches!(viewer, Err(VizError::NotARecording { .. })), "{bytes:?}: {viewer:?}");
+    }
+    let missing = view_recording(Path::new("/nowhere/missing.rrd"), ANY_PORT);
+    assert!(matches!(missing, Err(VizError::Open { .. })), "{missing:?}");
+}
+
+#[test]
+fn the_customary_address_is_not_reached_from_outside() {
+    assert!(DEFAULT_ADDRESS.ip().is_loopback());
+}
+
+#[test]
+fn a_program_name_cannot_become_markup() {
+    assert_eq!(escape("<script>&.cnc"), "&lt;script&gt;&amp;.cnc");
+}
