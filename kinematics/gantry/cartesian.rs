@@ -122,6 +122,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(crate::tests::seeded())]
+
         #[test]
         fn forward_undoes_inverse(
             offset in prop::array::uniform3(-5.0..5.0),

@@ -3,6 +3,17 @@
 mod frame;
 mod machine_axes;
 
+use proptest::test_runner::{Config as ProptestConfig, RngSeed};
+
+/// The same cases in every run; `PROPTEST_CASES` sets their number.
+pub(crate) fn seeded() -> ProptestConfig {
+    ProptestConfig {
+        rng_seed: RngSeed::Fixed(1),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
+
 /// First and second derivative of `f` at 0 by central differences of eighth order with step `h`.
 pub(crate) fn differences<const N: usize>(
     f: impl Fn(f64) -> [f64; N],

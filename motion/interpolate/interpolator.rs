@@ -152,7 +152,7 @@ where
                 None => return self.finish(&run),
             };
             if self.stop == Stop::Braking {
-                let velocity = run.end_velocity().min(next.start_velocity());
+                let velocity = run.end_velocity();
                 if velocity <= 0.0 {
                     self.stop = Stop::Early;
                     return self.finish(&run);
@@ -183,8 +183,7 @@ where
         if planned.element().has_path() {
             Run::along(planned, start)
         } else {
-            // The present cycle is the first one at or after `start`.
-            let start = Instant::at_ns(self.now_ns);
+            // The present cycle is the first one at or after `start`: the cycle that is taken begins here.
             let end = Instant::at_ns(self.now_ns.saturating_add(self.cycle_ns));
             Run { planned, start, end, motion: Motion::Still }
         }

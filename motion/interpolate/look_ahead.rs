@@ -64,7 +64,7 @@ impl PlannedElement {
 ///
 /// All velocities are squared (`_v2`), where braking over a length adds 2·d·length. What the path behind an
 /// element's end asks of the velocity there is a function of the velocity at the window's end,
-/// `x ↦ min(cap, x + gain)` ([`Braking`]). These functions are closed under composition, so the window is a queue
+/// `x ↦ min(cap, x + gain)` (`Braking`). These functions are closed under composition, so the window is a queue
 /// with an aggregate, kept by the two-stack method: the older part of the queue stores for each element the function
 /// from there to the end of that part, the newer part is one function. Every element is folded twice, whatever the
 /// size of the window.

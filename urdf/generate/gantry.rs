@@ -151,7 +151,7 @@ impl GantryDimensions {
             [width, 1.3 * width]
         });
         let quill_width = self.quill_width.unwrap_or_else(|| (stroke / 8.0).clamp(0.04, 0.15));
-        let carriage_width = 2.5 * quill_width;
+        let carriage_width = 3.5 * quill_width;
         let plate = 0.4 * quill_width;
         let quill_length = self.quill_length.unwrap_or(stroke + beam[1] + 2.0 * CLEARANCE);
         let mut gantry = Gantry {

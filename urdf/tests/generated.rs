@@ -1,4 +1,4 @@
-use super::{gantry, scara};
+use super::{gantry, scara, seeded};
 use crate::{
     DimensionError, GantryDimensions, Joint, JointKind, MachineJoint, Model, ScaraDimensions,
     SolidShape,
@@ -241,6 +241,8 @@ fn impossible_dimensions_are_named() {
 }
 
 proptest! {
+    #![proptest_config(seeded())]
+
     /// The chain of joints and the transform are two ways to the same tool tip.
     #[test]
     fn the_tip_of_a_scara_is_where_its_transform_says(

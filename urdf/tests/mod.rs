@@ -5,6 +5,16 @@ mod refused;
 mod round_trip;
 
 use crate::{GantryDimensions, MachineJoint, ScaraDimensions};
+use proptest::test_runner::{Config as ProptestConfig, RngSeed};
+
+/// The same cases in every run; `PROPTEST_CASES` sets their number.
+fn seeded() -> ProptestConfig {
+    ProptestConfig {
+        rng_seed: RngSeed::Fixed(1),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    }
+}
 
 /// The SCARA of the SoftMotion vectors, with a quill and a tool.
 fn scara() -> ScaraDimensions {

@@ -61,9 +61,10 @@ fn a_robot_in_any_order() {
     );
     assert_eq!((model.tip.link, model.tip.point), (2, Point3::new(0.0, 0.0, -0.1)));
 
-    let colors: Vec<_> = model.links[1].solids.iter().map(|solid| solid.color).collect();
-    assert_eq!(colors[..2], [[1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0]]);
-    assert_eq!(model.links[0].solids[0].color, [0.0, 1.0, 0.0, 1.0]);
+    let colors =
+        |link: usize| model.links[link].solids.iter().map(|solid| solid.color).collect::<Vec<_>>();
+    let (red, green, grey) = ([1.0, 0.0, 0.0, 1.0], [0.0, 1.0, 0.0, 1.0], [0.6, 0.6, 0.6, 1.0]);
+    assert_eq!((colors(0), colors(1)), (vec![green], vec![red, green, grey]));
     assert_eq!(model.links[2].solids[0].shape, SolidShape::Sphere { radius: 0.2 });
     assert_eq!(model.links[1].inertial, None);
     let inertial = model.links[2].inertial.unwrap();

@@ -255,8 +255,10 @@ proptest! {
     #[test]
     fn derivatives_fit_the_positions(elements in smooth_programs()) {
         let cycle_ns = NonZeroU32::new(100_000).unwrap();
-        let setpoints: Vec<_> =
+        let mut setpoints: Vec<_> =
             Interpolator::new(planned(elements), cycle_ns).take(20_000).map(Result::unwrap).collect();
+        // It stands still where the path ended within the cycle.
+        setpoints.pop();
         let h = 1e-4;
         for three in setpoints.windows(3) {
             let [before, now, after] = [three[0], three[1], three[2]];

@@ -84,13 +84,19 @@ fn a_stop_while_stopping_at_the_end_changes_nothing() {
 
 #[test]
 fn a_stop_while_stopping_at_a_corner_ends_there() {
-    let elements = Pen::new(0.1, 1.0, 0.5).line(0.1).turn(1.0).line(0.1).take();
-    // 0.1/0.1 + 0.05 + 0.1 s to the corner.
-    let (setpoints, travelled, duration, early) = run_and_stop(elements, 1100);
-    assert!(early);
-    assert!(close(duration, 1.15, 1e-12));
-    assert_eq!(setpoints.last().unwrap().position, Point3::new(0.1, 0.0, 0.0));
-    assert!(close(travelled, 0.1, 1e-15));
+    let elements =
+        Pen::new(0.1, 1.0, 0.5).turn(0.3).line(0.07).line(0.03).turn(1.0).line(0.1).take();
+    let corner = elements[1].as_ref().unwrap().end();
+    // 0.1/0.1 + 0.05 + 0.1 s to the corner, the last 0.2 s of it braking. Wherever rounding puts what is left to
+    // travel, the corner is neither missed nor turned.
+    for after in 951..1150 {
+        let (setpoints, travelled, duration, early) = run_and_stop(elements.clone(), after);
+        assert!(early);
+        assert!(close(duration, 1.15, 1e-9), "{duration} after {after}");
+        let last = setpoints.last().unwrap();
+        assert_eq!((last.position, last.place.line), (corner, 2), "after {after}");
+        assert!(close(travelled, 0.1, 1e-15));
+    }
 }
 
 #[test]
@@ -165,7 +171,6 @@ proptest! {
         }
         let last = last.unwrap();
         prop_assert_eq!((last.velocity, last.acceleration), (Vector3::zeros(), Vector3::zeros()));
-        prop_assert!(last.time_ns <= undisturbed.last().unwrap().time_ns + 1_000_000);
         prop_assert_eq!(
             interpolator.stopped_early(),
             interpolator.elements_done() < whole.len() as u64
