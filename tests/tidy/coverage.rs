@@ -1,7 +1,7 @@
 //! `docs/coverage.md` tells the truth: modules and tests exist, states are one of four, totals are right.
 
 use crate::markdown;
-use crate::tree::{Offence, Tree};
+use crate::tree::{Offence, Tree, join};
 use std::io;
 
 const PAGE: &str = "docs/coverage.md";
@@ -133,10 +133,12 @@ fn is_list_of_spans(cell: &str) -> bool {
         }
 }
 
-/// What is missing of `file: function, function`.
+/// What is missing of `file: function, function`, or of a golden case.
 fn missing_tests(tree: &Tree, span: &str) -> io::Result<Vec<String>> {
     let Some((file, functions)) = span.split_once(": ") else {
-        return Ok(vec![format!("`{span}` is not of the form `file: test`")]);
+        let is_case = tree.is_file(&join(span, "case.toml"));
+        let missing = format!("`{span}` is neither of the form `file: test` nor a golden case");
+        return Ok(if is_case { Vec::new() } else { vec![missing] });
     };
     if !tree.is_file(file) {
         return Ok(vec![format!("test file `{file}` does not exist")]);
@@ -222,7 +224,8 @@ mod tests {
 
     fn found(rows: &[&str], totals: &str) -> Vec<String> {
         let page = page(rows, totals);
-        let (_folder, tree) = fake::tree(&[(PAGE, &page), ("a/tests.rs", SOURCE)]);
+        let (_folder, tree) =
+            fake::tree(&[(PAGE, &page), ("a/tests.rs", SOURCE), ("tests/data/arc/case.toml", "")]);
         check(&tree)
             .unwrap()
             .into_iter()
@@ -234,7 +237,7 @@ mod tests {
     fn a_true_page_is_no_offence() {
         let rows = [
             "| x | 1.1 | `a`, `a/tests.rs` | `a/tests.rs: turns, stays` | works |",
-            "| y | 1.2 | `a` | | partly: no z |",
+            "| y | 1.2 | `a` | `tests/data/arc` | partly: no z |",
             "| z | 1.3 | | | not yet |",
             "| w | 1.4 | | | left out: no bus |",
         ];
@@ -256,7 +259,7 @@ mod tests {
                 "13: test file `b.rs` does not exist",
                 "14: `a/tests.rs` has no test `helper`",
                 "14: `a/tests.rs` has no test `turn`",
-                "15: `turns` is not of the form `file: test`",
+                "15: `turns` is neither of the form `file: test` nor a golden case",
             ]
         );
     }

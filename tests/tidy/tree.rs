@@ -1,5 +1,6 @@
 //! The files of the workspace, and what is wrong with them.
 
+use std::env;
 use std::fmt;
 use std::fs;
 use std::io;
@@ -16,7 +17,10 @@ pub(crate) struct Tree {
 impl Tree {
     /// The workspace this test belongs to.
     pub(crate) fn workspace() -> io::Result<Self> {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
+        // Cargo sets it when it runs the test too: a binary built in another clone then looks at this one.
+        let package = env::var("CARGO_MANIFEST_DIR")
+            .unwrap_or_else(|_| env!("CARGO_MANIFEST_DIR").to_owned());
+        let root = Path::new(&package).parent().unwrap_or(Path::new("."));
         match git_files(root) {
             Some(files) => Ok(Self { root: root.to_owned(), files }),
             None => Self::walk(root),
