@@ -36,7 +36,7 @@ fn odd() -> Model {
         |shape, x: f64, color| Solid { shape, origin: Isometry3::translation(x, 0.0, 0.0), color };
     let red = [1.0, 0.1, 0.3, 0.5];
     let solids = vec![
-        solid(SolidShape::Box { size: Vector3::new(0.1, 1e-9, 12345.678_901) }, 0.2, red),
+        solid(SolidShape::Box { size: Vector3::new(0.1, 1e-9, 12_345.678_901) }, 0.2, red),
         solid(
             SolidShape::Sphere { radius: f64::MIN_POSITIVE },
             0.1 + 0.2,
@@ -130,7 +130,7 @@ proptest! {
         for found in [found.joints[0].origin, found.links[1].solids[0].origin] {
             prop_assert_eq!(found.translation, origin.translation);
             prop_assert!(found.rotation.angle_to(&rotation) < 1e-7);
-            let matrices = [&found.rotation, &rotation].map(UnitQuaternion::to_rotation_matrix);
+            let matrices = [found.rotation, rotation].map(UnitQuaternion::to_rotation_matrix);
             let error = (matrices[0].matrix() - matrices[1].matrix()).norm();
             prop_assert!(error < 4e-15, "{error}");
         }
