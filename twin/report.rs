@@ -4,6 +4,7 @@ use crate::check::Outcome;
 use crate::compare::{ErrorStatistics, Statistics};
 use crate::finding::Finding;
 use crate::machine::{Axis, Machine};
+use crate::number::significant;
 use crate::program::ProgramFile;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use twin_motion::Place;
@@ -31,7 +32,7 @@ impl CheckReport {
             machine: machine.path.display().to_string(),
             dialect: program.dialect().name(),
             elements: outcome.elements,
-            length_mm: outcome.length * 1e3,
+            length_mm: rounded(outcome.length * 1e3),
             duration_s: seconds(outcome.duration_ns),
             peak: PerAxis(
                 peaks
@@ -104,8 +105,8 @@ impl ComparisonReport {
     pub fn new(statistics: &ErrorStatistics, scale: f64) -> Self {
         let one = |one: &Statistics| {
             one.maximum().map(|(max, place)| StatisticsReport {
-                max: max * scale,
-                rms: one.rms() * scale,
+                max: rounded(max * scale),
+                rms: rounded(one.rms() * scale),
                 line: place.line,
                 block: place.block,
             })
@@ -202,17 +203,17 @@ struct AxisPeakReport {
 impl AxisPeakReport {
     fn new(axis: &Axis, peak: &AxisPeak) -> Self {
         let report = |peak: &Peak, limit: Option<f64>| PeakReport {
-            value: axis.from_si(peak.value),
-            limit: limit.map(|limit| axis.from_si(limit)),
+            value: rounded(axis.from_si(peak.value)),
+            limit: limit.map(|limit| rounded(axis.from_si(limit))),
             line: peak.place.line,
             block: peak.place.block,
         };
-        let [limit_min, limit_max] = axis.position_limits.map(|limit| axis.from_si(limit));
+        let [limit_min, limit_max] = axis.position_limits.map(|limit| rounded(axis.from_si(limit)));
         Self {
             unit: axis.unit(),
             position: PositionReport {
-                min: peak.position.map(|[min, _]| axis.from_si(min)),
-                max: peak.position.map(|[_, max]| axis.from_si(max)),
+                min: peak.position.map(|[min, _]| rounded(axis.from_si(min))),
+                max: peak.position.map(|[_, max]| rounded(axis.from_si(max))),
                 limit_min,
                 limit_max,
             },
@@ -225,6 +226,11 @@ impl AxisPeakReport {
                 .map(|error| report(error, axis.max_following_error)),
         }
     }
+}
+
+/// To 12 significant digits: what conversion between units adds beyond is noise (239.99999999999997).
+fn rounded(value: f64) -> f64 {
+    significant(value, 12).parse().unwrap_or(value)
 }
 
 /// Nanoseconds as seconds.

@@ -8,6 +8,7 @@ mod options;
 mod path;
 mod run;
 mod show;
+mod underline;
 mod view;
 
 use crate::check::CheckFailure;

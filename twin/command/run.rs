@@ -78,7 +78,7 @@ enum Drives {
     None,
     /// Emulators of the drives named in the machine file, on pseudo-terminals, with the real driver code
     Emulated,
-    /// The drives on the ports of the machine file
+    /// The drives on the ports of the machine file (not there yet)
     Real,
 }
 

@@ -1,5 +1,6 @@
 //! How things look on a terminal.
 
+use super::underline;
 use crate::finding::{Finding, Severity};
 use crate::machine::Machine;
 use crate::program::ProgramFile;
@@ -148,11 +149,8 @@ impl Diagnostic for ShownFinding<'_> {
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let line = self.source.as_ref()?;
-        let length = line.text.len();
-        let whole = 0..length;
-        let columns = self.finding.columns.clone().unwrap_or(whole);
-        let columns = columns.start.min(length)..columns.end.min(length);
-        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(None, columns))))
+        let words = underline::words(&line.text, self.finding);
+        Some(Box::new(words.into_iter().map(|word| LabeledSpan::new_with_span(None, word))))
     }
 }
 
