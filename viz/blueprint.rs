@@ -23,7 +23,7 @@ const HALF_VIEW: f64 = 0.48;
 const FROM: [f64; 3] = [0.45, -1.0, 1.1];
 
 /// A machine does not fill the sphere around it: the camera may go this much closer than the sphere asks for.
-const CLOSER: f64 = 0.9;
+const CLOSER: f64 = 0.8;
 
 /// What the layout depends on.
 #[derive(Clone, Debug)]

@@ -11,9 +11,9 @@
 //! |---|---|---|
 //! | `machine/<link>` | pose of a link of the twin; its solids below it | `time`, `line` |
 //! | `program/cuts/<n>`, `program/rapids/<n>` | programmed path | static |
-//! | `trail/{set-point,twin,drives}` | path travelled, in pieces; `trail/newest/…` the end not yet in a piece | `time`, `line` |
+//! | `trail/{set-point,twin,drives}` | path travelled, in pieces; their newest ends in `trail/newest` | `time`, `line` |
 //! | `tool/{set-point,twin,drives}` | where the tool is | `time`, `line` |
-//! | `error/tool/{twin,drives,drives_to_twin}` | distance between tool positions, mm | `time`, `line` |
+//! | `error/tool/{twin,drives,between}` | distance of the tool to the set-point, and between drives and twin, mm | `time`, `line` |
 //! | `error/axis_deg/<axis>/{twin,drives}`, `error/axis_mm/…` | axis position minus set-point | `time`, `line` |
 //! | `speed/{set-point,programmed}` | along the path, mm/s | `time`, `line` |
 //! | `program/here`, `about` | lines around the current one; names and colours | `time`, `line`; static |

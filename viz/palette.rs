@@ -21,7 +21,7 @@ pub(crate) fn drives() -> Color {
 }
 
 /// Between drives and twin: reddish purple.
-pub(crate) fn drives_to_twin() -> Color {
+pub(crate) fn between() -> Color {
     Color::from_rgb(204, 121, 167)
 }
 

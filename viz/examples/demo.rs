@@ -3,7 +3,7 @@
 //! `twin run`.
 //!
 //! ```text
-//! cargo run --release -p twin-viz --example demo -- [--serve 127.0.0.1:9090] [--record demo.rrd] [--realtime]
+//! cargo run --release -p twin-viz --example demo -- [--serve 127.0.0.1:9090] [--record demo.rrd] [--realtime] [--repeat N]
 //! ```
 
 use std::f64::consts::TAU;
@@ -34,7 +34,7 @@ N80 G0 X300 Y200\n";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut options = SceneOptions::default();
-    let mut is_realtime = false;
+    let (mut is_realtime, mut repeat) = (false, 1);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
@@ -42,6 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "--serve" => {
                 options.serve = arguments.next().map(|address| address.parse()).transpose()?;
             }
+            "--repeat" => repeat = arguments.next().unwrap_or_default().parse()?,
             "--realtime" => (is_realtime, options.playback) = (true, Playback::Follow),
             other => return Err(format!("unknown argument {other}").into()),
         }
@@ -66,7 +67,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     scene.programmed_path(&path.iter().map(|(_, strip)| strip.clone()).collect::<Vec<_>>())?;
 
-    let positions = travel(&path);
+    let positions = travel(&path).repeat(repeat);
     let first = positions.first().map_or_else(Point3::origin, |(_, at)| *at);
     let mut followers = (first, first);
     for (ms, (line, setpoint)) in positions.iter().enumerate() {

@@ -8,40 +8,62 @@ use crate::bounds::Bounds;
 use crate::error::VizError;
 use crate::units;
 
-/// Logs the solids of every link below an entity of its own, and takes them into the bounds at their home poses.
-/// Returns the entities of the links, in the order of the model.
-pub(super) fn log_solids(
-    stream: &RecordingStream,
-    model: &Model,
-    home: &[Isometry3<f64>],
-    bounds: &mut Bounds,
-) -> Result<Vec<String>, VizError> {
-    let mut entities = Vec::with_capacity(model.links.len());
-    for (link, pose) in model.links.iter().zip(home) {
-        link.solids.iter().for_each(|solid| bounds.add_solid(pose, solid));
-        let entity = rerun::EntityPath::from_single_string(link.name.clone());
-        let entity = format!("machine{entity}");
-        log_boxes(stream, &entity, &link.solids)?;
-        log_cylinders(stream, &entity, &link.solids)?;
-        log_spheres(stream, &entity, &link.solids)?;
-        entities.push(entity);
-    }
-    Ok(entities)
+/// The links of the machine in the recording.
+#[derive(Debug)]
+pub(super) struct Machine {
+    links: Vec<Link>,
 }
 
-/// Logs where the links are, at the stream's time.
-pub(super) fn log_poses(
-    stream: &RecordingStream,
-    entities: &[String],
-    poses: &[Isometry3<f64>],
-) -> Result<(), VizError> {
-    for (entity, pose) in entities.iter().zip(poses) {
-        let transform = rerun::Transform3D::update_fields()
-            .with_translation(units::vector_mm(&pose.translation.vector))
-            .with_quaternion(units::quaternion(pose));
-        stream.log(entity.as_str(), &transform)?;
+#[derive(Debug)]
+struct Link {
+    entity: String,
+    /// As logged last.
+    pose: Option<Isometry3<f64>>,
+}
+
+impl Machine {
+    /// Logs the solids of every link below an entity of its own, and takes them into the bounds at their home poses.
+    pub(super) fn log_solids(
+        stream: &RecordingStream,
+        model: &Model,
+        home: &[Isometry3<f64>],
+        bounds: &mut Bounds,
+    ) -> Result<Self, VizError> {
+        let mut links = Vec::with_capacity(model.links.len());
+        for (link, pose) in model.links.iter().zip(home) {
+            link.solids.iter().for_each(|solid| bounds.add_solid(pose, solid));
+            let entity = rerun::EntityPath::from_single_string(link.name.clone());
+            let entity = format!("machine{entity}");
+            log_boxes(stream, &entity, &link.solids)?;
+            log_cylinders(stream, &entity, &link.solids)?;
+            log_spheres(stream, &entity, &link.solids)?;
+            links.push(Link { entity, pose: None });
+        }
+        Ok(Self { links })
     }
-    Ok(())
+
+    /// How many links there are.
+    pub(super) fn link_count(&self) -> usize {
+        self.links.len()
+    }
+
+    /// Logs where the links are that have moved, at the stream's time.
+    pub(super) fn log_poses(
+        &mut self,
+        stream: &RecordingStream,
+        poses: &[Isometry3<f64>],
+    ) -> Result<(), VizError> {
+        for (link, pose) in self.links.iter_mut().zip(poses) {
+            if link.pose.as_ref() != Some(pose) {
+                link.pose = Some(*pose);
+                let transform = rerun::Transform3D::update_fields()
+                    .with_translation(units::vector_mm(&pose.translation.vector))
+                    .with_quaternion(units::quaternion(pose));
+                stream.log(link.entity.as_str(), &transform)?;
+            }
+        }
+        Ok(())
+    }
 }
 
 fn centers(solids: &[&Solid]) -> Vec<[f32; 3]> {

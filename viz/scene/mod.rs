@@ -1,8 +1,11 @@
 //! The recording being written.
 
+mod destination;
+mod due;
 mod machine;
 mod program;
 mod series;
+mod track;
 mod trail;
 
 #[cfg(test)]
@@ -12,22 +15,26 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
-use nalgebra::{Isometry3, Point3};
-use rerun::sink::{FileSink, LogSink};
+use nalgebra::Isometry3;
+use rerun::log::ChunkBatcherConfig;
+use rerun::sink::LogSink;
 use rerun::{RecordingStream, RecordingStreamBuilder, TimeCell};
 use twin_urdf::Model;
 
 use crate::blueprint::{self, Layout};
 use crate::bounds::Bounds;
 use crate::error::VizError;
-use crate::frame::{Axis, Deviation, Frame, PathStrip, Program};
+use crate::frame::{Axis, Deviation, DrivesFrame, Frame, PathStrip, Program};
 use crate::palette;
-use crate::server::{Source, Viewer};
-use crate::units::point_mm;
+use crate::server::Viewer;
+use destination::Destination;
+use due::Due;
+use machine::Machine;
 use program::Excerpt;
 use series::{AxisSeries, Series};
-use trail::Trail;
+use track::ToolTrack;
 
 /// Name under which the viewer groups our recordings.
 const APPLICATION: &str = "twin";
@@ -63,13 +70,27 @@ pub enum Playback {
 }
 
 impl Playback {
-    /// How much of the program is sent at once. Few large pieces load and replay faster; small ones show sooner what
-    /// happens now.
-    fn batch_ns(self) -> i64 {
+    /// How much of the program is sent at once, poses and trails. Few large pieces load and replay faster; small ones
+    /// show sooner, and more smoothly, what happens now.
+    fn rows_ns(self) -> i64 {
         match self {
             Self::FromStart => 2_000_000_000,
-            Self::Follow => 200_000_000,
+            Self::Follow => 100_000_000,
         }
+    }
+
+    /// How much of the program is sent at once, plots.
+    fn series_ns(self) -> i64 {
+        match self {
+            Self::FromStart => 2_000_000_000,
+            Self::Follow => 1_000_000_000,
+        }
+    }
+
+    /// rerun sends by itself only what has waited for long, as when the program holds.
+    fn batcher(self) -> ChunkBatcherConfig {
+        let flush_tick = Duration::from_nanos(self.rows_ns().unsigned_abs());
+        ChunkBatcherConfig { flush_tick, ..ChunkBatcherConfig::DEFAULT }
     }
 }
 
@@ -100,77 +121,20 @@ pub struct Scene {
     playback: Playback,
     has_layout: bool,
     strips_logged: usize,
-    links: Vec<String>,
+    machine: Machine,
     axes: Vec<AxisSeries>,
     excerpt: Excerpt,
     pose_due: Due,
-    batch_begun_ns: Option<i64>,
+    series_due: Due,
+    rows_due: Due,
     setpoint: ToolTrack,
     twin: ToolTrack,
     drives: ToolTrack,
-    drives_to_twin: Series,
+    /// Between drives and twin.
+    between: Series,
     path_speed: Series,
     programmed_speed: Series,
     layout: Layout,
-}
-
-/// Marker, trail and error of one of the three tools.
-#[derive(Debug)]
-struct ToolTrack {
-    entity: String,
-    color: rerun::Color,
-    has_marker: bool,
-    pose_due: Due,
-    trail: Trail,
-    /// Distance to the set-point; the set-point itself has none.
-    error: Option<Series>,
-}
-
-/// Thins poses to those that a screen can show.
-#[derive(Clone, Copy, Debug, Default)]
-struct Due {
-    next_ns: Option<i64>,
-}
-
-impl Due {
-    /// Whether a pose is due at this time; the next one then is an interval later.
-    fn take(&mut self, time_ns: i64) -> bool {
-        let is_due = self.next_ns.is_none_or(|next| time_ns >= next);
-        if is_due {
-            self.next_ns = Some(time_ns.saturating_add(POSE_INTERVAL_NS));
-        }
-        is_due
-    }
-}
-
-impl ToolTrack {
-    fn new(name: &str, color: rerun::Color, error: Option<Series>) -> Self {
-        let trail = Trail::new(name, color);
-        Self {
-            entity: format!("tool/{name}"),
-            color,
-            has_marker: false,
-            pose_due: Due::default(),
-            trail,
-            error,
-        }
-    }
-
-    /// Places the marker, at the stream's time, and brings the trail up to it. The close-up looks from the frame of the
-    /// set-point, so the marker itself is at the origin of its frame.
-    fn log_position(
-        &mut self,
-        stream: &RecordingStream,
-        tool: &Point3<f64>,
-    ) -> Result<(), VizError> {
-        if !self.has_marker {
-            self.has_marker = true;
-            trail::log_marker(stream, &self.entity, self.color)?;
-        }
-        let position = rerun::Transform3D::update_fields().with_translation(point_mm(tool));
-        stream.log(self.entity.as_str(), &position)?;
-        self.trail.log_newest(stream, tool)
-    }
 }
 
 impl Scene {
@@ -187,11 +151,12 @@ impl Scene {
                 found: setup.home.len(),
             });
         }
-        let complete = Arc::new(AtomicBool::new(false));
-        let (path, viewer, sink) = destinations(options, setup.program.name, &complete)?;
+        let Destination { path, sink, viewer, complete } =
+            destination::open(options, setup.program.name)?;
         let stream = RecordingStreamBuilder::new(APPLICATION)
             .recording_name(setup.program.name)
             .enabled(true)
+            .batcher_config(options.playback.batcher())
             .set_sinks(vec![Box::new(sink) as Box<dyn LogSink>])?;
         // Only the time of the program counts; when a value happened to be logged does not.
         stream.set_log_time_enabled(false);
@@ -199,9 +164,9 @@ impl Scene {
 
         let mut bounds = Bounds::default();
         stream.log_static("/", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
-        let links = machine::log_solids(&stream, setup.machine, setup.home, &mut bounds)?;
+        let mut machine = Machine::log_solids(&stream, setup.machine, setup.home, &mut bounds)?;
         At { time_ns: 0, line: 0 }.set(&stream);
-        machine::log_poses(&stream, &links, setup.home)?;
+        machine.log_poses(&stream, setup.home)?;
         program::log_about(&stream, setup)?;
 
         let error = |name, label, color| Series::new(format!("error/tool/{name}"), label, color);
@@ -219,15 +184,16 @@ impl Scene {
             playback: options.playback,
             has_layout: false,
             strips_logged: 0,
-            links,
+            machine,
             axes: AxisSeries::all(setup.axes),
             excerpt: Excerpt::new(setup.program.text),
-            pose_due: Due::default(),
-            batch_begun_ns: None,
+            pose_due: Due::every(POSE_INTERVAL_NS),
+            series_due: Due::every(options.playback.series_ns()),
+            rows_due: Due::every(options.playback.rows_ns()),
             setpoint: ToolTrack::new("set-point", palette::setpoint(), None),
             twin: ToolTrack::new("twin", palette::twin(), Some(twin)),
             drives: ToolTrack::new("drives", palette::drives(), Some(drives)),
-            drives_to_twin: error("drives_to_twin", "drives to twin", palette::drives_to_twin()),
+            between: error("between", "drives to twin", palette::between()),
             path_speed: Series::new("speed/set-point".to_owned(), "set-point", palette::setpoint()),
             programmed_speed: Series::new(
                 "speed/programmed".to_owned(),
@@ -267,30 +233,18 @@ impl Scene {
         let at = At { time_ns: frame.time_ns, line: frame.line };
         at.set(&self.stream);
 
-        let tracks = [
-            (&mut self.setpoint, Some(&frame.setpoint), None),
-            (&mut self.twin, Some(&frame.twin.tool), Some(frame.twin.tool_error)),
-            (
-                &mut self.drives,
-                frame.drives.as_ref().map(|drives| &drives.deviation.tool),
-                frame.drives.as_ref().map(|drives| drives.deviation.tool_error),
-            ),
-        ];
-        for (track, tool, error) in tracks {
-            let Some(tool) = tool else { continue };
-            track.trail.add(&self.stream, at, tool)?;
-            if let (Some(series), Some(error)) = (&mut track.error, error) {
-                series.add_length(at, error);
-            }
-            if track.pose_due.take(frame.time_ns) {
-                track.log_position(&self.stream, tool)?;
-            }
+        self.setpoint.add(&self.stream, at, &frame.setpoint, 0.0)?;
+        self.twin.add(&self.stream, at, &frame.twin.tool, frame.twin.tool_error)?;
+        if let Some(DrivesFrame { deviation, tool_error_to_twin }) = &frame.drives {
+            self.drives.add(&self.stream, at, &deviation.tool, deviation.tool_error)?;
+            self.between.add_length(at, *tool_error_to_twin);
         }
         if self.pose_due.take(frame.time_ns) {
-            machine::log_poses(&self.stream, &self.links, frame.link_poses)?;
-        }
-        if let Some(drives) = &frame.drives {
-            self.drives_to_twin.add_length(at, drives.tool_error_to_twin);
+            self.machine.log_poses(&self.stream, frame.link_poses)?;
+            let newest = [&self.setpoint, &self.twin, &self.drives]
+                .into_iter()
+                .filter_map(ToolTrack::newest);
+            trail::log_newest(&self.stream, newest)?;
         }
         self.path_speed.add_length(at, frame.path_speed);
         if let Some(speed) = frame.programmed_speed {
@@ -302,11 +256,11 @@ impl Scene {
             axis.add(at, of(&frame.twin), drives);
         }
         self.excerpt.log(&self.stream, frame.line)?;
-        let waited =
-            frame.time_ns.saturating_sub(*self.batch_begun_ns.get_or_insert(frame.time_ns));
-        if waited >= self.playback.batch_ns() {
-            self.batch_begun_ns = None;
-            self.send_batch()?;
+        if self.series_due.take(frame.time_ns) {
+            self.send_series()?;
+        }
+        if self.rows_due.take(frame.time_ns) {
+            self.send_rows()?;
         }
         Ok(())
     }
@@ -320,9 +274,9 @@ impl Scene {
     pub fn finish(mut self) -> Result<Option<Viewer>, VizError> {
         self.lay_out()?;
         for track in [&mut self.setpoint, &mut self.twin, &mut self.drives] {
-            track.trail.flush(&self.stream)?;
+            track.flush_trail(&self.stream)?;
         }
-        self.send_batch()?;
+        self.send_series()?;
         self.stream
             .flush_blocking()
             .map_err(|source| VizError::Write { path: self.path.clone(), source })?;
@@ -331,29 +285,28 @@ impl Scene {
         Ok(self.viewer.take())
     }
 
-    /// Sends what the series hold back, and what rerun holds back after it, so that the page gets everything about a
-    /// time at about the same time.
-    fn send_batch(&mut self) -> Result<(), VizError> {
-        for track in [&mut self.setpoint, &mut self.twin, &mut self.drives] {
-            if let Some(error) = &mut track.error {
-                error.flush(&self.stream)?;
-            }
+    /// Sends what the plots hold back.
+    fn send_series(&mut self) -> Result<(), VizError> {
+        for track in [&mut self.twin, &mut self.drives] {
+            track.flush_error(&self.stream)?;
         }
-        for series in [&mut self.drives_to_twin, &mut self.path_speed, &mut self.programmed_speed] {
+        for series in [&mut self.between, &mut self.path_speed, &mut self.programmed_speed] {
             series.flush(&self.stream)?;
         }
-        for axis in &mut self.axes {
-            axis.flush(&self.stream)?;
-        }
+        self.axes.iter_mut().try_for_each(|axis| axis.flush(&self.stream))
+    }
+
+    /// Sends what rerun holds back of everything else.
+    fn send_rows(&self) -> Result<(), VizError> {
         self.stream
             .flush_async()
             .map_err(|source| VizError::Write { path: self.path.clone(), source })
     }
 
     fn fits(&self, frame: &Frame<'_>) -> Result<(), VizError> {
-        if frame.link_poses.len() != self.links.len() {
+        if frame.link_poses.len() != self.machine.link_count() {
             return Err(VizError::LinkCount {
-                expected: self.links.len(),
+                expected: self.machine.link_count(),
                 found: frame.link_poses.len(),
             });
         }
@@ -402,33 +355,4 @@ impl At {
         stream.set_time(TIME, TimeCell::from_duration_nanos(self.time_ns));
         stream.set_time(LINE, TimeCell::from_sequence(i64::from(self.line)));
     }
-}
-
-/// Opens the file and the page. The page reads the recording from the file; without one asked for, from a temporary
-/// one that goes away with the page.
-fn destinations(
-    options: &SceneOptions,
-    title: &str,
-    complete: &Arc<AtomicBool>,
-) -> Result<(PathBuf, Option<Viewer>, FileSink), VizError> {
-    let (source, path) = match (&options.record, options.serve) {
-        (None, None) => return Err(VizError::NoDestination),
-        (Some(path), _) => (Source::file(path.clone(), complete.clone()), path.clone()),
-        (None, Some(_)) => {
-            let temporary = tempfile::Builder::new()
-                .prefix("twin-")
-                .suffix(".rrd")
-                .tempfile()
-                .map_err(|source| VizError::Temporary { folder: std::env::temp_dir(), source })?
-                .into_temp_path();
-            let path = temporary.to_path_buf();
-            (Source::temporary(temporary, complete.clone()), path)
-        }
-    };
-    // The address first: an address that is taken must not cost the user an existing recording.
-    let listener = options.serve.map(crate::server::bind).transpose()?;
-    let sink =
-        FileSink::new(&path).map_err(|source| VizError::Create { path: path.clone(), source })?;
-    let viewer = listener.map(|listener| Viewer::start(listener, title, source)).transpose()?;
-    Ok((path, viewer, sink))
 }

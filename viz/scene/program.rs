@@ -10,7 +10,7 @@ const BEFORE: usize = 2;
 /// Lines shown after it.
 const AFTER: usize = 3;
 /// A longer line is cut: the panel is narrow.
-const WIDTH: usize = 60;
+const WIDTH: usize = 44;
 
 /// Shows the lines around the current one.
 #[derive(Debug)]

@@ -51,7 +51,7 @@ pub(super) fn log_programmed(
 }
 
 /// Logs the marker of a tool: a dot at the origin of its frame.
-pub(super) fn log_marker(
+pub(super) fn log_dot(
     stream: &RecordingStream,
     entity: &str,
     color: rerun::Color,
@@ -63,25 +63,40 @@ pub(super) fn log_marker(
     Ok(())
 }
 
-/// The path travelled by a tool: pieces, each sent once, and the newest end, which is replaced as the tool moves.
-///
-/// It does not exist in the recording until the tool has a position.
+/// Logs the ends of the trails that are not yet in a piece, at the stream's time: set-point, twin and, if there are
+/// any, drives.
+pub(super) fn log_newest(
+    stream: &RecordingStream,
+    ends: impl IntoIterator<Item = Vec<[f32; 3]>>,
+) -> Result<(), VizError> {
+    let ends = LineStrips3D::new(ends)
+        .with_colors([palette::setpoint(), palette::twin(), palette::drives()])
+        .with_radii([Radius::new_ui_points(TRAIL_WIDTH)]);
+    stream.log("trail/newest", &ends)?;
+    Ok(())
+}
+
+/// The path travelled by a tool, in pieces, each sent once.
 #[derive(Debug)]
 pub(super) struct Trail {
+    entity: String,
     color: rerun::Color,
     has_looks: bool,
-    pieces: String,
-    newest: String,
     piece: Vec<Point3<f64>>,
     begun_ns: i64,
-    last: Option<At>,
+    last_ns: Option<i64>,
 }
 
 impl Trail {
     /// The trail of a tool in its colour.
     pub(super) fn new(name: &str, color: rerun::Color) -> Self {
-        let (pieces, newest) = (format!("trail/{name}"), format!("trail/newest/{name}"));
-        Self { color, has_looks: false, pieces, newest, piece: Vec::new(), begun_ns: 0, last: None }
+        let entity = format!("trail/{name}");
+        Self { entity, color, has_looks: false, piece: Vec::new(), begun_ns: 0, last_ns: None }
+    }
+
+    /// What is not sent yet; it begins where the last piece ends.
+    pub(super) fn piece(&self) -> &[Point3<f64>] {
+        &self.piece
     }
 
     /// Adds where the tool is now.
@@ -91,8 +106,7 @@ impl Trail {
         at: At,
         tool: &Point3<f64>,
     ) -> Result<(), VizError> {
-        let is_due =
-            self.last.is_none_or(|last| at.time_ns.saturating_sub(last.time_ns) >= SAMPLE_NS);
+        let is_due = self.last_ns.is_none_or(|last| at.time_ns.saturating_sub(last) >= SAMPLE_NS);
         let has_moved = self.piece.last().is_none_or(|last| distance(last, tool) > STILL);
         if !is_due || !has_moved {
             return Ok(());
@@ -101,7 +115,7 @@ impl Trail {
             self.begun_ns = at.time_ns;
         }
         self.piece.push(*tool);
-        self.last = Some(at);
+        self.last_ns = Some(at.time_ns);
         if at.time_ns.saturating_sub(self.begun_ns) >= PIECE_NS {
             self.flush(stream)
         } else {
@@ -109,32 +123,20 @@ impl Trail {
         }
     }
 
-    /// Shows what has not been sent yet, up to where the tool is now, at the stream's time.
-    pub(super) fn log_newest(
-        &mut self,
-        stream: &RecordingStream,
-        tool: &Point3<f64>,
-    ) -> Result<(), VizError> {
-        if !self.has_looks {
-            self.has_looks = true;
-            let looks = LineStrips3D::update_fields()
-                .with_colors([self.color])
-                .with_radii([Radius::new_ui_points(TRAIL_WIDTH)]);
-            stream.log_static(self.pieces.as_str(), &looks)?;
-            stream.log_static(self.newest.as_str(), &looks)?;
-        }
-        let points: Vec<[f32; 3]> = self.piece.iter().chain([tool]).map(point_mm).collect();
-        stream.log(self.newest.as_str(), &LineStrips3D::update_fields().with_strips([points]))?;
-        Ok(())
-    }
-
     /// Sends the piece, at the stream's time; the next begins where it ends.
     pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<(), VizError> {
         if let [_, .., end] = self.piece.as_slice() {
             let end = *end;
             let points: Vec<[f32; 3]> = self.piece.iter().map(point_mm).collect();
-            stream
-                .log(self.pieces.as_str(), &LineStrips3D::update_fields().with_strips([points]))?;
+            if !self.has_looks {
+                self.has_looks = true;
+                let looks = LineStrips3D::update_fields()
+                    .with_colors([self.color])
+                    .with_radii([Radius::new_ui_points(TRAIL_WIDTH)]);
+                stream.log_static(self.entity.as_str(), &looks)?;
+            }
+            let piece = LineStrips3D::update_fields().with_strips([points]);
+            stream.log(self.entity.as_str(), &piece)?;
             self.piece.clear();
             self.piece.push(end);
         }

@@ -134,7 +134,10 @@ impl Viewer {
         let shared = Arc::new(Shared {
             server: Server::from_listener(listener, None).map_err(failed)?,
             assets: WebViewerData::load(None)?,
-            page: PAGE.replace("{title}", &escape(title)),
+            page: PAGE.replace("{title}", &escape(title)).replace(
+                "{is-finished}",
+                if source.complete.load(Ordering::Acquire) { "true" } else { "false" },
+            ),
             source,
             local_only: address.ip().is_loopback(),
             stop: AtomicBool::new(false),

@@ -65,6 +65,16 @@ async function start() {
   await handle.start(document.getElementById("viewer"));
   message.hidden = true;
   watch();
+  if (document.body.dataset.isFinished === "true") play_from_start(handle);
+}
+
+// A finished recording plays from its start, even if it was made to be followed live.
+function play_from_start(handle) {
+  const recording = handle.get_active_recording_id();
+  const range = recording && handle.get_timeline_time_range(recording, "time");
+  if (!range) return setTimeout(() => play_from_start(handle), 100);
+  handle.set_time_for_timeline(recording, "time", range.min);
+  handle.set_playing(recording, true);
 }
 
 start().catch((error) => failed("The viewer cannot start.", error));

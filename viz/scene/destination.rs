@@ -1,0 +1,46 @@
+//! Where a recording goes: a file, and the page that reads it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use rerun::sink::FileSink;
+
+use super::SceneOptions;
+use crate::error::VizError;
+use crate::server::{Source, Viewer};
+
+/// An open recording.
+pub(super) struct Destination {
+    pub(super) path: PathBuf,
+    pub(super) sink: FileSink,
+    pub(super) viewer: Option<Viewer>,
+    /// To be set when nothing more comes.
+    pub(super) complete: Arc<AtomicBool>,
+}
+
+/// Opens the file and the page. The page reads the recording from the file; without one asked for, from a temporary
+/// one that goes away with the page.
+pub(super) fn open(options: &SceneOptions, title: &str) -> Result<Destination, VizError> {
+    let complete = Arc::new(AtomicBool::new(false));
+    // The address first: an address that is taken must not cost the user an existing recording.
+    let address = options.serve.map(crate::server::bind).transpose()?;
+    let (source, path) = match (&options.record, &address) {
+        (None, None) => return Err(VizError::NoDestination),
+        (Some(path), _) => (Source::file(path.clone(), complete.clone()), path.clone()),
+        (None, Some(_)) => {
+            let temporary = tempfile::Builder::new()
+                .prefix("twin-")
+                .suffix(".rrd")
+                .tempfile()
+                .map_err(|source| VizError::Temporary { folder: std::env::temp_dir(), source })?
+                .into_temp_path();
+            let path = temporary.to_path_buf();
+            (Source::temporary(temporary, complete.clone()), path)
+        }
+    };
+    let sink =
+        FileSink::new(&path).map_err(|source| VizError::Create { path: path.clone(), source })?;
+    let viewer = address.map(|address| Viewer::start(address, title, source)).transpose()?;
+    Ok(Destination { path, sink, viewer, complete })
+}

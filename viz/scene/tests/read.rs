@@ -1,0 +1,98 @@
+//! Recordings read back with rerun's decoder.
+
+use std::path::Path;
+
+use rerun::external::re_log_encoding::Decoder;
+use rerun::log::{Chunk, LogMsg};
+use rerun::{ComponentDescriptor, components};
+
+use crate::scene::{LINE, TIME};
+
+/// What a recording holds.
+pub(super) struct Read {
+    pub(super) chunks: Vec<Chunk>,
+    pub(super) has_blueprint: bool,
+    pub(super) activations: usize,
+}
+
+impl Read {
+    pub(super) fn new(path: &Path) -> Self {
+        let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+        let (mut chunks, mut has_blueprint, mut activations) = (Vec::new(), false, 0);
+        for message in Decoder::<LogMsg>::decode_eager(file).unwrap() {
+            match message.unwrap() {
+                LogMsg::ArrowMsg(store, message) if store.is_recording() => {
+                    chunks.push(Chunk::from_arrow_msg(&message).unwrap());
+                }
+                LogMsg::ArrowMsg(..) => has_blueprint = true,
+                LogMsg::BlueprintActivationCommand(_) => activations += 1,
+                LogMsg::SetStoreInfo(_) => {}
+            }
+        }
+        Self { chunks, has_blueprint, activations }
+    }
+
+    pub(super) fn of<'a>(&'a self, entity: &'a str) -> impl Iterator<Item = &'a Chunk> {
+        self.chunks
+            .iter()
+            .filter(move |chunk| *chunk.entity_path() == rerun::EntityPath::from(entity))
+    }
+
+    /// Rows of a component with their time (ns) and line, in the order of time.
+    pub(super) fn rows<C: rerun::Component>(
+        &self,
+        entity: &str,
+        component: &ComponentDescriptor,
+    ) -> Vec<(i64, i64, Vec<C>)> {
+        let mut rows = Vec::new();
+        for chunk in self.of(entity) {
+            let index = |timeline: &'static str| {
+                chunk
+                    .iter_component_indices(timeline.into(), component.component)
+                    .map(|(time, _)| time.as_i64())
+            };
+            let places: Vec<_> = index(TIME).zip(index(LINE)).collect();
+            let values = chunk.iter_component::<C>(component.component);
+            let values: Vec<Vec<C>> =
+                values.into_iter().map(|values| values.as_slice().to_vec()).collect();
+            rows.extend(
+                places.into_iter().zip(values).map(|((time, line), values)| (time, line, values)),
+            );
+        }
+        rows.sort_by_key(|(time, ..)| *time);
+        rows
+    }
+
+    pub(super) fn statics<C: rerun::Component>(
+        &self,
+        entity: &str,
+        component: &ComponentDescriptor,
+    ) -> Vec<C> {
+        let chunks = self.of(entity).filter(|chunk| chunk.is_static());
+        chunks
+            .flat_map(|chunk| {
+                let values = chunk.iter_component::<C>(component.component);
+                values.into_iter().flat_map(|values| values.as_slice().to_vec()).collect::<Vec<_>>()
+            })
+            .collect()
+    }
+
+    pub(super) fn scalars(&self, entity: &str) -> Vec<(i64, i64, f64)> {
+        let rows = self.rows::<components::Scalar>(entity, &rerun::Scalars::descriptor_scalars());
+        rows.into_iter()
+            .flat_map(|(time, line, values)| values.into_iter().map(move |v| (time, line, v.0.0)))
+            .collect()
+    }
+
+    pub(super) fn strips(&self, entity: &str) -> Vec<(i64, Vec<[f32; 3]>)> {
+        let rows =
+            self.rows::<components::LineStrip3D>(entity, &rerun::LineStrips3D::descriptor_strips());
+        rows.into_iter()
+            .flat_map(|(time, _, strips)| {
+                strips
+                    .into_iter()
+                    .map(move |strip| (time, strip.0.into_iter().map(|point| point.0).collect()))
+            })
+            .collect()
+    }
+}
