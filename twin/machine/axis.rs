@@ -1,6 +1,8 @@
 //! `[[axes]]`: what each axis of the machine is and can do.
 
+use super::drives::{counts, steps_per_s};
 use super::section::Section;
+use std::ops::Range;
 
 /// Whether an axis turns or slides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,6 +39,14 @@ pub struct IncrementRatio {
     pub increments: i64,
     /// … per this many degrees or millimetres.
     pub per_units: f64,
+}
+
+impl IncrementRatio {
+    /// Increments per degree or millimetre.
+    #[expect(clippy::cast_precision_loss, reason = "read from a file where it is at most 10^12")]
+    fn per_unit(&self) -> f64 {
+        self.increments as f64 / self.per_units
+    }
 }
 
 /// One axis of the machine. SI inside.
@@ -119,6 +129,10 @@ pub(super) struct AxisEntry {
     pub(super) axis: Axis,
     /// What it moves: an output of the transform or a coordinate. Its name, unless `role` says otherwise.
     pub(super) role: String,
+    /// Where the file says so.
+    pub(super) role_span: Range<usize>,
+    /// Whether it names a drive, right or wrong.
+    pub(super) driven: bool,
 }
 
 /// Reads one `[[axes]]` table. `devices` are the names of `[[drives]]`.
@@ -151,6 +165,9 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
         );
         return None;
     }
+    if let Some(drive) = &drive {
+        check_drive(section, unit, &drive.ratio, [min, max], max_velocity?);
+    }
     let scale = kind.scale();
     Some(AxisEntry {
         axis: Axis {
@@ -165,6 +182,8 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
             drive,
         },
         role: role?.to_owned(),
+        role_span: section.span_of(if section.has("role") { "role" } else { "name" }),
+        driven: section.has("drive"),
     })
 }
 
@@ -197,7 +216,16 @@ fn read_drive(section: &Section<'_>, unit: &str, devices: &[String]) -> Option<A
     let increments = section.integer("increments", -1_000_000_000_000..=1_000_000_000_000);
     let per_key = format!("per_{unit}");
     let per_units = section.number(&per_key, 1e-6..=1e9);
-    let device = device?;
+    let Some(device) = device else {
+        if !section.has("drive") {
+            for key in ["drive_axis", "increments", &per_key] {
+                if section.has(key) {
+                    section.complain_at(key, format!("`{key}` says nothing without a `drive`"));
+                }
+            }
+        }
+        return None;
+    };
     let Some(found) = devices.iter().position(|name| name == device) else {
         let known =
             if devices.is_empty() { "there is none".to_owned() } else { devices.join(", ") };
@@ -219,4 +247,33 @@ fn read_drive(section: &Section<'_>, unit: &str, devices: &[String]) -> Option<A
     }
     let ratio = IncrementRatio { increments: increments?, per_units: per_units? };
     Some(AxisDrive { device: found, index: index?, ratio })
+}
+
+/// Whether the drive can count and step as far and as fast as the axis may go.
+fn check_drive(
+    section: &Section<'_>,
+    unit: &str,
+    ratio: &IncrementRatio,
+    limits: [f64; 2],
+    max_velocity: f64,
+) {
+    let per_unit = ratio.per_unit().abs();
+    let speed = max_velocity * per_unit;
+    let speeds = steps_per_s();
+    if !speeds.contains(&speed) {
+        let (low, high) = (speeds.start(), speeds.end());
+        let message = format!(
+            "{max_velocity} {unit}/s are {speed:.0} steps/s; the drive makes {low} to {high} steps/s"
+        );
+        section.complain_at("increments", message);
+    }
+    let farthest = limits.into_iter().map(f64::abs).fold(0.0, f64::max);
+    let count = farthest * per_unit;
+    if count > counts() {
+        let message = format!(
+            "{farthest} {unit} are {count:.0} increments; the drive counts to {}",
+            counts()
+        );
+        section.complain_at("increments", message);
+    }
 }

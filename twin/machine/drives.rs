@@ -1,6 +1,19 @@
 //! `[[drives]]`: the devices on the wires.
 
 use super::section::Section;
+use std::ops::RangeInclusive;
+use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
+
+/// Speeds that an axis may have at its largest velocity, steps/s: a quarter of it, with which the start of a program is
+/// approached, must be a speed too, and 200 kHz is the most the board makes.
+pub(super) fn steps_per_s() -> RangeInclusive<f64> {
+    4.0..=f64::from(MAX_SPEED_HZ)
+}
+
+/// Largest position a counter of the board holds, increments.
+pub(super) fn counts() -> f64 {
+    f64::from(i32::MAX)
+}
 
 /// A device that moves one or more axes.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -34,6 +34,16 @@ impl Kind {
         }
     }
 
+    /// What axes may move: outputs and the coordinates that the transform leaves alone.
+    fn roles(self) -> Vec<&'static str> {
+        let outputs = self.outputs().iter().map(|(output, _)| *output);
+        let free: &[_] = match self {
+            Self::Scara2 => &["Z"],
+            Self::Gantry3 => &[],
+        };
+        outputs.chain(free.iter().copied()).collect()
+    }
+
     /// Names of the transform's outputs, as the manual's blocks name them (dA, dB; dx, dy, dz).
     const fn outputs(self) -> &'static [(&'static str, AxisKind)] {
         match self {
@@ -183,14 +193,11 @@ fn gantry<'a>(kinematics: &Section<'_>, body: &Section<'_>) -> (Box<dyn Kinemati
 /// What moves each axis; complains where that is not one to one.
 fn sources(root: &Section<'_>, kind: Kind, axes: &[AxisEntry]) -> Option<Vec<AxisSource>> {
     let mut complete = true;
-    let mut complain = |message: String| {
-        root.complain_at("axes", message);
-        complete = false;
-    };
     let outputs = kind.outputs();
     let mut sources = Vec::new();
     for (index, entry) in axes.iter().enumerate() {
         let (name, role) = (&entry.axis.name, &entry.role);
+        let complain = |message| root.complain_over(&entry.role_span, message);
         let output = outputs.iter().position(|(output, _)| output == role);
         let coordinate =
             Coordinate::ALL.into_iter().find(|coordinate| coordinate.to_string() == *role);
@@ -206,11 +213,11 @@ fn sources(root: &Section<'_>, kind: Kind, axes: &[AxisEntry]) -> Option<Vec<Axi
                 Some(AxisKind::Linear)
             }
             _ => {
-                let outputs: Vec<_> = outputs.iter().map(|(output, _)| *output).collect();
+                complete = false;
                 complain(format!(
-                    "axis \"{name}\" has the role \"{role}\"; {} has {} and coordinates it does not use",
+                    "axis \"{name}\" has the role \"{role}\"; of a {} axes move {}",
                     kind.name(),
-                    outputs.join(", ")
+                    kind.roles().join(", ")
                 ));
                 continue;
             }
@@ -218,12 +225,14 @@ fn sources(root: &Section<'_>, kind: Kind, axes: &[AxisEntry]) -> Option<Vec<Axi
         if let Some(expected) = expected.filter(|expected| *expected != entry.axis.kind) {
             let (is, should) = (format!("{:?}", entry.axis.kind), format!("{expected:?}"));
             let (is, should) = (is.to_lowercase(), should.to_lowercase());
+            complete = false;
             complain(format!(
                 "axis \"{name}\" is {is}; what moves {role} of a {} is {should}",
                 kind.name()
             ));
         }
         if axes.iter().take(index).any(|other| other.role == *role) {
+            complete = false;
             complain(format!(
                 "axis \"{name}\" has the role \"{role}\", which another axis has already"
             ));
@@ -231,7 +240,8 @@ fn sources(root: &Section<'_>, kind: Kind, axes: &[AxisEntry]) -> Option<Vec<Axi
     }
     for (output, _) in outputs {
         if !axes.iter().any(|entry| entry.role == *output) {
-            complain(format!("no axis moves {output} of the {}", kind.name()));
+            complete = false;
+            root.complain_at("axes", format!("no axis moves {output} of the {}", kind.name()));
         }
     }
     complete.then_some(sources)

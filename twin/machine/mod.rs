@@ -5,6 +5,8 @@ mod drives;
 mod geometry;
 mod problem;
 mod section;
+#[cfg(test)]
+mod tests;
 
 pub use axis::{Axis, AxisDrive, AxisKind, IncrementRatio, SimulatedAxis};
 pub use drives::{DeviceEntry, Parity};
@@ -112,21 +114,22 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
     let name = root.required_text("name");
     let drives = root.sections("drives");
     let devices: Vec<_> = drives.iter().map(drives::read).collect();
-    let device_names: Vec<_> = devices
+    // A device with something wrong with it is there all the same.
+    let device_names: Vec<_> = drives
         .iter()
-        .map(|device| device.as_ref().map_or_else(String::new, |device| device.name.clone()))
+        .map(|device| device.glance_at_text("name").unwrap_or_default().to_owned())
         .collect();
-    if drives.len() > 1 {
-        root.complain_at("drives", format!("{} devices; one is supported so far", drives.len()));
+    if let Some(second) = drives.get(1) {
+        second.complain(format!("{} devices; one is supported so far", drives.len()));
     }
     drives.into_iter().for_each(Section::finish);
 
     let axis_sections = root.sections("axes");
     let entries: Vec<_> =
         axis_sections.iter().map(|section| axis::read(section, &device_names)).collect();
-    check_axes(root, &axis_sections, &entries);
+    let unique = check_axes(root, &axis_sections, &entries);
     axis_sections.into_iter().for_each(Section::finish);
-    let axes: Option<Vec<_>> = entries.into_iter().collect();
+    let axes: Option<Vec<_>> = entries.into_iter().collect::<Option<_>>().filter(|_| unique);
 
     let tool = root.section("tool");
     let mounted = geometry::Tool {
@@ -171,46 +174,43 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
     })
 }
 
-/// What must hold between the axes.
-fn check_axes(root: &Section<'_>, sections: &[Section<'_>], entries: &[Option<AxisEntry>]) {
+/// What must hold between the axes. False if two have the same name.
+fn check_axes(root: &Section<'_>, sections: &[Section<'_>], entries: &[Option<AxisEntry>]) -> bool {
+    let mut unique = true;
     if sections.is_empty() {
         root.complain("the file lacks [[axes]]".to_owned());
     }
-    if sections.len() > MAX_AXES {
-        root.complain_at(
-            "axes",
-            format!("{} axes; at most {MAX_AXES} are supported", sections.len()),
-        );
+    if let Some(beyond) = sections.get(MAX_AXES) {
+        beyond.complain(format!("{} axes; at most {MAX_AXES} are supported", sections.len()));
     }
     let known: Vec<_> = entries.iter().flatten().collect();
     for (section, entry) in sections.iter().zip(entries) {
         let Some(entry) = entry else { continue };
-        let earlier = known.iter().take_while(|other| !std::ptr::eq(**other, entry));
-        for other in earlier {
-            if other.axis.name == entry.axis.name {
-                section.complain_at("name", format!("there are two axes \"{}\"", entry.axis.name));
-            }
-            let same_place =
-                |a: &AxisDrive, b: &AxisDrive| (a.device, a.index) == (b.device, b.index);
-            if let (Some(a), Some(b)) = (&other.axis.drive, &entry.axis.drive)
-                && same_place(a, b)
-            {
-                let message =
-                    format!("axis \"{}\" already hangs on this axis of the drive", other.axis.name);
-                section.complain_at("drive_axis", message);
+        let mut earlier = known.iter().take_while(|other| !std::ptr::eq(**other, entry));
+        if earlier.clone().any(|other| other.axis.name == entry.axis.name) {
+            let message = format!("there is an axis \"{}\" already", entry.axis.name);
+            section.complain_at("name", message);
+            unique = false;
+        }
+        let place = |drive: &AxisDrive| (drive.device, drive.index);
+        let Some(mine) = entry.axis.drive.as_ref().map(place) else { continue };
+        if let Some(other) =
+            earlier.find(|other| other.axis.drive.as_ref().map(place) == Some(mine))
+        {
+            let message =
+                format!("axis \"{}\" already hangs on this axis of the drive", other.axis.name);
+            section.complain_at("drive_axis", message);
+        }
+    }
+    if known.iter().any(|entry| entry.driven) {
+        for (section, entry) in sections.iter().zip(entries) {
+            if let Some(entry) = entry.as_ref().filter(|entry| !entry.driven) {
+                let name = &entry.axis.name;
+                section.complain(format!(
+                    "axis \"{name}\" has no `drive`, but others have: all or none"
+                ));
             }
         }
     }
-    let driven = known.iter().filter(|entry| entry.axis.drive.is_some()).count();
-    if driven > 0 && driven < known.len() {
-        let without: Vec<_> = known
-            .iter()
-            .filter(|entry| entry.axis.drive.is_none())
-            .map(|entry| entry.axis.name.as_str())
-            .collect();
-        root.complain_at(
-            "axes",
-            format!("some axes have a `drive`, but not {}: all or none", without.join(", ")),
-        );
-    }
+    unique
 }

@@ -55,8 +55,22 @@ impl<'a> Section<'a> {
 
     /// Complains about the value of `key`, or about the section if the key is absent.
     pub(super) fn complain_at(&self, key: &str, message: String) {
-        let span = self.look_up(key).map_or_else(|| self.span.clone(), Spanned::span);
-        self.complaints.add(span, message, None);
+        self.complaints.add(self.span_of(key), message, None);
+    }
+
+    /// Complains about a place known from before.
+    pub(super) fn complain_over(&self, span: &Range<usize>, message: String) {
+        self.complaints.add(span.clone(), message, None);
+    }
+
+    /// Where the value of `key` is; where the section is, if the key is absent.
+    pub(super) fn span_of(&self, key: &str) -> Range<usize> {
+        self.look_up(key).map_or_else(|| self.span.clone(), Spanned::span)
+    }
+
+    /// The text of `key`, if that is what it is; complains about nothing and leaves the key unknown.
+    pub(super) fn glance_at_text(&self, key: &str) -> Option<&'a str> {
+        self.look_up(key)?.get_ref().as_str()
     }
 
     pub(super) fn has(&self, key: &str) -> bool {
@@ -79,9 +93,10 @@ impl<'a> Section<'a> {
 
     fn wrong_type(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) {
         let found = value.get_ref().type_str();
+        let article = if found.starts_with(['a', 'i']) { "an" } else { "a" };
         self.complaints.add(
             value.span(),
-            format!("`{key}` is a {found}; expected {expected}"),
+            format!("`{key}` is {article} {found}; expected {expected}"),
             None,
         );
     }
@@ -124,11 +139,15 @@ impl<'a> Section<'a> {
 
     pub(super) fn text(&self, key: &str) -> Option<&'a str> {
         let value = self.value(key)?;
-        let text = value.get_ref().as_str();
-        if text.is_none() {
+        let Some(text) = value.get_ref().as_str() else {
             self.wrong_type(key, value, "a string");
+            return None;
+        };
+        if text.trim().is_empty() {
+            self.complaints.add(value.span(), format!("`{key}` is empty"), None);
+            return None;
         }
-        text
+        Some(text)
     }
 
     pub(super) fn required_text(&self, key: &str) -> Option<&'a str> {
@@ -148,9 +167,8 @@ impl<'a> Section<'a> {
             let words: Vec<_> = choices.iter().map(|(word, _)| format!("\"{word}\"")).collect();
             let help = nearest(text, choices.iter().map(|(word, _)| *word))
                 .map(|word| format!("did you mean \"{word}\"?"));
-            let span = self.look_up(key).map_or(0..0, Spanned::span);
             self.complaints.add(
-                span,
+                self.span_of(key),
                 format!("`{key}` is \"{text}\"; expected {}", words.join(" or ")),
                 help,
             );
@@ -233,7 +251,8 @@ impl<'a> Section<'a> {
         let parsed = i64::from_str_radix(integer.as_str(), integer.radix()).ok();
         let found = parsed.filter(|number| range.contains(number));
         if found.is_none() {
-            self.out_of_range(key, value.span(), integer.as_str(), range.start(), range.end());
+            let text = integer.to_string();
+            self.out_of_range(key, value.span(), &text, range.start(), range.end());
         }
         found
     }
@@ -244,17 +263,23 @@ impl<'a> Section<'a> {
         value: &Spanned<DeValue<'_>>,
         range: &RangeInclusive<f64>,
     ) -> Option<f64> {
-        let text = match value.get_ref() {
-            DeValue::Float(float) => float.as_str(),
-            DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
+        let (text, number) = match value.get_ref() {
+            DeValue::Float(float) => (float.to_string(), float.as_str().parse().ok()),
+            DeValue::Integer(integer) if integer.radix() == 10 => {
+                (integer.to_string(), integer.as_str().parse().ok())
+            }
+            DeValue::Integer(integer) => {
+                let whole = u32::from_str_radix(integer.as_str(), integer.radix());
+                (integer.to_string(), whole.ok().map(f64::from))
+            }
             _ => {
                 self.wrong_type(key, value, "a number");
                 return None;
             }
         };
-        let number = text.parse::<f64>().ok().filter(|number| range.contains(number));
+        let number = number.filter(|number| range.contains(number));
         if number.is_none() {
-            self.out_of_range(key, value.span(), text, range.start(), range.end());
+            self.out_of_range(key, value.span(), &text, range.start(), range.end());
         }
         number
     }
@@ -291,7 +316,9 @@ impl<'a> Section<'a> {
             if known.iter().any(|known| known == name) {
                 continue;
             }
-            let help = match nearest(name, known.iter().map(String::as_str)) {
+            // What is there already is not what was meant.
+            let absent = known.iter().map(String::as_str).filter(|known| !self.has(known));
+            let help = match nearest(name, absent) {
                 Some(known) => format!("did you mean `{known}`?"),
                 None => format!("known here: {}", known.join(", ")),
             };

@@ -1,0 +1,60 @@
+//! Findings of one program, bounded in number.
+
+use crate::finding::{Finding, Rule, Severity};
+use std::collections::{BTreeMap, VecDeque};
+
+/// Findings beyond this number of each severity are counted, not kept: a program that is wrong on every one of ten
+/// million lines is reported as well by its first thousand.
+pub(super) const MAX_FINDINGS: usize = 1000;
+
+/// So many of the findings that are only counted are remembered, so as to be counted once: more than belong to one
+/// line.
+const REMEMBERED: usize = 64;
+
+/// What makes a finding one finding: line, rule, axis and column. Later ones that agree in this only raise its value
+/// and lower its feed.
+type Key = (u32, Rule, Option<usize>, Option<usize>);
+
+/// Findings, bounded in number. Each severity has room of its own, so that no number of warnings hides an error.
+#[derive(Debug, Default)]
+pub(super) struct Findings {
+    kept: BTreeMap<Severity, BTreeMap<Key, Finding>>,
+    left_out: u64,
+    left_out_lately: VecDeque<(Severity, Key)>,
+}
+
+impl Findings {
+    pub(super) fn add(&mut self, axis: Option<usize>, finding: Finding) {
+        let column = finding.columns.as_ref().map(|columns| columns.start);
+        let key = (finding.line, finding.rule, axis, column);
+        let severity = finding.severity;
+        let kept = self.kept.entry(severity).or_default();
+        if let Some(kept) = kept.get_mut(&key) {
+            // A feed is small enough if it is so wherever the finding was made.
+            let feeds = kept.largest_feed_mm_per_s.zip(finding.largest_feed_mm_per_s);
+            let feed = feeds.map(|(one, other)| one.min(other));
+            if excess(&finding) > excess(kept) {
+                *kept = finding;
+            }
+            kept.largest_feed_mm_per_s = feed;
+        } else if kept.len() < MAX_FINDINGS {
+            kept.insert(key, finding);
+        } else if !self.left_out_lately.contains(&(severity, key)) {
+            self.left_out += 1;
+            if self.left_out_lately.len() == REMEMBERED {
+                self.left_out_lately.pop_front();
+            }
+            self.left_out_lately.push_back((severity, key));
+        }
+    }
+
+    /// All that were kept, in no particular order, and how many were not.
+    pub(super) fn into_list(self) -> (Vec<Finding>, u64) {
+        (self.kept.into_values().flat_map(BTreeMap::into_values).collect(), self.left_out)
+    }
+}
+
+/// How far a finding's value is from its limit.
+fn excess(finding: &Finding) -> f64 {
+    finding.value.zip(finding.limit).map_or(0.0, |(value, limit)| (value - limit).abs())
+}

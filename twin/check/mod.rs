@@ -1,0 +1,299 @@
+//! Validates a program on the virtual machine: everything that must be known before anything moves.
+
+mod findings;
+mod sentence;
+#[cfg(test)]
+mod tests;
+
+use crate::finding::{self, Finding};
+use crate::machine::Machine;
+use crate::physics::PhysicsError;
+use crate::plant::Plant;
+use crate::program::{ProgramFile, ProgramItem};
+use crate::report::{AxisPeak, Peak, seconds};
+use crate::setpoint::{AxisSetpoint, Transformer};
+use crate::simulated::Simulated;
+use findings::Findings;
+use std::io;
+use twin_kinematics::AxisVector;
+use twin_motion::Place;
+use twin_motion::interpolate::ToolSetpoint;
+
+/// A value may exceed its limit by this fraction before it counts: rounding, not motion.
+const ROUNDING: f64 = 1e-9;
+
+/// What checking a program has told.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// Number of path elements.
+    pub elements: u64,
+    /// Length of the path, m.
+    pub length: f64,
+    /// Duration, ns.
+    pub duration_ns: i64,
+    /// Largest values per axis, machine-file order.
+    pub peaks: Vec<AxisPeak>,
+    /// What was found, worst first.
+    pub findings: Vec<Finding>,
+    /// How many further findings there are.
+    pub findings_left_out: u64,
+    /// Where the axes are at the first set-point, m or rad.
+    pub start: Option<AxisVector>,
+}
+
+/// Why a program could not be checked.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckFailure {
+    /// The file.
+    #[error(transparent)]
+    Read(#[from] io::Error),
+    /// The simulated machine.
+    #[error(transparent)]
+    Physics(#[from] PhysicsError),
+}
+
+/// Checks a whole program; with `physics` also on the simulated machine. `progress` is told the bytes read so far.
+///
+/// # Errors
+/// If the file cannot be read, or the simulated machine cannot be built.
+pub fn check(
+    machine: &Machine,
+    program: &ProgramFile,
+    physics: bool,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Outcome, CheckFailure> {
+    let mut checker = Checker::new(machine);
+    let mut rehearsal = physics.then_some(Rehearsal { machine, twin: None, lost: false });
+    let mut items = program.open(machine)?;
+    let mut countdown = 0u32;
+    while let Some(item) = items.next() {
+        match item {
+            ProgramItem::Setpoint(tool) => {
+                let Some(setpoint) = checker.setpoint(&tool) else { continue };
+                if let Some(rehearsal) = &mut rehearsal {
+                    rehearsal.follow(&setpoint, &mut checker)?;
+                }
+            }
+            ProgramItem::Diagnostic(finding) => checker.findings.add(None, finding),
+            ProgramItem::Io(error) => return Err(error.into()),
+        }
+        countdown = countdown.checked_sub(1).unwrap_or_else(|| {
+            progress(items.bytes_read());
+            1000
+        });
+    }
+    let mut outcome = checker.finish();
+    outcome.elements = items.elements();
+    outcome.length = items.length();
+    Ok(outcome)
+}
+
+/// The simulated machine on which a program is tried.
+#[derive(Debug)]
+struct Rehearsal<'m> {
+    machine: &'m Machine,
+    /// From the first set-point on.
+    twin: Option<Simulated>,
+    /// It has run away from its set-points.
+    lost: bool,
+}
+
+impl Rehearsal<'_> {
+    /// Takes the machine to `setpoint` and tells `checker` where it came.
+    fn follow(
+        &mut self,
+        setpoint: &AxisSetpoint,
+        checker: &mut Checker<'_>,
+    ) -> Result<(), PhysicsError> {
+        if self.lost {
+            return Ok(());
+        }
+        let twin = match &mut self.twin {
+            Some(twin) => twin,
+            None => self.twin.insert(Simulated::new(self.machine, &setpoint.axes.position)?),
+        };
+        match twin.command(setpoint).and_then(|()| twin.feedback()) {
+            Ok(Some(feedback)) => checker.following(setpoint, &feedback.position),
+            Ok(None) => {}
+            // A machine that can be built and cannot do what is asked of it: the program is wrong, not the command.
+            Err(error) => {
+                self.lost = true;
+                checker.findings.add(None, sentence::lost(setpoint.place, &error));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Looks at every set-point.
+#[derive(Debug)]
+struct Checker<'m> {
+    machine: &'m Machine,
+    transformer: Transformer<'m>,
+    findings: Findings,
+    peaks: Vec<AxisPeak>,
+    last: Option<AxisSetpoint>,
+    start: Option<AxisVector>,
+    duration_ns: i64,
+}
+
+impl<'m> Checker<'m> {
+    fn new(machine: &'m Machine) -> Self {
+        Self {
+            machine,
+            transformer: Transformer::new(machine),
+            findings: Findings::default(),
+            peaks: vec![AxisPeak::default(); machine.axes.len()],
+            last: None,
+            start: None,
+            duration_ns: 0,
+        }
+    }
+
+    /// `None` if the machine cannot take this set-point.
+    fn setpoint(&mut self, tool: &ToolSetpoint) -> Option<AxisSetpoint> {
+        self.duration_ns = tool.time_ns;
+        let setpoint = match self.transformer.axes(tool) {
+            Ok(setpoint) => setpoint,
+            Err(error) => {
+                self.findings.add(None, sentence::unreachable(tool.place, &error));
+                self.last = None;
+                return None;
+            }
+        };
+        let last = self.last.replace(setpoint);
+        self.start.get_or_insert(setpoint.axes.position);
+        let machine = self.machine;
+        let cycle = seconds(machine.cycle_ns);
+        for (index, (axis, peak)) in machine.axes.iter().zip(&mut self.peaks).enumerate() {
+            let now = Instant::of(&setpoint, index);
+            let before = last.as_ref().map(|last| Instant::of(last, index));
+            let mut report = |finding| self.findings.add(Some(index), finding);
+            let [low, high] = peak.position.unwrap_or([now.position; 2]);
+            peak.position = Some([low.min(now.position), high.max(now.position)]);
+            if let Some(finding) = sentence::beyond_position(axis, tool.place, now.position) {
+                report(finding);
+            }
+
+            let limit = axis.max_velocity;
+            peak.velocity.include(now.velocity, tool.place);
+            if exceeds(now.velocity, limit) {
+                let mut finding = sentence::too_fast(axis, tool.place, now.velocity);
+                finding.largest_feed_mm_per_s = now.feed_for_velocity(before.as_ref(), limit);
+                report(finding);
+            }
+            let limit = axis.max_acceleration;
+            peak.acceleration.include(now.acceleration, tool.place);
+            if exceeds(now.acceleration, limit) {
+                let mut finding = sentence::too_hard(axis, tool.place, now.acceleration);
+                finding.largest_feed_mm_per_s = now.feed_for_acceleration(before.as_ref(), limit);
+                report(finding);
+            }
+
+            let Some(before) = before else { continue };
+            // A jump of the set-point (G92) has no velocity of its own: the difference between cycles shows it. It
+            // belongs to the block of the cycle in which it happens, which the set-point before began.
+            if now.path_velocity <= 0.0 && before.path_velocity <= 0.0 {
+                let stepped = (now.position - before.position) / cycle;
+                peak.velocity.include(stepped, before.place);
+                if exceeds(stepped, axis.max_velocity) {
+                    report(sentence::too_fast(axis, before.place, stepped));
+                }
+            }
+            let jerk = (now.acceleration - before.acceleration) / cycle;
+            peak.jerk.include(jerk, tool.place);
+            if let Some(limit) = axis.max_jerk.filter(|limit| exceeds(jerk, *limit)) {
+                report(sentence::too_jerky(axis, tool.place, jerk, limit));
+            }
+        }
+        Some(setpoint)
+    }
+
+    /// Compares the simulated machine with its set-point.
+    fn following(&mut self, setpoint: &AxisSetpoint, actual: &AxisVector) {
+        let pairs = setpoint.axes.position.iter().zip(actual.iter());
+        let axes = self.machine.axes.iter().zip(&mut self.peaks);
+        for (index, ((axis, peak), (wanted, actual))) in axes.zip(pairs).enumerate() {
+            let error = (actual - wanted).abs();
+            peak.following_error.get_or_insert(Peak::default()).include(error, setpoint.place);
+            if let Some(limit) = axis.max_following_error.filter(|limit| exceeds(error, *limit)) {
+                let finding = sentence::too_far(axis, setpoint.place, error, limit);
+                self.findings.add(Some(index), finding);
+            }
+        }
+    }
+
+    fn finish(self) -> Outcome {
+        let (mut findings, findings_left_out) = self.findings.into_list();
+        finding::sort(&mut findings);
+        Outcome {
+            elements: 0,
+            length: 0.0,
+            duration_ns: self.duration_ns,
+            peaks: self.peaks,
+            findings,
+            findings_left_out,
+            start: self.start,
+        }
+    }
+}
+
+/// One axis at one instant. SI.
+#[derive(Clone, Copy, Debug)]
+struct Instant {
+    place: Place,
+    position: f64,
+    velocity: f64,
+    acceleration: f64,
+    /// Of the tool along the path.
+    path_velocity: f64,
+    path_acceleration: f64,
+}
+
+impl Instant {
+    fn of(setpoint: &AxisSetpoint, index: usize) -> Self {
+        let value = |vector: &AxisVector| vector.get(index).copied().unwrap_or_default();
+        let (tool, path_velocity) = (&setpoint.tool, setpoint.path_velocity);
+        let along = tool.acceleration.dot(&tool.velocity);
+        Self {
+            place: setpoint.place,
+            position: value(&setpoint.axes.position),
+            velocity: value(&setpoint.axes.velocity),
+            acceleration: value(&setpoint.axes.acceleration),
+            path_velocity,
+            path_acceleration: if path_velocity > 0.0 { along / path_velocity } else { 0.0 },
+        }
+    }
+
+    /// The largest feed with which the axis does not exceed the velocity `limit` here, mm/s: along a given path the
+    /// axes' velocities are proportional to the feed. Where the tool is slower than the feed only because it is still
+    /// accelerating, a feed below its velocity here makes it the feed.
+    fn feed_for_velocity(&self, before: Option<&Self>, limit: f64) -> Option<f64> {
+        let per_feed = self.worst(before, |one| one.velocity / one.path_velocity)?;
+        Some(limit / per_feed * 1e3)
+    }
+
+    /// The same for the acceleration `limit`: at constant feed it grows with the square of the feed. `None` if the axis
+    /// would exceed it on a straight path too, by the acceleration or deceleration (E) alone.
+    fn feed_for_acceleration(&self, before: Option<&Self>, limit: f64) -> Option<f64> {
+        let along = |one: &Self| one.path_acceleration * one.velocity / one.path_velocity;
+        let bend = |one: &Self| (one.acceleration - along(one)) / one.path_velocity.powi(2);
+        let per_feed_v2 = self.worst(before, bend)?;
+        let feed = (limit / per_feed_v2).sqrt().min(self.path_velocity);
+        (along(self).abs() <= limit).then_some(feed * 1e3)
+    }
+
+    /// The magnitude of something that depends on the path alone. Between set-points it may be larger than at them, by
+    /// no more than it has changed since the one `before`, if that is on the same element. `None` at rest.
+    fn worst(&self, before: Option<&Self>, of: impl Fn(&Self) -> f64) -> Option<f64> {
+        let moving = |one: &Self| one.path_velocity > 0.0;
+        let before = before.filter(|before| moving(before) && before.place == self.place);
+        let here = of(self);
+        let change = before.map_or(0.0, |before| (here - of(before)).abs());
+        moving(self).then_some(here.abs() + change)
+    }
+}
+
+fn exceeds(value: f64, limit: f64) -> bool {
+    value.abs() > limit * (1.0 + ROUNDING)
+}

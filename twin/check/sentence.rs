@@ -1,0 +1,110 @@
+//! Findings in words: what is wrong, with value and limit.
+
+use super::ROUNDING;
+use crate::finding::{Finding, Rule, Severity};
+use crate::machine::{Axis, AxisKind};
+use crate::physics::PhysicsError;
+use twin_kinematics::KinematicsError;
+use twin_motion::Place;
+
+/// A set-point that the kinematics refuses.
+pub(super) fn unreachable(place: Place, error: &KinematicsError) -> Finding {
+    let rule = match error {
+        KinematicsError::Singular { .. } => Rule::Singularity,
+        _ => Rule::Reach,
+    };
+    let finding = Finding::error(rule, place, format!("the tool cannot be there: {error}"));
+    match error {
+        KinematicsError::Unreachable { distance, reach: [near, far], .. } => {
+            let limit = if distance < near { near } else { far };
+            finding.with_value(distance * 1e3, limit * 1e3, "mm")
+        }
+        _ => finding,
+    }
+}
+
+pub(super) fn beyond_position(axis: &Axis, place: Place, position: f64) -> Option<Finding> {
+    let [low, high] = axis.position_limits;
+    let tolerance = ROUNDING * (high - low);
+    let limit = if position < low - tolerance {
+        low
+    } else if position > high + tolerance {
+        high
+    } else {
+        return None;
+    };
+    let (value, limit, unit) = (axis.from_si(position), axis.from_si(limit), axis.unit());
+    let side = if position < low { "below" } else { "above" };
+    let message = format!(
+        "axis {} at {value:.3} {unit} is {side} its software limit of {limit:.3} {unit}",
+        axis.name
+    );
+    let mut finding =
+        Finding::error(Rule::AxisPosition, place, message).with_value(value, limit, unit);
+    finding.axis = Some(axis.name.clone());
+    Some(finding)
+}
+
+/// A velocity (rad/s or m/s) above the axis's.
+pub(super) fn too_fast(axis: &Axis, place: Place, velocity: f64) -> Finding {
+    let quantity = Quantity { name: "velocity", units: ["deg/s", "mm/s"] };
+    too_much(axis, Rule::AxisVelocity, &quantity, place, velocity, axis.max_velocity)
+}
+
+/// An acceleration (rad/s² or m/s²) above the axis's.
+pub(super) fn too_hard(axis: &Axis, place: Place, acceleration: f64) -> Finding {
+    let quantity = Quantity { name: "acceleration", units: ["deg/s^2", "mm/s^2"] };
+    too_much(axis, Rule::AxisAcceleration, &quantity, place, acceleration, axis.max_acceleration)
+}
+
+/// A jerk (rad/s³ or m/s³) above `limit`. A trapezoidal profile steps in acceleration; that alone makes no program
+/// unfit.
+pub(super) fn too_jerky(axis: &Axis, place: Place, jerk: f64, limit: f64) -> Finding {
+    let quantity = Quantity { name: "jerk", units: ["deg/s^3", "mm/s^3"] };
+    Finding {
+        severity: Severity::Warning,
+        ..too_much(axis, Rule::AxisJerk, &quantity, place, jerk, limit)
+    }
+}
+
+/// A distance (rad or m) between set-point and simulated machine above `limit`.
+pub(super) fn too_far(axis: &Axis, place: Place, error: f64, limit: f64) -> Finding {
+    let quantity = Quantity { name: "following error", units: ["deg", "mm"] };
+    too_much(axis, Rule::FollowingError, &quantity, place, error, limit)
+}
+
+/// The simulated machine has run away from its set-points.
+pub(super) fn lost(place: Place, error: &PhysicsError) -> Finding {
+    let message = format!("the simulated machine cannot follow: {error}");
+    Finding::error(Rule::FollowingError, place, message)
+}
+
+/// What is measured, in which unit for rotary and linear axes.
+struct Quantity {
+    name: &'static str,
+    units: [&'static str; 2],
+}
+
+fn too_much(
+    axis: &Axis,
+    rule: Rule,
+    quantity: &Quantity,
+    place: Place,
+    value: f64,
+    limit: f64,
+) -> Finding {
+    let (value, limit) = (axis.from_si(value.abs()), axis.from_si(limit));
+    let [rotary, linear] = quantity.units;
+    let unit = match axis.kind {
+        AxisKind::Rotary => rotary,
+        AxisKind::Linear => linear,
+    };
+    let shown = unit.replace("^2", "²").replace("^3", "³");
+    let message = format!(
+        "axis {}: {} {value:.4} {shown} is above its limit of {limit:.4} {shown}",
+        axis.name, quantity.name
+    );
+    let mut finding = Finding::error(rule, place, message).with_value(value, limit, unit);
+    finding.axis = Some(axis.name.clone());
+    finding
+}

@@ -1,0 +1,169 @@
+//! What runs on the device's thread.
+
+use super::stream::Stream;
+use super::{Event, HardwareError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::mpsc::{SyncSender, TrySendError};
+use twin_drives::{Drive, Increments, MAX_DRIVE_AXES, SetpointStream};
+
+/// What a device's thread is asked to do.
+pub(super) const APPROACH: u8 = 0;
+pub(super) const FOLLOW: u8 = 1;
+pub(super) const FINISH: u8 = 2;
+pub(super) const STOP: u8 = 3;
+
+/// A device and its side of the channel.
+pub(super) struct Device {
+    pub(super) drive: Box<dyn Drive>,
+    pub(super) stream: Arc<Stream>,
+    pub(super) order: Arc<AtomicU8>,
+    pub(super) sender: SyncSender<Result<Event, HardwareError>>,
+}
+
+/// After this many samples in a row at rest away from its target an axis is stuck, not slow to start.
+const PATIENCE: u32 = 100;
+
+impl Device {
+    pub(super) fn run(mut self, target: &Increments, speed: &[f64; MAX_DRIVE_AXES]) {
+        let unsaid = match self.work(target, speed) {
+            Ok(()) => Some(Ok(Event::AtRest)),
+            Err(error) => {
+                // The first error is the one to report, and at once: the session has a machine of its own to stop. The
+                // device is stopped if it still answers, which takes its time.
+                let unsaid = self.sender.try_send(Err(error)).err().map(unsent);
+                if self.drive.soft_stop().is_err() {
+                    self.drive.hard_stop().unwrap_or_default();
+                }
+                unsaid
+            }
+        };
+        if let Some(last) = unsaid {
+            // If nobody listens any more there is nobody to tell.
+            self.sender.send(last).unwrap_or_default();
+        }
+    }
+
+    fn order(&self) -> u8 {
+        self.order.load(Ordering::Relaxed)
+    }
+
+    /// False if the session is gone.
+    fn tell(&self, event: Event) -> bool {
+        self.sender.send(Ok(event)).is_ok()
+    }
+
+    fn work(
+        &mut self,
+        target: &Increments,
+        speed: &[f64; MAX_DRIVE_AXES],
+    ) -> Result<(), HardwareError> {
+        self.drive.probe(&*self.stream)?;
+        if self.order() == STOP {
+            return Ok(());
+        }
+        self.drive.enable()?;
+        self.drive.move_to(target, speed)?;
+        if !self.arrive(target)? || !self.tell(Event::Ready) {
+            return Ok(());
+        }
+        loop {
+            match self.order() {
+                APPROACH => {
+                    // Waiting for the session; a loss of the device must not go unnoticed meanwhile.
+                    self.drive.sample(&*self.stream)?;
+                }
+                FOLLOW => {
+                    let sample = self.drive.follow(&*self.stream)?;
+                    if !self.tell(Event::Sample(sample)) {
+                        return self.brake();
+                    }
+                }
+                FINISH => {
+                    self.settle()?;
+                    return Ok(());
+                }
+                _ => return self.brake(),
+            }
+        }
+    }
+
+    /// Waits until the axes stand at `target`; false if a stop came first.
+    fn arrive(&mut self, target: &Increments) -> Result<bool, HardwareError> {
+        let axes = self.drive.axis_count();
+        let mut still = 0;
+        loop {
+            if self.order() == STOP {
+                self.brake()?;
+                return Ok(false);
+            }
+            let sample = self.drive.sample(&*self.stream)?;
+            let (position, target) = (sample.position.get(..axes), target.get(..axes));
+            if !sample.moving && position == target {
+                return Ok(true);
+            }
+            still = if sample.moving { 0 } else { still + 1 };
+            if still > PATIENCE {
+                let list = |values: Option<&[i64]>| values.unwrap_or_default().to_vec();
+                return Err(HardwareError::Stuck {
+                    position: list(position),
+                    target: list(target),
+                });
+            }
+        }
+    }
+
+    /// Follows on to the end of the stream, until the axes rest there.
+    fn settle(&mut self) -> Result<(), HardwareError> {
+        let axes = self.drive.axis_count();
+        let mut still = 0;
+        loop {
+            if self.order() == STOP {
+                return self.brake();
+            }
+            let sample = self.drive.follow(&*self.stream)?;
+            if !self.tell(Event::Sample(sample)) {
+                return self.brake();
+            }
+            // The session has planned to the end, but the axes follow behind; that they stand now, perhaps just where the
+            // path will end, says nothing.
+            if sample.time_ns < self.stream.end_ns() {
+                continue;
+            }
+            let end = self.stream.at(i64::MAX);
+            let there = sample.position.iter().zip(end.position).take(axes);
+            #[expect(clippy::cast_precision_loss, reason = "counters have 32 bits")]
+            let there =
+                there.into_iter().all(|(position, end)| (*position as f64 - end).abs() <= 1.0);
+            if !sample.moving && there {
+                return Ok(());
+            }
+            still = if sample.moving { 0 } else { still + 1 };
+            if still > PATIENCE {
+                let position = sample.position.iter().take(axes).copied().collect();
+                #[expect(clippy::cast_possible_truncation, reason = "for a message")]
+                let target = end.position.iter().take(axes).map(|end| end.round() as i64).collect();
+                return Err(HardwareError::Stuck { position, target });
+            }
+        }
+    }
+
+    /// Brakes every axis on its ramp and waits until they rest.
+    fn brake(&mut self) -> Result<(), HardwareError> {
+        self.drive.soft_stop()?;
+        loop {
+            let sample = self.drive.sample(&*self.stream)?;
+            self.sender.try_send(Ok(Event::Sample(sample))).unwrap_or_default();
+            if !sample.moving {
+                return Ok(());
+            }
+        }
+    }
+}
+
+/// What could not be sent.
+fn unsent<T>(error: TrySendError<T>) -> T {
+    match error {
+        TrySendError::Full(value) | TrySendError::Disconnected(value) => value,
+    }
+}

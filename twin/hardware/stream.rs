@@ -1,0 +1,101 @@
+//! The planned motion in increments, shared between session and device.
+
+use super::HORIZON_NS;
+use crate::clock::Clock;
+use std::collections::VecDeque;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use twin_drives::{IncrementMotion, MAX_DRIVE_AXES, SetpointStream};
+
+/// How far back the stream remembers, ns: longer than any exchange.
+const MEMORY_NS: i64 = 1_000_000_000;
+
+/// The planned motion in increments, shared between session and device.
+#[derive(Debug)]
+pub(super) struct Stream {
+    plan: Mutex<Plan>,
+    cycle_ns: i64,
+}
+
+#[derive(Debug)]
+struct Plan {
+    /// Read once the program runs; before that it is time 0 minus something.
+    clock: Option<Clock>,
+    /// Where the axes rest as long as nothing is planned.
+    start: [f64; MAX_DRIVE_AXES],
+    /// Cycle number of the first kept set-point.
+    first: i64,
+    setpoints: VecDeque<IncrementMotion>,
+}
+
+impl Stream {
+    /// For axes that rest at `start` (increments) until a motion is planned.
+    pub(super) fn new(start: [f64; MAX_DRIVE_AXES], cycle_ns: i64) -> Self {
+        let plan = Plan { clock: None, start, first: 0, setpoints: VecDeque::new() };
+        Self { plan: Mutex::new(plan), cycle_ns }
+    }
+
+    /// From now on the time is that of `clock`.
+    pub(super) fn start(&self, clock: Clock) {
+        self.plan().clock = Some(clock);
+    }
+
+    /// Plans one cycle more, at `time_ns`, and forgets what no exchange can ask for any more.
+    pub(super) fn push(&self, time_ns: i64, motion: IncrementMotion) {
+        let mut plan = self.plan();
+        plan.setpoints.push_back(motion);
+        let oldest = (time_ns - MEMORY_NS - HORIZON_NS).div_euclid(self.cycle_ns);
+        while plan.first < oldest {
+            plan.setpoints.pop_front();
+            plan.first += 1;
+        }
+    }
+
+    /// The last planned instant, ns.
+    pub(super) fn end_ns(&self) -> i64 {
+        let plan = self.plan();
+        let planned = i64::try_from(plan.setpoints.len()).unwrap_or(i64::MAX);
+        (plan.first + planned - 1).max(0) * self.cycle_ns
+    }
+
+    fn plan(&self) -> MutexGuard<'_, Plan> {
+        // A plan is valid between any two statements that change it.
+        self.plan.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl SetpointStream for Stream {
+    fn now_ns(&self) -> i64 {
+        self.plan().clock.map_or(-1, |clock| clock.now_ns())
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "a fraction of a cycle")]
+    fn at(&self, time_ns: i64) -> IncrementMotion {
+        let plan = self.plan();
+        let cycle = time_ns.div_euclid(self.cycle_ns) - plan.first;
+        let fraction = time_ns.rem_euclid(self.cycle_ns) as f64 / self.cycle_ns as f64;
+        let at_rest = |motion: Option<&IncrementMotion>| IncrementMotion {
+            position: motion.map_or(plan.start, |motion| motion.position),
+            velocity: [0.0; MAX_DRIVE_AXES],
+        };
+        let Ok(index) = usize::try_from(cycle) else { return at_rest(plan.setpoints.front()) };
+        let (Some(from), Some(to)) = (plan.setpoints.get(index), plan.setpoints.get(index + 1))
+        else {
+            return at_rest(plan.setpoints.back());
+        };
+        let between = |from: &[f64; MAX_DRIVE_AXES], to: &[f64; MAX_DRIVE_AXES]| {
+            let mut result = [0.0; MAX_DRIVE_AXES];
+            for (result, (from, to)) in result.iter_mut().zip(from.iter().zip(to)) {
+                *result = from + (to - from) * fraction;
+            }
+            result
+        };
+        IncrementMotion {
+            position: between(&from.position, &to.position),
+            velocity: between(&from.velocity, &to.velocity),
+        }
+    }
+
+    fn horizon_ns(&self) -> i64 {
+        HORIZON_NS
+    }
+}

@@ -1,0 +1,648 @@
+//! Machine files, right and wrong.
+
+use super::{Axis, AxisKind, Machine, MachineFileError, Parity, Problem};
+use proptest::prelude::*;
+use std::path::Path;
+use twin_kinematics::{AxisVector, Kinematics, Pose};
+
+const SCARA2: &str = include_str!("../../machines/scara2.toml");
+const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+
+/// As short as a machine with a drive can be.
+const SHORT: &str = r#"name = "portal"
+[kinematics]
+kind = "gantry3"
+[[drives]]
+name = "board"
+kind = "interpcnc"
+[[axes]]
+name = "X"
+kind = "linear"
+position_min_mm = -50
+position_max_mm = 650
+max_velocity_mm_per_s = 400
+max_acceleration_mm_per_s2 = 3000
+drive = "board"
+drive_axis = "X"
+increments = 3200
+per_mm = 10
+[[axes]]
+name = "Y"
+kind = "linear"
+position_min_mm = -250
+position_max_mm = 450
+max_velocity_mm_per_s = 400
+max_acceleration_mm_per_s2 = 3000
+drive = "board"
+drive_axis = "Y"
+increments = 3200
+per_mm = 10
+[[axes]]
+name = "Z"
+kind = "linear"
+position_min_mm = -60
+position_max_mm = 120
+max_velocity_mm_per_s = 200
+max_acceleration_mm_per_s2 = 2000
+drive = "board"
+drive_axis = "Z"
+increments = 3200
+per_mm = 5
+"#;
+
+fn parse(text: &str) -> Result<Machine, Vec<Problem>> {
+    Machine::parse(Path::new("machine.toml"), text)
+}
+
+fn load(text: &str) -> Machine {
+    parse(text).unwrap_or_else(|problems| panic!("{problems:#?}"))
+}
+
+/// `text` with the first `from` replaced, which must be there.
+fn edited(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "{from} is not in the file");
+    text.replacen(from, to, 1)
+}
+
+/// What is wrong with `text`: the place in the text, the message, the help.
+fn problems(text: &str) -> Vec<(String, String, Option<String>)> {
+    let Err(problems) = parse(text) else { panic!("nothing is found wrong with\n{text}") };
+    assert!(!problems.is_empty());
+    problems
+        .into_iter()
+        .map(|problem| (text[problem.span].to_owned(), problem.message, problem.help))
+        .collect()
+}
+
+/// The only thing wrong with [`SHORT`] when `from` is replaced.
+#[track_caller]
+fn problem(from: &str, to: &str) -> (String, String, Option<String>) {
+    let mut problems = problems(&edited(SHORT, from, to));
+    assert_eq!(problems.len(), 1, "{problems:#?}");
+    problems.remove(0)
+}
+
+/// What [`problem`] finds is at `place` and says all of `words`.
+#[track_caller]
+fn refused(from: &str, to: &str, place: &str, words: &[&str]) {
+    let (found, message, _) = problem(from, to);
+    assert_eq!(found, place, "{message}");
+    for word in words {
+        assert!(message.contains(word), "{message} lacks {word}");
+    }
+}
+
+fn near(one: f64, other: f64) {
+    assert!((one - other).abs() <= 1e-15 * other.abs(), "{one} is not {other}");
+}
+
+#[test]
+fn the_shipped_machines_are_as_their_comments_say() {
+    let scara = load(SCARA2);
+    assert_eq!((scara.name.as_str(), scara.kind), ("scara2", "scara2"));
+    let names = |machine: &Machine| -> Vec<_> {
+        machine.axes.iter().map(|axis| (axis.name.clone(), axis.kind)).collect()
+    };
+    let (rotary, linear) = (AxisKind::Rotary, AxisKind::Linear);
+    let of = |name: &str, kind| (name.to_owned(), kind);
+    assert_eq!(names(&scara), [of("A", rotary), of("B", rotary), of("Z", linear)]);
+    // Both arms along +x reach 250 + 200 mm; the tool is 60 mm long.
+    let pose = scara.kinematics.forward(&AxisVector::from_values([0.0, 0.0, 0.06])).unwrap();
+    assert!((pose.position - nalgebra::point![0.45, 0.0, 0.0]).norm() < 1e-15, "{pose:?}");
+    assert_eq!(scara.start.map(|value| (value * 1e6).round()), [300_000.0, 0.0, 20_000.0]);
+    near(scara.angle_tolerance, 2f64.to_radians());
+    assert_eq!(scara.gravity, nalgebra::vector![0.0, 0.0, -9.81]);
+    let board = &scara.drives[0];
+    assert_eq!((board.station, board.baud, board.parity), (1, 115_200, Parity::None));
+    assert_eq!(board.port.as_deref(), Some("/dev/ttyUSB0"));
+    assert_eq!((board.start_stop_hz, board.acceleration_khz_per_s), (200, 2000));
+    assert_eq!(board.turnaround_us, 2000);
+
+    let gantry = load(GANTRY3);
+    assert_eq!(names(&gantry), [of("X", linear), of("Y", linear), of("Z", linear)]);
+    assert_eq!(gantry.kind, "gantry3");
+    // What the files do not say is the same as what they say is the default.
+    assert_eq!(gantry.gravity, scara.gravity);
+    assert_eq!(gantry.drives[0].turnaround_us, board.turnaround_us);
+    for machine in [scara, gantry] {
+        assert!(machine.start_axes().is_some(), "{} cannot stand at its start", machine.name);
+        let devices: Vec<_> =
+            machine.axes.iter().map(|axis| axis.drive.as_ref().unwrap().index).collect();
+        assert_eq!(devices, [0, 1, 2]);
+    }
+}
+
+#[test]
+fn values_are_si_inside() {
+    let machine = load(SCARA2);
+    let [a, _, z] = &machine.axes[..] else { panic!("three axes") };
+    near(a.position_limits[0], (-150f64).to_radians());
+    near(a.position_limits[1], 150f64.to_radians());
+    near(a.max_velocity, 240f64.to_radians());
+    near(a.max_acceleration, 1500f64.to_radians());
+    near(a.max_following_error.unwrap(), 0.5f64.to_radians());
+    assert_eq!(a.max_jerk, None);
+    near(z.position_limits[0], -0.06);
+    near(z.position_limits[1], 0.14);
+    near(z.max_velocity, 0.3);
+    near(z.max_acceleration, 3.0);
+    near(z.max_following_error.unwrap(), 0.5e-3);
+    // Forces and torques are SI already.
+    assert_eq!((a.simulated.effort_limit, a.simulated.coulomb_friction), (120.0, 1.5));
+    assert_eq!((z.simulated.effort_limit, z.simulated.viscous_friction), (400.0, 20.0));
+    near(a.from_si(std::f64::consts::PI), 180.0);
+    near(z.to_si(z.from_si(0.123)), 0.123);
+
+    let jerky = edited(SCARA2, "# max_jerk_deg_per_s3", "max_jerk_deg_per_s3");
+    near(load(&jerky).axes[0].max_jerk.unwrap(), 60_000f64.to_radians());
+    let moved = SCARA2
+        .replacen("translation_mm = [0.0, 0.0, 0.0]", "translation_mm = [10.0, -20.0, 5.0]", 1)
+        .replacen("rotation_deg = [0.0, 0.0, 0.0]", "rotation_deg = [0.0, 0.0, 90.0]", 1);
+    let tip = Pose { position: nalgebra::point![0.1, 0.0, 0.0], direction: 0.0 };
+    let found = load(&moved).frame.pose_to_machine(&tip).position;
+    assert!((found - nalgebra::point![0.01, 0.08, 0.005]).norm() < 1e-15, "{found}");
+}
+
+#[test]
+fn increments_are_an_exact_ratio() {
+    let increments = |axis: &Axis, value: f64| axis.increments_per_si() * axis.to_si(value);
+    let machine = load(SCARA2);
+    // 200 steps of 16 microsteps and a gear 50:1 are 160000 increments a turn; 3200 per 5 mm are 640 per mm.
+    assert_eq!(increments(&machine.axes[0], 360.0), 160_000.0);
+    assert_eq!(increments(&machine.axes[0], 90.0), 40_000.0);
+    assert_eq!(increments(&machine.axes[1], -360.0), -128_000.0);
+    near(increments(&machine.axes[2], 1.0), 640.0);
+    let reversed = edited(SCARA2, "increments = 160000", "increments = -160000");
+    assert_eq!(increments(&load(&reversed).axes[0], 360.0), -160_000.0);
+    // A third of a turn has no finite decimal; three of them are a turn.
+    let third = edited(SCARA2, "per_deg = 360.0", "per_deg = 120.0");
+    let third = edited(&third, "max_velocity_deg_per_s = 240.0", "max_velocity_deg_per_s = 100.0");
+    assert_eq!(increments(&load(&third).axes[0], 120.0), 160_000.0);
+}
+
+#[test]
+fn numbers_may_be_written_in_every_way_toml_has() {
+    let ways =
+        [("3200", "3_200"), ("3200", "0xC80"), ("= 400", "= 4e2"), ("= 400", "= 0b110010000")];
+    for (plain, other) in ways {
+        let machine = load(&edited(SHORT, plain, other));
+        assert_eq!(machine.axes, load(SHORT).axes, "{other}");
+    }
+}
+
+#[test]
+fn a_key_may_be_missing_only_if_it_has_a_default() {
+    let needed = [
+        ("name = \"portal\"\n", "the file lacks `name`"),
+        ("kind = \"gantry3\"\n", "[kinematics] lacks `kind`"),
+        ("name = \"board\"\n", "[[drives]] number 1 lacks `name`"),
+        ("kind = \"interpcnc\"\n", "[[drives]] number 1 lacks `kind`"),
+        ("name = \"X\"\n", "[[axes]] number 1 lacks `name`"),
+        ("kind = \"linear\"\n", "[[axes]] number 1 lacks `kind`"),
+        ("position_min_mm = -50\n", "[[axes]] number 1 lacks `position_min_mm`"),
+        ("position_max_mm = 650\n", "[[axes]] number 1 lacks `position_max_mm`"),
+        ("max_velocity_mm_per_s = 400\n", "[[axes]] number 1 lacks `max_velocity_mm_per_s`"),
+        (
+            "max_acceleration_mm_per_s2 = 3000\n",
+            "[[axes]] number 1 lacks `max_acceleration_mm_per_s2`",
+        ),
+    ];
+    for (line, complaint) in needed {
+        let found = problems(&edited(SHORT, line, ""));
+        assert!(
+            found.iter().any(|(_, message, _)| message == complaint),
+            "{complaint}: {found:#?}"
+        );
+    }
+    // The complaint points at the table that lacks it.
+    let (place, ..) = problem("position_max_mm = 650\n", "");
+    assert!(place.starts_with("[[axes]]"), "{place}");
+    let without_kinematics = edited(SHORT, "[kinematics]\nkind = \"gantry3\"\n", "");
+    assert_eq!(problems(&without_kinematics)[0].1, "the file lacks [kinematics]");
+    let scara = edited(SCARA2, "arm_lengths_mm = [250.0, 200.0]", "");
+    assert!(problems(&scara)[0].1.contains("[kinematics] lacks `arm_lengths_mm`"));
+}
+
+#[test]
+fn a_value_of_another_type_is_named_with_its_type() {
+    refused("= -50", "= \"-50\"", "\"-50\"", &["`position_min_mm` is a string", "a number"]);
+    refused("= -50", "= true", "true", &["`position_min_mm` is a boolean", "a number"]);
+    refused("= -50", "= [-50]", "[-50]", &["`position_min_mm` is an array", "a number"]);
+    refused("= -50", "= 1979-05-27", "1979-05-27", &["`position_min_mm` is a datetime"]);
+    refused("= -50", "= {mm = -50}", "{mm = -50}", &["`position_min_mm` is a table"]);
+    refused("\"portal\"", "7", "7", &["`name` is an integer; expected a string"]);
+    refused("= 3200", "= 3200.0", "3200.0", &["`increments` is a float", "whole number"]);
+    let scara = |from, to| problems(&edited(SCARA2, from, to))[0].clone();
+    let (place, message, _) = scara("[250.0, 200.0]", "250.0");
+    assert_eq!((place.as_str(), message.contains("an array of 2 numbers")), ("250.0", true));
+    let (place, message, _) = scara("[250.0, 200.0]", "[250.0]");
+    assert_eq!((place.as_str(), message.contains("has 1 entries")), ("[250.0]", true));
+    let (place, message, _) = scara("[250.0, 200.0]", "[250.0, \"200\"]");
+    assert_eq!((place.as_str(), message.contains("is a string")), ("\"200\"", true));
+
+    let flat = "name = \"x\"\nkinematics = 3\naxes = 4\ndrives = [5]\n";
+    let found = problems(flat);
+    let about = |place: &str, words: &str| {
+        let fits =
+            |(found, message, _): &&(String, String, _)| found == place && message.contains(words);
+        assert!(found.iter().any(|problem| fits(&problem)), "{words}: {found:#?}");
+    };
+    about("3", "`kinematics` is an integer; expected a table");
+    about("4", "`axes` is an integer; expected tables headed [[axes]]");
+    about("5", "`drives` is an integer; expected tables headed [[drives]]");
+}
+
+#[test]
+fn a_number_beyond_its_range_is_shown_with_both_bounds() {
+    let cases = [
+        ("= -50\n", "= -1000001\n", "-1000001", ["-1000000 ", "1000000"]),
+        ("= 650\n", "= 1e7\n", "1e7", ["-1000000 ", "1000000"]),
+        ("s = 400\n", "s = 0\n", "0", ["0.001 ", "1000000"]),
+        ("s2 = 3000\n", "s2 = -3000\n", "-3000", ["0.001 ", "100000000"]),
+        ("per_mm = 10\n", "per_mm = 0\n", "0", ["0.000001 ", "1000000000"]),
+    ];
+    for (from, to, number, [low, high]) in cases {
+        let is = format!(" is {number}; ");
+        refused(from, to, number, &[&is, &format!("between {low}and {high}")]);
+    }
+    let in_drive = |line: &str, number: &str, bounds: &str| {
+        let to = format!("kind = \"interpcnc\"\n{line}{number}\n");
+        refused("kind = \"interpcnc\"\n", &to, number, &[bounds]);
+    };
+    in_drive("station = ", "0", "between 1 and 247");
+    in_drive("station = ", "248", "between 1 and 247");
+    in_drive("baud = ", "300", "between 4800 and 256000");
+    in_drive("start_stop_hz = ", "65536", "between 1 and 65535");
+    in_drive("acceleration_khz_per_s = ", "0", "between 1 and 65535");
+    in_drive("emulated_turnaround_ms = ", "-1", "between 0 and 1000");
+    let in_physics = |line: &str, number: &str, bounds: &str| {
+        let to = format!("[axes.physics]\n{line}{number}\n[[axes]]\nname = \"Y\"\n");
+        refused("[[axes]]\nname = \"Y\"\n", &to, number, &[bounds]);
+    };
+    in_physics("max_force_n = ", "0", "between 0.001 and 10000000");
+    in_physics("velocity_loop_bandwidth_hz = ", "251", "between 1 and 250");
+    in_physics("coulomb_friction_n = ", "-0.1", "between 0 and 1000000");
+    let (place, message, _) =
+        problems(&edited(SCARA2, "[250.0, 200.0]", "[250.0, -200.0]")).remove(0);
+    assert_eq!(place, "-200.0");
+    assert!(message.contains("`arm_lengths_mm` is -200.0; it must lie between 1 and 100000"));
+}
+
+#[test]
+fn what_is_no_finite_number_lies_in_no_range() {
+    for number in ["nan", "-nan", "+nan", "inf", "-inf", "+inf", "1e400", "-1e400"] {
+        let bound = "must lie between -1000000 and 1000000";
+        let (place, message, _) = problem("= -50\n", &format!("= {number}\n"));
+        assert_eq!(place, number);
+        assert!(message.contains(bound), "{message}");
+        let scara = problems(&edited(
+            SCARA2,
+            "= [300.0, 0.0, 20.0]",
+            &format!("= [300.0, {number}, 20.0]"),
+        ));
+        assert_eq!((scara.len(), scara[0].0.as_str()), (1, number));
+    }
+    for number in ["99999999999999999999999", "-9223372036854775809", "0xFFFFFFFFFFFFFFFFFF"] {
+        refused("= 3200", &format!("= {number}"), number, &[number, "1000000000000"]);
+        refused("= -50\n", &format!("= {number}\n"), number, &[number, "1000000"]);
+    }
+}
+
+#[test]
+fn an_unknown_key_is_refused_with_the_key_that_was_meant() {
+    let meant = |from: &str, to: &str, key: &str| {
+        let found = problems(&edited(SHORT, from, to));
+        let unknown = |(_, message, _): &&(String, String, _)| message.starts_with("unknown key");
+        let (place, message, help) = found.iter().find(unknown).expect("an unknown key").clone();
+        assert!(message.contains(&format!("`{place}`")), "{message}");
+        assert_eq!(help.unwrap(), format!("did you mean `{key}`?"), "{message}");
+    };
+    meant("position_min_mm", "positon_min_mm", "position_min_mm");
+    meant("max_velocity_mm_per_s ", "max_velocity_mm_s ", "max_velocity_mm_per_s");
+    // The unit of the other kind of axis.
+    meant(
+        "max_acceleration_mm_per_s2",
+        "max_acceleration_deg_per_s2",
+        "max_acceleration_mm_per_s2",
+    );
+    meant("per_mm = 10", "per_deg = 10", "per_mm");
+    meant("[kinematics]", "[kinematic]", "kinematics");
+    meant("[[drives]]", "[[drive]]", "drives");
+    meant("[[drives]]", "[[drives]]\nports = \"a\"", "port");
+    meant("[[drives]]", "[tool]\nlenght_mm = 3\n[[drives]]", "length_mm");
+    meant("[[drives]]", "[program]\nstart = [0, 0, 0]\n[[drives]]", "start_mm");
+    meant("[[drives]]", "[body]\nquill_mass = 3\n[[drives]]", "quill_mass_kg");
+    meant("per_mm = 5", "per_mm = 5\n[axes.physics]\nmax_torque_n = 3", "max_force_n");
+    // Nothing like it: what there is.
+    let (place, message, help) = problem("[[drives]]", "colour = \"blue\"\n[[drives]]");
+    assert_eq!(
+        (place.as_str(), message.as_str()),
+        ("colour", "unknown key `colour` in [kinematics]")
+    );
+    assert_eq!(help.unwrap(), "known here: kind, offsets_mm");
+    // A key that is there already is not suggested.
+    let (_, _, help) = problem("per_mm = 10", "per_mm = 10\nper_mn = 10");
+    assert!(!help.unwrap().contains("`per_mm`"));
+}
+
+#[test]
+fn words_are_chosen_from_a_list() {
+    let (place, message, help) = problem("\"gantry3\"", "\"gantry\"");
+    assert_eq!(place, "\"gantry\"");
+    assert!(
+        message.contains("`kind` is \"gantry\"; expected \"scara2\" or \"gantry3\""),
+        "{message}"
+    );
+    assert_eq!(help.as_deref(), Some("did you mean \"gantry3\"?"));
+    refused("\"linear\"", "\"Linear\"", "\"Linear\"", &["\"rotary\" or \"linear\""]);
+    refused("drive_axis = \"X\"", "drive_axis = \"W\"", "\"W\"", &["\"X\" or \"Y\""]);
+    refused("\"interpcnc\"", "\"smartdrive\"", "\"smartdrive\"", &["expected \"interpcnc\""]);
+    let parity = "kind = \"interpcnc\"\nparity = \"mark\"\n";
+    refused("kind = \"interpcnc\"\n", parity, "\"mark\"", &["\"none\" or \"even\" or \"odd\""]);
+    let elbow = problems(&edited(SCARA2, "elbow = \"low\"", "elbow = \"left\""));
+    assert_eq!((elbow.len(), elbow[0].0.as_str()), (1, "\"left\""));
+    refused("name = \"X\"", "name = \"\"", "\"\"", &["`name` is empty"]);
+}
+
+#[test]
+fn two_axes_share_neither_name_nor_drive_nor_role() {
+    let same_name = problems(&edited(SHORT, "name = \"Y\"", "name = \"X\"\nrole = \"Y\""));
+    assert_eq!(same_name.len(), 1, "{same_name:#?}");
+    assert_eq!(same_name[0].0, "\"X\"");
+    assert_eq!(same_name[0].1, "there is an axis \"X\" already");
+    refused(
+        "drive_axis = \"Y\"",
+        "drive_axis = \"X\"",
+        "\"X\"",
+        &["axis \"X\" already hangs on this axis of the drive"],
+    );
+    // Of the second of two, not the first.
+    let text = edited(SHORT, "drive_axis = \"Y\"", "drive_axis = \"X\"");
+    let span = parse(&text).unwrap_err()[0].span.clone();
+    assert!(text[..span.start].ends_with("drive_axis = "));
+    assert!(span.start > text.find("name = \"Y\"").unwrap());
+
+    let same_role = problems(&edited(SHORT, "name = \"Y\"", "name = \"Y\"\nrole = \"X\""));
+    assert_eq!(same_role.len(), 2, "{same_role:#?}");
+    assert!(same_role.iter().any(|(place, message, _)| {
+        place == "\"X\"" && message.contains("axis \"Y\" has the role \"X\", which another axis")
+    }));
+    assert!(same_role.iter().any(|(_, message, _)| message == "no axis moves Y of the gantry3"));
+}
+
+#[test]
+fn a_role_is_something_the_machine_moves_with_that_kind_of_axis() {
+    // Names are free if roles are given, in any order.
+    let text = edited(SHORT, "name = \"X\"", "name = \"long\"\nrole = \"Y\"");
+    let text = edited(&text, "name = \"Y\"", "name = \"cross\"\nrole = \"X\"");
+    let pose = load(&text).kinematics.forward(&AxisVector::from_values([1.0, 2.0, 3.0])).unwrap();
+    assert_eq!(pose.position, nalgebra::point![2.0, 1.0, 3.0]);
+
+    let found = problems(&edited(SHORT, "name = \"X\"", "name = \"X\"\nrole = \"U\""));
+    assert_eq!(found.len(), 2, "{found:#?}");
+    let complaint = "axis \"X\" has the role \"U\"; of a gantry3 axes move X, Y, Z";
+    assert!(found.iter().any(|(place, message, _)| place == "\"U\"" && message == complaint));
+    assert!(found.iter().any(|(_, message, _)| message == "no axis moves X of the gantry3"));
+    // The transform of a SCARA uses X itself.
+    let found = problems(&edited(SCARA2, "name = \"Z\"", "name = \"Z\"\nrole = \"X\""));
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_eq!(found[0].1, "axis \"Z\" has the role \"X\"; of a scara2 axes move A, B, Z");
+
+    let (before, last) = SHORT.split_at(SHORT.rfind("[[axes]]").unwrap());
+    let turning = last.replace("_mm", "_deg").replace("\"linear\"", "\"rotary\"");
+    let found = problems(&format!("{before}{turning}"));
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_eq!(found[0].0, "\"Z\"");
+    assert_eq!(found[0].1, "axis \"Z\" is rotary; what moves Z of a gantry3 is linear");
+    // A SCARA without its own Z axis has no use for a tool with a length.
+    let (arms, _) = SCARA2.split_at(SCARA2.find("# The transform knows nothing of Z").unwrap());
+    let found = problems(arms);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].1.contains("needs an axis that moves Z"), "{found:#?}");
+    load(&edited(arms, "length_mm = 60.0", "length_mm = 0.0"));
+}
+
+#[test]
+fn every_axis_has_a_drive_or_none() {
+    let without = |text: &str, name: &str| {
+        let from = text.find(&format!("drive = \"board\"\ndrive_axis = \"{name}\"")).unwrap();
+        let to = from + text[from..].find("per_mm").unwrap();
+        let to = to + text[to..].find('\n').unwrap() + 1;
+        format!("{}{}", &text[..from], &text[to..])
+    };
+    let found = problems(&without(SHORT, "Y"));
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert_eq!(found[0].1, "axis \"Y\" has no `drive`, but others have: all or none");
+    let none = without(&without(&without(SHORT, "X"), "Y"), "Z");
+    assert!(load(&none).axes.iter().all(|axis| axis.drive.is_none()));
+    assert_eq!(load(&none).axes[0].increments_per_si(), 0.0);
+}
+
+#[test]
+fn a_drive_needs_its_axis_and_its_ratio() {
+    for (key, line) in [
+        ("drive_axis", "drive_axis = \"X\"\n"),
+        ("increments", "increments = 3200\n"),
+        ("per_mm", "per_mm = 10\n"),
+    ] {
+        let found = problems(&edited(SHORT, line, ""));
+        let complaint = format!("an axis with a `drive` needs `{key}` too");
+        assert!(found.iter().any(|(_, message, _)| *message == complaint), "{key}: {found:#?}");
+    }
+    // The other way round: a ratio without a drive is a drive that was forgotten.
+    let found = problems(&edited(SHORT, "drive = \"board\"\n", ""));
+    for key in ["drive_axis", "increments", "per_mm"] {
+        let complaint = format!("`{key}` says nothing without a `drive`");
+        assert!(found.iter().any(|(_, message, _)| *message == complaint), "{key}: {found:#?}");
+    }
+    refused("= 3200", "= 0", "0", &["`increments` is 0"]);
+    refused("drive = \"board\"", "drive = \"bord\"", "\"bord\"", &["\"bord\"", "board"]);
+    let two = edited(SHORT, "[[axes]]", "[[drives]]\nname = \"b\"\nkind = \"interpcnc\"\n[[axes]]");
+    let found = problems(&two);
+    assert_eq!(found.len(), 1, "{found:#?}");
+    assert!(found[0].1.contains("2 devices; one is supported so far"));
+    // What is wrong with a device is not wrong with its axes.
+    refused("\"interpcnc\"", "\"interpcn\"", "\"interpcn\"", &["expected \"interpcnc\""]);
+}
+
+#[test]
+fn a_drive_must_be_able_to_do_what_the_axis_may() {
+    // 400 mm/s at 320 increments per mm are 128000 steps/s; at 640 they are 256000, above the board's 200 kHz.
+    refused("= 3200", "= 6400", "6400", &["400 mm/s are 256000 steps/s", "4 to 200000"]);
+    refused("= 3200", "= -6400", "-6400", &["256000 steps/s"]);
+    load(&edited(SHORT, "= 3200", "= 5000"));
+    refused("= 3200\nper_mm = 10\n", "= 1\nper_mm = 1000\n", "1", &["400 mm/s are 0 steps/s"]);
+    // 2^31 / 320 increments per mm are 6710.9 m.
+    let far = |mm: &str| edited(SHORT, "position_max_mm = 650", &format!("position_max_mm = {mm}"));
+    let fine = edited(&far("1000000"), "= 3200\nper_mm = 10", "= 2147\nper_mm = 1");
+    let fine = edited(&fine, "max_velocity_mm_per_s = 400", "max_velocity_mm_per_s = 90");
+    load(&fine);
+    let found = problems(&edited(&fine, "= 2147\n", "= 2148\n"));
+    assert_eq!((found.len(), found[0].0.as_str()), (1, "2148"));
+    assert!(found[0].1.contains("2148000000 increments; the drive counts to 2147483647"));
+}
+
+#[test]
+fn software_limits_leave_room() {
+    let words = ["`position_max_mm` is -50; it must be above `position_min_mm`, -50"];
+    refused("position_max_mm = 650", "position_max_mm = -50", "-50", &words);
+    refused("position_max_mm = 650", "position_max_mm = -60", "-60", &["must be above"]);
+}
+
+#[test]
+fn several_problems_come_at_once_in_the_order_of_the_file() {
+    let text = edited(SHORT, "\"portal\"", "5");
+    let text = edited(&text, "\"interpcnc\"", "\"plc\"");
+    let text = edited(&text, "= 650", "= 1e9");
+    let text = edited(&text, "name = \"Z\"", "nam = \"Z\"");
+    let found: Vec<_> = problems(&text).into_iter().map(|(place, ..)| place).collect();
+    assert_eq!(found.len(), 5, "{found:#?}");
+    assert_eq!(found[..3], ["5", "\"plc\"", "1e9"]);
+    // The third axis lacks its name, and has a key too many.
+    assert!(found[3..].contains(&"nam".to_owned()), "{found:#?}");
+    let spans: Vec<_> =
+        parse(&text).unwrap_err().into_iter().map(|problem| problem.span.start).collect();
+    assert!(spans.is_sorted());
+}
+
+#[test]
+fn what_is_not_toml_is_refused_where_it_goes_wrong() {
+    let (place, message, _) = problem("name = \"portal\"", "name = portal");
+    assert!(place.contains("portal") && !message.is_empty(), "{place}: {message}");
+    let (place, message, _) = problem("name = \"X\"\n", "name = \"X\"\nname = \"U\"\n");
+    assert!(message.contains("duplicate key"), "{place}: {message}");
+    assert!(!problems("%\nN10 G0 X1\n").is_empty());
+    assert!(!problems("name = \"unfinished").is_empty());
+}
+
+#[test]
+fn an_empty_file_lacks_everything() {
+    for text in ["", "\n\n# nothing but a comment\n", "\u{feff}"] {
+        let found: Vec<_> = problems(text).into_iter().map(|(_, message, _)| message).collect();
+        assert_eq!(
+            found,
+            ["the file lacks `name`", "the file lacks [[axes]]", "the file lacks [kinematics]"]
+        );
+    }
+}
+
+#[test]
+fn too_many_axes_are_refused() {
+    let mut text = SHORT.to_owned();
+    for number in 0..6 {
+        text += &format!(
+            "[[axes]]\nname = \"U{number}\"\nrole = \"Z\"\nkind = \"linear\"\nposition_min_mm = 0\n\
+             position_max_mm = 1\nmax_velocity_mm_per_s = 1\nmax_acceleration_mm_per_s2 = 1\n"
+        );
+    }
+    let found = problems(&text);
+    assert!(found.iter().any(|(_, message, _)| message == "9 axes; at most 8 are supported"));
+}
+
+#[test]
+fn a_file_that_cannot_be_read_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("machine.toml");
+    let refused = |path: &Path| match Machine::load(path) {
+        Err(error @ MachineFileError::Read { .. }) => error.to_string(),
+        other => panic!("{other:?}"),
+    };
+    assert!(refused(&path).contains("machine.toml"));
+    assert!(refused(folder.path()).contains("directory"));
+    std::fs::write(&path, b"name = \"\xff\"").unwrap();
+    assert!(refused(&path).contains("invalid utf-8 sequence of 1 bytes from index 8"));
+    std::fs::write(&path, edited(SHORT, "= -50", "= nan")).unwrap();
+    let Err(error) = Machine::load(&path) else { panic!("it has a problem") };
+    let shown: Vec<_> = error.reports().iter().map(|report| format!("{report:?}")).collect();
+    assert_eq!(shown.len(), 1);
+    assert!(shown[0].contains("machine.toml:10:"), "{}", shown[0]);
+    std::fs::write(&path, SHORT).unwrap();
+    assert_eq!(Machine::load(&path).unwrap().path, path);
+}
+
+/// Whatever comes of `text`, it comes without a panic, and can be shown.
+fn survives(text: &str) {
+    if let Err(problems) = parse(text) {
+        let error = MachineFileError::Content {
+            path: "machine.toml".into(),
+            text: text.to_owned(),
+            problems,
+        };
+        for report in error.reports() {
+            assert!(!format!("{report:?}").is_empty());
+        }
+    }
+}
+
+/// Pieces that make more of a file's grammar than letters do.
+const PIECES: [&str; 24] = [
+    "[[axes]]\n",
+    "[axes.physics]\n",
+    "[kinematics]\n",
+    "kind = \"scara2\"\n",
+    "kind = 3\n",
+    "= ",
+    "nan",
+    "-inf",
+    "\"",
+    "[",
+    "]",
+    "{",
+    "}",
+    "\n",
+    "1e999",
+    "0x",
+    ".",
+    "ä",
+    "\u{0}",
+    "name = \"X\"\n",
+    "increments = -1\n",
+    "99999999999999999999",
+    "#",
+    "drive = \"board\"\n",
+];
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_text_is_survived(text in any::<String>()) {
+        survives(&text);
+    }
+
+    #[test]
+    fn any_bytes_are_survived(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+        survives(&String::from_utf8_lossy(&bytes));
+    }
+
+    #[test]
+    fn shipped_files_with_pieces_moved_are_survived(
+        gantry in any::<bool>(),
+        changes in proptest::collection::vec((0.0..1.0f64, 0usize..80, 0..PIECES.len()), 1..6),
+    ) {
+        let mut text: Vec<char> = if gantry { GANTRY3 } else { SCARA2 }.chars().collect();
+        for (place, length, piece) in changes {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss,
+                reason = "a place in the text")]
+            let start = (place * text.len() as f64) as usize;
+            let end = (start + length).min(text.len());
+            text.splice(start..end, PIECES[piece].chars());
+        }
+        survives(&text.into_iter().collect::<String>());
+    }
+
+    #[test]
+    fn shipped_files_with_other_numbers_are_survived(
+        gantry in any::<bool>(),
+        which in 0usize..60,
+        number in prop_oneof![any::<f64>().prop_map(|number| format!("{number:e}")), any::<i64>().prop_map(|number| number.to_string())],
+    ) {
+        // Every number of the files follows "= " or stands in brackets.
+        let text = if gantry { GANTRY3 } else { SCARA2 };
+        let starts: Vec<_> = text.match_indices("= ").map(|(at, _)| at + 2)
+            .filter(|at| text[*at..].starts_with(|c: char| c == '-' || c.is_ascii_digit())).collect();
+        let start = starts[which % starts.len()];
+        let end = start + text[start..].find([' ', '\n']).unwrap();
+        survives(&format!("{}{number}{}", &text[..start], &text[end..]));
+    }
+}

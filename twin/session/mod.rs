@@ -1,0 +1,157 @@
+//! A run: the same set-points to the simulated machine and to the drives, and what both make of them.
+
+mod history;
+mod run;
+
+use crate::clock::Clock;
+use crate::compare::{Comparison, Measured};
+use crate::hardware::{HORIZON_NS, Hardware, HardwareError};
+use crate::machine::Machine;
+use crate::physics::PhysicsError;
+use crate::plant::Plant;
+use crate::program::ProgramFile;
+use crate::setpoint::AxisSetpoint;
+use run::Run;
+use std::time::Duration;
+use twin_kinematics::KinematicsError;
+use twin_motion::Place;
+
+/// Set-points simulated in one go where nothing has to wait for the wall clock.
+const BATCH_NS: i64 = 100_000_000;
+
+/// One cycle of the simulated machine.
+#[derive(Clone, Copy, Debug)]
+pub struct TwinCycle<'a> {
+    /// The set-point.
+    pub setpoint: &'a AxisSetpoint,
+    /// Where the set-point has the tool.
+    pub wanted: &'a Measured,
+    /// Where the simulated machine is.
+    pub twin: &'a Measured,
+}
+
+/// One sample of the drives.
+#[derive(Clone, Copy, Debug)]
+pub struct DriveSample<'a> {
+    /// When, ns since the start of the program.
+    pub time_ns: i64,
+    /// The block in which the set-point was then.
+    pub place: Place,
+    /// The set-point at that time.
+    pub wanted: &'a Measured,
+    /// The simulated machine at that time.
+    pub twin: &'a Measured,
+    /// The drives.
+    pub drives: &'a Measured,
+}
+
+/// Who watches a run.
+pub trait Observer {
+    /// A cycle of the simulated machine.
+    fn twin(&mut self, cycle: &TwinCycle<'_>);
+    /// A sample of the drives.
+    fn drives(&mut self, sample: &DriveSample<'_>);
+}
+
+/// How a run ended.
+#[derive(Debug)]
+pub struct Ending {
+    /// Errors of twin and drives.
+    pub comparison: Comparison,
+    /// Time of the last set-point that was executed, ns.
+    pub executed_ns: i64,
+    /// Why it did not go to the end of the program.
+    pub stopped: Option<Stopped>,
+}
+
+impl Ending {
+    /// The ending of a run that never began.
+    pub fn nothing(machine: &Machine) -> Self {
+        Self { comparison: Comparison::new(machine.axes.len()), executed_ns: 0, stopped: None }
+    }
+}
+
+/// Why a run stopped before the end of the program. Twin and drives have come to rest.
+#[derive(Debug, thiserror::Error)]
+pub enum Stopped {
+    /// The user asked for it.
+    #[error("stopped by the user at {0}")]
+    Interrupted(Place),
+    /// The drives failed; the simulated machine braked on the path.
+    #[error("the drives failed at {place}: {source}")]
+    Drives {
+        /// The block in which the set-point was.
+        place: Place,
+        /// Why.
+        source: HardwareError,
+    },
+    /// The simulated machine failed.
+    #[error("the simulated machine failed at {place}: {source}")]
+    Twin {
+        /// The block in which the set-point was.
+        place: Place,
+        /// Why.
+        source: PhysicsError,
+    },
+    /// A set-point that the machine cannot reach, although the check let the program pass: the file has changed.
+    #[error("{place}: {source}; has the program file changed since it was checked?")]
+    Path {
+        /// The block.
+        place: Place,
+        /// Why.
+        source: KinematicsError,
+    },
+    /// The program file could no longer be read.
+    #[error("the program file cannot be read any further: {0}")]
+    Read(std::io::Error),
+    /// The drives did not come to rest at the end of the program.
+    #[error("the drives did not come to rest at the end of the program")]
+    Unsettled,
+}
+
+/// A run before it starts.
+#[derive(Debug)]
+pub struct Session<'a, P> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// The program, already checked.
+    pub program: &'a ProgramFile,
+    /// The simulated machine, standing at the start of the program.
+    pub twin: P,
+    /// The drives, standing there too.
+    pub hardware: Option<Hardware>,
+    /// In step with the wall clock; with drives it always is.
+    pub realtime: bool,
+}
+
+impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
+    /// Runs the program to its end, or until `interrupts` counts one (a second one brakes the drives where
+    /// they are), and brings everything to rest.
+    ///
+    /// # Errors
+    /// If the program cannot be opened.
+    pub fn run(
+        self,
+        observer: &mut dyn Observer,
+        interrupts: &dyn Fn() -> u32,
+    ) -> std::io::Result<Ending> {
+        let paced = self.realtime || self.hardware.is_some();
+        let ahead_ns = if self.hardware.is_some() { HORIZON_NS } else { 0 };
+        let items = self.program.open(self.machine)?;
+        let mut run = Run::new(self.machine, items, self.twin, self.hardware);
+        let clock = Clock::start();
+        run.begin(clock);
+        while run.goes_on() {
+            let now_ns = if paced { clock.now_ns() } else { run.executed_ns() + BATCH_NS };
+            run.heed(interrupts());
+            run.plan(now_ns + ahead_ns);
+            run.simulate(now_ns, observer);
+            run.listen(observer);
+            if paced {
+                std::thread::sleep(Duration::from_micros(500));
+            }
+        }
+        run.settle(clock, observer, interrupts);
+        Ok(run.ending())
+    }
+}

@@ -1,0 +1,242 @@
+//! A run under way, in rounds: plan, simulate what is due, listen to the drives.
+
+use super::history::History;
+use super::{DriveSample, Ending, Observer, Stopped, TwinCycle};
+use crate::clock::Clock;
+use crate::compare::{Comparison, Measured};
+use crate::hardware::{Hardware, HardwareError};
+use crate::machine::Machine;
+use crate::physics::PhysicsError;
+use crate::plant::{AxisFeedback, Plant};
+use crate::program::{ProgramItem, Setpoints};
+use crate::setpoint::{AxisSetpoint, Transformer};
+use std::collections::VecDeque;
+use std::time::Duration;
+use twin_motion::Place;
+
+/// How long drives may take to come to rest at the end before the session ends without them.
+const LONGEST_SETTLING: Duration = Duration::from_secs(10);
+
+/// A run under way.
+pub(super) struct Run<'a, P> {
+    machine: &'a Machine,
+    items: Setpoints,
+    transformer: Transformer<'a>,
+    twin: P,
+    twin_failed: bool,
+    hardware: Option<Hardware>,
+    /// Of the drives, from later than the simulated machine has come: drives are heard of at any time, it is simulated
+    /// once per round.
+    samples: VecDeque<AxisFeedback>,
+    history: History,
+    comparison: Comparison,
+    /// Set-points that are planned and not yet due.
+    planned: VecDeque<AxisSetpoint>,
+    /// Whether there are more.
+    planning: bool,
+    stopped: Option<Stopped>,
+    /// Time of the last set-point that was executed.
+    executed_ns: i64,
+    /// Its block.
+    place: Place,
+}
+
+impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
+    /// Of `items` on `twin` and `hardware`, which stand at the start.
+    pub(super) fn new(
+        machine: &'a Machine,
+        items: Setpoints,
+        twin: P,
+        hardware: Option<Hardware>,
+    ) -> Self {
+        Self {
+            machine,
+            items,
+            transformer: Transformer::new(machine),
+            twin,
+            twin_failed: false,
+            hardware,
+            samples: VecDeque::new(),
+            history: History::new(machine),
+            comparison: Comparison::new(machine.axes.len()),
+            planned: VecDeque::new(),
+            planning: true,
+            stopped: None,
+            executed_ns: 0,
+            place: Place::default(),
+        }
+    }
+
+    /// From now on the drives follow the plan by `clock`.
+    pub(super) fn begin(&mut self, clock: Clock) {
+        if let Some(hardware) = &mut self.hardware {
+            hardware.follow(clock);
+        }
+    }
+
+    /// Whether there are set-points left.
+    pub(super) fn goes_on(&self) -> bool {
+        self.planning || !self.planned.is_empty()
+    }
+
+    pub(super) fn executed_ns(&self) -> i64 {
+        self.executed_ns
+    }
+
+    /// What has come of it.
+    pub(super) fn ending(self) -> Ending {
+        let Self { comparison, executed_ns, stopped, .. } = self;
+        Ending { comparison, executed_ns, stopped }
+    }
+
+    /// Obeys the user, who has interrupted so many times.
+    pub(super) fn heed(&mut self, interrupts: u32) {
+        // What is planned to its end goes to its end.
+        let stops = if self.planning { interrupts > 0 } else { interrupts > 1 };
+        if self.stopped.is_none() && stops {
+            self.stopped = Some(Stopped::Interrupted(self.place));
+            self.items.request_stop();
+        }
+        if interrupts > 1
+            && let Some(hardware) = &mut self.hardware
+        {
+            hardware.stop();
+        }
+    }
+
+    /// Plans beyond `until_ns`, and hands the drives what is planned.
+    pub(super) fn plan(&mut self, until_ns: i64) {
+        while self.planning && self.planned.back().is_none_or(|last| last.time_ns <= until_ns) {
+            match self.items.next() {
+                Some(ProgramItem::Setpoint(tool)) => match self.transformer.axes(&tool) {
+                    Ok(setpoint) => {
+                        if let Some(hardware) = &mut self.hardware
+                            && let Err(source) = hardware.command(&setpoint)
+                        {
+                            self.lose_drives(source);
+                        }
+                        self.planned.push_back(setpoint);
+                    }
+                    Err(source) => {
+                        self.stopped = Some(Stopped::Path { place: tool.place, source });
+                        self.planning = false;
+                    }
+                },
+                // The check has refused programs with errors; warnings have been shown by it.
+                Some(ProgramItem::Diagnostic(_)) => {}
+                Some(ProgramItem::Io(error)) => {
+                    self.stopped = Some(Stopped::Read(error));
+                    self.planning = false;
+                }
+                None => self.planning = false,
+            }
+        }
+        if !self.planning
+            && let Some(hardware) = &mut self.hardware
+        {
+            hardware.finish();
+        }
+    }
+
+    /// The simulated machine takes what is due.
+    pub(super) fn simulate(&mut self, now_ns: i64, observer: &mut dyn Observer) {
+        while let Some(setpoint) = self.planned.pop_front_if(|next| next.time_ns <= now_ns) {
+            self.executed_ns = setpoint.time_ns;
+            self.place = setpoint.place;
+            let feedback = self.twin.command(&setpoint).and_then(|()| self.twin.feedback());
+            let feedback = match feedback {
+                Ok(Some(feedback)) => feedback,
+                Ok(None) => continue,
+                Err(source) => return self.lose_twin(source),
+            };
+            if let Some((wanted, twin)) = self.history.push(self.machine, &setpoint, &feedback) {
+                self.comparison.twin(&wanted, &twin, self.place);
+                observer.twin(&TwinCycle { setpoint: &setpoint, wanted: &wanted, twin: &twin });
+            }
+        }
+    }
+
+    /// Nothing to compare with any more: the drives brake, and that is the end.
+    fn lose_twin(&mut self, source: PhysicsError) {
+        self.twin_failed = true;
+        self.stopped.get_or_insert(Stopped::Twin { place: self.place, source });
+        if let Some(hardware) = &mut self.hardware {
+            hardware.stop();
+        }
+        self.planning = false;
+        self.planned.clear();
+    }
+
+    /// The simulated machine brakes on the path. That the drives fail is worth more words than that the user has
+    /// stopped them before.
+    fn lose_drives(&mut self, source: HardwareError) {
+        self.items.request_stop();
+        if matches!(self.stopped, None | Some(Stopped::Interrupted(_) | Stopped::Unsettled)) {
+            self.stopped = Some(Stopped::Drives { place: self.place, source });
+        }
+    }
+
+    /// Takes what the drives have said and compares what is comparable.
+    pub(super) fn listen(&mut self, observer: &mut dyn Observer) {
+        let failure = loop {
+            match self.hardware.as_mut().map(Plant::feedback) {
+                Some(Ok(Some(feedback))) => self.samples.push_back(feedback),
+                Some(Ok(None)) | None => break None,
+                Some(Err(source)) => break Some(source),
+            }
+        };
+        // After the end everything rests; before it, what a sample is compared with must have been simulated.
+        let known_ns = if self.goes_on() { self.executed_ns } else { i64::MAX };
+        while let Some(sample) = self.samples.pop_front_if(|sample| sample.time_ns <= known_ns) {
+            self.compare(&sample, observer);
+        }
+        if let Some(source) = failure {
+            self.lose_drives(source);
+        }
+    }
+
+    fn compare(&mut self, sample: &AxisFeedback, observer: &mut dyn Observer) {
+        if self.twin_failed {
+            return;
+        }
+        let Some(drives) = Measured::new(self.machine, sample.position) else { return };
+        let Some((place, wanted, twin)) = self.history.at(self.machine, sample.time_ns) else {
+            return;
+        };
+        self.comparison.drives(&wanted, &twin, &drives, place);
+        observer.drives(&DriveSample {
+            time_ns: sample.time_ns,
+            place,
+            wanted: &wanted,
+            twin: &twin,
+            drives: &drives,
+        });
+    }
+
+    /// Waits until the drives rest, too.
+    pub(super) fn settle(
+        &mut self,
+        clock: Clock,
+        observer: &mut dyn Observer,
+        interrupts: &dyn Fn() -> u32,
+    ) {
+        let patience_ns = i64::try_from(LONGEST_SETTLING.as_nanos()).unwrap_or(i64::MAX);
+        let deadline_ns = clock.now_ns().saturating_add(patience_ns);
+        loop {
+            // First whether it runs, then what it has said: what it says last is said before it ends.
+            let running = self.hardware.as_ref().is_some_and(Hardware::is_running);
+            self.listen(observer);
+            if !running {
+                return;
+            }
+            if clock.now_ns() >= deadline_ns {
+                self.stopped.get_or_insert(Stopped::Unsettled);
+                return;
+            }
+            if interrupts() > 1 {
+                self.heed(interrupts());
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
