@@ -3,6 +3,7 @@
 use super::Failure;
 use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
+use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::path::{Path, PathBuf};
 
 /// The machine.
@@ -44,4 +45,33 @@ impl ReadOptions {
 /// The failure to read a program.
 pub(super) fn unreadable(path: &Path, source: std::io::Error) -> Failure {
     Failure::Program { path: path.display().to_string(), source }
+}
+
+/// Where a page is served unless told otherwise.
+pub(super) const DEFAULT_ADDRESS: &str = "127.0.0.1:9090";
+
+/// An address to serve a page at: `PORT` on this computer only, or `HOST:PORT`.
+pub(super) fn address(text: &str) -> Result<SocketAddr, String> {
+    if let Ok(port) = text.parse::<u16>() {
+        return Ok(SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
+    }
+    let mut found =
+        text.to_socket_addrs().map_err(|error| format!("{error}; expected PORT or HOST:PORT"))?;
+    found.next().ok_or_else(|| "there is no such host; expected PORT or HOST:PORT".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DEFAULT_ADDRESS, address};
+
+    #[test]
+    fn a_port_alone_stays_on_this_computer() {
+        let address = |text| address(text).map(|address| address.to_string());
+        assert_eq!(address("9999").as_deref(), Ok("127.0.0.1:9999"));
+        assert_eq!(address(DEFAULT_ADDRESS).as_deref(), Ok(DEFAULT_ADDRESS));
+        assert_eq!(address("0.0.0.0:80").as_deref(), Ok("0.0.0.0:80"));
+        assert!(address("examples/plate.cnc").is_err());
+        assert!(address("70000").is_err());
+        assert!(address("").is_err());
+    }
 }

@@ -1,6 +1,6 @@
 //! `twin run`: the program on the simulated machine and on the drives at once.
 
-use super::options::{MachineOption, ReadOptions, unreadable};
+use super::options::{self, DEFAULT_ADDRESS, MachineOption, ReadOptions, unreadable};
 use super::{Failure, Status, check, show};
 use crate::check::Outcome;
 use crate::compare::{Comparison, ErrorStatistics, Statistics};
@@ -24,9 +24,6 @@ use std::time::Duration;
 use twin_drives::interpcnc::emulator::EmulatedBoard;
 use twin_kinematics::AxisVector;
 use twin_viz::{Playback, SceneOptions};
-
-/// Where the page is served unless told otherwise.
-pub(super) const DEFAULT_ADDRESS: &str = "127.0.0.1:9090";
 
 /// Part of each axis's largest velocity with which the drives approach the start of the program.
 const APPROACH: f64 = 0.25;
@@ -60,7 +57,7 @@ pub(super) struct Arguments {
     record: Option<PathBuf>,
 
     /// Show the run live in the built-in web viewer, until Ctrl-C [default address: 127.0.0.1:9090]
-    #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = DEFAULT_ADDRESS)]
+    #[arg(long, value_name = "ADDR", num_args = 0..=1, default_missing_value = DEFAULT_ADDRESS, value_parser = options::address)]
     serve: Option<SocketAddr>,
 
     /// Write a JSON report

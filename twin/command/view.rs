@@ -1,6 +1,6 @@
 //! `twin view`: a recording in the browser.
 
-use super::{Failure, Status, run};
+use super::{Failure, Status, options, run};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ pub(super) struct Arguments {
     recording: PathBuf,
 
     /// Address of the page
-    #[arg(long, value_name = "ADDR", default_value = run::DEFAULT_ADDRESS)]
+    #[arg(long, value_name = "ADDR", default_value = options::DEFAULT_ADDRESS, value_parser = options::address)]
     serve: SocketAddr,
 }
 
