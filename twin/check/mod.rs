@@ -201,9 +201,12 @@ impl<'m> Checker<'m> {
                 }
             }
             let jerk = (now.acceleration - before.acceleration) / cycle;
-            peak.jerk.include(jerk, tool.place);
+            // An acceleration that comes up is of this block, one that ends of the one before.
+            let rises = now.acceleration.abs() >= before.acceleration.abs();
+            let place = if rises { now.place } else { before.place };
+            peak.jerk.include(jerk, place);
             if let Some(limit) = axis.max_jerk.filter(|limit| exceeds(jerk, *limit)) {
-                report(sentence::too_jerky(axis, tool.place, jerk, limit));
+                report(sentence::too_jerky(axis, place, jerk, limit));
             }
         }
         Some(setpoint)
@@ -279,18 +282,25 @@ impl Instant {
         let along = |one: &Self| one.path_acceleration * one.velocity / one.path_velocity;
         let bend = |one: &Self| (one.acceleration - along(one)) / one.path_velocity.powi(2);
         let per_feed_v2 = self.worst(before, bend)?;
-        let feed = (limit / per_feed_v2).sqrt().min(self.path_velocity);
+        // Below what it has here the tool keeps its feed here; between set-points that may begin or end a bit slower.
+        let varies = self.on_element(before).map_or(0.0, |before| {
+            (self.path_velocity - before.path_velocity).abs().min(self.path_velocity)
+        });
+        let feed = (limit / per_feed_v2).sqrt().min(self.path_velocity - varies);
         (along(self).abs() <= limit).then_some(feed * 1e3)
     }
 
     /// The magnitude of something that depends on the path alone. Between set-points it may be larger than at them, by
     /// no more than it has changed since the one `before`, if that is on the same element. `None` at rest.
     fn worst(&self, before: Option<&Self>, of: impl Fn(&Self) -> f64) -> Option<f64> {
-        let moving = |one: &Self| one.path_velocity > 0.0;
-        let before = before.filter(|before| moving(before) && before.place == self.place);
         let here = of(self);
-        let change = before.map_or(0.0, |before| (here - of(before)).abs());
-        moving(self).then_some(here.abs() + change)
+        let change = self.on_element(before).map_or(0.0, |before| (here - of(before)).abs());
+        (self.path_velocity > 0.0).then_some(here.abs() + change)
+    }
+
+    /// The instant before, if the tool moved on the same element.
+    fn on_element<'b>(&self, before: Option<&'b Self>) -> Option<&'b Self> {
+        before.filter(|before| before.path_velocity > 0.0 && before.place == self.place)
     }
 }
 

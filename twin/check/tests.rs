@@ -211,8 +211,8 @@ fn the_largest_feed_recommended_for_a_velocity_is_the_largest() {
     let feeds = largest_feed_is_the_largest(GANTRY3, slanted, 350.0, Rule::AxisVelocity);
     near(feeds[0], 200.0 * 5.0 / 3.0, 1e-9);
     // Around a corner of the SCARA's reach, where the velocities change all the time.
-    let slow = edited(SCARA2, "max_velocity_deg_per_s = 240.0", "max_velocity_deg_per_s = 15.0");
-    let slow = edited(&slow, "max_velocity_deg_per_s = 300.0", "max_velocity_deg_per_s = 25.0");
+    let slow = edited(SCARA2, "max_velocity_deg_per_s = 240.0", "max_velocity_deg_per_s = 10.0");
+    let slow = edited(&slow, "max_velocity_deg_per_s = 300.0", "max_velocity_deg_per_s = 10.0");
     let line = "% line\nN10 G1 X200 Y250 F# E400 E-400\n";
     assert_eq!(largest_feed_is_the_largest(&slow, line, 100.0, Rule::AxisVelocity).len(), 2);
     // B is fastest near the stretched arms at the end, where the tool brakes: less feed helps only once it is below
@@ -268,7 +268,7 @@ fn findings_are_bounded_and_the_rest_is_counted_once_each() {
     assert_eq!(outcome.findings.len(), MAX_FINDINGS);
     assert_eq!(outcome.findings_left_out, 101);
     assert!(outcome.findings.iter().all(|finding| finding.rule == Rule::AxisPosition));
-    assert_eq!(outcome.peaks[0].position.unwrap()[1], 0.6515);
+    near(outcome.peaks[0].position.unwrap()[1], 0.6515, 1e-9);
 
     let program = format!("% words\n{}", "N10 C5\n".repeat(1200));
     let outcome = checked(GANTRY3, &program);
@@ -288,7 +288,12 @@ fn warnings_never_crowd_out_errors() {
     let first = &outcome.findings[0];
     assert_eq!((first.rule, first.block), (Rule::AxisPosition, Some(20)));
     assert_eq!(outcome.findings.len(), MAX_FINDINGS + 1);
-    assert_eq!(outcome.findings_left_out, 102);
+    // Each line turns back, with its jerk where it goes from acceleration to deceleration; only the last short one
+    // passes into N20 without either. 1101 lines then.
+    let of_line = |finding: &Finding| finding.line;
+    let jerks: Vec<_> = outcome.findings.iter().skip(1).map(of_line).collect();
+    assert_eq!(jerks, (2..=1001).collect::<Vec<_>>());
+    assert_eq!(outcome.findings_left_out, 101);
 }
 
 #[test]
