@@ -1,1 +1,373 @@
+//! Device thread and stream, with a drive made of a few lines.
 
+use super::stream::Stream;
+use super::{HORIZON_NS, Hardware, HardwareError};
+use crate::clock::Clock;
+use crate::machine::Machine;
+use crate::plant::{AxisFeedback, Plant};
+use crate::setpoint::AxisSetpoint;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+use twin_drives::{
+    Action, Drive, DriveError, Exchange, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample,
+    SetpointStream,
+};
+use twin_kinematics::{AxisMotion, AxisVector, Pose, ToolMotion};
+use twin_motion::Place;
+
+/// 320, 320 and 640 increments per mm.
+const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+const CYCLE_NS: i64 = 1_000_000;
+
+fn machine() -> Machine {
+    Machine::parse(Path::new("machine.toml"), GANTRY3).unwrap()
+}
+
+/// What a test sees and decides of its [`Puppet`].
+#[derive(Debug, Default)]
+struct Strings {
+    probe_fails: bool,
+    /// Does not answer from this sample on.
+    samples_fail_from: Option<u32>,
+    follow_panics: bool,
+    /// Stands still wherever it is sent.
+    stuck: bool,
+    /// `soft_stop` waits for a word from here.
+    stop_waits: Option<Mutex<Receiver<()>>>,
+    samples: AtomicU32,
+    followed: AtomicU32,
+    soft_stops: AtomicU32,
+    stopped: AtomicBool,
+}
+
+/// A drive that is where the stream says, at any time, without a wire.
+#[derive(Debug)]
+struct Puppet {
+    strings: Arc<Strings>,
+    position: Increments,
+}
+
+impl Puppet {
+    fn refusal(&self) -> DriveError {
+        let at = Exchange { port: "puppet".into(), station: 1, action: Action::ReadState };
+        DriveError::Timeout { at, deadline: Duration::from_millis(1) }
+    }
+
+    fn rounded(motion: &IncrementMotion) -> Increments {
+        let mut increments = [0; MAX_DRIVE_AXES];
+        for (increments, position) in increments.iter_mut().zip(motion.position) {
+            *increments = position.round() as i64;
+        }
+        increments
+    }
+}
+
+impl Drive for Puppet {
+    fn describe(&self) -> String {
+        "a puppet".to_owned()
+    }
+
+    fn axis_count(&self) -> usize {
+        3
+    }
+
+    fn probe(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        if self.strings.probe_fails { Err(self.refusal()) } else { self.sample(stream) }
+    }
+
+    fn enable(&mut self) -> Result<(), DriveError> {
+        Ok(())
+    }
+
+    fn set_position(&mut self, position: &Increments) -> Result<(), DriveError> {
+        self.position = *position;
+        Ok(())
+    }
+
+    fn move_to(
+        &mut self,
+        target: &Increments,
+        speed: &[f64; MAX_DRIVE_AXES],
+    ) -> Result<(), DriveError> {
+        assert!(speed.iter().take(3).all(|speed| *speed >= 1.0), "{speed:?}");
+        if !self.strings.stuck {
+            self.position = *target;
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        let count = self.strings.samples.fetch_add(1, Ordering::SeqCst);
+        if self.strings.samples_fail_from.is_some_and(|from| count >= from) {
+            return Err(self.refusal());
+        }
+        Ok(Sample { time_ns: stream.now_ns(), position: self.position, moving: false })
+    }
+
+    fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        assert!(!self.strings.follow_panics, "as asked");
+        let time_ns = stream.now_ns();
+        let motion = stream.at(time_ns);
+        self.strings.followed.fetch_add(1, Ordering::SeqCst);
+        if !self.strings.stuck {
+            self.position = Self::rounded(&motion);
+        }
+        let moving = motion.velocity.iter().any(|velocity| velocity.abs() > 1e-9);
+        Ok(Sample { time_ns, position: self.position, moving: moving && !self.strings.stuck })
+    }
+
+    fn soft_stop(&mut self) -> Result<(), DriveError> {
+        self.strings.soft_stops.fetch_add(1, Ordering::SeqCst);
+        if let Some(waits) = &self.strings.stop_waits {
+            // Without the word in a minute the test has failed; it must end all the same.
+            waits.lock().unwrap().recv_timeout(Duration::from_secs(60)).unwrap_or_default();
+        }
+        self.strings.stopped.store(true, Ordering::SeqCst);
+        Ok(())
+    }
+
+    fn hard_stop(&mut self) -> Result<(), DriveError> {
+        Ok(())
+    }
+}
+
+const START: [f64; 3] = [0.1, -0.05, 0.06];
+
+fn start(strings: Strings) -> (Hardware, Arc<Strings>) {
+    let strings = Arc::new(strings);
+    let puppet = Puppet { strings: Arc::clone(&strings), position: [0; MAX_DRIVE_AXES] };
+    let at = AxisVector::from_values(START);
+    let hardware = Hardware::start(&machine(), Box::new(puppet), &at, CYCLE_NS, 0.25).unwrap();
+    (hardware, strings)
+}
+
+/// What becomes of the approach.
+fn approach(hardware: &mut Hardware) -> Result<(), HardwareError> {
+    while !hardware.ready()? {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    Ok(())
+}
+
+/// Waits for the thread's end and takes everything it said.
+fn listen(hardware: &mut Hardware) -> (Vec<AxisFeedback>, Option<HardwareError>) {
+    let mut heard = Vec::new();
+    loop {
+        let running = hardware.is_running();
+        loop {
+            match hardware.feedback() {
+                Ok(Some(feedback)) => heard.push(feedback),
+                Ok(None) => break,
+                Err(error) => return (heard, Some(error)),
+            }
+        }
+        if !running {
+            return (heard, None);
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn setpoint(cycle: i64, x: f64, velocity: f64) -> AxisSetpoint {
+    let at = |x| AxisVector::from_values([x, START[1], START[2]]);
+    let zero = nalgebra::Vector3::zeros();
+    let still = AxisVector::zeros(3);
+    let velocity = AxisVector::from_values([velocity, 0.0, 0.0]);
+    AxisSetpoint {
+        time_ns: cycle * CYCLE_NS,
+        place: Place::default(),
+        axes: AxisMotion { position: at(x), velocity, acceleration: still },
+        tool: ToolMotion {
+            pose: Pose { position: nalgebra::point![x, 0.0, 0.0], direction: 0.0 },
+            velocity: zero,
+            acceleration: zero,
+            direction_velocity: 0.0,
+            direction_acceleration: 0.0,
+        },
+        path_velocity: 0.0,
+    }
+}
+
+fn motion(position: f64, velocity: f64) -> IncrementMotion {
+    IncrementMotion { position: [position; MAX_DRIVE_AXES], velocity: [velocity; MAX_DRIVE_AXES] }
+}
+
+#[test]
+fn a_stream_rests_at_the_start_until_something_is_planned() {
+    let stream = Stream::new([7.0; MAX_DRIVE_AXES], CYCLE_NS);
+    for time_ns in [i64::MIN / 2, -1, 0, 1, i64::MAX] {
+        assert_eq!(stream.at(time_ns), motion(7.0, 0.0));
+    }
+    assert_eq!((stream.now_ns(), stream.end_ns()), (-1, 0));
+    stream.start(Clock::start());
+    assert!(stream.now_ns() >= 0);
+    assert_eq!(stream.horizon_ns(), HORIZON_NS);
+}
+
+#[test]
+fn a_stream_is_interpolated_between_cycles_and_rests_at_its_ends() {
+    let stream = Stream::new([0.0; MAX_DRIVE_AXES], CYCLE_NS);
+    for (cycle, position) in [10.0, 20.0, 40.0].into_iter().enumerate() {
+        stream.push(cycle as i64 * CYCLE_NS, motion(position, 10.0 * cycle as f64));
+    }
+    assert_eq!(stream.at(0), motion(10.0, 0.0));
+    assert_eq!(stream.at(CYCLE_NS / 4), motion(12.5, 2.5));
+    assert_eq!(stream.at(CYCLE_NS), motion(20.0, 10.0));
+    assert_eq!(stream.at(CYCLE_NS * 3 / 2), motion(30.0, 15.0));
+    assert_eq!(stream.at(-CYCLE_NS), motion(10.0, 0.0));
+    assert_eq!(stream.at(2 * CYCLE_NS), motion(40.0, 0.0));
+    assert_eq!(stream.at(i64::MAX), motion(40.0, 0.0));
+    assert_eq!(stream.end_ns(), 2 * CYCLE_NS);
+}
+
+#[test]
+fn a_stream_forgets_what_is_long_past() {
+    let stream = Stream::new([0.0; MAX_DRIVE_AXES], CYCLE_NS);
+    let cycles = 100_000;
+    for cycle in 0..cycles {
+        stream.push(cycle * CYCLE_NS, motion(cycle as f64, 1000.0));
+    }
+    assert_eq!(stream.end_ns(), (cycles - 1) * CYCLE_NS);
+    assert_eq!(stream.at((cycles - 500) * CYCLE_NS), motion(99_500.0, 1000.0));
+    // A second and the horizon are kept; before that there is only the oldest that is known.
+    let oldest = stream.at(0).position[0];
+    assert!((98_700.0..98_800.0).contains(&oldest), "{oldest}");
+}
+
+#[test]
+fn the_drives_come_to_the_start_follow_and_rest_at_the_end() {
+    let (mut hardware, strings) = start(Strings::default());
+    approach(&mut hardware).unwrap();
+    // 30 mm in X and back, ending where it began. The axes set out late, as real ones do: after 30 ms at rest where
+    // they will rest in the end.
+    let path = |cycle: i64| 0.1 + 0.001 * (30 - (cycle - 60).abs()).max(0) as f64;
+    for cycle in 0..=90 {
+        let velocity = if (30..90).contains(&cycle) { 1.0 } else { 0.0 };
+        hardware.command(&setpoint(cycle, path(cycle), velocity)).unwrap();
+    }
+    hardware.follow(Clock::start());
+    hardware.finish();
+    let (heard, error) = listen(&mut hardware);
+    assert!(error.is_none(), "{error:?}");
+    assert!(!hardware.is_running());
+    let last = heard.last().unwrap();
+    assert!(last.time_ns >= 90 * CYCLE_NS, "the end at 90 ms was not waited for: {last:?}");
+    // In m and rad again; half an increment of 320 per mm is 1.6 µm.
+    for (position, wanted) in last.position.iter().zip(START) {
+        assert!((position - wanted).abs() < 2e-6, "{last:?}");
+    }
+    assert_eq!(strings.soft_stops.load(Ordering::SeqCst), 0);
+}
+
+#[test]
+fn a_device_that_does_not_answer_is_an_error_of_the_approach() {
+    let (mut hardware, _) = start(Strings { probe_fails: true, ..Strings::default() });
+    assert!(matches!(approach(&mut hardware), Err(HardwareError::Drive(_))));
+    let (mut hardware, strings) =
+        start(Strings { samples_fail_from: Some(1), ..Strings::default() });
+    assert!(matches!(approach(&mut hardware), Err(HardwareError::Drive(_))));
+    drop(hardware);
+    assert!(strings.stopped.load(Ordering::SeqCst));
+    // Waiting for the session, too.
+    let (mut hardware, _) = start(Strings { samples_fail_from: Some(50), ..Strings::default() });
+    approach(&mut hardware).unwrap();
+    let (_, error) = listen(&mut hardware);
+    assert!(matches!(error, Some(HardwareError::Drive(_))), "{error:?}");
+    // An error is told once; after it there is nothing.
+    assert!(matches!(hardware.feedback(), Ok(None)));
+}
+
+#[test]
+fn an_axis_that_does_not_come_to_the_start_is_stuck() {
+    let (mut hardware, _) = start(Strings { stuck: true, ..Strings::default() });
+    let Err(HardwareError::Stuck { position, target }) = approach(&mut hardware) else {
+        panic!("it cannot be there")
+    };
+    assert_eq!(position, [0, 0, 0]);
+    // 100, −50 and 60 mm at 320, 320 and 640 increments per mm.
+    assert_eq!(target, [32_000, -16_000, 38_400]);
+}
+
+#[test]
+fn a_thread_that_ends_without_a_word_is_an_error() {
+    let (mut hardware, _) = start(Strings { follow_panics: true, ..Strings::default() });
+    approach(&mut hardware).unwrap();
+    hardware.follow(Clock::start());
+    let (_, error) = listen(&mut hardware);
+    assert!(matches!(error, Some(HardwareError::Gone)), "{error:?}");
+}
+
+#[test]
+fn an_error_is_told_before_the_device_is_stopped() {
+    let (word, waits): (SyncSender<()>, _) = sync_channel(1);
+    let strings = Strings {
+        samples_fail_from: Some(5),
+        stop_waits: Some(Mutex::new(waits)),
+        ..Strings::default()
+    };
+    let (mut hardware, strings) = start(strings);
+    approach(&mut hardware).unwrap();
+    let error = loop {
+        match hardware.feedback() {
+            Ok(_) => std::thread::sleep(Duration::from_millis(1)),
+            Err(error) => break error,
+        }
+    };
+    assert!(matches!(error, HardwareError::Drive(_)));
+    assert!(!strings.stopped.load(Ordering::SeqCst), "told only after the stop");
+    assert!(hardware.is_running());
+    word.send(()).unwrap();
+    drop(hardware);
+    assert!(strings.stopped.load(Ordering::SeqCst));
+}
+
+#[test]
+fn a_stop_brakes_whatever_is_under_way_and_stays_asked_for() {
+    let (mut hardware, strings) = start(Strings::default());
+    approach(&mut hardware).unwrap();
+    hardware.command(&setpoint(0, 0.1, 0.0)).unwrap();
+    hardware.follow(Clock::start());
+    hardware.stop();
+    hardware.finish();
+    let (_, error) = listen(&mut hardware);
+    assert!(error.is_none(), "{error:?}");
+    assert_eq!(strings.soft_stops.load(Ordering::SeqCst), 1);
+
+    // Also before there is anything to follow.
+    let (mut hardware, strings) = start(Strings::default());
+    hardware.stop();
+    let (_, error) = listen(&mut hardware);
+    assert!(error.is_none() && !hardware.is_running(), "{error:?}");
+    hardware.follow(Clock::start());
+    assert_eq!(strings.followed.load(Ordering::SeqCst), 0);
+}
+
+#[test]
+fn drives_that_nobody_listens_to_are_brought_to_rest() {
+    let (mut hardware, strings) = start(Strings::default());
+    approach(&mut hardware).unwrap();
+    hardware.command(&setpoint(0, 0.1, 0.0)).unwrap();
+    hardware.follow(Clock::start());
+    // A puppet answers at once: samples soon fill the channel, and the thread waits for the session.
+    while strings.followed.load(Ordering::SeqCst) < 1025 {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    drop(hardware);
+    assert!(strings.stopped.load(Ordering::SeqCst));
+}
+
+#[test]
+fn a_start_beyond_the_counters_is_refused() {
+    let puppet = Puppet { strings: Arc::default(), position: [0; MAX_DRIVE_AXES] };
+    let far = AxisVector::from_values([0.0, -7000.0, 0.0]);
+    let refused = Hardware::start(&machine(), Box::new(puppet), &far, CYCLE_NS, 0.25);
+    match refused {
+        Err(HardwareError::Range { axis, position, unit }) => {
+            assert_eq!((axis.as_str(), position, unit), ("Y", -7e6, "mm"));
+        }
+        other => panic!("{other:?}"),
+    }
+}
