@@ -4,7 +4,7 @@
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum KinematicsError {
     /// The target is farther from, or nearer to, the machine than its arms allow.
-    #[error("({:.3}, {:.3}, {:.3}) mm is {:.3} mm away, reach is {:.3} to {:.3} mm",
+    #[error("({:.3}, {:.3}, {:.3}) mm is {:.6} mm away, reach is {:.6} to {:.6} mm",
         target[0] * 1e3, target[1] * 1e3, target[2] * 1e3, distance * 1e3, reach[0] * 1e3, reach[1] * 1e3)]
     Unreachable {
         /// Tool tip asked for, machine frame, m.

@@ -148,7 +148,7 @@ impl ProgramFile {
         let file = Counted { file, ledger: Rc::clone(&ledger) };
         let options = DecoderOptions { start, skip_suppressed_blocks: self.skip_suppressed };
         let decoder = Decoder::new(BufReader::with_capacity(1 << 16, file), options);
-        Ok((Decoded { decoder, ledger: Rc::clone(&ledger) }, ledger))
+        Ok((Decoded { decoder, ledger: Rc::clone(&ledger), halted: false }, ledger))
     }
 }
 
@@ -159,6 +159,28 @@ struct Ledger {
     elements: u64,
     length: f64,
     findings: VecDeque<Finding>,
+    errors: usize,
+    warnings: usize,
+    left_out: u64,
+}
+
+/// More diagnostics of one severity than this are counted, not kept, so that a file that is wrong on every line takes
+/// no more memory than another.
+const MAX_DIAGNOSTICS: usize = 1000;
+
+impl Ledger {
+    fn report(&mut self, finding: Finding) {
+        let count = match finding.severity {
+            Severity::Error => &mut self.errors,
+            Severity::Warning | Severity::Note => &mut self.warnings,
+        };
+        if *count == MAX_DIAGNOSTICS {
+            self.left_out += 1;
+        } else {
+            *count += 1;
+            self.findings.push_back(finding);
+        }
+    }
 }
 
 /// Counts what is read.
@@ -204,6 +226,26 @@ impl Halt {
 struct Decoded {
     decoder: Decoder<BufReader<Counted>>,
     ledger: Rc<RefCell<Ledger>>,
+    /// After an element that nobody would wait for, only diagnostics follow.
+    halted: bool,
+}
+
+/// No single move takes longer than this, s: a day. What does is a slip of the pen (`J999999999`, `F0.0000001`), and
+/// sampling it every millisecond would take the check as long.
+const LONGEST_MOVE: f64 = 86_400.0;
+
+/// What is wrong with an element that takes absurdly long.
+fn endless(element: &PathElement) -> Option<Finding> {
+    let length = element.length();
+    let time = length / element.feed;
+    (element.feed > 0.0 && time > LONGEST_MOVE).then(|| {
+        let (length, feed) = (length * 1e3, element.feed * 1e3);
+        let message = format!(
+            "this move is {length:.1} mm long and would take {time:.0} s at F{feed}; the limit for one move is \
+             {LONGEST_MOVE:.0} s, and what follows is not planned"
+        );
+        Finding::error(Rule::Syntax, element.place, message).with_value(time, LONGEST_MOVE, "s")
+    })
 }
 
 impl Iterator for Decoded {
@@ -213,7 +255,15 @@ impl Iterator for Decoded {
         loop {
             match self.decoder.next()? {
                 Ok(din66025::Item::Element(element)) => {
+                    if self.halted {
+                        continue;
+                    }
                     let mut ledger = self.ledger.borrow_mut();
+                    if let Some(finding) = endless(&element) {
+                        ledger.report(finding);
+                        self.halted = true;
+                        continue;
+                    }
                     ledger.elements += 1;
                     if element.kind != ElementKind::Jump {
                         ledger.length += element.length();
@@ -222,11 +272,11 @@ impl Iterator for Decoded {
                 }
                 Ok(din66025::Item::Warning(diagnostic)) => {
                     let finding = Finding { severity: Severity::Warning, ..finding(&diagnostic) };
-                    self.ledger.borrow_mut().findings.push_back(finding);
+                    self.ledger.borrow_mut().report(finding);
                 }
                 Err(din66025::Failure::Io(error)) => return Some(Err(Halt::Io(error))),
                 Err(din66025::Failure::Diagnostic(diagnostic)) => {
-                    self.ledger.borrow_mut().findings.push_back(finding(&diagnostic));
+                    self.ledger.borrow_mut().report(finding(&diagnostic));
                 }
             }
         }
@@ -278,9 +328,9 @@ impl Iterator for Elements {
         }
         let next = match &mut self.stage {
             Stage::Decoded(decoded) => decoded.next(),
-            Stage::Prepared(prepared) => {
-                Some(prepared.next()?.map(twin_motion::prepare::CheckedElement::into_element))
-            }
+            Stage::Prepared(prepared) => prepared
+                .next()
+                .map(|next| next.map(twin_motion::prepare::CheckedElement::into_element)),
         };
         match next {
             Some(Ok(element)) => Some(ElementItem::Element(element)),
@@ -323,6 +373,11 @@ impl Setpoints {
     /// Length of the path decoded so far, m.
     pub fn length(&self) -> f64 {
         self.ledger.borrow().length
+    }
+
+    /// Diagnostics of the text that were left out because there are too many.
+    pub fn left_out(&self) -> u64 {
+        self.ledger.borrow().left_out
     }
 
     /// Bytes of the file read so far.

@@ -48,6 +48,10 @@ impl Findings {
         }
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+
     /// All that were kept, in no particular order, and how many were not.
     pub(super) fn into_list(self) -> (Vec<Finding>, u64) {
         (self.kept.into_values().flat_map(BTreeMap::into_values).collect(), self.left_out)

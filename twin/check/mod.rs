@@ -5,7 +5,7 @@ mod sentence;
 #[cfg(test)]
 mod tests;
 
-use crate::finding::{self, Finding};
+use crate::finding::{self, Finding, Rule};
 use crate::machine::Machine;
 use crate::physics::PhysicsError;
 use crate::plant::Plant;
@@ -82,7 +82,14 @@ pub fn check(
             1000
         });
     }
+    let nothing_wrong = checker.findings.is_empty();
+    if items.elements() == 0 && nothing_wrong {
+        let message = "the program has no block that moves anything".to_owned();
+        let place = Place { line: 1, block: None };
+        checker.findings.add(None, Finding::error(Rule::Syntax, place, message));
+    }
     let mut outcome = checker.finish();
+    outcome.findings_left_out += items.left_out();
     outcome.elements = items.elements();
     outcome.length = items.length();
     Ok(outcome)

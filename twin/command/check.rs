@@ -153,7 +153,9 @@ pub(super) fn summary(
     let errors = count(finding::Severity::Error);
     let warnings = count(finding::Severity::Warning);
     let verdict = if errors == 0 { "fit for the machine" } else { "NOT fit for the machine" };
-    write!(out, "{verdict}: {errors} errors, {warnings} warnings")?;
+    let plural =
+        |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    write!(out, "{verdict}: {}, {}", plural(errors, "error"), plural(warnings, "warning"))?;
     if outcome.findings_left_out > 0 {
         write!(out, " (and {} findings more, left out)", outcome.findings_left_out)?;
     }

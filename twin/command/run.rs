@@ -125,18 +125,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let Some(start) = outcome.start.filter(|_| !unfit) else {
         let mut out = io::stdout().lock();
         check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
-        let nothing = Ending::nothing(&machine);
-        if unfit {
-            report(
-                &nothing,
-                DriveSamples::default(),
-                Some("the program is not fit for the machine; nothing moved".to_owned()),
-            )?;
-            return Ok(Status::Unfit);
-        }
-        writeln!(out, "the program moves nothing").map_err(Failure::Stdio)?;
-        report(&nothing, DriveSamples::default(), None)?;
-        return Ok(Status::Fit);
+        let reason = "the program is not fit for the machine; nothing moved".to_owned();
+        report(&Ending::nothing(&machine), DriveSamples::default(), Some(reason))?;
+        return Ok(Status::Unfit);
     };
 
     let emulated = arguments.drives == Drives::Emulated && !machine.drives.is_empty();

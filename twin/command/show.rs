@@ -12,10 +12,11 @@ use miette::{
 };
 use std::collections::BTreeMap;
 use std::fmt;
-use std::io::{self, BufRead, IsTerminal, Write};
+use std::io::{self, BufRead, IsTerminal, Read, Write};
+use std::ops::Range;
 use twin_motion::Place;
 
-/// How many findings a person is shown; the JSON report has them all.
+/// How many findings a person is shown.
 const SHOWN_FINDINGS: usize = 20;
 
 /// Shows findings on standard error with the lines they are about, the worst first.
@@ -23,14 +24,13 @@ pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
     let shown = findings.get(..SHOWN_FINDINGS).unwrap_or(findings);
     let lines = lines_of(program, shown);
     for finding in shown {
-        let shown = ShownFinding {
-            finding,
-            source: lines.get(&finding.line).map(|line| Line {
-                name: program.path().display().to_string(),
-                number: finding.line,
-                text: line.clone(),
-            }),
-        };
+        let source = lines.get(&finding.line).map(|line| {
+            let words = underline::words(line, finding);
+            let (text, words) = excerpt(line, words);
+            let name = program.path().display().to_string();
+            (Line { name, number: finding.line, text }, words)
+        });
+        let shown = ShownFinding { finding, source };
         let mut text = String::new();
         let handler = miette::GraphicalReportHandler::new_themed(theme()).with_links(false);
         if handler.render_report(&mut text, &shown).is_ok() {
@@ -40,8 +40,7 @@ pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
     }
     if findings.len() > shown.len() {
         let rest = findings.len() - shown.len();
-        writeln!(io::stderr(), "… and {rest} more (--format json lists them all)")
-            .unwrap_or_default();
+        writeln!(io::stderr(), "… and {rest} more").unwrap_or_default();
     }
 }
 
@@ -53,27 +52,71 @@ fn theme() -> miette::GraphicalTheme {
     }
 }
 
-/// The lines that findings are about, read from the file again: nothing keeps the program in memory.
+/// The beginnings of the lines that findings are about, read from the file again: nothing keeps the program in memory.
 fn lines_of(program: &ProgramFile, findings: &[Finding]) -> BTreeMap<u32, String> {
     let Some(last) = findings.iter().map(|finding| finding.line).max() else {
         return BTreeMap::new();
     };
+    // What is no file cannot be read twice.
+    if !program.path().is_file() {
+        return BTreeMap::new();
+    }
     let Ok(file) = std::fs::File::open(program.path()) else { return BTreeMap::new() };
     let mut reader = io::BufReader::new(file);
     let mut lines = BTreeMap::new();
     let mut buffer = Vec::new();
     for number in 1..=last {
         buffer.clear();
-        match reader.read_until(b'\n', &mut buffer) {
-            Ok(0) | Err(_) => break,
-            Ok(_) => {}
+        let read = reader.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut buffer);
+        if !matches!(read, Ok(1..)) {
+            break;
+        }
+        if buffer.last() != Some(&b'\n') && reader.skip_until(b'\n').is_err() {
+            break;
         }
         if findings.iter().any(|finding| finding.line == number) {
-            let text = String::from_utf8_lossy(&buffer).trim_end_matches(['\r', '\n']).to_owned();
-            lines.insert(number, text);
+            lines.insert(number, printable(&buffer));
         }
     }
     lines
+}
+
+/// More of a line is not read to show it, bytes.
+const LONGEST_LINE: u64 = 1 << 16;
+
+/// The text of a line, byte for byte, with a question mark for what is no text.
+fn printable(line: &[u8]) -> String {
+    let mut text = String::with_capacity(line.len());
+    for chunk in line.utf8_chunks() {
+        let plain = |character: char| if character.is_ascii_control() { '?' } else { character };
+        text.extend(
+            chunk.valid().trim_end_matches(['\r', '\n']).replace('\t', " ").chars().map(plain),
+        );
+        text.extend(chunk.invalid().iter().map(|_| '?'));
+    }
+    text
+}
+
+/// More of a line than this is not shown, bytes.
+const SHOWN_BYTES: usize = 200;
+
+/// The part of a long line around the first of `words`, and the words in it.
+fn excerpt(line: &str, words: Vec<Range<usize>>) -> (String, Vec<Range<usize>>) {
+    if line.len() <= SHOWN_BYTES {
+        return (line.to_owned(), words);
+    }
+    let first = words.first().map_or(0, |word| word.start);
+    let start = line.floor_char_boundary(first.saturating_sub(SHOWN_BYTES / 2));
+    let end = line.floor_char_boundary(start + SHOWN_BYTES);
+    let text = line.get(start..end).unwrap_or_default();
+    let (before, after) =
+        (if start > 0 { "…" } else { "" }, if end < line.len() { "…" } else { "" });
+    let words = words
+        .into_iter()
+        .filter(|word| word.start < end)
+        .map(|word| word.start - start + before.len()..word.end.min(end) - start + before.len())
+        .collect();
+    (format!("{before}{text}{after}"), words)
 }
 
 /// One line of a program that knows its number.
@@ -110,7 +153,8 @@ impl SourceCode for Line {
 #[derive(Debug)]
 struct ShownFinding<'a> {
     finding: &'a Finding,
-    source: Option<Line>,
+    /// The line and the words to underline.
+    source: Option<(Line, Vec<Range<usize>>)>,
 }
 
 impl fmt::Display for ShownFinding<'_> {
@@ -144,13 +188,13 @@ impl Diagnostic for ShownFinding<'_> {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.source.as_ref().map(|line| line as &dyn SourceCode)
+        self.source.as_ref().map(|(line, _)| line as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let line = self.source.as_ref()?;
-        let words = underline::words(&line.text, self.finding);
-        Some(Box::new(words.into_iter().map(|word| LabeledSpan::new_with_span(None, word))))
+        let (_, words) = self.source.as_ref()?;
+        let label = |word: &Range<usize>| LabeledSpan::new_with_span(None, word.clone());
+        Some(Box::new(words.iter().map(label)))
     }
 }
 
@@ -272,4 +316,34 @@ pub(super) fn progress(length: u64, template: &str) -> ProgressBar {
         bar.set_style(style.progress_chars("━╸ "));
     }
     bar
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{SHOWN_BYTES, excerpt, floor_3, printable};
+
+    #[test]
+    fn a_long_line_is_shown_around_what_is_wrong() {
+        let line = format!("{}X31O{}", "é".repeat(500), "é".repeat(500));
+        let (text, words) = excerpt(&line, vec![1000..1004]);
+        assert!(text.len() <= SHOWN_BYTES + 2 * "…".len());
+        assert_eq!(text.get(words[0].clone()), Some("X31O"));
+        let (text, words) = excerpt("N1 X2", vec![3..5]);
+        assert_eq!((text.as_str(), words), ("N1 X2", vec![3..5]));
+    }
+
+    #[test]
+    fn what_is_no_text_keeps_its_place() {
+        assert_eq!(printable(b"N1\tX\xff\xfe\x1b[31mY2\r\n"), "N1 X???[31mY2");
+    }
+
+    #[test]
+    fn recommended_feeds_are_rounded_down() {
+        assert_eq!(floor_3(299.999_999_999_99), "300");
+        assert_eq!(floor_3(123.9), "123");
+        assert_eq!(floor_3(12.39), "12.3");
+        assert_eq!(floor_3(1.239), "1.23");
+        assert_eq!(floor_3(0.012_39), "0.012300");
+        assert_eq!(floor_3(f64::NAN), "0");
+    }
 }

@@ -1,0 +1,2 @@
+% nothing
+N10 G90
