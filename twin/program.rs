@@ -118,7 +118,7 @@ impl ProgramFile {
     pub fn elements(&self, start: [f64; 3], angle_tolerance: Option<f64>) -> io::Result<Elements> {
         let (decoded, ledger) = self.decode(start)?;
         let stage = match angle_tolerance {
-            None => Stage::Decoded(decoded),
+            None => Stage::Decoded(Box::new(decoded)),
             Some(tolerance) => Stage::Prepared(Box::new(CheckVelocities::new(decoded, tolerance))),
         };
         Ok(Elements { stage, ledger })
@@ -304,7 +304,7 @@ pub struct Elements {
 
 #[derive(Debug)]
 enum Stage {
-    Decoded(Decoded),
+    Decoded(Box<Decoded>),
     Prepared(Box<CheckVelocities<Decoded, Halt>>),
 }
 

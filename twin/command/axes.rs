@@ -14,7 +14,7 @@ const DIGITS: usize = 12;
 /// Convert tool positions to axis positions and back: CSV lines from standard input to standard output
 ///
 /// A line that cannot be converted gives `error,REASON`; the exit status is then 1. Positions are those of the tool
-/// tip in the machine frame. Rotary axes go on from line to line: each answer is the one nearest to the line before.
+/// tip in the machine frame; without a z the tip is where it is with every linear axis at 0. Rotary axes go on from line to line: each answer is the one nearest to the line before.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     #[command(subcommand)]
@@ -71,8 +71,9 @@ fn convert(mut line: impl FnMut(&[f64]) -> Result<Vec<f64>, String>) -> Result<S
                 writer.write_record(["error", &reason]).map_err(stdio)?;
             }
         }
+        // Line by line, for whoever asks one question after the other through a pipe.
+        writer.flush().map_err(Failure::Stdio)?;
     }
-    writer.flush().map_err(Failure::Stdio)?;
     Ok(status)
 }
 
@@ -89,7 +90,10 @@ fn numbers(record: &csv::ByteRecord) -> Result<Vec<f64>, String> {
         .map(|field| {
             let text = String::from_utf8_lossy(field);
             let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-            number.ok_or_else(|| format!("`{text}` is not a number"))
+            number.ok_or_else(|| {
+                let shown: String = text.chars().take(40).collect();
+                format!("`{shown}` is not a number")
+            })
         })
         .collect()
 }
@@ -112,6 +116,17 @@ fn inverse(machine: &Machine, numbers: &[f64], near: &mut AxisVector) -> Result<
         Pose { position: Point3::new(x * 1e-3, y * 1e-3, z), direction: direction.to_radians() };
     let axes = machine.kinematics.inverse(&pose, near).map_err(|error| error.to_string())?;
     *near = axes;
+    note_limits(machine, &axes);
+    Ok(machine
+        .axes
+        .iter()
+        .zip(axes.iter())
+        .map(|(axis, position)| axis.from_si(*position))
+        .collect())
+}
+
+/// The transform knows no software limits; whoever uses it should.
+fn note_limits(machine: &Machine, axes: &AxisVector) {
     for (axis, position) in machine.axes.iter().zip(axes.iter()) {
         let [low, high] = axis.position_limits;
         if !(low..=high).contains(position) {
@@ -125,12 +140,6 @@ fn inverse(machine: &Machine, numbers: &[f64], near: &mut AxisVector) -> Result<
             );
         }
     }
-    Ok(machine
-        .axes
-        .iter()
-        .zip(axes.iter())
-        .map(|(axis, position)| axis.from_si(*position))
-        .collect())
 }
 
 fn forward(machine: &Machine, numbers: &[f64]) -> Result<Vec<f64>, String> {
@@ -139,10 +148,9 @@ fn forward(machine: &Machine, numbers: &[f64]) -> Result<Vec<f64>, String> {
         return Err(format!("{} values; expected {}", numbers.len(), names.join(",")));
     }
     let axes = machine.axes.iter().zip(numbers).map(|(axis, number)| axis.to_si(*number));
-    let pose = machine
-        .kinematics
-        .forward(&AxisVector::from_values(axes))
-        .map_err(|error| error.to_string())?;
+    let axes = AxisVector::from_values(axes);
+    note_limits(machine, &axes);
+    let pose = machine.kinematics.forward(&axes).map_err(|error| error.to_string())?;
     let position = pose.position * 1e3;
     Ok(vec![position.x, position.y, position.z, pose.direction.to_degrees()])
 }

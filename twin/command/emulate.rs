@@ -9,7 +9,7 @@ use twin_drives::interpcnc::{Line, Parity};
 
 /// Emulate a drive on a pseudo-terminal, for any master to talk to
 ///
-/// Serves until Ctrl-C. The device answers byte for byte as the manual says and moves in real time.
+/// Serves until Ctrl-C. The device answers as the manual says and moves in real time.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     #[command(subcommand)]
@@ -19,6 +19,9 @@ pub(super) struct Arguments {
 #[derive(Debug, clap::Subcommand)]
 enum Device {
     /// SOPROLEC InterpCNC V2.1: five step axes on Modbus RTU
+    ///
+    /// Commands 41, 42, 43, 66, 67, 80 and 96 do what the manual says; interpolated moves (6), homing (71, 78) and
+    /// probing (40) are answered with exception 3 so far.
     ///
     /// For instance, with the port at /tmp/board:
     ///   mbpoll -m rtu -b 115200 -P none -0 -B -t 3:int -r 1026 -c 5 -1 /tmp/board

@@ -8,7 +8,7 @@ use std::ops::Range;
 pub(super) fn words(line: &str, finding: &Finding) -> Vec<Range<usize>> {
     if let Some(columns) = &finding.columns {
         let end = columns.end.min(line.len());
-        return vec![columns.start.min(end)..end];
+        return std::iter::once(columns.start.min(end)..end).collect();
     }
     let all = block_words(line);
     let of = |letters: &[char]| -> Vec<_> {
@@ -31,7 +31,7 @@ pub(super) fn words(line: &str, finding: &Finding) -> Vec<Range<usize>> {
     let found = candidates.into_iter().find(|words| !words.is_empty());
     found.unwrap_or_else(|| {
         let text = line.trim_end();
-        vec![text.len() - text.trim_start().len()..text.len()]
+        std::iter::once(text.len() - text.trim_start().len()..text.len()).collect()
     })
 }
 
