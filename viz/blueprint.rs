@@ -15,15 +15,17 @@ use crate::bounds::Bounds;
 use crate::error::VizError;
 use crate::frame::{Axis, AxisUnit};
 use crate::scene::{Playback, TIME};
-use crate::units::{f32_of, mm, mm_f32, point_mm};
+use crate::units::{f32_of, mm, mm_f32, point_mm, vector_mm};
 
 /// Half the height of the camera's view, rad: rerun's camera sees 55° from top to bottom.
 const HALF_VIEW: f64 = 0.48;
 /// From where the machine is looked at: from the front right, above.
 const FROM: [f64; 3] = [0.45, -1.0, 1.1];
 
+/// From where the tool is looked at, close up.
+const ABOVE: [f64; 3] = [0.0, -0.35, 0.94];
 /// A machine does not fill the sphere around it: the camera may go this much closer than the sphere asks for.
-const CLOSER: f64 = 0.8;
+const CLOSER: f64 = 0.88;
 
 /// What the layout depends on.
 #[derive(Clone, Debug)]
@@ -179,12 +181,13 @@ impl Page {
         let name = format!("At the tool ({width} mm high)");
         let contents = ["+ /program/cuts/**", "+ /program/rapids/**", "+ /trail/**", "+ /tool/**"];
         let view = self.view("3D", &name, "/tool/set-point", &contents)?;
-        let distance = f32_of(width / 2.0 / HALF_VIEW.tan());
+        // From above, a little tilted: straight from above, a tool that moves up or down would hit the camera.
+        let eye = Vector3::from(ABOVE).normalize() * (layout.close_up / 2.0 / HALF_VIEW.tan());
         let camera = layout::EyeControls3D::new()
             .with_kind(parts::Eye3DKind::Orbital)
-            .with_position([0.0, 0.0, distance])
+            .with_position(vector_mm(&eye))
             .with_look_target([0.0_f32; 3])
-            .with_eye_up([0.0, 1.0, 0.0]);
+            .with_eye_up([0.0, 0.0, 1.0]);
         self.property(view, "EyeControls3D", &camera)?;
         self.property(view, "Background", &background())?;
         self.property(view, "LineGrid3D", &layout::LineGrid3D::new().with_visible(false))?;

@@ -11,41 +11,47 @@ pub enum VizError {
     NoDestination,
 
     /// The recording cannot be created.
-    #[error("cannot create the recording {}", .path.display())]
+    #[error("cannot create the recording {}: {source}", .path.display())]
     Create {
         /// The file asked for.
         path: PathBuf,
         /// Why.
-        #[source]
+        source: std::io::Error,
+    },
+
+    /// The recording was created, but its beginning cannot be written; the disk may be full.
+    #[error("cannot begin the recording {}: {source}", .path.display())]
+    Begin {
+        /// The file asked for.
+        path: PathBuf,
+        /// Why.
         source: rerun::sink::FileSinkError,
     },
 
     /// A page without a recording of its own needs a temporary file, which cannot be created.
-    #[error("cannot create a temporary recording in {}", .folder.display())]
+    #[error("cannot create a temporary recording in {}: {source}", .folder.display())]
     Temporary {
         /// The folder for temporary files.
         folder: PathBuf,
         /// Why.
-        #[source]
         source: std::io::Error,
     },
 
     /// The recording cannot be written any more; the disk may be full.
-    #[error("cannot write the recording {}", .path.display())]
+    #[error("cannot write the recording {}: {source}", .path.display())]
     Write {
         /// The recording.
         path: PathBuf,
         /// Why.
-        #[source]
         source: rerun::sink::SinkFlushError,
     },
 
     /// A frame was refused by rerun.
-    #[error("cannot log to the recording")]
+    #[error("cannot log to the recording: {0}")]
     Log(#[from] rerun::RecordingStreamError),
 
     /// A value cannot be expressed in rerun's format.
-    #[error("cannot encode a value for the recording")]
+    #[error("cannot encode a value for the recording: {0}")]
     Encode(#[from] rerun::SerializationError),
 
     /// A frame has another number of link poses than the machine has links.
@@ -67,36 +73,33 @@ pub enum VizError {
     },
 
     /// The address cannot be listened on: it is taken by another program, or is not this computer's.
-    #[error("cannot serve the viewer at {address}")]
+    #[error("cannot serve the viewer at {address}: {source}")]
     Bind {
         /// The address asked for.
         address: SocketAddr,
         /// Why.
-        #[source]
         source: std::io::Error,
     },
 
     /// The web server cannot start at an address that is free.
-    #[error("cannot start the web server at {address}")]
+    #[error("cannot start the web server at {address}: {source}")]
     Serve {
         /// The address asked for.
         address: SocketAddr,
         /// Why.
-        #[source]
         source: Box<dyn std::error::Error + Send + Sync>,
     },
 
     /// The viewer inside this binary is damaged.
-    #[error("the viewer inside this program cannot be read")]
+    #[error("the viewer inside this program cannot be read: {0}")]
     Assets(#[from] re_web_viewer_server::WebViewerDataError),
 
     /// A recording cannot be opened.
-    #[error("cannot open the recording {}", .path.display())]
+    #[error("cannot open the recording {}: {source}", .path.display())]
     Open {
         /// The file asked for.
         path: PathBuf,
         /// Why.
-        #[source]
         source: std::io::Error,
     },
 

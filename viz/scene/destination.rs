@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use rerun::sink::FileSink;
+use rerun::sink::{FileSink, FileSinkError};
 
 use super::SceneOptions;
 use crate::error::VizError;
@@ -39,8 +39,10 @@ pub(super) fn open(options: &SceneOptions, title: &str) -> Result<Destination, V
             (Source::temporary(temporary, complete.clone()), path)
         }
     };
-    let sink =
-        FileSink::new(&path).map_err(|source| VizError::Create { path: path.clone(), source })?;
+    let sink = FileSink::new(&path).map_err(|error| match error {
+        FileSinkError::CreateFile { source, .. } => VizError::Create { path: path.clone(), source },
+        source => VizError::Begin { path: path.clone(), source },
+    })?;
     let viewer = address.map(|address| Viewer::start(address, title, source)).transpose()?;
     Ok(Destination { path, sink, viewer, complete })
 }
