@@ -70,3 +70,66 @@ impl History {
         Some((from.place, between(&from.wanted, &to.wanted)?, between(&from.twin, &to.twin)?))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::setpoint::Transformer;
+    use nalgebra::{Point3, Vector3};
+    use std::path::Path;
+    use twin_motion::interpolate::ToolSetpoint;
+
+    const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+
+    /// `cycles` cycles in which X goes 1 mm each, the simulated machine 0.1 mm behind; one line per cycle.
+    fn history(machine: &Machine, cycles: u32) -> History {
+        let mut history = History::new(machine);
+        for cycle in 0..cycles {
+            let time_ns = i64::from(cycle) * machine.cycle_ns;
+            let tool = ToolSetpoint {
+                time_ns,
+                place: Place { line: cycle, block: None },
+                rapid: false,
+                position: Point3::new(1e-3 * f64::from(cycle), 0.0, 0.0),
+                velocity: Vector3::zeros(),
+                acceleration: Vector3::zeros(),
+                path_velocity: 0.0,
+            };
+            let setpoint = Transformer::new(machine).axes(&tool).unwrap();
+            let mut position = setpoint.axes.position;
+            position[0] -= 1e-4;
+            history.push(machine, &setpoint, &AxisFeedback { time_ns, position }).unwrap();
+        }
+        history
+    }
+
+    #[test]
+    fn between_cycles_it_is_between_and_at_the_end_it_rests() {
+        let machine = Machine::parse(Path::new("machine.toml"), GANTRY3).unwrap();
+        let history = history(&machine, 4);
+        let at = |time_ns| {
+            let (place, wanted, twin) = history.at(&machine, time_ns)?;
+            assert!((wanted.tool.x - twin.tool.x - 1e-4).abs() < 1e-15);
+            Some((place.line, (wanted.axes[0] * 1e9).round()))
+        };
+        assert_eq!(at(-1), None);
+        assert_eq!(at(0), Some((0, 0.0)));
+        assert_eq!(at(1_250_000), Some((1, 1_250_000.0)));
+        assert_eq!(at(2_999_999), Some((2, 2_999_999.0)));
+        assert_eq!(at(3_000_000), Some((3, 3_000_000.0)));
+        assert_eq!(at(9_000_000_000), Some((3, 3_000_000.0)));
+        assert!(History::new(&machine).at(&machine, 0).is_none());
+    }
+
+    #[test]
+    fn only_the_last_seconds_are_remembered() {
+        let machine = Machine::parse(Path::new("machine.toml"), GANTRY3).unwrap();
+        let cycles = u32::try_from(HISTORY).unwrap() + 500;
+        let history = history(&machine, cycles);
+        assert_eq!(history.entries.len(), HISTORY);
+        assert!(history.at(&machine, 499_000_000).is_none());
+        let (place, wanted, _) = history.at(&machine, 500_500_000).unwrap();
+        assert_eq!(place.line, 500);
+        assert!((wanted.axes[0] - 0.5005).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,237 @@
+//! The simulated machine beside an emulated board on a pseudo-terminal.
+
+use crate::simulated::CIRCLES;
+use crate::{Program, Recorder, SCARA2, machine, portal};
+use std::cell::{Cell, RefCell};
+use std::time::Duration;
+use twin::emulated::connect;
+use twin::hardware::{Hardware, HardwareError};
+use twin::machine::Machine;
+use twin::session::{Ending, Session, Stopped};
+use twin::simulated::Simulated;
+use twin_drives::interpcnc::emulator::{Board, EmulatedBoard};
+use twin_drives::interpcnc::registers::BoardAxis;
+use twin_kinematics::AxisVector;
+
+/// Part of their largest velocity with which axes come to the start.
+const APPROACH: f64 = 0.25;
+
+fn approach(hardware: &mut Hardware) -> Result<(), HardwareError> {
+    while !hardware.ready()? {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    Ok(())
+}
+
+fn drives(machine: &Machine, start: &AxisVector) -> (EmulatedBoard, Hardware) {
+    let (board, drive) = connect(machine).unwrap();
+    (board, Hardware::start(machine, drive, start, machine.cycle_ns, APPROACH).unwrap())
+}
+
+/// A run of `program` beside a board, at each cycle of which `each` may do something to the board or the user.
+fn run(
+    machine: &Machine,
+    program: &Program,
+    each: impl Fn(i64, &RefCell<Option<EmulatedBoard>>, &Cell<u32>),
+) -> Outcome {
+    let start = program.check(machine).start.unwrap();
+    let (board, mut hardware) = drives(machine, &start);
+    approach(&mut hardware).unwrap();
+    let twin = Simulated::new(machine, &start).unwrap();
+    let (board, interrupts) = (RefCell::new(Some(board)), Cell::new(0));
+    let mut recorder = Recorder::with(|time_ns| each(time_ns, &board, &interrupts));
+    let hardware = Some(hardware);
+    let session = Session { machine, program: &program.file, twin, hardware, realtime: false };
+    let ending = session.run(&mut recorder, &|| interrupts.get()).unwrap();
+    let recorder = recorder.ended();
+    Outcome { ending, recorder, board: board.into_inner().map(|board| board.stop().unwrap()) }
+}
+
+struct Outcome {
+    ending: Ending,
+    recorder: Recorder<'static>,
+    board: Option<Board>,
+}
+
+impl Outcome {
+    /// The board's axes rest, where the last set-point is.
+    #[track_caller]
+    fn assert_drives_where_the_twin_is(&self, machine: &Machine) {
+        self.assert_drives_at_rest();
+        let wanted = self.recorder.last().wanted.axes;
+        for ((axis, wanted), board_axis) in
+            machine.axes.iter().zip(wanted.iter()).zip(BoardAxis::ALL)
+        {
+            let increments = wanted * axis.increments_per_si();
+            let found = self.board.as_ref().unwrap().position(board_axis);
+            assert!(
+                (found - increments).abs() <= 1.0,
+                "axis {}: {found}, not {increments}",
+                axis.name
+            );
+        }
+    }
+
+    #[track_caller]
+    fn assert_drives_at_rest(&self) {
+        let board = self.board.as_ref().unwrap();
+        assert!(board.status().moving().is_empty());
+        assert!(BoardAxis::ALL.iter().all(|axis| board.velocity(*axis) == 0.0));
+    }
+}
+
+#[test]
+fn drives_and_simulated_machine_end_at_the_same_place() {
+    let machine = machine(SCARA2);
+    let program = Program::new(
+        "% short\nN10 F150 E800 E-800\nN20 G1 X290 Y15\nN30 G2 X310 Y15 R10\nN40 G1 X300 Y0 Z12\n",
+    );
+    let outcome = run(&machine, &program, |_, _, _| {});
+    assert!(outcome.ending.stopped.is_none(), "{:?}", outcome.ending.stopped);
+    outcome.recorder.assert_twin_at_rest();
+    outcome.assert_drives_where_the_twin_is(&machine);
+
+    let Outcome { ending, recorder, .. } = outcome;
+    assert_eq!(ending.executed_ns, program.check(&machine).duration_ns);
+    assert!(recorder.heard.len() >= 10, "{} samples", recorder.heard.len());
+    assert!(recorder.heard.is_sorted_by_key(|heard| heard.time_ns));
+    let last = recorder.heard.last().unwrap();
+    assert!(last.time_ns >= ending.executed_ns, "listened to the end");
+    for ((axis, found), wanted) in
+        machine.axes.iter().zip(last.drives.axes.iter()).zip(recorder.last().wanted.axes.iter())
+    {
+        let increments = (found - wanted) * axis.increments_per_si();
+        assert!(increments.abs() <= 1.0, "axis {}: {increments} increments off", axis.name);
+    }
+    // Real and simulated machine are compared with the set-points and with each other.
+    let tool = ending.comparison.tool;
+    for statistics in [tool.twin, tool.drives, tool.drives_against_twin] {
+        let (max, _) = statistics.maximum().unwrap();
+        assert!(max > 0.0 && statistics.rms() > 0.0 && statistics.rms() <= max);
+    }
+    // They moved: 16 mm from the start at least, on both sides.
+    let farthest =
+        recorder.heard.iter().map(|heard| (heard.drives.tool.x - 0.3).abs()).fold(0.0, f64::max);
+    assert!(farthest > 5e-3, "{farthest}");
+}
+
+#[test]
+fn a_closed_path_shorter_than_the_horizon_is_followed_to_its_end() {
+    // 0.2 s: planned to its end before the drives have begun, and they stand where it ends.
+    let machine = portal();
+    let program = Program::new("% there and back\nN10 G1 X5 F200 E2000 E-2000\nN20 G1 X0\n");
+    let outcome = run(&machine, &program, |_, _, _| {});
+    assert!(outcome.ending.stopped.is_none(), "{:?}", outcome.ending.stopped);
+    outcome.assert_drives_where_the_twin_is(&machine);
+    let last = outcome.recorder.heard.last().unwrap();
+    assert!(last.time_ns >= outcome.ending.executed_ns, "{last:?}");
+}
+
+#[test]
+fn a_board_that_dies_stops_the_simulated_machine_on_its_path() {
+    let machine = portal();
+    let program = Program::new(CIRCLES);
+    let outcome = run(&machine, &program, |time_ns, board, _| {
+        if time_ns >= 500_000_000 {
+            // Powered down.
+            drop(board.borrow_mut().take());
+        }
+    });
+    let Some(stopped @ Stopped::Drives { place, source }) = &outcome.ending.stopped else {
+        panic!("{:?}", outcome.ending.stopped)
+    };
+    assert!(matches!(source, HardwareError::Drive(_)), "{source:?}");
+    assert!(stopped.to_string().starts_with("the drives failed at line 2 (N10)"), "{stopped}");
+    assert!(stopped.to_string().contains("station 1: "), "{stopped}");
+    assert_eq!(place.line, 2);
+    assert!(outcome.ending.executed_ns < program.check(&machine).duration_ns);
+    outcome.recorder.assert_twin_at_rest();
+    let radius = (outcome.recorder.last().wanted.tool - nalgebra::point![0.03, 0.0, -0.04]).norm();
+    assert!((radius - 0.03).abs() < 1e-9, "{radius}");
+}
+
+#[test]
+fn an_interrupt_brings_drives_and_simulated_machine_to_rest_at_the_same_place() {
+    let machine = portal();
+    let program = Program::new(CIRCLES);
+    let outcome = run(&machine, &program, |time_ns, _, interrupts| {
+        interrupts.set(u32::from(time_ns >= 500_000_000));
+    });
+    let stopped = &outcome.ending.stopped;
+    assert!(matches!(stopped, Some(Stopped::Interrupted(place)) if place.line == 2), "{stopped:?}");
+    assert!(outcome.ending.executed_ns < program.check(&machine).duration_ns);
+    outcome.recorder.assert_twin_at_rest();
+    outcome.assert_drives_where_the_twin_is(&machine);
+}
+
+#[test]
+fn a_second_interrupt_brakes_the_drives_where_they_are() {
+    let machine = portal();
+    let program = Program::new(CIRCLES);
+    let outcome = run(&machine, &program, |time_ns, _, interrupts| {
+        interrupts.set(if time_ns >= 500_000_000 { 2 } else { 0 });
+    });
+    let stopped = &outcome.ending.stopped;
+    assert!(matches!(stopped, Some(Stopped::Interrupted(_))), "{stopped:?}");
+    outcome.recorder.assert_twin_at_rest();
+    outcome.assert_drives_at_rest();
+}
+
+#[test]
+fn an_open_enable_input_stops_the_run_and_is_named() {
+    let machine = portal();
+    let program = Program::new(CIRCLES);
+    let outcome = run(&machine, &program, |time_ns, board, _| {
+        if time_ns == 500_000_000 {
+            board.borrow().as_ref().unwrap().set_enable(false).unwrap();
+        }
+    });
+    let Some(stopped @ Stopped::Drives { .. }) = &outcome.ending.stopped else {
+        panic!("{:?}", outcome.ending.stopped)
+    };
+    assert!(stopped.to_string().contains("the ENABLE input is open"), "{stopped}");
+    outcome.recorder.assert_twin_at_rest();
+    outcome.assert_drives_at_rest();
+    assert!(outcome.board.unwrap().status().locked());
+}
+
+#[test]
+fn an_error_of_the_drives_is_not_lost_behind_an_interrupt() {
+    let machine = portal();
+    let program = Program::new(CIRCLES);
+    let outcome = run(&machine, &program, |time_ns, board, interrupts| {
+        if time_ns == 500_000_000 {
+            board.borrow().as_ref().unwrap().set_enable(false).unwrap();
+            interrupts.set(1);
+        }
+    });
+    let stopped = outcome.ending.stopped.unwrap();
+    assert!(stopped.to_string().contains("the ENABLE input is open"), "{stopped}");
+}
+
+#[test]
+fn a_board_without_enable_is_refused_before_anything_is_followed() {
+    let machine = machine(SCARA2);
+    let start = machine.start_axes().unwrap();
+    let (board, drive) = connect(&machine).unwrap();
+    board.set_enable(false).unwrap();
+    let mut hardware =
+        Hardware::start(&machine, drive, &start, machine.cycle_ns, APPROACH).unwrap();
+    let error = approach(&mut hardware).unwrap_err();
+    assert!(error.to_string().contains("the ENABLE input is open"), "{error}");
+    drop(hardware);
+    assert!(board.stop().unwrap().status().moving().is_empty());
+}
+
+#[test]
+fn drives_dropped_on_their_way_to_the_start_come_to_rest() {
+    let machine = machine(SCARA2);
+    let start = machine.start_axes().unwrap();
+    let (board, mut hardware) = drives(&machine, &start);
+    for _ in 0..50 {
+        assert!(!hardware.ready().unwrap(), "97 degrees of B at 75 degrees per second");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    drop(hardware);
+    assert!(board.stop().unwrap().status().moving().is_empty());
+}

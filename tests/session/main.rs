@@ -1,0 +1,68 @@
+//! Runs of a program on the simulated machine and on drives, as `twin run` makes them, without the command line.
+
+mod emulated;
+mod puppet;
+mod recorder;
+mod simulated;
+
+use std::path::Path;
+use tempfile::TempDir;
+use twin::machine::Machine;
+use twin::program::{Dialect, ProgramFile};
+use twin::session::{Ending, Session};
+use twin::simulated::Simulated;
+
+use recorder::Recorder;
+
+/// Start at 300, 0, 20; A: 160000 increments a turn, B: 128000, Z: 640 per mm.
+const SCARA2: &str = include_str!("../../machines/scara2.toml");
+/// 320, 320 and 640 increments per mm.
+const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+
+fn machine(text: &str) -> Machine {
+    Machine::parse(Path::new("machine.toml"), text)
+        .unwrap_or_else(|problems| panic!("{problems:#?}"))
+}
+
+/// The portal with programs that start where every axis is at 0, as the counters of a board are at power-up: nothing has
+/// to be approached.
+fn portal() -> Machine {
+    machine(&GANTRY3.replace("start_mm = [0.0, 0.0, 20.0]", "start_mm = [0.0, 0.0, -40.0]"))
+}
+
+/// A program on disk.
+struct Program {
+    file: ProgramFile,
+    _folder: TempDir,
+}
+
+impl Program {
+    fn new(text: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("program.cnc");
+        std::fs::write(&path, text).unwrap();
+        let file = ProgramFile::new(&path, Some(Dialect::Din66025), false).unwrap();
+        Self { file, _folder: folder }
+    }
+
+    /// Checks it as every run is checked.
+    fn check(&self, machine: &Machine) -> twin::check::Outcome {
+        let outcome = twin::check::check(machine, &self.file, false, &mut |_| {}).unwrap();
+        assert!(outcome.findings.is_empty(), "{:#?}", outcome.findings);
+        outcome
+    }
+}
+
+/// Runs it without drives.
+fn simulate(
+    machine: &Machine,
+    program: &Program,
+    recorder: &mut Recorder<'_>,
+    interrupts: &dyn Fn() -> u32,
+) -> Ending {
+    let start = program.check(machine).start.unwrap();
+    let twin = Simulated::new(machine, &start).unwrap();
+    let session =
+        Session { machine, program: &program.file, twin, hardware: None, realtime: false };
+    session.run(recorder, interrupts).unwrap()
+}

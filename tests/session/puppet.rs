@@ -1,0 +1,189 @@
+//! Drives and machines made of a few lines: what real ones do rarely.
+
+use crate::simulated::CIRCLES;
+use crate::{Program, Recorder, portal};
+use std::cell::Cell;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
+use twin::hardware::Hardware;
+use twin::physics::PhysicsError;
+use twin::plant::{AxisFeedback, Plant};
+use twin::session::{Ending, Session, Stopped};
+use twin::setpoint::AxisSetpoint;
+use twin_drives::{Drive, DriveError, Increments, MAX_DRIVE_AXES, Sample, SetpointStream};
+
+/// A drive that is where the stream says at any time, and knows that time exactly.
+#[derive(Debug, Default)]
+struct Puppet {
+    position: Increments,
+    soft_stops: Arc<AtomicU32>,
+}
+
+impl Drive for Puppet {
+    fn describe(&self) -> String {
+        "a puppet".to_owned()
+    }
+
+    fn axis_count(&self) -> usize {
+        3
+    }
+
+    fn probe(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        self.sample(stream)
+    }
+
+    fn enable(&mut self) -> Result<(), DriveError> {
+        Ok(())
+    }
+
+    fn set_position(&mut self, position: &Increments) -> Result<(), DriveError> {
+        self.position = *position;
+        Ok(())
+    }
+
+    fn move_to(
+        &mut self,
+        target: &Increments,
+        _speed: &[f64; MAX_DRIVE_AXES],
+    ) -> Result<(), DriveError> {
+        self.position = *target;
+        Ok(())
+    }
+
+    fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        Ok(Sample { time_ns: stream.now_ns(), position: self.position, moving: false })
+    }
+
+    fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        // Not at once: an exchange takes its time.
+        std::thread::sleep(Duration::from_millis(3));
+        let time_ns = stream.now_ns();
+        let motion = stream.at(time_ns);
+        for (position, wanted) in self.position.iter_mut().zip(motion.position) {
+            *position = wanted.round() as i64;
+        }
+        let moving = motion.velocity.iter().any(|velocity| velocity.abs() > 1.0);
+        Ok(Sample { time_ns, position: self.position, moving })
+    }
+
+    fn soft_stop(&mut self) -> Result<(), DriveError> {
+        self.soft_stops.fetch_add(1, Ordering::SeqCst);
+        Ok(())
+    }
+
+    fn hard_stop(&mut self) -> Result<(), DriveError> {
+        Ok(())
+    }
+}
+
+/// A machine that is where it is told to be, until it fails.
+#[derive(Debug)]
+struct Ideal {
+    fails_at_ns: i64,
+    arrived: Option<AxisFeedback>,
+}
+
+impl Plant for Ideal {
+    type Error = PhysicsError;
+
+    fn command(&mut self, setpoint: &AxisSetpoint) -> Result<(), PhysicsError> {
+        let time_ns = setpoint.time_ns;
+        if time_ns >= self.fails_at_ns {
+            return Err(PhysicsError::Diverged { time_ns });
+        }
+        self.arrived = Some(AxisFeedback { time_ns, position: setpoint.axes.position });
+        Ok(())
+    }
+
+    fn feedback(&mut self) -> Result<Option<AxisFeedback>, PhysicsError> {
+        Ok(self.arrived.take())
+    }
+}
+
+/// Runs `text` on an ideal machine and a puppet; also how often the drive was told to brake.
+fn run(
+    text: &str,
+    fails_at_ns: i64,
+    recorder: &mut Recorder<'_>,
+    interrupts: &dyn Fn() -> u32,
+) -> (Ending, u32) {
+    let (machine, program) = (portal(), Program::new(text));
+    let start = program.check(&machine).start.unwrap();
+    let puppet = Puppet::default();
+    let soft_stops = Arc::clone(&puppet.soft_stops);
+    let mut hardware =
+        Hardware::start(&machine, Box::new(puppet), &start, machine.cycle_ns, 0.25).unwrap();
+    while !hardware.ready().unwrap() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let session = Session {
+        machine: &machine,
+        program: &program.file,
+        twin: Ideal { fails_at_ns, arrived: None },
+        hardware: Some(hardware),
+        realtime: false,
+    };
+    let ending = session.run(recorder, interrupts).unwrap();
+    (ending, soft_stops.load(Ordering::SeqCst))
+}
+
+#[test]
+fn samples_are_compared_with_what_was_wanted_at_their_time() {
+    // However late or early the session looks: half an increment, √(2 · (1/640)²) mm in X and Y, is all that an exact
+    // drive is off, and the chord of 0.1 mm on 30 mm.
+    let mut recorder = Recorder::new();
+    let (ending, soft_stops) =
+        run("% circle\nN10 G2 I30 J0 F250 E1500 E-1500\n", i64::MAX, &mut recorder, &|| 0);
+    assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
+    assert_eq!(soft_stops, 0);
+    let tool = ending.comparison.tool;
+    let (max, place) = tool.drives.maximum().unwrap();
+    assert!(max > 0.0 && max < 2.5e-6, "{max} m at {place}");
+    let (max, _) = tool.drives_against_twin.maximum().unwrap();
+    assert!(max < 2.5e-6, "{max} m");
+    assert_eq!(tool.twin.maximum().unwrap().0, 0.0);
+    assert!(recorder.heard.len() > 20);
+}
+
+#[test]
+fn a_simulated_machine_that_fails_brakes_the_drives() {
+    let mut recorder = Recorder::new();
+    let (ending, soft_stops) = run(CIRCLES, 300_000_000, &mut recorder, &|| 0);
+    let Some(stopped @ Stopped::Twin { place, .. }) = &ending.stopped else {
+        panic!("{:?}", ending.stopped)
+    };
+    assert_eq!(place.line, 2);
+    assert!(stopped.to_string().contains("diverged"), "{stopped}");
+    assert_eq!(soft_stops, 1);
+    // What the drives did after that has nothing to be compared with.
+    assert!(ending.comparison.tool.drives_against_twin.maximum().unwrap().0 < 2.5e-6);
+}
+
+#[test]
+fn only_the_second_interrupt_brakes_the_drives_off_the_path() {
+    for (interrupts, brakes) in [(1, 0), (2, 1)] {
+        let count = Cell::new(0);
+        let mut recorder = Recorder::with(|time_ns| {
+            if time_ns >= 200_000_000 {
+                count.set(interrupts);
+            }
+        });
+        let (ending, soft_stops) = run(CIRCLES, i64::MAX, &mut recorder, &|| count.get());
+        let stopped = &ending.stopped;
+        assert!(matches!(stopped, Some(Stopped::Interrupted(_))), "{stopped:?}");
+        assert_eq!(soft_stops, brakes);
+        assert_eq!(recorder.last().path_velocity, 0.0);
+    }
+}
+
+#[test]
+fn an_interrupt_when_everything_is_planned_changes_nothing() {
+    let count = Cell::new(0);
+    let mut recorder = Recorder::with(|time_ns| count.set(u32::from(time_ns >= 100_000_000)));
+    let text = "% 0.2 s\nN10 G1 X10 F100 E1000 E-1000\n";
+    let (ending, soft_stops) = run(text, i64::MAX, &mut recorder, &|| count.get());
+    assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
+    assert_eq!(soft_stops, 0);
+    assert!((recorder.last().wanted.tool - nalgebra::point![0.01, 0.0, -0.04]).norm() < 1e-12);
+}

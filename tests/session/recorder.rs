@@ -1,0 +1,76 @@
+//! Remembers what a run shows.
+
+use twin::compare::Measured;
+use twin::session::{DriveSample, Observer, TwinCycle};
+
+/// One cycle of the simulated machine.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cycle {
+    pub(crate) time_ns: i64,
+    pub(crate) line: u32,
+    /// Of the set-point, m/s.
+    pub(crate) path_velocity: f64,
+    pub(crate) wanted: Measured,
+    pub(crate) twin: Measured,
+}
+
+/// One sample of the drives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Heard {
+    pub(crate) time_ns: i64,
+    pub(crate) drives: Measured,
+}
+
+/// Remembers everything, and does something of the test's at every cycle.
+pub(crate) struct Recorder<'a> {
+    pub(crate) cycles: Vec<Cycle>,
+    pub(crate) heard: Vec<Heard>,
+    each: Box<dyn FnMut(i64) + 'a>,
+}
+
+impl<'a> Recorder<'a> {
+    pub(crate) fn new() -> Self {
+        Self::with(|_| {})
+    }
+
+    /// `each` is told the time of every cycle, ns.
+    pub(crate) fn with(each: impl FnMut(i64) + 'a) -> Self {
+        Self { cycles: Vec::new(), heard: Vec::new(), each: Box::new(each) }
+    }
+
+    /// What it remembers, without what it did.
+    pub(crate) fn ended(self) -> Recorder<'static> {
+        Recorder { cycles: self.cycles, heard: self.heard, each: Box::new(|_| {}) }
+    }
+
+    pub(crate) fn last(&self) -> &Cycle {
+        self.cycles.last().expect("a cycle was executed")
+    }
+
+    /// The simulated machine was brought to rest where it belongs: the last set-points stand still, and it with them.
+    #[track_caller]
+    pub(crate) fn assert_twin_at_rest(&self) {
+        let [.., before, last] = &self.cycles[..] else { panic!("two cycles") };
+        assert_eq!(last.path_velocity, 0.0);
+        let moved = (last.twin.tool - before.twin.tool).norm();
+        assert!(moved < 5e-7, "the tool of the twin moved {moved} m in the last cycle");
+        assert!((last.twin.tool - last.wanted.tool).norm() < 5e-6);
+    }
+}
+
+impl Observer for Recorder<'_> {
+    fn twin(&mut self, cycle: &TwinCycle<'_>) {
+        self.cycles.push(Cycle {
+            time_ns: cycle.setpoint.time_ns,
+            line: cycle.setpoint.place.line,
+            path_velocity: cycle.setpoint.path_velocity,
+            wanted: *cycle.wanted,
+            twin: *cycle.twin,
+        });
+        (self.each)(cycle.setpoint.time_ns);
+    }
+
+    fn drives(&mut self, sample: &DriveSample<'_>) {
+        self.heard.push(Heard { time_ns: sample.time_ns, drives: *sample.drives });
+    }
+}
