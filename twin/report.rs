@@ -177,7 +177,8 @@ pub struct AxisPeak {
 struct PeakReport {
     value: f64,
     limit: Option<f64>,
-    line: u32,
+    /// None if the axis was asked for nothing.
+    line: Option<u32>,
     block: Option<u32>,
 }
 
@@ -205,7 +206,7 @@ impl AxisPeakReport {
         let report = |peak: &Peak, limit: Option<f64>| PeakReport {
             value: rounded(axis.from_si(peak.value)),
             limit: limit.map(|limit| rounded(axis.from_si(limit))),
-            line: peak.place.line,
+            line: (peak.value > 0.0).then_some(peak.place.line),
             block: peak.place.block,
         };
         let [limit_min, limit_max] = axis.position_limits.map(|limit| rounded(axis.from_si(limit)));

@@ -7,6 +7,7 @@
 #![allow(clippy::expect_used, reason = "a test that cannot be set up has failed")]
 
 mod compare;
+mod process;
 
 use serde::Deserialize;
 use std::fs;

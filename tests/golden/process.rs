@@ -1,0 +1,445 @@
+//! The binary as a process: exit status, signals, and the files it leaves behind.
+
+use crate::root;
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::Duration;
+use tempfile::TempDir;
+
+/// Three circles on the portal, 6 s; begins where the axes of a board stand at power-up.
+const CIRCLES: &str = "% circles\nN10 G2 I30 J0 F100 E500 E-500\nN20 G2 I30 J0\nN30 G2 I30 J0\n";
+/// 10 mm there and back, 0.4 s.
+const SHORT: &str = "% short\nN10 G1 X10 F100 E500 E-500\nN20 G1 X0\n";
+/// Faster than the axis (400 mm/s).
+const UNFIT: &str = "% unfit\nN10 G1 X300 F500 E2000 E-2000\n";
+
+/// A folder with the portal's machine file, and what the tests put there.
+struct Desk {
+    folder: TempDir,
+}
+
+impl Desk {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let machine =
+            std::fs::read_to_string(root().join("machines/gantry3.toml")).expect("readable");
+        let here = "start_mm = [0.0, 0.0, 20.0]";
+        assert!(machine.contains(here));
+        let desk = Self { folder };
+        desk.write("machine.toml", &machine.replace(here, "start_mm = [0.0, 0.0, -40.0]"));
+        desk
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.path(name), text).expect("written");
+    }
+
+    fn read(&self, name: &str) -> Value {
+        let text = std::fs::read_to_string(self.path(name)).expect("it was written");
+        serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_twin"));
+        command.args(arguments).current_dir(self.folder.path()).stdin(Stdio::null());
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    fn twin(&self, arguments: &[&str]) -> Done {
+        Done::from(self.command(arguments).output().expect("the binary starts"))
+    }
+
+    /// `twin run` of `program`, interrupted by `signal` a second after it has announced what `sign` says.
+    fn interrupted(&self, signal: &str, sign: &str, arguments: &[&str]) -> Done {
+        let mut child = self.command(arguments).spawn().expect("the binary starts");
+        let stderr = child.stderr.take().expect("piped");
+        let mut lines = BufReader::new(stderr).lines().map_while(Result::ok);
+        let mut seen = String::new();
+        for line in lines.by_ref() {
+            seen += &line;
+            seen.push('\n');
+            if line.contains(sign) {
+                break;
+            }
+        }
+        std::thread::sleep(Duration::from_secs(1));
+        let process = child.id().to_string();
+        let sent = Command::new("kill").args([signal, &process]).status().expect("kill is there");
+        assert!(sent.success(), "it has ended already:\n{seen}");
+        for line in lines {
+            seen += &line;
+            seen.push('\n');
+        }
+        let output = wait(child);
+        Done { stderr: seen, ..Done::from(output) }
+    }
+}
+
+/// Waits for a process that has been told to end.
+fn wait(mut child: Child) -> Output {
+    for _ in 0..600 {
+        if child.try_wait().expect("it can be waited for").is_some() {
+            return child.wait_with_output().expect("it has ended");
+        }
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    child.kill().expect("it can be killed");
+    panic!("it goes on a minute after it was told to stop");
+}
+
+/// A process that has ended.
+struct Done {
+    status: Option<i32>,
+    stdout: String,
+    stderr: String,
+}
+
+impl From<Output> for Done {
+    fn from(output: Output) -> Self {
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let (stdout, stderr) = (text(&output.stdout), text(&output.stderr));
+        Self { status: output.status.code(), stdout, stderr }
+    }
+}
+
+impl Done {
+    /// It ended with `status`, and standard error says `words`, however it is wrapped.
+    #[track_caller]
+    fn ended(&self, status: i32, words: &str) -> &Self {
+        assert_eq!(self.status, Some(status), "{}\n{}", self.stdout, self.stderr);
+        let flat = |text: &str| -> String {
+            text.chars().filter(|c| !c.is_whitespace() && *c != '│').collect()
+        };
+        assert!(flat(&self.stderr).contains(&flat(words)), "{words} is not in\n{}", self.stderr);
+        self
+    }
+}
+
+/// `value` has exactly these keys.
+#[track_caller]
+fn has_keys(value: &Value, keys: &[&str]) {
+    let object = value.as_object().unwrap_or_else(|| panic!("no object: {value}"));
+    let mut found: Vec<_> = object.keys().map(String::as_str).collect();
+    let mut wanted = keys.to_vec();
+    found.sort_unstable();
+    wanted.sort_unstable();
+    assert_eq!(found, wanted);
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
+}
+
+/// What every check tells of a program (house.md): keys and types.
+#[track_caller]
+fn is_check(report: &Value, program: &str, more: &[&str]) {
+    let keys = [
+        "program",
+        "machine",
+        "dialect",
+        "elements",
+        "length_mm",
+        "duration_s",
+        "peak",
+        "findings",
+        "findings_left_out",
+    ];
+    has_keys(report, &[&keys, more].concat());
+    assert_eq!(report["program"], program);
+    assert_eq!(
+        (&report["machine"], &report["dialect"]),
+        (&"machine.toml".into(), &"din66025".into())
+    );
+    assert!(report["elements"].is_u64() && report["findings"].is_array());
+    has_keys(&report["peak"], &["X", "Y", "Z"]);
+    for peak in report["peak"].as_object().expect("an object").values() {
+        for quantity in ["velocity", "acceleration", "jerk"] {
+            has_keys(&peak[quantity], &["value", "limit", "line", "block"]);
+            // An axis that does not move has its largest value in no line.
+            let (value, line) = (number(&peak[quantity]["value"]), &peak[quantity]["line"]);
+            assert_eq!(value > 0.0, line.is_u64(), "{peak}");
+            assert_eq!(value <= 0.0, line.is_null(), "{peak}");
+        }
+        has_keys(&peak["position"], &["min", "max", "limit_min", "limit_max"]);
+        assert_eq!(peak["unit"], "mm");
+    }
+    assert_eq!(report["peak"]["X"]["velocity"]["limit"], 400.0);
+    assert_eq!(report["peak"]["X"]["jerk"]["limit"], Value::Null);
+}
+
+/// The keys that a run adds.
+const RUN_KEYS: [&str; 6] =
+    ["completed", "stopped_because", "executed_s", "drive_samples", "tool_error_mm", "axis_error"];
+
+#[test]
+fn ctrl_c_stops_a_run_with_drives_and_leaves_report_and_recording() {
+    let desk = Desk::new();
+    desk.write("circles.cnc", CIRCLES);
+    let done = desk.interrupted(
+        "-INT",
+        "emulated InterpCNC",
+        &[
+            "run",
+            "circles.cnc",
+            "--machine",
+            "machine.toml",
+            "--report",
+            "r.json",
+            "--record",
+            "r.rrd",
+        ],
+    );
+    done.ended(2, "stopped by the user at line 2 (N10)");
+    let report = desk.read("r.json");
+    is_check(&report, "circles.cnc", &RUN_KEYS);
+    assert_eq!(report["completed"], false);
+    assert!(report["stopped_because"].as_str().expect("a reason").contains("stopped by the user"));
+    let (executed, duration) = (number(&report["executed_s"]), number(&report["duration_s"]));
+    assert!(executed > 0.1 && executed < duration - 1.0, "{executed} s of {duration} s");
+    assert!(number(&report["drive_samples"]["count"]) > 0.0);
+    assert!(std::fs::metadata(desk.path("r.rrd")).expect("a recording").len() > 1000);
+}
+
+#[test]
+fn a_request_to_terminate_stops_a_run_in_real_time() {
+    let desk = Desk::new();
+    desk.write("circles.cnc", CIRCLES);
+    let arguments =
+        ["run", "circles.cnc", "--machine", "machine.toml", "--drives", "none", "--realtime"];
+    let arguments = [&arguments[..], &["--report", "r.json"]].concat();
+    desk.interrupted("-TERM", "is read as din66025", &arguments).ended(2, "stopped by the user");
+    let report = desk.read("r.json");
+    assert_eq!(report["completed"], false);
+    assert!(number(&report["executed_s"]) < number(&report["duration_s"]) - 1.0);
+    assert_eq!(report["drive_samples"], Value::Null);
+}
+
+#[test]
+fn a_run_reports_errors_of_twin_and_drives() {
+    let desk = Desk::new();
+    desk.write("short.cnc", SHORT);
+    let run = |drives: &str| {
+        let done = desk.twin(&[
+            "run",
+            "short.cnc",
+            "-m",
+            "machine.toml",
+            "--drives",
+            drives,
+            "--report",
+            "r.json",
+        ]);
+        done.ended(0, "short.cnc is read as din66025");
+        assert!(done.stdout.contains("fit for the machine") && done.stdout.contains("tool, twin"));
+        let report = desk.read("r.json");
+        is_check(&report, "short.cnc", &RUN_KEYS);
+        assert_eq!(
+            (&report["completed"], &report["stopped_because"]),
+            (&true.into(), &Value::Null)
+        );
+        assert_eq!(report["executed_s"], report["duration_s"]);
+        has_keys(&report["tool_error_mm"], &["twin", "drives", "drives_against_twin"]);
+        has_keys(&report["axis_error"], &["X", "Y", "Z"]);
+        report
+    };
+    let errors = |value: &Value| {
+        has_keys(value, &["max", "rms", "line", "block"]);
+        let (max, rms) = (number(&value["max"]), number(&value["rms"]));
+        assert!(max > 0.0 && rms > 0.0 && rms <= max, "{value}");
+        let line = value["line"].as_u64().expect("a line");
+        assert!([2, 3].contains(&line), "{value}");
+        assert_eq!(value["block"], 10 * line - 10);
+    };
+    let alone = run("none");
+    errors(&alone["tool_error_mm"]["twin"]);
+    assert_eq!(alone["tool_error_mm"]["drives"], Value::Null);
+    let beside = run("emulated");
+    // The same set-points: the simulated machine does the same, to the last digit.
+    assert_eq!(beside["tool_error_mm"]["twin"], alone["tool_error_mm"]["twin"]);
+    for who in ["twin", "drives", "drives_against_twin"] {
+        errors(&beside["tool_error_mm"][who]);
+        errors(&beside["axis_error"]["X"][who]);
+    }
+    assert_eq!(beside["axis_error"]["X"]["unit"], "mm");
+    assert!(number(&beside["drive_samples"]["count"]) >= 10.0);
+}
+
+#[test]
+fn an_exceeded_tolerance_is_status_1_with_the_report() {
+    let desk = Desk::new();
+    desk.write("short.cnc", SHORT);
+    let run = |tolerance: &str| {
+        desk.twin(&[
+            "run",
+            "short.cnc",
+            "-m",
+            "machine.toml",
+            "--drives",
+            "none",
+            "--report",
+            "r.json",
+            "--tolerance",
+            tolerance,
+        ])
+    };
+    run("0.000001").ended(1, "the tolerance is 0.000001 mm");
+    let report = desk.read("r.json");
+    assert_eq!(report["completed"], true);
+    assert!(number(&report["tool_error_mm"]["twin"]["max"]) > 1e-6);
+    run("5").ended(0, "");
+    for nonsense in ["0", "-1", "nan"] {
+        run(nonsense).ended(2, "");
+    }
+}
+
+#[test]
+fn an_unfit_program_moves_nothing_and_is_reported() {
+    let desk = Desk::new();
+    desk.write("unfit.cnc", UNFIT);
+    let done = desk.twin(&[
+        "run",
+        "unfit.cnc",
+        "-m",
+        "machine.toml",
+        "--report",
+        "r.json",
+        "--record",
+        "r.rrd",
+    ]);
+    done.ended(1, "axis-velocity");
+    assert!(done.stdout.contains("NOT fit for the machine"));
+    assert!(!done.stderr.contains("emulated InterpCNC"), "{}", done.stderr);
+    let report = desk.read("r.json");
+    is_check(&report, "unfit.cnc", &RUN_KEYS);
+    assert_eq!((&report["completed"], &report["executed_s"]), (&false.into(), &0.0.into()));
+    assert_eq!(report["tool_error_mm"]["twin"], Value::Null);
+}
+
+#[test]
+fn what_cannot_be_carried_out_is_status_2() {
+    let desk = Desk::new();
+    desk.write("short.cnc", SHORT);
+    desk.write("short.xyz", "no program");
+    std::fs::create_dir(desk.path("folder.cnc")).expect("made");
+    let run = |program: &str, machine: &str| {
+        desk.twin(&["run", program, "--machine", machine, "--drives", "none"])
+    };
+    let check = |program: &str, machine: &str| desk.twin(&["check", program, "--machine", machine]);
+    for twin in [&run as &dyn Fn(&str, &str) -> Done, &check] {
+        twin("missing.cnc", "machine.toml").ended(2, "cannot read program missing.cnc");
+        twin("missing", "machine.toml").ended(2, "cannot read program missing");
+        twin("folder.cnc", "machine.toml").ended(2, "folder.cnc");
+        twin(".", "machine.toml").ended(2, "directory");
+        twin("short.cnc", "missing.toml").ended(2, "cannot read machine file missing.toml");
+        twin("short.cnc", ".").ended(2, "directory");
+        twin("short.xyz", "machine.toml").ended(2, "--dialect");
+    }
+    desk.twin(&["run", "short.cnc", "-m", "machine.toml", "--no-such-option"])
+        .ended(2, "--no-such-option");
+    desk.twin(&["run", "short.cnc"]).ended(2, "--machine");
+    desk.twin(&["check", "-m", "machine.toml"]).ended(2, "PROGRAM");
+    desk.twin(&["nonsense"]).ended(2, "nonsense");
+    desk.twin(&[]).ended(2, "Usage");
+    desk.twin(&["run", "short.cnc", "-m", "machine.toml", "--drives", "real"])
+        .ended(2, "--drives real");
+    let help = desk.twin(&["--help"]);
+    assert_eq!(help.status, Some(0));
+    assert!(help.stdout.contains("Exit status"));
+}
+
+#[test]
+fn files_that_cannot_be_written_are_noticed_before_anything_runs() {
+    let desk = Desk::new();
+    desk.write("short.cnc", SHORT);
+    for (option, file) in
+        [("--report", "missing/r.json"), ("--record", "missing/r.rrd"), ("--report", ".")]
+    {
+        let done = desk.twin(&["run", "short.cnc", "-m", "machine.toml", option, file]);
+        done.ended(2, file);
+        assert!(!done.stdout.contains("ran "), "it ran first:\n{}", done.stdout);
+        assert!(!done.stderr.contains("emulated InterpCNC"), "the drives moved:\n{}", done.stderr);
+    }
+}
+
+#[test]
+fn a_program_that_cannot_be_read_does_not_keep_others_from_being_checked() {
+    let desk = Desk::new();
+    desk.write("short.cnc", SHORT);
+    desk.write("unfit.cnc", UNFIT);
+    let check = |programs: &[&str]| {
+        desk.twin(&[&["check"], programs, &["-m", "machine.toml", "--format", "json"]].concat())
+    };
+    let reports = |done: &Done| -> Vec<Value> {
+        done.stdout
+            .lines()
+            .map(|line| serde_json::from_str(line).expect("an object per line"))
+            .collect()
+    };
+    let done = check(&["short.cnc", "missing.cnc", "unfit.cnc"]);
+    done.ended(2, "cannot read program missing.cnc");
+    let found = reports(&done);
+    assert_eq!(found.len(), 2, "{}", done.stdout);
+    is_check(&found[0], "short.cnc", &[]);
+    is_check(&found[1], "unfit.cnc", &[]);
+    let done = check(&["unfit.cnc", "short.cnc"]);
+    let found = reports(done.ended(1, ""));
+    assert_eq!(
+        (&found[0]["program"], &found[1]["program"]),
+        (&"unfit.cnc".into(), &"short.cnc".into())
+    );
+    assert_eq!(reports(check(&["short.cnc"]).ended(0, "")).len(), 1);
+}
+
+#[test]
+fn findings_carry_what_the_contract_promises() {
+    let desk = Desk::new();
+    desk.write("wrong.cnc", "% wrong\nN10 G1 X300 F500 E2000 E-2000\nG1 Z-200 F10\nN30 C5\n");
+    let done =
+        desk.twin(&["check", "wrong.cnc", "-m", "machine.toml", "--format", "json", "--physics"]);
+    done.ended(1, "");
+    let report: Value = serde_json::from_str(&done.stdout).expect("one object");
+    is_check(&report, "wrong.cnc", &[]);
+    has_keys(&report["peak"]["X"]["following_error"], &["value", "limit", "line", "block"]);
+    let found = report["findings"].as_array().expect("a list");
+    let of = |rule: &str| {
+        let fits = |finding: &&Value| finding["rule"] == rule;
+        found.iter().find(fits).unwrap_or_else(|| panic!("no {rule} in {found:#?}"))
+    };
+    let always = ["rule", "severity", "line", "block", "message"];
+    let velocity = of("axis-velocity");
+    let values = ["axis", "value", "limit", "unit"];
+    has_keys(velocity, &[&always[..], &values, &["largest_feed_mm_per_s"]].concat());
+    assert_eq!((&velocity["severity"], &velocity["line"]), (&"error".into(), &2.into()));
+    assert_eq!((&velocity["block"], &velocity["axis"]), (&10.into(), &"X".into()));
+    assert_eq!((number(&velocity["limit"]), &velocity["unit"]), (400.0, &"mm/s".into()));
+    assert!((number(&velocity["value"]) - 500.0).abs() < 1e-6);
+    assert!((number(&velocity["largest_feed_mm_per_s"]) - 400.0).abs() < 1e-6);
+    let position = of("axis-position");
+    has_keys(position, &[&always[..], &values].concat());
+    assert_eq!((&position["line"], &position["block"]), (&3.into(), &Value::Null));
+    let word = of("unsupported-word");
+    has_keys(word, &always);
+    assert_eq!(word["block"], 30);
+}
+
+#[test]
+fn whoever_stops_reading_stops_the_output_without_a_panic() {
+    let desk = Desk::new();
+    desk.write("wrong.cnc", &format!("% wrong\n{}", "N10 C5\n".repeat(900)));
+    let mut child = desk
+        .command(&["check", "wrong.cnc", "-m", "machine.toml", "--format", "json"])
+        .spawn()
+        .expect("the binary starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("it ends");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(!stderr.contains("panicked"), "{stderr}");
+    assert_eq!(output.status.code(), Some(2));
+}
