@@ -114,16 +114,20 @@ impl Page {
         let below = self.row(&[close_up, words], &[1.0, 1.25])?;
         let left = self.column(&[scene, below], &[1.75, 1.0])?;
 
+        // The higher a plot, the more often the numbers of its axis find room: those of the errors matter most.
         let mut plots = vec![self.plot("Tool error (mm)", "error/tool")?];
-        let has = |unit| layout.axes.iter().any(|axis| axis.unit == unit);
-        if has(AxisUnit::Rotary) {
-            plots.push(self.plot("Axis errors (degrees)", "error/axis_deg")?);
-        }
-        if has(AxisUnit::Linear) {
-            plots.push(self.plot("Axis errors (mm)", "error/axis_mm")?);
+        let mut shares = vec![1.5];
+        for (unit, name, origin) in [
+            (AxisUnit::Rotary, "Axis errors (degrees)", "error/axis_deg"),
+            (AxisUnit::Linear, "Axis errors (mm)", "error/axis_mm"),
+        ] {
+            if layout.axes.iter().any(|axis| axis.unit == unit) {
+                plots.push(self.plot(name, origin)?);
+                shares.push(1.25);
+            }
         }
         plots.push(self.plot("Speed along the path (mm/s)", "speed")?);
-        let shares = vec![1.0; plots.len()];
+        shares.push(0.75);
         let right = self.column(&plots, &shares)?;
         self.row(&[left, right], &[3.0, 2.0])
     }
