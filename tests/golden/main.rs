@@ -4,7 +4,12 @@
 //! must print, and, always, where the expected values come from. Paths are relative to the folder; `machines/` and
 //! `examples/` at the beginning of an argument are those of the workspace.
 
-#![allow(clippy::expect_used, reason = "a test that cannot be set up has failed")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that cannot be set up has failed"
+)]
 
 mod compare;
 mod process;

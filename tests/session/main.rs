@@ -1,5 +1,14 @@
 //! Runs of a program on the simulated machine and on drives, as `twin run` makes them, without the command line.
 
+#![expect(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test that cannot be set up has failed"
+)]
+#![expect(clippy::float_cmp, reason = "at rest, given, or to be the same bit for bit")]
+#![expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "short runs")]
+
 mod emulated;
 mod puppet;
 mod recorder;

@@ -1,5 +1,11 @@
 //! Device thread and stream, with a drive made of a few lines.
 
+#![expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    reason = "a few thousand increments and cycles"
+)]
+
 use super::stream::Stream;
 use super::{HORIZON_NS, Hardware, HardwareError};
 use crate::clock::Clock;
@@ -51,7 +57,7 @@ struct Puppet {
 }
 
 impl Puppet {
-    fn refusal(&self) -> DriveError {
+    fn refusal() -> DriveError {
         let at = Exchange { port: "puppet".into(), station: 1, action: Action::ReadState };
         DriveError::Timeout { at, deadline: Duration::from_millis(1) }
     }
@@ -75,7 +81,7 @@ impl Drive for Puppet {
     }
 
     fn probe(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
-        if self.strings.probe_fails { Err(self.refusal()) } else { self.sample(stream) }
+        if self.strings.probe_fails { Err(Self::refusal()) } else { self.sample(stream) }
     }
 
     fn enable(&mut self) -> Result<(), DriveError> {
@@ -102,7 +108,7 @@ impl Drive for Puppet {
     fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         let count = self.strings.samples.fetch_add(1, Ordering::SeqCst);
         if self.strings.samples_fail_from.is_some_and(|from| count >= from) {
-            return Err(self.refusal());
+            return Err(Self::refusal());
         }
         Ok(Sample { time_ns: stream.now_ns(), position: self.position, moving: false })
     }
@@ -123,7 +129,7 @@ impl Drive for Puppet {
         self.strings.soft_stops.fetch_add(1, Ordering::SeqCst);
         if let Some(waits) = &self.strings.stop_waits {
             // Without the word in a minute the test has failed; it must end all the same.
-            waits.lock().unwrap().recv_timeout(Duration::from_secs(60)).unwrap_or_default();
+            waits.lock().unwrap().recv_timeout(Duration::from_mins(1)).unwrap_or_default();
         }
         self.strings.stopped.store(true, Ordering::SeqCst);
         Ok(())
@@ -210,8 +216,8 @@ fn a_stream_rests_at_the_start_until_something_is_planned() {
 #[test]
 fn a_stream_is_interpolated_between_cycles_and_rests_at_its_ends() {
     let stream = Stream::new([0.0; MAX_DRIVE_AXES], CYCLE_NS);
-    for (cycle, position) in [10.0, 20.0, 40.0].into_iter().enumerate() {
-        stream.push(cycle as i64 * CYCLE_NS, motion(position, 10.0 * cycle as f64));
+    for (cycle, position, velocity) in [(0, 10.0, 0.0), (1, 20.0, 10.0), (2, 40.0, 20.0)] {
+        stream.push(cycle * CYCLE_NS, motion(position, velocity));
     }
     assert_eq!(stream.at(0), motion(10.0, 0.0));
     assert_eq!(stream.at(CYCLE_NS / 4), motion(12.5, 2.5));

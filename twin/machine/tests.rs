@@ -1,5 +1,7 @@
 //! Machine files, right and wrong.
 
+#![expect(clippy::float_cmp, reason = "given in the file, rounded before, or to be exact")]
+
 use super::{Axis, AxisKind, Machine, MachineFileError, Parity, Problem};
 use proptest::prelude::*;
 use std::path::Path;
@@ -530,10 +532,11 @@ fn an_empty_file_lacks_everything() {
 fn too_many_axes_are_refused() {
     let mut text = SHORT.to_owned();
     for number in 0..6 {
-        text += &format!(
+        let axis = format!(
             "[[axes]]\nname = \"U{number}\"\nrole = \"Z\"\nkind = \"linear\"\nposition_min_mm = 0\n\
              position_max_mm = 1\nmax_velocity_mm_per_s = 1\nmax_acceleration_mm_per_s2 = 1\n"
         );
+        text += &axis;
     }
     let found = problems(&text);
     assert!(found.iter().any(|(_, message, _)| message == "9 axes; at most 8 are supported"));
