@@ -39,6 +39,8 @@ pub struct Picture<'m> {
     waiting: VecDeque<Instant>,
     has_drives: bool,
     next_ns: i64,
+    /// Along the path, and programmed, at the last cycle taken.
+    speed: (f64, Option<f64>),
     failure: Option<VizError>,
     poses: Vec<Isometry3<f64>>,
 }
@@ -49,6 +51,7 @@ struct Instant {
     time_ns: i64,
     line: u32,
     path_speed: f64,
+    feed: Option<f64>,
     wanted: Measured,
     twin: Measured,
 }
@@ -72,6 +75,7 @@ impl<'m> Picture<'m> {
             waiting: VecDeque::new(),
             has_drives: drives.is_some(),
             next_ns: 0,
+            speed: (0.0, None),
             failure: None,
             poses: machine.model.link_poses(start),
         };
@@ -128,10 +132,12 @@ impl<'m> Picture<'m> {
             return;
         }
         self.next_ns = time_ns + INTERVAL_NS;
+        self.speed = (cycle.setpoint.path_velocity, cycle.setpoint.feed);
         self.waiting.push_back(Instant {
             time_ns,
             line: cycle.setpoint.place.line,
             path_speed: cycle.setpoint.path_velocity,
+            feed: cycle.setpoint.feed,
             wanted: *cycle.wanted,
             twin: *cycle.twin,
         });
@@ -144,11 +150,14 @@ impl<'m> Picture<'m> {
             return;
         }
         self.show_before(sample.time_ns);
-        let path_speed = self.waiting.front().map_or(0.0, |next| next.path_speed);
+        // The next cycle of the twin, or the last one if the drives are ahead of it.
+        let (path_speed, feed) =
+            self.waiting.front().map_or(self.speed, |next| (next.path_speed, next.feed));
         let instant = Instant {
             time_ns: sample.time_ns,
             line: sample.place.line,
             path_speed,
+            feed,
             wanted: *sample.wanted,
             twin: *sample.twin,
         };
@@ -188,7 +197,7 @@ impl<'m> Picture<'m> {
             line: instant.line,
             setpoint: wanted.tool,
             path_speed: instant.path_speed,
-            programmed_speed: None,
+            programmed_speed: instant.feed,
             link_poses: &self.poses,
             twin: Deviation {
                 tool: twin.tool,

@@ -18,6 +18,8 @@ pub struct AxisSetpoint {
     pub tool: ToolMotion,
     /// Velocity along the path, m/s.
     pub path_velocity: f64,
+    /// Programmed velocity along the path, m/s; `None` on a rapid.
+    pub feed: Option<f64>,
 }
 
 /// Turns tool set-points into axis set-points. Rotary axes go on from turn to turn along the path.
@@ -54,6 +56,7 @@ impl<'m> Transformer<'m> {
             axes,
             tool: motion,
             path_velocity: tool.path_velocity,
+            feed: (!tool.rapid).then_some(tool.feed),
         })
     }
 }

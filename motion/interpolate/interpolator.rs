@@ -250,6 +250,7 @@ where
             time_ns,
             place: run.planned.element().place,
             rapid: run.planned.element().kind == ElementKind::Rapid,
+            feed: run.planned.element().feed,
             position: point.position,
             velocity: point.tangent * state.velocity,
             acceleration: point.curvature * (state.velocity * state.velocity)

@@ -30,6 +30,8 @@ pub struct ToolSetpoint {
     pub place: Place,
     /// True on a rapid (G0): the tool is not engaged.
     pub rapid: bool,
+    /// Programmed velocity along the path (F), m/s.
+    pub feed: f64,
     /// Position, m.
     pub position: Point3<f64>,
     /// Velocity, m/s.

@@ -134,7 +134,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let scene = SceneOptions {
         record: arguments.record.clone(),
         serve: arguments.serve,
-        playback: if arguments.realtime || emulated {
+        // A page that plays at its own pace keeps up with the many samples of drives also where it is drawn without a
+        // graphics card.
+        playback: if arguments.realtime && !emulated {
             Playback::Follow
         } else {
             Playback::FromStart

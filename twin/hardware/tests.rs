@@ -194,6 +194,7 @@ fn setpoint(cycle: i64, x: f64, velocity: f64) -> AxisSetpoint {
             direction_acceleration: 0.0,
         },
         path_velocity: 0.0,
+        feed: None,
     }
 }
 

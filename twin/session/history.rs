@@ -90,6 +90,7 @@ mod tests {
                 time_ns,
                 place: Place { line: cycle, block: None },
                 rapid: false,
+                feed: 0.1,
                 position: Point3::new(1e-3 * f64::from(cycle), 0.0, 0.0),
                 velocity: Vector3::zeros(),
                 acceleration: Vector3::zeros(),

@@ -169,6 +169,7 @@ fn rapids_are_told_apart() {
     let setpoints = setpoints(Pen::new(0.1, 1.0, 1.0).rapid(0.01).line(0.01).take());
     for setpoint in &setpoints {
         assert_eq!(setpoint.rapid, setpoint.place.line == 1);
+        assert_eq!(setpoint.feed, 0.1);
     }
     assert!(setpoints[0].rapid && !setpoints.last().unwrap().rapid);
 }
