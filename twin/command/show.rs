@@ -323,6 +323,7 @@ mod tests {
     use super::{SHOWN_BYTES, excerpt, floor_3, printable};
 
     #[test]
+    #[expect(clippy::single_range_in_vec_init, reason = "one word is underlined")]
     fn a_long_line_is_shown_around_what_is_wrong() {
         let line = format!("{}X31O{}", "é".repeat(500), "é".repeat(500));
         let (text, words) = excerpt(&line, vec![1000..1004]);
