@@ -11,13 +11,17 @@ use twin::physics::PhysicsError;
 use twin::plant::{AxisFeedback, Plant};
 use twin::session::{Ending, Session, Stopped};
 use twin::setpoint::AxisSetpoint;
-use twin_drives::{Drive, DriveError, Increments, MAX_DRIVE_AXES, Sample, SetpointStream};
+use twin_drives::{
+    Action, Drive, DriveError, Exchange, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
+};
 
 /// A drive that is where the stream says at any time, and knows that time exactly.
 #[derive(Debug, Default)]
 struct Puppet {
     position: Increments,
     soft_stops: Arc<AtomicU32>,
+    /// Does not answer from then on.
+    fails_at_ns: Option<i64>,
 }
 
 impl Drive for Puppet {
@@ -59,6 +63,10 @@ impl Drive for Puppet {
         // Not at once: an exchange takes its time.
         std::thread::sleep(Duration::from_millis(3));
         let time_ns = stream.now_ns();
+        if self.fails_at_ns.is_some_and(|fails_at_ns| time_ns >= fails_at_ns) {
+            let at = Exchange { port: "puppet".into(), station: 1, action: Action::ReadState };
+            return Err(DriveError::Timeout { at, deadline: Duration::from_millis(1) });
+        }
         let motion = stream.at(time_ns);
         for (position, wanted) in self.position.iter_mut().zip(motion.position) {
             *position = wanted.round() as i64;
@@ -108,9 +116,18 @@ fn run(
     recorder: &mut Recorder<'_>,
     interrupts: &dyn Fn() -> u32,
 ) -> (Ending, u32) {
+    run_with(Puppet::default(), text, fails_at_ns, recorder, interrupts)
+}
+
+fn run_with(
+    puppet: Puppet,
+    text: &str,
+    fails_at_ns: i64,
+    recorder: &mut Recorder<'_>,
+    interrupts: &dyn Fn() -> u32,
+) -> (Ending, u32) {
     let (machine, program) = (portal(), Program::new(text));
     let start = program.check(&machine).start.unwrap();
-    let puppet = Puppet::default();
     let soft_stops = Arc::clone(&puppet.soft_stops);
     let mut hardware =
         Hardware::start(&machine, Box::new(puppet), &start, machine.cycle_ns, 0.25).unwrap();
@@ -158,6 +175,17 @@ fn a_simulated_machine_that_fails_brakes_the_drives() {
     assert_eq!(soft_stops, 1);
     // What the drives did after that has nothing to be compared with.
     assert!(ending.comparison.tool.drives_against_twin.maximum().unwrap().0 < 2.5e-6);
+}
+
+#[test]
+fn drives_that_fail_after_the_last_set_point_have_failed() {
+    // They are asked for the last time at the end or after it, and say nothing but that they fail.
+    let text = "% 0.2 s\nN10 G1 X10 F100 E1000 E-1000\n";
+    let puppet = Puppet { fails_at_ns: Some(200_000_000), ..Puppet::default() };
+    let (ending, soft_stops) = run_with(puppet, text, i64::MAX, &mut Recorder::new(), &|| 0);
+    let stopped = &ending.stopped;
+    assert!(matches!(stopped, Some(Stopped::Drives { .. })), "{stopped:?}");
+    assert_eq!((ending.executed_ns, soft_stops), (200_000_000, 1));
 }
 
 #[test]
