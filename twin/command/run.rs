@@ -110,7 +110,6 @@ impl Interrupt {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     arguments.check()?;
-    let interrupt = Interrupt::catch()?;
     let machine = arguments.machine.load()?;
     let program = arguments.read.program(&arguments.program)?;
     eprintln!("{} is read as {}", program.path().display(), program.dialect().name());
@@ -123,13 +122,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         write_report(arguments, &machine, &program, &outcome, ending, drives, stopped_because)
     };
     let Some(start) = outcome.start.filter(|_| !unfit) else {
-        let mut out = io::stdout().lock();
-        check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
         let reason = "the program is not fit for the machine; nothing moved".to_owned();
         report(&Ending::nothing(&machine), DriveSamples::default(), Some(reason))?;
+        let mut out = io::stdout().lock();
+        check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
         return Ok(Status::Unfit);
     };
 
+    // Until here nothing needs an orderly end.
+    let interrupt = Interrupt::catch()?;
     let emulated = arguments.drives == Drives::Emulated && !machine.drives.is_empty();
     let scene = SceneOptions {
         record: arguments.record.clone(),
@@ -191,14 +192,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     drop(board);
     let shown = picture.finish();
 
+    let reason = ending.stopped.as_ref().map(ToString::to_string);
+    // First what was asked for in files: nobody may be reading what is printed.
+    report(&ending, samples, reason.clone())?;
     let mut out = io::stdout().lock();
     check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
     summary(&mut out, &machine, &ending, samples, took).map_err(Failure::Stdio)?;
-    let reason = ending.stopped.as_ref().map(ToString::to_string);
     if let Some(reason) = &reason {
         eprintln!("{reason}");
     }
-    report(&ending, samples, reason)?;
     shown?;
     let status = judge(arguments, &ending);
     if let Some(url) = picture.url().filter(|_| interrupt.count() == 0) {
@@ -222,8 +224,18 @@ impl Arguments {
             return Err(Failure::Usage("--tolerance must be above 0 mm".to_owned()));
         }
         if let Some(path) = &self.report {
-            let file = std::fs::OpenOptions::new().append(true).create(true).open(path);
-            file.map_err(|source| Failure::Write { path: path.display().to_string(), source })?;
+            let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+            let folder = parent.unwrap_or_else(|| Path::new("."));
+            let error = if !folder.is_dir() {
+                Some(io::Error::new(io::ErrorKind::NotFound, "there is no such folder"))
+            } else if path.is_dir() {
+                Some(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"))
+            } else {
+                None
+            };
+            if let Some(source) = error {
+                return Err(Failure::Write { path: path.display().to_string(), source });
+            }
         }
         Ok(())
     }
