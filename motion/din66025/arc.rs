@@ -12,6 +12,10 @@ const RADIUS_TOLERANCE: f64 = 5e-6;
 /// Start and end closer than this are the same point, m (manual 6.4, `g_fSMC_CNC_EPS_RELUCTANT`).
 const SAME_POINT: f64 = 1e-9;
 
+/// A radius this little above half the chord means a semicircle: the difference is that of decimal and binary
+/// numbers, m.
+const SEMICIRCLE: f64 = 1e-15;
+
 /// The arc from `start` to `end` with `radius` (m): of the two possible ones the smaller, at most a semicircle.
 ///
 /// # Errors
@@ -34,7 +38,8 @@ pub(super) fn by_radius(
         });
     }
     // From the middle of the chord to the centre; nothing if rounding made the radius of a semicircle too small.
-    let height = ((radius - half).max(0.0) * (radius + half)).sqrt();
+    let excess = if radius - half > SEMICIRCLE { radius - half } else { 0.0 };
+    let height = (excess * (radius + half)).sqrt();
     let left = Vector2::new(-chord.y, chord.x) / (2.0 * half);
     let side = if clockwise { -1.0 } else { 1.0 };
     let center = nalgebra::center(&start.xy(), &end.xy()) + left * (side * height);

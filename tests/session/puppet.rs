@@ -6,7 +6,7 @@ use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
-use twin::hardware::Hardware;
+use twin::hardware::{Hardware, HardwareError};
 use twin::physics::PhysicsError;
 use twin::plant::{AxisFeedback, Plant};
 use twin::session::{Ending, Session, Stopped};
@@ -186,6 +186,23 @@ fn drives_that_fail_after_the_last_set_point_have_failed() {
     let stopped = &ending.stopped;
     assert!(matches!(stopped, Some(Stopped::Drives { .. })), "{stopped:?}");
     assert_eq!((ending.executed_ns, soft_stops), (200_000_000, 1));
+}
+
+#[test]
+fn drives_do_not_leap_after_a_session_that_was_kept_waiting() {
+    let waited = Cell::new(false);
+    let mut recorder = Recorder::with(|time_ns| {
+        if time_ns >= 200_000_000 && !waited.replace(true) {
+            // Longer than the drives' plan reaches.
+            std::thread::sleep(Duration::from_millis(400));
+        }
+    });
+    let (ending, soft_stops) = run(CIRCLES, i64::MAX, &mut recorder, &|| 0);
+    let Some(Stopped::Drives { source, .. }) = &ending.stopped else {
+        panic!("{:?}", ending.stopped)
+    };
+    assert!(matches!(source, HardwareError::Starved { .. }), "{source}");
+    assert_eq!((soft_stops, recorder.last().path_velocity), (1, 0.0));
 }
 
 #[test]

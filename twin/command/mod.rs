@@ -138,6 +138,9 @@ pub(crate) enum Failure {
     /// Standard input or output.
     #[error("standard input or output: {0}")]
     Stdio(std::io::Error),
+    /// The user stopped the drives before the program began.
+    #[error("stopped by the user on the way to the start of the program")]
+    StoppedOnTheWay,
     /// The handler for Ctrl-C.
     #[error("Ctrl-C cannot be caught: {0}")]
     Interrupt(#[from] ctrlc::Error),

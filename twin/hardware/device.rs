@@ -74,6 +74,11 @@ impl Device {
                     self.drive.sample(&*self.stream)?;
                 }
                 FOLLOW => {
+                    // Standing where the plan has ended and then catching up would be a leap.
+                    let late_ns = self.stream.now_ns() - self.stream.end_ns();
+                    if late_ns > 0 && self.order() == FOLLOW {
+                        return Err(HardwareError::Starved { late_ms: late_ns / 1_000_000 });
+                    }
                     let sample = self.drive.follow(&*self.stream)?;
                     if !self.tell(Event::Sample(sample)) {
                         return self.brake();

@@ -77,6 +77,12 @@ pub enum HardwareError {
         /// Where they should be.
         target: Vec<i64>,
     },
+    /// The plan ended before the program did: whoever plans was kept waiting.
+    #[error("the set-points came {late_ms} ms late; the axes were braked where they were")]
+    Starved {
+        /// Behind the last planned instant, ms.
+        late_ms: i64,
+    },
     /// The device's thread ended without saying why.
     #[error("the thread of the drive ended unexpectedly")]
     Gone,

@@ -198,6 +198,13 @@ fn setpoint(cycle: i64, x: f64, velocity: f64) -> AxisSetpoint {
     }
 }
 
+/// Plans to stand at the start for so many cycles.
+fn stand(hardware: &mut Hardware, cycles: i64) {
+    for cycle in 0..=cycles {
+        hardware.command(&setpoint(cycle, START[0], 0.0)).unwrap();
+    }
+}
+
 fn motion(position: f64, velocity: f64) -> IncrementMotion {
     IncrementMotion { position: [position; MAX_DRIVE_AXES], velocity: [velocity; MAX_DRIVE_AXES] }
 }
@@ -302,6 +309,7 @@ fn an_axis_that_does_not_come_to_the_start_is_stuck() {
 fn a_thread_that_ends_without_a_word_is_an_error() {
     let (mut hardware, _) = start(Strings { follow_panics: true, ..Strings::default() });
     approach(&mut hardware).unwrap();
+    stand(&mut hardware, 60_000);
     hardware.follow(Clock::start());
     let (_, error) = listen(&mut hardware);
     assert!(matches!(error, Some(HardwareError::Gone)), "{error:?}");
@@ -335,7 +343,7 @@ fn an_error_is_told_before_the_device_is_stopped() {
 fn a_stop_brakes_whatever_is_under_way_and_stays_asked_for() {
     let (mut hardware, strings) = start(Strings::default());
     approach(&mut hardware).unwrap();
-    hardware.command(&setpoint(0, 0.1, 0.0)).unwrap();
+    stand(&mut hardware, 60_000);
     hardware.follow(Clock::start());
     hardware.stop();
     hardware.finish();
@@ -356,7 +364,7 @@ fn a_stop_brakes_whatever_is_under_way_and_stays_asked_for() {
 fn drives_that_nobody_listens_to_are_brought_to_rest() {
     let (mut hardware, strings) = start(Strings::default());
     approach(&mut hardware).unwrap();
-    hardware.command(&setpoint(0, 0.1, 0.0)).unwrap();
+    stand(&mut hardware, 60_000);
     hardware.follow(Clock::start());
     // A puppet answers at once: samples soon fill the channel, and the thread waits for the session.
     while strings.followed.load(Ordering::SeqCst) < 1025 {
@@ -364,6 +372,19 @@ fn drives_that_nobody_listens_to_are_brought_to_rest() {
     }
     drop(hardware);
     assert!(strings.stopped.load(Ordering::SeqCst));
+}
+
+#[test]
+fn drives_whose_plan_runs_dry_brake_and_say_so() {
+    let (mut hardware, strings) = start(Strings::default());
+    approach(&mut hardware).unwrap();
+    stand(&mut hardware, 50);
+    hardware.follow(Clock::start());
+    // The session is kept waiting: no set-points after 50 ms, and no word that those were the last.
+    let (_, error) = listen(&mut hardware);
+    assert!(matches!(error, Some(HardwareError::Starved { .. })), "{error:?}");
+    drop(hardware);
+    assert_eq!(strings.soft_stops.load(Ordering::SeqCst), 1);
 }
 
 #[test]

@@ -139,6 +139,8 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
         let ahead_ns = if self.hardware.is_some() { HORIZON_NS } else { 0 };
         let items = self.program.open(self.machine)?;
         let mut run = Run::new(self.machine, items, self.twin, self.hardware);
+        // Drives that begin to follow find a plan.
+        run.plan(ahead_ns);
         let clock = Clock::start();
         run.begin(clock);
         while run.goes_on() {

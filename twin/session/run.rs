@@ -117,17 +117,11 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
                         }
                         self.planned.push_back(setpoint);
                     }
-                    Err(source) => {
-                        self.stopped = Some(Stopped::Path { place: tool.place, source });
-                        self.planning = false;
-                    }
+                    Err(source) => self.lose_plan(Stopped::Path { place: tool.place, source }),
                 },
                 // The check has refused programs with errors; warnings have been shown by it.
                 Some(ProgramItem::Diagnostic(_)) => {}
-                Some(ProgramItem::Io(error)) => {
-                    self.stopped = Some(Stopped::Read(error));
-                    self.planning = false;
-                }
+                Some(ProgramItem::Io(error)) => self.lose_plan(Stopped::Read(error)),
                 None => self.planning = false,
             }
         }
@@ -135,6 +129,15 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
             && let Some(hardware) = &mut self.hardware
         {
             hardware.finish();
+        }
+    }
+
+    /// No set-points any more that lead to rest: the drives brake now; the simulated machine takes what there is.
+    fn lose_plan(&mut self, reason: Stopped) {
+        self.stopped.get_or_insert(reason);
+        self.planning = false;
+        if let Some(hardware) = &mut self.hardware {
+            hardware.stop();
         }
     }
 

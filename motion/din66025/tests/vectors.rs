@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::path::Arc;
+use std::f64::consts::PI;
 
 /// The arc of a program's only element, or of its second after a positioning.
 #[track_caller]
@@ -38,6 +39,17 @@ fn arc_by_radius_semicircle() {
     let arc = arc_of("N10 G1 X100 Y100 F10\nN20 G2 X200 Y100 R50");
     assert_arc(&arc, [150.0, 100.0], 50.0, 180.0, 180.0, 157.079_632_679);
     assert_passes(&arc, 0.5, [150.0, 150.0, 0.0]);
+}
+
+/// Half the chord is the radius in decimals, but in binary not always: an angle of 180° all the same.
+#[test]
+fn semicircles_of_rounded_numbers() {
+    for (from, to, radius) in
+        [("-10.3", "20.1", "15.2"), ("0.1", "0.4", "0.15"), ("7", "7.2", ".1")]
+    {
+        let arc = arc_of(&format!("G1 X{from} F10\nG3 X{to} R{radius}"));
+        assert!((arc.sweep() - PI).abs() < 1e-15, "{}", arc.sweep());
+    }
 }
 
 /// `cnc-arc-IJ-same`; manual 3.2.4, the same arc with relative and with absolute centre.

@@ -1,26 +1,26 @@
 //! `twin run`: the program on the simulated machine and on the drives at once.
 
+mod summary;
+
 use super::options::{self, DEFAULT_ADDRESS, MachineOption, ReadOptions, unreadable};
 use super::{Failure, Status, check, show};
 use crate::check::Outcome;
-use crate::compare::{Comparison, ErrorStatistics, Statistics};
 use crate::finding;
 use crate::hardware::Hardware;
 use crate::machine::Machine;
 use crate::picture::Picture;
 use crate::program::ProgramFile;
-use crate::report::{
-    AxisErrorReport, CheckReport, ComparisonReport, DriveSamplesReport, PerAxis, RunReport, seconds,
-};
+use crate::report::seconds;
 use crate::session::{DriveSample, Ending, Observer, Session, TwinCycle};
 use crate::simulated::Simulated;
 use indicatif::ProgressBar;
-use std::io::{self, Write};
+use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
+use summary::{DriveSamples, Report, summary};
 use twin_drives::interpcnc::emulator::EmulatedBoard;
 use twin_kinematics::AxisVector;
 use twin_viz::{Playback, SceneOptions};
@@ -116,14 +116,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 
     let outcome = check_first(&machine, &program)?;
     show::findings(&program, &outcome.findings);
-    let unfit = finding::unfit(&outcome.findings);
-    let report = |ending: &Ending, samples: DriveSamples, stopped_because| {
-        let drives = (samples.count > 0).then_some(samples);
-        write_report(arguments, &machine, &program, &outcome, ending, drives, stopped_because)
+    let report = Report {
+        path: arguments.report.as_deref(),
+        machine: &machine,
+        program: &program,
+        outcome: &outcome,
     };
-    let Some(start) = outcome.start.filter(|_| !unfit) else {
-        let reason = "the program is not fit for the machine; nothing moved".to_owned();
-        report(&Ending::nothing(&machine), DriveSamples::default(), Some(reason))?;
+    let Some(start) = outcome.start.filter(|_| !finding::unfit(&outcome.findings)) else {
+        report.write_nothing("the program is not fit for the machine; nothing moved")?;
         let mut out = io::stdout().lock();
         check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
         return Ok(Status::Unfit);
@@ -131,6 +131,53 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 
     // Until here nothing needs an orderly end.
     let interrupt = Interrupt::catch()?;
+    let done = match perform(arguments, &report, &start, &interrupt) {
+        Ok(done) => done,
+        Err(failure) => {
+            // What went wrong first is what counts; a report that cannot be written either is the lesser news.
+            report.write_nothing(&failure.to_string()).unwrap_or_default();
+            return Err(failure);
+        }
+    };
+
+    let reason = done.ending.stopped.as_ref().map(ToString::to_string);
+    // First what was asked for in files: nobody may be reading what is printed.
+    report.write(&done.ending, done.samples, reason.clone())?;
+    let mut out = io::stdout().lock();
+    check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
+    summary(&mut out, &machine, &done).map_err(Failure::Stdio)?;
+    if let Some(reason) = &reason {
+        eprintln!("{reason}");
+    }
+    done.shown?;
+    let status = judge(arguments, &done.ending);
+    if let Some(url) = done.picture.url().filter(|_| interrupt.count() == 0) {
+        eprintln!("the view stays at {url} until Ctrl-C");
+        interrupt.wait();
+    }
+    Ok(status)
+}
+
+/// A run that has come to its end, wherever that was.
+struct Done<'m> {
+    ending: Ending,
+    samples: DriveSamples,
+    /// On the wall clock, s.
+    took: f64,
+    /// Still open: its page is served as long as it lives.
+    picture: Picture<'m>,
+    /// Whether everything could be shown and recorded.
+    shown: Result<(), Failure>,
+}
+
+/// Opens view and drives, runs the program, and brings everything to rest.
+fn perform<'m>(
+    arguments: &Arguments,
+    about: &Report<'m>,
+    start: &AxisVector,
+    interrupt: &Interrupt,
+) -> Result<Done<'m>, Failure> {
+    let (machine, program) = (about.machine, about.program);
     let emulated = arguments.drives == Drives::Emulated && !machine.drives.is_empty();
     let scene = SceneOptions {
         record: arguments.record.clone(),
@@ -144,38 +191,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         },
     };
     let named = emulated.then_some("InterpCNC, emulated");
-    let mut picture = Picture::open(&scene, &machine, &program, &start, named)?;
+    let mut picture = Picture::open(&scene, machine, program, start, named)?;
     if let Some(url) = picture.url() {
         eprintln!("live view: {url}");
     }
-    let mut drives = None;
-    if emulated {
-        drives = connect(&machine, &start, &interrupt)?;
-        if drives.is_none() {
-            let reason = "stopped by the user on the way to the start of the program".to_owned();
-            eprintln!("{reason}");
-            picture.finish()?;
-            report(&Ending::nothing(&machine), DriveSamples::default(), Some(reason))?;
-            return Ok(Status::Failed);
-        }
-    } else if arguments.drives == Drives::Emulated {
+    if arguments.drives == Drives::Emulated && !emulated {
         eprintln!("{} names no drives; the simulated machine runs alone", machine.path.display());
     }
+    let twin = Simulated::new(machine, start)?;
+    let drives = if emulated { Some(connect(machine, start, interrupt)?) } else { None };
     // The board lives until the drives have come to rest.
     let (hardware, board) = drives.unzip();
 
-    let twin = Simulated::new(&machine, &start)?;
     let bar = show::progress(
-        u64::try_from(outcome.duration_ns / 1_000_000).unwrap_or(0),
+        u64::try_from(about.outcome.duration_ns / 1_000_000).unwrap_or(0),
         "{elapsed_precise} {bar:30} {percent:>3} %  {msg}",
     );
-    let session = Session {
-        machine: &machine,
-        program: &program,
-        twin,
-        hardware,
-        realtime: arguments.realtime,
-    };
+    let session = Session { machine, program, twin, hardware, realtime: arguments.realtime };
     let mut watcher = Watcher {
         picture: &mut picture,
         bar: &bar,
@@ -190,24 +222,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let samples = watcher.samples;
     bar.finish_and_clear();
     drop(board);
-    let shown = picture.finish();
-
-    let reason = ending.stopped.as_ref().map(ToString::to_string);
-    // First what was asked for in files: nobody may be reading what is printed.
-    report(&ending, samples, reason.clone())?;
-    let mut out = io::stdout().lock();
-    check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
-    summary(&mut out, &machine, &ending, samples, took).map_err(Failure::Stdio)?;
-    if let Some(reason) = &reason {
-        eprintln!("{reason}");
-    }
-    shown?;
-    let status = judge(arguments, &ending);
-    if let Some(url) = picture.url().filter(|_| interrupt.count() == 0) {
-        eprintln!("the view stays at {url} until Ctrl-C");
-        interrupt.wait();
-    }
-    Ok(status)
+    let shown = picture.finish().map_err(Failure::from);
+    Ok(Done { ending, samples, took, picture, shown })
 }
 
 impl Arguments {
@@ -267,13 +283,12 @@ fn check_first(machine: &Machine, program: &ProgramFile) -> Result<Outcome, Fail
     outcome.map_err(|failure| Failure::check(program, failure))
 }
 
-/// Powers up the emulated board of the machine file and lets the driver bring the axes to `start`; `None` if the user
-/// stopped it on the way.
+/// Powers up the emulated board of the machine file and lets the driver bring the axes to `start`.
 fn connect(
     machine: &Machine,
     start: &AxisVector,
     interrupt: &Interrupt,
-) -> Result<Option<(Hardware, EmulatedBoard)>, Failure> {
+) -> Result<(Hardware, EmulatedBoard), Failure> {
     if crate::priority::real_time().is_err() {
         eprintln!(
             "note: this user may not run the drives with real-time priority; on a busy computer they lag behind"
@@ -282,61 +297,23 @@ fn connect(
     let (board, drive) = crate::emulated::connect(machine)?;
     eprintln!("emulated {} on {}", drive.describe(), board.path().display());
     let hardware = Hardware::start(machine, drive, start, machine.cycle_ns, APPROACH)?;
-    Ok(approach(hardware, interrupt)?.map(|hardware| (hardware, board)))
+    Ok((approach(hardware, interrupt)?, board))
 }
 
-/// Waits until the drives stand at the start of the program; `None` if the user stopped them on the way.
-fn approach(mut hardware: Hardware, interrupt: &Interrupt) -> Result<Option<Hardware>, Failure> {
+/// Waits until the drives stand at the start of the program.
+fn approach(mut hardware: Hardware, interrupt: &Interrupt) -> Result<Hardware, Failure> {
     let bar =
         ProgressBar::new_spinner().with_message("the drives move to the start of the program");
     bar.enable_steady_tick(Duration::from_millis(100));
     loop {
         if interrupt.count() > 0 {
-            return Ok(None);
+            return Err(Failure::StoppedOnTheWay);
         }
         if hardware.ready()? {
             bar.finish_and_clear();
-            return Ok(Some(hardware));
+            return Ok(hardware);
         }
         std::thread::sleep(Duration::from_millis(2));
-    }
-}
-
-/// How often the drives were heard of.
-#[derive(Clone, Copy, Debug, Default)]
-struct DriveSamples {
-    count: u32,
-    first_ns: i64,
-    last_ns: i64,
-    longest_gap_ns: i64,
-}
-
-impl DriveSamples {
-    fn include(&mut self, time_ns: i64) {
-        if self.count == 0 {
-            self.first_ns = time_ns;
-        } else {
-            self.longest_gap_ns = self.longest_gap_ns.max(time_ns - self.last_ns);
-        }
-        self.last_ns = time_ns;
-        self.count += 1;
-    }
-
-    fn per_s(self) -> f64 {
-        let time = seconds(self.last_ns - self.first_ns);
-        if time > 0.0 { f64::from(self.count.saturating_sub(1)) / time } else { 0.0 }
-    }
-
-    fn longest_gap_ms(self) -> f64 {
-        seconds(self.longest_gap_ns) * 1e3
-    }
-
-    fn report(self) -> DriveSamplesReport {
-        DriveSamplesReport {
-            count: self.count,
-            per_s: self.per_s(),
-            longest_gap_ms: self.longest_gap_ms(),
-        }
     }
 }
 
@@ -364,84 +341,4 @@ impl Observer for Watcher<'_, '_> {
         self.samples.include(sample.time_ns);
         self.picture.drives(sample);
     }
-}
-
-fn summary(
-    out: &mut impl Write,
-    machine: &Machine,
-    ending: &Ending,
-    samples: DriveSamples,
-    took: f64,
-) -> io::Result<()> {
-    let executed = seconds(ending.executed_ns);
-    let ratio = if took > 0.0 { executed / took } else { 0.0 };
-    writeln!(out, "ran {executed:.3} s of program in {took:.3} s ({ratio:.1} × real time)")?;
-    if samples.count > 0 {
-        writeln!(
-            out,
-            "drives: {} samples, {:.0} per second, longest gap {:.0} ms",
-            samples.count,
-            samples.per_s(),
-            samples.longest_gap_ms()
-        )?;
-    }
-    let mut table = show::table();
-    table.set_header(["error", "max", "rms", "line of max"]);
-    let mut rows = |name: &str, statistics: &ErrorStatistics, scale: f64, unit: &str| {
-        let mut row = |what: &str, one: &Statistics| {
-            if let Some((max, place)) = one.maximum() {
-                let block = place.block.map_or(String::new(), |block| format!(" (N{block})"));
-                table.add_row([
-                    format!("{name}, {what}"),
-                    format!("{:.4} {unit}", max * scale),
-                    format!("{:.4} {unit}", one.rms() * scale),
-                    format!("{}{block}", place.line),
-                ]);
-            }
-        };
-        row("twin", &statistics.twin);
-        row("drives", &statistics.drives);
-        row("drives against twin", &statistics.drives_against_twin);
-    };
-    rows("tool", &ending.comparison.tool, 1e3, "mm");
-    for (axis, statistics) in machine.axes.iter().zip(&ending.comparison.axes) {
-        rows(&format!("axis {}", axis.name), statistics, axis.from_si(1.0), axis.unit());
-    }
-    writeln!(out, "{table}")
-}
-
-fn write_report(
-    arguments: &Arguments,
-    machine: &Machine,
-    program: &ProgramFile,
-    outcome: &Outcome,
-    ending: &Ending,
-    drives: Option<DriveSamples>,
-    stopped_because: Option<String>,
-) -> Result<(), Failure> {
-    let Some(path) = &arguments.report else { return Ok(()) };
-    let Comparison { tool, axes } = &ending.comparison;
-    let axis_error = machine.axes.iter().zip(axes);
-    let report = RunReport {
-        check: CheckReport::new(machine, program, outcome),
-        completed: stopped_because.is_none(),
-        stopped_because,
-        executed_s: seconds(ending.executed_ns),
-        drive_samples: drives.map(DriveSamples::report),
-        tool_error_mm: ComparisonReport::new(tool, 1e3),
-        axis_error: PerAxis(
-            axis_error
-                .map(|(axis, one)| (axis.name.clone(), AxisErrorReport::new(axis, one)))
-                .collect(),
-        ),
-    };
-    write_json(path, &report)
-        .map_err(|source| Failure::Write { path: path.display().to_string(), source })
-}
-
-fn write_json(path: &Path, report: &RunReport) -> io::Result<()> {
-    let mut file = io::BufWriter::new(std::fs::File::create(path)?);
-    serde_json::to_writer_pretty(&mut file, report)?;
-    writeln!(file)?;
-    file.flush()
 }

@@ -1,0 +1,142 @@
+//! What a run has to say at its end: the summary for people and the report for programs.
+
+use super::Done;
+use crate::check::Outcome;
+use crate::command::{Failure, show};
+use crate::compare::{Comparison, ErrorStatistics, Statistics};
+use crate::machine::Machine;
+use crate::program::ProgramFile;
+use crate::report::{
+    AxisErrorReport, CheckReport, ComparisonReport, DriveSamplesReport, PerAxis, RunReport, seconds,
+};
+use crate::session::Ending;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// How often the drives were heard of.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct DriveSamples {
+    count: u32,
+    first_ns: i64,
+    last_ns: i64,
+    longest_gap_ns: i64,
+}
+
+impl DriveSamples {
+    pub(super) fn include(&mut self, time_ns: i64) {
+        if self.count == 0 {
+            self.first_ns = time_ns;
+        } else {
+            self.longest_gap_ns = self.longest_gap_ns.max(time_ns - self.last_ns);
+        }
+        self.last_ns = time_ns;
+        self.count += 1;
+    }
+
+    fn per_s(self) -> f64 {
+        let time = seconds(self.last_ns - self.first_ns);
+        if time > 0.0 { f64::from(self.count.saturating_sub(1)) / time } else { 0.0 }
+    }
+
+    fn longest_gap_ms(self) -> f64 {
+        seconds(self.longest_gap_ns) * 1e3
+    }
+
+    fn report(self) -> DriveSamplesReport {
+        DriveSamplesReport {
+            count: self.count,
+            per_s: self.per_s(),
+            longest_gap_ms: self.longest_gap_ms(),
+        }
+    }
+}
+
+/// A few lines and a table for people.
+pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) -> io::Result<()> {
+    let Done { ending, samples, took, .. } = done;
+    let executed = seconds(ending.executed_ns);
+    let ratio = if *took > 0.0 { executed / took } else { 0.0 };
+    writeln!(out, "ran {executed:.3} s of program in {took:.3} s ({ratio:.1} × real time)")?;
+    if samples.count > 0 {
+        writeln!(
+            out,
+            "drives: {} samples, {:.0} per second, longest gap {:.0} ms",
+            samples.count,
+            samples.per_s(),
+            samples.longest_gap_ms()
+        )?;
+    }
+    let mut table = show::table();
+    table.set_header(["error", "max", "rms", "line of max"]);
+    let mut rows = |name: &str, statistics: &ErrorStatistics, scale: f64, unit: &str| {
+        let mut row = |what: &str, one: &Statistics| {
+            if let Some((max, place)) = one.maximum() {
+                let block = place.block.map_or(String::new(), |block| format!(" (N{block})"));
+                table.add_row([
+                    format!("{name}, {what}"),
+                    format!("{:.4} {unit}", max * scale),
+                    format!("{:.4} {unit}", one.rms() * scale),
+                    format!("{}{block}", place.line),
+                ]);
+            }
+        };
+        row("twin", &statistics.twin);
+        row("drives", &statistics.drives);
+        row("drives against twin", &statistics.drives_against_twin);
+    };
+    rows("tool", &ending.comparison.tool, 1e3, "mm");
+    for (axis, statistics) in machine.axes.iter().zip(&ending.comparison.axes) {
+        rows(&format!("axis {}", axis.name), statistics, axis.from_si(1.0), axis.unit());
+    }
+    writeln!(out, "{table}")
+}
+
+/// The report somebody may have asked for.
+pub(super) struct Report<'a> {
+    /// Where to write it; nowhere if nobody asked.
+    pub(super) path: Option<&'a Path>,
+    pub(super) machine: &'a Machine,
+    pub(super) program: &'a ProgramFile,
+    pub(super) outcome: &'a Outcome,
+}
+
+impl Report<'_> {
+    /// Writes how a run ended.
+    pub(super) fn write(
+        &self,
+        ending: &Ending,
+        samples: DriveSamples,
+        stopped_because: Option<String>,
+    ) -> Result<(), Failure> {
+        let Some(path) = self.path else { return Ok(()) };
+        let Comparison { tool, axes } = &ending.comparison;
+        let axis_error = self.machine.axes.iter().zip(axes);
+        let report = RunReport {
+            check: CheckReport::new(self.machine, self.program, self.outcome),
+            completed: stopped_because.is_none(),
+            stopped_because,
+            executed_s: seconds(ending.executed_ns),
+            drive_samples: (samples.count > 0).then(|| samples.report()),
+            tool_error_mm: ComparisonReport::new(tool, 1e3),
+            axis_error: PerAxis(
+                axis_error
+                    .map(|(axis, one)| (axis.name.clone(), AxisErrorReport::new(axis, one)))
+                    .collect(),
+            ),
+        };
+        write_json(path, &report)
+            .map_err(|source| Failure::Write { path: path.display().to_string(), source })
+    }
+
+    /// Writes that a run came to nothing, and why.
+    pub(super) fn write_nothing(&self, reason: &str) -> Result<(), Failure> {
+        self.write(&Ending::nothing(self.machine), DriveSamples::default(), Some(reason.to_owned()))
+    }
+}
+
+fn write_json(path: &Path, report: &RunReport) -> io::Result<()> {
+    let mut file = io::BufWriter::new(std::fs::File::create(path)?);
+    serde_json::to_writer_pretty(&mut file, report)?;
+    writeln!(file)?;
+    file.flush()
+}
