@@ -140,6 +140,7 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
         let items = self.program.open(self.machine)?;
         let mut run = Run::new(self.machine, items, self.twin, self.hardware);
         // Drives that begin to follow find a plan.
+        run.heed(interrupts());
         run.plan(ahead_ns);
         let clock = Clock::start();
         run.begin(clock);
