@@ -9,6 +9,7 @@ use std::io::{self, BufReader, Read};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::time::SystemTime;
 use twin_motion::din66025::{self, Decoder, DecoderOptions};
 use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead, ToolSetpoint};
 use twin_motion::path::{ElementKind, PathElement};
@@ -57,6 +58,7 @@ impl Dialect {
         let mut beginning = Vec::new();
         File::open(path)?.take(4096).read_to_end(&mut beginning)?;
         let text = String::from_utf8_lossy(&beginning);
+        let text = text.trim_start_matches('\u{feff}');
         let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
         let percent = lines.next().is_some_and(|line| line.starts_with('%'));
         let blocks = lines.find(|line| !line.starts_with(['(', '/']));
@@ -71,10 +73,37 @@ pub struct ProgramFile {
     path: PathBuf,
     dialect: Dialect,
     skip_suppressed: bool,
+    stamp: Option<Stamp>,
+}
+
+/// What tells whether a file is still the one that was looked at before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Stamp {
+    bytes: u64,
+    modified: Option<SystemTime>,
+}
+
+impl Stamp {
+    /// None for what is no regular file.
+    fn of(metadata: &std::fs::Metadata) -> Option<Self> {
+        metadata
+            .is_file()
+            .then(|| Self { bytes: metadata.len(), modified: metadata.modified().ok() })
+    }
+
+    fn verify(stamp: Option<Self>, file: &File) -> io::Result<()> {
+        match stamp {
+            Some(stamp) if Self::of(&file.metadata()?) != Some(stamp) => {
+                Err(io::Error::other("the file has changed since it was first looked at"))
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 impl ProgramFile {
-    /// The program at `path`; with `skip_suppressed` without the blocks that begin with `/`.
+    /// The program at `path`; with `skip_suppressed` without the blocks that begin with `/`. Should the file change
+    /// from now on, reading it is an error: what is run must be what was checked.
     ///
     /// # Errors
     /// If the dialect is not known or not read yet.
@@ -85,7 +114,8 @@ impl ProgramFile {
     ) -> Result<Self, DialectError> {
         match dialect {
             Some(dialect @ Dialect::Din66025) => {
-                Ok(Self { path: path.to_owned(), dialect, skip_suppressed })
+                let stamp = std::fs::metadata(path).ok().as_ref().and_then(Stamp::of);
+                Ok(Self { path: path.to_owned(), dialect, skip_suppressed, stamp })
             }
             Some(Dialect::Rs274) => Err(DialectError::NotYet(path.to_owned())),
             None => Err(DialectError::Unknown(path.to_owned())),
@@ -100,6 +130,11 @@ impl ProgramFile {
     /// How it is read.
     pub fn dialect(&self) -> Dialect {
         self.dialect
+    }
+
+    /// True if it can be read more than once: a regular file, no pipe.
+    pub fn is_repeatable(&self) -> bool {
+        self.stamp.is_some()
     }
 
     /// Its size, bytes.
@@ -145,7 +180,8 @@ impl ProgramFile {
         if file.metadata()?.is_dir() {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a directory"));
         }
-        let file = Counted { file, ledger: Rc::clone(&ledger) };
+        Stamp::verify(self.stamp, &file)?;
+        let file = Counted { file, stamp: self.stamp, ledger: Rc::clone(&ledger) };
         let options = DecoderOptions { start, skip_suppressed_blocks: self.skip_suppressed };
         let decoder = Decoder::new(BufReader::with_capacity(1 << 16, file), options);
         Ok((Decoded { decoder, ledger: Rc::clone(&ledger), halted: false }, ledger))
@@ -183,16 +219,18 @@ impl Ledger {
     }
 }
 
-/// Counts what is read.
+/// Counts what is read, and stops if somebody writes to the file meanwhile.
 #[derive(Debug)]
 struct Counted {
     file: File,
+    stamp: Option<Stamp>,
     ledger: Rc<RefCell<Ledger>>,
 }
 
 impl Read for Counted {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.file.read(buffer)?;
+        Stamp::verify(self.stamp, &self.file)?;
         self.ledger.borrow_mut().bytes += u64::try_from(count).unwrap_or(u64::MAX);
         Ok(count)
     }
@@ -230,18 +268,27 @@ struct Decoded {
     halted: bool,
 }
 
-/// No single move takes longer than this, s: a day. What does is a slip of the pen (`J999999999`, `F0.0000001`), and
-/// sampling it every millisecond would take the check as long.
+/// No single move takes longer than this, s: a day. What does is a slip of the pen (`J999999999`, `F0.0000001`,
+/// `E0.0000001`), and sampling it every millisecond would take the check as long.
 const LONGEST_MOVE: f64 = 86_400.0;
 
 /// What is wrong with an element that takes absurdly long.
 fn endless(element: &PathElement) -> Option<Finding> {
     let length = element.length();
-    let time = length / element.feed;
-    (element.feed > 0.0 && time > LONGEST_MOVE).then(|| {
+    if !(element.feed > 0.0 && element.acceleration > 0.0 && element.deceleration > 0.0) {
+        return None;
+    }
+    // At the feed, and from rest to rest without ever reaching it.
+    let cruise = length / element.feed;
+    let ramps = (2.0 * length * (1.0 / element.acceleration + 1.0 / element.deceleration)).sqrt();
+    let time = cruise.max(ramps);
+    (time > LONGEST_MOVE).then(|| {
         let (length, feed) = (length * 1e3, element.feed * 1e3);
+        let (up, down) = (element.acceleration * 1e3, element.deceleration * 1e3);
+        let pace =
+            if cruise >= ramps { format!("F{feed}") } else { format!("E{up} and E-{down}") };
         let message = format!(
-            "this move is {length:.1} mm long and would take {time:.0} s at F{feed}; the limit for one move is \
+            "this move is {length:.1} mm long and would take {time:.0} s with {pace}; the limit for one move is \
              {LONGEST_MOVE:.0} s, and what follows is not planned"
         );
         Finding::error(Rule::Syntax, element.place, message).with_value(time, LONGEST_MOVE, "s")
@@ -300,6 +347,13 @@ fn finding(diagnostic: &din66025::Diagnostic) -> Finding {
 pub struct Elements {
     stage: Stage,
     ledger: Rc<RefCell<Ledger>>,
+}
+
+impl Elements {
+    /// Diagnostics of the text that were left out because there are too many.
+    pub fn left_out(&self) -> u64 {
+        self.ledger.borrow().left_out
+    }
 }
 
 #[derive(Debug)]

@@ -30,9 +30,9 @@ pub struct Transformer<'m> {
 }
 
 impl<'m> Transformer<'m> {
-    /// For a program that starts anywhere: the first answer is the one nearest to axis positions 0.
+    /// For a program that starts anywhere: the first answer is the one nearest to the middle of the software limits.
     pub fn new(machine: &'m Machine) -> Self {
-        Self { machine, near: AxisVector::zeros(machine.axes.len()) }
+        Self { machine, near: machine.middle() }
     }
 
     /// The axes for one tool set-point.

@@ -1,59 +1,81 @@
 //! Compares what was printed with what was expected.
 
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 /// Every expected line must be matched by the line of the same number: each key given must be there, numbers within
-/// `tolerance`.
-pub(crate) fn json_lines(expected: &str, actual: &str, tolerance: f64) -> Vec<String> {
+/// `tolerance`, or within that of `tolerances` for the key they are under.
+pub(crate) fn json_lines(
+    expected: &str,
+    actual: &str,
+    tolerance: f64,
+    tolerances: &BTreeMap<String, f64>,
+) -> Vec<String> {
+    let mut differences = Differences { tolerances, wrong: Vec::new() };
     let expected: Vec<_> = lines(expected).collect();
     let actual: Vec<_> = lines(actual).collect();
-    let mut wrong = Vec::new();
     if expected.len() != actual.len() {
-        wrong.push(format!("{} lines printed, {} expected", actual.len(), expected.len()));
+        differences.wrong.push(format!(
+            "{} lines printed, {} expected",
+            actual.len(),
+            expected.len()
+        ));
     }
     for (number, (expected, actual)) in expected.into_iter().zip(actual).enumerate() {
         match (serde_json::from_str(expected), serde_json::from_str(actual)) {
             (Ok(expected), Ok(actual)) => {
-                differ(&format!("line {}", number + 1), &expected, &actual, tolerance, &mut wrong);
+                differences.find(&format!("line {}", number + 1), &expected, &actual, tolerance);
             }
-            (Err(error), _) => wrong.push(format!("expected line {}: {error}", number + 1)),
+            (Err(error), _) => {
+                differences.wrong.push(format!("expected line {}: {error}", number + 1));
+            }
             (_, Err(error)) => {
-                wrong.push(format!("printed line {}: {error}: {actual}", number + 1));
+                differences.wrong.push(format!("printed line {}: {error}: {actual}", number + 1));
             }
         }
     }
-    wrong
+    differences.wrong
 }
 
 fn lines(text: &str) -> impl Iterator<Item = &str> {
     text.lines().filter(|line| !line.trim().is_empty())
 }
 
-fn differ(place: &str, expected: &Value, actual: &Value, tolerance: f64, wrong: &mut Vec<String>) {
-    match (expected, actual) {
-        (Value::Object(expected), Value::Object(actual)) => {
-            for (key, value) in expected {
-                match actual.get(key) {
-                    Some(found) => {
-                        differ(&format!("{place}.{key}"), value, found, tolerance, wrong);
+struct Differences<'a> {
+    tolerances: &'a BTreeMap<String, f64>,
+    wrong: Vec<String>,
+}
+
+impl Differences<'_> {
+    fn find(&mut self, place: &str, expected: &Value, actual: &Value, tolerance: f64) {
+        match (expected, actual) {
+            (Value::Object(expected), Value::Object(actual)) => {
+                for (key, value) in expected {
+                    let tolerance = self.tolerances.get(key).copied().unwrap_or(tolerance);
+                    match actual.get(key) {
+                        Some(found) => {
+                            self.find(&format!("{place}.{key}"), value, found, tolerance)
+                        }
+                        None => self.wrong.push(format!("{place} lacks `{key}`")),
                     }
-                    None => wrong.push(format!("{place} lacks `{key}`")),
                 }
             }
-        }
-        (Value::Array(expected), Value::Array(actual)) if expected.len() == actual.len() => {
-            for (index, (expected, actual)) in expected.iter().zip(actual).enumerate() {
-                differ(&format!("{place}[{index}]"), expected, actual, tolerance, wrong);
+            (Value::Array(expected), Value::Array(actual)) if expected.len() == actual.len() => {
+                for (index, (expected, actual)) in expected.iter().zip(actual).enumerate() {
+                    self.find(&format!("{place}[{index}]"), expected, actual, tolerance);
+                }
+            }
+            (Value::Number(one), Value::Number(other)) => {
+                let both = one.as_f64().zip(other.as_f64());
+                if both.is_none_or(|(one, other)| (one - other).abs() > tolerance) {
+                    self.wrong.push(format!("{place} is {other}, expected {one} ± {tolerance}"));
+                }
+            }
+            (expected, actual) if expected == actual => {}
+            (expected, actual) => {
+                self.wrong.push(format!("{place} is {actual}, expected {expected}"));
             }
         }
-        (Value::Number(one), Value::Number(other)) => {
-            let distance = one.as_f64().zip(other.as_f64()).map(|(one, other)| (one - other).abs());
-            if distance.is_none_or(|distance| distance > tolerance) {
-                wrong.push(format!("{place} is {other}, expected {one} ± {tolerance}"));
-            }
-        }
-        (expected, actual) if expected == actual => {}
-        (expected, actual) => wrong.push(format!("{place} is {actual}, expected {expected}")),
     }
 }
 
@@ -85,11 +107,15 @@ pub(crate) fn csv(expected: &str, actual: &str, tolerance: f64) -> Vec<String> {
 
 #[test]
 fn differences_are_found() {
-    assert!(json_lines(r#"{"a":1}"#, r#"{"a":1.0000001,"b":2}"#, 1e-6).is_empty());
-    assert_eq!(json_lines(r#"{"a":1}"#, r#"{"a":1.1}"#, 1e-6).len(), 1);
-    assert_eq!(json_lines(r#"{"a":1}"#, "{}", 1e-6).len(), 1);
-    assert_eq!(json_lines("{}\n{}", "{}", 1e-6).len(), 1);
-    assert_eq!(json_lines(r#"{"a":[1,2]}"#, r#"{"a":[1]}"#, 1e-6).len(), 1);
+    let strict = BTreeMap::from([("a".to_owned(), 1e-9)]);
+    assert_eq!(json_lines(r#"{"a":1}"#, r#"{"a":1.0000001}"#, 1e-6, &strict).len(), 1);
+    assert!(json_lines(r#"{"b":1}"#, r#"{"b":1.0000001}"#, 1e-6, &strict).is_empty());
+    let json = |one: &str, other: &str| json_lines(one, other, 1e-6, &BTreeMap::new());
+    assert!(json(r#"{"a":1}"#, r#"{"a":1.0000001,"b":2}"#).is_empty());
+    assert_eq!(json(r#"{"a":1}"#, r#"{"a":1.1}"#).len(), 1);
+    assert_eq!(json(r#"{"a":1}"#, "{}").len(), 1);
+    assert_eq!(json("{}\n{}", "{}").len(), 1);
+    assert_eq!(json(r#"{"a":[1,2]}"#, r#"{"a":[1]}"#).len(), 1);
     assert!(csv("1,2\nerror,too far", "1.0,2.0\nerror,too far away", 1e-9).is_empty());
     assert_eq!(csv("1,2", "1,2,3", 1e-9).len(), 1);
     assert_eq!(csv("1,2", "1,2.1", 1e-9).len(), 1);

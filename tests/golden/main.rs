@@ -15,6 +15,7 @@ mod compare;
 mod process;
 
 use serde::Deserialize;
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -37,9 +38,14 @@ struct Case {
     /// Numbers may differ by this much.
     #[serde(default = "exact")]
     tolerance: f64,
-    /// Texts that standard error must contain.
+    /// Of the numbers under these keys instead.
+    #[serde(default)]
+    tolerances: BTreeMap<String, f64>,
+    /// Texts that standard error must contain, however it is wrapped.
     #[serde(default)]
     stderr: Vec<String>,
+    /// Text that standard error must contain as it is, blanks and line ends included.
+    picture: Option<String>,
 }
 
 fn exact() -> f64 {
@@ -105,14 +111,18 @@ fn check(folder: &Path) -> Result<(), String> {
             wrong.push(format!("standard error lacks {text:?}"));
         }
     }
+    if let Some(picture) = &case.picture
+        && !stderr.contains(picture.trim_matches('\n'))
+    {
+        wrong.push(format!("standard error lacks\n{picture}"));
+    }
     if let Some(name) = &case.stdout {
         let expected = fs::read_to_string(folder.join(name)).map_err(|error| error.to_string())?;
-        let compare = if Path::new(name).extension().is_some_and(|ending| ending == "csv") {
-            compare::csv
+        wrong.extend(if Path::new(name).extension().is_some_and(|ending| ending == "csv") {
+            compare::csv(&expected, &stdout, case.tolerance)
         } else {
-            compare::json_lines
-        };
-        wrong.extend(compare(&expected, &stdout, case.tolerance));
+            compare::json_lines(&expected, &stdout, case.tolerance, &case.tolerances)
+        });
     }
     if wrong.is_empty() {
         return Ok(());

@@ -113,29 +113,48 @@ fn an_interrupt_before_the_first_cycle_moves_nothing() {
 }
 
 #[test]
-fn a_file_that_changed_after_the_check_ends_the_run() {
+fn what_was_not_checked_is_not_run() {
     let machine = machine(SCARA2);
     let program = Program::new(SHORT);
     let start = program.check(&machine).start.unwrap();
-    std::fs::write(program.file.path(), "% other\nN10 G1 X290 F100 E500 E-500\nN20 G1 X500\n")
-        .unwrap();
-    let twin = Simulated::new(&machine, &start).unwrap();
-    let file = &program.file;
-    let session =
-        Session { machine: &machine, program: file, twin, hardware: None, realtime: false };
-    let ending = session.run(&mut Recorder::new(), &|| 0).unwrap();
-    let Some(stopped @ Stopped::Path { place, .. }) = &ending.stopped else {
-        panic!("{:?}", ending.stopped)
+    let run = || {
+        let twin = Simulated::new(&machine, &start).unwrap();
+        let session = Session {
+            machine: &machine,
+            program: &program.file,
+            twin,
+            hardware: None,
+            realtime: false,
+        };
+        session.run(&mut Recorder::new(), &|| 0)
     };
-    assert_eq!(place.line, 3);
-    assert!(stopped.to_string().contains("has the program file changed"), "{stopped}");
-
+    assert!(run().unwrap().stopped.is_none());
+    // Harmless, but another program.
+    std::fs::write(program.file.path(), "% other\nN10 G1 X290 F100 E500 E-500\n").unwrap();
+    let error = run().unwrap_err();
+    assert!(error.to_string().contains("has changed"), "{error}");
     std::fs::remove_file(program.file.path()).unwrap();
-    let twin = Simulated::new(&machine, &start).unwrap();
-    let session =
-        Session { machine: &machine, program: file, twin, hardware: None, realtime: false };
-    let error = session.run(&mut Recorder::new(), &|| 0).unwrap_err();
-    assert_eq!(error.kind(), std::io::ErrorKind::NotFound);
+    assert_eq!(run().unwrap_err().kind(), std::io::ErrorKind::NotFound);
+}
+
+#[test]
+fn a_file_that_changes_during_the_run_ends_it() {
+    let machine = machine(SCARA2);
+    // Longer than what is read at once.
+    let mut text = "% long\nN10 G92 X300 Y0 Z20\nN20 G1 F100 E500 E-500\n".to_owned();
+    for _ in 0..4000 {
+        text.push_str("N30 G1 X300.1 Y0.0000\nN40 G1 X300.0 Y0.0000\n");
+    }
+    let program = Program::new(&text);
+    let changed = Cell::new(false);
+    let mut recorder = Recorder::with(|_| {
+        if !changed.replace(true) {
+            std::fs::write(program.file.path(), text.replace("300.1", "900.1")).unwrap();
+        }
+    });
+    let ending = simulate(&machine, &program, &mut recorder, &|| 0);
+    let Some(stopped @ Stopped::Read(_)) = &ending.stopped else { panic!("{:?}", ending.stopped) };
+    assert!(stopped.to_string().contains("has changed"), "{stopped}");
 }
 
 #[test]

@@ -48,8 +48,8 @@ impl Findings {
         }
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.kept.is_empty()
+    pub(super) fn any_error(&self) -> bool {
+        self.kept.contains_key(&Severity::Error)
     }
 
     /// All that were kept, in no particular order, and how many were not.

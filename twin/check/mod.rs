@@ -82,8 +82,7 @@ pub fn check(
             1000
         });
     }
-    let nothing_wrong = checker.findings.is_empty();
-    if items.elements() == 0 && nothing_wrong {
+    if items.elements() == 0 && !checker.findings.any_error() {
         let message = "the program has no block that moves anything".to_owned();
         let place = Place { line: 1, block: None };
         checker.findings.add(None, Finding::error(Rule::Syntax, place, message));

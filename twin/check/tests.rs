@@ -415,3 +415,39 @@ fn progress_is_told_to_the_end_of_the_file() {
     assert!(told.is_sorted() && told.len() >= 2, "{told:?}");
     assert_eq!(told.last(), Some(&program.size().unwrap()));
 }
+
+/// An axis is looked for on the turn that its software limits are on: 280° here, not −80°.
+#[test]
+fn rotary_axes_begin_within_their_limits() {
+    let machine = SCARA2
+        .replace("position_min_deg = -150.0", "position_min_deg = 30.0")
+        .replace("position_max_deg = 150.0", "position_max_deg = 330.0")
+        .replace("offsets_deg = [0.0, 0.0]", "offsets_deg = [180.0, 0.0]");
+    assert!(machine.contains("offsets_deg = [180.0, 0.0]"));
+    let limited = machine.matches("position_min_deg = 30.0").count();
+    // Elbow and shoulder of an arm of 250 and 200 mm that is bent by 90° and points to 100° with its upper arm.
+    let (upper, lower) = (100f64.to_radians(), 190f64.to_radians());
+    let (x, y) =
+        (250.0 * upper.cos() + 200.0 * lower.cos(), 250.0 * upper.sin() + 200.0 * lower.sin());
+    let program = format!("% bent\nN10 G92 X{x:.6} Y{y:.6} Z20\nN20 G1 Z21 F10\n");
+    let outcome = fit(&machine, &program);
+    let start = outcome.start.unwrap();
+    assert_eq!(limited, 2);
+    assert!((start[0].to_degrees() - 280.0).abs() < 1e-4, "{start:?}");
+    assert!((start[1].to_degrees() - 90.0).abs() < 1e-4, "{start:?}");
+}
+
+#[test]
+fn a_program_that_moves_nothing_is_unfit_whatever_else_is_found() {
+    let outcome = checked(GANTRY3, "% nothing\nN10 G92 X1 R5\nN20 G1 R5\n");
+    assert!(unfit(&outcome.findings), "{:#?}", outcome.findings);
+    assert_eq!(of(&outcome, Rule::Syntax, 1).len(), 1);
+}
+
+#[test]
+fn accelerations_that_nobody_would_wait_for_are_errors() {
+    // 100 mm from rest to rest with 1e-9 mm/s²: the closed form is 2·√(100/1e-9) s.
+    let outcome = checked(GANTRY3, "% slow\nN10 G1 X100 F100 E0.000000001 E-0.000000001\n");
+    let finding = only(&outcome);
+    near(finding.value.unwrap(), 2.0 * (100.0 / 1e-9_f64).sqrt(), 1e-12);
+}

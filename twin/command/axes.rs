@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     match &arguments.direction {
         Direction::Inverse { machine } => {
             let machine = machine.load()?;
-            let mut near = AxisVector::zeros(machine.axes.len());
+            let mut near = machine.middle();
             convert(|numbers| inverse(&machine, numbers, &mut near))
         }
         Direction::Forward { machine } => {

@@ -78,6 +78,7 @@ fn millimetres(point: &Point3<f64>) -> [Number; 3] {
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let machine = arguments.machine.as_deref().map(Machine::load).transpose()?;
     let program = arguments.read.program(&arguments.program)?;
+    eprintln!("{} is read as {}", program.path().display(), program.dialect().name());
     let frame = machine.as_ref().map_or_else(WorkFrame::identity, |machine| machine.frame);
     let start = machine.as_ref().map_or([0.0; 3], |machine| machine.start);
     let tolerance = arguments.prepare.then(|| {
@@ -87,9 +88,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     });
     let mut findings = Vec::new();
     let mut out = BufWriter::new(io::stdout().lock());
-    let elements =
+    let mut elements =
         program.elements(start, tolerance).map_err(|source| unreadable(program.path(), source))?;
-    for item in elements {
+    for item in &mut elements {
         match item {
             ElementItem::Element(element) => {
                 write_element(&mut out, &frame, &element).map_err(Failure::Stdio)?;
@@ -101,6 +102,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     out.flush().map_err(Failure::Stdio)?;
     finding::sort(&mut findings);
     show::findings(&program, &findings);
+    if elements.left_out() > 0 {
+        eprintln!("… and {} more that are not kept", elements.left_out());
+    }
     Ok(if finding::unfit(&findings) { Status::Unfit } else { Status::Fit })
 }
 

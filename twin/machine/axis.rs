@@ -2,6 +2,7 @@
 
 use super::drives::{counts, steps_per_s};
 use super::section::Section;
+use crate::physics::AxisDriveParameters;
 use std::ops::Range;
 
 /// Whether an axis turns or slides.
@@ -201,7 +202,9 @@ fn read_simulated(section: &Section<'_>, kind: AxisKind) -> SimulatedAxis {
     };
     let simulated = SimulatedAxis {
         effort_limit: section.number(effort, 1e-3..=1e7).unwrap_or(f64::INFINITY),
-        bandwidth_hz: section.number("velocity_loop_bandwidth_hz", 1.0..=250.0).unwrap_or(50.0),
+        bandwidth_hz: section
+            .number("velocity_loop_bandwidth_hz", 1.0..=250.0)
+            .unwrap_or(AxisDriveParameters::DEFAULT_BANDWIDTH_HZ),
         coulomb_friction: section.number(coulomb, 0.0..=1e6).unwrap_or(0.0),
         viscous_friction: section.number(viscous, 0.0..=1e6).unwrap_or(0.0),
         armature: section.number(armature, 0.0..=1e6).unwrap_or(0.0),

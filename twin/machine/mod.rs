@@ -102,11 +102,21 @@ impl Machine {
         self.kinematics.forward(&axes).map_or(0.0, |pose| pose.position.z)
     }
 
+    /// Every axis in the middle of its software limits: where to begin looking for rotary axes among the turns that
+    /// lead to the same place.
+    pub fn middle(&self) -> AxisVector {
+        let middle = |axis: &Axis| {
+            let [min, max] = axis.position_limits;
+            min.midpoint(max)
+        };
+        AxisVector::from_values(self.axes.iter().map(middle))
+    }
+
     /// Where the tool is and the axes are when a program starts that does not say where, if that can be reached.
     pub fn start_axes(&self) -> Option<AxisVector> {
         let position = Point3::from(self.start);
         let pose = self.frame.pose_to_machine(&Pose { position, direction: 0.0 });
-        self.kinematics.inverse(&pose, &AxisVector::zeros(self.axes.len())).ok()
+        self.kinematics.inverse(&pose, &self.middle()).ok()
     }
 }
 

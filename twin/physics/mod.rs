@@ -186,6 +186,7 @@ impl PhysicsMachine {
     ///
     /// # Errors
     /// Those of [`Self::step`].
+    #[cfg(test)]
     pub fn step_with_efforts(&mut self, effort: &AxisVector) -> Result<AxisState, PhysicsError> {
         let effort = checked(effort, self.drives.len(), self.state.time_ns)?;
         let mut joints = self.joints;
@@ -193,32 +194,6 @@ impl PhysicsMachine {
             joints = self.integrate(&joints, &effort, self.cycle / f64::from(CONTROL_PERIODS))?;
         }
         self.finish_cycle(&joints, &effort, [false; MAX_AXES])
-    }
-
-    /// Advances one cycle of a controlled stop: the set-point velocity of every axis goes to 0 with its
-    /// `deceleration` (m/s² or rad/s², positive). Call it until [`Self::setpoint`] stands still. The axes leave
-    /// their common path.
-    ///
-    /// # Errors
-    /// Those of [`Self::step`], and [`PhysicsError::Input`] if a deceleration is not positive.
-    pub fn brake(&mut self, deceleration: &AxisVector) -> Result<AxisState, PhysicsError> {
-        let limit = checked(deceleration, self.drives.len(), self.state.time_ns)?;
-        if deceleration.iter().any(|value| *value <= 0.0) {
-            return Err(PhysicsError::Input { time_ns: self.state.time_ns });
-        }
-        let before = Setpoint::new(&self.setpoint, self.drives.len(), self.state.time_ns)?;
-        let change = before.velocity.zip_map(&limit, |velocity, limit| {
-            -velocity.signum() * velocity.abs().min(limit * self.cycle)
-        });
-        let velocity = before.velocity + change;
-        let position = before.position + (before.velocity + velocity) * (0.5 * self.cycle);
-        let [position, velocity, acceleration] = [position, velocity, change / self.cycle]
-            .map(|vector| axis_vector(&vector, self.drives.len()));
-        // Standing still after this cycle, an axis is not asked to decelerate on.
-        let going_on = acceleration.iter().zip(velocity.iter());
-        let acceleration =
-            AxisVector::from_values(going_on.map(|(a, v)| if v.abs() > 0.0 { *a } else { 0.0 }));
-        self.step(&AxisMotion { position, velocity, acceleration })
     }
 
     /// The axes at the end of the last cycle.
@@ -335,6 +310,7 @@ pub fn axis_inertia(model: &Model, position: &AxisVector) -> Result<AxisVector, 
 ///
 /// # Errors
 /// Those of [`axis_inertia`].
+#[cfg(test)]
 pub fn holding_effort(
     model: &Model,
     gravity: Vector3<f64>,

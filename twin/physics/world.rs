@@ -80,12 +80,9 @@ impl RapierWorld {
                 PhysicsError::NotATree { joint: index, parent: joint.parent, child: joint.child };
             let parent = *links.get(joint.parent).ok_or(not_a_tree)?;
             let child = world.insert_body(body(link));
-            let handle = world
-                .insert_multibody_joint(parent, child, generic_joint(joint))
-                .ok_or(not_a_tree)?;
+            world.insert_multibody_joint(parent, child, generic_joint(joint)).ok_or(not_a_tree)?;
             multibody =
                 world.multibody_joints.rigid_body_link(child).map(|id| id.multibody).or(multibody);
-            debug_assert!(world.multibody_joints.get(handle).is_some());
             links.push(child);
         }
         let multibody = multibody.ok_or(PhysicsError::AxisNumber { given: 0 })?;

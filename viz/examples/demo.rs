@@ -109,9 +109,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             std::thread::sleep(Duration::from_millis(1));
         }
     }
-    if let Some(viewer) = scene.finish()? {
-        println!("finished; Ctrl-C ends");
-        viewer.wait_until(|| false);
+    // Served as long as it lives.
+    let viewer = scene.finish()?;
+    while viewer.is_some() {
+        std::thread::sleep(Duration::from_secs(1));
     }
     Ok(())
 }

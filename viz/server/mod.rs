@@ -15,7 +15,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::JoinHandle;
-use std::time::Duration;
 
 use re_web_viewer_server::WebViewerData;
 use rerun::external::re_log_encoding::Decoder;
@@ -30,8 +29,6 @@ pub const DEFAULT_ADDRESS: SocketAddr = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOC
 
 /// More pages than this at once are turned away.
 const MOST_READERS: usize = 16;
-/// How often [`Viewer::wait_until`] asks.
-const WAIT: Duration = Duration::from_millis(100);
 /// The page may load from us and talk to us only. The viewer is WebAssembly and sets its own styles.
 const POLICY: &str = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; \
                       connect-src 'self'; img-src 'self' data: blob:; worker-src 'self' blob:; font-src 'self' data:; \
@@ -169,13 +166,6 @@ impl Viewer {
             });
         }
         format!("http://{address}/")
-    }
-
-    /// Blocks until `stop` says so; it is asked ten times a second.
-    pub fn wait_until(&self, mut stop: impl FnMut() -> bool) {
-        while !stop() {
-            std::thread::sleep(WAIT);
-        }
     }
 }
 

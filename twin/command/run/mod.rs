@@ -113,6 +113,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let machine = arguments.machine.load()?;
     let program = arguments.read.program(&arguments.program)?;
     eprintln!("{} is read as {}", program.path().display(), program.dialect().name());
+    program.size().map_err(|source| unreadable(program.path(), source))?;
+    if !program.is_repeatable() {
+        return Err(Failure::Usage(format!(
+            "{} is no regular file: a run reads its program twice, to check it and to run it",
+            program.path().display()
+        )));
+    }
 
     let outcome = check_first(&machine, &program)?;
     show::findings(&program, &outcome.findings);
@@ -129,9 +136,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         return Ok(Status::Unfit);
     };
 
-    // Until here nothing needs an orderly end.
-    let interrupt = Interrupt::catch()?;
-    let done = match perform(arguments, &report, &start, &interrupt) {
+    let (done, interrupt) = match perform(arguments, &report, &start) {
         Ok(done) => done,
         Err(failure) => {
             // What went wrong first is what counts; a report that cannot be written either is the lesser news.
@@ -170,13 +175,13 @@ struct Done<'m> {
     shown: Result<(), Failure>,
 }
 
-/// Opens view and drives, runs the program, and brings everything to rest.
+/// Opens view and drives, runs the program, and brings everything to rest. Also Ctrl-C, which is caught from the
+/// moment on that something needs an orderly end.
 fn perform<'m>(
     arguments: &Arguments,
     about: &Report<'m>,
     start: &AxisVector,
-    interrupt: &Interrupt,
-) -> Result<Done<'m>, Failure> {
+) -> Result<(Done<'m>, Interrupt), Failure> {
     let (machine, program) = (about.machine, about.program);
     let emulated = arguments.drives == Drives::Emulated && !machine.drives.is_empty();
     let scene = SceneOptions {
@@ -195,11 +200,12 @@ fn perform<'m>(
     if let Some(url) = picture.url() {
         eprintln!("live view: {url}");
     }
+    let interrupt = Interrupt::catch()?;
     if arguments.drives == Drives::Emulated && !emulated {
         eprintln!("{} names no drives; the simulated machine runs alone", machine.path.display());
     }
     let twin = Simulated::new(machine, start)?;
-    let drives = if emulated { Some(connect(machine, start, interrupt)?) } else { None };
+    let drives = if emulated { Some(connect(machine, start, &interrupt)?) } else { None };
     // The board lives until the drives have come to rest.
     let (hardware, board) = drives.unzip();
 
@@ -223,7 +229,7 @@ fn perform<'m>(
     bar.finish_and_clear();
     drop(board);
     let shown = picture.finish().map_err(Failure::from);
-    Ok(Done { ending, samples, took, picture, shown })
+    Ok((Done { ending, samples, took, picture, shown }, interrupt))
 }
 
 impl Arguments {

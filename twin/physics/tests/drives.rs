@@ -140,43 +140,6 @@ fn the_following_error_is_that_of_the_loop() {
     assert!((behind - speed / lagging[0].position_gain).abs() < 1e-6, "{behind}");
 }
 
-/// A controlled stop takes v²/2a and ends at rest.
-#[test]
-fn braking_stops_within_the_distance() {
-    let mut machine = machine(&tuned(500.0));
-    let speed = 0.2;
-    let mut position = 0.1;
-    for cycle in 1..=400 {
-        let t = f64::from(cycle) * 1e-3;
-        let acceleration = if t <= 0.2 { 1.0 } else { 0.0 };
-        position = if t <= 0.2 { 0.1 + 0.5 * t * t } else { 0.1 + 0.02 + speed * (t - 0.2) };
-        machine
-            .step(&AxisMotion {
-                position: axes([position, 0.2, 0.3]),
-                velocity: axes([speed.min(t), 0.0, 0.0]),
-                acceleration: axes([acceleration, 0.0, 0.0]),
-            })
-            .unwrap();
-    }
-    let mut cycles = 0;
-    while machine.setpoint().velocity.iter().any(|velocity| velocity.abs() > 0.0) {
-        machine.brake(&axes([2.0; 3])).unwrap();
-        cycles += 1;
-        assert!(cycles < 1000, "it never stops");
-    }
-    assert!((100..=101).contains(&cycles), "{cycles}");
-    for _ in 0..1000 {
-        machine.brake(&axes([2.0; 3])).unwrap();
-    }
-    let state = machine.axis_state();
-    assert!((state.position[0] - (position + speed * speed / 4.0)).abs() < 1e-8, "{state:?}");
-    assert!(state.velocity[0].abs() < 1e-9, "{state:?}");
-    assert_eq!(
-        machine.brake(&axes([2.0, 0.0, 2.0])),
-        Err(PhysicsError::Input { time_ns: machine.axis_state().time_ns })
-    );
-}
-
 #[test]
 fn what_cannot_be_simulated_is_refused() {
     let build =
