@@ -54,7 +54,7 @@ impl Differences<'_> {
                     let tolerance = self.tolerances.get(key).copied().unwrap_or(tolerance);
                     match actual.get(key) {
                         Some(found) => {
-                            self.find(&format!("{place}.{key}"), value, found, tolerance)
+                            self.find(&format!("{place}.{key}"), value, found, tolerance);
                         }
                         None => self.wrong.push(format!("{place} lacks `{key}`")),
                     }
