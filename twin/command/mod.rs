@@ -50,8 +50,10 @@ struct Arguments {
 }
 
 const AFTER_HELP: &str = "\
-Exit status: 0 nothing wrong; 1 the program is not fit for the machine, or a tolerance was exceeded; 2 the command
-could not be carried out.
+Exit status:
+  0  nothing wrong
+  1  the program is not fit for the machine, or a tolerance was exceeded
+  2  the command could not be carried out
 
 Start with:
   twin check examples/plate.cnc --machine machines/scara2.toml
