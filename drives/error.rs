@@ -247,8 +247,8 @@ pub enum EmulatorError {
         /// What the operating system says.
         source: io::Error,
     },
-    /// The path for the link is taken by something that is not a symbolic link.
-    #[error("{} exists and is not a symbolic link", path.display())]
+    /// The path for the link is taken by something else, or by a link to a terminal that is in use.
+    #[error("{} is in use; remove it or choose another path", path.display())]
     LinkTaken {
         /// The path.
         path: PathBuf,

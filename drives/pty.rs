@@ -23,7 +23,7 @@ pub(crate) struct PseudoTerminal {
 
 impl PseudoTerminal {
     /// Opens a pair and gives the near end (master) with it. `link`, if any, becomes a symbolic link to the far end;
-    /// an older symbolic link there is replaced.
+    /// one there that leads nowhere is replaced.
     pub(crate) fn open(link: Option<&Path>) -> Result<(TTYPort, Self), EmulatorError> {
         let terminal = |source: io::Error| EmulatorError::Terminal { source };
         // pair() gives (master, slave).
@@ -59,7 +59,10 @@ impl Drop for PseudoTerminal {
 fn make_link(path: &Path, link: &Path) -> Result<(), EmulatorError> {
     let failed = |source| EmulatorError::Link { path: link.to_path_buf(), source };
     match fs::symlink_metadata(link) {
-        Ok(metadata) if metadata.is_symlink() => fs::remove_file(link).map_err(failed)?,
+        // A link that leads nowhere was left behind by an emulator that could not clean up.
+        Ok(metadata) if metadata.is_symlink() && fs::metadata(link).is_err() => {
+            fs::remove_file(link).map_err(failed)?;
+        }
         Ok(_) => return Err(EmulatorError::LinkTaken { path: link.to_path_buf() }),
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
         Err(error) => return Err(failed(error)),
@@ -98,12 +101,16 @@ mod tests {
         let link = folder.path().join("board");
         let (_first, first) = PseudoTerminal::open(Some(&link)).unwrap();
         assert_eq!(fs::read_link(&link).unwrap(), first.path());
-        // A second emulator takes the link over; the end of the first leaves it alone.
-        let (_second, second) = PseudoTerminal::open(Some(&link)).unwrap();
+        // A second emulator does not take it away.
+        let refused = PseudoTerminal::open(Some(&link));
+        assert!(matches!(refused, Err(EmulatorError::LinkTaken { .. })));
+        assert_eq!(fs::read_link(&link).unwrap(), first.path());
         drop(first);
-        assert_eq!(fs::read_link(&link).unwrap(), second.path());
-        drop(second);
         assert!(fs::symlink_metadata(&link).is_err());
+        // What one leaves behind that could not clean up is replaced.
+        symlink("/dev/pts/no such terminal", &link).unwrap();
+        let (_third, third) = PseudoTerminal::open(Some(&link)).unwrap();
+        assert_eq!(fs::read_link(&link).unwrap(), third.path());
     }
 
     #[test]

@@ -31,7 +31,7 @@ pub enum DialectError {
     #[error("{} does not tell its dialect: its ending is none of .cnc .ngc .nc .tap .gcode and it does not begin with % and N blocks; say --dialect", .0.display())]
     Unknown(PathBuf),
     /// A dialect of a later version.
-    #[error("{} is taken for RS274, which is not read yet; if it is a SoftMotion program say --dialect din66025", .0.display())]
+    #[error("{} is RS274 by its ending or --dialect, and RS274 is not read yet; only a program in SoftMotion's dialect can be read with --dialect din66025", .0.display())]
     NotYet(PathBuf),
 }
 

@@ -443,3 +443,20 @@ fn whoever_stops_reading_stops_the_output_without_a_panic() {
     assert!(!stderr.contains("panicked"), "{stderr}");
     assert_eq!(output.status.code(), Some(2));
 }
+
+/// A simulated machine that cannot keep up makes a run unfit, as it does a check with --physics.
+#[test]
+fn an_axis_that_is_lost_in_a_run_is_an_error() {
+    let desk = Desk::new();
+    let machine =
+        std::fs::read_to_string(root().join("machines/scara2.toml")).expect("it is shipped");
+    let weak = machine.replace("max_force_n = 400.0", "max_force_n = 5.0");
+    assert_ne!(weak, machine);
+    desk.write("weak.toml", &weak);
+    desk.write("up.cnc", "% up\nN10 G1 Z30 F50\n");
+    let arguments = ["--machine", "weak.toml", "--drives", "none", "--report", "report.json"];
+    let done = desk.twin(&[&["run", "up.cnc"][..], &arguments].concat());
+    assert_eq!(done.status, Some(1), "{}", done.stderr);
+    assert!(done.stderr.contains("following-error"), "{}", done.stderr);
+    assert_eq!(desk.read("report.json")["findings"][0]["rule"], "following-error");
+}

@@ -5,6 +5,7 @@ mod sentence;
 #[cfg(test)]
 mod tests;
 
+use crate::compare::Comparison;
 use crate::finding::{self, Finding, Rule};
 use crate::machine::Machine;
 use crate::physics::PhysicsError;
@@ -50,6 +51,17 @@ pub enum CheckFailure {
     /// The simulated machine.
     #[error(transparent)]
     Physics(#[from] PhysicsError),
+}
+
+/// What the simulated machine did in a run, where an axis was farther from its set-points than its machine file allows.
+pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Finding> {
+    let axes = machine.axes.iter().zip(&comparison.axes);
+    let beyond = axes.filter_map(|(axis, statistics)| {
+        let (error, place) = statistics.twin.maximum()?;
+        let limit = axis.max_following_error.filter(|limit| exceeds(error, *limit))?;
+        Some(sentence::too_far(axis, place, error, limit))
+    });
+    beyond.collect()
 }
 
 /// Checks a whole program; with `physics` also on the simulated machine. `progress` is told the bytes read so far.
@@ -234,6 +246,7 @@ impl<'m> Checker<'m> {
 
     fn finish(self) -> Outcome {
         let (mut findings, findings_left_out) = self.findings.into_list();
+        sentence::leave_out_consequences(&mut findings);
         finding::sort(&mut findings);
         Outcome {
             elements: 0,

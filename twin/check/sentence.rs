@@ -4,16 +4,19 @@ use super::ROUNDING;
 use crate::finding::{Finding, Rule, Severity};
 use crate::machine::{Axis, AxisKind};
 use crate::physics::PhysicsError;
+use std::collections::BTreeSet;
 use twin_kinematics::KinematicsError;
 use twin_motion::Place;
 
 /// A set-point that the kinematics refuses.
 pub(super) fn unreachable(place: Place, error: &KinematicsError) -> Finding {
-    let rule = match error {
-        KinematicsError::Singular { .. } => Rule::Singularity,
-        _ => Rule::Reach,
+    let (rule, what) = match error {
+        KinematicsError::Singular { .. } => {
+            (Rule::Singularity, "the tool cannot go on as programmed")
+        }
+        _ => (Rule::Reach, "the tool cannot be there"),
     };
-    let finding = Finding::error(rule, place, format!("the tool cannot be there: {error}"));
+    let finding = Finding::error(rule, place, format!("{what}: {error}"));
     match error {
         KinematicsError::Unreachable { distance, reach: [near, far], .. } => {
             let limit = if distance < near { near } else { far };
@@ -77,6 +80,22 @@ pub(super) fn too_far(axis: &Axis, place: Place, error: f64, limit: f64) -> Find
 pub(super) fn lost(place: Place, error: &PhysicsError) -> Finding {
     let message = format!("the simulated machine cannot follow: {error}");
     Finding::error(Rule::FollowingError, place, message)
+}
+
+/// On the way to a point that cannot be reached the axes are asked for the impossible, too; no feed would help.
+pub(super) fn leave_out_consequences(findings: &mut Vec<Finding>) {
+    let unreachable: BTreeSet<_> = findings
+        .iter()
+        .filter(|finding| finding.rule == Rule::Reach)
+        .map(|finding| finding.line)
+        .collect();
+    findings.retain(|finding| {
+        let follows = matches!(
+            finding.rule,
+            Rule::AxisVelocity | Rule::AxisAcceleration | Rule::AxisJerk | Rule::Singularity
+        );
+        !(follows && unreachable.contains(&finding.line))
+    });
 }
 
 /// What is measured, in which unit for rotary and linear axes.

@@ -451,3 +451,11 @@ fn accelerations_that_nobody_would_wait_for_are_errors() {
     let finding = only(&outcome);
     near(finding.value.unwrap(), 2.0 * (100.0 / 1e-9_f64).sqrt(), 1e-12);
 }
+
+/// What follows from a point that cannot be reached is no finding of its own.
+#[test]
+fn an_unreachable_point_is_one_finding() {
+    // 450 mm is as far as the arms reach; towards it they stretch, ever faster.
+    let outcome = checked(SCARA2, "% far\nN10 G1 X600 F60\n");
+    assert_eq!(only(&outcome).rule, Rule::Reach);
+}

@@ -31,7 +31,7 @@ enum Device {
 
 #[derive(Debug, clap::Args)]
 struct InterpCnc {
-    /// Symbolic link to make to the pseudo-terminal; removed at the end
+    /// Symbolic link to make to the pseudo-terminal; removed at the end, refused if it is in use
     #[arg(long, value_name = "PATH")]
     link: PathBuf,
 

@@ -230,10 +230,12 @@ fn read_drive(section: &Section<'_>, unit: &str, devices: &[String]) -> Option<A
         return None;
     };
     let Some(found) = devices.iter().position(|name| name == device) else {
-        let known =
-            if devices.is_empty() { "there is none".to_owned() } else { devices.join(", ") };
-        section
-            .complain_at("drive", format!("`drive` names \"{device}\", but of [[drives]] {known}"));
+        let known = if devices.is_empty() {
+            "there is no [[drives]]".to_owned()
+        } else {
+            format!("the [[drives]] are named {}", devices.join(", "))
+        };
+        section.complain_at("drive", format!("`drive` is \"{device}\", but {known}"));
         return None;
     };
     for key in ["drive_axis", "increments", &per_key] {

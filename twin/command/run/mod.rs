@@ -65,7 +65,7 @@ pub(super) struct Arguments {
     report: Option<PathBuf>,
 
     /// Exit with status 1 if the tool of twin or drives is farther than this from its set-point
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     tolerance: Option<f64>,
 }
 
@@ -121,13 +121,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         )));
     }
 
-    let outcome = check_first(&machine, &program)?;
+    let checked = check_first(&machine, &program)?;
+    let mut outcome = checked.clone();
     show::findings(&program, &outcome.findings);
     let report = Report {
         path: arguments.report.as_deref(),
         machine: &machine,
         program: &program,
-        outcome: &outcome,
+        outcome: &checked,
     };
     let Some(start) = outcome.start.filter(|_| !finding::unfit(&outcome.findings)) else {
         report.write_nothing("the program is not fit for the machine; nothing moved")?;
@@ -144,6 +145,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             return Err(failure);
         }
     };
+    // What only a run shows.
+    let behind = crate::check::following_errors(&machine, &done.ending.comparison);
+    show::findings(&program, &behind);
+    outcome.findings.extend(behind);
+    finding::sort(&mut outcome.findings);
+    let report = Report { outcome: &outcome, ..report };
 
     let reason = done.ending.stopped.as_ref().map(ToString::to_string);
     // First what was asked for in files: nobody may be reading what is printed.
@@ -155,7 +162,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         eprintln!("{reason}");
     }
     done.shown?;
-    let status = judge(arguments, &done.ending);
+    let unfit = if finding::unfit(&outcome.findings) { Status::Unfit } else { Status::Fit };
+    let status = judge(arguments, &done.ending).max(unfit);
     if let Some(url) = done.picture.url().filter(|_| interrupt.count() == 0) {
         eprintln!("the view stays at {url} until Ctrl-C");
         interrupt.wait();
@@ -188,12 +196,8 @@ fn perform<'m>(
         record: arguments.record.clone(),
         serve: arguments.serve,
         // A page that plays at its own pace keeps up with the many samples of drives also where it is drawn without a
-        // graphics card.
-        playback: if arguments.realtime && !emulated {
-            Playback::Follow
-        } else {
-            Playback::FromStart
-        },
+        // graphics card, and one that is opened late shows the whole run.
+        playback: Playback::FromStart,
     };
     let named = emulated.then_some("InterpCNC, emulated");
     let mut picture = Picture::open(&scene, machine, program, start, named)?;

@@ -51,6 +51,9 @@ impl DriveSamples {
     }
 }
 
+/// Drives are heard of some thirty times a second; a gap of several times that is the computer's.
+const LONGEST_USUAL_GAP_NS: i64 = 120_000_000;
+
 /// A few lines and a table for people.
 pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) -> io::Result<()> {
     let Done { ending, samples, took, .. } = done;
@@ -65,6 +68,14 @@ pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) 
             samples.per_s(),
             samples.longest_gap_ms()
         )?;
+        if samples.longest_gap_ns > LONGEST_USUAL_GAP_NS {
+            writeln!(
+                out,
+                "note: for {:.0} ms nobody corrected the drives; this computer was busy, and their errors are partly \
+                 its doing",
+                samples.longest_gap_ms()
+            )?;
+        }
     }
     let mut table = show::table();
     table.set_header(["error", "max", "rms", "line of max"]);
