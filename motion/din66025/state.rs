@@ -261,14 +261,11 @@ impl State {
         self.jump = None;
         self.path_end = Some(shape.end());
         out.element(PathElement {
-            place,
-            kind,
-            shape,
             // Nothing is travelled without a feed: those have no length.
             feed: self.feed.unwrap_or_default(),
             acceleration: self.acceleration,
             deceleration: self.deceleration,
-            end_velocity: 0.0,
+            ..PathElement::new(place, kind, shape)
         });
     }
 }

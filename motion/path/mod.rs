@@ -1,11 +1,18 @@
 //! Path elements: what the manual calls `SMC_GEOINFO` (6.5).
 
 mod arc;
+mod details;
+mod plane;
 mod shape;
 #[cfg(test)]
 mod tests;
 
 pub use arc::Arc;
+pub use details::{
+    AxisMask, Details, EXTRA_AXES, ExtraAxes, ExtraPosition, MAX_SWITCHES, MParameters, Switch,
+    Switches,
+};
+pub use plane::Plane;
 pub use shape::{PathPoint, Shape};
 
 use crate::Place;
@@ -29,15 +36,53 @@ pub struct PathElement {
     /// Largest velocity with which the path may go on into the next element, m/s. The decoder leaves it at 0;
     /// [`crate::prepare::CheckVelocities`] sets it.
     pub end_velocity: f64,
+    /// Tool radius (D) for radius correction, or radius or distance for rounding and smoothing, m (`dToolRadius`).
+    pub tool_radius: f64,
+    /// Where preparation begins and ends (`byInternMark`).
+    pub marks: Marks,
+    /// What only some elements have.
+    pub details: Option<Box<Details>>,
 }
 
+/// Where path preparation begins (with this element) and ends (behind it): `SMC_GEOINFO.byInternMark`, bit by bit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Marks(pub u8);
+
 impl PathElement {
-    /// Length of the path to travel, m (`dLength`). A jump has none, however far it goes.
-    pub fn length(&self) -> f64 {
-        match self.kind {
-            ElementKind::Jump => 0.0,
-            ElementKind::Rapid | ElementKind::Cut => self.shape.length(),
+    /// An element of `kind` and `shape` with nothing else set: no limits, no marks, no details.
+    pub fn new(place: Place, kind: ElementKind, shape: Shape) -> Self {
+        Self {
+            place,
+            kind,
+            shape,
+            feed: 0.0,
+            acceleration: 0.0,
+            deceleration: 0.0,
+            end_velocity: 0.0,
+            tool_radius: 0.0,
+            marks: Marks::default(),
+            details: None,
         }
+    }
+
+    /// Length of the path to travel, m (`dLength`): that of the shape, or where only extra axes move a thousandth of
+    /// their Euclidean length in u, so that F is u/s for them. What is no motion has none, however far a jump goes.
+    pub fn length(&self) -> f64 {
+        if !self.kind.is_motion() {
+            return 0.0;
+        }
+        let length = self.shape.length();
+        if length > 0.0 { length } else { self.extra().map_or(0.0, |extra| extra.length() * 1e-3) }
+    }
+
+    /// The extra axes, if the program has named any.
+    pub fn extra(&self) -> Option<&ExtraAxes> {
+        self.details.as_ref()?.extra.as_ref()
+    }
+
+    /// The switches along the element.
+    pub fn switches(&self) -> &[Switch] {
+        self.details.as_ref().map_or(&[], |details| details.switches.as_slice())
     }
 
     /// Start, m (`piStartPos`).
@@ -50,19 +95,82 @@ impl PathElement {
         self.shape.end()
     }
 
-    /// Position and derivatives at path length `s`, m, from the start; see [`Shape::at`].
+    /// Position and derivatives at path length `s`, m, from the start; see [`Shape::at`]. Where Z moves with the S
+    /// profile, tangent and curvature are the derivatives of that motion and the tangent is no unit vector.
     pub fn at(&self, s: f64) -> PathPoint {
-        self.shape.at(s)
+        let mut point = self.shape.at(s);
+        if let Some(details) = &self.details
+            && details.s_profile.contains(AxisMask::Z)
+        {
+            let z = along(self.start().z, self.end().z, s, self.shape.length(), true);
+            [point.position.z, point.tangent.z, point.curvature.z] = z;
+        }
+        point
+    }
+
+    /// The extra axes at path length `s`, m, from the start; none if the program has not named any.
+    pub fn extra_at(&self, s: f64) -> Option<ExtraPoint> {
+        let details = self.details.as_ref()?;
+        let extra = details.extra.as_ref()?;
+        let length = self.length();
+        let mut point = ExtraPoint::default();
+        for (index, (start, end)) in extra.start.iter().zip(extra.end).enumerate() {
+            let smooth = details.s_profile.contains(AxisMask::extra(index));
+            let [position, first, second] = along(*start, end, s, length, smooth);
+            let slots = (
+                point.position.get_mut(index),
+                point.first.get_mut(index),
+                point.second.get_mut(index),
+            );
+            if let (Some(at), Some(d1), Some(d2)) = slots {
+                (*at, *d1, *d2) = (position, first, second);
+            }
+        }
+        Some(point)
     }
 
     /// Direction in which the path leaves the start; zero on an element of length zero.
     pub fn start_tangent(&self) -> Vector3<f64> {
-        self.shape.start_tangent()
+        self.at(0.0).tangent
     }
 
     /// Direction in which the path arrives at the end; zero on an element of length zero.
     pub fn end_tangent(&self) -> Vector3<f64> {
-        self.shape.end_tangent()
+        self.at(self.shape.length()).tangent
+    }
+}
+
+/// The extra axes at one point of an element and their derivatives with respect to path length.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ExtraPoint {
+    /// Position, u.
+    pub position: ExtraPosition,
+    /// First derivative, u/m.
+    pub first: ExtraPosition,
+    /// Second derivative, u/m².
+    pub second: ExtraPosition,
+}
+
+/// Position and derivatives with respect to `s` of an axis that goes from `start` to `end` along a path of `length`:
+/// linearly or, with the S profile (manual 3.2 and 6.2.9), by 10w³ − 15w⁴ + 6w⁵ with w = s/length.
+fn along(start: f64, end: f64, s: f64, length: f64, smooth: bool) -> [f64; 3] {
+    if length <= 0.0 {
+        return [end, 0.0, 0.0];
+    }
+    if s <= 0.0 || s >= length {
+        let slope = if smooth { 0.0 } else { (end - start) / length };
+        return [if s <= 0.0 { start } else { end }, slope, 0.0];
+    }
+    let (way, w) = (end - start, s / length);
+    if smooth {
+        let left = 1.0 - w;
+        [
+            start + way * (w * w * w * (10.0 + w * (6.0 * w - 15.0))),
+            way * 30.0 * (w * left).powi(2) / length,
+            way * 60.0 * w * left * (left - w) / (length * length),
+        ]
+    } else {
+        [start + way * w, way / length, 0.0]
     }
 }
 
@@ -71,8 +179,26 @@ impl PathElement {
 pub enum ElementKind {
     /// G0: positioning, tool not engaged (the manual's `LINPOS`). The path stops at both of its ends.
     Rapid,
-    /// G1, G2, G3: the tool cuts along the shape.
+    /// The tool cuts along the shape.
     Cut,
     /// G92 after the first motion: the set-point jumps from the start of the shape to its end, without a path.
     Jump,
+    /// The path waits here until M function `number` is acknowledged (the manual's `MCOMMAND`). Its shape is a line
+    /// of length zero.
+    MFunction {
+        /// Number of the M word (`wM`).
+        number: u16,
+    },
+    /// The path waits here for a time (RS274: G4). Its shape is a line of length zero.
+    Dwell {
+        /// How long, ns.
+        time_ns: i64,
+    },
+}
+
+impl ElementKind {
+    /// True if there is a path to travel.
+    pub const fn is_motion(self) -> bool {
+        matches!(self, Self::Rapid | Self::Cut)
+    }
 }
