@@ -10,6 +10,7 @@ use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::SystemTime;
+use twin_motion::decode::{self, Diagnostic, TextError};
 use twin_motion::din66025::{self, Decoder, DecoderOptions};
 use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead, ToolSetpoint};
 use twin_motion::path::{ElementKind, PathElement};
@@ -330,12 +331,12 @@ impl Iterator for Decoded {
     }
 }
 
-/// A diagnostic of the decoder as a finding.
-fn finding(diagnostic: &din66025::Diagnostic) -> Finding {
+/// A diagnostic of a decoder as a finding.
+fn finding<E: TextError>(diagnostic: &Diagnostic<E>) -> Finding {
     let rule = match diagnostic.error.rule() {
-        din66025::Rule::Syntax => Rule::Syntax,
-        din66025::Rule::UnsupportedWord => Rule::UnsupportedWord,
-        din66025::Rule::ArcGeometry => Rule::ArcGeometry,
+        decode::Rule::Syntax => Rule::Syntax,
+        decode::Rule::UnsupportedWord => Rule::UnsupportedWord,
+        decode::Rule::ArcGeometry => Rule::ArcGeometry,
     };
     let mut finding = Finding::error(rule, diagnostic.place, diagnostic.error.to_string());
     finding.columns.clone_from(&diagnostic.columns);

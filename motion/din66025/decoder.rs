@@ -1,7 +1,7 @@
 //! Reads a program line by line.
 
 use super::block::Block;
-use super::error::{DecodeError, Diagnostic, Failure, Problem};
+use super::error::{DecodeError, Diagnostic, Failure, Item, Problem};
 use super::lexer;
 use super::state::State;
 use super::word::Word;
@@ -25,15 +25,6 @@ pub struct DecoderOptions {
     pub start: [f64; 3],
     /// Leaves out the blocks that begin with `/` (`bStepSuppress`). What is in them is not looked at.
     pub skip_suppressed_blocks: bool,
-}
-
-/// What the decoder makes of a program.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Item {
-    /// The next piece of the path. It starts where the one before ends, bit for bit.
-    Element(PathElement),
-    /// The program runs, but perhaps not as meant: a straight line instead of an arc, a word without effect.
-    Warning(Diagnostic),
 }
 
 /// Decodes a program (`SMC_NCDecoder`, manual 6.2.1) as an iterator over its path elements.

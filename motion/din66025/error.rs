@@ -1,42 +1,14 @@
 //! What can be wrong with a program, and where.
 
-use crate::Place;
-use std::io;
+use crate::decode::{self, Rule, TextError};
 use std::ops::Range;
 
-/// One thing wrong with a block, with the place to point at.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{place}: {error}")]
-pub struct Diagnostic {
-    /// The block.
-    pub place: Place,
-    /// Bytes of the line to point at, counted from 0; `None` if it is the line as a whole.
-    pub columns: Option<Range<usize>>,
-    /// What is wrong.
-    pub error: DecodeError,
-}
-
+/// One thing wrong with a block.
+pub type Diagnostic = decode::Diagnostic<DecodeError>;
 /// Why the decoder has no element to give.
-#[derive(Debug, thiserror::Error)]
-pub enum Failure {
-    /// A block is wrong. Decoding goes on with the next one.
-    #[error(transparent)]
-    Diagnostic(#[from] Diagnostic),
-    /// The program cannot be read any further. Nothing follows.
-    #[error("the program cannot be read")]
-    Io(#[source] io::Error),
-}
-
-/// The rule a [`DecodeError`] breaks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Rule {
-    /// The text is no program of this dialect.
-    Syntax,
-    /// A word that the dialect, or this version, does not know.
-    UnsupportedWord,
-    /// An arc whose centre or radius does not fit its ends.
-    ArcGeometry,
-}
+pub type Failure = decode::Failure<DecodeError>;
+/// What the decoder makes of a program.
+pub type Item = decode::Item<DecodeError>;
 
 /// What is wrong with a block (manual 3.2). Numbers are in the units of the program.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -250,9 +222,8 @@ pub enum DecodeError {
     },
 }
 
-impl DecodeError {
-    /// The rule it breaks.
-    pub fn rule(&self) -> Rule {
+impl TextError for DecodeError {
+    fn rule(&self) -> Rule {
         match self {
             Self::MissingPercent
             | Self::MisplacedPercent

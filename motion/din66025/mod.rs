@@ -35,5 +35,5 @@ mod state;
 mod tests;
 mod word;
 
-pub use decoder::{Decoder, DecoderOptions, Item, MAX_LINE_BYTES};
-pub use error::{DecodeError, Diagnostic, Failure, Rule};
+pub use decoder::{Decoder, DecoderOptions, MAX_LINE_BYTES};
+pub use error::{DecodeError, Diagnostic, Failure, Item};

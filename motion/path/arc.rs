@@ -145,9 +145,8 @@ impl Arc {
         // Angle and radius per metre of path.
         let turn = self.sweep / self.length;
         let widening = growth / self.length;
-        let tangent = outward * widening
-            + around * (radius * turn)
-            + normal * (self.rise / self.length);
+        let tangent =
+            outward * widening + around * (radius * turn) + normal * (self.rise / self.length);
         let curvature = (around * (2.0 * widening) - outward * (radius * turn)) * turn;
         PathPoint { position, tangent, curvature }
     }

@@ -45,7 +45,12 @@ pub struct ExtraAxes {
 impl ExtraAxes {
     /// Euclidean length of the motion, u.
     pub fn length(&self) -> f64 {
-        self.start.iter().zip(self.end).map(|(start, end)| (end - start).powi(2)).sum::<f64>().sqrt()
+        self.start
+            .iter()
+            .zip(self.end)
+            .map(|(start, end)| (end - start).powi(2))
+            .sum::<f64>()
+            .sqrt()
     }
 }
 

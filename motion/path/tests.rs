@@ -94,15 +94,8 @@ fn without_length() {
 
 #[test]
 fn a_jump_has_no_length() {
-    let mut element = PathElement {
-        place: Place::default(),
-        kind: ElementKind::Jump,
-        shape: line([0.0; 3], [1.0, 0.0, 0.0]),
-        feed: 1.0,
-        acceleration: 1.0,
-        deceleration: 1.0,
-        end_velocity: 0.0,
-    };
+    let shape = line([0.0; 3], [1.0, 0.0, 0.0]);
+    let mut element = PathElement::new(Place::default(), ElementKind::Jump, shape);
     assert!(element.length() == 0.0);
     element.kind = ElementKind::Rapid;
     assert!((element.length() - 1e-3).abs() < 1e-18);

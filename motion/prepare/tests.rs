@@ -20,13 +20,10 @@ impl From<CheckError> for Error {
 fn element(kind: ElementKind, shape: Shape, feed: f64) -> PathElement {
     let place = Place { line: 1, block: Some(10) };
     PathElement {
-        place,
-        kind,
-        shape,
         feed,
         acceleration: 0.1,
         deceleration: 0.1,
-        end_velocity: 0.0,
+        ..PathElement::new(place, kind, shape)
     }
 }
 

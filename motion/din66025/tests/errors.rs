@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::Place;
-use crate::din66025::{MAX_LINE_BYTES, Rule};
+use crate::decode::{Rule, TextError};
+use crate::din66025::MAX_LINE_BYTES;
 use std::ops::Range;
 
 /// `block` is the third line of a program, after a first motion; `pointed` is the text pointed at.

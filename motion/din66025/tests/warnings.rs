@@ -1,7 +1,7 @@
 //! Programs that run, but perhaps not as meant.
 
 use super::*;
-use crate::din66025::Rule;
+use crate::decode::{Rule, TextError};
 
 /// The warnings of a block after `G1 X10 F10`, with the text they point at, and the kind of shape made of it.
 #[track_caller]

@@ -43,14 +43,12 @@ impl Pen {
 
     fn push(&mut self, kind: ElementKind, shape: Shape) {
         let line = u32::try_from(self.elements.len()).unwrap() + 1;
+        let place = Place { line, block: Some(10 * line) };
         self.elements.push(Ok(PathElement {
-            place: Place { line, block: Some(10 * line) },
-            kind,
-            shape,
             feed: self.feed,
             acceleration: self.acceleration,
             deceleration: self.deceleration,
-            end_velocity: 0.0,
+            ..PathElement::new(place, kind, shape)
         }));
     }
 

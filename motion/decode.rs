@@ -1,0 +1,61 @@
+//! What every dialect's decoder gives: path elements, and what is wrong with the text.
+
+use crate::Place;
+use crate::path::PathElement;
+use std::io;
+use std::ops::Range;
+
+/// What a decoder makes of a program; `E` is what its dialect can find wrong.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Item<E> {
+    /// The next piece of the path. It starts where the one before ends, bit for bit.
+    Element(PathElement),
+    /// The program runs, but perhaps not as meant: a straight line instead of an arc, a word without effect.
+    Warning(Diagnostic<E>),
+}
+
+/// One thing wrong with a block, with the place to point at.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{place}: {error}")]
+pub struct Diagnostic<E> {
+    /// The block.
+    pub place: Place,
+    /// Bytes of the line to point at, counted from 0; `None` if it is the line as a whole.
+    pub columns: Option<Range<usize>>,
+    /// What is wrong.
+    pub error: E,
+}
+
+/// Why a decoder has no element to give.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure<E> {
+    /// A block is wrong. Decoding goes on with the next one.
+    #[error(transparent)]
+    Diagnostic(Diagnostic<E>),
+    /// The program cannot be read any further. Nothing follows.
+    #[error("the program cannot be read")]
+    Io(#[source] io::Error),
+}
+
+impl<E> From<Diagnostic<E>> for Failure<E> {
+    fn from(diagnostic: Diagnostic<E>) -> Self {
+        Self::Diagnostic(diagnostic)
+    }
+}
+
+/// The rule that something wrong with a program's text breaks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Rule {
+    /// The text is no program of its dialect.
+    Syntax,
+    /// A word that the dialect, or this version, does not know.
+    UnsupportedWord,
+    /// An arc or another curve whose parameters do not fit its ends.
+    ArcGeometry,
+}
+
+/// What is wrong with a block, in the words of one dialect.
+pub trait TextError: std::error::Error {
+    /// The rule it breaks.
+    fn rule(&self) -> Rule;
+}
