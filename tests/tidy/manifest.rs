@@ -44,6 +44,13 @@ impl Manifest {
         Ok((root, members))
     }
 
+    /// The manifests of the packages that this workspace excludes: they are built apart from it.
+    pub(crate) fn excluded(&self, tree: &Tree) -> io::Result<Vec<Self>> {
+        let folders = self.get(&["workspace", "exclude"]).and_then(Value::as_array);
+        let folders = folders.into_iter().flatten().filter_map(Value::as_str);
+        folders.map(|folder| Self::read(tree, folder)).collect()
+    }
+
     /// The value at a path of keys.
     pub(crate) fn get(&self, keys: &[&str]) -> Option<&Value> {
         let (first, rest) = keys.split_first()?;

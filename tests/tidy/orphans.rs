@@ -9,7 +9,8 @@ use syn::{Attribute, Expr, Item, Lit, Meta};
 /// Files that no `mod` reaches, and `mod`s that reach no file.
 fn check(tree: &Tree) -> io::Result<Vec<Offence>> {
     let mut search = Search { tree, reached: BTreeSet::new(), offences: Vec::new() };
-    for member in Manifest::workspace(tree)?.1 {
+    let (root, members) = Manifest::workspace(tree)?;
+    for member in members.into_iter().chain(root.excluded(tree)?) {
         for root in member.target_roots(tree) {
             search.file(&root, Place::Folder)?;
         }
