@@ -6,7 +6,6 @@ use nalgebra::{Point3, Vector3};
 /// An arc in a plane, with the coordinate along the plane's normal linear in the path length: the manual's `CLW` and
 /// `CCLW`, which lie in X and Y (manual 3.1).
 ///
-
 /// Start and end are kept as programmed, bit for bit, so that neighbouring elements meet exactly. In a real program
 /// start and end are rarely at exactly the same distance from the centre, because its numbers are rounded; the radius
 /// then grows linearly with the angle from the one to the other, which is a circle up to that rounding.

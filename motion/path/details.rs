@@ -1,6 +1,5 @@
 //! What only some elements have: extra axes, switches, parameters of M functions.
 
-use super::Marks;
 use std::fmt;
 
 /// The letters of the extra axes, in the order of every array of them.
@@ -62,12 +61,12 @@ pub struct AxisMask(pub u16);
 impl AxisMask {
     /// Z alone (S3).
     pub const Z: Self = Self(1 << 2);
-    /// The bit of P; those of Q U V W follow.
-    const FIRST_EXTRA: u16 = 6;
+    /// P; Q U V W follow.
+    const FIRST_EXTRA: u16 = 1 << 6;
 
     /// The extra axis number `index` of [`EXTRA_AXES`] alone.
     pub const fn extra(index: usize) -> Self {
-        Self(if index < EXTRA_AXES.len() { 1 << (Self::FIRST_EXTRA + index as u16) } else { 0 })
+        Self(if index < EXTRA_AXES.len() { Self::FIRST_EXTRA << index } else { 0 })
     }
 
     /// The axis of an S word, 3 = Z and 7 to 11 = P Q U V W; none for other numbers.
@@ -84,11 +83,13 @@ impl AxisMask {
     }
 
     /// Both sets.
+    #[must_use]
     pub const fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
     /// The axes that are not in `other`.
+    #[must_use]
     pub const fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)
     }
@@ -152,38 +153,4 @@ pub struct MParameters {
     pub l: Option<f64>,
     /// O: index of a parameter set (`SMC_M_PARAMETERS` dP1 to dP8) among those given with the program.
     pub o: Option<[f64; 8]>,
-}
-
-impl Marks {
-    /// Tool radius correction ends behind this element (G40).
-    pub const CORRECTION_END: Self = Self(1 << 0);
-    /// Tool radius correction to the left begins with this element (G41).
-    pub const CORRECTION_LEFT: Self = Self(1 << 1);
-    /// Tool radius correction to the right begins with this element (G42).
-    pub const CORRECTION_RIGHT: Self = Self(1 << 2);
-    /// Smoothing or rounding ends behind this element (G50).
-    pub const CORNERS_END: Self = Self(1 << 3);
-    /// Smoothing by splines begins with this element (G51).
-    pub const SMOOTHING: Self = Self(1 << 4);
-    /// Rounding by arcs begins with this element (G52).
-    pub const ROUNDING: Self = Self(1 << 5);
-    /// Loop avoidance ends behind this element (G60).
-    pub const LOOPS_END: Self = Self(1 << 6);
-    /// Loop avoidance begins with this element (G61).
-    pub const LOOPS: Self = Self(1 << 7);
-
-    /// True if all of `other` are set.
-    pub const fn contains(self, other: Self) -> bool {
-        self.0 & other.0 == other.0
-    }
-
-    /// Both.
-    pub const fn with(self, other: Self) -> Self {
-        Self(self.0 | other.0)
-    }
-
-    /// Those not in `other`.
-    pub const fn without(self, other: Self) -> Self {
-        Self(self.0 & !other.0)
-    }
 }

@@ -1,17 +1,28 @@
 //! Path elements: what the manual calls `SMC_GEOINFO` (6.5).
 
+mod adapters;
 mod arc;
+mod cubic;
+mod curve;
 mod details;
+mod ellipse;
+mod marks;
+mod operations;
 mod plane;
 mod shape;
 #[cfg(test)]
 mod tests;
 
+pub use adapters::{Chords, Linearise, MapPath, SplitAt};
 pub use arc::Arc;
+pub use cubic::{Cubic, cardinal_tangent, end_tangent};
 pub use details::{
     AxisMask, Details, EXTRA_AXES, ExtraAxes, ExtraPosition, MAX_SWITCHES, MParameters, Switch,
     Switches,
 };
+pub use ellipse::{Ellipse, EllipseError};
+pub use marks::Marks;
+pub use operations::{OperationError, Similarity, reversed};
 pub use plane::Plane;
 pub use shape::{PathPoint, Shape};
 
@@ -43,10 +54,6 @@ pub struct PathElement {
     /// What only some elements have.
     pub details: Option<Box<Details>>,
 }
-
-/// Where path preparation begins (with this element) and ends (behind it): `SMC_GEOINFO.byInternMark`, bit by bit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Marks(pub u8);
 
 impl PathElement {
     /// An element of `kind` and `shape` with nothing else set: no limits, no marks, no details.

@@ -1,6 +1,6 @@
 //! Geometry of a path element: position and derivatives over path length.
 
-use super::Arc;
+use super::{Arc, Cubic, Ellipse};
 use nalgebra::{Point3, Vector3};
 
 /// Geometry of an element. Parametrised by the path length `s` in m from its start.
@@ -15,6 +15,10 @@ pub enum Shape {
     },
     /// Circular arc or helix.
     Arc(Arc),
+    /// Arc of an ellipse.
+    Ellipse(Box<Ellipse>),
+    /// Cubic curve: spline or parabola.
+    Cubic(Box<Cubic>),
 }
 
 impl Shape {
@@ -23,6 +27,8 @@ impl Shape {
         match self {
             Self::Line { start, end } => (end - start).norm(),
             Self::Arc(arc) => arc.length(),
+            Self::Ellipse(ellipse) => ellipse.length(),
+            Self::Cubic(cubic) => cubic.length(),
         }
     }
 
@@ -31,6 +37,8 @@ impl Shape {
         match self {
             Self::Line { start, .. } => *start,
             Self::Arc(arc) => arc.start(),
+            Self::Ellipse(ellipse) => ellipse.start(),
+            Self::Cubic(cubic) => cubic.start(),
         }
     }
 
@@ -39,6 +47,8 @@ impl Shape {
         match self {
             Self::Line { end, .. } => *end,
             Self::Arc(arc) => arc.end(),
+            Self::Ellipse(ellipse) => ellipse.end(),
+            Self::Cubic(cubic) => cubic.end(),
         }
     }
 
@@ -50,6 +60,8 @@ impl Shape {
         match self {
             Self::Line { start, end } => on_line(start, end, s),
             Self::Arc(arc) => arc.at(s),
+            Self::Ellipse(ellipse) => ellipse.at(s),
+            Self::Cubic(cubic) => cubic.at(s),
         }
     }
 

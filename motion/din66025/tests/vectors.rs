@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 fn arc_of(blocks: &str) -> Arc {
     match elements(blocks).pop().unwrap().shape {
         Shape::Arc(arc) => arc,
-        line @ Shape::Line { .. } => panic!("{line:?}"),
+        other => panic!("{other:?}"),
     }
 }
 

@@ -1,3 +1,6 @@
+mod curves;
+mod operations;
+
 use super::{Arc, ElementKind, PathElement, Shape};
 use crate::Place;
 use nalgebra::{Point3, Vector3};
@@ -158,7 +161,7 @@ proptest! {
         // Each further derivative brings another factor of the turn per length; the first has at most length 1.
         let turn = match &shape {
             Shape::Arc(arc) => arc.sweep() / length,
-            Shape::Line { .. } => 0.0,
+            _ => 0.0,
         };
         let scale = turn.abs() * h;
         prop_assert!((velocity - here.tangent).norm() <= scale * scale + 1e-9, "{velocity} {here:?}");
@@ -167,7 +170,7 @@ proptest! {
         // Where the two radii differ the speed differs by no more than they do.
         let uneven = match &shape {
             Shape::Arc(arc) => (arc.end_radius() / arc.radius() - 1.0).abs(),
-            Shape::Line { .. } => 0.0,
+            _ => 0.0,
         };
         prop_assert!((here.tangent.norm() - 1.0).abs() <= uneven + 1e-12, "{here:?}");
     }

@@ -1,0 +1,227 @@
+//! Planar curves that are given by a parameter and travelled by length: what ellipses and cubics have in common.
+
+use super::PathPoint;
+use nalgebra::{Point2, Point3, Vector2, Vector3};
+use std::fmt;
+
+/// Points and weights of ten-point Gauss–Legendre quadrature on −1 to 1; the other half mirrors them.
+const GAUSS: [(f64, f64); 5] = [
+    (0.148_874_338_981_631_22, 0.295_524_224_714_752_87),
+    (0.433_395_394_129_247_2, 0.269_266_719_309_996_35),
+    (0.679_409_568_299_024_4, 0.219_086_362_515_982_04),
+    (0.865_063_366_688_984_5, 0.149_451_349_150_580_6),
+    (0.973_906_528_517_171_7, 0.066_671_344_308_688_14),
+];
+
+/// Lengths of panels are exact to this part of the whole length.
+const PRECISION: f64 = 1e-14;
+
+/// A panel is halved at most so often. Cusps, where the speed has a corner, are met after so many halvings with a
+/// panel that no longer counts.
+const MAX_DEPTH: u32 = 24;
+
+/// A curve in X and Y over a parameter t from 0 to 1.
+pub(super) trait Planar {
+    /// Position (m), first and second derivative with respect to t.
+    fn at(&self, t: f64) -> (Point2<f64>, Vector2<f64>, Vector2<f64>);
+
+    /// Speed with respect to t, m.
+    fn speed(&self, t: f64) -> f64 {
+        self.at(t).1.norm()
+    }
+}
+
+/// A planar curve with Z linear in the path length (manual 3.1 and 6.2.9), travelled by length.
+#[derive(Clone, PartialEq)]
+pub(super) struct Curve<P> {
+    pub(super) form: P,
+    start: Point3<f64>,
+    end: Point3<f64>,
+    /// Where the parameter is after which planar length, at the panels' ends.
+    panels: Box<[Knot]>,
+    /// Length in X and Y.
+    planar: f64,
+    length: f64,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+struct Knot {
+    t: f64,
+    /// Planar length from the start.
+    length: f64,
+    speed: f64,
+}
+
+impl<P: fmt::Debug> fmt::Debug for Curve<P> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { form, start, end, length, .. } = self;
+        f.debug_struct("Curve")
+            .field("form", form)
+            .field("start", start)
+            .field("end", end)
+            .field("length", length)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<P: Planar> Curve<P> {
+    /// `form` from `start` to `end` (m), where it begins and ends but for rounding.
+    pub(super) fn new(form: P, start: Point3<f64>, end: Point3<f64>) -> Self {
+        let whole = integral(&form, 0.0, 1.0);
+        let mut panels = vec![Knot { t: 0.0, length: 0.0, speed: form.speed(0.0) }];
+        let tolerance = PRECISION * whole.max(f64::MIN_POSITIVE);
+        divide(&form, 0.0, 1.0, whole, tolerance, MAX_DEPTH, &mut panels);
+        let planar = panels.last().map_or(0.0, |knot| knot.length);
+        Self {
+            form,
+            start,
+            end,
+            panels: panels.into_boxed_slice(),
+            planar,
+            length: planar.hypot(end.z - start.z),
+        }
+    }
+
+    pub(super) fn start(&self) -> Point3<f64> {
+        self.start
+    }
+
+    pub(super) fn end(&self) -> Point3<f64> {
+        self.end
+    }
+
+    pub(super) fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Position and derivatives at `s` m from the start.
+    pub(super) fn at(&self, s: f64) -> PathPoint {
+        if self.length <= 0.0 {
+            return PathPoint::resting(self.end);
+        }
+        let (level, slope) = (self.planar / self.length, (self.end.z - self.start.z) / self.length);
+        let t = self.parameter(s);
+        let (position, first, second) = self.form.at(t);
+        let (direction, bend) = frame(&self.form, t, first, second);
+        let height = self.start.z + slope * s;
+        let position = if s <= 0.0 {
+            self.start
+        } else if s >= self.length {
+            self.end
+        } else {
+            Point3::new(position.x, position.y, height)
+        };
+        let tangent = direction * level;
+        let curvature = bend * (level * level);
+        PathPoint {
+            position,
+            tangent: Vector3::new(tangent.x, tangent.y, slope),
+            curvature: Vector3::new(curvature.x, curvature.y, 0.0),
+        }
+    }
+
+    /// The parameter at `s` m from the start.
+    pub(super) fn parameter(&self, s: f64) -> f64 {
+        if s <= 0.0 || self.length <= 0.0 {
+            return 0.0;
+        }
+        if s >= self.length {
+            return 1.0;
+        }
+        let wanted = s * (self.planar / self.length);
+        let next = self.panels.partition_point(|knot| knot.length <= wanted);
+        let (Some(from), Some(to)) =
+            (self.panels.get(next.saturating_sub(1)), self.panels.get(next))
+        else {
+            return if next == 0 { 0.0 } else { 1.0 };
+        };
+        let (mut low, mut high) = (from.t, to.t);
+        let mut t = guess(from, to, wanted);
+        for _ in 0..32 {
+            let beyond = from.length + integral(&self.form, from.t, t) - wanted;
+            if beyond > 0.0 {
+                high = t;
+            } else {
+                low = t;
+            }
+            let step = beyond / self.form.speed(t);
+            // Quadratic convergence: what is left after a step this small is far below a picometre.
+            if beyond.abs() <= 4.0 * PRECISION * self.planar {
+                break;
+            }
+            let newton = t - step;
+            t = if newton > low && newton < high { newton } else { low.midpoint(high) };
+            if high - low <= f64::EPSILON {
+                break;
+            }
+        }
+        t
+    }
+}
+
+/// A first guess between two knots: the cubic t(length) with the slopes 1/speed, where that is monotonic.
+fn guess(from: &Knot, to: &Knot, wanted: f64) -> f64 {
+    let (width, length) = (to.t - from.t, to.length - from.length);
+    let w = ((wanted - from.length) / length).clamp(0.0, 1.0);
+    let [start, end] = [from, to].map(|knot| length / (knot.speed * width));
+    let linear = from.t + width * w;
+    if !(start < 3.0 && end < 3.0) {
+        return linear;
+    }
+    let bend = 3.0 - 2.0 * start - end;
+    let twist = start + end - 2.0;
+    (from.t + width * w * (start + w * (bend + w * twist))).clamp(from.t, to.t)
+}
+
+/// Direction and planar curvature vector at `t`. Where the curve stands still (a cusp) the direction is that just
+/// beside it, and there is no curvature.
+fn frame<P: Planar>(
+    form: &P,
+    t: f64,
+    first: Vector2<f64>,
+    second: Vector2<f64>,
+) -> (Vector2<f64>, Vector2<f64>) {
+    let speed = first.norm();
+    if speed > 1e-9 * second.norm() && speed > 0.0 {
+        let direction = first / speed;
+        let bend = (second - direction * direction.dot(&second)) / (speed * speed);
+        return (direction, bend);
+    }
+    let beside = if t < 0.5 { t + 1e-6 } else { t - 1e-6 };
+    let direction = form.at(beside).1.try_normalize(0.0).unwrap_or_default();
+    (direction, Vector2::zeros())
+}
+
+/// Length of `form` between two parameters, by one panel.
+fn integral<P: Planar>(form: &P, from: f64, to: f64) -> f64 {
+    let (middle, half) = (from.midpoint(to), 0.5 * (to - from));
+    let pair = |(x, weight): &(f64, f64)| {
+        weight * (form.speed(middle - half * x) + form.speed(middle + half * x))
+    };
+    half * GAUSS.iter().map(pair).sum::<f64>()
+}
+
+/// Appends the ends of panels between two parameters, `whole` long by one panel, that are exact to `tolerance`.
+fn divide<P: Planar>(
+    form: &P,
+    from: f64,
+    to: f64,
+    whole: f64,
+    tolerance: f64,
+    depth: u32,
+    panels: &mut Vec<Knot>,
+) {
+    let middle = from.midpoint(to);
+    let (left, right) = (integral(form, from, middle), integral(form, middle, to));
+    // At least four panels, for the first guess.
+    let coarse = depth + 2 > MAX_DEPTH;
+    if (coarse || (left + right - whole).abs() > tolerance) && depth > 0 {
+        divide(form, from, middle, left, tolerance, depth - 1, panels);
+        divide(form, middle, to, right, tolerance, depth - 1, panels);
+    } else {
+        for (t, length) in [(middle, left), (to, right)] {
+            let before = panels.last().map_or(0.0, |knot| knot.length);
+            panels.push(Knot { t, length: before + length, speed: form.speed(t) });
+        }
+    }
+}

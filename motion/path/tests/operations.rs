@@ -1,0 +1,249 @@
+//! Cutting, reversing, mapping, and lines for curves.
+
+use super::*;
+use crate::path::{
+    Chords, Cubic, Details, Linearise, MapPath, Marks, OperationError, Plane, Similarity, SplitAt,
+    Switch, reversed,
+};
+use nalgebra::{Point2, Rotation2, Vector2};
+
+fn element(shape: Shape) -> PathElement {
+    PathElement::new(Place { line: 3, block: Some(30) }, ElementKind::Cut, shape)
+}
+
+fn with_switches(mut element: PathElement, at: &[f64]) -> PathElement {
+    let mut details = Details::default();
+    for (number, at) in (1..).zip(at) {
+        assert!(details.switches.add(Switch { number, on: true, at: *at }));
+    }
+    element.details = Some(Box::new(details));
+    element
+}
+
+fn quarter() -> PathElement {
+    element(arc([10.0, 0.0, 0.0], [0.0, 10.0, 0.0], [0.0, 0.0], FRAC_PI_2))
+}
+
+#[track_caller]
+fn assert_mm(found: Point3<f64>, x: f64, y: f64) {
+    assert!((found * 1e3 - Point3::new(x, y, 0.0)).norm() < 1e-8, "{found}, expected {x} {y}");
+}
+
+/// Vector `cnc-split`; switches go with their part.
+#[test]
+fn split() {
+    let whole = element(line([0.0, 30.0, 0.0], [40.0, 50.0, 0.0]));
+    let [first, second] = with_switches(whole, &[0.1, 0.5, 0.75]).split(0.5).unwrap();
+    assert_mm(first.end(), 20.0, 40.0);
+    assert_eq!(first.end(), second.start());
+    assert_mm(second.end(), 40.0, 50.0);
+    let at = |element: &PathElement| {
+        element.switches().iter().map(|s| (s.number, s.at)).collect::<Vec<_>>()
+    };
+    let (first, second) = (at(&first), at(&second));
+    assert_eq!((first.len(), second.len()), (2, 1));
+    assert!((first[0].1 - 0.2).abs() < 1e-12 && (first[1].1 - 1.0).abs() < 1e-12);
+    assert!(second[0].0 == 3 && (second[0].1 - 0.5).abs() < 1e-12);
+    for at in [0.0, 1.0, -0.5, f64::NAN] {
+        assert!(matches!(quarter().split(at), Err(OperationError::SplitPlace { .. })));
+    }
+}
+
+/// Vector `cnc-reverse-arc`.
+#[test]
+fn reverse_of_an_arc() {
+    let back = with_switches(quarter(), &[0.25]).reversed();
+    let Shape::Arc(arc) = &back.shape else { panic!("{back:?}") };
+    assert!((arc.start_angle().to_degrees() - 90.0).abs() < 1e-9);
+    assert!((arc.sweep().to_degrees() + 90.0).abs() < 1e-9);
+    assert!((arc.length() * 1e3 - 15.707_963_268).abs() < 1e-8);
+    assert_mm(back.start(), 0.0, 10.0);
+    assert_mm(back.end(), 10.0, 0.0);
+    assert!((back.switches()[0].at - 0.75).abs() < 1e-12);
+}
+
+/// Vector `cnc-rotate-queue`: about the origin, about another point, and scaled.
+#[test]
+fn rotated_moved_and_scaled() {
+    let point = Point3::new(0.1, 0.05, 0.0);
+    let turn = Similarity::rotation(30f64.to_radians());
+    assert_mm(turn.point(&point), 61.602_540_378, 93.301_270_189);
+    let center = Vector3::new(0.02, 0.01, 0.0);
+    let about = Similarity::translation(-center).then(&turn).then(&Similarity::translation(center));
+    assert_mm(about.point(&point), 69.282_032_303, 84.641_016_151);
+    assert_mm(Similarity::scaling(1.5).unwrap().point(&point), 150.0, 75.0);
+    for factor in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(Similarity::scaling(factor), Err(OperationError::Factor { .. })));
+    }
+}
+
+#[test]
+fn upright_arcs_are_not_turned() {
+    let upright = element(Shape::Arc(Arc::in_plane(
+        Plane::Zx,
+        Point3::origin(),
+        Point3::new(0.02, 0.0, 0.0),
+        Point3::new(0.01, 0.0, 0.0),
+        PI,
+    )));
+    let turned = Similarity::rotation(0.1).element(&upright);
+    assert_eq!(turned, Err(OperationError::UprightArc { place: upright.place }));
+    let moved = Similarity::translation(Vector3::new(0.0, 0.0, 1.0)).element(&upright).unwrap();
+    assert_eq!(moved.start(), Point3::new(0.0, 0.0, 1.0));
+    // Z to X: at the middle it is above or below, not beside.
+    assert!((upright.at(upright.length() / 2.0).position.z.abs() - 0.01).abs() < 1e-12);
+    assert!(upright.at(upright.length() / 2.0).position.y.abs() < 1e-12);
+}
+
+/// What is in force along each element stays so on the way back; left becomes right.
+#[test]
+fn marks_on_the_way_back() {
+    let mut path: Vec<_> = (0..5)
+        .map(|x| element(line([f64::from(x), 0.0, 0.0], [f64::from(x + 1), 0.0, 0.0])))
+        .collect();
+    path[1].marks = Marks::CORRECTION_LEFT.with(Marks::LOOPS);
+    path[2].marks = Marks::LOOPS_END;
+    path[3].marks = Marks::CORRECTION_END;
+    let back = reversed(&path);
+    let marks: Vec<_> = back.iter().map(|element| element.marks).collect();
+    assert_eq!(
+        marks,
+        [
+            Marks::default(),
+            Marks::CORRECTION_RIGHT,
+            Marks::LOOPS,
+            Marks::CORRECTION_END.with(Marks::LOOPS_END),
+            Marks::default(),
+        ]
+    );
+    assert_eq!(reversed(&back), path);
+}
+
+type Path = Vec<Result<PathElement, OperationError>>;
+
+#[test]
+fn one_element_of_a_stream_is_split() {
+    let path: Path = vec![Ok(quarter()), Ok(quarter()), Ok(quarter())];
+    let split: Vec<_> = SplitAt::new(path.into_iter(), 1, 0.25).collect::<Result<_, _>>().unwrap();
+    assert_eq!(split.len(), 4);
+    assert_eq!((&split[0], &split[3]), (&quarter(), &quarter()));
+    assert!((split[1].length() - 0.25 * quarter().length()).abs() < 1e-15);
+}
+
+#[test]
+fn a_stream_is_mapped_and_says_what_cannot_be() {
+    let path: Path = vec![Ok(quarter()), Err(OperationError::Factor { factor: 0.0 })];
+    let mapped: Path = MapPath::new(path.into_iter(), Similarity::rotation(PI)).collect();
+    assert_mm(mapped[0].as_ref().unwrap().start(), -10.0, 0.0);
+    assert!(mapped[1].is_err());
+}
+
+#[test]
+fn lines_by_length() {
+    let curve = element(Shape::Cubic(Box::new(Cubic::parabola(
+        Point3::origin(),
+        Point2::new(0.05, 0.1),
+        Point3::new(0.1, 0.0, 0.0),
+    ))));
+    let path: Path = vec![Ok(with_switches(curve, &[0.5])), Ok(quarter())];
+    let lines: Vec<_> =
+        Linearise::new(path.into_iter(), Chords::Length(0.01)).collect::<Result<_, _>>().unwrap();
+    // 147.9 mm in pieces of at most 10 mm, and the arc as it was.
+    assert_eq!(lines.len(), 16);
+    assert!(matches!(lines[15].shape, Shape::Arc(_)));
+    assert_eq!(lines.iter().map(|line| line.switches().len()).sum::<usize>(), 1);
+    assert_eq!(lines[7].switches().len(), 1);
+    let path: Path = vec![Ok(quarter())];
+    let arcs = Linearise::new(path.into_iter(), Chords::Length(0.005)).with_arcs();
+    assert_eq!(arcs.count(), 4);
+}
+
+fn shapes_and_curves() -> impl Strategy<Value = Shape> {
+    let point = || [-0.3..0.3, -0.3..0.3, -0.1..0.1_f64].prop_map(Point3::from);
+    let vector = || [-0.5..0.5, -0.5..0.5_f64].prop_map(Vector2::from);
+    let cubics = (point(), point(), vector(), vector()).prop_map(|(start, end, from, to)| {
+        Shape::Cubic(Box::new(Cubic::hermite(start, end, from, to)))
+    });
+    prop_oneof![shapes(), cubics]
+}
+
+/// The farthest that two shapes are apart at equal parts of their lengths.
+fn apart(a: &Shape, b: &Shape) -> f64 {
+    (0..=20)
+        .map(|step| f64::from(step) / 20.0)
+        .map(|part| (a.at(part * a.length()).position - b.at(part * b.length()).position).norm())
+        .fold(0.0, f64::max)
+}
+
+proptest! {
+    #[test]
+    fn reversing_twice_changes_nothing(shape in shapes_and_curves()) {
+        let twice = shape.reversed().reversed();
+        prop_assert!(apart(&twice, &shape) < 1e-11, "{}", apart(&twice, &shape));
+        prop_assert!((twice.length() - shape.length()).abs() <= 1e-12 * shape.length());
+        let back = shape.reversed();
+        for part in [0.1, 0.5, 0.9] {
+            let (there, here) = (back.at(part * back.length()), shape.at((1.0 - part) * shape.length()));
+            prop_assert!((there.position - here.position).norm() < 1e-11);
+        }
+    }
+
+    #[test]
+    fn mapping_there_and_back_changes_nothing(shape in shapes_and_curves(), angle in -PI..PI, by in [-1.0..1.0, -1.0..1.0, -1.0..1.0], factor in 0.1..10.0) {
+        let original = element(shape);
+        let there = Similarity::rotation(angle)
+            .then(&Similarity::translation(Vector3::from(by)))
+            .then(&Similarity::scaling(factor).unwrap());
+        let back = Similarity::scaling(1.0 / factor).unwrap()
+            .then(&Similarity::translation(-Vector3::from(by)))
+            .then(&Similarity::rotation(-angle));
+        let mapped = there.element(&original).unwrap();
+        prop_assert!((mapped.length() - factor * original.length()).abs() < 1e-11);
+        // The point in between is where the map takes it.
+        let s = 0.3 * original.length();
+        let turned = Rotation2::new(angle) * original.at(s).position.xy().coords;
+        let expected = (turned + Vector2::new(by[0], by[1])) * factor;
+        prop_assert!((mapped.at(s * factor).position.xy().coords - expected).norm() < 1e-9);
+        let restored = back.element(&mapped).unwrap();
+        prop_assert!(apart(&restored.shape, &original.shape) < 1e-10);
+    }
+
+    #[test]
+    fn sections_of_sections(shape in shapes_and_curves(), from in 0.0..0.4_f64, to in 0.6..1.0_f64) {
+        let length = shape.length();
+        let section = shape.section(from * length, to * length);
+        // Where an arc's radii differ, by up to a thousandth here, its halves are not equally long.
+        let uneven = if let Shape::Arc(arc) = &shape { (arc.end_radius() / arc.radius() - 1.0).abs() } else { 0.0 };
+        prop_assert!((section.length() - (to - from) * length).abs() < (uneven + 1e-9) * length + 1e-12);
+        for part in [0.0, 0.25, 0.5, 1.0] {
+            let direct = shape.at((from + part * (to - from)) * length).position;
+            prop_assert!((section.at(part * section.length()).position - direct).norm() < 1e-9);
+        }
+        let whole = shape.section(0.0, length);
+        prop_assert_eq!((whole.start(), whole.end()), (shape.start(), shape.end()));
+    }
+
+    #[test]
+    fn lines_end_on_the_curve_and_turn_little(shape in shapes_and_curves(), degrees in 2.0..20.0) {
+        let limit = f64::to_radians(degrees);
+        let path: Path = vec![Ok(element(shape.clone()))];
+        let lines: Vec<_> = Linearise::new(path.into_iter(), Chords::Angle(limit))
+            .with_arcs()
+            .collect::<Result<_, _>>()
+            .unwrap();
+        prop_assert_eq!(lines[0].start(), shape.start());
+        prop_assert_eq!(lines[lines.len() - 1].end(), shape.end());
+        let mut s = 0.0;
+        for pair in lines.windows(2) {
+            prop_assert_eq!(pair[0].end(), pair[1].start());
+            let (a, b) = (pair[0].end_tangent(), pair[1].start_tangent());
+            let angle = a.cross(&b).norm().atan2(a.dot(&b));
+            // A cusp is no angle that more lines could make smaller.
+            let smooth = pair.iter().all(|line| line.length() > 1e-5 * shape.length());
+            prop_assert!(!smooth || angle < limit, "{angle} {limit}");
+            s += pair[0].length();
+        }
+        s += lines[lines.len() - 1].length();
+        prop_assert!(s <= shape.length() * (1.0 + 1e-12));
+    }
+}
