@@ -253,7 +253,9 @@ impl From<CheckError> for Halt {
 impl Halt {
     fn finding(error: &CheckError) -> Finding {
         let place = match error {
-            CheckError::NonPositiveLimit { place, .. } | CheckError::Length { place, .. } => *place,
+            CheckError::NonPositiveLimit { place, .. }
+            | CheckError::EndVelocity { place, .. }
+            | CheckError::Length { place, .. } => *place,
         };
         Finding::error(Rule::Syntax, place, error.to_string())
     }

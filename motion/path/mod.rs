@@ -44,8 +44,8 @@ pub struct PathElement {
     pub acceleration: f64,
     /// Programmed deceleration along the path (E−), m/s², positive.
     pub deceleration: f64,
-    /// Largest velocity with which the path may go on into the next element, m/s. The decoder leaves it at 0;
-    /// [`crate::prepare::CheckVelocities`] sets it.
+    /// Largest velocity with which the path may go on into the next element, m/s (`dVelEnd`). Infinite until something
+    /// limits it; [`crate::prepare::CheckVelocities`] makes it what the path will do.
     pub end_velocity: f64,
     /// Tool radius (D) for radius correction, or radius or distance for rounding and smoothing, m (`dToolRadius`).
     pub tool_radius: f64,
@@ -56,7 +56,7 @@ pub struct PathElement {
 }
 
 impl PathElement {
-    /// An element of `kind` and `shape` with nothing else set: no limits, no marks, no details.
+    /// An element of `kind` and `shape` with nothing else set: no feed and accelerations, no marks, no details.
     pub fn new(place: Place, kind: ElementKind, shape: Shape) -> Self {
         Self {
             place,
@@ -65,7 +65,7 @@ impl PathElement {
             feed: 0.0,
             acceleration: 0.0,
             deceleration: 0.0,
-            end_velocity: 0.0,
+            end_velocity: f64::INFINITY,
             tool_radius: 0.0,
             marks: Marks::default(),
             details: None,

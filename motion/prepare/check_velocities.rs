@@ -2,7 +2,7 @@
 
 use crate::Place;
 use crate::path::{ElementKind, PathElement};
-use nalgebra::Vector3;
+use nalgebra::SVector;
 use std::fmt;
 use std::ops::Deref;
 
@@ -17,15 +17,21 @@ const LARGEST: f64 = 1e100;
 /// Sets the velocity with which the path goes on from each element into the next (`SMC_CheckVelocities`).
 ///
 /// 0 where either element is a rapid (G0), where the path turns by more than the tolerance, at a jump (G92), at an
-/// element of length zero, at the end of the path and before an error; else the smaller of the two programmed
-/// velocities. Whether the velocity can be reached within the accelerations is for
+/// element of length zero, at M functions and dwells, at the end of the path and before an error; else the smallest of
+/// the two programmed velocities and the element's own [`PathElement::end_velocity`], which
+/// [`super::LimitCircularVelocities`] sets. Whether the velocity can be reached within the accelerations is for
 /// [`crate::interpolate::LookAhead`] to say.
+///
+/// The turn is measured in space. Where only extra axes move it is measured between their directions, and between such
+/// an element and a motion in X, Y or Z the path stops: the two velocities have different units. It also stops at an
+/// element that begins or ends at rest because Z alone moves and does so with the S profile.
 ///
 /// One element is held back, since its end depends on the next.
 #[derive(Debug)]
 pub struct CheckVelocities<I, E> {
     upstream: I,
     angle_tolerance: f64,
+    /// The newest element, its end velocity not yet set.
     held: Option<CheckedElement>,
     /// An error that comes after the element just handed out.
     failure: Option<E>,
@@ -76,14 +82,14 @@ where
                 Some(Err(error)) => match self.held.take() {
                     Some(element) => {
                         self.failure = Some(error);
-                        return Some(Ok(element));
+                        return Some(Ok(element.stopping()));
                     }
                     None => return Some(Err(error)),
                 },
                 None => self.ended = true,
             }
         }
-        self.held.take().map(Ok)
+        self.held.take().map(|element| Ok(element.stopping()))
     }
 }
 
@@ -97,14 +103,32 @@ fn transition_velocity(
     if !cuts(element) || !cuts(next) {
         return 0.0;
     }
-    let turn = angle_between(element.end_tangent(), next.start_tangent());
-    if turn <= angle_tolerance + ANGLE_EPS { element.feed.min(next.feed) } else { 0.0 }
+    let in_space = |element: &CheckedElement| element.shape.length() > 0.0;
+    let turn = match (in_space(element), in_space(next)) {
+        (true, true) => angle_between(&element.end_tangent(), &next.start_tangent()),
+        (false, false) => angle_between(&extra_direction(element), &extra_direction(next)),
+        _ => None,
+    };
+    match turn {
+        Some(turn) if turn <= angle_tolerance + ANGLE_EPS => {
+            element.end_velocity.min(element.feed).min(next.feed)
+        }
+        _ => 0.0,
+    }
 }
 
-/// Angle between two directions in space, rad, 0 to π. The arc tangent of cross and dot product keeps its digits at
-/// 0 and π, where the arc cosine of the dot product loses half of them.
-fn angle_between(a: Vector3<f64>, b: Vector3<f64>) -> f64 {
-    a.cross(&b).norm().atan2(a.dot(&b))
+/// How the extra axes of an element move, u.
+fn extra_direction(element: &PathElement) -> SVector<f64, 5> {
+    element
+        .extra()
+        .map_or_else(SVector::zeros, |extra| SVector::from(extra.end) - SVector::from(extra.start))
+}
+
+/// Angle between two directions, rad, 0 to π; none if one of them is zero. The arc tangent of difference and sum of
+/// the unit vectors keeps its digits at 0 and π, where the arc cosine of the dot product loses half of them.
+fn angle_between<const N: usize>(a: &SVector<f64, N>, b: &SVector<f64, N>) -> Option<f64> {
+    let (a, b) = (a.try_normalize(0.0)?, b.try_normalize(0.0)?);
+    Some(2.0 * (a - b).norm().atan2((a + b).norm()))
 }
 
 /// A path element with limits that can be planned with and its transition velocity set: what [`CheckVelocities`]
@@ -138,7 +162,17 @@ impl CheckedElement {
                 return Err(CheckError::NonPositiveLimit { place, limit, value });
             }
         }
-        Ok(Self { element: PathElement { end_velocity: 0.0, ..element }, length })
+        let limit = element.end_velocity;
+        if limit.is_nan() || limit < 0.0 {
+            return Err(CheckError::EndVelocity { place, value: limit });
+        }
+        Ok(Self { element, length })
+    }
+
+    /// The same with a stop at its end.
+    fn stopping(mut self) -> Self {
+        self.element.end_velocity = 0.0;
+        self
     }
 
     /// Length of the path to travel, m; 0 for a jump, which has none.
@@ -176,6 +210,14 @@ pub enum CheckError {
         /// The limit concerned.
         limit: Limit,
         /// Its value in SI units.
+        value: f64,
+    },
+    /// The velocity at the end is negative or no number.
+    #[error("{place}: the velocity at the end is {value} m/s, it must not be negative")]
+    EndVelocity {
+        /// The element's block.
+        place: Place,
+        /// The velocity, m/s.
         value: f64,
     },
     /// The length of the element is no finite number.

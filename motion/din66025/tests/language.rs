@@ -30,7 +30,7 @@ fn program_example() {
         places,
         [(2, 10), (3, 20), (4, 30)].map(|(line, block)| Place { line, block: Some(block) })
     );
-    assert!(elements.iter().all(|element| element.end_velocity == 0.0));
+    assert!(elements.iter().all(|element| element.end_velocity == f64::INFINITY));
 }
 
 #[test]

@@ -1,46 +1,11 @@
-use super::*;
-use crate::Place;
-use crate::path::{Arc, ElementKind, PathElement, Shape};
-use nalgebra::{Point3, Vector3};
+//! [`CheckVelocities`].
+
+use super::{Error, arc, cut, element, line, m_function};
+use crate::path::{AxisMask, Details, ElementKind, ExtraAxes, PathElement, Shape};
+use crate::prepare::{CheckError, CheckVelocities, Limit};
+use nalgebra::Point3;
 use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_2, PI};
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Error {
-    Check(CheckError),
-    Upstream(u32),
-}
-
-impl From<CheckError> for Error {
-    fn from(error: CheckError) -> Self {
-        Error::Check(error)
-    }
-}
-
-fn element(kind: ElementKind, shape: Shape, feed: f64) -> PathElement {
-    let place = Place { line: 1, block: Some(10) };
-    PathElement {
-        feed,
-        acceleration: 0.1,
-        deceleration: 0.1,
-        ..PathElement::new(place, kind, shape)
-    }
-}
-
-fn line(kind: ElementKind, start: [f64; 3], end: [f64; 3], feed: f64) -> PathElement {
-    element(kind, Shape::Line { start: start.into(), end: end.into() }, feed)
-}
-
-fn cut(start: [f64; 3], end: [f64; 3], feed: f64) -> PathElement {
-    line(ElementKind::Cut, start, end, feed)
-}
-
-fn arc(center: [f64; 3], radius: f64, start_angle: f64, sweep: f64, feed: f64) -> PathElement {
-    let center = Point3::from(center);
-    let on = |angle: f64| center + Vector3::new(angle.cos(), angle.sin(), 0.0) * radius;
-    let arc = Arc::new(on(start_angle), on(start_angle + sweep), center, sweep);
-    element(ElementKind::Cut, Shape::Arc(arc), feed)
-}
 
 fn check(
     elements: Vec<Result<PathElement, Error>>,
@@ -68,6 +33,80 @@ fn cnc_transition() {
     // The angle itself, from both sides.
     assert_eq!(end_velocities(path(), 11.309_933_f64.to_radians()), [0.03, 0.0]);
     assert_eq!(end_velocities(path(), 11.309_932_f64.to_radians()), [0.0, 0.0]);
+}
+
+/// What [`crate::prepare::LimitCircularVelocities`] has set stays, where it is the smallest.
+#[test]
+fn a_limit_on_the_transition_is_kept() {
+    let at = |x: f64| [x, 0.0, 0.0];
+    let limited = |end_velocity| PathElement { end_velocity, ..cut(at(0.0), at(0.1), 0.05) };
+    for (limit, expected) in [(0.02, 0.02), (0.04, 0.03), (0.0, 0.0), (f64::INFINITY, 0.03)] {
+        let path = [limited(limit), cut(at(0.1), at(0.2), 0.03)];
+        assert_eq!(end_velocities(path, 0.0), [expected, 0.0]);
+    }
+    for limit in [-0.01, f64::NAN] {
+        let results = check(vec![Ok(limited(limit))], 0.0);
+        assert!(matches!(results[..], [Err(Error::Check(CheckError::EndVelocity { .. }))]));
+    }
+    // At the end of the path and before an error it is a stop, whatever was set.
+    let end = vec![Ok(limited(0.02)), Err(Error::Upstream(1)), Ok(limited(0.02))];
+    assert_eq!(check(end, 0.0), [Ok(0.0), Err(Error::Upstream(1)), Ok(0.0)]);
+}
+
+#[test]
+fn m_functions_and_dwells_stop_the_path() {
+    let at = |x: f64| [x, 0.0, 0.0];
+    let here = Point3::from(at(0.1));
+    let dwell = element(
+        ElementKind::Dwell { time_ns: 1_000_000 },
+        Shape::Line { start: here, end: here },
+        0.05,
+    );
+    for stop in [m_function(here), dwell] {
+        let path = [cut(at(0.0), at(0.1), 0.05), stop, cut(at(0.1), at(0.2), 0.05)];
+        assert_eq!(end_velocities(path, PI), [0.0; 3]);
+    }
+}
+
+/// Their path has another unit than that of the tool; among themselves they turn as lines do.
+#[test]
+fn motions_of_extra_axes_alone() {
+    let at = |x: f64| [x, 0.0, 0.0];
+    let extra = |start: [f64; 2], end: [f64; 2]| {
+        let wide = |[p, q]: [f64; 2]| [p, q, 0.0, 0.0, 0.0];
+        let extra = Some(ExtraAxes { start: wide(start), end: wide(end) });
+        let details = Some(Box::new(Details { extra, ..Details::default() }));
+        PathElement { details, ..cut(at(0.1), at(0.1), 0.05) }
+    };
+    let path = [
+        cut(at(0.0), at(0.1), 0.05),
+        extra([0.0, 0.0], [10.0, 0.0]),
+        extra([10.0, 0.0], [30.0, 0.0]),
+        extra([30.0, 0.0], [40.0, 10.0]),
+        cut(at(0.1), at(0.2), 0.05),
+    ];
+    let limit = 40_f64.to_radians();
+    assert_eq!(end_velocities(path.clone(), limit), [0.0, 0.05, 0.0, 0.0, 0.0]);
+    let limit = 50_f64.to_radians();
+    assert_eq!(end_velocities(path, limit), [0.0, 0.05, 0.05, 0.0, 0.0]);
+}
+
+/// With the S profile Z begins and ends at rest (manual 3.2): what turns is the motion in X and Y.
+#[test]
+fn z_with_the_s_profile() {
+    let smooth = |mut element: PathElement| {
+        element.details = Some(Box::new(Details { s_profile: AxisMask::Z, ..Details::default() }));
+        element
+    };
+    let (a, b) = ([0.1, 0.0, 0.1], [0.2, 0.0, 0.1]);
+    let ramp = || cut([0.0; 3], a, 0.05);
+    assert_eq!(end_velocities([ramp(), cut(a, b, 0.05)], 0.1), [0.0, 0.0]);
+    assert_eq!(end_velocities([smooth(ramp()), cut(a, b, 0.05)], 0.0), [0.05, 0.0]);
+    // Nothing but Z: at rest at both ends.
+    let plunge = || cut([0.0, 0.0, 0.1], [0.0; 3], 0.05);
+    let on = || cut([0.0; 3], [0.0, 0.0, -0.1], 0.05);
+    assert_eq!(end_velocities([plunge(), on()], 0.0), [0.05, 0.0]);
+    assert_eq!(end_velocities([smooth(plunge()), on()], 0.0), [0.0, 0.0]);
 }
 
 #[test]

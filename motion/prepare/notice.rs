@@ -1,0 +1,148 @@
+//! What preparation changes or cannot keep, told beside the stream.
+
+use crate::Place;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// Notices kept until somebody takes them.
+const CAPACITY: usize = 1024;
+
+/// Something the path shows only to a close look: preparation has changed it in a way the program may not have meant,
+/// or the tool cannot do what the program says. The path itself goes on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Notice {
+    /// On its offset path the tool cuts into the programmed contour.
+    Gouge {
+        /// The block on whose offset the tool is.
+        place: Place,
+        /// The block whose contour it damages.
+        damaged: Place,
+        /// How much nearer than its radius the tool comes, m.
+        depth: f64,
+    },
+    /// The tool is too large for an element: its offset vanishes (an arc of a smaller radius) or reverses (between two
+    /// inner corners), and the tool does not touch it along its whole length.
+    TooNarrow {
+        /// The block.
+        place: Place,
+        /// Radius of the arc that vanishes, m; none if the element is of another kind.
+        radius: Option<f64>,
+        /// Radius of the tool, m.
+        tool_radius: f64,
+    },
+    /// A loop of the path has been cut off.
+    LoopCut {
+        /// The block on which the path is cut.
+        place: Place,
+        /// The block on which it goes on.
+        resumed: Place,
+        /// Length of the path cut off, m.
+        length: f64,
+    },
+    /// A switch point lies on a piece of path that is gone, and there is no room for it on what is left.
+    SwitchLost {
+        /// The block it was programmed in.
+        place: Place,
+        /// Number of the switch.
+        number: u8,
+        /// Whether it was to be switched on.
+        on: bool,
+    },
+}
+
+impl Notice {
+    /// The block it is about.
+    pub const fn place(&self) -> Place {
+        match self {
+            Self::Gouge { place, .. }
+            | Self::TooNarrow { place, .. }
+            | Self::LoopCut { place, .. }
+            | Self::SwitchLost { place, .. } => *place,
+        }
+    }
+
+    /// The rule it belongs to, as reports spell it.
+    pub const fn rule(&self) -> &'static str {
+        match self {
+            Self::Gouge { .. } | Self::TooNarrow { .. } => "compensation-gouge",
+            Self::LoopCut { .. } => "loop-cut",
+            Self::SwitchLost { .. } => "switch-lost",
+        }
+    }
+}
+
+impl std::fmt::Display for Notice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mm = |metres: &f64| metres * 1e3;
+        match self {
+            Self::Gouge { place, damaged, depth } => {
+                write!(
+                    f,
+                    "{place}: the tool cuts {:.6} mm into the contour of {damaged}",
+                    mm(depth)
+                )
+            }
+            Self::TooNarrow { place, radius: Some(radius), tool_radius } => write!(
+                f,
+                "{place}: an arc of radius {:.6} mm is too narrow for a tool of radius {:.6} mm",
+                mm(radius),
+                mm(tool_radius)
+            ),
+            Self::TooNarrow { place, radius: None, tool_radius } => write!(
+                f,
+                "{place}: the path between the corners is too short for a tool of radius {:.6} mm",
+                mm(tool_radius)
+            ),
+            Self::LoopCut { place, resumed, length } => write!(
+                f,
+                "{place}: a loop of {:.6} mm is cut off, the path goes on with {resumed}",
+                mm(length)
+            ),
+            Self::SwitchLost { place, number, on } => write!(
+                f,
+                "{place}: switch {number} {} lies on a piece of path that is gone, and what is left has no room for it",
+                if *on { "on" } else { "off" }
+            ),
+        }
+    }
+}
+
+/// Where adapters put their [`Notice`]s: a list that the consumer empties while it pulls elements.
+///
+/// It is a handle: its clones are the same list, so one list serves a whole chain of adapters, and the consumer keeps
+/// a clone. Memory is bounded; what comes when the list is full is counted, not kept. A notice is there before the
+/// element it is about leaves its adapter.
+#[derive(Clone, Debug, Default)]
+pub struct Notices(Arc<Mutex<List>>);
+
+#[derive(Debug, Default)]
+struct List {
+    items: VecDeque<Notice>,
+    lost: u64,
+}
+
+impl Notices {
+    fn list(&self) -> MutexGuard<'_, List> {
+        // Every change to the list is complete whenever the lock is free.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(super) fn add(&self, notice: Notice) {
+        let mut list = self.list();
+        if list.items.len() < CAPACITY {
+            list.items.push_back(notice);
+        } else {
+            list.lost += 1;
+        }
+    }
+
+    /// Takes the oldest notice off the list.
+    pub fn take(&self) -> Option<Notice> {
+        self.list().items.pop_front()
+    }
+
+    /// How many notices have come while the list was full.
+    pub fn lost(&self) -> u64 {
+        self.list().lost
+    }
+}

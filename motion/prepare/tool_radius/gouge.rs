@@ -1,0 +1,87 @@
+//! Does the tool cut into the contour?
+
+use super::super::planar::{Bounds, Curve, distance};
+use super::super::{Notice, Notices};
+use crate::Place;
+use std::collections::VecDeque;
+
+/// Coming nearer than the radius by no more than this is no gouge, m.
+const TOLERANCE: f64 = 1e-9;
+/// Pairs of blocks told last; each pair is told once.
+const REMEMBERED: usize = 32;
+
+/// Compares the pieces of the tool's path with those of the contour around them: the last `window` of each, and the
+/// first, which the end of a closed contour comes back to.
+#[derive(Debug)]
+pub(super) struct GougeCheck {
+    radius: f64,
+    window: usize,
+    contour: VecDeque<Piece>,
+    path: VecDeque<Piece>,
+    told: VecDeque<(Place, Place)>,
+}
+
+#[derive(Debug)]
+struct Piece {
+    place: Place,
+    curve: Curve,
+    bounds: Bounds,
+}
+
+impl GougeCheck {
+    pub(super) fn new(radius: f64, window: usize) -> Self {
+        Self {
+            radius,
+            window,
+            contour: VecDeque::new(),
+            path: VecDeque::new(),
+            told: VecDeque::new(),
+        }
+    }
+
+    /// A further piece of the contour.
+    pub(super) fn contour(&mut self, place: Place, curve: Curve, notices: &Notices) {
+        let piece = Piece { place, curve, bounds: curve.bounds() };
+        let near = piece.bounds.widened(self.radius);
+        for path in self.path.iter().filter(|path| path.bounds.meets(&near)) {
+            compare(self.radius, path, &piece, &mut self.told, notices);
+        }
+        remember(&mut self.contour, piece, self.window);
+    }
+
+    /// A further piece of the tool's path.
+    pub(super) fn path(&mut self, place: Place, curve: Curve, notices: &Notices) {
+        let piece = Piece { place, curve, bounds: curve.bounds() };
+        let near = piece.bounds.widened(self.radius);
+        for contour in self.contour.iter().filter(|contour| contour.bounds.meets(&near)) {
+            compare(self.radius, &piece, contour, &mut self.told, notices);
+        }
+        remember(&mut self.path, piece, self.window);
+    }
+}
+
+fn compare(
+    radius: f64,
+    path: &Piece,
+    contour: &Piece,
+    told: &mut VecDeque<(Place, Place)>,
+    notices: &Notices,
+) {
+    let depth = radius - distance(&path.curve, &contour.curve);
+    let pair = (path.place, contour.place);
+    if depth > TOLERANCE && !told.contains(&pair) {
+        if told.len() >= REMEMBERED {
+            told.pop_front();
+        }
+        told.push_back(pair);
+        notices.add(Notice::Gouge { place: path.place, damaged: contour.place, depth });
+    }
+}
+
+/// Keeps the first and the last pieces.
+fn remember(pieces: &mut VecDeque<Piece>, piece: Piece, window: usize) {
+    pieces.push_back(piece);
+    if pieces.len() > window + 1 {
+        pieces.remove(1);
+    }
+}

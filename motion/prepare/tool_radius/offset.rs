@@ -1,0 +1,324 @@
+//! The path beside the contour: offset pieces, joined at the corners.
+
+use super::super::piece::{self, POINT_EPS, Station};
+use super::super::planar::{Crossing, Curve, Round, crossings};
+use super::super::{Notice, Notices};
+use super::gouge::GougeCheck;
+use crate::path::{Details, ElementKind, Marks, PathElement, Shape, Switch};
+use nalgebra::{Point2, Point3};
+use std::collections::VecDeque;
+use std::f64::consts::PI;
+
+/// Directions that differ from a reversal by less than this are one, rad.
+const REVERSAL: f64 = 1e-9;
+
+/// What is to be done between two pieces of the path, in order: elements that do not move in X and Y, and errors.
+pub(super) type Between<E> = VecDeque<Result<PathElement, E>>;
+
+/// One piece of the path that may still be cut shorter.
+#[derive(Debug)]
+struct Track<E> {
+    /// The piece of the program, a line or an arc; of a joint, what it needs of it.
+    element: PathElement,
+    /// The whole offset piece.
+    curve: Curve,
+    /// The part of it that is left.
+    from: f64,
+    to: f64,
+    role: Role,
+    /// False where it is only there so that the path does not break: an arc turned inside out, or an inner corner
+    /// whose neighbours do not meet. What lies around it should be cut off.
+    sound: bool,
+    between: Between<E>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Role {
+    /// Beside a piece of the contour.
+    Offset,
+    /// Around a corner.
+    Joint,
+}
+
+/// The path beside one contour, from the mark where it begins to where it ends.
+#[derive(Debug)]
+pub(super) struct Offset<E> {
+    /// Distance to the contour, m, positive to the left.
+    distance: f64,
+    look_ahead: usize,
+    notices: Notices,
+    check: GougeCheck,
+    tracks: VecDeque<Track<E>>,
+    /// Where the pieces handed out end.
+    at: Station,
+    /// False where the set-point has jumped, or at the very beginning: there is no corner then.
+    joined: bool,
+}
+
+impl<E> Offset<E> {
+    /// A path that begins where `first`, the first piece of the contour, has its offset; where that is.
+    pub(super) fn new(
+        distance: f64,
+        look_ahead: usize,
+        window: usize,
+        notices: Notices,
+        first: &PathElement,
+        first_curve: &Curve,
+    ) -> Self {
+        let (curve, _) = first_curve.offset(distance);
+        let mut at = Station::start(first);
+        (at.point.x, at.point.y) = (curve.start().x, curve.start().y);
+        Self {
+            distance,
+            look_ahead,
+            notices,
+            check: GougeCheck::new(distance.abs(), window),
+            tracks: VecDeque::new(),
+            at,
+            joined: false,
+        }
+    }
+
+    /// Where the pieces handed out end.
+    pub(super) fn station(&self) -> Station {
+        self.at
+    }
+
+    /// The next piece of the contour: `element` with the projection `contour`; `between` is done before it. What is
+    /// finished goes to `ready`.
+    pub(super) fn push(
+        &mut self,
+        element: PathElement,
+        contour: &Curve,
+        mut between: Between<E>,
+        ready: &mut Between<E>,
+    ) {
+        if element.kind == ElementKind::Cut {
+            self.check.contour(element.place, *contour, &self.notices);
+        }
+        let jumps = |item: &Result<PathElement, E>| matches!(item, Ok(element) if element.kind == ElementKind::Jump);
+        let (curve, inside_out) = contour.offset(self.distance);
+        if between.iter().any(jumps) {
+            self.finish(ready);
+            self.joined = false;
+            self.place(&mut between, Some(&curve));
+            ready.append(&mut between);
+            self.at.point.x = curve.start().x;
+            self.at.point.y = curve.start().y;
+        }
+        if self.joined {
+            self.join(&element, contour.start(), &curve, inside_out);
+        }
+        self.joined = true;
+        if inside_out {
+            self.notices.add(too_narrow(&element, self.distance));
+        }
+        let (role, sound) = (Role::Offset, !inside_out);
+        self.add(Track { element, curve, from: 0.0, to: 1.0, role, sound, between });
+        self.settle(ready);
+    }
+
+    /// Hands out everything: the path goes no further, or nothing more is known of it.
+    pub(super) fn finish(&mut self, ready: &mut Between<E>) {
+        while let Some(track) = self.tracks.pop_front() {
+            self.hand_out(track, ready);
+        }
+    }
+
+    /// Makes the path go from its end to the start of `next`, the offset of the piece that begins at `corner`.
+    fn join(&mut self, element: &PathElement, corner: Point2<f64>, next: &Curve, inside_out: bool) {
+        let end = self.tracks.back().map_or(self.at.point.xy(), |last| last.curve.end());
+        let start = next.start();
+        if (start - end).norm() <= POINT_EPS {
+            return;
+        }
+        let (before, after) = (end - corner, start - corner);
+        let mut sweep = before.perp(&after).atan2(before.dot(&after));
+        let reversal = sweep.abs() > PI - REVERSAL;
+        let outer = reversal || sweep * self.distance < 0.0;
+        if reversal {
+            // Around the end, not through the contour.
+            sweep = -sweep.abs().copysign(self.distance);
+        } else if !outer && !inside_out && self.meet(next) {
+            return;
+        }
+        // Both ends are a radius away from the corner.
+        let arc = Curve::Arc(Round::new(end, start, corner, sweep));
+        self.add(Track {
+            element: joint_element(element),
+            curve: arc,
+            from: 0.0,
+            to: 1.0,
+            role: Role::Joint,
+            sound: outer,
+            between: VecDeque::new(),
+        });
+    }
+
+    /// True if the last piece meets `next`, and the next piece to be added will find it there.
+    fn meet(&self, next: &Curve) -> bool {
+        self.tracks.back().is_some_and(|last| last.sound && nearest(last, next).is_some())
+    }
+
+    /// Adds a piece at the end; where the path before it is not sound, it takes the place of what lies behind the
+    /// point where it meets a sound piece.
+    fn add(&mut self, mut track: Track<E>) {
+        if track.sound
+            && let Some((index, crossing)) = self.meeting(&track.curve)
+        {
+            self.cut_back(index, &mut track, crossing);
+        }
+        self.tracks.push_back(track);
+    }
+
+    /// The last sound piece that meets `next` where that may be: at a sound corner only the neighbour, elsewhere any.
+    /// A neighbour that `next` goes on from is none: the two meet at their ends.
+    fn meeting(&self, next: &Curve) -> Option<(usize, Crossing)> {
+        let last = self.tracks.back()?;
+        let apart = (last.curve.end() - next.start()).norm() > POINT_EPS;
+        let sound = self.tracks.iter().all(|track| track.sound);
+        let newest = self.tracks.len().checked_sub(usize::from(!apart))?;
+        let oldest = if sound { self.tracks.len() - 1 } else { 0 };
+        (oldest..newest).rev().find_map(|index| {
+            let earlier = self.tracks.get(index).filter(|earlier| earlier.sound)?;
+            Some((index, nearest(earlier, next)?))
+        })
+    }
+
+    /// Lets the path go from the piece number `index` straight into `track`, where they cross.
+    fn cut_back(&mut self, index: usize, track: &mut Track<E>, crossing: Crossing) {
+        let mut between = Between::new();
+        let mut ends = Marks::default();
+        for mut dropped in self.tracks.drain(index + 1..) {
+            between.append(&mut dropped.between);
+            if dropped.role == Role::Offset && dropped.sound {
+                self.notices.add(too_narrow(&dropped.element, self.distance));
+            }
+            for switch in dropped.element.switches() {
+                let switch = Switch { at: 0.0, ..*switch };
+                piece::add_switch(&mut track.element, switch, dropped.element.place, &self.notices);
+            }
+            let end_marks = piece::end_marks(dropped.element.marks);
+            ends = ends.with(end_marks);
+            let begins = dropped.element.marks.without(end_marks);
+            track.element.marks = track.element.marks.with(begins);
+        }
+        between.append(&mut track.between);
+        track.between = between;
+        track.from = crossing.v;
+        if let Some(last) = self.tracks.back_mut() {
+            last.to = crossing.u;
+            last.element.marks = last.element.marks.with(ends);
+        }
+    }
+
+    /// Hands out what cannot change any more.
+    fn settle(&mut self, ready: &mut Between<E>) {
+        while self.tracks.len() > 1 {
+            let sound = self.tracks.iter().all(|track| track.sound);
+            if !sound && self.tracks.len() <= self.look_ahead {
+                return;
+            }
+            let Some(track) = self.tracks.pop_front() else { return };
+            self.hand_out(track, ready);
+        }
+    }
+
+    fn hand_out(&mut self, mut track: Track<E>, ready: &mut Between<E>) {
+        self.place(&mut track.between, None);
+        ready.append(&mut track.between);
+        let Track { mut element, curve, from, to, role, .. } = track;
+        let curve = curve.section(from, to);
+        let curve = curve.with_ends(self.at.point.xy(), curve.end());
+        let end = match role {
+            Role::Joint => self.at,
+            Role::Offset => Station::end(&element),
+        };
+        let end = Station {
+            point: Point3::new(curve.end().x, curve.end().y, end.point.z),
+            extra: end.extra.or(self.at.extra),
+        };
+        let plain = element.details.is_none() && element.marks == Marks::default();
+        if plain && curve.length() <= 0.0 && self.at == end {
+            return;
+        }
+        element.shape = curve.shape(self.at.point.z, end.point.z);
+        piece::set_extra(&mut element, self.at.extra, end.extra);
+        trim_switches(&mut element, from, to);
+        if element.kind == ElementKind::Cut {
+            self.check.path(element.place, curve, &self.notices);
+        }
+        self.at = end;
+        ready.push_back(Ok(element));
+    }
+
+    /// Puts what does not move in X and Y where the path is; a jump leads to the start of `next`, or where it leads if
+    /// there is none. True if there is a jump.
+    pub(super) fn place(&mut self, between: &mut Between<E>, next: Option<&Curve>) -> bool {
+        let mut jumped = false;
+        for element in between.iter_mut().flatten() {
+            let (mut start, mut end) = (element.start(), element.end());
+            (start.x, start.y) = (self.at.point.x, self.at.point.y);
+            if element.kind == ElementKind::Jump {
+                jumped = true;
+                if let Some(next) = next {
+                    (end.x, end.y) = (next.start().x, next.start().y);
+                }
+            } else {
+                (end.x, end.y) = (start.x, start.y);
+            }
+            element.shape = Shape::Line { start, end };
+            self.at = Station { point: end, extra: Station::end(element).extra.or(self.at.extra) };
+        }
+        jumped
+    }
+}
+
+fn too_narrow(element: &PathElement, distance: f64) -> Notice {
+    let mut radius = None;
+    if let Shape::Arc(arc) = &element.shape {
+        radius = Some(arc.radius()).filter(|radius| *radius <= distance.abs());
+    }
+    Notice::TooNarrow { place: element.place, radius, tool_radius: distance.abs() }
+}
+
+/// Where the part left of `earlier` meets `next`: the crossing that leaves most of both.
+fn nearest<E>(earlier: &Track<E>, next: &Curve) -> Option<Crossing> {
+    let (length, next_length) = (earlier.curve.length(), next.length());
+    let removed = |crossing: &Crossing| (1.0 - crossing.u) * length + crossing.v * next_length;
+    crossings(&earlier.curve, next)
+        .into_iter()
+        .filter(|crossing| crossing.u >= earlier.from && crossing.u <= earlier.to)
+        .min_by(|a, b| removed(a).total_cmp(&removed(b)))
+}
+
+/// What a joint at the start of `element` has of it.
+fn joint_element(element: &PathElement) -> PathElement {
+    let start = Station::start(element);
+    let shape = Shape::Line { start: start.point, end: start.point };
+    let mut joint =
+        PathElement { marks: Marks::default(), details: None, shape, ..element.clone() };
+    if let Some(details) = &element.details
+        && details.extra.is_some()
+    {
+        joint.details = Some(Box::new(Details::default()));
+        piece::set_extra(&mut joint, start.extra, start.extra);
+    }
+    joint
+}
+
+/// Moves the switches of an element of which only the part between two parameters is left; those on what is gone go to
+/// its ends.
+fn trim_switches(element: &mut PathElement, from: f64, to: f64) {
+    if from <= 0.0 && to >= 1.0 {
+        return;
+    }
+    let Some(details) = &mut element.details else { return };
+    let mut switches = crate::path::Switches::default();
+    for switch in details.switches.as_slice() {
+        let at = if to > from { ((switch.at - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 };
+        // As many as before fit.
+        let _fits = switches.add(Switch { at, ..*switch });
+    }
+    details.switches = switches;
+}
