@@ -14,6 +14,7 @@
 //! [`crate::interpolate::LookAhead`] takes: what the manual reports at run time as `SMC_INT_NO_CHECKVELOCITIES`
 //! (1006) does not compile here.
 
+mod avoid_loops;
 mod check_velocities;
 mod corner;
 mod limit_circular;
@@ -24,6 +25,7 @@ mod planar;
 mod tests;
 mod tool_radius;
 
+pub use avoid_loops::{AvoidLoops, DEFAULT_LOOP_WINDOW};
 pub use check_velocities::{CheckError, CheckVelocities, CheckedElement, Limit};
 pub use corner::{CornerError, CornerStyle, Corners, RoundPath, Rounding};
 pub use limit_circular::{CircularLimits, LimitCircularVelocities};

@@ -3,7 +3,7 @@
 use super::{Notice, Notices};
 use crate::Place;
 use crate::path::{
-    AxisMask, Details, ExtraAxes, ExtraPosition, Marks, PathElement, Shape, Switch, Switches,
+    Arc, AxisMask, Details, ExtraAxes, ExtraPosition, Marks, PathElement, Shape, Switch, Switches,
 };
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -92,7 +92,7 @@ fn section_of(shape: &Shape, from: f64, to: f64) -> Shape {
         Shape::Line { .. } => Shape::Line { start, end },
         Shape::Arc(arc) => {
             let sweep = arc.sweep() * (to.min(arc.length()) - from.max(0.0)) / arc.length();
-            Shape::Arc(crate::path::Arc::in_plane(arc.plane(), start, end, arc.center(), sweep))
+            Shape::Arc(Arc::in_plane(arc.plane(), start, end, arc.center(), sweep))
         }
     }
 }
@@ -166,6 +166,28 @@ pub(super) fn set_extra(
     }
 }
 
+/// Gives the extra axes another start.
+pub(super) fn set_start_extra(element: &mut PathElement, start: Option<ExtraPosition>) {
+    let end = Station::end(element).extra;
+    set_extra(element, start, end);
+}
+
+/// Makes an element end, to the bit, where the next one starts, from which it is off by rounding: the end of a line or
+/// an arc, or else the start of the other, is what moves.
+pub(super) fn meet(before: &mut PathElement, after: &mut PathElement) {
+    let here = after.start();
+    match (&mut before.shape, &mut after.shape) {
+        (Shape::Line { end, .. }, _) => *end = here,
+        (Shape::Arc(arc), _) => {
+            *arc = Arc::in_plane(arc.plane(), arc.start(), here, arc.center(), arc.sweep());
+        }
+        (shape, Shape::Line { start, .. }) => *start = shape.end(),
+        (shape, Shape::Arc(arc)) => {
+            *arc = Arc::in_plane(arc.plane(), shape.end(), arc.end(), arc.center(), arc.sweep());
+        }
+    }
+}
+
 /// Gives a shape other heights at its ends.
 pub(super) fn set_heights(shape: &mut Shape, start_z: f64, end_z: f64) {
     if shape.start().z.to_bits() == start_z.to_bits() && shape.end().z.to_bits() == end_z.to_bits()
@@ -177,7 +199,7 @@ pub(super) fn set_heights(shape: &mut Shape, start_z: f64, end_z: f64) {
         Shape::Arc(arc) => {
             let (mut start, mut end) = (arc.start(), arc.end());
             (start.z, end.z) = (start_z, end_z);
-            *arc = crate::path::Arc::in_plane(arc.plane(), start, end, arc.center(), arc.sweep());
+            *arc = Arc::in_plane(arc.plane(), start, end, arc.center(), arc.sweep());
         }
     }
 }

@@ -255,6 +255,11 @@ impl Bounds {
         Self { low: self.low - margin, high: self.high + margin }
     }
 
+    /// The box around both.
+    pub(super) fn around(&self, other: &Self) -> Self {
+        Self { low: self.low.inf(&other.low), high: self.high.sup(&other.high) }
+    }
+
     /// True if the two have a point in common.
     pub(super) fn meets(&self, other: &Self) -> bool {
         self.low.x <= other.high.x
