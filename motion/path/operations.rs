@@ -249,7 +249,7 @@ impl PathElement {
 
 impl Shape {
     /// The same in X and Y, from one height to another. Upright arcs keep theirs.
-    fn with_heights(self, start_z: f64, end_z: f64) -> Self {
+    pub(crate) fn with_heights(self, start_z: f64, end_z: f64) -> Self {
         let at = |point: Point3<f64>, z: f64| Point3::new(point.x, point.y, z);
         match self {
             Self::Line { start, end } => {

@@ -133,7 +133,6 @@ fn largest_curvature(shape: &Shape) -> f64 {
     match shape {
         Shape::Line { .. } => 0.0,
         Shape::Arc(arc) => arc.radius().min(arc.end_radius()).recip(),
-        #[allow(unreachable_patterns, reason = "ellipses and splines are on their way")]
         _ => search(shape.length(), |s| curvature(shape, s).norm()),
     }
 }

@@ -27,7 +27,7 @@ mod tool_radius;
 
 pub use avoid_loops::{AvoidLoops, DEFAULT_LOOP_WINDOW};
 pub use check_velocities::{CheckError, CheckVelocities, CheckedElement, Limit};
-pub use corner::{CornerError, CornerStyle, Corners, RoundPath, Rounding};
+pub use corner::{CornerError, CornerStyle, Corners, RoundPath, Rounding, SmoothPath, Smoothing};
 pub use limit_circular::{CircularLimits, LimitCircularVelocities};
 pub use notice::{Notice, Notices};
 pub use tool_radius::{Side, ToolRadius, ToolRadiusError, ToolRadiusOptions};

@@ -55,10 +55,10 @@ pub(super) fn section(element: &PathElement, from: f64, to: f64) -> PathElement 
         return element.clone();
     }
     let mut piece = part(element, from, to);
-    piece.shape = section_of(&element.shape, from, to);
+    piece.shape = element.shape.section(from, to);
     if element.details.as_ref().is_some_and(|details| details.s_profile.contains(AxisMask::Z)) {
         let height = |s: f64| element.at(s).position.z;
-        set_heights(&mut piece.shape, height(from), height(to));
+        piece.shape = piece.shape.with_heights(height(from), height(to));
     }
     piece
 }
@@ -84,17 +84,6 @@ pub(super) fn part(element: &PathElement, from: f64, to: f64) -> PathElement {
 pub(super) fn end_marks(marks: Marks) -> Marks {
     let ends = Marks::CORRECTION_END.with(Marks::CORNERS_END).with(Marks::LOOPS_END);
     Marks(marks.0 & ends.0)
-}
-
-fn section_of(shape: &Shape, from: f64, to: f64) -> Shape {
-    let (start, end) = (shape.at(from).position, shape.at(to).position);
-    match shape {
-        Shape::Line { .. } => Shape::Line { start, end },
-        Shape::Arc(arc) => {
-            let sweep = arc.sweep() * (to.min(arc.length()) - from.max(0.0)) / arc.length();
-            Shape::Arc(Arc::in_plane(arc.plane(), start, end, arc.center(), sweep))
-        }
-    }
 }
 
 /// The switches of `element` on path lengths above `low` up to `high`, m (at the very start of the element with it),
@@ -185,22 +174,8 @@ pub(super) fn meet(before: &mut PathElement, after: &mut PathElement) {
         (shape, Shape::Arc(arc)) => {
             *arc = Arc::in_plane(arc.plane(), shape.end(), arc.end(), arc.center(), arc.sweep());
         }
-    }
-}
-
-/// Gives a shape other heights at its ends.
-pub(super) fn set_heights(shape: &mut Shape, start_z: f64, end_z: f64) {
-    if shape.start().z.to_bits() == start_z.to_bits() && shape.end().z.to_bits() == end_z.to_bits()
-    {
-        return;
-    }
-    match shape {
-        Shape::Line { start, end } => (start.z, end.z) = (start_z, end_z),
-        Shape::Arc(arc) => {
-            let (mut start, mut end) = (arc.start(), arc.end());
-            (start.z, end.z) = (start_z, end_z);
-            *arc = Arc::in_plane(arc.plane(), start, end, arc.center(), arc.sweep());
-        }
+        // Two curves: as near as their sections end.
+        _ => {}
     }
 }
 

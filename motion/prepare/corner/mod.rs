@@ -1,10 +1,10 @@
 //! Corners replaced by something the tool can pass without a stop: [`SmoothPath`] and [`RoundPath`].
 
 mod round;
-// mod smooth;
+mod smooth;
 
 pub use round::{RoundPath, Rounding};
-// pub use smooth::{SmoothPath, Smoothing};
+pub use smooth::{SmoothPath, Smoothing};
 
 use super::Notices;
 use super::piece::{self, ANGLE_EPS, POINT_EPS, Station, flat};

@@ -1,7 +1,7 @@
 //! Corners replaced by splines (`SMC_SmoothPath`, manual 6.2.5).
 
 use super::{Corner, CornerStyle, Corners};
-use crate::path::{Marks, Shape};
+use crate::path::{Cubic, Marks, Shape};
 
 /// Replaces corners between [`Marks::SMOOTHING`] (G51) and [`Marks::CORNERS_END`] (G50) by splines
 /// (`SMC_SmoothPath`).
@@ -39,7 +39,7 @@ impl CornerStyle for Smoothing {
         let chord = (corner.end - corner.start).xy().norm();
         // A path that turns back on itself leaves nothing to join.
         (chord > super::POINT_EPS).then(|| {
-            Shape::Cubic(Box::new(crate::path::Cubic::hermite(
+            Shape::Cubic(Box::new(Cubic::hermite(
                 corner.start,
                 corner.end,
                 corner.start_direction * chord,

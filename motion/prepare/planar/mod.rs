@@ -3,6 +3,8 @@
 mod biarc;
 mod distance;
 mod intersect;
+#[cfg(test)]
+mod tests;
 
 pub(super) use biarc::{Fit, fit};
 pub(super) use distance::distance;
@@ -96,7 +98,7 @@ impl Curve {
                 arc.center().xy(),
                 arc.sweep(),
             ))),
-            Shape::Arc(_) => None,
+            Shape::Arc(_) | Shape::Ellipse(_) | Shape::Cubic(_) => None,
         }
     }
 

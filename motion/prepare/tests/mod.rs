@@ -5,7 +5,10 @@
 mod check_velocities;
 mod corner;
 mod limit_circular;
+mod random;
 mod tool_radius;
+
+use random::random_path;
 
 use crate::Place;
 use crate::path::{Arc, ElementKind, PathElement, Shape};

@@ -7,6 +7,9 @@ use crate::path::{Details, ElementKind, ExtraAxes, Marks, PathElement, Shape, Sw
 use crate::prepare::{CornerError, Notices, RoundPath, Rounding};
 use std::f64::consts::PI;
 
+mod random;
+mod smooth;
+
 fn round_all(
     elements: Vec<Result<PathElement, Error>>,
     style: Rounding,
