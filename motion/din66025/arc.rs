@@ -29,12 +29,12 @@ pub(super) fn by_radius(
     let chord = (end - start).xy();
     let half = chord.norm() / 2.0;
     if 2.0 * half <= SAME_POINT {
-        return Err(DecodeError::RadiusWithoutChord { radius_mm: radius * 1e3 });
+        return Err(DecodeError::RadiusWithoutChord { radius_mm: shown(radius) });
     }
     if radius < half - RADIUS_TOLERANCE {
         return Err(DecodeError::RadiusTooSmall {
-            radius_mm: radius * 1e3,
-            half_chord_mm: half * 1e3,
+            radius_mm: shown(radius),
+            half_chord_mm: shown(half),
         });
     }
     // From the middle of the chord to the centre; nothing if rounding made the radius of a semicircle too small.
@@ -50,7 +50,7 @@ pub(super) fn by_radius(
 /// The arc from `start` to `end` about `center` (m), of any angle; a full circle if start and end are the same point.
 ///
 /// # Errors
-/// [`DecodeError::CenterMismatch`].
+/// [`DecodeError::CenterMismatch`] and [`DecodeError::CenterAtStart`].
 pub(super) fn about_center(
     start: Point3<f64>,
     end: Point3<f64>,
@@ -61,10 +61,13 @@ pub(super) fn about_center(
     let (start_radius, end_radius) = (from.norm(), to.norm());
     // A tenth of a radius off is no rounding, however small.
     let tolerance = RADIUS_TOLERANCE.min(0.1 * start_radius);
-    if start_radius <= SAME_POINT || (start_radius - end_radius).abs() > tolerance {
+    if start_radius <= SAME_POINT {
+        return Err(DecodeError::CenterAtStart);
+    }
+    if (start_radius - end_radius).abs() > tolerance {
         return Err(DecodeError::CenterMismatch {
-            start_radius_mm: start_radius * 1e3,
-            end_radius_mm: end_radius * 1e3,
+            start_radius_mm: shown(start_radius),
+            end_radius_mm: shown(end_radius),
         });
     }
     let chord = (end - start).xy();
@@ -77,6 +80,11 @@ pub(super) fn about_center(
         if angle * turn > 0.0 { angle } else { angle + turn }
     };
     Ok(Arc::new(start, end, at_height(center, start.z), sweep))
+}
+
+/// Metres as mm for a message, to the nanometre.
+fn shown(metres: f64) -> f64 {
+    (metres * 1e9).round() / 1e6
 }
 
 fn at_height(point: Point2<f64>, z: f64) -> Point3<f64> {

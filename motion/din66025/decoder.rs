@@ -1,15 +1,17 @@
 //! Reads a program line by line.
 
-use super::block::Block;
+use super::block::{Block, Complaints};
 use super::error::{DecodeError, Diagnostic, Failure, Item, Problem};
 use super::lexer;
-use super::state::State;
+use super::state::{JumpTo, State};
+use super::variables::Variables;
 use super::word::Word;
 use crate::Place;
-use crate::path::PathElement;
+use crate::path::{ExtraPosition, PathElement};
 use nalgebra::Point3;
-use std::collections::VecDeque;
-use std::io::{self, BufRead, Read};
+use std::collections::{BTreeMap, VecDeque};
+use std::fmt;
+use std::io::{self, BufRead, Read, Seek, SeekFrom};
 use std::iter::FusedIterator;
 use std::ops::Range;
 
@@ -18,13 +20,37 @@ pub const MAX_LINE_BYTES: usize = 1 << 16;
 
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
+/// Jumps (G20) a program may take unless told otherwise.
+pub const DEFAULT_JUMPS: u32 = 1_000_000;
+
+/// So many targets of jumps are remembered; others are looked for anew each time.
+const REMEMBERED_TARGETS: usize = 4096;
+
 /// What a decoder must know besides the program.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DecoderOptions {
     /// Where the program starts if it does not begin with G92, m (`piStartPosition`).
     pub start: [f64; 3],
+    /// Where the extra axes P Q U V W start, u.
+    pub start_extra: ExtraPosition,
     /// Leaves out the blocks that begin with `/` (`bStepSuppress`). What is in them is not looked at.
     pub skip_suppressed_blocks: bool,
+    /// What `$name$` stands for.
+    pub variables: Variables,
+    /// Jumps (G20) the program may take before it counts as endless.
+    pub jumps: u32,
+}
+
+impl Default for DecoderOptions {
+    fn default() -> Self {
+        Self {
+            start: [0.0; 3],
+            start_extra: [0.0; 5],
+            skip_suppressed_blocks: false,
+            variables: Variables::default(),
+            jumps: DEFAULT_JUMPS,
+        }
+    }
 }
 
 /// Decodes a program (`SMC_NCDecoder`, manual 6.2.1) as an iterator over its path elements.
@@ -32,36 +58,73 @@ pub struct DecoderOptions {
 /// Whatever the input, it ends with the input. A block with an error gives an error (or several) and no element; the
 /// path goes on with the next block as if the erroneous one were not there, except that the modes, feed and
 /// accelerations it sets hold. So all errors of a program are found in one run.
-#[derive(Debug)]
+///
+/// Jumps (G20) are taken as the program is read, so a program that loops gives its elements again and again.
 pub struct Decoder<R> {
     reader: R,
+    /// How the reader goes to another place; none if it cannot.
+    seek: Option<fn(&mut R, u64) -> io::Result<()>>,
     skip_suppressed_blocks: bool,
+    jumps_left: u32,
+    jumps: u32,
+    /// Where the blocks are that jumps have led to.
+    targets: BTreeMap<u32, Position>,
+    /// Where the next line begins.
+    next: Position,
     line: Vec<u8>,
-    line_number: u32,
     name: Option<String>,
     /// The `%` line has been read, or missed.
     begun: bool,
     ended: bool,
     words: Vec<Word>,
-    problems: Vec<Problem>,
+    complaints: Complaints,
     state: State,
     out: Output,
 }
 
+/// The beginning of a line.
+#[derive(Clone, Copy, Debug, Default)]
+struct Position {
+    offset: u64,
+    /// Lines before it.
+    lines: u32,
+}
+
+impl<R> fmt::Debug for Decoder<R> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { next, state, .. } = self;
+        f.debug_struct("Decoder").field("next", next).field("state", state).finish_non_exhaustive()
+    }
+}
+
+impl<R: BufRead + Seek> Decoder<R> {
+    /// Decodes the program in `reader`, which may jump (G20). It begins where the reader is.
+    pub fn with_jumps(reader: R, options: DecoderOptions) -> Self {
+        let seek = |reader: &mut R, offset| reader.seek(SeekFrom::Start(offset)).map(|_| ());
+        Self { seek: Some(seek), ..Self::new(reader, options) }
+    }
+}
+
 impl<R: BufRead> Decoder<R> {
-    /// Decodes the program in `reader`.
+    /// Decodes the program in `reader`, which can be read only once: jumps are errors.
     pub fn new(reader: R, options: DecoderOptions) -> Self {
+        let DecoderOptions { start, start_extra, skip_suppressed_blocks, variables, jumps } =
+            options;
         Self {
             reader,
-            skip_suppressed_blocks: options.skip_suppressed_blocks,
+            seek: None,
+            skip_suppressed_blocks,
+            jumps_left: jumps,
+            jumps,
+            targets: BTreeMap::new(),
+            next: Position::default(),
             line: Vec::new(),
-            line_number: 0,
             name: None,
             begun: false,
             ended: false,
             words: Vec::new(),
-            problems: Vec::new(),
-            state: State::new(options.start),
+            complaints: Complaints::default(),
+            state: State::new(start, start_extra, variables),
             out: Output::default(),
         }
     }
@@ -71,9 +134,9 @@ impl<R: BufRead> Decoder<R> {
         self.name.as_deref()
     }
 
-    /// Lines read so far.
+    /// Lines read so far; after a jump, those before the present place.
     pub fn lines(&self) -> u32 {
-        self.line_number
+        self.next.lines
     }
 
     /// Where the blocks read so far leave the tool, m.
@@ -83,17 +146,11 @@ impl<R: BufRead> Decoder<R> {
 
     /// Reads the next line; false at the end of the program.
     fn read_line(&mut self) -> io::Result<bool> {
-        self.line.clear();
-        let limit = MAX_LINE_BYTES as u64 + 1;
-        if self.reader.by_ref().take(limit).read_until(b'\n', &mut self.line)? == 0 {
-            return Ok(false);
-        }
-        self.line_number = self.line_number.saturating_add(1);
-        self.out.place = Place { line: self.line_number, block: None };
+        let Some(length) = read_line(&mut self.reader, &mut self.line)? else { return Ok(false) };
+        self.next.offset = self.next.offset.saturating_add(length);
+        self.next.lines = self.next.lines.saturating_add(1);
+        self.out.place = Place { line: self.next.lines, block: None };
         if self.line.len() > MAX_LINE_BYTES {
-            if self.line.last() != Some(&b'\n') {
-                skip_line(&mut self.reader)?;
-            }
             self.line.clear();
             self.begun = true;
             self.state.forgive_missing_feed();
@@ -102,43 +159,100 @@ impl<R: BufRead> Decoder<R> {
         Ok(true)
     }
 
-    fn decode_line(&mut self) {
+    /// Goes on with another block.
+    fn jump(&mut self, to: JumpTo) -> io::Result<()> {
+        let JumpTo { block, columns } = to;
+        let Some(seek) = self.seek else {
+            self.out.error(columns, DecodeError::JumpInStream);
+            return Ok(());
+        };
+        let Some(left) = self.jumps_left.checked_sub(1) else {
+            self.ended = true;
+            self.state.finish(&mut self.out);
+            self.out.error(columns, DecodeError::TooManyJumps { limit: self.jumps });
+            return Ok(());
+        };
+        self.jumps_left = left;
+        let known = self.targets.get(&block).copied();
+        let target = match known {
+            Some(target) => Some(target),
+            None => self.find(seek, block)?,
+        };
+        match target {
+            Some(target) => {
+                if self.targets.len() < REMEMBERED_TARGETS {
+                    self.targets.insert(block, target);
+                }
+                self.next = target;
+            }
+            None => self.out.error(columns, DecodeError::JumpTarget { block }),
+        }
+        seek(&mut self.reader, self.next.offset)
+    }
+
+    /// The first line with the number `block`, looked for from the beginning.
+    fn find(
+        &mut self,
+        seek: fn(&mut R, u64) -> io::Result<()>,
+        block: u32,
+    ) -> io::Result<Option<Position>> {
+        seek(&mut self.reader, 0)?;
+        let mut at = Position::default();
+        while let Some(length) = read_line(&mut self.reader, &mut self.line)? {
+            if block_number(&self.line) == Some(block) {
+                return Ok(Some(at));
+            }
+            at.offset = at.offset.saturating_add(length);
+            at.lines = at.lines.saturating_add(1);
+        }
+        Ok(None)
+    }
+
+    /// Decodes the line at hand; tells where to go on if that is not the next one.
+    fn decode_line(&mut self) -> Option<JumpTo> {
         let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
         let line = line.strip_suffix(b"\r").unwrap_or(line);
-        let mark = if self.line_number == 1 && line.starts_with(BYTE_ORDER_MARK) {
+        let mark = if self.next.lines == 1 && line.starts_with(BYTE_ORDER_MARK) {
             BYTE_ORDER_MARK.len()
         } else {
             0
         };
-        let Some((begin, first)) = first_word(line, mark) else { return };
+        let (begin, first) = first_word(line, mark)?;
         let begun = std::mem::replace(&mut self.begun, true);
         match (first, begun) {
             (b'%', false) => {
                 let name = line.get(begin + 1..).unwrap_or_default().trim_ascii();
                 self.name = (!name.is_empty()).then(|| String::from_utf8_lossy(name).into_owned());
-                return;
+                return None;
             }
-            (b'%', true) => return self.out.error(begin..begin + 1, DecodeError::MisplacedPercent),
+            (b'%', true) => {
+                self.out.error(begin..begin + 1, DecodeError::MisplacedPercent);
+                return None;
+            }
             (_, false) => self.out.error(begin..line.len(), DecodeError::MissingPercent),
             (_, true) => {}
         }
         let begin = match first {
-            b'/' if self.skip_suppressed_blocks => return,
+            b'/' if self.skip_suppressed_blocks => return None,
             b'/' => begin + 1,
             _ => begin,
         };
         self.words.clear();
-        lexer::lex(line, begin, &mut self.words, &mut self.problems);
-        let block = Block::new(&self.words, &mut self.problems);
+        let Complaints { problems, notes } = &mut self.complaints;
+        notes.clear();
+        lexer::lex(line, begin, &self.state.variables, &mut self.words, problems);
+        let block = Block::new(&self.words, &mut self.complaints);
         self.out.place.block = block.number;
         self.state.store(&block);
-        if self.problems.is_empty() {
-            self.state.execute(&block, &self.words, &mut self.out);
-            return;
+        for Problem { columns, error } in self.complaints.notes.drain(..).rev() {
+            self.out.warning(columns, error);
         }
-        self.problems.sort_by_key(|problem| problem.columns.start);
-        let unread = self
-            .problems
+        let problems = &mut self.complaints.problems;
+        if problems.is_empty() {
+            return self.state.execute(&block, &self.words, line, &mut self.out);
+        }
+        problems.sort_by_key(|problem| problem.columns.start);
+        let unread = problems
             .first()
             .and_then(|problem| line.get(problem.columns.start..))
             .unwrap_or_default();
@@ -146,9 +260,10 @@ impl<R: BufRead> Decoder<R> {
             // The F that is missing later may well be one that could not be read here.
             self.state.forgive_missing_feed();
         }
-        for Problem { columns, error } in self.problems.drain(..) {
+        for Problem { columns, error } in problems.drain(..) {
             self.out.error(columns, error);
         }
+        None
     }
 }
 
@@ -163,16 +278,21 @@ impl<R: BufRead> Iterator for Decoder<R> {
             if self.ended {
                 return None;
             }
-            match self.read_line() {
-                Ok(true) => self.decode_line(),
-                Ok(false) => {
-                    self.ended = true;
-                    self.state.finish(&mut self.out);
+            let read = self.read_line().and_then(|read| {
+                match read.then(|| self.decode_line()) {
+                    Some(Some(jump)) => self.jump(jump)?,
+                    Some(None) => {}
+                    None => {
+                        self.ended = true;
+                        self.state.finish(&mut self.out);
+                    }
                 }
-                Err(error) => {
-                    self.ended = true;
-                    return Some(Err(Failure::Io(error)));
-                }
+                Ok(())
+            });
+            if let Err(error) = read {
+                self.ended = true;
+                self.state.finish(&mut self.out);
+                self.out.items.push_back(Err(Failure::Io(error)));
             }
         }
     }
@@ -185,8 +305,35 @@ fn first_word(line: &[u8], at: usize) -> Option<(usize, u8)> {
     line.iter().copied().enumerate().skip(at).find(|(_, byte)| !matches!(byte, b' ' | b'\t'))
 }
 
-/// Reads up to the end of the line without keeping it.
-fn skip_line(reader: &mut impl BufRead) -> io::Result<()> {
+/// Reads a line and its end, at most one byte more than [`MAX_LINE_BYTES`] of it into `line`. Its length in the file;
+/// none at the end.
+fn read_line(reader: &mut impl BufRead, line: &mut Vec<u8>) -> io::Result<Option<u64>> {
+    line.clear();
+    let limit = MAX_LINE_BYTES as u64 + 1;
+    let read = reader.by_ref().take(limit).read_until(b'\n', line)?;
+    if read == 0 {
+        return Ok(None);
+    }
+    let mut length = read as u64;
+    if line.len() > MAX_LINE_BYTES && line.last() != Some(&b'\n') {
+        length = length.saturating_add(skip_line(reader)?);
+    }
+    Ok(Some(length))
+}
+
+/// The number of the N word with which a line begins, `/` and blanks before it left out.
+fn block_number(line: &[u8]) -> Option<u32> {
+    let line = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line).trim_ascii_start();
+    let line = line.strip_prefix(b"/").unwrap_or(line).trim_ascii_start();
+    let (letter, rest) = line.split_first()?;
+    let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let number = rest.get(..digits).filter(|_| letter.eq_ignore_ascii_case(&b'N'))?;
+    std::str::from_utf8(number).ok()?.parse().ok()
+}
+
+/// Reads up to the end of the line without keeping it; how much that was.
+fn skip_line(reader: &mut impl BufRead) -> io::Result<u64> {
+    let mut skipped: u64 = 0;
     loop {
         let buffer = match reader.fill_buf() {
             Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
@@ -195,8 +342,9 @@ fn skip_line(reader: &mut impl BufRead) -> io::Result<()> {
         let end = buffer.iter().position(|byte| *byte == b'\n');
         let length = end.map_or(buffer.len(), |end| end + 1);
         reader.consume(length);
+        skipped = skipped.saturating_add(length as u64);
         if end.is_some() || length == 0 {
-            return Ok(());
+            return Ok(skipped);
         }
     }
 }
@@ -221,6 +369,12 @@ impl Output {
     pub(super) fn warning(&mut self, columns: Range<usize>, error: DecodeError) {
         let diagnostic = Diagnostic { place: self.place, columns: Some(columns), error };
         self.items.push_back(Ok(Item::Warning(diagnostic)));
+    }
+
+    /// Of a block before the present one.
+    pub(super) fn error_at(&mut self, place: Place, columns: Range<usize>, error: DecodeError) {
+        let diagnostic = Diagnostic { place, columns: Some(columns), error };
+        self.items.push_back(Err(diagnostic.into()));
     }
 
     pub(super) fn error(&mut self, columns: Range<usize>, error: DecodeError) {

@@ -1,6 +1,7 @@
 //! What can be wrong with a program, and where.
 
 use crate::decode::{self, Rule, TextError};
+use crate::path::EllipseError;
 use std::ops::Range;
 
 /// One thing wrong with a block.
@@ -126,7 +127,7 @@ pub enum DecodeError {
     },
     /// A coordinate in a block that cannot use it.
     #[error(
-        "{letter} has nothing to act on in a block with G{command}: put it into a block with G0, G1, G2 or G3"
+        "{letter} has nothing to act on in a block with G{command}: put it into a block that moves"
     )]
     WordWithoutMotion {
         /// The word's letter.
@@ -142,21 +143,91 @@ pub enum DecodeError {
         /// Number of the block's G word, or of the one in force.
         command: u8,
     },
-    /// A letter of SoftMotion's dialect that this version does not execute.
-    #[error("{letter} words are part of SoftMotion's dialect but not supported yet")]
-    LetterNotSupported {
-        /// The word's letter.
+    /// A second word of a letter. A warning.
+    #[error("a second {letter} word: words act from right to left, so {letter}{value} counts")]
+    DuplicateWord {
+        /// The letter.
         letter: char,
+        /// The number that counts.
+        value: f64,
     },
-    /// A G word of SoftMotion's dialect that this version does not execute.
-    #[error("G{number} is part of SoftMotion's dialect but not supported yet")]
-    CommandNotSupported {
-        /// Its number.
-        number: u8,
+    /// A variable that nobody has given a value (`SMC_RNCF_VAR_COULDNT_BE_REPLACED`, 2004).
+    #[error("the variable ${name}$ is unknown")]
+    UnknownVariable {
+        /// Its name.
+        name: String,
     },
-    /// `$name$` in place of a number.
-    #[error("variables ($name$) are part of SoftMotion's dialect but not supported yet")]
-    VariableNotSupported,
+    /// O names no parameters of an M function.
+    #[error("${name}$ is no set of parameters for M functions")]
+    UnknownParameters {
+        /// The name.
+        name: String,
+    },
+    /// O with a number where a variable is to be changed.
+    #[error(
+        "O{value} names no variable: G36 and G37 take O$name$, or no O for the implicit variable"
+    )]
+    VariableExpected {
+        /// The number.
+        value: f64,
+    },
+    /// A switch that does not exist.
+    #[error("there is no switch {value}: H takes 1 to 32, below zero to switch off")]
+    SwitchNumber {
+        /// The number.
+        value: f64,
+    },
+    /// An axis without S profile.
+    #[error("S{value} names no axis: 3 is Z, 7 to 11 are P Q U V W, below zero switches off")]
+    ProfileAxis {
+        /// The number.
+        value: f64,
+    },
+    /// More H words than a path object takes.
+    #[error("a block can have at most {limit} switches (H)")]
+    TooManySwitches {
+        /// The largest number.
+        limit: usize,
+    },
+    /// H without L or O.
+    #[error(
+        "H needs its place on its right: L in mm from the start (below zero from the end), or O from 0 to 1"
+    )]
+    SwitchWithoutPlace,
+    /// A switch beyond the ends of its object.
+    #[error(
+        "the switch is at {at:.6} of the object's length of {length_mm} mm; it must lie between 0 and 1"
+    )]
+    SwitchBeyond {
+        /// The part of the length.
+        at: f64,
+        /// The length, mm.
+        length_mm: f64,
+    },
+    /// D below zero where it is a radius.
+    #[error("D is {value}: a radius or distance must not be below 0 mm")]
+    NegativeToolRadius {
+        /// D, mm.
+        value: f64,
+    },
+    /// G20 without L.
+    #[error("G20 needs the number of the block to go on with, L")]
+    JumpWithoutTarget,
+    /// No block has the number that G20 names.
+    #[error("there is no block N{block} to go on with")]
+    JumpTarget {
+        /// The number.
+        block: u32,
+    },
+    /// G20 in a program that can be read only once.
+    #[error("G20 needs a program that can be read again: a file, not a stream")]
+    JumpInStream,
+    /// More jumps than allowed: the program probably never ends.
+    #[error("the program has jumped {limit} times and still goes on; what follows is not read")]
+    TooManyJumps {
+        /// The largest number of jumps.
+        limit: u32,
+    },
     /// A letter that SoftMotion's dialect does not have.
     #[error("{letter} words are unknown to SoftMotion's dialect of DIN 66025")]
     UnknownLetter {
@@ -169,6 +240,18 @@ pub enum DecodeError {
         /// Its number.
         number: f64,
     },
+    /// G6, G8 or G9 without I and J.
+    #[error("G{number} needs I and J")]
+    CurveWithoutPoint {
+        /// The number after G.
+        number: u8,
+    },
+    /// No ellipse fits. A warning; it becomes a straight line.
+    #[error("{0}: replaced by a straight line")]
+    NoEllipse(EllipseError),
+    /// The centre of an arc is its start. A warning; the arc becomes a straight line.
+    #[error("the centre I/J is the start of the arc itself: replaced by a straight line")]
+    CenterAtStart,
     /// G2 or G3 with neither R nor I and J.
     #[error("an arc needs its radius R or its centre I and J")]
     ArcWithoutCenter,
@@ -244,13 +327,26 @@ impl TextError for DecodeError {
             | Self::MisplacedG { .. }
             | Self::MisplacedN { .. }
             | Self::WordWithoutMotion { .. }
-            | Self::UnusedWord { .. } => Rule::Syntax,
-            Self::LetterNotSupported { .. }
-            | Self::CommandNotSupported { .. }
-            | Self::VariableNotSupported
-            | Self::UnknownLetter { .. }
-            | Self::UnknownCommand { .. } => Rule::UnsupportedWord,
+            | Self::UnusedWord { .. }
+            | Self::DuplicateWord { .. }
+            | Self::UnknownVariable { .. }
+            | Self::UnknownParameters { .. }
+            | Self::VariableExpected { .. }
+            | Self::SwitchNumber { .. }
+            | Self::ProfileAxis { .. }
+            | Self::TooManySwitches { .. }
+            | Self::SwitchWithoutPlace
+            | Self::SwitchBeyond { .. }
+            | Self::NegativeToolRadius { .. }
+            | Self::JumpWithoutTarget
+            | Self::JumpTarget { .. }
+            | Self::JumpInStream
+            | Self::TooManyJumps { .. } => Rule::Syntax,
+            Self::UnknownLetter { .. } | Self::UnknownCommand { .. } => Rule::UnsupportedWord,
             Self::ArcWithoutCenter
+            | Self::CurveWithoutPoint { .. }
+            | Self::NoEllipse(_)
+            | Self::CenterAtStart
             | Self::RadiusAndCenter
             | Self::IncompleteCenter { .. }
             | Self::RadiusTooSmall { .. }

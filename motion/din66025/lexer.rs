@@ -2,18 +2,26 @@
 
 use super::error::{DecodeError, Problem};
 use super::number;
+use super::variables::Variables;
 use super::word::{Letter, Word};
+use std::ops::Range;
 
-/// Appends the words of `line`, from byte `at` on, to `words`, and what is wrong with it to `problems`.
+/// Appends the words of `line`, from byte `at` on, with `variables` for names, to `words`, and what is wrong with it to `problems`.
 ///
 /// A word that is well formed but of no use is left out and the words after it are still read. After bytes that are
 /// no word at all nothing more is read: what would follow are errors of guessing where the next word begins.
-pub(super) fn lex(line: &[u8], mut at: usize, words: &mut Vec<Word>, problems: &mut Vec<Problem>) {
+pub(super) fn lex(
+    line: &[u8],
+    mut at: usize,
+    variables: &Variables,
+    words: &mut Vec<Word>,
+    problems: &mut Vec<Problem>,
+) {
     while let Some(&byte) = line.get(at) {
         let token = match byte {
             b' ' | b'\t' => Token::Nothing,
             b'(' => comment(line, at),
-            _ if byte.is_ascii_alphabetic() => word(line, at, byte),
+            _ if byte.is_ascii_alphabetic() => word(line, at, byte, variables),
             _ => unexpected(line, at, byte),
         };
         match token {
@@ -66,11 +74,11 @@ fn comment(line: &[u8], at: usize) -> Token {
 }
 
 /// The word whose letter is at `at`.
-fn word(line: &[u8], at: usize, byte: u8) -> Token {
+fn word(line: &[u8], at: usize, byte: u8, variables: &Variables) -> Token {
     let letter = char::from(byte.to_ascii_uppercase());
     let after = rest(line, at + 1);
     if after.first() == Some(&b'$') {
-        return variable(line, at);
+        return variable(line, at, byte, variables);
     }
     let length = after
         .iter()
@@ -88,28 +96,40 @@ fn word(line: &[u8], at: usize, byte: u8) -> Token {
         };
         return Token::Useless(Problem { columns, error });
     };
+    checked(byte, value, columns, None)
+}
+
+/// A word with its number, if the letter exists and takes it.
+fn checked(byte: u8, value: f64, columns: Range<usize>, name: Option<Range<usize>>) -> Token {
     let letter = match Letter::from_byte(byte) {
         Ok(letter) => letter,
         Err(error) => return Token::Useless(Problem { columns, error }),
     };
     match letter.check(value) {
         Some(error) => Token::Useless(Problem { columns, error }),
-        None => Token::Word(Word { letter, value, columns }),
+        None => Token::Word(Word { letter, value, columns, name }),
     }
 }
 
-/// The word at `at` with a variable for its number.
-fn variable(line: &[u8], at: usize) -> Token {
-    let name = at + 2;
-    match rest(line, name).iter().position(|byte| *byte == b'$') {
-        Some(length) => Token::Useless(Problem {
-            columns: at..name + length + 1,
-            error: DecodeError::VariableNotSupported,
-        }),
-        None => Token::Broken(Problem {
-            columns: at + 1..name,
+/// The word at `at` with a variable for its number. O may name what is no number.
+fn variable(line: &[u8], at: usize, byte: u8, variables: &Variables) -> Token {
+    let begin = at + 2;
+    let Some(length) = rest(line, begin).iter().position(|byte| *byte == b'$') else {
+        return Token::Broken(Problem {
+            columns: at + 1..begin,
             error: DecodeError::UnexpectedCharacter { character: '$' },
-        }),
+        });
+    };
+    let name = begin..begin + length;
+    let columns = at..name.end + 1;
+    let text = String::from_utf8_lossy(line.get(name.clone()).unwrap_or_default());
+    match variables.get(text.trim()) {
+        Some(value) => checked(byte, value, columns, Some(name)),
+        None if byte.eq_ignore_ascii_case(&b'O') => checked(byte, 0.0, columns, Some(name)),
+        None => {
+            let error = DecodeError::UnknownVariable { name: text.trim().to_owned() };
+            Token::Useless(Problem { columns, error })
+        }
     }
 }
 

@@ -10,8 +10,11 @@
 //! may be suppressed.
 //!
 //! The words of a block act from right to left: every word but G stores its number, the leftmost of its letter last,
-//! and then G reads them. F, E, the modes and the target stay from block to block; I, J and R hold for one block.
-//! Without a G word the last motion of G0 to G3 repeats, G1 at first.
+//! and then G reads them. F, E, D, S, the modes and the target stay from block to block; I, J, K, L, M, O, R and H hold
+//! for one block. Without a G word the last path command (G0 to G3, G5, G6, G8, G9) repeats, G1 at first.
+//!
+//! `$name$` in place of a number stands for a variable ([`Variables`]), which is looked up when its line is decoded and
+//! which G36 and G37 change. G20 goes on with another block; the same line may so be decoded many times.
 //!
 //! Where the manual says nothing:
 //! - A comment ends in its line, as the block does.
@@ -19,6 +22,12 @@
 //!   motion and the feed. One whose target is where the tool is already is an object of length zero.
 //! - X, Y, Z, I, J, R in a block with G90, G91, G98 or G99 would act at some later motion; they are errors.
 //! - G92 is absolute also under G91; coordinates it leaves out stay.
+//! - An M function acts where its block has led the tool: after the block's motion.
+//! - A switch needs its place (L or O) on its right in the same block; a switch beyond its object is an error.
+//! - G20 looks for the first block of its number from the beginning of the program. A block that is suppressed can be a
+//!   target; the next one is then executed.
+//! - G41 and the like begin with the next object, G40 and the like end behind the last one; of two that exclude one
+//!   another before any object the later counts.
 //! - The sign of R has no meaning (and gets a warning): an arc by R is never larger than a semicircle.
 //! - Start and end are on one circle if their distances from the centre differ by at most 5 µm, which numbers of
 //!   three decimals need.
@@ -26,14 +35,19 @@
 
 mod arc;
 mod block;
+mod curve;
 mod decoder;
+mod emit;
 mod error;
+mod idle;
 mod lexer;
 mod number;
 mod state;
 #[cfg(test)]
 mod tests;
+mod variables;
 mod word;
 
-pub use decoder::{Decoder, DecoderOptions, MAX_LINE_BYTES};
+pub use decoder::{DEFAULT_JUMPS, Decoder, DecoderOptions, MAX_LINE_BYTES};
 pub use error::{DecodeError, Diagnostic, Failure, Item};
+pub use variables::Variables;

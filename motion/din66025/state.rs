@@ -1,29 +1,44 @@
 //! What stays from block to block, and what a block makes of it.
 
-use super::arc;
-use super::block::{Block, columns_of};
+use super::block::{Block, Operand, columns_of};
+use super::curve::CurveWords;
 use super::decoder::Output;
+use super::emit::Emitter;
 use super::error::DecodeError;
+use super::idle;
+use super::variables::Variables;
 use super::word::{Command, Letter, Motion, Word};
 use crate::Place;
-use crate::path::{ElementKind, PathElement, Shape};
-use nalgebra::{Point2, Point3};
+use crate::path::{
+    AxisMask, Details, ElementKind, ExtraAxes, ExtraPosition, MParameters, Marks, PathElement,
+    Shape,
+};
+use nalgebra::Point3;
+use std::ops::Range;
 
 /// Acceleration and deceleration until the first E, m/s² (manual 6.5: 100 u/s²).
 const DEFAULT_ACCELERATION: f64 = 0.1;
 
-const TARGET_WORDS: [Letter; 3] = [Letter::X, Letter::Y, Letter::Z];
-const ARC_WORDS: [Letter; 3] = [Letter::I, Letter::J, Letter::R];
+/// The implicit variable of G36, G37 and G20 at the beginning.
+const IMPLICIT: f64 = -1.0;
+
+pub(super) const TARGET_WORDS: [Letter; 8] =
+    [Letter::X, Letter::Y, Letter::Z, Letter::P, Letter::Q, Letter::U, Letter::V, Letter::W];
 
 /// The program's variables between two blocks.
 #[derive(Clone, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "modes of the language, each on or off")]
 pub(super) struct State {
     /// Where the last block left the tool, m.
     position: Point3<f64>,
+    /// And the extra axes, u.
+    extra: ExtraPosition,
+    /// Whether they have been named.
+    has_extra: bool,
     /// The same in mm, as programmed: relative targets add up without the rounding of metres.
-    position_mm: [f64; 3],
+    programmed: [f64; 8],
     /// The end of the last element; none before the first.
-    path_end: Option<Point3<f64>>,
+    path_end: Option<(Point3<f64>, ExtraPosition)>,
     /// A G92 that waits for its jump.
     jump: Option<Place>,
     motion: Motion,
@@ -36,13 +51,33 @@ pub(super) struct State {
     acceleration: f64,
     /// m/s².
     deceleration: f64,
+    /// D as programmed.
+    d: f64,
+    s_profile: AxisMask,
+    implicit: f64,
+    pub(super) variables: Variables,
+    emitter: Emitter,
+}
+
+/// A G20 whose condition holds.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct JumpTo {
+    /// The N word of the block to go on with.
+    pub(super) block: u32,
+    /// The L word, to point at.
+    pub(super) columns: Range<usize>,
 }
 
 impl State {
-    pub(super) fn new(start: [f64; 3]) -> Self {
+    pub(super) fn new(start: [f64; 3], extra: ExtraPosition, variables: Variables) -> Self {
+        let mut programmed = [0.0; 8];
+        let values = start.iter().map(|metres| metres * 1e3).chain(extra);
+        programmed.iter_mut().zip(values).for_each(|(slot, value)| *slot = value);
         Self {
             position: Point3::from(start),
-            position_mm: start.map(|metres| metres * 1e3),
+            extra,
+            has_extra: extra.iter().any(|value| *value != 0.0),
+            programmed,
             path_end: None,
             jump: None,
             motion: Motion::Line,
@@ -52,6 +87,11 @@ impl State {
             feed_reported: false,
             acceleration: DEFAULT_ACCELERATION,
             deceleration: DEFAULT_ACCELERATION,
+            d: 0.0,
+            s_profile: AxisMask::default(),
+            implicit: IMPLICIT,
+            variables,
+            emitter: Emitter::default(),
         }
     }
 
@@ -70,11 +110,16 @@ impl State {
         if let Some(deceleration) = block.deceleration {
             self.deceleration = deceleration / 1e3;
         }
+        if let Some(d) = block.d {
+            self.d = d;
+        }
+        let [on, off] = block.profiles;
+        self.s_profile = self.s_profile.with(on).without(off);
         match block.command {
             Some(Command::Motion(motion)) => self.motion = motion,
             Some(Command::Targets { relative }) => self.relative_targets = relative,
             Some(Command::Centers { relative }) => self.relative_centers = relative,
-            Some(Command::SetPosition) | None => {}
+            _ => {}
         }
     }
 
@@ -83,189 +128,290 @@ impl State {
         self.feed_reported = true;
     }
 
-    /// Does what a block without errors asks for. Its words are there to point at.
-    pub(super) fn execute(&mut self, block: &Block, words: &[Word], out: &mut Output) {
-        let place = out.place();
+    /// Does what a block without errors asks for; its words, in `line`, are there to point at. Tells where to go on if
+    /// that is not the next line.
+    pub(super) fn execute(
+        &mut self,
+        block: &Block,
+        words: &[Word],
+        line: &[u8],
+        out: &mut Output,
+    ) -> Option<JumpTo> {
+        let mut jump = None;
+        let mut moved = false;
         match block.command.unwrap_or(Command::Motion(self.motion)) {
-            Command::Motion(motion) => self.travel(motion, block, words, out),
+            Command::Motion(motion) => moved = self.travel(motion, block, words, out)?,
             Command::SetPosition => {
-                Self::warn_unused(92, words, out);
                 if block.target.iter().any(Option::is_some)
                     && self.move_to(block, false, words, out)
                     && self.path_end.is_some()
                 {
-                    self.jump = Some(place);
+                    self.jump = Some(out.place());
                 }
             }
-            command @ (Command::Targets { .. } | Command::Centers { .. }) => {
-                let idle = |word: &&Word| {
-                    TARGET_WORDS.contains(&word.letter) || ARC_WORDS.contains(&word.letter)
-                };
-                for word in words.iter().filter(idle) {
-                    let (letter, command) = (word.letter.as_char(), command.number());
-                    out.error(
-                        word.columns.clone(),
-                        DecodeError::WordWithoutMotion { letter, command },
-                    );
-                }
+            Command::Jump => jump = self.jump_target(block, words, out),
+            Command::Variable { add } => self.set_variable(add, block, words, line, out),
+            Command::Preparation { starts, ends, .. } => {
+                self.prepare(starts, ends, words, out);
             }
+            Command::Targets { .. } | Command::Centers { .. } => {}
         }
+        let command = block.command.unwrap_or(Command::Motion(self.motion));
+        idle::complain(command, block, moved, words, out);
+        if let Some(number) = block.m {
+            self.auxiliary(number, block, words, line, out);
+        }
+        jump
     }
 
-    /// The jump of a G92 that no motion has followed.
+    /// The jump of a G92 that no motion has followed, and what is held back.
     pub(super) fn finish(&mut self, out: &mut Output) {
         if let Some(place) = self.jump {
-            self.jump_to(self.position, place, out);
+            self.jump_to(self.position, self.extra, place, out);
         }
+        self.emitter.finish(out);
     }
 
-    fn travel(&mut self, motion: Motion, block: &Block, words: &[Word], out: &mut Output) {
-        let is_arc = matches!(motion, Motion::Arc { .. });
-        let has_center = block.radius.is_some() || block.center.iter().any(Option::is_some);
-        if !is_arc {
-            Self::warn_unused(motion.number(), words, out);
+    /// False if the block moves nothing; none if it has turned out to be wrong.
+    fn travel(
+        &mut self,
+        motion: Motion,
+        block: &Block,
+        words: &[Word],
+        out: &mut Output,
+    ) -> Option<bool> {
+        let turns = matches!(motion, Motion::Arc { .. } | Motion::Ellipse { .. });
+        let has_center = block.center.iter().any(Option::is_some)
+            || matches!(motion, Motion::Arc { .. }) && block.radius.is_some();
+        if block.target.iter().all(Option::is_none) && !(turns && has_center) {
+            return Some(false);
         }
-        if block.target.iter().all(Option::is_none) && !(is_arc && has_center) {
-            return;
-        }
-        let start = self.position;
-        let before = (self.position, self.position_mm);
+        let (start, extra) = (self.position, self.extra);
+        let before = (self.position, self.extra, self.programmed);
         if !self.move_to(block, self.relative_targets, words, out) {
-            return;
+            return None;
         }
-        let end = self.position;
-        let line = Shape::Line { start, end };
-        let (kind, shape) = match motion {
-            Motion::Rapid => (ElementKind::Rapid, line),
-            Motion::Line => (ElementKind::Cut, line),
-            Motion::Arc { clockwise } => match self.arc([start, end], clockwise, block, words, out)
-            {
-                Ok(shape) => (ElementKind::Cut, shape),
-                Err(error) => {
-                    out.error(columns_of(words, &ARC_WORDS), error);
-                    (self.position, self.position_mm) = before;
-                    return;
-                }
-            },
+        let curve = CurveWords { block, words, relative_centers: self.relative_centers };
+        let shape = match curve.shape(motion, start, self.position, out) {
+            Ok(shape) => shape,
+            Err(error) => {
+                out.error(columns_of(words, motion.words()), error);
+                (self.position, self.extra, self.programmed) = before;
+                return None;
+            }
         };
-        if self.feed.is_none() && (self.feed_reported || shape.length() > 0.0) {
+        let kind = if motion == Motion::Rapid { ElementKind::Rapid } else { ElementKind::Cut };
+        let mut element = self.element(out.place(), kind, shape, extra);
+        if self.feed.is_none() && (self.feed_reported || element.length() > 0.0) {
             if !self.feed_reported {
                 out.error(columns_of(words, &[Letter::G]), DecodeError::MissingFeed);
             }
             self.feed_reported = true;
-            return;
+            return None;
         }
-        if self.jump.is_some() || self.path_end.is_some_and(|end| end != start) {
+        let at = (start, extra);
+        if self.jump.is_some() || self.path_end.is_some_and(|end| end != at) {
             // The position was set, or motion was left out for want of a feed.
-            self.jump_to(start, self.jump.unwrap_or(out.place()), out);
+            self.jump_to(start, extra, self.jump.unwrap_or(out.place()), out);
         }
-        self.emit(out.place(), kind, shape, out);
+        let requests = if block.switches.first().is_some_and(Option::is_some) {
+            block.switches.iter().flatten().cloned().collect()
+        } else {
+            Vec::new()
+        };
+        self.jump = None;
+        self.path_end = Some((self.position, self.extra));
+        element.tool_radius = self.d / 1e3;
+        self.emitter.element(element, motion == Motion::Spline, requests, out);
+        Some(true)
     }
 
     /// Sets the position to the block's target; false if that is too far away.
     fn move_to(&mut self, block: &Block, relative: bool, words: &[Word], out: &mut Output) -> bool {
-        let (mut position, mut position_mm) = (self.position, self.position_mm);
+        let mut programmed = self.programmed;
         let mut inside = true;
-        for (((word, mm), metres), letter) in block
-            .target
-            .iter()
-            .zip(&mut position_mm)
-            .zip(position.coords.iter_mut())
-            .zip(TARGET_WORDS)
-        {
+        for ((word, value), letter) in block.target.iter().zip(&mut programmed).zip(TARGET_WORDS) {
             let Some(word) = word else { continue };
-            *mm = if relative { *mm + word } else { *word };
-            *metres = *mm / 1e3;
-            if let Some(error) = letter.check(*mm) {
+            *value = if relative { *value + word } else { *word };
+            if let Some(error) = letter.check(*value) {
                 out.error(columns_of(words, &[letter]), error);
                 inside = false;
             }
         }
         if inside {
-            (self.position, self.position_mm) = (position, position_mm);
+            self.programmed = programmed;
+            let [target_x, target_y, target_z, extra @ ..] = &block.target;
+            let [x, y, z, p, q, u, v, w] = programmed;
+            for ((slot, mm), word) in
+                self.position.coords.iter_mut().zip([x, y, z]).zip([target_x, target_y, target_z])
+            {
+                if word.is_some() {
+                    *slot = mm / 1e3;
+                }
+            }
+            self.has_extra |= extra.iter().any(Option::is_some);
+            self.extra = [p, q, u, v, w];
         }
         inside
     }
 
-    /// The shape of G2 and G3: a straight line where no such arc can be.
-    ///
-    /// # Errors
-    /// If the words do not say which arc.
-    fn arc(
+    /// An element that ends where the tool is now and starts with the extra axes at `extra`.
+    fn element(
         &self,
-        [start, end]: [Point3<f64>; 2],
-        clockwise: bool,
-        block: &Block,
-        words: &[Word],
-        out: &mut Output,
-    ) -> Result<Shape, DecodeError> {
-        let (arc, letters): (_, &[Letter]) = match block.radius {
-            Some(_) if block.center.iter().any(Option::is_some) => {
-                return Err(DecodeError::RadiusAndCenter);
-            }
-            Some(radius_mm) => {
-                if radius_mm < 0.0 {
-                    out.warning(
-                        columns_of(words, &[Letter::R]),
-                        DecodeError::NegativeRadius { radius_mm },
-                    );
-                }
-                (arc::by_radius(start, end, radius_mm.abs() / 1e3, clockwise), &[Letter::R])
-            }
-            None => {
-                let center = self.center(start, block)?;
-                (arc::about_center(start, end, center, clockwise), &[Letter::I, Letter::J])
-            }
-        };
-        Ok(match arc {
-            Ok(arc) => Shape::Arc(arc),
-            Err(error) => {
-                out.warning(columns_of(words, letters), error);
-                Shape::Line { start, end }
-            }
-        })
-    }
-
-    /// The centre I and J say, m. Relative ones are 0 where they are left out.
-    fn center(&self, start: Point3<f64>, block: &Block) -> Result<Point2<f64>, DecodeError> {
-        let [i, j] = block.center.map(|word| word.map(|mm| mm / 1e3));
-        if i.is_none() && j.is_none() {
-            return Err(DecodeError::ArcWithoutCenter);
-        }
-        if self.relative_centers {
-            return Ok(Point2::new(
-                start.x + i.unwrap_or_default(),
-                start.y + j.unwrap_or_default(),
-            ));
-        }
-        let i = i.ok_or(DecodeError::IncompleteCenter { missing: 'I' })?;
-        let j = j.ok_or(DecodeError::IncompleteCenter { missing: 'J' })?;
-        Ok(Point2::new(i, j))
-    }
-
-    /// Warns of I, J and R, which G`command` does not look at.
-    fn warn_unused(command: u8, words: &[Word], out: &mut Output) {
-        for word in words.iter().filter(|word| ARC_WORDS.contains(&word.letter)) {
-            let letter = word.letter.as_char();
-            out.warning(word.columns.clone(), DecodeError::UnusedWord { letter, command });
-        }
-    }
-
-    /// Lets the set-point jump from where the path ended to `to`.
-    fn jump_to(&mut self, to: Point3<f64>, place: Place, out: &mut Output) {
-        let start = self.path_end.unwrap_or(to);
-        self.emit(place, ElementKind::Jump, Shape::Line { start, end: to }, out);
-    }
-
-    fn emit(&mut self, place: Place, kind: ElementKind, shape: Shape, out: &mut Output) {
-        self.jump = None;
-        self.path_end = Some(shape.end());
-        out.element(PathElement {
+        place: Place,
+        kind: ElementKind,
+        shape: Shape,
+        extra: ExtraPosition,
+    ) -> PathElement {
+        let smooth_z = self.s_profile.contains(AxisMask::Z)
+            && shape.start().z.to_bits() != shape.end().z.to_bits();
+        let details = (self.has_extra || smooth_z).then(|| {
+            Box::new(Details {
+                extra: self.has_extra.then_some(ExtraAxes { start: extra, end: self.extra }),
+                s_profile: if kind.is_motion() { self.s_profile } else { AxisMask::default() },
+                ..Details::default()
+            })
+        });
+        PathElement {
             // Nothing is travelled without a feed: those have no length.
             feed: self.feed.unwrap_or_default(),
             acceleration: self.acceleration,
             deceleration: self.deceleration,
+            details,
             ..PathElement::new(place, kind, shape)
-        });
+        }
     }
+
+    /// Lets the set-point jump from where the path ended to `to`.
+    fn jump_to(
+        &mut self,
+        to: Point3<f64>,
+        to_extra: ExtraPosition,
+        place: Place,
+        out: &mut Output,
+    ) {
+        let (start, extra) = self.path_end.unwrap_or((to, to_extra));
+        let mut element =
+            self.element(place, ElementKind::Jump, Shape::Line { start, end: to }, extra);
+        if let Some(details) = &mut element.details
+            && let Some(extra) = &mut details.extra
+        {
+            extra.end = to_extra;
+        }
+        self.jump = None;
+        self.path_end = Some((to, to_extra));
+        self.emitter.element(element, false, Vec::new(), out);
+    }
+
+    /// An M function: the path waits where the block has led.
+    fn auxiliary(
+        &mut self,
+        number: f64,
+        block: &Block,
+        words: &[Word],
+        line: &[u8],
+        out: &mut Output,
+    ) {
+        let o = match &block.o {
+            Some(Operand::Name(name)) => {
+                let name = text(line, name);
+                let Some(parameters) = self.variables.parameters(&name) else {
+                    let columns = columns_of(words, &[Letter::O]);
+                    return out.error(columns, DecodeError::UnknownParameters { name });
+                };
+                Some(parameters)
+            }
+            Some(Operand::Number(_)) | None => None,
+        };
+        let at = (self.position, self.extra);
+        if self.jump.is_some() || self.path_end.is_some_and(|end| end != at) {
+            self.jump_to(self.position, self.extra, self.jump.unwrap_or(out.place()), out);
+        }
+        let shape = Shape::Line { start: self.position, end: self.position };
+        let kind = ElementKind::MFunction { number: auxiliary_number(number) };
+        let mut element = self.element(out.place(), kind, shape, self.extra);
+        let parameters = MParameters { k: block.k, l: block.l, o };
+        if parameters != MParameters::default() {
+            element.details.get_or_insert_default().parameters = parameters;
+        }
+        self.path_end = Some(at);
+        self.emitter.element(element, false, Vec::new(), out);
+    }
+
+    fn prepare(&mut self, starts: Marks, ends: Marks, words: &[Word], out: &mut Output) {
+        if starts != Marks::default() && starts != Marks::LOOPS && self.d < 0.0 {
+            let columns = columns_of(words, &[Letter::D]);
+            return out.error(columns, DecodeError::NegativeToolRadius { value: self.d });
+        }
+        self.emitter.mark(starts, ends);
+    }
+
+    /// G36 and G37: the variable that O names, or the implicit one, becomes D or grows by it.
+    fn set_variable(
+        &mut self,
+        add: bool,
+        block: &Block,
+        words: &[Word],
+        line: &[u8],
+        out: &mut Output,
+    ) {
+        let base = |value: f64| if add { value } else { 0.0 };
+        match &block.o {
+            None => self.implicit = base(self.implicit) + self.d,
+            Some(Operand::Name(name)) => {
+                let name = text(line, name);
+                if let Some(value) = self.variables.get(&name) {
+                    self.variables.set(&name, base(value) + self.d);
+                } else {
+                    let columns = columns_of(words, &[Letter::O]);
+                    out.error(columns, DecodeError::UnknownVariable { name });
+                }
+            }
+            Some(Operand::Number(value)) => {
+                let error = DecodeError::VariableExpected { value: *value };
+                out.error(columns_of(words, &[Letter::O]), error);
+            }
+        }
+    }
+
+    /// G20: where to go on, if K (or the implicit variable) is not 0.
+    fn jump_target(&self, block: &Block, words: &[Word], out: &mut Output) -> Option<JumpTo> {
+        let Some(target) = block.l else {
+            out.error(columns_of(words, &[Letter::G]), DecodeError::JumpWithoutTarget);
+            return None;
+        };
+        let columns = columns_of(words, &[Letter::L]);
+        if let Some(error) = Letter::N.check(target) {
+            let error = match error {
+                DecodeError::OutOfRange { min, max, unit, .. } => {
+                    DecodeError::OutOfRange { letter: 'L', value: target, min, max, unit }
+                }
+                _ => DecodeError::NotWhole { letter: 'L', value: target },
+            };
+            out.error(columns, error);
+            return None;
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "checked as a block number"
+        )]
+        let block_number = target as u32;
+        let condition = block.k.unwrap_or(self.implicit);
+        (condition != 0.0).then_some(JumpTo { block: block_number, columns })
+    }
+}
+
+/// The text of a name.
+fn text(line: &[u8], name: &Range<usize>) -> String {
+    String::from_utf8_lossy(line.get(name.clone()).unwrap_or_default()).trim().to_owned()
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "Letter::check lets only whole u16 pass"
+)]
+fn auxiliary_number(number: f64) -> u16 {
+    number as u16
 }

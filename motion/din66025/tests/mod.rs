@@ -1,22 +1,30 @@
 #![expect(clippy::float_cmp, reason = "rounded before, or to be the same bit for bit")]
 
+mod curves;
 mod errors;
+mod jumps;
 mod language;
 mod random;
 mod vectors;
 mod warnings;
+mod words;
 
 use super::{DecodeError, Decoder, DecoderOptions, Diagnostic, Failure, Item};
 use crate::path::{ElementKind, PathElement, Shape};
 use nalgebra::Point3;
+use std::io::Cursor;
 
 type Decoded = Vec<Result<Item, Diagnostic>>;
 
 /// Everything `program` gives, starting at `start` in mm.
 fn decode_from(start_mm: [f64; 3], program: &[u8]) -> Decoded {
-    let options =
-        DecoderOptions { start: start_mm.map(|mm| mm / 1e3), skip_suppressed_blocks: false };
-    Decoder::new(program, options)
+    let start = start_mm.map(|mm| mm / 1e3);
+    decode_with(DecoderOptions { start, ..DecoderOptions::default() }, program)
+}
+
+/// Everything `program` gives, jumps included.
+fn decode_with(options: DecoderOptions, program: &[u8]) -> Decoded {
+    Decoder::with_jumps(Cursor::new(program), options)
         .map(|item| match item {
             Ok(item) => Ok(item),
             Err(Failure::Diagnostic(diagnostic)) => Err(diagnostic),

@@ -4,19 +4,34 @@ use super::*;
 use proptest::prelude::*;
 use std::io::BufReader;
 
+/// Jumps that a random program may take.
+const JUMPS: u32 = 5;
+
 fn run(program: &[u8], capacity: usize, skip_suppressed_blocks: bool) -> Vec<String> {
-    let options = DecoderOptions { start: [0.1, 0.0, 0.0], skip_suppressed_blocks };
-    Decoder::new(BufReader::with_capacity(capacity, program), options)
+    let mut options = DecoderOptions {
+        start: [0.1, 0.0, 0.0],
+        skip_suppressed_blocks,
+        jumps: JUMPS,
+        ..DecoderOptions::default()
+    };
+    options.variables.set("a", 2.0);
+    Decoder::with_jumps(BufReader::with_capacity(capacity, Cursor::new(program)), options)
         .map(|item| format!("{item:?}"))
         .collect()
+}
+
+/// An item per byte at the most, each time the program runs, and one for the end.
+fn most_items(program: &[u8]) -> usize {
+    (JUMPS as usize + 2) * (program.len() + 1)
 }
 
 /// What resembles a program more often than random bytes do.
 fn scraps() -> impl Strategy<Value = Vec<u8>> {
     let scrap = prop_oneof![
-        4 => "[NGXYZIJREFngxyzijrefMTDHa$/%() \t.,+-]{0,3}",
-        4 => "[NGXYZIJREF]-?[0-9]{0,4}\\.?[0-9]{0,3} ?",
-        2 => "G(0|1|2|3|90|91|92|98|99|5) ",
+        4 => "[NGXYZIJREFngxyzijrefMTDHSKLOPQUVWa$/%() \t.,+-]{0,3}",
+        4 => "[NGXYZIJREFDHKLMOPQSUVW]-?[0-9]{0,4}\\.?[0-9]{0,3} ?",
+        2 => "[XPKLO]\\$[ab]\\$ ",
+        2 => "G(0|1|2|3|5|6|8|9|20|36|37|4[0-2]|5[0-2]|60|61|90|91|92|98|99) ",
         2 => "\r?\n",
         1 => "\\PC{0,4}",
     ];
@@ -48,6 +63,28 @@ fn block() -> impl Strategy<Value = String> {
             targets.join(" ")
         )),
         (2..4, coordinate()).prop_map(|(command, i)| format!("G{command} I{i}")),
+        targets().prop_map(|targets| format!("G5 {}", targets.join(" "))),
+        (targets(), coordinate(), coordinate())
+            .prop_map(|(targets, i, j)| format!("G6 {} I{i} J{j}", targets.join(" "))),
+        (8..10, targets(), coordinate(), coordinate(), 0..360, 1..=10).prop_map(
+            |(command, targets, i, j, k, tenths)| format!(
+                "G{command} {} I{i} J{j} K{k} R{}",
+                targets.join(" "),
+                f64::from(tenths) / 10.0
+            )
+        ),
+        ("[PQUVW]", coordinate(), targets())
+            .prop_map(|(letter, u, targets)| format!("G1 {letter}{u} {}", targets.join(" "))),
+        (targets(), 1..33, 0..=8).prop_map(|(targets, h, o)| format!(
+            "G1 {} H{h} O{}",
+            targets.join(" "),
+            f64::from(o) / 8.0
+        )),
+        (0..100, 0..9).prop_map(|(m, k)| format!("M{m} K{k}")),
+        prop::sample::select(vec![
+            "G41", "G42", "G40", "G51 D2", "G52", "G50", "G61", "G60", "S3", "S-3 S7"
+        ])
+        .prop_map(str::to_owned),
         prop::sample::select(vec![
             "G90",
             "G91",
@@ -73,15 +110,14 @@ fn programs() -> impl Strategy<Value = Vec<String>> {
 proptest! {
     #[test]
     fn any_bytes_end(program in prop::collection::vec(any::<u8>(), 0..300), skip: bool) {
-        // An item per byte at the most, and one for the end.
-        prop_assert!(run(&program, 64, skip).len() <= program.len() + 1);
+        prop_assert!(run(&program, 64, skip).len() <= most_items(&program));
     }
 
     /// Nothing panics, and how the bytes arrive does not matter.
     #[test]
     fn any_scraps_end(program in scraps(), capacity in 1..40_usize, skip: bool) {
         let items = run(&program, 8192, skip);
-        prop_assert!(items.len() <= program.len() + 1);
+        prop_assert!(items.len() <= most_items(&program));
         prop_assert_eq!(&run(&program, capacity, skip), &items);
     }
 
@@ -116,7 +152,7 @@ proptest! {
             if let Err(diagnostic) = item {
                 let expected = matches!(
                     diagnostic.error,
-                    DecodeError::ArcWithoutCenter | DecodeError::IncompleteCenter { .. } | DecodeError::OutOfRange { .. }
+                    DecodeError::ArcWithoutCenter | DecodeError::CurveWithoutPoint { .. } | DecodeError::IncompleteCenter { .. } | DecodeError::OutOfRange { .. }
                 );
                 prop_assert!(expected, "{diagnostic}");
             }

@@ -54,7 +54,6 @@ fn center_mismatch() {
     for (block, pointed, radii) in [
         ("N20 G2 X30.01 I10 J0 F5", "I10 J0", Some([10.0, 10.01])),
         ("N20 G2 X30.004 J0 F5 I10", "J0 F5 I10", None),
-        ("N20 G3 X10 I0 J0", "I0 J0", Some([0.0, 0.0])),
         ("N20 G3 X10.002 I0.01 J0", "I0.01 J0", Some([0.01, 0.008])),
     ] {
         let decoded = decode(&format!("G1 X10 F10\n{block}"));
@@ -69,6 +68,12 @@ fn center_mismatch() {
         assert_eq!(&block[found[0].columns.clone().unwrap()], pointed);
         assert!(matches!(remaining(&decoded)[1].shape, Shape::Line { .. }));
     }
+}
+
+#[test]
+fn center_at_the_start() {
+    assert_eq!(DecodeError::CenterAtStart.rule(), Rule::ArcGeometry);
+    assert_warnings("N20 G3 X10 I0 J0", &[("I0 J0", DecodeError::CenterAtStart)], false);
 }
 
 /// The sign of R does not ask for the larger arc.

@@ -1,0 +1,134 @@
+//! Splines, parabolas and ellipses from their words. Numbers in mm and degrees, to 1e-8.
+
+use super::*;
+use crate::decode::{Rule, TextError};
+use crate::path::{Cubic, Ellipse, EllipseError};
+
+#[track_caller]
+fn cubic(element: &PathElement) -> &Cubic {
+    let Shape::Cubic(cubic) = &element.shape else { panic!("{element:?}") };
+    cubic
+}
+
+#[track_caller]
+fn ellipse(element: &PathElement) -> &Ellipse {
+    let Shape::Ellipse(ellipse) = &element.shape else { panic!("{element:?}") };
+    ellipse
+}
+
+/// Coefficients in mm.
+#[track_caller]
+fn assert_coefficients(found: [f64; 4], expected: [f64; 4]) {
+    for (found, expected) in found.into_iter().zip(expected) {
+        assert_close(found * 1e3, expected);
+    }
+}
+
+/// The point half way in the parameter, mm.
+fn middle(cubic: &Cubic) -> [f64; 2] {
+    let value = |[a, b, c, d]: [f64; 4]| (a + b / 2.0 + c / 4.0 + d / 8.0) * 1e3;
+    [value(cubic.x()), value(cubic.y())]
+}
+
+#[track_caller]
+fn assert_middle(element: &PathElement, expected: [f64; 2]) {
+    for (found, expected) in middle(cubic(element)).into_iter().zip(expected) {
+        assert_close(found, expected);
+    }
+}
+
+/// `cnc-spline-stairs`; manual 3.2.6.
+#[test]
+fn spline_over_stairs() {
+    let elements = elements("N10 G0 X0 Y0 F10\nG5 X20 Y0\nX20 Y20\nX40 Y20\nX40 Y40");
+    assert_eq!(elements.len(), 5);
+    assert_middle(&elements[1], [11.25, -1.25]);
+    assert_coefficients(cubic(&elements[2]).x(), [20.0, 10.0, -30.0, 20.0]);
+    assert_coefficients(cubic(&elements[2]).y(), [0.0, 10.0, 30.0, -20.0]);
+    assert_middle(&elements[2], [20.0, 10.0]);
+    assert_close(elements[2].length() * 1e3, 20.608_482_053);
+    assert_middle(&elements[4], [41.25, 28.75]);
+}
+
+/// `cnc-spline-between-lines`.
+#[test]
+fn spline_between_lines() {
+    let elements = elements("G1 X5 Y0 F10\nG5 X20 Y0\nG5 X20 Y20\nG1 X20 Y30");
+    assert_middle(&elements[1], [13.4375, -1.25]);
+    assert_close(elements[1].length() * 1e3, 15.547_492_284);
+    assert_middle(&elements[2], [20.9375, 8.75]);
+    for pair in elements.windows(2) {
+        assert!((pair[0].end_tangent() - pair[1].start_tangent()).norm() < 1e-9);
+    }
+}
+
+/// At an M function, a jump, or the same point again a spline ends, and the next begins, along its chord.
+#[test]
+fn what_ends_a_spline() {
+    for between in ["M5", "G92 X20 Y0\nG5", "G5 X20 Y0"] {
+        let elements = elements(&format!("G5 X20 Y0 F10\n{between}\nG5 X20 Y20"));
+        let (first, last) = (&elements[0], elements.last().unwrap());
+        assert_coefficients(cubic(first).y(), [0.0; 4]);
+        assert_coefficients(cubic(last).x(), [20.0, 0.0, 0.0, 0.0]);
+    }
+}
+
+/// `cnc-parabola`; I and J are where the tangents meet (manual 3.2), absolute or from the start.
+#[test]
+fn parabola() {
+    for blocks in ["N10 G98\nN20 G6 X100 Y0 I50 J100 F10", "N20 G6 X100 I50 J100 F10"] {
+        let elements = elements(blocks);
+        assert_coefficients(cubic(&elements[0]).x(), [0.0, 100.0, 0.0, 0.0]);
+        assert_coefficients(cubic(&elements[0]).y(), [0.0, 200.0, -200.0, 0.0]);
+        assert_middle(&elements[0], [50.0, 50.0]);
+        assert_close(elements[0].length() * 1e3, 147.894_285_754);
+    }
+}
+
+/// `cnc-ellipse-G8`; manual 3.2.5.
+#[test]
+fn ellipse_clockwise() {
+    let elements = elements("N10 G92 X100 Y100\nN20 G98\nN30 G8 X200 Y100 I150 J100 K45 R0.5 F10");
+    let found = ellipse(&elements[0]);
+    assert_close(found.center().x * 1e3, 150.0);
+    assert_close(found.center().y * 1e3, 100.0);
+    assert_close(found.major().x * 1e3, 55.901_699_437);
+    assert_close(found.major().y * 1e3, 55.901_699_437);
+    assert_close(found.minor() * 1e3, 39.528_470_752);
+    assert_close(found.start_angle().to_degrees(), 116.565_051_177);
+    assert_close(found.sweep().to_degrees(), -180.0);
+    assert_close(found.length() * 1e3, 191.484_771_06);
+}
+
+/// `cnc-ellipse-G9`.
+#[test]
+fn ellipse_counter_clockwise() {
+    let elements = elements("N10 G92 X20\nN20 G9 X0 Y10 I-20 R0.5 F10");
+    let found = ellipse(&elements[0]);
+    assert_close(found.major().x * 1e3, 20.0);
+    assert_close(found.minor() * 1e3, 10.0);
+    assert_close(found.sweep().to_degrees(), 90.0);
+    assert_close(found.length() * 1e3, 24.221_120_551);
+    let half = elements[0].at(elements[0].length() / 2.0).position * 1e3;
+    assert_close(half.x, 11.889_437_83);
+    assert_close(half.y, 8.041_163_91);
+}
+
+#[test]
+fn curves_that_cannot_be() {
+    for (block, error) in [
+        ("N10 G8 X20 Y0 I10 F10", DecodeError::NoEllipse(EllipseError::RatioNeeded)),
+        ("N10 G8 X20 Y5 I-30 R0.5 F10", DecodeError::NoEllipse(EllipseError::NoEllipse)),
+    ] {
+        let decoded = decode(block);
+        let [diagnostic] = &diagnostics(&decoded)[..] else { panic!("{decoded:?}") };
+        assert_eq!((&diagnostic.error, diagnostic.error.rule()), (&error, Rule::ArcGeometry));
+        assert!(matches!(remaining(&decoded)[0].shape, Shape::Line { .. }));
+    }
+    for (block, number) in [("G6 X10 F1", 6), ("G8 X10 F1", 8), ("G9 X10 R0.5 F1", 9)] {
+        let decoded = decode(block);
+        let [diagnostic] = &diagnostics(&decoded)[..] else { panic!("{decoded:?}") };
+        assert_eq!(diagnostic.error, DecodeError::CurveWithoutPoint { number });
+        assert!(remaining(&decoded).is_empty());
+    }
+}
