@@ -250,32 +250,32 @@ impl PathElement {
 impl Shape {
     /// The same in X and Y, from one height to another. Upright arcs keep theirs.
     pub(crate) fn with_heights(self, start_z: f64, end_z: f64) -> Self {
+        if matches!(&self, Self::Arc(arc) if arc.plane() != Plane::Xy) {
+            return self;
+        }
         let at = |point: Point3<f64>, z: f64| Point3::new(point.x, point.y, z);
+        let (start, end) = (at(self.start(), start_z), at(self.end(), end_z));
+        self.with_ends(start, end)
+    }
+
+    /// The same between ends that in the plane of the curve lie elsewhere by no more than rounding.
+    pub(crate) fn with_ends(self, start: Point3<f64>, end: Point3<f64>) -> Self {
         match self {
-            Self::Line { start, end } => {
-                Self::Line { start: at(start, start_z), end: at(end, end_z) }
+            Self::Line { .. } => Self::Line { start, end },
+            Self::Arc(arc) => {
+                Self::Arc(Arc::in_plane(arc.plane(), start, end, arc.center(), arc.sweep()))
             }
-            Self::Arc(arc) if arc.plane() == Plane::Xy => Self::Arc(Arc::new(
-                at(arc.start(), start_z),
-                at(arc.end(), end_z),
-                arc.center(),
-                arc.sweep(),
-            )),
             Self::Ellipse(ellipse) => Self::Ellipse(Box::new(super::Ellipse::new(
-                at(ellipse.start(), start_z),
-                at(ellipse.end(), end_z),
+                start,
+                end,
                 ellipse.center(),
                 ellipse.major(),
                 ellipse.minor(),
                 ellipse.sweep(),
             ))),
-            Self::Cubic(cubic) => Self::Cubic(Box::new(super::Cubic::between(
-                at(cubic.start(), start_z),
-                at(cubic.end(), end_z),
-                cubic.x(),
-                cubic.y(),
-            ))),
-            upright @ Self::Arc(_) => upright,
+            Self::Cubic(cubic) => {
+                Self::Cubic(Box::new(super::Cubic::between(start, end, cubic.x(), cubic.y())))
+            }
         }
     }
 }

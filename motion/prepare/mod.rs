@@ -21,6 +21,7 @@ mod limit_circular;
 mod notice;
 mod piece;
 mod planar;
+mod preparation;
 #[cfg(test)]
 mod tests;
 mod tool_radius;
@@ -30,4 +31,5 @@ pub use check_velocities::{CheckError, CheckVelocities, CheckedElement, Limit};
 pub use corner::{CornerError, CornerStyle, Corners, RoundPath, Rounding, SmoothPath, Smoothing};
 pub use limit_circular::{CircularLimits, LimitCircularVelocities};
 pub use notice::{Notice, Notices};
+pub use preparation::{Incompatible, Optional, Preparation, PreparedPath, Stage};
 pub use tool_radius::{Side, ToolRadius, ToolRadiusError, ToolRadiusOptions};

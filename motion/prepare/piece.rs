@@ -3,7 +3,7 @@
 use super::{Notice, Notices};
 use crate::Place;
 use crate::path::{
-    Arc, AxisMask, Details, ExtraAxes, ExtraPosition, Marks, PathElement, Shape, Switch, Switches,
+    AxisMask, Details, ExtraAxes, ExtraPosition, Marks, PathElement, Shape, Switch, Switches,
 };
 use nalgebra::{Point3, Vector2, Vector3};
 
@@ -161,21 +161,10 @@ pub(super) fn set_start_extra(element: &mut PathElement, start: Option<ExtraPosi
     set_extra(element, start, end);
 }
 
-/// Makes an element end, to the bit, where the next one starts, from which it is off by rounding: the end of a line or
-/// an arc, or else the start of the other, is what moves.
-pub(super) fn meet(before: &mut PathElement, after: &mut PathElement) {
-    let here = after.start();
-    match (&mut before.shape, &mut after.shape) {
-        (Shape::Line { end, .. }, _) => *end = here,
-        (Shape::Arc(arc), _) => {
-            *arc = Arc::in_plane(arc.plane(), arc.start(), here, arc.center(), arc.sweep());
-        }
-        (shape, Shape::Line { start, .. }) => *start = shape.end(),
-        (shape, Shape::Arc(arc)) => {
-            *arc = Arc::in_plane(arc.plane(), shape.end(), arc.end(), arc.center(), arc.sweep());
-        }
-        // Two curves: as near as their sections end.
-        _ => {}
+/// Makes an element end somewhere else by rounding.
+pub(super) fn end_at(element: &mut PathElement, end: Point3<f64>) {
+    if element.end() != end {
+        element.shape = element.shape.clone().with_ends(element.start(), end);
     }
 }
 

@@ -120,7 +120,7 @@ where
 
         let mut before = piece::section(&first, 0.0, s);
         let mut after = piece::section(&last, t, lengths[1]);
-        piece::meet(&mut before, &mut after);
+        piece::end_at(&mut before, after.start());
         let here = Station::end(&before);
         piece::set_start_extra(&mut after, here.extra);
         let mut carry = |switch: Switch, from: &PathElement| {
@@ -153,9 +153,12 @@ where
         self.notices.add(Notice::LoopCut { place: first.place, resumed: last.place, length });
         self.ready.push_back(Ok(before));
         self.ready.extend(waiting.into_iter().map(Ok));
-        let track = Track::of(&after);
-        self.queue.push_front(Slot { item: Ok(after), track, wall });
-        self.walls += usize::from(wall);
+        // Of an element that is crossed at its end nothing may be left.
+        if t < lengths[1] || after.details.is_some() || after.marks != Marks::default() {
+            let track = Track::of(&after);
+            self.queue.push_front(Slot { item: Ok(after), track, wall });
+            self.walls += usize::from(wall);
+        }
         true
     }
 

@@ -2,9 +2,11 @@
 
 #![expect(clippy::float_cmp, reason = "what an adapter leaves alone stays the same to the bit")]
 
+mod avoid_loops;
 mod check_velocities;
 mod corner;
 mod limit_circular;
+mod preparation;
 mod random;
 mod tool_radius;
 

@@ -1,7 +1,7 @@
 //! The path beside the contour: offset pieces, joined at the corners.
 
 use super::super::piece::{self, POINT_EPS, Station};
-use super::super::planar::{Crossing, Curve, Round, crossings};
+use super::super::planar::{Crossing, Curve, Round, crossings, distance};
 use super::super::{Notice, Notices};
 use super::gouge::GougeCheck;
 use crate::path::{Details, ElementKind, Marks, PathElement, Shape, Switch};
@@ -12,6 +12,9 @@ use std::f64::consts::PI;
 /// Directions that differ from a reversal by less than this are one, rad.
 const REVERSAL: f64 = 1e-9;
 
+/// No more than this is carried over from pieces that are dropped.
+const MOST_WAITING: usize = 1024;
+
 /// What is to be done between two pieces of the path, in order: elements that do not move in X and Y, and errors.
 pub(super) type Between<E> = VecDeque<Result<PathElement, E>>;
 
@@ -20,6 +23,8 @@ pub(super) type Between<E> = VecDeque<Result<PathElement, E>>;
 struct Track<E> {
     /// The piece of the program, a line or an arc; of a joint, what it needs of it.
     element: PathElement,
+    /// The piece of the contour; a joint has none.
+    contour: Option<Curve>,
     /// The whole offset piece.
     curve: Curve,
     /// The part of it that is left.
@@ -114,7 +119,8 @@ impl<E> Offset<E> {
             self.notices.add(too_narrow(&element, self.distance));
         }
         let (role, sound) = (Role::Offset, !inside_out);
-        self.add(Track { element, curve, from: 0.0, to: 1.0, role, sound, between });
+        let contour = Some(*contour);
+        self.add(Track { element, contour, curve, from: 0.0, to: 1.0, role, sound, between });
         self.settle(ready);
     }
 
@@ -146,6 +152,7 @@ impl<E> Offset<E> {
         let arc = Curve::Arc(Round::new(end, start, corner, sweep));
         self.add(Track {
             element: joint_element(element),
+            contour: None,
             curve: arc,
             from: 0.0,
             to: 1.0,
@@ -157,32 +164,61 @@ impl<E> Offset<E> {
 
     /// True if the last piece meets `next`, and the next piece to be added will find it there.
     fn meet(&self, next: &Curve) -> bool {
-        self.tracks.back().is_some_and(|last| last.sound && nearest(last, next).is_some())
+        let anywhere = |_: &Crossing| true;
+        self.tracks.back().is_some_and(|last| last.sound && nearest(last, next, anywhere).is_some())
     }
 
     /// Adds a piece at the end; where the path before it is not sound, it takes the place of what lies behind the
     /// point where it meets a sound piece.
     fn add(&mut self, mut track: Track<E>) {
         if track.sound
-            && let Some((index, crossing)) = self.meeting(&track.curve)
+            && let Some((index, crossing)) = self.meeting(&track)
         {
             self.cut_back(index, &mut track, crossing);
         }
         self.tracks.push_back(track);
     }
 
-    /// The last sound piece that meets `next` where that may be: at a sound corner only the neighbour, elsewhere any.
-    /// A neighbour that `next` goes on from is none: the two meet at their ends.
-    fn meeting(&self, next: &Curve) -> Option<(usize, Crossing)> {
-        let last = self.tracks.back()?;
-        let apart = (last.curve.end() - next.start()).norm() > POINT_EPS;
-        let sound = self.tracks.iter().all(|track| track.sound);
-        let newest = self.tracks.len().checked_sub(usize::from(!apart))?;
-        let oldest = if sound { self.tracks.len() - 1 } else { 0 };
-        (oldest..newest).rev().find_map(|index| {
-            let earlier = self.tracks.get(index).filter(|earlier| earlier.sound)?;
-            Some((index, nearest(earlier, next)?))
+    /// The piece from which the path goes on into `next` before it ends. Where the path is not sound, that is the last
+    /// piece before the unsound one that `next` meets where the tool does not come too near to what is left out, but
+    /// not over positionings and moves along Z; else it is the neighbour, if `next` does not start at its end.
+    fn meeting(&self, next: &Track<E>) -> Option<(usize, Crossing)> {
+        self.meeting_behind(next).or_else(|| {
+            let last = self.tracks.back().filter(|last| last.sound)?;
+            let apart = (last.curve.end() - next.curve.start()).norm() > POINT_EPS;
+            let crossing = if apart { nearest(last, &next.curve, |_| true) } else { None };
+            Some((self.tracks.len() - 1, crossing?))
         })
+    }
+
+    fn meeting_behind(&self, next: &Track<E>) -> Option<(usize, Crossing)> {
+        let unsound = self.tracks.iter().rposition(|track| !track.sound)?;
+        let mut waiting = next.between.len();
+        let mut wall = next.is_wall();
+        for (index, earlier) in self.tracks.iter().enumerate().rev() {
+            if wall || waiting > MOST_WAITING {
+                return None;
+            }
+            if index < unsound && earlier.sound {
+                let free = |crossing: &Crossing| {
+                    let point = next.curve.at(crossing.v);
+                    let here = Curve::Line { start: point, end: point };
+                    let mut contours = self
+                        .tracks
+                        .range(index..)
+                        .chain([next])
+                        .filter_map(|track| track.contour.as_ref());
+                    contours
+                        .all(|contour| distance(&here, contour) >= self.distance.abs() - POINT_EPS)
+                };
+                if let Some(crossing) = nearest(earlier, &next.curve, free) {
+                    return Some((index, crossing));
+                }
+            }
+            wall = earlier.is_wall();
+            waiting += earlier.between.len();
+        }
+        None
     }
 
     /// Lets the path go from the piece number `index` straight into `track`, where they cross.
@@ -212,13 +248,10 @@ impl<E> Offset<E> {
         }
     }
 
-    /// Hands out what cannot change any more.
+    /// Hands out what is too far behind to change any more.
     fn settle(&mut self, ready: &mut Between<E>) {
-        while self.tracks.len() > 1 {
-            let sound = self.tracks.iter().all(|track| track.sound);
-            if !sound && self.tracks.len() <= self.look_ahead {
-                return;
-            }
+        // The end of the last piece is not known before the next one.
+        while self.tracks.len() > self.look_ahead.max(1) {
             let Some(track) = self.tracks.pop_front() else { return };
             self.hand_out(track, ready);
         }
@@ -282,13 +315,26 @@ fn too_narrow(element: &PathElement, distance: f64) -> Notice {
     Notice::TooNarrow { place: element.place, radius, tool_radius: distance.abs() }
 }
 
-/// Where the part left of `earlier` meets `next`: the crossing that leaves most of both.
-fn nearest<E>(earlier: &Track<E>, next: &Curve) -> Option<Crossing> {
+impl<E> Track<E> {
+    /// True for what the path is not cut across: it is no cut itself, or the tool moves along Z before it.
+    fn is_wall(&self) -> bool {
+        let moves = |element: &PathElement| element.kind.is_motion() && element.length() > 0.0;
+        self.element.kind != ElementKind::Cut || self.between.iter().flatten().any(moves)
+    }
+}
+
+/// Where the part left of `earlier` meets `next`: of the crossings that will do, the one that leaves most of both.
+fn nearest<E>(
+    earlier: &Track<E>,
+    next: &Curve,
+    will_do: impl Fn(&Crossing) -> bool,
+) -> Option<Crossing> {
     let (length, next_length) = (earlier.curve.length(), next.length());
     let removed = |crossing: &Crossing| (1.0 - crossing.u) * length + crossing.v * next_length;
     crossings(&earlier.curve, next)
         .into_iter()
         .filter(|crossing| crossing.u >= earlier.from && crossing.u <= earlier.to)
+        .filter(will_do)
         .min_by(|a, b| removed(a).total_cmp(&removed(b)))
 }
 

@@ -1,6 +1,8 @@
 //! [`ToolRadius`].
 
 mod marks;
+mod narrow;
+mod random;
 
 use super::{Error, VECTOR_TOLERANCE, arc, assert_continuous, close, cut, polyline, taken};
 use crate::path::{ElementKind, Marks, PathElement, Shape};
