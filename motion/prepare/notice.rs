@@ -110,8 +110,8 @@ impl std::fmt::Display for Notice {
 /// Where adapters put their [`Notice`]s: a list that the consumer empties while it pulls elements.
 ///
 /// It is a handle: its clones are the same list, so one list serves a whole chain of adapters, and the consumer keeps
-/// a clone. Memory is bounded; what comes when the list is full is counted, not kept. A notice is there before the
-/// element it is about leaves its adapter.
+/// a clone. Memory is bounded; what comes when the list is full is counted, not kept. A notice comes when its adapter
+/// knows, which for a gouge may be after the element has left: it is damaged by a later one.
 #[derive(Clone, Debug, Default)]
 pub struct Notices(Arc<Mutex<List>>);
 

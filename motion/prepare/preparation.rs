@@ -5,7 +5,7 @@ use super::{
     LimitCircularVelocities, Notices, RoundPath, Rounding, SmoothPath, Smoothing, ToolRadius,
     ToolRadiusError, ToolRadiusOptions,
 };
-use crate::path::PathElement;
+use crate::path::{Marks, PathElement};
 use std::num::NonZeroUsize;
 
 /// Which adapters a path goes through: each `None` leaves its stage out.
@@ -92,15 +92,22 @@ type Rounded<I, E> = Optional<Smoothed<I, E>, RoundPath<Smoothed<I, E>, E>>;
 pub type PreparedPath<I, E> = Optional<Rounded<I, E>, LimitCircularVelocities<Rounded<I, E>, E>>;
 
 impl Preparation {
-    /// Everything that the marks of a program may ask for, with the manual's defaults, when they ask for no more than
-    /// one of tool radius correction, smoothing and rounding: the one given.
-    pub fn all_with(stage: Stage) -> Self {
-        let none = Self { loops: Some(DEFAULT_LOOP_WINDOW), ..Self::default() };
-        match stage {
-            Stage::ToolRadius => Self { tool_radius: Some(ToolRadiusOptions::default()), ..none },
-            Stage::Smoothing => Self { smoothing: Some(Smoothing::default()), ..none },
-            Stage::Rounding => Self { rounding: Some(Rounding::default()), ..none },
-        }
+    /// What a program with these marks (of all its elements together) asks for, with the adapters' defaults: D is all
+    /// there is to radii and distances, and no limits on curves.
+    ///
+    /// # Errors
+    /// If the marks ask for [`Incompatible`] stages.
+    pub fn for_marks(marks: Marks) -> Result<Self, Incompatible> {
+        let any = |of: Marks| marks.0 & of.0 != 0;
+        let correction = Marks::CORRECTION_LEFT.with(Marks::CORRECTION_RIGHT);
+        let preparation = Self {
+            tool_radius: any(correction).then(ToolRadiusOptions::default),
+            loops: any(Marks::LOOPS).then_some(DEFAULT_LOOP_WINDOW),
+            smoothing: any(Marks::SMOOTHING).then(Smoothing::default),
+            rounding: any(Marks::ROUNDING).then(Rounding::default),
+            circular: None,
+        };
+        preparation.incompatible().map_or(Ok(preparation), Err)
     }
 
     /// Two of its stages that cannot be combined, if there are such.

@@ -44,6 +44,11 @@ impl Track {
         let length: f64 = pieces.iter().map(|piece| piece.curve.length()).sum();
         (length > POINT_EPS).then_some(Self { pieces, bounds })
     }
+
+    /// False if the two are too far apart to meet.
+    pub(super) fn is_near(&self, other: &Self) -> bool {
+        self.bounds.meets(&other.bounds)
+    }
 }
 
 /// The first crossing along `first` of it and `later`. Behind them come `neighbours`; between them lies `walked` of
@@ -54,9 +59,6 @@ pub(super) fn first(
     neighbours: [Option<&PathElement>; 2],
     walked: f64,
 ) -> Option<Meeting> {
-    if !track.bounds.meets(&later_track.bounds) {
-        return None;
-    }
     let lengths = [first.shape.length(), later.shape.length()];
     let mut found: Option<Meeting> = None;
     for a in &track.pieces {

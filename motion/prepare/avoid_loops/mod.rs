@@ -78,6 +78,11 @@ where
         }
     }
 
+    /// True if loops are avoided behind the element taken in last (`iStatus`: `AL_ON`, else `AL_OFF`).
+    pub fn is_on(&self) -> bool {
+        self.active
+    }
+
     /// Takes one more item into the queue.
     fn pull(&mut self) {
         let slot = match self.upstream.next() {
@@ -175,9 +180,8 @@ where
         while !slot(index)?.wall {
             index += 1;
             let Some(later) = element(index) else { break };
-            if let Some(track) = track(index) {
-                let behind = |index: usize| self.next_track(index);
-                let neighbours = [behind(0), behind(index)];
+            if let Some(track) = track(index).filter(|track| track.is_near(front.1)) {
+                let neighbours = [self.next_track(0), self.next_track(index)];
                 let meeting = crossing::first(front, (later, track), neighbours, walked);
                 let sooner = |new: &Meeting| {
                     found.as_ref().is_none_or(|(old, _)| new.s <= old.s + piece::POINT_EPS)

@@ -1,10 +1,10 @@
 //! [`LimitCircularVelocities`].
 
 use super::{Error, arc, cut, element, line};
-use crate::path::{Arc, ElementKind, PathElement, Plane, Shape};
+use crate::path::{Arc, Cubic, ElementKind, Ellipse, PathElement, Plane, Shape};
 use crate::prepare::{CheckVelocities, CircularLimits, LimitCircularVelocities};
-use nalgebra::Point3;
-use std::f64::consts::{FRAC_PI_2, PI};
+use nalgebra::{Point2, Point3, Vector2};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 fn limit(
     elements: impl IntoIterator<Item = PathElement>,
@@ -110,6 +110,50 @@ fn helices_and_other_planes() {
         assert!(close_mm_per_s(limited[1].feed, 100.0));
         assert!(close_mm_per_s(limited[0].end_velocity, 70.710_678_119));
     }
+}
+
+fn limited_by(shape: Shape) -> (f64, f64) {
+    let start = shape.start();
+    let lead = cut([start.x - 0.1, start.y, start.z], start.into(), 1.0);
+    let limited = limit([lead, element(ElementKind::Cut, shape, 1.0)], LIMITS);
+    (limited[0].end_velocity * 1e3, limited[1].feed * 1e3)
+}
+
+/// Curvature of an ellipse: a/b² at the ends of its main axis, b/a² at those of the other.
+#[test]
+fn ellipses() {
+    let (a, b) = (0.05, 0.02);
+    let on = |angle: f64| Point3::new(a * angle.cos(), b * angle.sin(), 0.0);
+    let ellipse = |from: f64, to: f64| {
+        let major = Vector2::new(a, 0.0);
+        let ellipse = Ellipse::new(on(from), on(to), Point2::origin(), major, b, to - from);
+        Shape::Ellipse(Box::new(ellipse))
+    };
+    let close = |(transition, feed): (f64, f64), [at_start, largest]: [f64; 2]| {
+        let expected = [(0.1 / at_start).sqrt() * 1e3, (0.2 / largest).sqrt() * 1e3];
+        (transition - expected[0]).abs() < 1e-5 && (feed - expected[1]).abs() < 1e-5
+    };
+    let [sharp, blunt] = [a / (b * b), b / (a * a)];
+    assert!(close(limited_by(ellipse(FRAC_PI_2, FRAC_PI_2 + TAU)), [blunt, sharp]));
+    assert!(close(limited_by(ellipse(0.0, -1.0)), [sharp, sharp]));
+    // Of a piece without such an end its own largest, at 1 rad: a·b / (a² sin² + b² cos²)^(3/2).
+    let end = a * b / ((a * 1.0_f64.sin()).powi(2) + (b * 1.0_f64.cos()).powi(2)).powf(1.5);
+    assert!(close(limited_by(ellipse(FRAC_PI_2, 1.0)), [blunt, end]));
+}
+
+/// y = x²/(2p) has the curvature 1/p at its vertex.
+#[test]
+fn splines() {
+    // From −20 to 60 mm with p = 40 mm, tangents meeting at x = 20 mm.
+    let (from, to, p) = (-0.02, 0.06, 0.04);
+    let y = |x: f64| x * x / (2.0 * p);
+    let start = Point3::new(from, y(from), 0.0);
+    let control = Point2::new(0.02, from * to / (2.0 * p));
+    let parabola = Cubic::parabola(start, control, Point3::new(to, y(to), 0.01));
+    let (transition, feed) = limited_by(Shape::Cubic(Box::new(parabola)));
+    assert!((feed - (0.2 * p).sqrt() * 1e3).abs() < 1e-5, "{feed}");
+    let at_start = (1.0 + (from / p).powi(2)).powf(-1.5) / p;
+    assert!((transition - (0.1 / at_start).sqrt() * 1e3).abs() < 1e-5);
 }
 
 #[test]

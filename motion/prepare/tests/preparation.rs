@@ -36,9 +36,25 @@ fn incompatible_stages() {
     }
     let error = Incompatible { first: Stage::Smoothing, second: Stage::Rounding };
     assert_eq!(error.to_string(), "smoothing and rounding cannot be combined: D belongs to either");
-    for stage in [Stage::ToolRadius, Stage::Smoothing, Stage::Rounding] {
-        assert_eq!(Preparation::all_with(stage).incompatible(), None);
+}
+
+#[test]
+fn what_marks_ask_for() {
+    let none = Preparation::default();
+    assert_eq!(Preparation::for_marks(Marks::CORNERS_END), Ok(none));
+    let loops = Some(DEFAULT_LOOP_WINDOW);
+    let tool_radius = Some(ToolRadiusOptions::default());
+    for mark in [Marks::CORRECTION_LEFT, Marks::CORRECTION_RIGHT] {
+        let expected = Preparation { tool_radius, loops, ..none };
+        assert_eq!(Preparation::for_marks(mark.with(Marks::LOOPS)), Ok(expected));
     }
+    let smoothing = Some(Smoothing::default());
+    assert_eq!(Preparation::for_marks(Marks::SMOOTHING), Ok(Preparation { smoothing, ..none }));
+    let rounding = Some(Rounding::default());
+    assert_eq!(Preparation::for_marks(Marks::ROUNDING), Ok(Preparation { rounding, ..none }));
+    let error = Incompatible { first: Stage::ToolRadius, second: Stage::Rounding };
+    let marks = Marks::ROUNDING.with(Marks::CORRECTION_LEFT);
+    assert_eq!(Preparation::for_marks(marks), Err(error));
 }
 
 /// Every stage with every other that it goes with.

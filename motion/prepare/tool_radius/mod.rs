@@ -168,7 +168,9 @@ where
         }
     }
 
-    fn side(&self) -> Option<Side> {
+    /// On which side of the contour the tool is at the element taken in last (`iStatus`: `TC_LEFT`, `TC_RIGHT`); none
+    /// where the path is not corrected (`TC_ORIG`).
+    pub fn side(&self) -> Option<Side> {
         match &self.state {
             State::Off => None,
             State::Begun(side) | State::Idle(side) => Some(*side),

@@ -1,12 +1,14 @@
 //! Properties of the offset of random paths.
 
 use super::{LEFT, RIGHT, contour, correct};
-use crate::path::{ElementKind, PathElement};
+use crate::path::{Arc, ElementKind, PathElement, Shape};
 use crate::prepare::planar::{Curve, distance};
-use crate::prepare::tests::{Error, random_path};
+use crate::prepare::tests::{Error, cut, element, numbered, random_path};
 use crate::prepare::{Notice, Notices, ToolRadius, ToolRadiusOptions};
+use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use std::collections::HashSet;
+use std::f64::consts::TAU;
 
 /// Distance of a point of the path from an element of the contour in X and Y, m.
 fn from_contour(path: &PathElement, part: f64, contour: &Curve) -> f64 {
@@ -51,6 +53,47 @@ proptest! {
                 }
             }
         }
+    }
+
+    /// Numbers in whole micrometres leave neighbours that were tangent with a turn, and arcs with two radii. That is
+    /// no reason to find anything wrong, nor to lose a piece.
+    #[test]
+    fn programs_have_rounded_numbers(
+        steps in prop::collection::vec((0.02..0.06, 0.02..0.05, 0.2..2.0, any::<bool>()), 1..6),
+        left in any::<bool>(),
+    ) {
+        let rounded = |point: Point3<f64>| point.map(|x| (x * 1e6).round() * 1e-6);
+        let (mut at, mut heading) = (Point3::origin(), 0.0_f64);
+        let mut path = Vec::new();
+        for (way, radius, sweep, turns_left) in steps {
+            let sweep: f64 = if turns_left { sweep } else { -sweep };
+            let ahead = Vector3::new(heading.cos(), heading.sin(), 0.0);
+            let joint = rounded(at + ahead * way);
+            path.push(cut(at.into(), joint.into(), 0.05));
+            // To the left or right of the direction.
+            let radius: f64 = if turns_left { radius } else { -radius };
+            let center = rounded(joint + Vector3::new(-ahead.y, ahead.x, 0.0) * radius);
+            heading += sweep;
+            let outward = Vector3::new(heading.sin(), -heading.cos(), 0.0);
+            let end = rounded(center + outward * radius);
+            let angle = |point: Point3<f64>| (point - center).y.atan2((point - center).x);
+            let turned = (angle(end) - angle(joint)) * sweep.signum();
+            let sweep = turned.rem_euclid(TAU) * sweep.signum();
+            let bend = Arc::new(joint, end, center, sweep);
+            path.push(element(ElementKind::Cut, Shape::Arc(bend), 0.05));
+            at = end;
+        }
+        let path = numbered(path);
+        let side = if left { LEFT } else { RIGHT };
+        let (after, notices) = correct(contour(path.clone(), side, 5.0), ToolRadiusOptions::default());
+        // Far away from itself the path may come near to itself.
+        let beside = |notice: &&Notice| match notice {
+            Notice::Gouge { place, damaged, .. } => place.line.abs_diff(damaged.line) <= 1,
+            _ => true,
+        };
+        prop_assert_eq!(notices.iter().find(beside), None);
+        let lines: HashSet<_> = after.iter().map(|element| element.place.line).collect();
+        prop_assert_eq!(lines.len(), path.len());
     }
 
     #[test]
