@@ -51,7 +51,8 @@ impl Arc {
         let to = plane.split(&(end - center));
         let radius = from[0].hypot(from[1]);
         let end_radius = to[0].hypot(to[1]);
-        let rise = to[2] - from[2];
+        // Not by way of the centre, whose height does not matter.
+        let [_, _, rise] = plane.split(&(end - start));
         let around = radius.midpoint(end_radius) * sweep;
         let length = Vector3::new(around, end_radius - radius, rise).norm();
         let [first, second, _] = plane.split(&center.coords);

@@ -26,6 +26,8 @@ struct Form {
     center: Point2<f64>,
     major: Vector2<f64>,
     minor: Vector2<f64>,
+    /// Length of `minor` as given: that of the vector differs by rounding.
+    minor_length: f64,
     start_angle: f64,
     sweep: f64,
     size: f64,
@@ -91,6 +93,7 @@ impl Ellipse {
             center,
             major,
             minor: side,
+            minor_length: minor,
             start_angle: from.y.atan2(from.x),
             sweep,
             size,
@@ -156,7 +159,7 @@ impl Ellipse {
 
     /// The other half axis, m (`dP6`).
     pub fn minor(&self) -> f64 {
-        self.curve.form.minor.norm()
+        self.curve.form.minor_length
     }
 
     /// Eccentric angle of the start, rad, from the main axis, counter-clockwise (`dT1`).

@@ -9,6 +9,7 @@ mod ellipse;
 mod marks;
 mod operations;
 mod plane;
+pub mod queue;
 mod shape;
 #[cfg(test)]
 mod tests;

@@ -1,0 +1,129 @@
+//! What can be wrong with a queue file.
+
+use super::{MAX_BLOCK_BYTES, VERSION};
+use crate::Place;
+use std::io;
+
+/// Why a queue file cannot be read on. `offset` is the byte of the file at which it was found.
+#[derive(Debug, thiserror::Error)]
+pub enum QueueReadError {
+    /// Reading fails.
+    #[error("byte {offset}: the queue cannot be read")]
+    Io {
+        /// Bytes read before.
+        offset: u64,
+        /// What the reader says.
+        #[source]
+        source: io::Error,
+    },
+    /// The file begins with something else.
+    #[error("byte {offset}: this is no queue file")]
+    NotAQueue {
+        /// First byte that is different.
+        offset: u64,
+    },
+    /// Another version of the layout.
+    #[error("byte {offset}: the queue has version {version}; version {VERSION} can be read")]
+    Version {
+        /// Where the version is.
+        offset: u64,
+        /// The file's version.
+        version: u16,
+    },
+    /// The file ends before its end record is complete.
+    #[error("byte {offset}: the queue ends in the middle, its end record is missing")]
+    Truncated {
+        /// Length of the file.
+        offset: u64,
+    },
+    /// Something follows the end record.
+    #[error("byte {offset}: something follows the end of the queue")]
+    Trailing {
+        /// The first byte too many.
+        offset: u64,
+    },
+    /// Neither a block nor the end begins where one must.
+    #[error("byte {offset}: {tag:#04x} begins neither a block nor the end record")]
+    Tag {
+        /// Where.
+        offset: u64,
+        /// The byte that is there.
+        tag: u8,
+    },
+    /// A block that is empty or too long.
+    #[error("byte {offset}: a block of {length} bytes; it must have 1 to {MAX_BLOCK_BYTES}")]
+    BlockLength {
+        /// Where the length is.
+        offset: u64,
+        /// The length.
+        length: u32,
+    },
+    /// What was read is not what was written.
+    #[error("byte {offset}: the checksum is wrong, the queue is damaged before here")]
+    Checksum {
+        /// Where the checksum is.
+        offset: u64,
+    },
+    /// The end record counts other elements than there were.
+    #[error("byte {offset}: the queue says it has {expected} elements, it has {found}")]
+    Count {
+        /// Where the count is.
+        offset: u64,
+        /// What the end record says.
+        expected: u64,
+        /// How many were read.
+        found: u64,
+    },
+    /// The checksums are right and the content makes no sense all the same: another program wrote it.
+    #[error("byte {offset}: {error}")]
+    Content {
+        /// Where.
+        offset: u64,
+        /// What is wrong.
+        error: ContentError,
+    },
+}
+
+/// A field of an element, or of the header, that cannot be.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum ContentError {
+    /// The block ends within an element.
+    #[error("the block ends within an element")]
+    Incomplete,
+    /// A number that stands for nothing.
+    #[error("{value} is no {field}")]
+    Unknown {
+        /// What it should be.
+        field: &'static str,
+        /// What is there.
+        value: u8,
+    },
+    /// A coordinate, angle or limit that is no finite number.
+    #[error("a number of an element is {value}, not a finite one")]
+    NotFinite {
+        /// What is there.
+        value: f64,
+    },
+    /// An ellipse that goes around more often than once.
+    #[error("an ellipse turns by {sweep} rad; it can go around once")]
+    Turns {
+        /// The eccentric angle swept.
+        sweep: f64,
+    },
+}
+
+/// Why a queue file cannot be written on.
+#[derive(Debug, thiserror::Error)]
+pub enum QueueWriteError {
+    /// Writing fails.
+    #[error("the queue cannot be written")]
+    Io(#[from] io::Error),
+    /// An element that no reader would take. The queue is as if it had not been given.
+    #[error("{place}: {error}")]
+    Content {
+        /// The element's block.
+        place: Place,
+        /// What is wrong with it.
+        error: ContentError,
+    },
+}
