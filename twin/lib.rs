@@ -19,4 +19,5 @@ pub mod program;
 pub mod report;
 pub mod session;
 pub mod setpoint;
+pub mod settings;
 pub mod simulated;

@@ -242,13 +242,17 @@ fn strip(machine: &Machine, element: &PathElement) -> Option<PathStrip> {
     let kind = match element.kind {
         ElementKind::Rapid => MoveKind::Rapid,
         ElementKind::Cut => MoveKind::Cut,
-        ElementKind::Jump => return None,
+        ElementKind::Jump | ElementKind::MFunction { .. } | ElementKind::Dwell { .. } => {
+            return None;
+        }
     };
     let shape = &element.shape;
     let length = shape.length();
     let chords = match shape {
         Shape::Line { .. } => 1.0,
-        Shape::Arc(_) => (length / CHORD).ceil().clamp(8.0, MAX_CHORDS),
+        Shape::Arc(_) | Shape::Ellipse(_) | Shape::Cubic(_) => {
+            (length / CHORD).ceil().clamp(8.0, MAX_CHORDS)
+        }
     };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 200")]
     let count = chords as u32;

@@ -2,10 +2,11 @@
 
 use crate::finding::{Finding, Rule, Severity};
 use crate::machine::Machine;
+use crate::settings::ReadSettings;
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -73,7 +74,7 @@ impl Dialect {
 pub struct ProgramFile {
     path: PathBuf,
     dialect: Dialect,
-    skip_suppressed: bool,
+    settings: ReadSettings,
     stamp: Option<Stamp>,
 }
 
@@ -103,20 +104,19 @@ impl Stamp {
 }
 
 impl ProgramFile {
-    /// The program at `path`; with `skip_suppressed` without the blocks that begin with `/`. Should the file change
-    /// from now on, reading it is an error: what is run must be what was checked.
+    /// The program at `path`, read by `settings`. Should the file change from now on, reading it is an error: what is run must be what was checked.
     ///
     /// # Errors
     /// If the dialect is not known or not read yet.
     pub fn new(
         path: &Path,
         dialect: Option<Dialect>,
-        skip_suppressed: bool,
+        settings: ReadSettings,
     ) -> Result<Self, DialectError> {
         match dialect {
             Some(dialect @ Dialect::Din66025) => {
                 let stamp = std::fs::metadata(path).ok().as_ref().and_then(Stamp::of);
-                Ok(Self { path: path.to_owned(), dialect, skip_suppressed, stamp })
+                Ok(Self { path: path.to_owned(), dialect, settings, stamp })
             }
             Some(Dialect::Rs274) => Err(DialectError::NotYet(path.to_owned())),
             None => Err(DialectError::Unknown(path.to_owned())),
@@ -183,8 +183,20 @@ impl ProgramFile {
         }
         Stamp::verify(self.stamp, &file)?;
         let file = Counted { file, stamp: self.stamp, ledger: Rc::clone(&ledger) };
-        let options = DecoderOptions { start, skip_suppressed_blocks: self.skip_suppressed };
-        let decoder = Decoder::new(BufReader::with_capacity(1 << 16, file), options);
+        let ReadSettings { skip_suppressed, variables, jumps } = self.settings.clone();
+        let options = DecoderOptions {
+            start,
+            skip_suppressed_blocks: skip_suppressed,
+            variables,
+            jumps,
+            ..DecoderOptions::default()
+        };
+        let reader = BufReader::with_capacity(1 << 16, file);
+        let decoder = if self.is_repeatable() {
+            Decoder::with_jumps(reader, options)
+        } else {
+            Decoder::new(reader, options)
+        };
         Ok((Decoded { decoder, ledger: Rc::clone(&ledger), halted: false }, ledger))
     }
 }
@@ -234,6 +246,12 @@ impl Read for Counted {
         Stamp::verify(self.stamp, &self.file)?;
         self.ledger.borrow_mut().bytes += u64::try_from(count).unwrap_or(u64::MAX);
         Ok(count)
+    }
+}
+
+impl Seek for Counted {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
     }
 }
 

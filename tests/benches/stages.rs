@@ -37,7 +37,7 @@ fn program() -> String {
 }
 
 fn decode(text: &str) -> impl Iterator<Item = PathElement> {
-    let options = DecoderOptions { start: [0.3, 0.0, 0.02], skip_suppressed_blocks: false };
+    let options = DecoderOptions { start: [0.3, 0.0, 0.02], ..DecoderOptions::default() };
     Decoder::new(text.as_bytes(), options).filter_map(|item| match item {
         Ok(Item::Element(element)) => Some(element),
         _ => None,
@@ -55,7 +55,9 @@ fn setpoints(machine: &Machine) -> Vec<ToolSetpoint> {
     let root =
         Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace is above the crate");
     let path = root.join("examples/plate.cnc");
-    let program = ProgramFile::new(&path, Some(Dialect::Din66025), false).expect("a known dialect");
+    let program =
+        ProgramFile::new(&path, Some(Dialect::Din66025), twin::settings::ReadSettings::default())
+            .expect("a known dialect");
     let items = program.open(machine).expect("shipped with the product");
     items
         .filter_map(|item| match item {

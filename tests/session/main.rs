@@ -19,6 +19,7 @@ use tempfile::TempDir;
 use twin::machine::Machine;
 use twin::program::{Dialect, ProgramFile};
 use twin::session::{Ending, Session};
+use twin::settings::ReadSettings;
 use twin::simulated::Simulated;
 
 use recorder::Recorder;
@@ -50,7 +51,8 @@ impl Program {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("program.cnc");
         std::fs::write(&path, text).unwrap();
-        let file = ProgramFile::new(&path, Some(Dialect::Din66025), false).unwrap();
+        let file =
+            ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
         Self { file, _folder: folder }
     }
 

@@ -7,6 +7,7 @@ use super::{CheckFailure, Outcome, check};
 use crate::finding::{Finding, Rule, Severity, unfit};
 use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
+use crate::settings::ReadSettings;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -26,7 +27,8 @@ fn examine(machine: &str, program: &str, physics: bool) -> Result<Outcome, Check
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("program.cnc");
     std::fs::write(&path, program).unwrap();
-    let program = ProgramFile::new(&path, Some(Dialect::Din66025), false).unwrap();
+    let program =
+        ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
     check(&machine, &program, physics, &mut |_| {})
 }
 
@@ -303,7 +305,7 @@ fn warnings_never_crowd_out_errors() {
 #[test]
 fn the_worst_comes_first_then_the_order_of_the_program() {
     let jerky = edited(GANTRY3, "position_min_mm", "max_jerk_mm_per_s3 = 1\nposition_min_mm");
-    let program = "% worst\nN10 G1 X100 F500 E2000 E-2000\nN20 G1 Z200 F100\nN30 Q1\n";
+    let program = "% worst\nN10 G1 X100 F500 E2000 E-2000\nN20 G1 Z200 F100\nN30 T1\n";
     let outcome = checked(&jerky, program);
     let order: Vec<_> = outcome
         .findings
@@ -396,7 +398,8 @@ fn what_cannot_be_read_is_no_finding() {
     let folder = tempfile::tempdir().unwrap();
     let machine = Machine::parse(Path::new("machine.toml"), GANTRY3).unwrap();
     for path in [folder.path(), &folder.path().join("missing.cnc")] {
-        let program = ProgramFile::new(path, Some(Dialect::Din66025), false).unwrap();
+        let program =
+            ProgramFile::new(path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
         let failure = check(&machine, &program, false, &mut |_| {});
         assert!(matches!(failure, Err(CheckFailure::Read(_))), "{failure:?}");
     }
@@ -409,7 +412,8 @@ fn progress_is_told_to_the_end_of_the_file() {
     let path = folder.path().join("program.cnc");
     std::fs::write(&path, program).unwrap();
     let machine = Machine::parse(Path::new("machine.toml"), GANTRY3).unwrap();
-    let program = ProgramFile::new(&path, Some(Dialect::Din66025), false).unwrap();
+    let program =
+        ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
     let mut told = Vec::new();
     check(&machine, &program, false, &mut |bytes| told.push(bytes)).unwrap();
     assert!(told.is_sorted() && told.len() >= 2, "{told:?}");

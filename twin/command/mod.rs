@@ -108,6 +108,9 @@ pub(crate) enum Failure {
     /// Which dialect the program is written in is not known, or not read yet.
     #[error(transparent)]
     Dialect(#[from] crate::program::DialectError),
+    /// The program's variables.
+    #[error(transparent)]
+    Variables(#[from] crate::settings::VariablesError),
     /// The simulated machine.
     #[error("the simulated machine cannot be built: {0}")]
     Physics(#[from] crate::physics::PhysicsError),

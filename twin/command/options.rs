@@ -3,8 +3,10 @@
 use super::Failure;
 use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
+use crate::settings::{self, ReadSettings};
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::path::{Path, PathBuf};
+use twin_motion::din66025::{DEFAULT_JUMPS, Variables};
 
 /// The machine.
 #[derive(Clone, Debug, clap::Args)]
@@ -21,7 +23,7 @@ impl MachineOption {
 }
 
 /// How the program is read.
-#[derive(Clone, Copy, Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 pub(super) struct ReadOptions {
     /// Language of the program [default: by its ending and first lines; the choice is printed]
     #[arg(long, value_enum)]
@@ -30,15 +32,39 @@ pub(super) struct ReadOptions {
     /// Leave out blocks that begin with `/`
     #[arg(long)]
     pub(super) skip_suppressed: bool,
+
+    /// Value of a variable that the program names as $NAME$; may be given several times
+    #[arg(long = "var", value_name = "NAME=NUMBER")]
+    variables: Vec<String>,
+
+    /// File with variables (TOML): NAME = NUMBER, or NAME = [up to 8 numbers] for M functions with O$NAME$
+    #[arg(long = "variables", value_name = "FILE")]
+    variables_file: Option<PathBuf>,
+
+    /// Jumps (G20) after which a program counts as endless
+    #[arg(long, value_name = "COUNT", default_value_t = DEFAULT_JUMPS)]
+    max_jumps: u32,
 }
 
 impl ReadOptions {
-    pub(super) fn program(self, path: &Path) -> Result<ProgramFile, Failure> {
+    pub(super) fn program(&self, path: &Path) -> Result<ProgramFile, Failure> {
+        let mut variables = Variables::default();
+        if let Some(file) = &self.variables_file {
+            settings::read_variables(file, &mut variables)?;
+        }
+        for definition in &self.variables {
+            settings::define(definition, &mut variables)?;
+        }
+        let settings = ReadSettings {
+            skip_suppressed: self.skip_suppressed,
+            variables,
+            jumps: self.max_jumps,
+        };
         let dialect = match self.dialect {
             Some(dialect) => Some(dialect),
             None => Dialect::guess(path).map_err(|source| unreadable(path, source))?,
         };
-        Ok(ProgramFile::new(path, dialect, self.skip_suppressed)?)
+        Ok(ProgramFile::new(path, dialect, settings)?)
     }
 }
 

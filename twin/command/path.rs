@@ -8,10 +8,11 @@ use crate::number::significant;
 use crate::program::ElementItem;
 use nalgebra::{Point3, Vector3};
 use serde_json::value::RawValue;
+use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use twin_kinematics::WorkFrame;
-use twin_motion::path::{ElementKind, PathElement, Shape};
+use twin_motion::path::{EXTRA_AXES, ElementKind, PathElement, Shape};
 
 /// Digits of the numbers written; a double is preserved by 17, and 12 are a picometre on a metre.
 const DIGITS: usize = 12;
@@ -58,9 +59,30 @@ struct Row {
     normal: Option<[Number; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     sweep_deg: Option<Number>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    m: Option<u16>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    k: Option<Number>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    l: Option<Number>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dwell_s: Option<Number>,
+    /// Start and end of the extra axes that move, u.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extra: Option<BTreeMap<char, [Number; 2]>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    switches: Vec<SwitchRow>,
     length_mm: Number,
     feed_mm_per_s: Number,
     end_velocity_mm_per_s: Number,
+}
+
+/// A switch and where along its element (0 to 1) it is.
+#[derive(serde::Serialize)]
+struct SwitchRow {
+    number: u8,
+    on: bool,
+    at: Number,
 }
 
 type Number = Box<RawValue>;
@@ -109,30 +131,72 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 }
 
 fn write_element(out: &mut impl Write, frame: &WorkFrame, element: &PathElement) -> io::Result<()> {
-    let arc = match &element.shape {
-        Shape::Arc(arc) => Some(arc),
-        Shape::Line { .. } => None,
-    };
     let kind = match (element.kind, &element.shape) {
         (ElementKind::Rapid, _) => "rapid",
         (ElementKind::Jump, _) => "jump",
+        (ElementKind::MFunction { .. }, _) => "m",
+        (ElementKind::Dwell { .. }, _) => "dwell",
         (ElementKind::Cut, Shape::Line { .. }) => "line",
         (ElementKind::Cut, Shape::Arc(_)) => "arc",
+        (ElementKind::Cut, Shape::Ellipse(_)) => "ellipse",
+        (ElementKind::Cut, Shape::Cubic(cubic)) if cubic.is_parabola() => "parabola",
+        (ElementKind::Cut, Shape::Cubic(_)) => "spline",
     };
     let machine = |point: &Point3<f64>| millimetres(&frame.point_to_machine(point));
-    let normal = frame.vector_to_machine(&Vector3::z());
+    let turning = match &element.shape {
+        Shape::Arc(arc) => Some((arc.center(), arc.plane().normal(), arc.sweep())),
+        Shape::Ellipse(ellipse) => {
+            let center = ellipse.center();
+            let center = Point3::new(center.x, center.y, ellipse.start().z);
+            Some((center, Vector3::z(), ellipse.sweep()))
+        }
+        Shape::Line { .. } | Shape::Cubic(_) => None,
+    };
+    let upright = |normal: &Vector3<f64>| {
+        let normal = frame.vector_to_machine(normal);
+        [number(normal.x), number(normal.y), number(normal.z)]
+    };
+    let details = element.details.as_deref();
+    let extra = element.extra().map(|extra| {
+        let moving = extra.start.iter().zip(extra.end).zip(EXTRA_AXES);
+        moving
+            .filter(|((start, end), _)| **start != *end)
+            .map(|((start, end), letter)| (letter, [number(*start), number(end)]))
+            .collect::<BTreeMap<_, _>>()
+    });
+    let switches = element.switches().iter().map(|switch| SwitchRow {
+        number: switch.number,
+        on: switch.on,
+        at: number(switch.at),
+    });
     let row = Row {
         line: element.place.line,
         block: element.place.block,
         kind,
         start_mm: machine(&element.shape.start()),
         end_mm: machine(&element.shape.end()),
-        center_mm: arc.map(|arc| machine(&arc.center())),
-        normal: arc.map(|_| [number(normal.x), number(normal.y), number(normal.z)]),
-        sweep_deg: arc.map(|arc| number(arc.sweep().to_degrees())),
+        center_mm: turning.as_ref().map(|(center, ..)| machine(center)),
+        normal: turning.as_ref().map(|(_, normal, _)| upright(normal)),
+        sweep_deg: turning.map(|(.., sweep)| number(sweep.to_degrees())),
+        m: match element.kind {
+            ElementKind::MFunction { number } => Some(number),
+            _ => None,
+        },
+        k: details.and_then(|details| details.parameters.k).map(number),
+        l: details.and_then(|details| details.parameters.l).map(number),
+        dwell_s: match element.kind {
+            ElementKind::Dwell { time_ns } => Some(number(crate::report::seconds(time_ns))),
+            _ => None,
+        },
+        extra: extra.filter(|extra| !extra.is_empty()),
+        switches: switches.collect(),
         length_mm: number(element.length() * 1e3),
         feed_mm_per_s: number(element.feed * 1e3),
-        end_velocity_mm_per_s: number(element.end_velocity * 1e3),
+        end_velocity_mm_per_s: number(if element.end_velocity.is_finite() {
+            element.end_velocity * 1e3
+        } else {
+            0.0
+        }),
     };
     serde_json::to_writer(&mut *out, &row)?;
     writeln!(out)

@@ -1,0 +1,155 @@
+//! How a program is read, beyond its dialect: suppressed blocks, variables, jumps.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use twin_motion::din66025::{DEFAULT_JUMPS, Variables};
+
+/// How a program is read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadSettings {
+    /// Leave out blocks that begin with `/`.
+    pub skip_suppressed: bool,
+    /// What `$name$` stands for.
+    pub variables: Variables,
+    /// Jumps (G20) a program may take before it counts as endless.
+    pub jumps: u32,
+}
+
+impl Default for ReadSettings {
+    fn default() -> Self {
+        Self { skip_suppressed: false, variables: Variables::default(), jumps: DEFAULT_JUMPS }
+    }
+}
+
+/// Why variables cannot be had.
+#[derive(Debug, thiserror::Error)]
+pub enum VariablesError {
+    /// The file.
+    #[error("cannot read variables from {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// The file's text.
+    #[error("{}: {source}", path.display())]
+    Syntax {
+        /// The file.
+        path: PathBuf,
+        /// Where and why.
+        source: toml::de::Error,
+    },
+    /// A value that is neither a number nor the eight of `SMC_M_PARAMETERS`.
+    #[error("{}: `{name}` must be a number, true or false, or a list of up to 8 numbers (dP1 to dP8 of an M function)", path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// The variable.
+        name: String,
+    },
+    /// A definition on the command line.
+    #[error("`{0}` is no definition of a variable; expected NAME=NUMBER")]
+    Definition(String),
+}
+
+/// Adds the variables of a file (`name = number`, or a list of up to 8 numbers as parameters of M functions).
+///
+/// # Errors
+/// If it cannot be read or says something else.
+pub fn read_variables(path: &Path, variables: &mut Variables) -> Result<(), VariablesError> {
+    let path = || path.to_owned();
+    let text = std::fs::read_to_string(path())
+        .map_err(|source| VariablesError::Read { path: path(), source })?;
+    let table: toml::Table =
+        text.parse().map_err(|source| VariablesError::Syntax { path: path(), source })?;
+    for (name, value) in &table {
+        let wrong = || VariablesError::Value { path: path(), name: name.clone() };
+        if let toml::Value::Array(values) = value {
+            let mut parameters = [0.0; 8];
+            if values.len() > parameters.len() {
+                return Err(wrong());
+            }
+            for (slot, value) in parameters.iter_mut().zip(values) {
+                *slot = number(value).ok_or_else(wrong)?;
+            }
+            variables.set_parameters(name, parameters);
+        } else {
+            variables.set(name, number(value).ok_or_else(wrong)?);
+        }
+    }
+    Ok(())
+}
+
+/// Adds a variable defined as `NAME=NUMBER`.
+///
+/// # Errors
+/// If it is not.
+pub fn define(definition: &str, variables: &mut Variables) -> Result<(), VariablesError> {
+    let wrong = || VariablesError::Definition(definition.to_owned());
+    let (name, value) = definition.split_once('=').ok_or_else(wrong)?;
+    let value: f64 = value.trim().parse().map_err(|_| wrong())?;
+    if name.trim().is_empty() || !value.is_finite() {
+        return Err(wrong());
+    }
+    variables.set(name.trim(), value);
+    Ok(())
+}
+
+fn number(value: &toml::Value) -> Option<f64> {
+    #[expect(clippy::cast_precision_loss, reason = "as PLC integers become REAL")]
+    match value {
+        toml::Value::Float(value) => Some(*value).filter(|value| value.is_finite()),
+        toml::Value::Integer(value) => Some(*value as f64),
+        toml::Value::Boolean(value) => Some(f64::from(u8::from(*value))),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<Variables, VariablesError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("variables.toml");
+        std::fs::write(&path, text).unwrap();
+        let mut variables = Variables::default();
+        read_variables(&path, &mut variables).map(|()| variables)
+    }
+
+    #[test]
+    fn a_file_of_variables() {
+        let variables = read("g_i = 5\ng_fFeed = 12.5\nready = true\ng_my = [1, 2.5]\n").unwrap();
+        assert_eq!(variables.get("G_I"), Some(5.0));
+        assert_eq!(variables.get("g_ffeed"), Some(12.5));
+        assert_eq!(variables.get("ready"), Some(1.0));
+        assert_eq!(variables.parameters("G_MY"), Some([1.0, 2.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
+    }
+
+    #[test]
+    fn what_is_no_file_of_variables() {
+        for (text, part) in [
+            ("g_i = ", "variables.toml"),
+            ("g_i = \"five\"", "`g_i` must be a number"),
+            ("g_i = [1,2,3,4,5,6,7,8,9]", "up to 8 numbers"),
+            ("g_i = nan", "`g_i` must be a number"),
+        ] {
+            let error = read(text).unwrap_err().to_string();
+            assert!(error.contains(part), "{error}");
+        }
+        let missing = read_variables(Path::new("/no/such"), &mut Variables::default());
+        assert!(missing.unwrap_err().to_string().contains("/no/such"));
+    }
+
+    #[test]
+    fn definitions() {
+        let mut variables = Variables::default();
+        define("g_i = 5", &mut variables).unwrap();
+        define("G_I=-2.5", &mut variables).unwrap();
+        assert_eq!(variables.get("g_i"), Some(-2.5));
+        for wrong in ["g_i", "=5", "g_i=five", "g_i=inf", ""] {
+            assert!(define(wrong, &mut variables).is_err(), "{wrong}");
+        }
+    }
+}
