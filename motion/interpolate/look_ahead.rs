@@ -1,9 +1,12 @@
 //! Look-ahead: which velocities at the transitions can really be reached, and stopped from.
 
+use super::Source;
+use super::braking::Braking;
 use super::profile::{Limits, Profile};
 use crate::prepare::CheckedElement;
 use std::collections::VecDeque;
 use std::num::NonZeroUsize;
+use std::task::Poll;
 
 /// Elements looked at at once when nothing else is asked for: 0.4 m of segments of 0.1 mm, enough to stop from
 /// 0.9 m/s with 1 m/s².
@@ -41,11 +44,7 @@ impl PlannedElement {
 
     /// The fastest profile between the two.
     pub fn profile(&self) -> Profile {
-        let limits = Limits {
-            feed: self.element.feed,
-            acceleration: self.element.acceleration,
-            deceleration: self.element.deceleration,
-        };
+        let limits = Limits::of(&self.element, 1.0);
         Profile::new(self.element.path_length(), self.start_velocity, self.end_velocity, limits)
     }
 }
@@ -55,8 +54,8 @@ impl PlannedElement {
 ///
 /// An element is handed out as soon as nothing that could still come would change its plan: when what is known of
 /// the path behind it is long enough to stop on, or holds a stop anyway. So the result is that of infinite look-ahead,
-/// however long the program. When the window is full before that, the element is planned so that the path can stop
-/// at the window's end; a larger window is faster there, never safer.
+/// however long the program. When the window is full before that, or upstream has nothing yet, the element is planned
+/// so that the path can stop at the end of what is known; a larger window is faster there, never safer.
 ///
 /// At an error from upstream the path stops; the error follows, and the next element starts from rest.
 ///
@@ -81,6 +80,14 @@ pub struct LookAhead<I, E> {
     velocity: f64,
     velocity_v2: f64,
     boundary: Boundary<E>,
+    /// Factor on all velocities.
+    scale: f64,
+    /// Every element ends at rest.
+    stepping: bool,
+    /// The last plan would be faster if more of the path were known.
+    limited: bool,
+    /// The upstream had nothing when it was last asked.
+    starved: bool,
 }
 
 /// What comes after the newest element in the queue.
@@ -92,47 +99,40 @@ enum Boundary<E> {
 }
 
 #[derive(Debug)]
-struct Queued {
-    element: CheckedElement,
+pub(super) struct Queued {
+    pub(super) element: CheckedElement,
+    /// Largest velocity at its end: that of the element times the override, or 0 where it is stepped.
+    pub(super) end_velocity: f64,
     braking: Braking,
     /// `braking` composed with that of all behind it in the older part of the queue.
     suffix: Braking,
 }
 
-/// Largest squared velocity at the start of a piece of path as a function of the one at its end:
-/// `x ↦ min(cap, x + gain)`.
-#[derive(Clone, Copy, Debug)]
-struct Braking {
-    cap_v2: f64,
-    gain_v2: f64,
+/// Answer to [`LookAhead::take`].
+#[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "taken apart at once")]
+pub(super) enum Taken<E> {
+    /// The next element, and the velocity at its end as far as it itself is concerned.
+    Element(CheckedElement, f64),
+    /// An error, then perhaps more.
+    Failure(E),
+    /// Upstream has nothing yet.
+    NotYet,
+    End,
 }
 
-impl Braking {
-    /// A piece of length zero.
-    const NONE: Self = Self { cap_v2: f64::INFINITY, gain_v2: 0.0 };
-
-    fn over(element: &CheckedElement) -> Self {
-        // Without a path there are no limits to multiply with.
-        let gain_v2 = if element.has_path() {
-            2.0 * element.deceleration * element.path_length()
-        } else {
-            0.0
-        };
-        Self { cap_v2: element.end_velocity * element.end_velocity + gain_v2, gain_v2 }
-    }
-
-    /// This piece followed by `later`.
-    fn then(self, later: Self) -> Self {
-        Self {
-            cap_v2: self.cap_v2.min(later.cap_v2 + self.gain_v2),
-            gain_v2: self.gain_v2 + later.gain_v2,
-        }
-    }
+/// Answer to [`LookAhead::ahead`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ahead {
+    Path,
+    Failure,
+    NotYet,
+    End,
 }
 
 impl<I, E> LookAhead<I, E>
 where
-    I: Iterator<Item = Result<CheckedElement, E>>,
+    I: Source<Item = Result<CheckedElement, E>>,
 {
     /// Looks ahead over at most [`DEFAULT_WINDOW`] elements.
     pub fn new(upstream: I) -> Self {
@@ -150,20 +150,155 @@ where
             velocity: 0.0,
             velocity_v2: 0.0,
             boundary: Boundary::Unknown,
+            scale: 1.0,
+            stepping: false,
+            limited: false,
+            starved: false,
         }
     }
 
-    /// Takes one more element from upstream into the queue.
-    fn pull(&mut self) {
-        match self.upstream.next() {
-            Some(Ok(element)) => {
-                let braking = Braking::over(&element);
-                self.newer = self.newer.then(braking);
-                self.queue.push_back(Queued { element, braking, suffix: Braking::NONE });
-            }
-            Some(Err(error)) => self.boundary = Boundary::Failure(error),
-            None => self.boundary = Boundary::End,
+    /// Whether the latest plan would be faster if more of the path were known: the window is too small
+    /// (`SMC_WAR_INT_OUTQUEUE_TOO_SMALL`, warning 1080; stops are kept nevertheless) or upstream has nothing yet.
+    pub fn limited(&self) -> bool {
+        self.limited
+    }
+
+    /// Whether upstream had nothing when it was last asked (`SMC_INT_DATA_UNDERRUN`, 1003).
+    pub fn starved(&self) -> bool {
+        self.starved
+    }
+
+    pub(super) fn set_limited(&mut self, limited: bool) {
+        self.limited = limited && matches!(self.boundary, Boundary::Unknown);
+    }
+
+    /// What is known of the path.
+    pub(super) fn known(&self) -> impl Iterator<Item = &Queued> {
+        self.queue.iter()
+    }
+
+    pub(super) fn scale(&self) -> f64 {
+        self.scale
+    }
+
+    pub(super) fn stepping(&self) -> bool {
+        self.stepping
+    }
+
+    fn queued(&self, element: CheckedElement, stepped: bool) -> Queued {
+        let end_velocity = if stepped { 0.0 } else { self.scale * element.end_velocity };
+        let braking = Braking::over(&element, end_velocity);
+        Queued { element, end_velocity, braking, suffix: Braking::NONE }
+    }
+
+    /// Takes one more element from upstream into the queue; false if there is none, none yet, or no room.
+    pub(super) fn pull(&mut self) -> bool {
+        if self.queue.len() >= self.window || !matches!(self.boundary, Boundary::Unknown) {
+            return false;
         }
+        self.starved = false;
+        match self.upstream.poll_next() {
+            Poll::Ready(Some(Ok(element))) => {
+                let queued = self.queued(element, self.stepping);
+                self.newer = self.newer.then(queued.braking);
+                self.queue.push_back(queued);
+                return true;
+            }
+            Poll::Ready(Some(Err(error))) => self.boundary = Boundary::Failure(error),
+            Poll::Ready(None) => self.boundary = Boundary::End,
+            Poll::Pending => self.starved = true,
+        }
+        false
+    }
+
+    /// Whether nothing more can come into the queue now but for its being starved.
+    pub(super) fn is_full(&self) -> bool {
+        self.queue.len() >= self.window || !matches!(self.boundary, Boundary::Unknown)
+    }
+
+    /// What is ahead.
+    pub(super) fn ahead(&mut self) -> Ahead {
+        if self.queue.is_empty() && !self.pull() {
+            return match self.boundary {
+                Boundary::Unknown => Ahead::NotYet,
+                Boundary::Failure(_) => Ahead::Failure,
+                Boundary::End => Ahead::End,
+            };
+        }
+        Ahead::Path
+    }
+
+    /// Takes the front element.
+    pub(super) fn take(&mut self) -> Taken<E> {
+        match self.ahead() {
+            Ahead::Path => {}
+            Ahead::NotYet => return Taken::NotYet,
+            Ahead::End => return Taken::End,
+            Ahead::Failure => {
+                let boundary = std::mem::replace(&mut self.boundary, Boundary::Unknown);
+                return match boundary {
+                    Boundary::Failure(error) => Taken::Failure(error),
+                    Boundary::Unknown | Boundary::End => Taken::End,
+                };
+            }
+        }
+        if self.folded == 0 {
+            self.fold();
+        }
+        self.folded = self.folded.saturating_sub(1);
+        match self.queue.pop_front() {
+            Some(queued) => Taken::Element(queued.element, queued.end_velocity),
+            None => Taken::End,
+        }
+    }
+
+    /// Gives the front element back.
+    pub(super) fn put_back(&mut self, element: CheckedElement) {
+        if self.folded == 0 {
+            self.fold();
+        }
+        let mut queued = self.queued(element, self.stepping);
+        let behind = self.queue.front().map_or(Braking::NONE, |front| front.suffix);
+        queued.suffix = queued.braking.then(behind);
+        self.queue.push_front(queued);
+        self.folded += 1;
+    }
+
+    /// Sets the factor on all velocities.
+    pub(super) fn set_scale(&mut self, scale: f64) {
+        self.scale = scale;
+        for queued in &mut self.queue {
+            let stepped = queued.end_velocity <= 0.0;
+            let end_velocity = if stepped { 0.0 } else { scale * queued.element.end_velocity };
+            queued.end_velocity = end_velocity;
+            queued.braking = Braking::over(&queued.element, end_velocity);
+        }
+        self.fold();
+    }
+
+    /// From now on no element ends at rest that need not.
+    pub(super) fn stop_stepping(&mut self) {
+        self.stepping = false;
+        for queued in &mut self.queue {
+            queued.end_velocity = self.scale * queued.element.end_velocity;
+            queued.braking = Braking::over(&queued.element, queued.end_velocity);
+        }
+        self.fold();
+    }
+
+    /// From now on every element ends at rest: from the first in the queue on that can, if its start is passed with a
+    /// velocity whose stop needs `needs_more` of the length at its disposal.
+    pub(super) fn step(&mut self, mut needs_more: impl FnMut(&CheckedElement) -> bool) {
+        self.stepping = true;
+        let mut passing = true;
+        for queued in &mut self.queue {
+            passing = passing && needs_more(&queued.element);
+            if !passing {
+                queued.end_velocity = 0.0;
+                queued.braking = Braking::over(&queued.element, 0.0);
+            }
+        }
+        self.fold();
     }
 
     /// Makes the whole queue the older part.
@@ -177,11 +312,53 @@ where
         self.newer = Braking::NONE;
     }
 
-    /// What the path behind the front element asks of the velocity at its end.
-    fn ahead(&self) -> Braking {
-        match self.queue.get(1) {
-            Some(second) if self.folded > 1 => second.suffix.then(self.newer),
+    /// What the known path asks of the velocity at its front.
+    fn asked(&self) -> Braking {
+        match self.queue.front() {
+            Some(front) if self.folded > 0 => front.suffix.then(self.newer),
             _ => self.newer,
+        }
+    }
+
+    /// Squared velocity at the end of `element`, which is no longer in the queue, `remaining` before its end at
+    /// `velocity_v2`. It ends with at most `end_velocity`. If the path is too fast for that (`over`), it brakes all the
+    /// way, and keeps the stops.
+    pub(super) fn plan(
+        &mut self,
+        element: &CheckedElement,
+        remaining: f64,
+        velocity_v2: f64,
+        end_velocity: f64,
+        over: &mut bool,
+    ) -> f64 {
+        self.limited = false;
+        if !element.has_path() {
+            return 0.0;
+        }
+        let reach_v2 = velocity_v2 + 2.0 * element.acceleration * remaining;
+        let own_v2 = reach_v2.min(end_velocity * end_velocity);
+        let braked_v2 = velocity_v2 - 2.0 * element.deceleration * remaining;
+        loop {
+            if self.folded == 0 {
+                self.fold();
+            }
+            let asked = self.asked();
+            // With no bound on the velocity at the window's end; then with rest there. Where the two agree, what
+            // lies beyond the window does not matter.
+            let free_v2 = own_v2.min(asked.cap_v2);
+            let end_v2 = free_v2.min(asked.gain_v2);
+            self.limited = end_v2 < free_v2;
+            // The element under way counts.
+            if self.limited && self.queue.len() + 1 < self.window && self.pull() {
+                continue;
+            }
+            // The end may have become known just now.
+            self.set_limited(self.limited);
+            if *over && braked_v2 > end_v2 && end_velocity > 0.0 {
+                return braked_v2.min(asked.stop_v2).min(asked.gain_v2).max(end_v2);
+            }
+            *over = false;
+            return end_v2;
         }
     }
 }
@@ -193,50 +370,18 @@ where
     type Item = Result<PlannedElement, E>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        loop {
-            if self.folded == 0 {
-                self.fold();
+        match self.take() {
+            Taken::Element(element, end_velocity) => {
+                let length = element.path_length();
+                let end_v2 =
+                    self.plan(&element, length, self.velocity_v2, end_velocity, &mut false);
+                let start_velocity = self.velocity;
+                self.velocity_v2 = end_v2;
+                self.velocity = end_v2.sqrt();
+                Some(Ok(PlannedElement { element, start_velocity, end_velocity: self.velocity }))
             }
-            let more = matches!(self.boundary, Boundary::Unknown);
-            let Some(front) = self.queue.front() else {
-                if more {
-                    self.pull();
-                    continue;
-                }
-                return match std::mem::replace(&mut self.boundary, Boundary::Unknown) {
-                    Boundary::Failure(error) => Some(Err(error)),
-                    Boundary::End | Boundary::Unknown => {
-                        self.boundary = Boundary::End;
-                        None
-                    }
-                };
-            };
-            let element = &front.element;
-            let reach_v2 = if element.has_path() {
-                self.velocity_v2 + 2.0 * element.acceleration * element.path_length()
-            } else {
-                0.0
-            };
-            let ahead = self.ahead();
-            // With no bound on the velocity at the window's end; then with rest there. Where the two agree, what
-            // lies beyond the window does not matter.
-            let free_v2 =
-                reach_v2.min(element.end_velocity * element.end_velocity).min(ahead.cap_v2);
-            let end_v2 = free_v2.min(ahead.gain_v2);
-            if end_v2 < free_v2 && more && self.queue.len() < self.window {
-                self.pull();
-                continue;
-            }
-            self.folded -= 1;
-            let Queued { element, .. } = self.queue.pop_front()?;
-            let start_velocity = self.velocity;
-            self.velocity_v2 = end_v2;
-            self.velocity = end_v2.sqrt();
-            return Some(Ok(PlannedElement {
-                element,
-                start_velocity,
-                end_velocity: self.velocity,
-            }));
+            Taken::Failure(error) => Some(Err(error)),
+            Taken::NotYet | Taken::End => None,
         }
     }
 }

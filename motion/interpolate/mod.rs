@@ -5,39 +5,32 @@
 //!
 //! ```text
 //! CheckedElement ─ LookAhead ─▶ PlannedElement ─ Interpolator ─▶ ToolSetpoint
+//!                                      Inputs (override, stops, M) ─┘   └─▶ status, switches, M, extra axes
 //! ```
 
+mod braking;
+mod control;
+mod error;
+mod inputs;
 mod instant;
 mod interpolator;
 mod look_ahead;
 mod profile;
+mod ramp;
+mod run;
+mod setpoint;
+mod source;
+mod spans;
+mod sum;
+mod switches;
 #[cfg(test)]
 mod tests;
+mod transition;
 
+pub use error::IpoError;
+pub use inputs::{Inputs, Override, VelocityMode};
 pub use interpolator::{DEFAULT_CYCLE_NS, Interpolator};
 pub use look_ahead::{DEFAULT_WINDOW, LookAhead, PlannedElement};
 pub use profile::{PathState, Profile};
-
-use crate::Place;
-use nalgebra::{Point3, Vector3};
-
-/// Where the tool shall be at one instant, in the work frame: what [`Interpolator`] makes per cycle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ToolSetpoint {
-    /// Time since the start of the program, ns.
-    pub time_ns: i64,
-    /// The block whose element is being traversed.
-    pub place: Place,
-    /// True on a rapid (G0): the tool is not engaged.
-    pub rapid: bool,
-    /// Programmed velocity along the path (F), m/s.
-    pub feed: f64,
-    /// Position, m.
-    pub position: Point3<f64>,
-    /// Velocity, m/s.
-    pub velocity: Vector3<f64>,
-    /// Acceleration, m/s².
-    pub acceleration: Vector3<f64>,
-    /// Velocity along the path, m/s.
-    pub path_velocity: f64,
-}
+pub use setpoint::{ExtraMotion, Status, ToolSetpoint};
+pub use source::{Incoming, Source};

@@ -1,5 +1,7 @@
 //! Velocity profile of one element: up, along, down (`TRAPEZOID` of `SMC_INT_VELMODE`, manual 6.2.9).
 
+use crate::path::PathElement;
+
 /// Velocity over time along one element: constant acceleration from the start velocity to the peak, constant
 /// velocity, constant deceleration to the end velocity. Each of the three may have no duration.
 ///
@@ -9,11 +11,13 @@
 pub struct Profile {
     length: f64,
     start_velocity: f64,
+    /// In the middle part.
     peak_velocity: f64,
     end_velocity: f64,
+    /// In the first part, negative where the path starts too fast.
     acceleration: f64,
     deceleration: f64,
-    /// Length of the rising part, m.
+    /// Length of the first part, m.
     rise_length: f64,
     /// Durations of the three parts, s.
     rise: f64,
@@ -32,6 +36,13 @@ pub struct PathState {
     pub acceleration: f64,
 }
 
+impl PathState {
+    /// At rest at `position`.
+    pub(super) fn resting(position: f64) -> Self {
+        Self { position, velocity: 0.0, acceleration: 0.0 }
+    }
+}
+
 /// What a profile has to respect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Limits {
@@ -41,6 +52,17 @@ pub(super) struct Limits {
     pub(super) acceleration: f64,
     /// Deceleration, m/s², positive.
     pub(super) deceleration: f64,
+}
+
+impl Limits {
+    /// Those of `element` with all velocities times `scale`.
+    pub(super) fn of(element: &PathElement, scale: f64) -> Self {
+        Self {
+            feed: scale * element.feed,
+            acceleration: element.acceleration,
+            deceleration: element.deceleration,
+        }
+    }
 }
 
 impl Profile {
@@ -102,6 +124,30 @@ impl Profile {
         }
     }
 
+    /// From a `start_velocity` above the feed: down to the feed with the deceleration, then as [`Self::new`]. Where
+    /// the length does not suffice for that, braking all the way.
+    pub(super) fn slowing(
+        length: f64,
+        start_velocity: f64,
+        end_velocity: f64,
+        limits: Limits,
+    ) -> Self {
+        let Limits { feed, deceleration, .. } = limits;
+        let slowing = (start_velocity - feed) * (start_velocity + feed) / (2.0 * deceleration);
+        if slowing >= length {
+            return Self::braking(length, start_velocity, end_velocity, deceleration);
+        }
+        let rest = Self::new(length - slowing, feed, end_velocity, limits);
+        Self {
+            length,
+            start_velocity,
+            acceleration: -deceleration,
+            rise_length: slowing,
+            rise: ramp_time(slowing, start_velocity + feed),
+            ..rest
+        }
+    }
+
     /// Time from start to end, s.
     pub fn duration(&self) -> f64 {
         self.rise + self.cruise + self.fall
@@ -119,7 +165,7 @@ impl Profile {
 
     /// Largest velocity, m/s.
     pub fn peak_velocity(&self) -> f64 {
-        self.peak_velocity
+        self.peak_velocity.max(self.start_velocity)
     }
 
     /// Velocity at the end, m/s.
@@ -151,7 +197,7 @@ impl Profile {
         // Only rounding lies outside.
         PathState {
             position: position.clamp(0.0, self.length),
-            velocity: velocity.min(self.peak_velocity),
+            velocity: velocity.clamp(0.0, self.peak_velocity.max(self.start_velocity)),
             acceleration,
         }
     }

@@ -95,6 +95,7 @@ mod tests {
                 velocity: Vector3::zeros(),
                 acceleration: Vector3::zeros(),
                 path_velocity: 0.0,
+                ..ToolSetpoint::default()
             };
             let setpoint = Transformer::new(machine).axes(&tool).unwrap();
             let mut position = setpoint.axes.position;

@@ -10,8 +10,11 @@
 )]
 
 mod absurd;
+mod control;
 mod interpolator;
 mod look_ahead;
+mod modes;
 mod profile;
 mod program;
+mod random;
 mod stop;

@@ -2,8 +2,8 @@
 
 use crate::Place;
 use crate::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead, PlannedElement, ToolSetpoint};
-use crate::path::{Arc, ElementKind, PathElement, Shape};
-use crate::prepare::{CheckError, CheckVelocities, CheckedElement};
+use crate::path::{Arc, Details, ElementKind, PathElement, Shape, Switch};
+use crate::prepare::{CheckError, CheckVelocities};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -95,6 +95,30 @@ impl Pen {
         self
     }
 
+    /// Waits for M function `number`.
+    pub(super) fn m(&mut self, number: u16) -> &mut Self {
+        self.straight(ElementKind::MFunction { number }, Vector3::zeros());
+        self
+    }
+
+    /// Waits for a time.
+    pub(super) fn dwell(&mut self, time_ns: i64) -> &mut Self {
+        self.straight(ElementKind::Dwell { time_ns }, Vector3::zeros());
+        self
+    }
+
+    /// The details of the latest element.
+    pub(super) fn details(&mut self) -> &mut Details {
+        let latest = self.elements.last_mut().unwrap().as_mut().unwrap();
+        latest.details.get_or_insert_default()
+    }
+
+    /// A switch point on the latest element.
+    pub(super) fn switch(&mut self, number: u8, on: bool, at: f64) -> &mut Self {
+        assert!(self.details().switches.add(Switch { number, on, at }));
+        self
+    }
+
     pub(super) fn fail(&mut self, code: u32) -> &mut Self {
         self.elements.push(Err(Error::Upstream(code)));
         self
@@ -113,11 +137,13 @@ impl Pen {
 /// Turns up to here are passed without a stop in all these tests, rad.
 const ANGLE_TOLERANCE: f64 = 0.1;
 
-pub(super) fn checked(elements: Elements) -> impl Iterator<Item = Result<CheckedElement, Error>> {
+pub(super) type Checked = CheckVelocities<std::vec::IntoIter<Result<PathElement, Error>>, Error>;
+
+pub(super) fn checked(elements: Elements) -> Checked {
     CheckVelocities::new(elements.into_iter(), ANGLE_TOLERANCE)
 }
 
-pub(super) fn planned(elements: Elements) -> impl Iterator<Item = Result<PlannedElement, Error>> {
+pub(super) fn planned(elements: Elements) -> LookAhead<Checked, Error> {
     LookAhead::new(checked(elements))
 }
 
@@ -128,9 +154,7 @@ pub(super) fn planned_within(
     LookAhead::with_window(checked(elements), NonZeroUsize::new(window).unwrap())
 }
 
-pub(super) fn run(
-    elements: Elements,
-) -> Interpolator<impl Iterator<Item = Result<PlannedElement, Error>>, Error> {
+pub(super) fn run(elements: Elements) -> Interpolator<LookAhead<Checked, Error>, Error> {
     Interpolator::new(planned(elements), DEFAULT_CYCLE_NS)
 }
 
