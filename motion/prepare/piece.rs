@@ -161,6 +161,22 @@ pub(super) fn set_start_extra(element: &mut PathElement, start: Option<ExtraPosi
     set_extra(element, start, end);
 }
 
+/// Moves the switches of an element of which only the part between two parameters is left; those on what is gone go to
+/// its ends.
+pub(super) fn trim_switches(element: &mut PathElement, from: f64, to: f64) {
+    if from <= 0.0 && to >= 1.0 {
+        return;
+    }
+    let Some(details) = &mut element.details else { return };
+    let mut switches = Switches::default();
+    for switch in details.switches.as_slice() {
+        let at = if to > from { ((switch.at - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 };
+        // As many as before fit.
+        let _fits = switches.add(Switch { at, ..*switch });
+    }
+    details.switches = switches;
+}
+
 /// Makes an element end somewhere else by rounding.
 pub(super) fn end_at(element: &mut PathElement, end: Point3<f64>) {
     if element.end() != end {

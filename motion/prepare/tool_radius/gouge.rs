@@ -5,17 +5,15 @@ use super::super::{Notice, Notices};
 use crate::Place;
 use std::collections::VecDeque;
 
-/// Coming nearer than the radius by no more than this is no gouge, m.
-const TOLERANCE: f64 = 1e-9;
 /// Pairs of blocks told last; each pair is told once.
 const REMEMBERED: usize = 32;
 
-/// Compares the pieces of the tool's path with those of the contour around them: the last `window` of each, and the
-/// first, which the end of a closed contour comes back to.
+/// Compares the pieces of the tool's path with those of the contour around them: the last ones of each, and the first, which the end of a closed contour comes back to.
 #[derive(Debug)]
 pub(super) struct GougeCheck {
     radius: f64,
-    window: usize,
+    tolerance: f64,
+    windows: [usize; 2],
     contour: VecDeque<Piece>,
     path: VecDeque<Piece>,
     told: VecDeque<(Place, Place)>,
@@ -29,10 +27,13 @@ struct Piece {
 }
 
 impl GougeCheck {
-    pub(super) fn new(radius: f64, window: usize) -> Self {
+    /// With the number of pieces of the contour and of the path that are kept; coming nearer than the radius by no more
+    /// than `tolerance`, m, is no gouge.
+    pub(super) fn new(radius: f64, tolerance: f64, windows: [usize; 2]) -> Self {
         Self {
             radius,
-            window,
+            tolerance,
+            windows,
             contour: VecDeque::new(),
             path: VecDeque::new(),
             told: VecDeque::new(),
@@ -44,9 +45,9 @@ impl GougeCheck {
         let piece = Piece { place, curve, bounds: curve.bounds() };
         let near = piece.bounds.widened(self.radius);
         for path in self.path.iter().filter(|path| path.bounds.meets(&near)) {
-            compare(self.radius, path, &piece, &mut self.told, notices);
+            compare([self.radius, self.tolerance], path, &piece, &mut self.told, notices);
         }
-        remember(&mut self.contour, piece, self.window);
+        remember(&mut self.contour, piece, self.windows[0]);
     }
 
     /// A further piece of the tool's path.
@@ -54,14 +55,14 @@ impl GougeCheck {
         let piece = Piece { place, curve, bounds: curve.bounds() };
         let near = piece.bounds.widened(self.radius);
         for contour in self.contour.iter().filter(|contour| contour.bounds.meets(&near)) {
-            compare(self.radius, &piece, contour, &mut self.told, notices);
+            compare([self.radius, self.tolerance], &piece, contour, &mut self.told, notices);
         }
-        remember(&mut self.path, piece, self.window);
+        remember(&mut self.path, piece, self.windows[1]);
     }
 }
 
 fn compare(
-    radius: f64,
+    [radius, tolerance]: [f64; 2],
     path: &Piece,
     contour: &Piece,
     told: &mut VecDeque<(Place, Place)>,
@@ -69,7 +70,7 @@ fn compare(
 ) {
     let depth = radius - distance(&path.curve, &contour.curve);
     let pair = (path.place, contour.place);
-    if depth > TOLERANCE && !told.contains(&pair) {
+    if depth > tolerance && !told.contains(&pair) {
         if told.len() >= REMEMBERED {
             told.pop_front();
         }
@@ -81,7 +82,7 @@ fn compare(
 /// Keeps the first and the last pieces.
 fn remember(pieces: &mut VecDeque<Piece>, piece: Piece, window: usize) {
     pieces.push_back(piece);
-    if pieces.len() > window + 1 {
+    if pieces.len() > window.saturating_add(1) {
         pieces.remove(1);
     }
 }

@@ -30,11 +30,19 @@ pub struct ToolRadiusOptions {
     pub look_ahead: usize,
     /// Pieces of contour and path that are compared with each other to find gouges.
     pub gouge_window: usize,
+    /// Coming nearer to the contour than the radius by no more than this is no gouge, m.
+    pub gouge_tolerance: f64,
 }
 
 impl Default for ToolRadiusOptions {
     fn default() -> Self {
-        Self { radius: 0.0, tolerance: 1e-6, look_ahead: 32, gouge_window: 64 }
+        Self {
+            radius: 0.0,
+            tolerance: 1e-6,
+            look_ahead: 128,
+            gouge_window: 64,
+            gouge_tolerance: 1e-9,
+        }
     }
 }
 
@@ -59,7 +67,7 @@ impl Default for ToolRadiusOptions {
 ///
 /// An arc whose radius is smaller than the tool's vanishes, an element too short between two inner corners reverses.
 /// Within [`ToolRadiusOptions::look_ahead`] pieces the path is cut where the offsets before and behind meet, what lies
-/// between is dropped ([`super::Notice::TooNarrow`]), its M functions and dwells are done there, its switches as far
+/// between is dropped ([`super::Notice::TooNarrow`], unless the tool all but touches it), its M functions and dwells are done there, its switches as far
 /// as there is room. Where nothing meets, the offset stays as it is, with arcs about the corners (and inside-out arcs)
 /// so that it does not break: as in the manual, the path then crosses itself, and [`super::AvoidLoops`] can cut the
 /// loop off. Wherever the tool so comes nearer than its radius to a piece of the contour, within
@@ -281,10 +289,8 @@ where
     fn push(&mut self, element: PathElement, contour: &Curve, radius: f64) {
         if let State::Begun(side) = self.state {
             let distance = side.sign() * radius;
-            let ToolRadiusOptions { look_ahead, gouge_window, .. } = self.options;
             let notices = self.notices.clone();
-            let offset =
-                Offset::new(distance, look_ahead, gouge_window, notices, &element, contour);
+            let offset = Offset::new(distance, &self.options, notices, &element, contour);
             self.lead_in(&element, offset.station());
             let last = PathElement { details: None, ..element.clone() };
             self.state = State::On(Box::new(Active { side, radius, offset, last }));

@@ -3,6 +3,7 @@
 use super::super::piece::{self, POINT_EPS, Station};
 use super::super::planar::{Crossing, Curve, Round, crossings, distance};
 use super::super::{Notice, Notices};
+use super::ToolRadiusOptions;
 use super::gouge::GougeCheck;
 use crate::path::{Details, ElementKind, Marks, PathElement, Shape, Switch};
 use nalgebra::{Point2, Point3};
@@ -14,6 +15,10 @@ const REVERSAL: f64 = 1e-9;
 
 /// Offsets that end no further than this apart at an inner corner meet, m: the rounding of programs in micrometres.
 const SMALL_GAP: f64 = 1e-6;
+
+/// Elements that are dropped are not told where the tool comes as near as this to touching them, m: programs in
+/// micrometres have corners of all kinds between short elements.
+const UNTOUCHED: f64 = 2e-6;
 
 /// No more than this is carried over from pieces that are dropped.
 const MOST_WAITING: usize = 1024;
@@ -67,20 +72,22 @@ impl<E> Offset<E> {
     /// A path that begins where `first`, the first piece of the contour, has its offset; where that is.
     pub(super) fn new(
         distance: f64,
-        look_ahead: usize,
-        window: usize,
+        options: &ToolRadiusOptions,
         notices: Notices,
         first: &PathElement,
         first_curve: &Curve,
     ) -> Self {
         let (curve, _) = first_curve.offset(distance);
+        // The path comes so many pieces after the contour.
+        let windows =
+            [options.gouge_window.saturating_add(options.look_ahead), options.gouge_window];
         let mut at = Station::start(first);
         (at.point.x, at.point.y) = (curve.start().x, curve.start().y);
         Self {
             distance,
-            look_ahead,
+            look_ahead: options.look_ahead,
             notices,
-            check: GougeCheck::new(distance.abs(), window),
+            check: GougeCheck::new(distance.abs(), options.gouge_tolerance, windows),
             tracks: VecDeque::new(),
             at,
             joined: false,
@@ -118,9 +125,6 @@ impl<E> Offset<E> {
             self.join(&element, contour.start(), &curve, inside_out);
         }
         self.joined = true;
-        if inside_out {
-            self.notices.add(too_narrow(&element, self.distance));
-        }
         let (role, sound) = (Role::Offset, !inside_out);
         let contour = Some(*contour);
         self.add(Track { element, contour, curve, from: 0.0, to: 1.0, role, sound, between });
@@ -227,9 +231,11 @@ impl<E> Offset<E> {
     fn cut_back(&mut self, index: usize, track: &mut Track<E>, crossing: Crossing) {
         let mut between = Between::new();
         let mut ends = Marks::default();
+        let corner = track.curve.at(crossing.v);
+        let reach = self.distance.abs() + UNTOUCHED;
         for mut dropped in self.tracks.drain(index + 1..) {
             between.append(&mut dropped.between);
-            if dropped.role == Role::Offset && dropped.sound {
+            if dropped.contour.is_some_and(|contour| is_far(&contour, &corner, reach)) {
                 self.notices.add(too_narrow(&dropped.element, self.distance));
             }
             for switch in dropped.element.switches() {
@@ -262,7 +268,7 @@ impl<E> Offset<E> {
     fn hand_out(&mut self, mut track: Track<E>, ready: &mut Between<E>) {
         self.place(&mut track.between, None);
         ready.append(&mut track.between);
-        let Track { mut element, curve, from, to, role, .. } = track;
+        let Track { mut element, curve, from, to, role, sound, .. } = track;
         let curve = curve.section(from, to);
         let curve = curve.with_ends(self.at.point.xy(), curve.end());
         let end = match role {
@@ -279,7 +285,10 @@ impl<E> Offset<E> {
         }
         element.shape = curve.shape(self.at.point.z, end.point.z);
         piece::set_extra(&mut element, self.at.extra, end.extra);
-        trim_switches(&mut element, from, to);
+        piece::trim_switches(&mut element, from, to);
+        if role == Role::Offset && !sound {
+            self.notices.add(too_narrow(&element, self.distance));
+        }
         if element.kind == ElementKind::Cut {
             self.check.path(element.place, curve, &self.notices);
         }
@@ -356,6 +365,11 @@ fn at_corner<E>(last: &Track<E>, next: &Curve) -> Option<Crossing> {
     })
 }
 
+/// True if some of the contour is further than `reach` from the point.
+fn is_far(contour: &Curve, point: &Point2<f64>, reach: f64) -> bool {
+    [0.0, 0.5, 1.0].iter().any(|u| (contour.at(*u) - point).norm() > reach)
+}
+
 /// What a joint at the start of `element` has of it.
 fn joint_element(element: &PathElement) -> PathElement {
     let start = Station::start(element);
@@ -369,20 +383,4 @@ fn joint_element(element: &PathElement) -> PathElement {
         piece::set_extra(&mut joint, start.extra, start.extra);
     }
     joint
-}
-
-/// Moves the switches of an element of which only the part between two parameters is left; those on what is gone go to
-/// its ends.
-fn trim_switches(element: &mut PathElement, from: f64, to: f64) {
-    if from <= 0.0 && to >= 1.0 {
-        return;
-    }
-    let Some(details) = &mut element.details else { return };
-    let mut switches = crate::path::Switches::default();
-    for switch in details.switches.as_slice() {
-        let at = if to > from { ((switch.at - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 };
-        // As many as before fit.
-        let _fits = switches.add(Switch { at, ..*switch });
-    }
-    details.switches = switches;
 }
