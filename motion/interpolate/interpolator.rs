@@ -72,9 +72,22 @@ pub struct Interpolator<P, E> {
     pub(super) position: f64,
     /// Time of the latest set-point; at the end, when the path came to rest.
     pub(super) reached: Instant,
+    /// Where the first element begins, m.
+    resume_at: f64,
     /// Positions of the two latest set-points.
     before: Point3<f64>,
     latest: Point3<f64>,
+}
+
+/// What is taken over from another interpolator.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Resume {
+    /// Where on the first element it goes on, m.
+    pub(super) at: f64,
+    pub(super) now_ns: i64,
+    /// Path length so far, m.
+    pub(super) way: f64,
+    pub(super) board: SwitchBoard,
 }
 
 #[derive(Debug)]
@@ -123,9 +136,19 @@ where
             length_done: Sum::default(),
             position: 0.0,
             reached: Instant::at_ns(0),
+            resume_at: 0.0,
             before: Point3::origin(),
             latest: Point3::origin(),
         }
+    }
+
+    /// The same, going on within the first element.
+    pub(super) fn resuming(mut self, resume: Resume) -> Self {
+        self.resume_at = resume.at;
+        self.now_ns = resume.now_ns;
+        self.board = resume.board;
+        self.length_done.add(resume.way - resume.at);
+        self
     }
 
     /// Sets the inputs for the cycles to come.
@@ -209,8 +232,13 @@ where
                 match self.begin() {
                     Taken::Element(element, end_velocity) => {
                         self.state = State::Active;
-                        self.latest = element.start();
-                        self.enter(element, end_velocity, Instant::at_ns(0), 0.0, 0.0);
+                        let from = std::mem::take(&mut self.resume_at);
+                        self.latest = element.at(from).position;
+                        let start = Instant::at_ns(self.now_ns);
+                        self.enter(element, end_velocity, start, [0.0; 2]);
+                        if from > 0.0 {
+                            self.skip_to(start, from);
+                        }
                     }
                     Taken::Failure(error) => {
                         self.state = State::Ended;

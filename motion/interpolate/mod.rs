@@ -9,6 +9,7 @@
 //! ```
 
 mod braking;
+mod by_position;
 mod control;
 mod error;
 mod inputs;
@@ -26,7 +27,9 @@ mod switches;
 #[cfg(test)]
 mod tests;
 mod transition;
+mod two_way;
 
+pub use by_position::{XDirection, XInterpolator};
 pub use error::IpoError;
 pub use inputs::{Inputs, Override, VelocityMode};
 pub use interpolator::{DEFAULT_CYCLE_NS, Interpolator};
@@ -34,3 +37,4 @@ pub use look_ahead::{DEFAULT_WINDOW, LookAhead, PlannedElement};
 pub use profile::{PathState, Profile};
 pub use setpoint::{ExtraMotion, Status, ToolSetpoint};
 pub use source::{Incoming, Source};
+pub use two_way::{Direction, TwoWayInterpolator, TwoWayPath};

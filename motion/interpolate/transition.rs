@@ -97,7 +97,7 @@ where
         {
             let braked = self.braking || self.smoothness.is_some();
             let velocity_v2 = if braked { velocity * velocity } else { self.end_v2 };
-            self.enter(element, end_velocity, start, velocity, velocity_v2);
+            self.enter(element, end_velocity, start, [velocity, velocity_v2]);
             return None;
         }
         let braked = std::mem::replace(&mut self.braking, false);
@@ -124,7 +124,7 @@ where
     fn go_on(&mut self, start: Instant) -> Option<Instant> {
         match self.plan.take() {
             Taken::Element(element, end_velocity) => {
-                self.enter(element, end_velocity, start, 0.0, 0.0);
+                self.enter(element, end_velocity, start, [0.0; 2]);
                 None
             }
             Taken::NotYet => None,
@@ -136,14 +136,13 @@ where
         }
     }
 
-    /// Begins `element` at `start`.
+    /// Begins `element` at `start`, with a velocity given with its square.
     pub(super) fn enter(
         &mut self,
         element: CheckedElement,
         end_velocity: f64,
         start: Instant,
-        velocity: f64,
-        velocity_v2: f64,
+        [velocity, velocity_v2]: [f64; 2],
     ) {
         self.position = 0.0;
         // What has no path begins at the present cycle, which is the first one at or after `start`.
@@ -173,6 +172,16 @@ where
             Some(Motion::Smooth(leg)) => leg.from,
             _ => 0.0,
         }
+    }
+
+    /// Sets off `from` within the element that was just entered.
+    pub(super) fn skip_to(&mut self, start: Instant, from: f64) {
+        let Some(run) = &mut self.run else { return };
+        let length = run.element.path_length();
+        let passed = |at: f64| at * length < from;
+        run.switched = run.element.switches().iter().take_while(|switch| passed(switch.at)).count();
+        self.position = from;
+        self.set_off(start, from, 0.0, 0.0);
     }
 
     /// Passes from element to element as far as the smooth leg under way has come.

@@ -10,6 +10,7 @@
 )]
 
 mod absurd;
+mod by_position;
 mod control;
 mod interpolator;
 mod look_ahead;
@@ -18,3 +19,4 @@ mod profile;
 mod program;
 mod random;
 mod stop;
+mod two_way;

@@ -1,7 +1,9 @@
 //! Builds paths out of lines and arcs, by hand and at random.
 
 use crate::Place;
-use crate::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead, PlannedElement, ToolSetpoint};
+use crate::interpolate::{
+    DEFAULT_CYCLE_NS, Interpolator, IpoError, LookAhead, PlannedElement, ToolSetpoint,
+};
 use crate::path::{Arc, Details, ElementKind, PathElement, Shape, Switch};
 use crate::prepare::{CheckError, CheckVelocities};
 use nalgebra::{Point3, Vector3};
@@ -12,7 +14,14 @@ use std::num::NonZeroUsize;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Error {
     Check(CheckError),
+    Ipo(IpoError),
     Upstream(u32),
+}
+
+impl From<IpoError> for Error {
+    fn from(error: IpoError) -> Self {
+        Error::Ipo(error)
+    }
 }
 
 impl From<CheckError> for Error {
