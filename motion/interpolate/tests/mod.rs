@@ -12,6 +12,7 @@
 mod absurd;
 mod by_position;
 mod control;
+mod extra;
 mod interpolator;
 mod look_ahead;
 mod modes;

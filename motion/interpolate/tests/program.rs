@@ -4,9 +4,9 @@ use crate::Place;
 use crate::interpolate::{
     DEFAULT_CYCLE_NS, Interpolator, IpoError, LookAhead, PlannedElement, ToolSetpoint,
 };
-use crate::path::{Arc, Details, ElementKind, PathElement, Shape, Switch};
+use crate::path::{Arc, Cubic, Details, ElementKind, Ellipse, PathElement, Shape, Switch};
 use crate::prepare::{CheckError, CheckVelocities};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Vector2, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::num::NonZeroUsize;
@@ -128,6 +128,38 @@ impl Pen {
         self
     }
 
+    /// Tangential piece of an ellipse whose half axes are `across` and `along` the heading, `sweep` (eccentric angle)
+    /// positive to the left.
+    pub(super) fn ellipse(&mut self, across: f64, along: f64, sweep: f64) -> &mut Self {
+        let normal =
+            Vector2::new(-self.heading.sin(), self.heading.cos()) * 1.0_f64.copysign(sweep);
+        let center = self.at.xy() + normal * across;
+        let major = -normal * across;
+        let left = Vector2::new(-major.y, major.x) / across;
+        let end = center + major * sweep.cos() + left * (along * sweep.sin());
+        let end = Point3::new(end.x, end.y, self.at.z);
+        let ellipse = Ellipse::new(self.at, end, center, major, along, sweep);
+        self.curve(Shape::Ellipse(Box::new(ellipse)))
+    }
+
+    /// Tangential cubic of about `length` that turns by `angle`.
+    pub(super) fn cubic(&mut self, length: f64, angle: f64) -> &mut Self {
+        let ahead = |heading: f64| Vector2::new(heading.cos(), heading.sin()) * length;
+        let chord = ahead(self.heading + 0.5 * angle);
+        let end = self.at + Vector3::new(chord.x, chord.y, 0.0);
+        let tangents = [self.heading, self.heading + angle].map(ahead);
+        let cubic = Cubic::hermite(self.at, end, tangents[0], tangents[1]);
+        self.curve(Shape::Cubic(Box::new(cubic)))
+    }
+
+    fn curve(&mut self, shape: Shape) -> &mut Self {
+        let tangent = shape.end_tangent();
+        self.at = shape.end();
+        self.heading = tangent.y.atan2(tangent.x);
+        self.push(ElementKind::Cut, shape);
+        self
+    }
+
     pub(super) fn fail(&mut self, code: u32) -> &mut Self {
         self.elements.push(Err(Error::Upstream(code)));
         self
@@ -182,6 +214,8 @@ enum Step {
     Line(f64),
     Rapid(f64),
     Arc { radius: f64, sweep: f64, rise: f64 },
+    Ellipse { across: f64, along: f64, sweep: f64 },
+    Cubic { length: f64, angle: f64 },
     Turn(f64),
     Limits { feed: f64, acceleration: f64, deceleration: f64 },
     Repeat,
@@ -191,17 +225,22 @@ enum Step {
 /// Random programs of lines, arcs and helices of 0.05 mm to 30 mm, F 1 mm/s to 500 mm/s, E 20 mm/s² to 20 m/s²;
 /// most transitions are smooth, some turn a little, some stop.
 pub(super) fn programs() -> impl Strategy<Value = Elements> {
-    prop_oneof![programs_of(false), programs_of(true)]
+    prop_oneof![programs_of(false, false), programs_of(true, false)]
+}
+
+/// The same with ellipses and cubics.
+pub(super) fn curved_programs() -> impl Strategy<Value = Elements> {
+    prop_oneof![programs_of(false, true), programs_of(true, true)]
 }
 
 /// The same without jumps, rapids and elements of length zero.
 pub(super) fn smooth_programs() -> impl Strategy<Value = Elements> {
-    programs_of(false)
+    programs_of(false, false)
 }
 
-fn programs_of(stops: bool) -> impl Strategy<Value = Elements> {
+fn programs_of(stops: bool, curves: bool) -> impl Strategy<Value = Elements> {
     let length = || magnitude(-4.3..-1.5);
-    let rare = u32::from(stops);
+    let (rare, curved) = (u32::from(stops), 3 * u32::from(curves));
     let step = prop_oneof![
         8 => length().prop_map(Step::Line),
         6 => (magnitude(-3.5..-1.5), magnitude(-2.0..TAU.log10()), any::<bool>(), -1e-3..1e-3).prop_map(
@@ -215,6 +254,12 @@ fn programs_of(stops: bool) -> impl Strategy<Value = Elements> {
         2 => (magnitude(-3.0..-0.3), magnitude(-1.7..1.3), magnitude(-1.7..1.3)).prop_map(
             |(feed, acceleration, deceleration)| Step::Limits { feed, acceleration, deceleration }
         ),
+        curved => (magnitude(-3.5..-1.7), magnitude(-3.5..-1.7), 0.1..TAU, any::<bool>()).prop_map(
+            |(across, along, sweep, left)| {
+                Step::Ellipse { across, along, sweep: if left { sweep } else { -sweep } }
+            }
+        ),
+        curved => (length(), -1.5..1.5).prop_map(|(length, angle)| Step::Cubic { length, angle }),
         rare => (0.2..3.0).prop_map(Step::Turn),
         rare => length().prop_map(Step::Rapid),
         rare => Just(Step::Repeat),
@@ -227,6 +272,8 @@ fn programs_of(stops: bool) -> impl Strategy<Value = Elements> {
                 Step::Line(length) => _ = pen.line(length),
                 Step::Rapid(length) => _ = pen.rapid(length),
                 Step::Arc { radius, sweep, rise } => _ = pen.arc(radius, sweep, rise),
+                Step::Ellipse { across, along, sweep } => _ = pen.ellipse(across, along, sweep),
+                Step::Cubic { length, angle } => _ = pen.cubic(length, angle),
                 Step::Turn(angle) => _ = pen.turn(angle),
                 Step::Limits { feed, acceleration, deceleration } => {
                     (pen.feed, pen.acceleration, pen.deceleration) =

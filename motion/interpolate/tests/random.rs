@@ -1,7 +1,7 @@
 //! Random paths under random demands.
 
 use super::control::{Drip, drive};
-use super::program::{Elements, Error, Pen, checked, programs};
+use super::program::{Elements, Error, Pen, checked, curved_programs, programs};
 use crate::interpolate::{
     DEFAULT_CYCLE_NS, Inputs, Interpolator, LookAhead, Override, Status, ToolSetpoint, VelocityMode,
 };
@@ -12,7 +12,8 @@ use std::f64::consts::PI;
 
 /// At least one element.
 fn paths() -> impl Strategy<Value = Elements> {
-    programs().prop_filter("no path", |elements| !elements.is_empty())
+    prop_oneof![2 => programs(), 1 => curved_programs()]
+        .prop_filter("no path", |elements| !elements.is_empty())
 }
 
 /// Programs with M functions, dwells and switches in between.
@@ -63,7 +64,7 @@ fn demands() -> impl Strategy<Value = Vec<(usize, Inputs)>> {
         1 => Just(Inputs { wait_at_next_stop: true, ..Inputs::default() }),
         1 => Just(Inputs { single_step: true, ..Inputs::default() }),
         1 => Just(Inputs { acknowledge_m: false, ..Inputs::default() }),
-        2 => (0.05..1.0_f64).prop_map(|factor| Inputs {
+        3 => (0.05..2.0_f64).prop_map(|factor| Inputs {
             override_factor: Override::new(factor).unwrap(),
             ..Inputs::default()
         }),
@@ -120,13 +121,17 @@ fn check(
 
     let factor = if mode == VelocityMode::Sigmoid { PI / 2.0 } else { 1.0 };
     let overrides = schedule(demands, mode);
+    // What an override of more than 1 allows, it allows until the ramp after it has ended.
+    let raised = demands
+        .iter()
+        .fold(1.0, |most: f64, (_, inputs)| most.max(inputs.override_factor.factor()));
     let emergency = demands.iter().any(|(_, inputs)| inputs.emergency_stop);
     let mut before = None::<&ToolSetpoint>;
     for (n, setpoint) in found.setpoints.iter().enumerate() {
         prop_assert_eq!(setpoint.time_ns, n as i64 * 1_000_000);
         let element = &whole[setpoint.place.line as usize - 1];
         let speed = setpoint.path_velocity;
-        prop_assert!(speed <= element.feed * (1.0 + 1e-8), "{speed} {}", element.feed);
+        prop_assert!(speed <= element.feed * raised * (1.0 + 1e-8), "{speed} {}", element.feed);
         let along =
             if speed > 0.0 { setpoint.acceleration.dot(&setpoint.velocity) / speed } else { 0.0 };
         let rounding = 1e-8 * setpoint.acceleration.norm() + 1e-6;
@@ -149,7 +154,7 @@ fn check(
                     e.place.line >= before.place.line && e.place.line <= setpoint.place.line
                 })
                 .fold(0.0, |most: f64, e| most.max(e.feed));
-            prop_assert!(moved <= most * 1e-3 * (1.0 + 1e-8) + 1e-11, "{moved} {most}");
+            prop_assert!(moved <= most * raised * 1e-3 * (1.0 + 1e-8) + 1e-11, "{moved} {most}");
             let jumped = whole[before.place.line as usize - 1..setpoint.place.line as usize]
                 .iter()
                 .any(|e| e.kind == ElementKind::Jump);
@@ -245,6 +250,16 @@ proptest! {
         let found = find(source, schedule(&demands, mode));
         prop_assume!(found.ended);
         check(&elements, &found, &demands, mode)?;
+    }
+
+    #[test]
+    fn modes_change_while_running(elements in eventful(), demands in demands()) {
+        let modes = [VelocityMode::Sigmoid, VelocityMode::Trapezoid, VelocityMode::JerkLimited { jerk: 50.0 }];
+        let asked = schedule(&demands, VelocityMode::Trapezoid);
+        let source = checked(elements.clone()).map(Some).collect();
+        let found = find(source, |cycle| Inputs { mode: modes[cycle / 137 % 3], ..asked(cycle) });
+        prop_assume!(found.ended);
+        check(&elements, &found, &demands, VelocityMode::Sigmoid)?;
     }
 
     #[test]
