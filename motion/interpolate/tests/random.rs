@@ -242,7 +242,7 @@ fn check_m_functions(whole: &[PathElement], found: &Found) -> Result<(), TestCas
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
     fn whatever_is_asked_the_path_is_kept(elements in eventful(), demands in demands(), mode in modes()) {

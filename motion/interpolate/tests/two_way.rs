@@ -121,7 +121,7 @@ fn a_path_without_elements_has_no_set_points() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
 
     /// To and fro at random: it stays on the path, never jumps, keeps feed and accelerations, and reaches both ends.
     #[test]
