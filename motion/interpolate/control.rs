@@ -28,6 +28,7 @@ where
     I: Source<Item = Result<CheckedElement, E>>,
 {
     /// Runs on to the present cycle and makes its set-point.
+    #[inline]
     pub(super) fn advance(&mut self) -> Option<ToolSetpoint> {
         if self.inputs.abort {
             return self.end_here();

@@ -5,7 +5,7 @@
 /// Of the manual's errors (9.3), 1002, 1004, 1006 and 1081 cannot occur, since only what
 /// [`crate::prepare::CheckVelocities`] has seen can be planned with, and it decides the end velocities; 1005 and 1007
 /// are internal to the original. 1003 is a state, not an error: [`super::Interpolator::starved`]; so is 1080:
-/// [`super::LookAhead::limited`].
+/// [`super::Interpolator::limited`].
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum IpoError {
     /// `SMC_INT_VEL_ZERO` (1001): with this override nothing would move.

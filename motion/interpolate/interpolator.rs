@@ -191,6 +191,12 @@ where
         self.plan.starved()
     }
 
+    /// Whether the path would be faster now if more of it were known: see [`LookAhead::limited`]
+    /// (`SMC_WAR_INT_OUTQUEUE_TOO_SMALL`, warning 1080).
+    pub fn limited(&self) -> bool {
+        self.plan.limited()
+    }
+
     /// Time since the start, s: that of the latest set-point, and once ended the exact time at which the path came
     /// to rest.
     pub fn duration(&self) -> f64 {
@@ -285,6 +291,7 @@ where
     }
 
     /// The set-point of the present cycle.
+    #[inline]
     pub(super) fn sample(&mut self) -> Option<ToolSetpoint> {
         let run = self.run.as_mut()?;
         let state = run.state_at(self.now_ns);
@@ -307,18 +314,30 @@ where
         self.setpoint(PathState::resting(self.position), Status::Finished)
     }
 
+    #[inline]
     fn setpoint(&mut self, state: PathState, status: Status) -> Option<ToolSetpoint> {
         let time_ns = self.now_ns;
         self.now_ns = self.now_ns.saturating_add(self.cycle_ns);
         let run = self.run.as_mut()?;
         let point = run.point(&state);
-        let mut setpoint = ToolSetpoint {
+        let mut extra = super::ExtraMotion::default();
+        if let Some(details) = run.element.details.as_ref() {
+            if !run.done {
+                let switches = details.switches.as_slice();
+                let length = run.element.path_length();
+                self.board.pass(switches, &mut run.switched, self.position, length);
+            }
+            extra = run.extra(&state);
+        }
+        self.before = self.latest;
+        self.latest = point.position;
+        Some(ToolSetpoint {
             time_ns,
             place: run.element.place,
             rapid: run.element.kind == ElementKind::Rapid,
             status,
             last_switch: self.board.last,
-            m_function: None,
+            m_function: if status == Status::Waiting { run.m_function() } else { None },
             switches: self.board.states,
             feed: run.element.feed,
             position: point.position,
@@ -327,27 +346,8 @@ where
                 + point.tangent * state.acceleration,
             path_velocity: state.velocity,
             way: self.length_done.value() + self.position,
-            extra: super::ExtraMotion::default(),
-        };
-        if let Some(details) = run.element.details.as_ref()
-            && !run.done
-            && !details.switches.is_empty()
-        {
-            let switches = details.switches.as_slice();
-            let length = run.element.path_length();
-            self.board.pass(switches, &mut run.switched, self.position, length);
-            setpoint.last_switch = self.board.last;
-            setpoint.switches = self.board.states;
-        }
-        if run.element.details.is_some() {
-            setpoint.extra = run.extra(&state);
-        }
-        if status == Status::Waiting {
-            setpoint.m_function = run.m_function();
-        }
-        self.before = self.latest;
-        self.latest = setpoint.position;
-        Some(setpoint)
+            extra,
+        })
     }
 }
 

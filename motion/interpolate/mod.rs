@@ -7,6 +7,9 @@
 //! CheckedElement ─ LookAhead ─▶ PlannedElement ─ Interpolator ─▶ ToolSetpoint
 //!                                      Inputs (override, stops, M) ─┘   └─▶ status, switches, M, extra axes
 //! ```
+//!
+//! [`VelocityMode`] chooses between constant acceleration, sin² ramps (`SIGMOID`) and limited jerk. A path held as a
+//! whole can be gone both ways, [`TwoWayInterpolator`]; the position of a workpiece can lead it, [`XInterpolator`].
 
 mod braking;
 mod by_position;

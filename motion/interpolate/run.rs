@@ -55,6 +55,7 @@ impl Run {
     }
 
     /// State at `now_ns`; its position is from the start of the element.
+    #[inline]
     pub(super) fn state_at(&self, now_ns: i64) -> PathState {
         match self.motion {
             Motion::Still | Motion::Acknowledge { .. } => PathState::resting(0.0),
@@ -92,6 +93,7 @@ impl Run {
     }
 
     /// What it does in `state`.
+    #[inline]
     pub(super) fn status(&self, state: &PathState) -> Status {
         match self.motion {
             Motion::Acknowledge { .. } | Motion::Rest { .. } => Status::Waiting,
@@ -113,6 +115,7 @@ impl Run {
     }
 
     /// The point at `state`.
+    #[inline]
     pub(super) fn point(&self, state: &PathState) -> PathPoint {
         let element = &self.element;
         let resting = |position| PathPoint {

@@ -343,9 +343,27 @@ fn starved_it_brakes_waits_and_goes_on() {
     let setpoints = drive(&mut interpolator, 10_000, |_| Inputs::default());
     // 20 mm take 0.3 s.
     assert_eq!(setpoints[300].position.x, 0.02);
+    assert!(!interpolator.limited() && !interpolator.starved());
     assert_eq!((setpoints[400].status, setpoints[400].position.x), (Status::Waiting, 0.02));
     assert!(interpolator.duration() > 0.6);
     assert_eq!(setpoints.last().unwrap().position.x, 0.04);
+}
+
+/// 100 lines of 1 mm seen one at a time: it could be faster, and says so.
+#[test]
+fn a_small_window_is_told() {
+    let mut pen = Pen::new(0.1, 1.0, 1.0);
+    for _ in 0..100 {
+        pen.line(0.001);
+    }
+    let elements = pen.take();
+    for (window, limited) in [(2, true), (50, false)] {
+        let window = std::num::NonZeroUsize::new(window).unwrap();
+        let plan = LookAhead::with_window(checked(elements.clone()), window);
+        let mut interpolator = Interpolator::new(plan, DEFAULT_CYCLE_NS);
+        drive(&mut interpolator, 100, |_| Inputs::default());
+        assert_eq!(interpolator.limited(), limited);
+    }
 }
 
 /// What another thread sends: nothing before it is there, everything in the end.
