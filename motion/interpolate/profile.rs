@@ -84,8 +84,8 @@ impl Profile {
             // would lose the digits of the shorter one.
             let difference = (v1 - v0) * (v1 + v0);
             let sum = 2.0 * (acceleration + deceleration);
-            let rise = ((2.0 * deceleration * length + difference) / sum).clamp(0.0, length);
-            let fall = ((2.0 * acceleration * length - difference) / sum).clamp(0.0, length);
+            let rise = ((2.0 * deceleration * length + difference) / sum).min(length).max(0.0);
+            let fall = ((2.0 * acceleration * length - difference) / sum).min(length).max(0.0);
             (rise, 0.0, fall, (v0 * v0 + 2.0 * acceleration * rise).sqrt().min(feed))
         };
         let peak = peak.max(v0).max(v1);
@@ -196,8 +196,8 @@ impl Profile {
         };
         // Only rounding lies outside.
         PathState {
-            position: position.clamp(0.0, self.length),
-            velocity: velocity.clamp(0.0, self.peak_velocity.max(self.start_velocity)),
+            position: position.min(self.length).max(0.0),
+            velocity: velocity.min(self.peak_velocity.max(self.start_velocity)).max(0.0),
             acceleration,
         }
     }

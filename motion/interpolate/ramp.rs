@@ -54,7 +54,7 @@ impl Smoothness {
             return limit;
         }
         if self == Self::Sine {
-            return (velocity * velocity + 2.0 * rate * length).sqrt().clamp(velocity, limit);
+            return (velocity * velocity + 2.0 * rate * length).sqrt().max(velocity).min(limit);
         }
         largest(velocity, limit, |v| self.length(velocity, v, rate) <= length)
     }
@@ -207,7 +207,7 @@ impl Ramp {
         let duration = time;
         Some(Self {
             end_velocity: self.end_velocity - less,
-            length: self.length - later.position - less * duration,
+            length: (self.length - later.position - less * duration).max(0.0),
             duration,
             skipped: full - time,
             less,
@@ -254,7 +254,7 @@ impl Ramp {
         let time = time.max(0.0);
         let state = self.uncut(time + self.skipped);
         PathState {
-            position: (state.position - self.before - self.less * time).clamp(0.0, self.length),
+            position: (state.position - self.before - self.less * time).min(self.length).max(0.0),
             velocity: (state.velocity - self.less).max(0.0),
             acceleration: state.acceleration,
         }

@@ -1,7 +1,8 @@
 //! Numbers no machine has: nothing panics, nothing is NaN, and the limits hold.
 
+use super::modes::run_in;
 use super::program::{Elements, Pen, magnitude, planned, run};
-use crate::interpolate::DEFAULT_CYCLE_NS;
+use crate::interpolate::{DEFAULT_CYCLE_NS, Inputs, Override, VelocityMode};
 use proptest::prelude::*;
 
 fn absurd_programs() -> impl Strategy<Value = Elements> {
@@ -24,9 +25,17 @@ fn absurd_programs() -> impl Strategy<Value = Elements> {
     })
 }
 
+fn modes() -> impl Strategy<Value = VelocityMode> {
+    prop_oneof![
+        Just(VelocityMode::Trapezoid),
+        Just(VelocityMode::Sigmoid),
+        magnitude(-9.0..9.0).prop_map(|jerk| VelocityMode::JerkLimited { jerk }),
+    ]
+}
+
 proptest! {
     #[test]
-    fn absurd_programs_stay_finite(elements in absurd_programs(), stop_after in 0_i64..300) {
+    fn absurd_programs_stay_finite(elements in absurd_programs(), stop_after in 0_i64..300, mode in modes()) {
         let whole: Vec<_> = elements.iter().flatten().cloned().collect();
         for planned in planned(elements.clone()) {
             let planned = planned.unwrap();
@@ -36,10 +45,21 @@ proptest! {
             prop_assert!(duration.is_finite() && duration >= 0.0, "{planned:?}");
             prop_assert!(duration > 0.0 || !planned.element().has_path());
         }
-        let mut interpolator = run(elements);
+        let mut interpolator = run_in(mode, elements);
         for n in 0..600_i64 {
             if n == stop_after {
                 interpolator.request_stop();
+            }
+            let demand = |at, inputs| (n == stop_after * at / 4).then_some(inputs);
+            let base = Inputs { mode, ..Inputs::default() };
+            let low = Inputs { override_factor: Override::new(0.01).unwrap(), ..base };
+            let demands = [
+                demand(1, low),
+                demand(2, Inputs { single_step: true, ..base }),
+                demand(3, Inputs { slow_stop: n % 2 == 0, emergency_stop: n % 3 == 0, ..base }),
+            ];
+            if let Some(inputs) = demands.into_iter().flatten().last() {
+                interpolator.set_inputs(inputs);
             }
             let Some(setpoint) = interpolator.next() else { break };
             let setpoint = setpoint.unwrap();
@@ -48,7 +68,7 @@ proptest! {
             prop_assert!(setpoint.position.coords.iter().all(|x| x.is_finite()), "{setpoint:?}");
             prop_assert!(setpoint.velocity.iter().all(|x| x.is_finite()), "{setpoint:?}");
             prop_assert!(setpoint.acceleration.iter().all(|x| x.is_finite()), "{setpoint:?}");
-            prop_assert!(setpoint.path_velocity >= 0.0 && setpoint.path_velocity <= element.feed);
+            prop_assert!(setpoint.path_velocity >= 0.0 && setpoint.path_velocity <= element.feed * (1.0 + 1e-8));
             prop_assert!(interpolator.path_length().is_finite() && interpolator.duration().is_finite());
         }
     }
