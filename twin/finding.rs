@@ -26,6 +26,12 @@ pub enum Rule {
     AxisJerk,
     /// The arms are stretched or folded.
     Singularity,
+    /// A tool of that radius damages the part, or does not get everywhere.
+    CompensationGouge,
+    /// Loop avoidance has cut a loop off the path.
+    LoopCut,
+    /// A switch lay on a piece of path that preparation has removed.
+    SwitchLost,
     /// An axis that the simulated machine cannot keep on its set-point.
     FollowingError,
 }
@@ -43,6 +49,9 @@ impl Rule {
             Self::AxisAcceleration => "axis-acceleration",
             Self::AxisJerk => "axis-jerk",
             Self::Singularity => "singularity",
+            Self::CompensationGouge => "compensation-gouge",
+            Self::LoopCut => "loop-cut",
+            Self::SwitchLost => "switch-lost",
             Self::FollowingError => "following-error",
         }
     }

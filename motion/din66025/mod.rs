@@ -42,6 +42,7 @@ mod error;
 mod idle;
 mod lexer;
 mod number;
+mod scan;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -50,4 +51,5 @@ mod word;
 
 pub use decoder::{DEFAULT_JUMPS, Decoder, DecoderOptions, MAX_LINE_BYTES};
 pub use error::{DecodeError, Diagnostic, Failure, Item};
+pub use scan::marks_in;
 pub use variables::Variables;

@@ -230,6 +230,17 @@ pub enum CheckError {
     },
 }
 
+impl CheckError {
+    /// The block it is about.
+    pub const fn place(&self) -> Place {
+        match self {
+            Self::NonPositiveLimit { place, .. }
+            | Self::EndVelocity { place, .. }
+            | Self::Length { place, .. } => *place,
+        }
+    }
+}
+
 /// A programmed limit on the motion along the path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Limit {

@@ -32,7 +32,8 @@ pub(super) struct Arguments {
     #[command(flatten)]
     read: ReadOptions,
 
-    /// Show the path after preparation (transition velocities)
+    /// Show the path after preparation: tool radius correction, loop avoidance, smoothing, rounding, transition
+    /// velocities
     #[arg(long)]
     prepare: bool,
 
@@ -103,15 +104,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     eprintln!("{} is read as {}", program.path().display(), program.dialect().name());
     let frame = machine.as_ref().map_or_else(WorkFrame::identity, |machine| machine.frame);
     let start = machine.as_ref().map_or([0.0; 3], |machine| machine.start);
-    let tolerance = arguments.prepare.then(|| {
-        machine
-            .as_ref()
-            .map_or(crate::machine::DEFAULT_ANGLE_TOLERANCE, |machine| machine.angle_tolerance)
-    });
+    let tolerance = machine
+        .as_ref()
+        .map_or(crate::machine::DEFAULT_ANGLE_TOLERANCE, |machine| machine.angle_tolerance);
     let mut findings = Vec::new();
     let mut out = BufWriter::new(io::stdout().lock());
-    let mut elements =
-        program.elements(start, tolerance).map_err(|source| unreadable(program.path(), source))?;
+    let elements = if arguments.prepare {
+        program.prepared(start, tolerance)
+    } else {
+        program.elements(start)
+    };
+    let mut elements = elements.map_err(|source| unreadable(program.path(), source))?;
     for item in &mut elements {
         match item {
             ElementItem::Element(element) => {

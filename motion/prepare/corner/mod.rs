@@ -63,6 +63,15 @@ pub enum CornerError {
     },
 }
 
+impl CornerError {
+    /// The block it is about.
+    pub const fn place(&self) -> Place {
+        match self {
+            Self::Distance { place, .. } => *place,
+        }
+    }
+}
+
 /// The stream adapter behind [`SmoothPath`] and [`RoundPath`].
 ///
 /// The path is cut in X and Y; Z and the extra axes go on linearly from the one cut to the other. The inserted element

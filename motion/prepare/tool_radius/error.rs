@@ -85,3 +85,15 @@ pub enum ToolRadiusError {
         place: Place,
     },
 }
+
+impl ToolRadiusError {
+    /// The block it is about.
+    pub const fn place(&self) -> Place {
+        match self {
+            Self::SideChange { place, .. }
+            | Self::RadiusChange { place, .. }
+            | Self::Radius { place, .. }
+            | Self::Plane { place } => *place,
+        }
+    }
+}

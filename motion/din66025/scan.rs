@@ -1,0 +1,71 @@
+//! Which kinds of path preparation a program names, without decoding it.
+
+use crate::path::Marks;
+use std::io::{self, BufRead};
+
+/// The start marks of all G41, G42, G51, G52 and G61 in a program's text, in comments, too: what preparation it may
+/// need. A command whose number is a variable is not seen.
+///
+/// # Errors
+/// If `program` cannot be read.
+pub fn marks_in(mut program: impl BufRead) -> io::Result<Marks> {
+    let mut marks = Marks::default();
+    // The number after a G as far as it has been read: none outside of such a word.
+    let mut number: Option<u32> = None;
+    loop {
+        let chunk = match program.fill_buf() {
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+            other => other?,
+        };
+        for byte in chunk {
+            match (byte, number) {
+                (b'G' | b'g', _) => {
+                    marks = marks.with(starts(number));
+                    number = Some(0);
+                }
+                (b'0'..=b'9', Some(value)) => {
+                    number = Some(value.saturating_mul(10).saturating_add(u32::from(byte - b'0')));
+                }
+                (_, Some(_)) => {
+                    marks = marks.with(starts(number));
+                    number = None;
+                }
+                (_, None) => {}
+            }
+        }
+        let length = chunk.len();
+        program.consume(length);
+        if length == 0 {
+            return Ok(marks.with(starts(number)));
+        }
+    }
+}
+
+fn starts(number: Option<u32>) -> Marks {
+    match number {
+        Some(41) => Marks::CORRECTION_LEFT,
+        Some(42) => Marks::CORRECTION_RIGHT,
+        Some(51) => Marks::SMOOTHING,
+        Some(52) => Marks::ROUNDING,
+        Some(61) => Marks::LOOPS,
+        _ => Marks::default(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::BufReader;
+
+    #[test]
+    fn marks_are_found_wherever_the_reader_stops() {
+        let program = "%\nN10 G1 X41 G91\nN20 g042D3\nN30 G61\n(G52) G510 G411 X52 G4\n1G51";
+        let expected =
+            Marks::CORRECTION_RIGHT.with(Marks::LOOPS).with(Marks::ROUNDING).with(Marks::SMOOTHING);
+        for capacity in 1..40 {
+            let reader = BufReader::with_capacity(capacity, program.as_bytes());
+            assert_eq!(marks_in(reader).unwrap(), expected);
+        }
+        assert_eq!(marks_in(&b"N10 G1 X1 F10"[..]).unwrap(), Marks::default());
+    }
+}

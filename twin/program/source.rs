@@ -1,0 +1,208 @@
+//! The program's text: read, counted, decoded, its diagnostics taken out.
+
+use super::Stamp;
+use crate::finding::{Finding, Rule, Severity};
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::rc::Rc;
+use twin_motion::Place;
+use twin_motion::decode::{self, Diagnostic, TextError};
+use twin_motion::din66025::{self, Decoder};
+use twin_motion::path::{ElementKind, PathElement};
+use twin_motion::prepare::{CheckError, CornerError, Incompatible, Notice, ToolRadiusError};
+
+/// What the stages leave behind for whoever reads the stream.
+#[derive(Debug, Default)]
+pub(super) struct Ledger {
+    pub(super) bytes: u64,
+    pub(super) elements: u64,
+    pub(super) length: f64,
+    pub(super) findings: VecDeque<Finding>,
+    errors: usize,
+    warnings: usize,
+    pub(super) left_out: u64,
+}
+
+/// More diagnostics of one severity than this are counted, not kept, so that a file that is wrong on every line takes
+/// no more memory than another.
+const MAX_DIAGNOSTICS: usize = 1000;
+
+impl Ledger {
+    pub(super) fn report(&mut self, finding: Finding) {
+        let count = match finding.severity {
+            Severity::Error => &mut self.errors,
+            Severity::Warning | Severity::Note => &mut self.warnings,
+        };
+        if *count == MAX_DIAGNOSTICS {
+            self.left_out += 1;
+        } else {
+            *count += 1;
+            self.findings.push_back(finding);
+        }
+    }
+}
+
+/// Counts what is read, and stops if somebody writes to the file meanwhile.
+#[derive(Debug)]
+pub(super) struct Counted {
+    pub(super) file: File,
+    pub(super) stamp: Option<Stamp>,
+    pub(super) ledger: Rc<RefCell<Ledger>>,
+}
+
+impl Read for Counted {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        Stamp::verify(self.stamp, &self.file)?;
+        self.ledger.borrow_mut().bytes += u64::try_from(count).unwrap_or(u64::MAX);
+        Ok(count)
+    }
+}
+
+impl Seek for Counted {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.file.seek(to)
+    }
+}
+
+/// What ends a stream early.
+#[derive(Debug)]
+pub(super) enum Halt {
+    Io(io::Error),
+    /// A stage cannot go on.
+    Finding(Box<Finding>),
+}
+
+impl Halt {
+    fn stage(place: Place, error: &dyn std::error::Error) -> Self {
+        Self::Finding(Box::new(Finding::error(Rule::Syntax, place, without_place(place, error))))
+    }
+}
+
+/// What stages say begins with the place, which findings say themselves.
+fn without_place(place: Place, said: &dyn std::fmt::Display) -> String {
+    let said = said.to_string();
+    said.strip_prefix(&format!("{place}: ")).unwrap_or(&said).to_owned()
+}
+
+impl From<CheckError> for Halt {
+    fn from(error: CheckError) -> Self {
+        Self::stage(error.place(), &error)
+    }
+}
+
+impl From<ToolRadiusError> for Halt {
+    fn from(error: ToolRadiusError) -> Self {
+        Self::stage(error.place(), &error)
+    }
+}
+
+impl From<CornerError> for Halt {
+    fn from(error: CornerError) -> Self {
+        Self::stage(error.place(), &error)
+    }
+}
+
+/// What preparation has noticed, as a finding: where the tool damages the part that is an error.
+pub(super) fn noticed(notice: &Notice) -> Finding {
+    let place = notice.place();
+    let (rule, severity) = match notice {
+        Notice::Gouge { .. } => (Rule::CompensationGouge, Severity::Error),
+        Notice::TooNarrow { .. } => (Rule::CompensationGouge, Severity::Warning),
+        Notice::LoopCut { .. } => (Rule::LoopCut, Severity::Note),
+        Notice::SwitchLost { .. } => (Rule::SwitchLost, Severity::Warning),
+    };
+    Finding { severity, ..Finding::error(rule, place, without_place(place, notice)) }
+}
+
+/// A program that asks for preparation that cannot be combined.
+pub(super) fn incompatible(error: Incompatible) -> Finding {
+    let place = Place { line: 1, block: None };
+    Finding::error(Rule::Syntax, place, format!("{error} in one program"))
+}
+
+/// The decoder with its diagnostics taken out, so that an erroneous block does not end the stream: all errors of a
+/// program are found at once.
+#[derive(Debug)]
+pub(super) struct Decoded {
+    pub(super) decoder: Decoder<BufReader<Counted>>,
+    pub(super) ledger: Rc<RefCell<Ledger>>,
+    /// After an element that nobody would wait for, only diagnostics follow.
+    pub(super) halted: bool,
+}
+
+/// No single move takes longer than this, s: a day. What does is a slip of the pen (`J999999999`, `F0.0000001`,
+/// `E0.0000001`), and sampling it every millisecond would take the check as long.
+const LONGEST_MOVE: f64 = 86_400.0;
+
+/// What is wrong with an element that takes absurdly long.
+fn endless(element: &PathElement) -> Option<Finding> {
+    let length = element.length();
+    if !(element.feed > 0.0 && element.acceleration > 0.0 && element.deceleration > 0.0) {
+        return None;
+    }
+    // At the feed, and from rest to rest without ever reaching it.
+    let cruise = length / element.feed;
+    let ramps = (2.0 * length * (1.0 / element.acceleration + 1.0 / element.deceleration)).sqrt();
+    let time = cruise.max(ramps);
+    (time > LONGEST_MOVE).then(|| {
+        let (length, feed) = (length * 1e3, element.feed * 1e3);
+        let (up, down) = (element.acceleration * 1e3, element.deceleration * 1e3);
+        let pace =
+            if cruise >= ramps { format!("F{feed}") } else { format!("E{up} and E-{down}") };
+        let message = format!(
+            "this move is {length:.1} mm long and would take {time:.0} s with {pace}; the limit for one move is \
+             {LONGEST_MOVE:.0} s, and what follows is not planned"
+        );
+        Finding::error(Rule::Syntax, element.place, message).with_value(time, LONGEST_MOVE, "s")
+    })
+}
+
+impl Iterator for Decoded {
+    type Item = Result<PathElement, Halt>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            match self.decoder.next()? {
+                Ok(din66025::Item::Element(element)) => {
+                    if self.halted {
+                        continue;
+                    }
+                    let mut ledger = self.ledger.borrow_mut();
+                    if let Some(finding) = endless(&element) {
+                        ledger.report(finding);
+                        self.halted = true;
+                        continue;
+                    }
+                    ledger.elements += 1;
+                    if element.kind != ElementKind::Jump {
+                        ledger.length += element.length();
+                    }
+                    return Some(Ok(element));
+                }
+                Ok(din66025::Item::Warning(diagnostic)) => {
+                    let finding = Finding { severity: Severity::Warning, ..finding(&diagnostic) };
+                    self.ledger.borrow_mut().report(finding);
+                }
+                Err(din66025::Failure::Io(error)) => return Some(Err(Halt::Io(error))),
+                Err(din66025::Failure::Diagnostic(diagnostic)) => {
+                    self.ledger.borrow_mut().report(finding(&diagnostic));
+                }
+            }
+        }
+    }
+}
+
+/// A diagnostic of a decoder as a finding.
+fn finding<E: TextError>(diagnostic: &Diagnostic<E>) -> Finding {
+    let rule = match diagnostic.error.rule() {
+        decode::Rule::Syntax => Rule::Syntax,
+        decode::Rule::UnsupportedWord => Rule::UnsupportedWord,
+        decode::Rule::ArcGeometry => Rule::ArcGeometry,
+    };
+    let mut finding = Finding::error(rule, diagnostic.place, diagnostic.error.to_string());
+    finding.columns.clone_from(&diagnostic.columns);
+    finding
+}

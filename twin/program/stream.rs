@@ -1,0 +1,149 @@
+//! The program as a stream of path elements or set-points, with what is found on the way.
+
+use super::source::{Decoded, Halt, Ledger, noticed};
+use crate::finding::Finding;
+use std::cell::RefCell;
+use std::io;
+use std::rc::Rc;
+use twin_motion::interpolate::{Interpolator, LookAhead, ToolSetpoint};
+use twin_motion::path::PathElement;
+use twin_motion::prepare::{CheckVelocities, Notices, PreparedPath};
+
+/// Path elements of a program.
+#[derive(Debug)]
+pub struct Elements {
+    stage: Stage,
+    notices: Notices,
+    ledger: Rc<RefCell<Ledger>>,
+}
+
+impl Elements {
+    pub(super) fn new(stage: Stage, notices: Notices, ledger: Rc<RefCell<Ledger>>) -> Self {
+        Self { stage, notices, ledger }
+    }
+
+    /// Diagnostics of the text that were left out because there are too many.
+    pub fn left_out(&self) -> u64 {
+        self.ledger.borrow().left_out
+    }
+}
+
+#[derive(Debug)]
+pub(super) enum Stage {
+    Decoded(Box<Decoded>),
+    Prepared(Box<Prepared>),
+}
+
+/// The program's path, ready for look-ahead.
+pub(super) type Prepared = CheckVelocities<PreparedPath<Decoded, Halt>, Halt>;
+
+/// The next thing found: by the decoder, or by preparation.
+fn found(ledger: &RefCell<Ledger>, notices: &Notices) -> Option<Finding> {
+    let finding = ledger.borrow_mut().findings.pop_front();
+    finding.or_else(|| notices.take().map(|notice| noticed(&notice)))
+}
+
+/// What comes out of [`Elements`].
+#[derive(Debug)]
+pub enum ElementItem {
+    /// The next element.
+    Element(PathElement),
+    /// Something wrong with the program; the elements after it follow.
+    Diagnostic(Finding),
+    /// The file cannot be read any further.
+    Io(io::Error),
+}
+
+impl Iterator for Elements {
+    type Item = ElementItem;
+
+    fn next(&mut self) -> Option<ElementItem> {
+        if let Some(finding) = found(&self.ledger, &self.notices) {
+            return Some(ElementItem::Diagnostic(finding));
+        }
+        let next = match &mut self.stage {
+            Stage::Decoded(decoded) => decoded.next(),
+            Stage::Prepared(prepared) => prepared
+                .next()
+                .map(|next| next.map(twin_motion::prepare::CheckedElement::into_element)),
+        };
+        match next {
+            Some(Ok(element)) => Some(ElementItem::Element(element)),
+            Some(Err(Halt::Io(error))) => Some(ElementItem::Io(error)),
+            Some(Err(Halt::Finding(finding))) => Some(ElementItem::Diagnostic(*finding)),
+            None => found(&self.ledger, &self.notices).map(ElementItem::Diagnostic),
+        }
+    }
+}
+
+/// Set-points of a program, one per cycle.
+#[derive(Debug)]
+pub struct Setpoints {
+    interpolator: Planned,
+    notices: Notices,
+    ledger: Rc<RefCell<Ledger>>,
+}
+
+type Planned = Interpolator<LookAhead<Prepared, Halt>, Halt>;
+
+/// What comes out of [`Setpoints`].
+#[derive(Debug)]
+pub enum ProgramItem {
+    /// The next set-point.
+    Setpoint(ToolSetpoint),
+    /// Something wrong with the program; the set-points after it follow the path as if the block were not there.
+    Diagnostic(Finding),
+    /// The file cannot be read any further.
+    Io(io::Error),
+}
+
+impl Setpoints {
+    pub(super) fn new(
+        interpolator: Planned,
+        notices: Notices,
+        ledger: Rc<RefCell<Ledger>>,
+    ) -> Self {
+        Self { interpolator, notices, ledger }
+    }
+
+    /// Brakes along the path and ends.
+    pub fn request_stop(&mut self) {
+        self.interpolator.request_stop();
+    }
+
+    /// Path elements decoded so far.
+    pub fn elements(&self) -> u64 {
+        self.ledger.borrow().elements
+    }
+
+    /// Length of the path decoded so far, m.
+    pub fn length(&self) -> f64 {
+        self.ledger.borrow().length
+    }
+
+    /// Diagnostics of the text that were left out because there are too many.
+    pub fn left_out(&self) -> u64 {
+        self.ledger.borrow().left_out
+    }
+
+    /// Bytes of the file read so far.
+    pub fn bytes_read(&self) -> u64 {
+        self.ledger.borrow().bytes
+    }
+}
+
+impl Iterator for Setpoints {
+    type Item = ProgramItem;
+
+    fn next(&mut self) -> Option<ProgramItem> {
+        if let Some(finding) = found(&self.ledger, &self.notices) {
+            return Some(ProgramItem::Diagnostic(finding));
+        }
+        match self.interpolator.next() {
+            Some(Ok(setpoint)) => Some(ProgramItem::Setpoint(setpoint)),
+            Some(Err(Halt::Io(error))) => Some(ProgramItem::Io(error)),
+            Some(Err(Halt::Finding(finding))) => Some(ProgramItem::Diagnostic(*finding)),
+            None => found(&self.ledger, &self.notices).map(ProgramItem::Diagnostic),
+        }
+    }
+}
