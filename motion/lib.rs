@@ -9,9 +9,12 @@
 
 pub mod decode;
 pub mod din66025;
+pub mod dxf;
+pub mod info;
 pub mod interpolate;
 pub mod path;
 pub mod prepare;
+pub mod svg;
 
 mod place;
 

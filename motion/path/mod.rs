@@ -2,6 +2,7 @@
 
 mod adapters;
 mod arc;
+mod bounds;
 mod cubic;
 mod curve;
 mod details;
@@ -16,6 +17,7 @@ mod tests;
 
 pub use adapters::{Chords, Linearise, MapPath, SplitAt};
 pub use arc::Arc;
+pub use bounds::Bounds;
 pub use cubic::{Cubic, cardinal_tangent, end_tangent};
 pub use details::{
     AxisMask, Details, EXTRA_AXES, ExtraAxes, ExtraPosition, MAX_SWITCHES, MParameters, Switch,

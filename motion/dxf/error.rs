@@ -1,0 +1,117 @@
+//! What goes wrong with a drawing, and what is left out of it.
+
+use std::fmt;
+use std::io;
+
+/// Why a drawing cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum DxfReadError {
+    /// Reading fails.
+    #[error("the drawing cannot be read")]
+    Io(#[from] io::Error),
+    /// Binary DXF and DXB.
+    #[error("this is a binary drawing: save it as a text DXF file")]
+    Binary,
+    /// The file does not consist of group codes and values.
+    #[error("line {line}: a group code must be here, a whole number on a line of its own")]
+    GroupCode {
+        /// Line of the file, from 1.
+        line: u64,
+    },
+    /// There is no `EOF` at the end.
+    #[error("line {line}: the drawing ends in the middle, its EOF is missing")]
+    Truncated {
+        /// The last line.
+        line: u64,
+    },
+    /// More bytes than allowed.
+    #[error("the drawing has more than {limit} bytes")]
+    TooLarge {
+        /// How many are allowed.
+        limit: u64,
+    },
+    /// More pieces of path than allowed, blocks inserted.
+    #[error("the drawing has more than {limit} pieces of path")]
+    TooMany {
+        /// How many are allowed.
+        limit: usize,
+    },
+    /// Blocks inserted in blocks, too deep or in a circle.
+    #[error("line {line}: blocks are inserted in one another more than {limit} deep")]
+    TooDeep {
+        /// Line of the outermost INSERT.
+        line: u64,
+        /// How deep they may be.
+        limit: usize,
+    },
+    /// Values of entities cannot be understood.
+    #[error("the drawing's entities cannot be understood")]
+    Entities(#[from] ::dxf::DxfError),
+    /// Some of the entities could not be understood.
+    #[error(
+        "an entity of the drawing cannot be understood: of {expected} entities {found} could be read"
+    )]
+    Incomplete {
+        /// Entities in the file.
+        expected: usize,
+        /// Those that were read.
+        found: usize,
+    },
+}
+
+/// Why something of a drawing is not, or not exactly, in the path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Reason {
+    /// A kind of entity that is no path, or that is not known.
+    NotUnderstood,
+    /// Its plane is not that of X and Y.
+    Tilted,
+    /// Its layer is frozen.
+    FrozenLayer,
+    /// Its layer is switched off.
+    LayerOff,
+    /// It is invisible.
+    Invisible,
+    /// It belongs to a sheet of paper.
+    PaperSpace,
+    /// It has no extent, or numbers that make no sense.
+    Degenerate,
+    /// Its block is not in the drawing.
+    UnknownBlock,
+    /// It has been replaced by straight lines within the tolerance asked for: rational splines, splines of a higher
+    /// degree than 3, and splines that climb.
+    Approximated,
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NotUnderstood => "left out: no path, or unknown",
+            Self::Tilted => "left out: not in a plane parallel to X and Y",
+            Self::FrozenLayer => "left out: its layer is frozen",
+            Self::LayerOff => "left out: its layer is off",
+            Self::Invisible => "left out: invisible",
+            Self::PaperSpace => "left out: in paper space",
+            Self::Degenerate => "left out: without extent",
+            Self::UnknownBlock => "left out: its block is missing",
+            Self::Approximated => "approximated by straight lines",
+        })
+    }
+}
+
+/// What is not, or not exactly, in the path.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Note {
+    /// Kind of entity, as the file names it.
+    pub kind: String,
+    /// Why.
+    pub reason: Reason,
+    /// How many; those in a block count once for each time it is inserted.
+    pub count: u64,
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}: {}", self.count, self.kind, self.reason)
+    }
+}

@@ -1,0 +1,117 @@
+//! Files that are damaged, or mean no good.
+
+use super::*;
+use proptest::prelude::*;
+
+fn error(text: &str) -> DxfReadError {
+    import(text.as_bytes(), &ImportOptions::default()).unwrap_err()
+}
+
+#[test]
+fn what_is_no_drawing() {
+    assert!(matches!(error(""), DxfReadError::Truncated { line: 0 }));
+    assert!(matches!(error("% program\nN10 G0"), DxfReadError::GroupCode { line: 1 }));
+    assert!(matches!(error("AutoCAD Binary DXF\r\n\u{1a}\0"), DxfReadError::Binary));
+    let whole = drawing(&["LINE 10 0 20 0 11 1 21 0"]);
+    let cut = whole.strip_suffix("0\nEOF\n").unwrap();
+    assert!(matches!(error(cut), DxfReadError::Truncated { .. }));
+}
+
+/// The crate ends its list at an entity it cannot read; the others must not go missing without a word.
+#[test]
+fn entities_that_cannot_be_read_are_no_silent_end() {
+    let text = drawing(&[
+        "LINE 10 0 20 0 11 1 21 0",
+        "LINE 10 zero 20 0 11 1 21 0",
+        "LINE 10 0 20 0 11 1 21 0",
+    ]);
+    let error = error(&text);
+    assert!(
+        matches!(error, DxfReadError::Incomplete { .. } | DxfReadError::Entities(_)),
+        "{error:?}"
+    );
+}
+
+#[test]
+fn limits() {
+    let with = |limits, text: &str| {
+        import(text.as_bytes(), &ImportOptions { limits, ..ImportOptions::default() })
+    };
+    let line = "LINE 8 0 10 0 20 0 11 1 21 0";
+    let text = drawing(&[line]);
+    let exactly = Limits { bytes: text.len() as u64, ..Limits::default() };
+    assert!(with(exactly, &text).is_ok());
+    let less = Limits { bytes: text.len() as u64 - 1, ..exactly };
+    assert!(matches!(with(less, &text), Err(DxfReadError::TooLarge { .. })));
+
+    // Ten blocks, each inserting the one before a thousand times.
+    let mut blocks = vec![vec!["BLOCK 2 B0 70 0 10 0 20 0".to_owned(), line.to_owned()]];
+    for n in 1..10 {
+        blocks.push(vec![
+            format!("BLOCK 2 B{n} 70 0 10 0 20 0"),
+            format!("INSERT 8 0 2 B{} 10 0 20 0 70 1000", n - 1),
+        ]);
+    }
+    let blocks: Vec<Vec<&str>> =
+        blocks.iter().map(|block| block.iter().map(String::as_str).collect()).collect();
+    let blocks: Vec<&[&str]> = blocks.iter().map(Vec::as_slice).collect();
+    let bomb = full_drawing("", &blocks, &["INSERT 8 0 2 B9 10 0 20 0"]);
+    let few = Limits { pieces: 10_000, ..Limits::default() };
+    assert!(matches!(with(few, &bomb), Err(DxfReadError::TooMany { limit: 10_000 })));
+
+    let circle: [&[&str]; 1] = [&["BLOCK 2 A 70 0 10 0 20 0", "INSERT 8 0 2 A 10 0 20 0"]];
+    let endless = full_drawing("", &circle, &["INSERT 8 0 2 A 10 0 20 0"]);
+    assert!(matches!(with(few, &endless), Err(DxfReadError::TooDeep { .. })));
+
+    let far = with(few, &drawing(&["LINE 10 0 20 0 11 1e9 21 0", "LINE 10 nan 20 0 11 1 21 0"]));
+    assert_eq!(notes(&far.unwrap()), [("LINE", Reason::Degenerate, 2)]);
+}
+
+proptest! {
+    /// A drawing with anything changed, left out or put in: an error or a path, whose elements join.
+    #[test]
+    fn damaged_drawings_end(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), 0..4_u8, "[0-9A-Z.-]{0,6}|-?[0-9]{1,3}|nan|1e308"), 1..6)
+    ) {
+        let text = full_drawing(
+            "0\nLAYER\n2\nIce\n70\n1\n62\n7\n",
+            &[&["BLOCK 2 A 70 0 10 5 20 0", "ARC 8 0 10 5 20 0 40 1 50 0 51 90"]],
+            &[
+                "LINE 8 0 10 0 20 0 11 1 21 0",
+                "LWPOLYLINE 90 3 70 1 10 0 20 0 10 10 20 0 42 0.5 10 10 20 10",
+                "POLYLINE 8 0 66 1 10 0 20 0 30 2 70 1",
+                "VERTEX 8 0 10 0 20 0 42 1",
+                "VERTEX 8 0 10 10 20 0",
+                "SEQEND",
+                "ELLIPSE 10 0 20 0 11 0 21 20 40 0.5 41 0 42 1.5",
+                "SPLINE 71 3 40 0 40 0 40 0 40 0 40 1 40 1 40 1 40 1 10 0 20 0 30 0 10 1 20 1 30 0 10 2 20 1 30 0 10 3 20 0 30 0",
+                "INSERT 8 0 2 A 10 100 20 0 41 2 42 3 50 90 70 2 44 5",
+                "TEXT 1 x",
+            ],
+        );
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        for (at, what, new) in changes {
+            let at = at.index(lines.len());
+            match what {
+                0 => lines[at] = new,
+                1 => lines.insert(at, new),
+                2 => { lines.remove(at); }
+                _ => { let other = lines[at / 2].clone(); lines[at] = other; }
+            }
+        }
+        let limits = Limits { pieces: 10_000, ..Limits::default() };
+        let options = ImportOptions { limits, order: Order::Nearest, ..ImportOptions::default() };
+        if let Ok(import) = import(lines.join("\n").as_bytes(), &options) {
+            for program in &import.programs {
+                for pair in program.elements.windows(2) {
+                    prop_assert!((pair[0].end() - pair[1].start()).norm() <= 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn any_bytes_end(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+        prop_assert!(import(bytes.as_slice(), &ImportOptions::default()).is_err());
+    }
+}

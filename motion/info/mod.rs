@@ -1,0 +1,12 @@
+//! What a program is, at a glance: its key figures ([`ProgramInfo`], manual 3.3), the lines that are running
+//! ([`GCodeViewer`], 6.2.2), and its first lines and objects as text ([`first_lines`], [`QueueRow`], manual 7).
+
+mod listing;
+mod program;
+#[cfg(test)]
+mod tests;
+mod viewer;
+
+pub use listing::{MoveType, QUEUE_HEADING, QueueRow, SHOWN, first_lines};
+pub use program::{Counts, ProgramInfo, RuleCount};
+pub use viewer::{GCodeViewer, ViewerError, shown_block};
