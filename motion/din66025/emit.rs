@@ -78,7 +78,7 @@ impl Emitter {
 }
 
 /// True if the direction of a spline follows that of `element`.
-fn joins(element: &PathElement) -> bool {
+pub(super) fn joins(element: &PathElement) -> bool {
     element.kind == ElementKind::Cut && element.shape.length() > 0.0
 }
 

@@ -48,8 +48,10 @@ mod state;
 mod tests;
 mod variables;
 mod word;
+mod write;
 
 pub use decoder::{DEFAULT_JUMPS, Decoder, DecoderOptions, MAX_LINE_BYTES};
 pub use error::{DecodeError, Diagnostic, Failure, Item};
 pub use scan::marks_in;
 pub use variables::Variables;
+pub use write::{ProgramWriter, WriteError};

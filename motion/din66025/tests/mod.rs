@@ -8,6 +8,7 @@ mod random;
 mod vectors;
 mod warnings;
 mod words;
+mod write;
 
 use super::{DecodeError, Decoder, DecoderOptions, Diagnostic, Failure, Item};
 use crate::path::{ElementKind, PathElement, Shape};

@@ -100,7 +100,7 @@ fn block() -> impl Strategy<Value = String> {
     ]
 }
 
-fn programs() -> impl Strategy<Value = Vec<String>> {
+pub(super) fn programs() -> impl Strategy<Value = Vec<String>> {
     prop::collection::vec(block(), 0..40).prop_map(|mut lines| {
         lines.splice(0..0, ["% random".to_owned(), "F20".to_owned()]);
         lines
