@@ -17,5 +17,6 @@ pub mod prepare;
 pub mod svg;
 
 mod place;
+mod short;
 
 pub use place::Place;

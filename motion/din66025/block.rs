@@ -137,7 +137,7 @@ impl Block {
             }
             Letter::O => {
                 *place = Some(SwitchPlace::Part(value));
-                self.o = Some(word.name.clone().map_or(Operand::Number(value), Operand::Name));
+                self.o = Some(word.name().map_or(Operand::Number(value), Operand::Name));
                 return;
             }
             Letter::H => return self.store_switch(word, *place, complaints),
@@ -188,7 +188,7 @@ impl Block {
     clippy::cast_sign_loss,
     reason = "Letter::check lets only whole u32 pass"
 )]
-fn block_number(value: f64) -> u32 {
+pub(super) fn block_number(value: f64) -> u32 {
     value as u32
 }
 

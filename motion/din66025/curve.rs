@@ -8,6 +8,11 @@ use super::word::{Letter, Motion, Word};
 use crate::path::{Cubic, Ellipse, Shape};
 use nalgebra::{Point2, Point3};
 
+/// A control point of a parabola closer than this to a line is on it, m (manual 6.4, `g_fSMC_CNC_EPS_RELUCTANT`).
+const ON_LINE: f64 = 1e-9;
+/// R and the ratio that start and end tell may differ by as much: programs round.
+const RATIO_TOLERANCE: f64 = 1e-3;
+
 /// What a block says of its curve.
 pub(super) struct CurveWords<'a> {
     pub(super) block: &'a Block,
@@ -35,7 +40,7 @@ impl CurveWords<'_> {
                 let number = motion.number();
                 let control =
                     self.center(start)?.ok_or(DecodeError::CurveWithoutPoint { number })?;
-                Ok(Shape::Cubic(Box::new(Cubic::parabola(start, control, end))))
+                Ok(self.parabola(start, control, end, out))
             }
             Motion::Ellipse { clockwise } => {
                 let number = motion.number();
@@ -44,7 +49,16 @@ impl CurveWords<'_> {
                 let direction = self.block.k.unwrap_or_default().to_radians();
                 let ratio = self.block.radius;
                 Ok(match Ellipse::through(start, end, center, direction, ratio, clockwise) {
-                    Ok(ellipse) => Shape::Ellipse(Box::new(ellipse)),
+                    Ok(ellipse) => {
+                        let actual = ellipse.minor() / ellipse.major().norm();
+                        if let Some(given) = ratio
+                            && (given - actual).abs() > RATIO_TOLERANCE
+                        {
+                            let columns = columns_of(self.words, &[Letter::R]);
+                            out.warning(columns, DecodeError::OtherRatio { given, ratio: actual });
+                        }
+                        Shape::Ellipse(Box::new(ellipse))
+                    }
                     Err(error) => {
                         let columns = columns_of(self.words, motion.words());
                         out.warning(columns, DecodeError::NoEllipse(error));
@@ -53,6 +67,27 @@ impl CurveWords<'_> {
                 })
             }
         }
+    }
+
+    /// The parabola whose tangents meet at `control` (m). On one line it is that line, or runs out on it and back.
+    fn parabola(
+        &self,
+        start: Point3<f64>,
+        control: Point2<f64>,
+        end: Point3<f64>,
+        out: &mut Output,
+    ) -> Shape {
+        let chord = (end - start).xy();
+        let [to, from] = [control - start.xy(), end.xy() - control];
+        let length = chord.norm();
+        if length > ON_LINE && chord.perp(&to).abs() / length > ON_LINE {
+            return Shape::Cubic(Box::new(Cubic::parabola(start, control, end)));
+        }
+        if to.dot(&chord) < 0.0 || from.dot(&chord) < 0.0 || length <= ON_LINE {
+            let columns = columns_of(self.words, &[Letter::I, Letter::J]);
+            out.warning(columns, DecodeError::StraightParabola);
+        }
+        Shape::Line { start, end }
     }
 
     fn arc(

@@ -9,10 +9,11 @@ use super::word::Word;
 use crate::Place;
 use crate::path::{ExtraPosition, PathElement};
 use nalgebra::Point3;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, HashSet, VecDeque};
 use std::fmt;
-use std::io::{self, BufRead, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, Read, Seek};
 use std::iter::FusedIterator;
+use std::mem::{Discriminant, discriminant};
 use std::ops::Range;
 
 /// The longest line that is read, its end included, bytes.
@@ -63,7 +64,7 @@ impl Default for DecoderOptions {
 pub struct Decoder<R> {
     reader: R,
     /// How the reader goes to another place; none if it cannot.
-    seek: Option<fn(&mut R, u64) -> io::Result<()>>,
+    seek: Option<Seeker<R>>,
     skip_suppressed_blocks: bool,
     jumps_left: u32,
     jumps: u32,
@@ -81,6 +82,9 @@ pub struct Decoder<R> {
     state: State,
     out: Output,
 }
+
+/// How to go forwards and backwards in a reader, bytes.
+type Seeker<R> = fn(&mut R, i64) -> io::Result<()>;
 
 /// The beginning of a line.
 #[derive(Clone, Copy, Debug, Default)]
@@ -100,8 +104,8 @@ impl<R> fmt::Debug for Decoder<R> {
 impl<R: BufRead + Seek> Decoder<R> {
     /// Decodes the program in `reader`, which may jump (G20). It begins where the reader is.
     pub fn with_jumps(reader: R, options: DecoderOptions) -> Self {
-        let seek = |reader: &mut R, offset| reader.seek(SeekFrom::Start(offset)).map(|_| ());
-        Self { seek: Some(seek), ..Self::new(reader, options) }
+        // Relative to where the reader is, what it has buffered is kept, and it need not have begun at its beginning.
+        Self { seek: Some(R::seek_relative), ..Self::new(reader, options) }
     }
 }
 
@@ -173,39 +177,44 @@ impl<R: BufRead> Decoder<R> {
             return Ok(());
         };
         self.jumps_left = left;
+        self.out.repeats = true;
+        let from = self.next;
         let known = self.targets.get(&block).copied();
         let target = match known {
             Some(target) => Some(target),
             None => self.find(seek, block)?,
         };
-        match target {
-            Some(target) => {
-                if self.targets.len() < REMEMBERED_TARGETS {
-                    self.targets.insert(block, target);
-                }
-                self.next = target;
+        if let Some(target) = target {
+            if self.targets.len() < REMEMBERED_TARGETS {
+                self.targets.insert(block, target);
             }
-            None => self.out.error(columns, DecodeError::JumpTarget { block }),
+            self.go(seek, target)
+        } else {
+            self.out.error(columns, DecodeError::JumpTarget { block });
+            self.go(seek, from)
         }
-        seek(&mut self.reader, self.next.offset)
     }
 
-    /// The first line with the number `block`, looked for from the beginning.
-    fn find(
-        &mut self,
-        seek: fn(&mut R, u64) -> io::Result<()>,
-        block: u32,
-    ) -> io::Result<Option<Position>> {
-        seek(&mut self.reader, 0)?;
-        let mut at = Position::default();
-        while let Some(length) = read_line(&mut self.reader, &mut self.line)? {
-            if block_number(&self.line) == Some(block) {
+    fn go(&mut self, seek: Seeker<R>, to: Position) -> io::Result<()> {
+        let way = i128::from(to.offset) - i128::from(self.next.offset);
+        self.next = to;
+        seek(&mut self.reader, i64::try_from(way).map_err(io::Error::other)?)
+    }
+
+    /// The first line with the number `block`, looked for from the beginning. Suppressed blocks are not there.
+    fn find(&mut self, seek: Seeker<R>, block: u32) -> io::Result<Option<Position>> {
+        self.go(seek, Position::default())?;
+        loop {
+            let at = self.next;
+            let Some(length) = read_line(&mut self.reader, &mut self.line)? else {
+                return Ok(None);
+            };
+            self.next.offset = self.next.offset.saturating_add(length);
+            self.next.lines = self.next.lines.saturating_add(1);
+            if block_number(&self.line, at.lines == 0, self.skip_suppressed_blocks) == Some(block) {
                 return Ok(Some(at));
             }
-            at.offset = at.offset.saturating_add(length);
-            at.lines = at.lines.saturating_add(1);
         }
-        Ok(None)
     }
 
     /// Decodes the line at hand; tells where to go on if that is not the next one.
@@ -321,14 +330,17 @@ fn read_line(reader: &mut impl BufRead, line: &mut Vec<u8>) -> io::Result<Option
     Ok(Some(length))
 }
 
-/// The number of the N word with which a line begins, `/` and blanks before it left out.
-fn block_number(line: &[u8]) -> Option<u32> {
-    let line = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line).trim_ascii_start();
-    let line = line.strip_prefix(b"/").unwrap_or(line).trim_ascii_start();
-    let (letter, rest) = line.split_first()?;
-    let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
-    let number = rest.get(..digits).filter(|_| letter.eq_ignore_ascii_case(&b'N'))?;
-    std::str::from_utf8(number).ok()?.parse().ok()
+/// The number of the N word with which a line begins, `/`, blanks and comments before it left out.
+fn block_number(line: &[u8], is_first: bool, skip_suppressed: bool) -> Option<u32> {
+    let line = if is_first { line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line) } else { line };
+    if line.len() > MAX_LINE_BYTES {
+        return None;
+    }
+    match first_word(line, 0)? {
+        (_, b'/') if skip_suppressed => None,
+        (begin, b'/') => lexer::block_number(line, begin + 1),
+        (begin, _) => lexer::block_number(line, begin),
+    }
 }
 
 /// Reads up to the end of the line without keeping it; how much that was.
@@ -349,11 +361,18 @@ fn skip_line(reader: &mut impl BufRead) -> io::Result<u64> {
     }
 }
 
+/// Diagnostics that are remembered so that loops do not repeat them.
+const REMEMBERED_DIAGNOSTICS: usize = 4096;
+
 /// What a line gives: a few items, in order.
 #[derive(Debug, Default)]
 pub(super) struct Output {
     items: VecDeque<Result<Item, Failure>>,
     place: Place,
+    /// Line, column and kind of what has been told.
+    told: HashSet<(u32, usize, Discriminant<DecodeError>)>,
+    /// The program has jumped: what there is to tell has perhaps been told.
+    repeats: bool,
 }
 
 impl Output {
@@ -362,19 +381,21 @@ impl Output {
         self.place
     }
 
+    #[inline]
     pub(super) fn element(&mut self, element: PathElement) {
         self.items.push_back(Ok(Item::Element(element)));
     }
 
     pub(super) fn warning(&mut self, columns: Range<usize>, error: DecodeError) {
-        let diagnostic = Diagnostic { place: self.place, columns: Some(columns), error };
-        self.items.push_back(Ok(Item::Warning(diagnostic)));
+        if let Some(diagnostic) = self.diagnostic(self.place, Some(columns), error) {
+            self.items.push_back(Ok(Item::Warning(diagnostic)));
+        }
     }
 
     /// Of a block before the present one.
     pub(super) fn error_at(&mut self, place: Place, columns: Range<usize>, error: DecodeError) {
-        let diagnostic = Diagnostic { place, columns: Some(columns), error };
-        self.items.push_back(Err(diagnostic.into()));
+        let diagnostic = self.diagnostic(place, Some(columns), error);
+        self.items.extend(diagnostic.map(|diagnostic| Err(diagnostic.into())));
     }
 
     pub(super) fn error(&mut self, columns: Range<usize>, error: DecodeError) {
@@ -382,7 +403,24 @@ impl Output {
     }
 
     fn push_error(&mut self, columns: Option<Range<usize>>, error: DecodeError) {
-        let diagnostic = Diagnostic { place: self.place, columns, error };
-        self.items.push_back(Err(diagnostic.into()));
+        let diagnostic = self.diagnostic(self.place, columns, error);
+        self.items.extend(diagnostic.map(|diagnostic| Err(diagnostic.into())));
+    }
+
+    /// None if the same has been told of the same words when the program came by earlier.
+    fn diagnostic(
+        &mut self,
+        place: Place,
+        columns: Option<Range<usize>>,
+        error: DecodeError,
+    ) -> Option<Diagnostic> {
+        let column = columns.as_ref().map_or(usize::MAX, |columns| columns.start);
+        let key = (place.line, column, discriminant(&error));
+        let is_new = if self.told.len() < REMEMBERED_DIAGNOSTICS {
+            self.told.insert(key)
+        } else {
+            !self.repeats || !self.told.contains(&key)
+        };
+        (is_new || !self.repeats).then_some(Diagnostic { place, columns, error })
     }
 }

@@ -114,7 +114,7 @@ impl Held {
         // From right to left as they act: of two at one place the left one acts last.
         for Request { number, at, columns } in self.requests.drain(..) {
             let at = match at {
-                Some(SwitchPlace::Part(part)) => part,
+                Some(SwitchPlace::Part(part)) if !part.is_nan() => part,
                 Some(SwitchPlace::Length(mm)) if length > 0.0 && mm >= 0.0 => mm / 1e3 / length,
                 Some(SwitchPlace::Length(mm)) if length > 0.0 => 1.0 + mm / 1e3 / length,
                 // Every place of an object without length is the same.
@@ -125,7 +125,7 @@ impl Held {
                         f64::INFINITY
                     }
                 }
-                None => {
+                None | Some(SwitchPlace::Part(_)) => {
                     out.error_at(place, columns, DecodeError::SwitchWithoutPlace);
                     continue;
                 }

@@ -2,6 +2,7 @@
 
 use crate::decode::{self, Rule, TextError};
 use crate::path::EllipseError;
+use crate::short::Short;
 use std::ops::Range;
 
 /// One thing wrong with a block.
@@ -65,7 +66,7 @@ pub enum DecodeError {
         letter: char,
     },
     /// A fraction where only whole numbers are allowed (G, N).
-    #[error("{letter} takes a whole number, not {value}")]
+    #[error("{letter} takes a whole number, not {}", Short(*value))]
     NotWhole {
         /// The word's letter.
         letter: char,
@@ -73,7 +74,7 @@ pub enum DecodeError {
         value: f64,
     },
     /// A number, or the position it leads to, beyond what any machine has.
-    #[error("{letter} is {value}{unit}, outside {min}{unit} to {max}{unit}")]
+    #[error("{letter} is {}{unit}, outside {}{unit} to {}{unit}", Short(*value), Short(*min), Short(*max))]
     OutOfRange {
         /// The word's letter.
         letter: char,
@@ -87,7 +88,7 @@ pub enum DecodeError {
         unit: &'static str,
     },
     /// F is zero or negative.
-    #[error("the feed F is {value} mm/s, it must be more than 0 mm/s")]
+    #[error("the feed F is {} mm/s, it must be more than 0 mm/s", Short(*value))]
     NonPositiveFeed {
         /// F in mm/s.
         value: f64,
@@ -144,7 +145,7 @@ pub enum DecodeError {
         command: u8,
     },
     /// A second word of a letter. A warning.
-    #[error("a second {letter} word: words act from right to left, so {letter}{value} counts")]
+    #[error("a second {letter} word: words act from right to left, so {letter}{} counts", Short(*value))]
     DuplicateWord {
         /// The letter.
         letter: char,
@@ -152,7 +153,9 @@ pub enum DecodeError {
         value: f64,
     },
     /// A variable that nobody has given a value (`SMC_RNCF_VAR_COULDNT_BE_REPLACED`, 2004).
-    #[error("the variable ${name}$ is unknown")]
+    #[error(
+        "the variable ${name}$ is unknown (SoftMotion error 2004, SMC_RNCF_VAR_COULDNT_BE_REPLACED)"
+    )]
     UnknownVariable {
         /// Its name.
         name: String,
@@ -168,6 +171,35 @@ pub enum DecodeError {
         "O{value} names no variable: G36 and G37 take O$name$, or no O for the implicit variable"
     )]
     VariableExpected {
+        /// The number.
+        value: f64,
+    },
+    /// G36 or G37 without D.
+    #[error("G{command} needs the value for its variable, D")]
+    ValueMissing {
+        /// Number of the block's G word.
+        command: u8,
+    },
+    /// G36 or G37 make a variable larger or smaller than its type allows.
+    #[error(
+        "the variable would become {}, but {kind} holds {} to {}",
+        Short(*value),
+        Short(*min),
+        Short(*max)
+    )]
+    VariableOverflow {
+        /// Name of its type.
+        kind: &'static str,
+        /// What it would become.
+        value: f64,
+        /// Smallest value of the type.
+        min: f64,
+        /// Largest value of the type.
+        max: f64,
+    },
+    /// O with a number where an M function takes parameters.
+    #[error("O{} names no parameters: M functions take O$name$", Short(*value))]
+    ParametersExpected {
         /// The number.
         value: f64,
     },
@@ -196,7 +228,8 @@ pub enum DecodeError {
     SwitchWithoutPlace,
     /// A switch beyond the ends of its object.
     #[error(
-        "the switch is at {at:.6} of the object's length of {length_mm} mm; it must lie between 0 and 1"
+        "the switch is at {at:.6} of the object's length of {} mm; it must lie between 0 and 1",
+        Short(*length_mm)
     )]
     SwitchBeyond {
         /// The part of the length.
@@ -205,7 +238,7 @@ pub enum DecodeError {
         length_mm: f64,
     },
     /// D below zero where it is a radius.
-    #[error("D is {value}: a radius or distance must not be below 0 mm")]
+    #[error("D is {}: a radius or distance must not be below 0 mm", Short(*value))]
     NegativeToolRadius {
         /// D, mm.
         value: f64,
@@ -249,6 +282,20 @@ pub enum DecodeError {
     /// No ellipse fits. A warning; it becomes a straight line.
     #[error("{0}: replaced by a straight line")]
     NoEllipse(EllipseError),
+    /// R of an ellipse is not the ratio that start and end tell. A warning.
+    #[error("start and end are on an ellipse of ratio {}: R{} has no effect", Short(*ratio), Short(*given))]
+    OtherRatio {
+        /// R.
+        given: f64,
+        /// The ratio of the ellipse that is taken.
+        ratio: f64,
+    },
+    /// I/J of a parabola is on the line through start and end and not between them: it would turn back on itself. A
+    /// warning; it becomes a straight line.
+    #[error(
+        "start, end and I/J of the parabola are on one line, on which it would turn: replaced by a straight line"
+    )]
+    StraightParabola,
     /// The centre of an arc is its start. A warning; the arc becomes a straight line.
     #[error("the centre I/J is the start of the arc itself: replaced by a straight line")]
     CenterAtStart,
@@ -266,8 +313,9 @@ pub enum DecodeError {
     },
     /// R is less than half the chord. A warning; the arc becomes a straight line.
     #[error(
-        "no arc of radius R {radius_mm} mm joins two points that are 2 × {half_chord_mm} mm apart: \
-         replaced by a straight line"
+        "no arc of radius R {} mm joins two points that are 2 × {} mm apart: replaced by a straight line",
+        Short(*radius_mm),
+        Short(*half_chord_mm)
     )]
     RadiusTooSmall {
         /// R without its sign, mm.
@@ -277,8 +325,9 @@ pub enum DecodeError {
     },
     /// An arc by R from a point to itself. A warning; the arc becomes a straight line.
     #[error(
-        "start and end are the same, which leaves the centre of an arc of radius R {radius_mm} mm open: \
-         replaced by a straight line (full circles need I and J)"
+        "start and end are the same, which leaves the centre of an arc of radius R {} mm open: \
+         replaced by a straight line (full circles need I and J)",
+        Short(*radius_mm)
     )]
     RadiusWithoutChord {
         /// R without its sign, mm.
@@ -286,7 +335,8 @@ pub enum DecodeError {
     },
     /// A negative R. A warning.
     #[error(
-        "the sign of R {radius_mm} mm has no meaning: an arc by R is at most a semicircle (larger ones need I and J)"
+        "the sign of R {} mm has no meaning: an arc by R is at most a semicircle (larger ones need I and J)",
+        Short(*radius_mm)
     )]
     NegativeRadius {
         /// R, mm.
@@ -294,8 +344,9 @@ pub enum DecodeError {
     },
     /// Start and end are not on one circle about I/J. A warning; the arc becomes a straight line.
     #[error(
-        "start and end are not on one circle: {start_radius_mm} mm and {end_radius_mm} mm from the centre I/J: \
-         replaced by a straight line"
+        "start and end are not on one circle: {} mm and {} mm from the centre I/J: replaced by a straight line",
+        Short(*start_radius_mm),
+        Short(*end_radius_mm)
     )]
     CenterMismatch {
         /// Distance of the start from the centre, mm.
@@ -332,6 +383,9 @@ impl TextError for DecodeError {
             | Self::UnknownVariable { .. }
             | Self::UnknownParameters { .. }
             | Self::VariableExpected { .. }
+            | Self::ValueMissing { .. }
+            | Self::VariableOverflow { .. }
+            | Self::ParametersExpected { .. }
             | Self::SwitchNumber { .. }
             | Self::ProfileAxis { .. }
             | Self::TooManySwitches { .. }
@@ -346,6 +400,8 @@ impl TextError for DecodeError {
             Self::ArcWithoutCenter
             | Self::CurveWithoutPoint { .. }
             | Self::NoEllipse(_)
+            | Self::OtherRatio { .. }
+            | Self::StraightParabola
             | Self::CenterAtStart
             | Self::RadiusAndCenter
             | Self::IncompleteCenter { .. }

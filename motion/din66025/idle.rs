@@ -3,7 +3,6 @@
 use super::block::Block;
 use super::decoder::Output;
 use super::error::DecodeError;
-use super::state::TARGET_WORDS;
 use super::word::{Command, Letter, Word};
 
 /// Words that hold for one block and may have nothing to act on in it.
@@ -25,14 +24,15 @@ pub(super) fn complain(
     };
     for word in words {
         let letter = word.letter;
-        let error = DecodeError::WordWithoutMotion { letter: letter.as_char(), command: number };
-        if TARGET_WORDS.contains(&letter) {
+        let without_motion =
+            || DecodeError::WordWithoutMotion { letter: letter.as_char(), command: number };
+        if letter.is_target() {
             if !matches!(command, Command::Motion(_) | Command::SetPosition) {
-                out.error(word.columns.clone(), error);
+                out.error(word.columns.clone(), without_motion());
             }
         } else if letter == Letter::H {
             if !moved {
-                out.error(word.columns.clone(), error);
+                out.error(word.columns.clone(), without_motion());
             }
         } else if LOCAL_WORDS.contains(&letter) {
             let switches = block.switches.first().is_some_and(Option::is_some);
@@ -51,7 +51,7 @@ pub(super) fn complain(
             let acts_later = matches!(letter, Letter::I | Letter::J | Letter::R)
                 && !matches!(command, Command::Motion(_) | Command::SetPosition);
             if acts_later {
-                out.error(word.columns.clone(), error);
+                out.error(word.columns.clone(), without_motion());
             } else {
                 let letter = letter.as_char();
                 out.warning(

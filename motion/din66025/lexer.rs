@@ -1,9 +1,9 @@
 //! From the bytes of a line to words.
 
 use super::error::{DecodeError, Problem};
-use super::number;
 use super::variables::Variables;
 use super::word::{Letter, Word};
+use super::{block, number};
 use std::ops::Range;
 
 /// Appends the words of `line`, from byte `at` on, with `variables` for names, to `words`, and what is wrong with it to `problems`.
@@ -74,6 +74,7 @@ fn comment(line: &[u8], at: usize) -> Token {
 }
 
 /// The word whose letter is at `at`.
+#[inline]
 fn word(line: &[u8], at: usize, byte: u8, variables: &Variables) -> Token {
     let letter = char::from(byte.to_ascii_uppercase());
     let after = rest(line, at + 1);
@@ -96,18 +97,19 @@ fn word(line: &[u8], at: usize, byte: u8, variables: &Variables) -> Token {
         };
         return Token::Useless(Problem { columns, error });
     };
-    checked(byte, value, columns, None)
+    checked(byte, value, columns, false)
 }
 
 /// A word with its number, if the letter exists and takes it.
-fn checked(byte: u8, value: f64, columns: Range<usize>, name: Option<Range<usize>>) -> Token {
+#[inline]
+fn checked(byte: u8, value: f64, columns: Range<usize>, named: bool) -> Token {
     let letter = match Letter::from_byte(byte) {
         Ok(letter) => letter,
         Err(error) => return Token::Useless(Problem { columns, error }),
     };
     match letter.check(value) {
         Some(error) => Token::Useless(Problem { columns, error }),
-        None => Token::Word(Word { letter, value, columns, name }),
+        None => Token::Word(Word { letter, value, columns, named }),
     }
 }
 
@@ -124,11 +126,37 @@ fn variable(line: &[u8], at: usize, byte: u8, variables: &Variables) -> Token {
     let columns = at..name.end + 1;
     let text = String::from_utf8_lossy(line.get(name.clone()).unwrap_or_default());
     match variables.get(text.trim()) {
-        Some(value) => checked(byte, value, columns, Some(name)),
-        None if byte.eq_ignore_ascii_case(&b'O') => checked(byte, 0.0, columns, Some(name)),
+        Some(value) => checked(byte, value, columns, true),
+        // No number: what needs one tells.
+        None if byte.eq_ignore_ascii_case(&b'O') => {
+            Token::Word(Word { letter: Letter::O, value: f64::NAN, columns, named: true })
+        }
         None => {
             let error = DecodeError::UnknownVariable { name: text.trim().to_owned() };
             Token::Useless(Problem { columns, error })
+        }
+    }
+}
+
+/// The number of the block that begins at byte `at` of `line`, comments before it left out.
+pub(super) fn block_number(line: &[u8], mut at: usize) -> Option<u32> {
+    loop {
+        match *line.get(at)? {
+            b' ' | b'\t' => at += 1,
+            b'(' => match comment(line, at) {
+                Token::Comment { end } => at = end,
+                _ => return None,
+            },
+            b'N' | b'n' => {
+                let after = rest(line, at + 1);
+                let length = after
+                    .iter()
+                    .take_while(|byte| matches!(byte, b'0'..=b'9' | b'.' | b',' | b'+' | b'-'))
+                    .count();
+                let value = number::parse(after.get(..length)?)?;
+                return Letter::N.check(value).is_none().then(|| block::block_number(value));
+            }
+            _ => return None,
         }
     }
 }

@@ -6,7 +6,7 @@ use super::decoder::Output;
 use super::emit::Emitter;
 use super::error::DecodeError;
 use super::idle;
-use super::variables::Variables;
+use super::variables::{INT, Variables};
 use super::word::{Command, Letter, Motion, Word};
 use crate::Place;
 use crate::path::{
@@ -22,7 +22,7 @@ const DEFAULT_ACCELERATION: f64 = 0.1;
 /// The implicit variable of G36, G37 and G20 at the beginning.
 const IMPLICIT: f64 = -1.0;
 
-pub(super) const TARGET_WORDS: [Letter; 8] =
+const TARGET_WORDS: [Letter; 8] =
     [Letter::X, Letter::Y, Letter::Z, Letter::P, Letter::Q, Letter::U, Letter::V, Letter::W];
 
 /// The program's variables between two blocks.
@@ -110,7 +110,10 @@ impl State {
         if let Some(deceleration) = block.deceleration {
             self.deceleration = deceleration / 1e3;
         }
-        if let Some(d) = block.d {
+        // Of G36 and G37 it is the value.
+        if let Some(d) = block.d
+            && !matches!(block.command, Some(Command::Variable { .. }))
+        {
             self.d = d;
         }
         let [on, off] = block.profiles;
@@ -137,6 +140,10 @@ impl State {
         line: &[u8],
         out: &mut Output,
     ) -> Option<JumpTo> {
+        let parameters = self
+            .parameters(block, line)
+            .map_err(|error| out.error(columns_of(words, &[Letter::O]), error))
+            .ok()?;
         let mut jump = None;
         let mut moved = false;
         match block.command.unwrap_or(Command::Motion(self.motion)) {
@@ -159,7 +166,7 @@ impl State {
         let command = block.command.unwrap_or(Command::Motion(self.motion));
         idle::complain(command, block, moved, words, out);
         if let Some(number) = block.m {
-            self.auxiliary(number, block, words, line, out);
+            self.auxiliary(number, block, parameters, out);
         }
         jump
     }
@@ -230,7 +237,11 @@ impl State {
     fn move_to(&mut self, block: &Block, relative: bool, words: &[Word], out: &mut Output) -> bool {
         let mut programmed = self.programmed;
         let mut inside = true;
-        for ((word, value), letter) in block.target.iter().zip(&mut programmed).zip(TARGET_WORDS) {
+        let [target_x, target_y, target_z, extra @ ..] = &block.target;
+        let names_extra = extra.iter().any(Option::is_some);
+        let count = if names_extra { TARGET_WORDS.len() } else { 3 };
+        let words_of = block.target.iter().zip(&mut programmed).zip(TARGET_WORDS);
+        for ((word, value), letter) in words_of.take(count) {
             let Some(word) = word else { continue };
             *value = if relative { *value + word } else { *word };
             if let Some(error) = letter.check(*value) {
@@ -240,7 +251,6 @@ impl State {
         }
         if inside {
             self.programmed = programmed;
-            let [target_x, target_y, target_z, extra @ ..] = &block.target;
             let [x, y, z, p, q, u, v, w] = programmed;
             for ((slot, mm), word) in
                 self.position.coords.iter_mut().zip([x, y, z]).zip([target_x, target_y, target_z])
@@ -249,8 +259,10 @@ impl State {
                     *slot = mm / 1e3;
                 }
             }
-            self.has_extra |= extra.iter().any(Option::is_some);
-            self.extra = [p, q, u, v, w];
+            if names_extra {
+                self.has_extra = true;
+                self.extra = [p, q, u, v, w];
+            }
         }
         inside
     }
@@ -303,26 +315,27 @@ impl State {
         self.emitter.element(element, false, Vec::new(), out);
     }
 
-    /// An M function: the path waits where the block has led.
-    fn auxiliary(
-        &mut self,
-        number: f64,
-        block: &Block,
-        words: &[Word],
-        line: &[u8],
-        out: &mut Output,
-    ) {
-        let o = match &block.o {
-            Some(Operand::Name(name)) => {
+    /// The parameters that O gives the block's M function, if it has one. An O that an H has taken is not for it.
+    fn parameters(&self, block: &Block, line: &[u8]) -> Result<Option<[f64; 8]>, DecodeError> {
+        let is_switch = block.switches.first().is_some_and(Option::is_some);
+        match &block.o {
+            Some(Operand::Name(name)) if block.m.is_some() => {
                 let name = text(line, name);
-                let Some(parameters) = self.variables.parameters(&name) else {
-                    let columns = columns_of(words, &[Letter::O]);
-                    return out.error(columns, DecodeError::UnknownParameters { name });
-                };
-                Some(parameters)
+                let parameters = self.variables.parameters(&name);
+                if parameters.is_none() && !is_switch {
+                    return Err(DecodeError::UnknownParameters { name });
+                }
+                Ok(parameters)
             }
-            Some(Operand::Number(_)) | None => None,
-        };
+            Some(Operand::Number(value)) if block.m.is_some() && !is_switch => {
+                Err(DecodeError::ParametersExpected { value: *value })
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// An M function: the path waits where the block has led.
+    fn auxiliary(&mut self, number: f64, block: &Block, o: Option<[f64; 8]>, out: &mut Output) {
         let at = (self.position, self.extra);
         if self.jump.is_some() || self.path_end.is_some_and(|end| end != at) {
             self.jump_to(self.position, self.extra, self.jump.unwrap_or(out.place()), out);
@@ -355,22 +368,28 @@ impl State {
         line: &[u8],
         out: &mut Output,
     ) {
-        let base = |value: f64| if add { value } else { 0.0 };
-        match &block.o {
-            None => self.implicit = base(self.implicit) + self.d,
+        let command = Command::Variable { add }.number();
+        let Some(value) = block.d else {
+            return out
+                .error(columns_of(words, &[Letter::G]), DecodeError::ValueMissing { command });
+        };
+        let changed = match &block.o {
+            None => {
+                let sum = if add { self.implicit + value } else { value };
+                INT.hold(sum).map(|held| self.implicit = held)
+            }
             Some(Operand::Name(name)) => {
                 let name = text(line, name);
-                if let Some(value) = self.variables.get(&name) {
-                    self.variables.set(&name, base(value) + self.d);
-                } else {
-                    let columns = columns_of(words, &[Letter::O]);
-                    out.error(columns, DecodeError::UnknownVariable { name });
-                }
+                self.variables
+                    .change(&name, add, value)
+                    .unwrap_or(Err(DecodeError::UnknownVariable { name }))
             }
-            Some(Operand::Number(value)) => {
-                let error = DecodeError::VariableExpected { value: *value };
-                out.error(columns_of(words, &[Letter::O]), error);
-            }
+            Some(Operand::Number(value)) => Err(DecodeError::VariableExpected { value: *value }),
+        };
+        if let Err(error) = changed {
+            let overflow = matches!(error, DecodeError::VariableOverflow { .. });
+            let letter = if overflow { Letter::D } else { Letter::O };
+            out.error(columns_of(words, &[letter]), error);
         }
     }
 

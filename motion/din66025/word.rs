@@ -12,8 +12,16 @@ pub(super) struct Word {
     pub(super) value: f64,
     /// Bytes of the line.
     pub(super) columns: Range<usize>,
-    /// The variable that stands in place of a number: bytes of the line.
-    pub(super) name: Option<Range<usize>>,
+    /// The name of a variable stands in place of a number.
+    pub(super) named: bool,
+}
+
+impl Word {
+    /// The name in place of its number, if it has one: bytes of the line.
+    pub(super) fn name(&self) -> Option<Range<usize>> {
+        // A letter and $ before it, $ behind it.
+        self.named.then(|| self.columns.start + 2..self.columns.end - 1)
+    }
 }
 
 /// The letters of the language (manual 3.2).
@@ -65,6 +73,17 @@ pub(super) enum Letter {
     S,
 }
 
+/// True if there are no decimals; faster than asking for them.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::float_cmp,
+    reason = "what does not survive the way there and back is not whole, or large and therefore whole"
+)]
+fn is_whole(value: f64) -> bool {
+    value as i64 as f64 == value || value.abs() >= 1e18
+}
+
 /// Beyond these no machine is meant, and the squares of lengths lose the micrometre.
 const MAX_POSITION_MM: f64 = 1e6;
 /// Flat arcs have centres far away.
@@ -109,6 +128,7 @@ impl Letter {
     ///
     /// # Errors
     /// [`DecodeError::UnknownLetter`].
+    #[inline]
     pub(super) fn from_byte(byte: u8) -> Result<Self, DecodeError> {
         let upper = byte.to_ascii_uppercase();
         let index = usize::from(upper.wrapping_sub(b'A'));
@@ -116,17 +136,48 @@ impl Letter {
         known.ok_or(DecodeError::UnknownLetter { letter: char::from(upper) })
     }
 
+    /// True for the letters that say where to go.
+    pub(super) const fn is_target(self) -> bool {
+        matches!(
+            self,
+            Self::X | Self::Y | Self::Z | Self::P | Self::Q | Self::U | Self::V | Self::W
+        )
+    }
+
     pub(super) fn as_char(self) -> char {
-        let found = (b'A'..=b'Z').zip(LETTERS).find(|(_, letter)| *letter == Some(self));
-        found.map_or('?', |(byte, _)| char::from(byte))
+        match self {
+            Self::N => 'N',
+            Self::G => 'G',
+            Self::X => 'X',
+            Self::Y => 'Y',
+            Self::Z => 'Z',
+            Self::P => 'P',
+            Self::Q => 'Q',
+            Self::U => 'U',
+            Self::V => 'V',
+            Self::W => 'W',
+            Self::I => 'I',
+            Self::J => 'J',
+            Self::K => 'K',
+            Self::L => 'L',
+            Self::R => 'R',
+            Self::D => 'D',
+            Self::E => 'E',
+            Self::F => 'F',
+            Self::H => 'H',
+            Self::M => 'M',
+            Self::O => 'O',
+            Self::S => 'S',
+        }
     }
 
     /// What is wrong with `value` as this letter's number, if anything.
+    #[inline]
     pub(super) fn check(self, value: f64) -> Option<DecodeError> {
         let letter = self.as_char();
         let (min, max, unit) = match self {
             Self::N | Self::G | Self::H | Self::M | Self::S
-                if value.is_finite() && value.fract() != 0.0 =>
+                if value.is_finite() && !is_whole(value) =>
             {
                 return Some(DecodeError::NotWhole { letter, value });
             }

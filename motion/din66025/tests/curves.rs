@@ -132,3 +132,28 @@ fn curves_that_cannot_be() {
         assert!(remaining(&decoded).is_empty());
     }
 }
+
+/// Tangents in one line: the parabola is that line, or runs beyond its ends and back, which nobody means.
+#[test]
+fn straight_parabolas() {
+    let between = &elements("G6 X100 I30 J0 F10")[0];
+    assert!(matches!(between.shape, Shape::Line { .. }));
+    for block in ["G6 X100 I150 J0 F10", "G6 X100 I-1 J0 F10", "G6 X0 I10 J10 F10"] {
+        let decoded = decode(block);
+        let [diagnostic] = &diagnostics(&decoded)[..] else { panic!("{decoded:?}") };
+        assert_eq!(diagnostic.error, DecodeError::StraightParabola);
+        assert!(matches!(remaining(&decoded)[0].shape, Shape::Line { .. }));
+    }
+}
+
+/// R is not needed here, and wrong.
+#[test]
+fn a_ratio_that_start_and_end_contradict() {
+    let decoded = decode("G92 X20 F10\nG98\nG9 X0 Y10 I0 J0 K0 R0.4");
+    let DecodeError::OtherRatio { given, ratio } = diagnostics(&decoded)[0].error else {
+        panic!("{decoded:?}")
+    };
+    assert_close(given, 0.4);
+    assert_close(ratio, 0.5);
+    assert_close(ellipse(&remaining(&decoded)[0]).minor() * 1e3, 10.0);
+}

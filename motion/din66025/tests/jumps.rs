@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::din66025::Variables;
+use std::io::{BufReader, Read, Seek, SeekFrom};
 
 fn with(variables: &[(&str, f64)]) -> DecoderOptions {
     let mut options = DecoderOptions::default();
@@ -123,4 +124,139 @@ fn names() {
     variables.set("G_FX", 2.0);
     assert_eq!((variables.get("g_fx"), variables.get("other")), (Some(2.0), None));
     assert_eq!(variables.iter().collect::<Vec<_>>(), [("G_FX", 2.0)]);
+}
+
+/// The D of G36 and G37 is a value and no tool radius, and the tool radius is no value.
+#[test]
+fn values_are_no_radii() {
+    let elements = elements("F10\nG41 D5\nG1 X1\nG36 D3\nG37 D-1\nG1 X2");
+    assert!(elements.iter().all(|element| element.tool_radius == 0.005), "{elements:?}");
+    for (block, command) in [("G36", 36), ("G37", 37)] {
+        let decoded = decode(&format!("D5\n{block}"));
+        assert_eq!(diagnostics(&decoded)[0].error, DecodeError::ValueMissing { command });
+    }
+}
+
+/// The implicit variable is an INT (manual 3.2.8): it rounds, and it has limits.
+#[test]
+fn the_implicit_variable_is_an_int() {
+    let end = |blocks: &str| elements(blocks)[0].end().x * 1e3;
+    assert_close(end("F10\nG36 D0.4\nG20 L5\nN1 G1 X1\nN5 G1 X2"), 1.0);
+    assert_close(end("F10\nG36 D0.5\nG20 L5\nN1 G1 X1\nN5 G1 X2"), 2.0);
+    let decoded = decode("G36 D32767\nG37 D1");
+    let [diagnostic] = &diagnostics(&decoded)[..] else { panic!("{decoded:?}") };
+    let (min, max) = (-32_768.0, 32_767.0);
+    let error = DecodeError::VariableOverflow { kind: "INT", value: 32_768.0, min, max };
+    assert_eq!((&diagnostic.error, diagnostic.columns.clone()), (&error, Some(4..6)));
+}
+
+/// The types of `SMC_VARLIST` (manual 10.2) hold what theirs in IEC 61131-3 hold.
+#[test]
+fn types() {
+    for (kind, min, max) in [
+        ("INT", -32_768.0, 32_767.0),
+        ("byte", 0.0, 255.0),
+        ("Word", 0.0, 65_535.0),
+        ("DINT", -2_147_483_648.0, 2_147_483_647.0),
+        ("DWORD", 0.0, 4_294_967_295.0),
+        ("SINT", -128.0, 127.0),
+        ("USINT", 0.0, 255.0),
+        ("UINT", 0.0, 65_535.0),
+        ("UDINT", 0.0, 4_294_967_295.0),
+    ] {
+        let mut variables = Variables::default();
+        for (value, held) in [(min, Some(min)), (max, Some(max)), (2.5, Some(3.0))] {
+            assert!(variables.set_typed("v", kind, value), "{kind} {value}");
+            assert_eq!(variables.get("V"), held);
+        }
+        for value in [min - 1.0, max + 1.0, f64::NAN, f64::INFINITY] {
+            assert!(!variables.set_typed("v", kind, value), "{kind} {value}");
+        }
+        assert_eq!(variables.get("v"), Some(3.0));
+        let options = DecoderOptions { variables, ..DecoderOptions::default() };
+        let program = format!("%\nG36 O$v$ D{max}\nG37 O$v$ D-0.4\nG37 O$v$ D1");
+        let found = diagnostics(&decode_with(options, program.as_bytes()));
+        let [Diagnostic { error: DecodeError::VariableOverflow { value, .. }, place, .. }] =
+            &found[..]
+        else {
+            panic!("{kind}: {found:?}")
+        };
+        assert_eq!((*value, place.line), (max + 1.0, 4));
+    }
+    let mut variables = Variables::default();
+    assert!(variables.set_typed("r", "REAL", 0.1) && variables.set_typed("l", "LREAL", 0.1));
+    assert_eq!((variables.get("r"), variables.get("l")), (Some(f64::from(0.1_f32)), Some(0.1)));
+    assert!(!variables.set_typed("b", "BOOL", 1.0) && !variables.set_typed("r", "REAL", 1e39));
+}
+
+/// What is wrong in a loop is told once, each thing, and what becomes wrong later is told then.
+#[test]
+fn told_once() {
+    let blocks = "F10\nG36 D4\nN1 G1 X1 R5 I2\nN2 G91\nN3 X400000 T1\nN4 X300000\nG37 D-1\nG20 L1";
+    let told: Vec<_> = diagnostics(&decode(blocks))
+        .into_iter()
+        .map(|found| (found.place.line, found.columns.unwrap()))
+        .collect();
+    // R, I, T on the first pass; on the fourth the relative targets lead too far.
+    assert_eq!(told, [(4, 9..11), (4, 12..14), (6, 11..13), (7, 3..10)]);
+}
+
+/// Blocks are found behind comments and in odd spellings, not in comments, and of two the first is meant.
+#[test]
+fn finding_blocks() {
+    for target in ["N7 G1 X1", "n007 G1 X1", "(N8) N7G1 X1", " \t/N7 G1 X1", "(a)(b)\tn7.0 G1 X1"] {
+        let elements = elements(&format!("F10\nG20 L7 K1\n(N7) X5\nN6 X6\n{target}\nN7 G1 X2"));
+        let lines: Vec<_> = elements.iter().map(|element| element.place.line).collect();
+        assert_eq!(lines, [6, 7], "{target}");
+    }
+}
+
+/// A suppressed block is not there.
+#[test]
+fn suppressed_targets() {
+    let program = b"%\nF10\nG20 L7 K1\n/N7 G1 X1\nN8 G1 X2\nN7 G1 X3";
+    let options = DecoderOptions { skip_suppressed_blocks: true, ..DecoderOptions::default() };
+    let elements = elements_of(decode_with(options, program));
+    assert_eq!((elements.len(), elements[0].place.line), (1, 6));
+}
+
+/// A program need not begin at the beginning of its reader.
+#[test]
+fn a_reader_part_of_the_way() {
+    let mut reader =
+        Cursor::new(&b"JUNK\n%\nF10\nG36 D2\nN1 G1 X1\nN2 G37 D-1\nN3 G20 L1\nN4 G1 X5"[..]);
+    reader.set_position(5);
+    let lines: Vec<_> = Decoder::with_jumps(reader, DecoderOptions::default())
+        .map(|item| match item.unwrap() {
+            Item::Element(element) => element.place.line,
+            Item::Warning(warning) => panic!("{warning}"),
+        })
+        .collect();
+    assert_eq!(lines, [4, 4, 7]);
+}
+
+/// Counts seeks.
+struct Counting<'a>(Cursor<&'a [u8]>, &'a std::cell::Cell<u32>);
+
+impl Read for Counting<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        self.0.read(buffer)
+    }
+}
+
+impl Seek for Counting<'_> {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        self.1.set(self.1.get() + 1);
+        self.0.seek(to)
+    }
+}
+
+/// A loop within the buffer goes back to the file for nothing.
+#[test]
+fn short_loops_stay_in_the_buffer() {
+    let program = b"%\nN1 F10\nG36 D100\nN2 G1 X1\nG37 D-1\nG20 L2\n";
+    let seeks = std::cell::Cell::new(0);
+    let reader = BufReader::new(Counting(Cursor::new(program), &seeks));
+    assert_eq!(Decoder::with_jumps(reader, DecoderOptions::default()).count(), 100);
+    assert!(seeks.get() <= 2, "{}", seeks.get());
 }

@@ -191,3 +191,37 @@ fn words_without_effect() {
         assert!(matches!(&found[..], [one] if one.error == error), "{block}: {found:?}");
     }
 }
+
+/// What O names must be there, and be what H or M needs.
+#[test]
+fn names_that_are_something_else() {
+    let mut options = DecoderOptions::default();
+    options.variables.set("g_n", 0.5);
+    options.variables.set_parameters("g_p", [1.0; 8]);
+    let run = |block: &str| decode_with(options.clone(), format!("%\nF10\n{block}").as_bytes());
+    for name in ["nothing", "g_p"] {
+        let decoded = run(&format!("G1 X10 H1 O${name}$"));
+        assert_eq!(diagnostics(&decoded)[0].error, DecodeError::SwitchWithoutPlace);
+        assert!(remaining(&decoded)[0].switches().is_empty());
+    }
+    assert_eq!(switches(&remaining(&run("G1 X10 H1 O$g_n$"))[0]), [(1, 0.5)]);
+    let name = || "g_n".to_owned();
+    for (block, error) in [
+        ("M5 O2", DecodeError::ParametersExpected { value: 2.0 }),
+        ("M5 O$g_n$", DecodeError::UnknownParameters { name: name() }),
+        // The motion of a block with an error is none.
+        ("G1 X10 M5 O2", DecodeError::ParametersExpected { value: 2.0 }),
+    ] {
+        let decoded = run(block);
+        assert_eq!(diagnostics(&decoded)[0].error, error);
+        assert!(remaining(&decoded).is_empty(), "{block}");
+    }
+}
+
+/// Numbers in messages are those somebody would write.
+#[test]
+fn messages_round() {
+    let found = diagnostics(&decode("G91\nG1 X999999.9 F10\nX0.3"));
+    let message = found[0].error.to_string();
+    assert_eq!(message, "X is 1000000.2 mm, outside -1000000 mm to 1000000 mm");
+}
