@@ -2,7 +2,7 @@
 //!
 //! One type per stage, each stage an iterator over the one before it, so that memory is bounded by the look-ahead
 //! window and never by the length of the program:
-//! [`din66025::Decoder`] → [`path::PathElement`] → [`prepare`] → [`interpolate::Interpolator`] →
+//! [`din66025::Decoder`] or [`rs274::Decoder`] → [`path::PathElement`] → [`prepare`] → [`interpolate::Interpolator`] →
 //! [`interpolate::ToolSetpoint`].
 //!
 //! Inside, lengths are metres and times seconds; millimetres become metres once, in the decoder.
@@ -14,8 +14,10 @@ pub mod info;
 pub mod interpolate;
 pub mod path;
 pub mod prepare;
+pub mod rs274;
 pub mod svg;
 
+mod number;
 mod place;
 mod short;
 

@@ -41,7 +41,6 @@ mod emit;
 mod error;
 mod idle;
 mod lexer;
-mod number;
 mod scan;
 mod state;
 #[cfg(test)]
@@ -55,3 +54,5 @@ pub use error::{DecodeError, Diagnostic, Failure, Item};
 pub use scan::marks_in;
 pub use variables::Variables;
 pub use write::{ProgramWriter, WriteError};
+
+use crate::number;

@@ -1,0 +1,272 @@
+//! The words of one line.
+
+use super::error::{DecodeError, Problem};
+use super::word::{CodeError, GWords, MWords};
+use std::ops::Range;
+
+/// A letter with a number, other than G, M, N and O.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Letter(u8);
+
+/// A set of letters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Letters(u32);
+
+impl Letter {
+    pub(super) const A: Self = Self(0);
+    pub(super) const B: Self = Self(1);
+    pub(super) const C: Self = Self(2);
+    pub(super) const F: Self = Self(5);
+    pub(super) const H: Self = Self(7);
+    pub(super) const I: Self = Self(8);
+    pub(super) const J: Self = Self(9);
+    pub(super) const K: Self = Self(10);
+    pub(super) const L: Self = Self(11);
+    pub(super) const P: Self = Self(15);
+    pub(super) const Q: Self = Self(16);
+    pub(super) const R: Self = Self(17);
+    pub(super) const S: Self = Self(18);
+    pub(super) const T: Self = Self(19);
+    pub(super) const X: Self = Self(23);
+    pub(super) const Y: Self = Self(24);
+    pub(super) const Z: Self = Self(25);
+
+    /// The linear axes in the order of coordinates.
+    pub(super) const LINEAR: [Self; 3] = [Self::X, Self::Y, Self::Z];
+    /// The rotary axes in the order of coordinates.
+    pub(super) const ROTARY: [Self; 3] = [Self::A, Self::B, Self::C];
+    /// The words of an arc's centre in the order of coordinates.
+    pub(super) const CENTER: [Self; 3] = [Self::I, Self::J, Self::K];
+
+    /// The letter of an ASCII letter in upper case.
+    fn new(upper: u8) -> Self {
+        Self(upper.wrapping_sub(b'A') % 26)
+    }
+
+    pub(super) fn as_char(self) -> char {
+        char::from(b'A' + self.0)
+    }
+
+    fn index(self) -> usize {
+        usize::from(self.0)
+    }
+
+    const fn bit(self) -> u32 {
+        1 << self.0
+    }
+}
+
+impl Letters {
+    /// The words that are executed.
+    const KNOWN: Self = Self::LINEAR.with(Self::ROTARY).with(Self::CENTER).with(Self::of(&[
+        Letter::F,
+        Letter::H,
+        Letter::L,
+        Letter::P,
+        Letter::Q,
+        Letter::R,
+        Letter::S,
+        Letter::T,
+    ]));
+    pub(super) const LINEAR: Self = Self::of(&Letter::LINEAR);
+    pub(super) const ROTARY: Self = Self::of(&Letter::ROTARY);
+    pub(super) const CENTER: Self = Self::of(&Letter::CENTER);
+    pub(super) const AXES: Self = Self::LINEAR.with(Self::ROTARY);
+
+    #[expect(clippy::indexing_slicing, reason = "evaluated by the compiler")]
+    pub(super) const fn of(letters: &[Letter]) -> Self {
+        let (mut bits, mut index) = (0, 0);
+        while index < letters.len() {
+            bits |= letters[index].bit();
+            index += 1;
+        }
+        Self(bits)
+    }
+
+    pub(super) const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    pub(super) const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
+    /// True if they have one in common.
+    pub(super) const fn meets(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+
+    pub(super) const fn contains(self, letter: Letter) -> bool {
+        self.0 & letter.bit() != 0
+    }
+
+    /// The first of them in the alphabet.
+    pub(super) fn first(self) -> Option<Letter> {
+        u8::try_from(self.0.trailing_zeros()).ok().filter(|index| *index < 26).map(Letter)
+    }
+}
+
+/// A line but for its comments.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Block {
+    /// The N word.
+    pub(super) number: Option<u32>,
+    pub(super) g: GWords,
+    pub(super) m: MWords,
+    present: Letters,
+    values: [f64; 26],
+    columns: [(u32, u32); 26],
+    m_count: u8,
+}
+
+/// The largest number of M words in a line.
+const MAX_M_WORDS: u8 = 4;
+
+/// Numbers beyond this mean nothing, whatever their letter.
+const MAX_NUMBER: f64 = 1e12;
+
+/// How near a number must be to a whole one that is meant.
+const WHOLE: f64 = 1e-4;
+
+impl Block {
+    /// Makes it an empty line.
+    pub(super) fn clear(&mut self) {
+        self.number = None;
+        self.g = GWords::default();
+        self.m = MWords::default();
+        self.present = Letters::default();
+        self.m_count = 0;
+    }
+
+    /// True if nothing is in it.
+    pub(super) fn is_empty(&self) -> bool {
+        self.present == Letters::default()
+            && self.g == GWords::default()
+            && self.m == MWords::default()
+    }
+
+    /// Its words with a number of their own.
+    pub(super) fn letters(&self) -> Letters {
+        self.present
+    }
+
+    /// The number of the word with this letter.
+    pub(super) fn get(&self, letter: Letter) -> Option<f64> {
+        if !self.present.contains(letter) {
+            return None;
+        }
+        self.values.get(letter.index()).copied()
+    }
+
+    /// The bytes of the word with this letter; those of the last one if it has been cleared since.
+    pub(super) fn columns(&self, letter: Letter) -> Option<Range<usize>> {
+        let (start, end) = self.columns.get(letter.index()).copied()?;
+        Some(usize::try_from(start).ok()?..usize::try_from(end).ok()?)
+    }
+
+    /// Adds the word of an ASCII letter other than N and O, or says what is wrong with it.
+    pub(super) fn add(
+        &mut self,
+        upper: u8,
+        value: f64,
+        columns: Range<usize>,
+        problems: &mut Vec<Problem>,
+    ) {
+        let result = match upper {
+            b'G' => self.add_g(value),
+            b'M' => self.add_m(value),
+            _ => self.add_word(Letter::new(upper), value, &columns),
+        };
+        if let Err(error) = result {
+            problems.push(Problem { columns: Some(columns), error });
+        }
+    }
+
+    fn add_word(
+        &mut self,
+        letter: Letter,
+        value: f64,
+        columns: &Range<usize>,
+    ) -> Result<(), DecodeError> {
+        let name = letter.as_char();
+        if !Letters::KNOWN.contains(letter) {
+            return Err(DecodeError::UnsupportedLetter { letter: name });
+        }
+        if self.present.contains(letter) {
+            return Err(DecodeError::RepeatedWord { letter: name });
+        }
+        if value.abs() > MAX_NUMBER {
+            let (min, max) = (-MAX_NUMBER, MAX_NUMBER);
+            return Err(DecodeError::OutOfRange { letter: name, value, min, max, unit: "" });
+        }
+        let slots = (self.values.get_mut(letter.index()), self.columns.get_mut(letter.index()));
+        if let (Some(slot), Some(place)) = slots {
+            *slot = value;
+            *place = (
+                u32::try_from(columns.start).unwrap_or(u32::MAX),
+                u32::try_from(columns.end).unwrap_or(u32::MAX),
+            );
+            self.present = self.present.with(Letters(letter.bit()));
+        }
+        Ok(())
+    }
+
+    fn add_g(&mut self, value: f64) -> Result<(), DecodeError> {
+        let unsupported = DecodeError::UnsupportedCode { letter: 'G', number: value };
+        // One decimal; what is meant may be off by a little.
+        let tenths = whole_number(value * 10.0, 10.0 * WHOLE, 999).ok_or(unsupported.clone())?;
+        self.g.add(tenths).map_err(|error| match error {
+            CodeError::Unsupported => unsupported,
+            CodeError::Conflict => DecodeError::Conflict { letter: 'G', number: value },
+        })
+    }
+
+    fn add_m(&mut self, value: f64) -> Result<(), DecodeError> {
+        let unsupported = DecodeError::UnsupportedCode { letter: 'M', number: value };
+        self.m_count += 1;
+        if self.m_count > MAX_M_WORDS {
+            self.m_count = MAX_M_WORDS;
+            return Err(DecodeError::TooManyMWords { limit: MAX_M_WORDS });
+        }
+        let number = whole_number(value, WHOLE, 999).ok_or(unsupported.clone())?;
+        self.m.add(number).map_err(|error| match error {
+            CodeError::Unsupported => unsupported,
+            CodeError::Conflict => DecodeError::Conflict { letter: 'M', number: value },
+        })
+    }
+
+    /// The number of a word that takes whole numbers of at least `min`; `None` if it is not there.
+    ///
+    /// # Errors
+    /// [`DecodeError::NotWhole`] and [`DecodeError::OutOfRange`].
+    pub(super) fn whole(&self, letter: Letter, min: u32) -> Result<Option<u32>, DecodeError> {
+        let Some(value) = self.get(letter) else { return Ok(None) };
+        let (name, rounded) = (letter.as_char(), value.round());
+        if (value - rounded).abs() > WHOLE {
+            return Err(DecodeError::NotWhole { letter: name, value });
+        }
+        let (min, max) = (f64::from(min), MAX_COUNT);
+        if !(min..=max).contains(&rounded) {
+            return Err(DecodeError::OutOfRange { letter: name, value, min, max, unit: "" });
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "checked above"
+        )]
+        Ok(Some(rounded as u32))
+    }
+}
+
+/// The largest number of tools, turns and repetitions.
+const MAX_COUNT: f64 = 1e6;
+
+/// `value` as a whole number from 0 to `max`, if it is one but for `tolerance`.
+fn whole_number(value: f64, tolerance: f64, max: u16) -> Option<u16> {
+    let rounded = value.round();
+    if (value - rounded).abs() > tolerance || !(0.0..=f64::from(max)).contains(&rounded) {
+        return None;
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked above")]
+    Some(rounded as u16)
+}

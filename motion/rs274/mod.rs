@@ -1,0 +1,61 @@
+//! Everyday RS274/NGC, the language of CAM output: text to path elements, as LinuxCNC's interpreter understands it.
+//!
+//! ```text
+//! %                                   optional; then a second % or M2/M30 ends the program
+//! N10 G21 G90 G54 (comment)           any number of words in any order, at most one G word of each modal group
+//! G0X0Y0Z5 ; comment
+//! G1 Z-1 F200                         F per minute
+//! X10.5 Y-3                           G1 goes on
+//! ```
+//!
+//! Within a line the order of words does not matter; they act in LinuxCNC's order: feed mode, F, S, T, M6, M3 to M5,
+//! M7 to M9, G4, plane, units, G40, tool length, coordinate system, path mode, distance modes, retract mode, G28, G30
+//! and G92, motion, stop. Hence F in a line with G20 or G21 is in the units of the line before.
+//!
+//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4, G20, G21, G28, G30, G40, G43, G49, G53 to G59.3, G61,
+//! G64, G80 to G83, G90, G91, G90.1, G91.1, G92 to G92.3, G93, G94, G98, G99, M0 to M9, M30, M60, F, S, T, H, N, one
+//! O word as the program's number, A B C for rotary axes (as the extra axes P Q U, in degrees). Every other word is an
+//! error that names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
+//! [`UnsupportedWord`](crate::decode::Rule::UnsupportedWord)); nothing is skipped but comments.
+//!
+//! What becomes of M words: M0, M1, M3 to M9 and M60 are elements at which the path waits
+//! ([`ElementKind::MFunction`](crate::path::ElementKind::MFunction)), so that a spindle has its speed and coolant flows
+//! before the tool cuts; M3 and M4 carry the speed S as their parameter K, M6 the tool's number. M2 and M30 end the
+//! program. S alone, T alone, G61 and G64 change no path; see [`Decoder::spindle_speed`], [`Decoder::tool`] and
+//! [`Decoder::path_mode`].
+//!
+//! Where this differs from LinuxCNC 2.9, whose rules these are otherwise (its documentation, and its interpreter run
+//! over `tests/linuxcnc.rs` and a corpus of CAM output):
+//! - F must be programmed before the first feed move; LinuxCNC's previews begin with a feed of their own.
+//! - A file that ends without M2, M30 or second % gives a warning, and a % at the end is accepted without one at the
+//!   beginning. LinuxCNC refuses both after having run all of the program.
+//! - Lines may be longer than 255 characters; `--1` is no number; an O number in the middle of a program, which
+//!   LinuxCNC skips, is an unsupported word.
+//! - After G20 or G21 amid canned cycles G98 returns to the level at which they began. LinuxCNC takes the number of
+//!   the old units for one of the new.
+//! - A start and end that are the same but for 1 µm make a full circle; LinuxCNC looks at the angle alone and makes
+//!   full circles of flat arcs.
+//! - The moves of one canned cycle block are at most [`MAX_CYCLE_MOVES`].
+//! - A block with an error has no effect but for its modes. LinuxCNC stops there; here the rest is read as well, so
+//!   that all errors are found.
+
+mod arc;
+mod block;
+mod cycle;
+mod decoder;
+mod error;
+mod lexer;
+mod offsets;
+mod options;
+mod state;
+#[cfg(test)]
+mod tests;
+mod tool_table;
+mod travel;
+mod word;
+
+pub use cycle::MAX_CYCLE_MOVES;
+pub use decoder::{Decoder, MAX_LINE_BYTES};
+pub use error::{DecodeError, Diagnostic, Failure, Item, UnsupportedReason};
+pub use options::{DecoderOptions, LengthUnit, PathMode, Position, ToolReference};
+pub use tool_table::{Tool, ToolTable, ToolTableError};

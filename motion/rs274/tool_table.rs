@@ -1,0 +1,198 @@
+//! LinuxCNC's tool table (`.tbl`): one tool a line.
+//!
+//! ```text
+//! ; T number, P pocket, X…W offsets, D diameter, I J angles, Q orientation
+//! T1 P1 Z51.125 D6.35 ;quarter inch end mill
+//! ```
+
+use super::LengthUnit;
+use crate::number;
+use std::io::{self, BufRead, Read};
+
+/// A tool.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Tool {
+    /// Its number (T).
+    pub number: u32,
+    /// From the controlled point to the tip, the other way round: what G43 adds to X, Y and Z, m. The length of a
+    /// milling tool is Z.
+    pub offset: [f64; 3],
+    /// Diameter (D), m.
+    pub diameter: f64,
+}
+
+/// Tools by number.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ToolTable {
+    /// Ordered by number, each once.
+    tools: Vec<Tool>,
+}
+
+/// What is wrong with a tool table.
+#[derive(Debug, thiserror::Error)]
+pub enum ToolTableError {
+    /// It cannot be read.
+    #[error("the tool table cannot be read")]
+    Io(#[source] io::Error),
+    /// An entry is no letter with a number.
+    #[error("line {line}: {letter:?} is not followed by a number")]
+    Number {
+        /// Line of the file, counted from 1.
+        line: u32,
+        /// The entry's letter.
+        letter: char,
+    },
+    /// A letter the format does not have.
+    #[error("line {line}: tool tables have no {letter:?}")]
+    Letter {
+        /// Line of the file, counted from 1.
+        line: u32,
+        /// The character.
+        letter: char,
+    },
+    /// A tool without number, or with one that is negative or no whole number.
+    #[error("line {line}: a tool needs a whole number T")]
+    ToolNumber {
+        /// Line of the file, counted from 1.
+        line: u32,
+    },
+    /// A tool for the second time.
+    #[error("line {line}: tool {number} is there already")]
+    Duplicate {
+        /// Line of the file, counted from 1.
+        line: u32,
+        /// The tool's number.
+        number: u32,
+    },
+    /// A number beyond what any machine has.
+    #[error("line {line}: {letter}{value} is too large")]
+    OutOfRange {
+        /// Line of the file, counted from 1.
+        line: u32,
+        /// The entry's letter.
+        letter: char,
+        /// Its number.
+        value: f64,
+    },
+    /// A line without end, or too many of them.
+    #[error("line {line}: the tool table is longer than {limit} bytes")]
+    TooLong {
+        /// Line of the file, counted from 1.
+        line: u32,
+        /// The longest table that is read.
+        limit: u64,
+    },
+}
+
+/// The longest table that is read, bytes: some ten thousand tools.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// The largest offset or diameter, m.
+const MAX_LENGTH: f64 = 1e3;
+
+impl ToolTable {
+    /// The table of `tools`; of several with the same number the last.
+    pub fn new(tools: impl IntoIterator<Item = Tool>) -> Self {
+        let mut table = Self::default();
+        for tool in tools {
+            match table.tools.binary_search_by_key(&tool.number, |tool| tool.number) {
+                Ok(index) => {
+                    if let Some(slot) = table.tools.get_mut(index) {
+                        *slot = tool;
+                    }
+                }
+                Err(index) => table.tools.insert(index, tool),
+            }
+        }
+        table
+    }
+
+    /// Reads LinuxCNC's format with lengths in `unit`, that of the machine. Offsets of rotary and further axes, pocket,
+    /// angles and orientation are read but not kept.
+    ///
+    /// # Errors
+    /// See [`ToolTableError`].
+    pub fn read(reader: impl Read, unit: LengthUnit) -> Result<Self, ToolTableError> {
+        let mut reader = io::BufReader::new(reader.take(MAX_BYTES + 1));
+        let mut tools: Vec<(u32, Tool)> = Vec::new();
+        let (mut text, mut bytes) = (Vec::new(), 0_u64);
+        for line in 1.. {
+            text.clear();
+            let count = reader.read_until(b'\n', &mut text).map_err(ToolTableError::Io)?;
+            if count == 0 {
+                break;
+            }
+            bytes += u64::try_from(count).unwrap_or(u64::MAX);
+            if bytes > MAX_BYTES {
+                return Err(ToolTableError::TooLong { line, limit: MAX_BYTES });
+            }
+            if let Some(tool) = entry(&text, line, unit)? {
+                tools.push((line, tool));
+            }
+        }
+        tools.sort_by_key(|(_, tool)| tool.number);
+        for pair in tools.windows(2) {
+            if let [(_, first), (line, second)] = pair
+                && first.number == second.number
+            {
+                return Err(ToolTableError::Duplicate { line: *line, number: second.number });
+            }
+        }
+        Ok(Self { tools: tools.into_iter().map(|(_, tool)| tool).collect() })
+    }
+
+    /// The tool of this number.
+    pub fn get(&self, number: u32) -> Option<&Tool> {
+        let index = self.tools.binary_search_by_key(&number, |tool| tool.number).ok()?;
+        self.tools.get(index)
+    }
+
+    /// All of them, ordered by number.
+    pub fn as_slice(&self) -> &[Tool] {
+        &self.tools
+    }
+}
+
+/// The tool of one line; none if it is blank or a comment.
+fn entry(text: &[u8], line: u32, unit: LengthUnit) -> Result<Option<Tool>, ToolTableError> {
+    let text = text.split(|byte| *byte == b';').next().unwrap_or_default();
+    let mut tool = Tool::default();
+    let (mut number, mut empty) = (None, true);
+    for word in text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
+        let [letter, digits @ ..] = word else { continue };
+        empty = false;
+        let letter = char::from(letter.to_ascii_uppercase());
+        if !matches!(letter, 'A'..='D' | 'I' | 'J' | 'P' | 'Q' | 'T' | 'U'..='Z') {
+            return Err(ToolTableError::Letter { line, letter });
+        }
+        let value = number::parse(digits).ok_or(ToolTableError::Number { line, letter })?;
+        let length = unit.to_metres(value);
+        if matches!(letter, 'X' | 'Y' | 'Z' | 'D') && (length.is_nan() || length.abs() > MAX_LENGTH)
+        {
+            return Err(ToolTableError::OutOfRange { line, letter, value });
+        }
+        let [x, y, z] = &mut tool.offset;
+        match letter {
+            'T' => number = whole(value),
+            'X' => *x = length,
+            'Y' => *y = length,
+            'Z' => *z = length,
+            'D' => tool.diameter = length.abs(),
+            _ => {}
+        }
+    }
+    if empty {
+        return Ok(None);
+    }
+    tool.number = number.ok_or(ToolTableError::ToolNumber { line })?;
+    Ok(Some(tool))
+}
+
+/// `value` as a tool's number.
+fn whole(value: f64) -> Option<u32> {
+    if value.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&value) {
+        return None;
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked above")]
+    Some(value as u32)
+}
