@@ -9,8 +9,8 @@ use twin_motion::path::{PathElement, Shape};
 fn block(vector: &Vector, words: &str) -> String {
     let command = if vector.word("cw") == "true" { "G2" } else { "G3" };
     let letters = ["X", "Y", "Z"].iter().zip(vector.numbers("end"));
-    let target: String = letters.map(|(letter, value)| format!(" {letter}{value}")).collect();
-    format!("{command}{target} {words} F10")
+    let target: Vec<_> = letters.map(|(letter, value)| format!("{letter}{value}")).collect();
+    format!("{command} {} {words} F10", target.join(" "))
 }
 
 /// The arc by I and J from its start.

@@ -111,7 +111,8 @@ pub(crate) fn parabola() {
 
 /// Blocks of a spline to each of `points`.
 fn spline(points: &[[f64; 2]]) -> String {
-    points.iter().map(|[x, y]| format!("G5 X{x} Y{y}\n")).collect()
+    let blocks: Vec<_> = points.iter().map(|[x, y]| format!("G5 X{x} Y{y}")).collect();
+    blocks.join("\n")
 }
 
 #[test]
@@ -140,7 +141,7 @@ pub(crate) fn spline_between_lines() {
         let start = [first[0] - lead * along[0], first[1] - lead * along[1]];
         let end = [last[0] + lead * away[0], last[1] + lead * away[1]];
         let blocks = format!(
-            "G1 X{} Y{} F10\n{}G1 X{} Y{}",
+            "G1 X{} Y{} F10\n{}\nG1 X{} Y{}",
             first[0],
             first[1],
             spline(&points[1..]),
