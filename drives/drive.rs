@@ -64,6 +64,12 @@ pub trait Drive: Send {
     /// If it stays locked (enable input open, alarm).
     fn enable(&mut self) -> Result<(), DriveError>;
 
+    /// Switches digital output `output`, from 1, and returns when the device has confirmed it.
+    ///
+    /// # Errors
+    /// If there is no such output, or the device refuses or is locked.
+    fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError>;
+
     /// Declares the present position of the axes, which must be at rest, to be `position`.
     ///
     /// # Errors

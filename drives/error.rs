@@ -16,6 +16,13 @@ pub enum Action {
         /// What the manual calls it.
         name: &'static str,
     },
+    /// Switching a digital output.
+    SwitchOutput {
+        /// Which, from 1.
+        output: u8,
+        /// On or off.
+        on: bool,
+    },
 }
 
 impl fmt::Display for Action {
@@ -24,6 +31,9 @@ impl fmt::Display for Action {
             Self::Open => f.write_str("opening the port"),
             Self::ReadState => f.write_str("reading status and positions"),
             Self::Command { number, name } => write!(f, "command {number} ({name})"),
+            Self::SwitchOutput { output, on } => {
+                write!(f, "switching output {output} {}", if *on { "on" } else { "off" })
+            }
         }
     }
 }

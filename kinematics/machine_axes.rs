@@ -57,6 +57,9 @@ pub enum AxisSource {
     Transform(usize),
     /// A coordinate that the transform does not use: the axis position is the coordinate.
     Coordinate(Coordinate),
+    /// Nothing that has to do with the tool: the additional axis of this number (SoftMotion's P Q U V W are 0 to 4).
+    /// The inverse leaves it where it is near.
+    Additional(u8),
 }
 
 /// Axes that do not fit their transform.
@@ -100,6 +103,12 @@ pub enum MachineAxesError {
         /// The coordinate.
         coordinate: Coordinate,
     },
+    /// One additional axis, two axes.
+    #[error("additional axis {} is assigned to two axes", number + 1)]
+    AdditionalTwice {
+        /// Its number, from 0.
+        number: u8,
+    },
     /// A tool that no axis can bring to z = 0.
     #[error("a tool {:.3} mm long needs an axis that moves Z", length * 1e3)]
     ToolWithoutZ {
@@ -115,7 +124,7 @@ pub enum MachineAxesError {
 ///
 /// The flange is where the transform says; the tool points along −z from it and is `tool_length` long, so that
 /// tip z = flange z − tool length. Coordinates that the transform does not use move an axis of their own, or must
-/// stay 0 (within 10⁻⁹ m).
+/// stay 0 (within 10⁻⁹ m). Additional axes have nothing to do with the tool: they stay where they are.
 #[derive(Debug)]
 pub struct MachineAxes {
     transform: Box<dyn Kinematics>,
@@ -160,6 +169,10 @@ impl MachineAxes {
                     return Err(MachineAxesError::CoordinateOfTransform { coordinate });
                 }
                 AxisSource::Coordinate(coordinate) => coordinates.push(coordinate),
+                AxisSource::Additional(number) if twice => {
+                    return Err(MachineAxesError::AdditionalTwice { number });
+                }
+                AxisSource::Additional(_) => {}
             }
         }
         if let Some(output) =
@@ -200,11 +213,23 @@ impl MachineAxes {
         outputs
     }
 
-    /// Machine axis values from outputs of the transform and the coordinates of the flange (or their derivatives).
-    fn machine(&self, outputs: &AxisVector, flange: &Vector3<f64>) -> AxisVector {
-        AxisVector::from_values(self.sources.iter().map(|source| match *source {
-            AxisSource::Transform(output) => outputs.get(output).copied().unwrap_or_default(),
-            AxisSource::Coordinate(coordinate) => coordinate.of(flange),
+    /// Machine axis values from outputs of the transform and the coordinates of the flange (or their derivatives), and
+    /// what the additional axes have, by place in the machine.
+    fn machine(
+        &self,
+        outputs: &AxisVector,
+        flange: &Vector3<f64>,
+        additional: Option<&AxisVector>,
+    ) -> AxisVector {
+        AxisVector::from_values(self.sources.iter().enumerate().map(|(place, source)| {
+            let value = match *source {
+                AxisSource::Transform(output) => outputs.get(output).copied(),
+                AxisSource::Coordinate(coordinate) => Some(coordinate.of(flange)),
+                AxisSource::Additional(_) => {
+                    additional.and_then(|values| values.get(place)).copied()
+                }
+            };
+            value.unwrap_or_default()
         }))
     }
 
@@ -282,7 +307,7 @@ impl Kinematics for MachineAxes {
             .transform
             .inverse(&target, &self.outputs(near))
             .map_err(|error| at_tip(error, pose))?;
-        Ok(self.machine(&outputs, &flange))
+        Ok(self.machine(&outputs, &flange, Some(near)))
     }
 
     fn inverse_motion(
@@ -306,9 +331,9 @@ impl Kinematics for MachineAxes {
             .inverse_motion(&target, &self.outputs(near))
             .map_err(|error| at_tip(error, &tool.pose))?;
         Ok(AxisMotion {
-            position: self.machine(&outputs.position, &flange),
-            velocity: self.machine(&outputs.velocity, &tool.velocity),
-            acceleration: self.machine(&outputs.acceleration, &tool.acceleration),
+            position: self.machine(&outputs.position, &flange, Some(near)),
+            velocity: self.machine(&outputs.velocity, &tool.velocity, None),
+            acceleration: self.machine(&outputs.acceleration, &tool.acceleration, None),
         })
     }
 }

@@ -9,6 +9,7 @@ pub mod compare;
 pub mod emulated;
 pub mod finding;
 pub mod hardware;
+pub mod m_function;
 pub mod machine;
 pub mod number;
 pub mod physics;

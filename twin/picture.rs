@@ -108,7 +108,7 @@ impl<'m> Picture<'m> {
         };
         let mut scene = Scene::open(options, &setup)?;
         let mut strips = Vec::new();
-        for item in program.elements(machine.start)? {
+        for item in program.elements(&machine.conditions)? {
             let ElementItem::Element(element) = item else { continue };
             strips.extend(strip(machine, &element));
             if strips.len() >= BATCH {

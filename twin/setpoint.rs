@@ -1,7 +1,10 @@
 //! Set-points per axis: the one stream that physics and drives both get.
 
+use crate::m_function::MCall;
 use crate::machine::Machine;
-use twin_kinematics::{AxisMotion, AxisVector, Kinematics, KinematicsError, Pose, ToolMotion};
+use twin_kinematics::{
+    AxisMotion, AxisSource, AxisVector, Kinematics, KinematicsError, Pose, ToolMotion,
+};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
 
@@ -16,6 +19,8 @@ pub struct AxisSetpoint {
     pub axes: AxisMotion,
     /// The tool in the machine frame.
     pub tool: ToolMotion,
+    /// The M function at which the path stands.
+    pub m_call: Option<MCall>,
     /// Velocity along the path, m/s.
     pub path_velocity: f64,
     /// Programmed velocity along the path, m/s; `None` on a rapid.
@@ -27,19 +32,43 @@ pub struct AxisSetpoint {
 pub struct Transformer<'m> {
     machine: &'m Machine,
     near: AxisVector,
+    has_additional: bool,
 }
 
 impl<'m> Transformer<'m> {
     /// For a program that starts anywhere: the first answer is the one nearest to the middle of the software limits.
     pub fn new(machine: &'m Machine) -> Self {
-        Self { machine, near: machine.middle() }
+        let mut sources = machine.kinematics.sources().iter();
+        let has_additional = sources.any(|source| matches!(source, AxisSource::Additional(_)));
+        Self { machine, near: machine.middle(), has_additional }
     }
 
-    /// The axes for one tool set-point.
+    /// The additional axes go where the program says, in their technical unit: degrees or mm.
+    fn add_additional(&self, tool: &ToolSetpoint, axes: &mut AxisMotion) {
+        let AxisMotion { position, velocity, acceleration } = axes;
+        let values = position.iter_mut().zip(velocity.iter_mut()).zip(acceleration.iter_mut());
+        let sources = self.machine.kinematics.sources().iter().zip(&self.machine.axes);
+        for (((position, velocity), acceleration), (source, axis)) in values.zip(sources) {
+            let AxisSource::Additional(number) = *source else { continue };
+            let of = |values: &[f64; 5]| {
+                axis.to_si(values.get(usize::from(number)).copied().unwrap_or_default())
+            };
+            *position = of(&tool.extra.position);
+            *velocity = of(&tool.extra.velocity);
+            *acceleration = of(&tool.extra.acceleration);
+        }
+    }
+
+    /// The axes for one tool set-point, at which the path may stand for `m_call`. Additional axes that the machine does
+    /// not have are left out.
     ///
     /// # Errors
     /// What the kinematics refuses.
-    pub fn axes(&mut self, tool: &ToolSetpoint) -> Result<AxisSetpoint, KinematicsError> {
+    pub fn axes(
+        &mut self,
+        tool: &ToolSetpoint,
+        m_call: Option<MCall>,
+    ) -> Result<AxisSetpoint, KinematicsError> {
         let work = ToolMotion {
             pose: Pose { position: tool.position, direction: 0.0 },
             velocity: tool.velocity,
@@ -48,13 +77,17 @@ impl<'m> Transformer<'m> {
             direction_acceleration: 0.0,
         };
         let motion = self.machine.frame.motion_to_machine(&work);
-        let axes = self.machine.kinematics.inverse_motion(&motion, &self.near)?;
+        let mut axes = self.machine.kinematics.inverse_motion(&motion, &self.near)?;
+        if self.has_additional {
+            self.add_additional(tool, &mut axes);
+        }
         self.near = axes.position;
         Ok(AxisSetpoint {
             time_ns: tool.time_ns,
             place: tool.place,
             axes,
             tool: motion,
+            m_call,
             path_velocity: tool.path_velocity,
             feed: (!tool.rapid).then_some(tool.feed),
         })

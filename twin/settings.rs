@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 use twin_motion::din66025::{DEFAULT_JUMPS, Variables};
+use twin_motion::rs274::ToolTable;
 
 /// How a program is read.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,11 +14,18 @@ pub struct ReadSettings {
     pub variables: Variables,
     /// Jumps (G20) a program may take before it counts as endless.
     pub jumps: u32,
+    /// Tools of RS274 programs, in place of those of the machine file.
+    pub tools: Option<ToolTable>,
 }
 
 impl Default for ReadSettings {
     fn default() -> Self {
-        Self { skip_suppressed: false, variables: Variables::default(), jumps: DEFAULT_JUMPS }
+        Self {
+            skip_suppressed: false,
+            variables: Variables::default(),
+            jumps: DEFAULT_JUMPS,
+            tools: None,
+        }
     }
 }
 

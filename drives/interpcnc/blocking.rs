@@ -129,6 +129,10 @@ impl Drive for InterpCncDrive {
         self.runtime.block_on(self.board.unlock(&no_clock))
     }
 
+    fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError> {
+        self.runtime.block_on(self.board.set_output(output, on, &no_clock))
+    }
+
     fn set_position(&mut self, position: &Increments) -> Result<(), DriveError> {
         let mut command = Command::WritePosition { positions: [None; AXES] };
         let mut positions: AxisValues = [None; AXES];

@@ -15,7 +15,9 @@ use tokio_serial::{DataBits, FlowControl, SerialPortBuilderExt, StopBits};
 use super::{
     Command, InterpCncOptions, Line, Parity,
     port::{SharedPort, Transport},
-    registers::{AXES, COMMAND, MAX_SPEED_HZ, STATE_REGISTERS, STATUS, Status, join},
+    registers::{
+        AXES, COMMAND, FIRST_OUTPUT, MAX_SPEED_HZ, OUTPUTS, STATE_REGISTERS, STATUS, Status, join,
+    },
 };
 use crate::{Action, Clock, DriveError, Exchange, ProtocolFault};
 
@@ -216,6 +218,63 @@ impl InterpCnc {
         // The board answers normally even where it stays locked.
         let (state, _) = self.state(clock).await?;
         self.check_obeys(&state, command.action())
+    }
+
+    /// Switches output `output` (1 to 32) and reads it back: a locked board confirms the write and leaves the output
+    /// alone. Asked again once if no proper answer comes.
+    ///
+    /// # Errors
+    /// If there is no such output, the board refuses it or is locked, or no proper answer comes.
+    pub async fn set_output(
+        &mut self,
+        output: u8,
+        on: bool,
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        let action = Action::SwitchOutput { output, on };
+        if !(1..=OUTPUTS).contains(&output) {
+            return Err(DriveError::Range {
+                at: self.at(action),
+                register: FIRST_OUTPUT,
+                value: output.into(),
+                low: 1.0,
+                high: OUTPUTS.into(),
+            });
+        }
+        let coil = FIRST_OUTPUT + u16::from(output) - 1;
+        let write = Request::WriteSingleCoil(coil, on);
+        let done = Response::WriteSingleCoil(coil, on);
+        self.asked_twice(action, &write, clock, |answer| (*answer == done).then_some(())).await?;
+        let read = Request::ReadCoils(coil, 1);
+        let state = self.asked_twice(action, &read, clock, |answer| match answer {
+            Response::ReadCoils(coils) => coils.first().copied(),
+            _ => None,
+        });
+        if state.await? == on { Ok(()) } else { Err(DriveError::Locked { at: self.at(action) }) }
+    }
+
+    /// An exchange that may be repeated, and what `understood` makes of its answer.
+    async fn asked_twice<T>(
+        &mut self,
+        action: Action,
+        request: &Request<'_>,
+        clock: &dyn Clock,
+        understood: impl Fn(&Response) -> Option<T>,
+    ) -> Result<T, DriveError> {
+        let mut attempt = 1;
+        loop {
+            let outcome = self.settled_exchange(action, request.clone(), clock).await;
+            match outcome.and_then(|(answer, _)| {
+                understood(&answer).ok_or_else(|| self.distrust(action, ProtocolFault::Garbled))
+            }) {
+                Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })
+                    if attempt < ATTEMPTS =>
+                {
+                    attempt += 1;
+                }
+                done => return done,
+            }
+        }
     }
 
     /// Checks that the board is neither locked nor without ENABLE.

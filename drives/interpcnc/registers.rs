@@ -17,6 +17,11 @@ pub const STATUS: u16 = 1024;
 /// Registers of status (2) and five positions (10).
 pub const STATE_REGISTERS: u16 = 12;
 
+/// Coil of the first of the [`OUTPUTS`] outputs.
+pub const FIRST_OUTPUT: u16 = 256;
+/// Number of outputs.
+pub const OUTPUTS: u8 = 32;
+
 /// Largest step frequency the board makes, Hz (published vendor sources; the manual is silent).
 pub const MAX_SPEED_HZ: u32 = 200_000;
 

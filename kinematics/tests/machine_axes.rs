@@ -123,6 +123,11 @@ fn refuses_axes_that_do_not_fit_the_transform() {
         refusal(&[A, B, x]),
         MachineAxesError::CoordinateOfTransform { coordinate: Coordinate::X }
     );
+    let additional = AxisSource::Additional(3);
+    assert_eq!(
+        refusal(&[A, B, additional, additional]),
+        MachineAxesError::AdditionalTwice { number: 3 }
+    );
     let third = MachineAxesError::NoSuchOutput { output: 2, outputs: 2 };
     assert_eq!(refusal(&[A, B, AxisSource::Transform(2)]), third);
     assert_eq!(

@@ -58,7 +58,9 @@ fn setpoints(machine: &Machine) -> Vec<ToolSetpoint> {
     let program =
         ProgramFile::new(&path, Some(Dialect::Din66025), twin::settings::ReadSettings::default())
             .expect("a known dialect");
-    let items = program.open(machine).expect("shipped with the product");
+    let items = program
+        .open(machine, twin::m_function::Acknowledgement::default())
+        .expect("shipped with the product");
     items
         .filter_map(|item| match item {
             ProgramItem::Setpoint(setpoint) => Some(setpoint),
@@ -112,12 +114,12 @@ fn transform_stage(criterion: &mut Criterion) {
     group.bench_function("scara2 with Z, positions to accelerations", |bencher| {
         bencher.iter(|| {
             let mut transformer = Transformer::new(&machine);
-            tools.iter().filter_map(|tool| transformer.axes(black_box(tool)).ok()).count()
+            tools.iter().filter_map(|tool| transformer.axes(black_box(tool), None).ok()).count()
         });
     });
     let axes: Vec<_> = {
         let mut transformer = Transformer::new(&machine);
-        tools.iter().filter_map(|tool| transformer.axes(tool).ok()).collect()
+        tools.iter().filter_map(|tool| transformer.axes(tool, None).ok()).collect()
     };
     group.bench_function("scara2 with Z, forward", |bencher| {
         bencher.iter(|| {
@@ -136,7 +138,7 @@ fn physics_stage(criterion: &mut Criterion) {
     let setpoints: Vec<AxisSetpoint> = setpoints(&machine)
         .iter()
         .take(2000)
-        .filter_map(|tool| transformer.axes(tool).ok())
+        .filter_map(|tool| transformer.axes(tool, None).ok())
         .collect();
     let start = setpoints.first().expect("the program moves").axes.position;
     let mut group = criterion.benchmark_group("physics");

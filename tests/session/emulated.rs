@@ -6,6 +6,7 @@ use std::cell::{Cell, RefCell};
 use std::time::Duration;
 use twin::emulated::connect;
 use twin::hardware::{Hardware, HardwareError};
+use twin::m_function::Acknowledge;
 use twin::machine::Machine;
 use twin::session::{Ending, Session, Stopped};
 use twin::simulated::Simulated;
@@ -41,7 +42,9 @@ fn run(
     let (board, interrupts) = (RefCell::new(Some(board)), Cell::new(0));
     let mut recorder = Recorder::with(|time_ns| each(time_ns, &board, &interrupts));
     let hardware = Some(hardware);
-    let session = Session { machine, program: &program.file, twin, hardware, realtime: false };
+    let acknowledge = Acknowledge::Auto;
+    let program = &program.file;
+    let session = Session { machine, program, twin, hardware, acknowledge, realtime: false };
     let ending = session.run(&mut recorder, &|| interrupts.get()).unwrap();
     let recorder = recorder.ended();
     Outcome { ending, recorder, board: board.into_inner().map(|board| board.stop().unwrap()) }

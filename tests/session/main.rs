@@ -10,12 +10,14 @@
 #![expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "short runs")]
 
 mod emulated;
+mod m_functions;
 mod puppet;
 mod recorder;
 mod simulated;
 
 use std::path::Path;
 use tempfile::TempDir;
+use twin::m_function::Acknowledge;
 use twin::machine::Machine;
 use twin::program::{Dialect, ProgramFile};
 use twin::session::{Ending, Session};
@@ -58,7 +60,8 @@ impl Program {
 
     /// Checks it as every run is checked.
     fn check(&self, machine: &Machine) -> twin::check::Outcome {
-        let outcome = twin::check::check(machine, &self.file, false, &mut |_| {}).unwrap();
+        let outcome =
+            twin::check::check(machine, &self.file, false, Acknowledge::Auto, &mut |_| {}).unwrap();
         assert!(outcome.findings.is_empty(), "{:#?}", outcome.findings);
         outcome
     }
@@ -71,9 +74,25 @@ fn simulate(
     recorder: &mut Recorder<'_>,
     interrupts: &dyn Fn() -> u32,
 ) -> Ending {
+    simulate_with(Acknowledge::Auto, machine, program, recorder, interrupts)
+}
+
+fn simulate_with(
+    acknowledge: Acknowledge,
+    machine: &Machine,
+    program: &Program,
+    recorder: &mut Recorder<'_>,
+    interrupts: &dyn Fn() -> u32,
+) -> Ending {
     let start = program.check(machine).start.unwrap();
     let twin = Simulated::new(machine, &start).unwrap();
-    let session =
-        Session { machine, program: &program.file, twin, hardware: None, realtime: false };
+    let session = Session {
+        machine,
+        program: &program.file,
+        twin,
+        hardware: None,
+        acknowledge,
+        realtime: false,
+    };
     session.run(recorder, interrupts).unwrap()
 }

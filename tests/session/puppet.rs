@@ -3,10 +3,12 @@
 use crate::simulated::CIRCLES;
 use crate::{Program, Recorder, portal};
 use std::cell::Cell;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use twin::hardware::{Hardware, HardwareError};
+use twin::m_function::Acknowledge;
+use twin::machine::Machine;
 use twin::physics::PhysicsError;
 use twin::plant::{AxisFeedback, Plant};
 use twin::session::{Ending, Session, Stopped};
@@ -17,11 +19,12 @@ use twin_drives::{
 
 /// A drive that is where the stream says at any time, and knows that time exactly.
 #[derive(Debug, Default)]
-struct Puppet {
+pub(super) struct Puppet {
     position: Increments,
     soft_stops: Arc<AtomicU32>,
     /// Does not answer from then on.
     fails_at_ns: Option<i64>,
+    pub(super) outputs: Arc<Mutex<Vec<(u8, bool)>>>,
 }
 
 impl Drive for Puppet {
@@ -38,6 +41,11 @@ impl Drive for Puppet {
     }
 
     fn enable(&mut self) -> Result<(), DriveError> {
+        Ok(())
+    }
+
+    fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError> {
+        self.outputs.lock().unwrap().push((output, on));
         Ok(())
     }
 
@@ -126,23 +134,47 @@ fn run_with(
     recorder: &mut Recorder<'_>,
     interrupts: &dyn Fn() -> u32,
 ) -> (Ending, u32) {
-    let (machine, program) = (portal(), Program::new(text));
-    let start = program.check(&machine).start.unwrap();
     let soft_stops = Arc::clone(&puppet.soft_stops);
+    let twin = Ideal { fails_at_ns, arrived: None };
+    let ending = run_on(&portal(), twin, puppet, &Program::new(text), recorder, interrupts);
+    (ending, soft_stops.load(Ordering::SeqCst))
+}
+
+/// Runs `program` on an ideal machine and a puppet.
+pub(super) fn run_puppet(
+    machine: &Machine,
+    puppet: Puppet,
+    program: &Program,
+    recorder: &mut Recorder<'_>,
+    interrupts: &dyn Fn() -> u32,
+) -> Ending {
+    let twin = Ideal { fails_at_ns: i64::MAX, arrived: None };
+    run_on(machine, twin, puppet, program, recorder, interrupts)
+}
+
+fn run_on(
+    machine: &Machine,
+    twin: Ideal,
+    puppet: Puppet,
+    program: &Program,
+    recorder: &mut Recorder<'_>,
+    interrupts: &dyn Fn() -> u32,
+) -> Ending {
+    let start = program.check(machine).start.unwrap();
     let mut hardware =
-        Hardware::start(&machine, Box::new(puppet), &start, machine.cycle_ns, 0.25).unwrap();
+        Hardware::start(machine, Box::new(puppet), &start, machine.cycle_ns, 0.25).unwrap();
     while !hardware.ready().unwrap() {
         std::thread::sleep(Duration::from_millis(1));
     }
     let session = Session {
-        machine: &machine,
+        machine,
         program: &program.file,
-        twin: Ideal { fails_at_ns, arrived: None },
+        twin,
         hardware: Some(hardware),
+        acknowledge: Acknowledge::Auto,
         realtime: false,
     };
-    let ending = session.run(recorder, interrupts).unwrap();
-    (ending, soft_stops.load(Ordering::SeqCst))
+    session.run(recorder, interrupts).unwrap()
 }
 
 #[test]

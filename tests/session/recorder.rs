@@ -1,7 +1,9 @@
 //! Remembers what a run shows.
 
+use std::collections::VecDeque;
 use twin::compare::Measured;
-use twin::session::{DriveSample, Observer, TwinCycle};
+use twin::m_function::MCall;
+use twin::session::{Answer, DriveSample, Observer, TwinCycle};
 
 /// One cycle of the simulated machine.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +27,10 @@ pub(crate) struct Heard {
 pub(crate) struct Recorder<'a> {
     pub(crate) cycles: Vec<Cycle>,
     pub(crate) heard: Vec<Heard>,
+    /// M functions, and whether it was asked about them.
+    pub(crate) m_functions: Vec<(MCall, bool)>,
+    /// What it will answer; nobody is there behind the last.
+    pub(crate) answers: VecDeque<Answer>,
     each: Box<dyn FnMut(i64) + 'a>,
 }
 
@@ -35,12 +41,19 @@ impl<'a> Recorder<'a> {
 
     /// `each` is told the time of every cycle, ns.
     pub(crate) fn with(each: impl FnMut(i64) + 'a) -> Self {
-        Self { cycles: Vec::new(), heard: Vec::new(), each: Box::new(each) }
+        Self {
+            cycles: Vec::new(),
+            heard: Vec::new(),
+            m_functions: Vec::new(),
+            answers: VecDeque::new(),
+            each: Box::new(each),
+        }
     }
 
     /// What it remembers, without what it did.
     pub(crate) fn ended(self) -> Recorder<'static> {
-        Recorder { cycles: self.cycles, heard: self.heard, each: Box::new(|_| {}) }
+        let Self { cycles, heard, m_functions, answers, .. } = self;
+        Recorder { cycles, heard, m_functions, answers, each: Box::new(|_| {}) }
     }
 
     pub(crate) fn last(&self) -> &Cycle {
@@ -68,6 +81,14 @@ impl Observer for Recorder<'_> {
             twin: *cycle.twin,
         });
         (self.each)(cycle.setpoint.time_ns);
+    }
+
+    fn m_function(&mut self, call: &MCall, asked: bool) {
+        self.m_functions.push((*call, asked));
+    }
+
+    fn answer(&mut self) -> Answer {
+        self.answers.pop_front().unwrap_or(Answer::Nobody)
     }
 
     fn drives(&mut self, sample: &DriveSample<'_>) {

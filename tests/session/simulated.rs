@@ -4,6 +4,7 @@ use crate::{Program, Recorder, SCARA2, machine, portal, simulate};
 use std::cell::Cell;
 use twin::clock::Clock;
 use twin::compare::ErrorStatistics;
+use twin::m_function::Acknowledge;
 use twin::session::{Session, Stopped};
 use twin::simulated::Simulated;
 
@@ -124,6 +125,7 @@ fn what_was_not_checked_is_not_run() {
             program: &program.file,
             twin,
             hardware: None,
+            acknowledge: Acknowledge::Auto,
             realtime: false,
         };
         session.run(&mut Recorder::new(), &|| 0)
@@ -163,8 +165,9 @@ fn in_real_time_a_run_takes_no_less_than_its_time() {
     let program = Program::new("% 0.2 s\nN10 G1 X10 F100 E1000 E-1000\n");
     let start = program.check(&machine).start.unwrap();
     let twin = Simulated::new(&machine, &start).unwrap();
+    let (program, acknowledge) = (&program.file, Acknowledge::Auto);
     let session =
-        Session { machine: &machine, program: &program.file, twin, hardware: None, realtime: true };
+        Session { machine: &machine, program, twin, hardware: None, acknowledge, realtime: true };
     let clock = Clock::start();
     let ending = session.run(&mut Recorder::new(), &|| 0).unwrap();
     assert!(ending.executed_ns >= 199_000_000);

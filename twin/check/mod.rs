@@ -7,6 +7,7 @@ mod tests;
 
 use crate::compare::Comparison;
 use crate::finding::{self, Finding, Rule};
+use crate::m_function::{Acknowledge, Acknowledgement};
 use crate::machine::Machine;
 use crate::physics::PhysicsError;
 use crate::plant::Plant;
@@ -16,9 +17,10 @@ use crate::setpoint::{AxisSetpoint, Transformer};
 use crate::simulated::Simulated;
 use findings::Findings;
 use std::io;
-use twin_kinematics::AxisVector;
+use twin_kinematics::{AxisSource, AxisVector};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
+use twin_motion::path::EXTRA_AXES;
 
 /// A value may exceed its limit by this fraction before it counts: rounding, not motion.
 const ROUNDING: f64 = 1e-9;
@@ -72,11 +74,13 @@ pub fn check(
     machine: &Machine,
     program: &ProgramFile,
     physics: bool,
+    acknowledge: Acknowledge,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Outcome, CheckFailure> {
     let mut checker = Checker::new(machine);
     let mut rehearsal = physics.then_some(Rehearsal { machine, twin: None, lost: false });
-    let mut items = program.open(machine)?;
+    let rules = Acknowledgement::for_check(machine, acknowledge);
+    let mut items = program.open(machine, rules)?;
     let mut countdown = 0u32;
     while let Some(item) = items.next() {
         match item {
@@ -171,7 +175,14 @@ impl<'m> Checker<'m> {
     /// `None` if the machine cannot take this set-point.
     fn setpoint(&mut self, tool: &ToolSetpoint) -> Option<AxisSetpoint> {
         self.duration_ns = tool.time_ns;
-        let setpoint = match self.transformer.axes(tool) {
+        for (number, letter) in (0..).zip(EXTRA_AXES) {
+            let moves = tool.extra.velocity.get(usize::from(number)).is_some_and(|v| *v != 0.0);
+            let source = AxisSource::Additional(number);
+            if moves && !self.machine.kinematics.sources().contains(&source) {
+                self.findings.add(None, sentence::no_additional_axis(tool.place, letter));
+            }
+        }
+        let setpoint = match self.transformer.axes(tool, None) {
             Ok(setpoint) => setpoint,
             Err(error) => {
                 self.findings.add(None, sentence::unreachable(tool.place, &error));

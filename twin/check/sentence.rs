@@ -26,6 +26,20 @@ pub(super) fn unreachable(place: Place, error: &KinematicsError) -> Finding {
     }
 }
 
+/// A program that moves an additional axis on a machine without it.
+pub(super) fn no_additional_axis(place: Place, letter: char) -> Finding {
+    let in_rs274 = match letter {
+        'P' => " (A in RS274)",
+        'Q' => " (B in RS274)",
+        'U' => " (C in RS274)",
+        _ => "",
+    };
+    let message = format!(
+        "the program moves the additional axis {letter}{in_rs274}, but no axis of the machine has the role \"{letter}\""
+    );
+    Finding::error(Rule::UnsupportedWord, place, message)
+}
+
 pub(super) fn beyond_position(axis: &Axis, place: Place, position: f64) -> Option<Finding> {
     let [low, high] = axis.position_limits;
     let tolerance = ROUNDING * (high - low);

@@ -1,6 +1,6 @@
 //! `twin check`: is the program fit for the machine?
 
-use super::options::{MachineOption, ReadOptions, unreadable};
+use super::options::{AcknowledgeOption, MachineOption, ReadOptions, unreadable};
 use super::{Failure, Status, show};
 use crate::check::{self, Outcome};
 use crate::finding;
@@ -32,6 +32,9 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value = "human")]
     format: Format,
 
+    #[command(flatten)]
+    m_functions: AcknowledgeOption,
+
     /// Also run each program on the simulated machine and report following errors
     #[arg(long)]
     physics: bool,
@@ -45,8 +48,10 @@ enum Format {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let machine = arguments.machine.load()?;
-    let programs: Vec<_> =
-        arguments.programs.iter().map(|path| arguments.read.program(path)).collect();
+    let programs: Vec<_> = {
+        let unit = machine.conditions.rs274.units;
+        arguments.programs.iter().map(|path| arguments.read.program(path, unit)).collect()
+    };
     let next = AtomicUsize::new(0);
     let slots: Vec<_> = programs.iter().map(|_| Mutex::new(None)).collect();
     let bars = MultiProgress::new();
@@ -63,7 +68,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
                         }
                         continue;
                     };
-                    let outcome = one(&machine, program, arguments.physics, &bars);
+                    let outcome = one(&machine, program, arguments, &bars);
                     if let Ok(mut slot) = slot.lock() {
                         *slot = Some(outcome);
                     }
@@ -97,13 +102,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 fn one(
     machine: &Machine,
     program: &ProgramFile,
-    physics: bool,
+    arguments: &Arguments,
     bars: &MultiProgress,
 ) -> Result<Outcome, Failure> {
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
     let bar = bars.add(show::progress(bytes, "{msg} {bar:30} {percent:>3} % {bytes_per_sec}"));
     bar.set_message(program.path().display().to_string());
-    let outcome = check::check(machine, program, physics, &mut |read| bar.set_position(read));
+    let outcome = check::check(
+        machine,
+        program,
+        arguments.physics,
+        arguments.m_functions.acknowledge,
+        &mut |read| bar.set_position(read),
+    );
     bar.finish_and_clear();
     outcome.map_err(|failure| Failure::check(program, failure))
 }

@@ -92,7 +92,7 @@ fn describe(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
             device.name, device.station, device.baud
         )?;
     }
-    let [x, y, z] = machine.start.map(|value| value * 1e3);
+    let [x, y, z] = machine.conditions.start.map(|value| value * 1e3);
     write!(out, "start of programs that do not say where: X{x} Y{y} Z{z}")?;
     match machine.start_axes() {
         Some(axes) => {

@@ -1,12 +1,15 @@
 //! Options that several commands share.
 
 use super::Failure;
-use crate::machine::Machine;
+use crate::m_function::Acknowledge;
+use crate::machine::{Machine, tool_table_problem};
 use crate::program::{Dialect, ProgramFile};
 use crate::settings::{self, ReadSettings};
+use std::fs::File;
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
 use std::path::{Path, PathBuf};
 use twin_motion::din66025::{DEFAULT_JUMPS, Variables};
+use twin_motion::rs274::{LengthUnit, ToolTable, ToolTableError};
 
 /// The machine.
 #[derive(Clone, Debug, clap::Args)]
@@ -44,10 +47,26 @@ pub(super) struct ReadOptions {
     /// Jumps (G20) after which a program counts as endless
     #[arg(long, value_name = "COUNT", default_value_t = DEFAULT_JUMPS)]
     max_jumps: u32,
+
+    /// Tool table of an RS274 program (LinuxCNC's format, lengths in the machine file's unit), in place of the machine
+    /// file's
+    #[arg(long, value_name = "FILE.tbl")]
+    tool_table: Option<PathBuf>,
+}
+
+/// Who acknowledges M functions.
+#[derive(Clone, Debug, clap::Args)]
+pub(super) struct AcknowledgeOption {
+    /// Who says that an M function is done: nobody needs to (auto), how long each takes (like 500ms or 2s), or you, with
+    /// the Enter key (prompt). M functions in the machine file's [[m_functions]] are done when the drives have switched
+    /// their outputs and their time is over
+    #[arg(long = "m-ack", value_name = "auto|DURATION|prompt", default_value = "auto")]
+    pub(super) acknowledge: Acknowledge,
 }
 
 impl ReadOptions {
-    pub(super) fn program(&self, path: &Path) -> Result<ProgramFile, Failure> {
+    /// The program at `path`; `unit` is that of a tool table.
+    pub(super) fn program(&self, path: &Path, unit: LengthUnit) -> Result<ProgramFile, Failure> {
         let mut variables = Variables::default();
         if let Some(file) = &self.variables_file {
             settings::read_variables(file, &mut variables)?;
@@ -59,6 +78,7 @@ impl ReadOptions {
             skip_suppressed: self.skip_suppressed,
             variables,
             jumps: self.max_jumps,
+            tools: self.tool_table.as_deref().map(|path| tools(path, unit)).transpose()?,
         };
         let dialect = match self.dialect {
             Some(dialect) => Some(dialect),
@@ -66,6 +86,12 @@ impl ReadOptions {
         };
         Ok(ProgramFile::new(path, dialect, settings)?)
     }
+}
+
+fn tools(path: &Path, unit: LengthUnit) -> Result<ToolTable, Failure> {
+    let table = File::open(path).map_err(ToolTableError::Io);
+    let table = table.and_then(|table| ToolTable::read(table, unit));
+    table.map_err(|error| Failure::Usage(tool_table_problem(path, &error)))
 }
 
 /// The failure to read a program.

@@ -3,7 +3,7 @@
 use super::options::{ReadOptions, unreadable};
 use super::{Failure, Status, show};
 use crate::finding;
-use crate::machine::Machine;
+use crate::machine::{Machine, ProgramConditions};
 use crate::number::significant;
 use crate::program::ElementItem;
 use nalgebra::{Point3, Vector3};
@@ -100,19 +100,18 @@ fn millimetres(point: &Point3<f64>) -> [Number; 3] {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let machine = arguments.machine.as_deref().map(Machine::load).transpose()?;
-    let program = arguments.read.program(&arguments.program)?;
+    let conditions = machine
+        .as_ref()
+        .map_or_else(ProgramConditions::default, |machine| machine.conditions.clone());
+    let program = arguments.read.program(&arguments.program, conditions.rs274.units)?;
     eprintln!("{} is read as {}", program.path().display(), program.dialect().name());
     let frame = machine.as_ref().map_or_else(WorkFrame::identity, |machine| machine.frame);
-    let start = machine.as_ref().map_or([0.0; 3], |machine| machine.start);
-    let tolerance = machine
-        .as_ref()
-        .map_or(crate::machine::DEFAULT_ANGLE_TOLERANCE, |machine| machine.angle_tolerance);
     let mut findings = Vec::new();
     let mut out = BufWriter::new(io::stdout().lock());
     let elements = if arguments.prepare {
-        program.prepared(start, tolerance)
+        program.prepared(&conditions)
     } else {
-        program.elements(start)
+        program.elements(&conditions)
     };
     let mut elements = elements.map_err(|source| unreadable(program.path(), source))?;
     for item in &mut elements {

@@ -1,10 +1,11 @@
 //! What runs on the device's thread.
 
 use super::stream::Stream;
-use super::{Event, HardwareError};
+use super::{Event, HardwareError, Switch};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
-use std::sync::mpsc::{SyncSender, TrySendError};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError};
 use twin_drives::{Drive, Increments, MAX_DRIVE_AXES, SetpointStream};
 
 /// What a device's thread is asked to do.
@@ -19,6 +20,9 @@ pub(super) struct Device {
     pub(super) stream: Arc<Stream>,
     pub(super) order: Arc<AtomicU8>,
     pub(super) sender: SyncSender<Result<Event, HardwareError>>,
+    pub(super) switches: Receiver<Switch>,
+    /// Outputs that the session has had switched on.
+    pub(super) on: BTreeSet<u8>,
 }
 
 /// After this many samples in a row at rest away from its target an axis is stuck, not slow to start.
@@ -35,6 +39,7 @@ impl Device {
                 if self.drive.soft_stop().is_err() {
                     self.drive.hard_stop().unwrap_or_default();
                 }
+                self.switch_off();
                 unsaid
             }
         };
@@ -80,7 +85,7 @@ impl Device {
                         return Err(HardwareError::Starved { late_ms: late_ns / 1_000_000 });
                     }
                     let sample = self.drive.follow(&*self.stream)?;
-                    if !self.tell(Event::Sample(sample)) {
+                    if !self.tell(Event::Sample(sample)) || !self.switch()? {
                         return self.brake();
                     }
                 }
@@ -153,9 +158,32 @@ impl Device {
         }
     }
 
+    /// Switches the next output that is to be switched; false if the session is gone.
+    fn switch(&mut self) -> Result<bool, HardwareError> {
+        let Ok(Switch { output, on }) = self.switches.try_recv() else { return Ok(true) };
+        // Even if it is not confirmed it may be on.
+        if on {
+            self.on.insert(output);
+        }
+        self.drive.set_output(output, on)?;
+        if !on {
+            self.on.remove(&output);
+        }
+        Ok(self.tell(Event::Switched))
+    }
+
+    /// A program that ends early leaves no spindle running. What cannot be switched off is said no more of: why the
+    /// program ended is the news.
+    fn switch_off(&mut self) {
+        for output in std::mem::take(&mut self.on) {
+            self.drive.set_output(output, false).unwrap_or_default();
+        }
+    }
+
     /// Brakes every axis on its ramp and waits until they rest.
     fn brake(&mut self) -> Result<(), HardwareError> {
         self.drive.soft_stop()?;
+        self.switch_off();
         loop {
             let sample = self.drive.sample(&*self.stream)?;
             self.sender.try_send(Ok(Event::Sample(sample))).unwrap_or_default();

@@ -10,9 +10,10 @@ use crate::machine::{Axis, Machine};
 use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::AxisSetpoint;
 use device::{APPROACH, Device, FINISH, FOLLOW, STOP};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
-use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use stream::Stream;
@@ -25,6 +26,9 @@ pub const HORIZON_NS: i64 = 250_000_000;
 
 /// Samples that may wait for the session before the device's thread waits for it.
 const WAITING_SAMPLES: usize = 1024;
+
+/// Outputs that may wait to be switched: twice those of a board.
+const WAITING_SWITCHES: usize = 64;
 
 /// Where one machine axis is found on the device.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +44,17 @@ pub struct Hardware {
     events: Receiver<Result<Event, HardwareError>>,
     thread: Option<JoinHandle<()>>,
     axes: Vec<Mapping>,
+    switches: SyncSender<Switch>,
+    /// Outputs that the device has not confirmed yet.
+    switching: u32,
     ended: bool,
+}
+
+/// An output to be switched.
+#[derive(Clone, Copy, Debug)]
+struct Switch {
+    output: u8,
+    on: bool,
 }
 
 /// What a device's thread tells the session.
@@ -49,6 +63,8 @@ enum Event {
     /// Enabled, and the axes stand at the start of the program.
     Ready,
     Sample(Sample),
+    /// The device has confirmed an output.
+    Switched,
     /// Finished or stopped: the axes are at rest.
     AtRest,
 }
@@ -123,13 +139,21 @@ impl Hardware {
         let stream = Arc::new(Stream::new(rest, cycle_ns));
         let order = Arc::new(AtomicU8::new(APPROACH));
         let (sender, events) = sync_channel(WAITING_SAMPLES);
-        let device =
-            Device { drive, stream: Arc::clone(&stream), order: Arc::clone(&order), sender };
+        let (switches, to_switch) = sync_channel(WAITING_SWITCHES);
+        let device = Device {
+            drive,
+            stream: Arc::clone(&stream),
+            order: Arc::clone(&order),
+            sender,
+            switches: to_switch,
+            on: BTreeSet::new(),
+        };
         let thread = std::thread::Builder::new()
             .name("drive".to_owned())
             .spawn(move || device.run(&target, &speed))
             .map_err(HardwareError::Thread)?;
-        Ok(Self { stream, order, events, thread: Some(thread), axes, ended: false })
+        let thread = Some(thread);
+        Ok(Self { stream, order, events, thread, axes, switches, switching: 0, ended: false })
     }
 
     /// True once the drives are enabled and stand at the start of the program.
@@ -163,6 +187,23 @@ impl Hardware {
     /// Asks the drives to brake now, wherever they are.
     pub fn stop(&mut self) {
         self.order.store(STOP, Ordering::Relaxed);
+    }
+
+    /// Switches outputs, between two exchanges that follow the stream. Those that are on when the drives are stopped or
+    /// fail, the device switches off again.
+    pub fn switch(&mut self, on: &[u8], off: &[u8]) {
+        let all = off.iter().map(|output| (*output, false)).chain(on.iter().map(|o| (*o, true)));
+        for (output, on) in all {
+            // A device that has ended has nothing to confirm: the session hears of it.
+            if self.switches.try_send(Switch { output, on }).is_ok() {
+                self.switching += 1;
+            }
+        }
+    }
+
+    /// Whether all outputs have been confirmed.
+    pub fn has_switched(&self) -> bool {
+        self.switching == 0
     }
 
     /// True while the device's thread runs.
@@ -229,6 +270,7 @@ impl Plant for Hardware {
                     }));
                 }
                 Some(Event::Ready) => {}
+                Some(Event::Switched) => self.switching = self.switching.saturating_sub(1),
                 Some(Event::AtRest) => {
                     self.ended = true;
                     return Ok(None);

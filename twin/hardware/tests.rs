@@ -47,6 +47,7 @@ struct Strings {
     followed: AtomicU32,
     soft_stops: AtomicU32,
     stopped: AtomicBool,
+    outputs: Mutex<Vec<(u8, bool)>>,
 }
 
 /// A drive that is where the stream says, at any time, without a wire.
@@ -85,6 +86,11 @@ impl Drive for Puppet {
     }
 
     fn enable(&mut self) -> Result<(), DriveError> {
+        Ok(())
+    }
+
+    fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError> {
+        self.strings.outputs.lock().unwrap().push((output, on));
         Ok(())
     }
 
@@ -183,6 +189,7 @@ fn setpoint(cycle: i64, x: f64, velocity: f64) -> AxisSetpoint {
     let still = AxisVector::zeros(3);
     let velocity = AxisVector::from_values([velocity, 0.0, 0.0]);
     AxisSetpoint {
+        m_call: None,
         time_ns: cycle * CYCLE_NS,
         place: Place::default(),
         axes: AxisMotion { position: at(x), velocity, acceleration: still },

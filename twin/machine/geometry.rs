@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use twin_kinematics::gantry::Gantry3;
 use twin_kinematics::scara::{Elbow, Scara2};
 use twin_kinematics::{AxisSource, Coordinate, Kinematics, MachineAxes};
+use twin_motion::path::EXTRA_AXES;
 use twin_urdf::{DimensionError, GantryDimensions, MachineJoint, Model, ScaraDimensions};
 
 /// Lengths in mm that a machine on earth has.
@@ -105,7 +106,14 @@ pub(super) fn read(
         })
     };
     let model = build(name, &joints, tool)?;
-    let model = model.map_err(|error| kinematics.complain(error.to_string())).ok()?;
+    let mut model = model.map_err(|error| kinematics.complain(error.to_string())).ok()?;
+    for (number, letter) in (0..).zip(EXTRA_AXES) {
+        let role = letter.to_string();
+        let Some(joint) = joints(&role) else { continue };
+        let turns =
+            axes.iter().any(|entry| entry.role == role && entry.axis.kind == AxisKind::Rotary);
+        model.add_additional_axis(&joint, turns, number);
+    }
     let machine_axes = MachineAxes::new(transform, sources, tool.length);
     let kinematics = machine_axes.map_err(|error| kinematics.complain(error.to_string())).ok()?;
     Some(Geometry { kind: kind.name(), kinematics, model })
@@ -190,6 +198,11 @@ fn gantry<'a>(kinematics: &Section<'_>, body: &Section<'_>) -> (Box<dyn Kinemati
     (Box::new(Gantry3::new(offsets)), build)
 }
 
+/// The number of an additional axis.
+fn additional(role: &str) -> Option<u8> {
+    (0..).zip(EXTRA_AXES).find(|(_, letter)| letter.to_string() == role).map(|(number, _)| number)
+}
+
 /// What moves each axis; complains where that is not one to one.
 fn sources(root: &Section<'_>, kind: Kind, axes: &[AxisEntry]) -> Option<Vec<AxisSource>> {
     let mut complete = true;
@@ -208,6 +221,11 @@ fn sources(root: &Section<'_>, kind: Kind, axes: &[AxisEntry]) -> Option<Vec<Axi
                 sources.push(AxisSource::Transform(output));
                 outputs.get(output).map(|(_, kind)| *kind)
             }
+            _ if let Some(number) = additional(role) => {
+                sources.push(AxisSource::Additional(number));
+                // In degrees or mm, as the machine has it.
+                None
+            }
             (None, Some(coordinate)) if !used => {
                 sources.push(AxisSource::Coordinate(coordinate));
                 Some(AxisKind::Linear)
@@ -215,7 +233,7 @@ fn sources(root: &Section<'_>, kind: Kind, axes: &[AxisEntry]) -> Option<Vec<Axi
             _ => {
                 complete = false;
                 complain(format!(
-                    "axis \"{name}\" has the role \"{role}\"; of a {} axes move {}",
+                    "axis \"{name}\" has the role \"{role}\"; of a {} axes move {}, or P Q U V W beside it",
                     kind.name(),
                     kind.roles().join(", ")
                 ));

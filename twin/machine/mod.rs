@@ -1,17 +1,22 @@
 //! The machine file: one TOML file that describes a machine. `machines/*.toml` are commented as documentation.
 
 mod axis;
+mod conditions;
 mod drives;
 mod geometry;
+mod m_functions;
 mod problem;
 mod section;
 #[cfg(test)]
 mod tests;
 
 pub use axis::{Axis, AxisDrive, AxisKind, IncrementRatio, SimulatedAxis};
+pub use conditions::ProgramConditions;
+pub(crate) use conditions::said as tool_table_problem;
 pub use drives::{DeviceEntry, Parity};
 pub use problem::{MachineFileError, Problem};
 
+use crate::m_function::MFunction;
 use axis::AxisEntry;
 use nalgebra::{Point3, Vector3};
 use section::{Complaints, Section};
@@ -19,9 +24,6 @@ use std::path::{Path, PathBuf};
 use toml::de::DeTable;
 use twin_kinematics::{AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
 use twin_urdf::Model;
-
-/// Turns of the path up to this angle are passed without a stop unless the machine file says otherwise, rad.
-pub const DEFAULT_ANGLE_TOLERANCE: f64 = 2.0 * std::f64::consts::PI / 180.0;
 
 /// One set-point per millisecond.
 const CYCLE_NS: i64 = 1_000_000;
@@ -45,12 +47,12 @@ pub struct Machine {
     pub model: Model,
     /// The devices on the wires.
     pub drives: Vec<DeviceEntry>,
+    /// What M functions switch.
+    pub m_functions: Vec<MFunction>,
     /// Acceleration of free fall in the machine frame, m/s².
     pub gravity: Vector3<f64>,
-    /// Where a program starts that does not say so itself (G92), work frame, m.
-    pub start: [f64; 3],
-    /// Turns of the path up to this angle are passed without a stop, rad.
-    pub angle_tolerance: f64,
+    /// What programs find when they begin.
+    pub conditions: ProgramConditions,
     /// Time between set-points, ns.
     pub cycle_ns: i64,
 }
@@ -114,7 +116,7 @@ impl Machine {
 
     /// Where the tool is and the axes are when a program starts that does not say where, if that can be reached.
     pub fn start_axes(&self) -> Option<AxisVector> {
-        let position = Point3::from(self.start);
+        let position = Point3::from(self.conditions.start);
         let pose = self.frame.pose_to_machine(&Pose { position, direction: 0.0 });
         self.kinematics.inverse(&pose, &self.middle()).ok()
     }
@@ -153,10 +155,8 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
     let rotation = frame.numbers::<3>("rotation_deg", -360.0..=360.0).unwrap_or_default();
     frame.finish();
 
-    let program = root.section("program");
-    let start = program.numbers::<3>("start_mm", -1e5..=1e5).unwrap_or_default();
-    let angle_tolerance = program.number("angle_tolerance_deg", 0.0..=180.0);
-    program.finish();
+    let conditions = conditions::read(root, path);
+    let m_functions = m_functions::read(root, !device_names.is_empty());
 
     let environment = root.section("environment");
     let gravity =
@@ -178,8 +178,8 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         axes: axes?.into_iter().map(|entry| entry.axis).collect(),
         drives: devices.into_iter().collect::<Option<_>>()?,
         gravity: Vector3::from(gravity),
-        start: start.map(|value| value * 1e-3),
-        angle_tolerance: angle_tolerance.map_or(DEFAULT_ANGLE_TOLERANCE, f64::to_radians),
+        conditions,
+        m_functions,
         cycle_ns: CYCLE_NS,
     })
 }

@@ -228,6 +228,30 @@ impl<'a> Section<'a> {
         complete.then_some(numbers)
     }
 
+    pub(super) fn required_integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
+        if !self.has(key) {
+            self.value(key);
+            self.missing(key);
+            return None;
+        }
+        self.integer(key, range)
+    }
+
+    /// Whole numbers within `range`, up to `most` of them; none if the key is absent.
+    pub(super) fn integers(&self, key: &str, range: &RangeInclusive<i64>, most: usize) -> Vec<i64> {
+        let Some(value) = self.value(key) else { return Vec::new() };
+        let Some(array) = value.get_ref().as_array() else {
+            self.wrong_type(key, value, "an array of whole numbers");
+            return Vec::new();
+        };
+        if array.iter().count() > most {
+            let message = format!("`{key}` has more than {most} entries");
+            self.complaints.add(value.span(), message, None);
+            return Vec::new();
+        }
+        array.iter().filter_map(|item| self.checked_integer(key, item, range)).collect()
+    }
+
     pub(super) fn required_numbers<const N: usize>(
         &self,
         key: &str,
@@ -244,6 +268,15 @@ impl<'a> Section<'a> {
     /// A whole number within `range`.
     pub(super) fn integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
         let value = self.value(key)?;
+        self.checked_integer(key, value, &range)
+    }
+
+    fn checked_integer(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+        range: &RangeInclusive<i64>,
+    ) -> Option<i64> {
         let Some(integer) = value.get_ref().as_integer() else {
             self.wrong_type(key, value, "a whole number");
             return None;

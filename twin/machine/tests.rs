@@ -111,8 +111,11 @@ fn the_shipped_machines_are_as_their_comments_say() {
     // Both arms along +x reach 250 + 200 mm; the tool is 60 mm long.
     let pose = scara.kinematics.forward(&AxisVector::from_values([0.0, 0.0, 0.06])).unwrap();
     assert!((pose.position - nalgebra::point![0.45, 0.0, 0.0]).norm() < 1e-15, "{pose:?}");
-    assert_eq!(scara.start.map(|value| (value * 1e6).round()), [300_000.0, 0.0, 20_000.0]);
-    near(scara.angle_tolerance, 2f64.to_radians());
+    assert_eq!(
+        scara.conditions.start.map(|value| (value * 1e6).round()),
+        [300_000.0, 0.0, 20_000.0]
+    );
+    near(scara.conditions.angle_tolerance, 2f64.to_radians());
     assert_eq!(scara.gravity, nalgebra::vector![0.0, 0.0, -9.81]);
     let board = &scara.drives[0];
     assert_eq!((board.station, board.baud, board.parity), (1, 115_200, Parity::None));
@@ -400,15 +403,19 @@ fn a_role_is_something_the_machine_moves_with_that_kind_of_axis() {
     let pose = load(&text).kinematics.forward(&AxisVector::from_values([1.0, 2.0, 3.0])).unwrap();
     assert_eq!(pose.position, nalgebra::point![2.0, 1.0, 3.0]);
 
-    let found = problems(&edited(SHORT, "name = \"X\"", "name = \"X\"\nrole = \"U\""));
+    let found = problems(&edited(SHORT, "name = \"X\"", "name = \"X\"\nrole = \"T\""));
     assert_eq!(found.len(), 2, "{found:#?}");
-    let complaint = "axis \"X\" has the role \"U\"; of a gantry3 axes move X, Y, Z";
-    assert!(found.iter().any(|(place, message, _)| place == "\"U\"" && message == complaint));
+    let complaint =
+        "axis \"X\" has the role \"T\"; of a gantry3 axes move X, Y, Z, or P Q U V W beside it";
+    assert!(found.iter().any(|(place, message, _)| place == "\"T\"" && message == complaint));
     assert!(found.iter().any(|(_, message, _)| message == "no axis moves X of the gantry3"));
     // The transform of a SCARA uses X itself.
     let found = problems(&edited(SCARA2, "name = \"Z\"", "name = \"Z\"\nrole = \"X\""));
     assert_eq!(found.len(), 1, "{found:#?}");
-    assert_eq!(found[0].1, "axis \"Z\" has the role \"X\"; of a scara2 axes move A, B, Z");
+    assert_eq!(
+        found[0].1,
+        "axis \"Z\" has the role \"X\"; of a scara2 axes move A, B, Z, or P Q U V W beside it"
+    );
 
     let (before, last) = SHORT.split_at(SHORT.rfind("[[axes]]").unwrap());
     let turning = last.replace("_mm", "_deg").replace("\"linear\"", "\"rotary\"");
@@ -647,5 +654,69 @@ proptest! {
         let start = starts[which % starts.len()];
         let end = start + text[start..].find([' ', '\n']).unwrap();
         survives(&format!("{}{number}{}", &text[..start], &text[end..]));
+    }
+}
+
+#[test]
+fn additional_axes_stand_beside_the_transform() {
+    let turntable = "[[axes]]\nname = \"C\"\nrole = \"P\"\nkind = \"rotary\"\nposition_min_deg = -3600\nposition_max_deg = 3600\nmax_velocity_deg_per_s = 360\nmax_acceleration_deg_per_s2 = 3600\n";
+    let text = SHORT.lines().filter(|line| !line.starts_with("drive"));
+    let text: String = text.map(|line| format!("{line}\n")).collect();
+    let text: String = text
+        .replace("[[drives]]\nname = \"board\"\nkind = \"interpcnc\"\n", "")
+        .replace("increments = 3200\nper_mm = 10\n", "")
+        .replace("increments = 3200\nper_mm = 5\n", "");
+    let machine = load(&format!("{text}{turntable}"));
+    assert_eq!(machine.axes.len(), 4);
+    let axes = AxisVector::from_values([0.1, 0.2, 0.05, 3.0]);
+    let pose = machine.kinematics.forward(&axes).unwrap();
+    assert_eq!(machine.kinematics.inverse(&pose, &axes).unwrap(), axes);
+    assert_eq!(machine.model.joints.last().unwrap().name, "C");
+    let found = problems(&format!("{text}{turntable}{}", turntable.replace("\"C\"", "\"D\"")));
+    assert!(found[0].1.contains("has the role \"P\", which another axis has already"));
+}
+
+#[test]
+fn what_rs274_programs_find() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("tools.tbl"), "T3 P3 Z50 D6\n").unwrap();
+    let file = folder.path().join("machine.toml");
+    let section = "[rs274]\nrapid_velocity_mm_per_s = 250\nacceleration_mm_per_s2 = 800\ntool_table = \"tools.tbl\"\ntool = 3\ng28_mm = [1, 2, 3]\n[rs274.work_offsets_mm]\ng55 = [10, 20, 30]\ng59_3 = [1, 1, 1]\n";
+    let machine = Machine::parse(&file, &format!("{SHORT}{section}")).unwrap();
+    let found = machine.conditions.rs274;
+    near(found.rapid_velocity, 0.25);
+    assert_eq!([found.acceleration, found.deceleration], [0.8; 2]);
+    assert_eq!(found.g28.linear.map(|value| (value * 1e3).round()), [1.0, 2.0, 3.0]);
+    assert_eq!(found.work_offsets[1].linear.map(|value| (value * 1e3).round()), [10.0, 20.0, 30.0]);
+    near(found.work_offsets[8].linear[0], 1e-3);
+    assert_eq!(found.tool, 3);
+    assert!(found.tools.is_some());
+    std::fs::write(folder.path().join("tools.tbl"), "T3 Z\n").unwrap();
+    let found = Machine::parse(&file, &format!("{SHORT}{section}")).unwrap_err();
+    assert!(found[0].message.contains("tools.tbl: line 1"), "{}", found[0].message);
+    std::fs::remove_file(folder.path().join("tools.tbl")).unwrap();
+    let found = Machine::parse(&file, &format!("{SHORT}{section}")).unwrap_err();
+    assert!(found[0].message.contains("No such file"), "{}", found[0].message);
+    let found = problems(&format!("{SHORT}[rs274.work_offsets_mm]\ng60 = [1, 2, 3]\n"));
+    assert!(found[0].1.contains("unknown key `g60`"), "{found:#?}");
+}
+
+#[test]
+fn what_m_functions_switch() {
+    let machine = load(&format!(
+        "{SHORT}[[m_functions]]\nm = 3\noutputs_on = [1, 2]\ntime_ms = 1500\n[[m_functions]]\nm = 5\noutputs_off = [1, 2]\n"
+    ));
+    let [m3, m5] = machine.m_functions.as_slice() else { panic!("two") };
+    assert_eq!((m3.number, &m3.outputs_on[..], m3.time_ns), (3, &[1, 2][..], 1_500_000_000));
+    assert_eq!((m5.number, &m5.outputs_off[..], m5.time_ns), (5, &[1, 2][..], 0));
+    for (section, part) in [
+        ("outputs_on = [1]", "[[m_functions]] number 1 lacks `m`"),
+        ("m = 3\noutputs_on = [33]", "`outputs_on` is 33; it must lie between 1 and 32"),
+        ("m = 3\noutputs_on = 3", "expected an array of whole numbers"),
+        ("m = 3\noutputs_on = [3]\noutputs_off = [3]", "output 3 is switched on and off"),
+        ("m = 3\n[[m_functions]]\nm = 3", "M3 is there already"),
+    ] {
+        let found = problems(&format!("{SHORT}[[m_functions]]\n{section}\n"));
+        assert!(found[0].1.contains(part), "{found:#?}");
     }
 }

@@ -5,9 +5,10 @@ mod stream;
 
 pub use stream::{ElementItem, Elements, ProgramItem, Setpoints};
 
-use crate::machine::Machine;
+use crate::m_function::Acknowledgement;
+use crate::machine::{Machine, ProgramConditions};
 use crate::settings::ReadSettings;
-use source::{Counted, Decoded, Ledger};
+use source::{Counted, Decoded, Decoder, Ledger};
 use std::cell::RefCell;
 use std::fs::File;
 use std::io::{self, BufReader, Read};
@@ -16,29 +17,29 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::time::SystemTime;
 use stream::{Prepared, Stage};
-use twin_motion::din66025::{self, Decoder, DecoderOptions};
 use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
 use twin_motion::path::Marks;
+use twin_motion::path::queue::{Generator, QueueReader};
 use twin_motion::prepare::{Incompatible, Notices, Preparation};
+use twin_motion::{din66025, rs274};
 
 /// The language of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Dialect {
     /// CoDeSys SoftMotion's dialect of DIN 66025 (.cnc)
     Din66025,
-    /// Shop-floor RS274 (.ngc .nc .tap .gcode); not read yet
+    /// Shop-floor RS274 (.ngc .nc .tap .gcode)
     Rs274,
+    /// Path elements in a queue file (.queue), as `twin path --format queue` writes them
+    Queue,
 }
 
-/// Why a program's dialect cannot be read.
+/// Nothing tells which dialect a program is written in.
 #[derive(Debug, thiserror::Error)]
-pub enum DialectError {
-    /// Nothing tells which dialect it is.
-    #[error("{} does not tell its dialect: its ending is none of .cnc .ngc .nc .tap .gcode and it does not begin with % and N blocks; say --dialect", .0.display())]
-    Unknown(PathBuf),
-    /// A dialect of a later version.
-    #[error("{} is RS274 by its ending or --dialect, and RS274 is not read yet; only a program in SoftMotion's dialect can be read with --dialect din66025", .0.display())]
-    NotYet(PathBuf),
+#[error("{} does not tell its dialect: its ending is none of .cnc .ngc .nc .tap .gcode .queue and it does not begin with % and N blocks; say --dialect", path.display())]
+pub struct DialectError {
+    /// The program.
+    path: PathBuf,
 }
 
 impl Dialect {
@@ -47,6 +48,7 @@ impl Dialect {
         match self {
             Self::Din66025 => "din66025",
             Self::Rs274 => "rs274",
+            Self::Queue => "queue",
         }
     }
 
@@ -59,6 +61,7 @@ impl Dialect {
         match ending.as_deref() {
             Some("cnc") => return Ok(Some(Self::Din66025)),
             Some("ngc" | "nc" | "tap" | "gcode") => return Ok(Some(Self::Rs274)),
+            Some("queue") => return Ok(Some(Self::Queue)),
             _ => {}
         }
         let mut beginning = Vec::new();
@@ -111,20 +114,15 @@ impl ProgramFile {
     /// The program at `path`, read by `settings`. Should the file change from now on, reading it is an error: what is run must be what was checked.
     ///
     /// # Errors
-    /// If the dialect is not known or not read yet.
+    /// If the dialect is not known.
     pub fn new(
         path: &Path,
         dialect: Option<Dialect>,
         settings: ReadSettings,
     ) -> Result<Self, DialectError> {
-        match dialect {
-            Some(dialect @ Dialect::Din66025) => {
-                let stamp = std::fs::metadata(path).ok().as_ref().and_then(Stamp::of);
-                Ok(Self { path: path.to_owned(), dialect, settings, stamp })
-            }
-            Some(Dialect::Rs274) => Err(DialectError::NotYet(path.to_owned())),
-            None => Err(DialectError::Unknown(path.to_owned())),
-        }
+        let dialect = dialect.ok_or_else(|| DialectError { path: path.to_owned() })?;
+        let stamp = std::fs::metadata(path).ok().as_ref().and_then(Stamp::of);
+        Ok(Self { path: path.to_owned(), dialect, settings, stamp })
     }
 
     /// Where it is.
@@ -150,80 +148,109 @@ impl ProgramFile {
         Ok(std::fs::metadata(&self.path)?.len())
     }
 
-    /// Its path elements as programmed, starting at `start` (m, work frame).
+    /// Its path elements as programmed.
     ///
     /// # Errors
     /// If it cannot be opened.
-    pub fn elements(&self, start: [f64; 3]) -> io::Result<Elements> {
-        let (decoded, ledger) = self.decode(start)?;
+    pub fn elements(&self, conditions: &ProgramConditions) -> io::Result<Elements> {
+        let (decoded, ledger) = self.decode(conditions, EmptyMoves::Kept)?;
         Ok(Elements::new(Stage::Decoded(Box::new(decoded)), Notices::default(), ledger))
     }
 
-    /// Its path elements after preparation, with transition velocities for turns of up to `angle_tolerance` (rad).
+    /// Its path elements after preparation, with transition velocities.
     ///
     /// # Errors
     /// If it cannot be opened.
-    pub fn prepared(&self, start: [f64; 3], angle_tolerance: f64) -> io::Result<Elements> {
+    pub fn prepared(&self, conditions: &ProgramConditions) -> io::Result<Elements> {
         let notices = Notices::default();
-        let (prepared, ledger) = self.prepare(start, angle_tolerance, &notices)?;
+        let (prepared, ledger) = self.prepare(conditions, &notices)?;
         Ok(Elements::new(Stage::Prepared(Box::new(prepared)), notices, ledger))
     }
 
-    /// Its set-points on `machine`.
+    /// Its set-points on `machine`, with M functions acknowledged as `acknowledgement` says.
     ///
     /// # Errors
     /// If it cannot be opened.
-    pub fn open(&self, machine: &Machine) -> io::Result<Setpoints> {
+    pub fn open(
+        &self,
+        machine: &Machine,
+        acknowledgement: Acknowledgement,
+    ) -> io::Result<Setpoints> {
         let notices = Notices::default();
-        let (checked, ledger) = self.prepare(machine.start, machine.angle_tolerance, &notices)?;
+        let (checked, ledger) = self.prepare(&machine.conditions, &notices)?;
         let cycle = u32::try_from(machine.cycle_ns)
             .ok()
             .and_then(NonZeroU32::new)
             .unwrap_or(DEFAULT_CYCLE_NS);
         let interpolator = Interpolator::new(LookAhead::new(checked), cycle);
-        Ok(Setpoints::new(interpolator, notices, ledger))
+        Ok(Setpoints::new(interpolator, notices, ledger, acknowledgement))
     }
 
     /// The path through all the preparation that the program asks for.
     fn prepare(
         &self,
-        start: [f64; 3],
-        angle_tolerance: f64,
+        conditions: &ProgramConditions,
         notices: &Notices,
     ) -> io::Result<(Prepared, Rc<RefCell<Ledger>>)> {
-        let (preparation, incompatible) = self.preparation(start)?;
-        let (decoded, ledger) = self.decode(start)?;
+        let (preparation, incompatible) = self.preparation(conditions)?;
+        let (decoded, ledger) = self.decode(conditions, EmptyMoves::LeftOut)?;
         if let Some(incompatible) = incompatible {
             ledger.borrow_mut().report(source::incompatible(incompatible));
         }
         // What cannot be combined has been left out.
         let prepared = preparation
-            .check(decoded, angle_tolerance, notices)
+            .check(decoded, conditions.angle_tolerance, notices)
             .map_err(|error| io::Error::other(error.to_string()))?;
         Ok((prepared, ledger))
     }
 
     /// What the program's G41 to G61 ask for; without what cannot be combined, and that.
-    fn preparation(&self, start: [f64; 3]) -> io::Result<(Preparation, Option<Incompatible>)> {
-        // What can be read only once is prepared for the most usual.
-        let mut marks = Marks::CORRECTION_LEFT.with(Marks::LOOPS);
-        if self.is_repeatable() {
-            marks = din66025::marks_in(BufReader::with_capacity(1 << 16, File::open(&self.path)?))?;
-            if Preparation::for_marks(marks).is_err() {
+    fn preparation(
+        &self,
+        conditions: &ProgramConditions,
+    ) -> io::Result<(Preparation, Option<Incompatible>)> {
+        let marks = match self.dialect {
+            Dialect::Din66025 if self.is_repeatable() => {
+                let marks =
+                    din66025::marks_in(BufReader::with_capacity(1 << 16, File::open(&self.path)?))?;
                 // Perhaps only comments name them together.
-                let (decoded, _) = self.decode(start)?;
-                marks = decoded
-                    .filter_map(Result::ok)
-                    .fold(Marks::default(), |marks, element| marks.with(element.marks));
+                if Preparation::for_marks(marks).is_ok() { marks } else { self.marks(conditions)? }
             }
-        }
+            // What can be read only once is prepared for the most usual.
+            Dialect::Din66025 => Marks::CORRECTION_LEFT.with(Marks::LOOPS),
+            Dialect::Rs274 => Marks::default(),
+            Dialect::Queue if self.is_repeatable() && self.is_unprepared()? => {
+                self.marks(conditions)?
+            }
+            Dialect::Queue => Marks::default(),
+        };
         Ok(match Preparation::for_marks(marks) {
             Ok(preparation) => (preparation, None),
             Err(incompatible) => (Preparation::default(), Some(incompatible)),
         })
     }
 
-    fn decode(&self, start: [f64; 3]) -> io::Result<(Decoded, Rc<RefCell<Ledger>>)> {
+    /// The marks of all elements together.
+    fn marks(&self, conditions: &ProgramConditions) -> io::Result<Marks> {
+        let (decoded, _) = self.decode(conditions, EmptyMoves::LeftOut)?;
+        let elements = decoded.filter_map(Result::ok);
+        Ok(elements.fold(Marks::default(), |marks, element| marks.with(element.marks)))
+    }
+
+    /// Whether this queue's path has not been prepared yet.
+    fn is_unprepared(&self) -> io::Result<bool> {
+        let reader = QueueReader::new(File::open(&self.path)?).map_err(io::Error::other)?;
+        Ok(matches!(
+            reader.generator(),
+            Generator::Decoder | Generator::Rotate | Generator::Scale | Generator::Translate
+        ))
+    }
+
+    fn decode(
+        &self,
+        conditions: &ProgramConditions,
+        empty: EmptyMoves,
+    ) -> io::Result<(Decoded, Rc<RefCell<Ledger>>)> {
         let ledger = Rc::new(RefCell::new(Ledger::default()));
         let file = File::open(&self.path)?;
         // Reading a directory fails later and less clearly.
@@ -232,20 +259,52 @@ impl ProgramFile {
         }
         Stamp::verify(self.stamp, &file)?;
         let file = Counted { file, stamp: self.stamp, ledger: Rc::clone(&ledger) };
-        let ReadSettings { skip_suppressed, variables, jumps } = self.settings.clone();
-        let options = DecoderOptions {
-            start,
-            skip_suppressed_blocks: skip_suppressed,
-            variables,
-            jumps,
-            ..DecoderOptions::default()
-        };
         let reader = BufReader::with_capacity(1 << 16, file);
-        let decoder = if self.is_repeatable() {
-            Decoder::with_jumps(reader, options)
-        } else {
-            Decoder::new(reader, options)
-        };
+        let decoder = self.decoder(reader, conditions, empty)?;
         Ok((Decoded { decoder, ledger: Rc::clone(&ledger), halted: false }, ledger))
     }
+
+    fn decoder(
+        &self,
+        reader: BufReader<Counted>,
+        conditions: &ProgramConditions,
+        empty: EmptyMoves,
+    ) -> io::Result<Decoder> {
+        let ReadSettings { skip_suppressed, variables, jumps, tools } = self.settings.clone();
+        Ok(match self.dialect {
+            Dialect::Din66025 => {
+                let options = din66025::DecoderOptions {
+                    start: conditions.start,
+                    start_extra: conditions.start_additional,
+                    skip_suppressed_blocks: skip_suppressed,
+                    variables,
+                    jumps,
+                };
+                Decoder::Din66025(Box::new(if self.is_repeatable() {
+                    din66025::Decoder::with_jumps(reader, options)
+                } else {
+                    din66025::Decoder::new(reader, options)
+                }))
+            }
+            Dialect::Rs274 => {
+                let mut options = rs274::DecoderOptions {
+                    skip_suppressed_blocks: skip_suppressed,
+                    keep_empty_moves: empty == EmptyMoves::Kept,
+                    ..conditions.rs274.clone()
+                };
+                options.tools = tools.or(options.tools);
+                Decoder::Rs274(Box::new(rs274::Decoder::new(reader, options)))
+            }
+            Dialect::Queue => {
+                Decoder::Queue(Box::new(QueueReader::new(reader).map_err(io::Error::other)?))
+            }
+        })
+    }
+}
+
+/// What becomes of the moves of RS274 that go nowhere: they are in the program, but the path does not stop there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum EmptyMoves {
+    Kept,
+    LeftOut,
 }

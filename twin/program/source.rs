@@ -8,10 +8,11 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::rc::Rc;
 use twin_motion::Place;
-use twin_motion::decode::{self, Diagnostic, TextError};
-use twin_motion::din66025::{self, Decoder};
-use twin_motion::path::{ElementKind, PathElement};
+use twin_motion::decode::{self, Diagnostic, Failure, Item, TextError};
+use twin_motion::path::PathElement;
+use twin_motion::path::queue::QueueReader;
 use twin_motion::prepare::{CheckError, CornerError, Incompatible, Notice, ToolRadiusError};
+use twin_motion::{din66025, rs274};
 
 /// What the stages leave behind for whoever reads the stream.
 #[derive(Debug, Default)]
@@ -123,11 +124,52 @@ pub(super) fn incompatible(error: Incompatible) -> Finding {
     Finding::error(Rule::Syntax, place, format!("{error} in one program"))
 }
 
+/// What reads a program's file.
+#[derive(Debug)]
+pub(super) enum Decoder {
+    Din66025(Box<din66025::Decoder<BufReader<Counted>>>),
+    Rs274(Box<rs274::Decoder<BufReader<Counted>>>),
+    Queue(Box<QueueReader<BufReader<Counted>>>),
+}
+
+/// What it makes of the next piece of it.
+enum Piece {
+    Element(PathElement),
+    Wrong(Finding),
+    Failed(io::Error),
+}
+
+impl Piece {
+    fn of<E: TextError>(item: Result<Item<E>, Failure<E>>) -> Self {
+        match item {
+            Ok(Item::Element(element)) => Self::Element(element),
+            Ok(Item::Warning(diagnostic)) => {
+                Self::Wrong(Finding { severity: Severity::Warning, ..finding(&diagnostic) })
+            }
+            Err(Failure::Diagnostic(diagnostic)) => Self::Wrong(finding(&diagnostic)),
+            Err(Failure::Io(error)) => Self::Failed(error),
+        }
+    }
+}
+
+impl Decoder {
+    fn read(&mut self) -> Option<Piece> {
+        match self {
+            Self::Din66025(decoder) => decoder.next().map(Piece::of),
+            Self::Rs274(decoder) => decoder.next().map(Piece::of),
+            Self::Queue(reader) => Some(match reader.next()? {
+                Ok(element) => Piece::Element(element),
+                Err(error) => Piece::Failed(io::Error::other(error)),
+            }),
+        }
+    }
+}
+
 /// The decoder with its diagnostics taken out, so that an erroneous block does not end the stream: all errors of a
 /// program are found at once.
 #[derive(Debug)]
 pub(super) struct Decoded {
-    pub(super) decoder: Decoder<BufReader<Counted>>,
+    pub(super) decoder: Decoder,
     pub(super) ledger: Rc<RefCell<Ledger>>,
     /// After an element that nobody would wait for, only diagnostics follow.
     pub(super) halted: bool,
@@ -165,32 +207,28 @@ impl Iterator for Decoded {
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
-            match self.decoder.next()? {
-                Ok(din66025::Item::Element(element)) => {
-                    if self.halted {
-                        continue;
-                    }
-                    let mut ledger = self.ledger.borrow_mut();
-                    if let Some(finding) = endless(&element) {
-                        ledger.report(finding);
-                        self.halted = true;
-                        continue;
-                    }
-                    ledger.elements += 1;
-                    if element.kind != ElementKind::Jump {
-                        ledger.length += element.length();
-                    }
-                    return Some(Ok(element));
-                }
-                Ok(din66025::Item::Warning(diagnostic)) => {
-                    let finding = Finding { severity: Severity::Warning, ..finding(&diagnostic) };
+            let element = match self.decoder.read()? {
+                Piece::Element(element) => element,
+                Piece::Wrong(finding) => {
                     self.ledger.borrow_mut().report(finding);
+                    continue;
                 }
-                Err(din66025::Failure::Io(error)) => return Some(Err(Halt::Io(error))),
-                Err(din66025::Failure::Diagnostic(diagnostic)) => {
-                    self.ledger.borrow_mut().report(finding(&diagnostic));
-                }
+                Piece::Failed(error) => return Some(Err(Halt::Io(error))),
+            };
+            if self.halted {
+                continue;
             }
+            let mut ledger = self.ledger.borrow_mut();
+            if let Some(finding) = endless(&element) {
+                ledger.report(finding);
+                self.halted = true;
+                continue;
+            }
+            ledger.elements += 1;
+            if element.kind.is_motion() {
+                ledger.length += element.length();
+            }
+            return Some(Ok(element));
         }
     }
 }

@@ -2,10 +2,12 @@
 
 use super::source::{Decoded, Halt, Ledger, noticed};
 use crate::finding::Finding;
+use crate::m_function::{Acknowledgement, MCall, Waiting};
 use std::cell::RefCell;
 use std::io;
 use std::rc::Rc;
-use twin_motion::interpolate::{Interpolator, LookAhead, ToolSetpoint};
+use std::task::Poll;
+use twin_motion::interpolate::{Inputs, Interpolator, LookAhead, ToolSetpoint};
 use twin_motion::path::PathElement;
 use twin_motion::prepare::{CheckVelocities, Notices, PreparedPath};
 
@@ -82,6 +84,8 @@ pub struct Setpoints {
     interpolator: Planned,
     notices: Notices,
     ledger: Rc<RefCell<Ledger>>,
+    waiting: Waiting,
+    now_ns: i64,
 }
 
 type Planned = Interpolator<LookAhead<Prepared, Halt>, Halt>;
@@ -102,8 +106,25 @@ impl Setpoints {
         interpolator: Planned,
         notices: Notices,
         ledger: Rc<RefCell<Ledger>>,
+        acknowledgement: Acknowledgement,
     ) -> Self {
-        Self { interpolator, notices, ledger }
+        let waiting = Waiting::new(acknowledgement);
+        Self { interpolator, notices, ledger, waiting, now_ns: 0 }
+    }
+
+    /// The M function at which the last set-point stands.
+    pub fn m_call(&self) -> Option<MCall> {
+        self.waiting.call()
+    }
+
+    /// Whether the path goes on only when [`Self::acknowledge`] is called.
+    pub fn waits_for_word(&self) -> bool {
+        self.waiting.for_word()
+    }
+
+    /// The M function is done; the path goes on with the next set-point.
+    pub fn acknowledge(&mut self) {
+        self.waiting.tell();
     }
 
     /// Brakes along the path and ends.
@@ -139,8 +160,19 @@ impl Iterator for Setpoints {
         if let Some(finding) = found(&self.ledger, &self.notices) {
             return Some(ProgramItem::Diagnostic(finding));
         }
-        match self.interpolator.next() {
-            Some(Ok(setpoint)) => Some(ProgramItem::Setpoint(setpoint)),
+        let acknowledge_m = self.waiting.is_over(self.now_ns);
+        let inputs = Inputs { acknowledge_m, ..Inputs::default() };
+        let Poll::Ready(next) = self.interpolator.poll_cycle(&inputs) else {
+            // A file is there at once: its stages never say that they have nothing yet.
+            return None;
+        };
+        match next {
+            Some(Ok(setpoint)) => {
+                let ToolSetpoint { m_function, place, time_ns, .. } = setpoint;
+                self.waiting.see(acknowledge_m, m_function, place, time_ns);
+                self.now_ns = time_ns;
+                Some(ProgramItem::Setpoint(setpoint))
+            }
             Some(Err(Halt::Io(error))) => Some(ProgramItem::Io(error)),
             Some(Err(Halt::Finding(finding))) => Some(ProgramItem::Diagnostic(*finding)),
             None => found(&self.ledger, &self.notices).map(ProgramItem::Diagnostic),

@@ -97,7 +97,7 @@ mod tests {
                 path_velocity: 0.0,
                 ..ToolSetpoint::default()
             };
-            let setpoint = Transformer::new(machine).axes(&tool).unwrap();
+            let setpoint = Transformer::new(machine).axes(&tool, None).unwrap();
             let mut position = setpoint.axes.position;
             position[0] -= 1e-4;
             history.push(machine, &setpoint, &AxisFeedback { time_ns, position }).unwrap();

@@ -6,6 +6,7 @@ mod run;
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
 use crate::hardware::{HORIZON_NS, Hardware, HardwareError};
+use crate::m_function::{Acknowledge, Acknowledgement, MCall};
 use crate::machine::Machine;
 use crate::physics::PhysicsError;
 use crate::plant::Plant;
@@ -51,6 +52,21 @@ pub trait Observer {
     fn twin(&mut self, cycle: &TwinCycle<'_>);
     /// A sample of the drives.
     fn drives(&mut self, sample: &DriveSample<'_>);
+    /// The path stands at an M function; [`Self::answer`] is asked when the user is to acknowledge it.
+    fn m_function(&mut self, call: &MCall, asked: bool);
+    /// What the user says to the M function at which the path stands.
+    fn answer(&mut self) -> Answer;
+}
+
+/// What a user says to an M function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// Nothing yet.
+    NotYet,
+    /// It is done.
+    Done,
+    /// There is nobody who could say anything.
+    Nobody,
 }
 
 /// How a run ended.
@@ -104,6 +120,14 @@ pub enum Stopped {
     /// The program file could no longer be read.
     #[error("the program file cannot be read any further: {0}")]
     Read(std::io::Error),
+    /// An M function that nobody can acknowledge.
+    #[error("nobody acknowledges M{number} at {place}: standard input has ended")]
+    Unacknowledged {
+        /// Its number.
+        number: u16,
+        /// Its block.
+        place: Place,
+    },
     /// The drives did not come to rest at the end of the program.
     #[error("the drives did not come to rest at the end of the program")]
     Unsettled,
@@ -120,6 +144,8 @@ pub struct Session<'a, P> {
     pub twin: P,
     /// The drives, standing there too.
     pub hardware: Option<Hardware>,
+    /// Who acknowledges M functions that the machine file knows nothing of.
+    pub acknowledge: Acknowledge,
     /// In step with the wall clock; with drives it always is.
     pub realtime: bool,
 }
@@ -137,8 +163,10 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
     ) -> std::io::Result<Ending> {
         let paced = self.realtime || self.hardware.is_some();
         let ahead_ns = if self.hardware.is_some() { HORIZON_NS } else { 0 };
-        let items = self.program.open(self.machine)?;
-        let mut run = Run::new(self.machine, items, self.twin, self.hardware);
+        let outputs = self.hardware.is_some();
+        let rules = Acknowledgement::for_run(self.machine, self.acknowledge, outputs);
+        let items = self.program.open(self.machine, rules)?;
+        let mut run = Run::new(self.machine, items, self.twin, self.hardware, self.realtime);
         // Drives that begin to follow find a plan.
         run.heed(interrupts());
         run.plan(ahead_ns);
@@ -147,10 +175,15 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
         while run.goes_on() {
             let now_ns = if paced { clock.now_ns() } else { run.executed_ns() + BATCH_NS };
             run.heed(interrupts());
-            run.plan(now_ns + ahead_ns);
+            // Time that nobody has waited for shall not pass.
+            let waits = !paced && run.waits_for_word();
+            if !waits {
+                run.plan(now_ns + ahead_ns);
+            }
             run.simulate(now_ns, observer);
             run.listen(observer);
-            if paced {
+            run.acknowledge(observer);
+            if paced || waits {
                 std::thread::sleep(Duration::from_micros(500));
             }
         }

@@ -1,10 +1,11 @@
 //! A run under way, in rounds: plan, simulate what is due, listen to the drives.
 
 use super::history::History;
-use super::{DriveSample, Ending, Observer, Stopped, TwinCycle};
+use super::{Answer, DriveSample, Ending, Observer, Stopped, TwinCycle};
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
 use crate::hardware::{Hardware, HardwareError};
+use crate::m_function::{MCall, MFunction};
 use crate::machine::Machine;
 use crate::physics::PhysicsError;
 use crate::plant::{AxisFeedback, Plant};
@@ -25,6 +26,8 @@ pub(super) struct Run<'a, P> {
     twin: P,
     twin_failed: bool,
     hardware: Option<Hardware>,
+    /// Whether time passes by itself.
+    realtime: bool,
     /// Of the drives, from later than the simulated machine has come: drives are heard of at any time, it is simulated
     /// once per round.
     samples: VecDeque<AxisFeedback>,
@@ -39,6 +42,8 @@ pub(super) struct Run<'a, P> {
     executed_ns: i64,
     /// Its block.
     place: Place,
+    /// The M function executed last.
+    m_call: Option<MCall>,
 }
 
 impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
@@ -48,6 +53,7 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
         items: Setpoints,
         twin: P,
         hardware: Option<Hardware>,
+        realtime: bool,
     ) -> Self {
         Self {
             machine,
@@ -56,6 +62,7 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
             twin,
             twin_failed: false,
             hardware,
+            realtime,
             samples: VecDeque::new(),
             history: History::new(machine),
             comparison: Comparison::new(machine.axes.len()),
@@ -64,6 +71,59 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
             stopped: None,
             executed_ns: 0,
             place: Place::default(),
+            m_call: None,
+        }
+    }
+
+    /// Whether the plan goes on only when an M function is acknowledged. A stop does not wait for that.
+    pub(super) fn waits_for_word(&self) -> bool {
+        self.stopped.is_none() && self.items.waits_for_word()
+    }
+
+    /// Takes notice of an M function that is executed now.
+    fn begin_m_function(&mut self, call: MCall, observer: &mut dyn Observer) {
+        if self.m_call.is_some_and(|last| last.index == call.index) {
+            return;
+        }
+        self.m_call = Some(call);
+        let switched = self.switches(call.number);
+        if let (Some(function), Some(hardware)) = (switched, &mut self.hardware) {
+            hardware.switch(&function.outputs_on, &function.outputs_off);
+        }
+        observer.m_function(&call, self.items.waits_for_word() && switched.is_none());
+    }
+
+    /// What the M function switches on the drives, if there are any.
+    fn switches(&self, number: u16) -> Option<&'a MFunction> {
+        self.hardware.as_ref()?;
+        self.machine.m_functions.iter().find(|function| function.number == number)
+    }
+
+    /// Lets the path go on if the M function at which it stands is done: the drives have switched what it switches and
+    /// its time is over, or the user says so.
+    pub(super) fn acknowledge(&mut self, observer: &mut dyn Observer) {
+        // First it has to be executed: the plan is ahead.
+        let Some(call) = self.m_call.filter(|call| self.items.m_call() == Some(*call)) else {
+            return;
+        };
+        if !self.waits_for_word() {
+            return;
+        }
+        if let Some(function) = self.switches(call.number) {
+            let switched = self.hardware.as_ref().is_none_or(Hardware::has_switched);
+            if switched && self.executed_ns - call.since_ns >= function.time_ns {
+                self.items.acknowledge();
+            }
+            return;
+        }
+        match observer.answer() {
+            Answer::NotYet => {}
+            Answer::Done => self.items.acknowledge(),
+            Answer::Nobody => {
+                let MCall { number, place, .. } = call;
+                self.stopped = Some(Stopped::Unacknowledged { number, place });
+                self.items.request_stop();
+            }
         }
     }
 
@@ -106,19 +166,26 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
 
     /// Plans beyond `until_ns`, and hands the drives what is planned.
     pub(super) fn plan(&mut self, until_ns: i64) {
-        while self.planning && self.planned.back().is_none_or(|last| last.time_ns <= until_ns) {
+        let paced = self.hardware.is_some() || self.realtime;
+        while self.planning
+            && (paced || !self.waits_for_word())
+            && self.planned.back().is_none_or(|last| last.time_ns <= until_ns)
+        {
             match self.items.next() {
-                Some(ProgramItem::Setpoint(tool)) => match self.transformer.axes(&tool) {
-                    Ok(setpoint) => {
-                        if let Some(hardware) = &mut self.hardware
-                            && let Err(source) = hardware.command(&setpoint)
-                        {
-                            self.lose_drives(source);
+                Some(ProgramItem::Setpoint(tool)) => {
+                    let call = self.items.m_call();
+                    match self.transformer.axes(&tool, call) {
+                        Ok(setpoint) => {
+                            if let Some(hardware) = &mut self.hardware
+                                && let Err(source) = hardware.command(&setpoint)
+                            {
+                                self.lose_drives(source);
+                            }
+                            self.planned.push_back(setpoint);
                         }
-                        self.planned.push_back(setpoint);
+                        Err(source) => self.lose_plan(Stopped::Path { place: tool.place, source }),
                     }
-                    Err(source) => self.lose_plan(Stopped::Path { place: tool.place, source }),
-                },
+                }
                 // The check has refused programs with errors; warnings have been shown by it.
                 Some(ProgramItem::Diagnostic(_)) => {}
                 Some(ProgramItem::Io(error)) => self.lose_plan(Stopped::Read(error)),
@@ -146,6 +213,9 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
         while let Some(setpoint) = self.planned.pop_front_if(|next| next.time_ns <= now_ns) {
             self.executed_ns = setpoint.time_ns;
             self.place = setpoint.place;
+            if let Some(call) = setpoint.m_call {
+                self.begin_m_function(call, observer);
+            }
             let feedback = self.twin.command(&setpoint).and_then(|()| self.twin.feedback());
             let feedback = match feedback {
                 Ok(Some(feedback)) => feedback,

@@ -5,6 +5,7 @@
 //! uniform bodies; the solids are boxes and cylinders that do not overlap, except where a real machine has a bore
 //! that a box cannot have (the quill runs through its arm or carriage).
 
+mod additional;
 mod gantry;
 mod scara;
 

@@ -372,3 +372,37 @@ fn what_lies_in_the_input_from_before_is_nobodys_answer() {
         assert_eq!(state.unwrap().0.positions[0], 2);
     });
 }
+
+/// Vector 24 switches OUT1 on and its answer is the same; that it is on is read back.
+#[test]
+fn vector_24_switches_an_output_and_a_locked_board_is_found_out() {
+    for (state, locked) in [("01 01 01 01", false), ("01 01 01 00", true)] {
+        run(async {
+            let (mut driver, mut far) = attached(1000, 1);
+            let board = async {
+                let write = request(&mut far).await;
+                far.write_all(&write).await.unwrap();
+                let read = request(&mut far).await;
+                far.write_all(&seal(bytes(state))).await.unwrap();
+                (write, read)
+            };
+            let ((write, read), outcome) =
+                tokio::join!(board, driver.set_output(1, true, &no_clock));
+            assert_eq!(write, vector(24));
+            assert_eq!(read, seal(bytes("01 01 01 00 00 01")));
+            assert_eq!(matches!(outcome, Err(DriveError::Locked { .. })), locked, "{outcome:?}");
+            assert_eq!(outcome.is_ok(), !locked);
+        });
+    }
+}
+
+#[test]
+fn there_are_outputs_1_to_32() {
+    run(async {
+        let (mut driver, _far) = attached(1000, 1);
+        for output in [0, 33, 255] {
+            let refused = driver.set_output(output, true, &no_clock).await;
+            assert!(matches!(refused, Err(DriveError::Range { .. })), "{refused:?}");
+        }
+    });
+}

@@ -31,11 +31,8 @@ pub(super) struct ArcMove {
 /// coordinates and the machine's.
 pub(super) fn as_move(element: &PathElement, center_offset: [f64; 3]) -> Option<Move> {
     let end = element.end().coords * 1e3;
-    let mut result = Move {
-        line: element.place.line,
-        end: Some([end.x, end.y, end.z]),
-        ..Move::default()
-    };
+    let mut result =
+        Move { line: element.place.line, end: Some([end.x, end.y, end.z]), ..Move::default() };
     if let Some(extra) = element.extra() {
         result.abc.copy_from_slice(&extra.end[..3]);
     }
@@ -63,11 +60,8 @@ pub(super) fn as_move(element: &PathElement, center_offset: [f64; 3]) -> Option<
             Plane::Yz => "yz",
         };
         let turns = (arc.sweep().abs() / TAU - 2e-7).ceil() * arc.sweep().signum();
-        result.arc = Some(ArcMove {
-            plane: plane.to_owned(),
-            turns: turns as i32,
-            center: [first, second],
-        });
+        result.arc =
+            Some(ArcMove { plane: plane.to_owned(), turns: turns as i32, center: [first, second] });
     }
     Some(result)
 }

@@ -1,19 +1,24 @@
 //! `twin run`: the program on the simulated machine and on the drives at once.
 
+mod prompt;
 mod summary;
 
-use super::options::{self, DEFAULT_ADDRESS, MachineOption, ReadOptions, unreadable};
+use super::options::{
+    self, AcknowledgeOption, DEFAULT_ADDRESS, MachineOption, ReadOptions, unreadable,
+};
 use super::{Failure, Status, check, show};
 use crate::check::Outcome;
 use crate::finding;
 use crate::hardware::Hardware;
+use crate::m_function::{Acknowledge, MCall};
 use crate::machine::Machine;
 use crate::picture::Picture;
 use crate::program::ProgramFile;
 use crate::report::seconds;
-use crate::session::{DriveSample, Ending, Observer, Session, TwinCycle};
+use crate::session::{Answer, DriveSample, Ending, Observer, Session, TwinCycle};
 use crate::simulated::Simulated;
 use indicatif::ProgressBar;
+use prompt::Prompt;
 use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -43,6 +48,9 @@ pub(super) struct Arguments {
 
     #[command(flatten)]
     read: ReadOptions,
+
+    #[command(flatten)]
+    m_functions: AcknowledgeOption,
 
     /// Drives to run in parallel to the simulated machine
     #[arg(long, value_enum, default_value = "emulated")]
@@ -111,7 +119,7 @@ impl Interrupt {
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     arguments.check()?;
     let machine = arguments.machine.load()?;
-    let program = arguments.read.program(&arguments.program)?;
+    let program = arguments.read.program(&arguments.program, machine.conditions.rs274.units)?;
     eprintln!("{} is read as {}", program.path().display(), program.dialect().name());
     program.size().map_err(|source| unreadable(program.path(), source))?;
     if !program.is_repeatable() {
@@ -121,7 +129,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         )));
     }
 
-    let checked = check_first(&machine, &program)?;
+    let checked = check_first(&machine, &program, arguments.m_functions.acknowledge)?;
     let mut outcome = checked.clone();
     show::findings(&program, &outcome.findings);
     let report = Report {
@@ -217,12 +225,15 @@ fn perform<'m>(
         u64::try_from(about.outcome.duration_ns / 1_000_000).unwrap_or(0),
         "{elapsed_precise} {bar:30} {percent:>3} %  {msg}",
     );
-    let session = Session { machine, program, twin, hardware, realtime: arguments.realtime };
+    let acknowledge = arguments.m_functions.acknowledge;
+    let realtime = arguments.realtime;
+    let session = Session { machine, program, twin, hardware, acknowledge, realtime };
     let mut watcher = Watcher {
         picture: &mut picture,
         bar: &bar,
         last_shown_ns: i64::MIN,
         samples: DriveSamples::default(),
+        prompt: Prompt::default(),
     };
     let clock = crate::clock::Clock::start();
     let ending = session
@@ -285,10 +296,16 @@ fn judge(arguments: &Arguments, ending: &Ending) -> Status {
     status
 }
 
-fn check_first(machine: &Machine, program: &ProgramFile) -> Result<Outcome, Failure> {
+fn check_first(
+    machine: &Machine,
+    program: &ProgramFile,
+    acknowledge: Acknowledge,
+) -> Result<Outcome, Failure> {
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
     let bar = show::progress(bytes, "checking {bar:30} {percent:>3} % {bytes_per_sec}");
-    let outcome = crate::check::check(machine, program, false, &mut |read| bar.set_position(read));
+    let outcome = crate::check::check(machine, program, false, acknowledge, &mut |read| {
+        bar.set_position(read)
+    });
     bar.finish_and_clear();
     outcome.map_err(|failure| Failure::check(program, failure))
 }
@@ -333,6 +350,7 @@ struct Watcher<'a, 'm> {
     bar: &'a ProgressBar,
     last_shown_ns: i64,
     samples: DriveSamples,
+    prompt: Prompt,
 }
 
 impl Observer for Watcher<'_, '_> {
@@ -345,6 +363,21 @@ impl Observer for Watcher<'_, '_> {
             let error = (cycle.twin.tool - cycle.wanted.tool).norm() * 1e3;
             self.bar.set_message(format!("{}  twin {error:.3} mm off", cycle.setpoint.place));
         }
+    }
+
+    fn m_function(&mut self, call: &MCall, asked: bool) {
+        let MCall { number, place, .. } = call;
+        if asked {
+            self.bar.suspend(|| eprintln!("M{number} at {place}: press Enter when it is done"));
+            if let Err(error) = self.prompt.ask() {
+                self.bar.suspend(|| eprintln!("standard input cannot be read: {error}"));
+            }
+        }
+        self.bar.set_message(format!("{place}  M{number}"));
+    }
+
+    fn answer(&mut self) -> Answer {
+        self.prompt.answer()
     }
 
     fn drives(&mut self, sample: &DriveSample<'_>) {

@@ -1,0 +1,116 @@
+//! M functions: who acknowledges them, and what they switch.
+
+use super::puppet::{Puppet, run_puppet};
+use super::{GANTRY3, Program, Recorder, machine, simulate, simulate_with};
+use std::collections::VecDeque;
+use std::sync::Arc;
+use twin::m_function::Acknowledge;
+use twin::session::{Answer, Stopped};
+
+const PROGRAM: &str = "% two
+N10 G92 X0 Y0 Z-40
+N20 G1 X10 F100 E1000 E-1000
+N30 M3
+N40 M3
+N50 G1 X20
+";
+
+/// M3 switches output 2 on and output 5 off.
+const SWITCHES: &str =
+    "[[m_functions]]\nm = 3\noutputs_on = [2]\noutputs_off = [5]\ntime_ms = 50\n";
+
+fn numbers(recorder: &Recorder<'_>) -> Vec<(u64, u16, u32, bool)> {
+    let calls = recorder.m_functions.iter();
+    calls.map(|(call, asked)| (call.index, call.number, call.place.line, *asked)).collect()
+}
+
+/// Two moves of 10 mm at 100 mm/s with 1000 mm/s² take 0.2 s each.
+#[test]
+fn by_themselves_they_take_a_cycle() {
+    let (machine, program) = (machine(GANTRY3), Program::new(PROGRAM));
+    let mut recorder = Recorder::new();
+    let ending = simulate(&machine, &program, &mut recorder, &|| 0);
+    assert!(ending.stopped.is_none());
+    assert!((400_000_000..=404_000_000).contains(&ending.executed_ns), "{}", ending.executed_ns);
+    assert_eq!(numbers(&recorder), [(0, 3, 4, false), (1, 3, 5, false)]);
+}
+
+#[test]
+fn each_may_take_its_time() {
+    let (gantry, program) = (machine(GANTRY3), Program::new(PROGRAM));
+    let after = Acknowledge::After(300_000_000);
+    let ending = simulate_with(after, &gantry, &program, &mut Recorder::new(), &|| 0);
+    assert!((1_000_000_000..=1_004_000_000).contains(&ending.executed_ns));
+    // What the machine file says of an M function counts more; without drives it is the time alone.
+    let gantry = machine(&format!("{GANTRY3}\n{SWITCHES}"));
+    let ending = simulate_with(after, &gantry, &program, &mut Recorder::new(), &|| 0);
+    assert!((500_000_000..=504_000_000).contains(&ending.executed_ns), "{}", ending.executed_ns);
+}
+
+#[test]
+fn the_user_is_waited_for_and_no_time_passes() {
+    let (machine, program) = (machine(GANTRY3), Program::new(PROGRAM));
+    let mut recorder = Recorder::new();
+    let silence = std::iter::repeat_n(Answer::NotYet, 30);
+    recorder.answers = silence.chain([Answer::Done, Answer::NotYet, Answer::Done]).collect();
+    let ending = simulate_with(Acknowledge::Prompt, &machine, &program, &mut recorder, &|| 0);
+    assert!(ending.stopped.is_none());
+    assert!((400_000_000..=404_000_000).contains(&ending.executed_ns), "{}", ending.executed_ns);
+    assert_eq!(numbers(&recorder), [(0, 3, 4, true), (1, 3, 5, true)]);
+    assert_eq!(recorder.answers, VecDeque::new());
+}
+
+#[test]
+fn where_nobody_can_acknowledge_the_run_ends_at_rest() {
+    let (machine, program) = (machine(GANTRY3), Program::new(PROGRAM));
+    let mut recorder = Recorder::new();
+    recorder.answers = [Answer::Done].into();
+    let ending = simulate_with(Acknowledge::Prompt, &machine, &program, &mut recorder, &|| 0);
+    let Some(Stopped::Unacknowledged { number: 3, place }) = ending.stopped else {
+        panic!("{:?}", ending.stopped);
+    };
+    assert_eq!(place.line, 5);
+    recorder.assert_twin_at_rest();
+}
+
+#[test]
+fn an_interrupt_ends_the_waiting() {
+    let (machine, program) = (machine(GANTRY3), Program::new(PROGRAM));
+    let mut recorder = Recorder::new();
+    recorder.answers = std::iter::repeat_n(Answer::NotYet, 100_000).collect();
+    let asked = std::cell::Cell::new(0);
+    let interrupts = || {
+        asked.set(asked.get() + 1);
+        u32::from(asked.get() > 100)
+    };
+    let ending = simulate_with(Acknowledge::Prompt, &machine, &program, &mut recorder, &interrupts);
+    assert!(matches!(ending.stopped, Some(Stopped::Interrupted(_))), "{:?}", ending.stopped);
+    assert_eq!(numbers(&recorder), [(0, 3, 4, true)]);
+}
+
+#[test]
+fn the_drives_switch_before_the_path_goes_on() {
+    let machine = machine(&format!("{GANTRY3}\n{SWITCHES}"));
+    let puppet = Puppet::default();
+    let outputs = Arc::clone(&puppet.outputs);
+    let mut recorder = Recorder::new();
+    let ending = run_puppet(&machine, puppet, &Program::new(PROGRAM), &mut recorder, &|| 0);
+    assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
+    assert_eq!(*outputs.lock().unwrap(), [(5, false), (2, true), (5, false), (2, true)]);
+    // 0.05 s each at least, and what the plan is ahead.
+    assert!(ending.executed_ns > 500_000_000, "{}", ending.executed_ns);
+}
+
+#[test]
+fn a_program_that_ends_early_leaves_no_output_on() {
+    let machine = machine(&format!("{GANTRY3}\n{SWITCHES}"));
+    let puppet = Puppet::default();
+    let outputs = Arc::clone(&puppet.outputs);
+    let switched = || u32::from(outputs.lock().unwrap().len() >= 2) * 2;
+    let text = format!("{PROGRAM}N60 G1 X10\nN70 G1 X20\nN80 G1 X10\nN90 G1 X20\n");
+    let ending =
+        run_puppet(&machine, puppet, &Program::new(&text), &mut Recorder::new(), &switched);
+    assert!(matches!(ending.stopped, Some(Stopped::Interrupted(_))), "{:?}", ending.stopped);
+    let outputs = outputs.lock().unwrap();
+    assert_eq!(outputs.last(), Some(&(2, false)), "{outputs:?}");
+}

@@ -1,0 +1,215 @@
+//! M functions: what they switch, and who says that they are done (`SMC_Interpolator.bAcknM`, manual 6.2.9).
+
+use crate::machine::Machine;
+use std::collections::BTreeMap;
+use std::str::FromStr;
+use twin_motion::Place;
+
+/// `[[m_functions]]` of a machine file: what an M function switches.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MFunction {
+    /// Its number.
+    pub number: u16,
+    /// Outputs of the drives that it switches on, from 1.
+    pub outputs_on: Vec<u8>,
+    /// Outputs that it switches off.
+    pub outputs_off: Vec<u8>,
+    /// How long it takes from its beginning until the path goes on, ns: a spindle comes up to speed.
+    pub time_ns: i64,
+}
+
+/// Who says that an M function is done if the machine file does not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Acknowledge {
+    /// Nobody needs to: it takes one cycle.
+    #[default]
+    Auto,
+    /// It takes so long, ns.
+    After(i64),
+    /// The user.
+    Prompt,
+}
+
+/// What is neither `auto` nor `prompt` nor a duration.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected auto, prompt, or how long every M function takes, like 500ms or 2s")]
+pub struct AcknowledgeError;
+
+impl FromStr for Acknowledge {
+    type Err = AcknowledgeError;
+
+    fn from_str(text: &str) -> Result<Self, AcknowledgeError> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            "prompt" => Ok(Self::Prompt),
+            _ => {
+                let duration = humantime::parse_duration(text).map_err(|_| AcknowledgeError)?;
+                let time_ns = i64::try_from(duration.as_nanos()).map_err(|_| AcknowledgeError)?;
+                Ok(Self::After(time_ns))
+            }
+        }
+    }
+}
+
+/// How M functions are acknowledged while a program is read.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Acknowledgement {
+    otherwise: Wait,
+    of: BTreeMap<u16, Wait>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Wait {
+    /// Over after so long, ns.
+    Time(i64),
+    /// Whoever reads the program says when.
+    Told,
+}
+
+impl Default for Wait {
+    fn default() -> Self {
+        Self::Time(0)
+    }
+}
+
+impl Acknowledgement {
+    /// For a check: whom or what nobody can ask takes no time.
+    pub fn for_check(machine: &Machine, acknowledge: Acknowledge) -> Self {
+        let otherwise = match acknowledge {
+            Acknowledge::Auto | Acknowledge::Prompt => Wait::default(),
+            Acknowledge::After(time_ns) => Wait::Time(time_ns),
+        };
+        let functions = machine.m_functions.iter();
+        let of = functions.map(|function| (function.number, Wait::Time(function.time_ns)));
+        Self { otherwise, of: of.collect() }
+    }
+
+    /// For a run, with drives that have `outputs` or without.
+    pub fn for_run(machine: &Machine, acknowledge: Acknowledge, outputs: bool) -> Self {
+        let mut all = Self::for_check(machine, acknowledge);
+        if acknowledge == Acknowledge::Prompt {
+            all.otherwise = Wait::Told;
+        }
+        if outputs {
+            all.of.values_mut().for_each(|wait| *wait = Wait::Told);
+        }
+        all
+    }
+
+    fn of(&self, number: u16) -> Wait {
+        self.of.get(&number).copied().unwrap_or(self.otherwise)
+    }
+}
+
+/// An M function at which the path stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MCall {
+    /// How many there were before, in the order in which they are run.
+    pub index: u64,
+    /// Its number.
+    pub number: u16,
+    /// Its block.
+    pub place: Place,
+    /// Since when, ns since the start of the program.
+    pub since_ns: i64,
+}
+
+/// Waits for M functions to be acknowledged.
+#[derive(Debug, Default)]
+pub(crate) struct Waiting {
+    rules: Acknowledgement,
+    call: Option<MCall>,
+    told: bool,
+    count: u64,
+}
+
+impl Waiting {
+    pub(crate) fn new(rules: Acknowledgement) -> Self {
+        Self { rules, ..Self::default() }
+    }
+
+    /// The one at which the path stands.
+    pub(crate) fn call(&self) -> Option<MCall> {
+        self.call
+    }
+
+    /// Whether the path goes on only when [`Self::tell`] is called.
+    pub(crate) fn for_word(&self) -> bool {
+        !self.told && self.call.is_some_and(|call| self.rules.of(call.number) == Wait::Told)
+    }
+
+    /// The M function is done.
+    pub(crate) fn tell(&mut self) {
+        self.told = true;
+    }
+
+    /// Whether the M function of the last set-point, at `now_ns`, is done at the next.
+    pub(crate) fn is_over(&self, now_ns: i64) -> bool {
+        self.call.is_some_and(|call| match self.rules.of(call.number) {
+            Wait::Time(time_ns) => now_ns.saturating_sub(call.since_ns) >= time_ns,
+            Wait::Told => self.told,
+        })
+    }
+
+    /// Takes notice of the next set-point, after what was due has been done.
+    pub(crate) fn see(&mut self, was_over: bool, number: Option<u16>, place: Place, now_ns: i64) {
+        if was_over || number.is_none() {
+            self.call = None;
+        }
+        let Some(number) = number else { return };
+        if self.call.is_none() {
+            self.call = Some(MCall { index: self.count, number, place, since_ns: now_ns });
+            self.told = false;
+            self.count += 1;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn who_acknowledges() {
+        for (text, expected) in [
+            ("auto", Acknowledge::Auto),
+            ("prompt", Acknowledge::Prompt),
+            ("500ms", Acknowledge::After(500_000_000)),
+            ("2s", Acknowledge::After(2_000_000_000)),
+            ("1m 30s", Acknowledge::After(90_000_000_000)),
+            ("0s", Acknowledge::After(0)),
+        ] {
+            assert_eq!(text.parse(), Ok(expected), "{text}");
+        }
+        for text in ["", "5", "-1s", "automatic", "1e99s", "99999999999years"] {
+            assert_eq!(text.parse::<Acknowledge>(), Err(AcknowledgeError), "{text}");
+        }
+    }
+
+    #[test]
+    fn waiting_goes_by_number() {
+        let rules = Acknowledgement {
+            otherwise: Wait::Time(0),
+            of: [(3, Wait::Time(2)), (6, Wait::Told)].into(),
+        };
+        let mut waiting = Waiting::new(rules);
+        let place = Place::default();
+        assert!(!waiting.is_over(0));
+        waiting.see(false, Some(5), place, 10);
+        assert!(waiting.is_over(10), "otherwise at once");
+        // The next one follows without a set-point in between.
+        waiting.see(true, Some(3), place, 11);
+        assert_eq!(waiting.call().map(|call| (call.index, call.number)), Some((1, 3)));
+        assert!(!waiting.is_over(12) && waiting.is_over(13));
+        waiting.see(true, Some(6), place, 14);
+        assert!(waiting.for_word() && !waiting.is_over(i64::MAX));
+        waiting.see(false, Some(6), place, 15);
+        assert_eq!(waiting.call().map(|call| call.since_ns), Some(14));
+        waiting.tell();
+        assert!(!waiting.for_word() && waiting.is_over(15));
+        waiting.see(true, Some(6), place, 16);
+        assert!(waiting.for_word(), "the same again waits again");
+        waiting.see(false, None, place, 17);
+        assert_eq!(waiting.call(), None);
+    }
+}

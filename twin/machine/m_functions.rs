@@ -1,0 +1,41 @@
+//! `[[m_functions]]`: what M functions switch.
+
+use super::section::Section;
+use crate::m_function::MFunction;
+use std::ops::RangeInclusive;
+use twin_drives::interpcnc::registers::OUTPUTS;
+
+/// Outputs of the board.
+const OUTPUT: RangeInclusive<i64> = 1..=OUTPUTS as i64;
+
+/// Reads them; `drives` tells whether there is a device that has outputs.
+pub(super) fn read(root: &Section<'_>, drives: bool) -> Vec<MFunction> {
+    let mut functions: Vec<MFunction> = Vec::new();
+    for section in root.sections("m_functions") {
+        let number = section.required_integer("m", 0..=65_535);
+        let outputs = |key| {
+            let outputs = section.integers(key, &OUTPUT, usize::from(OUTPUTS));
+            outputs.into_iter().filter_map(|output| u8::try_from(output).ok()).collect::<Vec<_>>()
+        };
+        let (outputs_on, outputs_off) = (outputs("outputs_on"), outputs("outputs_off"));
+        let time_ms = section.integer("time_ms", 0..=86_400_000).unwrap_or(0);
+        if !drives && !(outputs_on.is_empty() && outputs_off.is_empty()) {
+            section.complain("there is no [[drives]] that has outputs".to_owned());
+        }
+        if let Some(both) = outputs_on.iter().find(|output| outputs_off.contains(output)) {
+            section.complain_at(
+                "outputs_off",
+                format!("output {both} is switched on and off by the same M function"),
+            );
+        }
+        if let Some(number) = number.and_then(|number| u16::try_from(number).ok()) {
+            if functions.iter().any(|function| function.number == number) {
+                section.complain_at("m", format!("M{number} is there already"));
+            }
+            let time_ns = time_ms * 1_000_000;
+            functions.push(MFunction { number, outputs_on, outputs_off, time_ns });
+        }
+        section.finish();
+    }
+    functions
+}
