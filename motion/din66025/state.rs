@@ -22,6 +22,9 @@ const DEFAULT_ACCELERATION: f64 = 0.1;
 /// The implicit variable of G36, G37 and G20 at the beginning.
 const IMPLICIT: f64 = -1.0;
 
+/// The parameters of an M function without O, if there are any (manual 3.2.2).
+const GLOBAL_PARAMETERS: &str = "gSMC_MParameters";
+
 const TARGET_WORDS: [Letter; 8] =
     [Letter::X, Letter::Y, Letter::Z, Letter::P, Letter::Q, Letter::U, Letter::V, Letter::W];
 
@@ -315,23 +318,28 @@ impl State {
         self.emitter.element(element, false, Vec::new(), out);
     }
 
-    /// The parameters that O gives the block's M function, if it has one. An O that an H has taken is not for it.
+    /// The parameters that O gives the block's M function, if it has one, or else the global ones. An O that an H has
+    /// taken is not for it.
     fn parameters(&self, block: &Block, line: &[u8]) -> Result<Option<[f64; 8]>, DecodeError> {
+        if block.m.is_none() {
+            return Ok(None);
+        }
         let is_switch = block.switches.first().is_some_and(Option::is_some);
-        match &block.o {
-            Some(Operand::Name(name)) if block.m.is_some() => {
+        let given = match &block.o {
+            Some(Operand::Name(name)) => {
                 let name = text(line, name);
                 let parameters = self.variables.parameters(&name);
                 if parameters.is_none() && !is_switch {
                     return Err(DecodeError::UnknownParameters { name });
                 }
-                Ok(parameters)
+                parameters
             }
-            Some(Operand::Number(value)) if block.m.is_some() && !is_switch => {
-                Err(DecodeError::ParametersExpected { value: *value })
+            Some(Operand::Number(value)) if !is_switch => {
+                return Err(DecodeError::ParametersExpected { value: *value });
             }
-            _ => Ok(None),
-        }
+            _ => None,
+        };
+        Ok(given.or_else(|| self.variables.parameters(GLOBAL_PARAMETERS)))
     }
 
     /// An M function: the path waits where the block has led.

@@ -100,7 +100,8 @@ impl Variables {
         Some(number.kind.hold(sum).map(|held| number.value = held))
     }
 
-    /// Sets the parameters of an M function that `O$name$` hands over (`SMC_M_PARAMETERS`, dP1 to dP8).
+    /// Sets the parameters of an M function that `O$name$` hands over (`SMC_M_PARAMETERS`, dP1 to dP8); those named
+    /// `gSMC_MParameters` go with every M function that has no O.
     pub fn set_parameters(&mut self, name: &str, parameters: [f64; 8]) {
         self.structures.insert(name.to_uppercase(), parameters);
     }

@@ -151,6 +151,7 @@ pub struct MParameters {
     pub k: Option<f64>,
     /// L (`dT2`).
     pub l: Option<f64>,
-    /// O: index of a parameter set (`SMC_M_PARAMETERS` dP1 to dP8) among those given with the program.
+    /// The parameter set (`SMC_M_PARAMETERS` dP1 to dP8) that O names, or else the global `gSMC_MParameters`, among those
+    /// given with the program.
     pub o: Option<[f64; 8]>,
 }

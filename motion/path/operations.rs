@@ -2,16 +2,18 @@
 
 use super::details::{Switch, Switches};
 use super::marks::PAIRS;
-use super::{Arc, AxisMask, Details, ExtraAxes, Marks, PathElement, Plane, Shape};
+use super::{Arc, AxisMask, Details, ExtraAxes, ExtraPosition, Marks, PathElement, Plane, Shape};
 use crate::Place;
 use nalgebra::{Point3, Rotation2, Vector2, Vector3};
 
-/// A similarity: scaled, then turned about the origin's vertical axis, then moved.
+/// A similarity: scaled, then turned about the origin's vertical axis, then moved. Extra axes are only moved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Similarity {
     scale: f64,
     turn: Rotation2<f64>,
     translation: Vector3<f64>,
+    /// Of P Q U V W, u.
+    extra: ExtraPosition,
 }
 
 /// Why an operation is not possible on an element.
@@ -38,14 +40,20 @@ pub enum OperationError {
 }
 
 impl Similarity {
+    /// Changes nothing.
+    fn identity() -> Self {
+        let (turn, translation) = (Rotation2::identity(), Vector3::zeros());
+        Self { scale: 1.0, turn, translation, extra: [0.0; 5] }
+    }
+
     /// Moves by `translation`, m (`SMC_TRANSLATEQUEUE3D`).
     pub fn translation(translation: Vector3<f64>) -> Self {
-        Self { scale: 1.0, turn: Rotation2::identity(), translation }
+        Self { translation, ..Self::identity() }
     }
 
     /// Turns by `angle` (rad, counter-clockwise) about the vertical axis through the origin (`SMC_ROTATEQUEUE2D`).
     pub fn rotation(angle: f64) -> Self {
-        Self { scale: 1.0, turn: Rotation2::new(angle), translation: Vector3::zeros() }
+        Self { turn: Rotation2::new(angle), ..Self::identity() }
     }
 
     /// Scales by `factor` about the origin (`SMC_SCALEQUEUE3D`).
@@ -54,10 +62,17 @@ impl Similarity {
     /// [`OperationError::Factor`].
     pub fn scaling(factor: f64) -> Result<Self, OperationError> {
         if factor > 0.0 && factor.is_finite() {
-            Ok(Self { scale: factor, turn: Rotation2::identity(), translation: Vector3::zeros() })
+            Ok(Self { scale: factor, ..Self::identity() })
         } else {
             Err(OperationError::Factor { factor })
         }
+    }
+
+    /// The same, and the extra axes moved by `translation`, u (the editor moves a program by eight axes, manual 3.3). An
+    /// axis that the program does not name stands there.
+    #[must_use]
+    pub fn with_extra_axes(self, translation: ExtraPosition) -> Self {
+        Self { extra: translation, ..self }
     }
 
     /// This one, and then `next`.
@@ -67,6 +82,7 @@ impl Similarity {
             scale: self.scale * next.scale,
             turn: next.turn * self.turn,
             translation: next.vector(&self.translation) * next.scale + next.translation,
+            extra: sum(self.extra, next.extra),
         }
     }
 
@@ -109,7 +125,8 @@ impl Similarity {
         })
     }
 
-    /// The element with its path mapped. Extra axes stay; feed and accelerations too (manual 6.3 names only the path).
+    /// The element with its path mapped and its extra axes moved. Feed and accelerations stay (manual 6.3 names only the
+    /// path).
     ///
     /// # Errors
     /// [`OperationError::UprightArc`].
@@ -117,8 +134,24 @@ impl Similarity {
         let shape = self
             .shape(&element.shape)
             .ok_or(OperationError::UprightArc { place: element.place })?;
-        Ok(PathElement { shape, ..element.clone() })
+        let mut mapped = PathElement { shape, ..element.clone() };
+        if self.extra != [0.0; 5] {
+            let details = mapped.details.get_or_insert_default();
+            let ExtraAxes { start, end } = details.extra.unwrap_or_default();
+            let extra = ExtraAxes { start: sum(start, self.extra), end: sum(end, self.extra) };
+            details.extra = Some(extra);
+        }
+        Ok(mapped)
     }
+}
+
+/// Axis by axis.
+fn sum(a: ExtraPosition, b: ExtraPosition) -> ExtraPosition {
+    let mut sum = a;
+    for (slot, b) in sum.iter_mut().zip(b) {
+        *slot += b;
+    }
+    sum
 }
 
 impl Shape {

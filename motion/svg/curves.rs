@@ -1,6 +1,6 @@
 //! Shapes as commands of SVG paths, in mm and with Y upwards: the page turns it over.
 
-use crate::path::{Plane, Shape};
+use crate::path::{Cubic, Plane, Shape};
 use nalgebra::Point3;
 use std::f64::consts::FRAC_PI_2;
 use std::fmt;
@@ -54,15 +54,43 @@ pub(super) fn commands(shape: &Shape) -> Vec<(String, Point)> {
             arcs(shape, axes, direction, ellipse.sweep())
         }
         Shape::Cubic(cubic) => {
-            let (x, y) = (cubic.x(), cubic.y());
-            let control =
-                |[a, b, c, _]: [f64; 4]| [(a + b / 3.0) * 1e3, (a + (2.0 * b + c) / 3.0) * 1e3];
-            let ([x1, x2], [y1, y2]) = (control(x), control(y));
-            let end = point(&cubic.end());
-            let [first, second] = [Point { x: x1, y: y1 }, Point { x: x2, y: y2 }];
+            let [_, first, second, end] = control_points(cubic);
             vec![(format!("C{first} {second} {end}"), end)]
         }
     }
+}
+
+/// The points of a cubic's Bézier form.
+fn control_points(cubic: &Cubic) -> [Point; 4] {
+    let control = |[a, b, c, _]: [f64; 4]| [(a + b / 3.0) * 1e3, (a + (2.0 * b + c) / 3.0) * 1e3];
+    let ([x1, x2], [y1, y2]) = (control(cubic.x()), control(cubic.y()));
+    let [first, second] = [Point { x: x1, y: y1 }, Point { x: x2, y: y2 }];
+    [point(&cubic.start()), first, second, point(&cubic.end())]
+}
+
+/// The corners of the smallest convex polygon around those points, counter-clockwise (manual 3.5): the curve lies in
+/// it. Fewer than three if they are in line.
+pub(super) fn convex_hull(cubic: &Cubic) -> Vec<Point> {
+    let mut points = control_points(cubic);
+    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let mut hull = half_hull(points.iter());
+    hull.extend(half_hull(points.iter().rev()));
+    hull
+}
+
+/// From the first to the last of `points`, always turning left; the last one left out, with which the other half begins.
+fn half_hull<'a>(points: impl Iterator<Item = &'a Point>) -> Vec<Point> {
+    let mut hull: Vec<Point> = Vec::new();
+    for point in points {
+        while let [.., a, b] = hull.as_slice()
+            && (b.x - a.x) * (point.y - a.y) <= (b.y - a.y) * (point.x - a.x)
+        {
+            hull.pop();
+        }
+        hull.push(*point);
+    }
+    hull.pop();
+    hull
 }
 
 /// Ends of equally long pieces.

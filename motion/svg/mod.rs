@@ -9,7 +9,7 @@ mod page;
 #[cfg(test)]
 mod tests;
 
-use crate::path::{Bounds, ElementKind, PathElement};
+use crate::path::{Bounds, ElementKind, PathElement, Shape};
 use curves::Point;
 use nalgebra::Point3;
 use page::{Page, escaped};
@@ -47,8 +47,8 @@ impl Style {
 }
 
 /// Writes the picture of a path, and of what it was before preparation: rapids in green dashes, cuts in blue, the path
-/// before it in light grey below, M functions as orange diamonds, switches as green dots, start and end, arrows in the
-/// direction of travel, and a grid in mm.
+/// before it in light grey below, M functions as orange diamonds, switches as green dots, the convex hulls of splines in
+/// light grey, start and end, arrows in the direction of travel, and a grid in mm.
 ///
 /// Draw what lies below first: [`Self::before`] the path as programmed, then [`Self::element`] the path as it is
 /// travelled, then [`Self::cross`] where the tool is every 100 ms.
@@ -68,6 +68,7 @@ pub struct Picture<W> {
     arrow_distance: f64,
     functions: Marks<Point>,
     switches: Marks<Point>,
+    hulls: Marks<Vec<Point>>,
     used: Vec<Style>,
 }
 
@@ -128,6 +129,7 @@ impl<W: Write> Picture<W> {
             arrow_distance,
             functions: Marks::new(),
             switches: Marks::new(),
+            hulls: Marks::new(),
             used: Vec::new(),
         })
     }
@@ -161,6 +163,12 @@ impl<W: Write> Picture<W> {
         for switch in element.switches() {
             self.switches.add(curves::point(&element.shape.at(switch.at * length).position));
         }
+        if let Shape::Cubic(cubic) = &element.shape {
+            let hull = curves::convex_hull(cubic);
+            if hull.len() > 2 {
+                self.hulls.add(hull);
+            }
+        }
         if element.kind.is_motion() {
             self.arrow(element, length);
         }
@@ -188,8 +196,9 @@ impl<W: Write> Picture<W> {
     /// What it says.
     pub fn finish(mut self) -> io::Result<W> {
         self.close()?;
-        let Self { mut out, page, arrows, functions, switches, start, end, used, .. } = self;
+        let Self { mut out, page, arrows, functions, switches, hulls, start, end, used, .. } = self;
         let ends = [start, end];
+        page.hulls(&mut out, &hulls.kept)?;
         page.marks(&mut out, &arrows.kept, &functions.kept, &switches.kept, ends)?;
         let mut legend: Vec<_> = [
             (Style::Before, "before preparation"),
@@ -202,6 +211,9 @@ impl<W: Write> Picture<W> {
         .filter(|(style, _)| used.contains(style))
         .map(|(style, text)| (style.class(), text))
         .collect();
+        if !hulls.kept.is_empty() {
+            legend.push(("hull", "hull of a spline"));
+        }
         if !functions.kept.is_empty() {
             legend.push(("function", "M function"));
         }

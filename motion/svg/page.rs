@@ -94,12 +94,13 @@ impl Page {
             r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}" font-family="sans-serif">
 <title>{title}</title>
 <style>
-.before,.rapid,.cut,.jump,.cross{{fill:none;stroke-linejoin:round;stroke-linecap:round;stroke-width:{thin}}}
+.before,.rapid,.cut,.jump,.cross,.hull{{fill:none;stroke-linejoin:round;stroke-linecap:round;stroke-width:{thin}}}
 .before{{stroke:#bbb}}
 .rapid{{stroke:#16a02c;stroke-dasharray:{dash} {gap};stroke-linecap:butt}}
 .cut{{stroke:#1f5fd6}}
 .jump{{stroke:#999;stroke-dasharray:{fine} {gap};stroke-width:{fine}}}
 .cross{{stroke:#444;stroke-width:{fine}}}
+.hull{{stroke:#ccc;stroke-width:{fine}}}
 .grid{{stroke:#e8e8ee}}.axis{{stroke:#b4b4c0}}.frame{{fill:none;stroke:#8a8a98}}
 .label{{fill:#666;font-size:12px}}
 .arrow{{fill:#12326f}}.function{{fill:#f08a00}}.switch{{fill:#18b030}}
@@ -176,6 +177,15 @@ impl Page {
             number(bottom_right.x - top_left.x),
             number(bottom_right.y - top_left.y)
         )
+    }
+
+    /// Polygons around splines, in mm like the path.
+    pub(super) fn hulls(&self, out: &mut impl Write, hulls: &[Vec<Point>]) -> io::Result<()> {
+        for hull in hulls {
+            let corners: Vec<_> = hull.iter().map(ToString::to_string).collect();
+            writeln!(out, "<path class=\"hull\" d=\"M{}Z\"/>", corners.join("L"))?;
+        }
+        Ok(())
     }
 
     /// What lies on the path.

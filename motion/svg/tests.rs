@@ -128,6 +128,24 @@ fn what_is_drawn_has_its_legend() {
     assert!(!picture("", &[], &path[..1], &[]).contains(">switch<"));
 }
 
+/// Manual 3.5. A spline's Bézier points are all corners of its hull, or one lies inside, or all are in line.
+#[test]
+fn splines_have_their_hulls() {
+    let hulls = |blocks: &str| {
+        let svg = picture("", &[], &elements(&format!("%\n{blocks}\n")), &[]);
+        assert_well_formed(&svg);
+        let (hulls, legend) = (data(&svg, "hull").join(" "), svg.contains(">hull of a spline<"));
+        assert_eq!(hulls.is_empty(), !legend);
+        hulls
+    };
+    // Bézier points 0/0, 20/40, 40/40, 60/0.
+    assert_eq!(hulls("N10 G6 X60 Y0 I30 J60 F1"), "M0 0L60 0L40 40L20 40Z");
+    // The second of 0/0 → 20/0 → 20/20 → 40/20: 20/0, 23.3333/3.3333, 16.6667/16.6667, 20/20.
+    let stairs = hulls("N10 G0 X0 F1\nN20 G5 X20 Y0\nN30 G5 X20 Y20\nN40 G5 X40 Y20");
+    assert!(stairs.contains("M16.6667 16.6667L20 0L23.3333 3.3333L20 20Z"), "{stairs}");
+    assert_eq!(hulls("N10 G5 X20 Y0 F1"), "");
+}
+
 /// The frame holds the path with room around it, whatever its proportions, and Y points upwards.
 #[test]
 fn the_path_is_inside_the_page() {

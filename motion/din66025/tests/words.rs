@@ -89,6 +89,23 @@ fn auxiliary_functions() {
     assert_eq!(parameters(3).o.unwrap()[7], 8.0);
 }
 
+/// Manual 3.2.2: `gSMC_MParameters` goes with an M function, unless O names another structure.
+#[test]
+fn global_parameters_of_auxiliary_functions() {
+    let mut options = DecoderOptions::default();
+    options.variables.set_parameters("GSMC_mparameters", [7.0; 8]);
+    options.variables.set_parameters("g_own", [1.0; 8]);
+    let program = b"%\nN10 M3\nN20 M4 K2 O$g_own$\nN30 G1 X10 F10\nN40 G1 X20 M5 H1 O0.5\n";
+    let elements = elements_of(decode_with(options, program));
+    let parameters = |element: &PathElement| Some(element.details.as_ref()?.parameters);
+    let o = |index: usize| parameters(&elements[index]).unwrap().o;
+    assert_eq!((o(0), o(1), o(4)), (Some([7.0; 8]), Some([1.0; 8]), Some([7.0; 8])));
+    assert_eq!(parameters(&elements[1]).unwrap().k, Some(2.0));
+    // What is no M function has none.
+    assert_eq!(parameters(&elements[2]), None);
+    assert_eq!((parameters(&elements[3]).unwrap().o, elements[3].switches().len()), (None, 1));
+}
+
 /// An M function after a G92: the set-point jumps first.
 #[test]
 fn auxiliary_function_after_a_jump() {

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::path::{
-    Chords, Cubic, Details, Linearise, MapPath, Marks, OperationError, Plane, Similarity, SplitAt,
-    Switch, reversed,
+    Chords, Cubic, Details, ExtraAxes, Linearise, MapPath, Marks, OperationError, Plane,
+    Similarity, SplitAt, Switch, reversed,
 };
 use nalgebra::{Point2, Rotation2, Vector2};
 
@@ -75,6 +75,26 @@ fn rotated_moved_and_scaled() {
     for factor in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         assert!(matches!(Similarity::scaling(factor), Err(OperationError::Factor { .. })));
     }
+}
+
+/// Manual 3.3: the vector to move a program by has eight axes.
+#[test]
+fn extra_axes_are_moved() {
+    let by = [10.0, 0.0, -2.5, 0.0, 1.0];
+    let there = Similarity::translation(Vector3::new(0.001, 0.0, 0.0)).with_extra_axes(by);
+    let mut turning = quarter();
+    let extra = ExtraAxes { start: [1.0, 2.0, 3.0, 4.0, 5.0], end: [0.0; 5] };
+    turning.details = Some(Box::new(Details { extra: Some(extra), ..Details::default() }));
+    let moved = there.element(&turning).unwrap();
+    assert_mm(moved.start(), 11.0, 0.0);
+    let expected = ExtraAxes { start: [11.0, 2.0, 0.5, 4.0, 6.0], end: by };
+    assert_eq!(moved.extra(), Some(&expected));
+    assert_eq!(there.element(&quarter()).unwrap().extra(), Some(&ExtraAxes { start: by, end: by }));
+    // Turned, scaled and moved back, they are where they were.
+    let back = Similarity::rotation(1.0).with_extra_axes(by.map(|value| -value));
+    let all = there.then(&Similarity::scaling(2.0).unwrap()).then(&back);
+    assert_eq!(all.element(&turning).unwrap().extra(), Some(&extra));
+    assert_eq!(all.element(&quarter()).unwrap().details, None);
 }
 
 #[test]
