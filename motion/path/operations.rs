@@ -135,7 +135,7 @@ impl Similarity {
             .shape(&element.shape)
             .ok_or(OperationError::UprightArc { place: element.place })?;
         let mut mapped = PathElement { shape, ..element.clone() };
-        if self.extra != [0.0; 5] {
+        if self.extra.iter().any(|by| *by != 0.0) {
             let details = mapped.details.get_or_insert_default();
             let ExtraAxes { start, end } = details.extra.unwrap_or_default();
             let extra = ExtraAxes { start: sum(start, self.extra), end: sum(end, self.extra) };

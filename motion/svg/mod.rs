@@ -198,7 +198,7 @@ impl<W: Write> Picture<W> {
         self.close()?;
         let Self { mut out, page, arrows, functions, switches, hulls, start, end, used, .. } = self;
         let ends = [start, end];
-        page.hulls(&mut out, &hulls.kept)?;
+        page::hulls(&mut out, &hulls.kept)?;
         page.marks(&mut out, &arrows.kept, &functions.kept, &switches.kept, ends)?;
         let mut legend: Vec<_> = [
             (Style::Before, "before preparation"),

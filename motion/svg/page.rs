@@ -179,15 +179,6 @@ impl Page {
         )
     }
 
-    /// Polygons around splines, in mm like the path.
-    pub(super) fn hulls(&self, out: &mut impl Write, hulls: &[Vec<Point>]) -> io::Result<()> {
-        for hull in hulls {
-            let corners: Vec<_> = hull.iter().map(ToString::to_string).collect();
-            writeln!(out, "<path class=\"hull\" d=\"M{}Z\"/>", corners.join("L"))?;
-        }
-        Ok(())
-    }
-
     /// What lies on the path.
     pub(super) fn marks(
         &self,
@@ -301,6 +292,15 @@ impl Page {
         }
         writeln!(out, "</svg>")
     }
+}
+
+/// Polygons around splines, in mm like the path.
+pub(super) fn hulls(out: &mut impl Write, hulls: &[Vec<Point>]) -> io::Result<()> {
+    for hull in hulls {
+        let corners: Vec<_> = hull.iter().map(ToString::to_string).collect();
+        writeln!(out, "<path class=\"hull\" d=\"M{}Z\"/>", corners.join("L"))?;
+    }
+    Ok(())
 }
 
 /// The smallest of 1, 2, 5 and their tenfolds that is not below `least`.
