@@ -313,43 +313,55 @@ impl Shape {
     }
 }
 
-/// The whole path backwards (manual 3.3). It has to be held as a whole: its end comes first.
+/// The whole path backwards (manual 3.3), held as a whole; [`super::queue::Backwards`] does it with a file in bounded
+/// memory.
 ///
 /// Correction to the left is to the right on the way back. Preparation that begins with an element ends behind it when
 /// it is passed the other way: the marks are set anew from what is in force along each element.
 pub fn reversed(path: &[PathElement]) -> Vec<PathElement> {
-    let modes = modes_along(path);
-    let mut backwards: Vec<_> = path.iter().rev().map(PathElement::reversed).collect();
-    let modes: Vec<_> = modes.into_iter().rev().map(Marks::mirrored).collect();
-    for index in 0..backwards.len() {
-        let mode =
-            |index: Option<usize>| index.and_then(|i| modes.get(i)).copied().unwrap_or_default();
-        let (before, here, after) =
-            (mode(index.checked_sub(1)), mode(Some(index)), mode(Some(index + 1)));
-        if let Some(element) = backwards.get_mut(index) {
-            element.marks = here.without(before).with(here.without(after).endings());
-        }
+    let mut modes = Modes::default();
+    let modes: Vec<_> = path.iter().map(|element| modes.along(element.marks)).collect();
+    let mut backwards = Vec::with_capacity(path.len());
+    let mut before = Marks::default();
+    for (index, element) in path.iter().enumerate().rev() {
+        let mode = |index: Option<usize>| index.and_then(|index| modes.get(index)).copied();
+        let here = mode(Some(index)).unwrap_or_default();
+        let after = mode(index.checked_sub(1)).unwrap_or_default();
+        backwards.push(element.backwards(before, here, after));
+        before = here;
     }
     backwards
 }
 
-/// What is in force along each element, as start marks.
-fn modes_along(path: &[PathElement]) -> Vec<Marks> {
-    let mut mode = Marks::default();
-    let mut modes = Vec::with_capacity(path.len());
-    for element in path {
-        for (starts, _) in PAIRS {
-            let begun = Marks(element.marks.0 & starts.0);
-            if begun != Marks::default() {
-                mode = mode.without(starts).with(begun);
-            }
-        }
-        modes.push(mode);
-        for (starts, end) in PAIRS {
-            if element.marks.contains(end) {
-                mode = mode.without(starts);
-            }
-        }
+impl PathElement {
+    /// Reversed, with the marks of a path on which `here` was in force along it (as start marks), `before` along what
+    /// comes before it on the way back, and `after` along what comes behind.
+    pub(super) fn backwards(&self, before: Marks, here: Marks, after: Marks) -> Self {
+        let [before, here, after] = [before, here, after].map(Marks::mirrored);
+        let marks = here.without(before).with(here.without(after).endings());
+        Self { marks, ..self.reversed() }
     }
-    modes
+}
+
+/// What is in force along a path, as start marks.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Modes(Marks);
+
+impl Modes {
+    /// What is in force along the next element, which has these marks.
+    pub(super) fn along(&mut self, marks: Marks) -> Marks {
+        for (starts, _) in PAIRS {
+            let begun = Marks(marks.0 & starts.0);
+            if begun != Marks::default() {
+                self.0 = self.0.without(starts).with(begun);
+            }
+        }
+        let here = self.0;
+        for (starts, end) in PAIRS {
+            if marks.contains(end) {
+                self.0 = self.0.without(starts);
+            }
+        }
+        here
+    }
 }

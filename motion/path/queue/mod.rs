@@ -16,6 +16,7 @@
 //! when the checksum over it has been found right.
 //! Reading and writing hold one block at a time.
 
+mod backwards;
 mod error;
 mod reader;
 mod record;
@@ -23,6 +24,7 @@ mod record;
 mod tests;
 mod writer;
 
+pub use backwards::Backwards;
 pub use error::{ContentError, QueueReadError, QueueWriteError};
 pub use reader::QueueReader;
 pub use writer::QueueWriter;

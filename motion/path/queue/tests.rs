@@ -2,11 +2,12 @@ use super::*;
 use crate::Place;
 use crate::path::{
     Arc, AxisMask, Cubic, Details, ElementKind, Ellipse, ExtraAxes, MParameters, Marks,
-    PathElement, Plane, Shape, Switch, Switches,
+    PathElement, Plane, Shape, Switch, Switches, reversed,
 };
 use nalgebra::{Point2, Point3, Vector2};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
+use std::io::{self, Cursor};
 
 fn written(elements: &[PathElement]) -> Vec<u8> {
     let mut writer = QueueWriter::new(Vec::new(), Generator::CheckVelocities).unwrap();
@@ -360,6 +361,16 @@ proptest! {
         let (back, error) = read(&written(&elements));
         prop_assert!(error.is_none(), "{error:?}");
         prop_assert_eq!(format!("{back:?}"), format!("{elements:?}"));
+    }
+
+    /// As if the path were held as a whole, also over several pieces of the spool, and errors where upstream has them.
+    #[test]
+    fn backwards_through_a_file(elements in prop::collection::vec(element(), 0..20), often in 1..200_usize) {
+        let count = elements.len() * often;
+        let path: Vec<_> = elements.into_iter().cycle().take(count).collect();
+        let upstream = path.iter().cloned().map(Ok::<_, io::Error>);
+        let back: Result<Vec<_>, _> = Backwards::new(upstream, Cursor::new(Vec::new())).collect();
+        prop_assert_eq!(format!("{:?}", back.unwrap()), format!("{:?}", reversed(&path)));
     }
 
     #[test]
