@@ -1,6 +1,6 @@
-//! One benchmark per stage: decode, plan, transform, physics step.
+//! One benchmark per stage behind the set-points: transform, physics step. The stages before them are in `motion.rs`.
 //!
-//! Throughput counts lines, set-points or cycles. These machines are noisy: compare within one run.
+//! Throughput counts set-points or cycles. These machines are noisy: compare within one run.
 
 #![allow(
     clippy::expect_used,
@@ -9,7 +9,6 @@
 )]
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use std::fmt::Write;
 use std::hint::black_box;
 use std::path::Path;
 use twin::machine::Machine;
@@ -18,31 +17,7 @@ use twin::program::{Dialect, ProgramFile, ProgramItem};
 use twin::setpoint::{AxisSetpoint, Transformer};
 use twin::simulated::Simulated;
 use twin_kinematics::Kinematics;
-use twin_motion::din66025::{Decoder, DecoderOptions, Item};
-use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead, ToolSetpoint};
-use twin_motion::path::PathElement;
-use twin_motion::prepare::{CheckError, CheckVelocities};
-
-const LINES: u32 = 20_000;
-
-/// Short segments on a gentle curve: what CAM systems write.
-fn program() -> String {
-    let mut text = String::from("% spiral\nG92 X300 Y0 Z20 F60 E800 E-800\n");
-    for number in 1..=LINES {
-        let turn = f64::from(number) * 0.01;
-        let (x, y) = (300.0 + 40.0 * turn.sin(), 40.0 * turn.cos() - 40.0);
-        writeln!(text, "N{number} G1 X{x:.4} Y{y:.4}").expect("a string takes everything");
-    }
-    text
-}
-
-fn decode(text: &str) -> impl Iterator<Item = PathElement> {
-    let options = DecoderOptions { start: [0.3, 0.0, 0.02], ..DecoderOptions::default() };
-    Decoder::new(text.as_bytes(), options).filter_map(|item| match item {
-        Ok(Item::Element(element)) => Some(element),
-        _ => None,
-    })
-}
+use twin_motion::interpolate::ToolSetpoint;
 
 fn machine() -> Machine {
     let root =
@@ -67,43 +42,6 @@ fn setpoints(machine: &Machine) -> Vec<ToolSetpoint> {
             _ => None,
         })
         .collect()
-}
-
-fn decode_stage(criterion: &mut Criterion) {
-    let text = program();
-    let mut group = criterion.benchmark_group("decode");
-    group.throughput(Throughput::Elements(LINES.into()));
-    group
-        .bench_function("lines of G1", |bencher| bencher.iter(|| decode(black_box(&text)).count()));
-    group.finish();
-}
-
-fn plan_stage(criterion: &mut Criterion) {
-    let text = program();
-    let elements: Vec<_> = decode(&text).collect();
-    let plan = |elements: Vec<PathElement>| {
-        let checked = CheckVelocities::new(elements.into_iter().map(Ok::<_, CheckError>), 0.1);
-        LookAhead::new(checked)
-    };
-    let mut group = criterion.benchmark_group("plan");
-    group.throughput(Throughput::Elements(LINES.into()));
-    group.bench_function("elements looked ahead", |bencher| {
-        bencher.iter_batched(
-            || elements.clone(),
-            |elements| plan(elements).count(),
-            BatchSize::LargeInput,
-        );
-    });
-    let count = Interpolator::new(plan(elements.clone()), DEFAULT_CYCLE_NS).count();
-    group.throughput(Throughput::Elements(count as u64));
-    group.bench_function("set-points", |bencher| {
-        bencher.iter_batched(
-            || elements.clone(),
-            |elements| Interpolator::new(plan(elements), DEFAULT_CYCLE_NS).count(),
-            BatchSize::LargeInput,
-        );
-    });
-    group.finish();
 }
 
 fn transform_stage(criterion: &mut Criterion) {
@@ -158,5 +96,5 @@ fn physics_stage(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(stages, decode_stage, plan_stage, transform_stage, physics_stage);
+criterion_group!(stages, transform_stage, physics_stage);
 criterion_main!(stages);
