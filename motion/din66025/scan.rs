@@ -26,11 +26,12 @@ pub fn marks_in(mut program: impl BufRead) -> io::Result<Marks> {
                 (b'0'..=b'9', Some(value)) => {
                     number = Some(value.saturating_mul(10).saturating_add(u32::from(byte - b'0')));
                 }
+                // A sign belongs to the number.
+                (b'+', Some(0)) | (_, None) => {}
                 (_, Some(_)) => {
                     marks = marks.with(starts(number));
                     number = None;
                 }
-                (_, None) => {}
             }
         }
         let length = chunk.len();
@@ -59,7 +60,7 @@ mod tests {
 
     #[test]
     fn marks_are_found_wherever_the_reader_stops() {
-        let program = "%\nN10 G1 X41 G91\nN20 g042D3\nN30 G61\n(G52) G510 G411 X52 G4\n1G51";
+        let program = "%\nN10 G1 X41 G91\nN20 g042D3\nN30 G+61.0\n(G52) G510 G411 X52 G4\n1G51";
         let expected =
             Marks::CORRECTION_RIGHT.with(Marks::LOOPS).with(Marks::ROUNDING).with(Marks::SMOOTHING);
         for capacity in 1..40 {
