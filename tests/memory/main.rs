@@ -1,0 +1,96 @@
+//! The stages of motion hold their windows, never the program: the most that is on the heap is the same for a program
+//! three hundred times as long.
+//!
+//! One test alone, since what is counted is all of the process.
+
+#![allow(unreachable_pub, reason = "shared with the benchmarks")]
+
+#[path = "../benches/contour.rs"]
+mod contour;
+mod counter;
+#[path = "../benches/pipeline.rs"]
+mod pipeline;
+
+use contour::{Contour, Dialect, din66025_options, rs274_options};
+use pipeline::{Failure, count, elements, plan, prepare, sample};
+use std::io::BufReader;
+use std::num::NonZeroUsize;
+use twin_motion::path::{Marks, PathElement};
+use twin_motion::prepare::{
+    CheckVelocities, CircularLimits, Notices, Preparation, Rounding, ToolRadiusOptions,
+};
+use twin_motion::{din66025, rs274};
+
+const FEW: u32 = 1_000;
+const MANY: u32 = 300_000;
+
+/// Heap that may come and go with the test's own thread, bytes.
+const SLACK: usize = 4096;
+
+fn decode(lines: u32) -> impl Iterator<Item = Result<PathElement, Failure>> {
+    let reader = BufReader::new(Contour::new(Dialect::Din66025, lines));
+    elements(din66025::Decoder::new(reader, din66025_options()))
+}
+
+/// Decoded, planned and sampled.
+fn din66025(lines: u32) {
+    assert!(sample(prepare(decode(lines))) > lines as usize);
+}
+
+fn rs274(lines: u32) {
+    let reader = BufReader::new(Contour::new(Dialect::Rs274, lines));
+    let decoder = rs274::Decoder::new(reader, rs274_options());
+    // M2 is no element.
+    assert_eq!(plan(prepare(elements(decoder))), lines as usize);
+}
+
+/// Through the stages of `preparation`, which begin with the first element.
+fn prepared(lines: u32, marks: Marks, preparation: &Preparation) {
+    let mut marks = Some(marks);
+    let path = decode(lines).map(|element| {
+        element.map(|element| PathElement { marks: marks.take().unwrap_or_default(), ..element })
+    });
+    let notices = Notices::default();
+    let path = preparation.apply(path, &notices).unwrap();
+    // Whoever runs a path reads what there is to tell.
+    let path = CheckVelocities::new(path, 0.1).inspect(|_| while notices.take().is_some() {});
+    let elements = count(path);
+    assert!(elements >= lines as usize, "{elements}");
+}
+
+fn corrected(lines: u32) {
+    let marks = Marks::CORRECTION_LEFT.with(Marks::LOOPS);
+    let radius = ToolRadiusOptions { radius: 1e-3, ..ToolRadiusOptions::default() };
+    let preparation = Preparation {
+        tool_radius: Some(radius),
+        loops: NonZeroUsize::new(100),
+        circular: Some(CircularLimits { acceleration: 1.0, acceleration_jump: 0.1 }),
+        ..Preparation::default()
+    };
+    prepared(lines, marks, &preparation);
+}
+
+fn rounded(lines: u32) {
+    let preparation = Preparation { rounding: Some(Rounding::default()), ..Preparation::default() };
+    prepared(lines, Marks::ROUNDING, &preparation);
+}
+
+#[test]
+fn long_programs_take_no_more_memory_than_short_ones() {
+    let runs: [(&str, u32, fn(u32)); 4] = [
+        ("DIN 66025, sampled", FEW, din66025),
+        ("RS274, planned", FEW, rs274),
+        // Its windows are longer than a short program.
+        ("tool radius correction, loop avoidance, circular limits", 20 * FEW, corrected),
+        ("rounding", FEW, rounded),
+    ];
+    // What counts must count.
+    let held = counter::most_during(|| drop(std::hint::black_box(vec![0_u8; 1_000_000])));
+    assert!((1_000_000..1_000_000 + SLACK).contains(&held), "{held}");
+    for (name, short, run) in runs {
+        let few = counter::most_during(|| run(short));
+        let many = counter::most_during(|| run(MANY));
+        println!("{name}: {few} bytes for {short} lines, {many} bytes for {MANY}");
+        assert!(many <= few + SLACK, "{name}: {many} bytes instead of {few}");
+    }
+}
