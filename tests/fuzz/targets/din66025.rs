@@ -1,27 +1,31 @@
-//! Any bytes as a program of SoftMotion's dialect: decoded, checked, planned and sampled as far as a machine would
-//! wait.
+//! Any bytes as a program of SoftMotion's dialect: decoded, prepared as it asks for, planned and sampled.
 
 #![no_main]
 
-use libfuzzer_sys::fuzz_target;
-use twin_motion::decode::{Failure, Item};
-use twin_motion::din66025::{Decoder, DecoderOptions};
-use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
-use twin_motion::prepare::{CheckError, CheckVelocities};
+mod path;
 
-/// Set-points sampled at most.
-const SETPOINTS: usize = 10_000;
+use libfuzzer_sys::fuzz_target;
+use std::io::{BufReader, Cursor};
+use twin_motion::din66025::{Decoder, DecoderOptions, marks_in};
+use twin_motion::path::Marks;
+
+/// Jumps a program may take.
+const JUMPS: u32 = 20;
 
 fuzz_target!(|program: &[u8]| {
-    let decoder = Decoder::new(program, DecoderOptions::default());
-    let elements = decoder.filter_map(|item| match item {
-        Ok(Item::Element(element)) => Some(Ok::<_, CheckError>(element)),
-        Ok(Item::Warning(_)) | Err(Failure::Diagnostic(_)) => None,
-        Err(Failure::Io(error)) => panic!("reading from memory: {error}"),
-    });
-    let planned = LookAhead::new(CheckVelocities::new(elements, 0.03));
-    for setpoint in Interpolator::new(planned, DEFAULT_CYCLE_NS).take(SETPOINTS).flatten() {
-        assert!(setpoint.position.iter().all(|coordinate| coordinate.is_finite()));
-        assert!(setpoint.path_velocity <= setpoint.feed * (1.0 + 1e-9));
-    }
+    let mut options = DecoderOptions { jumps: JUMPS, ..DecoderOptions::default() };
+    options.variables.set("a", 2.0);
+    // Every byte is good for an item, each time the program runs.
+    let most = (JUMPS as usize + 2) * (program.len() + 2);
+    let decoder = Decoder::with_jumps(Cursor::new(program), options.clone());
+    let whole = path::decoded(decoder, most);
+    // However it is cut into pieces, it is the same.
+    let pieces = BufReader::with_capacity(3, Cursor::new(program));
+    assert_eq!(whole, path::decoded(Decoder::with_jumps(pieces, options), most));
+    let marks = whole.iter().fold(Marks::default(), |marks, element| marks.with(element.marks));
+    let found = marks_in(program).expect("read from memory");
+    let begun = Marks(marks.0 & Marks::STARTS.0);
+    assert!(found.contains(begun), "{found:?} is said to be all of {begun:?}");
+    let prepared = path::prepared(&whole, &path::by_marks(&whole));
+    path::sampled(prepared, |_| None);
 });

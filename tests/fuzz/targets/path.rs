@@ -1,0 +1,135 @@
+//! What holds for every path, whatever it was made of.
+
+#![allow(dead_code, reason = "not every target decodes or prepares")]
+
+use std::error::Error;
+use twin_motion::decode::{Failure, Item, TextError};
+use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Inputs, Interpolator, LookAhead, ToolSetpoint};
+use twin_motion::path::{AxisMask, ElementKind, Marks, PathElement, Shape};
+use twin_motion::prepare::{CheckVelocities, Notices, Preparation};
+
+/// Set-points sampled at most.
+const SETPOINTS: usize = 2_000;
+
+/// What a line or an arc and the corner behind it can become.
+const PIECES: usize = 16;
+
+/// What a curve can become that is halved twelve times and replaced by biarcs, and the corners between them.
+const CURVE_PIECES: usize = 3 * 2 << 12;
+
+/// The angle up to which turns are passed without a stop, rad.
+const ANGLE_TOLERANCE: f64 = 0.03;
+
+/// The elements that `decoder` makes, at most `most` items in all; they meet bit for bit.
+pub fn decoded<E: TextError>(
+    decoder: impl Iterator<Item = Result<Item<E>, Failure<E>>>,
+    most: usize,
+) -> Vec<PathElement> {
+    let mut items = 0;
+    let mut path = Vec::new();
+    for item in decoder {
+        items += 1;
+        assert!(items <= most, "more than {most} items");
+        match item {
+            Ok(Item::Element(element)) => path.push(element),
+            Ok(Item::Warning(diagnostic)) | Err(Failure::Diagnostic(diagnostic)) => {
+                // What is told must be possible to tell.
+                assert!(!diagnostic.to_string().is_empty());
+            }
+            Err(Failure::Io(error)) => panic!("reading from memory: {error}"),
+        }
+    }
+    connected(&path, 0.0);
+    path
+}
+
+/// Every element is somewhere, has a length, and starts within `tolerance`, m, of where the one before ends.
+pub fn connected(path: &[PathElement], tolerance: f64) {
+    for element in path {
+        assert!(element.start().coords.iter().all(|x| x.is_finite()), "{element:?}");
+        assert!(element.end().coords.iter().all(|x| x.is_finite()), "{element:?}");
+        assert!(element.length().is_finite() && element.length() >= 0.0, "{element:?}");
+    }
+    for (one, next) in path.iter().zip(path.iter().skip(1)) {
+        let gap = (next.start() - one.end()).norm();
+        assert!(gap <= tolerance, "{gap} m between {one:?} and {next:?}");
+    }
+}
+
+/// `path` through `preparation`, as far as it goes without an error. It is no longer than it has reason to be.
+pub fn prepared(path: &[PathElement], preparation: &Preparation) -> Vec<PathElement> {
+    let notices = Notices::default();
+    let stages = preparation.apply(path.iter().cloned().map(Ok::<_, Box<dyn Error>>), &notices);
+    let stages = stages.expect("nothing that cannot be combined");
+    let prepared: Vec<_> = stages.map_while(Result::ok).collect();
+    let most: usize = path.iter().map(most_pieces).sum();
+    assert!(prepared.len() <= most + PIECES, "{} of {}", prepared.len(), path.len());
+    while let Some(notice) = notices.take() {
+        assert!(!notice.to_string().is_empty());
+    }
+    connected(&prepared, 1e-9);
+    prepared
+}
+
+fn most_pieces(element: &PathElement) -> usize {
+    match element.shape {
+        Shape::Line { .. } | Shape::Arc(_) => PIECES,
+        Shape::Ellipse(_) | Shape::Cubic(_) => CURVE_PIECES,
+    }
+}
+
+/// What the marks of `path` ask for, or nothing if that cannot be combined.
+pub fn by_marks(path: &[PathElement]) -> Preparation {
+    let marks = path.iter().fold(Marks::default(), |marks, element| marks.with(element.marks));
+    Preparation::for_marks(marks).unwrap_or_default()
+}
+
+/// Samples `path` as far as a machine would wait, with what `inputs` says for each cycle, if anything.
+pub fn sampled(path: Vec<PathElement>, mut inputs: impl FnMut(usize) -> Option<Inputs>) {
+    let fastest = path.iter().map(|element| element.feed).fold(0.0, f64::max);
+    // What is read from a file may be anything.
+    let gapless = path.windows(2).all(|pair| match pair {
+        [one, next] => (next.start() - one.end()).norm() <= 1e-9,
+        _ => true,
+    });
+    let steady = path.iter().all(is_steady) && gapless;
+    let end = path.last().map(PathElement::end);
+    let elements = path.into_iter().map(Ok::<_, Box<dyn Error>>);
+    let planned = LookAhead::new(CheckVelocities::new(elements, ANGLE_TOLERANCE));
+    let mut interpolator = Interpolator::new(planned, DEFAULT_CYCLE_NS);
+    let (mut factor, mut before) = (1.0_f64, None::<ToolSetpoint>);
+    for cycle in 0..SETPOINTS {
+        if let Some(inputs) = inputs(cycle) {
+            factor = factor.max(inputs.override_factor.factor());
+            interpolator.set_inputs(inputs);
+        }
+        let Some(item) = interpolator.next() else {
+            if let (Some(end), Some(before), false) = (end, before, interpolator.stopped_early()) {
+                assert!(before.position == end, "the path ends at {end}, not at {before:?}");
+            }
+            return;
+        };
+        let Ok(setpoint) = item else { return };
+        let numbers = setpoint.position.coords.iter().chain(&setpoint.velocity);
+        let numbers = numbers.chain(&setpoint.acceleration).chain(&setpoint.extra.position);
+        assert!(numbers.into_iter().all(|x| x.is_finite()), "{setpoint:?}");
+        assert!(setpoint.path_velocity >= 0.0, "{setpoint:?}");
+        assert!(setpoint.path_velocity <= factor * setpoint.feed * (1.0 + 1e-8), "{setpoint:?}");
+        if let (true, Some(before)) = (steady, before) {
+            let way = (setpoint.position - before.position).norm();
+            let most = factor * fastest * f64::from(DEFAULT_CYCLE_NS.get()) * 1e-9;
+            let rounding = 1e-9 * (1.0 + setpoint.position.coords.norm());
+            assert!(way <= most * 1.01 + rounding, "{way} m in one cycle, {setpoint:?}");
+        }
+        before = Some(setpoint);
+    }
+}
+
+/// Whether the tool never jumps and never moves faster than along the path, as it does where Z has a profile of its
+/// own and on an arc in a file whose ends are on different circles.
+fn is_steady(element: &PathElement) -> bool {
+    let details = element.details.as_deref();
+    let smooth_z = details.is_some_and(|details| details.s_profile.contains(AxisMask::Z));
+    let fastest = element.start_tangent().norm().max(element.end_tangent().norm());
+    element.kind != ElementKind::Jump && !smooth_z && fastest <= 1.001
+}

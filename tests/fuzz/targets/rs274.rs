@@ -1,0 +1,32 @@
+//! Any bytes as a program of RS274: decoded, planned and sampled.
+
+#![no_main]
+
+mod path;
+
+use libfuzzer_sys::fuzz_target;
+use std::io::BufReader;
+use twin_motion::path::ElementKind;
+use twin_motion::rs274::{Decoder, DecoderOptions, MAX_CYCLE_MOVES};
+
+fuzz_target!(|program: &[u8]| {
+    // A line of a few bytes can be a canned cycle; nothing else makes more items than it has bytes.
+    let lines = program.split(|byte| *byte == b'\n').count();
+    let cycles = program.iter().filter(|byte| matches!(byte, b'L' | b'l')).count().min(lines);
+    let most = 4 * (program.len() + 2) + cycles * (MAX_CYCLE_MOVES + 16);
+    // Inputs that ask for many holes only take long.
+    if cycles > 20 {
+        return;
+    }
+    for keep_empty_moves in [false, true] {
+        let options = DecoderOptions { keep_empty_moves, ..DecoderOptions::default() };
+        let path = path::decoded(Decoder::new(program, options.clone()), most);
+        // However it is cut into pieces, it is the same.
+        let pieces = BufReader::with_capacity(3, program);
+        assert_eq!(path, path::decoded(Decoder::new(pieces, options), most));
+        // The path of the controlled point never jumps but where a block could not be executed.
+        let waits = |kind| matches!(kind, ElementKind::Dwell { .. });
+        let path: Vec<_> = path.into_iter().filter(|element| !waits(element.kind)).collect();
+        path::sampled(path::prepared(&path, &path::by_marks(&path)), |_| None);
+    }
+});
