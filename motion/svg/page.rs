@@ -304,7 +304,7 @@ pub(super) fn hulls(out: &mut impl Write, hulls: &[Vec<Point>]) -> io::Result<()
 }
 
 /// The smallest of 1, 2, 5 and their tenfolds that is not below `least`.
-fn step(least: f64) -> f64 {
+pub(super) fn step(least: f64) -> f64 {
     let power = 10_f64.powf(least.log10().floor());
     [1.0, 2.0, 5.0]
         .into_iter()
@@ -314,7 +314,7 @@ fn step(least: f64) -> f64 {
 }
 
 /// Multiples of `step` from `start` over `length`.
-fn ticks(start: f64, length: f64, step: f64) -> impl Iterator<Item = f64> {
+pub(super) fn ticks(start: f64, length: f64, step: f64) -> impl Iterator<Item = f64> {
     let first = (start / step).ceil();
     (0_u32..)
         .map(move |number| (first + f64::from(number)) * step)

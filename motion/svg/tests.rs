@@ -176,6 +176,16 @@ fn nothing_and_absurdities() {
     assert_well_formed(&String::from_utf8(picture.finish().unwrap()).unwrap());
 }
 
+/// Lines of the grid lie at whole multiples of 1, 2 or 5 times a power of ten.
+#[test]
+fn round_steps() {
+    for (least, step) in [(1.0, 1.0), (1.1, 2.0), (2.1, 5.0), (7.0, 10.0), (0.03, 0.05)] {
+        assert!((page::step(least) - step).abs() < 1e-12, "{least}");
+    }
+    assert_eq!(page::ticks(-3.0, 10.0, 5.0).collect::<Vec<_>>(), [0.0, 5.0]);
+    assert_eq!(page::ticks(20.0, 40.0, 20.0).collect::<Vec<_>>(), [20.0, 40.0, 60.0]);
+}
+
 /// Long paths get no more arrows than short ones.
 #[test]
 fn arrows_are_bounded() {

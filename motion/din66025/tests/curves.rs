@@ -37,20 +37,7 @@ fn assert_middle(element: &PathElement, expected: [f64; 2]) {
     }
 }
 
-/// `cnc-spline-stairs`; manual 3.2.6.
-#[test]
-fn spline_over_stairs() {
-    let elements = elements("N10 G0 X0 Y0 F10\nG5 X20 Y0\nX20 Y20\nX40 Y20\nX40 Y40");
-    assert_eq!(elements.len(), 5);
-    assert_middle(&elements[1], [11.25, -1.25]);
-    assert_coefficients(cubic(&elements[2]).x(), [20.0, 10.0, -30.0, 20.0]);
-    assert_coefficients(cubic(&elements[2]).y(), [0.0, 10.0, 30.0, -20.0]);
-    assert_middle(&elements[2], [20.0, 10.0]);
-    assert_close(elements[2].length() * 1e3, 20.608_482_053);
-    assert_middle(&elements[4], [41.25, 28.75]);
-}
-
-/// `cnc-spline-between-lines`.
+/// Without a kink at the joints with its neighbours and between its parts.
 #[test]
 fn spline_between_lines() {
     let elements = elements("G1 X5 Y0 F10\nG5 X20 Y0\nG5 X20 Y20\nG1 X20 Y30");
@@ -73,7 +60,7 @@ fn what_ends_a_spline() {
     }
 }
 
-/// `cnc-parabola`; I and J are where the tangents meet (manual 3.2), absolute or from the start.
+/// I and J are where the tangents meet (manual 3.2), absolute or from the start.
 #[test]
 fn parabola() {
     for blocks in ["N10 G98\nN20 G6 X100 Y0 I50 J100 F10", "N20 G6 X100 I50 J100 F10"] {
@@ -83,35 +70,6 @@ fn parabola() {
         assert_middle(&elements[0], [50.0, 50.0]);
         assert_close(elements[0].length() * 1e3, 147.894_285_754);
     }
-}
-
-/// `cnc-ellipse-G8`; manual 3.2.5.
-#[test]
-fn ellipse_clockwise() {
-    let elements = elements("N10 G92 X100 Y100\nN20 G98\nN30 G8 X200 Y100 I150 J100 K45 R0.5 F10");
-    let found = ellipse(&elements[0]);
-    assert_close(found.center().x * 1e3, 150.0);
-    assert_close(found.center().y * 1e3, 100.0);
-    assert_close(found.major().x * 1e3, 55.901_699_437);
-    assert_close(found.major().y * 1e3, 55.901_699_437);
-    assert_close(found.minor() * 1e3, 39.528_470_752);
-    assert_close(found.start_angle().to_degrees(), 116.565_051_177);
-    assert_close(found.sweep().to_degrees(), -180.0);
-    assert_close(found.length() * 1e3, 191.484_771_06);
-}
-
-/// `cnc-ellipse-G9`.
-#[test]
-fn ellipse_counter_clockwise() {
-    let elements = elements("N10 G92 X20\nN20 G9 X0 Y10 I-20 R0.5 F10");
-    let found = ellipse(&elements[0]);
-    assert_close(found.major().x * 1e3, 20.0);
-    assert_close(found.minor() * 1e3, 10.0);
-    assert_close(found.sweep().to_degrees(), 90.0);
-    assert_close(found.length() * 1e3, 24.221_120_551);
-    let half = elements[0].at(elements[0].length() / 2.0).position * 1e3;
-    assert_close(half.x, 11.889_437_83);
-    assert_close(half.y, 8.041_163_91);
 }
 
 #[test]

@@ -12,20 +12,6 @@ fn with(variables: &[(&str, f64)]) -> DecoderOptions {
     options
 }
 
-/// `cnc-loop`; the example of manual 3.2.8 with the implicit variable, its blocks in order.
-#[test]
-fn loop_with_the_implicit_variable() {
-    let program = b"%\nN1000 G36 D5\nN1010 G1 X100 F100 E100 E-100\nN1020 G1 X0\nN1030 G37 D-1\nN1040 G20 L1010";
-    let options = DecoderOptions { start: [0.1, 0.0, 0.0], ..DecoderOptions::default() };
-    let elements = elements_of(decode_with(options, program));
-    assert_eq!(elements.len(), 10);
-    assert!(elements[0].length() == 0.0);
-    let length: f64 = elements.iter().map(PathElement::length).sum();
-    assert_close(length * 1e3, 900.0);
-    let lines: Vec<_> = elements.iter().map(|element| element.place.line).collect();
-    assert_eq!(lines, [3, 4, 3, 4, 3, 4, 3, 4, 3, 4]);
-}
-
 /// The example of manual 3.2.8 with a variable of the controller.
 #[test]
 fn loop_with_a_named_variable() {

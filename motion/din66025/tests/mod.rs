@@ -1,11 +1,11 @@
 #![expect(clippy::float_cmp, reason = "rounded before, or to be the same bit for bit")]
 
+mod arcs;
 mod curves;
 mod errors;
 mod jumps;
 mod language;
 mod random;
-mod vectors;
 mod warnings;
 mod words;
 mod write;

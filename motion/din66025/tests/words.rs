@@ -9,18 +9,7 @@ fn switches(element: &PathElement) -> Vec<(i16, f64)> {
     element.switches().iter().map(|s| (i16::from(s.number) * sign(s.on), s.at)).collect()
 }
 
-/// `cnc-two-switches`; manual 3.2.1: each H takes what stands on its right.
-#[test]
-fn two_switches() {
-    let elements = elements("N90 G1 X20 F10\nN100 G1 X100 H2 L20 H-2 L-10");
-    let found = switches(&elements[1]);
-    assert_eq!(found.len(), 2);
-    assert_eq!((found[0].0, found[1].0), (2, -2));
-    assert_close(found[0].1, 0.25);
-    assert_close(found[1].1, 0.875);
-}
-
-/// `cnc-switch-points`; manual 3.2.1.
+/// Manual 3.2.1.
 #[test]
 fn places_of_switches() {
     let block = |words: &str| {

@@ -276,6 +276,25 @@ fn extra_axes_go_on_from_the_crossing() {
 }
 
 /// The window bounds what is found and what is held.
+/// `iStatus` is that behind the element taken in last.
+#[test]
+fn whether_it_looks_is_told() {
+    let points: Vec<_> = (0..60).map(|x| [f64::from(x), 0.0]).collect();
+    let mut path = polyline(&points);
+    path[20].marks = Marks::LOOPS;
+    path[39].marks = Marks::LOOPS_END;
+    let window = NonZeroUsize::new(4).unwrap();
+    let items = path.into_iter().map(Ok::<_, Error>);
+    let mut stage = AvoidLoops::with_window(items, window, Notices::default());
+    assert!(!stage.is_on());
+    let on: Vec<_> = std::iter::from_fn(|| stage.next().map(|_| stage.is_on())).collect();
+    let first = on.iter().position(|on| *on).unwrap();
+    assert!((15..=20).contains(&first), "{first}");
+    // 19 elements, of which the first ones are taken in together to fill the window.
+    let count = on.iter().filter(|on| **on).count();
+    assert!((15..=19).contains(&count) && on[first..first + count].iter().all(|on| *on), "{count}");
+}
+
 #[test]
 fn the_window() {
     let cut_with = |window: usize| {

@@ -214,6 +214,27 @@ fn the_side_may_not_change() {
     assert_eq!(errors(elements), []);
 }
 
+/// `iStatus` is that of the element taken in last, some way ahead of the one handed out.
+#[test]
+fn the_side_is_told() {
+    let points: Vec<_> = (0..500).map(|x| [f64::from(x), 0.0]).collect();
+    for (mark, side) in [(LEFT, Side::Left), (RIGHT, Side::Right)] {
+        let mut elements = vec![rapid([-0.1, 0.0, 0.0], [0.0; 3])];
+        elements.extend(contour(polyline(&points), mark, 10.0));
+        elements.push(rapid([0.499, 0.0, 0.0], [0.5, 0.0, 0.0]));
+        let items = elements.into_iter().map(Ok::<_, Error>);
+        let options = ToolRadiusOptions { look_ahead: 8, ..ToolRadiusOptions::default() };
+        let mut stage = ToolRadius::new(items, options, Notices::default());
+        assert_eq!(stage.side(), None);
+        let sides: Vec<_> =
+            std::iter::from_fn(|| stage.next().map(|item| item.map(|_| stage.side()).unwrap()))
+                .collect();
+        let (on, off) = sides.split_at(sides.iter().position(Option::is_none).unwrap());
+        assert!(on.len() > 400 && on.iter().all(|found| *found == Some(side)), "{on:?}");
+        assert!(off.len() < 20 && off.iter().all(Option::is_none), "{off:?}");
+    }
+}
+
 #[test]
 fn the_radius_may_not_change() {
     for (before, after) in [(0.01, 0.02), (0.01, 0.0), (0.0, 0.01)] {

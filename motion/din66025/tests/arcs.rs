@@ -1,4 +1,4 @@
-//! The worked vectors of the arcs and of relative programming. Numbers in mm and degrees, to 1e-8.
+//! Arcs from their words, beyond the worked vectors. Numbers in mm and degrees, to 1e-8.
 
 use super::*;
 use crate::path::Arc;
@@ -33,14 +33,6 @@ fn assert_passes(arc: &Arc, fraction: f64, point_mm: [f64; 3]) {
     assert!((position - Point3::from(point_mm)).norm() < 1e-8, "{position}, expected {point_mm:?}");
 }
 
-/// `cnc-arc-R-semicircle`; manual 3.2.4, example for a semicircle.
-#[test]
-fn arc_by_radius_semicircle() {
-    let arc = arc_of("N10 G1 X100 Y100 F10\nN20 G2 X200 Y100 R50");
-    assert_arc(&arc, [150.0, 100.0], 50.0, 180.0, 180.0, 157.079_632_679);
-    assert_passes(&arc, 0.5, [150.0, 150.0, 0.0]);
-}
-
 /// Half the chord is the radius in decimals, but in binary not always: an angle of 180° all the same.
 #[test]
 fn semicircles_of_rounded_numbers() {
@@ -52,7 +44,7 @@ fn semicircles_of_rounded_numbers() {
     }
 }
 
-/// `cnc-arc-IJ-same`; manual 3.2.4, the same arc with relative and with absolute centre.
+/// Manual 3.2.4: the same arc with relative and with absolute centre, and relative without being told.
 #[test]
 fn arc_by_center() {
     for blocks in [
@@ -66,15 +58,7 @@ fn arc_by_center() {
     }
 }
 
-/// `cnc-arc-R-minor`; block N30 of the program example in manual 3.2.
-#[test]
-fn arc_by_radius_minor() {
-    let arc = arc_of("N10 G1 X100 Y100 F10\nN30 G03 X-100 R200 F100");
-    assert_arc(&arc, [0.0, -73.205_080_757], 200.0, 60.0, -60.0, 209.439_510_239);
-    assert_passes(&arc, 0.5, [0.0, 126.794_919_243, 0.0]);
-}
-
-/// `cnc-arc-full`.
+/// With and without the words of a target that is where the tool is.
 #[test]
 fn full_circle() {
     for blocks in ["G1 X10 F10\nG2 X10 Y0 I-10 J0", "G1 X10 F10\nG2 I-10"] {
@@ -84,7 +68,7 @@ fn full_circle() {
     }
 }
 
-/// `cnc-arc-fallback`: radii 3 and 7 give a straight line, and the caller is told.
+/// Radii 3 and 7 give a straight line, and the caller is told both.
 #[test]
 fn mismatched_center() {
     let decoded = decode("G2 X10 I3 J0 F10");
@@ -99,34 +83,4 @@ fn mismatched_center() {
     assert!(matches!(element.shape, Shape::Line { .. }));
     assert_eq!(element.kind, ElementKind::Cut);
     assert_close(element.length() * 1e3, 10.0);
-}
-
-/// `cnc-helix`.
-#[test]
-fn helix() {
-    let arc = arc_of("G1 X10 F10\nG3 X0 Y10 Z5 I-10 J0");
-    assert_arc(&arc, [0.0, 0.0], 10.0, 0.0, -90.0, 16.484_541_547);
-    assert_passes(&arc, 0.5, [7.071_067_812, 7.071_067_812, 2.5]);
-}
-
-/// `cnc-arc-major`.
-#[test]
-fn three_quarters() {
-    let arc = arc_of("G1 X10 F10\nG3 X0 Y-10 I-10 J0");
-    assert_arc(&arc, [0.0, 0.0], 10.0, 0.0, -270.0, 47.123_889_804);
-    assert_passes(&arc, 0.5, [-7.071_067_812, 7.071_067_812, 0.0]);
-}
-
-/// `cnc-g91-g92`.
-#[test]
-fn relative_targets_after_setting_the_position() {
-    let elements =
-        elements("N10 G92 X10 Y10\nN20 G91\nN30 G1 X5 F10\nN40 G1 Y5\nN50 G90\nN60 G1 X0\n");
-    let expected = [
-        [[10.0, 10.0, 0.0], [15.0, 10.0, 0.0]],
-        [[15.0, 10.0, 0.0], [15.0, 15.0, 0.0]],
-        [[15.0, 15.0, 0.0], [0.0, 15.0, 0.0]],
-    ];
-    assert_eq!(ends_mm(&elements), expected);
-    assert_eq!(kinds(&elements), [ElementKind::Cut; 3]);
 }
