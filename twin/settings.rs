@@ -1,5 +1,6 @@
 //! How a program is read, beyond its dialect: suppressed blocks, variables, jumps.
 
+use crate::program::Operations;
 use std::io;
 use std::path::{Path, PathBuf};
 use twin_motion::din66025::{DEFAULT_JUMPS, Variables};
@@ -16,6 +17,8 @@ pub struct ReadSettings {
     pub jumps: u32,
     /// Tools of RS274 programs, in place of those of the machine file.
     pub tools: Option<ToolTable>,
+    /// What is done to the path before it is prepared.
+    pub operations: Operations,
 }
 
 impl Default for ReadSettings {
@@ -25,6 +28,7 @@ impl Default for ReadSettings {
             variables: Variables::default(),
             jumps: DEFAULT_JUMPS,
             tools: None,
+            operations: Operations::default(),
         }
     }
 }

@@ -67,6 +67,20 @@ pub(super) struct AcknowledgeOption {
 impl ReadOptions {
     /// The program at `path`; `unit` is that of a tool table.
     pub(super) fn program(&self, path: &Path, unit: LengthUnit) -> Result<ProgramFile, Failure> {
+        let settings = self.settings(unit)?;
+        Ok(ProgramFile::new(path, self.dialect_of(path)?, settings)?)
+    }
+
+    /// The dialect asked for, or else guessed.
+    pub(super) fn dialect_of(&self, path: &Path) -> Result<Option<Dialect>, Failure> {
+        match self.dialect {
+            Some(dialect) => Ok(Some(dialect)),
+            None => Dialect::guess(path).map_err(|source| unreadable(path, source)),
+        }
+    }
+
+    /// How a program is read; `unit` is that of a tool table.
+    pub(super) fn settings(&self, unit: LengthUnit) -> Result<ReadSettings, Failure> {
         let mut variables = Variables::default();
         if let Some(file) = &self.variables_file {
             settings::read_variables(file, &mut variables)?;
@@ -74,17 +88,13 @@ impl ReadOptions {
         for definition in &self.variables {
             settings::define(definition, &mut variables)?;
         }
-        let settings = ReadSettings {
+        Ok(ReadSettings {
             skip_suppressed: self.skip_suppressed,
             variables,
             jumps: self.max_jumps,
             tools: self.tool_table.as_deref().map(|path| tools(path, unit)).transpose()?,
-        };
-        let dialect = match self.dialect {
-            Some(dialect) => Some(dialect),
-            None => Dialect::guess(path).map_err(|source| unreadable(path, source))?,
-        };
-        Ok(ProgramFile::new(path, dialect, settings)?)
+            ..ReadSettings::default()
+        })
     }
 }
 

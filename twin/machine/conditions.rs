@@ -4,6 +4,7 @@ use super::section::Section;
 use std::fs::File;
 use std::path::Path;
 use twin_motion::path::ExtraPosition;
+use twin_motion::prepare::{CircularLimits, Preparation, Rounding, Smoothing, ToolRadiusOptions};
 use twin_motion::rs274::{self, LengthUnit, Position, ToolTable, ToolTableError};
 
 /// Turns of the path up to this angle are passed without a stop unless the machine file says otherwise, rad.
@@ -27,8 +28,50 @@ pub struct ProgramConditions {
     pub start_additional: ExtraPosition,
     /// Turns of the path up to this angle are passed without a stop, rad.
     pub angle_tolerance: f64,
+    /// What preparation adds to what programs ask for.
+    pub preparation: PreparationInputs,
     /// What an RS274 program finds, in the work frame; its start is that above.
     pub rs274: rs274::DecoderOptions,
+}
+
+/// The inputs of the manual's preparation blocks (6.2.3 to 6.2.8); all 0 and none unless the machine file says otherwise.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PreparationInputs {
+    /// Added to D where the tool radius is corrected, m (`SMC_ToolCorr.dToolRadius`).
+    pub tool_radius: f64,
+    /// Coming nearer to the contour than the tool's radius by no more than this is no gouge, m.
+    pub gouge_tolerance: Option<f64>,
+    /// Added to D where corners are smoothed, m (`SMC_SmoothPath.dEdgeDistance`).
+    pub edge_distance: f64,
+    /// In place of D where corners are rounded, m; 0: D (`SMC_RoundPath.dRadius`).
+    pub rounding_distance: f64,
+    /// Turns up to this angle are neither smoothed nor rounded, rad.
+    pub corner_angle_tolerance: f64,
+    /// Limits on curves (`SMC_LimitCircularVelocities`).
+    pub circular: Option<CircularLimits>,
+}
+
+impl PreparationInputs {
+    /// What `preparation`, which a program asks for, is with these inputs.
+    pub fn complete(&self, preparation: Preparation) -> Preparation {
+        Preparation {
+            tool_radius: preparation.tool_radius.map(|options| ToolRadiusOptions {
+                radius: self.tool_radius,
+                gouge_tolerance: self.gouge_tolerance.unwrap_or(options.gouge_tolerance),
+                ..options
+            }),
+            smoothing: preparation.smoothing.map(|_| Smoothing {
+                edge_distance: self.edge_distance,
+                angle_tolerance: self.corner_angle_tolerance,
+            }),
+            rounding: preparation.rounding.map(|_| Rounding {
+                distance: self.rounding_distance,
+                angle_tolerance: self.corner_angle_tolerance,
+            }),
+            circular: self.circular,
+            ..preparation
+        }
+    }
 }
 
 impl Default for ProgramConditions {
@@ -43,6 +86,7 @@ impl Default for ProgramConditions {
             start: [0.0; 3],
             start_additional: ExtraPosition::default(),
             angle_tolerance: ANGLE_TOLERANCE,
+            preparation: PreparationInputs::default(),
             rs274,
         }
     }
@@ -66,7 +110,31 @@ pub(super) fn read(root: &Section<'_>, file: &Path) -> ProgramConditions {
         start: Position { linear: start, rotary: [a, b, c] },
         ..read_rs274(&root.section("rs274"), file, defaults.rs274)
     };
-    ProgramConditions { start, start_additional, angle_tolerance, rs274 }
+    let preparation = read_preparation(&root.section("preparation"));
+    ProgramConditions { start, start_additional, angle_tolerance, preparation, rs274 }
+}
+
+fn read_preparation(section: &Section<'_>) -> PreparationInputs {
+    let metres = |key, range| section.number(key, range).map(|value| value * 1e-3);
+    let acceleration = metres("max_circular_acceleration_mm_per_s2", 1e-3..=1e8);
+    let jump = metres("max_circular_acceleration_jump_mm_per_s2", 1e-3..=1e8);
+    let circular = (acceleration.is_some() || jump.is_some()).then(|| CircularLimits {
+        acceleration: acceleration.unwrap_or(f64::INFINITY),
+        acceleration_jump: jump.unwrap_or(f64::INFINITY),
+    });
+    let inputs = PreparationInputs {
+        tool_radius: metres("tool_radius_mm", 0.0..=1000.0).unwrap_or(0.0),
+        gouge_tolerance: metres("gouge_tolerance_mm", 0.0..=10.0),
+        edge_distance: metres("edge_distance_mm", 0.0..=1000.0).unwrap_or(0.0),
+        rounding_distance: metres("rounding_distance_mm", 0.0..=1000.0).unwrap_or(0.0),
+        corner_angle_tolerance: section
+            .number("corner_angle_tolerance_deg", 0.0..=180.0)
+            .unwrap_or(0.0)
+            .to_radians(),
+        circular,
+    };
+    section.check_unknown();
+    inputs
 }
 
 fn read_rs274(

@@ -11,8 +11,8 @@ mod section;
 mod tests;
 
 pub use axis::{Axis, AxisDrive, AxisKind, IncrementRatio, SimulatedAxis};
-pub use conditions::ProgramConditions;
 pub(crate) use conditions::said as tool_table_problem;
+pub use conditions::{PreparationInputs, ProgramConditions};
 pub use drives::{DeviceEntry, Parity};
 pub use problem::{MachineFileError, Problem};
 

@@ -1,9 +1,11 @@
 //! A program file and the stages it streams through.
 
+mod operations;
 mod source;
 mod stream;
 
-pub use stream::{ElementItem, Elements, ProgramItem, Setpoints};
+pub use operations::Operations;
+pub use stream::{ElementItem, Elements, Facts, FileFacts, ProgramItem, Setpoints};
 
 use crate::m_function::Acknowledgement;
 use crate::machine::{Machine, ProgramConditions};
@@ -15,11 +17,12 @@ use std::io::{self, BufReader, Read};
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::Arc;
 use std::time::SystemTime;
 use stream::{Prepared, Stage};
 use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
-use twin_motion::path::Marks;
 use twin_motion::path::queue::{Generator, QueueReader};
+use twin_motion::path::{Marks, PathElement};
 use twin_motion::prepare::{Incompatible, Notices, Preparation};
 use twin_motion::{din66025, rs274};
 
@@ -32,14 +35,20 @@ pub enum Dialect {
     Rs274,
     /// Path elements in a queue file (.queue), as `twin path --format queue` writes them
     Queue,
+    /// A drawing, of which a path has been made
+    #[value(skip)]
+    Dxf,
 }
 
-/// Nothing tells which dialect a program is written in.
+/// Why a program's dialect cannot be read.
 #[derive(Debug, thiserror::Error)]
-#[error("{} does not tell its dialect: its ending is none of .cnc .ngc .nc .tap .gcode .queue and it does not begin with % and N blocks; say --dialect", path.display())]
-pub struct DialectError {
-    /// The program.
-    path: PathBuf,
+pub enum DialectError {
+    /// Nothing tells which dialect it is.
+    #[error("{} does not tell its dialect: its ending is none of .cnc .ngc .nc .tap .gcode .queue and it does not begin with % and N blocks; say --dialect", .0.display())]
+    Unknown(PathBuf),
+    /// A drawing is no program.
+    #[error("{} is a drawing; `twin path {} --output PROGRAM.cnc --format din66025` makes a program of it", .0.display(), .0.display())]
+    Drawing(PathBuf),
 }
 
 impl Dialect {
@@ -49,6 +58,7 @@ impl Dialect {
             Self::Din66025 => "din66025",
             Self::Rs274 => "rs274",
             Self::Queue => "queue",
+            Self::Dxf => "dxf",
         }
     }
 
@@ -62,6 +72,7 @@ impl Dialect {
             Some("cnc") => return Ok(Some(Self::Din66025)),
             Some("ngc" | "nc" | "tap" | "gcode") => return Ok(Some(Self::Rs274)),
             Some("queue") => return Ok(Some(Self::Queue)),
+            Some("dxf") => return Ok(Some(Self::Dxf)),
             _ => {}
         }
         let mut beginning = Vec::new();
@@ -83,6 +94,8 @@ pub struct ProgramFile {
     dialect: Dialect,
     settings: ReadSettings,
     stamp: Option<Stamp>,
+    /// A path that was made of the file before.
+    made: Option<Arc<Vec<PathElement>>>,
 }
 
 /// What tells whether a file is still the one that was looked at before.
@@ -120,14 +133,29 @@ impl ProgramFile {
         dialect: Option<Dialect>,
         settings: ReadSettings,
     ) -> Result<Self, DialectError> {
-        let dialect = dialect.ok_or_else(|| DialectError { path: path.to_owned() })?;
+        let dialect = match dialect {
+            Some(Dialect::Dxf) => return Err(DialectError::Drawing(path.to_owned())),
+            Some(dialect) => dialect,
+            None => return Err(DialectError::Unknown(path.to_owned())),
+        };
         let stamp = std::fs::metadata(path).ok().as_ref().and_then(Stamp::of);
-        Ok(Self { path: path.to_owned(), dialect, settings, stamp })
+        Ok(Self { path: path.to_owned(), dialect, settings, stamp, made: None })
+    }
+
+    /// A path that was made of the drawing at `path`.
+    pub fn of_drawing(path: &Path, elements: Vec<PathElement>, settings: ReadSettings) -> Self {
+        let made = Some(Arc::new(elements));
+        Self { path: path.to_owned(), dialect: Dialect::Dxf, settings, stamp: None, made }
     }
 
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// How it is read, beyond its dialect.
+    pub fn settings(&self) -> &ReadSettings {
+        &self.settings
     }
 
     /// How it is read.
@@ -154,6 +182,7 @@ impl ProgramFile {
     /// If it cannot be opened.
     pub fn elements(&self, conditions: &ProgramConditions) -> io::Result<Elements> {
         let (decoded, ledger) = self.decode(conditions, EmptyMoves::Kept)?;
+        let decoded = self.settings.operations.apply(decoded)?;
         Ok(Elements::new(Stage::Decoded(Box::new(decoded)), Notices::default(), ledger))
     }
 
@@ -176,12 +205,23 @@ impl ProgramFile {
         machine: &Machine,
         acknowledgement: Acknowledgement,
     ) -> io::Result<Setpoints> {
+        let cycle = u32::try_from(machine.cycle_ns).ok().and_then(NonZeroU32::new);
+        self.setpoints(&machine.conditions, cycle, acknowledgement)
+    }
+
+    /// Its set-points under `conditions`, one per `cycle` (ns; 1 ms if none is given).
+    ///
+    /// # Errors
+    /// If it cannot be opened.
+    pub fn setpoints(
+        &self,
+        conditions: &ProgramConditions,
+        cycle: Option<NonZeroU32>,
+        acknowledgement: Acknowledgement,
+    ) -> io::Result<Setpoints> {
         let notices = Notices::default();
-        let (checked, ledger) = self.prepare(&machine.conditions, &notices)?;
-        let cycle = u32::try_from(machine.cycle_ns)
-            .ok()
-            .and_then(NonZeroU32::new)
-            .unwrap_or(DEFAULT_CYCLE_NS);
+        let (checked, ledger) = self.prepare(conditions, &notices)?;
+        let cycle = cycle.unwrap_or(DEFAULT_CYCLE_NS);
         let interpolator = Interpolator::new(LookAhead::new(checked), cycle);
         Ok(Setpoints::new(interpolator, notices, ledger, acknowledgement))
     }
@@ -194,6 +234,7 @@ impl ProgramFile {
     ) -> io::Result<(Prepared, Rc<RefCell<Ledger>>)> {
         let (preparation, incompatible) = self.preparation(conditions)?;
         let (decoded, ledger) = self.decode(conditions, EmptyMoves::LeftOut)?;
+        let decoded = self.settings.operations.apply(decoded)?;
         if let Some(incompatible) = incompatible {
             ledger.borrow_mut().report(source::incompatible(incompatible));
         }
@@ -218,16 +259,17 @@ impl ProgramFile {
             }
             // What can be read only once is prepared for the most usual.
             Dialect::Din66025 => Marks::CORRECTION_LEFT.with(Marks::LOOPS),
-            Dialect::Rs274 => Marks::default(),
+            Dialect::Rs274 | Dialect::Dxf => Marks::default(),
             Dialect::Queue if self.is_repeatable() && self.is_unprepared()? => {
                 self.marks(conditions)?
             }
             Dialect::Queue => Marks::default(),
         };
-        Ok(match Preparation::for_marks(marks) {
+        let (preparation, incompatible) = match Preparation::for_marks(marks) {
             Ok(preparation) => (preparation, None),
             Err(incompatible) => (Preparation::default(), Some(incompatible)),
-        })
+        };
+        Ok((conditions.preparation.complete(preparation), incompatible))
     }
 
     /// The marks of all elements together.
@@ -252,6 +294,11 @@ impl ProgramFile {
         empty: EmptyMoves,
     ) -> io::Result<(Decoded, Rc<RefCell<Ledger>>)> {
         let ledger = Rc::new(RefCell::new(Ledger::default()));
+        let decoded = |decoder| Decoded { decoder, ledger: Rc::clone(&ledger), halted: false };
+        if let Some(made) = &self.made {
+            let made = decoded(Decoder::Made { elements: Arc::clone(made), next: 0 });
+            return Ok((made, ledger));
+        }
         let file = File::open(&self.path)?;
         // Reading a directory fails later and less clearly.
         if file.metadata()?.is_dir() {
@@ -260,8 +307,8 @@ impl ProgramFile {
         Stamp::verify(self.stamp, &file)?;
         let file = Counted { file, stamp: self.stamp, ledger: Rc::clone(&ledger) };
         let reader = BufReader::with_capacity(1 << 16, file);
-        let decoder = self.decoder(reader, conditions, empty)?;
-        Ok((Decoded { decoder, ledger: Rc::clone(&ledger), halted: false }, ledger))
+        let decoded = decoded(self.decoder(reader, conditions, empty)?);
+        Ok((decoded, ledger))
     }
 
     fn decoder(
@@ -270,7 +317,7 @@ impl ProgramFile {
         conditions: &ProgramConditions,
         empty: EmptyMoves,
     ) -> io::Result<Decoder> {
-        let ReadSettings { skip_suppressed, variables, jumps, tools } = self.settings.clone();
+        let ReadSettings { skip_suppressed, variables, jumps, tools, .. } = self.settings.clone();
         Ok(match self.dialect {
             Dialect::Din66025 => {
                 let options = din66025::DecoderOptions {
@@ -295,7 +342,7 @@ impl ProgramFile {
                 options.tools = tools.or(options.tools);
                 Decoder::Rs274(Box::new(rs274::Decoder::new(reader, options)))
             }
-            Dialect::Queue => {
+            Dialect::Queue | Dialect::Dxf => {
                 Decoder::Queue(Box::new(QueueReader::new(reader).map_err(io::Error::other)?))
             }
         })

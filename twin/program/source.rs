@@ -1,16 +1,18 @@
 //! The program's text: read, counted, decoded, its diagnostics taken out.
 
 use super::Stamp;
+use super::stream::FileFacts;
 use crate::finding::{Finding, Rule, Severity};
 use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::rc::Rc;
+use std::sync::Arc;
 use twin_motion::Place;
 use twin_motion::decode::{self, Diagnostic, Failure, Item, TextError};
-use twin_motion::path::PathElement;
 use twin_motion::path::queue::QueueReader;
+use twin_motion::path::{OperationError, PathElement};
 use twin_motion::prepare::{CheckError, CornerError, Incompatible, Notice, ToolRadiusError};
 use twin_motion::{din66025, rs274};
 
@@ -24,6 +26,7 @@ pub(super) struct Ledger {
     errors: usize,
     warnings: usize,
     pub(super) left_out: u64,
+    pub(super) facts: FileFacts,
 }
 
 /// More diagnostics of one severity than this are counted, not kept, so that a file that is wrong on every line takes
@@ -100,6 +103,24 @@ impl From<ToolRadiusError> for Halt {
     }
 }
 
+impl From<OperationError> for Halt {
+    fn from(error: OperationError) -> Self {
+        let place = match error {
+            OperationError::UprightArc { place } => place,
+            OperationError::Factor { .. } | OperationError::SplitPlace { .. } => {
+                Place { line: 1, block: None }
+            }
+        };
+        Self::stage(place, &error)
+    }
+}
+
+impl From<io::Error> for Halt {
+    fn from(error: io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
 impl From<CornerError> for Halt {
     fn from(error: CornerError) -> Self {
         Self::stage(error.place(), &error)
@@ -130,6 +151,11 @@ pub(super) enum Decoder {
     Din66025(Box<din66025::Decoder<BufReader<Counted>>>),
     Rs274(Box<rs274::Decoder<BufReader<Counted>>>),
     Queue(Box<QueueReader<BufReader<Counted>>>),
+    /// Elements that are there already.
+    Made {
+        elements: Arc<Vec<PathElement>>,
+        next: usize,
+    },
 }
 
 /// What it makes of the next piece of it.
@@ -153,6 +179,19 @@ impl Piece {
 }
 
 impl Decoder {
+    fn facts(&self) -> FileFacts {
+        match self {
+            Self::Din66025(decoder) => {
+                FileFacts { name: decoder.name().map(str::to_owned), lines: decoder.lines() }
+            }
+            Self::Rs274(decoder) => FileFacts {
+                name: decoder.program_number().map(|number| format!("O{number}")),
+                lines: decoder.lines(),
+            },
+            Self::Queue(_) | Self::Made { .. } => FileFacts::default(),
+        }
+    }
+
     fn read(&mut self) -> Option<Piece> {
         match self {
             Self::Din66025(decoder) => decoder.next().map(Piece::of),
@@ -161,6 +200,11 @@ impl Decoder {
                 Ok(element) => Piece::Element(element),
                 Err(error) => Piece::Failed(io::Error::other(error)),
             }),
+            Self::Made { elements, next } => {
+                let element = elements.get(*next)?.clone();
+                *next += 1;
+                Some(Piece::Element(element))
+            }
         }
     }
 }
@@ -207,7 +251,11 @@ impl Iterator for Decoded {
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
-            let element = match self.decoder.read()? {
+            let Some(piece) = self.decoder.read() else {
+                self.ledger.borrow_mut().facts = self.decoder.facts();
+                return None;
+            };
+            let element = match piece {
                 Piece::Element(element) => element,
                 Piece::Wrong(finding) => {
                     self.ledger.borrow_mut().report(finding);

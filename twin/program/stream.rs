@@ -1,6 +1,7 @@
 //! The program as a stream of path elements or set-points, with what is found on the way.
 
-use super::source::{Decoded, Halt, Ledger, noticed};
+use super::operations::Operated;
+use super::source::{Halt, Ledger, noticed};
 use crate::finding::Finding;
 use crate::m_function::{Acknowledgement, MCall, Waiting};
 use std::cell::RefCell;
@@ -28,16 +29,41 @@ impl Elements {
     pub fn left_out(&self) -> u64 {
         self.ledger.borrow().left_out
     }
+
+    /// What is known of the file when all of it has been read.
+    pub fn facts(&self) -> Facts {
+        Facts(Rc::clone(&self.ledger))
+    }
+}
+
+/// What is known of a file when all of it has been read.
+#[derive(Debug)]
+pub struct Facts(Rc<RefCell<Ledger>>);
+
+/// Name and size of a program.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FileFacts {
+    /// The name it gives itself.
+    pub name: Option<String>,
+    /// Lines read; 0 if it is no text.
+    pub lines: u32,
+}
+
+impl Facts {
+    /// What is known by now.
+    pub fn take(&self) -> FileFacts {
+        self.0.borrow().facts.clone()
+    }
 }
 
 #[derive(Debug)]
 pub(super) enum Stage {
-    Decoded(Box<Decoded>),
+    Decoded(Box<Operated>),
     Prepared(Box<Prepared>),
 }
 
 /// The program's path, ready for look-ahead.
-pub(super) type Prepared = CheckVelocities<PreparedPath<Decoded, Halt>, Halt>;
+pub(super) type Prepared = CheckVelocities<PreparedPath<Operated, Halt>, Halt>;
 
 /// The next thing found: by the decoder, or by preparation.
 fn found(ledger: &RefCell<Ledger>, notices: &Notices) -> Option<Finding> {

@@ -1,51 +1,15 @@
-//! `twin path`: the path elements a program is made of.
+//! Path elements as JSON, one object per line.
 
-use super::options::{ReadOptions, unreadable};
-use super::{Failure, Status, show};
-use crate::finding;
-use crate::machine::{Machine, ProgramConditions};
 use crate::number::significant;
-use crate::program::ElementItem;
 use nalgebra::{Point3, Vector3};
 use serde_json::value::RawValue;
 use std::collections::BTreeMap;
-use std::io::{self, BufWriter, Write};
-use std::path::PathBuf;
+use std::io::{self, Write};
 use twin_kinematics::WorkFrame;
 use twin_motion::path::{EXTRA_AXES, ElementKind, PathElement, Shape};
 
 /// Digits of the numbers written; a double is preserved by 17, and 12 are a picometre on a metre.
 const DIGITS: usize = 12;
-
-/// Print the path elements of a program, one JSON object per line
-///
-/// Positions are those of the tool tip in mm; with --machine its work frame is applied, else they are as programmed.
-#[derive(Debug, clap::Args)]
-pub(super) struct Arguments {
-    /// The program
-    program: PathBuf,
-
-    /// Machine file: its start position and work frame are applied
-    #[arg(long, short, value_name = "FILE")]
-    machine: Option<PathBuf>,
-
-    #[command(flatten)]
-    read: ReadOptions,
-
-    /// Show the path after preparation: tool radius correction, loop avoidance, smoothing, rounding, transition
-    /// velocities
-    #[arg(long)]
-    prepare: bool,
-
-    /// Output format
-    #[arg(long, value_enum, default_value = "jsonl")]
-    format: Format,
-}
-
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum Format {
-    Jsonl,
-}
 
 #[derive(serde::Serialize)]
 struct Row {
@@ -98,41 +62,12 @@ fn millimetres(point: &Point3<f64>) -> [Number; 3] {
     [number(point.x * 1e3), number(point.y * 1e3), number(point.z * 1e3)]
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    let machine = arguments.machine.as_deref().map(Machine::load).transpose()?;
-    let conditions = machine
-        .as_ref()
-        .map_or_else(ProgramConditions::default, |machine| machine.conditions.clone());
-    let program = arguments.read.program(&arguments.program, conditions.rs274.units)?;
-    eprintln!("{} is read as {}", program.path().display(), program.dialect().name());
-    let frame = machine.as_ref().map_or_else(WorkFrame::identity, |machine| machine.frame);
-    let mut findings = Vec::new();
-    let mut out = BufWriter::new(io::stdout().lock());
-    let elements = if arguments.prepare {
-        program.prepared(&conditions)
-    } else {
-        program.elements(&conditions)
-    };
-    let mut elements = elements.map_err(|source| unreadable(program.path(), source))?;
-    for item in &mut elements {
-        match item {
-            ElementItem::Element(element) => {
-                write_element(&mut out, &frame, &element).map_err(Failure::Stdio)?;
-            }
-            ElementItem::Diagnostic(finding) => findings.push(finding),
-            ElementItem::Io(source) => return Err(unreadable(program.path(), source)),
-        }
-    }
-    out.flush().map_err(Failure::Stdio)?;
-    finding::sort(&mut findings);
-    show::findings(&program, &findings);
-    if elements.left_out() > 0 {
-        eprintln!("… and {} more that are not kept", elements.left_out());
-    }
-    Ok(if finding::unfit(&findings) { Status::Unfit } else { Status::Fit })
-}
-
-fn write_element(out: &mut impl Write, frame: &WorkFrame, element: &PathElement) -> io::Result<()> {
+/// Writes an element in the machine frame.
+pub(super) fn write(
+    out: &mut dyn Write,
+    frame: &WorkFrame,
+    element: &PathElement,
+) -> io::Result<()> {
     let kind = match (element.kind, &element.shape) {
         (ElementKind::Rapid, _) => "rapid",
         (ElementKind::Jump, _) => "jump",

@@ -1,0 +1,125 @@
+//! Where output goes: standard output, a file, or a folder of files.
+
+use super::Format;
+use crate::command::Failure;
+use std::fs;
+use std::io::{self, BufWriter, IsTerminal, Stdout, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// Where output goes.
+#[derive(Debug)]
+pub(super) enum Target {
+    Stdout,
+    File(PathBuf),
+    Folder(PathBuf),
+}
+
+impl Target {
+    /// `output`, which is a folder if there may be several files.
+    pub(super) fn new(output: Option<&Path>, several: bool) -> Result<Self, Failure> {
+        match (output, several) {
+            (None, false) => Ok(Self::Stdout),
+            (None, true) => Err(Failure::Usage(
+                "--one-per layer and --one-per section make several files: give --output FOLDER"
+                    .to_owned(),
+            )),
+            (Some(path), false) => Ok(Self::File(path.to_owned())),
+            (Some(path), true) => {
+                fs::create_dir_all(path).map_err(|source| failure(path, source))?;
+                Ok(Self::Folder(path.to_owned()))
+            }
+        }
+    }
+
+    /// Begins the file of program `number`, `name`.
+    pub(super) fn open(&self, number: u32, name: &str, format: Format) -> Result<File, Failure> {
+        let path = match self {
+            Self::Stdout => {
+                if format == Format::Queue && io::stdout().is_terminal() {
+                    let message = "a queue file is no text; give --output FILE";
+                    return Err(Failure::Usage(message.to_owned()));
+                }
+                return Ok(File::Stdout(BufWriter::new(io::stdout())));
+            }
+            Self::File(path) => path.clone(),
+            Self::Folder(folder) => {
+                let plain = |letter: char| {
+                    if letter.is_alphanumeric() || matches!(letter, '-' | '_') {
+                        letter
+                    } else {
+                        '_'
+                    }
+                };
+                let name: String = name.chars().take(60).map(plain).collect();
+                folder.join(format!("{number:03}-{name}.{}", format.ending()))
+            }
+        };
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let temporary = NamedTempFile::new_in(folder.unwrap_or_else(|| Path::new(".")));
+        let temporary = temporary.map_err(|source| failure(&path, source))?;
+        Ok(File::Named { file: BufWriter::with_capacity(1 << 16, temporary), path })
+    }
+}
+
+/// A file that takes its name when it is whole.
+#[derive(Debug)]
+pub(super) enum File {
+    Stdout(BufWriter<Stdout>),
+    Named { file: BufWriter<NamedTempFile>, path: PathBuf },
+}
+
+impl File {
+    /// A failure to write, with the name of what cannot be written.
+    pub(super) fn named(&self, failed: Failure) -> Failure {
+        match (self, failed) {
+            (Self::Named { path, .. }, Failure::Stdio(source)) => failure(path, source),
+            (_, failed) => failed,
+        }
+    }
+
+    /// Gives the file its name.
+    pub(super) fn finish(self) -> Result<(), Failure> {
+        match self {
+            Self::Stdout(mut out) => out.flush().map_err(Failure::Stdio),
+            Self::Named { file, path } => {
+                let named = file.into_inner().map_err(io::IntoInnerError::into_error);
+                let named = named.and_then(|file| readable(&file).map(|()| file));
+                let named = named.and_then(|file| file.persist(&path).map_err(|error| error.error));
+                named.map(|_| ()).map_err(|source| failure(&path, source))
+            }
+        }
+    }
+}
+
+/// Temporary files are their owner's alone; this one has become an ordinary file.
+#[cfg(unix)]
+fn readable(file: &NamedTempFile) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.as_file().set_permissions(fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn readable(_file: &NamedTempFile) -> io::Result<()> {
+    Ok(())
+}
+
+impl Write for File {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Stdout(out) => out.write(bytes),
+            Self::Named { file, .. } => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::Stdout(out) => out.flush(),
+            Self::Named { file, .. } => file.flush(),
+        }
+    }
+}
+
+fn failure(path: &Path, source: io::Error) -> Failure {
+    Failure::Write { path: path.display().to_string(), source }
+}

@@ -1,0 +1,233 @@
+//! `twin path`: what a program's path is, before and after preparation, and what can be made of it.
+
+mod drawing;
+mod file;
+mod info;
+mod jsonl;
+mod numbers;
+mod options;
+mod output;
+mod svg;
+
+use super::options::{ReadOptions, unreadable};
+use super::{Failure, Status, show};
+use crate::finding::{self, Finding};
+use crate::machine::{Machine, ProgramConditions};
+use crate::program::{ElementItem, Elements, ProgramFile};
+use drawing::DrawingOptions;
+use file::Target;
+use options::{OperationOptions, PreparationOptions};
+use output::Writer;
+use std::io;
+use std::path::{Path, PathBuf};
+use twin_kinematics::WorkFrame;
+
+/// Print the path of a program, before or after preparation, or make something of it
+///
+/// Reads programs (DIN 66025, RS274), queue files and drawings (DXF); writes path elements as JSON lines, programs,
+/// drawings, queue files, pictures and overviews. Lengths are in mm, angles in degrees.
+///
+/// Examples:
+///   twin path examples/plate.cnc --format info
+///   twin path examples/plate.cnc --prepare --output plate.svg
+///   twin path part.dxf --order nearest --safe-height 5 --cut-height -1 --output part.cnc
+///   twin path part.cnc --rotate 90 --translate 100,0 --output turned.cnc
+///   twin path program.ngc --linearise 0.5 --arcs --output program.cnc
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub(super) struct Arguments {
+    /// The program, queue file or drawing
+    program: PathBuf,
+
+    /// Machine file: its start position, work frame (in jsonl), and inputs of preparation are applied
+    #[arg(long, short, value_name = "FILE")]
+    machine: Option<PathBuf>,
+
+    #[command(flatten)]
+    read: ReadOptions,
+
+    /// What to write [default: by the ending of --output, else jsonl]
+    #[arg(long, value_enum)]
+    format: Option<Format>,
+
+    /// File to write to, which is replaced when all is well; with --one-per layer or section a folder [default:
+    /// standard output]
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
+
+    #[command(flatten)]
+    preparation: PreparationOptions,
+
+    #[command(flatten)]
+    operations: OperationOptions,
+
+    #[command(flatten)]
+    drawing: DrawingOptions,
+}
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Format {
+    /// Path elements, one JSON object per line, in the machine frame
+    Jsonl,
+    /// A program in SoftMotion's dialect of DIN 66025 (.cnc)
+    Din66025,
+    /// A drawing: rapids on the layer RAPID, cuts on the layer CUT (.dxf)
+    Dxf,
+    /// A queue file (SMC_OUTQUEUE), which check and run read, too (.queue)
+    Queue,
+    /// A picture from above; with --prepare the path before and after, and where the tool is every 100 ms (.svg)
+    Svg,
+    /// Key figures: name, lines, objects, length, duration, start, errors by rule
+    Info,
+    /// The blocks as a G-code viewer shows them: without comments, with the values of variables
+    Viewer,
+    /// The first ten lines of the program and the first ten objects of the queue
+    Listing,
+}
+
+impl Format {
+    /// The one that the name of a file asks for.
+    fn of(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_string_lossy().to_lowercase();
+        Some(match &*ending {
+            "jsonl" => Self::Jsonl,
+            "cnc" => Self::Din66025,
+            "dxf" => Self::Dxf,
+            "queue" => Self::Queue,
+            "svg" => Self::Svg,
+            _ => return None,
+        })
+    }
+
+    /// The ending of its files.
+    const fn ending(self) -> &'static str {
+        match self {
+            Self::Jsonl => "jsonl",
+            Self::Din66025 => "cnc",
+            Self::Dxf => "dxf",
+            Self::Queue => "queue",
+            Self::Svg => "svg",
+            Self::Info | Self::Viewer | Self::Listing => "txt",
+        }
+    }
+}
+
+/// What is to be made of one program.
+struct Job<'a> {
+    program: &'a ProgramFile,
+    /// Its name.
+    name: &'a str,
+    conditions: &'a ProgramConditions,
+    frame: WorkFrame,
+    prepare: bool,
+    findings: Vec<Finding>,
+    left_out: u64,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    let machine = arguments.machine.as_deref().map(Machine::load).transpose()?;
+    let mut conditions = machine
+        .as_ref()
+        .map_or_else(ProgramConditions::default, |machine| machine.conditions.clone());
+    arguments.preparation.complete(&mut conditions);
+    let mut settings = arguments.read.settings(conditions.rs274.units)?;
+    settings.operations = arguments.operations.operations()?;
+    let frame = machine.as_ref().map_or_else(WorkFrame::identity, |machine| machine.frame);
+    let format = arguments
+        .format
+        .or_else(|| arguments.output.as_deref().and_then(Format::of))
+        .unwrap_or(Format::Jsonl);
+
+    let source = &arguments.program;
+    let (programs, notes) = if drawing::is_drawing(source, arguments.read.dialect)? {
+        arguments.drawing.import(source, &conditions, &settings)?
+    } else {
+        arguments.drawing.check_unused()?;
+        let program = ProgramFile::new(source, arguments.read.dialect_of(source)?, settings)?;
+        (vec![(drawing::name(source), program)], Vec::new())
+    };
+    let dialect = programs.first().map_or("dxf", |(_, program)| program.dialect().name());
+    eprintln!("{} is read as {dialect}", source.display());
+    notes.iter().for_each(|note| eprintln!("{}: {note}", source.display()));
+    let target = Target::new(arguments.output.as_deref(), arguments.drawing.is_divided())?;
+
+    let mut status = Status::Fit;
+    for (number, (name, program)) in (1..).zip(&programs) {
+        let mut job = Job {
+            program,
+            name,
+            conditions: &conditions,
+            frame,
+            prepare: arguments.preparation.prepare,
+            findings: Vec::new(),
+            left_out: 0,
+        };
+        let mut file = target.open(number, name, format)?;
+        job.write(format, &mut file).map_err(|failure| file.named(failure))?;
+        file.finish()?;
+        finding::sort(&mut job.findings);
+        show::findings(program, &job.findings);
+        if job.left_out > 0 {
+            eprintln!("… and {} more that are not kept", job.left_out);
+        }
+        if finding::unfit(&job.findings) {
+            status = Status::Unfit;
+        }
+    }
+    if programs.is_empty() {
+        eprintln!("{} has nothing in it that is a path", source.display());
+        status = Status::Unfit;
+    }
+    Ok(status)
+}
+
+impl Job<'_> {
+    fn write(&mut self, format: Format, out: &mut dyn io::Write) -> Result<(), Failure> {
+        match format {
+            Format::Info => return info::key_figures(self, out),
+            Format::Viewer => return info::viewer(self, out),
+            Format::Listing => return info::listing(self, out),
+            Format::Svg => return svg::picture(self, out),
+            Format::Jsonl | Format::Din66025 | Format::Dxf | Format::Queue => {}
+        }
+        let mut writer = Writer::new(format, self, out)?;
+        self.each(|element| writer.write(&element))?;
+        writer.finish()
+    }
+
+    /// Its path as asked for.
+    fn path(&self) -> Result<Elements, Failure> {
+        let path = if self.prepare {
+            self.program.prepared(self.conditions)
+        } else {
+            self.program.elements(self.conditions)
+        };
+        path.map_err(|source| unreadable(self.program.path(), source))
+    }
+
+    /// Hands on the elements of its path and keeps the findings.
+    fn each(
+        &mut self,
+        take: impl FnMut(twin_motion::path::PathElement) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let path = self.path()?;
+        self.take(path, take)
+    }
+
+    fn take(
+        &mut self,
+        mut path: Elements,
+        mut take: impl FnMut(twin_motion::path::PathElement) -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        for item in &mut path {
+            match item {
+                ElementItem::Element(element) => take(element)?,
+                ElementItem::Diagnostic(finding) => self.findings.push(finding),
+                ElementItem::Io(source) => return Err(unreadable(self.program.path(), source)),
+            }
+        }
+        self.left_out = path.left_out();
+        Ok(())
+    }
+}
