@@ -159,7 +159,6 @@ impl MachineAxes {
                 AxisSource::Transform(output) if twice => {
                     return Err(MachineAxesError::OutputTwice { output });
                 }
-                AxisSource::Transform(_) => {}
                 AxisSource::Coordinate(coordinate) if twice => {
                     return Err(MachineAxesError::CoordinateTwice { coordinate });
                 }
@@ -172,7 +171,7 @@ impl MachineAxes {
                 AxisSource::Additional(number) if twice => {
                     return Err(MachineAxesError::AdditionalTwice { number });
                 }
-                AxisSource::Additional(_) => {}
+                AxisSource::Transform(_) | AxisSource::Additional(_) => {}
             }
         }
         if let Some(output) =

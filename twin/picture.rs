@@ -2,7 +2,7 @@
 
 use crate::compare::Measured;
 use crate::machine::{AxisKind, Machine};
-use crate::program::{ElementItem, ProgramFile};
+use crate::program::{ElementItem, Elements, ProgramFile};
 use crate::session::{DriveSample, TwinCycle};
 use nalgebra::{Isometry3, Point3};
 use std::collections::VecDeque;
@@ -107,15 +107,11 @@ impl<'m> Picture<'m> {
             drives,
         };
         let mut scene = Scene::open(options, &setup)?;
-        let mut strips = Vec::new();
-        for item in program.elements(&machine.conditions)? {
-            let ElementItem::Element(element) = item else { continue };
-            strips.extend(strip(machine, &element));
-            if strips.len() >= BATCH {
-                scene.programmed_path(&joined(std::mem::take(&mut strips)))?;
-            }
+        show_path(machine, &mut scene, program.elements(&machine.conditions)?, |kind| kind)?;
+        if program.is_changed_by_preparation(&machine.conditions)? {
+            let prepared = program.prepared(&machine.conditions)?;
+            show_path(machine, &mut scene, prepared, |_| MoveKind::Prepared)?;
         }
-        scene.programmed_path(&joined(strips))?;
         picture.scene = Some(scene);
         Ok(picture)
     }
@@ -229,6 +225,26 @@ pub enum PictureError {
     /// The program.
     #[error("the program cannot be read: {0}")]
     Read(#[from] std::io::Error),
+}
+
+/// Shows a path, each move as what `kind` makes of it.
+fn show_path(
+    machine: &Machine,
+    scene: &mut Scene,
+    path: Elements,
+    kind: impl Fn(MoveKind) -> MoveKind,
+) -> Result<(), PictureError> {
+    let mut strips = Vec::new();
+    for item in path {
+        let ElementItem::Element(element) = item else { continue };
+        let strip = strip(machine, &element);
+        strips.extend(strip.map(|strip| PathStrip { kind: kind(strip.kind), ..strip }));
+        if strips.len() >= BATCH {
+            scene.programmed_path(&joined(std::mem::take(&mut strips)))?;
+        }
+    }
+    scene.programmed_path(&joined(strips))?;
+    Ok(())
 }
 
 fn differences(actual: &AxisVector, wanted: &AxisVector) -> AxisVector {

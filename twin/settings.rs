@@ -53,19 +53,31 @@ pub enum VariablesError {
         source: toml::de::Error,
     },
     /// A value that is neither a number nor the eight of `SMC_M_PARAMETERS`.
-    #[error("{}: `{name}` must be a number, true or false, or a list of up to 8 numbers (dP1 to dP8 of an M function)", path.display())]
+    #[error("{}: `{name}` must be a number, true or false, {{ type = \"INT\", value = 5 }}, or a list of up to 8 numbers (dP1 to dP8 of an M function)", path.display())]
     Value {
         /// The file.
         path: PathBuf,
         /// The variable.
         name: String,
     },
+    /// A type there is not, or one that cannot hold the value.
+    #[error("{}: `{name}` cannot be {value} of the type {kind}; the types are INT BYTE WORD DINT DWORD REAL SINT USINT UINT UDINT LREAL", path.display())]
+    Type {
+        /// The file.
+        path: PathBuf,
+        /// The variable.
+        name: String,
+        /// Its type.
+        kind: String,
+        /// Its value.
+        value: f64,
+    },
     /// A definition on the command line.
     #[error("`{0}` is no definition of a variable; expected NAME=NUMBER")]
     Definition(String),
 }
 
-/// Adds the variables of a file (`name = number`, or a list of up to 8 numbers as parameters of M functions).
+/// Adds the variables of a file (`name = number`, `name = { type = "INT", value = 5 }`, or a list of up to 8 numbers as parameters of M functions).
 ///
 /// # Errors
 /// If it cannot be read or says something else.
@@ -86,6 +98,14 @@ pub fn read_variables(path: &Path, variables: &mut Variables) -> Result<(), Vari
                 *slot = number(value).ok_or_else(wrong)?;
             }
             variables.set_parameters(name, parameters);
+        } else if let toml::Value::Table(typed) = value {
+            let kind = typed.get("type").and_then(toml::Value::as_str);
+            let value = typed.get("value").and_then(number);
+            let (kind, value) = kind.zip(value).filter(|_| typed.len() == 2).ok_or_else(wrong)?;
+            if !variables.set_typed(name, kind, value) {
+                let (path, name, kind) = (path(), name.clone(), kind.to_owned());
+                return Err(VariablesError::Type { path, name, kind, value });
+            }
         } else {
             variables.set(name, number(value).ok_or_else(wrong)?);
         }
@@ -132,10 +152,11 @@ mod tests {
 
     #[test]
     fn a_file_of_variables() {
-        let variables = read("g_i = 5\ng_fFeed = 12.5\nready = true\ng_my = [1, 2.5]\n").unwrap();
+        let variables = read("g_i = 5\ng_fFeed = 12.5\nready = true\ng_my = [1, 2.5]\ng_n = { type = \"int\", value = 7 }\n").unwrap();
         assert_eq!(variables.get("G_I"), Some(5.0));
         assert_eq!(variables.get("g_ffeed"), Some(12.5));
         assert_eq!(variables.get("ready"), Some(1.0));
+        assert_eq!(variables.get("g_n"), Some(7.0));
         assert_eq!(variables.parameters("G_MY"), Some([1.0, 2.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]));
     }
 
@@ -146,6 +167,9 @@ mod tests {
             ("g_i = \"five\"", "`g_i` must be a number"),
             ("g_i = [1,2,3,4,5,6,7,8,9]", "up to 8 numbers"),
             ("g_i = nan", "`g_i` must be a number"),
+            ("g_i = { type = \"INT\" }", "`g_i` must be a number"),
+            ("g_i = { type = \"INT\", value = 40000 }", "`g_i` cannot be 40000 of the type INT"),
+            ("g_i = { type = \"BOOLEAN\", value = 1 }", "of the type BOOLEAN; the types are INT"),
         ] {
             let error = read(text).unwrap_err().to_string();
             assert!(error.contains(part), "{error}");

@@ -183,7 +183,13 @@ impl Page {
     fn close_up(&mut self, layout: &Layout) -> Result<Part, VizError> {
         let width = mm(layout.close_up);
         let name = format!("At the tool ({width} mm high)");
-        let contents = ["+ /program/cuts/**", "+ /program/rapids/**", "+ /trail/**", "+ /tool/**"];
+        let contents = [
+            "+ /program/cuts/**",
+            "+ /program/rapids/**",
+            "+ /program/prepared/**",
+            "+ /trail/**",
+            "+ /tool/**",
+        ];
         let view = self.view("3D", &name, "/tool/set-point", &contents)?;
         // From above, a little tilted: straight from above, a tool that moves up or down would hit the camera.
         let eye = Vector3::from(ABOVE).normalize() * (layout.close_up / 2.0 / HALF_VIEW.tan());

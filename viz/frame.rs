@@ -36,9 +36,11 @@ pub enum MoveKind {
     Cut,
     /// A positioning move (G0).
     Rapid,
+    /// What preparation has made of the moves: shown beside them where they differ.
+    Prepared,
 }
 
-/// A piece of the programmed path.
+/// A piece of the programmed path, or of what preparation has made of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathStrip {
     /// Cutting or positioning.

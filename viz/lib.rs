@@ -11,6 +11,7 @@
 //! |---|---|---|
 //! | `machine/<link>` | pose of a link of the twin; its solids below it | `time`, `line` |
 //! | `program/cuts/<n>`, `program/rapids/<n>` | programmed path | static |
+//! | `program/prepared/<n>` | path after preparation, where the program asks for any | static |
 //! | `trail/{set-point,twin,drives}` | path travelled, in pieces; their newest ends in `trail/newest` | `time`, `line` |
 //! | `tool/{set-point,twin,drives}` | where the tool is | `time`, `line` |
 //! | `error/tool/{twin,drives,between}` | distance of the tool to the set-point, and between drives and twin, mm | `time`, `line` |

@@ -35,6 +35,11 @@ pub(crate) fn rapid() -> Color {
     Color::from_rgb(240, 228, 66)
 }
 
+/// The path after preparation: vermilion.
+pub(crate) fn prepared() -> Color {
+    Color::from_rgb(213, 94, 0)
+}
+
 /// The same hue for the `index`-th axis: full, darker, lighter, and again.
 pub(crate) fn shade(color: Color, index: usize) -> Color {
     let [r, g, b, a] = color.to_array();

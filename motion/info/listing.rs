@@ -154,6 +154,12 @@ impl fmt::Display for QueueRow {
             }
             f.write_str(" ")?;
         }
-        write!(f, "{:>8.2}  {:>8.2}", self.velocity * 1e3, self.end_velocity * 1e3)
+        write!(f, "{:>8.2}  ", self.velocity * 1e3)?;
+        if self.end_velocity.is_finite() {
+            write!(f, "{:>8.2}", self.end_velocity * 1e3)
+        } else {
+            // Not known before the velocities are checked.
+            write!(f, "{:>8}", "–")
+        }
     }
 }

@@ -226,6 +226,16 @@ impl ProgramFile {
         Ok(Setpoints::new(interpolator, notices, ledger, acknowledgement))
     }
 
+    /// Whether preparation leads the path elsewhere.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn is_changed_by_preparation(&self, conditions: &ProgramConditions) -> io::Result<bool> {
+        let (preparation, _) = self.preparation(conditions)?;
+        let Preparation { tool_radius, loops, smoothing, rounding, circular: _ } = preparation;
+        Ok(tool_radius.is_some() || loops.is_some() || smoothing.is_some() || rounding.is_some())
+    }
+
     /// The path through all the preparation that the program asks for.
     fn prepare(
         &self,

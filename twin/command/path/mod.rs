@@ -24,8 +24,9 @@ use twin_kinematics::WorkFrame;
 
 /// Print the path of a program, before or after preparation, or make something of it
 ///
-/// Reads programs (DIN 66025, RS274), queue files and drawings (DXF); writes path elements as JSON lines, programs,
-/// drawings, queue files, pictures and overviews. Lengths are in mm, angles in degrees.
+/// Reads programs (DIN 66025, RS274), queue files and drawings (DXF).
+/// Writes path elements as JSON lines, programs, drawings, queue files, pictures and overviews.
+/// Lengths are in mm, angles in degrees.
 ///
 /// Examples:
 ///   twin path examples/plate.cnc --format info

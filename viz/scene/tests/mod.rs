@@ -115,6 +115,7 @@ fn record(milliseconds: u32, has_drives: bool) -> Read {
             strip(MoveKind::Cut, 0.25),
             strip(MoveKind::Rapid, 0.5),
             strip(MoveKind::Cut, 1.0),
+            strip(MoveKind::Prepared, 2.0),
         ])
         .unwrap();
     for ms in 0..milliseconds {
@@ -244,7 +245,7 @@ fn solids_are_logged_once_in_mm() {
 }
 
 #[test]
-fn cuts_and_rapids_are_told_apart() {
+fn cuts_rapids_and_the_prepared_path_are_told_apart() {
     let read = record(1, false);
     let lines = |entity| {
         let strips = read
@@ -253,6 +254,7 @@ fn cuts_and_rapids_are_told_apart() {
     };
     assert_eq!(lines("program/cuts/1"), [250.0, 1000.0]);
     assert_eq!(lines("program/rapids/1"), [500.0]);
+    assert_eq!(lines("program/prepared/1"), [2000.0]);
 }
 
 #[test]
