@@ -34,6 +34,7 @@ pub(super) struct Series {
 
 impl State {
     /// G81, G82 or G83.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
     pub(super) fn drill(
         &mut self,
         cycle: Cycle,
@@ -116,12 +117,6 @@ impl State {
             let missing = DecodeError::MissingCycleWord { cycle: number, letter: letter.as_char() };
             block.get(letter).or(before).ok_or(missing)
         };
-        let positive = |letter: Letter, value: f64, inside: bool| {
-            let letter = letter.as_char();
-            let error =
-                DecodeError::OutOfRange { letter, value, min: 0.0, max: f64::MAX, unit: "" };
-            if inside { Ok(value) } else { Err(error) }
-        };
         let mut series = Series {
             cycle,
             initial: self.series.map_or(height, |series| series.initial),
@@ -133,12 +128,15 @@ impl State {
         match cycle {
             Cycle::Drill => {}
             Cycle::DrillDwell => {
-                let dwell = word(Letter::P, before.map(|series| series.dwell))?;
-                series.dwell = positive(Letter::P, dwell, dwell >= 0.0)?;
+                series.dwell = word(Letter::P, before.map(|series| series.dwell))?;
+                State::dwell_ns(series.dwell)?;
             }
             Cycle::Peck => {
                 let peck = word(Letter::Q, before.map(|series| series.peck))?;
-                series.peck = positive(Letter::Q, peck, peck > 0.0)?;
+                if peck <= 0.0 {
+                    return Err(DecodeError::NonPositivePeck { value: peck });
+                }
+                series.peck = peck;
             }
         }
         Ok(series)

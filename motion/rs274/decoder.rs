@@ -23,6 +23,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 /// block with an error gives an error (or several); the path goes on with the next block where the erroneous one was to
 /// lead as far as that can be told, with a jump in between. So all errors of a program are found in one run.
 #[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is told apart by its name")]
 pub struct Decoder<R> {
     reader: R,
     skip_suppressed_blocks: bool,
@@ -87,6 +88,12 @@ impl<R: BufRead> Decoder<R> {
     /// Number of the tool in the spindle, 0 = none.
     pub fn tool(&self) -> u32 {
         self.state.tool
+    }
+
+    /// What is kept: bytes of the line, and items that nobody has taken yet.
+    #[cfg(test)]
+    pub(super) fn capacity(&self) -> usize {
+        self.line.capacity() + self.problems.capacity() + self.out.items.capacity()
     }
 
     /// Reads the next line; false at the end of the program.
@@ -187,6 +194,7 @@ impl<R: BufRead> Iterator for Decoder<R> {
                 Ok(true) => self.decode_line(),
                 Ok(false) => {
                     self.ended = true;
+                    self.out.place = Place { line: self.line_number.max(1), block: None };
                     self.out.warning(None, DecodeError::MissingEnd);
                 }
                 Err(error) => {

@@ -1,6 +1,7 @@
 //! What can be wrong with a program, and where.
 
 use crate::decode::{self, Rule, TextError};
+use crate::short::Short;
 use std::ops::Range;
 
 /// One thing wrong with a block.
@@ -80,7 +81,7 @@ pub enum DecodeError {
     #[error("N must be the first word of its block")]
     MisplacedBlockNumber,
     /// A fraction where only whole numbers are allowed.
-    #[error("{letter} takes a whole number, not {value}")]
+    #[error("{letter} takes a whole number, not {}", Short(*value))]
     NotWhole {
         /// The word's letter.
         letter: char,
@@ -88,7 +89,7 @@ pub enum DecodeError {
         value: f64,
     },
     /// A number, or the position it leads to, beyond what is allowed.
-    #[error("{letter} is {value}{unit}, outside {min}{unit} to {max}{unit}")]
+    #[error("{letter} is {}{unit}, outside {}{unit} to {}{unit}", Short(*value), Short(*min), Short(*max))]
     OutOfRange {
         /// The word's letter.
         letter: char,
@@ -185,8 +186,14 @@ pub enum DecodeError {
         /// Letter of the word.
         letter: char,
     },
+    /// G83 with a Q that leads nowhere.
+    #[error("the peck Q of G83 is {}, it must be more than 0", Short(*value))]
+    NonPositivePeck {
+        /// Its number.
+        value: f64,
+    },
     /// The retract plane is below the bottom of the hole.
-    #[error("the retract plane R at {retract} is below the bottom of the hole at {bottom}")]
+    #[error("the retract plane R at {} is below the bottom of the hole at {}", Short(*retract), Short(*bottom))]
     RetractBelowBottom {
         /// Where R is.
         retract: f64,
@@ -247,7 +254,9 @@ pub enum DecodeError {
     RadiusWithoutChord,
     /// R is less than half the chord.
     #[error(
-        "no arc of radius R {radius_mm} mm joins two points that are 2 × {half_chord_mm} mm apart"
+        "no arc of radius R {} mm joins two points that are 2 × {} mm apart",
+        Short(*radius_mm),
+        Short(*half_chord_mm)
     )]
     RadiusTooSmall {
         /// R without its sign, mm.
@@ -257,7 +266,9 @@ pub enum DecodeError {
     },
     /// Start or end is at the centre.
     #[error(
-        "the radius of the arc is zero: {start_radius_mm} mm at its start, {end_radius_mm} mm at its end"
+        "the radius of the arc is zero: {} mm at its start, {} mm at its end",
+        Short(*start_radius_mm),
+        Short(*end_radius_mm)
     )]
     ZeroRadius {
         /// Distance of the start from the centre, mm.
@@ -267,7 +278,9 @@ pub enum DecodeError {
     },
     /// Start and end are not on one circle.
     #[error(
-        "start and end are not on one circle: {start_radius_mm} mm and {end_radius_mm} mm from the centre"
+        "start and end are not on one circle: {} mm and {} mm from the centre",
+        Short(*start_radius_mm),
+        Short(*end_radius_mm)
     )]
     CenterMismatch {
         /// Distance of the start from the centre, mm.

@@ -243,6 +243,7 @@ impl Lexer<'_> {
         let at = self.at;
         match byte {
             b'#' => return self.unsupported(at, UnsupportedReason::Parameter),
+            b'[' => return self.unsupported(at, UnsupportedReason::Expression),
             b'@' | b'^' | b'$' => {
                 let letter = char::from(byte);
                 return self.problem(at, at + 1, DecodeError::UnsupportedLetter { letter });

@@ -21,9 +21,9 @@ pub(super) struct Offsets {
 }
 
 impl Offsets {
-    pub(super) fn new(systems: [Position; 9], reference: ToolReference) -> Self {
+    pub(super) fn new(systems: &[Position; 9], reference: ToolReference) -> Self {
         let mut offsets = Self {
-            systems,
+            systems: *systems,
             system: 0,
             g92: Position::default(),
             kept_g92: Position::default(),

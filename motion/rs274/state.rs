@@ -26,6 +26,7 @@ pub(super) struct Feed {
 
 /// The interpreter between two blocks.
 #[derive(Clone, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "modes of the language, each on or off")]
 pub(super) struct State {
     pub(super) rapid_velocity: f64,
     pub(super) acceleration: f64,
@@ -61,7 +62,7 @@ pub(super) struct State {
 
 impl State {
     pub(super) fn new(options: DecoderOptions) -> Self {
-        let offsets = Offsets::new(options.work_offsets, options.reference);
+        let offsets = Offsets::new(&options.work_offsets, options.reference);
         let location = Location::new(options.start, &offsets, options.units);
         Self {
             rapid_velocity: options.rapid_velocity,
@@ -120,8 +121,7 @@ impl State {
         self.set_feed(block)?;
         self.set_tool_and_speed(block, out)?;
         if block.g.one_shot == Some(OneShot::Dwell) {
-            let seconds = block.get(Letter::P).filter(|seconds| *seconds >= 0.0);
-            let seconds = seconds.ok_or(DecodeError::MissingDwell)?;
+            let seconds = block.get(Letter::P).ok_or(DecodeError::MissingDwell)?;
             self.dwell(seconds, out)?;
         }
         self.set_modes(block);
@@ -257,7 +257,8 @@ impl State {
         if !self.inverse_time {
             self.feed =
                 Some(Feed { linear: self.units.to_metres(feed) / 60.0, rotary: feed / 60.0 });
-            self.feed_reported = false;
+            // F0 is none.
+            self.feed_reported &= feed <= 0.0;
         }
         Ok(())
     }
@@ -380,15 +381,23 @@ impl State {
         }
     }
 
-    /// Waits for `seconds`.
-    pub(super) fn dwell(&mut self, seconds: f64, out: &mut Output) -> Result<(), DecodeError> {
-        if seconds > MAX_DWELL_S {
+    /// `seconds` in ns.
+    ///
+    /// # Errors
+    /// [`DecodeError::OutOfRange`].
+    pub(super) fn dwell_ns(seconds: f64) -> Result<i64, DecodeError> {
+        if !(0.0..=MAX_DWELL_S).contains(&seconds) {
             let (min, max) = (0.0, MAX_DWELL_S);
             let letter = Letter::P.as_char();
             return Err(DecodeError::OutOfRange { letter, value: seconds, min, max, unit: " s" });
         }
         #[expect(clippy::cast_possible_truncation, reason = "at most 10¹⁵")]
-        let time_ns = (seconds * 1e9).round() as i64;
+        Ok((seconds * 1e9).round() as i64)
+    }
+
+    /// Waits for `seconds`.
+    pub(super) fn dwell(&mut self, seconds: f64, out: &mut Output) -> Result<(), DecodeError> {
+        let time_ns = Self::dwell_ns(seconds)?;
         self.stand(ElementKind::Dwell { time_ns }, MParameters::default(), out);
         Ok(())
     }

@@ -163,6 +163,7 @@ impl State {
 
     /// G28 and G30: to the point of the axis words, if there are any, and from there with the axes named, or all of
     /// them, to `home`.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
     pub(super) fn go_home(
         &mut self,
         home: Position,
@@ -237,6 +238,7 @@ impl State {
     }
 
     /// m/s, or a thousandth of degrees/s where only rotary axes move.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
     fn feed_along(
         &self,
         shape: &Shape,
@@ -267,6 +269,7 @@ impl State {
     }
 
     /// Goes along `shape` to `to`.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
     fn go(&mut self, kind: ElementKind, shape: Shape, feed: f64, to: Location, out: &mut Output) {
         let from = std::mem::replace(&mut self.location, to).machine;
         if !self.keep_empty_moves && shape.length() <= 0.0 && from.rotary == to.machine.rotary {
@@ -353,6 +356,7 @@ impl State {
     }
 
     /// Where the tool is if one coordinate of the program changes.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
     pub(super) fn with(
         &self,
         at: &Location,

@@ -3,7 +3,8 @@
 //! `linuxcnc.txt` is the output of LinuxCNC 2.9's interpreter (Debian package linuxcnc-uspace 2.9, its Python module
 //! `gcode`, all offsets zero) for programs that were written to see its rules: `| line of the program`, then its moves
 //! in mm and mm/min as `line kind x y z [F feed] [plane turns n center first second] [abc a b c]`, `line dwell
-//! seconds`, or `! error`, where it stopped.
+//! seconds`, or `! error`, where it stopped. Where only rotary axes move F is in degrees per minute, as `rs274 -g` has
+//! it; for a program in inches the module gives 25.4 times as much.
 
 use super::moves::{ArcMove, Move, as_move};
 use super::*;
@@ -37,6 +38,10 @@ fn cases() -> Vec<Case> {
     cases
 }
 
+fn next<'a>(words: &mut impl Iterator<Item = &'a str>) -> f64 {
+    words.next().unwrap().parse().unwrap()
+}
+
 fn parse(line: &str) -> Move {
     let mut words = line.split(' ');
     let mut result = Move {
@@ -44,9 +49,6 @@ fn parse(line: &str) -> Move {
         kind: words.next().unwrap().to_owned(),
         ..Move::default()
     };
-    fn next<'a>(words: &mut impl Iterator<Item = &'a str>) -> f64 {
-        words.next().unwrap().parse().unwrap()
-    }
     if result.kind == "dwell" {
         result.seconds = Some(next(&mut words));
     } else {
@@ -91,7 +93,7 @@ fn programs_are_as_linuxcnc_reads_them() {
             ours.iter().zip(&expected).find_map(|(ours, expected)| ours.difference(expected));
         if difference.is_some()
             || ours.len() != expected.len()
-            || case.error.is_some() != !decoded.errors.is_empty()
+            || case.error.is_some() == decoded.errors.is_empty()
         {
             wrong.push(format!(
                 "{}: {} of {} moves, {difference:?}, errors {:?}, expected {:?}\n",

@@ -1,10 +1,22 @@
 #![expect(clippy::float_cmp, reason = "rounded before, or to be the same bit for bit")]
+#![expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    reason = "counts, turns and dwells: far below 2^53"
+)]
 
 mod corpus;
+mod cycles;
+mod errors;
 mod linuxcnc;
 mod moves;
+mod offsets;
+mod random;
+mod tools;
+mod unsupported;
+mod words;
 
-use super::{Decoder, DecoderOptions, Diagnostic, Failure, Item};
+use super::{Decoder, DecoderOptions, Diagnostic, Failure, Item, Position};
 use crate::path::{ElementKind, PathElement};
 
 /// Everything a program gives.
@@ -30,4 +42,28 @@ fn decode_with(options: DecoderOptions, program: &[u8]) -> Decoded {
 
 fn decode(program: &str) -> Decoded {
     decode_with(DecoderOptions::default(), program.as_bytes())
+}
+
+/// The elements of a program in which nothing is wrong.
+#[track_caller]
+fn elements_with(options: DecoderOptions, program: &str) -> Vec<PathElement> {
+    let decoded = decode_with(options, program.as_bytes());
+    assert_eq!(decoded.errors, [], "{program}");
+    decoded.elements
+}
+
+#[track_caller]
+fn elements(program: &str) -> Vec<PathElement> {
+    elements_with(DecoderOptions::default(), program)
+}
+
+/// Where elements end, mm, rounded to a nanometre.
+fn ends_mm(elements: &[PathElement]) -> Vec<[f64; 3]> {
+    let round = |metres: f64| (metres * 1e9).round() / 1e6 + 0.0;
+    elements.iter().map(|element| element.end().coords.map(round).into()).collect()
+}
+
+/// `X Y Z` in m and no rotary axes.
+fn at(linear: [f64; 3]) -> Position {
+    Position { linear, rotary: [0.0; 3] }
 }

@@ -81,12 +81,7 @@ impl Move {
             (ours, expected) => ours.is_none() && expected.is_none(),
         };
         let feed = match (self.feed, expected.feed) {
-            // Where only rotary axes move F is degrees per minute; the oracle takes it for inches and prints mm.
-            (Some(ours), Some(expected)) => {
-                let tolerance = 1e-4 + expected * 1e-9;
-                close(ours, expected, tolerance)
-                    || (self.abc != [0.0; 3] && close(ours * 25.4, expected, 26.0 * tolerance))
-            }
+            (Some(ours), Some(expected)) => close(ours, expected, 1e-4 + expected * 1e-9),
             (ours, expected) => ours == expected,
         };
         let arc = match (&self.arc, &expected.arc) {

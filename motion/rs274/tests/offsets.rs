@@ -1,0 +1,123 @@
+//! Coordinate systems, G92, G53, G28 and G30: closed forms.
+
+use super::*;
+use crate::rs274::LengthUnit;
+use ElementKind::{Cut, Rapid};
+use std::array;
+
+/// Where the path ends, mm.
+#[track_caller]
+fn end_mm(options: &DecoderOptions, program: &str) -> [f64; 3] {
+    *ends_mm(&elements_with(options.clone(), &format!("{program}\nM2"))).last().unwrap()
+}
+
+/// G54 at 1, G55 at 2 … on X, and 10, 20 … on Y, mm.
+fn options() -> DecoderOptions {
+    let system = |index: usize| at([1e-3 * (index + 1) as f64, 1e-2 * (index + 1) as f64, 0.0]);
+    DecoderOptions {
+        work_offsets: array::from_fn(system),
+        g28: at([0.1, 0.2, 0.3]),
+        g30: at([-0.1, -0.2, -0.3]),
+        ..DecoderOptions::default()
+    }
+}
+
+#[test]
+fn coordinate_systems() {
+    let words = ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"];
+    for (index, word) in words.into_iter().enumerate() {
+        let number = (index + 1) as f64;
+        let expected = [number + 5.0, 10.0 * number + 6.0, 7.0];
+        assert_eq!(end_mm(&options(), &format!("{word} G0 X5 Y6 Z7")), expected, "{word}");
+        // Axes that are not named stay where they are in the machine.
+        assert_eq!(
+            end_mm(&options(), &format!("G0 X1 Y1 Z1\n{word} X5")),
+            [number + 5.0, 11.0, 1.0]
+        );
+    }
+    assert_eq!(end_mm(&options(), "G0 X5"), [6.0, 0.0, 0.0], "G54 to begin with");
+}
+
+#[test]
+fn machine_frame() {
+    assert_eq!(end_mm(&options(), "G56 G53 G0 X5 Z7"), [5.0, 0.0, 7.0]);
+    // For its line alone.
+    assert_eq!(end_mm(&options(), "G53 G0 X5\nX5"), [6.0, 0.0, 0.0]);
+    assert_eq!(end_mm(&options(), "G92 X100\nG53 G1 X5 F1"), [5.0, 0.0, 0.0]);
+}
+
+#[test]
+fn set_position() {
+    let plain = DecoderOptions::default();
+    assert_eq!(end_mm(&plain, "G0 X5\nG92 X1 Y2\nX2 Y2"), [6.0, 0.0, 0.0]);
+    assert_eq!(end_mm(&plain, "G0 X5\nG92 X1\nG92 X3\nX0"), [2.0, 0.0, 0.0]);
+    // On top of the coordinate system.
+    assert_eq!(end_mm(&options(), "G55 G0 X5\nG92 X0\nX1"), [8.0, 0.0, 0.0]);
+    assert_eq!(end_mm(&options(), "G55 G0 X5\nG92 X0\nG54 X1"), [7.0, 0.0, 0.0]);
+    // Off; off, and on again; off for good.
+    assert_eq!(end_mm(&plain, "G0 X5\nG92 X0\nG92.1 X1"), [1.0, 0.0, 0.0]);
+    assert_eq!(end_mm(&plain, "G0 X5\nG92 X0\nG92.2\nX1"), [1.0, 0.0, 0.0]);
+    assert_eq!(end_mm(&plain, "G0 X5\nG92 X0\nG92.2\nX1\nG92.3 X1"), [6.0, 0.0, 0.0]);
+    assert_eq!(end_mm(&plain, "G0 X5\nG92 X0\nG92.1\nG92.3 X1"), [1.0, 0.0, 0.0]);
+    // No motion, and no element.
+    assert_eq!(elements("G92 X7 Y8 Z9\nM2"), []);
+}
+
+#[test]
+fn home() {
+    let home = |program: &str| ends_mm(&elements_with(options(), &format!("{program}\nM2")));
+    let (g28, g30) = ([100.0, 200.0, 300.0], [-100.0, -200.0, -300.0]);
+    assert_eq!(home("G28").last(), Some(&g28));
+    assert_eq!(home("G30").last(), Some(&g30));
+    // Through a point of the program's coordinates, with the axes named.
+    assert_eq!(home("G28 Z5"), [[0.0, 0.0, 5.0], [0.0, 0.0, 300.0]]);
+    assert_eq!(home("G91 G30 X5 Z1"), [[5.0, 0.0, 1.0], [-100.0, 0.0, -300.0]]);
+    assert_eq!(home("G55 G28 X5"), [[7.0, 0.0, 0.0], [100.0, 0.0, 0.0]]);
+    let kinds = elements_with(options(), "G1 F60\nG28 X1\nX2\nM2");
+    let kinds: Vec<_> = kinds.iter().map(|element| element.kind).collect();
+    assert_eq!(kinds, [Cut, Rapid, Rapid, Cut], "G1 stays in force");
+}
+
+#[test]
+fn start() {
+    let start = at([0.001, -0.002, 0.003]);
+    let options = DecoderOptions { start, ..DecoderOptions::default() };
+    let found = elements_with(options.clone(), "G0 X5\nM2");
+    assert_eq!(<[f64; 3]>::from(found[0].start().coords), start.linear);
+    assert_eq!(ends_mm(&found), [[5.0, -2.0, 3.0]]);
+    assert_eq!(end_mm(&options, "G91 G0 X5 Y5 Z5"), [6.0, 3.0, 8.0]);
+    let decoder = Decoder::new(&b"M2"[..], options);
+    assert_eq!(decoder.position(), start);
+}
+
+#[test]
+fn units() {
+    let inches = DecoderOptions { units: LengthUnit::Inch, ..DecoderOptions::default() };
+    assert_eq!(end_mm(&inches, "G0 X1"), [25.4, 0.0, 0.0]);
+    assert_eq!(end_mm(&inches, "G21 G0 X1"), [1.0, 0.0, 0.0]);
+    let plain = DecoderOptions::default();
+    assert_eq!(end_mm(&plain, "G20 G0 X1 Y-2\nG21 G91 X1 Y1"), [26.4, -49.8, 0.0]);
+    // Offsets do not depend on the units of the program.
+    assert_eq!(end_mm(&options(), "G20 G55 G0 X1"), [27.4, 0.0, 0.0]);
+    assert_eq!(end_mm(&plain, "G0 X50.8\nG20 G92 X1\nX2"), [76.2, 0.0, 0.0]);
+    // F is in the units of the line before it (LinuxCNC's order), and stays when units change.
+    let feeds = |program: &str| -> Vec<f64> {
+        elements(program).iter().map(|element| (element.feed * 6e7).round() / 1e3).collect()
+    };
+    assert_eq!(feeds("G20\nG1 X1 F10\nG21 X1\nX2 F10\nM2"), [254.0, 254.0, 10.0]);
+}
+
+/// Rotary axes are the extra axes P Q U, in degrees.
+#[test]
+fn rotary_axes() {
+    let mut options = DecoderOptions::default();
+    options.work_offsets[1].rotary = [10.0, 0.0, 0.0];
+    let found = elements_with(options, "G55 G0 X1\nG1 A20 F360\nG91 B5 X1\nM2");
+    assert!(found[0].extra().is_none(), "none has been named yet");
+    assert_eq!(found[1].extra().unwrap().end, [30.0, 0.0, 0.0, 0.0, 0.0]);
+    // 360 degrees a minute, as a thousandth of m/s.
+    assert_eq!(found[1].feed, 0.006);
+    assert_eq!(found[2].extra().unwrap().start, [30.0, 0.0, 0.0, 0.0, 0.0]);
+    assert_eq!(found[2].extra().unwrap().end, [30.0, 5.0, 0.0, 0.0, 0.0]);
+    assert_eq!(found[2].feed, 0.006);
+}

@@ -1,0 +1,176 @@
+//! The tool table, tool length, and M functions.
+
+use super::*;
+use crate::rs274::{LengthUnit, Tool, ToolReference, ToolTable, ToolTableError};
+use ElementKind::{Jump, Rapid};
+
+const TABLE: &str = "\
+; tools of the mill
+T1 P1 Z51.125 D6.35 ;quarter inch end mill
+
+t2 p17 x1 y-2 z+10.5 d-3 a0 b0 c0 u0 v0 w0 i0 j0 q1 ; everything
+T0 Z0\r
+T99999 Z20
+";
+
+fn table() -> ToolTable {
+    ToolTable::read(TABLE.as_bytes(), LengthUnit::Millimetre).unwrap()
+}
+
+#[test]
+fn file() {
+    let table = table();
+    let numbers: Vec<u32> = table.as_slice().iter().map(|tool| tool.number).collect();
+    assert_eq!(numbers, [0, 1, 2, 99_999]);
+    let first = Tool { number: 1, offset: [0.0, 0.0, 0.051_125], diameter: 0.006_35 };
+    assert_eq!(table.get(1), Some(&first));
+    assert_eq!(
+        table.get(2),
+        Some(&Tool { number: 2, offset: [0.001, -0.002, 0.010_5], diameter: 0.003 })
+    );
+    assert_eq!(table.get(3), None);
+    let inches = ToolTable::read(&b"T1 Z2 D.5"[..], LengthUnit::Inch).unwrap();
+    assert_eq!(inches.get(1).unwrap().offset, [0.0, 0.0, 0.050_8]);
+    assert_eq!(inches.get(1).unwrap().diameter, 0.012_7);
+}
+
+#[test]
+fn errors_of_the_file() {
+    let message = |text: &str| {
+        ToolTable::read(text.as_bytes(), LengthUnit::Millimetre).unwrap_err().to_string()
+    };
+    for (text, expected) in [
+        ("T1\nT2 Zx", "line 2: 'Z' is not followed by a number"),
+        ("T1 Z", "line 1: 'Z' is not followed by a number"),
+        ("T1 G5", "line 1: tool tables have no 'G'"),
+        (";\nP1 Z5", "line 2: a tool needs a whole number T"),
+        ("T1.5 Z5", "line 1: a tool needs a whole number T"),
+        ("T-1 Z5", "line 1: a tool needs a whole number T"),
+        ("T1\nT2\nT1", "line 3: tool 1 is there already"),
+        ("T1 Z1000001", "line 1: Z1000001 is too large"),
+    ] {
+        assert_eq!(message(text), expected, "{text}");
+    }
+    assert_eq!(
+        message(&"T".repeat(1 << 21)),
+        "line 1: the tool table is longer than 1048576 bytes"
+    );
+    assert!(message(&";\n".repeat(1 << 20)).ends_with("longer than 1048576 bytes"));
+    let error = ToolTable::read(Broken, LengthUnit::Millimetre).unwrap_err();
+    assert!(matches!(error, ToolTableError::Io(_)));
+    // Of several the last.
+    let tool = |diameter| Tool { number: 7, diameter, ..Tool::default() };
+    assert_eq!(ToolTable::new([tool(1.0), tool(2.0)]).as_slice(), [tool(2.0)]);
+}
+
+struct Broken;
+
+impl std::io::Read for Broken {
+    fn read(&mut self, _: &mut [u8]) -> std::io::Result<usize> {
+        Err(std::io::ErrorKind::TimedOut.into())
+    }
+}
+
+fn options(reference: ToolReference) -> DecoderOptions {
+    DecoderOptions { tools: Some(table()), reference, ..DecoderOptions::default() }
+}
+
+/// G43 lifts the controlled point by the tool's length from the next move on; the tip is where the program says.
+#[test]
+fn length() {
+    let program = "G0 X5 Z5\nG43 H1\nX6\nZ5\nG49\nX7\nZ5\nM2";
+    let controlled = elements_with(options(ToolReference::ControlPoint), program);
+    assert_eq!(
+        ends_mm(&controlled),
+        [[5.0, 0.0, 5.0], [6.0, 0.0, 5.0], [6.0, 0.0, 56.125], [7.0, 0.0, 56.125], [7.0, 0.0, 5.0]]
+    );
+    let tip = elements_with(options(ToolReference::Tip), program);
+    let kinds: Vec<_> = tip.iter().map(|element| element.kind).collect();
+    assert_eq!(kinds, [Rapid, Jump, Rapid, Rapid, Jump, Rapid, Rapid]);
+    assert_eq!(
+        ends_mm(&tip),
+        [
+            [5.0, 0.0, 5.0],
+            [5.0, 0.0, -46.125],
+            [6.0, 0.0, -46.125],
+            [6.0, 0.0, 5.0],
+            [6.0, 0.0, 56.125],
+            [7.0, 0.0, 56.125],
+            [7.0, 0.0, 5.0]
+        ]
+    );
+}
+
+/// Both references differ by the tool at every move, with G53, G28 and offsets in all axes.
+#[test]
+fn references_differ_by_the_tool() {
+    let program = "G43 H2\nG0 X5 Y5 Z5\nG1 X8 F100\nG53 G0 Z50\nG28\nG2 X7 Y10 I4 J4\nM2";
+    let ends = |reference| ends_mm(&elements_with(options(reference), program));
+    let (controlled, tip) = (ends(ToolReference::ControlPoint), ends(ToolReference::Tip));
+    assert_eq!(controlled.len(), 6);
+    // The first moves of both begin at the machine's start.
+    for (controlled, tip) in controlled.iter().zip(&tip) {
+        let difference: [f64; 3] = std::array::from_fn(|axis| controlled[axis] - tip[axis]);
+        for (difference, tool) in difference.into_iter().zip([1.0, -2.0, 10.5]) {
+            assert!((difference - tool).abs() < 2e-6, "{controlled:?}, {tip:?}");
+        }
+    }
+}
+
+/// G43 without H and with H0 takes the tool in the spindle, which T with M6 changes and T alone does not.
+#[test]
+fn tool_in_the_spindle() {
+    let end = |program: &str| {
+        let found = elements_with(options(ToolReference::ControlPoint), &format!("{program}\nM2"));
+        ends_mm(&found).last().copied().unwrap()
+    };
+    assert_eq!(end("T1 M6\nG43\nG0 Z0"), [0.0, 0.0, 51.125]);
+    assert_eq!(end("M6 T1\nG43 H0\nG0 Z0"), [0.0, 0.0, 51.125]);
+    assert_eq!(end("T1 M6\nT2\nG43\nG0 Z0"), [0.0, 0.0, 51.125]);
+    assert_eq!(end("T1\nG43\nG0 Z0"), [0.0, 0.0, 0.0]);
+    let options = DecoderOptions { tool: 2, ..options(ToolReference::ControlPoint) };
+    let found = elements_with(options, "G43 G0 X0 Y0 Z0\nM2");
+    assert_eq!(ends_mm(&found), [[1.0, -2.0, 10.5]]);
+}
+
+#[test]
+fn m_functions() {
+    let found =
+        elements("G0 X1\nM6 T3\nS1000 M3\nS2000\nM4 M8\nM5 M9\nM0\nM1\nM60\nM7\nG0 X2 M0\nM30");
+    let functions: Vec<_> = found
+        .iter()
+        .filter_map(|element| match element.kind {
+            ElementKind::MFunction { number } => Some((
+                element.place.line,
+                number,
+                element.details.as_ref().and_then(|details| details.parameters.k),
+            )),
+            _ => None,
+        })
+        .collect();
+    assert_eq!(
+        functions,
+        [
+            (2, 6, Some(3.0)),
+            (3, 3, Some(1000.0)),
+            (5, 4, Some(2000.0)),
+            (5, 8, None),
+            (6, 5, None),
+            (6, 9, None),
+            (7, 0, None),
+            (8, 1, None),
+            (9, 60, None),
+            (10, 7, None),
+            (11, 0, None),
+        ]
+    );
+    // The stop is behind the motion of its line; everything else before it.
+    let kinds = |program: &str| -> Vec<_> {
+        elements(program).iter().map(|element| element.kind).collect()
+    };
+    let m = |number| ElementKind::MFunction { number };
+    assert_eq!(kinds("G0 X1 M0 M3\nM2"), [m(3), ElementKind::Rapid, m(0)]);
+    for element in found {
+        assert!(element.kind.is_motion() || element.start() == element.end());
+    }
+}

@@ -1,0 +1,124 @@
+//! What is not executed is told, with line and word; nothing is left out silently.
+
+use super::*;
+use crate::decode::{Rule, TextError};
+
+/// G words of the subset in tenths.
+const G: [u16; 43] = [
+    0, 10, 20, 30, 40, 170, 180, 190, 200, 210, 280, 300, 400, 430, 490, 530, 540, 550, 560, 570,
+    580, 590, 591, 592, 593, 610, 640, 800, 810, 820, 830, 900, 901, 910, 911, 920, 921, 922, 923,
+    930, 940, 980, 990,
+];
+const M: [u16; 12] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 30, 60];
+const LETTERS: &str = "ABCFGHIJKLMNOPQRSTXYZ";
+
+/// Asserts that the second line has this error alone or first, and that nothing is executed of it.
+#[track_caller]
+fn assert_unsupported(block: &str, pointed: &str, message: &str) {
+    let decoded = decode(&format!("G0 X1\nN20 {block}\nM2"));
+    let [error, ..] = &decoded.errors[..] else { panic!("{block:?} is taken for something") };
+    assert_eq!(error.error.rule(), Rule::UnsupportedWord, "{block:?}: {error}");
+    assert_eq!(error.to_string(), format!("line 2 (N20): {message}"), "{block:?}");
+    let line = format!("N20 {block}");
+    assert_eq!(&line[error.columns.clone().unwrap()], pointed, "{block:?}");
+    assert_eq!(decoded.elements.len(), 1, "{block:?}");
+}
+
+#[test]
+fn every_g_word() {
+    for tenths in 0..=1010_u16 {
+        if G.contains(&tenths) {
+            let decoded = decode(&format!("G{}.{}", tenths / 10, tenths % 10));
+            let refused = decoded.errors.iter().any(|e| e.error.rule() == Rule::UnsupportedWord);
+            assert!(!refused, "{tenths}: {:?}", decoded.errors);
+            continue;
+        }
+        let number = f64::from(tenths) / 10.0;
+        let word = format!("G{number}");
+        assert_unsupported(&format!("X2 {word} Y3"), &word, &format!("{word} is not supported"));
+    }
+    for number in ["G-1", "G0.05", "G61.15", "G1000", "G99999999999999999999"] {
+        let decoded = decode(&format!("X1\n{number}\nM2"));
+        let error = &decoded.errors[1];
+        assert_eq!((error.place.line, error.error.rule()), (2, Rule::UnsupportedWord), "{number}");
+    }
+}
+
+#[test]
+fn every_m_word() {
+    for number in 0..=1000_u16 {
+        let word = format!("M{number}");
+        if M.contains(&number) {
+            assert_eq!(decode(&word).errors, [], "{word}");
+        } else {
+            assert_unsupported(&format!("{word} X2"), &word, &format!("{word} is not supported"));
+        }
+    }
+    for word in ["M-1", "M3.5"] {
+        assert_unsupported(word, word, &format!("{word} is not supported"));
+    }
+}
+
+#[test]
+fn every_letter() {
+    for letter in ('A'..='Z').filter(|letter| !LETTERS.contains(*letter)) {
+        for letter in [letter, letter.to_ascii_lowercase()] {
+            let word = format!("{letter}1.5");
+            let message = format!("{} words are not supported", letter.to_ascii_uppercase());
+            assert_unsupported(&format!("X2 {word}"), &word, &message);
+        }
+    }
+    for letter in LETTERS.chars() {
+        let decoded = decode(&format!("{letter}1"));
+        assert!(decoded.errors.iter().all(|error| error.error.rule() != Rule::UnsupportedWord));
+    }
+    assert_unsupported("X2 @5 ^30", "@", "@ words are not supported");
+    assert_unsupported("^30", "^", "^ words are not supported");
+    assert_unsupported("$H", "$", "$ words are not supported");
+}
+
+#[test]
+fn what_is_no_word() {
+    let parameter = "parameters (#) are not supported";
+    let expression = "expressions ([ ]) are not supported";
+    let subroutine =
+        "O words other than a number at the beginning of the program are not supported";
+    for (block, pointed, message) in [
+        ("#1=5", "#1=5", parameter),
+        ("#<_name> = 5", "#<_name> = 5", parameter),
+        ("X2 #1=5", "#1=5", parameter),
+        ("X#1 Y2", "X#1 Y2", parameter),
+        ("X-#1", "X-#1", parameter),
+        ("G#1", "G#1", parameter),
+        ("X##1", "X##1", parameter),
+        ("X[1+2]", "X[1+2]", expression),
+        ("Y-[1]", "Y-[1]", expression),
+        ("X2 [note]", "[note]", expression),
+        ("Xsin[30]", "Xsin[30]", expression),
+        ("X2 Y SQRT [4]", "Y SQRT [4]", expression),
+        ("Zatan[1]/[1]", "Zatan[1]/[1]", expression),
+        ("G[1]", "G[1]", expression),
+        ("o100 sub", "o100 sub", subroutine),
+        ("O100 call [1]", "O100 call [1]", subroutine),
+        ("o<name> if", "o<name> if", subroutine),
+        ("o[1] call", "o[1] call", subroutine),
+        ("O#1 call", "O#1 call", subroutine),
+        ("O12 (in the middle)", "O12", subroutine),
+        ("X2 O5", "O5", subroutine),
+        ("M98 P1", "M98", "M98 is not supported"),
+        ("G41 D1", "G41", "G41 is not supported"),
+        ("G42.1 D1", "G42.1", "G42.1 is not supported"),
+        ("G5.1 X1 I1 J1", "G5.1", "G5.1 is not supported"),
+        ("G38.2 Z-1 F10", "G38.2", "G38.2 is not supported"),
+        ("G61.1", "G61.1", "G61.1 is not supported"),
+        ("G10 L2 P1 X5", "G10", "G10 is not supported"),
+        ("G43.1 Z5", "G43.1", "G43.1 is not supported"),
+        ("G28.1", "G28.1", "G28.1 is not supported"),
+        ("G33 Z-5 K1", "G33", "G33 is not supported"),
+        ("G95", "G95", "G95 is not supported"),
+        ("G84 Z-1 R1", "G84", "G84 is not supported"),
+        ("M62 P1", "M62", "M62 is not supported"),
+    ] {
+        assert_unsupported(block, pointed, message);
+    }
+}
