@@ -109,13 +109,16 @@ impl PathElement {
     /// profile, tangent and curvature are the derivatives of that motion and the tangent is no unit vector.
     pub fn at(&self, s: f64) -> PathPoint {
         let mut point = self.shape.at(s);
-        if let Some(details) = &self.details
-            && details.s_profile.contains(AxisMask::Z)
-        {
+        if self.smooth_z() {
             let z = along(self.start().z, self.end().z, s, self.shape.length(), true);
             [point.position.z, point.tangent.z, point.curvature.z] = z;
         }
         point
+    }
+
+    /// Whether Z moves with the S profile.
+    fn smooth_z(&self) -> bool {
+        self.details.as_ref().is_some_and(|details| details.s_profile.contains(AxisMask::Z))
     }
 
     /// The extra axes at path length `s`, m, from the start; none if the program has not named any.
@@ -141,12 +144,16 @@ impl PathElement {
 
     /// Direction in which the path leaves the start; zero on an element of length zero.
     pub fn start_tangent(&self) -> Vector3<f64> {
-        self.at(0.0).tangent
+        if self.smooth_z() { self.at(0.0).tangent } else { self.shape.start_tangent() }
     }
 
     /// Direction in which the path arrives at the end; zero on an element of length zero.
     pub fn end_tangent(&self) -> Vector3<f64> {
-        self.at(self.shape.length()).tangent
+        if self.smooth_z() {
+            self.at(self.shape.length()).tangent
+        } else {
+            self.shape.end_tangent()
+        }
     }
 }
 

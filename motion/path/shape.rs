@@ -67,12 +67,18 @@ impl Shape {
 
     /// Unit tangent at the start; zero on a shape of length zero.
     pub fn start_tangent(&self) -> Vector3<f64> {
-        self.at(0.0).tangent
+        match self {
+            Self::Line { start, end } => direction(start, end),
+            _ => self.at(0.0).tangent,
+        }
     }
 
     /// Unit tangent at the end; zero on a shape of length zero.
     pub fn end_tangent(&self) -> Vector3<f64> {
-        self.at(self.length()).tangent
+        match self {
+            Self::Line { start, end } => direction(start, end),
+            _ => self.at(self.length()).tangent,
+        }
     }
 }
 
@@ -92,6 +98,11 @@ impl PathPoint {
     pub(super) fn resting(position: Point3<f64>) -> Self {
         Self { position, tangent: Vector3::zeros(), curvature: Vector3::zeros() }
     }
+}
+
+/// From `start` to `end`; zero if they are the same.
+fn direction(start: &Point3<f64>, end: &Point3<f64>) -> Vector3<f64> {
+    (end - start).try_normalize(0.0).unwrap_or_default()
 }
 
 fn on_line(start: &Point3<f64>, end: &Point3<f64>, s: f64) -> PathPoint {

@@ -3,6 +3,7 @@
 use crate::Place;
 use crate::path::{ElementKind, PathElement};
 use nalgebra::SVector;
+use std::f64::consts::PI;
 use std::fmt;
 use std::ops::Deref;
 
@@ -30,7 +31,7 @@ const LARGEST: f64 = 1e100;
 #[derive(Debug)]
 pub struct CheckVelocities<I, E> {
     upstream: I,
-    angle_tolerance: f64,
+    turns: Turns,
     /// The newest element, its end velocity not yet set.
     held: Option<CheckedElement>,
     /// An error that comes after the element just handed out.
@@ -46,7 +47,13 @@ where
     /// Checks the elements of `upstream`; turns of up to `angle_tolerance` (rad, the manual's `dAngleTol`) are
     /// passed without a stop.
     pub fn new(upstream: I, angle_tolerance: f64) -> Self {
-        Self { upstream, angle_tolerance, held: None, failure: None, ended: false }
+        Self {
+            upstream,
+            turns: Turns::up_to(angle_tolerance),
+            held: None,
+            failure: None,
+            ended: false,
+        }
     }
 
     fn pull(&mut self) -> Option<Result<CheckedElement, E>> {
@@ -70,15 +77,14 @@ where
         }
         while !self.ended {
             match self.pull() {
-                Some(Ok(next)) => {
-                    if let Some(mut element) = self.held.replace(next) {
-                        if let Some(next) = &self.held {
-                            element.element.end_velocity =
-                                transition_velocity(&element, next, self.angle_tolerance);
-                        }
-                        return Some(Ok(element));
+                Some(Ok(next)) => match &mut self.held {
+                    Some(element) => {
+                        element.element.end_velocity =
+                            transition_velocity(element, &next, self.turns);
+                        return Some(Ok(std::mem::replace(element, next)));
                     }
-                }
+                    None => self.held = Some(next),
+                },
                 Some(Err(error)) => match self.held.take() {
                     Some(element) => {
                         self.failure = Some(error);
@@ -94,27 +100,17 @@ where
 }
 
 /// The largest velocity from `element` into `next`, m/s.
-fn transition_velocity(
-    element: &CheckedElement,
-    next: &CheckedElement,
-    angle_tolerance: f64,
-) -> f64 {
+fn transition_velocity(element: &CheckedElement, next: &CheckedElement, turns: Turns) -> f64 {
     let cuts = |element: &CheckedElement| element.kind == ElementKind::Cut && element.has_path();
     if !cuts(element) || !cuts(next) {
         return 0.0;
     }
-    let in_space = |element: &CheckedElement| element.shape.length() > 0.0;
-    let turn = match (in_space(element), in_space(next)) {
-        (true, true) => angle_between(&element.end_tangent(), &next.start_tangent()),
-        (false, false) => angle_between(&extra_direction(element), &extra_direction(next)),
-        _ => None,
+    let passes = match (element.in_space, next.in_space) {
+        (true, true) => turns.contain(&element.end_tangent(), &next.start_tangent()),
+        (false, false) => turns.contain(&extra_direction(element), &extra_direction(next)),
+        _ => false,
     };
-    match turn {
-        Some(turn) if turn <= angle_tolerance + ANGLE_EPS => {
-            element.end_velocity.min(element.feed).min(next.feed)
-        }
-        _ => 0.0,
-    }
+    if passes { element.end_velocity.min(element.feed).min(next.feed) } else { 0.0 }
 }
 
 /// How the extra axes of an element move, u.
@@ -124,11 +120,32 @@ fn extra_direction(element: &PathElement) -> SVector<f64, 5> {
         .map_or_else(SVector::zeros, |extra| SVector::from(extra.end) - SVector::from(extra.start))
 }
 
-/// Angle between two directions, rad, 0 to π; none if one of them is zero. The arc tangent of difference and sum of
-/// the unit vectors keeps its digits at 0 and π, where the arc cosine of the dot product loses half of them.
-fn angle_between<const N: usize>(a: &SVector<f64, N>, b: &SVector<f64, N>) -> Option<f64> {
-    let (a, b) = (a.try_normalize(0.0)?, b.try_normalize(0.0)?);
-    Some(2.0 * (a - b).norm().atan2((a + b).norm()))
+/// The turns that are passed without a stop: up to an angle, of whose half these are sine and cosine, squared.
+#[derive(Clone, Copy, Debug)]
+struct Turns {
+    sine_2: f64,
+    cosine_2: f64,
+}
+
+impl Turns {
+    /// Up to `tolerance`, rad.
+    fn up_to(tolerance: f64) -> Self {
+        let largest = tolerance + ANGLE_EPS;
+        if largest >= PI {
+            // The cosine of its half is not quite 0.
+            return Self { sine_2: 1.0, cosine_2: 0.0 };
+        }
+        let (sine, cosine) = (0.5 * largest).sin_cos();
+        Self { sine_2: sine * sine.abs(), cosine_2: cosine * cosine }
+    }
+
+    /// Whether the turn from one direction to another is one of them; not if one of the two is zero. The tangent of
+    /// half the angle is that of difference and sum of the unit vectors, which keeps its digits at 0 and π, where the
+    /// dot product loses half of them.
+    fn contain<const N: usize>(self, a: &SVector<f64, N>, b: &SVector<f64, N>) -> bool {
+        let (Some(a), Some(b)) = (a.try_normalize(0.0), b.try_normalize(0.0)) else { return false };
+        (a - b).norm_squared() * self.cosine_2 <= (a + b).norm_squared() * self.sine_2
+    }
 }
 
 /// A path element with limits that can be planned with and its transition velocity set: what [`CheckVelocities`]
@@ -140,6 +157,8 @@ fn angle_between<const N: usize>(a: &SVector<f64, N>, b: &SVector<f64, N>) -> Op
 pub struct CheckedElement {
     element: PathElement,
     length: f64,
+    /// It moves X, Y or Z.
+    in_space: bool,
 }
 
 impl CheckedElement {
@@ -150,7 +169,8 @@ impl CheckedElement {
         if !(0.0..=LARGEST).contains(&extent) {
             return Err(CheckError::Length { place, length: extent });
         }
-        let length = element.length();
+        let in_space = extent > 0.0;
+        let length = if in_space && element.kind.is_motion() { extent } else { element.length() };
         let limits = [
             (Limit::Feed, element.feed),
             (Limit::Acceleration, element.acceleration),
@@ -166,7 +186,7 @@ impl CheckedElement {
         if limit.is_nan() || limit < 0.0 {
             return Err(CheckError::EndVelocity { place, value: limit });
         }
-        Ok(Self { element, length })
+        Ok(Self { element, length, in_space })
     }
 
     /// The same with a stop at its end.

@@ -27,5 +27,5 @@ fuzz_target!(|program: &[u8]| {
     let begun = Marks(marks.0 & Marks::STARTS.0);
     assert!(found.contains(begun), "{found:?} is said to be all of {begun:?}");
     let prepared = path::prepared(&whole, &path::by_marks(&whole));
-    path::sampled(prepared, |_| None);
+    path::sampled(prepared, false, |_| None);
 });

@@ -41,7 +41,9 @@ fuzz_target!(|drawing: &[u8]| {
                 let limits = Limits::default();
                 let again = self::import(&written[..], &ImportOptions { limits, ..options });
                 assert!(again.is_ok(), "{again:?}");
-                path::sampled(path::prepared(&elements, &path::by_marks(&elements)), |_| None);
+                path::sampled(path::prepared(&elements, &path::by_marks(&elements)), false, |_| {
+                    None
+                });
             }
         }
     }

@@ -84,15 +84,16 @@ pub fn by_marks(path: &[PathElement]) -> Preparation {
     Preparation::for_marks(marks).unwrap_or_default()
 }
 
-/// Samples `path` as far as a machine would wait, with what `inputs` says for each cycle, if anything.
-pub fn sampled(path: Vec<PathElement>, mut inputs: impl FnMut(usize) -> Option<Inputs>) {
+/// Samples `path` as far as a machine would wait, with what `inputs` says for each cycle, if anything. Unless it is
+/// `foreign`, with curves that need not end where they say, no set-point is further from the one before than its
+/// velocity allows.
+pub fn sampled(
+    path: Vec<PathElement>,
+    foreign: bool,
+    mut inputs: impl FnMut(usize) -> Option<Inputs>,
+) {
     let fastest = path.iter().map(|element| element.feed).fold(0.0, f64::max);
-    // What is read from a file may be anything.
-    let gapless = path.windows(2).all(|pair| match pair {
-        [one, next] => (next.start() - one.end()).norm() <= 1e-9,
-        _ => true,
-    });
-    let steady = path.iter().all(is_steady) && gapless;
+    let steady = !foreign && path.iter().all(is_steady);
     let end = path.last().map(PathElement::end);
     let elements = path.into_iter().map(Ok::<_, Box<dyn Error>>);
     let planned = LookAhead::new(CheckVelocities::new(elements, ANGLE_TOLERANCE));
@@ -128,10 +129,9 @@ pub fn sampled(path: Vec<PathElement>, mut inputs: impl FnMut(usize) -> Option<I
 }
 
 /// Whether the tool never jumps and never moves faster than along the path, as it does where Z has a profile of its
-/// own and on an arc in a file whose ends are on different circles.
+/// own.
 fn is_steady(element: &PathElement) -> bool {
     let details = element.details.as_deref();
     let smooth_z = details.is_some_and(|details| details.s_profile.contains(AxisMask::Z));
-    let fastest = element.start_tangent().norm().max(element.end_tangent().norm());
-    element.kind != ElementKind::Jump && !smooth_z && fastest <= 1.001
+    element.kind != ElementKind::Jump && !smooth_z
 }

@@ -24,7 +24,7 @@ fuzz_target!(|bytes: &[u8]| {
     let [stages, window, demands @ ..] = head;
     let preparation = preparation(*stages, *window, &path);
     let prepared = path::prepared(&path, &preparation);
-    path::sampled(prepared, |cycle| demand(cycle, *demands));
+    path::sampled(prepared, false, |cycle| demand(cycle, *demands));
 });
 
 /// A block is eight bytes: what it does, and four numbers.

@@ -17,7 +17,7 @@ fuzz_target!(|file: &[u8]| {
     // Bit for bit, whatever NaN would equal.
     assert_eq!(written, self::written(&again));
     assert_eq!(path.len(), again.len());
-    path::sampled(path, |_| None);
+    path::sampled(path, true, |_| None);
 });
 
 /// The elements before an error, after which there is nothing.

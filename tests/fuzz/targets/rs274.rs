@@ -27,6 +27,6 @@ fuzz_target!(|program: &[u8]| {
         // The path of the controlled point never jumps but where a block could not be executed.
         let waits = |kind| matches!(kind, ElementKind::Dwell { .. });
         let path: Vec<_> = path.into_iter().filter(|element| !waits(element.kind)).collect();
-        path::sampled(path::prepared(&path, &path::by_marks(&path)), |_| None);
+        path::sampled(path::prepared(&path, &path::by_marks(&path)), false, |_| None);
     }
 });
