@@ -52,8 +52,7 @@ impl Emitter {
         }
         let chord = (element.end() - element.start()).xy();
         // The same point again ends a spline, and the next begins there.
-        let spline = spline && chord.norm() > 0.0;
-        let spline = spline.then(|| match &self.held {
+        let spline = (spline && chord.norm() > 0.0).then(|| match &self.held {
             Some(Held { element: before, spline: Some(_), .. }) => {
                 cardinal_tangent(before.start().xy(), element.end().xy())
             }
@@ -62,11 +61,9 @@ impl Emitter {
             }
             _ => chord,
         });
-        let next = Held { element, spline, requests };
-        if let Some(held) = self.held.take() {
-            held.finish(Some(&next), out);
+        if let Some(held) = self.held.replace(Held { element, spline, requests }) {
+            held.finish(self.held.as_ref(), out);
         }
-        self.held = Some(next);
     }
 
     /// Nothing follows.

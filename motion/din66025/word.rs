@@ -133,7 +133,7 @@ impl Letter {
         let upper = byte.to_ascii_uppercase();
         let index = usize::from(upper.wrapping_sub(b'A'));
         let known = LETTERS.get(index).copied().flatten();
-        known.ok_or(DecodeError::UnknownLetter { letter: char::from(upper) })
+        known.ok_or_else(|| DecodeError::UnknownLetter { letter: char::from(upper) })
     }
 
     /// True for the letters that say where to go.
@@ -301,9 +301,9 @@ impl Command {
     /// # Errors
     /// [`DecodeError::UnknownCommand`].
     pub(super) fn from_number(number: f64) -> Result<Self, DecodeError> {
-        let unknown = DecodeError::UnknownCommand { number };
+        let unknown = || DecodeError::UnknownCommand { number };
         if !(0.0..=99.0).contains(&number) {
-            return Err(unknown);
+            return Err(unknown());
         }
         #[expect(
             clippy::cast_possible_truncation,
@@ -338,7 +338,7 @@ impl Command {
             92 => Self::SetPosition,
             98 => Self::Centers { relative: false },
             99 => Self::Centers { relative: true },
-            _ => return Err(unknown),
+            _ => return Err(unknown()),
         })
     }
 

@@ -212,25 +212,25 @@ impl Block {
     }
 
     fn add_g(&mut self, value: f64) -> Result<(), DecodeError> {
-        let unsupported = DecodeError::UnsupportedCode { letter: 'G', number: value };
+        let unsupported = || DecodeError::UnsupportedCode { letter: 'G', number: value };
         // One decimal; what is meant may be off by a little.
-        let tenths = whole_number(value * 10.0, 10.0 * WHOLE, 999).ok_or(unsupported.clone())?;
+        let tenths = whole_number(value * 10.0, 10.0 * WHOLE, 999).ok_or_else(unsupported)?;
         self.g.add(tenths).map_err(|error| match error {
-            CodeError::Unsupported => unsupported,
+            CodeError::Unsupported => unsupported(),
             CodeError::Conflict => DecodeError::Conflict { letter: 'G', number: value },
         })
     }
 
     fn add_m(&mut self, value: f64) -> Result<(), DecodeError> {
-        let unsupported = DecodeError::UnsupportedCode { letter: 'M', number: value };
+        let unsupported = || DecodeError::UnsupportedCode { letter: 'M', number: value };
         self.m_count += 1;
         if self.m_count > MAX_M_WORDS {
             self.m_count = MAX_M_WORDS;
             return Err(DecodeError::TooManyMWords { limit: MAX_M_WORDS });
         }
-        let number = whole_number(value, WHOLE, 999).ok_or(unsupported.clone())?;
+        let number = whole_number(value, WHOLE, 999).ok_or_else(unsupported)?;
         self.m.add(number).map_err(|error| match error {
-            CodeError::Unsupported => unsupported,
+            CodeError::Unsupported => unsupported(),
             CodeError::Conflict => DecodeError::Conflict { letter: 'M', number: value },
         })
     }

@@ -11,6 +11,9 @@ const CHECKS: u32 = 8;
 const DEEPEST: u32 = 12;
 /// An arc that turns by less than this is a line, rad.
 const STRAIGHT: f64 = 1e-9;
+/// What is shorter than this has no direction that is more than rounding, m: there are such pieces where a spline turns
+/// back on itself.
+const SHORTEST: f64 = 1e-12;
 
 /// A piece of a curve and the path lengths on it between which it runs, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,17 +43,31 @@ pub(in crate::prepare) fn fit(shape: &Shape, tolerance: f64) -> Vec<Fit> {
             open.push((middle, to, depth + 1));
             open.push((from, middle, depth + 1));
         } else {
-            pieces.extend(biarc);
+            pieces.extend(biarc.into_iter().filter(|piece| piece.curve.length() > SHORTEST));
         }
     }
+    // Those that are left share what the others had.
+    let mut at = 0.0;
+    for piece in &mut pieces {
+        piece.from = at;
+        at = piece.to;
+    }
+    match pieces.last_mut() {
+        Some(last) => last.to = length,
+        None => pieces.push(chord(&shape.start().xy(), &shape.end().xy(), 0.0, length)),
+    }
     pieces
+}
+
+fn chord(start: &Point2<f64>, end: &Point2<f64>, from: f64, to: f64) -> Fit {
+    Fit { curve: Curve::Line { start: *start, end: *end }, from, to }
 }
 
 /// The two arcs in place of the piece between two path lengths; one chord where there are no such arcs.
 fn biarc(shape: &Shape, from: f64, to: f64) -> Vec<Fit> {
     let (first, last) = (shape.at(from), shape.at(to));
     let (start, end) = (first.position.xy(), last.position.xy());
-    let chord = vec![Fit { curve: Curve::Line { start, end }, from, to }];
+    let chord = vec![chord(&start, &end, from, to)];
     let directions = (first.tangent.xy().try_normalize(0.0), last.tangent.xy().try_normalize(0.0));
     let (Some(a), Some(b)) = directions else { return chord };
     let Some(joint) = joint(&start, &a, &end, &b) else { return chord };

@@ -5,8 +5,10 @@ mod narrow;
 mod random;
 
 use super::{Error, VECTOR_TOLERANCE, arc, assert_continuous, close, cut, polyline, taken};
+use crate::din66025::{Decoder, DecoderOptions, Item};
 use crate::path::{ElementKind, Marks, PathElement, Shape};
 use crate::prepare::{Notice, Notices, ToolRadius, ToolRadiusOptions};
+use nalgebra::Vector2;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 const LEFT: Marks = Marks::CORRECTION_LEFT;
@@ -203,4 +205,30 @@ fn height_stays() {
         assert_eq!((path[0].start().z, path[0].end().z), (0.0, 0.02));
         assert_eq!((path[1].start().z, path[1].end().z), (0.02, -0.01));
     }
+}
+
+/// A spline that goes straight back over the line before it runs out beyond its end first, and turns there: no piece of
+/// it has lost its direction, and the tool goes out on one side and comes back on the other.
+#[test]
+fn splines_that_turn_back() {
+    let program = "%\nN1 G1 X87.48 Y51.53 F50\nN2 G5 X0 Y0\n";
+    let decoded = Decoder::new(program.as_bytes(), DecoderOptions::default());
+    let elements = decoded.map(|item| match item {
+        Ok(Item::Element(element)) => element,
+        other => panic!("{other:?}"),
+    });
+    let (path, _) = correct(contour(elements.collect(), RIGHT, 27.7), ToolRadiusOptions::default());
+    let direction = Vector2::new(87.48, 51.53).normalize();
+    let mut sides = [0, 0];
+    // But for the positionings.
+    for element in path.iter().filter(|element| element.kind == ElementKind::Cut) {
+        let end = element.end().coords.xy();
+        let (along, across) = (direction.dot(&end), direction.perp(&end));
+        assert!(element.length().is_finite(), "{element:?}");
+        if along < 0.087_48 {
+            assert!((across.abs() - 27.7e-3).abs() <= 2e-6, "{element:?}");
+        }
+        sides[usize::from(across > 0.0)] += 1;
+    }
+    assert!(sides.iter().all(|count| *count > 0), "{sides:?}");
 }
