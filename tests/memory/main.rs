@@ -3,7 +3,12 @@
 //!
 //! One test alone, since what is counted is all of the process.
 
-#![allow(unreachable_pub, reason = "shared with the benchmarks")]
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    unreachable_pub,
+    reason = "a test fails where it cannot be set up; the modules are shared with the benchmarks"
+)]
 
 #[path = "../benches/contour.rs"]
 mod contour;
@@ -26,6 +31,9 @@ const MANY: u32 = 300_000;
 
 /// Heap that may come and go with the test's own thread, bytes.
 const SLACK: usize = 4096;
+
+/// A program of so many lines.
+type Run = fn(u32);
 
 fn decode(lines: u32) -> impl Iterator<Item = Result<PathElement, Failure>> {
     let reader = BufReader::new(Contour::new(Dialect::Din66025, lines));
@@ -77,7 +85,7 @@ fn rounded(lines: u32) {
 
 #[test]
 fn long_programs_take_no_more_memory_than_short_ones() {
-    let runs: [(&str, u32, fn(u32)); 4] = [
+    let runs: [(&str, u32, Run); 4] = [
         ("DIN 66025, sampled", FEW, din66025),
         ("RS274, planned", FEW, rs274),
         // Its windows are longer than a short program.
