@@ -43,9 +43,9 @@ impl FromStr for Acknowledge {
             "auto" => Ok(Self::Auto),
             "prompt" => Ok(Self::Prompt),
             _ => {
-                let duration = humantime::parse_duration(text).map_err(|_| AcknowledgeError)?;
-                let time_ns = i64::try_from(duration.as_nanos()).map_err(|_| AcknowledgeError)?;
-                Ok(Self::After(time_ns))
+                let duration = humantime::parse_duration(text).ok();
+                let time_ns = duration.and_then(|time| i64::try_from(time.as_nanos()).ok());
+                time_ns.map(Self::After).ok_or(AcknowledgeError)
             }
         }
     }

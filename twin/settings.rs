@@ -120,7 +120,7 @@ pub fn read_variables(path: &Path, variables: &mut Variables) -> Result<(), Vari
 pub fn define(definition: &str, variables: &mut Variables) -> Result<(), VariablesError> {
     let wrong = || VariablesError::Definition(definition.to_owned());
     let (name, value) = definition.split_once('=').ok_or_else(wrong)?;
-    let value: f64 = value.trim().parse().map_err(|_| wrong())?;
+    let value: f64 = value.trim().parse().ok().ok_or_else(wrong)?;
     if name.trim().is_empty() || !value.is_finite() {
         return Err(wrong());
     }

@@ -12,6 +12,7 @@
 )]
 
 mod compare;
+mod path;
 mod process;
 
 use serde::Deserialize;

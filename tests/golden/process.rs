@@ -16,12 +16,12 @@ const SHORT: &str = "% short\nN10 G1 X10 F100 E500 E-500\nN20 G1 X0\n";
 const UNFIT: &str = "% unfit\nN10 G1 X300 F500 E2000 E-2000\n";
 
 /// A folder with the portal's machine file, and what the tests put there.
-struct Desk {
+pub(crate) struct Desk {
     folder: TempDir,
 }
 
 impl Desk {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let machine =
             std::fs::read_to_string(root().join("machines/gantry3.toml")).expect("readable");
@@ -32,11 +32,11 @@ impl Desk {
         desk
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
-    fn write(&self, name: &str, text: &str) {
+    pub(crate) fn write(&self, name: &str, text: &str) {
         std::fs::write(self.path(name), text).expect("written");
     }
 
@@ -52,7 +52,7 @@ impl Desk {
         command
     }
 
-    fn twin(&self, arguments: &[&str]) -> Done {
+    pub(crate) fn twin(&self, arguments: &[&str]) -> Done {
         Done::from(self.command(arguments).output().expect("the binary starts"))
     }
 
@@ -95,10 +95,10 @@ fn wait(mut child: Child) -> Output {
 }
 
 /// A process that has ended.
-struct Done {
-    status: Option<i32>,
-    stdout: String,
-    stderr: String,
+pub(crate) struct Done {
+    pub(crate) status: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
 }
 
 impl From<Output> for Done {
@@ -112,7 +112,7 @@ impl From<Output> for Done {
 impl Done {
     /// It ended with `status`, and standard error says `words`, however it is wrapped.
     #[track_caller]
-    fn ended(&self, status: i32, words: &str) -> &Self {
+    pub(crate) fn ended(&self, status: i32, words: &str) -> &Self {
         assert_eq!(self.status, Some(status), "{}\n{}", self.stdout, self.stderr);
         let flat = |text: &str| -> String {
             text.chars().filter(|c| !c.is_whitespace() && *c != '│').collect()

@@ -63,7 +63,7 @@ Start with:
 enum Command {
     Run(run::Arguments),
     Check(check::Arguments),
-    Path(path::Arguments),
+    Path(Box<path::Arguments>),
     Axes(axes::Arguments),
     Emulate(emulate::Arguments),
     View(view::Arguments),

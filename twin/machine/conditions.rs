@@ -108,7 +108,7 @@ pub(super) fn read(root: &Section<'_>, file: &Path) -> ProgramConditions {
     let [a, b, c, _, _] = start_additional;
     let rs274 = rs274::DecoderOptions {
         start: Position { linear: start, rotary: [a, b, c] },
-        ..read_rs274(&root.section("rs274"), file, defaults.rs274)
+        ..read_rs274(&root.section("rs274"), file, &defaults.rs274)
     };
     let preparation = read_preparation(&root.section("preparation"));
     ProgramConditions { start, start_additional, angle_tolerance, preparation, rs274 }
@@ -140,7 +140,7 @@ fn read_preparation(section: &Section<'_>) -> PreparationInputs {
 fn read_rs274(
     section: &Section<'_>,
     file: &Path,
-    defaults: rs274::DecoderOptions,
+    defaults: &rs274::DecoderOptions,
 ) -> rs274::DecoderOptions {
     let units = section
         .choice("unit", &[("mm", LengthUnit::Millimetre), ("inch", LengthUnit::Inch)])
@@ -177,7 +177,7 @@ fn read_rs274(
         g30: place(section, "g30_mm"),
         tools,
         tool: u32::try_from(tool).unwrap_or(0),
-        ..defaults
+        ..defaults.clone()
     };
     section.check_unknown();
     options

@@ -19,7 +19,7 @@ pub(super) fn read(root: &Section<'_>, drives: bool) -> Vec<MFunction> {
         };
         let (outputs_on, outputs_off) = (outputs("outputs_on"), outputs("outputs_off"));
         let time_ms = section.integer("time_ms", 0..=86_400_000).unwrap_or(0);
-        if !drives && !(outputs_on.is_empty() && outputs_off.is_empty()) {
+        if !(drives || outputs_on.is_empty() && outputs_off.is_empty()) {
             section.complain("there is no [[drives]] that has outputs".to_owned());
         }
         if let Some(both) = outputs_on.iter().find(|output| outputs_off.contains(output)) {

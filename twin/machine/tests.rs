@@ -660,8 +660,8 @@ proptest! {
 #[test]
 fn additional_axes_stand_beside_the_transform() {
     let turntable = "[[axes]]\nname = \"C\"\nrole = \"P\"\nkind = \"rotary\"\nposition_min_deg = -3600\nposition_max_deg = 3600\nmax_velocity_deg_per_s = 360\nmax_acceleration_deg_per_s2 = 3600\n";
-    let text = SHORT.lines().filter(|line| !line.starts_with("drive"));
-    let text: String = text.map(|line| format!("{line}\n")).collect();
+    let lines: Vec<_> = SHORT.lines().filter(|line| !line.starts_with("drive")).collect();
+    let text = lines.join("\n") + "\n";
     let text: String = text
         .replace("[[drives]]\nname = \"board\"\nkind = \"interpcnc\"\n", "")
         .replace("increments = 3200\nper_mm = 10\n", "")

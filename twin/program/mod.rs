@@ -269,11 +269,10 @@ impl ProgramFile {
             }
             // What can be read only once is prepared for the most usual.
             Dialect::Din66025 => Marks::CORRECTION_LEFT.with(Marks::LOOPS),
-            Dialect::Rs274 | Dialect::Dxf => Marks::default(),
             Dialect::Queue if self.is_repeatable() && self.is_unprepared()? => {
                 self.marks(conditions)?
             }
-            Dialect::Queue => Marks::default(),
+            Dialect::Rs274 | Dialect::Dxf | Dialect::Queue => Marks::default(),
         };
         let (preparation, incompatible) = match Preparation::for_marks(marks) {
             Ok(preparation) => (preparation, None),

@@ -97,7 +97,7 @@ pub(super) fn write(
     let extra = element.extra().map(|extra| {
         let moving = extra.start.iter().zip(extra.end).zip(EXTRA_AXES);
         moving
-            .filter(|((start, end), _)| **start != *end)
+            .filter(|((start, end), _)| start.to_bits() != end.to_bits())
             .map(|((start, end), letter)| (letter, [number(*start), number(end)]))
             .collect::<BTreeMap<_, _>>()
     });

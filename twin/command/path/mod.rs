@@ -75,7 +75,7 @@ enum Format {
     Din66025,
     /// A drawing: rapids on the layer RAPID, cuts on the layer CUT (.dxf)
     Dxf,
-    /// A queue file (SMC_OUTQUEUE), which check and run read, too (.queue)
+    /// A queue file (`SMC_OUTQUEUE`), which check and run read, too (.queue)
     Queue,
     /// A picture from above; with --prepare the path before and after, and where the tool is every 100 ms (.svg)
     Svg,
@@ -150,7 +150,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     };
     let dialect = programs.first().map_or("dxf", |(_, program)| program.dialect().name());
     eprintln!("{} is read as {dialect}", source.display());
-    notes.iter().for_each(|note| eprintln!("{}: {note}", source.display()));
+    for note in &notes {
+        eprintln!("{}: {note}", source.display());
+    }
     let target = Target::new(arguments.output.as_deref(), arguments.drawing.is_divided())?;
 
     let mut status = Status::Fit;

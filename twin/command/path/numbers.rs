@@ -5,7 +5,8 @@ pub(super) fn list<const N: usize>(text: &str, least: usize) -> Result<[f64; N],
     let mut numbers = [0.0; N];
     let mut count = 0;
     for part in text.split(',') {
-        let number: f64 = part.trim().parse().map_err(|_| format!("`{part}` is no number"))?;
+        let number: f64 =
+            part.trim().parse().ok().ok_or_else(|| format!("`{part}` is no number"))?;
         let Some(slot) = numbers.get_mut(count) else {
             return Err(format!("more than {N} numbers"));
         };
@@ -20,7 +21,7 @@ pub(super) fn list<const N: usize>(text: &str, least: usize) -> Result<[f64; N],
 
 /// One number within `range`.
 pub(super) fn within(text: &str, range: std::ops::RangeInclusive<f64>) -> Result<f64, String> {
-    let number: f64 = text.trim().parse().map_err(|_| format!("`{text}` is no number"))?;
+    let number: f64 = text.trim().parse().ok().ok_or_else(|| format!("`{text}` is no number"))?;
     if range.contains(&number) {
         Ok(number)
     } else {

@@ -102,15 +102,15 @@ pub(super) struct OperationOptions {
     #[arg(long, value_name = "OBJECT:PART", value_parser = split)]
     split: Option<(u64, f64)>,
 
-    /// Stretch by a factor about the origin (SMC_SCALEQUEUE3D)
+    /// Stretch by a factor about the origin (`SMC_SCALEQUEUE3D`)
     #[arg(long, value_name = "FACTOR", default_value = "1", hide_default_value = true, value_parser = |text: &str| within(text, 1e-6..=1e6))]
     scale: f64,
 
-    /// Turn counter-clockwise about the z axis through the origin (SMC_ROTATEQUEUE2D)
+    /// Turn counter-clockwise about the z axis through the origin (`SMC_ROTATEQUEUE2D`)
     #[arg(long, value_name = "DEG", default_value = "0", hide_default_value = true, allow_hyphen_values = true, value_parser = |text: &str| within(text, -3600.0..=3600.0))]
     rotate: f64,
 
-    /// Move by X,Y[,Z[,P,Q,U,V,W]] (SMC_TRANSLATEQUEUE3D)
+    /// Move by X,Y[,Z[,P,Q,U,V,W]] (`SMC_TRANSLATEQUEUE3D`)
     #[arg(long, value_name = "X,Y…", allow_hyphen_values = true, value_parser = |text: &str| list::<8>(text, 2))]
     translate: Option<[f64; 8]>,
 
@@ -156,6 +156,8 @@ impl OperationOptions {
 
 fn split(text: &str) -> Result<(u64, f64), String> {
     let (object, part) = text.split_once(':').ok_or("expected OBJECT:PART, like 3:0.5")?;
-    let object = object.trim().parse().map_err(|_| format!("`{object}` is no object's number"))?;
+    let object = object.trim().parse().ok();
+    let object =
+        object.ok_or_else(|| format!("`{text}` has no object's number before the colon"))?;
     Ok((object, within(part, 0.0..=1.0)?))
 }

@@ -52,7 +52,7 @@ impl<'a> Writer<'a> {
             Self::Dxf(writer) => writer.write(element).map_err(Failure::Stdio),
             Self::Queue(writer) => writer.write(element).map_err(|error| match error {
                 QueueWriteError::Io(source) => Failure::Stdio(source),
-                error => Failure::Usage(error.to_string()),
+                error @ QueueWriteError::Content { .. } => Failure::Usage(error.to_string()),
             }),
         }
     }

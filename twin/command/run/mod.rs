@@ -304,7 +304,7 @@ fn check_first(
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
     let bar = show::progress(bytes, "checking {bar:30} {percent:>3} % {bytes_per_sec}");
     let outcome = crate::check::check(machine, program, false, acknowledge, &mut |read| {
-        bar.set_position(read)
+        bar.set_position(read);
     });
     bar.finish_and_clear();
     outcome.map_err(|failure| Failure::check(program, failure))

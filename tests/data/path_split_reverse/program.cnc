@@ -1,0 +1,4 @@
+% split and reverse
+N10 G92 X0 Y0 Z0
+N20 G1 X20 F50 E500 E-500 H2 O0.625
+N30 G1 Y10 F25 H3 O0.5
