@@ -20,6 +20,13 @@ const PRECISION: f64 = 1e-14;
 /// panel that no longer counts.
 const MAX_DEPTH: u32 = 24;
 
+/// What is shorter than this counts as so long, m: the squares of such speeds have lost their digits, and no number of
+/// panels would find them again.
+const SMALLEST: f64 = 1e-100;
+
+/// No curve gets more panels: beyond that it is rounding that is divided.
+const MOST_PANELS: usize = 1 << 12;
+
 /// A curve in X and Y over a parameter t from 0 to 1.
 pub(super) trait Planar {
     /// Position (m), first and second derivative with respect to t.
@@ -69,7 +76,7 @@ impl<P: Planar> Curve<P> {
     pub(super) fn new(form: P, start: Point3<f64>, end: Point3<f64>) -> Self {
         let whole = integral(&form, 0.0, 1.0);
         let mut panels = vec![Knot { t: 0.0, length: 0.0, speed: form.speed(0.0) }];
-        let tolerance = PRECISION * whole.max(f64::MIN_POSITIVE);
+        let tolerance = PRECISION * whole.max(SMALLEST);
         divide(&form, 0.0, 1.0, whole, tolerance, MAX_DEPTH, &mut panels);
         let planar = panels.last().map_or(0.0, |knot| knot.length);
         Self {
@@ -215,13 +222,38 @@ fn divide<P: Planar>(
     let (left, right) = (integral(form, from, middle), integral(form, middle, to));
     // At least four panels, for the first guess.
     let coarse = depth + 2 > MAX_DEPTH;
-    if (coarse || (left + right - whole).abs() > tolerance) && depth > 0 {
+    let divisible = depth > 0 && panels.len() < MOST_PANELS;
+    if (coarse || (left + right - whole).abs() > tolerance) && divisible {
         divide(form, from, middle, left, tolerance, depth - 1, panels);
         divide(form, middle, to, right, tolerance, depth - 1, panels);
     } else {
         for (t, length) in [(middle, left), (to, right)] {
             let before = panels.last().map_or(0.0, |knot| knot.length);
             panels.push(Knot { t, length: before + length, speed: form.speed(t) });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Straight with a speed of 1 + t², scaled.
+    struct Scaled(f64);
+
+    impl Planar for Scaled {
+        fn at(&self, t: f64) -> (Point2<f64>, Vector2<f64>, Vector2<f64>) {
+            let along = |value: f64| Vector2::new(0.6, 0.8) * (value * self.0);
+            (along(t + t.powi(3) / 3.0).into(), along(1.0 + t * t), along(2.0 * t))
+        }
+    }
+
+    /// Speeds whose squares are no ordinary numbers any more are no reason for millions of panels.
+    #[test]
+    fn curves_of_no_length_have_few_panels() {
+        for scale in [1.0, 1e-20, 1e-158, 1e-161, 1e-300, 1e-310, 0.0] {
+            let curve = Curve::new(Scaled(scale), Point3::origin(), Point3::origin());
+            assert!(curve.panels.len() < 100, "{scale:e}: {} panels", curve.panels.len());
         }
     }
 }
