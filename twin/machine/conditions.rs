@@ -16,6 +16,9 @@ const RAPID_VELOCITY: f64 = 0.1;
 /// Acceleration along the path in RS274 unless the machine file says otherwise, m/s².
 const ACCELERATION: f64 = 1.0;
 
+/// What programs in micrometres round away is no gouge, m.
+const GOUGE_TOLERANCE: f64 = 1e-6;
+
 /// Keys of the coordinate systems.
 const SYSTEMS: [&str; 9] = ["g54", "g55", "g56", "g57", "g58", "g59", "g59_1", "g59_2", "g59_3"];
 
@@ -34,13 +37,14 @@ pub struct ProgramConditions {
     pub rs274: rs274::DecoderOptions,
 }
 
-/// The inputs of the manual's preparation blocks (6.2.3 to 6.2.8); all 0 and none unless the machine file says otherwise.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The inputs of the manual's preparation blocks (6.2.3 to 6.2.8); all 0 and none, but for the gouge
+/// tolerance, unless the machine file says otherwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PreparationInputs {
     /// Added to D where the tool radius is corrected, m (`SMC_ToolCorr.dToolRadius`).
     pub tool_radius: f64,
     /// Coming nearer to the contour than the tool's radius by no more than this is no gouge, m.
-    pub gouge_tolerance: Option<f64>,
+    pub gouge_tolerance: f64,
     /// Added to D where corners are smoothed, m (`SMC_SmoothPath.dEdgeDistance`).
     pub edge_distance: f64,
     /// In place of D where corners are rounded, m; 0: D (`SMC_RoundPath.dRadius`).
@@ -51,13 +55,26 @@ pub struct PreparationInputs {
     pub circular: Option<CircularLimits>,
 }
 
+impl Default for PreparationInputs {
+    fn default() -> Self {
+        Self {
+            tool_radius: 0.0,
+            gouge_tolerance: GOUGE_TOLERANCE,
+            edge_distance: 0.0,
+            rounding_distance: 0.0,
+            corner_angle_tolerance: 0.0,
+            circular: None,
+        }
+    }
+}
+
 impl PreparationInputs {
     /// What `preparation`, which a program asks for, is with these inputs.
     pub fn complete(&self, preparation: Preparation) -> Preparation {
         Preparation {
             tool_radius: preparation.tool_radius.map(|options| ToolRadiusOptions {
                 radius: self.tool_radius,
-                gouge_tolerance: self.gouge_tolerance.unwrap_or(options.gouge_tolerance),
+                gouge_tolerance: self.gouge_tolerance,
                 ..options
             }),
             smoothing: preparation.smoothing.map(|_| Smoothing {
@@ -124,7 +141,7 @@ fn read_preparation(section: &Section<'_>) -> PreparationInputs {
     });
     let inputs = PreparationInputs {
         tool_radius: metres("tool_radius_mm", 0.0..=1000.0).unwrap_or(0.0),
-        gouge_tolerance: metres("gouge_tolerance_mm", 0.0..=10.0),
+        gouge_tolerance: metres("gouge_tolerance_mm", 0.0..=10.0).unwrap_or(GOUGE_TOLERANCE),
         edge_distance: metres("edge_distance_mm", 0.0..=1000.0).unwrap_or(0.0),
         rounding_distance: metres("rounding_distance_mm", 0.0..=1000.0).unwrap_or(0.0),
         corner_angle_tolerance: section

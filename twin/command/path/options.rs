@@ -37,7 +37,7 @@ pub(super) struct PreparationOptions {
     #[arg(long, value_name = "MM", value_parser = positive)]
     tool_radius: Option<f64>,
 
-    /// Coming nearer to the contour than the tool's radius by no more than this is no gouge
+    /// Coming nearer to the contour than the tool's radius by no more than this is no gouge [default: 0.001]
     #[arg(long, value_name = "MM", value_parser = positive)]
     gouge_tolerance: Option<f64>,
 
@@ -77,7 +77,7 @@ impl PreparationOptions {
         let set = |slot: &mut f64, value: Option<f64>| *slot = value.unwrap_or(*slot);
         set(&mut conditions.angle_tolerance, self.angle_tolerance.map(f64::to_radians));
         set(&mut inputs.tool_radius, self.tool_radius.map(metres));
-        inputs.gouge_tolerance = self.gouge_tolerance.map(metres).or(inputs.gouge_tolerance);
+        set(&mut inputs.gouge_tolerance, self.gouge_tolerance.map(metres));
         set(&mut inputs.edge_distance, self.edge_distance.map(metres));
         set(&mut inputs.rounding_distance, self.rounding_distance.map(metres));
         let tolerance = self.corner_angle_tolerance.map(f64::to_radians);
