@@ -1,0 +1,68 @@
+//! What machine files say about programs: additional axes, RS274, M functions.
+
+use super::{Machine, SHORT, load, near, problems};
+use twin_kinematics::{AxisVector, Kinematics};
+
+#[test]
+fn additional_axes_stand_beside_the_transform() {
+    let turntable = "[[axes]]\nname = \"C\"\nrole = \"P\"\nkind = \"rotary\"\nposition_min_deg = -3600\nposition_max_deg = 3600\nmax_velocity_deg_per_s = 360\nmax_acceleration_deg_per_s2 = 3600\n";
+    let lines: Vec<_> = SHORT.lines().filter(|line| !line.starts_with("drive")).collect();
+    let text = lines.join("\n") + "\n";
+    let text: String = text
+        .replace("[[drives]]\nname = \"board\"\nkind = \"interpcnc\"\n", "")
+        .replace("increments = 3200\nper_mm = 10\n", "")
+        .replace("increments = 3200\nper_mm = 5\n", "");
+    let machine = load(&format!("{text}{turntable}"));
+    assert_eq!(machine.axes.len(), 4);
+    let axes = AxisVector::from_values([0.1, 0.2, 0.05, 3.0]);
+    let pose = machine.kinematics.forward(&axes).unwrap();
+    assert_eq!(machine.kinematics.inverse(&pose, &axes).unwrap(), axes);
+    assert_eq!(machine.model.joints.last().unwrap().name, "C");
+    let found = problems(&format!("{text}{turntable}{}", turntable.replace("\"C\"", "\"D\"")));
+    assert!(found[0].1.contains("has the role \"P\", which another axis has already"));
+}
+
+#[test]
+fn what_rs274_programs_find() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("tools.tbl"), "T3 P3 Z50 D6\n").unwrap();
+    let file = folder.path().join("machine.toml");
+    let section = "[rs274]\nrapid_velocity_mm_per_s = 250\nacceleration_mm_per_s2 = 800\ntool_table = \"tools.tbl\"\ntool = 3\ng28_mm = [1, 2, 3]\n[rs274.work_offsets_mm]\ng55 = [10, 20, 30]\ng59_3 = [1, 1, 1]\n";
+    let machine = Machine::parse(&file, &format!("{SHORT}{section}")).unwrap();
+    let found = machine.conditions.rs274;
+    near(found.rapid_velocity, 0.25);
+    assert_eq!([found.acceleration, found.deceleration], [0.8; 2]);
+    assert_eq!(found.g28.linear.map(|value| (value * 1e3).round()), [1.0, 2.0, 3.0]);
+    assert_eq!(found.work_offsets[1].linear.map(|value| (value * 1e3).round()), [10.0, 20.0, 30.0]);
+    near(found.work_offsets[8].linear[0], 1e-3);
+    assert_eq!(found.tool, 3);
+    assert!(found.tools.is_some());
+    std::fs::write(folder.path().join("tools.tbl"), "T3 Z\n").unwrap();
+    let found = Machine::parse(&file, &format!("{SHORT}{section}")).unwrap_err();
+    assert!(found[0].message.contains("tools.tbl: line 1"), "{}", found[0].message);
+    std::fs::remove_file(folder.path().join("tools.tbl")).unwrap();
+    let found = Machine::parse(&file, &format!("{SHORT}{section}")).unwrap_err();
+    assert!(found[0].message.contains("No such file"), "{}", found[0].message);
+    let found = problems(&format!("{SHORT}[rs274.work_offsets_mm]\ng60 = [1, 2, 3]\n"));
+    assert!(found[0].1.contains("unknown key `g60`"), "{found:#?}");
+}
+
+#[test]
+fn what_m_functions_switch() {
+    let machine = load(&format!(
+        "{SHORT}[[m_functions]]\nm = 3\noutputs_on = [1, 2]\ntime_ms = 1500\n[[m_functions]]\nm = 5\noutputs_off = [1, 2]\n"
+    ));
+    let [m3, m5] = machine.m_functions.as_slice() else { panic!("two") };
+    assert_eq!((m3.number, &m3.outputs_on[..], m3.time_ns), (3, &[1, 2][..], 1_500_000_000));
+    assert_eq!((m5.number, &m5.outputs_off[..], m5.time_ns), (5, &[1, 2][..], 0));
+    for (section, part) in [
+        ("outputs_on = [1]", "[[m_functions]] number 1 lacks `m`"),
+        ("m = 3\noutputs_on = [33]", "`outputs_on` is 33; it must lie between 1 and 32"),
+        ("m = 3\noutputs_on = 3", "expected an array of whole numbers"),
+        ("m = 3\noutputs_on = [3]\noutputs_off = [3]", "output 3 is switched on and off"),
+        ("m = 3\n[[m_functions]]\nm = 3", "M3 is there already"),
+    ] {
+        let found = problems(&format!("{SHORT}[[m_functions]]\n{section}\n"));
+        assert!(found[0].1.contains(part), "{found:#?}");
+    }
+}
