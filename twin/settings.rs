@@ -2,8 +2,10 @@
 
 use crate::program::Operations;
 use std::io;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use twin_motion::din66025::{DEFAULT_JUMPS, Variables};
+use twin_motion::interpolate::{DEFAULT_WINDOW, Inputs};
 use twin_motion::rs274::ToolTable;
 
 /// How a program is read.
@@ -19,6 +21,10 @@ pub struct ReadSettings {
     pub tools: Option<ToolTable>,
     /// What is done to the path before it is prepared.
     pub operations: Operations,
+    /// Override and velocity profile; whether M functions are acknowledged is said elsewhere.
+    pub inputs: Inputs,
+    /// Elements that the look-ahead holds; the manual's queue has a size in bytes.
+    pub look_ahead: NonZeroUsize,
 }
 
 impl Default for ReadSettings {
@@ -29,6 +35,8 @@ impl Default for ReadSettings {
             jumps: DEFAULT_JUMPS,
             tools: None,
             operations: Operations::default(),
+            inputs: Inputs::default(),
+            look_ahead: DEFAULT_WINDOW,
         }
     }
 }

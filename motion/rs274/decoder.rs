@@ -107,7 +107,7 @@ impl<R: BufRead> Decoder<R> {
         self.out.place = Place { line: self.line_number, block: None };
         if self.line.len() > MAX_LINE_BYTES {
             if self.line.last() != Some(&b'\n') {
-                skip_line(&mut self.reader)?;
+                self.reader.skip_until(b'\n')?;
             }
             self.line.clear();
             self.state.forgive_missing_feed();
@@ -207,22 +207,6 @@ impl<R: BufRead> Iterator for Decoder<R> {
 }
 
 impl<R: BufRead> FusedIterator for Decoder<R> {}
-
-/// Reads up to the end of the line without keeping it.
-fn skip_line(reader: &mut impl BufRead) -> io::Result<()> {
-    loop {
-        let buffer = match reader.fill_buf() {
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
-            other => other?,
-        };
-        let end = buffer.iter().position(|byte| *byte == b'\n');
-        let length = end.map_or(buffer.len(), |end| end + 1);
-        reader.consume(length);
-        if end.is_some() || length == 0 {
-            return Ok(());
-        }
-    }
-}
 
 /// What a line gives: few items, but for canned cycles, in order.
 #[derive(Debug, Default)]

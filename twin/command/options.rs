@@ -7,8 +7,10 @@ use crate::program::{Dialect, ProgramFile};
 use crate::settings::{self, ReadSettings};
 use std::fs::File;
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use twin_motion::din66025::{DEFAULT_JUMPS, Variables};
+use twin_motion::interpolate::{DEFAULT_WINDOW, Inputs, Override, VelocityMode};
 use twin_motion::rs274::{LengthUnit, ToolTable, ToolTableError};
 
 /// The machine.
@@ -52,6 +54,47 @@ pub(super) struct ReadOptions {
     /// file's
     #[arg(long, value_name = "FILE.tbl")]
     tool_table: Option<PathBuf>,
+
+    /// Elements that the look-ahead holds (the size of the queue): with few, short elements never come up to speed
+    #[arg(long, value_name = "COUNT", default_value_t = DEFAULT_WINDOW)]
+    look_ahead: NonZeroUsize,
+
+    /// Factor on all programmed velocities, 0.01 at least (dOverride)
+    #[arg(long = "override", value_name = "FACTOR", default_value = "1", hide_default_value = true, value_parser = factor)]
+    factor: Override,
+
+    /// How the velocity goes from one value to another (iVelMode)
+    #[arg(long, value_enum, default_value = "trapezoid")]
+    profile: Profile,
+
+    /// Largest change of the acceleration along the path, for --profile jerk-limited
+    #[arg(long, value_name = "MM/S3", value_parser = jerk, required_if_eq("profile", "jerk-limited"))]
+    jerk: Option<f64>,
+}
+
+/// How the velocity goes from one value to another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Profile {
+    /// With constant acceleration
+    Trapezoid,
+    /// Along sin², in the same time, with up to π/2 times the acceleration
+    Sigmoid,
+    /// With an acceleration that changes by no more than --jerk
+    JerkLimited,
+}
+
+fn factor(text: &str) -> Result<Override, String> {
+    let factor = text.parse().ok().ok_or_else(|| format!("`{text}` is no number"))?;
+    Override::new(factor).map_err(|error| error.to_string())
+}
+
+fn jerk(text: &str) -> Result<f64, String> {
+    let jerk: f64 = text.parse().ok().ok_or_else(|| format!("`{text}` is no number"))?;
+    if (1e-3..=1e12).contains(&jerk) {
+        Ok(jerk * 1e-3)
+    } else {
+        Err(format!("{jerk} is not between 0.001 and 1e12"))
+    }
 }
 
 /// Who acknowledges M functions.
@@ -88,7 +131,21 @@ impl ReadOptions {
         for definition in &self.variables {
             settings::define(definition, &mut variables)?;
         }
+        let mode = match (self.profile, self.jerk) {
+            (Profile::Trapezoid, _) => VelocityMode::Trapezoid,
+            (Profile::Sigmoid, _) => VelocityMode::Sigmoid,
+            (Profile::JerkLimited, jerk) => {
+                VelocityMode::JerkLimited { jerk: jerk.unwrap_or_default() }
+            }
+        };
+        if self.jerk.is_some() && self.profile != Profile::JerkLimited {
+            let message = "--jerk says nothing without --profile jerk-limited";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        let inputs = Inputs { override_factor: self.factor, mode, ..Inputs::default() };
         Ok(ReadSettings {
+            inputs,
+            look_ahead: self.look_ahead,
             skip_suppressed: self.skip_suppressed,
             variables,
             jumps: self.max_jumps,

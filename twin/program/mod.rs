@@ -222,8 +222,9 @@ impl ProgramFile {
         let notices = Notices::default();
         let (checked, ledger) = self.prepare(conditions, &notices)?;
         let cycle = cycle.unwrap_or(DEFAULT_CYCLE_NS);
-        let interpolator = Interpolator::new(LookAhead::new(checked), cycle);
-        Ok(Setpoints::new(interpolator, notices, ledger, acknowledgement))
+        let interpolator =
+            Interpolator::new(LookAhead::with_window(checked, self.settings.look_ahead), cycle);
+        Ok(Setpoints::new(interpolator, notices, ledger, self.settings.inputs, acknowledgement))
     }
 
     /// Whether preparation leads the path elsewhere.

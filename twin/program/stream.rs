@@ -110,6 +110,7 @@ pub struct Setpoints {
     interpolator: Planned,
     notices: Notices,
     ledger: Rc<RefCell<Ledger>>,
+    inputs: Inputs,
     waiting: Waiting,
     now_ns: i64,
 }
@@ -132,10 +133,11 @@ impl Setpoints {
         interpolator: Planned,
         notices: Notices,
         ledger: Rc<RefCell<Ledger>>,
+        inputs: Inputs,
         acknowledgement: Acknowledgement,
     ) -> Self {
         let waiting = Waiting::new(acknowledgement);
-        Self { interpolator, notices, ledger, waiting, now_ns: 0 }
+        Self { interpolator, notices, ledger, inputs, waiting, now_ns: 0 }
     }
 
     /// The M function at which the last set-point stands.
@@ -187,7 +189,7 @@ impl Iterator for Setpoints {
             return Some(ProgramItem::Diagnostic(finding));
         }
         let acknowledge_m = self.waiting.is_over(self.now_ns);
-        let inputs = Inputs { acknowledge_m, ..Inputs::default() };
+        let inputs = Inputs { acknowledge_m, ..self.inputs };
         let Poll::Ready(next) = self.interpolator.poll_cycle(&inputs) else {
             // A file is there at once: its stages never say that they have nothing yet.
             return None;

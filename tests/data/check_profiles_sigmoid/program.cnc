@@ -1,0 +1,3 @@
+% profile
+N10 G92 X0 Y0 Z0
+N20 G1 X100 F20 E40 E-80
