@@ -57,7 +57,8 @@ impl Default for ToolRadiusOptions {
 /// - at an inner corner both offsets end where they meet, around an outer one the tool goes in an arc;
 /// - at the beginning a positioning (G0) leads from the path to its offset, or a positioning that comes just before is
 ///   led there itself; at the end likewise back to the path, or a positioning that comes just after starts from the
-///   offset. A positioning along Z alone is never bent.
+///   offset. What has no way in X and Y (along Z alone, M functions, dwells) directly before or behind a contour is
+///   done beside it, so that the tool neither comes down nor goes up on the contour itself.
 ///
 /// Z and the extra axes of an element go on from its start to its end, however much shorter or longer its offset is;
 /// around outer corners they rest. M functions, dwells, elements of length zero or along Z alone, with their switches,
@@ -86,6 +87,8 @@ pub struct ToolRadius<I, E> {
     state: State<E>,
     /// Between the contours: what may have to lead to the next offset, or back from the last.
     pending: Pending,
+    /// What comes behind that without a way in X and Y: it is done beside the contour, if one follows or has ended.
+    standing: VecDeque<PathElement>,
     /// What waits for the next piece of the contour.
     between: Between<E>,
     ready: Between<E>,
@@ -135,6 +138,7 @@ where
             notices,
             state: State::Off,
             pending: Pending::Nothing,
+            standing: VecDeque::new(),
             between: VecDeque::new(),
             ready: VecDeque::new(),
             ended: false,
@@ -202,6 +206,12 @@ where
                 Ok(element) if is_positioning(&element) => {
                     self.hold(element);
                 }
+                Ok(element) if element.kind != ElementKind::Jump && !has_way(&element) => {
+                    if self.standing.len() >= MOST_BETWEEN {
+                        self.release();
+                    }
+                    self.standing.push_back(element);
+                }
                 item => {
                     self.release();
                     self.ready.push_back(item);
@@ -214,6 +224,7 @@ where
     fn hold(&mut self, mut positioning: PathElement) {
         match std::mem::replace(&mut self.pending, Pending::Nothing) {
             Pending::Beside(_, at) if has_way(&positioning) => {
+                self.stand(at);
                 if let Shape::Line { start, .. } = &mut positioning.shape {
                     (start.x, start.y) = (at.point.x, at.point.y);
                 }
@@ -232,10 +243,27 @@ where
             Pending::Nothing => {}
             Pending::Positioning(element) => self.ready.push_back(Ok(*element)),
             Pending::Beside(last, at) => {
+                let at = self.stand(at);
                 let end = last.end();
                 self.ramp(&last, at, [end.x, end.y]);
             }
         }
+        self.ready.extend(self.standing.drain(..).map(Ok));
+    }
+
+    /// What has no way in X and Y is done at `at`; where the tool is then.
+    fn stand(&mut self, mut at: Station) -> Station {
+        for mut element in self.standing.drain(..) {
+            if let Shape::Line { start, end } = &mut element.shape {
+                for point in [start, end] {
+                    (point.x, point.y) = (at.point.x, at.point.y);
+                }
+            }
+            let end = Station::end(&element);
+            at = Station { point: end.point, extra: end.extra.or(at.extra) };
+            self.ready.push_back(Ok(element));
+        }
+        at
     }
 
     /// A positioning in X and Y from `from` to `to`.
@@ -306,8 +334,15 @@ where
     fn lead_in(&mut self, first: &PathElement, to: Station) {
         let xy = [to.point.x, to.point.y];
         match std::mem::replace(&mut self.pending, Pending::Nothing) {
-            Pending::Nothing => self.ramp(first, Station::start(first), xy),
-            Pending::Beside(_, at) => self.ramp(first, at, xy),
+            Pending::Nothing => {
+                let from = self.standing.front().unwrap_or(first);
+                let from = Station::start(from);
+                self.ramp(first, from, xy);
+            }
+            Pending::Beside(_, at) => {
+                let at = self.stand(at);
+                self.ramp(first, at, xy);
+            }
             Pending::Positioning(mut positioning) => {
                 if let Shape::Line { end, .. } = &mut positioning.shape {
                     [end.x, end.y] = xy;
@@ -315,6 +350,7 @@ where
                 self.ready.push_back(Ok(*positioning));
             }
         }
+        self.stand(to);
     }
 
     /// The contour has ended.

@@ -62,18 +62,48 @@ fn positionings_are_led_to_the_offset() {
     );
 }
 
-/// Along Z alone it is left alone: a tool that goes straight down must not come down at an angle.
+/// A tool that goes straight down must neither come down at an angle nor on the contour.
 #[test]
-fn upright_positionings_are_not_bent() {
+fn the_tool_goes_down_and_up_beside_the_contour() {
     let mut elements = contour(polyline(&CORNER), LEFT, 10.0);
     elements.insert(0, rapid([0.0, 0.0, 0.05], [0.0; 3]));
     elements.push(rapid([0.1, 0.1, 0.0], [0.1, 0.1, 0.05]));
     let path = path(elements);
     assert_eq!(path.len(), 6);
-    assert!(close(path[0].end(), [0.0; 3]));
+    assert!(close(path[0].start(), [0.0, 0.0, 50.0]));
+    assert!(close(path[0].end(), [0.0, 10.0, 50.0]));
     assert!(close(path[1].end(), [0.0, 10.0, 0.0]));
-    assert!(close(path[4].end(), [100.0, 100.0, 0.0]));
+    assert!(close(path[4].start(), [90.0, 100.0, 0.0]));
+    assert!(close(path[4].end(), [90.0, 100.0, 50.0]));
     assert!(close(path[5].end(), [100.0, 100.0, 50.0]));
+}
+
+/// G0, then M3 and down, then the contour; up and M5, then G0: all of it beside.
+#[test]
+fn what_stands_before_and_behind_is_done_beside() {
+    let mut elements = contour(polyline(&CORNER), LEFT, 10.0);
+    elements.insert(0, rapid([-0.05, -0.05, 0.05], [0.0, 0.0, 0.05]));
+    elements.insert(1, m_function([0.0, 0.0, 0.05].into()));
+    elements.insert(2, rapid([0.0, 0.0, 0.05], [0.0; 3]));
+    elements.push(rapid([0.1, 0.1, 0.0], [0.1, 0.1, 0.05]));
+    elements.push(m_function([0.1, 0.1, 0.05].into()));
+    elements.push(rapid([0.1, 0.1, 0.05], [0.2, 0.2, 0.05]));
+    let path = path(elements);
+    let ends: Vec<_> = path.iter().map(|element| element.end() * 1e3).collect();
+    let expected = [
+        [0.0, 10.0, 50.0],
+        [0.0, 10.0, 50.0],
+        [0.0, 10.0, 0.0],
+        [90.0, 10.0, 0.0],
+        [90.0, 100.0, 0.0],
+        [90.0, 100.0, 50.0],
+        [90.0, 100.0, 50.0],
+        [200.0, 200.0, 50.0],
+    ];
+    assert_eq!(ends.len(), expected.len());
+    for (end, expected) in ends.iter().zip(expected) {
+        assert!((end - nalgebra::Point3::from(expected)).norm() < 1e-9, "{end}");
+    }
 }
 
 /// From the end of one contour to the beginning of the next there is one positioning, also to the other side.
