@@ -3,6 +3,7 @@
 use crate::machine::Machine;
 use std::collections::BTreeMap;
 use std::str::FromStr;
+use std::time::Duration;
 use twin_motion::Place;
 
 /// `[[m_functions]]` of a machine file: what an M function switches.
@@ -30,9 +31,14 @@ pub enum Acknowledge {
     Prompt,
 }
 
+/// No M function takes longer than this.
+const LONGEST: Duration = Duration::from_secs(3600);
+
 /// What is neither `auto` nor `prompt` nor a duration.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("expected auto, prompt, or how long every M function takes, like 500ms or 2s")]
+#[error(
+    "expected auto, prompt, or how long every M function takes, like 500ms or 2s, up to an hour"
+)]
 pub struct AcknowledgeError;
 
 impl FromStr for Acknowledge {
@@ -44,6 +50,7 @@ impl FromStr for Acknowledge {
             "prompt" => Ok(Self::Prompt),
             _ => {
                 let duration = humantime::parse_duration(text).ok();
+                let duration = duration.filter(|time| *time <= LONGEST);
                 let time_ns = duration.and_then(|time| i64::try_from(time.as_nanos()).ok());
                 time_ns.map(Self::After).ok_or(AcknowledgeError)
             }
@@ -181,7 +188,7 @@ mod tests {
         ] {
             assert_eq!(text.parse(), Ok(expected), "{text}");
         }
-        for text in ["", "5", "-1s", "automatic", "1e99s", "99999999999years"] {
+        for text in ["", "5", "-1s", "automatic", "1e99s", "99999999999years", "61m"] {
             assert_eq!(text.parse::<Acknowledge>(), Err(AcknowledgeError), "{text}");
         }
     }

@@ -22,7 +22,7 @@ pub const MAX_LINE_BYTES: usize = 1 << 16;
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// Jumps (G20) a program may take unless told otherwise.
-pub const DEFAULT_JUMPS: u32 = 1_000_000;
+pub const DEFAULT_JUMPS: u32 = 100_000;
 
 /// So many targets of jumps are remembered; others are looked for anew each time.
 const REMEMBERED_TARGETS: usize = 4096;

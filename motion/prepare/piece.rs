@@ -144,13 +144,14 @@ pub(super) fn relocate(element: &mut PathElement, station: &Station) {
     }
 }
 
-/// Gives the extra axes other ends; an element without any gets them if there are values for both.
+/// Gives the extra axes other ends; where only one end knows of them, they are at 0 at the other.
 pub(super) fn set_extra(
     element: &mut PathElement,
     start: Option<ExtraPosition>,
     end: Option<ExtraPosition>,
 ) {
-    if let (Some(start), Some(end)) = (start, end) {
+    if start.is_some() || end.is_some() {
+        let (start, end) = (start.unwrap_or_default(), end.unwrap_or_default());
         element.details.get_or_insert_default().extra = Some(ExtraAxes { start, end });
     }
 }

@@ -35,6 +35,8 @@ pub struct Decoder<R> {
     /// There was anything but comments, blanks, a `%` and an O word.
     under_way: bool,
     ended: bool,
+    /// The last block that was carried out.
+    last: Place,
     block: Block,
     problems: Vec<Problem>,
     state: State,
@@ -53,6 +55,7 @@ impl<R: BufRead> Decoder<R> {
             begun: false,
             under_way: false,
             ended: false,
+            last: Place::default(),
             block: Block::default(),
             problems: Vec::new(),
             state: State::new(options),
@@ -157,6 +160,7 @@ impl<R: BufRead> Decoder<R> {
                 return;
             }
             (self.begun, self.under_way) = (true, true);
+            self.last = self.out.place;
             match self.state.execute(&self.block, &mut self.out) {
                 Ok(true) => {}
                 Ok(false) => self.ended = true,
@@ -191,11 +195,18 @@ impl<R: BufRead> Iterator for Decoder<R> {
                 return None;
             }
             match self.read_line() {
-                Ok(true) => self.decode_line(),
+                Ok(true) => {
+                    self.decode_line();
+                    if self.ended {
+                        self.state.end(&mut self.out);
+                    }
+                }
                 Ok(false) => {
                     self.ended = true;
                     self.out.place = Place { line: self.line_number.max(1), block: None };
                     self.out.warning(None, DecodeError::MissingEnd);
+                    self.out.place = self.last;
+                    self.state.end(&mut self.out);
                 }
                 Err(error) => {
                     self.ended = true;

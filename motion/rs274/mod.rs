@@ -21,7 +21,7 @@
 //! What becomes of M words: M0, M1, M3 to M9 and M60 are elements at which the path waits
 //! ([`ElementKind::MFunction`](crate::path::ElementKind::MFunction)), so that a spindle has its speed and coolant flows
 //! before the tool cuts; M3 and M4 carry the speed S as their parameter K, M6 the tool's number. M2 and M30 end the
-//! program. S alone, T alone, G61 and G64 change no path; see [`Decoder::spindle_speed`], [`Decoder::tool`] and
+//! program; spindle and coolant that are on stop there (M5, M9), the spindle also before M6. S alone, T alone, G61 and G64 change no path; see [`Decoder::spindle_speed`], [`Decoder::tool`] and
 //! [`Decoder::path_mode`].
 //!
 //! Where this differs from LinuxCNC 2.9, whose rules these are otherwise (its documentation, and its interpreter run

@@ -56,6 +56,8 @@ pub(super) struct State {
     /// The canned cycles in a row, if the last motion was one.
     pub(super) series: Option<Series>,
     pub(super) speed: Option<f64>,
+    spindle_on: bool,
+    coolant_on: bool,
     selected_tool: Option<u32>,
     pub(super) tool: u32,
 }
@@ -88,6 +90,8 @@ impl State {
             feed_reported: false,
             series: None,
             speed: None,
+            spindle_on: false,
+            coolant_on: false,
             selected_tool: None,
             tool: options.tool,
         }
@@ -272,16 +276,34 @@ impl State {
             self.selected_tool = Some(tool);
         }
         if block.m.tool_change {
+            // The spindle stands for it.
+            self.stop_spindle(out);
             self.tool = self.selected_tool.unwrap_or(self.tool);
             self.m_function(6, Some(f64::from(self.tool)), out);
         }
         if let Some(number) = block.m.spindle {
+            self.spindle_on = number != 5;
             self.m_function(number, self.speed.filter(|_| number != 5), out);
         }
         if let Some(number) = block.m.coolant {
+            self.coolant_on = number != 9;
             self.m_function(number, None, out);
         }
         Ok(())
+    }
+
+    fn stop_spindle(&mut self, out: &mut Output) {
+        if std::mem::take(&mut self.spindle_on) {
+            self.m_function(5, None, out);
+        }
+    }
+
+    /// At the end of a program spindle and coolant stop.
+    pub(super) fn end(&mut self, out: &mut Output) {
+        self.stop_spindle(out);
+        if std::mem::take(&mut self.coolant_on) {
+            self.m_function(9, None, out);
+        }
     }
 
     /// The offset of a tool, m: zero if there is no tool 0 or no table.

@@ -104,13 +104,29 @@ fn the_drives_switch_before_the_path_goes_on() {
 #[test]
 fn a_program_that_ends_early_leaves_no_output_on() {
     let machine = machine(&format!("{GANTRY3}\n{SWITCHES}"));
+    let text = format!("{PROGRAM}N60 G1 X10\nN70 G1 X20\nN80 G1 X10\nN90 G1 X20\n");
+    // On the path, and off it.
+    for interrupts in [1, 2] {
+        let puppet = Puppet::default();
+        let outputs = Arc::clone(&puppet.outputs);
+        let switched = || u32::from(outputs.lock().unwrap().len() >= 2) * interrupts;
+        let ending =
+            run_puppet(&machine, puppet, &Program::new(&text), &mut Recorder::new(), &switched);
+        assert!(matches!(ending.stopped, Some(Stopped::Interrupted(_))), "{:?}", ending.stopped);
+        assert!(ending.left_on.is_empty());
+        let outputs = outputs.lock().unwrap();
+        assert_eq!(outputs.last(), Some(&(2, false)), "{outputs:?}");
+    }
+}
+
+/// A program that goes to its end is obeyed, also in what it leaves on.
+#[test]
+fn a_program_that_ends_leaves_on_what_it_has_switched_on() {
+    let machine = machine(&format!("{GANTRY3}\n{SWITCHES}"));
     let puppet = Puppet::default();
     let outputs = Arc::clone(&puppet.outputs);
-    let switched = || u32::from(outputs.lock().unwrap().len() >= 2) * 2;
-    let text = format!("{PROGRAM}N60 G1 X10\nN70 G1 X20\nN80 G1 X10\nN90 G1 X20\n");
-    let ending =
-        run_puppet(&machine, puppet, &Program::new(&text), &mut Recorder::new(), &switched);
-    assert!(matches!(ending.stopped, Some(Stopped::Interrupted(_))), "{:?}", ending.stopped);
-    let outputs = outputs.lock().unwrap();
-    assert_eq!(outputs.last(), Some(&(2, false)), "{outputs:?}");
+    let program = Program::new("% on\nN10 G92 X0 Y0 Z-40\nN20 G1 X1 F100 E1000 E-1000\nN30 M3\n");
+    let ending = run_puppet(&machine, puppet, &program, &mut Recorder::new(), &|| 0);
+    assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
+    assert_eq!(*outputs.lock().unwrap(), [(5, false), (2, true)]);
 }

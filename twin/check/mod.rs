@@ -157,6 +157,8 @@ struct Checker<'m> {
     last: Option<AxisSetpoint>,
     start: Option<AxisVector>,
     duration_ns: i64,
+    /// Additional axes that the machine does not have, each told once.
+    told_missing: [bool; EXTRA_AXES.len()],
 }
 
 impl<'m> Checker<'m> {
@@ -169,6 +171,7 @@ impl<'m> Checker<'m> {
             last: None,
             start: None,
             duration_ns: 0,
+            told_missing: [false; EXTRA_AXES.len()],
         }
     }
 
@@ -178,7 +181,11 @@ impl<'m> Checker<'m> {
         for (number, letter) in (0..).zip(EXTRA_AXES) {
             let moves = tool.extra.velocity.get(usize::from(number)).is_some_and(|v| *v != 0.0);
             let source = AxisSource::Additional(number);
-            if moves && !self.machine.kinematics.sources().contains(&source) {
+            let told = self.told_missing.get_mut(usize::from(number));
+            if moves
+                && !self.machine.kinematics.sources().contains(&source)
+                && told.is_some_and(|told| !std::mem::replace(told, true))
+            {
                 self.findings.add(None, sentence::no_additional_axis(tool.place, letter));
             }
         }

@@ -111,7 +111,29 @@ impl ReadOptions {
     /// The program at `path`; `unit` is that of a tool table.
     pub(super) fn program(&self, path: &Path, unit: LengthUnit) -> Result<ProgramFile, Failure> {
         let settings = self.settings(unit)?;
-        Ok(ProgramFile::new(path, self.dialect_of(path)?, settings)?)
+        let dialect = self.dialect_of(path)?;
+        self.check_for(dialect)?;
+        Ok(ProgramFile::new(path, dialect, settings)?)
+    }
+
+    /// An option that says nothing in this dialect is a mistake.
+    pub(super) fn check_for(&self, dialect: Option<Dialect>) -> Result<(), Failure> {
+        let variables = !self.variables.is_empty() || self.variables_file.is_some();
+        let (what, whose) = match dialect {
+            Some(Dialect::Rs274 | Dialect::Queue | Dialect::Dxf) if variables => {
+                ("--var and --variables", "DIN 66025")
+            }
+            Some(Dialect::Din66025 | Dialect::Queue | Dialect::Dxf)
+                if self.tool_table.is_some() =>
+            {
+                ("--tool-table", "RS274")
+            }
+            Some(Dialect::Queue | Dialect::Dxf) if self.skip_suppressed => {
+                ("--skip-suppressed", "DIN 66025 and RS274")
+            }
+            _ => return Ok(()),
+        };
+        Err(Failure::Usage(format!("{what} is for programs in {whose}, which this is not")))
     }
 
     /// The dialect asked for, or else guessed.

@@ -3,7 +3,7 @@
 use super::underline;
 use crate::finding::{Finding, Severity};
 use crate::machine::Machine;
-use crate::program::ProgramFile;
+use crate::program::{Dialect, ProgramFile};
 use crate::report::{AxisPeak, Peak};
 use comfy_table::{Cell, CellAlignment, Color, ContentArrangement, LineStyle, Table, TableStyle};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -30,7 +30,7 @@ pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
             let name = program.path().display().to_string();
             (Line { name, number: finding.line, text }, words)
         });
-        let shown = ShownFinding { finding, source };
+        let shown = ShownFinding { finding, source, dialect: program.dialect() };
         let mut text = String::new();
         let handler = miette::GraphicalReportHandler::new_themed(theme()).with_links(false);
         if handler.render_report(&mut text, &shown).is_ok() {
@@ -155,6 +155,8 @@ struct ShownFinding<'a> {
     finding: &'a Finding,
     /// The line and the words to underline.
     source: Option<(Line, Vec<Range<usize>>)>,
+    /// In which words to speak of feeds.
+    dialect: Dialect,
 }
 
 impl fmt::Display for ShownFinding<'_> {
@@ -180,11 +182,14 @@ impl Diagnostic for ShownFinding<'_> {
     }
 
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        let feed = self.finding.largest_feed_mm_per_s?;
-        Some(Box::new(format!(
-            "with F{} or less this axis stays within its limit here",
-            floor_3(feed)
-        )))
+        let feed = self.finding.largest_feed_mm_per_s.filter(|feed| *feed >= 1e-3)?;
+        let feed = match self.dialect {
+            Dialect::Din66025 => format!("F{}", floor_3(feed)),
+            // Per minute, in whichever unit.
+            Dialect::Rs274 => format!("{} mm/min", floor_3(feed * 60.0)),
+            Dialect::Queue | Dialect::Dxf => format!("{} mm/s", floor_3(feed)),
+        };
+        Some(Box::new(format!("with {feed} or less this axis stays within its limit here")))
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {

@@ -4,7 +4,7 @@ use super::stream::Stream;
 use super::{Event, HardwareError, Switch};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError};
 use twin_drives::{Drive, Increments, MAX_DRIVE_AXES, SetpointStream};
 
@@ -23,6 +23,8 @@ pub(super) struct Device {
     pub(super) switches: Receiver<Switch>,
     /// Outputs that the session has had switched on.
     pub(super) on: BTreeSet<u8>,
+    /// The program does not go to its end.
+    pub(super) early: Arc<AtomicBool>,
 }
 
 /// After this many samples in a row at rest away from its target an axis is stuck, not slow to start.
@@ -91,6 +93,9 @@ impl Device {
                 }
                 FINISH => {
                     self.settle()?;
+                    if self.early.load(Ordering::Relaxed) {
+                        self.switch_off();
+                    }
                     return Ok(());
                 }
                 _ => return self.brake(),
@@ -132,7 +137,7 @@ impl Device {
                 return self.brake();
             }
             let sample = self.drive.follow(&*self.stream)?;
-            if !self.tell(Event::Sample(sample)) {
+            if !self.tell(Event::Sample(sample)) || !self.switch()? {
                 return self.brake();
             }
             // The session has planned to the end, but the axes follow behind; that they stand now, perhaps just where the
@@ -146,6 +151,8 @@ impl Device {
             let there =
                 there.into_iter().all(|(position, end)| (*position as f64 - end).abs() <= 1.0);
             if !sample.moving && there {
+                // What the plan has switched last is switched, too.
+                while self.switch_next()?.is_some() {}
                 return Ok(());
             }
             still = if sample.moving { 0 } else { still + 1 };
@@ -160,7 +167,12 @@ impl Device {
 
     /// Switches the next output that is to be switched; false if the session is gone.
     fn switch(&mut self) -> Result<bool, HardwareError> {
-        let Ok(Switch { output, on }) = self.switches.try_recv() else { return Ok(true) };
+        Ok(self.switch_next()? != Some(false))
+    }
+
+    /// None if there is nothing to be switched; false if the session is gone.
+    fn switch_next(&mut self) -> Result<Option<bool>, HardwareError> {
+        let Ok(Switch { output, on }) = self.switches.try_recv() else { return Ok(None) };
         // Even if it is not confirmed it may be on.
         if on {
             self.on.insert(output);
@@ -169,14 +181,16 @@ impl Device {
         if !on {
             self.on.remove(&output);
         }
-        Ok(self.tell(Event::Switched))
+        Ok(Some(self.tell(Event::Switched)))
     }
 
-    /// A program that ends early leaves no spindle running. What cannot be switched off is said no more of: why the
-    /// program ended is the news.
+    /// A program that ends early leaves no spindle running; what cannot be switched off is told.
     fn switch_off(&mut self) {
-        for output in std::mem::take(&mut self.on) {
-            self.drive.set_output(output, false).unwrap_or_default();
+        let on = std::mem::take(&mut self.on).into_iter();
+        let left: Vec<_> =
+            on.filter(|output| self.drive.set_output(*output, false).is_err()).collect();
+        if !left.is_empty() {
+            self.sender.try_send(Ok(Event::LeftOn(left))).unwrap_or_default();
         }
     }
 

@@ -12,7 +12,7 @@ use crate::setpoint::AxisSetpoint;
 use device::{APPROACH, Device, FINISH, FOLLOW, STOP};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
@@ -47,6 +47,9 @@ pub struct Hardware {
     switches: SyncSender<Switch>,
     /// Outputs that the device has not confirmed yet.
     switching: u32,
+    /// The program does not go to its end.
+    early: Arc<AtomicBool>,
+    left_on: Vec<u8>,
     ended: bool,
 }
 
@@ -65,6 +68,8 @@ enum Event {
     Sample(Sample),
     /// The device has confirmed an output.
     Switched,
+    /// Outputs that could not be switched off at an early end.
+    LeftOn(Vec<u8>),
     /// Finished or stopped: the axes are at rest.
     AtRest,
 }
@@ -139,6 +144,7 @@ impl Hardware {
         let stream = Arc::new(Stream::new(rest, cycle_ns));
         let order = Arc::new(AtomicU8::new(APPROACH));
         let (sender, events) = sync_channel(WAITING_SAMPLES);
+        let early = Arc::new(AtomicBool::new(false));
         let (switches, to_switch) = sync_channel(WAITING_SWITCHES);
         let device = Device {
             drive,
@@ -147,13 +153,15 @@ impl Hardware {
             sender,
             switches: to_switch,
             on: BTreeSet::new(),
+            early: Arc::clone(&early),
         };
         let thread = std::thread::Builder::new()
             .name("drive".to_owned())
             .spawn(move || device.run(&target, &speed))
             .map_err(HardwareError::Thread)?;
         let thread = Some(thread);
-        Ok(Self { stream, order, events, thread, axes, switches, switching: 0, ended: false })
+        let (switching, left_on, ended) = (0, Vec::new(), false);
+        Ok(Self { stream, order, events, thread, axes, switches, switching, early, left_on, ended })
     }
 
     /// True once the drives are enabled and stand at the start of the program.
@@ -173,8 +181,12 @@ impl Hardware {
         self.change_order(APPROACH, FOLLOW);
     }
 
-    /// Asks the drives to come to rest at the end of the stream; [`Self::feedback`] goes on until they are there.
-    pub fn finish(&mut self) {
+    /// Asks the drives to come to rest at the end of the stream, which is an `early` one if the program is not through;
+    /// [`Self::feedback`] goes on until they are there.
+    pub fn finish(&mut self, early: bool) {
+        if early {
+            self.early.store(true, Ordering::Relaxed);
+        }
         self.change_order(FOLLOW, FINISH);
     }
 
@@ -189,8 +201,8 @@ impl Hardware {
         self.order.store(STOP, Ordering::Relaxed);
     }
 
-    /// Switches outputs, between two exchanges that follow the stream. Those that are on when the drives are stopped or
-    /// fail, the device switches off again.
+    /// Switches outputs, between two exchanges that follow the stream. Those that it has switched on it switches off
+    /// again if the program ends early, and where the drives are stopped or fail.
     pub fn switch(&mut self, on: &[u8], off: &[u8]) {
         let all = off.iter().map(|output| (*output, false)).chain(on.iter().map(|o| (*o, true)));
         for (output, on) in all {
@@ -204,6 +216,11 @@ impl Hardware {
     /// Whether all outputs have been confirmed.
     pub fn has_switched(&self) -> bool {
         self.switching == 0
+    }
+
+    /// Outputs that are perhaps still on although the run has ended early: they could not be switched off.
+    pub fn left_on(&self) -> &[u8] {
+        &self.left_on
     }
 
     /// True while the device's thread runs.
@@ -270,6 +287,7 @@ impl Plant for Hardware {
                     }));
                 }
                 Some(Event::Ready) => {}
+                Some(Event::LeftOn(outputs)) => self.left_on = outputs,
                 Some(Event::Switched) => self.switching = self.switching.saturating_sub(1),
                 Some(Event::AtRest) => {
                     self.ended = true;

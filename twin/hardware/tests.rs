@@ -270,7 +270,7 @@ fn the_drives_come_to_the_start_follow_and_rest_at_the_end() {
         hardware.command(&setpoint(cycle, path(cycle), velocity)).unwrap();
     }
     hardware.follow(Clock::start());
-    hardware.finish();
+    hardware.finish(false);
     let (heard, error) = listen(&mut hardware);
     assert!(error.is_none(), "{error:?}");
     assert!(!hardware.is_running());
@@ -353,7 +353,7 @@ fn a_stop_brakes_whatever_is_under_way_and_stays_asked_for() {
     stand(&mut hardware, 60_000);
     hardware.follow(Clock::start());
     hardware.stop();
-    hardware.finish();
+    hardware.finish(false);
     let (_, error) = listen(&mut hardware);
     assert!(error.is_none(), "{error:?}");
     assert_eq!(strings.soft_stops.load(Ordering::SeqCst), 1);

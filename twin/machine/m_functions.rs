@@ -22,6 +22,10 @@ pub(super) fn read(root: &Section<'_>, drives: bool) -> Vec<MFunction> {
         if !(drives || outputs_on.is_empty() && outputs_off.is_empty()) {
             section.complain("there is no [[drives]] that has outputs".to_owned());
         }
+        let keys = ["outputs_on", "outputs_off", "time_ms"];
+        if !keys.into_iter().any(|key| section.has(key)) {
+            section.complain("it has neither outputs nor `time_ms`".to_owned());
+        }
         if let Some(both) = outputs_on.iter().find(|output| outputs_off.contains(output)) {
             section.complain_at(
                 "outputs_off",

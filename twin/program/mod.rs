@@ -20,6 +20,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::time::SystemTime;
 use stream::{Prepared, Stage};
+use twin_motion::Place;
 use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
 use twin_motion::path::queue::{Generator, QueueReader};
 use twin_motion::path::{Marks, PathElement};
@@ -244,10 +245,13 @@ impl ProgramFile {
         notices: &Notices,
     ) -> io::Result<(Prepared, Rc<RefCell<Ledger>>)> {
         let (preparation, incompatible) = self.preparation(conditions)?;
-        let (decoded, ledger) = self.decode(conditions, EmptyMoves::LeftOut)?;
+        let (mut decoded, ledger) = self.decode(conditions, EmptyMoves::LeftOut)?;
+        if !self.is_repeatable() && self.made.is_none() {
+            decoded.unforeseen = Marks::STARTS;
+        }
         let decoded = self.settings.operations.apply(decoded)?;
-        if let Some(incompatible) = incompatible {
-            ledger.borrow_mut().report(source::incompatible(incompatible));
+        if let Some((incompatible, place)) = incompatible {
+            ledger.borrow_mut().report(source::incompatible(incompatible, place));
         }
         // What cannot be combined has been left out.
         let prepared = preparation
@@ -260,7 +264,7 @@ impl ProgramFile {
     fn preparation(
         &self,
         conditions: &ProgramConditions,
-    ) -> io::Result<(Preparation, Option<Incompatible>)> {
+    ) -> io::Result<(Preparation, Option<(Incompatible, Place)>)> {
         let marks = match self.dialect {
             Dialect::Din66025 if self.is_repeatable() => {
                 let marks =
@@ -268,8 +272,8 @@ impl ProgramFile {
                 // Perhaps only comments name them together.
                 if Preparation::for_marks(marks).is_ok() { marks } else { self.marks(conditions)? }
             }
-            // What can be read only once is prepared for the most usual.
-            Dialect::Din66025 => Marks::CORRECTION_LEFT.with(Marks::LOOPS),
+            // What can be read only once cannot be looked through first.
+            Dialect::Din66025 => Marks::default(),
             Dialect::Queue if self.is_repeatable() && self.is_unprepared()? => {
                 self.marks(conditions)?
             }
@@ -277,7 +281,10 @@ impl ProgramFile {
         };
         let (preparation, incompatible) = match Preparation::for_marks(marks) {
             Ok(preparation) => (preparation, None),
-            Err(incompatible) => (Preparation::default(), Some(incompatible)),
+            Err(incompatible) => {
+                let place = self.place_of_incompatible(conditions)?;
+                (Preparation::default(), Some((incompatible, place)))
+            }
         };
         Ok((conditions.preparation.complete(preparation), incompatible))
     }
@@ -287,6 +294,18 @@ impl ProgramFile {
         let (decoded, _) = self.decode(conditions, EmptyMoves::LeftOut)?;
         let elements = decoded.filter_map(Result::ok);
         Ok(elements.fold(Marks::default(), |marks, element| marks.with(element.marks)))
+    }
+
+    /// Where the second of two stages that cannot be combined begins.
+    fn place_of_incompatible(&self, conditions: &ProgramConditions) -> io::Result<Place> {
+        let (decoded, _) = self.decode(conditions, EmptyMoves::LeftOut)?;
+        let mut marks = Marks::default();
+        let mut elements = decoded.filter_map(Result::ok);
+        let second = elements.find(|element| {
+            marks = marks.with(element.marks);
+            Preparation::for_marks(marks).is_err()
+        });
+        Ok(second.map_or(Place { line: 1, block: None }, |element| element.place))
     }
 
     /// Whether this queue's path has not been prepared yet.
@@ -304,7 +323,12 @@ impl ProgramFile {
         empty: EmptyMoves,
     ) -> io::Result<(Decoded, Rc<RefCell<Ledger>>)> {
         let ledger = Rc::new(RefCell::new(Ledger::default()));
-        let decoded = |decoder| Decoded { decoder, ledger: Rc::clone(&ledger), halted: false };
+        let decoded = |decoder| Decoded {
+            decoder,
+            ledger: Rc::clone(&ledger),
+            halted: false,
+            unforeseen: Marks::default(),
+        };
         if let Some(made) = &self.made {
             let made = decoded(Decoder::Made { elements: Arc::clone(made), next: 0 });
             return Ok((made, ledger));

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use twin_motion::Place;
 use twin_motion::decode::{self, Diagnostic, Failure, Item, TextError};
 use twin_motion::path::queue::QueueReader;
-use twin_motion::path::{OperationError, PathElement};
+use twin_motion::path::{ElementKind, Marks, OperationError, PathElement};
 use twin_motion::prepare::{CheckError, CornerError, Incompatible, Notice, ToolRadiusError};
 use twin_motion::{din66025, rs274};
 
@@ -140,8 +140,7 @@ pub(super) fn noticed(notice: &Notice) -> Finding {
 }
 
 /// A program that asks for preparation that cannot be combined.
-pub(super) fn incompatible(error: Incompatible) -> Finding {
-    let place = Place { line: 1, block: None };
+pub(super) fn incompatible(error: Incompatible, place: Place) -> Finding {
     Finding::error(Rule::Syntax, place, format!("{error} in one program"))
 }
 
@@ -217,14 +216,29 @@ pub(super) struct Decoded {
     pub(super) ledger: Rc<RefCell<Ledger>>,
     /// After an element that nobody would wait for, only diagnostics follow.
     pub(super) halted: bool,
+    /// Marks of what has not been prepared for, because the file cannot be looked through first.
+    pub(super) unforeseen: Marks,
 }
 
 /// No single move takes longer than this, s: a day. What does is a slip of the pen (`J999999999`, `F0.0000001`,
 /// `E0.0000001`), and sampling it every millisecond would take the check as long.
 const LONGEST_MOVE: f64 = 86_400.0;
 
+/// Preparation begins where nobody has looked for it.
+const UNFORESEEN: &str =
+    "preparation begins here, for which the program must be a file that can be read twice, no pipe";
+
 /// What is wrong with an element that takes absurdly long.
 fn endless(element: &PathElement) -> Option<Finding> {
+    if let ElementKind::Dwell { time_ns } = element.kind {
+        let time = crate::report::seconds(time_ns);
+        return (time > LONGEST_MOVE).then(|| {
+            let message = format!(
+                "this dwell takes {time:.0} s; the limit is {LONGEST_MOVE:.0} s, and what follows is not planned"
+            );
+            Finding::error(Rule::Syntax, element.place, message).with_value(time, LONGEST_MOVE, "s")
+        });
+    }
     let length = element.length();
     if !(element.feed > 0.0 && element.acceleration > 0.0 && element.deceleration > 0.0) {
         return None;
@@ -271,6 +285,10 @@ impl Iterator for Decoded {
                 ledger.report(finding);
                 self.halted = true;
                 continue;
+            }
+            if element.marks.0 & self.unforeseen.0 != 0 {
+                self.unforeseen = Marks::default();
+                ledger.report(Finding::error(Rule::Syntax, element.place, UNFORESEEN.to_owned()));
             }
             ledger.elements += 1;
             if element.kind.is_motion() {

@@ -78,12 +78,15 @@ pub struct Ending {
     pub executed_ns: i64,
     /// Why it did not go to the end of the program.
     pub stopped: Option<Stopped>,
+    /// Outputs of the drives that are perhaps still on although the run has ended early.
+    pub left_on: Vec<u8>,
 }
 
 impl Ending {
     /// The ending of a run that never began.
     pub fn nothing(machine: &Machine) -> Self {
-        Self { comparison: Comparison::new(machine.axes.len()), executed_ns: 0, stopped: None }
+        let comparison = Comparison::new(machine.axes.len());
+        Self { comparison, executed_ns: 0, stopped: None, left_on: Vec::new() }
     }
 }
 

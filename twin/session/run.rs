@@ -145,8 +145,9 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
 
     /// What has come of it.
     pub(super) fn ending(self) -> Ending {
-        let Self { comparison, executed_ns, stopped, .. } = self;
-        Ending { comparison, executed_ns, stopped }
+        let Self { comparison, executed_ns, stopped, hardware, .. } = self;
+        let left_on = hardware.map(|hardware| hardware.left_on().to_vec()).unwrap_or_default();
+        Ending { comparison, executed_ns, stopped, left_on }
     }
 
     /// Obeys the user, who has interrupted so many times.
@@ -195,7 +196,7 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
         if !self.planning
             && let Some(hardware) = &mut self.hardware
         {
-            hardware.finish();
+            hardware.finish(self.stopped.is_some());
         }
     }
 

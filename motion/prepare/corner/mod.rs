@@ -203,10 +203,15 @@ where
             self.flush();
             return 0.0;
         };
-        let first = piece::section(&held.element, held.from, to);
-        let inserted = self.hand_over(inserted, &held.element, next, [to, from]);
+        let mut inserted = self.hand_over(inserted, &held.element, next, [to, from]);
         let behind = Station::at(next, from);
-        self.ready.extend([Ok(first), Ok(inserted)]);
+        if to - held.from > POINT_EPS {
+            self.ready.push_back(Ok(piece::section(&held.element, held.from, to)));
+        } else {
+            // Nothing is left between two corners but rounding, and at nothing the path would stop.
+            self.take_over(&mut inserted, &held, to);
+        }
+        self.ready.push_back(Ok(inserted));
         for mut item in self.between.drain(..) {
             if let Ok(element) = &mut item {
                 piece::relocate(element, &behind);
@@ -214,6 +219,21 @@ where
             self.ready.push_back(item);
         }
         from
+    }
+
+    /// Lets the inserted element begin where the one before it ends, with the marks and switches of what lay between.
+    fn take_over(&self, inserted: &mut PathElement, held: &Held, to: f64) {
+        let start = Station::at(&held.element, held.from);
+        let end = inserted.end();
+        inserted.shape = inserted.shape.clone().with_ends(start.point, end);
+        if inserted.extra().is_some() {
+            piece::set_start_extra(inserted, start.extra);
+        }
+        inserted.marks = inserted.marks.with(held.element.marks);
+        for switch in piece::part_of_switches(&held.element, held.from, to, held.from, to) {
+            let switch = Switch { at: 0.0, ..switch };
+            piece::add_switch(inserted, switch, held.element.place, &self.notices);
+        }
     }
 
     /// Where the corner between two elements is cut and what comes in its place; nothing if it stays.

@@ -162,6 +162,8 @@ fn m_functions() {
             (9, 60, None),
             (10, 7, None),
             (11, 0, None),
+            // The end of the program turns off what is on.
+            (12, 9, None),
         ]
     );
     // The stop is behind the motion of its line; everything else before it.
@@ -169,7 +171,7 @@ fn m_functions() {
         elements(program).iter().map(|element| element.kind).collect()
     };
     let m = |number| ElementKind::MFunction { number };
-    assert_eq!(kinds("G0 X1 M0 M3\nM2"), [m(3), ElementKind::Rapid, m(0)]);
+    assert_eq!(kinds("G0 X1 M0 M3\nM2"), [m(3), ElementKind::Rapid, m(0), m(5)]);
     for element in found {
         assert!(element.kind.is_motion() || element.start() == element.end());
     }

@@ -178,3 +178,21 @@ fn modes_to_read() {
     assert_eq!(decoder.lines(), 9);
     assert_eq!(decoder.position(), at([4.0 * 0.0254, 0.0, 0.0]));
 }
+
+/// As LinuxCNC's interpreter hands on at the end of a program and at a tool change (`rs274 -g`: `STOP_SPINDLE_TURNING`,
+/// `FLOOD_OFF`).
+#[test]
+fn spindle_and_coolant_stop_at_the_end() {
+    let numbers = |program: &str| -> Vec<(u32, u16)> {
+        let elements = elements(program);
+        let functions = elements.iter().filter_map(|element| match element.kind {
+            ElementKind::MFunction { number } => Some((element.place.line, number)),
+            _ => None,
+        });
+        functions.collect()
+    };
+    assert_eq!(numbers("M3 S100\nM8\nG0 X1\nM30"), [(1, 3), (2, 8), (4, 5), (4, 9)]);
+    assert_eq!(numbers("M3 S100\nM5\nM8\nM9\nM2"), [(1, 3), (2, 5), (3, 8), (4, 9)]);
+    assert_eq!(numbers("M3 S100\nT1 M6\nM4\nM2"), [(1, 3), (2, 5), (2, 6), (3, 4), (4, 5)]);
+    assert_eq!(numbers("%\nM3 S100\n%"), [(2, 3), (3, 5)]);
+}

@@ -28,23 +28,23 @@ pub(super) struct DrawingOptions {
     order: Option<SectionOrder>,
 
     /// Ends that are at most this far apart are joined [default: 0.01]
-    #[arg(long, value_name = "MM", value_parser = |text: &str| within(text, 0.0..=1e3))]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = |text: &str| within(text, 0.0..=1e3))]
     join: Option<f64>,
 
     /// Splines that cannot be kept become lines that are this near [default: 0.01]
-    #[arg(long, value_name = "MM", value_parser = |text: &str| within(text, 1e-4..=1e3))]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = |text: &str| within(text, 1e-4..=1e3))]
     chord: Option<f64>,
 
     /// Length of the drawing's unit, if the drawing does not say [default: 1]
-    #[arg(long, value_name = "MM", value_parser = |text: &str| within(text, 1e-6..=1e7))]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, value_parser = |text: &str| within(text, 1e-6..=1e7))]
     drawing_unit: Option<f64>,
 
     /// Feed of cuts and rapids [default: 100]
-    #[arg(long, value_name = "MM/S", value_parser = |text: &str| within(text, 1e-3..=1e6))]
+    #[arg(long, value_name = "MM/S", allow_hyphen_values = true, value_parser = |text: &str| within(text, 1e-3..=1e6))]
     feed: Option<f64>,
 
     /// Acceleration and deceleration [default: 1000]
-    #[arg(long, value_name = "MM/S2", value_parser = |text: &str| within(text, 1e-3..=1e8))]
+    #[arg(long, value_name = "MM/S2", allow_hyphen_values = true, value_parser = |text: &str| within(text, 1e-3..=1e8))]
     acceleration: Option<f64>,
 
     /// Height at which rapids travel, Z; without it heights are those of the drawing
@@ -112,6 +112,13 @@ impl DrawingOptions {
         conditions: &ProgramConditions,
         settings: &ReadSettings,
     ) -> Result<(Programs, Vec<String>), Failure> {
+        if let Some((safe, cut)) = self.safe_height.zip(self.cut_height)
+            && safe <= cut
+        {
+            return Err(Failure::Usage(format!(
+                "--safe-height {safe} must be above --cut-height {cut}"
+            )));
+        }
         let file = File::open(path).map_err(|source| unreadable(path, source))?;
         let import = dxf::import(BufReader::new(file), &self.options(conditions));
         let import = import.map_err(|error| match error {

@@ -32,6 +32,10 @@ impl Target {
         }
     }
 
+    pub(super) fn is_stdout(&self) -> bool {
+        matches!(self, Self::Stdout)
+    }
+
     /// Begins the file of program `number`, `name`.
     pub(super) fn open(&self, number: u32, name: &str, format: Format) -> Result<File, Failure> {
         let path = match self {
@@ -56,6 +60,14 @@ impl Target {
             }
         };
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+            let message = format!("there is no folder {}", folder.display());
+            return Err(failure(&path, io::Error::new(io::ErrorKind::NotFound, message)));
+        }
+        if path.is_dir() {
+            let error = io::Error::new(io::ErrorKind::IsADirectory, "it is a folder");
+            return Err(failure(&path, error));
+        }
         let temporary = NamedTempFile::new_in(folder.unwrap_or_else(|| Path::new(".")));
         let temporary = temporary.map_err(|source| failure(&path, source))?;
         Ok(File::Named { file: BufWriter::with_capacity(1 << 16, temporary), path })

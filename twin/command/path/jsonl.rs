@@ -6,7 +6,7 @@ use serde_json::value::RawValue;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use twin_kinematics::WorkFrame;
-use twin_motion::path::{EXTRA_AXES, ElementKind, PathElement, Shape};
+use twin_motion::path::{AxisMask, EXTRA_AXES, ElementKind, PathElement, Shape};
 
 /// Digits of the numbers written; a double is preserved by 17, and 12 are a picometre on a metre.
 const DIGITS: usize = 12;
@@ -30,11 +30,17 @@ struct Row {
     k: Option<Number>,
     #[serde(skip_serializing_if = "Option::is_none")]
     l: Option<Number>,
+    /// dP1 to dP8 of an M function.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    parameters: Option<[Number; 8]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     dwell_s: Option<Number>,
     /// Start and end of the extra axes that move, u.
     #[serde(skip_serializing_if = "Option::is_none")]
     extra: Option<BTreeMap<char, [Number; 2]>>,
+    /// Axes that move with the S profile.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    s_profile: Vec<char>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     switches: Vec<SwitchRow>,
     length_mm: Number,
@@ -121,11 +127,13 @@ pub(super) fn write(
         },
         k: details.and_then(|details| details.parameters.k).map(number),
         l: details.and_then(|details| details.parameters.l).map(number),
+        parameters: details.and_then(|details| details.parameters.o).map(|all| all.map(number)),
         dwell_s: match element.kind {
             ElementKind::Dwell { time_ns } => Some(number(crate::report::seconds(time_ns))),
             _ => None,
         },
         extra: extra.filter(|extra| !extra.is_empty()),
+        s_profile: details.map(|details| smooth_axes(details.s_profile)).unwrap_or_default(),
         switches: switches.collect(),
         length_mm: number(element.length() * 1e3),
         feed_mm_per_s: number(element.feed * 1e3),
@@ -137,4 +145,11 @@ pub(super) fn write(
     };
     serde_json::to_writer(&mut *out, &row)?;
     writeln!(out)
+}
+
+fn smooth_axes(axes: AxisMask) -> Vec<char> {
+    let extra = EXTRA_AXES.into_iter().enumerate();
+    let extra = extra.map(|(index, letter)| (letter, AxisMask::extra(index)));
+    let all = std::iter::once(('Z', AxisMask::Z)).chain(extra);
+    all.filter(|(_, axis)| axes.contains(*axis)).map(|(letter, _)| letter).collect()
 }

@@ -13,7 +13,7 @@ use super::options::{ReadOptions, unreadable};
 use super::{Failure, Status, show};
 use crate::finding::{self, Finding};
 use crate::machine::{Machine, ProgramConditions};
-use crate::program::{ElementItem, Elements, ProgramFile};
+use crate::program::{Dialect, ElementItem, Elements, ProgramFile};
 use drawing::DrawingOptions;
 use file::Target;
 use options::{OperationOptions, PreparationOptions};
@@ -47,11 +47,12 @@ pub(super) struct Arguments {
     #[command(flatten)]
     read: ReadOptions,
 
-    /// What to write [default: by the ending of --output, else jsonl]
+    /// What to write [default: by the ending of --output; din66025 with --one-per layer or section; else jsonl]
     #[arg(long, value_enum)]
     format: Option<Format>,
 
-    /// File to write to, which is replaced when all is well; with --one-per layer or section a folder [default:
+    /// File to write to, which is replaced when all is well (programs, drawings and queue files are not written of a
+    /// program with errors); with --one-per layer or section a folder [default:
     /// standard output]
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -114,6 +115,26 @@ impl Format {
     }
 }
 
+impl Arguments {
+    /// The format asked for, that of the output's ending, or the default.
+    fn chosen_format(&self) -> Result<Format, Failure> {
+        if let Some(format) = self.format {
+            return Ok(format);
+        }
+        match &self.output {
+            // Several programs are meant to be programs.
+            _ if self.drawing.is_divided() => Ok(Format::Din66025),
+            None => Ok(Format::Jsonl),
+            Some(path) => Format::of(path).ok_or_else(|| {
+                Failure::Usage(format!(
+                    "the ending of {} is none of .jsonl .cnc .dxf .queue .svg; say --format",
+                    path.display()
+                ))
+            }),
+        }
+    }
+}
+
 /// What is to be made of one program.
 struct Job<'a> {
     program: &'a ProgramFile,
@@ -124,6 +145,7 @@ struct Job<'a> {
     prepare: bool,
     findings: Vec<Finding>,
     left_out: u64,
+    elements: u64,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
@@ -135,23 +157,27 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let mut settings = arguments.read.settings(conditions.rs274.units)?;
     settings.operations = arguments.operations.operations()?;
     let frame = machine.as_ref().map_or_else(WorkFrame::identity, |machine| machine.frame);
-    let format = arguments
-        .format
-        .or_else(|| arguments.output.as_deref().and_then(Format::of))
-        .unwrap_or(Format::Jsonl);
+    let format = arguments.chosen_format()?;
 
     let source = &arguments.program;
     let (programs, notes) = if drawing::is_drawing(source, arguments.read.dialect)? {
+        arguments.read.check_for(Some(Dialect::Dxf))?;
         arguments.drawing.import(source, &conditions, &settings)?
     } else {
         arguments.drawing.check_unused()?;
-        let program = ProgramFile::new(source, arguments.read.dialect_of(source)?, settings)?;
+        let dialect = arguments.read.dialect_of(source)?;
+        arguments.read.check_for(dialect)?;
+        let program = ProgramFile::new(source, dialect, settings)?;
         (vec![(drawing::name(source), program)], Vec::new())
     };
     let dialect = programs.first().map_or("dxf", |(_, program)| program.dialect().name());
     eprintln!("{} is read as {dialect}", source.display());
     for note in &notes {
         eprintln!("{}: {note}", source.display());
+    }
+    if arguments.output.as_deref().is_some_and(|output| same_file(output, source)) {
+        let message = format!("{} would be replaced by what is made of it", source.display());
+        return Err(Failure::Usage(message));
     }
     let target = Target::new(arguments.output.as_deref(), arguments.drawing.is_divided())?;
 
@@ -165,16 +191,32 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             prepare: arguments.preparation.prepare,
             findings: Vec::new(),
             left_out: 0,
+            elements: 0,
         };
         let mut file = target.open(number, name, format)?;
         job.write(format, &mut file).map_err(|failure| file.named(failure))?;
-        file.finish()?;
+        // What others would take for a whole program must be one.
+        let unfit = finding::unfit(&job.findings);
+        let kept = !unfit
+            || matches!(
+                format,
+                Format::Jsonl | Format::Svg | Format::Info | Format::Viewer | Format::Listing
+            );
+        if kept || target.is_stdout() {
+            file.finish()?;
+        } else {
+            eprintln!("{name} is not written: the program has errors");
+        }
         finding::sort(&mut job.findings);
         show::findings(program, &job.findings);
         if job.left_out > 0 {
             eprintln!("… and {} more that are not kept", job.left_out);
         }
-        if finding::unfit(&job.findings) {
+        if unfit {
+            status = Status::Unfit;
+        }
+        if job.elements == 0 && !unfit {
+            eprintln!("{} has nothing in it that is a path", source.display());
             status = Status::Unfit;
         }
     }
@@ -183,6 +225,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         status = Status::Unfit;
     }
     Ok(status)
+}
+
+/// Whether both are there and the same.
+fn same_file(one: &Path, other: &Path) -> bool {
+    let real = |path: &Path| path.canonicalize().ok();
+    real(one).is_some_and(|path| Some(path) == real(other))
 }
 
 impl Job<'_> {
@@ -225,7 +273,10 @@ impl Job<'_> {
     ) -> Result<(), Failure> {
         for item in &mut path {
             match item {
-                ElementItem::Element(element) => take(element)?,
+                ElementItem::Element(element) => {
+                    self.elements += 1;
+                    take(element)?;
+                }
                 ElementItem::Diagnostic(finding) => self.findings.push(finding),
                 ElementItem::Io(source) => return Err(unreadable(self.program.path(), source)),
             }

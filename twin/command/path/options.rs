@@ -30,35 +30,35 @@ pub(super) struct PreparationOptions {
     start: Option<[f64; 8]>,
 
     /// Turns of the path up to this angle are passed without a stop (dAngleTol) [default: 2]
-    #[arg(long, value_name = "DEG", value_parser = angle)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = angle)]
     angle_tolerance: Option<f64>,
 
     /// Added to D where the tool radius is corrected (dToolRadius)
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", requires = "prepare", allow_hyphen_values = true, value_parser = positive)]
     tool_radius: Option<f64>,
 
     /// Coming nearer to the contour than the tool's radius by no more than this is no gouge [default: 0.001]
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", requires = "prepare", allow_hyphen_values = true, value_parser = positive)]
     gouge_tolerance: Option<f64>,
 
     /// Added to D where corners are smoothed (dEdgeDistance)
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", requires = "prepare", allow_hyphen_values = true, value_parser = positive)]
     edge_distance: Option<f64>,
 
     /// In place of D where corners are rounded (dRadius)
-    #[arg(long, value_name = "MM", value_parser = positive)]
+    #[arg(long, value_name = "MM", requires = "prepare", allow_hyphen_values = true, value_parser = positive)]
     rounding_distance: Option<f64>,
 
     /// Turns up to this angle are neither smoothed nor rounded
-    #[arg(long, value_name = "DEG", value_parser = angle)]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = angle)]
     corner_angle_tolerance: Option<f64>,
 
     /// Largest acceleration towards the centre of a curve (dMaxAcc)
-    #[arg(long, value_name = "MM/S2", value_parser = positive)]
+    #[arg(long, value_name = "MM/S2", requires = "prepare", allow_hyphen_values = true, value_parser = positive)]
     circular_acceleration: Option<f64>,
 
     /// Largest jump of that acceleration from one element to the next (dMaxAccJump)
-    #[arg(long, value_name = "MM/S2", value_parser = positive)]
+    #[arg(long, value_name = "MM/S2", requires = "prepare", allow_hyphen_values = true, value_parser = positive)]
     circular_acceleration_jump: Option<f64>,
 }
 
@@ -103,7 +103,7 @@ pub(super) struct OperationOptions {
     split: Option<(u64, f64)>,
 
     /// Stretch by a factor about the origin (`SMC_SCALEQUEUE3D`)
-    #[arg(long, value_name = "FACTOR", default_value = "1", hide_default_value = true, value_parser = |text: &str| within(text, 1e-6..=1e6))]
+    #[arg(long, value_name = "FACTOR", allow_hyphen_values = true, default_value = "1", hide_default_value = true, value_parser = |text: &str| within(text, 1e-6..=1e6))]
     scale: f64,
 
     /// Turn counter-clockwise about the z axis through the origin (`SMC_ROTATEQUEUE2D`)
@@ -115,11 +115,11 @@ pub(super) struct OperationOptions {
     translate: Option<[f64; 8]>,
 
     /// Make lines of splines and ellipses, each with at most so much path
-    #[arg(long, value_name = "MM", conflicts_with = "linearise_angle", value_parser = |text: &str| within(text, 1e-3..=1e6))]
+    #[arg(long, value_name = "MM", allow_hyphen_values = true, conflicts_with = "linearise_angle", value_parser = |text: &str| within(text, 1e-3..=1e6))]
     linearise: Option<f64>,
 
     /// The same, such that the path turns by less than this angle between lines
-    #[arg(long, value_name = "DEG", value_parser = |text: &str| within(text, 0.01..=90.0))]
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, value_parser = |text: &str| within(text, 0.01..=90.0))]
     linearise_angle: Option<f64>,
 
     /// Make lines of arcs, too

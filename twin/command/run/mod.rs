@@ -169,6 +169,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if let Some(reason) = &reason {
         eprintln!("{reason}");
     }
+    for output in &done.ending.left_on {
+        eprintln!(
+            "output {output} of the drives could not be switched off: it is perhaps still on"
+        );
+    }
     done.shown?;
     let unfit = if finding::unfit(&outcome.findings) { Status::Unfit } else { Status::Fit };
     let status = judge(arguments, &done.ending).max(unfit);

@@ -56,11 +56,12 @@ fn what_m_functions_switch() {
     assert_eq!((m3.number, &m3.outputs_on[..], m3.time_ns), (3, &[1, 2][..], 1_500_000_000));
     assert_eq!((m5.number, &m5.outputs_off[..], m5.time_ns), (5, &[1, 2][..], 0));
     for (section, part) in [
+        ("m = 3", "it has neither outputs nor `time_ms`"),
         ("outputs_on = [1]", "[[m_functions]] number 1 lacks `m`"),
         ("m = 3\noutputs_on = [33]", "`outputs_on` is 33; it must lie between 1 and 32"),
         ("m = 3\noutputs_on = 3", "expected an array of whole numbers"),
         ("m = 3\noutputs_on = [3]\noutputs_off = [3]", "output 3 is switched on and off"),
-        ("m = 3\n[[m_functions]]\nm = 3", "M3 is there already"),
+        ("m = 3\ntime_ms = 1\n[[m_functions]]\nm = 3\ntime_ms = 1", "M3 is there already"),
     ] {
         let found = problems(&format!("{SHORT}[[m_functions]]\n{section}\n"));
         assert!(found[0].1.contains(part), "{found:#?}");

@@ -1,7 +1,7 @@
 //! [`SmoothPath`]; what it shares with [`crate::prepare::RoundPath`] is tested there.
 
 use super::{marked, with_radius};
-use crate::path::{Cubic, Ellipse, Marks, PathElement, Shape};
+use crate::path::{Cubic, Ellipse, ExtraAxes, Marks, PathElement, Shape};
 use crate::prepare::tests::{
     Error, VECTOR_TOLERANCE, arc, assert_continuous, close, cut, element, polyline,
 };
@@ -114,7 +114,7 @@ fn assert_tangent_in_plane(path: &[PathElement]) {
 #[test]
 fn half_of_the_shorter_element_is_the_most() {
     let path = smooth(polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 30.0], [0.0, 30.0]]), 0.02);
-    assert_eq!(path.len(), 5);
+    assert_eq!(path.len(), 4);
     assert!(close(path[1].end(), [100.0, 15.0, 0.0]));
 }
 
@@ -127,4 +127,33 @@ fn other_marks_are_left_alone() {
     let smoothed: Vec<_> =
         SmoothPath::new(items, style, Notices::default()).map(Result::unwrap).collect();
     assert_eq!(smoothed, path);
+}
+
+/// An additional axis that is first named in the middle goes on without a jump.
+#[test]
+fn axes_named_later_do_not_jump() {
+    let mut path = polyline(&[[0.0, 0.0], [100.0, 0.0], [100.0, 100.0]]);
+    path[1].details.get_or_insert_default().extra =
+        Some(ExtraAxes { start: [0.0; 5], end: [5.0, 0.0, 0.0, 0.0, 0.0] });
+    let path = marked(path, Marks::SMOOTHING).into_iter().map(Ok::<_, Error>);
+    let style = Smoothing { edge_distance: 0.03, angle_tolerance: 0.0 };
+    let smooth: Vec<_> =
+        SmoothPath::new(path, style, Notices::default()).map(Result::unwrap).collect();
+    assert_eq!(smooth.len(), 3);
+    assert_continuous(&smooth);
+    assert_eq!(smooth[2].extra().unwrap().start[0], 1.5);
+}
+
+/// Halves that meet in the middle of an element leave nothing of it at which the path would stop.
+#[test]
+fn nothing_of_no_length_is_left() {
+    let path = polyline(&[[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0], [0.0, 20.0]]);
+    let path = marked(path, Marks::SMOOTHING).into_iter().map(Ok::<_, Error>);
+    let style = Smoothing { edge_distance: 0.02, angle_tolerance: 0.0 };
+    let smooth: Vec<_> =
+        SmoothPath::new(path, style, Notices::default()).map(Result::unwrap).collect();
+    assert_continuous(&smooth);
+    // Two halves of lines with three splines between.
+    assert_eq!(smooth.len(), 5);
+    assert!(smooth.iter().all(|element| element.length() > 1e-3));
 }
