@@ -32,7 +32,7 @@ pub enum Acknowledge {
 }
 
 /// No M function takes longer than this.
-const LONGEST: Duration = Duration::from_secs(3600);
+const LONGEST: Duration = Duration::from_hours(1);
 
 /// What is neither `auto` nor `prompt` nor a duration.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

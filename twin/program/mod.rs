@@ -272,12 +272,11 @@ impl ProgramFile {
                 // Perhaps only comments name them together.
                 if Preparation::for_marks(marks).is_ok() { marks } else { self.marks(conditions)? }
             }
-            // What can be read only once cannot be looked through first.
-            Dialect::Din66025 => Marks::default(),
             Dialect::Queue if self.is_repeatable() && self.is_unprepared()? => {
                 self.marks(conditions)?
             }
-            Dialect::Rs274 | Dialect::Dxf | Dialect::Queue => Marks::default(),
+            // What can be read only once cannot be looked through first; the others ask for nothing.
+            Dialect::Din66025 | Dialect::Queue | Dialect::Rs274 | Dialect::Dxf => Marks::default(),
         };
         let (preparation, incompatible) = match Preparation::for_marks(marks) {
             Ok(preparation) => (preparation, None),

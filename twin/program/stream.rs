@@ -30,6 +30,11 @@ impl Elements {
         self.ledger.borrow().left_out
     }
 
+    /// Elements decoded so far, before anything was done to them.
+    pub fn decoded(&self) -> u64 {
+        self.ledger.borrow().elements
+    }
+
     /// What is known of the file when all of it has been read.
     pub fn facts(&self) -> Facts {
         Facts(Rc::clone(&self.ledger))

@@ -32,7 +32,7 @@ pub(super) fn key_figures(job: &mut Job<'_>, out: &mut dyn Write) -> Result<(), 
 }
 
 /// How long the program runs, if it can be planned; every M function takes a cycle.
-fn duration(job: &Job<'_>) -> Result<Option<i64>, Failure> {
+pub(super) fn duration(job: &Job<'_>) -> Result<Option<i64>, Failure> {
     let failed = |source| unreadable(job.program.path(), source);
     let setpoints = job.program.setpoints(job.conditions, None, Acknowledgement::default());
     let mut last_ns = None;

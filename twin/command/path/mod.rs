@@ -282,6 +282,14 @@ impl Job<'_> {
             }
         }
         self.left_out = path.left_out();
+        if let Some((object, _)) = self.program.settings().operations.split
+            && object >= path.decoded()
+        {
+            return Err(Failure::Usage(format!(
+                "--split: there is no object {object}; the path has {}",
+                path.decoded()
+            )));
+        }
         Ok(())
     }
 }

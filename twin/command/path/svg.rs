@@ -6,12 +6,16 @@ use crate::command::Failure;
 use crate::command::options::unreadable;
 use crate::m_function::Acknowledgement;
 use crate::program::ProgramItem;
+use crate::report::seconds;
 use std::io::Write;
 use twin_motion::info::ProgramInfo;
 use twin_motion::svg::Picture;
 
 /// Between the crosses that show where the tool is, ns (manual 3.5).
 const CROSSES_NS: i64 = 100_000_000;
+
+/// More crosses than this hide the path, so there are none.
+const MOST_CROSSES: i64 = 3000;
 
 /// Draws the path, and what it was before if it is prepared.
 pub(super) fn picture(job: &mut Job<'_>, out: &mut dyn Write) -> Result<(), Failure> {
@@ -37,7 +41,10 @@ pub(super) fn picture(job: &mut Job<'_>, out: &mut dyn Write) -> Result<(), Fail
         job.take(before, |element| picture.before(&element).map_err(stdio))?;
     }
     job.each(|element| picture.element(&element).map_err(stdio))?;
-    if job.prepare {
+    let duration_ns = if job.prepare { super::info::duration(job)?.unwrap_or(0) } else { 0 };
+    if duration_ns > MOST_CROSSES * CROSSES_NS {
+        eprintln!("no crosses every 100 ms: the program takes {:.0} s", seconds(duration_ns));
+    } else if job.prepare {
         let setpoints = program.setpoints(conditions, None, Acknowledgement::default());
         let mut next_ns = 0;
         for item in setpoints.map_err(failed)? {

@@ -1,0 +1,3 @@
+% a quarter of a helix
+N10 G92 X10 Y0 Z0
+N20 G3 X0 Y10 Z5 I-10 J0 F50 E500 E-500
