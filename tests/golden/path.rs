@@ -93,3 +93,80 @@ fn layers_become_files() {
     names.sort();
     assert_eq!(names, ["001-CONTOUR.cnc", "002-BORES.cnc"]);
 }
+
+/// Set-points of 100 mm with F20 E40 E-80, as JSON.
+fn setpoints(desk: &Desk, arguments: &[&str]) -> Vec<Value> {
+    desk.write("line.cnc", "% line\nN10 G92 X0 Y0\nN20 G1 X100 F20 E40 E-80\n");
+    let done = desk.twin(&[&["path", "line.cnc", "--format", "setpoints"], arguments].concat());
+    done.ended(0, "");
+    done.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+}
+
+fn near(row: &Value, key: &str, expected: f64) {
+    let value = if key == "x" { &row["position_mm"][0] } else { &row[key] };
+    let value = value.as_f64().expect("a number");
+    assert!((value - expected).abs() < 1e-6, "{key} {value}, expected {expected}: {row}");
+}
+
+/// Closed forms: 5 mm in 0.5 s up to 20 mm/s, 15 mm in 1 s; from 20 to 10 mm/s 1.875 mm in 0.125 s, from 10 to 0 as long
+/// over 0.625 mm, so 82.5 mm at 10 mm/s: 9.5 s.
+#[test]
+fn the_override_changes_on_the_way() {
+    let rows = setpoints(&Desk::new(), &["--at", "1:override=0.5"]);
+    near(&rows[500], "velocity_mm_per_s", 20.0);
+    near(&rows[1000], "x", 15.0);
+    near(&rows[1125], "velocity_mm_per_s", 10.0);
+    near(&rows[1125], "x", 16.875);
+    let last = rows.last().expect("set-points");
+    near(last, "time_s", 9.5);
+    near(last, "x", 100.0);
+    near(last, "way_mm", 100.0);
+    assert_eq!(
+        (&rows[200]["status"], &rows[1050]["status"]),
+        (&"accelerating".into(), &"decelerating".into())
+    );
+}
+
+/// From 20 mm/s to rest over 2.5 mm in 0.25 s; on from there a second later.
+#[test]
+fn stops_hold_the_path() {
+    let stop = ["--at", "1:slow-stop=on", "--at", "2:slow-stop=off"];
+    let rows = setpoints(&Desk::new(), &stop);
+    near(&rows[1250], "x", 17.5);
+    near(&rows[1999], "x", 17.5);
+    assert_eq!(rows[1500]["status"], "waiting");
+    near(&rows[2500], "x", 22.5);
+    // A path that nobody lets go on ends, and so does one that is aborted.
+    let rows = setpoints(&Desk::new(), &["--at", "1:slow-stop=on"]);
+    near(rows.last().expect("set-points"), "x", 17.5);
+    assert!(rows.len() < 12_000);
+    let rows = setpoints(&Desk::new(), &["--at", "1:abort=on"]);
+    // Where the last set-point had it, at 0.999 s.
+    near(rows.last().expect("set-points"), "x", 14.98);
+}
+
+#[test]
+fn a_path_is_gone_both_ways_and_by_position() {
+    let desk = Desk::new();
+    let rows = setpoints(&desk, &["--both-ways", "--at", "2:override=-1"]);
+    let farthest = rows.iter().filter_map(|row| row["position_mm"][0].as_f64()).fold(0.0, f64::max);
+    // 35 mm after 2 s, and 2.5 mm to stop.
+    assert!((farthest - 37.5).abs() < 1e-6, "{farthest}");
+    near(rows.last().expect("set-points"), "x", 0.0);
+
+    desk.write("slope.cnc", "% slope\nN10 G92 X0 Y0\nN20 G1 X10 Y5 F20\n");
+    desk.write("x.txt", "100\n101.5\n104\n109\n111\n");
+    let by_position = ["--by-position", "x.txt", "--position-offset", "100"];
+    let slope = ["path", "slope.cnc", "--format", "setpoints"];
+    let done = desk.twin(&[&slope[..], &by_position].concat());
+    done.ended(0, "");
+    let rows: Vec<Value> =
+        done.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    for (row, y) in rows.iter().zip([0.0, 0.75, 2.0, 4.5, 5.0]) {
+        let found = row["position_mm"][1].as_f64().expect("a number");
+        assert!((found - y).abs() < 1e-6, "{row}");
+    }
+    assert_eq!(rows.len(), 5);
+    desk.twin(&[&slope[..], &["--at", "1:override=0"]].concat()).ended(2, "--both-ways");
+    desk.twin(&[&slope[..], &["--at", "soon"]].concat()).ended(2, "TIME:INPUT=VALUE");
+}

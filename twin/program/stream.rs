@@ -160,6 +160,11 @@ impl Setpoints {
         self.waiting.tell();
     }
 
+    /// Override, stops and single step from the next set-point on. M functions are acknowledged elsewhere.
+    pub fn set_inputs(&mut self, inputs: Inputs) {
+        self.inputs = inputs;
+    }
+
     /// Brakes along the path and ends.
     pub fn request_stop(&mut self) {
         self.interpolator.request_stop();

@@ -6,6 +6,7 @@ use serde_json::value::RawValue;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use twin_kinematics::WorkFrame;
+use twin_motion::interpolate::{Status, ToolSetpoint};
 use twin_motion::path::{AxisMask, EXTRA_AXES, ElementKind, PathElement, Shape};
 
 /// Digits of the numbers written; a double is preserved by 17, and 12 are a picometre on a metre.
@@ -152,4 +153,62 @@ fn smooth_axes(axes: AxisMask) -> Vec<char> {
     let extra = extra.map(|(index, letter)| (letter, AxisMask::extra(index)));
     let all = std::iter::once(('Z', AxisMask::Z)).chain(extra);
     all.filter(|(_, axis)| axes.contains(*axis)).map(|(letter, _)| letter).collect()
+}
+
+/// A set-point; the names are those of the manual's outputs in our spelling.
+#[derive(serde::Serialize)]
+struct SetpointRow {
+    time_s: Number,
+    line: u32,
+    block: Option<u32>,
+    status: &'static str,
+    position_mm: [Number; 3],
+    velocity_mm_per_s: Number,
+    tangent: [Number; 3],
+    way_mm: Number,
+    #[serde(skip_serializing_if = "is_zero")]
+    switches: u32,
+    #[serde(skip_serializing_if = "is_zero")]
+    last_switch: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    m: Option<u16>,
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    extra: BTreeMap<char, Number>,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde wants it")]
+fn is_zero(number: &u32) -> bool {
+    *number == 0
+}
+
+/// Writes a set-point in the frame of the program.
+pub(super) fn write_setpoint(out: &mut dyn Write, setpoint: &ToolSetpoint) -> io::Result<()> {
+    let extra = EXTRA_AXES.into_iter().zip(setpoint.extra.position);
+    let tangent = setpoint.tangent();
+    let row = SetpointRow {
+        time_s: number(crate::report::seconds(setpoint.time_ns)),
+        line: setpoint.place.line,
+        block: setpoint.place.block,
+        status: match setpoint.status {
+            Status::Init => "init",
+            Status::Accelerating => "accelerating",
+            Status::Constant => "constant",
+            Status::Decelerating => "decelerating",
+            Status::Finished => "finished",
+            Status::Waiting => "waiting",
+        },
+        position_mm: millimetres(&setpoint.position),
+        velocity_mm_per_s: number(setpoint.path_velocity * 1e3),
+        tangent: [number(tangent.x), number(tangent.y), number(tangent.z)],
+        way_mm: number(setpoint.way * 1e3),
+        switches: setpoint.switches,
+        last_switch: setpoint.last_switch.into(),
+        m: setpoint.m_function,
+        extra: extra
+            .filter(|(_, position)| *position != 0.0)
+            .map(|(letter, position)| (letter, number(position)))
+            .collect(),
+    };
+    serde_json::to_writer(&mut *out, &row)?;
+    writeln!(out)
 }

@@ -7,6 +7,7 @@ mod jsonl;
 mod numbers;
 mod options;
 mod output;
+mod setpoints;
 mod svg;
 
 use super::options::{ReadOptions, unreadable};
@@ -18,6 +19,7 @@ use drawing::DrawingOptions;
 use file::Target;
 use options::{OperationOptions, PreparationOptions};
 use output::Writer;
+use setpoints::SetpointOptions;
 use std::io;
 use std::path::{Path, PathBuf};
 use twin_kinematics::WorkFrame;
@@ -64,6 +66,9 @@ pub(super) struct Arguments {
     operations: OperationOptions,
 
     #[command(flatten)]
+    setpoints: SetpointOptions,
+
+    #[command(flatten)]
     drawing: DrawingOptions,
 }
 
@@ -86,6 +91,8 @@ enum Format {
     Viewer,
     /// The first ten lines of the program and the first ten objects of the queue
     Listing,
+    /// Set-points as the interpolator makes them, one JSON object per ms, in the frame of the program
+    Setpoints,
 }
 
 impl Format {
@@ -105,7 +112,7 @@ impl Format {
     /// The ending of its files.
     const fn ending(self) -> &'static str {
         match self {
-            Self::Jsonl => "jsonl",
+            Self::Jsonl | Self::Setpoints => "jsonl",
             Self::Din66025 => "cnc",
             Self::Dxf => "dxf",
             Self::Queue => "queue",
@@ -143,6 +150,7 @@ struct Job<'a> {
     conditions: &'a ProgramConditions,
     frame: WorkFrame,
     prepare: bool,
+    setpoints: &'a SetpointOptions,
     findings: Vec<Finding>,
     left_out: u64,
     elements: u64,
@@ -189,6 +197,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             conditions: &conditions,
             frame,
             prepare: arguments.preparation.prepare,
+            setpoints: &arguments.setpoints,
             findings: Vec::new(),
             left_out: 0,
             elements: 0,
@@ -240,6 +249,7 @@ impl Job<'_> {
             Format::Viewer => return info::viewer(self, out),
             Format::Listing => return info::listing(self, out),
             Format::Svg => return svg::picture(self, out),
+            Format::Setpoints => return setpoints::write(self, self.setpoints, out),
             Format::Jsonl | Format::Din66025 | Format::Dxf | Format::Queue => {}
         }
         let mut writer = Writer::new(format, self, out)?;

@@ -37,9 +37,12 @@ impl<'a> Writer<'a> {
                     if job.prepare { Generator::CheckVelocities } else { Generator::Decoder };
                 Self::Queue(Box::new(QueueWriter::new(out, stage).map_err(Failure::Stdio)?))
             }
-            Format::Jsonl | Format::Svg | Format::Info | Format::Viewer | Format::Listing => {
-                Self::Jsonl { out, frame: job.frame }
-            }
+            Format::Jsonl
+            | Format::Svg
+            | Format::Info
+            | Format::Viewer
+            | Format::Listing
+            | Format::Setpoints => Self::Jsonl { out, frame: job.frame },
         })
     }
 

@@ -1,0 +1,277 @@
+//! The interpolator at the desk: set-points per cycle, with its inputs changed on the way (manual 6.2.9, 6.6).
+
+use super::numbers::within;
+use super::output::stdio;
+use super::{Job, jsonl};
+use crate::command::Failure;
+use crate::command::options::unreadable;
+use crate::m_function::Acknowledgement;
+use crate::program::ProgramItem;
+use std::io::{BufRead, BufReader, Write};
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::task::Poll;
+use twin_motion::interpolate::{
+    DEFAULT_CYCLE_NS, Inputs, IpoError, Override, ToolSetpoint, TwoWayInterpolator, TwoWayPath,
+    XDirection, XInterpolator,
+};
+use twin_motion::path::PathElement;
+use twin_motion::prepare::CheckError;
+
+/// A path that nothing moves any more is not followed for longer than this, ns.
+const PATIENCE_NS: i64 = 10_000_000_000;
+
+/// Elements that a path for both ways may have.
+const CAPACITY: usize = 1_000_000;
+
+/// What happens on the way.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Set-points (--format setpoints)")]
+pub(super) struct SetpointOptions {
+    /// Change an input of the interpolator at a time, s; may be given several times. INPUT=VALUE is one of
+    /// override=FACTOR, slow-stop, emergency-stop, wait-at-next-stop, single-step and abort, each =on or =off
+    #[arg(long = "at", value_name = "TIME:INPUT=VALUE", value_parser = event)]
+    events: Vec<Event>,
+
+    /// Forwards and backwards (`SMC_Interpolator2Dir`): an override below 0 leads back
+    #[arg(long, conflicts_with = "by_position")]
+    both_ways: bool,
+
+    /// Along X as a workpiece was measured (`SMC_XInterpolator`): a file with its position in every cycle, mm, one a line
+    #[arg(long, value_name = "FILE")]
+    by_position: Option<PathBuf>,
+
+    /// Measured position at which the workpiece's zero lies at the path's (dXOffset)
+    #[arg(long, value_name = "MM", default_value = "0", requires = "by_position", allow_hyphen_values = true, value_parser = |text: &str| within(text, -1e6..=1e6))]
+    position_offset: f64,
+
+    /// The workpiece moves against X (eDirection)
+    #[arg(long, requires = "by_position")]
+    against_x: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Event {
+    time_ns: i64,
+    change: Change,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Change {
+    Override(f64),
+    SlowStop(bool),
+    EmergencyStop(bool),
+    WaitAtNextStop(bool),
+    SingleStep(bool),
+    Abort(bool),
+}
+
+fn event(text: &str) -> Result<Event, String> {
+    let expected =
+        || "expected TIME:INPUT=VALUE, like 1.5:override=0.5 or 2:slow-stop=on".to_owned();
+    let (time, change) = text.split_once(':').ok_or_else(expected)?;
+    let (input, value) = change.split_once('=').ok_or_else(expected)?;
+    let time = within(time, 0.0..=86_400.0)?;
+    let switch = match value {
+        "on" => Some(true),
+        "off" => Some(false),
+        _ => None,
+    };
+    let change = match (input, switch) {
+        ("override", None) => Change::Override(within(value, -1000.0..=1000.0)?),
+        ("slow-stop", Some(on)) => Change::SlowStop(on),
+        ("emergency-stop", Some(on)) => Change::EmergencyStop(on),
+        ("wait-at-next-stop", Some(on)) => Change::WaitAtNextStop(on),
+        ("single-step", Some(on)) => Change::SingleStep(on),
+        ("abort", Some(on)) => Change::Abort(on),
+        _ => return Err(expected()),
+    };
+    #[expect(clippy::cast_possible_truncation, reason = "a day at most")]
+    let time_ns = (time * 1e9).round() as i64;
+    Ok(Event { time_ns, change })
+}
+
+/// The inputs as the events leave them.
+struct Schedule {
+    events: std::vec::IntoIter<Event>,
+    inputs: Inputs,
+    /// With its sign.
+    factor: f64,
+}
+
+impl Schedule {
+    fn new(options: &SetpointOptions, inputs: Inputs) -> Self {
+        let mut events = options.events.clone();
+        events.sort_by_key(|event| event.time_ns);
+        Self { events: events.into_iter(), factor: inputs.override_factor.factor(), inputs }
+    }
+
+    /// Brings the inputs to `now_ns`.
+    fn advance(&mut self, now_ns: i64) -> Result<(), IpoError> {
+        while let Some(event) = self.events.as_slice().first().filter(|e| e.time_ns <= now_ns) {
+            let inputs = &mut self.inputs;
+            match event.change {
+                Change::Override(factor) => {
+                    self.factor = factor;
+                    // Backwards, and less than the least, only the interpolator for both ways understands.
+                    inputs.override_factor = Override::new(factor.abs())?;
+                }
+                Change::SlowStop(on) => inputs.slow_stop = on,
+                Change::EmergencyStop(on) => inputs.emergency_stop = on,
+                Change::WaitAtNextStop(on) => inputs.wait_at_next_stop = on,
+                Change::SingleStep(on) => inputs.single_step = on,
+                Change::Abort(on) => inputs.abort = on,
+            }
+            self.events.next();
+        }
+        Ok(())
+    }
+
+    fn is_over(&self) -> bool {
+        self.events.as_slice().is_empty()
+    }
+}
+
+/// Writes the set-points of the path.
+pub(super) fn write(
+    job: &mut Job<'_>,
+    options: &SetpointOptions,
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    if let Some(file) = &options.by_position {
+        return by_position(job, options, file, out);
+    }
+    let schedule = Schedule::new(options, job.program.settings().inputs);
+    if options.both_ways {
+        both_ways(job, schedule, out)
+    } else {
+        let back =
+            |event: &Event| matches!(event.change, Change::Override(f) if f < Override::LEAST);
+        if options.events.iter().any(back) {
+            let message = "an override below 0.01 is for --both-ways";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        forwards(job, schedule, out)
+    }
+}
+
+fn forwards(job: &mut Job<'_>, mut schedule: Schedule, out: &mut dyn Write) -> Result<(), Failure> {
+    let failed = |source| unreadable(job.program.path(), source);
+    let setpoints = job.program.setpoints(job.conditions, None, Acknowledgement::default());
+    let mut setpoints = setpoints.map_err(failed)?;
+    let mut rest = Rest::default();
+    loop {
+        schedule.advance(rest.next_ns).map_err(usage)?;
+        setpoints.set_inputs(schedule.inputs);
+        match setpoints.next() {
+            Some(ProgramItem::Setpoint(setpoint)) => {
+                jsonl::write_setpoint(out, &setpoint).map_err(stdio)?;
+                if rest.has_lasted(&setpoint) && schedule.is_over() {
+                    eprintln!("the path rests; nothing of --at sets it going again");
+                    break;
+                }
+            }
+            Some(ProgramItem::Diagnostic(finding)) => job.findings.push(finding),
+            Some(ProgramItem::Io(source)) => return Err(failed(source)),
+            None => break,
+        }
+    }
+    job.elements = setpoints.elements();
+    job.left_out = setpoints.left_out();
+    Ok(())
+}
+
+fn both_ways(
+    job: &mut Job<'_>,
+    mut schedule: Schedule,
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    let elements = collected(job)?;
+    let elements = elements.into_iter().map(Ok::<_, Trouble>);
+    let capacity = NonZeroUsize::new(CAPACITY).unwrap_or(NonZeroUsize::MIN);
+    let path = TwoWayPath::new(elements, job.conditions.angle_tolerance, capacity);
+    let path = path.map_err(|error| Failure::Usage(error.to_string()))?;
+    let mut interpolator = TwoWayInterpolator::new(path, DEFAULT_CYCLE_NS);
+    let mut rest = Rest::default();
+    loop {
+        // Whatever its sign and size, the interpolator understands it.
+        schedule.advance(rest.next_ns).unwrap_or_default();
+        let Some(setpoint) = interpolator.cycle(&schedule.inputs, schedule.factor) else { break };
+        jsonl::write_setpoint(out, &setpoint).map_err(stdio)?;
+        let over = interpolator.end_of_path() || rest.has_lasted(&setpoint);
+        rest.next_ns = setpoint.time_ns + i64::from(DEFAULT_CYCLE_NS.get());
+        if over && schedule.is_over() {
+            break;
+        }
+    }
+    Ok(())
+}
+
+fn by_position(
+    job: &mut Job<'_>,
+    options: &SetpointOptions,
+    file: &Path,
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    let elements = collected(job)?;
+    let elements = elements.into_iter().map(Ok::<_, Trouble>);
+    let direction = if options.against_x { XDirection::Negative } else { XDirection::Positive };
+    let offset = options.position_offset * 1e-3;
+    let mut interpolator = XInterpolator::new(elements, DEFAULT_CYCLE_NS, direction, offset);
+    let failed = |source| unreadable(file, source);
+    let reader = BufReader::new(std::fs::File::open(file).map_err(failed)?);
+    for (number, line) in (1..).zip(reader.lines()) {
+        let line: String = line.map_err(failed)?;
+        let position = within(&line, -1e6..=1e6).map_err(|what: String| {
+            Failure::Usage(format!("{}: line {number}: {what}", file.display()))
+        });
+        match interpolator.poll_cycle(position? * 1e-3, false) {
+            Poll::Ready(Some(Ok(setpoint))) => {
+                jsonl::write_setpoint(out, &setpoint).map_err(stdio)?;
+            }
+            Poll::Ready(Some(Err(error))) => return Err(Failure::Usage(error.to_string())),
+            Poll::Ready(None) | Poll::Pending => break,
+        }
+    }
+    Ok(())
+}
+
+/// The path as a whole.
+fn collected(job: &mut Job<'_>) -> Result<Vec<PathElement>, Failure> {
+    let mut elements = Vec::new();
+    job.each(|element| {
+        elements.push(element);
+        Ok(())
+    })?;
+    Ok(elements)
+}
+
+/// How long the path has rested.
+#[derive(Default)]
+struct Rest {
+    since_ns: i64,
+    next_ns: i64,
+}
+
+impl Rest {
+    fn has_lasted(&mut self, setpoint: &ToolSetpoint) -> bool {
+        self.next_ns = setpoint.time_ns + i64::from(DEFAULT_CYCLE_NS.get());
+        if setpoint.path_velocity > 0.0 {
+            self.since_ns = setpoint.time_ns;
+        }
+        setpoint.time_ns - self.since_ns > PATIENCE_NS
+    }
+}
+
+/// What keeps a path from being gone both ways, or by position.
+#[derive(Debug, thiserror::Error)]
+enum Trouble {
+    #[error(transparent)]
+    Check(#[from] CheckError),
+    #[error(transparent)]
+    Ipo(#[from] IpoError),
+}
+
+fn usage(error: IpoError) -> Failure {
+    Failure::Usage(error.to_string())
+}
