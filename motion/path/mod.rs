@@ -113,6 +113,8 @@ impl PathElement {
             let z = along(self.start().z, self.end().z, s, self.shape.length(), true);
             [point.position.z, point.tangent.z, point.curvature.z] = z;
         }
+        point.tangent = finite(point.tangent);
+        point.curvature = finite(point.curvature);
         point
     }
 
@@ -136,6 +138,7 @@ impl PathElement {
                 point.second.get_mut(index),
             );
             if let (Some(at), Some(d1), Some(d2)) = slots {
+                let [first, second] = [first, second].map(finite_or_zero);
                 (*at, *d1, *d2) = (position, first, second);
             }
         }
@@ -166,6 +169,16 @@ pub struct ExtraPoint {
     pub first: ExtraPosition,
     /// Second derivative, u/m².
     pub second: ExtraPosition,
+}
+
+/// A derivative, or zero where the element is too small for it to be a number (10⁻¹⁵⁰ m and less, from a queue file).
+fn finite(derivative: Vector3<f64>) -> Vector3<f64> {
+    if derivative.iter().all(|value| value.is_finite()) { derivative } else { Vector3::zeros() }
+}
+
+/// As [`finite`], for one axis.
+fn finite_or_zero(derivative: f64) -> f64 {
+    if derivative.is_finite() { derivative } else { 0.0 }
 }
 
 /// Position and derivatives with respect to `s` of an axis that goes from `start` to `end` along a path of `length`:

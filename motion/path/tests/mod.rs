@@ -1,7 +1,7 @@
 mod curves;
 mod operations;
 
-use super::{Arc, ElementKind, PathElement, Shape};
+use super::{Arc, AxisMask, Details, ElementKind, ExtraAxes, PathElement, Shape};
 use crate::Place;
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
@@ -194,5 +194,36 @@ proptest! {
         prop_assert!(distance >= least - 1e-14 && distance <= most + 1e-14);
         let height = position.z - arc.start().z;
         prop_assert!((height - at * arc.rise()).abs() < 1e-14);
+    }
+}
+
+/// Of elements whose derivatives are no numbers (a fuzzer made a queue file of them): a path still leads through.
+#[test]
+fn elements_too_small_for_derivatives_have_none() {
+    let tiny = 1e-161;
+    let ends = [Point3::origin(), Point3::new(0.0, tiny, 1e-313)];
+    let center = Point3::new(0.0, tiny / 2.0, 0.0);
+    let shapes = [
+        Shape::Line { start: ends[0], end: ends[1] },
+        Shape::Arc(Arc::new(ends[0], ends[1], center, PI)),
+    ];
+    for shape in shapes {
+        let length = shape.length();
+        assert!(length > 0.0, "{shape:?}");
+        let s_profile = AxisMask(AxisMask::Z.0 | AxisMask::extra(0).0);
+        let extra = ExtraAxes { start: [0.0; 5], end: [1.0, 2.0, 0.0, 0.0, 0.0] };
+        let details = Details { s_profile, extra: Some(extra), ..Details::default() };
+        let cut = PathElement::new(Place::default(), ElementKind::Cut, shape);
+        let element = PathElement { details: Some(Box::new(details)), ..cut };
+        for part in [0.0, 0.25, 0.5, 1.0] {
+            let point = element.at(part * length);
+            let derivatives = point.tangent.iter().chain(&point.curvature);
+            assert!(derivatives.clone().all(|value| value.is_finite()), "{point:?}");
+            let extra = element.extra_at(part * length).unwrap();
+            assert!(
+                extra.first.iter().chain(&extra.second).all(|value| value.is_finite()),
+                "{extra:?}"
+            );
+        }
     }
 }
