@@ -49,7 +49,7 @@ fn singular_downwards() {
 #[test]
 fn trafo_rpy_errors() {
     let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
-    let half = 0.707_106_781_186_547_6;
+    let half = std::f64::consts::FRAC_1_SQRT_2;
     let not_unit = unit_vectors([[2.0, 0.0, 0.0], y, z]).unwrap_err();
     assert_eq!(not_unit, FrameError::NotUnit { axis: 'x', length: 2.0 });
     let not_perpendicular = unit_vectors([x, [half, half, 0.0], z]).unwrap_err();
