@@ -54,10 +54,10 @@ impl ToPath {
 /// First, second and third derivative (rad/s, rad/s², rad/s³) of atan2(y, x) of `vector`, of which `derivatives` are
 /// the first, second and third derivative by time. None for (0, 0).
 ///
-/// The k-th depends on the first k derivatives only: who does not have them all gives 0 for the others and leaves what
-/// follows. The length of the vector does not matter, nor does how it changes, but the more it changes the more digits
-/// its part takes from the result: with a unit tangent and its derivatives nothing is lost where the path comes to rest,
-/// with a velocity and its derivatives much is.
+/// The k-th depends on the first k derivatives only: a caller who does not have them all gives 0 for the others and
+/// ignores what follows. Any vector along the path will do, of any changing length. Where the path comes to rest a
+/// velocity loses digits, since it gets short while its derivatives do not; the unit tangent and its derivatives lose
+/// none.
 ///
 /// The derivatives are the imaginary parts of those of the logarithm of x + iy = v:
 /// v′/v, v″/v − (v′/v)², v‴/v − 3·v″/v·v′/v + 2·(v′/v)³.

@@ -20,7 +20,8 @@ pub(super) enum Above {
     Tilted {
         /// Takes the vector of a direction to a vector in the direction that it is seen in.
         projection: Matrix2<f64>,
-        /// An angle that the map shows as a whole number of half turns after `sense` times the direction, rad.
+        /// With `sense`, the turn alone that the map follows: once in every half turn of the direction, and so after
+        /// each half turn from there, the direction is seen as `start` + `sense`·direction. rad.
         start: f64,
         /// 1, or −1 for a frame that is upside down.
         sense: f64,
@@ -62,8 +63,8 @@ impl Above {
             Self::Turned { start, sense } => return [start + sense * direction, sense, 0.0, 0.0],
             Self::Tilted { projection, start, sense } => (projection, start, sense),
         };
-        // The map is linear, so what is seen is where it started, turned by as much as the direction, after every
-        // half turn and never more than a half turn from there in between: this tells which turn it is in.
+        // The map is linear, so half turns of the direction are seen as half turns: what is seen is never more than one
+        // away from where `start` and `sense` alone would have it. This tells which turn it is in.
         let turned = start + sense * direction;
         let (sin, cos) = direction.sin_cos();
         let seen = projection * Vector2::new(cos, sin);

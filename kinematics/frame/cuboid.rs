@@ -25,8 +25,8 @@ pub enum CuboidError {
         /// A, B or C.
         face: char,
     },
-    /// A coordinate, or a distance between two, is not a finite number.
-    #[error("a coordinate of a probed point is not a finite number")]
+    /// A coordinate of a point or of the corner, or a difference of two, is not a finite number.
+    #[error("a coordinate of a probed point is not a finite number, or too large")]
     NotFinite,
 }
 
@@ -129,9 +129,13 @@ impl Cuboid {
             }
             Ok(edge * side.signum())
         };
+        let placed = origin + corner * scale;
+        if !placed.iter().all(|value| value.is_finite()) {
+            return Err(CuboidError::NotFinite);
+        }
         let a1 = Vector3::zeros();
         Ok(Self {
-            corner: origin + corner * scale,
+            corner: placed,
             ab: outward(&ab, &[&a1, &a2, &a3, &b1, &b2], 'C')?,
             bc: outward(&bc, &[&b1, &b2, &c], 'A')?,
             ca: outward(&ca, &[&a1, &a2, &a3, &c], 'B')?,

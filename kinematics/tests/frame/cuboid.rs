@@ -121,6 +121,14 @@ fn what_is_not_finite_is_refused() {
     }
 }
 
+#[test]
+fn distances_that_are_not_finite_are_refused() {
+    let mut points = probed();
+    points[0].x = -1e308;
+    points[1].x = 1e308;
+    assert_eq!(cuboid(points), Err(CuboidError::NotFinite));
+}
+
 /// What is degenerate does not depend on the unit.
 #[test]
 fn any_scale_will_do() {
