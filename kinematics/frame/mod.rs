@@ -7,7 +7,7 @@ mod unit_vectors;
 pub use cuboid::{Cuboid, CuboidError};
 pub use unit_vectors::{FrameError, UNIT_VECTOR_TOLERANCE, UnitVectors};
 
-use crate::{Pose, ToolMotion};
+use crate::{Pose, ToolJerk, ToolMotion};
 use above::Above;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
@@ -131,23 +131,21 @@ impl WorkFrame {
         }
     }
 
-    /// The jerk in the machine frame of a tool that moves as `motion` in the work frame, with the jerk `jerk` (m/s³) of
-    /// the tool tip and `direction_jerk` (rad/s³) of the direction there: the same two in the machine frame.
+    /// The jerk in the machine frame of a tool that moves as `motion` in the work frame, with the jerk `jerk` there.
     ///
     /// In a tilted frame the direction's also depends on its rate and acceleration: a tool that turns steadily in the
     /// work does not look like it from above.
     pub fn jerk_to_machine(
         &self,
         motion: &ToolMotion,
-        jerk: &Vector3<f64>,
-        direction_jerk: f64,
-    ) -> (Vector3<f64>, f64) {
+        jerk: &ToolJerk,
+    ) -> ToolJerk {
         let [_, slope, curvature, third] = self.seen_from_above.of(motion.pose.direction);
         let (rate, acceleration) = (motion.direction_velocity, motion.direction_acceleration);
-        let direction_jerk = slope * direction_jerk
+        let direction = slope * jerk.direction
             + 3.0 * curvature * rate * acceleration
             + third * rate * rate * rate;
-        (self.vector_to_machine(jerk), direction_jerk)
+        ToolJerk { linear: self.vector_to_machine(&jerk.linear), direction }
     }
 }
 

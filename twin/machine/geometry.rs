@@ -87,7 +87,7 @@ pub(super) fn read(
     };
     let geometry = match kind {
         Kind::Scara2 => scara(&kinematics, &body),
-        Kind::Gantry3 => Some(gantry(&kinematics, &body)),
+        Kind::Gantry3 => gantry(&kinematics, &body),
     };
     kinematics.check_unknown();
     body.finish();
@@ -114,7 +114,7 @@ pub(super) fn read(
             axes.iter().any(|entry| entry.role == role && entry.axis.kind == AxisKind::Rotary);
         model.add_additional_axis(&joint, turns, number);
     }
-    let machine_axes = MachineAxes::new(transform, sources, tool.length);
+    let machine_axes = MachineAxes::new(transform, sources, nalgebra::Vector3::new(0.0, 0.0, -tool.length));
     let kinematics = machine_axes.map_err(|error| kinematics.complain(error.to_string())).ok()?;
     Some(Geometry { kind: kind.name(), kinematics, model })
 }
@@ -173,7 +173,10 @@ fn scara<'a>(
     Some((Box::new(transform), build))
 }
 
-fn gantry<'a>(kinematics: &Section<'_>, body: &Section<'_>) -> (Box<dyn Kinematics>, Build<'a>) {
+fn gantry<'a>(
+    kinematics: &Section<'_>,
+    body: &Section<'_>,
+) -> Option<(Box<dyn Kinematics>, Build<'a>)> {
     let offsets = kinematics.numbers::<3>("offsets_mm", -1e5..=1e5).unwrap_or_default();
     let bridge_mass = body.number("bridge_mass_kg", MASS_KG);
     let carriage_mass = body.number("carriage_mass_kg", MASS_KG);
@@ -195,7 +198,7 @@ fn gantry<'a>(kinematics: &Section<'_>, body: &Section<'_>) -> (Box<dyn Kinemati
         };
         Some(dimensions.model())
     });
-    (Box::new(Gantry3::new(offsets)), build)
+    Gantry3::new(offsets).ok().map(|gantry| (Box::new(gantry) as Box<dyn Kinematics>, build))
 }
 
 /// The number of an additional axis.
@@ -213,7 +216,7 @@ fn sources(root: &Section<'_>, kind: Kind, axes: &[AxisEntry]) -> Option<Vec<Axi
         let complain = |message| root.complain_over(&entry.role_span, message);
         let output = outputs.iter().position(|(output, _)| output == role);
         let coordinate =
-            Coordinate::ALL.into_iter().find(|coordinate| coordinate.to_string() == *role);
+            Coordinate::TRANSLATIONS.into_iter().find(|coordinate| coordinate.to_string() == *role);
         let used =
             matches!((kind, coordinate), (Kind::Scara2, Some(Coordinate::X | Coordinate::Y)));
         let expected = match (output, coordinate) {

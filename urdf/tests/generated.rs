@@ -253,7 +253,7 @@ proptest! {
         let elbow = if low { Elbow::Low } else { Elbow::High };
         let sources = vec![AxisSource::Transform(0), AxisSource::Transform(1), AxisSource::Coordinate(Coordinate::Z)];
         let transform = Box::new(Scara2::new(arms, offsets, elbow).unwrap());
-        let machine = MachineAxes::new(transform, sources, tool_length).unwrap();
+        let machine = MachineAxes::new(transform, sources, -Vector3::z() * tool_length).unwrap();
         let expected = machine.forward(&AxisVector::from_values(position)).unwrap().position;
         let tip = model.tip_position(&position);
         prop_assert!((tip - expected).norm() < 1e-14, "{tip} {expected}");
@@ -269,7 +269,7 @@ proptest! {
     ) {
         let model = GantryDimensions { offsets, tool_length, ..gantry() }.model().unwrap();
         let sources = (0..3).map(AxisSource::Transform).collect();
-        let machine = MachineAxes::new(Box::new(Gantry3::new(offsets)), sources, tool_length).unwrap();
+        let machine = MachineAxes::new(Box::new(Gantry3::new(offsets).unwrap()), sources, -Vector3::z() * tool_length).unwrap();
         let expected = machine.forward(&AxisVector::from_values(position)).unwrap().position;
         let tip = model.tip_position(&position);
         prop_assert!((tip - expected).norm() < 1e-14, "{tip} {expected}");

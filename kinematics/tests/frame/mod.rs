@@ -2,7 +2,7 @@ mod cuboid;
 mod unit_vectors;
 
 use crate::tests::{differences, seeded};
-use crate::{Pose, ToolMotion, WorkFrame};
+use crate::{Pose, ToolJerk, ToolMotion, WorkFrame};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -135,7 +135,8 @@ fn jerk_of_a_steady_turn_in_a_tilted_frame() {
     // derivative −g″/(2g²) = −12.
     let mut motion = ToolMotion::at_rest(Pose { position: Point3::origin(), direction: 0.0 });
     motion.direction_velocity = 0.5;
-    let (linear, direction) = frame.jerk_to_machine(&motion, &Vector3::y(), 0.25);
+    let given = ToolJerk { linear: Vector3::y(), direction: 0.25 };
+    let ToolJerk { linear, direction } = frame.jerk_to_machine(&motion, &given);
     assert!((linear - Vector3::y()).norm() < 1e-15, "{linear}");
     assert!((direction - (2.0 * 0.25 - 12.0 * 0.125)).abs() < 1e-14, "{direction}");
 }
@@ -146,7 +147,8 @@ fn jerk_in_a_turned_frame_is_turned() {
     let mut motion = ToolMotion::at_rest(Pose { position: Point3::origin(), direction: 1.0 });
     motion.direction_velocity = 0.5;
     motion.direction_acceleration = 0.75;
-    let (linear, direction) = frame.jerk_to_machine(&motion, &Vector3::x(), 0.25);
+    let given = ToolJerk { linear: Vector3::x(), direction: 0.25 };
+    let ToolJerk { linear, direction } = frame.jerk_to_machine(&motion, &given);
     assert!((linear - Vector3::y()).norm() < 1e-15, "{linear}");
     assert!((direction - 0.25).abs() < 1e-16, "{direction}");
 }
@@ -294,7 +296,8 @@ proptest! {
                 direction_acceleration: motion.direction_acceleration + direction_jerk * t,
             })
         };
-        let (linear, direction) = frame.jerk_to_machine(&motion, &jerk, direction_jerk);
+        let given = ToolJerk { linear: jerk, direction: direction_jerk };
+        let ToolJerk { linear, direction } = frame.jerk_to_machine(&motion, &given);
         let numbers = |t: f64| {
             let at = at(t);
             let (p, v, a) = (at.pose.position, at.velocity, at.acceleration);
