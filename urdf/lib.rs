@@ -8,6 +8,7 @@ mod error;
 mod generate;
 mod inertial;
 mod load;
+mod loops;
 mod model;
 mod pose;
 #[cfg(test)]
@@ -16,7 +17,10 @@ mod to_urdf;
 
 pub use error::{DimensionError, Part, UrdfError};
 pub use generate::{GantryDimensions, MachineJoint, ScaraDimensions};
-pub use model::{Inertial, Joint, JointKind, Link, Model, Solid, SolidShape, Tip};
+pub use loops::{JointPositions, LoopError};
+pub use model::{
+    Inertial, Joint, JointDrive, JointKind, Link, Loop, Model, Solid, SolidShape, Tip,
+};
 
 /// Name of the link that marks the tool tip in URDF text, and of the joint that fixes it.
 pub const TIP_NAME: &str = "tool_tip";

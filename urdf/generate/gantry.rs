@@ -122,6 +122,7 @@ impl GantryDimensions {
                 gantry.quill(),
             ],
             joints: joints.collect(),
+            loops: Vec::new(),
             tip: Tip { link: 3, point: Point3::new(0.0, 0.0, -self.tool_length) },
         })
     }

@@ -12,7 +12,7 @@ mod scara;
 pub use gantry::GantryDimensions;
 pub use scara::ScaraDimensions;
 
-use crate::{DimensionError, Joint, JointKind, Solid, SolidShape};
+use crate::{DimensionError, Joint, JointDrive, JointKind, Solid, SolidShape};
 use nalgebra::{Isometry3, Translation3, Unit, Vector3};
 
 /// A joint of a generated machine: the axis that moves it, and its limits.
@@ -58,7 +58,7 @@ impl MachineJoint {
             child,
             origin,
             axis,
-            machine_axis: Some(self.machine_axis),
+            drive: JointDrive::Axis(self.machine_axis),
             position_limits: Some(self.position_limits),
             velocity_limit: self.velocity_limit,
             effort_limit: self.effort_limit,

@@ -19,7 +19,7 @@
 use super::{
     MachineJoint, check_joints, check_not_negative, check_positive, cuboid, paint, upright,
 };
-use crate::{DimensionError, Inertial, Joint, JointKind, Link, Model, Solid, Tip};
+use crate::{DimensionError, Inertial, Joint, JointDrive, JointKind, Link, Model, Solid, Tip};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 /// Between parts that pass each other, m.
@@ -135,7 +135,7 @@ impl ScaraDimensions {
                 child: 3,
                 origin: quill_origin,
                 axis: Vector3::z_axis(),
-                machine_axis: None,
+                drive: JointDrive::Fixed,
                 position_limits: None,
                 velocity_limit: None,
                 effort_limit: None,
@@ -162,6 +162,7 @@ impl ScaraDimensions {
                 elbow.joint(JointKind::Revolute, Vector3::z_axis(), 1, 2, elbow_origin),
                 quill_joint,
             ],
+            loops: Vec::new(),
             tip: Tip { link: 3, point: Point3::new(0.0, 0.0, -self.tool_length) },
         })
     }

@@ -125,7 +125,7 @@ fn joints_are_the_axes_of_the_machine() {
     let model = dimensions.model().unwrap();
     let found: Vec<_> = model
         .moving_joints()
-        .map(|(index, joint)| (index, joint.name.as_str(), joint.machine_axis))
+        .map(|(index, joint)| (index, joint.name.as_str(), joint.drive.axis()))
         .collect();
     assert_eq!(found, [(0, "A", Some(2)), (1, "B", Some(1)), (2, "Z", Some(0))]);
     let [a, _, z] = &model.joints[..] else { panic!() };

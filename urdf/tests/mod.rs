@@ -1,5 +1,6 @@
 mod generated;
 mod inertial;
+mod loops;
 mod read;
 mod refused;
 mod round_trip;
