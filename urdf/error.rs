@@ -39,6 +39,14 @@ pub enum DimensionError {
         /// m or rad.
         upper: f64,
     },
+    /// A belt that does not lead from two motors to two coordinates.
+    #[error(
+        "the factors {factors:?} of the belt are not ±0.5 each, or both coordinates move alike"
+    )]
+    Belt {
+        /// What the motors (columns) contribute to x and y (rows).
+        factors: [[f64; 2]; 2],
+    },
     /// Two joints with one name, or moved by one machine axis.
     #[error("joints {} and {} have the same name or the same machine axis", joints[0], joints[1])]
     JointTwice {

@@ -16,7 +16,9 @@ mod tests;
 mod to_urdf;
 
 pub use error::{DimensionError, Part, UrdfError};
-pub use generate::{GantryDimensions, MachineJoint, ScaraDimensions};
+pub use generate::{
+    GantryDimensions, HBelt, MachineJoint, PlaneDrive, RotaryTool, ScaraDimensions,
+};
 pub use loops::{JointPositions, LoopError};
 pub use model::{
     Inertial, Joint, JointDrive, JointKind, Link, Loop, Model, Solid, SolidShape, Tip,

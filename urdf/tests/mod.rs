@@ -6,6 +6,7 @@ mod refused;
 mod round_trip;
 
 use crate::{GantryDimensions, MachineJoint, ScaraDimensions};
+use nalgebra::Vector3;
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 
 /// The same cases in every run; `PROPTEST_CASES` sets their number.
@@ -32,11 +33,10 @@ fn gantry() -> GantryDimensions {
         effort_limit: Some(200.0),
         ..MachineJoint::new(name, axis, limits)
     };
-    let joints =
-        [joint("X", 0, [0.0, 0.6]), joint("Y", 1, [-0.2, 0.2]), joint("Z", 2, [-0.15, 0.0])];
+    let plane = [joint("X", 0, [0.0, 0.6]), joint("Y", 1, [-0.2, 0.2])];
     GantryDimensions {
-        tool_length: 0.05,
+        tool: Vector3::new(0.0, 0.0, -0.05),
         tool_mass: 0.2,
-        ..GantryDimensions::new("gantry", joints)
+        ..GantryDimensions::new("gantry", plane, Some(joint("Z", 2, [-0.15, 0.0])))
     }
 }

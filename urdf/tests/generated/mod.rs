@@ -1,7 +1,11 @@
+//! Machines from their dimensions, against the closed forms of their transforms.
+
+mod gantry;
+
 use super::{gantry, scara, seeded};
 use crate::{
-    DimensionError, GantryDimensions, Joint, JointKind, MachineJoint, Model, ScaraDimensions,
-    SolidShape,
+    DimensionError, GantryDimensions, Joint, JointKind, MachineJoint, Model, PlaneDrive,
+    ScaraDimensions, SolidShape,
 };
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
@@ -10,16 +14,25 @@ use twin_kinematics::gantry::Gantry3;
 use twin_kinematics::scara::{Elbow, Scara2};
 use twin_kinematics::{AxisSource, AxisVector, Coordinate, Kinematics, MachineAxes};
 
-/// Lower and upper corner of what a link fills when the machine's axes are at `axes`, as long as it is not tilted.
+/// Lower and upper corner of the boxes around what a link fills when the machine's axes are at `axes`.
 fn bounds(model: &Model, link: usize, axes: &[f64]) -> Vec<[Point3<f64>; 2]> {
     let pose = model.link_poses(axes)[link];
     let bounds = |solid: &crate::Solid| {
+        let pose = pose * solid.origin;
+        let matrix = pose.rotation.to_rotation_matrix();
+        let upright = (matrix.matrix()[(2, 2)].abs() - 1.0).abs() < 1e-12;
         let half = match solid.shape {
-            SolidShape::Box { size } => size / 2.0,
-            SolidShape::Cylinder { radius, length } => Vector3::new(radius, radius, length / 2.0),
+            SolidShape::Box { size } => matrix.matrix().abs() * size / 2.0,
+            // However it is turned about its own axis.
+            SolidShape::Cylinder { radius, length } if upright => {
+                Vector3::new(radius, radius, length / 2.0)
+            }
+            SolidShape::Cylinder { radius, length } => {
+                matrix.matrix().abs() * Vector3::new(radius, radius, length / 2.0)
+            }
             SolidShape::Sphere { radius } => Vector3::repeat(radius),
         };
-        let center = pose * Point3::from(solid.origin.translation.vector);
+        let center = Point3::from(pose.translation.vector);
         [center - half, center + half]
     };
     model.links[link].solids.iter().map(bounds).collect()
@@ -223,17 +236,18 @@ fn impossible_dimensions_are_named() {
     let offset = ScaraDimensions { offsets: [0.0, f64::INFINITY], ..scara() };
     assert_eq!(refusal(offset), "an offset is not a finite number");
     let mut twice = gantry();
-    twice.joints[2].name = "X".to_owned();
+    twice.quill_joint.as_mut().unwrap().name = "X".to_owned();
     let joints = ["X".to_owned(), "X".to_owned()];
     assert_eq!(twice.model(), Err(DimensionError::JointTwice { joints }));
     let mut shared = gantry();
-    shared.joints[2].machine_axis = 1;
+    shared.quill_joint.as_mut().unwrap().machine_axis = 1;
     assert_eq!(
         shared.model().unwrap_err().to_string(),
         "joints Y and Z have the same name or the same machine axis"
     );
     let mut stuck = gantry();
-    stuck.joints[0].position_limits = [0.5, 0.5];
+    let PlaneDrive::Axes([x, _]) = &mut stuck.plane else { panic!() };
+    x.position_limits = [0.5, 0.5];
     assert!(stuck.model().unwrap_err().to_string().contains("joint X can move from 0.5 to 0.5"));
     let mut heavy = gantry();
     heavy.beam_section = Some([0.1, 0.0]);
@@ -264,10 +278,10 @@ proptest! {
 
     #[test]
     fn the_tip_of_a_gantry_is_where_its_transform_says(
-        offsets in prop::array::uniform3(-1.0..1.0), tool_length in 0.0..0.3,
+        offsets in prop::array::uniform3(-1.0..1.0), tool_length in 0.0_f64..0.3,
         position in [0.0..0.6, -0.2..0.2, -0.15..0.0],
     ) {
-        let model = GantryDimensions { offsets, tool_length, ..gantry() }.model().unwrap();
+        let model = GantryDimensions { offsets, tool: Vector3::new(0.0, 0.0, -tool_length), ..gantry() }.model().unwrap();
         let sources = (0..3).map(AxisSource::Transform).collect();
         let machine = MachineAxes::new(Box::new(Gantry3::new(offsets)), sources, tool_length).unwrap();
         let expected = machine.forward(&AxisVector::from_values(position)).unwrap().position;
