@@ -17,7 +17,7 @@ mod to_urdf;
 
 pub use error::{DimensionError, Part, UrdfError};
 pub use generate::{
-    GantryDimensions, HBelt, MachineJoint, PlaneDrive, RotaryTool, ScaraDimensions,
+    GantryDimensions, HBelt, MachineJoint, PlaneDrive, RotaryTool, ScaraDimensions, ScaraHand,
 };
 pub use loops::{JointPositions, LoopError};
 pub use model::{

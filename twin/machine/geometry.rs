@@ -165,7 +165,7 @@ fn scara<'a>(
             column_height: column_height.map(|height| height * 1e-3),
             quill_length: quill_length.map(|length| length * 1e-3),
             quill_mass,
-            tool_length: tool.length,
+            tool: Vector3::new(0.0, 0.0, -tool.length),
             tool_mass: tool.mass,
             ..ScaraDimensions::new(name, [joint("A")?, joint("B")?], joint("Z"), arms)
         };

@@ -11,7 +11,7 @@ mod scara;
 mod tool;
 
 pub use gantry::{GantryDimensions, HBelt, PlaneDrive, RotaryTool};
-pub use scara::ScaraDimensions;
+pub use scara::{ScaraDimensions, ScaraHand};
 
 use crate::{DimensionError, Joint, JointDrive, JointKind, Solid, SolidShape};
 use nalgebra::{Isometry3, Translation3, Unit, Vector3};

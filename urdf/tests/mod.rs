@@ -24,7 +24,7 @@ fn scara() -> ScaraDimensions {
         [MachineJoint::new("A", 0, [-2.5, 2.5]), MachineJoint::new("B", 1, [-2.6, 2.6])];
     let quill_joint = MachineJoint::new("Z", 2, [-0.1, 0.05]);
     let dimensions = ScaraDimensions::new("scara", arm_joints, Some(quill_joint), [0.25, 0.2]);
-    ScaraDimensions { tool_length: 0.08, tool_mass: 0.3, ..dimensions }
+    ScaraDimensions { tool: Vector3::new(0.0, 0.0, -0.08), tool_mass: 0.3, ..dimensions }
 }
 
 fn gantry() -> GantryDimensions {

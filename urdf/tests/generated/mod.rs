@@ -1,6 +1,7 @@
 //! Machines from their dimensions, against the closed forms of their transforms.
 
 mod gantry;
+mod scara3;
 
 use super::{gantry, scara, seeded};
 use crate::{
@@ -154,7 +155,7 @@ fn joints_are_the_axes_of_the_machine() {
 #[test]
 fn a_scara_without_a_z_axis_works_in_one_plane() {
     let dimensions =
-        ScaraDimensions { quill_joint: None, tool_length: 0.0, tool_mass: 0.0, ..scara() };
+        ScaraDimensions { quill_joint: None, tool: Vector3::zeros(), tool_mass: 0.0, ..scara() };
     let model = dimensions.model().unwrap();
     assert_eq!(model.moving_joints().count(), 2);
     assert_eq!(model.joints[2].kind, JointKind::Fixed);
@@ -228,7 +229,7 @@ fn impossible_dimensions_are_named() {
         refusal(quill),
         "the radius of the quill is NaN; it must be a finite number above 0"
     );
-    let tool = ScaraDimensions { tool_length: -0.01, ..scara() };
+    let tool = ScaraDimensions { tool: Vector3::new(0.0, 0.0, 0.01), ..scara() };
     assert_eq!(
         refusal(tool),
         "the length of the tool is -0.01; it must be a finite number, 0 or above"
@@ -260,10 +261,10 @@ proptest! {
     /// The chain of joints and the transform are two ways to the same tool tip.
     #[test]
     fn the_tip_of_a_scara_is_where_its_transform_says(
-        arms in prop::array::uniform2(0.1..0.8), offsets in prop::array::uniform2(-PI..PI), tool_length in 0.0..0.3,
+        arms in prop::array::uniform2(0.1..0.8), offsets in prop::array::uniform2(-PI..PI), tool_length in 0.0_f64..0.3,
         position in [-PI..PI, -PI..PI, -0.1..0.05], low in any::<bool>(),
     ) {
-        let model = ScaraDimensions { arms, offsets, tool_length, ..scara() }.model().unwrap();
+        let model = ScaraDimensions { arms, offsets, tool: Vector3::new(0.0, 0.0, -tool_length), ..scara() }.model().unwrap();
         let elbow = if low { Elbow::Low } else { Elbow::High };
         let sources = vec![AxisSource::Transform(0), AxisSource::Transform(1), AxisSource::Coordinate(Coordinate::Z)];
         let transform = Box::new(Scara2::new(arms, offsets, elbow).unwrap());
