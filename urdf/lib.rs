@@ -1,8 +1,8 @@
 //! A machine as links and joints: the one source of geometry for physics and pictures.
 //!
-//! A [`Model`] is generated from the dimensions of a machine ([`ScaraDimensions`], [`GantryDimensions`]) or read from
-//! URDF ([`Model::from_urdf`]), and written as URDF ([`Model::to_urdf`]). [`Model::link_poses`] says where its links
-//! are.
+//! A [`Model`] is generated from the dimensions of a machine ([`GantryDimensions`], [`ScaraDimensions`],
+//! [`TripodDimensions`]) or read from URDF ([`Model::from_urdf`]), and written as URDF ([`Model::to_urdf`]).
+//! [`Model::link_poses`] says where its links are; where they go round in circles, [`JointPositions`] closes them.
 
 mod error;
 mod generate;
@@ -18,6 +18,7 @@ mod to_urdf;
 pub use error::{DimensionError, Part, UrdfError};
 pub use generate::{
     GantryDimensions, HBelt, MachineJoint, PlaneDrive, RotaryTool, ScaraDimensions, ScaraHand,
+    TripodDimensions, TripodRings, TripodRod,
 };
 pub use loops::{JointPositions, LoopError};
 pub use model::{

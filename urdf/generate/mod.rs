@@ -9,9 +9,11 @@ mod additional;
 mod gantry;
 mod scara;
 mod tool;
+mod tripod;
 
 pub use gantry::{GantryDimensions, HBelt, PlaneDrive, RotaryTool};
 pub use scara::{ScaraDimensions, ScaraHand};
+pub use tripod::{TripodDimensions, TripodRings, TripodRod};
 
 use crate::{DimensionError, Joint, JointDrive, JointKind, Solid, SolidShape};
 use nalgebra::{Isometry3, Translation3, Unit, Vector3};

@@ -77,7 +77,9 @@ impl JointPositions {
             .collect();
         let at_rest = |joint: &Joint| match (&joint.drive, joint.position_limits) {
             (JointDrive::Passive { rest }, _) => *rest,
-            (_, Some([lower, upper])) if lower.is_finite() && upper.is_finite() => {
+            (JointDrive::Axis(_) | JointDrive::Combination(_), Some([lower, upper]))
+                if lower.is_finite() && upper.is_finite() =>
+            {
                 lower.midpoint(upper)
             }
             _ => 0.0,
@@ -99,6 +101,7 @@ impl JointPositions {
             return Err(LoopError::NotFinite);
         }
         self.values.copy_from_slice(positions);
+        self.space.closed.copy_from_slice(positions);
         Ok(())
     }
 
@@ -118,11 +121,12 @@ impl JointPositions {
     }
 
     /// Moves the axes of `model`, the model that these are the joints of, to `axes` (m or rad, machine-file order), and
-    /// the passive joints with them. Does not allocate as long as that can be.
+    /// the passive joints with them: from where the loops were closed last, or from rest, or if neither leads there, in
+    /// one go. Allocates nothing but where the machine is singular.
     ///
     /// # Errors
     /// [`LoopError::Open`], with the joints where the gaps are about smallest, and [`LoopError::NotFinite`], with every
-    /// joint where it was.
+    /// joint where it was. The next call begins where the loops were closed last.
     pub fn follow(&mut self, model: &Model, axes: &[f64]) -> Result<(), LoopError> {
         for (target, joint) in self.space.target.iter_mut().zip(&model.joints) {
             *target = joint.drive.position(axes);
@@ -130,13 +134,31 @@ impl JointPositions {
         if !self.space.target.iter().all(|value| value.is_finite()) {
             return Err(LoopError::NotFinite);
         }
-        self.space.start.copy_from_slice(&self.values);
         self.steps = 0;
         if model.loops.is_empty() {
             self.drive(model, 1.0);
             return Ok(());
         }
-        // In one go if that moves no joint far, or else in parts, so that nothing snaps to the other side.
+        self.space.start.copy_from_slice(&self.space.closed);
+        let mut found = self.walk(model);
+        if !found {
+            self.space.start.copy_from_slice(&self.space.rest);
+            found = self.walk(model);
+        }
+        if !found {
+            // No way there by degrees: in one go from where the loops were closed last.
+            self.values.copy_from_slice(&self.space.closed);
+            self.drive(model, 1.0);
+            self.close(model)?;
+        }
+        self.space.closed.copy_from_slice(&self.values);
+        Ok(())
+    }
+
+    /// Goes from start to target, the loops closed all the way: in one go if that moves no joint far, or else in parts, so
+    /// that nothing snaps to the other side. False if there is no such way.
+    fn walk(&mut self, model: &Model) -> bool {
+        self.values.copy_from_slice(&self.space.start);
         let (mut done, mut part) = (0.0, 1.0);
         while part >= SMALLEST_PART {
             self.space.before.copy_from_slice(&self.values);
@@ -144,7 +166,7 @@ impl JointPositions {
             if self.close(model).is_ok() && self.largest_motion(model) <= LARGEST_PART {
                 done += part;
                 if done >= 1.0 {
-                    return Ok(());
+                    return true;
                 }
                 part = (2.0 * part).min(1.0 - done);
             } else {
@@ -152,23 +174,7 @@ impl JointPositions {
                 part /= 2.0;
             }
         }
-        // No way there: once more without going there by degrees, from here and from rest.
-        self.drive(model, 1.0);
-        let here = self.close(model);
-        let Err(LoopError::Open { gap }) = here else { return here };
-        self.space.before.copy_from_slice(&self.values);
-        for (value, joint) in self.values.iter_mut().zip(&model.joints) {
-            if let JointDrive::Passive { rest } = joint.drive {
-                *value = rest;
-            }
-        }
-        let from_rest = self.close(model);
-        if from_rest.is_ok() || self.residual < gap {
-            return from_rest;
-        }
-        self.values.copy_from_slice(&self.space.before);
-        self.residual = gap;
-        here
+        false
     }
 
     /// Puts the joints that are not passive `part` (0..=1) of the way from start to target.

@@ -12,7 +12,10 @@ pub(super) struct Workspace {
     /// Indices of the passive joints, in the order of the columns.
     pub(super) passive: Vec<usize>,
     pub(super) poses: Vec<Isometry3<f64>>,
-    /// Joint positions: of the step being tried, where the motion starts and ends, and before the part under way.
+    /// Joint positions: at rest; where the loops were closed last; of the step being tried; where the motion starts and
+    /// ends; before the part under way.
+    pub(super) rest: Vec<f64>,
+    pub(super) closed: Vec<f64>,
     pub(super) trial: Vec<f64>,
     pub(super) start: Vec<f64>,
     pub(super) target: Vec<f64>,
@@ -55,6 +58,8 @@ impl Workspace {
             passive,
             poses: vec![Isometry3::identity(); model.links.len()],
             trial: values.to_vec(),
+            rest: values.to_vec(),
+            closed: values.to_vec(),
             start: values.to_vec(),
             target: values.to_vec(),
             before: values.to_vec(),

@@ -2,6 +2,7 @@
 
 mod gantry;
 mod scara3;
+mod tripod;
 
 use super::{gantry, scara, seeded};
 use crate::{
