@@ -10,6 +10,7 @@
 //! [`Kinematics::forward`].
 
 mod axes;
+mod direction;
 mod error;
 mod frame;
 pub mod gantry;
@@ -20,8 +21,9 @@ pub mod scara;
 mod tests;
 
 pub use axes::{AxisMotion, AxisVector, MAX_AXES};
+pub use direction::{ToPath, direction_rates};
 pub use error::KinematicsError;
-pub use frame::WorkFrame;
+pub use frame::{Cuboid, CuboidError, FrameError, UNIT_VECTOR_TOLERANCE, UnitVectors, WorkFrame};
 pub use machine_axes::{AxisSource, Coordinate, MachineAxes, MachineAxesError};
 pub use pose::{Pose, ToolMotion};
 

@@ -1,5 +1,6 @@
 //! Tests of what needs no file of its own beside the code, and what several tests share.
 
+mod direction;
 mod frame;
 mod machine_axes;
 
