@@ -57,7 +57,7 @@ impl Tool {
         let [x, y, z] = self.tip.into();
         let radius = self.radius;
         if self.blade {
-            let thin = 0.25 * radius;
+            let thin = 0.4 * radius;
             let (low, high) = ([x - radius, y - thin, z], [x + radius, y + thin, 0.0]);
             cuboid(low, high, paint::AMBER)
         } else {

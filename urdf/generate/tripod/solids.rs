@@ -54,7 +54,7 @@ impl Tripod {
 
     pub(super) fn base(&self) -> Vec<Solid> {
         let ball = self.ball();
-        let (table, thick, width) = (self.table(), 2.0 * ball, 10.0 * ball);
+        let (table, thick, width) = (self.table(), 2.0 * ball, 7.0 * ball);
         let mut top = table;
         let mut outer = 0.0_f64;
         let mut middles = Vec::with_capacity(3);
@@ -71,7 +71,7 @@ impl Tripod {
         }
         let floor = table - thick;
         let mut solids = vec![
-            upright(0.0, 0.0, [floor, table], 0.6 * tables.max(ball), paint::SLATE),
+            upright(0.0, 0.0, [floor, table], 0.8 * tables.max(ball), paint::SLATE),
             upright(0.0, 0.0, [floor - thick, floor], outer, paint::GRAPHITE),
         ];
         for (carriage, frame) in self.linkage.carriages.iter().enumerate() {
