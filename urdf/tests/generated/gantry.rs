@@ -17,7 +17,7 @@ fn motor(name: &str, axis: usize, limits: [f64; 2]) -> MachineJoint {
 }
 
 /// Both drives from 0 to 0.8 m of belt, the flange between ±0.2 m along x and 0.1 and 0.5 m along y.
-fn h_gantry() -> GantryDimensions {
+pub(super) fn h_gantry() -> GantryDimensions {
     let belt = HBelt {
         travel: Some([[-0.2, 0.2], [0.1, 0.5]]),
         ..HBelt::new([motor("A", 0, [-0.5, 0.8]), motor("B", 1, [-0.5, 0.8])])
@@ -29,7 +29,7 @@ fn h_gantry() -> GantryDimensions {
     }
 }
 
-fn cutter() -> GantryDimensions {
+pub(super) fn cutter() -> GantryDimensions {
     let rotary = RotaryTool {
         offset: 0.3,
         mass: Some(0.4),

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use std::f64::consts::PI;
 
 /// The SCARA of the SoftMotion vectors with a third arm.
-fn scara3() -> ScaraDimensions {
+pub(super) fn scara3() -> ScaraDimensions {
     let hand = ScaraHand { mass: Some(0.5), ..ScaraHand::new(wrist(), 0.1) };
     ScaraDimensions { hand: Some(hand), ..scara() }
 }

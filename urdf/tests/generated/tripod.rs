@@ -24,7 +24,7 @@ fn axes(limits: [f64; 2]) -> [MachineJoint; 3] {
     [axis("A", 0, limits), axis("B", 1, limits), axis("C", 2, limits)]
 }
 
-fn tripod() -> TripodDimensions {
+pub(super) fn tripod() -> TripodDimensions {
     TripodDimensions {
         tool: Vector3::new(0.0, 0.0, -0.04),
         tool_mass: 0.1,
