@@ -20,8 +20,8 @@
 //! | Manual | Dimensions |
 //! |---|---|
 //! | 8.2.1, Gantry2 and Gantry3 | as they are |
-//! | GantryCutter2 and 3 | [`GantryDimensions::rotary`] |
-//! | Gantry2Tool1 and 2, Gantry3Tool1 and 2 | [`GantryDimensions::tool`] beside the axis |
+//! | 8.2.1, GantryCutter2 and 3 | [`GantryDimensions::rotary`] |
+//! | 8.2.2, Gantry2Tool1 and 2, with Z or without | [`GantryDimensions::tool`] beside the axis |
 //! | 8.2.3, GantryH2 | [`PlaneDrive::HBelt`] |
 
 mod belt;

@@ -197,7 +197,7 @@ fn impossible_gantries_are_named() {
 proptest! {
     #![proptest_config(seeded())]
 
-    /// Manual 8.2.1: the tip is at axis − offset, plus A·u + B·n beside it (`Gantry3Tool2`).
+    /// Manual 8.2.2: the tip is at axis − offset, plus A·u + B·n beside it (`Gantry2Tool2`, with Z too).
     #[test]
     fn a_tool_beside_the_axis(
         offsets in prop::array::uniform3(-1.0..1.0), position in [0.0..0.6, -0.2..0.2, -0.15..0.0],
