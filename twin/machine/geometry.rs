@@ -2,6 +2,7 @@
 
 use super::axis::{AxisEntry, AxisKind};
 use super::section::Section;
+use nalgebra::Vector3;
 use std::f64::consts::PI;
 use twin_kinematics::gantry::Gantry3;
 use twin_kinematics::scara::{Elbow, Scara2};
@@ -164,7 +165,7 @@ fn scara<'a>(
             column_height: column_height.map(|height| height * 1e-3),
             quill_length: quill_length.map(|length| length * 1e-3),
             quill_mass,
-            tool_length: tool.length,
+            tool: Vector3::new(0.0, 0.0, -tool.length),
             tool_mass: tool.mass,
             ..ScaraDimensions::new(name, [joint("A")?, joint("B")?], joint("Z"), arms)
         };
@@ -192,9 +193,9 @@ fn gantry<'a>(
             quill_mass,
             quill_length: quill_length.map(|length| length * 1e-3),
             quill_width: quill_width.map(|width| width * 1e-3),
-            tool_length: tool.length,
+            tool: Vector3::new(0.0, 0.0, -tool.length),
             tool_mass: tool.mass,
-            ..GantryDimensions::new(name, [joint("X")?, joint("Y")?, joint("Z")?])
+            ..GantryDimensions::new(name, [joint("X")?, joint("Y")?], Some(joint("Z")?))
         };
         Some(dimensions.model())
     });
