@@ -6,7 +6,6 @@ use super::setpoint::{ExtraMotion, Status};
 use super::spans::Leg;
 use crate::path::{ElementKind, PathPoint};
 use crate::prepare::CheckedElement;
-use nalgebra::Vector3;
 
 /// An element under way.
 #[derive(Debug)]
@@ -118,15 +117,10 @@ impl Run {
     #[inline]
     pub(super) fn point(&self, state: &PathState) -> PathPoint {
         let element = &self.element;
-        let resting = |position| PathPoint {
-            position,
-            tangent: Vector3::zeros(),
-            curvature: Vector3::zeros(),
-        };
         match self.motion {
-            _ if self.done => resting(element.end()),
-            Motion::Still | Motion::Acknowledge { .. } => resting(element.start()),
-            Motion::Rest { at, .. } => resting(element.at(at).position),
+            _ if self.done => PathPoint::resting(element.end()),
+            Motion::Still | Motion::Acknowledge { .. } => PathPoint::resting(element.start()),
+            Motion::Rest { at, .. } => PathPoint::resting(element.at(at).position),
             Motion::Along { .. } | Motion::Smooth(_) => element.at(state.position),
         }
     }
