@@ -1,5 +1,6 @@
 //! The element under way.
 
+use super::Heading;
 use super::instant::Instant;
 use super::profile::{PathState, Profile};
 use super::setpoint::{ExtraMotion, Status};
@@ -122,6 +123,27 @@ impl Run {
             Motion::Still | Motion::Acknowledge { .. } => PathPoint::resting(element.start()),
             Motion::Rest { at, .. } => PathPoint::resting(element.at(at).position),
             Motion::Along { .. } | Motion::Smooth(_) => element.at(state.position),
+        }
+    }
+
+    /// The direction of the path at `state`, where [`Self::point`] is `point`; none on what has no such direction.
+    #[inline]
+    pub(super) fn heading(
+        &self,
+        point: &PathPoint,
+        state: &PathState,
+        backwards: bool,
+    ) -> Option<Heading> {
+        let element = &self.element;
+        if !element.kind.is_motion() {
+            return None;
+        }
+        let rates = [state.velocity, state.acceleration];
+        match self.motion {
+            _ if self.done => Heading::at(&element.at(element.path_length()), [0.0; 2], backwards),
+            Motion::Still | Motion::Acknowledge { .. } => None,
+            Motion::Rest { at, .. } => Heading::at(&element.at(at), [0.0; 2], backwards),
+            Motion::Along { .. } | Motion::Smooth(_) => Heading::at(point, rates, backwards),
         }
     }
 
