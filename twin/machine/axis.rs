@@ -166,7 +166,11 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
     // A modulo axis may go round and round; one limit alone would be an oversight.
     let limited = period.is_none() || limits.iter().any(|key| section.has(key));
     let [position_min, position_max] = limits.map(|key| {
-        if limited { section.required_number(&key, -MOST..=MOST) } else { section.number(&key, -MOST..=MOST) }
+        if limited {
+            section.required_number(&key, -MOST..=MOST)
+        } else {
+            section.number(&key, -MOST..=MOST)
+        }
     });
     let max_velocity = section.required_number(&format!("max_velocity_{unit}_per_s"), 1e-3..=1e6);
     let max_acceleration =

@@ -31,7 +31,8 @@ impl DirectionRule {
             for key in ["direction", "direction_deg"] {
                 if kinematics.has(key) {
                     kinematics.accept(key);
-                    kinematics.complain_at(key, format!("`{key}`: a {kind} does not turn its tool"));
+                    kinematics
+                        .complain_at(key, format!("`{key}`: a {kind} does not turn its tool"));
                 }
             }
             return Self::Fixed(0.0);
@@ -46,7 +47,8 @@ impl DirectionRule {
         ];
         let additional = names.iter().filter_map(|name| Some((name, additional(name)?)));
         words.extend(additional.map(|(name, number)| (name.as_str(), Word::Additional(number))));
-        let default = if kind.starts_with("scara") { Word::Fixed } else { Word::Path(ToPath::Tangential) };
+        let default =
+            if kind.starts_with("scara") { Word::Fixed } else { Word::Path(ToPath::Tangential) };
         let word = kinematics.choice("direction", &words).unwrap_or(default);
         let angle = kinematics.number("direction_deg", -360.0..=360.0);
         let angle = angle.unwrap_or_default().to_radians();
@@ -61,8 +63,8 @@ impl DirectionRule {
     pub fn at(&self, tool: &ToolSetpoint) -> [f64; 3] {
         match *self {
             Self::Path(to_path, angle) => {
-                let tangent = tool.tangent();
-                [tangent.y.atan2(tangent.x) + to_path.offset() + angle, 0.0, 0.0]
+                let heading = &tool.heading;
+                [heading.along + to_path.offset() + angle, heading.rate, heading.acceleration]
             }
             Self::Fixed(angle) => [angle, 0.0, 0.0],
             Self::Additional(number) => {

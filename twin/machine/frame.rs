@@ -12,7 +12,8 @@ pub(super) fn read(root: &Section<'_>) -> Option<WorkFrame> {
     let frame = if section.has("probed_mm") {
         for key in ["translation_mm", "rotation_deg"] {
             if section.has(key) {
-                let message = format!("`{key}` and [work_frame.probed_mm] say the same: one of them");
+                let message =
+                    format!("`{key}` and [work_frame.probed_mm] say the same: one of them");
                 section.complain_at(key, message);
             }
         }

@@ -174,7 +174,7 @@ impl<'a> Section<'a> {
                 .map(|word| format!("did you mean \"{word}\"?"));
             self.complaints.add(
                 self.span_of(key),
-                format!("`{key}` is \"{text}\"; expected {}", words.join(" or ")),
+                format!("`{key}` is \"{text}\"; expected {}", alternatives(&words)),
                 help,
             );
         }
@@ -373,4 +373,13 @@ fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<
         .filter(|(similarity, _)| *similarity > 0.8)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate)
+}
+
+/// "a", "a or b", "a, b or c".
+fn alternatives(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [only] => only.clone(),
+        [before @ .., last] => format!("{} or {last}", before.join(", ")),
+    }
 }

@@ -211,9 +211,7 @@ impl Design {
                     (Some((r, sense)), _, _, false) => {
                         Box::new(GantryCutter2::new([x, y, r], sense)?)
                     }
-                    (None, Some(beside), _, true) => {
-                        Box::new(Gantry3Tool::new([x, y, z], beside)?)
-                    }
+                    (None, Some(beside), _, true) => Box::new(Gantry3Tool::new([x, y, z], beside)?),
                     (None, Some(beside), _, false) => Box::new(Gantry2Tool::new([x, y], beside)?),
                     (None, None, Some(layout), _) => Box::new(GantryH2::new([x, y], layout)?),
                     (None, None, None, true) => Box::new(Gantry3::new([x, y, z])?),

@@ -54,9 +54,9 @@ impl Body {
                             .to_owned(),
                     );
                 }
-                let arm_sections = widths.zip(heights).map(|([w1, w2], [h1, h2])| {
-                    [[w1 * 1e-3, h1 * 1e-3], [w2 * 1e-3, h2 * 1e-3]]
-                });
+                let arm_sections = widths
+                    .zip(heights)
+                    .map(|([w1, w2], [h1, h2])| [[w1 * 1e-3, h1 * 1e-3], [w2 * 1e-3, h2 * 1e-3]]);
                 Self::Scara {
                     arm_masses: section.numbers::<2>("arm_masses_kg", MASS_KG),
                     arm_sections,

@@ -1,9 +1,9 @@
 //! What moves each axis of a machine.
 
 use super::kind::Kind;
+use crate::machine::AxisKind;
 use crate::machine::axis::AxisEntry;
 use crate::machine::section::Section;
-use crate::machine::AxisKind;
 use twin_kinematics::{AxisSource, Coordinate};
 use twin_motion::path::EXTRA_AXES;
 
@@ -13,7 +13,11 @@ pub(in crate::machine) fn additional(role: &str) -> Option<u8> {
 }
 
 /// What moves each axis; complains where that is not one to one.
-pub(super) fn sources(root: &Section<'_>, kind: &Kind, axes: &[AxisEntry]) -> Option<Vec<AxisSource>> {
+pub(super) fn sources(
+    root: &Section<'_>,
+    kind: &Kind,
+    axes: &[AxisEntry],
+) -> Option<Vec<AxisSource>> {
     let mut complete = true;
     let outputs = kind.outputs;
     let mut sources = Vec::new();

@@ -87,7 +87,10 @@ fn belts_are_laid_in_four_ways() {
         let machine = load(&edited(shipped("gantry_h2"), "coordinates_exchanged", belt));
         let pose = Pose::at(0.01, 0.02, 0.0);
         let axes = machine.kinematics.inverse(&pose, &AxisVector::zeros(3)).unwrap();
-        assert!((axes[0] * 1e3 - a).abs() < 1e-12 && (axes[1] * 1e3 - b).abs() < 1e-12, "{belt} {axes:?}");
+        assert!(
+            (axes[0] * 1e3 - a).abs() < 1e-12 && (axes[1] * 1e3 - b).abs() < 1e-12,
+            "{belt} {axes:?}"
+        );
         assert!(tip_error(&machine, &axes).unwrap() < 1e-12, "{belt}");
     }
 }
@@ -104,7 +107,11 @@ fn what_was_measured_is_added_to_what_was_designed() {
     let pose = machine.kinematics.forward(&AxisVector::from_values(stretched)).unwrap();
     assert!((pose.position - Point3::new(0.49125, 0.0, -0.06)).norm() < 1e-15, "{pose:?}");
     assert!(pose.direction.abs() < 1e-15);
-    let far = edited(shipped("scara3"), "[kinematics.deviations]\narm_lengths_mm = [0.0,", "[kinematics.deviations]\narm_lengths_mm = [21.0,");
+    let far = edited(
+        shipped("scara3"),
+        "[kinematics.deviations]\narm_lengths_mm = [0.0,",
+        "[kinematics.deviations]\narm_lengths_mm = [21.0,",
+    );
     let [(_, message, _)] = problems(&far).try_into().unwrap();
     assert!(message.contains("21") && message.contains("20"), "{message}");
 }
@@ -146,24 +153,24 @@ fn a_knife_that_trails_is_made_up_for() {
 
 #[test]
 fn directions_come_from_where_the_file_says() {
-    let with = |line: &str| load(&edited(shipped("scara3"), "direction = \"fixed\" ", line)).direction;
+    let with =
+        |line: &str| load(&edited(shipped("scara3"), "direction = \"fixed\" ", line)).direction;
     assert_eq!(with("direction = \"right\" "), DirectionRule::Path(ToPath::Right, 0.0));
     assert_eq!(with("direction = \"U\" "), DirectionRule::Additional(2));
     let fixed = edited(shipped("scara3"), "direction_deg = 0.0", "direction_deg = 90.0");
     assert_eq!(load(&fixed).direction, DirectionRule::Fixed(90_f64.to_radians()));
     let [(place, message, _)] =
-        problems(&edited(shipped("scara2"), "[body]", "direction = \"left\"\n[body]")).try_into().unwrap();
+        problems(&edited(shipped("scara2"), "[body]", "direction = \"left\"\n[body]"))
+            .try_into()
+            .unwrap();
     assert_eq!(place, "\"left\"");
     assert!(message.contains("does not turn its tool"), "{message}");
 }
 
 #[test]
 fn a_tool_beside_the_flange_turns_with_the_arm() {
-    let machine = load(&edited(
-        shipped("scara2"),
-        "# offset_mm = [0.0, 0.0]",
-        "offset_mm = [10.0, 5.0]",
-    ));
+    let machine =
+        load(&edited(shipped("scara2"), "# offset_mm = [0.0, 0.0]", "offset_mm = [10.0, 5.0]"));
     // Both arms along +x: the tip is ahead of the flange and to its left.
     let pose = machine.kinematics.forward(&AxisVector::zeros(3)).unwrap();
     assert!((pose.position - Point3::new(0.46, 0.005, -0.06)).norm() < 1e-15, "{pose:?}");
@@ -193,10 +200,15 @@ fn the_work_is_where_it_was_probed() {
 
 #[test]
 fn a_modulo_axis_may_have_limits_but_both() {
-    let text = edited(shipped("gantry_cutter3"), "period_deg = 360.0 ", "period_deg = 360.0\nposition_min_deg = -90.0 ");
+    let text = edited(
+        shipped("gantry_cutter3"),
+        "period_deg = 360.0 ",
+        "period_deg = 360.0\nposition_min_deg = -90.0 ",
+    );
     let [(_, message, _)] = problems(&text).try_into().unwrap();
     assert!(message.contains("position_max_deg"), "{message}");
-    let text = text.replace("position_min_deg = -90.0 ", "position_min_deg = -90.0\nposition_max_deg = 90.0 ");
+    let text = text
+        .replace("position_min_deg = -90.0 ", "position_min_deg = -90.0\nposition_max_deg = 90.0 ");
     let limits = load(&text).axes[3].position_limits;
     assert_eq!(limits, [-90_f64, 90.0].map(f64::to_radians));
 }
@@ -206,7 +218,11 @@ fn dimensions_of_which_no_machine_can_be_made_are_named() {
     let narrow = edited(shipped("tripod"), "rod_distance_mm = 50.0", "rod_distance_mm = 130.0");
     let [(_, message, _)] = problems(&narrow).try_into().unwrap();
     assert!(message.contains("ring") && message.contains("130"), "{message}");
-    let hand = edited(shipped("scara3"), "arm_lengths_mm = [250.0, 200.0, 40.0]", "arm_lengths_mm = [0.5, 200.0, 0.0]");
+    let hand = edited(
+        shipped("scara3"),
+        "arm_lengths_mm = [250.0, 200.0, 40.0]",
+        "arm_lengths_mm = [0.5, 200.0, 0.0]",
+    );
     let [(_, message, _)] = problems(&hand).try_into().unwrap();
     assert!(message.contains("0.5"), "{message}");
 }
