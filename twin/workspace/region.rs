@@ -123,6 +123,20 @@ impl Region {
         double.sum::<f64>() / 2.0
     }
 
+    /// Where its weight would be, were it a plate; `None` if the region is empty.
+    pub fn centroid(&self) -> Option<Point2<f64>> {
+        // About one of its own points, so that no digits are lost to a far origin.
+        let about = self.vertices().next()?.at;
+        let parts = edges(&self.loops).map(|[one, other]| {
+            let (one, other) = (one.at - about, other.at - about);
+            let double = one.perp(&other);
+            (double, (one + other) * (double / 3.0))
+        });
+        let (area, moment) =
+            parts.fold((0.0, Vector2::zeros()), |sum, part| (sum.0 + part.0, sum.1 + part.1));
+        (area > 0.0).then(|| about + moment / area)
+    }
+
     /// Smallest and largest coordinates; `None` if the region is empty.
     pub fn extent(&self) -> Option<[Point2<f64>; 2]> {
         let mut vertices = self.vertices();
@@ -376,8 +390,8 @@ impl Tracing<'_> {
             return;
         }
         let middle = nalgebra::center(&from.at, &to.at);
-        // To the left is the region. As far as half the chord: farther away no right angle over it has its corner.
-        let left = Vector2::new(-chord.y, chord.x) / 2.0;
+        // To the left is the region. No right angle over the chord has its corner farther away than half of it.
+        let left = Vector2::new(-chord.y, chord.x) * 0.55;
         let at = if (self.inside)(&middle) {
             let outside = middle - left;
             if (self.inside)(&outside) {

@@ -106,6 +106,10 @@ pub struct Section<'m> {
     pub samples: Vec<Sample>,
     /// Where the tool can be within the software limits.
     pub within: Region,
+    /// The place there at which the axes move the tool best; `None` if the tool cannot be here at all.
+    pub best: Option<MeasureAt>,
+    /// The place there at which they move it worst, boundary included.
+    pub worst: Option<MeasureAt>,
 }
 
 impl<'m> Section<'m> {
@@ -120,8 +124,12 @@ impl<'m> Section<'m> {
             .nodes()
             .map(|(column, row)| space.sample(plane.point(&grid.node(column, row))))
             .collect();
-        let mut section = Self { space, cut, plane, grid, samples, within: Region::default() };
+        let within = Region::default();
+        let mut section =
+            Self { space, cut, plane, grid, samples, within, best: None, worst: None };
         section.within = section.region_by_state(&|state| state == State::Within);
+        section.best = section.find_best();
+        section.worst = section.find_worst();
         section
     }
 
@@ -143,8 +151,7 @@ impl<'m> Section<'m> {
         Region::trace(&self.grid, &nodes, region::EXACT, &|at| holds(state(at)))
     }
 
-    /// The place where the axes move the tool best; `None` if the tool cannot be here at all.
-    pub fn best(&self) -> Option<MeasureAt> {
+    fn find_best(&self) -> Option<MeasureAt> {
         let (mut at, mut measure) = self.nodes_within().fold(None, higher)?;
         let mut step = self.grid.cell / 2.0;
         while step > self.grid.cell * FINEST {
@@ -162,8 +169,7 @@ impl<'m> Section<'m> {
         Some(MeasureAt { measure, position: self.plane.point(&at) })
     }
 
-    /// The place where they move it worst, boundary included; `None` if the tool cannot be here at all.
-    pub fn worst(&self) -> Option<MeasureAt> {
+    fn find_worst(&self) -> Option<MeasureAt> {
         let boundary =
             self.within.vertices().map(|vertex| (vertex.at, self.sample(&vertex.at).measure));
         let lower = |worst: Option<(Point2<f64>, f64)>, (at, measure)| match worst {
@@ -193,9 +199,13 @@ impl<'m> Section<'m> {
             .map(|at| (at, self.within.distance(&at)))
             .collect();
         let deepest = candidates.iter().map(|(_, depth)| *depth).fold(0.0, f64::max);
-        let sum = candidates.iter().fold(Vector2::zeros(), |sum, (at, _)| sum + at.coords);
-        let count = candidates.iter().fold(0.0, |count, _| count + 1.0);
-        let centroid = Point2::from(sum / count);
+        let centroid = self.within.centroid()?;
+        let is_deep = |at: &Point2<f64>| {
+            self.sample(at).is_within() && self.within.distance(at) >= 0.9 * deepest
+        };
+        if is_deep(&centroid) {
+            return Some(centroid);
+        }
         let aside = |(at, _): &&(Point2<f64>, f64)| (at - centroid).norm();
         let deep = candidates.iter().filter(|(_, depth)| *depth >= 0.9 * deepest);
         let found = deep.min_by(|one, other| aside(one).total_cmp(&aside(other)));

@@ -3,13 +3,16 @@
 use super::example::Example;
 use super::extent::{Extent, Sweep};
 use super::section::{Cut, Plane, Section};
+use super::silhouette::silhouette;
 use super::space::Space;
 use crate::machine::Machine;
-use nalgebra::{Point2, Point3};
-use twin_kinematics::{Kinematics, KinematicsError, Pose};
+use nalgebra::{Point2, Point3, Vector2};
+use twin_kinematics::{AxisVector, Kinematics, KinematicsError, Pose};
 
 /// Farther than any machine reaches, m.
 const FAR: f64 = 1e7;
+/// How far beyond the workspace the machine is shown, as a part of its longer side.
+const MACHINE: f64 = 0.2;
 /// Lower than this a workspace has no height, m.
 const FLAT: f64 = 1e-9;
 /// Examples are given in whole multiples of this, m, where the workspace is large enough.
@@ -135,7 +138,22 @@ impl<'m> Workspace<'m> {
     }
 
     fn section(&self, cut: Cut) -> Section<'m> {
-        Section::new(self.space, cut, Plane::new(&cut).project_extent(&self.shown))
+        let plane = Plane::new(&cut);
+        let [low, high] = plane.project_extent(&self.shown);
+        // The machine, too, but not so much of it that the workspace gets small.
+        let room = Vector2::repeat((high - low).max() * MACHINE);
+        let outlines = silhouette(&self.space.machine().model, &self.stance(), &plane);
+        let rectangle = outlines.iter().flatten().fold([low, high], |[min, max], point| {
+            let point = point.sup(&(low - room)).inf(&(high + room));
+            [min.inf(&point), max.sup(&point)]
+        });
+        Section::new(self.space, cut, rectangle)
+    }
+
+    /// Axis positions in which the machine is shown: where programs start, or the middle.
+    pub fn stance(&self) -> AxisVector {
+        let machine = self.space.machine();
+        machine.start_axes().unwrap_or_else(|| machine.middle())
     }
 
     /// A pose in the middle of a section, worked out. Its coordinates in the plane are round numbers where that is

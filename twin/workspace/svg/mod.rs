@@ -14,6 +14,7 @@ use page::{FAINT, INK, MARK, NUMBERS, Page, Sign, color, cross, fine, font, stro
 use plotters::chart::ChartContext;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -57,7 +58,7 @@ pub fn picture(
             .set_label_area_size(LabelAreaPosition::Bottom, fine(NUMBERS))
             .build_cartesian_2d(page.range(0), page.range(1))?;
         let drawing = Drawing { page, workspace, section };
-        let scale = Scale::up_to(section.best().map_or(0.0, |best| best.measure));
+        let scale = Scale::up_to(section.best.map_or(0.0, |best| best.measure));
         drawing.grid(&mut chart)?;
         let mut legend = drawing.beyond(&mut chart)?;
         drawing.measure(&mut chart, scale)?;
@@ -67,6 +68,13 @@ pub fn picture(
         drawing.marks(&mut chart, example, &mut legend)?;
         let (title, below) = drawing.words();
         page.title(&root, &title, &below)?;
+        page.sides(
+            &root,
+            match section.cut {
+                Cut::Horizontal { .. } => ["x (mm)", "y (mm)"],
+                Cut::Vertical { .. } => ["along the section (mm)", "z (mm)"],
+            },
+        )?;
         page.scale(&root, scale)?;
         page.legend(&root, &legend)?;
         root.present()?;
@@ -108,7 +116,10 @@ impl Drawing<'_, '_> {
             ),
         };
         let area = self.section.within.area();
-        let measure = match (self.section.worst(), self.section.best()) {
+        let measure = match (self.section.worst, self.section.best) {
+            (Some(worst), Some(best)) if best.measure - worst.measure < 1e-6 => {
+                format!(", measure {} everywhere", number(best.measure))
+            }
             (Some(worst), Some(best)) => {
                 format!(", measure {:.2} to {:.2}", worst.measure, best.measure)
             }
@@ -121,10 +132,6 @@ impl Drawing<'_, '_> {
     }
 
     fn grid(&self, chart: &mut Chart<'_, '_>) -> Result<(), Failure> {
-        let (along, up) = match self.section.cut {
-            Cut::Horizontal { .. } => ("x (mm)", "y (mm)"),
-            Cut::Vertical { .. } => ("along the section (mm)", "z (mm)"),
-        };
         let sides = self.page.max - self.page.min;
         let labels = |side: f64| {
             let part = side / sides.max();
@@ -138,10 +145,7 @@ impl Drawing<'_, '_> {
             .y_labels(labels(sides.y))
             .x_label_formatter(&|value| number(*value))
             .y_label_formatter(&|value| number(*value))
-            .x_desc(along)
-            .y_desc(up)
             .label_style(font(14.5, &INK))
-            .axis_desc_style(font(15.5, &INK))
             .axis_style(FAINT.stroke_width(stroke(0.8)))
             .bold_line_style(RGBColor(226, 229, 234).stroke_width(stroke(0.8)))
             .light_line_style(TRANSPARENT)
@@ -168,8 +172,9 @@ impl Drawing<'_, '_> {
 
     /// The measure within the limits: every band over the one below, so that nothing shows between them.
     fn measure(&self, chart: &mut Chart<'_, '_>, scale: Scale) -> Result<(), Failure> {
-        self.fill(chart, &self.section.within, &color(scale.color(0)))?;
-        for band in 1..scale.bands() {
+        let lowest = scale.band(self.section.worst.map_or(0.0, |worst| worst.measure));
+        self.fill(chart, &self.section.within, &color(scale.color(lowest)))?;
+        for band in lowest + 1..scale.bands() {
             let least = scale.least(band);
             let region =
                 self.section.region(&|sample| sample.is_within() && sample.measure >= least);
@@ -186,7 +191,7 @@ impl Drawing<'_, '_> {
             let line = self.visible(line);
             let style = FAINT.stroke_width(stroke(1.4));
             let (dash, gap) = (fine(5.0), fine(3.0));
-            chart.draw_series(DashedLineSeries::new(line, dash, gap, style))?;
+            chart.plotting_area().draw(&DashedPathElement::new(line, dash, gap, style))?;
         }
         for line in self.section.within.lines() {
             let line = self.visible(&line);
@@ -203,7 +208,7 @@ impl Drawing<'_, '_> {
     /// The machine where programs start.
     fn machine(&self, chart: &mut Chart<'_, '_>, legend: &mut Legend) -> Result<(), Failure> {
         let machine = self.workspace.space.machine();
-        let axes = machine.start_axes().unwrap_or_else(|| machine.middle());
+        let axes = self.workspace.stance();
         let (fill, edge) = (RGBColor(60, 66, 78).mix(0.16), RGBColor(60, 66, 78).mix(0.75));
         for outline in silhouette(&machine.model, &axes, &self.section.plane) {
             let outline = clip(&outline, &self.page.min, &self.page.max);
@@ -211,7 +216,10 @@ impl Drawing<'_, '_> {
                 continue;
             }
             let mut points: Vec<_> = outline.iter().map(mm).collect();
-            chart.plotting_area().draw(&Polygon::new(points.clone(), fill))?;
+            // What lies under everything, as the table of a portal, is told by its edges.
+            if !self.page.is_filled_by(&outline) {
+                chart.plotting_area().draw(&Polygon::new(points.clone(), fill))?;
+            }
             points.extend(points.first().copied());
             let style = edge.stroke_width(stroke(0.8));
             chart.plotting_area().draw(&PathElement::new(points, style))?;

@@ -14,7 +14,7 @@ const LARGEST: [f64; 2] = [690.0, 620.0];
 /// Room around the section, pixels: left, top, right, bottom.
 const MARGINS: [f64; 4] = [76.0, 78.0, 106.0, 122.0];
 /// Room for the numbers below the section, pixels.
-pub(super) const NUMBERS: f64 = 46.0;
+pub(super) const NUMBERS: f64 = 50.0;
 /// The page is at least this wide, pixels: title and legend need it.
 const NARROWEST: f64 = 780.0;
 /// The colour scale is at least this high, pixels.
@@ -99,6 +99,24 @@ impl Page {
         root.draw_text(below, &font(15.5, &FAINT), at(47.0))
     }
 
+    /// What the coordinates are, below and to the left of the section.
+    pub(super) fn sides(&self, root: &Area<'_>, [below, left]: [&str; 2]) -> Result<(), Failure> {
+        let [x, y, ..] = MARGINS;
+        let [width, height] = self.plot;
+        let style = font(15.5, &INK).pos(Pos::new(HPos::Center, VPos::Center));
+        let middle = (fine(x + width / 2.0), fine(y + height + NUMBERS - 8.0));
+        root.draw_text(below, &style, middle)?;
+        let middle = (fine(18.0), fine(y + height / 2.0));
+        root.draw_text(left, &style.transform(FontTransform::Rotate270), middle)
+    }
+
+    /// True if a convex polygon within the section takes most of it.
+    pub(super) fn is_filled_by(&self, polygon: &[Point2<f64>]) -> bool {
+        let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
+        let double = sides.map(|(one, other)| one.coords.perp(&other.coords)).sum::<f64>();
+        double / 2.0 > 0.5 * (self.max - self.min).product()
+    }
+
     /// The colours of the measure with their numbers, to the right of the section.
     pub(super) fn scale(&self, root: &Area<'_>, scale: Scale) -> Result<(), Failure> {
         let [_, top, ..] = MARGINS;
@@ -133,7 +151,7 @@ impl Page {
     pub(super) fn legend(&self, root: &Area<'_>, items: &[(Sign, String)]) -> Result<(), Failure> {
         let [left, top, ..] = MARGINS;
         let mut x = left;
-        let mut y = top + self.plot[1].max(LOWEST_SCALE) + NUMBERS + 20.0;
+        let mut y = top + self.plot[1].max(LOWEST_SCALE) + NUMBERS + 18.0;
         for (sign, word) in items {
             // Without a font there is no width: a letter is so wide on average.
             let width = 34.0 + word.chars().fold(0.0, |sum, _| sum + 6.4);

@@ -42,8 +42,8 @@ fn the_workspace_of_a_gantry_is_its_limits() {
     near(vertical.within.area(), 0.7 * 0.18, 1e-7);
     all_near(&extent(&vertical), &[-0.05, 0.65, -0.1, 0.08], 1e-6);
     // Every direction is as good as any other.
-    near(horizontal.best().unwrap().measure, 1.0, 1e-6);
-    near(horizontal.worst().unwrap().measure, 1.0, 1e-6);
+    near(horizontal.best.unwrap().measure, 1.0, 1e-6);
+    near(horizontal.worst.unwrap().measure, 1.0, 1e-6);
     let example = workspace.example(&horizontal).unwrap().unwrap();
     assert_eq!(example.position, Point3::new(0.3, 0.1, 0.02));
     all_near(&example.axes, &[0.3, 0.1, 0.06], 1e-12);
@@ -75,7 +75,7 @@ fn the_workspace_of_a_scara_is_what_its_arms_sweep() {
     all_near(&[box_of.min.z, box_of.max.z], &[-0.12, 0.08], 1e-9);
     all_near(&extent(&horizontal), &expected, 1e-5);
 
-    near(horizontal.worst().unwrap().measure, 0.0, 1e-2);
+    near(horizontal.worst.unwrap().measure, 0.0, 1e-2);
     // Nothing is better than the best bend of the elbow; the measure does not depend on A.
     let example = workspace.example(&horizontal).unwrap().unwrap();
     let Point3 { coords: at } = example.position;
@@ -153,7 +153,7 @@ fn a_survey_is_repeatable() {
     let survey = || {
         let workspace = Workspace::survey(&machine, &View::default()).unwrap();
         let section = workspace.horizontal();
-        (workspace.extent, section.within.clone(), section.best(), section.middle())
+        (workspace.extent, section.within.clone(), section.best, section.middle())
     };
     assert_eq!(survey(), survey());
     let _: Option<Point2<f64>> = survey().3;
