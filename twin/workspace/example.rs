@@ -4,6 +4,9 @@ use super::space::Space;
 use nalgebra::{Point3, Vector3};
 use twin_kinematics::{AxisVector, Kinematics, KinematicsError, ToolMotion};
 
+/// The name of a turning tool's way.
+const DIRECTION: &str = "direction";
+
 /// What the axes do when the tool moves one way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Way {
@@ -14,6 +17,13 @@ pub struct Way {
     /// The axis that is the first to reach its velocity limit, and the velocity of the tool then (m/s, or rad/s of the
     /// direction); `None` if no axis moves.
     pub fastest: Option<(usize, f64)>,
+}
+
+impl Way {
+    /// True for the direction of the tool, whose velocity is in rad/s.
+    pub fn turns(&self) -> bool {
+        self.name == DIRECTION
+    }
 }
 
 /// One pose, worked out.
@@ -47,11 +57,11 @@ impl Example {
             along("x", Vector3::x()),
             along("y", Vector3::y()),
             along("z", Vector3::z()),
-            ("direction", ToolMotion { direction_velocity: 1.0, ..rest }),
+            (DIRECTION, ToolMotion { direction_velocity: 1.0, ..rest }),
         ];
         let mut ways = Vec::new();
         for (name, motion) in moves {
-            if name == "direction" && !turns_tool {
+            if name == DIRECTION && !turns_tool {
                 continue;
             }
             let rates = match kinematics.inverse_motion(&motion, &near) {

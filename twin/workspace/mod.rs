@@ -20,6 +20,7 @@ mod survey;
 mod svg;
 #[cfg(test)]
 mod tests;
+mod view;
 
 pub use example::{Example, Way};
 pub use extent::{Extent, Sweep};
@@ -28,3 +29,4 @@ pub use section::{Cut, MeasureAt, Plane, Section};
 pub use space::{AxisSet, Sample, Space, State};
 pub use survey::{View, Workspace, WorkspaceError};
 pub use svg::{PictureError, picture};
+pub use view::show;

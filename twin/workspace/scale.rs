@@ -40,7 +40,12 @@ impl Scale {
 
     /// Red, green and blue of a band.
     pub fn color(&self, band: u32) -> [u8; 3] {
-        let part = (f64::from(band) + 0.5) / f64::from(self.bands);
+        self.shade(self.step * (f64::from(band) + 0.5))
+    }
+
+    /// Red, green and blue of a measure, without bands.
+    pub fn shade(&self, measure: f64) -> [u8; 3] {
+        let part = measure / (self.step * f64::from(self.bands));
         let RGBColor(red, green, blue) = ViridisRGB::get_color(part.clamp(0.0, 1.0));
         [red, green, blue]
     }

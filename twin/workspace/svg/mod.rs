@@ -5,7 +5,7 @@ mod page;
 use super::Example;
 use super::region::{Region, Vertex};
 use super::scale::{BEYOND, Scale};
-use super::section::{Cut, Section};
+use super::section::{Cut, Section, Short};
 use super::silhouette::{clip, silhouette};
 use super::space::State;
 use super::survey::Workspace;
@@ -82,11 +82,8 @@ pub fn picture(
     Ok(page.resized(&text))
 }
 
-/// A number for people: no more than three digits behind the point.
 fn number(value: f64) -> String {
-    let text = format!("{value:.3}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+    Short(value).to_string()
 }
 
 /// A point as the chart counts, mm.
@@ -104,17 +101,7 @@ struct Drawing<'a, 'm> {
 impl Drawing<'_, '_> {
     fn words(&self) -> (String, String) {
         let name = &self.workspace.space.machine().name;
-        let which = match self.section.cut {
-            Cut::Horizontal { height } => {
-                format!("horizontal section with the tool tip at z = {} mm", number(height * 1e3))
-            }
-            Cut::Vertical { through, azimuth } => format!(
-                "vertical section through x = {}, y = {} mm at {}° to +x",
-                number(through.x * 1e3),
-                number(through.y * 1e3),
-                number(azimuth.to_degrees())
-            ),
-        };
+        let which = self.section.cut;
         let area = self.section.within.area();
         let measure = match (self.section.worst, self.section.best) {
             (Some(worst), Some(best)) if best.measure - worst.measure < 1e-6 => {
