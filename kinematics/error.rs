@@ -1,31 +1,42 @@
 //! What a transform refuses, and why.
 
+use crate::Coordinate;
+
 /// A pose or axis vector that a transform cannot convert. Numbers are SI; who shows them picks the unit.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum KinematicsError {
-    /// The target is farther from, or nearer to, the machine than its arms allow.
-    #[error("({:.3}, {:.3}, {:.3}) mm is {:.6} mm away, reach is {:.6} to {:.6} mm",
-        target[0] * 1e3, target[1] * 1e3, target[2] * 1e3, distance * 1e3, reach[0] * 1e3, reach[1] * 1e3)]
+    /// The target is farther from, or nearer to, a part of the machine than its arms or rods allow.
+    #[error("({:.3}, {:.3}, {:.3}) mm {}", target[0] * 1e3, target[1] * 1e3, target[2] * 1e3,
+        of.sentence(*distance, *reach))]
     Unreachable {
         /// Tool tip asked for, machine frame, m.
         target: [f64; 3],
-        /// Its distance from where reach is measured (first arm's axis), m.
+        /// What does not reach.
+        of: ReachOf,
+        /// The distance at which the part would have to reach the target, m.
         distance: f64,
         /// Smallest and largest distance within reach, m.
         reach: [f64; 2],
     },
-    /// The arms are stretched or folded: no finite axis velocity gives the tool velocity.
-    #[error("the arms are stretched or folded at ({:.3}, {:.3}, {:.3}) mm: the axes cannot follow",
+    /// The arms are stretched or folded, or rods are horizontal: no finite axis velocity gives the tool velocity.
+    #[error("the machine is at an edge of its reach at ({:.3}, {:.3}, {:.3}) mm: the axes cannot follow",
         target[0] * 1e3, target[1] * 1e3, target[2] * 1e3)]
     Singular {
         /// Tool tip, machine frame, m.
         target: [f64; 3],
     },
+    /// The carriages of a tripod stand so far apart that its rods do not meet at the platform.
+    #[error("carriages at {:.3}, {:.3} and {:.3} mm are so far apart that the rods do not meet",
+        carriages[0] * 1e3, carriages[1] * 1e3, carriages[2] * 1e3)]
+    Apart {
+        /// Axis positions, m.
+        carriages: [f64; 3],
+    },
     /// The program moves a coordinate for which the machine has no axis.
     #[error("{coordinate} = {:.3} mm is asked for, but no axis of the machine moves {coordinate}", value * 1e3)]
     NoAxis {
-        /// The coordinate.
-        coordinate: crate::Coordinate,
+        /// The coordinate, a length.
+        coordinate: Coordinate,
         /// The value asked for, m.
         value: f64,
     },
@@ -37,6 +48,52 @@ pub enum KinematicsError {
         /// Values expected.
         expected: usize,
     },
+    /// An input is infinite or not a number.
+    #[error("a coordinate or axis value is not a finite number")]
+    NotFinite,
+}
+
+/// What does not reach a target, and from where its distance is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReachOf {
+    /// The arms of a SCARA: horizontal distance of the tool tip from the first arm's axis.
+    Arms,
+    /// The first two arms of a SCARA with three: horizontal distance of the axis of the third from that of the first.
+    Wrist,
+    /// A rod (or rod pair) of a tripod with the carriage of this number, from 0: horizontal distance of its ends; the
+    /// reach is its length.
+    Rod(usize),
+    /// The rods of a calibrated tripod together: no pose of the platform fits them. The distance is how far the last one found
+    /// is from fitting, the reach 0.
+    Platform,
+}
+
+impl ReachOf {
+    fn sentence(self, distance: f64, reach: [f64; 2]) -> String {
+        let [distance, low, high] = [distance, reach[0], reach[1]].map(|value| value * 1e3);
+        match self {
+            Self::Arms => {
+                format!("is {distance:.6} mm away, reach is {low:.6} to {high:.6} mm")
+            }
+            Self::Wrist => format!(
+                "with this direction needs the wrist {distance:.6} mm away, its reach is {low:.6} to {high:.6} mm"
+            ),
+            Self::Rod(carriage) => {
+                let carriage = ["A", "B", "C"].get(carriage).copied().unwrap_or("?");
+                format!(
+                    "is {distance:.6} mm beside carriage {carriage}, its rods reach {high:.6} mm"
+                )
+            }
+            Self::Platform => {
+                format!("fits no pose of the platform: a rod would be {distance:.6} mm off its length")
+            }
+        }
+    }
+}
+
+/// Dimensions of which no machine can be made.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum DimensionError {
     /// An arm without a length.
     #[error("arm {} is {:.3} mm long; it must be longer than 0", arm + 1, length * 1e3)]
     ArmLength {
@@ -45,7 +102,37 @@ pub enum KinematicsError {
         /// The length given, m.
         length: f64,
     },
-    /// An input is infinite or not a number.
-    #[error("a coordinate or axis value is not a finite number")]
+    /// A rod without a length.
+    #[error("rod {} is {:.3} mm long; it must be longer than 0", rod + 1, length * 1e3)]
+    RodLength {
+        /// Index of the rod, from 0.
+        rod: usize,
+        /// The length given, m.
+        length: f64,
+    },
+    /// A ring on which the ends of a rod pair do not fit.
+    #[error("a ring of radius {:.3} mm has no place for rods {:.3} mm apart", radius * 1e3, distance * 1e3)]
+    Ring {
+        /// Radius, m.
+        radius: f64,
+        /// Distance of the rods of a pair, m.
+        distance: f64,
+    },
+    /// Rods that cannot carry the platform: it could move with the carriages at rest.
+    #[error("these rods do not hold the platform: it could move with the carriages at rest")]
+    Loose,
+    /// Something infinite or not a number.
+    #[error("a dimension is not a finite number")]
     NotFinite,
+}
+
+/// Err if a dimension is no number.
+pub(crate) fn all_finite<'a>(
+    values: impl IntoIterator<Item = &'a f64>,
+) -> Result<(), DimensionError> {
+    if values.into_iter().all(|value| value.is_finite()) {
+        Ok(())
+    } else {
+        Err(DimensionError::NotFinite)
+    }
 }

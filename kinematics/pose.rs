@@ -59,3 +59,19 @@ impl ToolMotion {
             && self.direction_acceleration.is_finite()
     }
 }
+
+/// The third derivative of a tool pose by time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ToolJerk {
+    /// Of the tool tip, m/s³.
+    pub linear: Vector3<f64>,
+    /// Of [`Pose::direction`], rad/s³.
+    pub direction: f64,
+}
+
+impl ToolJerk {
+    /// True if every number is finite.
+    pub fn is_finite(&self) -> bool {
+        self.linear.iter().all(|value| value.is_finite()) && self.direction.is_finite()
+    }
+}

@@ -39,6 +39,49 @@ pub enum DimensionError {
         /// m or rad.
         upper: f64,
     },
+    /// A ring of a tripod that is too small for its pairs of rods.
+    #[error("a ring of radius {radius} m has no two points {distance} m apart")]
+    Ring {
+        /// m.
+        radius: f64,
+        /// Between the two rods of a carriage, m.
+        distance: f64,
+    },
+    /// A rod of a tripod that is shorter than what it has to bridge.
+    #[error(
+        "rod {} of {length} m is too short for its joints and the {reach} m between its ends as seen from above",
+        rod + 1
+    )]
+    Rod {
+        /// Which, from 0.
+        rod: usize,
+        /// Its length, m.
+        length: f64,
+        /// Between its ends with the platform in the middle, as seen from above, m.
+        reach: f64,
+    },
+    /// Rods of a tripod that are not two for each carriage.
+    #[error("the rods hang on the carriages {carriages:?}; each of 0, 1 and 2 has two of them")]
+    RodsOfCarriages {
+        /// The carriage of each rod.
+        carriages: [usize; 6],
+    },
+    /// Rods of a tripod that do not meet their platform.
+    #[error(
+        "the rods do not meet the platform with every axis in the middle of its travel; {gap} m are left open"
+    )]
+    RodsApart {
+        /// m.
+        gap: f64,
+    },
+    /// A belt that does not lead from two motors to two coordinates.
+    #[error(
+        "the factors {factors:?} of the belt are not ±0.5 each, or both coordinates move alike"
+    )]
+    Belt {
+        /// What the motors (columns) contribute to x and y (rows).
+        factors: [[f64; 2]; 2],
+    },
     /// Two joints with one name, or moved by one machine axis.
     #[error("joints {} and {} have the same name or the same machine axis", joints[0], joints[1])]
     JointTwice {

@@ -4,14 +4,16 @@
 //! floating and spherical joints, calibration, safety controllers, damping and friction, limits of acceleration and jerk;
 //! collision geometry other than the visual one. A link with only one of the two has that one as its solids. Elements
 //! beside links, joints and materials (transmissions, simulator settings) say nothing about the machine's bodies and are
-//! passed over, as URDF readers do.
+//! passed over, as URDF readers do. URDF is a tree in which every joint has a position of its own: what is read has neither
+//! loops nor joints that axes share.
 //!
 //! Before URDF 1.2 an absent limit of effort or velocity is 0 in the text; 0 is therefore read as "no limit" there.
 
 use crate::inertial::turned;
 use crate::to_urdf::{check_inertial, check_measures};
 use crate::{
-    Inertial, Joint, JointKind, Link, Model, Part, Solid, SolidShape, TIP_NAME, Tip, UrdfError,
+    Inertial, Joint, JointDrive, JointKind, Link, Model, Part, Solid, SolidShape, TIP_NAME, Tip,
+    UrdfError,
 };
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use std::collections::{HashMap, HashSet};
@@ -39,6 +41,7 @@ impl Model {
             name: robot.name.clone(),
             links: vec![read_link(tree.base, &colors)?],
             joints: Vec::new(),
+            loops: Vec::new(),
             tip: Tip { link: 0, point: Point3::origin() },
         };
         let mut index_of = HashMap::from([(tree.base.name.as_str(), 0)]);
@@ -312,7 +315,7 @@ fn read_joint(
         child,
         origin,
         axis,
-        machine_axis: None,
+        drive: JointDrive::Fixed,
         position_limits: None,
         velocity_limit: None,
         effort_limit: None,
@@ -320,10 +323,9 @@ fn read_joint(
     if kind == JointKind::Fixed {
         return Ok(read);
     }
-    read.machine_axis = axis_names.iter().position(|name| *name == joint.name);
-    if read.machine_axis.is_none() {
-        return Err(UrdfError::NoAxis { joint: joint.name.clone() });
-    }
+    let axis = axis_names.iter().position(|name| *name == joint.name);
+    let no_axis = || UrdfError::NoAxis { joint: joint.name.clone() };
+    read.drive = JointDrive::Axis(axis.ok_or_else(no_axis)?);
     read_limits(joint, &mut read, limits_are_optional)?;
     Ok(read)
 }

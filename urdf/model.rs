@@ -3,7 +3,8 @@
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 
 /// A tree of links, joined by joints. Link 0 is the base, fixed in the machine frame; every other link is the child
-/// of exactly one joint, and joints are ordered so that a parent comes before its children.
+/// of exactly one joint, and joints are ordered so that a parent comes before its children. Machines whose links go round
+/// in a circle are cut open somewhere, and [`Model::loops`] says where.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     /// Name of the machine.
@@ -12,8 +13,19 @@ pub struct Model {
     pub links: Vec<Link>,
     /// The joints, `joints[i].child == i + 1`.
     pub joints: Vec<Joint>,
+    /// What holds beside the joints; the positions of passive joints follow from it.
+    pub loops: Vec<Loop>,
     /// The link that carries the tool, and the tool tip in its frame, m.
     pub tip: Tip,
+}
+
+/// A ball joint that closes a circle of links: a point of one link is where a point of another is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Loop {
+    /// Indices into [`Model::links`].
+    pub links: [usize; 2],
+    /// A point in the frame of each, m.
+    pub points: [Point3<f64>; 2],
 }
 
 /// Where the tool tip is.
@@ -83,7 +95,7 @@ pub enum SolidShape {
 /// A joint: moves its child link along or about [`Joint::axis`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Joint {
-    /// Unique name; the name of the machine axis that moves it.
+    /// Unique name; the name of the machine axis that moves it, if a single one does.
     pub name: String,
     /// Whether and how it moves.
     pub kind: JointKind,
@@ -95,9 +107,8 @@ pub struct Joint {
     pub origin: Isometry3<f64>,
     /// Direction of motion in the joint frame.
     pub axis: Unit<Vector3<f64>>,
-    /// Index of the machine axis (machine-file order) whose position is this joint's position; `None` if fixed.
-    /// Zero offsets of a machine are inside [`Joint::origin`], so the two are equal.
-    pub machine_axis: Option<usize>,
+    /// What says its position. Zero offsets of a machine are inside [`Joint::origin`].
+    pub drive: JointDrive,
     /// Lower and upper position, m or rad.
     pub position_limits: Option<[f64; 2]>,
     /// m/s or rad/s.
@@ -115,4 +126,30 @@ pub enum JointKind {
     Prismatic,
     /// Does not move.
     Fixed,
+}
+
+/// What the position of a joint (m or rad) follows from. Axes are counted from 0 in the order of the machine file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum JointDrive {
+    /// Nothing: the joint does not move.
+    Fixed,
+    /// It is the position of this axis.
+    Axis(usize),
+    /// It is the sum of axis positions, each times its factor: two motors on one belt.
+    Combination(Vec<(usize, f64)>),
+    /// It is whatever closes the [loops](Model::loops). Without loops the joint stands at `rest`.
+    Passive {
+        /// Where it stands with every driven joint in the middle of its limits (at 0 without): where to begin looking.
+        rest: f64,
+    },
+}
+
+impl JointDrive {
+    /// The axis whose position is the joint's, if there is one.
+    pub const fn axis(&self) -> Option<usize> {
+        match self {
+            Self::Axis(axis) => Some(*axis),
+            Self::Fixed | Self::Combination(_) | Self::Passive { .. } => None,
+        }
+    }
 }

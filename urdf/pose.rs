@@ -1,7 +1,21 @@
 //! Where the links of a machine are when its axes are somewhere.
 
-use crate::{Joint, JointKind, Model};
+use crate::{Joint, JointDrive, JointKind, JointPositions, LoopError, Model};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
+
+impl JointDrive {
+    /// The position that this drive gives its joint with the machine's axes at `axes` (m or rad, machine-file order). An
+    /// axis beyond their end stands at 0, a passive joint at rest.
+    pub fn position(&self, axes: &[f64]) -> f64 {
+        let at = |axis: usize| axes.get(axis).copied().unwrap_or_default();
+        match self {
+            Self::Fixed => 0.0,
+            Self::Axis(axis) => at(*axis),
+            Self::Combination(parts) => parts.iter().map(|(axis, factor)| factor * at(*axis)).sum(),
+            Self::Passive { rest } => *rest,
+        }
+    }
+}
 
 impl Joint {
     /// Pose of the child link in the parent link with the joint at `position` (m or rad).
@@ -16,18 +30,30 @@ impl Joint {
             JointKind::Fixed => self.origin,
         }
     }
-
-    /// The position of this joint among those of the machine's axes. A joint without an axis, or with one beyond the
-    /// end of `axes`, stands at 0.
-    fn position(&self, axes: &[f64]) -> f64 {
-        self.machine_axis.and_then(|axis| axes.get(axis)).copied().unwrap_or_default()
-    }
 }
 
 impl Model {
     /// The joints that move, with their indices.
     pub fn moving_joints(&self) -> impl Iterator<Item = (usize, &Joint)> {
         self.joints.iter().enumerate().filter(|(_, joint)| joint.kind != JointKind::Fixed)
+    }
+
+    /// The position of every joint with the machine's axes at `axes` (m or rad, machine-file order), all loops closed.
+    /// Passive joints move there from `start`, one position per joint, or else from where they rest.
+    ///
+    /// # Errors
+    /// [`LoopError`] if the loops cannot be closed, or a number is not finite.
+    pub fn pose_of(
+        &self,
+        axes: &[f64],
+        start: Option<&[f64]>,
+    ) -> Result<JointPositions, LoopError> {
+        let mut positions = JointPositions::at_rest(self);
+        if let Some(start) = start {
+            positions.start_from(start)?;
+        }
+        positions.follow(self, axes)?;
+        Ok(positions)
     }
 
     /// Pose of every link in the machine frame with the machine's axes at `axes` (m or rad, machine-file order).
@@ -37,26 +63,64 @@ impl Model {
         poses
     }
 
-    /// [`Self::link_poses`] without allocating. `poses` needs one element per link; links beyond its end are left out.
+    /// [`Self::link_poses`] without allocating, if there are no loops. `poses` needs one element per link; links beyond
+    /// its end are left out.
+    ///
+    /// Loops that cannot be closed are shown as nearly closed as they can be; [`Self::pose_of`] tells. To begin where
+    /// the machine has just been, keep [`JointPositions`].
     pub fn link_poses_into(&self, axes: &[f64], poses: &mut [Isometry3<f64>]) {
+        if self.loops.is_empty() {
+            self.place_links(|_, joint| joint.drive.position(axes), poses);
+        } else {
+            self.link_poses_at(self.nearest(axes).values(), poses);
+        }
+    }
+
+    /// Poses of the links in the machine frame with the joints at `positions` (m or rad, one per joint). A joint beyond
+    /// their end stands at 0.
+    pub fn link_poses_at(&self, positions: &[f64], poses: &mut [Isometry3<f64>]) {
+        self.place_links(|index, _| positions.get(index).copied().unwrap_or_default(), poses);
+    }
+
+    /// The tool tip in the machine frame (m) with the machine's axes at `axes` (m or rad, machine-file order). Of loops
+    /// that cannot be closed the same holds as for [`Self::link_poses_into`].
+    pub fn tip_position(&self, axes: &[f64]) -> Point3<f64> {
+        if self.loops.is_empty() {
+            self.tip_with(|_, joint| joint.drive.position(axes))
+        } else {
+            let positions = self.nearest(axes);
+            self.tip_with(|index, _| positions.values().get(index).copied().unwrap_or_default())
+        }
+    }
+
+    /// As nearly closed as the loops can be.
+    fn nearest(&self, axes: &[f64]) -> JointPositions {
+        let mut positions = JointPositions::at_rest(self);
+        // Said by `pose_of` to whom it concerns; a picture shows it.
+        positions.follow(self, axes).unwrap_or_default();
+        positions
+    }
+
+    fn place_links(&self, position: impl Fn(usize, &Joint) -> f64, poses: &mut [Isometry3<f64>]) {
         if let Some(base) = poses.first_mut() {
             *base = Isometry3::identity();
         }
-        for joint in &self.joints {
+        for (index, joint) in self.joints.iter().enumerate() {
             let Some(parent) = poses.get(joint.parent).copied() else { continue };
             if let Some(child) = poses.get_mut(joint.child) {
-                *child = parent * joint.transform(joint.position(axes));
+                *child = parent * joint.transform(position(index, joint));
             }
         }
     }
 
-    /// The tool tip in the machine frame (m) with the machine's axes at `axes` (m or rad, machine-file order).
-    pub fn tip_position(&self, axes: &[f64]) -> Point3<f64> {
+    fn tip_with(&self, position: impl Fn(usize, &Joint) -> f64) -> Point3<f64> {
         let mut point = self.tip.point;
         let mut link = self.tip.link;
         // From the tool down to the base; a parent has a smaller index than its child, so this ends.
-        while let Some(joint) = link.checked_sub(1).and_then(|index| self.joints.get(index)) {
-            point = joint.transform(joint.position(axes)) * point;
+        while let Some((index, joint)) =
+            link.checked_sub(1).and_then(|index| Some((index, self.joints.get(index)?)))
+        {
+            point = joint.transform(position(index, joint)) * point;
             if joint.parent >= link {
                 break;
             }

@@ -4,11 +4,17 @@
 //! the tool tip is the link [`TIP_NAME`], fixed to the link that carries it. Numbers are written with the digits it takes
 //! to read the same number back. Rotations pass through roll, pitch and yaw and come back to within rounding.
 //!
+//! URDF knows neither a joint that several axes move nor a circle of links: such joints are written as if they had
+//! positions of their own, and a comment says how they hang together.
+//!
 //! URDF 1.0 cannot say "no limit" (an absent one is read as 0), and the readers most in use refuse anything newer. So
 //! the text is URDF 1.0 where every prismatic or revolute joint has all limits, and 1.2, which can, where one lacks.
 
-use crate::{Inertial, Joint, JointKind, Model, Part, Solid, SolidShape, TIP_NAME, UrdfError};
-use nalgebra::{Isometry3, Vector3};
+use crate::{
+    Inertial, Joint, JointDrive, JointKind, Loop, Model, Part, Solid, SolidShape, TIP_NAME,
+    UrdfError,
+};
+use nalgebra::{Isometry3, Point3, Vector3};
 use std::collections::HashSet;
 use urdf_rs::{
     Axis, Collision, Color, Geometry, JointLimit, JointType, LinkName, Mass, Material, Pose, Vec3,
@@ -73,7 +79,7 @@ impl Model {
             materials: palette.materials,
         };
         let body = urdf_rs::write_to_string(&robot).map_err(UrdfError::Text)?;
-        Ok(format!("<?xml version=\"1.0\"?>\n{body}\n"))
+        Ok(format!("<?xml version=\"1.0\"?>\n{}{body}\n", self.coupling_comment()))
     }
 }
 
@@ -99,6 +105,38 @@ impl Model {
             self.joints.iter().map(|joint| joint.name.as_str()).chain([TIP_NAME]),
             Part::Joint,
         )
+    }
+
+    /// A comment of what a tree of independent joints does not say; empty if there is nothing.
+    fn coupling_comment(&self) -> String {
+        let mut lines = Vec::new();
+        for joint in &self.joints {
+            match &joint.drive {
+                JointDrive::Fixed | JointDrive::Axis(_) => {}
+                JointDrive::Combination(parts) => {
+                    let parts: Vec<_> = parts
+                        .iter()
+                        .map(|(axis, factor)| format!("{factor} * axis {axis}"))
+                        .collect();
+                    lines.push(format!("position of joint {} = {}", joint.name, parts.join(" + ")));
+                }
+                JointDrive::Passive { rest } => {
+                    lines.push(format!("joint {} is passive; near {rest}", joint.name));
+                }
+            }
+        }
+        for Loop { links: [one, other], points: [point, other_point] } in &self.loops {
+            let end = |link: usize, point: &Point3<f64>| {
+                format!("{} {} {} of link {}", point.x, point.y, point.z, self.link_name(link).link)
+            };
+            lines.push(format!("point {} = point {}", end(*one, point), end(*other, other_point)));
+        }
+        if lines.is_empty() {
+            return String::new();
+        }
+        // Two hyphens may not stand together in a comment, whatever the names are.
+        let text = lines.join("\n  ").replace("--", "- -").replace("--", "- -");
+        format!("<!--\n  Not said by URDF (axes counted from 0):\n  {text}\n-->\n")
     }
 
     fn link_name(&self, index: usize) -> LinkName {
@@ -157,7 +195,7 @@ impl Model {
             child: self.links.len(),
             origin: Isometry3::translation(point.x, point.y, point.z),
             axis: Vector3::x_axis(),
-            machine_axis: None,
+            drive: JointDrive::Fixed,
             position_limits: None,
             velocity_limit: None,
             effort_limit: None,

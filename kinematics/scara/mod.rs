@@ -1,7 +1,10 @@
 //! SCARAs: arms that turn about vertical axes (SoftMotion manual 8.2.4 and 8.2.5).
 
-#[cfg(test)]
-mod tests;
+mod chain;
+mod three_link;
 mod two_link;
+mod view;
 
-pub use two_link::{Elbow, Scara2};
+pub use three_link::{Scara3, ThreeLinks};
+pub use two_link::{Elbow, Scara2, TwoLinks};
+pub use view::ScaraView;

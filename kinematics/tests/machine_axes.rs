@@ -3,9 +3,9 @@ use crate::gantry::Gantry3;
 use crate::scara::{Elbow, Scara2};
 use crate::{
     AxisSource, AxisVector, Coordinate, Kinematics, KinematicsError, MachineAxes, MachineAxesError,
-    Pose, ToolMotion,
+    Pose, ToolMotion, Transform,
 };
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use proptest::prelude::*;
 
 const A: AxisSource = AxisSource::Transform(0);
@@ -16,24 +16,29 @@ fn scara() -> Scara2 {
     Scara2::new([0.25, 0.2], [0.1, -0.2], Elbow::Low).unwrap()
 }
 
+/// A tool straight down.
+fn down(length: f64) -> Vector3<f64> {
+    Vector3::new(0.0, 0.0, -length)
+}
+
 fn machine(sources: &[AxisSource], tool_length: f64) -> MachineAxes {
-    MachineAxes::new(Box::new(scara()), sources.to_vec(), tool_length).unwrap()
+    MachineAxes::new(Box::new(scara()), sources.to_vec(), down(tool_length)).unwrap()
 }
 
 fn refusal(sources: &[AxisSource]) -> MachineAxesError {
-    MachineAxes::new(Box::new(scara()), sources.to_vec(), 0.0).unwrap_err()
+    MachineAxes::new(Box::new(scara()), sources.to_vec(), down(0.0)).unwrap_err()
 }
 
 #[test]
 fn axes_come_in_the_order_of_the_machine_file() {
-    let [a, b] = scara().solve(0.3, 0.2).unwrap();
+    let [a, b] = scara().to_axes(&Vector2::new(0.3, 0.2)).unwrap().into();
     let pose = Pose::at(0.3, 0.2, -0.05);
     for (sources, expected) in
         [([A, B, Z], [a, b, 0.07]), ([Z, B, A], [0.07, b, a]), ([B, Z, A], [b, 0.07, a])]
     {
         // A tool of 120 mm whose tip is at −50 mm hangs on a flange at 70 mm.
         let machine = machine(&sources, 0.12);
-        assert_eq!((machine.axis_count(), machine.coordinates()), (3, &Coordinate::ALL[..]));
+        assert_eq!((machine.axis_count(), machine.coordinates()), (3, &Coordinate::TRANSLATIONS[..]));
         let found = machine.inverse(&pose, &AxisVector::zeros(3)).unwrap();
         assert!(
             found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-15),
@@ -135,10 +140,10 @@ fn refuses_axes_that_do_not_fit_the_transform() {
         "output 3 of the transform is assigned to an axis, but the transform has 2"
     );
     assert_eq!(refusal(&[A; 9]), MachineAxesError::TooMany { given: 9 });
-    let no_z = MachineAxes::new(Box::new(scara()), vec![A, B], 0.1).unwrap_err();
+    let no_z = MachineAxes::new(Box::new(scara()), vec![A, B], down(0.1)).unwrap_err();
     assert_eq!(no_z, MachineAxesError::ToolWithoutZ { length: 0.1 });
-    let no_length = MachineAxes::new(Box::new(scara()), vec![A, B, Z], f64::NAN).unwrap_err();
-    assert_eq!(no_length, MachineAxesError::ToolLength);
+    let no_length = MachineAxes::new(Box::new(scara()), vec![A, B, Z], down(f64::NAN)).unwrap_err();
+    assert_eq!(no_length, MachineAxesError::Tool);
 }
 
 proptest! {
@@ -153,7 +158,7 @@ proptest! {
         if swapped {
             sources.swap(0, 2);
         }
-        let machine = MachineAxes::new(Box::new(Gantry3::new(offset)), sources, tool_length).unwrap();
+        let machine = MachineAxes::new(Box::new(Gantry3::new(offset).unwrap()), sources, down(tool_length)).unwrap();
         let pose = Pose::at(target[0], target[1], target[2]);
         let found = machine.inverse(&pose, &AxisVector::zeros(3)).unwrap();
         let z = found[if swapped { 0 } else { 2 }];

@@ -2,6 +2,7 @@
 
 use super::axis::{AxisEntry, AxisKind};
 use super::section::Section;
+use nalgebra::Vector3;
 use std::f64::consts::PI;
 use twin_kinematics::gantry::Gantry3;
 use twin_kinematics::scara::{Elbow, Scara2};
@@ -87,7 +88,7 @@ pub(super) fn read(
     };
     let geometry = match kind {
         Kind::Scara2 => scara(&kinematics, &body),
-        Kind::Gantry3 => Some(gantry(&kinematics, &body)),
+        Kind::Gantry3 => gantry(&kinematics, &body),
     };
     kinematics.check_unknown();
     body.finish();
@@ -114,7 +115,7 @@ pub(super) fn read(
             axes.iter().any(|entry| entry.role == role && entry.axis.kind == AxisKind::Rotary);
         model.add_additional_axis(&joint, turns, number);
     }
-    let machine_axes = MachineAxes::new(transform, sources, tool.length);
+    let machine_axes = MachineAxes::new(transform, sources, nalgebra::Vector3::new(0.0, 0.0, -tool.length));
     let kinematics = machine_axes.map_err(|error| kinematics.complain(error.to_string())).ok()?;
     Some(Geometry { kind: kind.name(), kinematics, model })
 }
@@ -164,7 +165,7 @@ fn scara<'a>(
             column_height: column_height.map(|height| height * 1e-3),
             quill_length: quill_length.map(|length| length * 1e-3),
             quill_mass,
-            tool_length: tool.length,
+            tool: Vector3::new(0.0, 0.0, -tool.length),
             tool_mass: tool.mass,
             ..ScaraDimensions::new(name, [joint("A")?, joint("B")?], joint("Z"), arms)
         };
@@ -173,7 +174,10 @@ fn scara<'a>(
     Some((Box::new(transform), build))
 }
 
-fn gantry<'a>(kinematics: &Section<'_>, body: &Section<'_>) -> (Box<dyn Kinematics>, Build<'a>) {
+fn gantry<'a>(
+    kinematics: &Section<'_>,
+    body: &Section<'_>,
+) -> Option<(Box<dyn Kinematics>, Build<'a>)> {
     let offsets = kinematics.numbers::<3>("offsets_mm", -1e5..=1e5).unwrap_or_default();
     let bridge_mass = body.number("bridge_mass_kg", MASS_KG);
     let carriage_mass = body.number("carriage_mass_kg", MASS_KG);
@@ -189,13 +193,13 @@ fn gantry<'a>(kinematics: &Section<'_>, body: &Section<'_>) -> (Box<dyn Kinemati
             quill_mass,
             quill_length: quill_length.map(|length| length * 1e-3),
             quill_width: quill_width.map(|width| width * 1e-3),
-            tool_length: tool.length,
+            tool: Vector3::new(0.0, 0.0, -tool.length),
             tool_mass: tool.mass,
-            ..GantryDimensions::new(name, [joint("X")?, joint("Y")?, joint("Z")?])
+            ..GantryDimensions::new(name, [joint("X")?, joint("Y")?], Some(joint("Z")?))
         };
         Some(dimensions.model())
     });
-    (Box::new(Gantry3::new(offsets)), build)
+    Gantry3::new(offsets).ok().map(|gantry| (Box::new(gantry) as Box<dyn Kinematics>, build))
 }
 
 /// The number of an additional axis.
@@ -213,7 +217,7 @@ fn sources(root: &Section<'_>, kind: Kind, axes: &[AxisEntry]) -> Option<Vec<Axi
         let complain = |message| root.complain_over(&entry.role_span, message);
         let output = outputs.iter().position(|(output, _)| output == role);
         let coordinate =
-            Coordinate::ALL.into_iter().find(|coordinate| coordinate.to_string() == *role);
+            Coordinate::TRANSLATIONS.into_iter().find(|coordinate| coordinate.to_string() == *role);
         let used =
             matches!((kind, coordinate), (Kind::Scara2, Some(Coordinate::X | Coordinate::Y)));
         let expected = match (output, coordinate) {

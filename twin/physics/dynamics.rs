@@ -14,7 +14,7 @@ use nalgebra::{
     Isometry3, Matrix3, Point3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3,
 };
 use twin_kinematics::MAX_AXES;
-use twin_urdf::{JointKind, Model};
+use twin_urdf::{JointDrive, JointKind, Model};
 
 use super::error::PhysicsError;
 
@@ -350,6 +350,9 @@ fn moving<'a>(
 
 /// The links of `model` behind the base, checked.
 fn bodies(model: &Model, axis_count: usize) -> Result<Vec<Body>, PhysicsError> {
+    if !model.loops.is_empty() {
+        return Err(PhysicsError::ClosedLoops { loops: model.loops.len() });
+    }
     let mut bodies: Vec<Body> = Vec::with_capacity(model.joints.len());
     let mut moved = [false; MAX_AXES];
     for (index, joint) in model.joints.iter().enumerate() {
@@ -359,10 +362,17 @@ fn bodies(model: &Model, axis_count: usize) -> Result<Vec<Body>, PhysicsError> {
             return Err(not_a_tree);
         }
         let link = model.links.get(joint.child).ok_or(not_a_tree)?;
-        let motion = match (joint.kind, joint.machine_axis.filter(|axis| *axis < axis_count)) {
-            (JointKind::Fixed, None) if joint.machine_axis.is_none() => Motion::Fixed,
-            (JointKind::Revolute, Some(axis)) => Motion::Revolute(axis, joint.axis),
-            (JointKind::Prismatic, Some(axis)) => Motion::Prismatic(axis, joint.axis),
+        let motion = match (joint.kind, &joint.drive) {
+            (_, JointDrive::Combination(_) | JointDrive::Passive { .. }) => {
+                return Err(PhysicsError::CoupledJoint { joint: index });
+            }
+            (JointKind::Fixed, JointDrive::Fixed) => Motion::Fixed,
+            (JointKind::Revolute, JointDrive::Axis(axis)) if *axis < axis_count => {
+                Motion::Revolute(*axis, joint.axis)
+            }
+            (JointKind::Prismatic, JointDrive::Axis(axis)) if *axis < axis_count => {
+                Motion::Prismatic(*axis, joint.axis)
+            }
             _ => return Err(PhysicsError::JointAxis { joint: index }),
         };
         if let Some((axis, moved)) =

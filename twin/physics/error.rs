@@ -39,6 +39,20 @@ pub enum PhysicsError {
         /// The joint.
         joint: usize,
     },
+    /// A joint that several axes move, or none: a belt between two motors, a rod between carriage and platform.
+    #[error(
+        "joint {joint} has no axis of its own; machines with coupled axes are not simulated yet"
+    )]
+    CoupledJoint {
+        /// The joint.
+        joint: usize,
+    },
+    /// Links that go round in a circle.
+    #[error("{loops} loops of links; machines with closed loops are not simulated yet")]
+    ClosedLoops {
+        /// How many.
+        loops: usize,
+    },
     /// The links are not ordered as a tree: `joints[i].child == i + 1` and parents first.
     #[error(
         "joint {joint} joins parent link {parent} and child link {child}, out of the order of a tree"

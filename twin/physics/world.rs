@@ -104,7 +104,7 @@ impl RapierWorld {
         let Some(multibody) = multibody_joints.get_multibody_mut(*multibody) else { return };
         multibody.forward_kinematics(bodies, true);
 
-        let driven = model.joints.iter().filter_map(|joint| Some((joint, joint.machine_axis?)));
+        let driven = model.joints.iter().filter_map(|joint| Some((joint, joint.drive.axis()?)));
         joints.extend(driven.filter_map(|(joint, axis)| {
             let parent = *links.get(joint.parent)?;
             let child = *links.get(joint.child)?;

@@ -54,7 +54,7 @@ mod tests {
     fn they_move_and_the_tool_does_not() {
         let joint = |name: &str, axis| MachineJoint::new(name, axis, [-1.0, 1.0]);
         let dimensions =
-            GantryDimensions::new("portal", [joint("X", 0), joint("Y", 1), joint("Z", 2)]);
+            GantryDimensions::new("portal", [joint("X", 0), joint("Y", 1)], Some(joint("Z", 2)));
         let mut model = dimensions.model().unwrap();
         let tip = model.tip_position(&[0.1, 0.2, 0.3]);
         model.add_additional_axis(&joint("P", 3), true, 0);

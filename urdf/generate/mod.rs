@@ -1,18 +1,21 @@
 //! Machines built from their dimensions.
 //!
 //! A generated machine stands in the frame of its transform (`twin_kinematics`), and its joint positions are the
-//! machine's axis positions: zero offsets are inside the origins of the joints. Masses and inertias are those of
+//! machine's axis positions or follow from them: zero offsets are inside the origins of the joints. Masses and inertias are those of
 //! uniform bodies; the solids are boxes and cylinders that do not overlap, except where a real machine has a bore
 //! that a box cannot have (the quill runs through its arm or carriage).
 
 mod additional;
 mod gantry;
 mod scara;
+mod tool;
+mod tripod;
 
-pub use gantry::GantryDimensions;
-pub use scara::ScaraDimensions;
+pub use gantry::{GantryDimensions, HBelt, PlaneDrive, RotaryTool};
+pub use scara::{ScaraDimensions, ScaraHand};
+pub use tripod::{TripodDimensions, TripodRings, TripodRod};
 
-use crate::{DimensionError, Joint, JointKind, Solid, SolidShape};
+use crate::{DimensionError, Joint, JointDrive, JointKind, Solid, SolidShape};
 use nalgebra::{Isometry3, Translation3, Unit, Vector3};
 
 /// A joint of a generated machine: the axis that moves it, and its limits.
@@ -42,6 +45,17 @@ impl MachineJoint {
         }
     }
 
+    /// What moves a joint of this name and these limits.
+    fn driven(&self) -> Driven {
+        Driven {
+            name: self.name.clone(),
+            drive: JointDrive::Axis(self.machine_axis),
+            position_limits: Some(self.position_limits),
+            velocity_limit: self.velocity_limit,
+            effort_limit: self.effort_limit,
+        }
+    }
+
     /// Moves `child` on `parent`.
     fn joint(
         &self,
@@ -51,19 +65,61 @@ impl MachineJoint {
         child: usize,
         origin: Isometry3<f64>,
     ) -> Joint {
+        self.driven().joint(kind, axis, parent, child, origin)
+    }
+}
+
+/// What a joint is called, what moves it and how far, before it is known where it is.
+#[derive(Clone, Debug)]
+struct Driven {
+    name: String,
+    drive: JointDrive,
+    position_limits: Option<[f64; 2]>,
+    velocity_limit: Option<f64>,
+    effort_limit: Option<f64>,
+}
+
+impl Driven {
+    /// Without limits.
+    fn new(name: impl Into<String>, drive: JointDrive) -> Self {
+        Self {
+            name: name.into(),
+            drive,
+            position_limits: None,
+            velocity_limit: None,
+            effort_limit: None,
+        }
+    }
+
+    /// Moves `child` on `parent`.
+    fn joint(
+        self,
+        kind: JointKind,
+        axis: Unit<Vector3<f64>>,
+        parent: usize,
+        child: usize,
+        origin: Isometry3<f64>,
+    ) -> Joint {
+        let Self { name, drive, position_limits, velocity_limit, effort_limit } = self;
         Joint {
-            name: self.name.clone(),
+            name,
             kind,
             parent,
             child,
             origin,
             axis,
-            machine_axis: Some(self.machine_axis),
-            position_limits: Some(self.position_limits),
-            velocity_limit: self.velocity_limit,
-            effort_limit: self.effort_limit,
+            drive,
+            position_limits,
+            velocity_limit,
+            effort_limit,
         }
     }
+}
+
+/// Holds `child` on `parent`.
+fn fixed(name: &str, parent: usize, child: usize, origin: Isometry3<f64>) -> Joint {
+    let driven = Driven::new(name, JointDrive::Fixed);
+    driven.joint(JointKind::Fixed, Vector3::z_axis(), parent, child, origin)
 }
 
 /// What machines are painted with: red, green, blue, alpha.
@@ -102,6 +158,11 @@ fn upright(x: f64, y: f64, heights: [f64; 2], radius: f64, color: [f64; 4]) -> S
         origin: Isometry3::translation(x, y, f64::midpoint(heights[0], heights[1])),
         color,
     }
+}
+
+/// `solid`, moved by `pose`.
+fn placed(solid: Solid, pose: &Isometry3<f64>) -> Solid {
+    Solid { origin: pose * solid.origin, ..solid }
 }
 
 fn check_positive(dimensions: &[(&'static str, f64)]) -> Result<(), DimensionError> {

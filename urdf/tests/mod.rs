@@ -1,10 +1,12 @@
 mod generated;
 mod inertial;
+mod loops;
 mod read;
 mod refused;
 mod round_trip;
 
 use crate::{GantryDimensions, MachineJoint, ScaraDimensions};
+use nalgebra::Vector3;
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 
 /// The same cases in every run; `PROPTEST_CASES` sets their number.
@@ -22,7 +24,7 @@ fn scara() -> ScaraDimensions {
         [MachineJoint::new("A", 0, [-2.5, 2.5]), MachineJoint::new("B", 1, [-2.6, 2.6])];
     let quill_joint = MachineJoint::new("Z", 2, [-0.1, 0.05]);
     let dimensions = ScaraDimensions::new("scara", arm_joints, Some(quill_joint), [0.25, 0.2]);
-    ScaraDimensions { tool_length: 0.08, tool_mass: 0.3, ..dimensions }
+    ScaraDimensions { tool: Vector3::new(0.0, 0.0, -0.08), tool_mass: 0.3, ..dimensions }
 }
 
 fn gantry() -> GantryDimensions {
@@ -31,11 +33,10 @@ fn gantry() -> GantryDimensions {
         effort_limit: Some(200.0),
         ..MachineJoint::new(name, axis, limits)
     };
-    let joints =
-        [joint("X", 0, [0.0, 0.6]), joint("Y", 1, [-0.2, 0.2]), joint("Z", 2, [-0.15, 0.0])];
+    let plane = [joint("X", 0, [0.0, 0.6]), joint("Y", 1, [-0.2, 0.2])];
     GantryDimensions {
-        tool_length: 0.05,
+        tool: Vector3::new(0.0, 0.0, -0.05),
         tool_mass: 0.2,
-        ..GantryDimensions::new("gantry", joints)
+        ..GantryDimensions::new("gantry", plane, Some(joint("Z", 2, [-0.15, 0.0])))
     }
 }

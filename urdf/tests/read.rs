@@ -46,12 +46,12 @@ fn a_robot_in_any_order() {
     assert_eq!((model.name.as_str(), links), ("example", vec!["world", "arm", "slide"]));
     let [turn, slide] = &model.joints[..] else { panic!("{:?}", model.joints) };
     assert_eq!(
-        (turn.name.as_str(), turn.kind, turn.machine_axis),
+        (turn.name.as_str(), turn.kind, turn.drive.axis()),
         ("C", JointKind::Revolute, Some(1))
     );
     assert_eq!((turn.position_limits, turn.velocity_limit, turn.effort_limit), (None, None, None));
     assert_eq!(
-        (slide.name.as_str(), slide.kind, slide.machine_axis),
+        (slide.name.as_str(), slide.kind, slide.drive.axis()),
         ("Z", JointKind::Prismatic, Some(0))
     );
     assert_eq!((slide.parent, slide.child, slide.axis), (1, 2, Vector3::z_axis()));

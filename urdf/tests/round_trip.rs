@@ -1,5 +1,5 @@
 use super::{gantry, scara, seeded};
-use crate::{Inertial, Joint, JointKind, Link, Model, Solid, SolidShape, Tip};
+use crate::{Inertial, Joint, JointDrive, JointKind, Link, Model, Solid, SolidShape, Tip};
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -20,14 +20,14 @@ fn generated_machines_come_back_unchanged() {
 /// A machine with everything the generator does not make: turned solids, a sphere, a joint without end, missing and
 /// one-sided limits, slanted axes, an oblique inertia, names that XML has to escape, a branch, numbers of every size.
 fn odd() -> Model {
-    let joint = |name: &str, kind, parent, child, machine_axis| Joint {
+    let joint = |name: &str, kind, parent, child, axis: Option<usize>| Joint {
         name: name.to_owned(),
         kind,
         parent,
         child,
         origin: Isometry3::translation(0.1, -1e-17, 1.0 / 3.0),
         axis: Unit::new_normalize(Vector3::new(1.0, 2.0, -3.0)),
-        machine_axis,
+        drive: axis.map_or(JointDrive::Fixed, JointDrive::Axis),
         position_limits: None,
         velocity_limit: None,
         effort_limit: None,
@@ -78,6 +78,7 @@ fn odd() -> Model {
             },
             joint("fixed", JointKind::Fixed, 1, 3, None),
         ],
+        loops: Vec::new(),
         tip: Tip { link: 3, point: Point3::new(0.1, 0.2, -0.3) },
     }
 }

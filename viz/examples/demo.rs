@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 use std::time::Duration;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
-use twin_urdf::{Inertial, Joint, JointKind, Link, Model, Solid, SolidShape, Tip};
+use twin_urdf::{Inertial, Joint, JointDrive, JointKind, Link, Model, Solid, SolidShape, Tip};
 use twin_viz::{
     Axis, AxisUnit, Deviation, DrivesFrame, Frame, MoveKind, PathStrip, Playback, Program, Scene,
     SceneOptions, Setup,
@@ -201,7 +201,7 @@ fn machine() -> Model {
         child: parent + 1,
         origin: Isometry3::translation(x, 0.0, z),
         axis: Vector3::z_axis(),
-        machine_axis: Some(axis),
+        drive: JointDrive::Axis(axis),
         position_limits: None,
         velocity_limit: None,
         effort_limit: None,
@@ -221,6 +221,7 @@ fn machine() -> Model {
             joint("A2", JointKind::Revolute, 1, UPPER_ARM, 0.0, 1),
             joint("Z", JointKind::Prismatic, 2, FOREARM, -COLUMN, 2),
         ],
+        loops: Vec::new(),
         tip: Tip { link: 3, point: Point3::origin() },
     }
 }

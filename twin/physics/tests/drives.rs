@@ -177,10 +177,28 @@ fn what_cannot_be_simulated_is_refused() {
     );
 
     let mut twice = gantry();
-    twice.joints[2].machine_axis = Some(1);
+    twice.joints[2].drive = JointDrive::Axis(1);
     assert_eq!(
         build(&twice, &[SLACK; 3], &start, CYCLE_NS),
         Err(PhysicsError::AxisMovesTwoJoints { joint: 2, axis: 1 })
+    );
+    let mut belt = gantry();
+    belt.joints[1].drive = JointDrive::Combination(vec![(0, 0.5), (1, 0.5)]);
+    assert_eq!(
+        build(&belt, &[SLACK; 3], &start, CYCLE_NS),
+        Err(PhysicsError::CoupledJoint { joint: 1 })
+    );
+    let mut loose = gantry();
+    loose.joints[2].drive = JointDrive::Passive { rest: 0.0 };
+    assert_eq!(
+        build(&loose, &[SLACK; 3], &start, CYCLE_NS),
+        Err(PhysicsError::CoupledJoint { joint: 2 })
+    );
+    let mut closed = gantry();
+    closed.loops.push(Loop { links: [1, 3], points: [Point3::origin(); 2] });
+    assert_eq!(
+        build(&closed, &[SLACK; 3], &start, CYCLE_NS),
+        Err(PhysicsError::ClosedLoops { loops: 1 })
     );
     let mut swapped = gantry();
     swapped.joints[1].parent = 2;

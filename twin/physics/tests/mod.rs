@@ -7,7 +7,7 @@ mod scara;
 mod trees;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
-use twin_urdf::{Inertial, Joint, JointKind, Link, Tip};
+use twin_urdf::{Inertial, Joint, JointDrive, JointKind, Link, Loop, Tip};
 
 use super::*;
 
@@ -59,12 +59,14 @@ fn chain<const N: usize>(links: [ChainLink; N]) -> Model {
         name: "chain".into(),
         links: vec![link("base".into(), None)],
         joints: Vec::new(),
+        loops: Vec::new(),
         tip: Tip { link: N, point: Point3::origin() },
     };
     let mut axis_count = 0;
     for (index, (kind, axis, origin, inertial)) in links.into_iter().enumerate() {
-        let machine_axis = (kind != JointKind::Fixed).then_some(axis_count);
-        axis_count += usize::from(machine_axis.is_some());
+        let moves = kind != JointKind::Fixed;
+        let drive = if moves { JointDrive::Axis(axis_count) } else { JointDrive::Fixed };
+        axis_count += usize::from(moves);
         model.links.push(link(format!("link{index}"), inertial));
         model.joints.push(Joint {
             name: format!("joint{index}"),
@@ -73,7 +75,7 @@ fn chain<const N: usize>(links: [ChainLink; N]) -> Model {
             child: index + 1,
             origin,
             axis: Unit::new_normalize(axis),
-            machine_axis,
+            drive,
             position_limits: None,
             velocity_limit: None,
             effort_limit: None,

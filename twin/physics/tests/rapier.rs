@@ -43,7 +43,7 @@ fn a_generated_scara_runs() {
     let arm_joints = [joint("A", 1, [-2.5, 2.5]), joint("B", 2, [-2.5, 2.5])];
     let mut dimensions =
         ScaraDimensions::new("scara", arm_joints, Some(joint("Z", 0, [-0.1, 0.1])), [0.25, 0.2]);
-    dimensions.tool_length = 0.06;
+    dimensions.tool = Vector3::new(0.0, 0.0, -0.06);
     dimensions.tool_mass = 0.3;
     let model = dimensions.model().unwrap();
 

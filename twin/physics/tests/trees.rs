@@ -38,7 +38,7 @@ fn cases() -> impl Strategy<Value = Case> {
             let mut joint = piece.joints.remove(0);
             joint.parent = parent.index(index + 1);
             joint.child = index + 1;
-            joint.machine_axis = Some((index + shift) % count);
+            joint.drive = JointDrive::Axis((index + shift) % count);
             model.joints.push(joint);
             model.links.push(piece.links.remove(1));
         }

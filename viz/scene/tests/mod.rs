@@ -7,7 +7,7 @@ use std::path::Path;
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use rerun::components;
-use twin_urdf::{Joint, JointKind, Link, Solid, SolidShape, Tip};
+use twin_urdf::{Joint, JointDrive, JointKind, Link, Solid, SolidShape, Tip};
 
 use super::*;
 use crate::frame::{AxisUnit, MoveKind};
@@ -39,11 +39,12 @@ fn machine() -> Model {
             child: 1,
             origin: Isometry3::identity(),
             axis: Vector3::z_axis(),
-            machine_axis: Some(0),
+            drive: JointDrive::Axis(0),
             position_limits: None,
             velocity_limit: None,
             effort_limit: None,
         }],
+        loops: Vec::new(),
         tip: Tip { link: 1, point: Point3::new(0.4, 0.0, 0.0) },
     }
 }

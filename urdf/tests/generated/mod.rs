@@ -1,7 +1,13 @@
+//! Machines from their dimensions, against the closed forms of their transforms.
+
+mod gantry;
+mod scara3;
+mod tripod;
+
 use super::{gantry, scara, seeded};
 use crate::{
-    DimensionError, GantryDimensions, Joint, JointKind, MachineJoint, Model, ScaraDimensions,
-    SolidShape,
+    DimensionError, GantryDimensions, Joint, JointKind, MachineJoint, Model, PlaneDrive,
+    ScaraDimensions, SolidShape,
 };
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
@@ -10,19 +16,30 @@ use twin_kinematics::gantry::Gantry3;
 use twin_kinematics::scara::{Elbow, Scara2};
 use twin_kinematics::{AxisSource, AxisVector, Coordinate, Kinematics, MachineAxes};
 
-/// Lower and upper corner of what a link fills when the machine's axes are at `axes`, as long as it is not tilted.
+/// Lower and upper corner of the box around a solid of a link at `pose`.
+fn around(pose: &Isometry3<f64>, solid: &crate::Solid) -> [Point3<f64>; 2] {
+    let pose = pose * solid.origin;
+    let matrix = pose.rotation.to_rotation_matrix();
+    let upright = (matrix.matrix()[(2, 2)].abs() - 1.0).abs() < 1e-12;
+    let half = match solid.shape {
+        SolidShape::Box { size } => matrix.matrix().abs() * size / 2.0,
+        // However it is turned about its own axis.
+        SolidShape::Cylinder { radius, length } if upright => {
+            Vector3::new(radius, radius, length / 2.0)
+        }
+        SolidShape::Cylinder { radius, length } => {
+            matrix.matrix().abs() * Vector3::new(radius, radius, length / 2.0)
+        }
+        SolidShape::Sphere { radius } => Vector3::repeat(radius),
+    };
+    let center = Point3::from(pose.translation.vector);
+    [center - half, center + half]
+}
+
+/// Lower and upper corner of the boxes around what a link fills when the machine's axes are at `axes`.
 fn bounds(model: &Model, link: usize, axes: &[f64]) -> Vec<[Point3<f64>; 2]> {
     let pose = model.link_poses(axes)[link];
-    let bounds = |solid: &crate::Solid| {
-        let half = match solid.shape {
-            SolidShape::Box { size } => size / 2.0,
-            SolidShape::Cylinder { radius, length } => Vector3::new(radius, radius, length / 2.0),
-            SolidShape::Sphere { radius } => Vector3::repeat(radius),
-        };
-        let center = pose * Point3::from(solid.origin.translation.vector);
-        [center - half, center + half]
-    };
-    model.links[link].solids.iter().map(bounds).collect()
+    model.links[link].solids.iter().map(|solid| around(&pose, solid)).collect()
 }
 
 /// Whether any solids of two links meet.
@@ -125,7 +142,7 @@ fn joints_are_the_axes_of_the_machine() {
     let model = dimensions.model().unwrap();
     let found: Vec<_> = model
         .moving_joints()
-        .map(|(index, joint)| (index, joint.name.as_str(), joint.machine_axis))
+        .map(|(index, joint)| (index, joint.name.as_str(), joint.drive.axis()))
         .collect();
     assert_eq!(found, [(0, "A", Some(2)), (1, "B", Some(1)), (2, "Z", Some(0))]);
     let [a, _, z] = &model.joints[..] else { panic!() };
@@ -141,7 +158,7 @@ fn joints_are_the_axes_of_the_machine() {
 #[test]
 fn a_scara_without_a_z_axis_works_in_one_plane() {
     let dimensions =
-        ScaraDimensions { quill_joint: None, tool_length: 0.0, tool_mass: 0.0, ..scara() };
+        ScaraDimensions { quill_joint: None, tool: Vector3::zeros(), tool_mass: 0.0, ..scara() };
     let model = dimensions.model().unwrap();
     assert_eq!(model.moving_joints().count(), 2);
     assert_eq!(model.joints[2].kind, JointKind::Fixed);
@@ -177,30 +194,34 @@ fn arms_are_uniform_boxes() {
 
 #[test]
 fn every_moving_link_is_a_possible_body() {
-    for model in [scara().model().unwrap(), gantry().model().unwrap()] {
+    let models = [
+        scara().model(),
+        scara3::scara3().model(),
+        gantry().model(),
+        gantry::cutter().model(),
+        gantry::h_gantry().model(),
+        tripod::tripod().model(),
+    ];
+    for model in models.map(Result::unwrap) {
         assert!(model.links[0].inertial.is_none());
         for link in &model.links[1..] {
-            let inertial = link.inertial.unwrap();
+            // The crosses of ball joints are nothing but joints.
+            let Some(inertial) = link.inertial else {
+                assert!(link.solids.is_empty() && model.loops.len() == 5, "{link:?}");
+                continue;
+            };
             let moments = inertial.inertia.symmetric_eigenvalues();
-            assert!(inertial.mass > 0.1 && inertial.mass < 100.0, "{link:?}");
+            assert!(inertial.mass > 0.01 && inertial.mass < 100.0, "{link:?}");
             assert!(
                 moments.min() > 0.0 && 2.0 * moments.max() <= moments.sum() * (1.0 + 1e-12),
                 "{link:?}"
             );
-            // The centre of mass lies within the link.
-            let pose = Isometry3::identity();
-            let inside = |solid: &crate::Solid| {
-                let half = match solid.shape {
-                    SolidShape::Box { size } => size / 2.0,
-                    SolidShape::Cylinder { radius, length } => {
-                        Vector3::new(radius, radius, length / 2.0)
-                    }
-                    SolidShape::Sphere { radius } => Vector3::repeat(radius),
-                };
-                let offset = (pose * solid.origin).inverse() * inertial.center;
-                (0..3).all(|i| offset[i].abs() <= half[i])
-            };
-            assert!(link.solids.iter().any(inside), "{link:?}");
+            // The centre of mass lies within the box around the link.
+            let boxes = link.solids.iter().map(|solid| around(&Isometry3::identity(), solid));
+            let [low, high] =
+                boxes.reduce(|a, b| [a[0].inf(&b[0]), a[1].sup(&b[1])]).expect("it has solids");
+            let center = inertial.center;
+            assert!((0..3).all(|i| low[i] <= center[i] && center[i] <= high[i]), "{link:?}");
         }
     }
 }
@@ -215,7 +236,7 @@ fn impossible_dimensions_are_named() {
         refusal(quill),
         "the radius of the quill is NaN; it must be a finite number above 0"
     );
-    let tool = ScaraDimensions { tool_length: -0.01, ..scara() };
+    let tool = ScaraDimensions { tool: Vector3::new(0.0, 0.0, 0.01), ..scara() };
     assert_eq!(
         refusal(tool),
         "the length of the tool is -0.01; it must be a finite number, 0 or above"
@@ -223,17 +244,18 @@ fn impossible_dimensions_are_named() {
     let offset = ScaraDimensions { offsets: [0.0, f64::INFINITY], ..scara() };
     assert_eq!(refusal(offset), "an offset is not a finite number");
     let mut twice = gantry();
-    twice.joints[2].name = "X".to_owned();
+    twice.quill_joint.as_mut().unwrap().name = "X".to_owned();
     let joints = ["X".to_owned(), "X".to_owned()];
     assert_eq!(twice.model(), Err(DimensionError::JointTwice { joints }));
     let mut shared = gantry();
-    shared.joints[2].machine_axis = 1;
+    shared.quill_joint.as_mut().unwrap().machine_axis = 1;
     assert_eq!(
         shared.model().unwrap_err().to_string(),
         "joints Y and Z have the same name or the same machine axis"
     );
     let mut stuck = gantry();
-    stuck.joints[0].position_limits = [0.5, 0.5];
+    let PlaneDrive::Axes([x, _]) = &mut stuck.plane else { panic!() };
+    x.position_limits = [0.5, 0.5];
     assert!(stuck.model().unwrap_err().to_string().contains("joint X can move from 0.5 to 0.5"));
     let mut heavy = gantry();
     heavy.beam_section = Some([0.1, 0.0]);
@@ -246,14 +268,14 @@ proptest! {
     /// The chain of joints and the transform are two ways to the same tool tip.
     #[test]
     fn the_tip_of_a_scara_is_where_its_transform_says(
-        arms in prop::array::uniform2(0.1..0.8), offsets in prop::array::uniform2(-PI..PI), tool_length in 0.0..0.3,
+        arms in prop::array::uniform2(0.1..0.8), offsets in prop::array::uniform2(-PI..PI), tool_length in 0.0_f64..0.3,
         position in [-PI..PI, -PI..PI, -0.1..0.05], low in any::<bool>(),
     ) {
-        let model = ScaraDimensions { arms, offsets, tool_length, ..scara() }.model().unwrap();
+        let model = ScaraDimensions { arms, offsets, tool: Vector3::new(0.0, 0.0, -tool_length), ..scara() }.model().unwrap();
         let elbow = if low { Elbow::Low } else { Elbow::High };
         let sources = vec![AxisSource::Transform(0), AxisSource::Transform(1), AxisSource::Coordinate(Coordinate::Z)];
         let transform = Box::new(Scara2::new(arms, offsets, elbow).unwrap());
-        let machine = MachineAxes::new(transform, sources, tool_length).unwrap();
+        let machine = MachineAxes::new(transform, sources, -Vector3::z() * tool_length).unwrap();
         let expected = machine.forward(&AxisVector::from_values(position)).unwrap().position;
         let tip = model.tip_position(&position);
         prop_assert!((tip - expected).norm() < 1e-14, "{tip} {expected}");
@@ -264,12 +286,12 @@ proptest! {
 
     #[test]
     fn the_tip_of_a_gantry_is_where_its_transform_says(
-        offsets in prop::array::uniform3(-1.0..1.0), tool_length in 0.0..0.3,
+        offsets in prop::array::uniform3(-1.0..1.0), tool_length in 0.0_f64..0.3,
         position in [0.0..0.6, -0.2..0.2, -0.15..0.0],
     ) {
-        let model = GantryDimensions { offsets, tool_length, ..gantry() }.model().unwrap();
+        let model = GantryDimensions { offsets, tool: Vector3::new(0.0, 0.0, -tool_length), ..gantry() }.model().unwrap();
         let sources = (0..3).map(AxisSource::Transform).collect();
-        let machine = MachineAxes::new(Box::new(Gantry3::new(offsets)), sources, tool_length).unwrap();
+        let machine = MachineAxes::new(Box::new(Gantry3::new(offsets).unwrap()), sources, -Vector3::z() * tool_length).unwrap();
         let expected = machine.forward(&AxisVector::from_values(position)).unwrap().position;
         let tip = model.tip_position(&position);
         prop_assert!((tip - expected).norm() < 1e-14, "{tip} {expected}");

@@ -1,4 +1,4 @@
-//! A SCARA: a column, two arms, a quill with a tool.
+//! SCARAs: a column, two arms, a quill with a tool or with a hand that turns.
 //!
 //! ```text
 //!                            ┌──┐ quill
@@ -12,14 +12,17 @@
 //!        ──┴──────┴──          ── floor: below the lowest tool tip
 //! ```
 //!
-//! The machine frame is that of `twin_kinematics::scara::Scara2`: the origin lies on the first arm's axis at the height
-//! of the flange (the lower end of the quill) when the axis that moves Z is at 0; the tool tip is a tool length below
-//! the flange. The arms stand above, so that the highest flange stays below arm 2.
+//! The machine frame is that of the transforms in `twin_kinematics::scara` (manual, 8.2.4 and 8.2.5): the origin lies on
+//! the first arm's axis at the height of the flange when the axis that moves Z is at 0. The flange of two arms is the lower
+//! end of the quill and stays parallel to arm 2. A third arm is a [hand](ScaraHand) that the quill carries and turns (a
+//! spline shaft in a real machine); the flange is at its end and points along it. The arms stand above, so that what the
+//! quill carries stays below arm 2.
 
-use super::{
-    MachineJoint, check_joints, check_not_negative, check_positive, cuboid, paint, upright,
-};
-use crate::{DimensionError, Inertial, Joint, JointKind, Link, Model, Solid, Tip};
+mod solids;
+
+use super::tool::Tool;
+use super::{MachineJoint, check_joints, check_not_negative, check_positive, fixed, paint};
+use crate::{DimensionError, JointKind, Link, Model, Tip};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 /// Between parts that pass each other, m.
@@ -31,7 +34,39 @@ const ARM_DENSITY: f64 = 2500.0;
 /// Steel, kg/m³.
 const QUILL_DENSITY: f64 = 7850.0;
 
-/// The dimensions of a SCARA with two arms. What is `None` is derived from the rest.
+/// A third arm, which the quill carries at its lower end and turns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScaraHand {
+    /// The joint of the third arm (rad, Nm).
+    pub joint: MachineJoint,
+    /// From the quill's axis to the flange, m; 0: the hand only turns the tool.
+    pub length: f64,
+    /// Axis position with the hand along arm 2 (`dOffsetC`), rad.
+    pub offset: f64,
+    /// Width and height, m. Derived: 2.4 times and once the radius of the quill.
+    pub section: Option<[f64; 2]>,
+    /// Without the tool, kg. Derived: 2500 kg/m³.
+    pub mass: Option<f64>,
+}
+
+impl ScaraHand {
+    /// A hand of `length` (m) without an offset; the rest derived.
+    pub fn new(joint: MachineJoint, length: f64) -> Self {
+        Self { joint, length, offset: 0.0, section: None, mass: None }
+    }
+}
+
+impl ScaraHand {
+    /// All its dimensions below a quill of radius `quill` (m).
+    fn complete(&self, quill: f64) -> Hand {
+        let [width, height] = self.section.unwrap_or([2.4 * quill, quill]);
+        let hand = Hand { length: self.length, width, height, mass: 0.0 };
+        Hand { mass: self.mass.unwrap_or(ARM_DENSITY * hand.volume()), ..hand }
+    }
+}
+
+/// The dimensions of a SCARA with two arms, or three with a hand. What is `None` is derived from the rest, unless it says
+/// that something is not there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScaraDimensions {
     /// Name of the machine.
@@ -40,6 +75,8 @@ pub struct ScaraDimensions {
     pub arm_joints: [MachineJoint; 2],
     /// The joint that moves the quill up (m, N); `None`: the quill is fixed and the machine works in one plane.
     pub quill_joint: Option<MachineJoint>,
+    /// The third arm; `None`: there are two, and the quill carries the tool.
+    pub hand: Option<ScaraHand>,
     /// Lengths of the arms between their axes, m.
     pub arms: [f64; 2],
     /// Axis positions of the arm joints with both arms stretched along +x, rad.
@@ -58,8 +95,8 @@ pub struct ScaraDimensions {
     pub quill_length: Option<f64>,
     /// kg. Derived: solid steel.
     pub quill_mass: Option<f64>,
-    /// Flange to tool tip, m; 0: the tip is the middle of the flange.
-    pub tool_length: f64,
+    /// Flange to tool tip in the frame of the flange, x along the last arm, m; straight down is (0, 0, −length).
+    pub tool: Vector3<f64>,
     /// m. Derived: half the radius of the quill.
     pub tool_radius: Option<f64>,
     /// kg.
@@ -86,9 +123,17 @@ struct Scara {
     quill_radius: f64,
     quill_length: f64,
     quill_mass: f64,
-    tool_radius: f64,
-    tool_length: f64,
-    tool_mass: f64,
+    hand: Option<Hand>,
+    tool: Tool,
+}
+
+/// A hand with all its dimensions, in m and kg.
+#[derive(Clone, Copy)]
+struct Hand {
+    length: f64,
+    width: f64,
+    height: f64,
+    mass: f64,
 }
 
 impl ScaraDimensions {
@@ -103,6 +148,7 @@ impl ScaraDimensions {
             name: name.into(),
             arm_joints,
             quill_joint,
+            hand: None,
             arms,
             offsets: [0.0; 2],
             arm_sections: None,
@@ -112,13 +158,13 @@ impl ScaraDimensions {
             quill_radius: None,
             quill_length: None,
             quill_mass: None,
-            tool_length: 0.0,
+            tool: Vector3::zeros(),
             tool_radius: None,
             tool_mass: 0.0,
         }
     }
 
-    /// The machine: links `base`, `arm1`, `arm2` and `quill`.
+    /// The machine: links `base`, `arm1`, `arm2` and `quill`, and `hand` if it has one.
     ///
     /// # Errors
     /// [`DimensionError`] names the first dimension that makes no sense.
@@ -128,18 +174,7 @@ impl ScaraDimensions {
         let quill_origin = Isometry3::translation(self.arms[1], 0.0, -second);
         let quill_joint = match &self.quill_joint {
             Some(joint) => joint.joint(JointKind::Prismatic, Vector3::z_axis(), 2, 3, quill_origin),
-            None => Joint {
-                name: "quill".to_owned(),
-                kind: JointKind::Fixed,
-                parent: 2,
-                child: 3,
-                origin: quill_origin,
-                axis: Vector3::z_axis(),
-                machine_axis: None,
-                position_limits: None,
-                velocity_limit: None,
-                effort_limit: None,
-            },
+            None => fixed("quill", 2, 3, quill_origin),
         };
         let origin = |offset: f64, x: f64, z: f64| {
             let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -offset);
@@ -149,21 +184,26 @@ impl ScaraDimensions {
         let shoulder_origin = origin(self.offsets[0], 0.0, first);
         let elbow_origin = origin(self.offsets[1], self.arms[0], second - first);
         let part = |name: &str, inertial, solids| Link { name: name.to_owned(), inertial, solids };
-        Ok(Model {
-            name: self.name.clone(),
-            links: vec![
-                part("base", None, scara.base()),
-                part("arm1", Some(scara.first.inertial()), scara.first.beam(paint::IVORY)),
-                part("arm2", Some(scara.second.inertial()), scara.arm2()),
-                part("quill", scara.quill_inertial(), scara.quill()),
-            ],
-            joints: vec![
-                shoulder.joint(JointKind::Revolute, Vector3::z_axis(), 0, 1, shoulder_origin),
-                elbow.joint(JointKind::Revolute, Vector3::z_axis(), 1, 2, elbow_origin),
-                quill_joint,
-            ],
-            tip: Tip { link: 3, point: Point3::new(0.0, 0.0, -self.tool_length) },
-        })
+        let mut links = vec![
+            part("base", None, scara.base()),
+            part("arm1", Some(scara.first.inertial()), scara.first.beam(paint::IVORY)),
+            part("arm2", Some(scara.second.inertial()), scara.arm2()),
+            scara.quill(),
+        ];
+        let mut joints = vec![
+            shoulder.joint(JointKind::Revolute, Vector3::z_axis(), 0, 1, shoulder_origin),
+            elbow.joint(JointKind::Revolute, Vector3::z_axis(), 1, 2, elbow_origin),
+            quill_joint,
+        ];
+        let mut flange = Point3::origin();
+        if let (Some(hand), Some(given)) = (&scara.hand, &self.hand) {
+            let wrist = origin(given.offset, 0.0, 0.0);
+            joints.push(given.joint.joint(JointKind::Revolute, Vector3::z_axis(), 3, 4, wrist));
+            links.push(scara.hand(hand));
+            flange.x = hand.length;
+        }
+        let tip = Tip { link: joints.len(), point: flange + self.tool };
+        Ok(Model { name: self.name.clone(), links, joints, loops: Vec::new(), tip })
     }
 
     /// Checks what is given and derives the rest.
@@ -172,14 +212,15 @@ impl ScaraDimensions {
             ("the length of arm 1", self.arms[0]),
             ("the length of arm 2", self.arms[1]),
         ])?;
-        check_not_negative(&[
-            ("the length of the tool", self.tool_length),
-            ("the mass of the tool", self.tool_mass),
-        ])?;
-        if !self.offsets.iter().all(|offset| offset.is_finite()) {
+        Tool::check(&self.tool, self.tool_mass)?;
+        let hand = self.hand.as_ref();
+        check_not_negative(&[("the length of the hand", hand.map_or(0.0, |hand| hand.length))])?;
+        let offsets = self.offsets.iter().copied().chain(hand.map(|hand| hand.offset));
+        if !offsets.into_iter().all(f64::is_finite) {
             return Err(DimensionError::NotFinite { what: "an offset" });
         }
-        check_joints(self.arm_joints.iter().chain(&self.quill_joint))?;
+        let wrist = hand.map(|hand| &hand.joint);
+        check_joints(self.arm_joints.iter().chain(&self.quill_joint).chain(wrist))?;
 
         let derived_section = |length: f64| [length / 4.0, length / 5.0];
         let sections = self.arm_sections.unwrap_or_else(|| self.arms.map(derived_section));
@@ -197,14 +238,16 @@ impl ScaraDimensions {
             mass,
             bottom,
         };
-        let second = arm(self.arms[1], sections[1], masses[1], highest + CLEARANCE);
+        let quill_radius = self.quill_radius.unwrap_or(sections[1][0] / 5.0);
+        let hand = hand.map(|hand| hand.complete(quill_radius));
+        let room = CLEARANCE + hand.map_or(0.0, |hand| hand.height + GAP);
+        let second = arm(self.arms[1], sections[1], masses[1], highest + room);
         let first = arm(self.arms[0], sections[0], masses[0], second.bottom - GAP - sections[0][1]);
         let column_top = first.bottom - GAP;
         let column_height = self.column_height.unwrap_or_else(|| {
-            let below_tool = lowest - self.tool_length - CLEARANCE;
+            let below_tool = lowest + self.tool.z - CLEARANCE;
             (column_top - below_tool).max(first.width)
         });
-        let quill_radius = self.quill_radius.unwrap_or(second.width / 5.0);
         let quill_length = self.quill_length.unwrap_or(second.top() + CLEARANCE - lowest);
         let quill_volume = std::f64::consts::PI * quill_radius * quill_radius * quill_length;
         let scara = Scara {
@@ -214,9 +257,13 @@ impl ScaraDimensions {
             quill_radius,
             quill_length,
             quill_mass: self.quill_mass.unwrap_or(QUILL_DENSITY * quill_volume),
-            tool_radius: self.tool_radius.unwrap_or(quill_radius / 2.0),
-            tool_length: self.tool_length,
-            tool_mass: self.tool_mass,
+            hand,
+            tool: Tool {
+                tip: self.tool,
+                radius: self.tool_radius.unwrap_or(quill_radius / 2.0),
+                mass: self.tool_mass,
+                blade: false,
+            },
             first,
             second,
         };
@@ -232,88 +279,15 @@ impl ScaraDimensions {
             ("the radius of the quill", quill_radius),
             ("the length of the quill", quill_length),
             ("the mass of the quill", scara.quill_mass),
-            ("the radius of the tool", scara.tool_radius),
+            ("the radius of the tool", scara.tool.radius),
         ])?;
+        if let Some(hand) = &scara.hand {
+            check_positive(&[
+                ("the width of the hand", hand.width),
+                ("the height of the hand", hand.height),
+                ("the mass of the hand", hand.mass),
+            ])?;
+        }
         Ok(scara)
-    }
-}
-
-impl Arm {
-    fn top(&self) -> f64 {
-        self.bottom + self.height
-    }
-
-    /// Height of the origin of its frame, machine frame.
-    fn middle(&self) -> f64 {
-        self.bottom + self.height / 2.0
-    }
-
-    /// A beam with round ends.
-    fn beam(&self, color: [f64; 4]) -> Vec<Solid> {
-        let (side, level) = (self.width / 2.0, self.height / 2.0);
-        vec![
-            cuboid([0.0, -side, -level], [self.length, side, level], color),
-            upright(0.0, 0.0, [-level, level], side, color),
-            upright(self.length, 0.0, [-level, level], side, color),
-        ]
-    }
-
-    /// Of the box between the axes; the round ends are paint.
-    fn inertial(&self) -> Inertial {
-        let size = Vector3::new(self.length, self.width, self.height);
-        Inertial::uniform_box(self.mass, size, Point3::new(self.length / 2.0, 0.0, 0.0))
-    }
-}
-
-impl Scara {
-    fn base(&self) -> Vec<Solid> {
-        let half = 1.6 * self.column_radius;
-        let plate = self.floor + 0.1 * (self.column_top - self.floor).min(2.0 * self.column_radius);
-        vec![
-            cuboid([-half, -half, self.floor], [half, half, plate], paint::SLATE),
-            upright(0.0, 0.0, [plate, self.column_top], self.column_radius, paint::GRAPHITE),
-        ]
-    }
-
-    fn arm2(&self) -> Vec<Solid> {
-        let arm = &self.second;
-        let mut solids = arm.beam(paint::BLUE);
-        // The cover of the motors leaves the quill free.
-        let (side, start) = (0.4 * arm.width, -0.3 * arm.width);
-        let end = (0.65 * arm.length).min(arm.length - 2.0 * self.quill_radius);
-        if end > start {
-            let level = arm.height / 2.0;
-            solids.push(cuboid(
-                [start, -side, level],
-                [end, side, level + 0.7 * arm.height],
-                paint::GRAPHITE,
-            ));
-        }
-        solids
-    }
-
-    /// The quill, in the frame of the flange.
-    fn shaft(&self) -> Solid {
-        upright(0.0, 0.0, [0.0, self.quill_length], self.quill_radius, paint::STEEL)
-    }
-
-    /// The tool, in the frame of the flange.
-    fn tool(&self) -> Solid {
-        upright(0.0, 0.0, [-self.tool_length, 0.0], self.tool_radius, paint::AMBER)
-    }
-
-    fn quill(&self) -> Vec<Solid> {
-        let mut solids = vec![self.shaft()];
-        if self.tool_length > 0.0 {
-            solids.push(self.tool());
-        }
-        solids
-    }
-
-    fn quill_inertial(&self) -> Option<Inertial> {
-        Inertial::union(&[
-            self.shaft().uniform(self.quill_mass),
-            self.tool().uniform(self.tool_mass),
-        ])
     }
 }

@@ -1,0 +1,69 @@
+//! Axes that do not fit their transform.
+
+use crate::{Coordinate, MAX_AXES};
+
+/// Axes that do not fit their transform.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum MachineAxesError {
+    /// More than [`MAX_AXES`].
+    #[error("{given} axes given, a machine can have {MAX_AXES}")]
+    TooMany {
+        /// Axes given.
+        given: usize,
+    },
+    /// An output that the transform does not have.
+    #[error("output {output} of the transform is assigned to an axis, but the transform has {outputs}", output = output + 1)]
+    NoSuchOutput {
+        /// The output, from 0.
+        output: usize,
+        /// How many there are.
+        outputs: usize,
+    },
+    /// An output of the transform that moves nothing.
+    #[error("output {} of the transform moves no axis", output + 1)]
+    OutputWithoutAxis {
+        /// The output, from 0.
+        output: usize,
+    },
+    /// One output, two axes.
+    #[error("output {} of the transform is assigned to two axes", output + 1)]
+    OutputTwice {
+        /// The output, from 0.
+        output: usize,
+    },
+    /// A coordinate that the transform turns into positions of its own axes.
+    #[error("{coordinate} is assigned to an axis of its own, but the transform uses it")]
+    CoordinateOfTransform {
+        /// The coordinate.
+        coordinate: Coordinate,
+    },
+    /// One coordinate, two axes.
+    #[error("{coordinate} is assigned to two axes")]
+    CoordinateTwice {
+        /// The coordinate.
+        coordinate: Coordinate,
+    },
+    /// One additional axis, two axes.
+    #[error("additional axis {} is assigned to two axes", number + 1)]
+    AdditionalTwice {
+        /// Its number, from 0.
+        number: u8,
+    },
+    /// A tool that no axis can bring to z = 0.
+    #[error("a tool {:.3} mm long needs an axis that moves Z", length * 1e3)]
+    ToolWithoutZ {
+        /// How far its tip is below the flange, m.
+        length: f64,
+    },
+    /// The tip of the tool is infinite or not a number.
+    #[error("the tip of the tool is not a finite number")]
+    Tool,
+    /// A period that is none.
+    #[error("axis {} has a period of {period}; it must be above 0", axis + 1)]
+    Period {
+        /// The axis, from 0.
+        axis: usize,
+        /// The period given, m or rad.
+        period: f64,
+    },
+}

@@ -1,0 +1,428 @@
+//! The axes of a whole machine: those of a transform and those that are coordinates themselves.
+
+mod error;
+
+pub use error::MachineAxesError;
+
+use crate::kinematics::ABSENT;
+use crate::turn::fold;
+use crate::{
+    AxisMotion, AxisVector, Branch, Coordinate, Jacobian, Kinematics, KinematicsError, MAX_AXES,
+    Margins, Pose, ToolJerk, ToolMotion,
+};
+use nalgebra::Vector3;
+
+/// What a machine axis is moved by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AxisSource {
+    /// This output of the transform, from 0.
+    Transform(usize),
+    /// A coordinate that the transform does not use: the axis position is the coordinate.
+    Coordinate(Coordinate),
+    /// Nothing that has to do with the tool: the additional axis of this number (SoftMotion's P Q U V W are 0 to 4).
+    /// The inverse leaves it where it is near.
+    Additional(u8),
+}
+
+/// The kinematics of a whole machine, with axes in the order of the machine file.
+///
+/// The transform is given a tool to hold, whose tip it brings where it shall be. Coordinates that the transform does not
+/// use move an axis of their own, which carries the tool along, or must stay 0 (within 10⁻⁹ m). Additional axes have
+/// nothing to do with the tool: they stay where they are.
+#[derive(Debug)]
+pub struct MachineAxes {
+    transform: Box<dyn Kinematics>,
+    sources: Vec<AxisSource>,
+    /// Coordinates that move something.
+    coordinates: Vec<Coordinate>,
+    tool: Vector3<f64>,
+    /// What of the tool the transform does not know.
+    beyond: Vector3<f64>,
+    periods: Vec<Option<f64>>,
+}
+
+impl MachineAxes {
+    /// A machine whose axis i is moved by `sources[i]`, with a tool whose tip is at `tool` (m) in the frame of the
+    /// flange: z up, so that a tool of the length l straight down is (0, 0, −l).
+    ///
+    /// # Errors
+    /// Every output of the transform must move exactly one axis, and a coordinate at most one.
+    pub fn new(
+        transform: Box<dyn Kinematics>,
+        sources: Vec<AxisSource>,
+        tool: Vector3<f64>,
+    ) -> Result<Self, MachineAxesError> {
+        if sources.len() > MAX_AXES {
+            return Err(MachineAxesError::TooMany { given: sources.len() });
+        }
+        let outputs = transform.axis_count();
+        let mut coordinates = transform.coordinates().to_vec();
+        for (position, source) in sources.iter().enumerate() {
+            let earlier = sources.iter().take(position);
+            let twice = earlier.into_iter().any(|other| other == source);
+            match *source {
+                AxisSource::Transform(output) if output >= outputs => {
+                    return Err(MachineAxesError::NoSuchOutput { output, outputs });
+                }
+                AxisSource::Transform(output) if twice => {
+                    return Err(MachineAxesError::OutputTwice { output });
+                }
+                AxisSource::Coordinate(coordinate) if twice => {
+                    return Err(MachineAxesError::CoordinateTwice { coordinate });
+                }
+                AxisSource::Coordinate(coordinate)
+                    if transform.coordinates().contains(&coordinate) =>
+                {
+                    return Err(MachineAxesError::CoordinateOfTransform { coordinate });
+                }
+                AxisSource::Coordinate(coordinate) => coordinates.push(coordinate),
+                AxisSource::Additional(number) if twice => {
+                    return Err(MachineAxesError::AdditionalTwice { number });
+                }
+                AxisSource::Transform(_) | AxisSource::Additional(_) => {}
+            }
+        }
+        if let Some(output) =
+            (0..outputs).find(|output| !sources.contains(&AxisSource::Transform(*output)))
+        {
+            return Err(MachineAxesError::OutputWithoutAxis { output });
+        }
+        if !tool.iter().all(|value| value.is_finite()) {
+            return Err(MachineAxesError::Tool);
+        }
+        if tool.z != 0.0 && !coordinates.contains(&Coordinate::Z) {
+            return Err(MachineAxesError::ToolWithoutZ { length: -tool.z });
+        }
+        coordinates.sort_unstable();
+        let mut beyond = tool;
+        for coordinate in transform.coordinates() {
+            *coordinate.of_mut(&mut beyond, &mut 0.0) = 0.0;
+        }
+        let periods = vec![None; sources.len()];
+        let transform = transform.holding(&tool);
+        Ok(Self { transform, sources, coordinates, tool, beyond, periods })
+    }
+
+    /// The same machine with axes that show their position within a period (m or rad; `None`: as far as they go):
+    /// modulo axes. The kinematics goes on from period to period all the same; [`Self::fold`] shows what such an axis shows.
+    ///
+    /// # Errors
+    /// [`MachineAxesError::Period`].
+    pub fn with_periods(mut self, periods: &[Option<f64>]) -> Result<Self, MachineAxesError> {
+        for (axis, (slot, period)) in self.periods.iter_mut().zip(periods).enumerate() {
+            if let Some(period) = *period
+                && !(period.is_finite() && period > 0.0)
+            {
+                return Err(MachineAxesError::Period { axis, period });
+            }
+            *slot = *period;
+        }
+        Ok(self)
+    }
+
+    /// What moves each axis, in the order of the machine file.
+    pub fn sources(&self) -> &[AxisSource] {
+        &self.sources
+    }
+
+    /// The transform of those axes that are not coordinates themselves, holding the tool.
+    pub fn transform(&self) -> &dyn Kinematics {
+        &*self.transform
+    }
+
+    /// Tip of the tool in the frame of the flange, m.
+    pub const fn tool(&self) -> &Vector3<f64> {
+        &self.tool
+    }
+
+    /// The period of an axis, m or rad.
+    pub fn period(&self, axis: usize) -> Option<f64> {
+        self.periods.get(axis).copied().flatten()
+    }
+
+    /// Axis positions as modulo axes show them: 0 ≤ position < period.
+    #[must_use]
+    pub fn fold(&self, axes: &AxisVector) -> AxisVector {
+        AxisVector::from_values(axes.iter().enumerate().map(|(axis, position)| {
+            self.period(axis).map_or(*position, |period| fold(*position, period))
+        }))
+    }
+
+    /// The outputs of the transform among machine axis values.
+    fn outputs(&self, axes: &AxisVector) -> AxisVector {
+        let mut outputs = AxisVector::zeros(self.transform.axis_count());
+        for (value, source) in axes.iter().zip(&self.sources) {
+            if let AxisSource::Transform(output) = *source
+                && let Some(slot) = outputs.get_mut(output)
+            {
+                *slot = *value;
+            }
+        }
+        outputs
+    }
+
+    fn outputs_of_motion(&self, axes: &AxisMotion) -> AxisMotion {
+        AxisMotion {
+            position: self.outputs(&axes.position),
+            velocity: self.outputs(&axes.velocity),
+            acceleration: self.outputs(&axes.acceleration),
+        }
+    }
+
+    /// Machine axis values from outputs of the transform and the coordinates of the flange (or their derivatives), and
+    /// what the additional axes have, by place in the machine.
+    fn machine(
+        &self,
+        outputs: &AxisVector,
+        flange: &Vector3<f64>,
+        additional: Option<&AxisVector>,
+    ) -> AxisVector {
+        AxisVector::from_values(self.sources.iter().enumerate().map(|(place, source)| {
+            let value = match *source {
+                AxisSource::Transform(output) => outputs.get(output).copied(),
+                AxisSource::Coordinate(coordinate) => Some(coordinate.of(flange, 0.0)),
+                AxisSource::Additional(_) => {
+                    additional.and_then(|values| values.get(place)).copied()
+                }
+            };
+            value.unwrap_or_default()
+        }))
+    }
+
+    /// Adds the axes that are coordinates to what the transform says of the tool.
+    fn add_coordinates(&self, axes: &AxisVector, tool: &mut Vector3<f64>) {
+        for (value, source) in axes.iter().zip(&self.sources) {
+            if let AxisSource::Coordinate(coordinate) = *source {
+                *coordinate.of_mut(tool, &mut 0.0) = *value;
+            }
+        }
+    }
+
+    fn check(&self, axes: &AxisVector) -> Result<(), KinematicsError> {
+        let (given, expected) = (axes.len(), self.sources.len());
+        if given != expected {
+            return Err(KinematicsError::AxisCount { given, expected });
+        }
+        if axes.is_finite() { Ok(()) } else { Err(KinematicsError::NotFinite) }
+    }
+
+    /// Where axes that are coordinates must be for the tool tip to be at `pose`, and the pose for the transform.
+    fn split(&self, pose: &Pose) -> Result<(Vector3<f64>, Pose), KinematicsError> {
+        if !pose.is_finite() {
+            return Err(KinematicsError::NotFinite);
+        }
+        let flange = pose.position.coords - self.beyond;
+        for coordinate in Coordinate::TRANSLATIONS {
+            let value = coordinate.of(&flange, 0.0);
+            if value.abs() > ABSENT && !self.coordinates.contains(&coordinate) {
+                return Err(KinematicsError::NoAxis { coordinate, value });
+            }
+        }
+        Ok((flange, Pose { position: self.part_of_transform(&flange).into(), ..*pose }))
+    }
+
+    fn split_motion(&self, tool: &ToolMotion) -> Result<(Vector3<f64>, ToolMotion), KinematicsError> {
+        if !tool.is_finite() {
+            return Err(KinematicsError::NotFinite);
+        }
+        let (flange, pose) = self.split(&tool.pose)?;
+        let part = ToolMotion {
+            pose,
+            velocity: self.part_of_transform(&tool.velocity),
+            acceleration: self.part_of_transform(&tool.acceleration),
+            ..*tool
+        };
+        Ok((flange, part))
+    }
+
+    /// The coordinates of `flange` that the transform uses, 0 for the others.
+    fn part_of_transform(&self, flange: &Vector3<f64>) -> Vector3<f64> {
+        let mut part = Vector3::zeros();
+        for coordinate in self.transform.coordinates() {
+            *coordinate.of_mut(&mut part, &mut 0.0) = coordinate.of(flange, 0.0);
+        }
+        part
+    }
+
+    /// What the transform says of its tool with the other coordinates added.
+    fn joined_pose(&self, mut pose: Pose, axes: &AxisVector) -> Pose {
+        self.add_coordinates(axes, &mut pose.position.coords);
+        pose.position += self.beyond;
+        pose
+    }
+
+    fn joined_motion(&self, mut tool: ToolMotion, axes: &AxisMotion) -> ToolMotion {
+        tool.pose = self.joined_pose(tool.pose, &axes.position);
+        self.add_coordinates(&axes.velocity, &mut tool.velocity);
+        self.add_coordinates(&axes.acceleration, &mut tool.acceleration);
+        tool
+    }
+
+    fn machine_motion(
+        &self,
+        outputs: &AxisMotion,
+        flange: &Vector3<f64>,
+        tool: &ToolMotion,
+        near: &AxisVector,
+    ) -> AxisMotion {
+        AxisMotion {
+            position: self.machine(&outputs.position, flange, Some(near)),
+            velocity: self.machine(&outputs.velocity, &tool.velocity, None),
+            acceleration: self.machine(&outputs.acceleration, &tool.acceleration, None),
+        }
+    }
+
+    /// The Jacobian of the machine from that of the transform; `own`: how a coordinate moves with its own axis.
+    fn joined_jacobian(&self, of_transform: &Jacobian, own: f64) -> Jacobian {
+        let mut jacobian = Jacobian::zeros(self.sources.len());
+        for (axis, source) in self.sources.iter().enumerate() {
+            match *source {
+                AxisSource::Transform(output) => {
+                    for coordinate in self.transform.coordinates() {
+                        jacobian.set(*coordinate, axis, of_transform.get(*coordinate, output));
+                    }
+                }
+                AxisSource::Coordinate(coordinate) => jacobian.set(coordinate, axis, own),
+                AxisSource::Additional(_) => {}
+            }
+        }
+        jacobian
+    }
+}
+
+/// Lets an error speak of the tool tip that was asked for: the transform does not know all of its coordinates.
+fn at_tip(error: KinematicsError, tip: &Pose) -> KinematicsError {
+    let target = tip.position.into();
+    match error {
+        KinematicsError::Unreachable { of, distance, reach, .. } => {
+            KinematicsError::Unreachable { target, of, distance, reach }
+        }
+        KinematicsError::Singular { .. } => KinematicsError::Singular { target },
+        other => other,
+    }
+}
+
+impl Kinematics for MachineAxes {
+    fn axis_count(&self) -> usize {
+        self.sources.len()
+    }
+
+    fn coordinates(&self) -> &[Coordinate] {
+        &self.coordinates
+    }
+
+    fn is_rotary(&self, axis: usize) -> bool {
+        match self.sources.get(axis) {
+            Some(AxisSource::Transform(output)) => self.transform.is_rotary(*output),
+            _ => false,
+        }
+    }
+
+    fn moves_tool(&self, axis: usize) -> bool {
+        !matches!(self.sources.get(axis), None | Some(AxisSource::Additional(_)))
+    }
+
+    fn forward(&self, axes: &AxisVector) -> Result<Pose, KinematicsError> {
+        self.check(axes)?;
+        Ok(self.joined_pose(self.transform.forward(&self.outputs(axes))?, axes))
+    }
+
+    fn inverse(&self, pose: &Pose, near: &AxisVector) -> Result<AxisVector, KinematicsError> {
+        self.check(near)?;
+        let (flange, target) = self.split(pose)?;
+        let outputs = self.transform.inverse(&target, &self.outputs(near));
+        let outputs = outputs.map_err(|error| at_tip(error, pose))?;
+        Ok(self.machine(&outputs, &flange, Some(near)))
+    }
+
+    fn forward_motion(&self, axes: &AxisMotion) -> Result<ToolMotion, KinematicsError> {
+        self.check(&axes.position)?;
+        self.check(&axes.velocity)?;
+        self.check(&axes.acceleration)?;
+        Ok(self.joined_motion(self.transform.forward_motion(&self.outputs_of_motion(axes))?, axes))
+    }
+
+    fn inverse_motion(
+        &self,
+        tool: &ToolMotion,
+        near: &AxisVector,
+    ) -> Result<AxisMotion, KinematicsError> {
+        self.check(near)?;
+        let (flange, target) = self.split_motion(tool)?;
+        let outputs = self.transform.inverse_motion(&target, &self.outputs(near));
+        let outputs = outputs.map_err(|error| at_tip(error, &tool.pose))?;
+        Ok(self.machine_motion(&outputs, &flange, tool, near))
+    }
+
+    fn forward_jerk(
+        &self,
+        axes: &AxisMotion,
+        jerk: &AxisVector,
+    ) -> Result<(ToolMotion, ToolJerk), KinematicsError> {
+        self.check(&axes.position)?;
+        self.check(&axes.velocity)?;
+        self.check(&axes.acceleration)?;
+        self.check(jerk)?;
+        let outputs = self.outputs_of_motion(axes);
+        let (tool, mut tool_jerk) = self.transform.forward_jerk(&outputs, &self.outputs(jerk))?;
+        self.add_coordinates(jerk, &mut tool_jerk.linear);
+        Ok((self.joined_motion(tool, axes), tool_jerk))
+    }
+
+    fn inverse_jerk(
+        &self,
+        tool: &ToolMotion,
+        jerk: &ToolJerk,
+        near: &AxisVector,
+    ) -> Result<(AxisMotion, AxisVector), KinematicsError> {
+        self.check(near)?;
+        let (flange, target) = self.split_motion(tool)?;
+        let part = ToolJerk { linear: self.part_of_transform(&jerk.linear), ..*jerk };
+        let outputs = self.transform.inverse_jerk(&target, &part, &self.outputs(near));
+        let (outputs, axis_jerk) = outputs.map_err(|error| at_tip(error, &tool.pose))?;
+        let motion = self.machine_motion(&outputs, &flange, tool, near);
+        Ok((motion, self.machine(&axis_jerk, &jerk.linear, None)))
+    }
+
+    fn jacobian(&self, axes: &AxisVector) -> Result<Jacobian, KinematicsError> {
+        self.check(axes)?;
+        Ok(self.joined_jacobian(&self.transform.jacobian(&self.outputs(axes))?, 1.0))
+    }
+
+    fn jacobian_rate(
+        &self,
+        axes: &AxisVector,
+        velocity: &AxisVector,
+    ) -> Result<Jacobian, KinematicsError> {
+        self.check(axes)?;
+        self.check(velocity)?;
+        let (axes, velocity) = (self.outputs(axes), self.outputs(velocity));
+        Ok(self.joined_jacobian(&self.transform.jacobian_rate(&axes, &velocity)?, 0.0))
+    }
+
+    fn branch(&self) -> Branch {
+        self.transform.branch()
+    }
+
+    fn branch_at(&self, axes: &AxisVector) -> Result<Branch, KinematicsError> {
+        self.check(axes)?;
+        self.transform.branch_at(&self.outputs(axes))
+    }
+
+    fn margins(&self, pose: &Pose) -> Result<Margins, KinematicsError> {
+        self.transform.margins(&self.split(pose)?.1)
+    }
+
+    fn characteristic_length(&self) -> f64 {
+        self.transform.characteristic_length()
+    }
+
+    fn holding(self: Box<Self>, tip: &Vector3<f64>) -> Box<dyn Kinematics> {
+        let mut beyond = *tip;
+        for coordinate in self.transform.coordinates() {
+            *coordinate.of_mut(&mut beyond, &mut 0.0) = 0.0;
+        }
+        let transform = self.transform.holding(tip);
+        Box::new(Self { transform, tool: *tip, beyond, ..*self })
+    }
+}

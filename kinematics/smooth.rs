@@ -1,0 +1,55 @@
+//! Derivatives of a map along a path, up to the third.
+//!
+//! For y = f(x) with x moving in time,
+//!
+//! ```text
+//!   ẏ = J·ẋ
+//!   ÿ = J·ẍ + J̇·ẋ
+//!   y⃛ = J·x⃛ + 2·J̇·ẍ + J̈·ẋ
+//! ```
+//!
+//! J̇·ẋ is a quadratic form B(ẋ, ẋ) of the velocities (the second derivative of f), and 2·J̇·ẍ + J̈·ẋ is
+//! 3·B(ẋ, ẍ) + C(ẋ, ẋ, ẋ). Whoever knows how to solve J·ẋ = ẏ can go back, order by order. A serial mechanism is a map
+//! from its axes to the tool, a parallel one a map from the tool to its axes: one trait serves both.
+
+use nalgebra::{SMatrix, SVector};
+
+/// A map with N inputs and N outputs, at one point.
+pub trait SmoothMap<const N: usize> {
+    /// J·v.
+    fn rate(&self, v: &SVector<f64, N>) -> SVector<f64, N>;
+
+    /// The v for which J·v = `rate`; `None` where there is none, or no single one.
+    fn solve(&self, rate: &SVector<f64, N>) -> Option<SVector<f64, N>>;
+
+    /// J̇·v, where the inputs move with the velocity v.
+    fn second(&self, v: &SVector<f64, N>) -> SVector<f64, N>;
+
+    /// 2·J̇·a + J̈·v, where the inputs move with the velocity v and the acceleration a.
+    fn third(&self, v: &SVector<f64, N>, a: &SVector<f64, N>) -> SVector<f64, N>;
+
+    /// J.
+    fn matrix(&self) -> SMatrix<f64, N, N> {
+        SMatrix::from_columns(&unit_vectors().map(|unit| self.rate(&unit)))
+    }
+
+    /// J̇, where the inputs move with the velocity v.
+    fn matrix_rate(&self, v: &SVector<f64, N>) -> SMatrix<f64, N, N> {
+        // J̇(v)·w = B(v, w), of which `second` gives the diagonal B(v, v). B(v + w, v + w) − B(v − w, v − w) = 4·B(v, w)
+        // is exact for any length of w; one like v's keeps the rounding small.
+        let size = v.norm();
+        if size == 0.0 {
+            return SMatrix::zeros();
+        }
+        SMatrix::from_columns(&unit_vectors().map(|unit| {
+            let w = unit * size;
+            (self.second(&(v + w)) - self.second(&(v - w))) / (4.0 * size)
+        }))
+    }
+}
+
+fn unit_vectors<const N: usize>() -> [SVector<f64, N>; N] {
+    std::array::from_fn(|index| {
+        SVector::from_fn(|row, _| if row == index { 1.0 } else { 0.0 })
+    })
+}

@@ -1,0 +1,175 @@
+use super::COLUMNS;
+use crate::tests::seeded;
+use crate::{Cuboid, CuboidError, WorkFrame};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
+use proptest::prelude::*;
+
+type Points = [Point3<f64>; 6];
+
+fn cuboid(points: Points) -> Result<Cuboid, CuboidError> {
+    let [a1, a2, a3, b1, b2, c1] = points;
+    Cuboid::from_points([a1, a2, a3], [b1, b2], c1)
+}
+
+/// Points on a cuboid as someone before it sees them, in its own frame: corner at the origin, A on top (z = 0), B in
+/// front (y = 0), C on the left (x = 0).
+fn probed() -> Points {
+    [
+        Point3::new(0.02, 0.03, 0.0),
+        Point3::new(0.11, 0.01, 0.0),
+        Point3::new(0.05, 0.08, 0.0),
+        Point3::new(0.015, 0.0, -0.01),
+        Point3::new(0.09, 0.0, -0.02),
+        Point3::new(0.0, 0.05, -0.015),
+    ]
+}
+
+/// SoftMotion vector `trafo-cuboid`: corner (5, 6, 7), edges along the axes of `trafo-rpy`.
+#[test]
+fn trafo_cuboid() {
+    let found = cuboid([
+        Point3::new(5.509_302_034_343_227, 5.697_645_801_311_74, 9.156_198_825_792_611),
+        Point3::new(6.647_889_179_236_295, 8.586_201_034_419_815, 9.756_088_798_011_016),
+        Point3::new(6.074_221_062_705_97, 4.853_060_484_170_214, 12.150_784_295_179_424),
+        Point3::new(3.566_731_288_099_637, 7.396_249_490_117_715, 7.998_112_298_708_665),
+        Point3::new(4.243_335_094_214_137, 10.831_752_368_940_519, 10.175_157_833_177_709),
+        Point3::new(4.195_565_608_936_754, 5.222_608_489_043_193, 8.936_116_667_240_638),
+    ])
+    .unwrap();
+    assert!((found.corner() - Point3::new(5.0, 6.0, 7.0)).norm() < 1e-13, "{found:?}");
+    for (edge, expected) in [found.ab(), found.bc(), found.ca()].into_iter().zip(COLUMNS) {
+        assert!((edge - Vector3::from(expected)).norm() < 1e-14, "{found:?}");
+    }
+}
+
+/// C on the left: the frame is the one in which the points were written down.
+#[test]
+fn the_work_frame_of_the_sketch() {
+    let found = cuboid(probed()).unwrap();
+    assert!(
+        (found.ab() - Vector3::x()).norm() < 1e-15 && (found.ca() - Vector3::y()).norm() < 1e-15
+    );
+    assert!((found.bc() + Vector3::z()).norm() < 1e-15, "{found:?}");
+    let frame = WorkFrame::from_cuboid(&found);
+    assert!(frame.machine_from_work().rotation.angle() < 1e-15);
+    assert!(frame.machine_from_work().translation.vector.norm() < 1e-16);
+}
+
+/// C on the right: z still goes up, x along the work to the left, y towards who stands before it.
+#[test]
+fn with_c_on_the_right_the_work_lies_behind_y() {
+    let found = cuboid(probed().map(|point| Point3::new(-point.x, point.y, point.z))).unwrap();
+    let frame = WorkFrame::from_cuboid(&found);
+    for (axis, expected) in
+        [(Vector3::x(), -Vector3::x()), (Vector3::y(), -Vector3::y()), (Vector3::z(), Vector3::z())]
+    {
+        assert!((frame.vector_to_machine(&axis) - expected).norm() < 1e-15, "{frame:?}");
+    }
+    assert!((found.ca() - Vector3::y()).norm() < 1e-15);
+}
+
+#[test]
+fn points_on_a_line_are_error_1() {
+    let points = probed();
+    let between = points[0] + (points[1] - points[0]) * 0.3;
+    let near = between + Vector3::new(1e-8, -1e-8, 3e-8);
+    for third in [between, near, points[0], points[1]] {
+        let mut points = points;
+        points[2] = third;
+        let found = cuboid(points).unwrap_err();
+        assert_eq!((found, found.error_number()), (CuboidError::Collinear, Some(1)));
+    }
+    assert_eq!(cuboid([Point3::new(1.0, 2.0, 3.0); 6]), Err(CuboidError::Collinear));
+}
+
+#[test]
+fn the_same_projection_is_error_2() {
+    let points = probed();
+    for second in [
+        points[3],
+        points[3] + Vector3::new(0.0, 0.0, -0.01),
+        points[3] + Vector3::new(3e-8, 0.0, 0.005),
+    ] {
+        let mut points = points;
+        points[4] = second;
+        let found = cuboid(points).unwrap_err();
+        assert_eq!((found, found.error_number()), (CuboidError::SameProjection, Some(2)));
+    }
+}
+
+/// All of B and C on the edge with A: nothing says what is up.
+#[test]
+fn points_on_the_edges_do_not_tell_the_side() {
+    let mut points = probed();
+    for point in &mut points[3..] {
+        point.z = 0.0;
+    }
+    let found = cuboid(points).unwrap_err();
+    assert_eq!((found, found.error_number()), (CuboidError::NoSide { face: 'A' }, None));
+}
+
+#[test]
+fn what_is_not_finite_is_refused() {
+    for index in 0..6 {
+        for axis in 0..3 {
+            for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut points = probed();
+                points[index][axis] = value;
+                assert_eq!(cuboid(points), Err(CuboidError::NotFinite));
+            }
+        }
+    }
+}
+
+#[test]
+fn distances_that_are_not_finite_are_refused() {
+    let mut points = probed();
+    points[0].x = -1e308;
+    points[1].x = 1e308;
+    assert_eq!(cuboid(points), Err(CuboidError::NotFinite));
+}
+
+/// What is degenerate does not depend on the unit.
+#[test]
+fn any_scale_will_do() {
+    for scale in [1e-300, 1e-100, 1e-6, 1e3, 1e100, 1e300] {
+        let found = cuboid(probed().map(|point| point * scale)).unwrap();
+        assert!((found.ab() - Vector3::x()).norm() < 1e-14, "{scale} {found:?}");
+        assert!(found.corner().coords.amax() < 1e-15 * scale, "{scale} {found:?}");
+    }
+}
+
+proptest! {
+    #![proptest_config(seeded())]
+
+    /// Any points on any cuboid, anywhere: the corner and the edges come back, and the points lie on the faces.
+    #[test]
+    fn the_corner_and_the_edges_come_back(
+        corner in prop::array::uniform3(-2.0..2.0), angles in prop::array::uniform3(-3.0..3.0),
+        along in prop::array::uniform9(0.01..0.3_f64), more in prop::array::uniform3(0.01..0.3_f64), left in any::<bool>(),
+    ) {
+        let side = if left { 1.0 } else { -1.0 };
+        let [a1, a2, a3] = [[along[0], along[1]], [along[2], along[3]], [along[4], along[5]]];
+        let height = (a2[0] - a1[0]) * (a3[1] - a1[1]) - (a2[1] - a1[1]) * (a3[0] - a1[0]);
+        prop_assume!(height.abs() > 1e-4 && (along[6] - along[7]).abs() > 1e-3);
+        let flat = |[x, y]: [f64; 2]| Point3::new(x * side, y, 0.0);
+        let points = [
+            flat(a1), flat(a2), flat(a3),
+            Point3::new(along[6] * side, 0.0, -along[8]), Point3::new(along[7] * side, 0.0, -more[0]),
+            Point3::new(0.0, more[1], -more[2]),
+        ];
+        let rotation = UnitQuaternion::from_euler_angles(angles[0], angles[1], angles[2]);
+        let corner = Point3::from(corner);
+        let found = cuboid(points.map(|point| corner + rotation * point.coords)).unwrap();
+        // The shortest base is a millimetre beside 0.5 m; coordinates are up to 3 m.
+        prop_assert!((found.corner() - corner).norm() < 1e-11, "{found:?}");
+        for (edge, expected) in [(found.ab(), Vector3::x() * side), (found.ca(), Vector3::y()), (found.bc(), -Vector3::z())] {
+            prop_assert!((edge - rotation * expected).norm() < 1e-11, "{found:?}");
+        }
+        let frame = WorkFrame::from_cuboid(&found);
+        let [a, b, c] = [points[0], points[3], points[5]]
+            .map(|point| frame.point_to_work(&(corner + rotation * point.coords)));
+        prop_assert!(a.z.abs() < 1e-11 && b.y.abs() < 1e-11 && c.x.abs() < 1e-11);
+        prop_assert!(a.x > 0.0 && a.y * side > 0.0 && b.x > 0.0 && b.z < 0.0 && c.y * side > 0.0 && c.z < 0.0);
+    }
+}

@@ -1,0 +1,324 @@
+mod cuboid;
+mod unit_vectors;
+
+use crate::tests::{differences, seeded};
+use crate::{Pose, ToolJerk, ToolMotion, WorkFrame};
+use nalgebra::{Point3, UnitQuaternion, Vector3};
+use proptest::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Columns of the matrix of SoftMotion vector `trafo-rpy`: roll 0.3, pitch −0.5, yaw 1.1.
+const COLUMNS: [[f64; 3]; 3] = [
+    [0.398_068_046_304_194_73, 0.782_108_038_218_270_4, 0.479_425_538_604_203],
+    [-0.915_668_379_102_278_8, 0.307_070_725_949_722_5, 0.259_343_380_052_230_8],
+    [0.055_616_994_019_516_14, -0.542_231_118_453_265_3, 0.838_386_643_594_203_6],
+];
+
+fn direction_of(frame: &WorkFrame, direction: f64) -> f64 {
+    frame.pose_to_machine(&Pose { position: Point3::origin(), direction }).direction
+}
+
+#[test]
+fn trafo_rpy() {
+    let frame = WorkFrame::new(Vector3::zeros(), 0.3, -0.5, 1.1);
+    for (axis, column) in [Vector3::x(), Vector3::y(), Vector3::z()].iter().zip(COLUMNS) {
+        assert!((frame.vector_to_machine(axis) - Vector3::from(column)).norm() < 1e-15);
+    }
+}
+
+/// The manual's call takes the old origin in the new frame, (1, 2, 3): so the work frame stands at −R·(1, 2, 3).
+#[test]
+fn trafo_coord3d() {
+    let old_origin = Vector3::new(1.0, 2.0, 3.0);
+    let turned = WorkFrame::new(Vector3::zeros(), 0.3, -0.5, 1.1);
+    let frame = WorkFrame::new(-turned.vector_to_machine(&old_origin), 0.3, -0.5, 1.1);
+    let found = frame.point_to_work(&Point3::new(10.0, 20.0, 30.0));
+    let expected = Point3::new(35.005_607_386, 6.765_032_13, 17.863_146_879);
+    assert!((found - expected).norm() < 2e-9, "{found}");
+}
+
+#[test]
+fn the_identity_changes_nothing() {
+    let frame = WorkFrame::default();
+    let pose = Pose { position: Point3::new(1.0, -2.0, 3.0), direction: 40.0 };
+    assert_eq!(frame.pose_to_machine(&pose), pose);
+    assert_eq!(frame, WorkFrame::identity());
+    assert!((frame.machine_from_work().translation.vector).norm() == 0.0);
+}
+
+#[test]
+fn a_quarter_turn_and_a_shift() {
+    let frame = WorkFrame::new(Vector3::new(10.0, 20.0, 30.0), 0.0, 0.0, FRAC_PI_2);
+    let mut motion =
+        ToolMotion::at_rest(Pose { position: Point3::new(1.0, 2.0, 3.0), direction: 7.0 });
+    motion.velocity = Vector3::x();
+    motion.acceleration = Vector3::y();
+    motion.direction_velocity = 0.5;
+    motion.direction_acceleration = -0.25;
+    let found = frame.motion_to_machine(&motion);
+    assert!((found.pose.position - Point3::new(8.0, 21.0, 33.0)).norm() < 1e-14, "{found:?}");
+    assert!((found.velocity - Vector3::y()).norm() < 1e-15, "{found:?}");
+    assert!((found.acceleration + Vector3::x()).norm() < 1e-15, "{found:?}");
+    assert!((found.pose.direction - (7.0 + FRAC_PI_2)).abs() < 1e-15, "{found:?}");
+    assert_eq!((found.direction_velocity, found.direction_acceleration), (0.5, -0.25));
+}
+
+/// Turned over about x, then turned by the yaw: East stays at the yaw, North goes to the other side.
+#[test]
+fn a_frame_upside_down_reverses_directions() {
+    let frame = WorkFrame::new(Vector3::zeros(), PI, 0.0, 0.4);
+    for direction in [0.0, 1.0, -2.0, 5.0] {
+        assert!((direction_of(&frame, direction) - (0.4 - direction)).abs() < 1e-15);
+    }
+}
+
+/// Tilted by 60° about y, East looks half as long: its component along x halves, North's stays.
+#[test]
+fn a_tilted_frame_shows_directions_from_above() {
+    let frame = WorkFrame::new(Vector3::zeros(), 0.0, PI / 3.0, 0.0);
+    let expected = 1_f64.atan2(0.5);
+    assert!((direction_of(&frame, PI / 4.0) - expected).abs() < 1e-15);
+    assert!(direction_of(&frame, 0.0).abs() < 1e-15);
+}
+
+#[test]
+fn a_direction_straight_down_keeps_the_turn() {
+    let frame = WorkFrame::new(Vector3::zeros(), 0.0, FRAC_PI_2, 0.0);
+    let mut motion = ToolMotion::at_rest(Pose { position: Point3::origin(), direction: 0.0 });
+    motion.direction_velocity = 1.0;
+    let found = frame.motion_to_machine(&motion);
+    assert!(found.is_finite() && found.pose.direction.abs() <= PI, "{found:?}");
+}
+
+/// With either sign of the quaternion.
+#[test]
+fn placed_is_new() {
+    let translation = Vector3::new(0.1, 0.2, 0.3);
+    for [roll, pitch, yaw] in [[0.0, 0.0, 2.5], [0.0, 0.0, -3.0], [PI, 0.0, 1.0], [0.3, -0.5, 1.1]]
+    {
+        let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+        let expected = WorkFrame::new(translation, roll, pitch, yaw);
+        for rotation in [rotation, UnitQuaternion::new_unchecked(-rotation.into_inner())] {
+            let found = WorkFrame::placed(rotation, translation);
+            for direction in [-7.0, 0.0, 1.0, 20.0] {
+                let (found, expected) =
+                    (direction_of(&found, direction), direction_of(&expected, direction));
+                assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+            }
+        }
+    }
+}
+
+/// From above, a frame that is edge-on has two directions; on the way back they turn as the work does.
+#[test]
+fn a_frame_seen_edge_on_has_rates_both_ways() {
+    for [roll, pitch] in [[0.0, FRAC_PI_2], [0.0, -FRAC_PI_2], [FRAC_PI_2, 0.0], [-FRAC_PI_2, 0.3]]
+    {
+        let frame = WorkFrame::new(Vector3::zeros(), roll, pitch, 0.4);
+        let mut motion = ToolMotion::at_rest(Pose { position: Point3::origin(), direction: 9.0 });
+        motion.direction_velocity = 2.0;
+        motion.direction_acceleration = -3.0;
+        let found = frame.motion_to_work(&motion);
+        assert_eq!(
+            (found.direction_velocity.abs(), found.direction_acceleration.abs()),
+            (2.0, 3.0)
+        );
+        assert!((found.pose.direction.abs() - 9.0).abs() < 2.0 * PI, "{found:?}");
+    }
+}
+
+/// At a point of a frame tilted by 60° about y where all is known: seen (cos d/2, sin d), slope (1/2)/(cos²d/4 + sin²d).
+#[test]
+fn jerk_of_a_steady_turn_in_a_tilted_frame() {
+    let frame = WorkFrame::new(Vector3::zeros(), 0.0, PI / 3.0, 0.0);
+    // With g = 1/4 + 3/4·sin²d the slope is 1/(2g); at d = 0: g = 1/4, g′ = 0, g″ = 3/2, so it is 2, its second
+    // derivative −g″/(2g²) = −12.
+    let mut motion = ToolMotion::at_rest(Pose { position: Point3::origin(), direction: 0.0 });
+    motion.direction_velocity = 0.5;
+    let given = ToolJerk { linear: Vector3::y(), direction: 0.25 };
+    let ToolJerk { linear, direction } = frame.jerk_to_machine(&motion, &given);
+    assert!((linear - Vector3::y()).norm() < 1e-15, "{linear}");
+    assert!((direction - (2.0 * 0.25 - 12.0 * 0.125)).abs() < 1e-14, "{direction}");
+}
+
+#[test]
+fn jerk_in_a_turned_frame_is_turned() {
+    let frame = WorkFrame::new(Vector3::new(1.0, 2.0, 3.0), 0.0, 0.0, FRAC_PI_2);
+    let mut motion = ToolMotion::at_rest(Pose { position: Point3::origin(), direction: 1.0 });
+    motion.direction_velocity = 0.5;
+    motion.direction_acceleration = 0.75;
+    let given = ToolJerk { linear: Vector3::x(), direction: 0.25 };
+    let ToolJerk { linear, direction } = frame.jerk_to_machine(&motion, &given);
+    assert!((linear - Vector3::y()).norm() < 1e-15, "{linear}");
+    assert!((direction - 0.25).abs() < 1e-16, "{direction}");
+}
+
+prop_compose! {
+    fn tilted()(
+        translation in prop::array::uniform3(-2.0..2.0),
+        roll in -1.0..1.0, pitch in -1.0..1.0, yaw in -PI..PI, flip in any::<bool>(),
+    ) -> WorkFrame {
+        WorkFrame::new(translation.into(), if flip { roll + PI } else { roll }, pitch, yaw)
+    }
+}
+
+prop_compose! {
+    fn motions()(
+        position in prop::array::uniform3(-2.0..2.0), direction in -20.0..20.0,
+        velocity in prop::array::uniform3(-1.0..1.0), acceleration in prop::array::uniform3(-1.0..1.0),
+        direction_velocity in -1.0..1.0, direction_acceleration in -1.0..1.0,
+    ) -> ToolMotion {
+        ToolMotion {
+            pose: Pose { position: position.into(), direction },
+            velocity: velocity.into(),
+            acceleration: acceleration.into(),
+            direction_velocity,
+            direction_acceleration,
+        }
+    }
+}
+
+/// The largest difference of any number of two motions.
+fn apart(one: &ToolMotion, other: &ToolMotion) -> f64 {
+    (one.pose.position - other.pose.position)
+        .amax()
+        .max((one.velocity - other.velocity).amax())
+        .max((one.acceleration - other.acceleration).amax())
+        .max((one.pose.direction - other.pose.direction).abs())
+        .max((one.direction_velocity - other.direction_velocity).abs())
+        .max((one.direction_acceleration - other.direction_acceleration).abs())
+}
+
+prop_compose! {
+    fn frames()(
+        translation in prop::array::uniform3(-2.0..2.0),
+        angles in prop::array::uniform3(-PI..PI),
+    ) -> WorkFrame {
+        WorkFrame::new(translation.into(), angles[0], angles[1], angles[2])
+    }
+}
+
+proptest! {
+    #![proptest_config(seeded())]
+
+    #[test]
+    fn to_work_undoes_to_machine(frame in frames(), point in prop::array::uniform3(-2.0..2.0)) {
+        let point = Point3::from(point);
+        prop_assert!((frame.point_to_work(&frame.point_to_machine(&point)) - point).norm() < 1e-14);
+    }
+
+    #[test]
+    fn the_direction_is_that_of_the_turned_vector(frame in frames(), direction in -20.0..20.0) {
+        let seen = frame.vector_to_machine(&Vector3::new(f64::cos(direction), f64::sin(direction), 0.0));
+        prop_assume!(seen.xy().norm() > 1e-3);
+        let found = direction_of(&frame, direction);
+        let expected = seen.xy().normalize();
+        prop_assert!((found.cos() - expected.x).abs() < 1e-11 && (found.sin() - expected.y).abs() < 1e-11);
+    }
+
+    /// A whole turn of the tool is a whole turn, this way or that, and no step in between is a jump.
+    #[test]
+    fn directions_keep_their_turns(roll in -1.4..1.4, pitch in -1.4..1.4, flip in any::<bool>(), start in -20.0..20.0) {
+        let roll = if flip { roll + PI } else { roll };
+        let frame = WorkFrame::new(Vector3::zeros(), roll, pitch, 0.3);
+        let mut last: f64 = direction_of(&frame, start);
+        let first = last;
+        for step in 1..=2000 {
+            let next = direction_of(&frame, start + f64::from(step) * PI / 1000.0);
+            prop_assert!((next - last).abs() < 0.2, "{last} {next}");
+            last = next;
+        }
+        let turn = if flip { -2.0 * PI } else { 2.0 * PI };
+        prop_assert!((last - first - turn).abs() < 1e-11, "{first} {last}");
+    }
+
+    #[test]
+    fn rates_of_the_direction_are_its_derivatives(
+        roll in -1.0..1.0, pitch in -1.0..1.0, flip in any::<bool>(), direction in -5.0..5.0,
+        velocity in -1.0..1.0, acceleration in -1.0..1.0,
+    ) {
+        let roll = if flip { roll + PI } else { roll };
+        let frame = WorkFrame::new(Vector3::zeros(), roll, pitch, -0.7);
+        let mut motion = ToolMotion::at_rest(Pose { position: Point3::origin(), direction });
+        motion.direction_velocity = velocity;
+        motion.direction_acceleration = acceleration;
+        let found = frame.motion_to_machine(&motion);
+        let at = |t: f64| [direction_of(&frame, direction + velocity * t + acceleration * t * t / 2.0)];
+        let ([first], [second]) = differences(at, 2e-3);
+        prop_assert!((found.direction_velocity - first).abs() < 1e-10, "{found:?} {first}");
+        prop_assert!((found.direction_acceleration - second).abs() < 1e-7, "{found:?} {second}");
+    }
+    /// Directions with their whole turns, and rates, both ways round.
+    #[test]
+    fn motion_to_work_undoes_motion_to_machine(frame in tilted(), motion in motions()) {
+        let there_and_back = frame.motion_to_work(&frame.motion_to_machine(&motion));
+        prop_assert!(apart(&there_and_back, &motion) < 1e-12, "{there_and_back:?} {motion:?}");
+        let back_and_there = frame.motion_to_machine(&frame.motion_to_work(&motion));
+        prop_assert!(apart(&back_and_there, &motion) < 1e-12, "{back_and_there:?} {motion:?}");
+        prop_assert_eq!(frame.motion_to_work(&motion).pose, frame.pose_to_work(&motion.pose));
+        prop_assert_eq!(frame.motion_to_machine(&motion).pose, frame.pose_to_machine(&motion.pose));
+    }
+
+    /// Also in frames only turned about z, and in frames that are tilted almost to the edge.
+    #[test]
+    fn poses_come_back(
+        tilt in prop_oneof![Just(0.0), -PI..PI, 1.5..1.57, -1.57..-1.5], about_y in any::<bool>(),
+        yaw in -10.0..10.0, motion in motions(),
+    ) {
+        prop_assume!(tilt.cos().abs() > 1e-4);
+        let (roll, pitch) = if about_y { (0.0, tilt) } else { (tilt, 0.0) };
+        let frame = WorkFrame::new(Vector3::new(0.5, -0.25, 1.0), roll, pitch, yaw);
+        let found = frame.pose_to_work(&frame.pose_to_machine(&motion.pose));
+        prop_assert!((found.position - motion.pose.position).norm() < 1e-14);
+        prop_assert!((found.direction - motion.pose.direction).abs() < 4e-14 / tilt.cos().abs(), "{found:?}");
+    }
+
+    /// Along a path of third degree, velocity, acceleration and jerk in the machine are the derivatives of what comes
+    /// before them.
+    #[test]
+    fn jerk_is_the_derivative_of_the_acceleration(
+        frame in tilted(), motion in motions(), jerk in prop::array::uniform3(-1.0..1.0), direction_jerk in -1.0..1.0,
+    ) {
+        let jerk = Vector3::from(jerk);
+        let at = |t: f64| {
+            let (half, sixth) = (t * t / 2.0, t * t * t / 6.0);
+            frame.motion_to_machine(&ToolMotion {
+                pose: Pose {
+                    position: motion.pose.position + motion.velocity * t + motion.acceleration * half + jerk * sixth,
+                    direction: motion.pose.direction
+                        + motion.direction_velocity * t
+                        + motion.direction_acceleration * half
+                        + direction_jerk * sixth,
+                },
+                velocity: motion.velocity + motion.acceleration * t + jerk * half,
+                acceleration: motion.acceleration + jerk * t,
+                direction_velocity: motion.direction_velocity + motion.direction_acceleration * t + direction_jerk * half,
+                direction_acceleration: motion.direction_acceleration + direction_jerk * t,
+            })
+        };
+        let given = ToolJerk { linear: jerk, direction: direction_jerk };
+        let ToolJerk { linear, direction } = frame.jerk_to_machine(&motion, &given);
+        let numbers = |t: f64| {
+            let at = at(t);
+            let (p, v, a) = (at.pose.position, at.velocity, at.acceleration);
+            [
+                [p.x, p.y, p.z, at.pose.direction],
+                [v.x, v.y, v.z, at.direction_velocity],
+                [a.x, a.y, a.z, at.direction_acceleration],
+            ]
+        };
+        let [_, velocity, acceleration] = numbers(0.0);
+        let jerk = [linear.x, linear.y, linear.z, direction];
+        for (order, found) in [velocity, acceleration, jerk].into_iter().enumerate() {
+            let (first, _) = differences(|t| numbers(t)[order], 4e-3);
+            for (found, expected) in found.into_iter().zip(first) {
+                prop_assert!((found - expected).abs() < 1e-8 * found.abs().max(1.0), "{order}: {found} {expected}");
+            }
+        }
+        // And the second of the one before that.
+        let (_, second) = differences(|t| numbers(t)[1], 4e-3);
+        for (found, expected) in jerk.into_iter().zip(second) {
+            prop_assert!((found - expected).abs() < 1e-8 * found.abs().max(1.0), "{found} {expected}");
+        }
+    }
+}

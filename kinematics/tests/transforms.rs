@@ -1,0 +1,247 @@
+//! What must hold for every transform, over random machines and poses.
+
+use super::machines::{self, Placed, Reach};
+use super::{seeded, three_differences};
+use crate::transform::{Differential, Motion};
+use crate::Transform;
+use nalgebra::SVector;
+use proptest::prelude::*;
+use proptest::test_runner::{TestCaseError, TestRunner};
+
+/// m.
+const LENGTH: f64 = 1e-12;
+/// rad.
+const ANGLE: f64 = 1e-11;
+/// Of derivatives against differences, relative.
+const DIFFERENCE: f64 = 1e-8;
+
+fn check<T: Transform<N>, const N: usize>(
+    machines: impl Strategy<Value = Placed<T, N>>,
+    test: impl Fn(&T, SVector<f64, N>) -> Result<(), TestCaseError>,
+) {
+    let run = TestRunner::new(seeded()).run(&machines, |Placed { machine, axes }| test(&machine, axes));
+    if let Err(error) = run {
+        panic!("{error}");
+    }
+}
+
+/// Where each axis is off by more than a length or an angle may be.
+fn axes_agree<T: Transform<N>, const N: usize>(
+    machine: &T,
+    found: &SVector<f64, N>,
+    expected: &SVector<f64, N>,
+) -> Result<(), TestCaseError> {
+    for ((found, expected), rotary) in found.iter().zip(expected).zip(machine.rotary()) {
+        let tolerance = if rotary { ANGLE } else { LENGTH };
+        prop_assert!((found - expected).abs() <= tolerance, "{found} {expected} in {machine:?}");
+    }
+    Ok(())
+}
+
+fn tools_agree<T: Transform<N>, const N: usize>(
+    machine: &T,
+    found: &SVector<f64, N>,
+    expected: &SVector<f64, N>,
+) -> Result<(), TestCaseError> {
+    let coordinates = machine.coordinates().iter();
+    for ((found, expected), coordinate) in found.iter().zip(expected).zip(coordinates) {
+        let length = *coordinate != crate::Coordinate::Direction;
+        let tolerance = if length { LENGTH } else { ANGLE };
+        prop_assert!((found - expected).abs() <= tolerance, "{coordinate}: {found} {expected} in {machine:?}");
+    }
+    Ok(())
+}
+
+fn round_trips<T: Transform<N>, const N: usize>(
+    machine: &T,
+    axes: SVector<f64, N>,
+) -> Result<(), TestCaseError> {
+    let tool = machine.to_tool(&axes).unwrap();
+    prop_assert_eq!(machine.branch_at(&axes), machine.branch());
+    let back = machine.to_axes_near(&tool, &axes).unwrap();
+    axes_agree(machine, &back, &axes)?;
+    tools_agree(machine, &machine.to_tool(&back).unwrap(), &tool)?;
+    let margins = machine.margins(&tool);
+    prop_assert!(margins.boundary > 0.0 && margins.branch > 0.0, "{margins:?}");
+    Ok(())
+}
+
+/// The derivatives of `f` agree with its differences, of which those with the best step count: a long one leaves out
+/// higher orders, a short one keeps few digits, and which is which depends on the machine. Steps that lead out of reach are left out.
+/// Orders are compared with the size of what they are made of, at least 1.
+fn derivatives_agree<const N: usize>(
+    what: &str,
+    f: impl Fn(f64) -> Option<SVector<f64, N>>,
+    found: &[SVector<f64, N>],
+    sizes: &[f64],
+) -> Result<(), TestCaseError> {
+    let mut errors = [f64::INFINITY; 3];
+    let mut step = 0.1;
+    while step > 1e-4 {
+        let reached = (-5..=5).all(|count| f(f64::from(count) * step).is_some());
+        if reached {
+            let differences = three_differences(|t| f(t).unwrap().into(), step);
+            for (((error, found), size), difference) in
+                errors.iter_mut().zip(found).zip(sizes).zip(differences)
+            {
+                *error = error.min((found - SVector::from(difference)).norm() / size.max(1.0));
+            }
+        }
+        step /= 1.6;
+    }
+    for (order, (error, found)) in errors.iter().zip(found).enumerate() {
+        // Third differences keep fewer digits.
+        let tolerance = if order == 2 { 10.0 * DIFFERENCE } else { DIFFERENCE };
+        prop_assert!(*error <= tolerance, "{what} {}: {found} is off by {error}", order + 1);
+    }
+    Ok(())
+}
+
+/// A path through `start` with these derivatives.
+fn path<const N: usize>(
+    start: SVector<f64, N>,
+    [v, a, j]: [SVector<f64, N>; 3],
+) -> impl Fn(f64) -> SVector<f64, N> {
+    move |t: f64| start + v * t + a * (t * t / 2.0) + j * (t * t * t / 6.0)
+}
+
+/// Derivatives that depend on the pose alone, so that cases are the same in every run; of the order of the machine's size.
+fn some_derivatives<const N: usize>(seed: f64, size: f64) -> [SVector<f64, N>; 3] {
+    [1.0, 2.0, 3.0].map(|order: f64| {
+        SVector::from_fn(|row, _| {
+            let row = f64::from(u32::try_from(row).unwrap());
+            (seed * 10.0 + order * 1.7 + row * 2.3).sin() * size
+        })
+    })
+}
+
+fn moves<T: Transform<N>, const N: usize>(
+    machine: &T,
+    axes: SVector<f64, N>,
+) -> Result<(), TestCaseError> {
+    let (tool, differential) = machine.at_axes(&axes).unwrap();
+    tools_agree(machine, &tool, &machine.to_tool(&axes).unwrap())?;
+
+    // The Jacobian, column by column, and how it changes.
+    let jacobian = differential.jacobian().unwrap();
+    let size = jacobian.norm();
+    let velocity: SVector<f64, N> = some_derivatives(axes[0], 1.0)[0];
+    let jacobian_rate = differential.jacobian_rate(&velocity).unwrap();
+    for axis in 0..N {
+        let unit = SVector::<f64, N>::from_fn(|row, _| if row == axis { 1.0 } else { 0.0 });
+        let tool = |t: f64| machine.to_tool(&(axes + unit * t)).ok();
+        derivatives_agree("jacobian", tool, &[jacobian.column(axis).into()], &[size])?;
+        let column = |t: f64| {
+            let (_, there) = machine.at_axes(&(axes + velocity * t)).ok()?;
+            Some(there.jacobian()?.column(axis).into_owned())
+        };
+        let found = jacobian_rate.column(axis).into();
+        derivatives_agree("jacobian rate", column, &[found], &[jacobian_rate.norm()])?;
+    }
+
+    // The tool moves, the axes follow.
+    let length = machine.characteristic_length();
+    let given = some_derivatives(tool[0], length);
+    let (position, differential) = machine.at_tool(&tool, &axes).unwrap();
+    axes_agree(machine, &position, &axes)?;
+    let followed = differential.follow_jerk(&given).unwrap();
+    let moving = path(tool, given);
+    // Orders are made of those before them.
+    let mut size = 0.0_f64;
+    let sizes = followed.map(|order| {
+        size = size.max(order.norm());
+        size
+    });
+    let there = |t: f64| machine.to_axes_near(&moving(t), &axes).ok();
+    derivatives_agree("axes", there, &followed, &sizes)?;
+    let motion = Motion { position: tool, velocity: given[0], acceleration: given[1] };
+    let found = machine.axis_motion(&motion, &axes).unwrap();
+    prop_assert!((found.velocity - followed[0]).norm() <= 1e-13 * followed[0].norm());
+    prop_assert!((found.acceleration - followed[1]).norm() <= 1e-13 * followed[1].norm());
+
+    // And back.
+    let (_, differential) = machine.at_axes(&position).unwrap();
+    let led = differential.lead_jerk(&followed).unwrap();
+    let mut scale = length;
+    for ((found, expected), axes) in led.iter().zip(&given).zip(&followed) {
+        scale = scale.max(axes.norm() * jacobian.norm());
+        prop_assert!((found - expected).norm() <= 1e-10 * scale, "{found} {expected}");
+    }
+    let led = machine.tool_motion(&found).unwrap();
+    prop_assert!((led.velocity - given[0]).norm() <= 1e-11 * scale);
+    prop_assert!((led.acceleration - given[1]).norm() <= 1e-11 * scale);
+    Ok(())
+}
+
+macro_rules! transforms {
+    ($($name:ident: $machines:expr;)*) => {$(
+        mod $name {
+            use super::*;
+
+            #[test]
+            fn round_trips() {
+                check($machines, |machine, axes| super::round_trips(machine, axes));
+            }
+
+            #[test]
+            fn moves() {
+                check($machines, |machine, axes| super::moves(machine, axes));
+            }
+        }
+    )*};
+}
+
+transforms! {
+    gantry2: machines::gantry2();
+    gantry3: machines::gantry3();
+    gantry_cutter2: machines::gantry_cutter2();
+    gantry_cutter3: machines::gantry_cutter3();
+    gantry2_tool: machines::gantry2_tool();
+    gantry3_tool: machines::gantry3_tool();
+    gantry_h2: machines::gantry_h2();
+    scara2: machines::scara2(Reach::Inside);
+    scara2_tool: machines::scara2_tool();
+    scara3: machines::scara3(Reach::Inside);
+    tripod: machines::tripod(Reach::Inside);
+    calibrated_tripod: machines::calibrated(Reach::Inside);
+}
+
+mod close_to_the_edge {
+    use super::*;
+
+    #[test]
+    fn scara2() {
+        check(machines::scara2(Reach::Close), |machine, axes| round_trips(machine, axes));
+    }
+
+    #[test]
+    fn scara3() {
+        check(machines::scara3(Reach::Close), |machine, axes| round_trips(machine, axes));
+    }
+
+    #[test]
+    fn tripod() {
+        check(machines::tripod(Reach::Close), |machine, axes| round_trips(machine, axes));
+    }
+
+    #[test]
+    fn calibrated_tripod() {
+        check(machines::calibrated(Reach::Close), |machine, axes| round_trips(machine, axes));
+    }
+}
+
+/// Without deviations the numerical solution is the closed form.
+#[test]
+fn calibrated_tripods_without_deviations_are_ideal() {
+    use crate::tripod::{CalibratedTripod, TripodDeviations};
+    let wide = machines::tripod(Reach::Inside)
+        .prop_filter("loose", |placed| placed.machine.dimensions().rod_distance > 0.03);
+    check(wide, |ideal, axes| {
+        let rods = ideal.dimensions().rods(&TripodDeviations::default()).unwrap();
+        let tip = nalgebra::Vector3::new(0.01, -0.02, -0.1);
+        let calibrated = CalibratedTripod::new(rods, ideal.offsets()).unwrap().holding(&tip);
+        let tool = ideal.holding(&tip).to_tool(&axes).unwrap();
+        axes_agree(&calibrated, &calibrated.to_axes(&tool).unwrap(), &axes)?;
+        tools_agree(&calibrated, &calibrated.to_tool(&axes).unwrap(), &tool)
+    });
+}

@@ -1,0 +1,394 @@
+//! A transform as plain mathematics: N tool coordinates, N axes.
+
+use crate::smooth::SmoothMap;
+use crate::turn::nearest_turn;
+use crate::{Branch, Coordinate, KinematicsError, Margins};
+use nalgebra::{SMatrix, SVector, Vector3};
+use std::f64::consts::TAU;
+
+/// Position, velocity and acceleration of N axes or N tool coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion<const N: usize> {
+    /// m or rad.
+    pub position: SVector<f64, N>,
+    /// m/s or rad/s.
+    pub velocity: SVector<f64, N>,
+    /// m/s² or rad/s².
+    pub acceleration: SVector<f64, N>,
+}
+
+/// A transform with N axes, the core of a [`Kinematics`](crate::Kinematics) without its bookkeeping: this is what to call where speed
+/// counts. Tool coordinates are in the order of [`Self::coordinates`], in the machine frame; SI.
+///
+/// Inputs that are not numbers give errors or answers that are not numbers, never a panic.
+pub trait Transform<const N: usize>: std::fmt::Debug + Clone + Send + Sync + 'static {
+    /// How tool and axes move together at one point.
+    type Differential: Differential<N>;
+
+    /// The tool coordinates that this transform turns into axis positions, N of them.
+    fn coordinates(&self) -> &'static [Coordinate];
+
+    /// Whether an axis turns.
+    fn rotary(&self) -> [bool; N];
+
+    /// The tool at the axis positions `axes` (`SMC_TRAFOF_x`).
+    ///
+    /// # Errors
+    /// [`KinematicsError::Apart`], where axes can be where no tool position fits.
+    fn to_tool(&self, axes: &SVector<f64, N>) -> Result<SVector<f64, N>, KinematicsError>;
+
+    /// The axis positions that put the tool at `tool` (`SMC_TRAFO_x`); rotary axes between −π and π beside their
+    /// offsets.
+    ///
+    /// # Errors
+    /// [`KinematicsError::Unreachable`].
+    fn to_axes(&self, tool: &SVector<f64, N>) -> Result<SVector<f64, N>, KinematicsError>;
+
+    /// [`Self::to_axes`] with every rotary axis within half a turn of where it is in `near`.
+    ///
+    /// # Errors
+    /// As [`Self::to_axes`].
+    #[inline]
+    fn to_axes_near(
+        &self,
+        tool: &SVector<f64, N>,
+        near: &SVector<f64, N>,
+    ) -> Result<SVector<f64, N>, KinematicsError> {
+        let mut axes = self.to_axes(tool)?;
+        self.turn_to(&mut axes, near);
+        Ok(axes)
+    }
+
+    /// Adds the whole turns to rotary axes that bring them closest to `near`.
+    #[inline]
+    fn turn_to(&self, axes: &mut SVector<f64, N>, near: &SVector<f64, N>) {
+        for ((axis, near), rotary) in axes.iter_mut().zip(near).zip(self.rotary()) {
+            if rotary {
+                *axis = nearest_turn(*axis, *near, TAU);
+            }
+        }
+    }
+
+    /// The tool at `axes`, and how the two move together there.
+    ///
+    /// # Errors
+    /// As [`Self::to_tool`].
+    fn at_axes(
+        &self,
+        axes: &SVector<f64, N>,
+    ) -> Result<(SVector<f64, N>, Self::Differential), KinematicsError>;
+
+    /// The axes at `tool` near `near`, and how the two move together there.
+    ///
+    /// # Errors
+    /// As [`Self::to_axes`].
+    fn at_tool(
+        &self,
+        tool: &SVector<f64, N>,
+        near: &SVector<f64, N>,
+    ) -> Result<(SVector<f64, N>, Self::Differential), KinematicsError>;
+
+    /// Which solution [`Self::to_axes`] gives.
+    fn branch(&self) -> Branch {
+        Branch::Only
+    }
+
+    /// On which branch axis positions are.
+    fn branch_at(&self, _axes: &SVector<f64, N>) -> Branch {
+        self.branch()
+    }
+
+    /// How far a tool position is from the edge of what the mechanism reaches.
+    fn margins(&self, _tool: &SVector<f64, N>) -> Margins {
+        Margins::UNBOUNDED
+    }
+
+    /// A length in the order of the machine's size, m: what makes angles and lengths comparable unless the machine
+    /// states another.
+    fn characteristic_length(&self) -> f64;
+
+    /// The same mechanism with a tool whose tip is at `tip` (m) in the frame of its flange: z up, x forward as the
+    /// transform's docs say. z counts only if the transform has it. A tool held before is taken off.
+    #[must_use]
+    fn holding(self, tip: &Vector3<f64>) -> Self;
+
+    /// Axis positions, velocities and accelerations for a moving tool (`SMC_TRAFOV_x`, one derivative further).
+    ///
+    /// # Errors
+    /// Those of [`Self::to_axes`], and [`KinematicsError::Singular`] where the axes cannot follow.
+    #[inline]
+    fn axis_motion(
+        &self,
+        tool: &Motion<N>,
+        near: &SVector<f64, N>,
+    ) -> Result<Motion<N>, KinematicsError> {
+        let (position, differential) = self.at_tool(&tool.position, near)?;
+        let followed = differential.follow(&tool.velocity, &tool.acceleration);
+        let Some([velocity, acceleration]) = followed else {
+            return Err(self.singular(&tool.position));
+        };
+        Ok(Motion { position, velocity, acceleration })
+    }
+
+    /// The motion of the tool for moving axes.
+    ///
+    /// # Errors
+    /// Those of [`Self::to_tool`], and [`KinematicsError::Singular`] where the tool is not held.
+    #[inline]
+    fn tool_motion(&self, axes: &Motion<N>) -> Result<Motion<N>, KinematicsError> {
+        let (position, differential) = self.at_axes(&axes.position)?;
+        let led = differential.lead(&axes.velocity, &axes.acceleration);
+        let Some([velocity, acceleration]) = led else { return Err(self.singular(&position)) };
+        Ok(Motion { position, velocity, acceleration })
+    }
+
+    /// The error that says that a tool position is singular.
+    #[cold]
+    fn singular(&self, tool: &SVector<f64, N>) -> KinematicsError {
+        KinematicsError::Singular { target: self.tip(tool) }
+    }
+
+    /// x, y and z among tool coordinates; what the transform does not have is 0.
+    #[cold]
+    fn tip(&self, tool: &SVector<f64, N>) -> [f64; 3] {
+        let mut tip = [0.0; 3];
+        for (coordinate, value) in self.coordinates().iter().zip(tool) {
+            if let Some(slot) = tip.get_mut(coordinate.index()) {
+                *slot = *value;
+            }
+        }
+        tip
+    }
+}
+
+/// How tool and axes move together at one point.
+pub trait Differential<const N: usize> {
+    /// Axis velocities and accelerations for those of the tool; `None` where the axes cannot follow.
+    fn follow(
+        &self,
+        velocity: &SVector<f64, N>,
+        acceleration: &SVector<f64, N>,
+    ) -> Option<[SVector<f64, N>; 2]>;
+
+    /// Axis velocities, accelerations and jerks for those of the tool; `None` where the axes cannot follow.
+    fn follow_jerk(&self, tool: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]>;
+
+    /// Tool velocity and acceleration for those of the axes; `None` where the tool is not held.
+    fn lead(
+        &self,
+        velocity: &SVector<f64, N>,
+        acceleration: &SVector<f64, N>,
+    ) -> Option<[SVector<f64, N>; 2]>;
+
+    /// Tool velocity, acceleration and jerk for those of the axes; `None` where the tool is not held.
+    fn lead_jerk(&self, axes: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]>;
+
+    /// How the tool moves with the axes: column i is its velocity per unit velocity of axis i. `None` where the tool is
+    /// not held.
+    fn jacobian(&self) -> Option<SMatrix<f64, N, N>>;
+
+    /// The derivative of [`Self::jacobian`] by time where the axes move with `axis_velocity`.
+    fn jacobian_rate(&self, axis_velocity: &SVector<f64, N>) -> Option<SMatrix<f64, N, N>>;
+}
+
+/// A mechanism that is a smooth map from its axes to the tool.
+#[derive(Clone, Copy, Debug)]
+pub struct Serial<M>(pub M);
+
+/// A mechanism that is a smooth map from the tool to its axes.
+#[derive(Clone, Copy, Debug)]
+pub struct Parallel<M>(pub M);
+
+#[inline]
+fn along<const N: usize>(
+    map: &impl SmoothMap<N>,
+    v: &SVector<f64, N>,
+    a: &SVector<f64, N>,
+) -> [SVector<f64, N>; 2] {
+    [map.rate(v), map.rate(a) + map.second(v)]
+}
+
+#[inline]
+fn against<const N: usize>(
+    map: &impl SmoothMap<N>,
+    v: &SVector<f64, N>,
+    a: &SVector<f64, N>,
+) -> Option<[SVector<f64, N>; 2]> {
+    let velocity = map.solve(v)?;
+    let acceleration = map.solve(&(a - map.second(&velocity)))?;
+    Some([velocity, acceleration])
+}
+
+fn along_jerk<const N: usize>(
+    map: &impl SmoothMap<N>,
+    [v, a, j]: &[SVector<f64, N>; 3],
+) -> [SVector<f64, N>; 3] {
+    let [velocity, acceleration] = along(map, v, a);
+    [velocity, acceleration, map.rate(j) + map.third(v, a)]
+}
+
+fn against_jerk<const N: usize>(
+    map: &impl SmoothMap<N>,
+    [v, a, j]: &[SVector<f64, N>; 3],
+) -> Option<[SVector<f64, N>; 3]> {
+    let [velocity, acceleration] = against(map, v, a)?;
+    let jerk = map.solve(&(j - map.third(&velocity, &acceleration)))?;
+    Some([velocity, acceleration, jerk])
+}
+
+impl<M: SmoothMap<N>, const N: usize> Differential<N> for Serial<M> {
+    #[inline]
+    fn follow(
+        &self,
+        velocity: &SVector<f64, N>,
+        acceleration: &SVector<f64, N>,
+    ) -> Option<[SVector<f64, N>; 2]> {
+        against(&self.0, velocity, acceleration)
+    }
+
+    fn follow_jerk(&self, tool: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]> {
+        against_jerk(&self.0, tool)
+    }
+
+    #[inline]
+    fn lead(
+        &self,
+        velocity: &SVector<f64, N>,
+        acceleration: &SVector<f64, N>,
+    ) -> Option<[SVector<f64, N>; 2]> {
+        Some(along(&self.0, velocity, acceleration))
+    }
+
+    fn lead_jerk(&self, axes: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]> {
+        Some(along_jerk(&self.0, axes))
+    }
+
+    fn jacobian(&self) -> Option<SMatrix<f64, N, N>> {
+        Some(self.0.matrix())
+    }
+
+    fn jacobian_rate(&self, axis_velocity: &SVector<f64, N>) -> Option<SMatrix<f64, N, N>> {
+        Some(self.0.matrix_rate(axis_velocity))
+    }
+}
+
+impl<M: SmoothMap<N>, const N: usize> Differential<N> for Parallel<M> {
+    #[inline]
+    fn follow(
+        &self,
+        velocity: &SVector<f64, N>,
+        acceleration: &SVector<f64, N>,
+    ) -> Option<[SVector<f64, N>; 2]> {
+        let axes = along(&self.0, velocity, acceleration);
+        // A tool at rest stays so where nothing could follow it.
+        let rest = || velocity.iter().chain(acceleration).all(|value| *value == 0.0);
+        if axes.iter().flatten().all(|value| value.is_finite()) {
+            Some(axes)
+        } else {
+            rest().then(|| [SVector::zeros(); 2])
+        }
+    }
+
+    fn follow_jerk(&self, tool: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]> {
+        let axes = along_jerk(&self.0, tool);
+        if axes.iter().flatten().all(|value| value.is_finite()) {
+            Some(axes)
+        } else {
+            let rest = tool.iter().flatten().all(|value| *value == 0.0);
+            rest.then(|| [SVector::zeros(); 3])
+        }
+    }
+
+    #[inline]
+    fn lead(
+        &self,
+        velocity: &SVector<f64, N>,
+        acceleration: &SVector<f64, N>,
+    ) -> Option<[SVector<f64, N>; 2]> {
+        against(&self.0, velocity, acceleration)
+    }
+
+    fn lead_jerk(&self, axes: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]> {
+        against_jerk(&self.0, axes)
+    }
+
+    fn jacobian(&self) -> Option<SMatrix<f64, N, N>> {
+        columns(|unit| self.0.solve(unit))
+    }
+
+    fn jacobian_rate(&self, axis_velocity: &SVector<f64, N>) -> Option<SMatrix<f64, N, N>> {
+        // J = K⁻¹, so J̇ = −J·K̇·J.
+        let jacobian = self.jacobian()?;
+        let inverse_rate = self.0.matrix_rate(&self.0.solve(axis_velocity)?);
+        Some(-jacobian * inverse_rate * jacobian)
+    }
+}
+
+/// The matrix whose columns are `of` the unit vectors.
+fn columns<const N: usize>(
+    of: impl Fn(&SVector<f64, N>) -> Option<SVector<f64, N>>,
+) -> Option<SMatrix<f64, N, N>> {
+    let mut result = SMatrix::<f64, N, N>::zeros();
+    for (index, mut column) in result.column_iter_mut().enumerate() {
+        let unit = SVector::<f64, N>::from_fn(|row, _| if row == index { 1.0 } else { 0.0 });
+        column.copy_from(&of(&unit)?);
+    }
+    Some(result)
+}
+
+/// A map that only adds a constant: every derivative passes unchanged.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Straight;
+
+impl<const N: usize> SmoothMap<N> for Straight {
+    #[inline]
+    fn rate(&self, v: &SVector<f64, N>) -> SVector<f64, N> {
+        *v
+    }
+
+    #[inline]
+    fn solve(&self, rate: &SVector<f64, N>) -> Option<SVector<f64, N>> {
+        Some(*rate)
+    }
+
+    #[inline]
+    fn second(&self, _v: &SVector<f64, N>) -> SVector<f64, N> {
+        SVector::zeros()
+    }
+
+    #[inline]
+    fn third(&self, _v: &SVector<f64, N>, _a: &SVector<f64, N>) -> SVector<f64, N> {
+        SVector::zeros()
+    }
+}
+
+/// A map that multiplies by a constant matrix, and by `inverse` on the way back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linear<const N: usize> {
+    /// J.
+    pub matrix: SMatrix<f64, N, N>,
+    /// J⁻¹.
+    pub inverse: SMatrix<f64, N, N>,
+}
+
+impl<const N: usize> SmoothMap<N> for Linear<N> {
+    #[inline]
+    fn rate(&self, v: &SVector<f64, N>) -> SVector<f64, N> {
+        self.matrix * v
+    }
+
+    #[inline]
+    fn solve(&self, rate: &SVector<f64, N>) -> Option<SVector<f64, N>> {
+        Some(self.inverse * rate)
+    }
+
+    #[inline]
+    fn second(&self, _v: &SVector<f64, N>) -> SVector<f64, N> {
+        SVector::zeros()
+    }
+
+    #[inline]
+    fn third(&self, _v: &SVector<f64, N>, _a: &SVector<f64, N>) -> SVector<f64, N> {
+        SVector::zeros()
+    }
+}

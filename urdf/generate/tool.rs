@@ -1,0 +1,88 @@
+//! What a flange carries: a tool below it or beside it.
+
+use super::{check_not_negative, cuboid, paint, placed, upright};
+use crate::{DimensionError, Inertial, Solid};
+use nalgebra::{Isometry3, Vector3};
+
+/// Height of the arm that carries a tool beside the axis, m: less than what is kept clear above the highest flange.
+const BRACKET: f64 = 0.012;
+
+/// A tool in the frame of its flange.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tool {
+    /// Flange to tool tip, m.
+    pub(super) tip: Vector3<f64>,
+    /// m.
+    pub(super) radius: f64,
+    /// kg.
+    pub(super) mass: f64,
+    /// It cuts along x of the flange: a knife, not a mill.
+    pub(super) blade: bool,
+}
+
+impl Tool {
+    /// How far the tip is below the flange, m.
+    pub(super) fn length(&self) -> f64 {
+        0.0 - self.tip.z
+    }
+
+    /// How far the tip is beside the flange, m.
+    fn beside(&self) -> f64 {
+        self.tip.x.hypot(self.tip.y)
+    }
+
+    /// That the tip is somewhere and not above the flange.
+    pub(super) fn check(tip: &Vector3<f64>, mass: f64) -> Result<(), DimensionError> {
+        if !tip.xy().iter().all(|value| value.is_finite()) {
+            return Err(DimensionError::NotFinite { what: "the place of the tool" });
+        }
+        check_not_negative(&[
+            ("the length of the tool", 0.0 - tip.z),
+            ("the mass of the tool", mass),
+        ])
+    }
+
+    /// From where to where the tool extends along x and y; in any direction if it turns.
+    pub(super) fn extent(&self) -> [[f64; 2]; 2] {
+        if self.blade {
+            let all = self.beside() + self.radius;
+            return [[-all, all]; 2];
+        }
+        let along = |tip: f64| [tip.min(0.0) - self.radius, tip.max(0.0) + self.radius];
+        [along(self.tip.x), along(self.tip.y)]
+    }
+
+    /// The tool itself.
+    fn body(&self) -> Solid {
+        let [x, y, z] = self.tip.into();
+        let radius = self.radius;
+        if self.blade {
+            let thin = 0.4 * radius;
+            let (low, high) = ([x - radius, y - thin, z], [x + radius, y + thin, 0.0]);
+            cuboid(low, high, paint::AMBER)
+        } else {
+            upright(x, y, [z, 0.0], radius, paint::AMBER)
+        }
+    }
+
+    /// The tool, and the arm that carries it if it is beside the axis.
+    pub(super) fn solids(&self) -> Vec<Solid> {
+        let mut solids = Vec::new();
+        if self.length() > 0.0 {
+            solids.push(self.body());
+        }
+        let beside = self.beside();
+        if beside > 0.0 {
+            let half = self.radius;
+            let arm = cuboid([-half, -half, 0.0], [beside + half, half, BRACKET], paint::GRAPHITE);
+            let turn = Vector3::z() * self.tip.y.atan2(self.tip.x);
+            solids.push(placed(arm, &Isometry3::rotation(turn)));
+        }
+        solids
+    }
+
+    /// Of the tool; its arm is paint.
+    pub(super) fn inertial(&self) -> Inertial {
+        self.body().uniform(self.mass)
+    }
+}

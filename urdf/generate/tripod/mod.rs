@@ -1,0 +1,279 @@
+//! Tripods: three carriages that slide up and down, six rods, and a platform that hangs on them and stays level.
+//!
+//! ```text
+//!      seen from the side                     seen from above
+//!
+//!   ║┌┐                     ┌┐║                    A
+//!   ║│● carriage            ●│║                   ┌─┐
+//!   ║└┘\                   /└┘║                   ● ●
+//!   ║   \ rods            /   ║                   │ │
+//!   ║    \               /    ║                   ●─●
+//!   ║     ●──platform───●     ║                  ●   ●
+//!   ║           ┃             ║               ● ╱ ●─● ╲ ●
+//!   ║           ▼ tool        ║              B ●       ● C
+//! ──╨─────────────────────────╨──
+//! ```
+//!
+//! The machine frame is that of the manual (8.2.6, `SMC_TRAFO_Tripod`): z is the axis of the machine, up, and the position
+//! of an axis is the height of its rods' upper ends above the origin, plus its offset. The platform hangs below the
+//! carriages; the tool tip is given from its reference point, in the middle of its rod ends.
+//!
+//! The links make five loops: rod 1 carries the platform, by three joints that make a ball, and
+//! [`Model::loops`](crate::Model) hold it to the lower ends of the others. A rod hangs on its carriage by two joints; that
+//! it could turn about itself is left out. With its two rods of each carriage parallel the platform cannot tilt; with
+//! rods as somebody has measured them it does what they say.
+
+mod linkage;
+mod solids;
+
+use super::tool::Tool;
+use super::{MachineJoint, check_joints, check_positive};
+use crate::{DimensionError, JointDrive, JointPositions, Link, LoopError, Model, Tip};
+use linkage::Linkage;
+use nalgebra::{Point3, Vector3};
+use std::f64::consts::TAU;
+
+/// Around everything that the axes bring somewhere, m.
+const CLEARANCE: f64 = 0.02;
+/// A plate with guides and a motor, as a uniform plate, kg/m³.
+const CARRIAGE_DENSITY: f64 = 5400.0;
+/// Carbon fibre, kg/m³.
+const ROD_DENSITY: f64 = 1600.0;
+/// Aluminium, kg/m³.
+const PLATFORM_DENSITY: f64 = 2700.0;
+
+/// One of the six rods, between the centres of the joints at its ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TripodRod {
+    /// The carriage on which it hangs, 0 to 2.
+    pub carriage: usize,
+    /// Its upper end with the carriage at height 0, machine frame, m.
+    pub upper: Point3<f64>,
+    /// Its lower end in the frame of the platform, parallel to the machine frame while it is level, m.
+    pub lower: Point3<f64>,
+    /// m.
+    pub length: f64,
+}
+
+/// A tripod as the manual describes it: `dInnerRadius`, `dOuterRadius`, `dLength`, `dDistance` and `dRotationOffset` of
+/// `SMC_TRAFO_Tripod` (8.2.6).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TripodRings {
+    /// Of the ring on which the lower ends of the rods lie, on the platform, m.
+    pub inner_radius: f64,
+    /// Of the ring on which the upper ends lie, m.
+    pub outer_radius: f64,
+    /// Of the rods, m.
+    pub length: f64,
+    /// Between the two rods of a carriage, m.
+    pub distance: f64,
+    /// Direction of carriage A from the axis of the machine, counter-clockwise from +x; B and C follow at 120° and 240°,
+    /// rad.
+    pub rotation: f64,
+}
+
+impl TripodRings {
+    /// The rods, two of each carriage after one another, the one further clockwise first.
+    ///
+    /// # Errors
+    /// [`DimensionError`] if a radius, the length or the distance is not above 0, or a ring has no two points that far
+    /// apart.
+    pub fn rods(&self) -> Result<[TripodRod; 6], DimensionError> {
+        check_positive(&[
+            ("the radius of the inner ring", self.inner_radius),
+            ("the radius of the outer ring", self.outer_radius),
+            ("the length of the rods", self.length),
+            ("the distance of the rods", self.distance),
+        ])?;
+        if !self.rotation.is_finite() {
+            return Err(DimensionError::NotFinite { what: "the rotation" });
+        }
+        let half = self.distance / 2.0;
+        let from_axis = |radius: f64| {
+            if radius >= half {
+                Ok(((radius - half) * (radius + half)).sqrt())
+            } else {
+                Err(DimensionError::Ring { radius, distance: self.distance })
+            }
+        };
+        let (outer, inner) = (from_axis(self.outer_radius)?, from_axis(self.inner_radius)?);
+        let rod = |carriage: u8, side: f64| {
+            let (sin, cos) = (self.rotation + TAU * f64::from(carriage) / 3.0).sin_cos();
+            let at = |radius: f64| {
+                Point3::new(radius * cos - side * sin, radius * sin + side * cos, 0.0)
+            };
+            let (upper, lower) = (at(outer), at(inner));
+            TripodRod { carriage: carriage.into(), upper, lower, length: self.length }
+        };
+        Ok([rod(0, -half), rod(0, half), rod(1, -half), rod(1, half), rod(2, -half), rod(2, half)])
+    }
+}
+
+/// The dimensions of a tripod. What is `None` is derived from the rest; the size of the machine follows from how far its
+/// axes move.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TripodDimensions {
+    /// Name of the machine.
+    pub name: String,
+    /// The joints that move the carriages A, B and C up (m, N).
+    pub joints: [MachineJoint; 3],
+    /// Axis positions with the upper ends of the rods at height 0, m.
+    pub offsets: [f64; 3],
+    /// Two for each carriage.
+    pub rods: [TripodRod; 6],
+    /// Of a carriage, kg. Derived: its plate at 5400 kg/m³.
+    pub carriage_mass: Option<f64>,
+    /// m. Derived: an eightieth of the length of the first rod but 3 to 20 mm.
+    pub rod_radius: Option<f64>,
+    /// Of a rod, kg. Derived: solid, 1600 kg/m³.
+    pub rod_mass: Option<f64>,
+    /// Without the tool, kg. Derived: a disc of 2700 kg/m³.
+    pub platform_mass: Option<f64>,
+    /// Reference point of the platform to tool tip, m; straight down is (0, 0, −length).
+    pub tool: Vector3<f64>,
+    /// m. Derived: a quarter of the platform's radius.
+    pub tool_radius: Option<f64>,
+    /// kg.
+    pub tool_mass: f64,
+}
+
+/// All dimensions, derived ones included.
+struct Tripod {
+    linkage: Linkage,
+    rods: [TripodRod; 6],
+    /// Lowest and highest height of each carriage.
+    travel: [[f64; 2]; 3],
+    carriage_mass: Option<f64>,
+    rod_radius: f64,
+    rod_mass: Option<f64>,
+    platform_mass: Option<f64>,
+    /// Of the platform's disc.
+    platform_radius: f64,
+    tool: Tool,
+}
+
+impl TripodDimensions {
+    /// A tripod with these rods, zero offsets and no tool; everything else derived.
+    pub fn new(name: impl Into<String>, joints: [MachineJoint; 3], rods: [TripodRod; 6]) -> Self {
+        Self {
+            name: name.into(),
+            joints,
+            offsets: [0.0; 3],
+            rods,
+            carriage_mass: None,
+            rod_radius: None,
+            rod_mass: None,
+            platform_mass: None,
+            tool: Vector3::zeros(),
+            tool_radius: None,
+            tool_mass: 0.0,
+        }
+    }
+
+    /// The machine: links `base`, `carriage1` to `carriage3`, `rod1` to `rod6`, `platform`, and the crosses of their
+    /// joints, which have neither body nor mass.
+    ///
+    /// # Errors
+    /// [`DimensionError`] names the first dimension that makes no sense.
+    pub fn model(&self) -> Result<Model, DimensionError> {
+        let tripod = self.complete()?;
+        let mut model = Model {
+            name: self.name.clone(),
+            links: vec![Link { name: "base".to_owned(), inertial: None, solids: tripod.base() }],
+            joints: Vec::new(),
+            loops: Vec::new(),
+            tip: Tip { link: 0, point: self.tool.into() },
+        };
+        tripod.join(&mut model, self);
+        self.find_rest(&mut model)?;
+        Ok(model)
+    }
+
+    /// Checks what is given and derives the rest.
+    fn complete(&self) -> Result<Tripod, DimensionError> {
+        Tool::check(&self.tool, self.tool_mass)?;
+        if !self.offsets.iter().all(|offset| offset.is_finite()) {
+            return Err(DimensionError::NotFinite { what: "an offset" });
+        }
+        check_joints(self.joints.iter())?;
+        let [first, ..] = &self.rods;
+        let rod_radius =
+            self.rod_radius.unwrap_or_else(|| (first.length / 80.0).clamp(0.003, 0.02));
+        check_positive(&[
+            ("the radius of the rods", rod_radius),
+            ("the mass of a carriage", self.carriage_mass.unwrap_or(1.0)),
+            ("the mass of a rod", self.rod_mass.unwrap_or(1.0)),
+            ("the mass of the platform", self.platform_mass.unwrap_or(1.0)),
+        ])?;
+        let [a, b, c] = &self.joints;
+        let [offset_a, offset_b, offset_c] = self.offsets;
+        let travel_of =
+            |joint: &MachineJoint, offset: f64| joint.position_limits.map(|limit| limit - offset);
+        let travel = [travel_of(a, offset_a), travel_of(b, offset_b), travel_of(c, offset_c)];
+        let linkage = Linkage::new(&self.rods)?;
+        for (number, rod) in self.rods.iter().enumerate() {
+            if rod.length <= 4.0 * solids::BALL * rod_radius {
+                let length = rod.length;
+                return Err(DimensionError::Rod { rod: number, length, reach: 0.0 });
+            }
+        }
+        let from_axis = |rod: &TripodRod| rod.lower.x.hypot(rod.lower.y);
+        let ring = self.rods.iter().map(from_axis).fold(f64::INFINITY, f64::min);
+        let platform_radius =
+            (ring - 1.5 * solids::BALL * rod_radius).max(2.0 * solids::BALL * rod_radius);
+        let tool = Tool {
+            tip: self.tool,
+            radius: self.tool_radius.unwrap_or(platform_radius / 4.0),
+            mass: self.tool_mass,
+            blade: false,
+        };
+        check_positive(&[("the radius of the tool", tool.radius)])?;
+        Ok(Tripod {
+            linkage,
+            rods: self.rods,
+            travel,
+            carriage_mass: self.carriage_mass,
+            rod_radius,
+            rod_mass: self.rod_mass,
+            platform_mass: self.platform_mass,
+            platform_radius,
+            tool,
+        })
+    }
+
+    /// Closes the loops of `model` with every axis in the middle of its travel, where its passive joints rest from then
+    /// on. They are given for all carriages at one height.
+    fn find_rest(&self, model: &mut Model) -> Result<(), DimensionError> {
+        // Axes 0, 1 and 2, whatever the numbers of the machine's are.
+        for (axis, joint) in model.joints.iter_mut().take(3).enumerate() {
+            joint.drive = JointDrive::Axis(axis);
+        }
+        let middles = self.joints.each_ref().map(|joint| {
+            let [lower, upper] = joint.position_limits;
+            lower.midpoint(upper)
+        });
+        let heights = middles.iter().zip(self.offsets).map(|(middle, offset)| middle - offset);
+        let height = heights.sum::<f64>() / 3.0;
+        let mut start = vec![0.0; model.joints.len()];
+        for (position, offset) in start.iter_mut().zip(self.offsets) {
+            *position = height + offset;
+        }
+        let mut positions = JointPositions::at_rest(model);
+        let closed = positions.start_from(&start).and_then(|()| positions.follow(model, &middles));
+        closed.map_err(|error| match error {
+            LoopError::Open { gap } => DimensionError::RodsApart { gap },
+            LoopError::NotFinite | LoopError::Start { .. } => {
+                DimensionError::NotFinite { what: "an end of a rod" }
+            }
+        })?;
+        for (joint, position) in model.joints.iter_mut().zip(positions.values()) {
+            if let JointDrive::Passive { rest } = &mut joint.drive {
+                *rest = *position;
+            }
+        }
+        for (joint, given) in model.joints.iter_mut().zip(&self.joints) {
+            joint.drive = JointDrive::Axis(given.machine_axis);
+        }
+        Ok(())
+    }
+}

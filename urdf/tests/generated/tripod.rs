@@ -1,0 +1,394 @@
+use super::{bounds, meet};
+use crate::tests::seeded;
+use crate::{
+    DimensionError, Joint, JointDrive, JointPositions, LoopError, MachineJoint, Model, SolidShape,
+    TripodDimensions, TripodRings, TripodRod,
+};
+use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
+use proptest::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+const RINGS: TripodRings = TripodRings {
+    inner_radius: 0.06,
+    outer_radius: 0.25,
+    length: 0.4,
+    distance: 0.06,
+    rotation: PI / 2.0,
+};
+
+fn axis(name: &str, axis: usize, limits: [f64; 2]) -> MachineJoint {
+    MachineJoint::new(name, axis, limits)
+}
+
+fn axes(limits: [f64; 2]) -> [MachineJoint; 3] {
+    [axis("A", 0, limits), axis("B", 1, limits), axis("C", 2, limits)]
+}
+
+pub(super) fn tripod() -> TripodDimensions {
+    TripodDimensions {
+        tool: Vector3::new(0.0, 0.0, -0.04),
+        tool_mass: 0.1,
+        ..TripodDimensions::new("tripod", axes([0.3, 0.6]), RINGS.rods().unwrap())
+    }
+}
+
+/// Manual 8.2.6: where the axes are (without offsets) with the platform at `place`; `None` if a rod does not reach.
+fn inverse(rings: &TripodRings, place: &Point3<f64>) -> Option<[f64; 3]> {
+    let half = (rings.distance / 2.0).powi(2);
+    let e = (rings.outer_radius.powi(2) - half).sqrt() - (rings.inner_radius.powi(2) - half).sqrt();
+    let height = |i: f64| {
+        let (sin, cos) = (rings.rotation + i * TAU / 3.0).sin_cos();
+        let h2 = (place.x - e * cos).powi(2) + (place.y - e * sin).powi(2);
+        // Not all too near to where the rod is level.
+        (h2 < 0.96 * rings.length.powi(2)).then(|| place.z + (rings.length.powi(2) - h2).sqrt())
+    };
+    Some([height(0.0)?, height(1.0)?, height(2.0)?])
+}
+
+/// Manual 8.2.6, forward: the platform below carriages at `heights`, as the digest writes it.
+fn forward(rings: &TripodRings, heights: [f64; 3]) -> Point3<f64> {
+    let half = (rings.distance / 2.0).powi(2);
+    let e = (rings.outer_radius.powi(2) - half).sqrt() - (rings.inner_radius.powi(2) - half).sqrt();
+    let mean = heights.iter().sum::<f64>() / 3.0;
+    let q = heights.map(|height| height - mean);
+    let sum = |of: fn(f64, (f64, f64)) -> f64| -> f64 {
+        (0_u8..)
+            .zip(q)
+            .map(|(i, q)| of(q, (rings.rotation + f64::from(i) * TAU / 3.0).sin_cos()))
+            .sum()
+    };
+    let (cx, cy) =
+        (sum(|q, (_, cos)| q * q * cos) / (3.0 * e), sum(|q, (sin, _)| q * q * sin) / (3.0 * e));
+    let (dx, dy) = (
+        2.0 * sum(|q, (_, cos)| q * cos) / (3.0 * e),
+        2.0 * sum(|q, (sin, _)| q * sin) / (3.0 * e),
+    );
+    let a = 1.0 + dx * dx + dy * dy;
+    let b = -2.0 * (cx * dx + cy * dy);
+    let c = cx * cx + cy * cy + sum(|q, _| q * q) / 3.0 + e * e - rings.length.powi(2);
+    let z = (-b - (b * b - 4.0 * a * c).sqrt()) / (2.0 * a);
+    Point3::new(cx - dx * z, cy - dy * z, z + mean)
+}
+
+/// How far the rods are from their lengths: ends on carriage and platform, wherever the links are.
+fn strain(dimensions: &TripodDimensions, axes: &[f64], platform: &Isometry3<f64>) -> f64 {
+    let strain = |rod: &TripodRod| {
+        let raised =
+            axes[dimensions.joints[rod.carriage].machine_axis] - dimensions.offsets[rod.carriage];
+        let upper = rod.upper + Vector3::z() * raised;
+        ((upper - platform * rod.lower).norm() - rod.length).abs()
+    };
+    dimensions.rods.iter().map(strain).fold(0.0, f64::max)
+}
+
+/// Distance of a point from a solid, 0 inside, for points in the frame of the solid's link.
+fn distance(solid: &crate::Solid, point: &Point3<f64>) -> f64 {
+    let p = solid.origin.inverse_transform_point(point);
+    match solid.shape {
+        SolidShape::Box { size } => (p.coords.abs() - size / 2.0).sup(&Vector3::zeros()).norm(),
+        SolidShape::Cylinder { radius, length } => {
+            let (side, end) = (p.x.hypot(p.y) - radius, p.z.abs() - length / 2.0);
+            side.max(0.0).hypot(end.max(0.0))
+        }
+        SolidShape::Sphere { radius } => (p.coords.norm() - radius).max(0.0),
+    }
+}
+
+fn link(model: &Model, name: &str) -> usize {
+    model.links.iter().position(|link| link.name == name).unwrap()
+}
+
+#[test]
+fn a_tripod_touches_itself_nowhere() {
+    let dimensions = tripod();
+    let model = dimensions.model().unwrap();
+    let rod_radius = RINGS.length / 80.0;
+    let solid_links: Vec<_> =
+        (0..model.links.len()).filter(|link| !model.links[*link].solids.is_empty()).collect();
+    assert_eq!(solid_links.len(), 1 + 3 + 6 + 1);
+    let (platform, table) = (link(&model, "platform"), 0);
+    for (radius, turn, height) in [0.0, 0.08, 0.14]
+        .into_iter()
+        .flat_map(|radius| (0..6).map(move |turn| (radius, turn, 0.05)))
+    {
+        let turn = f64::from(turn) * PI / 3.0 + 0.1;
+        let place = Point3::new(radius * turn.cos(), radius * turn.sin(), height);
+        let axes = inverse(&RINGS, &place).unwrap();
+        let poses = model.link_poses(&axes);
+        let around = |link: usize| bounds(&model, link, &axes);
+        for one in [0, 1, 2, 3, platform] {
+            for other in [0, 1, 2, 3, platform] {
+                if one < other && one > 0 {
+                    assert!(!meet(&around(one), &around(other)), "{one} {other} at {place}");
+                }
+            }
+        }
+        let tip = model.tip_position(&axes);
+        assert!(around(table)[0][1].z < tip.z - 0.0199, "{tip}");
+        // Carriages and platform against the base, turned as it stands: by points on and in them.
+        for moving in [1, 2, 3, platform] {
+            for solid in &model.links[moving].solids {
+                for corner in 0..27_u8 {
+                    let side = |power: u8| f64::from(corner / power % 3) - 1.0;
+                    let half = match solid.shape {
+                        SolidShape::Box { size } => size / 2.0,
+                        SolidShape::Cylinder { radius, length } => {
+                            Vector3::new(radius * 0.7, radius * 0.7, length / 2.0)
+                        }
+                        SolidShape::Sphere { radius } => Vector3::repeat(radius * 0.57),
+                    };
+                    let inside = Vector3::new(side(1), side(3), side(9)).component_mul(&half);
+                    let point = poses[moving] * (solid.origin * Point3::from(inside));
+                    for still in &model.links[0].solids {
+                        assert!(distance(still, &point) > 0.0, "{moving} at {place}: {still:?}");
+                    }
+                }
+            }
+        }
+        for number in 1..=6 {
+            let rod = link(&model, &format!("rod{number}"));
+            for step in 0..=60 {
+                // Clear of its own balls.
+                let along = 2.0 * 1.8 * rod_radius;
+                let along = along + (RINGS.length - 2.0 * along) * f64::from(step) / 60.0;
+                let point = poses[rod] * Point3::new(0.0, 0.0, -along);
+                for other in solid_links.iter().filter(|other| **other != rod) {
+                    let point = poses[*other].inverse_transform_point(&point);
+                    for solid in &model.links[*other].solids {
+                        let clear = distance(solid, &point);
+                        assert!(
+                            clear > rod_radius,
+                            "rod {number}, {} at {place}",
+                            model.links[*other].name
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn masses_add_up() {
+    let given = TripodDimensions {
+        carriage_mass: Some(1.5),
+        rod_mass: Some(0.05),
+        platform_mass: Some(0.4),
+        ..tripod()
+    };
+    let sum = |model: &Model| -> f64 {
+        model.links.iter().filter_map(|link| link.inertial).map(|inertial| inertial.mass).sum()
+    };
+    let model = given.model().unwrap();
+    assert!((sum(&model) - (4.5 + 0.3 + 0.4 + 0.1)).abs() < 1e-12, "{}", sum(&model));
+    let platform = model.links[link(&model, "platform")].inertial.unwrap();
+    assert!((platform.center - Point3::new(0.0, 0.0, -0.1 * 0.02 / 0.5)).norm() < 1e-15);
+    let rod = model.links[link(&model, "rod4")].inertial.unwrap();
+    assert!((rod.center - Point3::new(0.0, 0.0, -0.2)).norm() < 1e-15, "{rod:?}");
+    // Derived ones are those of a machine of this size.
+    let derived = sum(&tripod().model().unwrap());
+    assert!(derived > 1.0 && derived < 10.0, "{derived}");
+}
+
+/// The joints, the loops, and what passive joints rest at.
+#[test]
+fn rods_hang_on_joints_that_nothing_drives() {
+    let mut dimensions = tripod();
+    dimensions.joints =
+        [axis("A", 2, [0.25, 0.75]), axis("B", 0, [0.25, 0.75]), axis("C", 1, [0.25, 0.75])];
+    dimensions.offsets = [0.1, 0.0, -0.2];
+    let model = dimensions.model().unwrap();
+    let passive = |joint: &&Joint| matches!(joint.drive, JointDrive::Passive { .. });
+    assert_eq!(model.joints.iter().filter(passive).count(), 15);
+    assert_eq!((model.loops.len(), model.joints.len(), model.links.len()), (5, 19, 20));
+    let driven: Vec<_> = model.joints.iter().filter_map(|joint| joint.drive.axis()).collect();
+    assert_eq!(driven, [2, 0, 1]);
+    // At rest every axis is in the middle of its travel.
+    let rest = JointPositions::at_rest(&model);
+    let mut poses = model.link_poses(&[0.5; 3]);
+    let platform = poses[model.tip.link];
+    model.link_poses_at(rest.values(), &mut poses);
+    assert!(
+        (poses[model.tip.link].translation.vector - platform.translation.vector).norm() < 1e-13
+    );
+    let found = model.pose_of(&[0.5; 3], None).unwrap();
+    assert_eq!((found.values(), found.steps()), (rest.values(), 0));
+    // Written and read, each joint stands alone.
+    let text = model.to_urdf().unwrap();
+    assert_eq!(text.matches(" is passive; near ").count(), 15, "{text}");
+    assert_eq!(text.matches("\n  point 0 0 -0.4 of link rod").count(), 5, "{text}");
+    let names: Vec<_> = model.moving_joints().map(|(_, joint)| joint.name.as_str()).collect();
+    let read = Model::from_urdf(&text, &names).unwrap();
+    let positions: Vec<_> = model.moving_joints().map(|(index, _)| found.values()[index]).collect();
+    let error = read.tip_position(&positions) - model.tip_position(&[0.5; 3]);
+    assert!(error.norm() < 1e-14, "{error}");
+}
+
+#[test]
+fn where_the_rods_do_not_reach_is_said() {
+    let model = tripod().model().unwrap();
+    // Two carriages of which one would have to be more than two rods above the other.
+    let error = model.pose_of(&[0.0, 1.5, 0.0], None).unwrap_err();
+    assert!(matches!(error, LoopError::Open { gap } if gap > 0.01), "{error}");
+    // Followed there and back, it is where it was.
+    let mut kept = model.pose_of(&[0.4; 3], None).unwrap();
+    let before = kept.clone();
+    assert!(kept.follow(&model, &[0.0, 1.5, 0.0]).is_err());
+    kept.follow(&model, &[0.4; 3]).unwrap();
+    let mut poses = [before, kept].map(|kept| {
+        let mut poses = model.link_poses(&[0.4; 3]);
+        model.link_poses_at(kept.values(), &mut poses);
+        poses[model.tip.link].translation.vector
+    });
+    poses[0] -= poses[1];
+    assert!(poses[0].norm() < 1e-12, "{}", poses[0]);
+}
+
+#[test]
+fn impossible_tripods_are_named() {
+    let rings = |rings: TripodRings| rings.rods().unwrap_err();
+    assert_eq!(
+        rings(TripodRings { distance: 0.13, ..RINGS }),
+        DimensionError::Ring { radius: 0.06, distance: 0.13 }
+    );
+    let flat = rings(TripodRings { length: 0.0, ..RINGS });
+    assert!(flat.to_string().starts_with("the length of the rods is 0"), "{flat}");
+    assert_eq!(
+        rings(TripodRings { rotation: f64::NAN, ..RINGS }),
+        DimensionError::NotFinite { what: "the rotation" }
+    );
+    let refusal = |change: fn(&mut TripodDimensions)| {
+        let mut dimensions = tripod();
+        change(&mut dimensions);
+        dimensions.model().unwrap_err()
+    };
+    let short = refusal(|d| d.rods[3].length = 0.15);
+    assert!(matches!(short, DimensionError::Rod { rod: 3, .. }), "{short}");
+    assert!(short.to_string().starts_with("rod 4 of 0.15 m is too short"), "{short}");
+    let all_on_one = refusal(|d| d.rods[3].carriage = 0);
+    assert_eq!(all_on_one, DimensionError::RodsOfCarriages { carriages: [0, 0, 1, 0, 2, 2] });
+    let beyond = refusal(|d| d.rods[0].carriage = 3);
+    assert!(matches!(beyond, DimensionError::RodsOfCarriages { .. }), "{beyond}");
+    let nowhere = refusal(|d| d.rods[1].upper.y = f64::NAN);
+    assert_eq!(nowhere, DimensionError::NotFinite { what: "an end of a rod" });
+    let offset = refusal(|d| d.offsets[2] = f64::INFINITY);
+    assert_eq!(offset, DimensionError::NotFinite { what: "an offset" });
+    let twice = refusal(|d| d.joints[2].machine_axis = 0);
+    assert!(matches!(twice, DimensionError::JointTwice { .. }), "{twice}");
+    let thick = refusal(|d| d.rod_radius = Some(0.1));
+    assert!(matches!(thick, DimensionError::Rod { .. }), "{thick}");
+    let light = refusal(|d| d.platform_mass = Some(0.0));
+    assert!(light.to_string().starts_with("the mass of the platform is 0"), "{light}");
+    // In the middle of the travel one carriage would be more than a rod above the others.
+    let apart = refusal(|d| d.joints[1].position_limits = [2.0, 3.0]);
+    assert!(matches!(apart, DimensionError::RodsApart { gap } if gap > 0.1), "{apart}");
+}
+
+proptest! {
+    #![proptest_config(seeded())]
+
+    /// Manual 8.2.6, both ways: the tool is where the closed forms say, the platform level, every loop closed.
+    #[test]
+    fn the_tip_of_a_tripod_is_where_its_transform_says(
+        outer_radius in 0.2_f64..0.6, inner in 0.15_f64..0.8, distance in 0.2_f64..1.9, longer in 1.03_f64..3.0, rotation in -PI..PI,
+        radius in 0.0..0.6, turn in -PI..PI, z in -0.5..0.5, tool in [-0.1..0.1, -0.1..0.1, -0.3..0.0],
+        offsets in prop::array::uniform3(-1.0..1.0),
+    ) {
+        let inner_radius = outer_radius * inner;
+        let distance = inner_radius * distance;
+        let radius = radius * outer_radius;
+        // Long enough to reach anywhere at this radius.
+        let half: f64 = distance / 2.0;
+        let chord = |radius: f64| (radius * radius - half * half).sqrt();
+        let across = chord(outer_radius) - chord(inner_radius);
+        let length = longer * (across + radius);
+        let rings = TripodRings { inner_radius, outer_radius, length, distance, rotation };
+        let place = Point3::new(radius * turn.cos(), radius * turn.sin(), z);
+        let heights = inverse(&rings, &place).unwrap();
+        let mut positions = heights;
+        positions.iter_mut().zip(offsets).for_each(|(position, offset)| *position += offset);
+        let joint = |name: &str, axis: usize| {
+            // The rest need not be where the machine goes.
+            MachineJoint::new(name, axis, [z + offsets[axis] - 0.3, z + offsets[axis] + 0.6])
+        };
+        let joints = [joint("A", 0), joint("B", 1), joint("C", 2)];
+        let dimensions = TripodDimensions::new("tripod", joints, rings.rods().unwrap());
+        let dimensions = TripodDimensions { offsets, tool: tool.into(), ..dimensions };
+        let model = dimensions.model().unwrap();
+
+        let found = model.pose_of(&positions, None).unwrap();
+        prop_assert!(found.residual() < 1e-12, "{}", found.residual());
+        let tip = model.tip_position(&positions);
+        let expected = place + Vector3::from(tool);
+        prop_assert!((tip - expected).norm() < 1e-11, "{tip} {expected}");
+        let mut poses = model.link_poses(&positions);
+        model.link_poses_at(found.values(), &mut poses);
+        let platform = poses[model.tip.link];
+        prop_assert!(platform.rotation.angle() < 1e-11, "{platform}");
+        prop_assert!((forward(&rings, heights) + Vector3::from(tool) - tip).norm() < 1e-11);
+        prop_assert!(strain(&dimensions, &positions, &platform) < 1e-12);
+        // The platform below its carriages.
+        prop_assert!(heights.iter().all(|height| *height > platform.translation.z));
+    }
+
+    /// Rods and ends as measured on a real machine: the platform stands where all six rods have their lengths, tilted
+    /// a little, and nothing jumps on the way there.
+    #[test]
+    fn measured_rods_have_their_lengths(
+        errors in prop::collection::vec(-2e-3..2e-3, 42), radius in 0.0..0.12, turn in -PI..PI, height in 0.0..0.2,
+    ) {
+        let mut dimensions = tripod();
+        for (rod, errors) in dimensions.rods.iter_mut().zip(errors.chunks(7)) {
+            rod.upper += Vector3::new(errors[0], errors[1], errors[2]);
+            rod.lower += Vector3::new(errors[3], errors[4], errors[5]);
+            rod.length += errors[6];
+        }
+        let model = dimensions.model().unwrap();
+        let place = Point3::new(radius * turn.cos(), radius * turn.sin(), height);
+        let axes = inverse(&RINGS, &place).unwrap();
+        let mut kept = model.pose_of(&axes, None).unwrap();
+        prop_assert!(kept.residual() < 1e-14);
+        let mut poses = model.link_poses(&axes);
+        let platform = poses[model.tip.link];
+        prop_assert!(strain(&dimensions, &axes, &platform) < 1e-14);
+        // A few millimetres from the nominal place, tilted by a few degrees.
+        let off = (platform.translation.vector - place.coords).norm();
+        prop_assert!(off > 1e-6 && off < 0.05, "{off}");
+        let tilt = Rotation3::from(platform.rotation).angle();
+        prop_assert!(tilt > 1e-5 && tilt < 0.4, "{tilt}");
+        // A millimetre on from there, in as many steps as a machine takes in a tenth of a second.
+        for step in 1..=10 {
+            let up = 1e-4 * f64::from(step);
+            let axes = axes.map(|axis| axis + up);
+            kept.follow(&model, &axes).unwrap();
+            prop_assert!(kept.steps() <= 3, "{}", kept.steps());
+            model.link_poses_at(kept.values(), &mut poses);
+            let risen = poses[model.tip.link].translation.vector - platform.translation.vector;
+            prop_assert!((risen - Vector3::z() * up).norm() < 1e-13, "{risen}");
+        }
+    }
+}
+
+/// Everything the travel allows and the rods reach is closed, from rest and from one corner to the next.
+#[test]
+fn corners_of_the_travel_are_closed_or_refused() {
+    let model = TripodDimensions { joints: axes([0.35, 0.5]), ..tripod() }.model().unwrap();
+    let mut kept = JointPositions::at_rest(&model);
+    let corners: Vec<_> =
+        model.joints.iter().take(3).map(|joint| joint.position_limits.unwrap()).fold(
+            vec![Vec::new()],
+            |rows: Vec<Vec<f64>>, limits| {
+                rows.iter().flat_map(|row| limits.map(|l| [&row[..], &[l]].concat())).collect()
+            },
+        );
+    assert_eq!(corners.len(), 8);
+    for axes in corners {
+        kept.follow(&model, &axes).unwrap();
+        let expected = forward(&RINGS, [axes[0], axes[1], axes[2]]) + Vector3::new(0.0, 0.0, -0.04);
+        assert!((model.tip_position(&axes) - expected).norm() < 1e-12);
+        let mut poses = model.link_poses(&axes);
+        model.link_poses_at(kept.values(), &mut poses);
+        let tip = poses[model.tip.link] * model.tip.point;
+        assert!((tip - expected).norm() < 1e-12, "{tip} {expected}");
+    }
+}

@@ -1,0 +1,178 @@
+use super::seeded;
+use crate::{Joint, JointDrive, JointKind, Link, Loop, LoopError, Model, Tip};
+use nalgebra::{Isometry3, Point3, Unit, Vector3};
+use proptest::prelude::*;
+use std::f64::consts::PI;
+
+/// A link of no body behind a joint of `parent`.
+fn add(
+    model: &mut Model,
+    kind: JointKind,
+    parent: usize,
+    origin: [f64; 3],
+    axis: [f64; 3],
+    drive: JointDrive,
+) -> usize {
+    let child = model.links.len();
+    let name = format!("part{child}");
+    model.links.push(Link { name: name.clone(), inertial: None, solids: Vec::new() });
+    model.joints.push(Joint {
+        name,
+        kind,
+        parent,
+        child,
+        origin: Isometry3::from(Vector3::from(origin)),
+        axis: Unit::new_normalize(Vector3::from(axis)),
+        drive,
+        position_limits: None,
+        velocity_limit: None,
+        effort_limit: None,
+    });
+    child
+}
+
+fn base() -> Model {
+    Model {
+        name: "linkage".to_owned(),
+        links: vec![Link { name: "base".to_owned(), inertial: None, solids: Vec::new() }],
+        joints: Vec::new(),
+        loops: Vec::new(),
+        tip: Tip { link: 0, point: Point3::origin() },
+    }
+}
+
+/// A crank of length `crank` about z at the origin, a rod of length `rod`, and a slider on the x axis in front of it.
+fn slider_crank(crank: f64, rod: f64) -> Model {
+    let mut model = base();
+    let turning = [0.0, 0.0, 1.0];
+    let passive = |rest| JointDrive::Passive { rest };
+    let arm = add(&mut model, JointKind::Revolute, 0, [0.0; 3], turning, JointDrive::Axis(0));
+    let coupler =
+        add(&mut model, JointKind::Revolute, arm, [crank, 0.0, 0.0], turning, passive(0.0));
+    let slider =
+        add(&mut model, JointKind::Prismatic, 0, [0.0; 3], [1.0, 0.0, 0.0], passive(crank + rod));
+    let points = [Point3::new(rod, 0.0, 0.0), Point3::origin()];
+    model.loops.push(Loop { links: [coupler, slider], points });
+    model.tip = Tip { link: slider, point: Point3::new(0.0, 0.0, 0.1) };
+    model
+}
+
+proptest! {
+    #![proptest_config(seeded())]
+
+    /// s = r·cos φ + √(l² − r²·sin² φ), whichever way round and from wherever it is looked for.
+    #[test]
+    fn a_slider_is_where_its_crank_puts_it(
+        crank in 0.05..0.5, longer in 1.1..3.0, angle in -3.0 * PI..3.0 * PI, before in -3.0..3.0,
+    ) {
+        let rod = crank * longer;
+        let model = slider_crank(crank, rod);
+        let slider = |angle: f64| {
+            crank * angle.cos() + (rod * rod - (crank * angle.sin()).powi(2)).sqrt()
+        };
+        let found = model.pose_of(&[angle], None).unwrap();
+        let size = 2.0 * (crank + rod);
+        prop_assert!(found.residual() <= 1e-14 * size, "{found:?}");
+        // Where crank and rod are at right angles, nothing is lost; where they are in line neither.
+        let error = (found.values()[2] - slider(angle)).abs();
+        prop_assert!(error <= 1e-12, "{error} {found:?}");
+        let tip = model.tip_position(&[angle]);
+        prop_assert!((tip - Point3::new(slider(angle), 0.0, 0.1)).norm() <= 1e-12, "{tip}");
+
+        // From the instant before it takes a few steps, and nothing but where to begin differs.
+        let mut kept = model.pose_of(&[angle - 0.01 * before], None).unwrap();
+        kept.follow(&model, &[angle]).unwrap();
+        prop_assert!((kept.values()[2] - slider(angle)).abs() <= 1e-12);
+        prop_assert!(kept.steps() <= 6, "{}", kept.steps());
+        let again = model.pose_of(&[angle], Some(found.values())).unwrap();
+        prop_assert_eq!((again.values(), again.steps()), (found.values(), 0));
+        let mut poses = model.link_poses(&[0.0]);
+        model.link_poses_at(found.values(), &mut poses);
+        prop_assert_eq!(poses, model.link_poses(&[angle]));
+    }
+}
+
+#[test]
+fn what_cannot_be_joined_is_said() {
+    // The rod is too short to let the crank stand across.
+    let model = slider_crank(0.3, 0.2);
+    let error = model.pose_of(&[PI / 2.0], None).unwrap_err();
+    let LoopError::Open { gap } = error else { panic!("{error}") };
+    assert!((gap - 0.1).abs() < 1e-6, "the crank pin is 0.3 m away, the rod 0.2 m long: {gap}");
+    assert!(error.to_string().starts_with("the links of the machine cannot be joined"), "{error}");
+    // A picture shows it as nearly joined as it can be.
+    let poses = model.link_poses(&[PI / 2.0]);
+    let ends = [poses[2] * Point3::new(0.2, 0.0, 0.0), poses[3] * Point3::origin()];
+    assert!(((ends[0] - ends[1]).norm() - gap).abs() < 1e-9);
+    // Having been out there, it comes back.
+    let mut kept = crate::JointPositions::at_rest(&model);
+    assert!(kept.follow(&model, &[PI / 2.0]).is_err());
+    kept.follow(&model, &[0.5]).unwrap();
+
+    assert_eq!(model.pose_of(&[f64::NAN], None).unwrap_err(), LoopError::NotFinite);
+    assert_eq!(
+        model.pose_of(&[0.0], Some(&[0.0, f64::NAN, 0.0])).unwrap_err(),
+        LoopError::NotFinite
+    );
+    assert_eq!(
+        model.pose_of(&[0.0], Some(&[0.0])).unwrap_err(),
+        LoopError::Start { given: 1, expected: 3 }
+    );
+    // Links that are not there are at the origin, and so is nothing that could close the loop.
+    let mut odd = model.clone();
+    odd.loops[0].links[1] = 9;
+    assert!(odd.pose_of(&[0.5], None).is_err());
+    let mut stiff = model;
+    stiff.joints.iter_mut().for_each(|joint| joint.drive = JointDrive::Axis(0));
+    assert!(matches!(stiff.pose_of(&[0.5], None), Err(LoopError::Open { .. })));
+}
+
+/// Two motors, one belt: the joints are half the sum and half the difference.
+#[test]
+fn joints_that_axes_share() {
+    let mut model = base();
+    let parts = |a, b| JointDrive::Combination(vec![(0, a), (1, b)]);
+    let x = add(
+        &mut model,
+        JointKind::Prismatic,
+        0,
+        [0.1, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        parts(0.5, -0.5),
+    );
+    let y =
+        add(&mut model, JointKind::Prismatic, x, [0.0, 0.2, 0.0], [0.0, 1.0, 0.0], parts(0.5, 0.5));
+    model.tip.link = y;
+    let tip = model.tip_position(&[0.7, 0.3]);
+    assert!((tip - Point3::new(0.3, 0.7, 0.0)).norm() < 1e-15, "{tip}");
+    let found = model.pose_of(&[0.7, 0.3], None).unwrap();
+    assert!((found.values()[0] - 0.2).abs() < 1e-15 && (found.values()[1] - 0.5).abs() < 1e-15);
+    assert_eq!((found.residual(), found.steps()), (0.0, 0));
+}
+
+/// What URDF cannot say is in a comment; what is read again are joints of their own.
+#[test]
+fn couplings_are_written_as_a_comment() {
+    let mut model = slider_crank(0.3, 0.5);
+    model.joints[0].drive = JointDrive::Combination(vec![(0, 0.5), (1, -0.5)]);
+    model.joints[0].name = "a --> b".to_owned();
+    model.links[2].name = "rod---".to_owned();
+    let text = model.to_urdf().unwrap();
+    let comment = &text[text.find("<!--").unwrap() + 4..text.find("-->").unwrap()];
+    assert!(!comment.contains("--"), "{text}");
+    for said in [
+        "position of joint a - -> b = 0.5 * axis 0 + -0.5 * axis 1",
+        "joint part2 is passive; near 0\n",
+        "joint part3 is passive; near 0.8\n",
+        "point 0.5 0 0 of link rod- - - = point 0 0 0 of link part3",
+    ] {
+        assert!(comment.contains(said), "{said}: {text}");
+    }
+    let read = Model::from_urdf(&text, &["a --> b", "part2", "part3"]).unwrap();
+    for (index, joint) in model.joints.iter_mut().enumerate() {
+        joint.drive = JointDrive::Axis(index);
+    }
+    model.loops.clear();
+    assert_eq!(read, model);
+    assert!(!model.to_urdf().unwrap().contains("<!--"));
+}
