@@ -115,7 +115,8 @@ pub(super) fn read(
             axes.iter().any(|entry| entry.role == role && entry.axis.kind == AxisKind::Rotary);
         model.add_additional_axis(&joint, turns, number);
     }
-    let machine_axes = MachineAxes::new(transform, sources, nalgebra::Vector3::new(0.0, 0.0, -tool.length));
+    let machine_axes =
+        MachineAxes::new(transform, sources, nalgebra::Vector3::new(0.0, 0.0, -tool.length));
     let kinematics = machine_axes.map_err(|error| kinematics.complain(error.to_string())).ok()?;
     Some(Geometry { kind: kind.name(), kinematics, model })
 }

@@ -1,8 +1,10 @@
 //! How far the tool gets, by going through the positions of the axes.
 
 use super::space::Space;
+use crate::machine::{Axis, AxisKind};
 use nalgebra::{Point3, Vector3};
-use twin_kinematics::{AxisVector, Kinematics, Pose};
+use std::f64::consts::PI;
+use twin_kinematics::{AxisVector, Kinematics};
 
 /// Axis positions that are looked at, all axes together.
 const SAMPLES: f64 = 60_000.0;
@@ -49,7 +51,6 @@ pub struct Sweep<'s, 'm> {
     ranges: Vec<[f64; 2]>,
     /// Axes that move the tool.
     moving: Vec<usize>,
-    turns_tool: bool,
 }
 
 impl<'s, 'm> Sweep<'s, 'm> {
@@ -60,9 +61,7 @@ impl<'s, 'm> Sweep<'s, 'm> {
 
     /// Every rotary axis through a whole turn, the others within their software limits.
     pub fn whole_turns(space: &'s Space<'m>) -> Self {
-        use crate::machine::AxisKind;
-        use std::f64::consts::PI;
-        let range = |axis: &crate::machine::Axis| {
+        let range = |axis: &Axis| {
             let [low, high] = axis.position_limits;
             let middle = low.midpoint(high);
             match axis.kind {
@@ -74,32 +73,9 @@ impl<'s, 'm> Sweep<'s, 'm> {
     }
 
     fn over(space: &'s Space<'m>, ranges: Vec<[f64; 2]>) -> Self {
-        let mut sweep = Self { space, ranges, moving: Vec::new(), turns_tool: false };
-        let middle = sweep.at(|[low, high]| low.midpoint(high));
-        let at_middle = sweep.forward(&middle);
-        for (index, [low, high]) in sweep.ranges.clone().into_iter().enumerate() {
-            // Not the ends: a joint may come round to where it was.
-            let moved = [0.2, 0.35, 0.9].map(|part| {
-                let mut axes = middle;
-                if let Some(axis) = axes.get_mut(index) {
-                    *axis = low + part * (high - low);
-                }
-                sweep.forward(&axes)
-            });
-            if high > low && moved.iter().any(|pose| *pose != at_middle) {
-                sweep.moving.push(index);
-            }
-            let direction = |pose: &Option<Pose>| pose.map(|pose| pose.direction);
-            sweep.turns_tool |= moved.iter().any(|pose| {
-                direction(pose).zip(direction(&at_middle)).is_some_and(|(one, other)| one != other)
-            });
-        }
-        sweep
-    }
-
-    /// True if an axis turns the tool about the vertical.
-    pub fn turns_tool(&self) -> bool {
-        self.turns_tool
+        let moves = |axis: &usize| space.machine().kinematics.moves_tool(*axis);
+        let moving = (0..ranges.len()).filter(moves).collect();
+        Self { space, ranges, moving }
     }
 
     /// The box around every place of the tool; `None` if there is none.
@@ -137,14 +113,11 @@ impl<'s, 'm> Sweep<'s, 'm> {
         AxisVector::from_values(self.ranges.iter().map(|range| position(*range)))
     }
 
-    fn forward(&self, axes: &AxisVector) -> Option<Pose> {
-        self.space.machine().kinematics.forward(axes).ok()
-    }
-
     /// Where the tool is, if the transform would choose these axis positions for it: not on another branch.
     fn tool(&self, axes: &AxisVector) -> Option<Point3<f64>> {
-        let pose = self.forward(axes)?;
-        let back = self.space.machine().kinematics.inverse(&pose, axes).ok()?;
+        let kinematics = &self.space.machine().kinematics;
+        let pose = kinematics.forward(axes).ok()?;
+        let back = kinematics.inverse(&pose, axes).ok()?;
         let same = axes.iter().zip(back.iter()).all(|(one, other)| (one - other).abs() <= SAME);
         same.then_some(pose.position)
     }

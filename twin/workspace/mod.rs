@@ -27,6 +27,6 @@ pub use extent::{Extent, Sweep};
 pub use scale::Scale;
 pub use section::{Cut, MeasureAt, Plane, Section};
 pub use space::{AxisSet, Sample, Space, State};
-pub use survey::{View, Workspace, WorkspaceError};
+pub use survey::{Reach, View, Workspace, WorkspaceError};
 pub use svg::{PictureError, picture};
 pub use view::show;

@@ -8,8 +8,8 @@
 use nalgebra::{Point2, Vector2};
 use std::collections::BTreeMap;
 
-/// Bisections between two nodes: to a millionth of a cell.
-const HALVINGS: u32 = 20;
+/// Points of a boundary are found to this part of the tolerance.
+const SHARPER: f64 = 0.1;
 /// Parts of a cell: a chord that is nearer to the boundary is not broken. For figures, and for pictures.
 pub const EXACT: f64 = 1e-4;
 /// See [`EXACT`].
@@ -350,7 +350,8 @@ impl Tracing<'_> {
 
     /// The last point inside on the way from a point inside to one that is not.
     fn between(&self, mut within: Point2<f64>, mut without: Point2<f64>) -> Point2<f64> {
-        for _ in 0..HALVINGS {
+        let enough = self.tolerance * SHARPER;
+        while (without - within).norm() > enough {
             let middle = nalgebra::center(&within, &without);
             if (self.inside)(&middle) {
                 within = middle;

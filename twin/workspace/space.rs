@@ -108,7 +108,7 @@ impl<'m> Space<'m> {
         };
         let beyond = self.beyond(&axes);
         let state = if beyond.is_empty() { State::Within } else { State::Beyond(beyond) };
-        Sample { state, measure: measure::isotropy(self.machine, &axes).unwrap_or(0.0) }
+        Sample { state, measure: measure::isotropy(self.machine, &axes) }
     }
 
     /// [`Self::sample`] without the measure.

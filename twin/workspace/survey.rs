@@ -8,7 +8,7 @@ use super::silhouette::silhouette;
 use super::space::Space;
 use crate::machine::Machine;
 use nalgebra::{Point2, Point3, Vector2};
-use twin_kinematics::{AxisVector, Kinematics, KinematicsError, Pose};
+use twin_kinematics::{AxisVector, Coordinate, Kinematics, KinematicsError, ReachOf};
 
 /// Farther than any machine reaches, m.
 const FAR: f64 = 1e7;
@@ -53,6 +53,15 @@ pub enum WorkspaceError {
     Flat,
 }
 
+/// How far the arms of a machine reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// What is so far from the axis of the first arm: the tool tip, or the wrist.
+    pub of: ReachOf,
+    /// Smallest and largest distance, m.
+    pub distances: [f64; 2],
+}
+
 /// The workspace of a machine.
 #[derive(Clone, Debug)]
 pub struct Workspace<'m> {
@@ -62,9 +71,8 @@ pub struct Workspace<'m> {
     pub turns_tool: bool,
     /// The box around every place of the tool within the software limits.
     pub extent: Extent,
-    /// Smallest and largest distance of the tool from the axis of the first arm, m, whatever the limits; `None` for
-    /// machines without arms.
-    pub reach: Option<[f64; 2]>,
+    /// How far the arms reach, whatever the limits; `None` for machines without arms.
+    pub reach: Option<Reach>,
     /// Where programs start that do not say where, m, machine frame; `None` if that is out of reach.
     pub start: Option<Point3<f64>>,
     /// Where the vertical section goes.
@@ -82,12 +90,11 @@ impl<'m> Workspace<'m> {
     /// [`WorkspaceError::Direction`], [`WorkspaceError::Nowhere`], [`WorkspaceError::Height`].
     pub fn survey(machine: &'m Machine, view: &View) -> Result<Self, WorkspaceError> {
         let space = Space::new(machine, view.direction.unwrap_or_default());
-        let sweep = Sweep::within_limits(&space);
-        let turns_tool = sweep.turns_tool();
+        let turns_tool = machine.kinematics.coordinates().contains(&Coordinate::Direction);
         if view.direction.is_some() && !turns_tool {
             return Err(WorkspaceError::Direction);
         }
-        let extent = sweep.extent().ok_or(WorkspaceError::Nowhere)?;
+        let extent = Sweep::within_limits(&space).extent().ok_or(WorkspaceError::Nowhere)?;
         let reachable = Sweep::whole_turns(&space).extent().unwrap_or(extent);
         let start = machine.frame.point_to_machine(&Point3::from(machine.conditions.start));
         let start = machine.start_axes().map(|_| start);
@@ -179,12 +186,14 @@ impl<'m> Workspace<'m> {
 }
 
 /// The reach of the arms: what the transform says of a place that nothing reaches.
-fn reach(space: &Space<'_>, extent: &Extent) -> Option<[f64; 2]> {
-    let Pose { position, .. } = space.pose(Point3::new(FAR, FAR, extent.center().z));
-    match space.machine().kinematics.inverse(&space.pose(position), &space.machine().middle()) {
-        Err(KinematicsError::Unreachable { reach, .. }) => {
-            Some(reach).filter(|reach| reach.iter().all(|distance| distance.is_finite()))
-        }
+fn reach(space: &Space<'_>, extent: &Extent) -> Option<Reach> {
+    let far = space.pose(Point3::new(FAR, FAR, extent.center().z));
+    match space.machine().kinematics.inverse(&far, &space.machine().middle()) {
+        Err(KinematicsError::Unreachable {
+            of: of @ (ReachOf::Arms | ReachOf::Wrist),
+            reach,
+            ..
+        }) => Some(Reach { of, distances: reach }),
         _ => None,
     }
 }

@@ -23,7 +23,7 @@ pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()
             "position_mm": millimetres(machine.conditions.start),
             "axes": machine.start_axes().map(|axes| positions(machine, &axes)),
         },
-        "reach_mm": workspace.reach.map(millimetres),
+        "reach_mm": workspace.reach.map(|reach| millimetres(reach.distances)),
         "extent_mm": {
             "x": millimetres([extent.min.x, extent.max.x]),
             "y": millimetres([extent.min.y, extent.max.y]),

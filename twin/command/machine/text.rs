@@ -7,7 +7,7 @@ use crate::workspace::{Cut, Example, MeasureAt, Section};
 use comfy_table::{Cell, CellAlignment};
 use nalgebra::Point3;
 use std::io::{self, Write};
-use twin_kinematics::{AxisVector, Kinematics};
+use twin_kinematics::{AxisVector, Kinematics, ReachOf};
 
 pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
     file(out, facts.machine)?;
@@ -119,12 +119,12 @@ fn workspace(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
     let dimensions: Vec<_> =
         facts.machine.dimensions.iter().map(|(key, value)| format!("{key} = {value}")).collect();
     writeln!(out, "kinematics {}: {}", facts.machine.kind, dimensions.join(", "))?;
-    if let Some([nearest, farthest]) = workspace.reach {
+    if let Some(reach) = workspace.reach {
+        let what = if reach.of == ReachOf::Wrist { "the wrist gets to" } else { "reach:" };
+        let [nearest, farthest] = reach.distances.map(|distance| distance * 1e3);
         writeln!(
             out,
-            "reach: the ring from {:.3} to {:.3} mm around the axis of the first arm",
-            nearest * 1e3,
-            farthest * 1e3
+            "{what} the ring from {nearest:.3} to {farthest:.3} mm around the axis of the first arm"
         )?;
     }
     let (min, max) = (workspace.extent.min * 1e3, workspace.extent.max * 1e3);

@@ -59,7 +59,7 @@ fn the_workspace_of_a_scara_is_what_its_arms_sweep() {
     let workspace = Workspace::survey(&machine, &View::default()).unwrap();
     let [first, second] = [0.25, 0.2];
     let [turn, bend] = [150.0_f64.to_radians(), 150.0_f64.to_radians()];
-    all_near(&workspace.reach.unwrap(), &[0.05, 0.45], 1e-12);
+    all_near(&workspace.reach.unwrap().distances, &[0.05, 0.45], 1e-12);
     let horizontal = workspace.horizontal();
     // dx dy = |det J| dA dB with det J = L1 L2 sin B.
     let area = 2.0 * turn * first * second * (1.0 - bend.cos());
