@@ -8,6 +8,8 @@
 use nalgebra::{Point2, Vector2};
 use std::collections::BTreeMap;
 
+/// Bisections at most.
+const HALVINGS: u32 = 50;
 /// Points of a boundary are found to this part of the tolerance.
 const SHARPER: f64 = 0.1;
 /// Parts of a cell: a chord that is nearer to the boundary is not broken. For figures, and for pictures.
@@ -351,7 +353,10 @@ impl Tracing<'_> {
     /// The last point inside on the way from a point inside to one that is not.
     fn between(&self, mut within: Point2<f64>, mut without: Point2<f64>) -> Point2<f64> {
         let enough = self.tolerance * SHARPER;
-        while (without - within).norm() > enough {
+        for _ in 0..HALVINGS {
+            if (without - within).norm() <= enough {
+                break;
+            }
             let middle = nalgebra::center(&within, &without);
             if (self.inside)(&middle) {
                 within = middle;
@@ -391,6 +396,10 @@ impl Tracing<'_> {
             return;
         }
         let middle = nalgebra::center(&from.at, &to.at);
+        let aside = Vector2::new(-chord.y, chord.x) * (self.tolerance / chord.norm());
+        if (self.inside)(&(middle + aside)) && !(self.inside)(&(middle - aside)) {
+            return;
+        }
         // To the left is the region. No right angle over the chord has its corner farther away than half of it.
         let left = Vector2::new(-chord.y, chord.x) * 0.55;
         let at = if (self.inside)(&middle) {
@@ -406,9 +415,6 @@ impl Tracing<'_> {
             }
             self.between(inside, middle)
         };
-        if (at - middle).norm() <= self.tolerance {
-            return;
-        }
         let vertex = Vertex { at, cut: false };
         self.break_up(from, vertex, breaks - 1, vertices);
         vertices.push(vertex);

@@ -34,7 +34,7 @@ pub struct View {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum WorkspaceError {
     /// The tool of a machine that does not turn it was to have a direction.
-    #[error("no axis of the machine turns the tool")]
+    #[error("no axis of the machine turns the tool: it cannot be given a direction")]
     Direction,
     /// Software limits that leave nothing.
     #[error("the tool is nowhere within the software limits of all axes")]
