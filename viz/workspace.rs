@@ -120,3 +120,74 @@ fn log_section(stream: &RecordingStream, view: &WorkspaceView<'_>) -> Result<(),
     stream.log_static("workspace/marks", &marks)?;
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::tests::{machine, read::Read};
+    use rerun::components;
+
+    const TRIANGLE: [[f64; 3]; 3] = [[0.1, 0.0, 0.02], [0.3, 0.0, 0.02], [0.1, 0.4, 0.02]];
+    const COLORS: [[u8; 3]; 3] = [[1, 2, 3], [4, 5, 6], [7, 8, 9]];
+
+    fn record(poses: usize) -> Result<Read, VizError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("workspace.rrd");
+        let corners = TRIANGLE.map(Point3::from);
+        let viewer = show_workspace(
+            &SceneOptions { record: Some(path.clone()), ..SceneOptions::default() },
+            &WorkspaceView {
+                machine: &machine(),
+                poses: &vec![Isometry3::identity(); poses],
+                corners: &corners,
+                colors: &COLORS,
+                triangles: &[[0, 1, 2]],
+                lines: &[SheetLine { points: corners.to_vec(), color: [255, 0, 0] }],
+                marks: &[Mark { point: corners[1], label: "start", color: [0, 255, 0] }],
+                about: "a triangle",
+            },
+        )?;
+        assert!(viewer.is_none());
+        Ok(Read::new(&path))
+    }
+
+    #[test]
+    fn a_section_is_recorded_in_mm_beside_its_machine() {
+        let read = record(2).unwrap();
+        let mesh = rerun::Mesh3D::descriptor_vertex_positions();
+        let corners = read.statics::<components::Position3D>("workspace/section", &mesh);
+        let corners: Vec<_> = corners.iter().map(|corner| corner.0.0).collect();
+        assert_eq!(corners, [[100.0, 0.0, 20.0], [300.0, 0.0, 20.0], [100.0, 400.0, 20.0]]);
+        let colors = rerun::Mesh3D::descriptor_vertex_colors();
+        let colors = read.statics::<components::Color>("workspace/section", &colors);
+        assert_eq!(colors, COLORS.map(|[r, g, b]| Color::from_rgb(r, g, b)));
+        let lines = rerun::LineStrips3D::descriptor_strips();
+        let lines = read.statics::<components::LineStrip3D>("workspace/lines", &lines);
+        assert_eq!(lines.len(), 1);
+        assert_eq!(lines[0].0.len(), 3);
+        let labels = rerun::Points3D::descriptor_labels();
+        let labels = read.statics::<components::Text>("workspace/marks", &labels);
+        assert_eq!(labels, ["start".into()]);
+        assert!(read.of("machine/arm\\ 1/cylinders").next().is_some());
+        assert!(read.has_blueprint);
+        assert_eq!(read.activations, 1);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let error = record(1).err().unwrap();
+        assert!(matches!(error, VizError::LinkCount { expected: 2, found: 1 }), "{error}");
+        let view = WorkspaceView {
+            machine: &machine(),
+            poses: &[Isometry3::identity(); 2],
+            corners: &[],
+            colors: &[],
+            triangles: &[],
+            lines: &[],
+            marks: &[],
+            about: "",
+        };
+        let error = show_workspace(&SceneOptions::default(), &view).err().unwrap();
+        assert!(matches!(error, VizError::NoDestination), "{error}");
+    }
+}

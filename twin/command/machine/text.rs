@@ -190,10 +190,10 @@ fn worked(out: &mut impl Write, machine: &Machine, example: &Example) -> io::Res
     table.set_header(header.chain(["fastest".to_owned()]));
     for way in &example.ways {
         let (unit, scale) = if way.turns() { ("deg/s", 1f64.to_radians()) } else { ("mm/s", 1e-3) };
-        let rates =
-            machine.axes.iter().zip(way.rates.iter()).map(|(axis, rate)| {
-                format!("{:.4} {}/s", axis.from_si(*rate * scale), axis.unit())
-            });
+        let rates = machine.axes.iter().zip(way.rates.iter()).map(|(axis, rate)| {
+            let rate = axis.from_si(*rate * scale);
+            if rate == 0.0 { "–".to_owned() } else { format!("{rate:.4} {}/s", axis.unit()) }
+        });
         let fastest = way.fastest.and_then(|(axis, speed)| {
             let axis = machine.axes.get(axis)?;
             Some(format!(
