@@ -6,11 +6,6 @@ use twin_kinematics::{AxisVector, Kinematics};
 /// The singularity measure with the axes at `axes`: smallest over largest singular value of the Jacobian, 0 to 1; 0 where
 /// there is no Jacobian.
 pub(super) fn isotropy(machine: &Machine, axes: &AxisVector) -> f64 {
-    let dexterity = machine.kinematics.dexterity(axes, length_scale(machine));
+    let dexterity = machine.kinematics.dexterity(axes, machine.length_scale);
     dexterity.map_or(0.0, |dexterity| dexterity.isotropy())
-}
-
-/// What a radian counts, m.
-pub(super) fn length_scale(machine: &Machine) -> f64 {
-    machine.kinematics.characteristic_length()
 }

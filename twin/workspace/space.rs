@@ -81,6 +81,11 @@ impl<'m> Space<'m> {
         self.machine
     }
 
+    /// Direction of the tool about +z, rad.
+    pub fn direction(&self) -> f64 {
+        self.direction
+    }
+
     /// The pose of the tool at a point (m, machine frame).
     pub fn pose(&self, position: Point3<f64>) -> Pose {
         Pose { position, direction: self.direction }

@@ -2,7 +2,6 @@
 
 use super::example::Example;
 use super::extent::{Extent, Sweep};
-use super::measure;
 use super::section::{Cut, Plane, Section};
 use super::silhouette::silhouette;
 use super::space::Space;
@@ -156,11 +155,6 @@ impl<'m> Workspace<'m> {
             [min.inf(&point), max.sup(&point)]
         });
         Section::new(self.space, cut, rectangle)
-    }
-
-    /// What a radian counts in the singularity measure, m.
-    pub fn length_scale(&self) -> f64 {
-        measure::length_scale(self.space.machine())
     }
 
     /// Axis positions in which the machine is shown: where programs start, or the middle.

@@ -133,11 +133,15 @@ fn workspace(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
         "within the software limits: x {:.1} … {:.1}, y {:.1} … {:.1}, z {:.1} … {:.1} mm (tool tip, machine frame)",
         min.x, max.x, min.y, max.y, min.z, max.z
     )?;
+    if workspace.turns_tool {
+        let direction = workspace.space.direction().to_degrees();
+        writeln!(out, "what follows is with the tool pointing to {direction:.3}°")?;
+    }
     for section in [Some(&facts.horizontal), facts.vertical.as_ref()].into_iter().flatten() {
         writeln!(out, "{}", sentence(section))?;
     }
     if let (Some(worst), Some(best)) = (facts.horizontal.worst, facts.horizontal.best) {
-        let length = workspace.length_scale() * 1e3;
+        let length = facts.machine.length_scale * 1e3;
         let values = if best.measure - worst.measure < 1e-6 {
             format!("{:.3} everywhere", best.measure)
         } else {

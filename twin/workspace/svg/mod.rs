@@ -101,6 +101,11 @@ struct Drawing<'a, 'm> {
 impl Drawing<'_, '_> {
     fn words(&self) -> (String, String) {
         let name = &self.workspace.space.machine().name;
+        let direction = if self.workspace.turns_tool {
+            format!(", tool at {}°", Short(self.section.space.direction().to_degrees()))
+        } else {
+            String::new()
+        };
         let which = self.section.cut;
         let area = self.section.within.area();
         let measure = match (self.section.worst, self.section.best) {
@@ -114,7 +119,10 @@ impl Drawing<'_, '_> {
         };
         (
             format!("Workspace of {name}"),
-            format!("{which}; {:.0} cm² within the software limits{measure}", area * 1e4),
+            format!(
+                "{which}{direction}; {:.0} cm² within the software limits{measure}",
+                area * 1e4
+            ),
         )
     }
 

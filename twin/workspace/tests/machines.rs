@@ -158,3 +158,81 @@ fn a_survey_is_repeatable() {
     assert_eq!(survey(), survey());
     let _: Option<Point2<f64>> = survey().3;
 }
+
+/// A = x + y and B = x - y, each within ±700 mm: a square on its corner.
+#[test]
+fn the_workspace_of_an_h_belt_stands_on_its_corner() {
+    let machine = machine("gantry_h2.toml");
+    let workspace = Workspace::survey(&machine, &View::default()).unwrap();
+    let horizontal = workspace.horizontal();
+    near(horizontal.within.area(), 2.0 * 0.7 * 0.7, 2e-6);
+    all_near(&extent(&horizontal), &[-0.7, 0.7, -0.7, 0.7], 1e-4);
+    // Belts move the carriage by (1, 1)/2 and (1, -1)/2: singular values of 1/√2, and 1 for the axis of Z.
+    for measure in [horizontal.best, horizontal.worst] {
+        near(measure.unwrap().measure, 0.5_f64.sqrt(), 1e-9);
+    }
+    let [along_x, along_y, _] = &workspace.example(&horizontal).unwrap().unwrap().ways[..] else {
+        panic!("three ways");
+    };
+    all_near(&along_x.rates, &[1.0, 1.0, 0.0], 1e-12);
+    all_near(&along_y.rates, &[1.0, -1.0, 0.0], 1e-12);
+}
+
+/// A hand of 40 mm that keeps its direction moves what two arms sweep, but does not change it.
+#[test]
+fn a_hand_moves_the_workspace_of_its_wrist() {
+    let machine = machine("scara3.toml");
+    for direction in [0.0, 1.0, -2.5] {
+        let view = View { direction: Some(direction), ..View::default() };
+        let workspace = Workspace::survey(&machine, &view).unwrap();
+        assert!(workspace.turns_tool);
+        let horizontal = workspace.horizontal();
+        let [limit, bend] = [150.0_f64.to_radians(), 150.0_f64.to_radians()];
+        near(horizontal.within.area() / (2.0 * limit * 0.05 * (1.0 - bend.cos())), 1.0, 1e-4);
+        let [_, right, low, high] = extent(&horizontal);
+        let (sin, cos) = direction.sin_cos();
+        all_near(
+            &[right, low, high],
+            &[0.45 + 0.04 * cos, -0.45 + 0.04 * sin, 0.45 + 0.04 * sin],
+            1e-5,
+        );
+        let example = workspace.example(&horizontal).unwrap().unwrap();
+        assert_eq!(example.ways.len(), 4);
+        assert!(example.ways.iter().map(|way| way.turns()).eq([false, false, false, true]));
+        // The three angles add up to the direction of the hand, give or take whole turns.
+        let turned = example.axes[..3].iter().sum::<f64>() - direction;
+        all_near(&[turned.cos(), turned.sin()], &[1.0, 0.0], 1e-9);
+    }
+}
+
+/// q = z + tool + √(L² − d²), d from the middle of each pair's upper ends to that of its lower ones, within 240 to 560 mm.
+#[test]
+fn the_workspace_of_a_tripod_is_where_its_rods_let_it_be() {
+    let machine = machine("tripod.toml");
+    let workspace = Workspace::survey(&machine, &View::default()).unwrap();
+    let ring = |radius: f64| (radius * radius - 0.025 * 0.025).sqrt();
+    let radius = ring(0.26) - ring(0.06);
+    let fits = |x: f64, y: f64, z: f64| {
+        [90.0_f64, 210.0, 330.0].into_iter().all(|angle| {
+            let (sin, cos) = angle.to_radians().sin_cos();
+            let d = (x - radius * cos).hypot(y - radius * sin);
+            let carriage = z + 0.05 + (0.16 - d * d).sqrt();
+            (0.24..=0.56).contains(&carriage)
+        })
+    };
+    let count = |inside: &dyn Fn(f64, f64) -> bool| {
+        let steps = || (-600..600).map(|step| (f64::from(step) + 0.5) * 5e-4);
+        let hits = steps().flat_map(|x| steps().filter(move |y| inside(x, *y)));
+        hits.fold(0.0, |area, _| area + 2.5e-7)
+    };
+    let horizontal = workspace.horizontal();
+    near(horizontal.within.area(), count(&|x, y| fits(x, y, 0.06)), 2e-5);
+    near(workspace.vertical().unwrap().within.area(), count(&|x, z| fits(x, 0.0, z)), 2e-5);
+    // Three of a kind: the best place is the middle.
+    let Point3 { coords: best } = horizontal.best.unwrap().position;
+    all_near(best.as_slice(), &[0.0, 0.0, 0.06], 1e-6);
+    // Highest and lowest on the axis, with all carriages at a limit.
+    let rods = (0.16 - radius * radius).sqrt();
+    let box_of = workspace.extent;
+    all_near(&[box_of.min.z, box_of.max.z], &[0.24 - rods - 0.05, 0.56 - rods - 0.05], 1e-9);
+}
