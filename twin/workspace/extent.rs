@@ -29,6 +29,7 @@ pub struct Extent {
 
 impl Extent {
     /// The smallest box around both.
+    #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self { min: self.min.inf(&other.min), max: self.max.sup(&other.max) }
     }

@@ -10,6 +10,7 @@
 
 mod example;
 mod extent;
+mod grid;
 mod measure;
 pub mod region;
 mod scale;
@@ -24,6 +25,7 @@ mod view;
 
 pub use example::{Example, Way};
 pub use extent::{Extent, Sweep};
+pub use grid::Grid;
 pub use scale::Scale;
 pub use section::{Cut, MeasureAt, Plane, Section};
 pub use space::{AxisSet, Sample, Space, State};

@@ -1,7 +1,8 @@
 //! A plane through the workspace, and what the machine can do on it.
 
 use super::extent::Extent;
-use super::region::{self, Grid, Region};
+use super::grid::Grid;
+use super::region::{self, Region};
 use super::space::{Sample, Space, State};
 use nalgebra::{Point2, Point3, Vector2, Vector3};
 use std::fmt;

@@ -64,16 +64,16 @@ pub fn show(
 
 /// What is shown, in words, with the colours of the measure.
 fn about(section: &Section<'_>, machine: &str, scale: Scale) -> String {
-    let mut text = format!(
+    let measure = match (section.worst, section.best) {
+        (Some(worst), Some(best)) => format!("{:.3} to {:.3}", worst.measure, best.measure),
+        _ => "–".to_owned(),
+    };
+    format!(
         "**Machine** {machine}  \n**Section** {}  \n**Area** {:.0} cm² within the software limits  \n\
          **White** edge of the workspace, **grey** edge of the reach  \n\
-         **Colours** singularity measure, from dark to bright  \n",
+         **Colours** singularity measure, from dark (0) to bright ({:.2})  \n**Measure** {measure}",
         section.cut,
-        section.within.area() * 1e4
-    );
-    if let (Some(worst), Some(best)) = (section.worst, section.best) {
-        text += &format!("**Measure** {:.3} to {:.3}; ", worst.measure, best.measure);
-    }
-    text += &format!("colours from 0 to {:.2}", scale.least(scale.bands()));
-    text
+        section.within.area() * 1e4,
+        scale.least(scale.bands())
+    )
 }

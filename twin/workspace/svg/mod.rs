@@ -67,7 +67,7 @@ pub fn picture(
         drawing.frame(&mut chart)?;
         drawing.marks(&mut chart, example, &mut legend)?;
         let (title, below) = drawing.words();
-        page.title(&root, &title, &below)?;
+        Page::title(&root, &title, &below)?;
         page.sides(
             &root,
             match section.cut {
@@ -140,7 +140,7 @@ impl Drawing<'_, '_> {
             .y_labels(labels(sides.y))
             .x_label_formatter(&|value| number(*value))
             .y_label_formatter(&|value| number(*value))
-            .label_style(font(14.5, &INK))
+            .label_style(font(14.5, INK))
             .axis_style(FAINT.stroke_width(stroke(0.8)))
             .bold_line_style(RGBColor(226, 229, 234).stroke_width(stroke(0.8)))
             .light_line_style(TRANSPARENT)
@@ -251,7 +251,7 @@ impl Drawing<'_, '_> {
             let style = color.stroke_width(stroke(1.8));
             let line: Vec<_> = line.iter().map(mm).collect();
             chart.plotting_area().draw(&PathElement::new(line, style))?;
-            let style = font(15.0, &color).pos(Pos::new(HPos::Center, VPos::Center));
+            let style = font(15.0, color).pos(Pos::new(HPos::Center, VPos::Center));
             let word = end + along * self.page.metres(9.0);
             chart.plotting_area().draw(&Text::new(name, mm(&word), style))?;
         }

@@ -93,17 +93,17 @@ impl Page {
         )
     }
 
-    pub(super) fn title(&self, root: &Area<'_>, title: &str, below: &str) -> Result<(), Failure> {
+    pub(super) fn title(root: &Area<'_>, title: &str, below: &str) -> Result<(), Failure> {
         let at = |y: f64| (fine(MARGINS[0]), fine(y));
-        root.draw_text(title, &font(23.0, &INK), at(18.0))?;
-        root.draw_text(below, &font(15.5, &FAINT), at(47.0))
+        root.draw_text(title, &font(23.0, INK), at(18.0))?;
+        root.draw_text(below, &font(15.5, FAINT), at(47.0))
     }
 
     /// What the coordinates are, below and to the left of the section.
     pub(super) fn sides(&self, root: &Area<'_>, [below, left]: [&str; 2]) -> Result<(), Failure> {
         let [x, y, ..] = MARGINS;
         let [width, height] = self.plot;
-        let style = font(15.5, &INK).pos(Pos::new(HPos::Center, VPos::Center));
+        let style = font(15.5, INK).pos(Pos::new(HPos::Center, VPos::Center));
         let middle = (fine(x + width / 2.0), fine(y + height + NUMBERS - 8.0));
         root.draw_text(below, &style, middle)?;
         let middle = (fine(18.0), fine(y + height / 2.0));
@@ -134,14 +134,14 @@ impl Page {
         let every = [1, 2, 4, 5, 10]
             .into_iter()
             .find(|every| height / f64::from(scale.bands()) * f64::from(*every) >= 26.0);
-        let style = font(14.5, &INK).pos(Pos::new(HPos::Left, VPos::Center));
+        let style = font(14.5, INK).pos(Pos::new(HPos::Left, VPos::Center));
         for band in (0..=scale.bands()).filter(|band| band.is_multiple_of(every.unwrap_or(20))) {
             let (x, y) = (right + 7.0, y(band));
             let tick = vec![(fine(right), fine(y)), (fine(right + 4.0), fine(y))];
             root.draw(&PathElement::new(tick, FAINT.stroke_width(stroke(0.8))))?;
             root.draw_text(&super::number(scale.least(band)), &style, (fine(x), fine(y)))?;
         }
-        let style = font(14.5, &INK).transform(FontTransform::Rotate90);
+        let style = font(14.5, INK).transform(FontTransform::Rotate90);
         let style = style.pos(Pos::new(HPos::Center, VPos::Bottom));
         let middle = (fine(self.width - 22.0), fine(top + height / 2.0));
         root.draw_text("singularity measure", &style, middle)
@@ -159,7 +159,7 @@ impl Page {
                 (x, y) = (left, y + 21.0);
             }
             sign.draw(root, x, y)?;
-            let style = font(14.5, &INK).pos(Pos::new(HPos::Left, VPos::Center));
+            let style = font(14.5, INK).pos(Pos::new(HPos::Left, VPos::Center));
             root.draw_text(word, &style, (fine(x + 30.0), fine(y)))?;
             x += width + 18.0;
         }
@@ -217,6 +217,6 @@ pub(super) fn color([red, green, blue]: [u8; 3]) -> RGBColor {
     RGBColor(red, green, blue)
 }
 
-pub(super) fn font(pixels: f64, color: &RGBColor) -> TextStyle<'static> {
-    ("sans-serif", pixels * f64::from(FINE)).into_font().color(color)
+pub(super) fn font(pixels: f64, color: RGBColor) -> TextStyle<'static> {
+    ("sans-serif", pixels * f64::from(FINE)).into_font().color(&color)
 }

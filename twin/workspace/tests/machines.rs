@@ -1,5 +1,5 @@
 use crate::machine::Machine;
-use crate::workspace::{Cut, Section, View, Workspace, WorkspaceError};
+use crate::workspace::{Cut, Section, View, Way, Workspace, WorkspaceError};
 use nalgebra::{Point2, Point3};
 use std::f64::consts::PI;
 use std::path::Path;
@@ -30,8 +30,8 @@ fn the_workspace_of_a_gantry_is_its_limits() {
     let machine = machine("gantry3.toml");
     let workspace = Workspace::survey(&machine, &View::default()).unwrap();
     let extent_of = workspace.extent;
-    all_near(&extent_of.min.coords.as_slice(), &[-0.05, -0.25, -0.1], 1e-9);
-    all_near(&extent_of.max.coords.as_slice(), &[0.65, 0.45, 0.08], 1e-9);
+    all_near(extent_of.min.coords.as_slice(), &[-0.05, -0.25, -0.1], 1e-9);
+    all_near(extent_of.max.coords.as_slice(), &[0.65, 0.45, 0.08], 1e-9);
     assert_eq!((workspace.reach, workspace.turns_tool), (None, false));
     let horizontal = workspace.horizontal();
     // Where programs start: Z20.
@@ -198,7 +198,7 @@ fn a_hand_moves_the_workspace_of_its_wrist() {
         );
         let example = workspace.example(&horizontal).unwrap().unwrap();
         assert_eq!(example.ways.len(), 4);
-        assert!(example.ways.iter().map(|way| way.turns()).eq([false, false, false, true]));
+        assert!(example.ways.iter().map(Way::turns).eq([false, false, false, true]));
         // The three angles add up to the direction of the hand, give or take whole turns.
         let turned = example.axes[..3].iter().sum::<f64>() - direction;
         all_near(&[turned.cos(), turned.sin()], &[1.0, 0.0], 1e-9);

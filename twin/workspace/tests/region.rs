@@ -1,4 +1,5 @@
-use crate::workspace::region::{EXACT, Grid, Region};
+use crate::workspace::Grid;
+use crate::workspace::region::{EXACT, Region};
 use nalgebra::Point2;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -90,7 +91,7 @@ fn diagonal_neighbours_are_told_apart() {
     let middle = Point2::new(1.5, 1.5);
     for diagonal in [true, false] {
         let two = Region::trace(&grid, &nodes(diagonal), 1.0, &|at| {
-            let node = at.map(|value| value.round());
+            let node = at.map(f64::round);
             (at - node).norm() < 0.4
                 && (1.0..=2.0).contains(&node.x)
                 && (1.0..=2.0).contains(&node.y)
