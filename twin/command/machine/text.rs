@@ -113,11 +113,32 @@ fn positions(machine: &Machine, axes: &AxisVector) -> String {
     axes.join(", ")
 }
 
+/// A dimension of the machine file. What deviates from nominal is told only where it does.
+fn told(value: &toml::Value) -> Option<toml::Value> {
+    fn is_zero(value: &toml::Value) -> bool {
+        match value {
+            toml::Value::Array(values) => values.iter().all(is_zero),
+            value => value.as_float() == Some(0.0) || value.as_integer() == Some(0),
+        }
+    }
+    let toml::Value::Table(table) = value else { return Some(value.clone()) };
+    let told: toml::Table = table
+        .iter()
+        .filter(|(_, value)| !is_zero(value))
+        .map(|(key, value)| (key.clone(), value.clone()))
+        .collect();
+    (!told.is_empty()).then_some(toml::Value::Table(told))
+}
+
 /// Where the tool gets, and how well the axes move it there.
 fn workspace(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
     let workspace = &facts.workspace;
-    let dimensions: Vec<_> =
-        facts.machine.dimensions.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+    let dimensions: Vec<_> = facts
+        .machine
+        .dimensions
+        .iter()
+        .filter_map(|(key, value)| Some(format!("{key} = {}", told(value)?)))
+        .collect();
     writeln!(out, "kinematics {}: {}", facts.machine.kind, dimensions.join(", "))?;
     if let Some(reach) = workspace.reach {
         let what = if reach.of == ReachOf::Wrist { "the wrist gets to" } else { "reach:" };
@@ -180,6 +201,9 @@ fn point(at: &Point3<f64>) -> String {
     format!("X{x:.1} Y{y:.1} Z{z:.1}")
 }
 
+/// Slower than this an axis stands, degrees or mm per second: rounding.
+const RATE: f64 = 1e-9;
+
 /// What the axes do at one pose.
 fn worked(out: &mut impl Write, machine: &Machine, example: &Example) -> io::Result<()> {
     writeln!(
@@ -196,7 +220,11 @@ fn worked(out: &mut impl Write, machine: &Machine, example: &Example) -> io::Res
         let (unit, scale) = if way.turns() { ("deg/s", 1f64.to_radians()) } else { ("mm/s", 1e-3) };
         let rates = machine.axes.iter().zip(way.rates.iter()).map(|(axis, rate)| {
             let rate = axis.from_si(*rate * scale);
-            if rate == 0.0 { "–".to_owned() } else { format!("{rate:.4} {}/s", axis.unit()) }
+            if rate.abs() < RATE {
+                "–".to_owned()
+            } else {
+                format!("{rate:.4} {}/s", axis.unit())
+            }
         });
         let fastest = way.fastest.and_then(|(axis, speed)| {
             let axis = machine.axes.get(axis)?;
