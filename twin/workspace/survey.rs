@@ -25,7 +25,8 @@ pub struct View {
     pub height: Option<f64>,
     /// Direction of the vertical section, rad about +z from +x.
     pub azimuth: f64,
-    /// Direction of the tool, rad about +z from +x; for machines that can turn it. Default: 0.
+    /// Direction of the tool, rad about +z from +x; for machines that can turn it. Default: that at the
+    /// start of programs.
     pub direction: Option<f64>,
 }
 
@@ -88,15 +89,15 @@ impl<'m> Workspace<'m> {
     /// # Errors
     /// [`WorkspaceError::Direction`], [`WorkspaceError::Nowhere`], [`WorkspaceError::Height`].
     pub fn survey(machine: &'m Machine, view: &View) -> Result<Self, WorkspaceError> {
-        let space = Space::new(machine, view.direction.unwrap_or_default());
+        let direction = view.direction.unwrap_or_else(|| machine.start_pose().direction);
+        let space = Space::new(machine, direction);
         let turns_tool = machine.kinematics.coordinates().contains(&Coordinate::Direction);
         if view.direction.is_some() && !turns_tool {
             return Err(WorkspaceError::Direction);
         }
         let extent = Sweep::within_limits(&space).extent().ok_or(WorkspaceError::Nowhere)?;
         let reachable = Sweep::whole_turns(&space).extent().unwrap_or(extent);
-        let start = machine.frame.point_to_machine(&Point3::from(machine.conditions.start));
-        let start = machine.start_axes().map(|_| start);
+        let start = machine.start_axes().map(|_| machine.start_pose().position);
         let reach = reach(&space, &extent);
 
         let [lowest, highest] = [extent.min.z, extent.max.z];

@@ -43,7 +43,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
     azimuth: f64,
 
-    /// Direction of the tool, from +x counter-clockwise, for machines that turn it [default: 0]
+    /// Direction of the tool, from +x counter-clockwise, for machines that turn it [default: where programs start]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     direction: Option<f64>,
 
