@@ -42,6 +42,8 @@ pub struct Machine {
     pub name: String,
     /// Kind of its transform, as in the file: "scara2", "gantry_h2".
     pub kind: &'static str,
+    /// `[kinematics]` as in the file, without the kind.
+    pub dimensions: toml::Table,
     /// From the tool to the axes and back.
     pub kinematics: MachineAxes,
     /// Where the direction of its tool comes from.
@@ -102,7 +104,9 @@ impl Machine {
         let machine = read(path, &Section::root(&table, &complaints));
         let problems = complaints.into_list();
         match machine {
-            Some(machine) if problems.is_empty() => Ok(machine),
+            Some(machine) if problems.is_empty() => {
+                Ok(Self { dimensions: dimensions(text), ..machine })
+            }
             _ => Err(problems),
         }
     }
@@ -111,6 +115,11 @@ impl Machine {
     pub fn rest_height(&self) -> f64 {
         let axes = AxisVector::zeros(self.axes.len());
         self.kinematics.forward(&axes).map_or(0.0, |pose| pose.position.z)
+    }
+
+    /// Mass of everything that the axes move, kg.
+    pub fn moving_mass(&self) -> f64 {
+        self.model.links.iter().filter_map(|link| link.inertial).map(|body| body.mass).sum()
     }
 
     /// Every axis in the middle of its software limits: where to begin looking for rotary axes among the turns that
@@ -175,6 +184,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         path: path.to_owned(),
         name: name?.to_owned(),
         kind: geometry.kind,
+        dimensions: toml::Table::new(),
         kinematics: geometry.kinematics,
         model: geometry.model,
         direction: geometry.direction,
@@ -187,6 +197,17 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         m_functions,
         cycle_ns: CYCLE_NS,
     })
+}
+
+/// `[kinematics]` as it is written, without the kind.
+fn dimensions(text: &str) -> toml::Table {
+    let file: toml::Table = text.parse().unwrap_or_default();
+    let mut dimensions = match file.get("kinematics") {
+        Some(toml::Value::Table(table)) => table.clone(),
+        _ => toml::Table::new(),
+    };
+    dimensions.remove("kind");
+    dimensions
 }
 
 /// What must hold between the axes. False if two have the same name.
