@@ -24,7 +24,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { MOST_PINS = 16, NUMBERS = 9, PASSES = 40 };
+enum { MOST_PINS = 16, NUMBERS = 9, PASSES = 20 };
 static double pins[MOST_PINS];
 static int pin_count;
 static char **pin_values;
