@@ -2,8 +2,9 @@
 
 use super::setpoint::Status;
 use super::switches::SwitchBoard;
-use super::{ExtraMotion, Source, ToolSetpoint};
+use super::{ExtraMotion, Heading, Source, ToolSetpoint};
 use crate::path::{ElementKind, PathElement};
+use std::f64::consts::PI;
 use std::num::NonZeroU32;
 use std::task::Poll;
 
@@ -37,6 +38,8 @@ pub struct XInterpolator<I> {
     done: f64,
     way: f64,
     velocity: f64,
+    /// The latest direction of the path, at first that of the workpiece's passage: nothing is looked ahead at.
+    heading: f64,
     ended: bool,
 }
 
@@ -59,6 +62,7 @@ where
             done: 0.0,
             way: 0.0,
             velocity: 0.0,
+            heading: if direction == XDirection::Positive { 0.0 } else { PI },
             ended: false,
         }
     }
@@ -120,6 +124,11 @@ where
         let velocity = if first { 0.0 } else { (way - self.way) / cycle };
         let acceleration = (velocity - self.velocity) / cycle;
         let point = element.at(s);
+        let heading = Some(&point)
+            .filter(|_| element.kind.is_motion())
+            .and_then(|point| Heading::at(point, [velocity, acceleration], false))
+            .unwrap_or(Heading::still(self.heading));
+        self.heading = heading.along;
         let mut extra = ExtraMotion::default();
         if let Some(at) = element.extra_at(s) {
             extra.position = at.position;
@@ -154,6 +163,7 @@ where
             acceleration: point.curvature * (velocity * velocity) + point.tangent * acceleration,
             path_velocity: velocity,
             way,
+            heading,
             extra,
         })
     }

@@ -8,7 +8,7 @@ use super::run::{Motion, Run};
 use super::spans::Span;
 use super::sum::Sum;
 use super::switches::SwitchBoard;
-use super::{Inputs, Override, Source, Status, ToolSetpoint, VelocityMode};
+use super::{Heading, Inputs, Override, Source, Status, ToolSetpoint, VelocityMode};
 use crate::path::{ElementKind, MParameters};
 use crate::prepare::CheckedElement;
 use nalgebra::Point3;
@@ -77,6 +77,10 @@ pub struct Interpolator<P, E> {
     /// Positions of the two latest set-points.
     before: Point3<f64>,
     latest: Point3<f64>,
+    /// The latest direction of the path.
+    pub(super) heading: Option<f64>,
+    /// The path is the programmed one reversed.
+    backwards: bool,
 }
 
 /// What is taken over from another interpolator.
@@ -88,6 +92,9 @@ pub(super) struct Resume {
     /// Path length so far, m.
     pub(super) way: f64,
     pub(super) board: SwitchBoard,
+    /// The latest direction of the path.
+    pub(super) heading: Option<f64>,
+    pub(super) backwards: bool,
 }
 
 #[derive(Debug)]
@@ -139,6 +146,8 @@ where
             resume_at: 0.0,
             before: Point3::origin(),
             latest: Point3::origin(),
+            heading: None,
+            backwards: false,
         }
     }
 
@@ -147,6 +156,7 @@ where
         self.resume_at = resume.at;
         self.now_ns = resume.now_ns;
         self.board = resume.board;
+        (self.heading, self.backwards) = (resume.heading, resume.backwards);
         self.length_done.add(resume.way - resume.at);
         self
     }
@@ -329,6 +339,16 @@ where
             }
             extra = run.extra(&state);
         }
+        let backwards = self.backwards;
+        let heading = run.heading(&point, &state, backwards);
+        if let Some(heading) = heading {
+            self.heading = Some(heading.along);
+        } else if self.heading.is_none() && state.velocity <= 0.0 {
+            self.heading = Heading::of_start(&run.element, backwards)
+                .filter(|_| !run.done)
+                .or_else(|| self.plan.find(|element| Heading::of_start(element, backwards)));
+        }
+        let heading = heading.unwrap_or_else(|| Heading::still(self.heading.unwrap_or_default()));
         self.before = self.latest;
         self.latest = point.position;
         Some(ToolSetpoint {
@@ -346,6 +366,7 @@ where
                 + point.tangent * state.acceleration,
             path_velocity: state.velocity,
             way: self.length_done.value() + self.position,
+            heading,
             extra,
         })
     }

@@ -88,6 +88,8 @@ pub struct LookAhead<I, E> {
     limited: bool,
     /// The upstream had nothing when it was last asked.
     starved: bool,
+    /// How many elements at the front of the queue [`Self::find`] has looked at in vain.
+    searched: usize,
 }
 
 /// What comes after the newest element in the queue.
@@ -154,6 +156,7 @@ where
             stepping: false,
             limited: false,
             starved: false,
+            searched: 0,
         }
     }
 
@@ -228,6 +231,29 @@ where
         Ahead::Path
     }
 
+    /// The first that `wanted` finds on the path ahead, as far as it is known or can be taken into the window now. Until
+    /// it is found no element is looked at twice, so it must always be the same `wanted`.
+    pub(super) fn find<T>(&mut self, wanted: impl Fn(&CheckedElement) -> Option<T>) -> Option<T> {
+        loop {
+            while let Some(queued) = self.queue.get(self.searched) {
+                if let Some(found) = wanted(&queued.element) {
+                    return Some(found);
+                }
+                self.searched += 1;
+            }
+            // What the plan waits for, the plan shall see come.
+            if self.limited {
+                return None;
+            }
+            let starved = self.starved;
+            if !self.pull() {
+                // The path itself needs no more.
+                self.starved = starved;
+                return None;
+            }
+        }
+    }
+
     /// Takes the front element.
     pub(super) fn take(&mut self) -> Taken<E> {
         match self.ahead() {
@@ -246,6 +272,7 @@ where
             self.fold();
         }
         self.folded = self.folded.saturating_sub(1);
+        self.searched = self.searched.saturating_sub(1);
         match self.queue.pop_front() {
             Some(queued) => Taken::Element(queued.element, queued.end_velocity),
             None => Taken::End,
@@ -254,6 +281,7 @@ where
 
     /// Gives the front element back.
     pub(super) fn put_back(&mut self, element: CheckedElement) {
+        self.searched = 0;
         if self.folded == 0 {
             self.fold();
         }

@@ -15,6 +15,7 @@ mod braking;
 mod by_position;
 mod control;
 mod error;
+mod heading;
 mod inputs;
 mod instant;
 mod interpolator;
@@ -34,6 +35,7 @@ mod two_way;
 
 pub use by_position::{XDirection, XInterpolator};
 pub use error::IpoError;
+pub use heading::Heading;
 pub use inputs::{Inputs, Override, VelocityMode};
 pub use interpolator::{DEFAULT_CYCLE_NS, Interpolator};
 pub use look_ahead::{DEFAULT_WINDOW, LookAhead, PlannedElement};

@@ -1,12 +1,12 @@
 //! The element under way.
 
+use super::Heading;
 use super::instant::Instant;
 use super::profile::{PathState, Profile};
 use super::setpoint::{ExtraMotion, Status};
 use super::spans::Leg;
 use crate::path::{ElementKind, PathPoint};
 use crate::prepare::CheckedElement;
-use nalgebra::Vector3;
 
 /// An element under way.
 #[derive(Debug)]
@@ -118,16 +118,32 @@ impl Run {
     #[inline]
     pub(super) fn point(&self, state: &PathState) -> PathPoint {
         let element = &self.element;
-        let resting = |position| PathPoint {
-            position,
-            tangent: Vector3::zeros(),
-            curvature: Vector3::zeros(),
-        };
         match self.motion {
-            _ if self.done => resting(element.end()),
-            Motion::Still | Motion::Acknowledge { .. } => resting(element.start()),
-            Motion::Rest { at, .. } => resting(element.at(at).position),
+            _ if self.done => PathPoint::resting(element.end()),
+            Motion::Still | Motion::Acknowledge { .. } => PathPoint::resting(element.start()),
+            Motion::Rest { at, .. } => PathPoint::resting(element.at(at).position),
             Motion::Along { .. } | Motion::Smooth(_) => element.at(state.position),
+        }
+    }
+
+    /// The direction of the path at `state`, where [`Self::point`] is `point`; none on what has no such direction.
+    #[inline]
+    pub(super) fn heading(
+        &self,
+        point: &PathPoint,
+        state: &PathState,
+        backwards: bool,
+    ) -> Option<Heading> {
+        let element = &self.element;
+        if !element.kind.is_motion() {
+            return None;
+        }
+        let rates = [state.velocity, state.acceleration];
+        match self.motion {
+            _ if self.done => Heading::at(&element.at(element.path_length()), [0.0; 2], backwards),
+            Motion::Still | Motion::Acknowledge { .. } => None,
+            Motion::Rest { at, .. } => Heading::at(&element.at(at), [0.0; 2], backwards),
+            Motion::Along { .. } | Motion::Smooth(_) => Heading::at(point, rates, backwards),
         }
     }
 

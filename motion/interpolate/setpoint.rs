@@ -1,5 +1,6 @@
 //! What the interpolator gives per cycle.
 
+use super::Heading;
 use crate::Place;
 use crate::path::{EXTRA_AXES, ExtraPosition};
 use nalgebra::{Point3, Vector3};
@@ -33,6 +34,8 @@ pub struct ToolSetpoint {
     pub path_velocity: f64,
     /// Path length since the start, m; jumps have none. `dWayPos` with the input `dLastWayPos` wired to it.
     pub way: f64,
+    /// Direction of the path seen from above (what `SMC_CalcDirectionFromVector` starts from, manual 8.2.2).
+    pub heading: Heading,
     /// The extra axes P Q U V W; zero as long as the program has not named any.
     pub extra: ExtraMotion,
 }

@@ -187,6 +187,8 @@ impl TwoWayInterpolator {
             now_ns: self.inner.now_ns,
             way: self.inner.path_length(),
             board: self.inner.board,
+            heading: self.inner.heading,
+            backwards: !self.forwards,
         };
         let plan = Self::plan(&self.path, self.forwards, first);
         self.inner = Interpolator::new(plan, self.cycle_ns).resuming(resume);

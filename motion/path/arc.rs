@@ -148,6 +148,8 @@ impl Arc {
         let tangent =
             outward * widening + around * (radius * turn) + normal * (self.rise / self.length);
         let curvature = (around * (2.0 * widening) - outward * (radius * turn)) * turn;
-        PathPoint { position, tangent, curvature }
+        let curvature_rate =
+            (outward * (3.0 * widening) + around * (radius * turn)) * (-turn * turn);
+        PathPoint { position, tangent, curvature, curvature_rate }
     }
 }

@@ -28,6 +28,11 @@ impl Planar for Form {
             Vector2::new(second(self.x), second(self.y)),
         )
     }
+
+    fn third(&self, _: f64) -> Vector2<f64> {
+        let ([_, _, _, x], [_, _, _, y]) = (self.x, self.y);
+        Vector2::new(6.0 * x, 6.0 * y)
+    }
 }
 
 impl Cubic {

@@ -32,6 +32,9 @@ pub(super) trait Planar {
     /// Position (m), first and second derivative with respect to t.
     fn at(&self, t: f64) -> (Point2<f64>, Vector2<f64>, Vector2<f64>);
 
+    /// Third derivative with respect to t, m.
+    fn third(&self, t: f64) -> Vector2<f64>;
+
     /// Speed with respect to t, m.
     fn speed(&self, t: f64) -> f64 {
         self.at(t).1.norm()
@@ -109,7 +112,7 @@ impl<P: Planar> Curve<P> {
         let (level, slope) = (self.planar / self.length, (self.end.z - self.start.z) / self.length);
         let t = self.parameter(s);
         let (position, first, second) = self.form.at(t);
-        let (direction, bend) = frame(&self.form, t, first, second);
+        let [direction, bend, bend_rate] = frame(&self.form, t, first, second);
         let height = self.start.z + slope * s;
         let position = if s <= 0.0 {
             self.start
@@ -120,10 +123,12 @@ impl<P: Planar> Curve<P> {
         };
         let tangent = direction * level;
         let curvature = bend * (level * level);
+        let curvature_rate = bend_rate * (level * level * level);
         PathPoint {
             position,
             tangent: Vector3::new(tangent.x, tangent.y, slope),
             curvature: Vector3::new(curvature.x, curvature.y, 0.0),
+            curvature_rate: Vector3::new(curvature_rate.x, curvature_rate.y, 0.0),
         }
     }
 
@@ -180,23 +185,31 @@ fn guess(from: &Knot, to: &Knot, wanted: f64) -> f64 {
     (from.t + width * w * (start + w * (bend + w * twist))).clamp(from.t, to.t)
 }
 
-/// Direction and planar curvature vector at `t`. Where the curve stands still (a cusp) the direction is that just
-/// beside it, and there is no curvature.
+/// Direction, planar curvature vector and its derivative by planar length at `t`: the first three derivatives of the
+/// position. Where the curve stands still (a cusp) the direction is that just beside it, and there is no curvature.
+///
+/// With v = |p′|, T = p′/v and ⊥ for what is at a right angle to T, the curvature is b = p″⊥/v². Its derivative follows
+/// from T′ = v·b and v′ = T·p″: p‴⊥/v³ − 3·b·(T·p″)/v² − |b|²·T.
 fn frame<P: Planar>(
     form: &P,
     t: f64,
     first: Vector2<f64>,
     second: Vector2<f64>,
-) -> (Vector2<f64>, Vector2<f64>) {
+) -> [Vector2<f64>; 3] {
     let speed = first.norm();
     if speed > 1e-9 * second.norm() && speed > 0.0 {
         let direction = first / speed;
-        let bend = (second - direction * direction.dot(&second)) / (speed * speed);
-        return (direction, bend);
+        let across = |vector: Vector2<f64>| vector - direction * direction.dot(&vector);
+        let bend = across(second) / (speed * speed);
+        // Divided by the speed step by step: its cube is the first to be too small for a number.
+        let bend_rate = across(form.third(t)) / (speed * speed) / speed
+            - bend * (3.0 * (direction.dot(&second) / speed) / speed)
+            - direction * bend.norm_squared();
+        return [direction, bend, bend_rate];
     }
     let beside = if t < 0.5 { t + 1e-6 } else { t - 1e-6 };
     let direction = form.at(beside).1.try_normalize(0.0).unwrap_or_default();
-    (direction, Vector2::zeros())
+    [direction, Vector2::zeros(), Vector2::zeros()]
 }
 
 /// Length of `form` between two parameters, by one panel.
@@ -245,6 +258,10 @@ mod tests {
         fn at(&self, t: f64) -> (Point2<f64>, Vector2<f64>, Vector2<f64>) {
             let along = |value: f64| Vector2::new(0.6, 0.8) * (value * self.0);
             (along(t + t.powi(3) / 3.0).into(), along(1.0 + t * t), along(2.0 * t))
+        }
+
+        fn third(&self, _: f64) -> Vector2<f64> {
+            Vector2::new(0.6, 0.8) * (2.0 * self.0)
         }
     }
 

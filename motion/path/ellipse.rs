@@ -46,6 +46,14 @@ impl Planar for Form {
             around * (2.0 * self.growth) - outward * (size * self.sweep * self.sweep),
         )
     }
+
+    fn third(&self, t: f64) -> Vector2<f64> {
+        let (sin, cos) = (self.start_angle + t * self.sweep).sin_cos();
+        let outward = self.major * cos + self.minor * sin;
+        let around = (self.minor * cos - self.major * sin) * self.sweep;
+        let size = self.size + t * self.growth;
+        (around * size + outward * (3.0 * self.growth)) * (-self.sweep * self.sweep)
+    }
 }
 
 /// Why no ellipse fits the words of a block (manual 3.2.5).

@@ -106,15 +106,16 @@ impl PathElement {
     }
 
     /// Position and derivatives at path length `s`, m, from the start; see [`Shape::at`]. Where Z moves with the S
-    /// profile, tangent and curvature are the derivatives of that motion and the tangent is no unit vector.
+    /// profile, its derivatives are those of that motion and the tangent is no unit vector.
     pub fn at(&self, s: f64) -> PathPoint {
         let mut point = self.shape.at(s);
         if self.smooth_z() {
             let z = along(self.start().z, self.end().z, s, self.shape.length(), true);
-            [point.position.z, point.tangent.z, point.curvature.z] = z;
+            [point.position.z, point.tangent.z, point.curvature.z, point.curvature_rate.z] = z;
         }
         point.tangent = finite(point.tangent);
         point.curvature = finite(point.curvature);
+        point.curvature_rate = finite(point.curvature_rate);
         point
     }
 
@@ -131,7 +132,7 @@ impl PathElement {
         let mut point = ExtraPoint::default();
         for (index, (start, end)) in extra.start.iter().zip(extra.end).enumerate() {
             let smooth = details.s_profile.contains(AxisMask::extra(index));
-            let [position, first, second] = along(*start, end, s, length, smooth);
+            let [position, first, second, _] = along(*start, end, s, length, smooth);
             let slots = (
                 point.position.get_mut(index),
                 point.first.get_mut(index),
@@ -183,13 +184,19 @@ fn finite_or_zero(derivative: f64) -> f64 {
 
 /// Position and derivatives with respect to `s` of an axis that goes from `start` to `end` along a path of `length`:
 /// linearly or, with the S profile (manual 3.2 and 6.2.9), by 10w³ − 15w⁴ + 6w⁵ with w = s/length.
-fn along(start: f64, end: f64, s: f64, length: f64, smooth: bool) -> [f64; 3] {
+fn along(start: f64, end: f64, s: f64, length: f64, smooth: bool) -> [f64; 4] {
     if length <= 0.0 {
-        return [end, 0.0, 0.0];
+        return [end, 0.0, 0.0, 0.0];
     }
     if s <= 0.0 || s >= length {
-        let slope = if smooth { 0.0 } else { (end - start) / length };
-        return [if s <= 0.0 { start } else { end }, slope, 0.0];
+        let way = end - start;
+        // The third as it is on the way: beside the element it has a step.
+        let (slope, third) = if smooth {
+            (0.0, way * 60.0 / (length * length) / length)
+        } else {
+            (way / length, 0.0)
+        };
+        return [if s <= 0.0 { start } else { end }, slope, 0.0, third];
     }
     let (way, w) = (end - start, s / length);
     if smooth {
@@ -198,9 +205,10 @@ fn along(start: f64, end: f64, s: f64, length: f64, smooth: bool) -> [f64; 3] {
             start + way * (w * w * w * (10.0 + w * (6.0 * w - 15.0))),
             way * 30.0 * (w * left).powi(2) / length,
             way * 60.0 * w * left * (left - w) / (length * length),
+            way * 60.0 * (1.0 - 6.0 * w * left) / (length * length) / length,
         ]
     } else {
-        [start + way * w, way / length, 0.0]
+        [start + way * w, way / length, 0.0, 0.0]
     }
 }
 

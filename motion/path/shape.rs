@@ -91,12 +91,15 @@ pub struct PathPoint {
     pub tangent: Vector3<f64>,
     /// Second derivative: curvature times the unit normal, 1/m.
     pub curvature: Vector3<f64>,
+    /// Third derivative, 1/m²: zero on a line, −κ² times the tangent on a circle, and zero where a curve stands still.
+    pub curvature_rate: Vector3<f64>,
 }
 
 impl PathPoint {
     /// A point from which nothing leads on.
-    pub(super) fn resting(position: Point3<f64>) -> Self {
-        Self { position, tangent: Vector3::zeros(), curvature: Vector3::zeros() }
+    pub(crate) fn resting(position: Point3<f64>) -> Self {
+        let zero = Vector3::zeros();
+        Self { position, tangent: zero, curvature: zero, curvature_rate: zero }
     }
 }
 
@@ -117,5 +120,5 @@ fn on_line(start: &Point3<f64>, end: &Point3<f64>, s: f64) -> PathPoint {
     } else {
         start + (end - start) * (s / length)
     };
-    PathPoint { position, tangent: (end - start) / length, curvature: Vector3::zeros() }
+    PathPoint { tangent: (end - start) / length, ..PathPoint::resting(position) }
 }

@@ -77,6 +77,11 @@ impl<'a> Section<'a> {
         self.look_up(key).is_some()
     }
 
+    /// Notes that `key` is known, whatever it is.
+    pub(super) fn accept(&self, key: &str) {
+        self.value(key);
+    }
+
     fn look_up(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
         self.table?.get(key)
     }
