@@ -72,7 +72,7 @@ pub const DELTA: TripodDimensions = TripodDimensions {
 };
 
 /// Where its platform goes.
-const PLATFORM: [[f64; 2]; 3] = [[-0.07, 0.07], [-0.07, 0.07], [-0.2, 0.2]];
+const PLATFORM: [[f64; 2]; 3] = [[-0.055, 0.055], [-0.055, 0.055], [-0.2, 0.2]];
 
 /// An H gantry with belts as LinuxCNC has them.
 pub fn gantry_h2(count: usize) -> Placed<GantryH2, 2> {
