@@ -142,10 +142,10 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
 /// N axis values out of as many as there are.
 fn values<const N: usize>(axes: &AxisVector) -> Result<SVector<f64, N>, KinematicsError> {
     let given = axes.len();
-    let values = <[f64; N]>::try_from(&**axes).map_err(|_: std::array::TryFromSliceError| {
-        KinematicsError::AxisCount { given, expected: N }
-    })?;
-    if axes.is_finite() { Ok(values.into()) } else { Err(KinematicsError::NotFinite) }
+    let Some(values) = axes.first_chunk::<N>().filter(|_| given == N) else {
+        return Err(KinematicsError::AxisCount { given, expected: N });
+    };
+    if axes.is_finite() { Ok((*values).into()) } else { Err(KinematicsError::NotFinite) }
 }
 
 fn vector<const N: usize>(values: &SVector<f64, N>) -> Result<AxisVector, KinematicsError> {

@@ -39,14 +39,6 @@ pub enum DimensionError {
         /// m or rad.
         upper: f64,
     },
-    /// A ring of a tripod that is too small for its pairs of rods.
-    #[error("a ring of radius {radius} m has no two points {distance} m apart")]
-    Ring {
-        /// m.
-        radius: f64,
-        /// Between the two rods of a carriage, m.
-        distance: f64,
-    },
     /// A rod of a tripod that is shorter than what it has to bridge.
     #[error(
         "rod {} of {length} m is too short for its joints and the {reach} m between its ends as seen from above",

@@ -18,7 +18,7 @@ mod to_urdf;
 pub use error::{DimensionError, Part, UrdfError};
 pub use generate::{
     GantryDimensions, HBelt, MachineJoint, PlaneDrive, RotaryTool, ScaraDimensions, ScaraHand,
-    TripodDimensions, TripodRings, TripodRod,
+    TripodDimensions,
 };
 pub use loops::{JointPositions, LoopError};
 pub use model::{

@@ -105,13 +105,7 @@ impl<const N: usize> GantryCutter<N> {
 
     /// Adds to x, y (and z) of `values` and replaces the last of them.
     #[inline]
-    fn moved(
-        &self,
-        values: &SVector<f64, N>,
-        by: Vector2<f64>,
-        z: f64,
-        last: f64,
-    ) -> SVector<f64, N> {
+    fn moved(values: &SVector<f64, N>, by: Vector2<f64>, z: f64, last: f64) -> SVector<f64, N> {
         SVector::from_fn(|row, _| {
             let value = values.get(row).copied().unwrap_or_default();
             match row {
@@ -128,7 +122,7 @@ impl<const N: usize> GantryCutter<N> {
         let direction = tool.iter().next_back().copied().unwrap_or_default();
         let flange = self.flange_from_tip(direction);
         let r = self.sense.sign() * direction;
-        (self.moved(tool, flange, -self.tool.z, r) + self.offsets, flange)
+        (Self::moved(tool, flange, -self.tool.z, r) + self.offsets, flange)
     }
 
     #[inline]
@@ -136,7 +130,7 @@ impl<const N: usize> GantryCutter<N> {
         let axes = axes - self.offsets;
         let direction = self.sense.sign() * axes.iter().next_back().copied().unwrap_or_default();
         let flange = self.flange_from_tip(direction);
-        (self.moved(&axes, -flange, self.tool.z, direction), flange)
+        (Self::moved(&axes, -flange, self.tool.z, direction), flange)
     }
 }
 

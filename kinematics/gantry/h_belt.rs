@@ -1,5 +1,5 @@
 //! Two motors that stand still and one belt around both axes (`SMC_TRAFO_GantryH2`, `SMC_TRAFOF_GantryH2`; SoftMotion
-//! manual 8.2.3). LinuxCNC and printers call it CoreXY.
+//! manual 8.2.3). Printers call it "Core XY", LinuxCNC `corexykins`.
 //!
 //! ```text
 //!   A ◯═══════════◯         both drives the same way: y

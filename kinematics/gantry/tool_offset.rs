@@ -52,7 +52,7 @@ pub struct GantryTool<const N: usize> {
     beside: ToolBeside,
 }
 
-/// Two axes along x and y and a tool beside them (`dToolB` = 0: the manual's Gantry2Tool1).
+/// Two axes along x and y and a tool beside them (`dToolB` = 0: the manual's `Gantry2Tool1`).
 pub type Gantry2Tool = GantryTool<2>;
 /// Three axes along x, y and z and a tool beside them.
 pub type Gantry3Tool = GantryTool<3>;

@@ -190,9 +190,9 @@ pub(crate) fn tripod(reach: Reach) -> impl Strategy<Value = Placed<Tripod, 3>> {
             for _ in 0..80 {
                 let middle = f64::midpoint(inside, outside);
                 if machine.to_axes(&at(middle)).is_ok() {
-                    inside = middle
+                    inside = middle;
                 } else {
-                    outside = middle
+                    outside = middle;
                 }
             }
             let r = match reach {

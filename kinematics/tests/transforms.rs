@@ -215,22 +215,22 @@ mod close_to_the_edge {
 
     #[test]
     fn scara2() {
-        check(machines::scara2(Reach::Close), |machine, axes| round_trips(machine, axes));
+        check(machines::scara2(Reach::Close), round_trips);
     }
 
     #[test]
     fn scara3() {
-        check(machines::scara3(Reach::Close), |machine, axes| round_trips(machine, axes));
+        check(machines::scara3(Reach::Close), round_trips);
     }
 
     #[test]
     fn tripod() {
-        check(machines::tripod(Reach::Close), |machine, axes| round_trips(machine, axes));
+        check(machines::tripod(Reach::Close), round_trips);
     }
 
     #[test]
     fn calibrated_tripod() {
-        check(machines::calibrated(Reach::Close), |machine, axes| round_trips(machine, axes));
+        check(machines::calibrated(Reach::Close), round_trips);
     }
 }
 

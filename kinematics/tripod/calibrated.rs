@@ -77,7 +77,7 @@ impl CalibratedTripod {
     pub fn new(rods: [Rod; 6], offsets: [f64; 3]) -> Result<Self, DimensionError> {
         all_finite(&offsets)?;
         for (index, rod) in rods.iter().enumerate() {
-            all_finite(rod.upper.iter().chain(&rod.lower).chain([&rod.length]))?;
+            all_finite(rod.upper.iter().chain(rod.lower.iter()).chain([&rod.length]))?;
             if rod.length <= 0.0 {
                 return Err(DimensionError::RodLength { rod: index, length: rod.length });
             }
@@ -104,7 +104,7 @@ impl CalibratedTripod {
     /// # Errors
     /// As [`Transform::to_tool`].
     pub fn platform(&self, axes: &Vector3<f64>) -> Result<Isometry3<f64>, KinematicsError> {
-        let state = self.from_axes(axes)?;
+        let state = self.hung_from(axes)?;
         let origin = state.tip - state.attitude * self.tool;
         Ok(Isometry3::from_parts(Translation3::from(origin), state.attitude.into()))
     }
@@ -116,12 +116,14 @@ impl CalibratedTripod {
         let Some(size) = self.rods.first().map(|rod| rod.length) else { return true };
         let matrix = tip_given(&spokes).map(|entry| entry / size);
         let pivots = matrix.col_piv_qr().unpack_r().diagonal().abs();
-        !(pivots.min() > LOOSE * pivots.max())
+        // Written so that what is not a number is loose, too.
+        let firm = pivots.min() > LOOSE * pivots.max();
+        !firm
     }
 
     fn spokes(&self, state: &State) -> [Spoke; 6] {
         self.rods.map(|rod| {
-            let r = state.attitude * (rod.lower - self.tool);
+            let r = state.attitude * (rod.lower.coords - self.tool);
             let height = state.heights.get(rod.carriage).copied().unwrap_or_default();
             let upper = Vector3::new(rod.upper.x, rod.upper.y, rod.upper.z + height);
             Spoke { s: state.tip + r - upper, r, carriage: rod.carriage }
@@ -134,7 +136,7 @@ impl CalibratedTripod {
         let [a, b, c, d, e, f] = &self.rods;
         let pairs = [(a, b), (c, d), (e, f)];
         let middle = |(first, second): (&Rod, &Rod)| {
-            (first.upper + second.upper - first.lower - second.lower) * 0.5 + self.tool
+            ((first.upper - first.lower) + (second.upper - second.lower)) * 0.5 + self.tool
         };
         let length = |(first, second): (&Rod, &Rod)| f64::midpoint(first.length, second.length);
         (pairs.map(middle), pairs.map(length))
@@ -197,13 +199,13 @@ impl CalibratedTripod {
         if best_off <= TOLERANCE * size && hanging && upright { Ok(best) } else { Err(best_off) }
     }
 
-    fn from_tool(&self, tip: &Vector3<f64>) -> Result<State, KinematicsError> {
+    fn hung_at(&self, tip: &Vector3<f64>) -> Result<State, KinematicsError> {
         let start = self.level(tip).ok_or_else(|| self.unreachable(tip, f64::NAN))?;
         self.close(start, tip_given, |state, shift| state.heights += shift)
             .map_err(|off| self.unreachable(tip, off))
     }
 
-    fn from_axes(&self, axes: &Vector3<f64>) -> Result<State, KinematicsError> {
+    fn hung_from(&self, axes: &Vector3<f64>) -> Result<State, KinematicsError> {
         let apart = KinematicsError::Apart { carriages: (*axes).into() };
         let heights = axes - self.offsets;
         let (mut centers, lengths) = self.pairs();
@@ -361,18 +363,18 @@ impl Transform<3> for CalibratedTripod {
     }
 
     fn to_tool(&self, axes: &Vector3<f64>) -> Result<Vector3<f64>, KinematicsError> {
-        Ok(self.from_axes(axes)?.tip)
+        Ok(self.hung_from(axes)?.tip)
     }
 
     fn to_axes(&self, tool: &Vector3<f64>) -> Result<Vector3<f64>, KinematicsError> {
-        Ok(self.from_tool(tool)?.heights + self.offsets)
+        Ok(self.hung_at(tool)?.heights + self.offsets)
     }
 
     fn at_axes(
         &self,
         axes: &Vector3<f64>,
     ) -> Result<(Vector3<f64>, Self::Differential), KinematicsError> {
-        let state = self.from_axes(axes)?;
+        let state = self.hung_from(axes)?;
         Ok((state.tip, Parallel(self.held(&state))))
     }
 
@@ -381,7 +383,7 @@ impl Transform<3> for CalibratedTripod {
         tool: &Vector3<f64>,
         _near: &Vector3<f64>,
     ) -> Result<(Vector3<f64>, Self::Differential), KinematicsError> {
-        let state = self.from_tool(tool)?;
+        let state = self.hung_at(tool)?;
         Ok((state.heights + self.offsets, Parallel(self.held(&state))))
     }
 
@@ -392,7 +394,7 @@ impl Transform<3> for CalibratedTripod {
     /// Of the rods where the platform really is; beyond reach, of level rod pairs.
     fn margins(&self, tool: &Vector3<f64>) -> Margins {
         let (mut centers, lengths) = self.pairs();
-        let Ok(state) = self.from_tool(tool) else {
+        let Ok(state) = self.hung_at(tool) else {
             let left = centers.iter().zip(lengths);
             let left = left.map(|(center, length)| length - (tool - center).xy().norm());
             return Margins { boundary: left.fold(0.0, f64::min), branch: 0.0 };

@@ -1,7 +1,7 @@
 //! The dimensions of a tripod, as designed and as measured.
 
 use crate::error::{DimensionError, all_finite};
-use nalgebra::Vector3;
+use nalgebra::Point3;
 use std::f64::consts::FRAC_PI_3;
 
 /// A tripod as designed (`SMC_TRAFO_Tripod`). m and rad.
@@ -60,9 +60,9 @@ pub struct Rod {
     /// The carriage that moves it, 0 to 2.
     pub carriage: usize,
     /// Its end at the carriage, machine frame, where the carriage stands at height 0.
-    pub upper: Vector3<f64>,
+    pub upper: Point3<f64>,
     /// Its end at the platform, in the frame of the platform (x, y, z as the machine's with the platform level).
-    pub lower: Vector3<f64>,
+    pub lower: Point3<f64>,
     /// Between the joints.
     pub length: f64,
 }
@@ -101,7 +101,7 @@ impl TripodDimensions {
     pub fn rods(&self, deviations: &TripodDeviations) -> Result<[Rod; 6], DimensionError> {
         self.check()?;
         let mut rods =
-            [Rod { carriage: 0, upper: Vector3::zeros(), lower: Vector3::zeros(), length: 0.0 }; 6];
+            [Rod { carriage: 0, upper: Point3::origin(), lower: Point3::origin(), length: 0.0 }; 6];
         for (index, (rod, deviation)) in rods.iter_mut().zip(deviations.rod_lengths).enumerate() {
             let carriage = index / 2;
             let side = if index % 2 == 0 { -0.5 } else { 0.5 };
@@ -109,7 +109,7 @@ impl TripodDimensions {
             let end = |radius: f64, distance: f64, turned: f64| {
                 let (sin, cos) = (self.angle(carriage) + turned).sin_cos();
                 let (out, along) = (chord_middle(radius, distance)?, side * distance);
-                Ok(Vector3::new(out * cos - along * sin, out * sin + along * cos, 0.0))
+                Ok(Point3::new(out * cos - along * sin, out * sin + along * cos, 0.0))
             };
             *rod = Rod {
                 carriage,
@@ -129,7 +129,7 @@ impl TripodDimensions {
                 return Err(DimensionError::RodLength { rod: index, length: rod.length });
             }
         }
-        let values = rods.iter().flat_map(|rod| rod.upper.iter().chain(&rod.lower));
+        let values = rods.iter().flat_map(|rod| rod.upper.iter().chain(rod.lower.iter()));
         all_finite(values.chain(rods.iter().map(|rod| &rod.length)))?;
         Ok(rods)
     }

@@ -2,7 +2,7 @@
 //! (`SMC_VISU_Tripod`; SoftMotion manual 8.2.6).
 
 use super::rods::{TripodDeviations, TripodDimensions};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 /// The outputs for a tripod, seen from above. Lengths are parts of the outer radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,8 +28,8 @@ impl TripodView {
         };
         // Dimensions of which a tripod was made have rods.
         let rods = dimensions.rods(&TripodDeviations::default()).ok();
-        let ends = |of: fn(&super::Rod) -> Vector3<f64>, shift: Vector3<f64>| {
-            rods.map_or([[f64::NAN; 2]; 6], |rods| rods.map(|rod| normal(of(&rod) + shift)))
+        let ends = |of: fn(&super::Rod) -> Point3<f64>, shift: Vector3<f64>| {
+            rods.map_or([[f64::NAN; 2]; 6], |rods| rods.map(|rod| normal(of(&rod).coords + shift)))
         };
         Self {
             tool: normal(*tool),

@@ -114,7 +114,7 @@ fn inverse(machine: &Machine, numbers: &[f64], near: &mut AxisVector) -> Result<
     };
     // Without a z the tool is where it is with every linear axis at 0.
     let z = z.map_or_else(|| machine.rest_height(), |z| z * 1e-3);
-    let direction = direction.unwrap_or_else(|| match machine.direction {
+    let direction = direction.unwrap_or(match machine.direction {
         DirectionRule::Fixed(angle) => angle,
         DirectionRule::Path(..) | DirectionRule::Additional(_) => 0.0,
     });

@@ -40,7 +40,7 @@ pub struct Machine {
     pub path: PathBuf,
     /// Its name.
     pub name: String,
-    /// Kind of its transform, as in the file: "scara2", "gantry_h2".
+    /// Kind of its transform, as in the file: `scara2`, `gantry_h2`.
     pub kind: &'static str,
     /// `[kinematics]` as in the file, without the kind.
     pub dimensions: toml::Table,

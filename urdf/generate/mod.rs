@@ -13,7 +13,7 @@ mod tripod;
 
 pub use gantry::{GantryDimensions, HBelt, PlaneDrive, RotaryTool};
 pub use scara::{ScaraDimensions, ScaraHand};
-pub use tripod::{TripodDimensions, TripodRings, TripodRod};
+pub use tripod::TripodDimensions;
 
 use crate::{DimensionError, Joint, JointDrive, JointKind, Solid, SolidShape};
 use nalgebra::{Isometry3, Translation3, Unit, Vector3};

@@ -4,11 +4,11 @@ use super::design::{Design, LENGTH_MM};
 use super::kind::{Family, Kind};
 use crate::machine::section::Section;
 use crate::machine::tool::Tool;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use std::ops::RangeInclusive;
 use twin_urdf::{
     DimensionError, GantryDimensions, HBelt, MachineJoint, Model, RotaryTool, ScaraDimensions,
-    ScaraHand, TripodDimensions, TripodRod,
+    ScaraHand, TripodDimensions,
 };
 
 /// Masses in kg.
@@ -144,12 +144,7 @@ impl Body {
                 Design::Tripod { dimensions, deviations, offsets },
             ) => {
                 // A tripod whose rods do not fit has been refused as a transform.
-                let rods = dimensions.rods(deviations).ok()?.map(|rod| TripodRod {
-                    carriage: rod.carriage,
-                    upper: Point3::from(rod.upper),
-                    lower: Point3::from(rod.lower),
-                    length: rod.length,
-                });
+                let rods = dimensions.rods(deviations).ok()?;
                 let joints = [joint("A")?, joint("B")?, joint("C")?];
                 let dimensions = TripodDimensions {
                     offsets: *offsets,

@@ -1,6 +1,6 @@
 //! The joints of a tripod: where its rods hang and how its platform hangs on them.
 
-use super::{Tripod, TripodDimensions, TripodRod};
+use super::{Rod, Tripod, TripodDimensions};
 use crate::generate::{Driven, fixed};
 use crate::{DimensionError, JointDrive, JointKind, Link, Loop, Model};
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
@@ -26,7 +26,7 @@ fn about(axis: &Unit<Vector3<f64>>, angle: f64) -> UnitQuaternion<f64> {
 }
 
 impl Linkage {
-    pub(super) fn new(rods: &[TripodRod; 6]) -> Result<Self, DimensionError> {
+    pub(super) fn new(rods: &[Rod; 6]) -> Result<Self, DimensionError> {
         let mut sums = [(0_u8, Vector3::zeros()); 3];
         for rod in rods {
             let ends = rod.upper.iter().chain(rod.lower.iter()).chain([&rod.length]);
@@ -48,21 +48,21 @@ impl Linkage {
         };
         let mut height = 0.0;
         for (number, rod) in rods.iter().enumerate() {
-            height += rod.platform_height(number)? / 6.0;
+            height += platform_height(rod, number)? / 6.0;
         }
         Ok(Self { carriages: sums.map(frame), platform: height })
     }
 
-    fn carriage(&self, rod: &TripodRod) -> Isometry3<f64> {
+    fn carriage(&self, rod: &Rod) -> Isometry3<f64> {
         self.carriages.get(rod.carriage).copied().unwrap_or_default()
     }
 
     /// The upper end of `rod` in the frame of its carriage.
-    pub(super) fn upper(&self, rod: &TripodRod) -> Point3<f64> {
+    pub(super) fn upper(&self, rod: &Rod) -> Point3<f64> {
         self.carriage(rod).inverse_transform_point(&rod.upper)
     }
 
-    fn hanging(&self, rod: &TripodRod) -> Hanging {
+    fn hanging(&self, rod: &Rod) -> Hanging {
         let lower = rod.lower + Vector3::z() * self.platform;
         let down = self.carriage(rod).inverse_transform_vector(&(lower - rod.upper));
         let swing = (-down.x).atan2(-down.z);
@@ -70,17 +70,15 @@ impl Linkage {
     }
 }
 
-impl TripodRod {
-    /// Height of the platform in the middle and level, below its carriage at height 0, if it were to hang on this rod
-    /// alone, m.
-    pub(super) fn platform_height(&self, number: usize) -> Result<f64, DimensionError> {
-        let reach = (self.upper - self.lower).xy().norm();
-        let squared = (self.length - reach) * (self.length + reach);
-        if squared > 0.0 && self.length > 0.0 {
-            Ok(self.upper.z - self.lower.z - squared.sqrt())
-        } else {
-            Err(DimensionError::Rod { rod: number, length: self.length, reach })
-        }
+/// Height of the platform in the middle and level, below the carriage of `rod` at height 0, if it were to hang on this
+/// rod alone, m.
+pub(super) fn platform_height(rod: &Rod, number: usize) -> Result<f64, DimensionError> {
+    let reach = (rod.upper - rod.lower).xy().norm();
+    let squared = (rod.length - reach) * (rod.length + reach);
+    if squared > 0.0 && rod.length > 0.0 {
+        Ok(rod.upper.z - rod.lower.z - squared.sqrt())
+    } else {
+        Err(DimensionError::Rod { rod: number, length: rod.length, reach })
     }
 }
 
@@ -107,7 +105,7 @@ impl Tripod {
         model.tip.link = platform;
     }
 
-    fn hang_rod(&self, model: &mut Model, number: usize, rod: &TripodRod) -> usize {
+    fn hang_rod(&self, model: &mut Model, number: usize, rod: &Rod) -> usize {
         let Hanging { swing, tilt } = self.linkage.hanging(rod);
         let turn = about(&Vector3::y_axis(), swing);
         let upper = Translation3::from(self.linkage.upper(rod).coords);
@@ -126,7 +124,7 @@ impl Tripod {
 
     /// The platform, on three joints that undo in reverse what the rod does: tilt, swing, and the turn about z, at 0
     /// while the platform is level.
-    fn hang_platform(&self, model: &mut Model, rod: &TripodRod, carrier: usize) -> usize {
+    fn hang_platform(&self, model: &mut Model, rod: &Rod, carrier: usize) -> usize {
         let Hanging { swing, tilt } = self.linkage.hanging(rod);
         let (x, y, z) = (Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis());
         let end = Isometry3::from_parts(Translation3::new(0.0, 0.0, -rod.length), about(&x, -tilt));

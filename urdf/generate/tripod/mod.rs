@@ -31,7 +31,7 @@ use super::{MachineJoint, check_joints, check_positive};
 use crate::{DimensionError, JointDrive, JointPositions, Link, LoopError, Model, Tip};
 use linkage::Linkage;
 use nalgebra::{Point3, Vector3};
-use std::f64::consts::TAU;
+use twin_kinematics::tripod::Rod;
 
 /// Around everything that the axes bring somewhere, m.
 const CLEARANCE: f64 = 0.02;
@@ -41,73 +41,6 @@ const CARRIAGE_DENSITY: f64 = 5400.0;
 const ROD_DENSITY: f64 = 1600.0;
 /// Aluminium, kg/m³.
 const PLATFORM_DENSITY: f64 = 2700.0;
-
-/// One of the six rods, between the centres of the joints at its ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TripodRod {
-    /// The carriage on which it hangs, 0 to 2.
-    pub carriage: usize,
-    /// Its upper end with the carriage at height 0, machine frame, m.
-    pub upper: Point3<f64>,
-    /// Its lower end in the frame of the platform, parallel to the machine frame while it is level, m.
-    pub lower: Point3<f64>,
-    /// m.
-    pub length: f64,
-}
-
-/// A tripod as the manual describes it: `dInnerRadius`, `dOuterRadius`, `dLength`, `dDistance` and `dRotationOffset` of
-/// `SMC_TRAFO_Tripod` (8.2.6).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TripodRings {
-    /// Of the ring on which the lower ends of the rods lie, on the platform, m.
-    pub inner_radius: f64,
-    /// Of the ring on which the upper ends lie, m.
-    pub outer_radius: f64,
-    /// Of the rods, m.
-    pub length: f64,
-    /// Between the two rods of a carriage, m.
-    pub distance: f64,
-    /// Direction of carriage A from the axis of the machine, counter-clockwise from +x; B and C follow at 120° and 240°,
-    /// rad.
-    pub rotation: f64,
-}
-
-impl TripodRings {
-    /// The rods, two of each carriage after one another, the one further clockwise first.
-    ///
-    /// # Errors
-    /// [`DimensionError`] if a radius, the length or the distance is not above 0, or a ring has no two points that far
-    /// apart.
-    pub fn rods(&self) -> Result<[TripodRod; 6], DimensionError> {
-        check_positive(&[
-            ("the radius of the inner ring", self.inner_radius),
-            ("the radius of the outer ring", self.outer_radius),
-            ("the length of the rods", self.length),
-            ("the distance of the rods", self.distance),
-        ])?;
-        if !self.rotation.is_finite() {
-            return Err(DimensionError::NotFinite { what: "the rotation" });
-        }
-        let half = self.distance / 2.0;
-        let from_axis = |radius: f64| {
-            if radius >= half {
-                Ok(((radius - half) * (radius + half)).sqrt())
-            } else {
-                Err(DimensionError::Ring { radius, distance: self.distance })
-            }
-        };
-        let (outer, inner) = (from_axis(self.outer_radius)?, from_axis(self.inner_radius)?);
-        let rod = |carriage: u8, side: f64| {
-            let (sin, cos) = (self.rotation + TAU * f64::from(carriage) / 3.0).sin_cos();
-            let at = |radius: f64| {
-                Point3::new(radius * cos - side * sin, radius * sin + side * cos, 0.0)
-            };
-            let (upper, lower) = (at(outer), at(inner));
-            TripodRod { carriage: carriage.into(), upper, lower, length: self.length }
-        };
-        Ok([rod(0, -half), rod(0, half), rod(1, -half), rod(1, half), rod(2, -half), rod(2, half)])
-    }
-}
 
 /// The dimensions of a tripod. What is `None` is derived from the rest; the size of the machine follows from how far its
 /// axes move.
@@ -119,8 +52,8 @@ pub struct TripodDimensions {
     pub joints: [MachineJoint; 3],
     /// Axis positions with the upper ends of the rods at height 0, m.
     pub offsets: [f64; 3],
-    /// Two for each carriage.
-    pub rods: [TripodRod; 6],
+    /// Two for each carriage, as designed or as measured (`twin_kinematics::tripod::TripodDimensions::rods`).
+    pub rods: [Rod; 6],
     /// Of a carriage, kg. Derived: its plate at 5400 kg/m³.
     pub carriage_mass: Option<f64>,
     /// m. Derived: an eightieth of the length of the first rod but 3 to 20 mm.
@@ -140,7 +73,7 @@ pub struct TripodDimensions {
 /// All dimensions, derived ones included.
 struct Tripod {
     linkage: Linkage,
-    rods: [TripodRod; 6],
+    rods: [Rod; 6],
     /// Lowest and highest height of each carriage.
     travel: [[f64; 2]; 3],
     carriage_mass: Option<f64>,
@@ -154,7 +87,7 @@ struct Tripod {
 
 impl TripodDimensions {
     /// A tripod with these rods, zero offsets and no tool; everything else derived.
-    pub fn new(name: impl Into<String>, joints: [MachineJoint; 3], rods: [TripodRod; 6]) -> Self {
+    pub fn new(name: impl Into<String>, joints: [MachineJoint; 3], rods: [Rod; 6]) -> Self {
         Self {
             name: name.into(),
             joints,
@@ -217,7 +150,7 @@ impl TripodDimensions {
                 return Err(DimensionError::Rod { rod: number, length, reach: 0.0 });
             }
         }
-        let from_axis = |rod: &TripodRod| rod.lower.x.hypot(rod.lower.y);
+        let from_axis = |rod: &Rod| rod.lower.x.hypot(rod.lower.y);
         let ring = self.rods.iter().map(from_axis).fold(f64::INFINITY, f64::min);
         let platform_radius =
             (ring - 1.5 * solids::BALL * rod_radius).max(2.0 * solids::BALL * rod_radius);

@@ -1,6 +1,7 @@
 //! What a tripod looks like and weighs.
 
-use super::{CARRIAGE_DENSITY, CLEARANCE, PLATFORM_DENSITY, ROD_DENSITY, Tripod, TripodRod};
+use super::linkage::platform_height;
+use super::{CARRIAGE_DENSITY, CLEARANCE, PLATFORM_DENSITY, ROD_DENSITY, Rod, Tripod};
 use crate::generate::{cuboid, paint, placed, upright};
 use crate::{Inertial, Link, Solid, SolidShape};
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -27,7 +28,7 @@ impl Tripod {
         [inner, inner + 2.0 * self.ball()]
     }
 
-    fn rods_of(&self, carriage: usize) -> impl Iterator<Item = &TripodRod> {
+    fn rods_of(&self, carriage: usize) -> impl Iterator<Item = &Rod> {
         self.rods.iter().filter(move |rod| rod.carriage == carriage)
     }
 
@@ -44,9 +45,9 @@ impl Tripod {
     /// The rods' horizontal lengths h have Σh² = 3(r² + e²) with the platform at r from the middle, so one of them is at
     /// least the e of the middle, and hangs no lower than there.
     fn table(&self) -> f64 {
-        let lowest = |rod: &TripodRod| {
+        let lowest = |rod: &Rod| {
             let [low, _] = self.travel.get(rod.carriage).copied().unwrap_or_default();
-            low + rod.platform_height(0).unwrap_or_default()
+            low + platform_height(rod, 0).unwrap_or_default()
         };
         let platform = self.rods.iter().map(lowest).fold(f64::INFINITY, f64::min);
         platform - self.tool.length().max(self.ball()) - CLEARANCE
@@ -126,7 +127,7 @@ impl Tripod {
     }
 
     /// A rod between its balls, in the frame of its upper end.
-    pub(super) fn rod(&self, number: usize, rod: &TripodRod) -> Link {
+    pub(super) fn rod(&self, number: usize, rod: &Rod) -> Link {
         let heights = [self.ball() - rod.length, -self.ball()];
         let tube = upright(0.0, 0.0, heights, self.rod_radius, paint::GRAPHITE);
         let volume = std::f64::consts::PI * self.rod_radius.powi(2) * rod.length;
@@ -144,7 +145,7 @@ impl Tripod {
         let mass = self.platform_mass.unwrap_or(PLATFORM_DENSITY * volume);
         let inertial = Inertial::union(&[disc.uniform(mass), self.tool.inertial()]);
         let mut solids = vec![disc];
-        for TripodRod { lower, .. } in &self.rods {
+        for Rod { lower, .. } in &self.rods {
             let (reach, half) = (lower.x.hypot(lower.y), 0.6 * radius);
             let arm = cuboid(
                 [0.5 * self.platform_radius, -half, lower.z - half],

@@ -2,17 +2,18 @@ use super::{bounds, meet};
 use crate::tests::seeded;
 use crate::{
     DimensionError, Joint, JointDrive, JointPositions, LoopError, MachineJoint, Model, SolidShape,
-    TripodDimensions, TripodRings, TripodRod,
+    TripodDimensions,
 };
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
+use twin_kinematics::tripod::{Rod, TripodDeviations, TripodDimensions as Rings};
 
-const RINGS: TripodRings = TripodRings {
+const RINGS: Rings = Rings {
     inner_radius: 0.06,
     outer_radius: 0.25,
-    length: 0.4,
-    distance: 0.06,
+    rod_length: 0.4,
+    rod_distance: 0.06,
     rotation: PI / 2.0,
 };
 
@@ -28,26 +29,31 @@ pub(super) fn tripod() -> TripodDimensions {
     TripodDimensions {
         tool: Vector3::new(0.0, 0.0, -0.04),
         tool_mass: 0.1,
-        ..TripodDimensions::new("tripod", axes([0.3, 0.6]), RINGS.rods().unwrap())
+        ..TripodDimensions::new(
+            "tripod",
+            axes([0.3, 0.6]),
+            RINGS.rods(&TripodDeviations::default()).unwrap(),
+        )
     }
 }
 
 /// Manual 8.2.6: where the axes are (without offsets) with the platform at `place`; `None` if a rod does not reach.
-fn inverse(rings: &TripodRings, place: &Point3<f64>) -> Option<[f64; 3]> {
-    let half = (rings.distance / 2.0).powi(2);
+fn inverse(rings: &Rings, place: &Point3<f64>) -> Option<[f64; 3]> {
+    let half = (rings.rod_distance / 2.0).powi(2);
     let e = (rings.outer_radius.powi(2) - half).sqrt() - (rings.inner_radius.powi(2) - half).sqrt();
     let height = |i: f64| {
         let (sin, cos) = (rings.rotation + i * TAU / 3.0).sin_cos();
         let h2 = (place.x - e * cos).powi(2) + (place.y - e * sin).powi(2);
         // Not all too near to where the rod is level.
-        (h2 < 0.96 * rings.length.powi(2)).then(|| place.z + (rings.length.powi(2) - h2).sqrt())
+        (h2 < 0.96 * rings.rod_length.powi(2))
+            .then(|| place.z + (rings.rod_length.powi(2) - h2).sqrt())
     };
     Some([height(0.0)?, height(1.0)?, height(2.0)?])
 }
 
 /// Manual 8.2.6, forward: the platform below carriages at `heights`, as the digest writes it.
-fn forward(rings: &TripodRings, heights: [f64; 3]) -> Point3<f64> {
-    let half = (rings.distance / 2.0).powi(2);
+fn forward(rings: &Rings, heights: [f64; 3]) -> Point3<f64> {
+    let half = (rings.rod_distance / 2.0).powi(2);
     let e = (rings.outer_radius.powi(2) - half).sqrt() - (rings.inner_radius.powi(2) - half).sqrt();
     let mean = heights.iter().sum::<f64>() / 3.0;
     let q = heights.map(|height| height - mean);
@@ -65,14 +71,14 @@ fn forward(rings: &TripodRings, heights: [f64; 3]) -> Point3<f64> {
     );
     let a = 1.0 + dx * dx + dy * dy;
     let b = -2.0 * (cx * dx + cy * dy);
-    let c = cx * cx + cy * cy + sum(|q, _| q * q) / 3.0 + e * e - rings.length.powi(2);
+    let c = cx * cx + cy * cy + sum(|q, _| q * q) / 3.0 + e * e - rings.rod_length.powi(2);
     let z = (-b - (b * b - 4.0 * a * c).sqrt()) / (2.0 * a);
     Point3::new(cx - dx * z, cy - dy * z, z + mean)
 }
 
 /// How far the rods are from their lengths: ends on carriage and platform, wherever the links are.
 fn strain(dimensions: &TripodDimensions, axes: &[f64], platform: &Isometry3<f64>) -> f64 {
-    let strain = |rod: &TripodRod| {
+    let strain = |rod: &Rod| {
         let raised =
             axes[dimensions.joints[rod.carriage].machine_axis] - dimensions.offsets[rod.carriage];
         let upper = rod.upper + Vector3::z() * raised;
@@ -246,17 +252,6 @@ fn where_the_rods_do_not_reach_is_said() {
 
 #[test]
 fn impossible_tripods_are_named() {
-    let rings = |rings: TripodRings| rings.rods().unwrap_err();
-    assert_eq!(
-        rings(TripodRings { distance: 0.13, ..RINGS }),
-        DimensionError::Ring { radius: 0.06, distance: 0.13 }
-    );
-    let flat = rings(TripodRings { length: 0.0, ..RINGS });
-    assert!(flat.to_string().starts_with("the length of the rods is 0"), "{flat}");
-    assert_eq!(
-        rings(TripodRings { rotation: f64::NAN, ..RINGS }),
-        DimensionError::NotFinite { what: "the rotation" }
-    );
     let refusal = |change: fn(&mut TripodDimensions)| {
         let mut dimensions = tripod();
         change(&mut dimensions);
@@ -302,7 +297,8 @@ proptest! {
         let chord = |radius: f64| (radius * radius - half * half).sqrt();
         let across = chord(outer_radius) - chord(inner_radius);
         let length = longer * (across + radius);
-        let rings = TripodRings { inner_radius, outer_radius, length, distance, rotation };
+        let rings =
+            Rings { inner_radius, outer_radius, rod_length: length, rod_distance: distance, rotation };
         let place = Point3::new(radius * turn.cos(), radius * turn.sin(), z);
         let heights = inverse(&rings, &place).unwrap();
         let mut positions = heights;
@@ -312,7 +308,7 @@ proptest! {
             MachineJoint::new(name, axis, [z + offsets[axis] - 0.3, z + offsets[axis] + 0.6])
         };
         let joints = [joint("A", 0), joint("B", 1), joint("C", 2)];
-        let dimensions = TripodDimensions::new("tripod", joints, rings.rods().unwrap());
+        let dimensions = TripodDimensions::new("tripod", joints, rings.rods(&TripodDeviations::default()).unwrap());
         let dimensions = TripodDimensions { offsets, tool: tool.into(), ..dimensions };
         let model = dimensions.model().unwrap();
 
