@@ -85,7 +85,9 @@ impl ReachOf {
                 )
             }
             Self::Platform => {
-                format!("fits no pose of the platform: a rod would be {distance:.6} mm off its length")
+                format!(
+                    "fits no pose of the platform: a rod would be {distance:.6} mm off its length"
+                )
             }
         }
     }

@@ -2,8 +2,8 @@
 
 use crate::transform::{Differential, Motion, Transform};
 use crate::{
-    AxisMotion, AxisVector, Branch, Coordinate, Dexterity, Jacobian, KinematicsError, Margins, Pose,
-    ToolJerk, ToolMotion,
+    AxisMotion, AxisVector, Branch, Coordinate, Dexterity, Jacobian, KinematicsError, Margins,
+    Pose, ToolJerk, ToolMotion,
 };
 use nalgebra::{SVector, Vector3};
 
@@ -142,8 +142,9 @@ pub trait Kinematics: std::fmt::Debug + Send + Sync {
 /// N axis values out of as many as there are.
 fn values<const N: usize>(axes: &AxisVector) -> Result<SVector<f64, N>, KinematicsError> {
     let given = axes.len();
-    let values = <[f64; N]>::try_from(&**axes)
-        .map_err(|_: std::array::TryFromSliceError| KinematicsError::AxisCount { given, expected: N })?;
+    let values = <[f64; N]>::try_from(&**axes).map_err(|_: std::array::TryFromSliceError| {
+        KinematicsError::AxisCount { given, expected: N }
+    })?;
     if axes.is_finite() { Ok(values.into()) } else { Err(KinematicsError::NotFinite) }
 }
 

@@ -49,7 +49,5 @@ pub trait SmoothMap<const N: usize> {
 }
 
 fn unit_vectors<const N: usize>() -> [SVector<f64, N>; N] {
-    std::array::from_fn(|index| {
-        SVector::from_fn(|row, _| if row == index { 1.0 } else { 0.0 })
-    })
+    std::array::from_fn(|index| SVector::from_fn(|row, _| if row == index { 1.0 } else { 0.0 }))
 }

@@ -22,3 +22,4 @@ pub mod session;
 pub mod setpoint;
 pub mod settings;
 pub mod simulated;
+pub mod workspace;

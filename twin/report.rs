@@ -186,8 +186,8 @@ struct PeakReport {
 struct PositionReport {
     min: Option<f64>,
     max: Option<f64>,
-    limit_min: f64,
-    limit_max: f64,
+    limit_min: Option<f64>,
+    limit_max: Option<f64>,
 }
 
 #[derive(Clone, Debug, serde::Serialize)]
@@ -209,7 +209,8 @@ impl AxisPeakReport {
             line: (peak.value > 0.0).then_some(peak.place.line),
             block: peak.place.block,
         };
-        let [limit_min, limit_max] = axis.position_limits.map(|limit| rounded(axis.from_si(limit)));
+        let limits = axis.position_limits.map(|limit| rounded(axis.from_si(limit)));
+        let [limit_min, limit_max] = limits.map(|limit| axis.limited.then_some(limit));
         Self {
             unit: axis.unit(),
             position: PositionReport {

@@ -69,12 +69,14 @@ impl<'m> Transformer<'m> {
         tool: &ToolSetpoint,
         m_call: Option<MCall>,
     ) -> Result<AxisSetpoint, KinematicsError> {
+        let [direction, direction_velocity, direction_acceleration] =
+            self.machine.direction.at(tool);
         let work = ToolMotion {
-            pose: Pose { position: tool.position, direction: 0.0 },
+            pose: Pose { position: tool.position, direction },
             velocity: tool.velocity,
             acceleration: tool.acceleration,
-            direction_velocity: 0.0,
-            direction_acceleration: 0.0,
+            direction_velocity,
+            direction_acceleration,
         };
         let motion = self.machine.frame.motion_to_machine(&work);
         let mut axes = self.machine.kinematics.inverse_motion(&motion, &self.near)?;

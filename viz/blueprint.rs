@@ -44,11 +44,35 @@ pub(crate) fn send(
     bounds: &Bounds,
     playback: Playback,
 ) -> Result<(), VizError> {
+    send_page(recording, application, playback, |page| page.everything(layout, bounds))
+}
+
+/// Sends the layout of a workspace: machine and section, and beside them what they are.
+pub(crate) fn send_workspace(
+    recording: &RecordingStream,
+    application: &'static str,
+    bounds: &Bounds,
+) -> Result<(), VizError> {
+    send_page(recording, application, Playback::FromStart, |page| {
+        let contents = ["+ /machine/**", "+ /workspace/**"];
+        let scene = page.scene("Machine and workspace", &contents, bounds)?;
+        let about = page.text("What is shown", "about")?;
+        page.row(&[scene, about], &[3.0, 1.0])
+    })
+}
+
+/// Sends the layout that `arrange` makes.
+fn send_page(
+    recording: &RecordingStream,
+    application: &'static str,
+    playback: Playback,
+    arrange: impl FnOnce(&mut Page) -> Result<Part, VizError>,
+) -> Result<(), VizError> {
     let (stream, storage) =
         RecordingStreamBuilder::new(application).enabled(true).blueprint().memory()?;
     stream.set_time_sequence("blueprint", 0);
     let mut page = Page { stream, last_id: 0 };
-    let root = page.everything(layout, bounds)?;
+    let root = arrange(&mut page)?;
     page.panels(playback)?;
     let viewport = layout::ViewportBlueprint::new()
         .with_root_container(root.uuid())
@@ -106,7 +130,9 @@ struct Page {
 
 impl Page {
     fn everything(&mut self, layout: &Layout, bounds: &Bounds) -> Result<Part, VizError> {
-        let scene = self.scene(bounds)?;
+        let contents = ["+ /machine/**", "+ /program/**", "+ /trail/**", "+ /tool/**"];
+        let scene = self.scene("Machine and paths", &contents, bounds)?;
+        self.keep_trails(scene)?;
         let close_up = self.close_up(layout)?;
         let here = self.text("Program", "program/here")?;
         let about = self.text("What is shown", "about")?;
@@ -149,13 +175,12 @@ impl Page {
         Ok(())
     }
 
-    /// The machine, its path and the trails.
-    fn scene(&mut self, bounds: &Bounds) -> Result<Part, VizError> {
+    /// The machine and what belongs to it, in space.
+    fn scene(&mut self, title: &str, contents: &[&str], bounds: &Bounds) -> Result<Part, VizError> {
         let (center, radius) = bounds.sphere().unwrap_or_default();
         let spacing = grid_spacing(mm(radius));
-        let name = format!("Machine and paths (grid {spacing} mm)");
-        let contents = ["+ /machine/**", "+ /program/**", "+ /trail/**", "+ /tool/**"];
-        let view = self.view("3D", &name, "/", &contents)?;
+        let name = format!("{title} (grid {spacing} mm)");
+        let view = self.view("3D", &name, "/", contents)?;
         let eye = center + Vector3::from(FROM).normalize() * (radius / HALF_VIEW.sin() * CLOSER);
         let camera = layout::EyeControls3D::new()
             .with_kind(parts::Eye3DKind::Orbital)
@@ -175,7 +200,6 @@ impl Page {
             .with_stroke_width(1.0)
             .with_color(components::Color::from_rgb(48, 53, 60));
         self.property(view, "LineGrid3D", &grid)?;
-        self.keep_trails(view)?;
         Ok(view)
     }
 

@@ -17,6 +17,7 @@
 //! | `error/tool/{twin,drives,between}` | distance of the tool to the set-point, and between drives and twin, mm | `time`, `line` |
 //! | `error/axis_deg/<axis>/{twin,drives}`, `error/axis_mm/…` | axis position minus set-point | `time`, `line` |
 //! | `speed/{set-point,programmed}` | along the path, mm/s | `time`, `line` |
+//! | `workspace/{section,lines,marks}` | a section through the workspace ([`show_workspace`]) | static |
 //! | `program/here`, `about` | lines around the current one; names and colours | `time`, `line`; static |
 //!
 //! `time` counts from the start of the program; `line` is the line of the program file, from 1.
@@ -29,8 +30,10 @@ mod palette;
 mod scene;
 mod server;
 mod units;
+mod workspace;
 
 pub use error::VizError;
 pub use frame::{Axis, AxisUnit, Deviation, DrivesFrame, Frame, MoveKind, PathStrip, Program};
 pub use scene::{Playback, Scene, SceneOptions, Setup};
 pub use server::{DEFAULT_ADDRESS, Viewer, view_recording};
+pub use workspace::{Mark, SheetLine, WorkspaceView, show_workspace};

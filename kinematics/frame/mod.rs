@@ -135,11 +135,7 @@ impl WorkFrame {
     ///
     /// In a tilted frame the direction's also depends on its rate and acceleration: a tool that turns steadily in the
     /// work does not look like it from above.
-    pub fn jerk_to_machine(
-        &self,
-        motion: &ToolMotion,
-        jerk: &ToolJerk,
-    ) -> ToolJerk {
+    pub fn jerk_to_machine(&self, motion: &ToolMotion, jerk: &ToolJerk) -> ToolJerk {
         let [_, slope, curvature, third] = self.seen_from_above.of(motion.pose.direction);
         let (rate, acceleration) = (motion.direction_velocity, motion.direction_acceleration);
         let direction = slope * jerk.direction

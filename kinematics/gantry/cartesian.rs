@@ -54,7 +54,10 @@ impl<const N: usize> Gantry<N> {
     /// The manual's normalised outputs with the axes at `axes` (m).
     pub fn view(&self, axes: &SVector<f64, N>, range: &Range) -> Option<GantryView> {
         let tip = axes - self.shift;
-        Some(range.view([*tip.get(0)?, *tip.get(1)?], [*self.offsets.get(0)?, *self.offsets.get(1)?]))
+        Some(
+            range
+                .view([*tip.get(0)?, *tip.get(1)?], [*self.offsets.get(0)?, *self.offsets.get(1)?]),
+        )
     }
 }
 

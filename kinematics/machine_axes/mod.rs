@@ -221,7 +221,10 @@ impl MachineAxes {
         Ok((flange, Pose { position: self.part_of_transform(&flange).into(), ..*pose }))
     }
 
-    fn split_motion(&self, tool: &ToolMotion) -> Result<(Vector3<f64>, ToolMotion), KinematicsError> {
+    fn split_motion(
+        &self,
+        tool: &ToolMotion,
+    ) -> Result<(Vector3<f64>, ToolMotion), KinematicsError> {
         if !tool.is_finite() {
             return Err(KinematicsError::NotFinite);
         }

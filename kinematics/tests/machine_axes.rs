@@ -38,7 +38,10 @@ fn axes_come_in_the_order_of_the_machine_file() {
     {
         // A tool of 120 mm whose tip is at −50 mm hangs on a flange at 70 mm.
         let machine = machine(&sources, 0.12);
-        assert_eq!((machine.axis_count(), machine.coordinates()), (3, &Coordinate::TRANSLATIONS[..]));
+        assert_eq!(
+            (machine.axis_count(), machine.coordinates()),
+            (3, &Coordinate::TRANSLATIONS[..])
+        );
         let found = machine.inverse(&pose, &AxisVector::zeros(3)).unwrap();
         assert!(
             found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-15),

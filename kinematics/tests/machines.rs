@@ -1,12 +1,12 @@
 //! Random machines of every kind, and axis positions at which they work.
 
+use crate::Transform;
 use crate::gantry::{
     BeltLayout, Gantry2, Gantry2Tool, Gantry3, Gantry3Tool, GantryCutter2, GantryCutter3, GantryH2,
     Sense, ToolBeside,
 };
 use crate::scara::{Elbow, Scara2, Scara3};
 use crate::tripod::{CalibratedTripod, Tripod, TripodDeviations, TripodDimensions};
-use crate::Transform;
 use nalgebra::{SVector, Vector2, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -70,7 +70,11 @@ pub(crate) fn gantry_cutter3() -> impl Strategy<Value = Placed<GantryCutter3, 4>
 }
 
 fn beside() -> impl Strategy<Value = ToolBeside> {
-    (-PI..PI, -0.3..0.3, -0.3..0.3).prop_map(|(angle, ahead, left)| ToolBeside { angle, ahead, left })
+    (-PI..PI, -0.3..0.3, -0.3..0.3).prop_map(|(angle, ahead, left)| ToolBeside {
+        angle,
+        ahead,
+        left,
+    })
 }
 
 pub(crate) fn gantry2_tool() -> impl Strategy<Value = Placed<Gantry2Tool, 2>> {
@@ -98,7 +102,9 @@ pub(crate) fn gantry_h2() -> impl Strategy<Value = Placed<GantryH2, 2>> {
 fn bends(reach: Reach) -> BoxedStrategy<f64> {
     match reach {
         Reach::Inside => (0.3..PI - 0.3).boxed(),
-        Reach::Close => any::<bool>().boxed().prop_map(|folded| if folded { 1.0 } else { 0.0 }).boxed(),
+        Reach::Close => {
+            any::<bool>().boxed().prop_map(|folded| if folded { 1.0 } else { 0.0 }).boxed()
+        }
     }
 }
 
@@ -123,15 +129,14 @@ fn arms() -> impl Strategy<Value = [f64; 2]> {
 }
 
 pub(crate) fn scara2(reach: Reach) -> impl Strategy<Value = Placed<Scara2, 2>> {
-    (arms(), values::<2>(TAU), elbows(), bends(reach), -PI..PI, prop::array::uniform2(-2..=2)).prop_map(
-        move |(arms, offsets, elbow, bend, alpha, turns)| {
+    (arms(), values::<2>(TAU), elbows(), bends(reach), -PI..PI, prop::array::uniform2(-2..=2))
+        .prop_map(move |(arms, offsets, elbow, bend, alpha, turns)| {
             let machine = Scara2::new(arms, offsets.into(), elbow).unwrap();
             let beta = beta(reach, bend, arms[0], arms[1]);
             let angles = Vector2::new(alpha, if elbow == Elbow::Low { beta } else { -beta });
             let turns = Vector2::from(turns).map(|turn: i32| f64::from(turn) * TAU);
             Placed { machine, axes: angles + offsets + turns }
-        },
-    )
+        })
 }
 
 /// With a tool beside the second arm; the elbow bends as it does without.
@@ -184,7 +189,11 @@ pub(crate) fn tripod(reach: Reach) -> impl Strategy<Value = Placed<Tripod, 3>> {
             let (mut inside, mut outside) = (0.0, 2.0 * dimensions.rod_length);
             for _ in 0..80 {
                 let middle = f64::midpoint(inside, outside);
-                if machine.to_axes(&at(middle)).is_ok() { inside = middle } else { outside = middle }
+                if machine.to_axes(&at(middle)).is_ok() {
+                    inside = middle
+                } else {
+                    outside = middle
+                }
             }
             let r = match reach {
                 Reach::Inside => part * inside,
@@ -216,9 +225,10 @@ fn deviations() -> impl Strategy<Value = TripodDeviations> {
 
 /// A tripod as measured, up to a millimetre and half a degree from its design.
 pub(crate) fn calibrated(reach: Reach) -> impl Strategy<Value = Placed<CalibratedTripod, 3>> {
-    let wide = tripod(Reach::Inside).prop_filter("rods far enough apart to hold the platform", |placed| {
-        placed.machine.dimensions().rod_distance > 0.03
-    });
+    let wide = tripod(Reach::Inside)
+        .prop_filter("rods far enough apart to hold the platform", |placed| {
+            placed.machine.dimensions().rod_distance > 0.03
+        });
     (wide, deviations(), tools()).prop_filter_map(
         "the rods do not reach",
         move |(placed, deviations, tool)| {

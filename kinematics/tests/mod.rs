@@ -2,6 +2,7 @@
 
 mod direction;
 mod frame;
+mod linuxcnc;
 mod machine_axes;
 mod machines;
 mod scara;

@@ -53,7 +53,8 @@ fn trafo_scara2_unreachable() {
     for elbow in [Elbow::Low, Elbow::High] {
         let error =
             manual(elbow).inverse(&Pose::at(0.4, 0.3, 0.0), &AxisVector::zeros(2)).unwrap_err();
-        let KinematicsError::Unreachable { target, of: ReachOf::Arms, distance, reach } = error else {
+        let KinematicsError::Unreachable { target, of: ReachOf::Arms, distance, reach } = error
+        else {
             panic!("{error}")
         };
         assert_eq!(Point3::from(target), Point3::new(0.4, 0.3, 0.0));

@@ -2,8 +2,8 @@
 
 use super::machines::{self, Placed, Reach};
 use super::{seeded, three_differences};
-use crate::transform::{Differential, Motion};
 use crate::Transform;
+use crate::transform::{Differential, Motion};
 use nalgebra::SVector;
 use proptest::prelude::*;
 use proptest::test_runner::{TestCaseError, TestRunner};
@@ -19,7 +19,8 @@ fn check<T: Transform<N>, const N: usize>(
     machines: impl Strategy<Value = Placed<T, N>>,
     test: impl Fn(&T, SVector<f64, N>) -> Result<(), TestCaseError>,
 ) {
-    let run = TestRunner::new(seeded()).run(&machines, |Placed { machine, axes }| test(&machine, axes));
+    let run =
+        TestRunner::new(seeded()).run(&machines, |Placed { machine, axes }| test(&machine, axes));
     if let Err(error) = run {
         panic!("{error}");
     }
@@ -47,7 +48,10 @@ fn tools_agree<T: Transform<N>, const N: usize>(
     for ((found, expected), coordinate) in found.iter().zip(expected).zip(coordinates) {
         let length = *coordinate != crate::Coordinate::Direction;
         let tolerance = if length { LENGTH } else { ANGLE };
-        prop_assert!((found - expected).abs() <= tolerance, "{coordinate}: {found} {expected} in {machine:?}");
+        prop_assert!(
+            (found - expected).abs() <= tolerance,
+            "{coordinate}: {found} {expected} in {machine:?}"
+        );
     }
     Ok(())
 }

@@ -260,10 +260,11 @@ impl Transform<3> for Tripod {
     fn margins(&self, tool: &Vector3<f64>) -> Margins {
         let length = self.dimensions.rod_length;
         let beside = self.beside(&(tool - self.tool)).map(|beside| beside.norm());
-        let boundary = beside.iter().fold(f64::INFINITY, |least, beside| least.min(length - beside));
-        let branch = self.to_axes(tool).map_or(0.0, |axes| {
-            plane_above(&self.centers(&axes), &(tool - self.tool))
-        });
+        let boundary =
+            beside.iter().fold(f64::INFINITY, |least, beside| least.min(length - beside));
+        let branch = self
+            .to_axes(tool)
+            .map_or(0.0, |axes| plane_above(&self.centers(&axes), &(tool - self.tool)));
         Margins { boundary, branch }
     }
 

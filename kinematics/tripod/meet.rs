@@ -66,8 +66,11 @@ mod tests {
     /// (0, 0, 0) seen from three points half as high above it as they are beside it; the other solution is above them.
     #[test]
     fn the_lower_of_two_points() {
-        let centers =
-            [Vector3::new(1.0, 0.0, 0.5), Vector3::new(0.0, 1.0, 0.5), Vector3::new(-1.0, 0.0, 0.5)];
+        let centers = [
+            Vector3::new(1.0, 0.0, 0.5),
+            Vector3::new(0.0, 1.0, 0.5),
+            Vector3::new(-1.0, 0.0, 0.5),
+        ];
         let radius = 1.25_f64.sqrt();
         let found = below(&centers, [radius; 3]).unwrap();
         assert!(found.norm() < 1e-15, "{found}");

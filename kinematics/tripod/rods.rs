@@ -102,9 +102,7 @@ impl TripodDimensions {
         self.check()?;
         let mut rods =
             [Rod { carriage: 0, upper: Vector3::zeros(), lower: Vector3::zeros(), length: 0.0 }; 6];
-        for (index, (rod, deviation)) in
-            rods.iter_mut().zip(deviations.rod_lengths).enumerate()
-        {
+        for (index, (rod, deviation)) in rods.iter_mut().zip(deviations.rod_lengths).enumerate() {
             let carriage = index / 2;
             let side = if index % 2 == 0 { -0.5 } else { 0.5 };
             let of = |values: [f64; 3]| values.get(carriage).copied().unwrap_or_default();

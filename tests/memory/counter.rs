@@ -1,6 +1,7 @@
 //! An allocator that counts.
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The system's allocator, counted.
@@ -13,7 +14,13 @@ static ALLOCATOR: Counting = Counting;
 static LIVE: AtomicUsize = AtomicUsize::new(0);
 static MOST: AtomicUsize = AtomicUsize::new(0);
 
+thread_local! {
+    /// How often this thread has asked for memory.
+    static ASKED: Cell<usize> = const { Cell::new(0) };
+}
+
 fn add(bytes: usize) {
+    ASKED.set(ASKED.get() + 1);
     let live = LIVE.fetch_add(bytes, Ordering::Relaxed) + bytes;
     MOST.fetch_max(live, Ordering::Relaxed);
 }
@@ -49,4 +56,11 @@ pub(crate) fn most_during(run: impl FnOnce()) -> usize {
     MOST.store(before, Ordering::Relaxed);
     run();
     MOST.load(Ordering::Relaxed) - before
+}
+
+/// How often `run` asks for memory; what other threads do at the same time does not count.
+pub(crate) fn asked_during(run: impl FnOnce()) -> usize {
+    let before = ASKED.get();
+    run();
+    ASKED.get() - before
 }

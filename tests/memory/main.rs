@@ -12,6 +12,7 @@
 
 #[path = "../benches/contour.rs"]
 mod contour;
+#[allow(dead_code, reason = "another test counts how often, this one how much")]
 mod counter;
 #[path = "../benches/pipeline.rs"]
 mod pipeline;

@@ -18,17 +18,14 @@ mod interpolation;
 mod operations;
 mod preparation;
 mod program;
+mod table;
 mod vector;
 mod words;
 
-use serde_json::Value;
-use std::collections::BTreeMap;
-use std::env;
-use std::fs;
-use std::path::{Path, PathBuf};
+use table::{Exercise, Owner};
 
 /// Which test exercises which vector.
-const EXERCISED: [(&str, fn()); 31] = [
+const EXERCISED: [Exercise; 31] = [
     ("cnc-arc-R-semicircle", arcs::by_radius_semicircle),
     ("cnc-arc-IJ-same", arcs::by_center),
     ("cnc-arc-R-minor", arcs::by_radius_minor),
@@ -62,64 +59,12 @@ const EXERCISED: [(&str, fn()); 31] = [
     ("x-interpolator", interpolation::by_position),
 ];
 
-/// Every vector has its test, every test its vector, and each test looks at the vector it stands beside.
 #[test]
 fn every_vector_is_exercised() {
-    let table: BTreeMap<_, _> = EXERCISED.into_iter().collect();
-    assert_eq!(table.len(), EXERCISED.len(), "a vector stands in the table twice");
-    let listed: Vec<_> = table.keys().copied().collect();
-    let vectors = vector::all();
-    let given: Vec<_> = vectors.keys().map(String::as_str).collect();
-    assert_eq!(listed, given, "the table of tests and the vectors differ");
-    for (id, test) in EXERCISED {
-        vector::take_checked();
-        test();
-        assert_eq!(vector::take_checked(), [id], "the test listed for `{id}` looks at others");
-    }
+    table::every_vector_is_exercised(Owner::Motion, &EXERCISED);
 }
 
-/// The vectors here are those of the digest, number for number. Skipped where the digest is not at hand.
 #[test]
 fn the_vectors_are_the_digests() {
-    let Some(path) = digest() else {
-        println!("skipped: no vectors of the digest (TWIN_SHARED, ../shared)");
-        return;
-    };
-    let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path:?}: {error}"));
-    let theirs = vector::parse(&text);
-    let concerns = |id: &str| {
-        ["cnc-", "prep-", "ipo-"].iter().any(|group| id.starts_with(group))
-            || id == "x-interpolator"
-    };
-    let ours = vector::all();
-    let ids: Vec<_> = theirs.keys().filter(|id| concerns(id)).collect();
-    assert_eq!(ids, ours.keys().collect::<Vec<_>>());
-    for (id, vector) in &ours {
-        for part in ["inputs", "expected"] {
-            let (ours, theirs) = (&vector[part], &theirs[id][part]);
-            assert!(same(ours, theirs), "`{id}`: {part} are {ours}, those of the digest {theirs}");
-        }
-    }
-}
-
-/// Where the vectors of the digest are, if they are.
-fn digest() -> Option<PathBuf> {
-    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
-    let shared = env::var_os("TWIN_SHARED").map_or(workspace.join("../shared"), PathBuf::from);
-    let path = shared.join("spec/vectors/softmotion-vectors.json");
-    path.is_file().then_some(path)
-}
-
-/// The same names and numbers; 5 is 5.0.
-fn same(a: &Value, b: &Value) -> bool {
-    match (a, b) {
-        (Value::Number(a), Value::Number(b)) => a.as_f64() == b.as_f64(),
-        (Value::Array(a), Value::Array(b)) => {
-            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(a, b))
-        }
-        (Value::Object(a), Value::Object(b)) => {
-            a.len() == b.len() && a.iter().all(|(name, a)| b.get(name).is_some_and(|b| same(a, b)))
-        }
-        _ => a == b,
-    }
+    table::the_vectors_are_the_digests(Owner::Motion);
 }

@@ -184,6 +184,7 @@ impl<'m> Checker<'m> {
             let told = self.told_missing.get_mut(usize::from(number));
             if moves
                 && !self.machine.kinematics.sources().contains(&source)
+                && self.machine.direction.additional() != Some(number)
                 && told.is_some_and(|told| !std::mem::replace(told, true))
             {
                 self.findings.add(None, sentence::no_additional_axis(tool.place, letter));

@@ -2,7 +2,7 @@
 
 use super::options::MachineOption;
 use super::{Failure, Status};
-use crate::machine::Machine;
+use crate::machine::{DirectionRule, Machine};
 use crate::number::significant;
 use nalgebra::Point3;
 use std::io;
@@ -14,7 +14,9 @@ const DIGITS: usize = 12;
 /// Convert tool positions to axis positions and back: CSV lines from standard input to standard output
 ///
 /// A line that cannot be converted gives `error,REASON`; the exit status is then 1. Positions are those of the tool
-/// tip in the machine frame; without a z the tip is where it is with every linear axis at 0. Rotary axes go on from line to line: each answer is the one nearest to the line before.
+/// tip in the machine frame; without a z the tip is where it is with every linear axis at 0, without a direction the tool
+/// points where the machine file has it fixed, or along +x. Rotary axes go on from line to line: each answer is the one
+/// nearest to the line before; modulo axes show their position within their period.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     #[command(subcommand)]
@@ -100,9 +102,9 @@ fn numbers(record: &csv::ByteRecord) -> Result<Vec<f64>, String> {
 
 fn inverse(machine: &Machine, numbers: &[f64], near: &mut AxisVector) -> Result<Vec<f64>, String> {
     let (x, y, z, direction) = match *numbers {
-        [x, y] => (x, y, None, 0.0),
-        [x, y, z] => (x, y, Some(z), 0.0),
-        [x, y, z, direction] => (x, y, Some(z), direction),
+        [x, y] => (x, y, None, None),
+        [x, y, z] => (x, y, Some(z), None),
+        [x, y, z, direction] => (x, y, Some(z), Some(direction.to_radians())),
         _ => {
             return Err(format!(
                 "{} values; expected x_mm,y_mm[,z_mm[,direction_deg]]",
@@ -112,8 +114,11 @@ fn inverse(machine: &Machine, numbers: &[f64], near: &mut AxisVector) -> Result<
     };
     // Without a z the tool is where it is with every linear axis at 0.
     let z = z.map_or_else(|| machine.rest_height(), |z| z * 1e-3);
-    let pose =
-        Pose { position: Point3::new(x * 1e-3, y * 1e-3, z), direction: direction.to_radians() };
+    let direction = direction.unwrap_or_else(|| match machine.direction {
+        DirectionRule::Fixed(angle) => angle,
+        DirectionRule::Path(..) | DirectionRule::Additional(_) => 0.0,
+    });
+    let pose = Pose { position: Point3::new(x * 1e-3, y * 1e-3, z), direction };
     let axes = machine.kinematics.inverse(&pose, near).map_err(|error| error.to_string())?;
     *near = axes;
     note_limits(machine, &axes);
@@ -121,7 +126,7 @@ fn inverse(machine: &Machine, numbers: &[f64], near: &mut AxisVector) -> Result<
         .axes
         .iter()
         .zip(axes.iter())
-        .map(|(axis, position)| axis.from_si(*position))
+        .map(|(axis, position)| axis.from_si(axis.shown(*position)))
         .collect())
 }
 

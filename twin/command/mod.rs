@@ -132,6 +132,12 @@ pub(crate) enum Failure {
     /// The machine as URDF.
     #[error(transparent)]
     Urdf(#[from] twin_urdf::UrdfError),
+    /// The workspace of a machine.
+    #[error(transparent)]
+    Workspace(#[from] crate::workspace::WorkspaceError),
+    /// Its picture.
+    #[error(transparent)]
+    Svg(#[from] crate::workspace::PictureError),
     /// A file that was to be written.
     #[error("cannot write {path}: {source}")]
     Write {

@@ -2,7 +2,7 @@
 
 use super::underline;
 use crate::finding::{Finding, Severity};
-use crate::machine::Machine;
+use crate::machine::{Axis, Machine};
 use crate::program::{Dialect, ProgramFile};
 use crate::report::{AxisPeak, Peak};
 use comfy_table::{Cell, CellAlignment, Color, ContentArrangement, LineStyle, Table, TableStyle};
@@ -249,11 +249,10 @@ pub(super) fn peaks(machine: &Machine, peaks: &[AxisPeak]) -> Table {
         let position = peak
             .position
             .map_or("–".to_owned(), |[min, max]| format!("{} … {} {unit}", show(min), show(max)));
-        let [low, high] = axis.position_limits;
         let mut row = vec![
             Cell::new(&axis.name),
             Cell::new(position),
-            Cell::new(format!("{} … {}", show(low), show(high))),
+            Cell::new(limits(axis)),
             against(
                 format!("{} {unit}/s", show(peak.velocity.value)),
                 peak.velocity.value,
@@ -321,6 +320,18 @@ pub(super) fn progress(length: u64, template: &str) -> ProgressBar {
         bar.set_style(style.progress_chars("━╸ "));
     }
     bar
+}
+
+/// The software limits of an axis in its unit, or that it goes round and round.
+pub(super) fn limits(axis: &Axis) -> String {
+    let show = |value: f64| format!("{:.1}", axis.from_si(value));
+    match axis.period {
+        Some(period) if !axis.limited => format!("modulo {}", show(period)),
+        _ => {
+            let [low, high] = axis.position_limits;
+            format!("{} … {}", show(low), show(high))
+        }
+    }
 }
 
 #[cfg(test)]

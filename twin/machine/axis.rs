@@ -5,6 +5,9 @@ use super::section::Section;
 use crate::physics::AxisDriveParameters;
 use std::ops::Range;
 
+/// Farthest position of an axis, degrees or mm.
+const MOST: f64 = 1e6;
+
 /// Whether an axis turns or slides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxisKind {
@@ -57,8 +60,13 @@ pub struct Axis {
     pub name: String,
     /// Rotary or linear.
     pub kind: AxisKind,
-    /// Software limits, lower and upper, m or rad.
+    /// Software limits, lower and upper, m or rad. Those of a modulo axis without limits are as far as numbers or its
+    /// drive go.
     pub position_limits: [f64; 2],
+    /// A modulo axis shows its position from 0 up to this, m or rad (`fPositionPeriod`); `None`: as far as it goes.
+    pub period: Option<f64>,
+    /// Whether the machine file gives the limits.
+    pub limited: bool,
     /// m/s or rad/s.
     pub max_velocity: f64,
     /// m/s² or rad/s².
@@ -115,6 +123,11 @@ impl Axis {
         value * self.kind.scale()
     }
 
+    /// A position (m or rad) as the axis shows it: within its period, if it has one.
+    pub fn shown(&self, position: f64) -> f64 {
+        self.period.map_or(position, |period| twin_kinematics::turn::fold(position, period))
+    }
+
     /// Increments per m or rad; 0 without a drive.
     #[expect(clippy::cast_precision_loss, reason = "read from a file where it is at most 10^12")]
     pub fn increments_per_si(&self) -> f64 {
@@ -148,8 +161,17 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
         return None;
     };
     let unit = kind.unit();
-    let position_min = section.required_number(&format!("position_min_{unit}"), -1e6..=1e6);
-    let position_max = section.required_number(&format!("position_max_{unit}"), -1e6..=1e6);
+    let period = section.number(&format!("period_{unit}"), 1e-3..=MOST);
+    let limits = ["position_min", "position_max"].map(|name| format!("{name}_{unit}"));
+    // A modulo axis may go round and round; one limit alone would be an oversight.
+    let limited = period.is_none() || limits.iter().any(|key| section.has(key));
+    let [position_min, position_max] = limits.map(|key| {
+        if limited {
+            section.required_number(&key, -MOST..=MOST)
+        } else {
+            section.number(&key, -MOST..=MOST)
+        }
+    });
     let max_velocity = section.required_number(&format!("max_velocity_{unit}_per_s"), 1e-3..=1e6);
     let max_acceleration =
         section.required_number(&format!("max_acceleration_{unit}_per_s2"), 1e-3..=1e8);
@@ -157,7 +179,14 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
     let max_following_error = section.number(&format!("max_following_error_{unit}"), 1e-6..=1e4);
     let simulated = read_simulated(&section.section("physics"), kind);
     let drive = read_drive(section, unit, devices);
-    let (min, max) = (position_min?, position_max?);
+    let (min, max) = if limited {
+        (position_min?, position_max?)
+    } else {
+        // As far as the drive counts.
+        let counted = drive.as_ref().map_or(MOST, |drive| counts() / drive.ratio.per_unit().abs());
+        let most = MOST.min(counted);
+        (-most, most)
+    };
     if min >= max {
         let key = format!("position_max_{unit}");
         section.complain_at(
@@ -175,6 +204,8 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
             name: name?.to_owned(),
             kind,
             position_limits: [min * scale, max * scale],
+            period: period.map(|period| period * scale),
+            limited,
             max_velocity: max_velocity? * scale,
             max_acceleration: max_acceleration? * scale,
             max_jerk: max_jerk.map(|jerk| jerk * scale),

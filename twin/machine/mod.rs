@@ -2,17 +2,21 @@
 
 mod axis;
 mod conditions;
+mod direction;
 mod drives;
+mod frame;
 mod geometry;
 mod m_functions;
 mod problem;
 mod section;
 #[cfg(test)]
 mod tests;
+mod tool;
 
 pub use axis::{Axis, AxisDrive, AxisKind, IncrementRatio, SimulatedAxis};
 pub(crate) use conditions::said as tool_table_problem;
 pub use conditions::{PreparationInputs, ProgramConditions};
+pub use direction::DirectionRule;
 pub use drives::{DeviceEntry, Parity};
 pub use problem::{MachineFileError, Problem};
 
@@ -22,6 +26,7 @@ use nalgebra::{Point3, Vector3};
 use section::{Complaints, Section};
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
+use tool::Tool;
 use twin_kinematics::{AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
 use twin_urdf::Model;
 
@@ -35,10 +40,16 @@ pub struct Machine {
     pub path: PathBuf,
     /// Its name.
     pub name: String,
-    /// Kind of its transform, as in the file: "scara2", "gantry3".
+    /// Kind of its transform, as in the file: "scara2", "gantry_h2".
     pub kind: &'static str,
+    /// `[kinematics]` as in the file, without the kind.
+    pub dimensions: toml::Table,
     /// From the tool to the axes and back.
     pub kinematics: MachineAxes,
+    /// Where the direction of its tool comes from.
+    pub direction: DirectionRule,
+    /// What a radian counts in measures of singularity, m.
+    pub length_scale: f64,
     /// Where the program's frame lies.
     pub frame: WorkFrame,
     /// The axes.
@@ -93,7 +104,9 @@ impl Machine {
         let machine = read(path, &Section::root(&table, &complaints));
         let problems = complaints.into_list();
         match machine {
-            Some(machine) if problems.is_empty() => Ok(machine),
+            Some(machine) if problems.is_empty() => {
+                Ok(Self { dimensions: dimensions(text), ..machine })
+            }
             _ => Err(problems),
         }
     }
@@ -102,6 +115,11 @@ impl Machine {
     pub fn rest_height(&self) -> f64 {
         let axes = AxisVector::zeros(self.axes.len());
         self.kinematics.forward(&axes).map_or(0.0, |pose| pose.position.z)
+    }
+
+    /// Mass of everything that the axes move, kg.
+    pub fn moving_mass(&self) -> f64 {
+        self.model.links.iter().filter_map(|link| link.inertial).map(|body| body.mass).sum()
     }
 
     /// Every axis in the middle of its software limits: where to begin looking for rotary axes among the turns that
@@ -116,9 +134,13 @@ impl Machine {
 
     /// Where the tool is and the axes are when a program starts that does not say where, if that can be reached.
     pub fn start_axes(&self) -> Option<AxisVector> {
+        self.kinematics.inverse(&self.start_pose(), &self.middle()).ok()
+    }
+
+    /// Where the tool is when a program starts that does not say where, machine frame.
+    pub fn start_pose(&self) -> Pose {
         let position = Point3::from(self.conditions.start);
-        let pose = self.frame.pose_to_machine(&Pose { position, direction: 0.0 });
-        self.kinematics.inverse(&pose, &self.middle()).ok()
+        self.frame.pose_to_machine(&Pose { position, direction: self.direction.at_start() })
     }
 }
 
@@ -143,17 +165,8 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
     axis_sections.into_iter().for_each(Section::finish);
     let axes: Option<Vec<_>> = entries.into_iter().collect::<Option<_>>().filter(|_| unique);
 
-    let tool = root.section("tool");
-    let mounted = geometry::Tool {
-        length: tool.number("length_mm", 0.0..=10_000.0).unwrap_or(0.0) * 1e-3,
-        mass: tool.number("mass_kg", 0.0..=1000.0).unwrap_or(0.0),
-    };
-    tool.finish();
-
-    let frame = root.section("work_frame");
-    let translation = frame.numbers::<3>("translation_mm", -1e5..=1e5).unwrap_or_default();
-    let rotation = frame.numbers::<3>("rotation_deg", -360.0..=360.0).unwrap_or_default();
-    frame.finish();
+    let mounted = Tool::read(root);
+    let frame = frame::read(root);
 
     let conditions = conditions::read(root, path);
     let m_functions = m_functions::read(root, !device_names.is_empty());
@@ -163,18 +176,20 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         environment.numbers::<3>("gravity_m_per_s2", -100.0..=100.0).unwrap_or([0.0, 0.0, -9.81]);
     environment.finish();
 
-    let geometry = geometry::read(root, name.unwrap_or_default(), axes.as_deref(), mounted);
+    let geometry = geometry::read(root, name.unwrap_or_default(), axes.as_deref(), &mounted);
     root.check_unknown();
 
     let geometry = geometry?;
-    let [roll, pitch, yaw] = rotation.map(f64::to_radians);
     Some(Machine {
         path: path.to_owned(),
         name: name?.to_owned(),
         kind: geometry.kind,
+        dimensions: toml::Table::new(),
         kinematics: geometry.kinematics,
         model: geometry.model,
-        frame: WorkFrame::new(Vector3::from(translation) * 1e-3, roll, pitch, yaw),
+        direction: geometry.direction,
+        length_scale: geometry.length_scale,
+        frame: frame?,
         axes: axes?.into_iter().map(|entry| entry.axis).collect(),
         drives: devices.into_iter().collect::<Option<_>>()?,
         gravity: Vector3::from(gravity),
@@ -182,6 +197,17 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         m_functions,
         cycle_ns: CYCLE_NS,
     })
+}
+
+/// `[kinematics]` as it is written, without the kind.
+fn dimensions(text: &str) -> toml::Table {
+    let file: toml::Table = text.parse().unwrap_or_default();
+    let mut dimensions = match file.get("kinematics") {
+        Some(toml::Value::Table(table)) => table.clone(),
+        _ => toml::Table::new(),
+    };
+    dimensions.remove("kind");
+    dimensions
 }
 
 /// What must hold between the axes. False if two have the same name.

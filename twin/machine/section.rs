@@ -77,6 +77,11 @@ impl<'a> Section<'a> {
         self.look_up(key).is_some()
     }
 
+    /// Notes that `key` is known, whatever it is.
+    pub(super) fn accept(&self, key: &str) {
+        self.value(key);
+    }
+
     fn look_up(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
         self.table?.get(key)
     }
@@ -169,7 +174,7 @@ impl<'a> Section<'a> {
                 .map(|word| format!("did you mean \"{word}\"?"));
             self.complaints.add(
                 self.span_of(key),
-                format!("`{key}` is \"{text}\"; expected {}", words.join(" or ")),
+                format!("`{key}` is \"{text}\"; expected {}", alternatives(&words)),
                 help,
             );
         }
@@ -368,4 +373,13 @@ fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<
         .filter(|(similarity, _)| *similarity > 0.8)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate)
+}
+
+/// "a", "a or b", "a, b or c".
+fn alternatives(words: &[String]) -> String {
+    match words {
+        [] => String::new(),
+        [only] => only.clone(),
+        [before @ .., last] => format!("{} or {last}", before.join(", ")),
+    }
 }

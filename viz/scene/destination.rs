@@ -11,17 +11,17 @@ use crate::error::VizError;
 use crate::server::{Source, Viewer};
 
 /// An open recording.
-pub(super) struct Destination {
-    pub(super) path: PathBuf,
-    pub(super) sink: FileSink,
-    pub(super) viewer: Option<Viewer>,
+pub(crate) struct Destination {
+    pub(crate) path: PathBuf,
+    pub(crate) sink: FileSink,
+    pub(crate) viewer: Option<Viewer>,
     /// To be set when nothing more comes.
-    pub(super) complete: Arc<AtomicBool>,
+    pub(crate) complete: Arc<AtomicBool>,
 }
 
 /// Opens the file and the page. The page reads the recording from the file; without one asked for, from a temporary
 /// one that goes away with the page.
-pub(super) fn open(options: &SceneOptions, title: &str) -> Result<Destination, VizError> {
+pub(crate) fn open(options: &SceneOptions, title: &str) -> Result<Destination, VizError> {
     let complete = Arc::new(AtomicBool::new(false));
     // The address first: an address that is taken must not cost the user an existing recording.
     let address = options.serve.map(crate::server::bind).transpose()?;

@@ -10,7 +10,7 @@ use crate::units;
 
 /// The links of the machine in the recording.
 #[derive(Debug)]
-pub(super) struct Machine {
+pub(crate) struct Machine {
     links: Vec<Link>,
 }
 
@@ -23,7 +23,7 @@ struct Link {
 
 impl Machine {
     /// Logs the solids of every link below an entity of its own, and takes them into the bounds at their home poses.
-    pub(super) fn log_solids(
+    pub(crate) fn log_solids(
         stream: &RecordingStream,
         model: &Model,
         home: &[Isometry3<f64>],
@@ -43,12 +43,12 @@ impl Machine {
     }
 
     /// How many links there are.
-    pub(super) fn link_count(&self) -> usize {
+    pub(crate) fn link_count(&self) -> usize {
         self.links.len()
     }
 
     /// Logs where the links are that have moved, at the stream's time.
-    pub(super) fn log_poses(
+    pub(crate) fn log_poses(
         &mut self,
         stream: &RecordingStream,
         poses: &[Isometry3<f64>],

@@ -1,8 +1,8 @@
 //! The recording being written.
 
-mod destination;
+pub(crate) mod destination;
 mod due;
-mod machine;
+pub(crate) mod machine;
 mod program;
 mod series;
 mod track;
@@ -37,7 +37,7 @@ use series::{AxisSeries, Series};
 use track::ToolTrack;
 
 /// Name under which the viewer groups our recordings.
-const APPLICATION: &str = "twin";
+pub(crate) const APPLICATION: &str = "twin";
 /// Timeline: since the start of the program.
 pub(crate) const TIME: &str = "time";
 /// Timeline: line of the program file.

@@ -2,6 +2,7 @@
 
 #![expect(clippy::float_cmp, reason = "given in the file, rounded before, or to be exact")]
 
+mod kinds;
 mod programs;
 
 use super::{Axis, AxisKind, Machine, MachineFileError, Parity, Problem};
@@ -346,7 +347,7 @@ fn an_unknown_key_is_refused_with_the_key_that_was_meant() {
         (place.as_str(), message.as_str()),
         ("colour", "unknown key `colour` in [kinematics]")
     );
-    assert_eq!(help.unwrap(), "known here: kind, offsets_mm");
+    assert_eq!(help.unwrap(), "known here: kind, deviations, offsets_mm, length_scale_mm");
     // A key that is there already is not suggested.
     let (_, _, help) = problem("per_mm = 10", "per_mm = 10\nper_mn = 10");
     assert!(!help.unwrap().contains("`per_mm`"));
@@ -357,15 +358,16 @@ fn words_are_chosen_from_a_list() {
     let (place, message, help) = problem("\"gantry3\"", "\"gantry\"");
     assert_eq!(place, "\"gantry\"");
     assert!(
-        message.contains("`kind` is \"gantry\"; expected \"scara2\" or \"gantry3\""),
+        message.contains("`kind` is \"gantry\"; expected \"gantry2\", \"gantry3\", ")
+            && message.ends_with("\"scara3\" or \"tripod\""),
         "{message}"
     );
     assert_eq!(help.as_deref(), Some("did you mean \"gantry3\"?"));
     refused("\"linear\"", "\"Linear\"", "\"Linear\"", &["\"rotary\" or \"linear\""]);
-    refused("drive_axis = \"X\"", "drive_axis = \"W\"", "\"W\"", &["\"X\" or \"Y\""]);
+    refused("drive_axis = \"X\"", "drive_axis = \"W\"", "\"W\"", &["\"X\", \"Y\""]);
     refused("\"interpcnc\"", "\"smartdrive\"", "\"smartdrive\"", &["expected \"interpcnc\""]);
     let parity = "kind = \"interpcnc\"\nparity = \"mark\"\n";
-    refused("kind = \"interpcnc\"\n", parity, "\"mark\"", &["\"none\" or \"even\" or \"odd\""]);
+    refused("kind = \"interpcnc\"\n", parity, "\"mark\"", &["\"none\", \"even\" or \"odd\""]);
     let elbow = problems(&edited(SCARA2, "elbow = \"low\"", "elbow = \"left\""));
     assert_eq!((elbow.len(), elbow[0].0.as_str()), (1, "\"left\""));
     refused("name = \"X\"", "name = \"\"", "\"\"", &["`name` is empty"]);

@@ -1,6 +1,6 @@
 //! Recordings are read back with rerun's decoder; expectations are what was put in, in other units.
 
-mod read;
+pub(crate) mod read;
 
 use std::net::{IpAddr, Ipv4Addr};
 use std::path::Path;
@@ -13,7 +13,7 @@ use super::*;
 use crate::frame::{AxisUnit, MoveKind};
 use read::Read;
 
-fn machine() -> Model {
+pub(crate) fn machine() -> Model {
     let link = |name: &str, solids| Link { name: name.to_owned(), inertial: None, solids };
     let solid = |shape| Solid {
         shape,

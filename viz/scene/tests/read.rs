@@ -9,14 +9,14 @@ use rerun::{ComponentDescriptor, components};
 use crate::scene::{LINE, TIME};
 
 /// What a recording holds.
-pub(super) struct Read {
-    pub(super) chunks: Vec<Chunk>,
-    pub(super) has_blueprint: bool,
-    pub(super) activations: usize,
+pub(crate) struct Read {
+    pub(crate) chunks: Vec<Chunk>,
+    pub(crate) has_blueprint: bool,
+    pub(crate) activations: usize,
 }
 
 impl Read {
-    pub(super) fn new(path: &Path) -> Self {
+    pub(crate) fn new(path: &Path) -> Self {
         let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
         let (mut chunks, mut has_blueprint, mut activations) = (Vec::new(), false, 0);
         for message in Decoder::<LogMsg>::decode_eager(file).unwrap() {
@@ -32,14 +32,14 @@ impl Read {
         Self { chunks, has_blueprint, activations }
     }
 
-    pub(super) fn of<'a>(&'a self, entity: &'a str) -> impl Iterator<Item = &'a Chunk> {
+    pub(crate) fn of<'a>(&'a self, entity: &'a str) -> impl Iterator<Item = &'a Chunk> {
         self.chunks
             .iter()
             .filter(move |chunk| *chunk.entity_path() == rerun::EntityPath::from(entity))
     }
 
     /// Rows of a component with their time (ns) and line, in the order of time.
-    pub(super) fn rows<C: rerun::Component>(
+    pub(crate) fn rows<C: rerun::Component>(
         &self,
         entity: &str,
         component: &ComponentDescriptor,
@@ -63,7 +63,7 @@ impl Read {
         rows
     }
 
-    pub(super) fn statics<C: rerun::Component>(
+    pub(crate) fn statics<C: rerun::Component>(
         &self,
         entity: &str,
         component: &ComponentDescriptor,
@@ -77,14 +77,14 @@ impl Read {
             .collect()
     }
 
-    pub(super) fn scalars(&self, entity: &str) -> Vec<(i64, i64, f64)> {
+    pub(crate) fn scalars(&self, entity: &str) -> Vec<(i64, i64, f64)> {
         let rows = self.rows::<components::Scalar>(entity, &rerun::Scalars::descriptor_scalars());
         rows.into_iter()
             .flat_map(|(time, line, values)| values.into_iter().map(move |v| (time, line, v.0.0)))
             .collect()
     }
 
-    pub(super) fn strips(&self, entity: &str) -> Vec<(i64, Vec<[f32; 3]>)> {
+    pub(crate) fn strips(&self, entity: &str) -> Vec<(i64, Vec<[f32; 3]>)> {
         let rows =
             self.rows::<components::LineStrip3D>(entity, &rerun::LineStrips3D::descriptor_strips());
         rows.into_iter()

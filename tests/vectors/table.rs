@@ -1,0 +1,97 @@
+//! The list of vectors against those who exercise them.
+
+use super::vector;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::env;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A vector's id and the test that exercises it.
+pub(crate) type Exercise = (&'static str, fn());
+
+/// Whose tests exercise a vector. Every one is somebody's, and each compares its table with what is its own, so
+/// together they leave none out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Owner {
+    /// `tests/vectors/main.rs`.
+    Motion,
+    /// `tests/vectors/transforms/main.rs`.
+    Kinematics,
+}
+
+impl Owner {
+    /// By how the ids begin; none for what this project does not do.
+    fn of(id: &str) -> Option<Self> {
+        let begins = |groups: &[&str]| groups.iter().any(|group| id.starts_with(group));
+        if begins(&["cnc-", "prep-", "ipo-"]) || id == "x-interpolator" {
+            Some(Self::Motion)
+        } else if begins(&["trafo-", "trafov-"]) {
+            Some(Self::Kinematics)
+        } else {
+            None
+        }
+    }
+}
+
+/// Every vector of `owner` has its test, every test its vector, and each test looks at the vector it stands beside.
+pub(crate) fn every_vector_is_exercised(owner: Owner, exercised: &[Exercise]) {
+    let table: BTreeMap<_, _> = exercised.iter().copied().collect();
+    assert_eq!(table.len(), exercised.len(), "a vector stands in the table twice");
+    let listed: Vec<_> = table.keys().copied().collect();
+    let vectors = vector::all();
+    for id in vectors.keys() {
+        assert!(Owner::of(id).is_some(), "nobody exercises `{id}`");
+    }
+    let given: Vec<_> = vectors.keys().map(String::as_str).collect();
+    let given: Vec<_> = given.into_iter().filter(|id| Owner::of(id) == Some(owner)).collect();
+    assert_eq!(listed, given, "the table of tests and the vectors differ");
+    for (id, test) in exercised {
+        vector::take_checked();
+        test();
+        assert_eq!(vector::take_checked(), [*id], "the test listed for `{id}` looks at others");
+    }
+}
+
+/// The vectors of `owner` are those of the digest, number for number. Skipped where the digest is not at hand.
+pub(crate) fn the_vectors_are_the_digests(owner: Owner) {
+    let Some(path) = digest() else {
+        println!("skipped: no vectors of the digest (TWIN_SHARED, ../shared)");
+        return;
+    };
+    let text =
+        fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let mut theirs = vector::parse(&text);
+    theirs.retain(|id, _| Owner::of(id) == Some(owner));
+    let mut ours = vector::all();
+    ours.retain(|id, _| Owner::of(id) == Some(owner));
+    assert_eq!(theirs.keys().collect::<Vec<_>>(), ours.keys().collect::<Vec<_>>());
+    for (id, vector) in &ours {
+        for part in ["inputs", "expected"] {
+            let (ours, theirs) = (&vector[part], &theirs[id][part]);
+            assert!(same(ours, theirs), "`{id}`: {part} are {ours}, those of the digest {theirs}");
+        }
+    }
+}
+
+/// Where the vectors of the digest are, if they are.
+fn digest() -> Option<PathBuf> {
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent()?;
+    let shared = env::var_os("TWIN_SHARED").map_or(workspace.join("../shared"), PathBuf::from);
+    let path = shared.join("spec/vectors/softmotion-vectors.json");
+    path.is_file().then_some(path)
+}
+
+/// The same names and numbers; 5 is 5.0.
+fn same(a: &Value, b: &Value) -> bool {
+    match (a, b) {
+        (Value::Number(a), Value::Number(b)) => a.as_f64() == b.as_f64(),
+        (Value::Array(a), Value::Array(b)) => {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(a, b))
+        }
+        (Value::Object(a), Value::Object(b)) => {
+            a.len() == b.len() && a.iter().all(|(name, a)| b.get(name).is_some_and(|b| same(a, b)))
+        }
+        _ => a == b,
+    }
+}

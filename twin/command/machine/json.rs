@@ -1,0 +1,114 @@
+//! A machine for other programs: one object on one line.
+
+use super::Facts;
+use crate::machine::{Axis, Machine};
+use crate::workspace::{Cut, Example, MeasureAt, Section};
+use nalgebra::Point3;
+use serde_json::{Map, Value, json};
+use std::io::{self, Write};
+use twin_kinematics::AxisVector;
+
+pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
+    let (machine, workspace) = (facts.machine, &facts.workspace);
+    let extent = workspace.extent;
+    let dimensions = serde_json::to_value(&machine.dimensions)?;
+    let object = json!({
+        "machine": machine.name,
+        "file": machine.path.display().to_string(),
+        "kind": machine.kind,
+        "kinematics": dimensions,
+        "axes": machine.axes.iter().map(axis).collect::<Vec<_>>(),
+        "moving_mass_kg": machine.moving_mass(),
+        "start": {
+            "position_mm": millimetres(machine.conditions.start),
+            "axes": machine.start_axes().map(|axes| positions(machine, &axes)),
+        },
+        "reach_mm": workspace.reach.map(|reach| millimetres(reach.distances)),
+        "extent_mm": {
+            "x": millimetres([extent.min.x, extent.max.x]),
+            "y": millimetres([extent.min.y, extent.max.y]),
+            "z": millimetres([extent.min.z, extent.max.z]),
+        },
+        "length_scale_mm": machine.length_scale * 1e3,
+        "direction_deg": workspace.turns_tool.then(|| workspace.space.direction().to_degrees()),
+        "horizontal": section(&facts.horizontal),
+        "vertical": facts.vertical.as_ref().map(section),
+        "example": facts.example.as_ref().map(|example| worked(machine, example)),
+    });
+    writeln!(out, "{object}")
+}
+
+fn millimetres<const N: usize>(metres: [f64; N]) -> Vec<f64> {
+    metres.map(|value| value * 1e3).to_vec()
+}
+
+fn axis(axis: &Axis) -> Value {
+    json!({
+        "name": axis.name,
+        "kind": format!("{:?}", axis.kind).to_lowercase(),
+        "unit": axis.unit(),
+        "limits": axis.position_limits.map(|limit| axis.from_si(limit)),
+        "velocity": axis.from_si(axis.max_velocity),
+        "acceleration": axis.from_si(axis.max_acceleration),
+        "jerk": axis.max_jerk.map(|jerk| axis.from_si(jerk)),
+    })
+}
+
+/// Values by the name of their axis, in its unit.
+fn positions(machine: &Machine, axes: &AxisVector) -> Value {
+    let axes = machine.axes.iter().zip(axes.iter());
+    let entries = axes.map(|(axis, value)| (axis.name.clone(), json!(axis.from_si(*value))));
+    Value::Object(entries.collect::<Map<_, _>>())
+}
+
+fn point(at: &Point3<f64>) -> Vec<f64> {
+    millimetres([at.x, at.y, at.z])
+}
+
+fn section(section: &Section<'_>) -> Value {
+    let mut object = match section.cut {
+        Cut::Horizontal { height } => json!({ "height_mm": height * 1e3 }),
+        Cut::Vertical { through, azimuth } => json!({
+            "through_mm": millimetres([through.x, through.y]),
+            "azimuth_deg": azimuth.to_degrees(),
+        }),
+    };
+    let names = match section.cut {
+        Cut::Horizontal { .. } => ["x_mm", "y_mm"],
+        Cut::Vertical { .. } => ["along_mm", "z_mm"],
+    };
+    let extent = section.within.extent();
+    let measure = |found: Option<MeasureAt>| {
+        found.map(|at| json!({ "value": at.measure, "at_mm": point(&at.position) }))
+    };
+    let [along, up] = names;
+    let more = [
+        (along, json!(extent.map(|[low, high]| millimetres([low.x, high.x])))),
+        (up, json!(extent.map(|[low, high]| millimetres([low.y, high.y])))),
+        ("area_mm2", json!(section.within.area() * 1e6)),
+        ("measure", json!({ "worst": measure(section.worst), "best": measure(section.best) })),
+    ];
+    if let Value::Object(object) = &mut object {
+        object.extend(more.map(|(key, value)| (key.to_owned(), value)));
+    }
+    object
+}
+
+fn worked(machine: &Machine, example: &Example) -> Value {
+    let ways = example.ways.iter().map(|way| {
+        // Of the tool: mm/s, or deg/s of its direction.
+        let scale = if way.turns() { 1f64.to_radians() } else { 1e-3 };
+        let rates = AxisVector::from_values(way.rates.iter().map(|rate| rate * scale));
+        let fastest = way.fastest.and_then(|(axis, speed)| {
+            let name = &machine.axes.get(axis)?.name;
+            Some(json!({ "speed": speed / scale, "axis": name }))
+        });
+        let value = json!({ "axis_rates": positions(machine, &rates), "fastest": fastest });
+        (way.name.to_owned(), value)
+    });
+    json!({
+        "position_mm": point(&example.position),
+        "axes": positions(machine, &example.axes),
+        "ways": Value::Object(ways.collect::<Map<_, _>>()),
+    })
+}

@@ -1,0 +1,247 @@
+//! A machine for people.
+
+use super::Facts;
+use crate::command::show;
+use crate::machine::{Axis, Machine};
+use crate::workspace::{Cut, Example, MeasureAt, Section};
+use comfy_table::{Cell, CellAlignment};
+use nalgebra::Point3;
+use std::io::{self, Write};
+use twin_kinematics::{AxisVector, Kinematics, ReachOf};
+
+pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
+    file(out, facts.machine)?;
+    writeln!(out)?;
+    workspace(out, facts)?;
+    if let Some(example) = &facts.example {
+        writeln!(out)?;
+        worked(out, facts.machine, example)?;
+    }
+    Ok(())
+}
+
+/// What the file says.
+fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
+    writeln!(out, "{}: {} with {} axes", machine.name, machine.kind, machine.axes.len())?;
+    let mut table = show::table();
+    table.set_header([
+        "axis",
+        "kind",
+        "limits",
+        "velocity",
+        "acceleration",
+        "jerk",
+        "drive",
+        "increments",
+    ]);
+    for axis in &machine.axes {
+        let unit = axis.unit();
+        let [low, high] = axis.position_limits.map(|limit| axis.from_si(limit));
+        let drive = axis.drive.as_ref().and_then(|drive| {
+            let device = machine.drives.get(drive.device)?;
+            let letter = ["X", "Y", "Z", "A", "B"].get(drive.index)?;
+            Some((
+                format!("{} {letter}", device.name),
+                format!("{} per {} {unit}", drive.ratio.increments, drive.ratio.per_units),
+            ))
+        });
+        let (drive, increments) = drive.unwrap_or_else(|| ("–".to_owned(), "–".to_owned()));
+        let row = [
+            axis.name.clone(),
+            format!("{:?}", axis.kind).to_lowercase(),
+            format!("{low:.1} … {high:.1} {unit}"),
+            format!("{:.1} {unit}/s", axis.from_si(axis.max_velocity)),
+            format!("{:.1} {unit}/s²", axis.from_si(axis.max_acceleration)),
+            axis.max_jerk
+                .map_or("–".to_owned(), |jerk| format!("{:.1} {unit}/s³", axis.from_si(jerk))),
+            drive,
+            increments,
+        ];
+        table.add_row(aligned(row, 2..6));
+    }
+    writeln!(out, "{table}")?;
+    let mass = machine.moving_mass();
+    writeln!(out, "moving mass {mass:.2} kg in {} links", machine.model.links.len())?;
+    for device in &machine.drives {
+        let port = device.port.as_deref().unwrap_or("no port given");
+        writeln!(
+            out,
+            "drive {}: InterpCNC on {port}, station {}, {} baud",
+            device.name, device.station, device.baud
+        )?;
+    }
+    let [x, y, z] = machine.conditions.start.map(|value| value * 1e3);
+    write!(out, "start of programs that do not say where: X{x} Y{y} Z{z}")?;
+    match machine.start_axes() {
+        Some(axes) => {
+            writeln!(out, " = {}", positions(machine, &axes))?;
+        }
+        None => {
+            writeln!(out, ", which the machine cannot reach: such programs must begin with G92")?;
+        }
+    }
+    let zero = AxisVector::zeros(machine.axes.len());
+    if let Ok(pose) = machine.kinematics.forward(&zero) {
+        let tip = pose.position * 1e3;
+        writeln!(
+            out,
+            "tool tip with all axes at 0: ({:.3}, {:.3}, {:.3}) mm in the machine frame",
+            tip.x, tip.y, tip.z
+        )?;
+    }
+    Ok(())
+}
+
+/// Cells of a row, those of some columns to the right.
+fn aligned<const N: usize>(
+    row: [String; N],
+    right: std::ops::Range<usize>,
+) -> impl Iterator<Item = Cell> {
+    row.into_iter().enumerate().map(move |(column, text)| {
+        let side = if right.contains(&column) { CellAlignment::Right } else { CellAlignment::Left };
+        Cell::new(text).set_alignment(side)
+    })
+}
+
+fn positions(machine: &Machine, axes: &AxisVector) -> String {
+    let axes = machine.axes.iter().zip(axes.iter());
+    let axes: Vec<_> = axes
+        .map(|(axis, position)| {
+            format!("{} {:.3} {}", axis.name, axis.from_si(*position), axis.unit())
+        })
+        .collect();
+    axes.join(", ")
+}
+
+/// A dimension of the machine file. What deviates from nominal is told only where it does.
+fn told(value: &toml::Value) -> Option<toml::Value> {
+    fn is_zero(value: &toml::Value) -> bool {
+        match value {
+            toml::Value::Array(values) => values.iter().all(is_zero),
+            value => value.as_float() == Some(0.0) || value.as_integer() == Some(0),
+        }
+    }
+    let toml::Value::Table(table) = value else { return Some(value.clone()) };
+    let told: toml::Table = table
+        .iter()
+        .filter(|(_, value)| !is_zero(value))
+        .map(|(key, value)| (key.clone(), value.clone()))
+        .collect();
+    (!told.is_empty()).then_some(toml::Value::Table(told))
+}
+
+/// Where the tool gets, and how well the axes move it there.
+fn workspace(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
+    let workspace = &facts.workspace;
+    let dimensions: Vec<_> = facts
+        .machine
+        .dimensions
+        .iter()
+        .filter_map(|(key, value)| Some(format!("{key} = {}", told(value)?)))
+        .collect();
+    writeln!(out, "kinematics {}: {}", facts.machine.kind, dimensions.join(", "))?;
+    if let Some(reach) = workspace.reach {
+        let what = if reach.of == ReachOf::Wrist { "the wrist gets to" } else { "reach:" };
+        let [nearest, farthest] = reach.distances.map(|distance| distance * 1e3);
+        writeln!(
+            out,
+            "{what} the ring from {nearest:.3} to {farthest:.3} mm around the axis of the first arm"
+        )?;
+    }
+    let (min, max) = (workspace.extent.min * 1e3, workspace.extent.max * 1e3);
+    writeln!(
+        out,
+        "within the software limits: x {:.1} … {:.1}, y {:.1} … {:.1}, z {:.1} … {:.1} mm (tool tip, machine frame)",
+        min.x, max.x, min.y, max.y, min.z, max.z
+    )?;
+    if workspace.turns_tool {
+        let direction = workspace.space.direction().to_degrees();
+        writeln!(out, "what follows is with the tool pointing to {direction:.3}°")?;
+    }
+    for section in [Some(&facts.horizontal), facts.vertical.as_ref()].into_iter().flatten() {
+        writeln!(out, "{}", sentence(section))?;
+    }
+    if let (Some(worst), Some(best)) = (facts.horizontal.worst, facts.horizontal.best) {
+        let length = facts.machine.length_scale * 1e3;
+        let values = if best.measure - worst.measure < 1e-6 {
+            format!("{:.3} everywhere", best.measure)
+        } else {
+            let place = |at: MeasureAt| format!("{:.3} at {}", at.measure, point(&at.position));
+            format!("from {} to {}", place(worst), place(best))
+        };
+        writeln!(out, "singularity measure there: {values}")?;
+        writeln!(
+            out,
+            "  smallest over largest singular value of the Jacobian, with a radian counted as {length:.1} mm: 1 where the axes\n  \
+             move the tool alike in all directions, 0 where there is a direction in which they cannot move it"
+        )?;
+    }
+    Ok(())
+}
+
+fn sentence(section: &Section<'_>) -> String {
+    let extent = section.within.extent().map_or_else(String::new, |[low, high]| {
+        let (along, up) = match section.cut {
+            Cut::Horizontal { .. } => ("x", "y"),
+            Cut::Vertical { .. } => ("along it", "z"),
+        };
+        format!(
+            ", {along} {:.1} … {:.1}, {up} {:.1} … {:.1} mm",
+            low.x * 1e3,
+            high.x * 1e3,
+            low.y * 1e3,
+            high.y * 1e3
+        )
+    });
+    format!("{}: {:.1} cm²{extent}", section.cut, section.within.area() * 1e4)
+}
+
+fn point(at: &Point3<f64>) -> String {
+    let [x, y, z] = [at.x, at.y, at.z].map(|value| value * 1e3);
+    format!("X{x:.1} Y{y:.1} Z{z:.1}")
+}
+
+/// Slower than this an axis stands, degrees or mm per second: rounding.
+const RATE: f64 = 1e-9;
+
+/// What the axes do at one pose.
+fn worked(out: &mut impl Write, machine: &Machine, example: &Example) -> io::Result<()> {
+    writeln!(
+        out,
+        "for example, the tool is at {} with {}; there",
+        point(&example.position),
+        positions(machine, &example.axes)
+    )?;
+    let mut table = show::table();
+    let costs = |axis: &Axis| format!("costs {}", axis.name);
+    let header = std::iter::once("the tool at".to_owned()).chain(machine.axes.iter().map(costs));
+    table.set_header(header.chain(["fastest".to_owned()]));
+    for way in &example.ways {
+        let (unit, scale) = if way.turns() { ("deg/s", 1f64.to_radians()) } else { ("mm/s", 1e-3) };
+        let rates = machine.axes.iter().zip(way.rates.iter()).map(|(axis, rate)| {
+            let rate = axis.from_si(*rate * scale);
+            if rate.abs() < RATE {
+                "–".to_owned()
+            } else {
+                format!("{rate:.4} {}/s", axis.unit())
+            }
+        });
+        let fastest = way.fastest.and_then(|(axis, speed)| {
+            let axis = machine.axes.get(axis)?;
+            Some(format!(
+                "{:.1} {unit} ({} at its {:.1} {}/s)",
+                speed / scale,
+                axis.name,
+                axis.from_si(axis.max_velocity),
+                axis.unit()
+            ))
+        });
+        let first = format!("1 {unit} in {}", way.name);
+        let row = std::iter::once(first).chain(rates).chain([fastest.unwrap_or("–".to_owned())]);
+        table.add_row(row.enumerate().map(|(column, text)| {
+            let side = if column == 0 { CellAlignment::Left } else { CellAlignment::Right };
+            Cell::new(text).set_alignment(side)
+        }));
+    }
+    writeln!(out, "{table}")
+}

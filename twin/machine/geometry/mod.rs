@@ -1,0 +1,101 @@
+//! `[kinematics]` and `[body]`: how the axes move the tool, and what moves with them.
+
+mod design;
+mod kind;
+mod model;
+mod sources;
+
+pub(super) use sources::additional;
+
+use super::axis::{AxisEntry, AxisKind};
+use super::direction::DirectionRule;
+use super::section::Section;
+use super::tool::Tool;
+use design::LENGTH_MM;
+use kind::{KINDS, Kind};
+use model::Body;
+use twin_kinematics::MachineAxes;
+use twin_motion::path::EXTRA_AXES;
+use twin_urdf::{MachineJoint, Model};
+
+/// What follows from `[kinematics]`, `[body]`, `[tool]` and the axes.
+pub(super) struct Geometry {
+    pub(super) kind: &'static str,
+    pub(super) kinematics: MachineAxes,
+    pub(super) direction: DirectionRule,
+    /// What a radian counts in measures of singularity, m.
+    pub(super) length_scale: f64,
+    pub(super) model: Model,
+}
+
+/// Reads the sections. `axes` are `None` if any of them is wrong; the sections are read all the same.
+pub(super) fn read(
+    root: &Section<'_>,
+    name: &str,
+    axes: Option<&[AxisEntry]>,
+    tool: &Tool,
+) -> Option<Geometry> {
+    let kinematics = root.section("kinematics");
+    let body = root.section("body");
+    if !root.has("kinematics") {
+        root.complain("the file lacks [kinematics]".to_owned());
+        return None;
+    }
+    let kinds: Vec<(&str, &'static Kind)> = KINDS.iter().map(|kind| (kind.name, kind)).collect();
+    let Some(kind) = kinematics.required_choice("kind", &kinds) else {
+        kinematics.accept_all();
+        body.accept_all();
+        return None;
+    };
+    let design = design::read(&kinematics, kind);
+    let direction = DirectionRule::read(&kinematics, kind.turns_tool(), kind.name);
+    let length_scale = kinematics.number("length_scale_mm", LENGTH_MM);
+    let parts = Body::read(&body, kind);
+    kinematics.check_unknown();
+    body.finish();
+
+    let axes = axes?;
+    let sources = sources::sources(root, kind, axes)?;
+    let design = design?;
+    let transform = design.transform();
+    let transform = transform.map_err(|error| kinematics.complain(error.to_string())).ok()?;
+    let length_scale =
+        length_scale.map_or_else(|| transform.characteristic_length(), |length| length * 1e-3);
+    let model = model(&kinematics, axes, |joint| parts.model(&design, name, joint, tool))?;
+    let periods: Vec<_> = axes.iter().map(|entry| entry.axis.period).collect();
+    let machine_axes = MachineAxes::new(transform, sources, tool.tip)
+        .and_then(|machine_axes| machine_axes.with_periods(&periods));
+    let machine_axes = machine_axes.map_err(|error| kinematics.complain(error.to_string())).ok()?;
+    let kind = kind.name;
+    Some(Geometry { kind, kinematics: machine_axes, direction, length_scale, model })
+}
+
+/// The links and joints that `build` makes, and those of additional axes.
+fn model(
+    kinematics: &Section<'_>,
+    axes: &[AxisEntry],
+    build: impl FnOnce(
+        &dyn Fn(&str) -> Option<MachineJoint>,
+    ) -> Option<Result<Model, twin_urdf::DimensionError>>,
+) -> Option<Model> {
+    let joints = |role: &str| {
+        let (index, entry) = axes.iter().enumerate().find(|(_, entry)| entry.role == role)?;
+        let axis = &entry.axis;
+        let effort = axis.simulated.effort_limit;
+        Some(MachineJoint {
+            velocity_limit: Some(axis.max_velocity),
+            effort_limit: effort.is_finite().then_some(effort),
+            ..MachineJoint::new(axis.name.clone(), index, axis.position_limits)
+        })
+    };
+    let model = build(&joints)?;
+    let mut model = model.map_err(|error| kinematics.complain(error.to_string())).ok()?;
+    for (number, letter) in (0..).zip(EXTRA_AXES) {
+        let role = letter.to_string();
+        let Some(joint) = joints(&role) else { continue };
+        let turns =
+            axes.iter().any(|entry| entry.role == role && entry.axis.kind == AxisKind::Rotary);
+        model.add_additional_axis(&joint, turns, number);
+    }
+    Some(model)
+}

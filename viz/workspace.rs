@@ -1,0 +1,193 @@
+//! A section through the workspace of a machine, beside the machine itself.
+
+use nalgebra::{Isometry3, Point3};
+use rerun::sink::LogSink;
+use rerun::{Color, RecordingStream, RecordingStreamBuilder, TextDocument};
+use twin_urdf::Model;
+
+use crate::blueprint;
+use crate::bounds::Bounds;
+use crate::error::VizError;
+use crate::scene::destination::{self, Destination};
+use crate::scene::machine::Machine;
+use crate::scene::{APPLICATION, At, SceneOptions};
+use crate::server::Viewer;
+use crate::units::point_mm;
+use std::sync::atomic::Ordering;
+
+/// Radius of lines on the screen, in its points: the same from near and far.
+const LINE: f32 = -1.6;
+/// Radius of marks on the screen, in its points.
+const MARK: f32 = -5.0;
+
+/// A line of a section.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SheetLine {
+    /// Machine frame, m.
+    pub points: Vec<Point3<f64>>,
+    /// Red, green, blue.
+    pub color: [u8; 3],
+}
+
+/// A marked point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// Machine frame, m.
+    pub point: Point3<f64>,
+    /// What is written beside it.
+    pub label: &'static str,
+    /// Red, green, blue.
+    pub color: [u8; 3],
+}
+
+/// A machine and a section through its workspace.
+#[derive(Clone, Copy, Debug)]
+pub struct WorkspaceView<'a> {
+    /// The machine.
+    pub machine: &'a Model,
+    /// Poses of its links in the machine frame; as many as it has links.
+    pub poses: &'a [Isometry3<f64>],
+    /// Corners of the section's triangles, machine frame, m.
+    pub corners: &'a [Point3<f64>],
+    /// Red, green and blue of every corner.
+    pub colors: &'a [[u8; 3]],
+    /// The triangles, each by three places in `corners`.
+    pub triangles: &'a [[u32; 3]],
+    /// What bounds the section.
+    pub lines: &'a [SheetLine],
+    /// Points of interest.
+    pub marks: &'a [Mark],
+    /// What is shown, in words (Markdown).
+    pub about: &'a str,
+}
+
+/// Records a workspace, or serves it, or both. The page goes on until the returned [`Viewer`] is dropped.
+///
+/// # Errors
+///
+/// [`VizError::NoDestination`] and its neighbours if the destinations cannot be had, [`VizError::LinkCount`] if the poses
+/// do not fit the machine, [`VizError::Write`] if not everything could be written.
+pub fn show_workspace(
+    options: &SceneOptions,
+    view: &WorkspaceView<'_>,
+) -> Result<Option<Viewer>, VizError> {
+    let (expected, found) = (view.machine.links.len(), view.poses.len());
+    if expected != found {
+        return Err(VizError::LinkCount { expected, found });
+    }
+    let title = format!("workspace of {}", view.machine.name);
+    let Destination { path, sink, viewer, complete } = destination::open(options, &title)?;
+    let stream = RecordingStreamBuilder::new(APPLICATION)
+        .recording_name(title)
+        .enabled(true)
+        .set_sinks(vec![Box::new(sink) as Box<dyn LogSink>])?;
+    stream.set_log_time_enabled(false);
+    stream.set_log_tick_enabled(false);
+    stream.log_static("/", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
+
+    let mut bounds = Bounds::default();
+    let mut machine = Machine::log_solids(&stream, view.machine, view.poses, &mut bounds)?;
+    At { time_ns: 0, line: 0 }.set(&stream);
+    machine.log_poses(&stream, view.poses)?;
+    log_section(&stream, view)?;
+    view.corners.iter().for_each(|corner| bounds.add(corner));
+    stream.log_static("about", &TextDocument::from_markdown(view.about))?;
+    blueprint::send_workspace(&stream, APPLICATION, &bounds)?;
+
+    stream.flush_blocking().map_err(|source| VizError::Write { path, source })?;
+    stream.finalize_deferred_sinks();
+    complete.store(true, Ordering::Release);
+    Ok(viewer)
+}
+
+fn log_section(stream: &RecordingStream, view: &WorkspaceView<'_>) -> Result<(), VizError> {
+    let color = |[red, green, blue]: [u8; 3]| Color::from_rgb(red, green, blue);
+    if !view.triangles.is_empty() {
+        let mesh = rerun::Mesh3D::new(view.corners.iter().map(point_mm))
+            .with_vertex_colors(view.colors.iter().copied().map(color))
+            .with_triangle_indices(view.triangles.iter().copied());
+        stream.log_static("workspace/section", &mesh)?;
+    }
+    let strips = view.lines.iter().map(|line| line.points.iter().map(point_mm).collect::<Vec<_>>());
+    let lines = rerun::LineStrips3D::new(strips)
+        .with_colors(view.lines.iter().map(|line| color(line.color)))
+        .with_radii([LINE]);
+    stream.log_static("workspace/lines", &lines)?;
+    let marks = rerun::Points3D::new(view.marks.iter().map(|mark| point_mm(&mark.point)))
+        .with_colors(view.marks.iter().map(|mark| color(mark.color)))
+        .with_labels(view.marks.iter().map(|mark| mark.label))
+        .with_radii([MARK]);
+    stream.log_static("workspace/marks", &marks)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::tests::{machine, read::Read};
+    use rerun::components;
+
+    const TRIANGLE: [[f64; 3]; 3] = [[0.1, 0.0, 0.02], [0.3, 0.0, 0.02], [0.1, 0.4, 0.02]];
+    const COLORS: [[u8; 3]; 3] = [[1, 2, 3], [4, 5, 6], [7, 8, 9]];
+
+    fn record(poses: usize) -> Result<Read, VizError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("workspace.rrd");
+        let corners = TRIANGLE.map(Point3::from);
+        let viewer = show_workspace(
+            &SceneOptions { record: Some(path.clone()), ..SceneOptions::default() },
+            &WorkspaceView {
+                machine: &machine(),
+                poses: &vec![Isometry3::identity(); poses],
+                corners: &corners,
+                colors: &COLORS,
+                triangles: &[[0, 1, 2]],
+                lines: &[SheetLine { points: corners.to_vec(), color: [255, 0, 0] }],
+                marks: &[Mark { point: corners[1], label: "start", color: [0, 255, 0] }],
+                about: "a triangle",
+            },
+        )?;
+        assert!(viewer.is_none());
+        Ok(Read::new(&path))
+    }
+
+    #[test]
+    fn a_section_is_recorded_in_mm_beside_its_machine() {
+        let read = record(2).unwrap();
+        let mesh = rerun::Mesh3D::descriptor_vertex_positions();
+        let corners = read.statics::<components::Position3D>("workspace/section", &mesh);
+        let corners: Vec<_> = corners.iter().map(|corner| corner.0.0).collect();
+        assert_eq!(corners, [[100.0, 0.0, 20.0], [300.0, 0.0, 20.0], [100.0, 400.0, 20.0]]);
+        let colors = rerun::Mesh3D::descriptor_vertex_colors();
+        let colors = read.statics::<components::Color>("workspace/section", &colors);
+        assert_eq!(colors, COLORS.map(|[r, g, b]| Color::from_rgb(r, g, b)));
+        let lines = rerun::LineStrips3D::descriptor_strips();
+        let lines = read.statics::<components::LineStrip3D>("workspace/lines", &lines);
+        assert_eq!(lines.len(), 1);
+        assert_eq!(lines[0].0.len(), 3);
+        let labels = rerun::Points3D::descriptor_labels();
+        let labels = read.statics::<components::Text>("workspace/marks", &labels);
+        assert_eq!(labels, ["start".into()]);
+        assert!(read.of("machine/arm\\ 1/cylinders").next().is_some());
+        assert!(read.has_blueprint);
+        assert_eq!(read.activations, 1);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let error = record(1).err().unwrap();
+        assert!(matches!(error, VizError::LinkCount { expected: 2, found: 1 }), "{error}");
+        let view = WorkspaceView {
+            machine: &machine(),
+            poses: &[Isometry3::identity(); 2],
+            corners: &[],
+            colors: &[],
+            triangles: &[],
+            lines: &[],
+            marks: &[],
+            about: "",
+        };
+        let error = show_workspace(&SceneOptions::default(), &view).err().unwrap();
+        assert!(matches!(error, VizError::NoDestination), "{error}");
+    }
+}
