@@ -1,8 +1,9 @@
 //! A path followed by the measured position of an axis (`SMC_XInterpolator`, manual 6.6).
 
+use super::heading::{Bearing, Heading};
 use super::setpoint::Status;
 use super::switches::SwitchBoard;
-use super::{ExtraMotion, Heading, Source, ToolSetpoint};
+use super::{ExtraMotion, Source, ToolSetpoint};
 use crate::path::{ElementKind, PathElement};
 use std::f64::consts::PI;
 use std::num::NonZeroU32;
@@ -39,7 +40,7 @@ pub struct XInterpolator<I> {
     way: f64,
     velocity: f64,
     /// The latest direction of the path, at first that of the workpiece's passage: nothing is looked ahead at.
-    heading: f64,
+    bearing: Bearing,
     ended: bool,
 }
 
@@ -62,7 +63,10 @@ where
             done: 0.0,
             way: 0.0,
             velocity: 0.0,
-            heading: if direction == XDirection::Positive { 0.0 } else { PI },
+            bearing: Bearing {
+                latest: Some(if direction == XDirection::Positive { 0.0 } else { PI }),
+                backwards: false,
+            },
             ended: false,
         }
     }
@@ -93,6 +97,7 @@ where
             match self.source.poll_next() {
                 Poll::Ready(Some(Ok(next))) => {
                     self.done += element.length();
+                    self.bearing.pass(element);
                     self.board.pass_all(element.switches(), &mut self.switched);
                     self.element = Some(next);
                     self.switched = 0;
@@ -124,11 +129,8 @@ where
         let velocity = if first { 0.0 } else { (way - self.way) / cycle };
         let acceleration = (velocity - self.velocity) / cycle;
         let point = element.at(s);
-        let heading = Some(&point)
-            .filter(|_| element.kind.is_motion())
-            .and_then(|point| Heading::at(point, [velocity, acceleration], false))
-            .unwrap_or(Heading::still(self.heading));
-        self.heading = heading.along;
+        let now = Heading::at(&point, [velocity, acceleration], false);
+        let heading = self.bearing.follow(now.filter(|_| element.kind.is_motion()), || None);
         let mut extra = ExtraMotion::default();
         if let Some(at) = element.extra_at(s) {
             extra.position = at.position;

@@ -28,11 +28,6 @@ pub struct Heading {
 }
 
 impl Heading {
-    /// A direction that does not change.
-    pub(super) fn still(along: f64) -> Self {
-        Self { along, ..Self::default() }
-    }
-
     /// At `point` of a path that is travelled with a velocity (m/s) and acceleration (m/s²) along it, `backwards` if the
     /// path is the programmed one reversed. None where it has no direction seen from above.
     ///
@@ -60,6 +55,38 @@ impl Heading {
         }
         let at = |s| angle(&element.at(s), backwards);
         at(0.0).or_else(|| at(0.5 * element.length()))
+    }
+
+    /// The direction in which `element` arrives.
+    fn of_end(element: &PathElement, backwards: bool) -> Option<f64> {
+        let moves = element.kind.is_motion();
+        moves.then(|| element.at(element.length())).and_then(|point| angle(&point, backwards))
+    }
+}
+
+/// What is remembered of the direction of the path.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Bearing {
+    /// None before the first.
+    pub(super) latest: Option<f64>,
+    /// The path is the programmed one reversed.
+    pub(super) backwards: bool,
+}
+
+impl Bearing {
+    /// The heading where the path has the direction `now`; if it has none and had none before, that which `ahead` finds.
+    pub(super) fn follow(
+        &mut self,
+        now: Option<Heading>,
+        ahead: impl FnOnce() -> Option<f64>,
+    ) -> Heading {
+        self.latest = now.map(|heading| heading.along).or(self.latest).or_else(ahead);
+        now.unwrap_or(Heading { along: self.latest.unwrap_or_default(), ..Heading::default() })
+    }
+
+    /// `element` has been passed to its end: the last set-point on it lies up to a cycle before, or there was none.
+    pub(super) fn pass(&mut self, element: &PathElement) {
+        self.latest = Heading::of_end(element, self.backwards).or(self.latest);
     }
 }
 

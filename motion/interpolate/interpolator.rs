@@ -1,5 +1,6 @@
 //! Samples the planned path once per cycle.
 
+use super::heading::{Bearing, Heading};
 use super::instant::Instant;
 use super::look_ahead::{LookAhead, Taken};
 use super::profile::PathState;
@@ -8,7 +9,7 @@ use super::run::{Motion, Run};
 use super::spans::Span;
 use super::sum::Sum;
 use super::switches::SwitchBoard;
-use super::{Heading, Inputs, Override, Source, Status, ToolSetpoint, VelocityMode};
+use super::{Inputs, Override, Source, Status, ToolSetpoint, VelocityMode};
 use crate::path::{ElementKind, MParameters};
 use crate::prepare::CheckedElement;
 use nalgebra::Point3;
@@ -77,10 +78,7 @@ pub struct Interpolator<P, E> {
     /// Positions of the two latest set-points.
     before: Point3<f64>,
     latest: Point3<f64>,
-    /// The latest direction of the path.
-    pub(super) heading: Option<f64>,
-    /// The path is the programmed one reversed.
-    backwards: bool,
+    pub(super) bearing: Bearing,
 }
 
 /// What is taken over from another interpolator.
@@ -92,9 +90,7 @@ pub(super) struct Resume {
     /// Path length so far, m.
     pub(super) way: f64,
     pub(super) board: SwitchBoard,
-    /// The latest direction of the path.
-    pub(super) heading: Option<f64>,
-    pub(super) backwards: bool,
+    pub(super) bearing: Bearing,
 }
 
 #[derive(Debug)]
@@ -146,8 +142,7 @@ where
             resume_at: 0.0,
             before: Point3::origin(),
             latest: Point3::origin(),
-            heading: None,
-            backwards: false,
+            bearing: Bearing::default(),
         }
     }
 
@@ -156,7 +151,7 @@ where
         self.resume_at = resume.at;
         self.now_ns = resume.now_ns;
         self.board = resume.board;
-        (self.heading, self.backwards) = (resume.heading, resume.backwards);
+        self.bearing = resume.bearing;
         self.length_done.add(resume.way - resume.at);
         self
     }
@@ -339,16 +334,15 @@ where
             }
             extra = run.extra(&state);
         }
-        let backwards = self.backwards;
-        let heading = run.heading(&point, &state, backwards);
-        if let Some(heading) = heading {
-            self.heading = Some(heading.along);
-        } else if self.heading.is_none() && state.velocity <= 0.0 {
-            self.heading = Heading::of_start(&run.element, backwards)
-                .filter(|_| !run.done)
-                .or_else(|| self.plan.find(|element| Heading::of_start(element, backwards)));
-        }
-        let heading = heading.unwrap_or_else(|| Heading::still(self.heading.unwrap_or_default()));
+        let backwards = self.bearing.backwards;
+        let now = run.heading(&point, &state, backwards);
+        let heading = self.bearing.follow(now, || {
+            if state.velocity > 0.0 {
+                return None;
+            }
+            let here = if run.done { None } else { Heading::of_start(&run.element, backwards) };
+            here.or_else(|| self.plan.find(|element| Heading::of_start(element, backwards)))
+        });
         self.before = self.latest;
         self.latest = point.position;
         Some(ToolSetpoint {

@@ -85,6 +85,7 @@ where
         self.elements_done += 1;
         self.length_done.add(run.element.path_length());
         self.position = 0.0;
+        self.bearing.pass(&run.element);
         if let Some(details) = &run.element.details {
             self.board.pass_all(details.switches.as_slice(), &mut run.switched);
         }

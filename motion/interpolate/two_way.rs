@@ -1,5 +1,6 @@
 //! Forwards and backwards along a path held as a whole (`SMC_Interpolator2Dir`, manual 6.2.11).
 
+use super::heading::Bearing;
 use super::interpolator::Resume;
 use super::{Inputs, Interpolator, IpoError, LookAhead, Override, Status, ToolSetpoint};
 use crate::path::{self, PathElement};
@@ -187,8 +188,7 @@ impl TwoWayInterpolator {
             now_ns: self.inner.now_ns,
             way: self.inner.path_length(),
             board: self.inner.board,
-            heading: self.inner.heading,
-            backwards: !self.forwards,
+            bearing: Bearing { backwards: !self.forwards, ..self.inner.bearing },
         };
         let plan = Self::plan(&self.path, self.forwards, first);
         self.inner = Interpolator::new(plan, self.cycle_ns).resuming(resume);

@@ -13,6 +13,7 @@ mod absurd;
 mod by_position;
 mod control;
 mod extra;
+mod heading;
 mod interpolator;
 mod look_ahead;
 mod modes;

@@ -81,6 +81,12 @@ impl Pen {
         self
     }
 
+    /// Straight up, or down.
+    pub(super) fn lift(&mut self, rise: f64) -> &mut Self {
+        self.straight(ElementKind::Cut, Vector3::z() * rise);
+        self
+    }
+
     pub(super) fn jump(&mut self, by: [f64; 3]) -> &mut Self {
         self.straight(ElementKind::Jump, by.into());
         self

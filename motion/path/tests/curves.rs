@@ -179,7 +179,7 @@ fn curves_without_length_and_with_cusps_stay_finite() {
     for shape in [cubic(still), cubic(cusp), cubic(there_and_back), ellipse(flat), cubic(upright)] {
         for part in [0.0, 1e-12, 0.3, 0.5, 0.7, 1.0 - 1e-12, 1.0] {
             let at = shape.at(part * shape.length());
-            let numbers = [at.position.coords, at.tangent, at.curvature];
+            let numbers = [at.position.coords, at.tangent, at.curvature, at.curvature_rate];
             assert!(numbers.iter().flatten().all(|number| number.is_finite()), "{at:?}");
             assert!(at.tangent.norm() < 1.0 + 1e-9, "{at:?}");
         }

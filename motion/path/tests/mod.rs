@@ -1,4 +1,5 @@
 mod curves;
+mod derivatives;
 mod operations;
 
 use super::{Arc, AxisMask, Details, ElementKind, ExtraAxes, PathElement, Shape};
