@@ -30,7 +30,7 @@ use super::tool::Tool;
 use super::{MachineJoint, check_joints, check_positive};
 use crate::{DimensionError, JointDrive, JointPositions, Link, LoopError, Model, Tip};
 use linkage::Linkage;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 use twin_kinematics::tripod::Rod;
 
 /// Around everything that the axes bring somewhere, m.

@@ -108,7 +108,7 @@ fn link(model: &Model, name: &str) -> usize {
 fn a_tripod_touches_itself_nowhere() {
     let dimensions = tripod();
     let model = dimensions.model().unwrap();
-    let rod_radius = RINGS.length / 80.0;
+    let rod_radius = RINGS.rod_length / 80.0;
     let solid_links: Vec<_> =
         (0..model.links.len()).filter(|link| !model.links[*link].solids.is_empty()).collect();
     assert_eq!(solid_links.len(), 1 + 3 + 6 + 1);
@@ -156,7 +156,7 @@ fn a_tripod_touches_itself_nowhere() {
             for step in 0..=60 {
                 // Clear of its own balls.
                 let along = 2.0 * 1.8 * rod_radius;
-                let along = along + (RINGS.length - 2.0 * along) * f64::from(step) / 60.0;
+                let along = along + (RINGS.rod_length - 2.0 * along) * f64::from(step) / 60.0;
                 let point = poses[rod] * Point3::new(0.0, 0.0, -along);
                 for other in solid_links.iter().filter(|other| **other != rod) {
                     let point = poses[*other].inverse_transform_point(&point);
