@@ -36,7 +36,7 @@ pub(crate) fn within_reach() {
         let dimensions = dimensions(vector);
         // The middle of a pair's upper ends beside that of its lower ones.
         for pair in dimensions.rods(&TripodDeviations::default()).unwrap().chunks(2) {
-            let across = pair[0].upper + pair[1].upper - pair[0].lower - pair[1].lower;
+            let across = (pair[0].upper - pair[0].lower) + (pair[1].upper - pair[1].lower);
             vector.expect("e", [across.norm() * 0.5e3]);
         }
         let (designed, measured) = both(dimensions, lengths(vector, "off"));
