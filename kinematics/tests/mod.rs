@@ -5,8 +5,10 @@ mod frame;
 mod linuxcnc;
 mod machine_axes;
 mod machines;
+mod measures;
 mod scara;
 mod transforms;
+mod views;
 
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 

@@ -1,0 +1,199 @@
+//! Singularity, margins and branches against closed forms.
+
+use super::seeded;
+use crate::gantry::{BeltLayout, Gantry3, GantryCutter3, GantryH2, Sense};
+use crate::scara::{Elbow, Scara2, Scara3};
+use crate::tripod::{Tripod, TripodDimensions};
+use crate::{
+    AxisSource, AxisVector, Branch, Coordinate, Kinematics, KinematicsError, MachineAxes, Margins,
+    Pose, ReachOf, Transform,
+};
+use nalgebra::{SVector, Vector2, Vector3};
+use proptest::prelude::*;
+use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
+
+/// [`Transform::margins`], which [`Kinematics`] has for poses.
+fn margins_at<const N: usize>(transform: &impl Transform<N>, tool: &SVector<f64, N>) -> Margins {
+    transform.margins(tool)
+}
+
+fn near(found: f64, expected: f64) {
+    assert!((found - expected).abs() <= 1e-12 * expected.abs().max(1.0), "{found} {expected}");
+}
+
+/// Straight axes move the tool as fast as themselves; a belt moves it by half of what each drive does.
+#[test]
+fn gantries_are_nowhere_singular() {
+    let gantry = Gantry3::new([0.1, 0.2, 0.3]).unwrap();
+    let found = gantry.dexterity(&AxisVector::zeros(3), 0.5).unwrap();
+    assert_eq!((found.smallest, found.largest, found.isotropy()), (1.0, 1.0, 1.0));
+    let belt = GantryH2::new([0.0; 2], BeltLayout::default()).unwrap();
+    let found = belt.dexterity(&AxisVector::zeros(2), 0.5).unwrap();
+    near(found.smallest, FRAC_1_SQRT_2);
+    near(found.isotropy(), 1.0);
+    let cutter = GantryCutter3::new([0.0; 4], Sense::Clockwise).unwrap();
+    near(cutter.dexterity(&AxisVector::zeros(4), 0.5).unwrap().smallest, 1.0);
+    let margins = Kinematics::margins(&gantry, &Pose::at(1.0, 2.0, 3.0)).unwrap();
+    assert!(margins.boundary.is_infinite() && margins.branch.is_infinite());
+    assert_eq!(Kinematics::branch(&gantry), Branch::Only);
+}
+
+/// Equal arms at a right angle: the Jacobian is L·(−1 −1; 1 0), whose singular values are L times the golden ratio and
+/// its inverse.
+#[test]
+fn a_scara_at_a_right_angle() {
+    let scara = Scara2::new([0.3, 0.3], [0.0; 2], Elbow::Low).unwrap();
+    let axes = AxisVector::from_values([0.0, FRAC_PI_2]);
+    let found = scara.dexterity(&axes, 0.6).unwrap();
+    let golden = f64::midpoint(1.0, 5.0_f64.sqrt());
+    near(found.largest, 0.5 * golden);
+    near(found.smallest, 0.5 / golden);
+    near(found.isotropy(), 1.0 / (golden * golden));
+    let coordinates = [Coordinate::X, Coordinate::Y, Coordinate::Z];
+    let jacobian = Kinematics::jacobian(&scara, &axes).unwrap();
+    let column = |axis| coordinates.map(|coordinate| jacobian.get(coordinate, axis));
+    for (found, expected) in [(column(0), [-0.3, 0.3, 0.0]), (column(1), [-0.3, 0.0, 0.0])] {
+        let error = (Vector3::from(found) - Vector3::from(expected)).norm();
+        assert!(error < 1e-16, "{found:?}");
+    }
+    assert_eq!(jacobian.tool_velocity(&AxisVector::from_values([1.0, -1.0]))[1], 0.3);
+}
+
+/// Axes that do not move the tool do not count, and z has an axis of its own.
+#[test]
+fn whole_machines_are_as_singular_as_their_transform() {
+    let scara = Scara2::new([0.3, 0.3], [0.0; 2], Elbow::Low).unwrap();
+    let sources = vec![
+        AxisSource::Additional(0),
+        AxisSource::Transform(1),
+        AxisSource::Coordinate(Coordinate::Z),
+        AxisSource::Transform(0),
+    ];
+    let machine = MachineAxes::new(Box::new(scara), sources, Vector3::zeros()).unwrap();
+    let axes = AxisVector::from_values([7.0, FRAC_PI_2, 0.1, 0.0]);
+    let alone = scara.dexterity(&AxisVector::from_values([0.0, FRAC_PI_2]), 0.6).unwrap();
+    let found = machine.dexterity(&axes, 0.6).unwrap();
+    near(found.smallest, alone.smallest);
+    // z is moved as fast as its axis, which is faster than anything the arms do.
+    near(found.largest, 1.0);
+    assert!(machine.is_rotary(1) && !machine.is_rotary(0) && !machine.moves_tool(0));
+}
+
+#[test]
+fn periods_fold_and_must_be_some() {
+    let sources = || (0..4).map(AxisSource::Transform).collect();
+    let cutter = || Box::new(GantryCutter3::new([0.0; 4], Sense::CounterClockwise).unwrap());
+    let machine = MachineAxes::new(cutter(), sources(), Vector3::zeros()).unwrap();
+    let machine = machine.with_periods(&[None, None, None, Some(6.0)]).unwrap();
+    let folded = machine.fold(&AxisVector::from_values([-1.0, 9.0, 2.0, -1.0]));
+    assert_eq!(*folded, [-1.0, 9.0, 2.0, 5.0]);
+    let none = MachineAxes::new(cutter(), sources(), Vector3::zeros()).unwrap();
+    let error = none.with_periods(&[None, Some(0.0)]).unwrap_err();
+    assert_eq!(error.to_string(), "axis 2 has a period of 0; it must be above 0");
+}
+
+#[test]
+fn axes_tell_their_branch() {
+    for (elbow, branch, beta) in
+        [(Elbow::Low, Branch::ElbowLow, 1.0), (Elbow::High, Branch::ElbowHigh, -1.0)]
+    {
+        let scara = Scara3::new([0.3, 0.2, 0.1], [0.5, 1.5, 2.5], elbow).unwrap();
+        let axes = AxisVector::from_values([0.5, 1.5 + beta, 0.0]);
+        assert_eq!(Kinematics::branch_at(&scara, &axes), Ok(branch));
+        assert_eq!(Kinematics::branch(&scara), branch);
+        // A whole turn later it is the same one.
+        let turned = AxisVector::from_values([0.5, 1.5 + beta + std::f64::consts::TAU, 0.0]);
+        assert_eq!(Kinematics::branch_at(&scara, &turned), Ok(branch));
+    }
+    assert_eq!(Branch::ElbowHigh.to_string(), "elbow high");
+}
+
+const TRIPOD: TripodDimensions = TripodDimensions {
+    inner_radius: 0.05,
+    outer_radius: 0.3,
+    rod_length: 0.4,
+    rod_distance: 0.06,
+    rotation: 0.0,
+};
+
+/// With 40 mm and √(300² − 30²) mm the overhang is known; above carriage A's side rods end where h is their length.
+#[test]
+fn tripods_end_where_rods_are_horizontal() {
+    let tripod = Tripod::new(TRIPOD, [0.0; 3]).unwrap();
+    let overhang = (0.3_f64 * 0.3 - 0.0009).sqrt() - 0.04;
+    // Away from A along −x the rods of A are the first to be horizontal.
+    let edge = overhang - 0.4;
+    let margins = margins_at(&tripod, &Vector3::new(edge + 0.01, 0.0, 0.0));
+    near(margins.boundary, 0.01);
+    let margins = margins_at(&tripod, &Vector3::new(edge - 0.02, 0.0, 0.0));
+    near(margins.boundary, -0.02);
+    let error = tripod.to_axes(&Vector3::new(edge - 0.02, 0.0, 0.25)).unwrap_err();
+    let KinematicsError::Unreachable { target, of: ReachOf::Rod(0), distance, reach } = error
+    else {
+        panic!("{error:?}")
+    };
+    assert_eq!(target, [edge - 0.02, 0.0, 0.25]);
+    near(distance, 0.42);
+    near(reach[1], 0.4);
+    assert!(error.to_string().contains("420.000000 mm beside carriage A"), "{error}");
+    // In the middle the points on the carriages are in a level plane.
+    let margins = margins_at(&tripod, &Vector3::new(0.0, 0.0, -0.3));
+    near(margins.branch, (0.16 - overhang * overhang).sqrt());
+    let apart = tripod.to_tool(&Vector3::new(0.0, 0.0, 0.9)).unwrap_err();
+    assert!(matches!(apart, KinematicsError::Apart { .. }), "{apart:?}");
+}
+
+proptest! {
+    #![proptest_config(seeded())]
+
+    /// The product of the singular values is the determinant, L1·L2·sin β.
+    #[test]
+    fn singular_values_multiply_to_the_determinant(
+        arms in prop::array::uniform2(0.05..1.0), alpha in -3.0..3.0, beta in -3.0..3.0, length in 0.1..1.0,
+    ) {
+        let scara = Scara2::new(arms, [0.0; 2], Elbow::Low).unwrap();
+        let found = scara.dexterity(&AxisVector::from_values([alpha, beta]), length).unwrap();
+        let expected = (arms[0] * arms[1] * f64::sin(beta)).abs() / (length * length);
+        prop_assert!((found.smallest * found.largest - expected).abs() <= 1e-13 * found.largest, "{found:?}");
+    }
+
+    /// Going as far as the margin says and a little less is possible, a little more is not.
+    #[test]
+    fn margins_are_how_far_one_can_go(
+        arms in prop::array::uniform2(0.1..0.5), part in 0.0..1.0, angle in -3.0..3.0,
+    ) {
+        let scara = Scara2::new(arms, [0.0; 2], Elbow::High).unwrap();
+        let [inner, outer] = scara.reach();
+        let r = inner + part * (outer - inner);
+        let direction = Vector2::new(f64::cos(angle), f64::sin(angle));
+        let margin = margins_at(&scara, &(direction * r)).boundary;
+        let outwards = outer - r < r - inner;
+        let there = |part: f64| if outwards { r + part * margin } else { r - part * margin };
+        prop_assert!(scara.to_axes(&(direction * there(0.999_999))).is_ok());
+        let beyond = scara.to_axes(&(direction * there(1.000_001)));
+        prop_assert!(beyond.is_err() || inner < 1e-6 || margin < 1e-9, "{margin}");
+        let deeper = margins_at(&scara, &(direction * (outer + 0.01))).boundary;
+        prop_assert!((deeper + 0.01).abs() < 1e-12);
+    }
+
+    /// Rods of unequal height: the plane's distance is that of its points' common perpendicular.
+    #[test]
+    fn tripods_lose_hold_in_the_plane_of_their_carriages(
+        x in -0.1..0.1, y in -0.1..0.1, part in 0.0..=1.0,
+    ) {
+        let tripod = Tripod::new(TRIPOD, [0.0; 3]).unwrap();
+        let tool = Vector3::new(x, y, 0.0);
+        let axes = tripod.to_axes(&tool).unwrap();
+        // The mirror image of the platform at the plane is as far from all three points.
+        let margin = margins_at(&tripod, &tool).branch;
+        let overhang = (0.3_f64 * 0.3 - 0.0009).sqrt() - 0.04;
+        let points = [0.0_f64, 120.0, 240.0].map(f64::to_radians).map(|angle| Vector2::new(angle.cos(), angle.sin()) * overhang);
+        let points = [points[0].push(axes.x), points[1].push(axes.y), points[2].push(axes.z)];
+        let normal = (points[1] - points[0]).cross(&(points[2] - points[0])).normalize();
+        prop_assert!(normal.z > 0.0);
+        let mirrored = tool + normal * (2.0 * margin);
+        for point in points {
+            prop_assert!(((mirrored - point).norm() - 0.4).abs() < 1e-12, "{part}");
+        }
+    }
+}
