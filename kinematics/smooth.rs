@@ -28,6 +28,12 @@ pub trait SmoothMap<const N: usize> {
     /// 2·J̇·a + J̈·v, where the inputs move with the velocity v and the acceleration a.
     fn third(&self, v: &SVector<f64, N>, a: &SVector<f64, N>) -> SVector<f64, N>;
 
+    /// J·v and J·a + J̇·v: velocity and acceleration of the outputs.
+    #[inline]
+    fn along(&self, v: &SVector<f64, N>, a: &SVector<f64, N>) -> [SVector<f64, N>; 2] {
+        [self.rate(v), self.rate(a) + self.second(v)]
+    }
+
     /// J.
     fn matrix(&self) -> SMatrix<f64, N, N> {
         SMatrix::from_columns(&unit_vectors().map(|unit| self.rate(&unit)))

@@ -200,15 +200,6 @@ pub struct Serial<M>(pub M);
 pub struct Parallel<M>(pub M);
 
 #[inline]
-fn along<const N: usize>(
-    map: &impl SmoothMap<N>,
-    v: &SVector<f64, N>,
-    a: &SVector<f64, N>,
-) -> [SVector<f64, N>; 2] {
-    [map.rate(v), map.rate(a) + map.second(v)]
-}
-
-#[inline]
 fn against<const N: usize>(
     map: &impl SmoothMap<N>,
     v: &SVector<f64, N>,
@@ -223,7 +214,7 @@ fn along_jerk<const N: usize>(
     map: &impl SmoothMap<N>,
     [v, a, j]: &[SVector<f64, N>; 3],
 ) -> [SVector<f64, N>; 3] {
-    let [velocity, acceleration] = along(map, v, a);
+    let [velocity, acceleration] = map.along(v, a);
     [velocity, acceleration, map.rate(j) + map.third(v, a)]
 }
 
@@ -256,7 +247,7 @@ impl<M: SmoothMap<N>, const N: usize> Differential<N> for Serial<M> {
         velocity: &SVector<f64, N>,
         acceleration: &SVector<f64, N>,
     ) -> Option<[SVector<f64, N>; 2]> {
-        Some(along(&self.0, velocity, acceleration))
+        Some(self.0.along(velocity, acceleration))
     }
 
     fn lead_jerk(&self, axes: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]> {
@@ -279,14 +270,10 @@ impl<M: SmoothMap<N>, const N: usize> Differential<N> for Parallel<M> {
         velocity: &SVector<f64, N>,
         acceleration: &SVector<f64, N>,
     ) -> Option<[SVector<f64, N>; 2]> {
-        let axes = along(&self.0, velocity, acceleration);
-        // A tool at rest stays so where nothing could follow it.
-        let rest = || velocity.iter().chain(acceleration).all(|value| *value == 0.0);
-        if axes.iter().flatten().all(|value| value.is_finite()) {
-            Some(axes)
-        } else {
-            rest().then(|| [SVector::zeros(); 2])
-        }
+        let axes = self.0.along(velocity, acceleration);
+        // One test for all: what is not finite makes the sum so.
+        let sum = axes.iter().map(SVector::sum).sum::<f64>();
+        if sum.is_finite() { Some(axes) } else { rest_or_none(velocity, acceleration) }
     }
 
     fn follow_jerk(&self, tool: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]> {
@@ -322,6 +309,16 @@ impl<M: SmoothMap<N>, const N: usize> Differential<N> for Parallel<M> {
         let inverse_rate = self.0.matrix_rate(&self.0.solve(axis_velocity)?);
         Some(-jacobian * inverse_rate * jacobian)
     }
+}
+
+/// A tool at rest stays so where nothing could follow it.
+#[cold]
+fn rest_or_none<const N: usize>(
+    velocity: &SVector<f64, N>,
+    acceleration: &SVector<f64, N>,
+) -> Option<[SVector<f64, N>; 2]> {
+    let rest = velocity.iter().chain(acceleration).all(|value| *value == 0.0);
+    rest.then(|| [SVector::zeros(); 2])
 }
 
 /// The matrix whose columns are `of` the unit vectors.

@@ -227,7 +227,7 @@ fn deviations() -> impl Strategy<Value = TripodDeviations> {
 pub(crate) fn calibrated(reach: Reach) -> impl Strategy<Value = Placed<CalibratedTripod, 3>> {
     let wide = tripod(Reach::Inside)
         .prop_filter("rods far enough apart to hold the platform", |placed| {
-            placed.machine.dimensions().rod_distance > 0.03
+            placed.machine.dimensions().rod_distance > 0.05
         });
     (wide, deviations(), tools()).prop_filter_map(
         "the rods do not reach",
@@ -260,5 +260,7 @@ fn close(machine: &CalibratedTripod, start: Vector3<f64>) -> Option<Vector3<f64>
             outside = middle;
         }
     }
-    Some(start + outwards * (inside - 1e-6 * size))
+    let close = start + outwards * (inside - 1e-6 * size);
+    // Where the solutions of the way back meet, too, it cannot tell them apart.
+    (machine.margins(&close).branch > 0.02 * size).then_some(close)
 }

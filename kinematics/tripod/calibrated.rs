@@ -9,7 +9,8 @@
 //! ```
 //!
 //! are six equations: for R and q where T is given, for R and T where q is. Both are solved by Newton's method from the closed form
-//! of level pairs, to the last digits: steps no longer than rounding. Axis positions carry offsets, as in [`Tripod`](super::Tripod); zero pose,
+//! of level pairs, to the last digits: steps no longer than rounding. (Where the two solutions of the way from the axes to the tool
+//! all but meet, [`Margins::branch`] near 0, that way may find the other one; it then says that the carriages are apart.) Axis positions carry offsets, as in [`Tripod`](super::Tripod); zero pose,
 //! branch and singularities are that one's.
 //!
 //! # Derivatives
@@ -22,6 +23,7 @@
 //!   s·(p⃛ + α̇×r − q⃛·ẑ) = −3·ṡ·s̈ − s·(2·α×(ω×r) + ω×(α×r) + ω×(ω×(ω×r)))
 //! ```
 
+use super::ideal::{plane_above, plane_normal};
 use super::meet;
 use super::rods::Rod;
 use crate::error::{DimensionError, ReachOf, all_finite};
@@ -34,6 +36,8 @@ use nalgebra::{Const, Isometry3, LU, Matrix6, Rotation3, Translation3, Vector3, 
 const STEPS: usize = 64;
 /// How far off its length a rod may be in a solution, in parts of its length.
 const TOLERANCE: f64 = 32.0 * f64::EPSILON;
+/// By how much the level pairs of the closed form may miss, in parts of a squared length: the true rods may reach.
+const SLACK: f64 = 0.1;
 /// Pivots below this, in parts of the largest, mean that the rods do not hold the platform.
 const LOOSE: f64 = 1e-7;
 
@@ -150,7 +154,7 @@ impl CalibratedTripod {
             let beside = tip - middle;
             let squared = length * length - beside.xy().norm_squared();
             let least = 1e-3 * length * length;
-            if squared.is_nan() || squared < -100.0 * least {
+            if squared.is_nan() || squared < -SLACK * length * length {
                 return None;
             }
             *height = beside.z + squared.max(least).sqrt();
@@ -159,15 +163,16 @@ impl CalibratedTripod {
     }
 
     /// Newton's method. `matrix` gives the change of the squared lengths with the attitude and what else is sought, `apply` makes a step.
-    /// `Err` with how far off a rod is, m.
+    /// `Err` with the best that was found and how far off a rod is there, m.
     fn close(
         &self,
         mut state: State,
         matrix: impl Fn(&[Spoke; 6]) -> Matrix6<f64>,
         apply: impl Fn(&mut State, &Vector3<f64>),
-    ) -> Result<State, f64> {
+    ) -> Result<State, (State, f64)> {
         let size = self.rods.iter().map(|rod| rod.length).fold(0.0, f64::max);
         let (mut best, mut best_off) = (state, f64::INFINITY);
+        let mut tries = 3;
         for _ in 0..STEPS {
             let spokes = self.spokes(&state);
             let mut rest = Vector6::zeros();
@@ -180,8 +185,11 @@ impl CalibratedTripod {
             if off < best_off {
                 (best, best_off) = (state, off);
             } else if best_off <= TOLERANCE * size {
-                // No nearer than before, and that was as near as numbers are.
-                break;
+                // No nearer than before: that may have been as near as numbers are.
+                tries -= 1;
+                if tries == 0 {
+                    break;
+                }
             }
             let Some(step) = matrix(&spokes).lu().solve(&rest) else { break };
             let (turn, shift) = (step.fixed_rows::<3>(0), step.fixed_rows::<3>(3));
@@ -196,13 +204,17 @@ impl CalibratedTripod {
         }
         let hanging = self.spokes(&best).iter().all(|spoke| spoke.s.z <= 0.0);
         let upright = best.attitude.matrix().m33 > 0.0;
-        if best_off <= TOLERANCE * size && hanging && upright { Ok(best) } else { Err(best_off) }
+        if best_off <= TOLERANCE * size && hanging && upright {
+            Ok(best)
+        } else {
+            Err((best, best_off))
+        }
     }
 
     fn hung_at(&self, tip: &Vector3<f64>) -> Result<State, KinematicsError> {
         let start = self.level(tip).ok_or_else(|| self.unreachable(tip, f64::NAN))?;
         self.close(start, tip_given, |state, shift| state.heights += shift)
-            .map_err(|off| self.unreachable(tip, off))
+            .map_err(|(_, off)| self.unreachable(tip, off))
     }
 
     fn hung_from(&self, axes: &Vector3<f64>) -> Result<State, KinematicsError> {
@@ -212,9 +224,17 @@ impl CalibratedTripod {
         for (center, height) in centers.iter_mut().zip(&heights) {
             center.z += height;
         }
-        let tip = meet::below(&centers, lengths).ok_or(apart)?;
+        let tip = meet::about_below(&centers, lengths, SLACK).ok_or(apart)?;
         let start = State { tip, attitude: Rotation3::identity(), heights };
-        self.close(start, axes_given, |state, shift| state.tip += shift).or(Err(apart))
+        let solve = |start| self.close(start, axes_given, |state, shift| state.tip += shift);
+        solve(start).or_else(|(other, _)| {
+            // Near where the two solutions meet the steps may have led to the upper one: the lower one is its mirror
+            // image at the plane of the carriages, nearly.
+            let beyond = plane_above(&centers, &other.tip).min(0.0);
+            let normal = plane_normal(&centers);
+            let start = State { tip: other.tip + normal * (2.0 * beyond), ..other };
+            solve(start).or(Err(apart))
+        })
     }
 
     #[cold]
@@ -407,7 +427,7 @@ impl Transform<3> for CalibratedTripod {
         }
         Margins {
             boundary: left.fold(f64::INFINITY, f64::min),
-            branch: super::ideal::plane_above(&centers, tool),
+            branch: plane_above(&centers, tool),
         }
     }
 

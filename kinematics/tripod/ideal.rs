@@ -154,9 +154,15 @@ impl Tripod {
 
 /// How high the plane through three points is above `point`, along its normal.
 pub(super) fn plane_above(centers: &[Vector3<f64>; 3], point: &Vector3<f64>) -> f64 {
+    let [first, ..] = centers;
+    (first - point).dot(&plane_normal(centers))
+}
+
+/// The normal of the plane through three points, up.
+pub(super) fn plane_normal(centers: &[Vector3<f64>; 3]) -> Vector3<f64> {
     let [first, second, third] = centers;
     let normal = (second - first).cross(&(third - first)).normalize();
-    (first - point).dot(&normal) * normal.z.signum()
+    normal * normal.z.signum()
 }
 
 /// From the tool to the axes of a tripod.
@@ -198,6 +204,18 @@ impl SmoothMap<3> for TripodRods {
     #[inline]
     fn second(&self, v: &Vector3<f64>) -> Vector3<f64> {
         self.each(|s| bend(s, v))
+    }
+
+    /// As by default, with one division for each rod.
+    #[inline]
+    fn along(&self, v: &Vector3<f64>, a: &Vector3<f64>) -> [Vector3<f64>; 2] {
+        let inverse = self.each(|s| 1.0 / s.z);
+        let level =
+            |of: &Vector3<f64>| self.each(|s| s.x * of.x + s.y * of.y).component_mul(&inverse);
+        let (first, second) = (level(v), level(a));
+        let across = v.x * v.x + v.y * v.y;
+        let bend = first.map(|rate| across + rate * rate).component_mul(&inverse);
+        [first.add_scalar(v.z), second.add_scalar(a.z) + bend]
     }
 
     #[inline]

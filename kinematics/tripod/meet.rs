@@ -8,6 +8,18 @@ use nalgebra::Vector3;
 /// In a frame with its origin at the first centre, x towards the second and the third in the x-y plane, the differences
 /// of the three equations are linear in x and y; the first one then gives z².
 pub(super) fn below(centers: &[Vector3<f64>; 3], radii: [f64; 3]) -> Option<Vector3<f64>> {
+    let start = about_below(centers, radii, 0.0)?;
+    // One step of Newton's method takes away what the square root has lost.
+    Some(polished(start, centers, radii).unwrap_or(start))
+}
+
+/// [`below`] before the last digits; spheres that miss each other by less than `slack` (of the square of the first radius) count as
+/// touching.
+pub(super) fn about_below(
+    centers: &[Vector3<f64>; 3],
+    radii: [f64; 3],
+    slack: f64,
+) -> Option<Vector3<f64>> {
     let [first, second, third] = centers;
     let [r1, r2, r3] = radii;
     let (to_second, to_third) = (second - first, third - first);
@@ -21,13 +33,12 @@ pub(super) fn below(centers: &[Vector3<f64>; 3], radii: [f64; 3]) -> Option<Vect
     let x = ((r1 - r2) * (r1 + r2) + d * d) / (2.0 * d);
     let y = ((r1 - r3) * (r1 + r3) + i * i + j * j - 2.0 * i * x) / (2.0 * j);
     let squared = r1 * r1 - x * x - y * y;
-    if !(squared >= 0.0 && y.is_finite()) {
+    if !(squared >= -slack * r1 * r1 && y.is_finite()) {
         return None;
     }
-    let z = if ez.z > 0.0 { -squared.sqrt() } else { squared.sqrt() };
-    let start = first + ex * x + ey * y + ez * z;
-    // One step of Newton's method takes away what the square root has lost.
-    Some(polished(start, centers, radii).unwrap_or(start))
+    let height = squared.max(0.0).sqrt();
+    let z = if ez.z > 0.0 { -height } else { height };
+    Some(first + ex * x + ey * y + ez * z)
 }
 
 fn polished(
