@@ -16,6 +16,12 @@ use nalgebra::{SMatrix, SVector};
 
 /// A map with N inputs and N outputs, at one point.
 pub trait SmoothMap<const N: usize> {
+    /// Whether the map has no derivatives at this point.
+    #[inline]
+    fn is_singular(&self) -> bool {
+        false
+    }
+
     /// J·v.
     fn rate(&self, v: &SVector<f64, N>) -> SVector<f64, N>;
 

@@ -270,20 +270,18 @@ impl<M: SmoothMap<N>, const N: usize> Differential<N> for Parallel<M> {
         velocity: &SVector<f64, N>,
         acceleration: &SVector<f64, N>,
     ) -> Option<[SVector<f64, N>; 2]> {
-        let axes = self.0.along(velocity, acceleration);
-        // One test for all: what is not finite makes the sum so.
-        let sum = axes.iter().map(SVector::sum).sum::<f64>();
-        if sum.is_finite() { Some(axes) } else { rest_or_none(velocity, acceleration) }
+        if self.0.is_singular() {
+            return rest_or_none(velocity, acceleration);
+        }
+        Some(self.0.along(velocity, acceleration))
     }
 
     fn follow_jerk(&self, tool: &[SVector<f64, N>; 3]) -> Option<[SVector<f64, N>; 3]> {
-        let axes = along_jerk(&self.0, tool);
-        if axes.iter().flatten().all(|value| value.is_finite()) {
-            Some(axes)
-        } else {
+        if self.0.is_singular() {
             let rest = tool.iter().flatten().all(|value| *value == 0.0);
-            rest.then(|| [SVector::zeros(); 3])
+            return rest.then(|| [SVector::zeros(); 3]);
         }
+        Some(along_jerk(&self.0, tool))
     }
 
     #[inline]

@@ -261,6 +261,8 @@ fn close(machine: &CalibratedTripod, start: Vector3<f64>) -> Option<Vector3<f64>
         }
     }
     let close = start + outwards * (inside - 1e-6 * size);
-    // Where the solutions of the way back meet, too, it cannot tell them apart.
-    (machine.margins(&close).branch > 0.02 * size).then_some(close)
+    // One rod of a pair may be level before the platform is at the end of its way, and the platform then tilts.
+    // Where the two ways back meet, that way loses digits.
+    let margins = machine.margins(&close);
+    (margins.boundary > 1e-6 * size && margins.branch > 0.1 * size).then_some(close)
 }

@@ -56,7 +56,7 @@ fn a_scara_at_a_right_angle() {
         let error = (Vector3::from(found) - Vector3::from(expected)).norm();
         assert!(error < 1e-16, "{found:?}");
     }
-    assert_eq!(jacobian.tool_velocity(&AxisVector::from_values([1.0, -1.0]))[1], 0.3);
+    near(jacobian.tool_velocity(&AxisVector::from_values([1.0, -1.0]))[1], 0.3);
 }
 
 /// Axes that do not move the tool do not count, and z has an axis of its own.
@@ -132,7 +132,8 @@ fn tripods_end_where_rods_are_horizontal() {
     else {
         panic!("{error:?}")
     };
-    assert_eq!(target, [edge - 0.02, 0.0, 0.25]);
+    near(target[0], edge - 0.02);
+    near(target[2], 0.25);
     near(distance, 0.42);
     near(reach[1], 0.4);
     assert!(error.to_string().contains("420.000000 mm beside carriage A"), "{error}");

@@ -23,7 +23,7 @@
 //!   s·(p⃛ + α̇×r − q⃛·ẑ) = −3·ṡ·s̈ − s·(2·α×(ω×r) + ω×(α×r) + ω×(ω×(ω×r)))
 //! ```
 
-use super::ideal::{plane_above, plane_normal};
+use super::ideal::plane_above;
 use super::meet;
 use super::rods::Rod;
 use crate::error::{DimensionError, ReachOf, all_finite};
@@ -163,13 +163,13 @@ impl CalibratedTripod {
     }
 
     /// Newton's method. `matrix` gives the change of the squared lengths with the attitude and what else is sought, `apply` makes a step.
-    /// `Err` with the best that was found and how far off a rod is there, m.
+    /// `Err` with how far off a rod is, m.
     fn close(
         &self,
         mut state: State,
         matrix: impl Fn(&[Spoke; 6]) -> Matrix6<f64>,
         apply: impl Fn(&mut State, &Vector3<f64>),
-    ) -> Result<State, (State, f64)> {
+    ) -> Result<State, f64> {
         let size = self.rods.iter().map(|rod| rod.length).fold(0.0, f64::max);
         let (mut best, mut best_off) = (state, f64::INFINITY);
         let mut tries = 3;
@@ -204,17 +204,13 @@ impl CalibratedTripod {
         }
         let hanging = self.spokes(&best).iter().all(|spoke| spoke.s.z <= 0.0);
         let upright = best.attitude.matrix().m33 > 0.0;
-        if best_off <= TOLERANCE * size && hanging && upright {
-            Ok(best)
-        } else {
-            Err((best, best_off))
-        }
+        if best_off <= TOLERANCE * size && hanging && upright { Ok(best) } else { Err(best_off) }
     }
 
     fn hung_at(&self, tip: &Vector3<f64>) -> Result<State, KinematicsError> {
         let start = self.level(tip).ok_or_else(|| self.unreachable(tip, f64::NAN))?;
         self.close(start, tip_given, |state, shift| state.heights += shift)
-            .map_err(|(_, off)| self.unreachable(tip, off))
+            .map_err(|off| self.unreachable(tip, off))
     }
 
     fn hung_from(&self, axes: &Vector3<f64>) -> Result<State, KinematicsError> {
@@ -226,15 +222,7 @@ impl CalibratedTripod {
         }
         let tip = meet::about_below(&centers, lengths, SLACK).ok_or(apart)?;
         let start = State { tip, attitude: Rotation3::identity(), heights };
-        let solve = |start| self.close(start, axes_given, |state, shift| state.tip += shift);
-        solve(start).or_else(|(other, _)| {
-            // Near where the two solutions meet the steps may have led to the upper one: the lower one is its mirror
-            // image at the plane of the carriages, nearly.
-            let beyond = plane_above(&centers, &other.tip).min(0.0);
-            let normal = plane_normal(&centers);
-            let start = State { tip: other.tip + normal * (2.0 * beyond), ..other };
-            solve(start).or(Err(apart))
-        })
+        self.close(start, axes_given, |state, shift| state.tip += shift).or(Err(apart))
     }
 
     #[cold]
@@ -334,6 +322,10 @@ impl HeldByRods {
 }
 
 impl SmoothMap<3> for HeldByRods {
+    fn is_singular(&self) -> bool {
+        !self.lu.is_invertible()
+    }
+
     fn rate(&self, v: &Vector3<f64>) -> Vector3<f64> {
         self.velocity(v).heights
     }

@@ -29,6 +29,11 @@
 //! Where the platform is in the plane of the three points on the carriages, the tool is not held: the two solutions of the way from the axes to the
 //! tool meet there. The platform cannot get there but through that state, so the branch never changes.
 
+#![expect(
+    clippy::inline_always,
+    reason = "what is computed for a position and for its derivatives only overlaps if all of it is in one place: a third of the time"
+)]
+
 use super::meet;
 use super::rods::TripodDimensions;
 use super::view::TripodView;
@@ -92,32 +97,49 @@ impl Tripod {
     }
 
     /// Horizontal part of the rods.
-    #[inline]
+    #[inline(always)]
     fn beside(&self, platform: &Vector3<f64>) -> [Vector2<f64>; 3] {
         let (x, y) = (platform.x, platform.y);
         self.towers.map(|tower| Vector2::new(x - tower.x, y - tower.y))
     }
 
     /// Vertical part of the rods: the sz, negative.
-    #[inline]
-    fn rods(&self, tool: &Vector3<f64>) -> Result<[Vector3<f64>; 3], KinematicsError> {
+    #[inline(always)]
+    fn rods(&self, tool: &Vector3<f64>) -> Result<TripodRods, KinematicsError> {
         let [first, second, third] = self.beside(&(tool - self.tool));
-        let tolerance = ROUNDING * self.squared;
         let left = [
             self.squared - first.norm_squared(),
             self.squared - second.norm_squared(),
             self.squared - third.norm_squared(),
         ];
-        // Written so that NaN is out of reach, too.
-        if !(left[0] >= -tolerance && left[1] >= -tolerance && left[2] >= -tolerance) {
+        let tolerance = ROUNDING * self.squared;
+        // Written so that NaN is out of reach, too; what is nearer to an edge than rounding is looked at apart.
+        if !(left[0] > tolerance && left[1] > tolerance && left[2] > tolerance) {
+            return self.rods_at_edge(tool, left);
+        }
+        let [a, b, c] = left.map(|left| -left.sqrt());
+        // 1/sz from the square, so that the division need not wait for the root.
+        let inverse = Vector3::new((1.0 / left[0]) * a, (1.0 / left[1]) * b, (1.0 / left[2]) * c);
+        let rods = [first.push(a), second.push(b), third.push(c)];
+        Ok(TripodRods { rods, inverse, level: false })
+    }
+
+    /// [`Self::rods`] where one of them is level, give or take rounding, or does not reach.
+    #[cold]
+    fn rods_at_edge(
+        &self,
+        tool: &Vector3<f64>,
+        left: [f64; 3],
+    ) -> Result<TripodRods, KinematicsError> {
+        let tolerance = ROUNDING * self.squared;
+        if !left.iter().all(|left| *left >= -tolerance) {
             return Err(self.unreachable(tool));
         }
+        let [first, second, third] = self.beside(&(tool - self.tool));
         let [a, b, c] = left.map(|left| -left.max(0.0).sqrt());
-        Ok([
-            Vector3::new(first.x, first.y, a),
-            Vector3::new(second.x, second.y, b),
-            Vector3::new(third.x, third.y, c),
-        ])
+        let rods = [first.push(a), second.push(b), third.push(c)];
+        let inverse = Vector3::new(1.0 / a, 1.0 / b, 1.0 / c);
+        Ok(TripodRods { rods, inverse, level: true })
     }
 
     #[cold]
@@ -138,9 +160,10 @@ impl Tripod {
         }
     }
 
-    #[inline]
-    fn axes(&self, tool: &Vector3<f64>, rods: &[Vector3<f64>; 3]) -> Vector3<f64> {
+    #[inline(always)]
+    fn axes(&self, tool: &Vector3<f64>, rods: &TripodRods) -> Vector3<f64> {
         let z = tool.z - self.tool.z;
+        let rods = &rods.rods;
         Vector3::new(z - rods[0].z, z - rods[1].z, z - rods[2].z) + self.offsets
     }
 
@@ -154,77 +177,82 @@ impl Tripod {
 
 /// How high the plane through three points is above `point`, along its normal.
 pub(super) fn plane_above(centers: &[Vector3<f64>; 3], point: &Vector3<f64>) -> f64 {
-    let [first, ..] = centers;
-    (first - point).dot(&plane_normal(centers))
-}
-
-/// The normal of the plane through three points, up.
-pub(super) fn plane_normal(centers: &[Vector3<f64>; 3]) -> Vector3<f64> {
     let [first, second, third] = centers;
     let normal = (second - first).cross(&(third - first)).normalize();
-    normal * normal.z.signum()
+    (first - point).dot(&normal) * normal.z.signum()
 }
 
-/// From the tool to the axes of a tripod.
+/// From the tool to the axes of a tripod: its rods as vectors, down.
 #[derive(Clone, Copy, Debug)]
-pub struct TripodRods([Vector3<f64>; 3]);
+pub struct TripodRods {
+    rods: [Vector3<f64>; 3],
+    /// 1/sz.
+    inverse: Vector3<f64>,
+    /// A rod is horizontal.
+    level: bool,
+}
 
 impl TripodRods {
-    #[inline]
-    fn each(&self, of: impl Fn(&Vector3<f64>) -> f64) -> Vector3<f64> {
-        let [first, second, third] = &self.0;
-        Vector3::new(of(first), of(second), of(third))
+    /// The horizontal part of s·v, by sz: minus the vertical rate at which the lower ends move against the upper ones.
+    #[inline(always)]
+    fn level(&self, v: &Vector3<f64>) -> Vector3<f64> {
+        let [first, second, third] = &self.rods;
+        let of = |s: &Vector3<f64>| s.x * v.x + s.y * v.y;
+        Vector3::new(of(first), of(second), of(third)).component_mul(&self.inverse)
     }
-}
 
-/// The vertical rate at which the lower end of a rod moves against its upper one, from the horizontal rates.
-#[inline]
-fn closing(s: &Vector3<f64>, v: &Vector3<f64>) -> f64 {
-    -(s.x * v.x + s.y * v.y) / s.z
-}
-
-/// Acceleration of the axis from the velocity alone.
-#[inline]
-fn bend(s: &Vector3<f64>, v: &Vector3<f64>) -> f64 {
-    let down = closing(s, v);
-    (v.x * v.x + v.y * v.y + down * down) / s.z
+    /// ṡ·ṡ/sz.
+    #[inline(always)]
+    fn bend(&self, v: &Vector3<f64>, level: &Vector3<f64>) -> Vector3<f64> {
+        let across = v.x * v.x + v.y * v.y;
+        level.component_mul(level).add_scalar(across).component_mul(&self.inverse)
+    }
 }
 
 impl SmoothMap<3> for TripodRods {
+    #[inline(always)]
+    fn is_singular(&self) -> bool {
+        self.level
+    }
+
     #[inline]
     fn rate(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        self.each(|s| v.z - closing(s, v))
+        self.level(v).add_scalar(v.z)
     }
 
     fn solve(&self, rate: &Vector3<f64>) -> Option<Vector3<f64>> {
-        let [a, b, c] = &self.0;
-        meet::solve(&self.0, [a.z * rate.x, b.z * rate.y, c.z * rate.z])
+        let [a, b, c] = &self.rods;
+        meet::solve(&self.rods, [a.z * rate.x, b.z * rate.y, c.z * rate.z])
     }
 
     #[inline]
     fn second(&self, v: &Vector3<f64>) -> Vector3<f64> {
-        self.each(|s| bend(s, v))
+        self.bend(v, &self.level(v))
     }
 
-    /// As by default, with one division for each rod.
-    #[inline]
+    /// As by default, with what both have in common once.
+    #[inline(always)]
     fn along(&self, v: &Vector3<f64>, a: &Vector3<f64>) -> [Vector3<f64>; 2] {
-        let inverse = self.each(|s| 1.0 / s.z);
-        let level =
-            |of: &Vector3<f64>| self.each(|s| s.x * of.x + s.y * of.y).component_mul(&inverse);
-        let (first, second) = (level(v), level(a));
         let across = v.x * v.x + v.y * v.y;
-        let bend = first.map(|rate| across + rate * rate).component_mul(&inverse);
-        [first.add_scalar(v.z), second.add_scalar(a.z) + bend]
+        let mut along = [Vector3::repeat(v.z), Vector3::repeat(a.z)];
+        let [first, second] = &mut along;
+        for (((first, second), s), inverse) in
+            first.iter_mut().zip(second.iter_mut()).zip(&self.rods).zip(&self.inverse)
+        {
+            let level = (s.x * v.x + s.y * v.y) * inverse;
+            *first += level;
+            *second += (s.x * a.x + s.y * a.y + across + level * level) * inverse;
+        }
+        along
     }
 
     #[inline]
     fn third(&self, v: &Vector3<f64>, a: &Vector3<f64>) -> Vector3<f64> {
-        self.each(|s| {
-            // ṡ·s̈, whose vertical part is p̈z − q̈.
-            let down = closing(s, v) * (closing(s, a) - bend(s, v));
-            3.0 * (v.x * a.x + v.y * a.y + down) / s.z
-        })
+        let level = self.level(v);
+        // The vertical part of s̈ is p̈z − q̈.
+        let down = self.level(a) + self.bend(v, &level);
+        let product = level.component_mul(&down).add_scalar(v.x * a.x + v.y * a.y);
+        product.component_mul(&self.inverse) * 3.0
     }
 }
 
@@ -258,17 +286,19 @@ impl Transform<3> for Tripod {
         let tool = self.to_tool(axes)?;
         let platform = tool - self.tool;
         let rods = self.centers(axes).map(|center| platform - center);
-        Ok((tool, Parallel(TripodRods(rods))))
+        let inverse = Vector3::new(1.0 / rods[0].z, 1.0 / rods[1].z, 1.0 / rods[2].z);
+        let level = rods.iter().any(|rod| rod.z >= 0.0);
+        Ok((tool, Parallel(TripodRods { rods, inverse, level })))
     }
 
-    #[inline]
+    #[inline(always)]
     fn at_tool(
         &self,
         tool: &Vector3<f64>,
         _near: &Vector3<f64>,
     ) -> Result<(Vector3<f64>, Self::Differential), KinematicsError> {
         let rods = self.rods(tool)?;
-        Ok((self.axes(tool, &rods), Parallel(TripodRods(rods))))
+        Ok((self.axes(tool, &rods), Parallel(rods)))
     }
 
     fn branch(&self) -> Branch {
