@@ -3,9 +3,9 @@
 use crate::machine::Machine;
 use twin_kinematics::{AxisVector, Kinematics};
 
-/// The singularity measure with the axes at `axes`: smallest over largest singular value of the Jacobian, 0 to 1; 0 where
+/// The singularity measure with the axes at `axes`: the smallest singular value of the Jacobian, dimensionless; 0 where
 /// there is no Jacobian.
-pub(super) fn isotropy(machine: &Machine, axes: &AxisVector) -> f64 {
+pub(super) fn smallest(machine: &Machine, axes: &AxisVector) -> f64 {
     let dexterity = machine.kinematics.dexterity(axes, machine.length_scale);
-    dexterity.map_or(0.0, |dexterity| dexterity.isotropy())
+    dexterity.map_or(0.0, |dexterity| dexterity.smallest)
 }

@@ -3,8 +3,8 @@
 //! What the tool reaches is found from the axes, by going through their positions ([`Sweep`]), and in a [`Section`] from
 //! the tool, by asking at every node of a grid which axis positions lead there. A section knows, at each point, whether it
 //! is within the software limits, beyond which of them it lies, or that it is out of reach, and the singularity measure:
-//! the smallest over the largest singular value of the Jacobian, made dimensionless with the machine's length. It is 1
-//! where the axes move the tool alike in all directions, and 0 where there is a direction in which they cannot move it.
+//! the smallest singular value of the Jacobian, made dimensionless with the machine's length. It is how fast the tool goes
+//! in its slowest direction where all axes together go at 1: 1 for a gantry, 0 where the axes cannot move the tool every way.
 //!
 //! Everything here is SI, in the machine frame.
 

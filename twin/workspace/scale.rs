@@ -16,8 +16,8 @@ impl Scale {
 
     /// Ten to twenty bands of a round width, from 0 to the band that `best` is in.
     pub fn up_to(best: f64) -> Self {
-        let steps = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05];
-        let step = steps.into_iter().find(|step| best <= step * Self::MOST + 1e-6).unwrap_or(0.05);
+        let steps = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5];
+        let step = steps.into_iter().find(|step| best <= step * Self::MOST + 1e-6).unwrap_or(1.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 20")]
         let bands = (best / step - 1e-6).ceil().clamp(1.0, Self::MOST) as u32;
         Self { step, bands }

@@ -113,7 +113,7 @@ impl<'m> Space<'m> {
         };
         let beyond = self.beyond(&axes);
         let state = if beyond.is_empty() { State::Within } else { State::Beyond(beyond) };
-        Sample { state, measure: measure::isotropy(self.machine, &axes) }
+        Sample { state, measure: measure::smallest(self.machine, &axes) }
     }
 
     /// [`Self::sample`] without the measure.

@@ -14,8 +14,8 @@ use twin_viz::{SceneOptions, Viewer};
 
 /// Check a machine file and show what the machine is and can do
 ///
-/// Limits, drives, reach, workspace within the software limits and its singularity measure: 1 where the axes move the
-/// tool alike in all directions, 0 where there is a direction in which they cannot move it.
+/// Limits, drives, reach, workspace within the software limits and its singularity measure: how fast the tool goes in its
+/// slowest direction for 1 of all axes together, 0 where there is a direction in which they cannot move it.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Machine file (TOML)

@@ -172,8 +172,8 @@ fn workspace(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
         writeln!(out, "singularity measure there: {values}")?;
         writeln!(
             out,
-            "  smallest over largest singular value of the Jacobian, with a radian counted as {length:.1} mm: 1 where the axes\n  \
-             move the tool alike in all directions, 0 where there is a direction in which they cannot move it"
+            "  smallest singular value of the Jacobian, with a radian counted as {length:.1} mm: how fast the tool goes in its\n  \
+             slowest direction for 1 of all axes together; 0 where there is a direction in which they cannot move it"
         )?;
     }
     Ok(())
