@@ -1,5 +1,7 @@
 //! Validates a program on the virtual machine: everything that must be known before anything moves.
 
+#[cfg(test)]
+mod direction_tests;
 mod findings;
 mod sentence;
 #[cfg(test)]
@@ -228,10 +230,14 @@ impl<'m> Checker<'m> {
             }
 
             let Some(before) = before else { continue };
-            // A jump of the set-point (G92) has no velocity of its own: the difference between cycles shows it. It
-            // belongs to the block of the cycle in which it happens, which the set-point before began.
-            if now.path_velocity <= 0.0 && before.path_velocity <= 0.0 {
-                let stepped = (now.position - before.position) / cycle;
+            // A jump of the set-point (G92, or the direction of the tool at a corner) has no velocity of its own: the
+            // difference between cycles shows it. It belongs to the block of the cycle in which it happens, which the
+            // set-point before began.
+            let stepped = (now.position - before.position) / cycle;
+            let at_rest = now.path_velocity <= 0.0 && before.path_velocity <= 0.0;
+            let told = exceeds(now.velocity, axis.max_velocity)
+                || exceeds(before.velocity, axis.max_velocity);
+            if at_rest || (exceeds(stepped, axis.max_velocity) && !told) {
                 peak.velocity.include(stepped, before.place);
                 if exceeds(stepped, axis.max_velocity) {
                     report(sentence::too_fast(axis, before.place, stepped));
