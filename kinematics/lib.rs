@@ -17,6 +17,7 @@ mod direction;
 mod error;
 mod frame;
 pub mod gantry;
+mod implement;
 mod jacobian;
 mod kinematics;
 mod machine_axes;

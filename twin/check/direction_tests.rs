@@ -1,27 +1,12 @@
 //! Tools that turn with the path.
 
-use super::check;
+use super::Outcome;
+use super::tests::checked as outcome;
 use crate::finding::Rule;
-use crate::m_function::Acknowledge;
-use crate::machine::Machine;
-use crate::program::{Dialect, ProgramFile};
-use crate::settings::ReadSettings;
-use std::path::Path;
 
 /// R: 1080 deg/s, 20000 deg/s²; the edge of the knife is 2 mm behind R.
 const CUTTER: &str = include_str!("../../machines/gantry_cutter3.toml");
 const SCARA3: &str = include_str!("../../machines/scara3.toml");
-
-fn outcome(machine: &str, program: &str) -> super::Outcome {
-    let machine = Machine::parse(Path::new("machine.toml"), machine)
-        .unwrap_or_else(|problems| panic!("{problems:#?}"));
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("program.cnc");
-    std::fs::write(&path, program).unwrap();
-    let program =
-        ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
-    check(&machine, &program, false, Acknowledge::Auto, &mut |_| {}).unwrap()
-}
 
 /// F50 on a radius of 20 mm turns the knife with 50/20 rad/s, and its axis runs on a circle of √(20² + 2²) mm.
 #[test]
@@ -64,7 +49,7 @@ fn a_hand_that_an_additional_axis_turns() {
     assert!(turned.findings.is_empty(), "{:#?}", turned.findings);
     let still = outcome(SCARA3, program);
     assert_eq!(still.findings[0].rule, Rule::UnsupportedWord);
-    let range = |outcome: &super::Outcome| {
+    let range = |outcome: &Outcome| {
         let [low, high] = outcome.peaks[2].position.unwrap();
         high - low
     };

@@ -33,7 +33,7 @@ fn examine(machine: &str, program: &str, physics: bool) -> Result<Outcome, Check
     check(&machine, &program, physics, Acknowledge::Auto, &mut |_| {})
 }
 
-fn checked(machine: &str, program: &str) -> Outcome {
+pub(super) fn checked(machine: &str, program: &str) -> Outcome {
     examine(machine, program, false).unwrap()
 }
 

@@ -1,0 +1,346 @@
+//! [`Kinematics`] for every [`Transform`]: a trait cannot be implemented for all transforms at once, because the number of
+//! axes is not part of their type, so a macro does it for each.
+
+use crate::kinematics::ABSENT;
+use crate::transform::{Differential, Motion, Transform};
+use crate::{
+    AxisMotion, AxisVector, Branch, Coordinate, Jacobian, Kinematics, KinematicsError, Margins,
+    Pose, ToolJerk, ToolMotion,
+};
+use nalgebra::{SMatrix, SVector, Vector3};
+
+/// N axis values out of as many as there are.
+fn values<const N: usize>(axes: &AxisVector) -> Result<SVector<f64, N>, KinematicsError> {
+    let given = axes.len();
+    let Some(values) = axes.first_chunk::<N>().filter(|_| given == N) else {
+        return Err(KinematicsError::AxisCount { given, expected: N });
+    };
+    if axes.is_finite() { Ok((*values).into()) } else { Err(KinematicsError::NotFinite) }
+}
+
+fn vector<const N: usize>(values: &SVector<f64, N>) -> Result<AxisVector, KinematicsError> {
+    let axes = AxisVector::from_values(values.iter().copied());
+    if axes.is_finite() { Ok(axes) } else { Err(KinematicsError::NotFinite) }
+}
+
+fn axis_motion<const N: usize>(motion: &Motion<N>) -> Result<AxisMotion, KinematicsError> {
+    Ok(AxisMotion {
+        position: vector(&motion.position)?,
+        velocity: vector(&motion.velocity)?,
+        acceleration: vector(&motion.acceleration)?,
+    })
+}
+
+/// The tool coordinates of a transform among all.
+fn pick<const N: usize>(
+    coordinates: &[Coordinate],
+    tip: &Vector3<f64>,
+    direction: f64,
+) -> SVector<f64, N> {
+    let mut picked = SVector::<f64, N>::zeros();
+    for (slot, coordinate) in picked.iter_mut().zip(coordinates) {
+        *slot = coordinate.of(tip, direction);
+    }
+    picked
+}
+
+/// The way back: what the transform does not have is 0.
+fn spread<const N: usize>(
+    coordinates: &[Coordinate],
+    values: &SVector<f64, N>,
+) -> (Vector3<f64>, f64) {
+    let (mut tip, mut direction) = (Vector3::zeros(), 0.0);
+    for (value, coordinate) in values.iter().zip(coordinates) {
+        *coordinate.of_mut(&mut tip, &mut direction) = *value;
+    }
+    (tip, direction)
+}
+
+fn pose<const N: usize>(
+    coordinates: &[Coordinate],
+    tool: &SVector<f64, N>,
+) -> Result<Pose, KinematicsError> {
+    let (tip, direction) = spread(coordinates, tool);
+    let pose = Pose { position: tip.into(), direction };
+    if pose.is_finite() { Ok(pose) } else { Err(KinematicsError::NotFinite) }
+}
+
+fn tool_motion<const N: usize>(
+    coordinates: &[Coordinate],
+    motion: &Motion<N>,
+) -> Result<ToolMotion, KinematicsError> {
+    let (velocity, direction_velocity) = spread(coordinates, &motion.velocity);
+    let (acceleration, direction_acceleration) = spread(coordinates, &motion.acceleration);
+    let tool = ToolMotion {
+        pose: pose(coordinates, &motion.position)?,
+        velocity,
+        acceleration,
+        direction_velocity,
+        direction_acceleration,
+    };
+    if tool.is_finite() { Ok(tool) } else { Err(KinematicsError::NotFinite) }
+}
+
+/// A pose as tool coordinates; what the transform does not have must be 0.
+fn tool<const N: usize>(
+    coordinates: &[Coordinate],
+    pose: &Pose,
+) -> Result<SVector<f64, N>, KinematicsError> {
+    if !pose.is_finite() {
+        return Err(KinematicsError::NotFinite);
+    }
+    for coordinate in Coordinate::TRANSLATIONS {
+        let value = coordinate.of_pose(pose);
+        if value.abs() > ABSENT && !coordinates.contains(&coordinate) {
+            return Err(KinematicsError::NoAxis { coordinate, value });
+        }
+    }
+    Ok(pick(coordinates, &pose.position.coords, pose.direction))
+}
+
+fn tool_as_motion<const N: usize>(
+    coordinates: &[Coordinate],
+    motion: &ToolMotion,
+) -> Result<Motion<N>, KinematicsError> {
+    if !motion.is_finite() {
+        return Err(KinematicsError::NotFinite);
+    }
+    Ok(Motion {
+        position: tool(coordinates, &motion.pose)?,
+        velocity: pick(coordinates, &motion.velocity, motion.direction_velocity),
+        acceleration: pick(coordinates, &motion.acceleration, motion.direction_acceleration),
+    })
+}
+
+fn axes_as_motion<const N: usize>(axes: &AxisMotion) -> Result<Motion<N>, KinematicsError> {
+    Ok(Motion {
+        position: values(&axes.position)?,
+        velocity: values(&axes.velocity)?,
+        acceleration: values(&axes.acceleration)?,
+    })
+}
+
+fn forward_of<const N: usize>(
+    transform: &impl Transform<N>,
+    axes: &AxisVector,
+) -> Result<Pose, KinematicsError> {
+    pose(transform.coordinates(), &transform.to_tool(&values(axes)?)?)
+}
+
+fn inverse_of<const N: usize>(
+    transform: &impl Transform<N>,
+    pose: &Pose,
+    near: &AxisVector,
+) -> Result<AxisVector, KinematicsError> {
+    let near = values(near)?;
+    vector(&transform.to_axes_near(&tool(transform.coordinates(), pose)?, &near)?)
+}
+
+fn forward_motion_of<const N: usize>(
+    transform: &impl Transform<N>,
+    axes: &AxisMotion,
+) -> Result<ToolMotion, KinematicsError> {
+    tool_motion(transform.coordinates(), &transform.tool_motion(&axes_as_motion(axes)?)?)
+}
+
+fn inverse_motion_of<const N: usize>(
+    transform: &impl Transform<N>,
+    tool: &ToolMotion,
+    near: &AxisVector,
+) -> Result<AxisMotion, KinematicsError> {
+    let near = values(near)?;
+    let tool = tool_as_motion(transform.coordinates(), tool)?;
+    axis_motion(&transform.axis_motion(&tool, &near)?)
+}
+
+fn forward_jerk_of<const N: usize>(
+    transform: &impl Transform<N>,
+    axes: &AxisMotion,
+    jerk: &AxisVector,
+) -> Result<(ToolMotion, ToolJerk), KinematicsError> {
+    let axes = axes_as_motion(axes)?;
+    let (position, differential) = transform.at_axes(&axes.position)?;
+    let led = differential.lead_jerk(&[axes.velocity, axes.acceleration, values(jerk)?]);
+    let Some([velocity, acceleration, jerk]) = led else {
+        return Err(transform.singular(&position));
+    };
+    let motion = Motion { position, velocity, acceleration };
+    let (linear, direction) = spread(transform.coordinates(), &jerk);
+    let jerk = ToolJerk { linear, direction };
+    if !jerk.is_finite() {
+        return Err(KinematicsError::NotFinite);
+    }
+    Ok((tool_motion(transform.coordinates(), &motion)?, jerk))
+}
+
+fn inverse_jerk_of<const N: usize>(
+    transform: &impl Transform<N>,
+    tool: &ToolMotion,
+    jerk: &ToolJerk,
+    near: &AxisVector,
+) -> Result<(AxisMotion, AxisVector), KinematicsError> {
+    if !jerk.is_finite() {
+        return Err(KinematicsError::NotFinite);
+    }
+    let near = values(near)?;
+    let tool = tool_as_motion(transform.coordinates(), tool)?;
+    let jerk: SVector<f64, N> = pick(transform.coordinates(), &jerk.linear, jerk.direction);
+    let (position, differential) = transform.at_tool(&tool.position, &near)?;
+    let followed = differential.follow_jerk(&[tool.velocity, tool.acceleration, jerk]);
+    let Some([velocity, acceleration, jerk]) = followed else {
+        return Err(transform.singular(&tool.position));
+    };
+    Ok((axis_motion(&Motion { position, velocity, acceleration })?, vector(&jerk)?))
+}
+
+fn spread_matrix<const N: usize>(
+    transform: &impl Transform<N>,
+    tool: &SVector<f64, N>,
+    matrix: Option<SMatrix<f64, N, N>>,
+) -> Result<Jacobian, KinematicsError> {
+    let matrix = matrix.ok_or_else(|| transform.singular(tool))?;
+    let mut jacobian = Jacobian::zeros(N);
+    for (axis, column) in matrix.column_iter().enumerate() {
+        for (coordinate, value) in transform.coordinates().iter().zip(&column) {
+            jacobian.set(*coordinate, axis, *value);
+        }
+    }
+    Ok(jacobian)
+}
+
+fn jacobian_of<const N: usize>(
+    transform: &impl Transform<N>,
+    axes: &AxisVector,
+) -> Result<Jacobian, KinematicsError> {
+    let (tool, differential) = transform.at_axes(&values(axes)?)?;
+    spread_matrix(transform, &tool, differential.jacobian())
+}
+
+fn jacobian_rate_of<const N: usize>(
+    transform: &impl Transform<N>,
+    axes: &AxisVector,
+    velocity: &AxisVector,
+) -> Result<Jacobian, KinematicsError> {
+    let (tool, differential) = transform.at_axes(&values(axes)?)?;
+    spread_matrix(transform, &tool, differential.jacobian_rate(&values(velocity)?))
+}
+
+fn branch_at_of<const N: usize>(
+    transform: &impl Transform<N>,
+    axes: &AxisVector,
+) -> Result<Branch, KinematicsError> {
+    Ok(transform.branch_at(&values(axes)?))
+}
+
+fn margins_of<const N: usize>(
+    transform: &impl Transform<N>,
+    pose: &Pose,
+) -> Result<Margins, KinematicsError> {
+    Ok(transform.margins(&tool(transform.coordinates(), pose)?))
+}
+
+/// Implements [`Kinematics`] for transforms.
+macro_rules! implement {
+    ($($transform:ty: $axes:literal),* $(,)?) => {$(
+        impl Kinematics for $transform {
+            fn axis_count(&self) -> usize {
+                $axes
+            }
+
+            fn coordinates(&self) -> &[Coordinate] {
+                Transform::<$axes>::coordinates(self)
+            }
+
+            fn is_rotary(&self, axis: usize) -> bool {
+                self.rotary().get(axis).copied().unwrap_or_default()
+            }
+
+            fn forward(&self, axes: &AxisVector) -> Result<Pose, KinematicsError> {
+                forward_of(self, axes)
+            }
+
+            fn inverse(
+                &self,
+                pose: &Pose,
+                near: &AxisVector,
+            ) -> Result<AxisVector, KinematicsError> {
+                inverse_of(self, pose, near)
+            }
+
+            fn forward_motion(&self, axes: &AxisMotion) -> Result<ToolMotion, KinematicsError> {
+                forward_motion_of(self, axes)
+            }
+
+            fn inverse_motion(
+                &self,
+                tool: &ToolMotion,
+                near: &AxisVector,
+            ) -> Result<AxisMotion, KinematicsError> {
+                inverse_motion_of(self, tool, near)
+            }
+
+            fn forward_jerk(
+                &self,
+                axes: &AxisMotion,
+                jerk: &AxisVector,
+            ) -> Result<(ToolMotion, ToolJerk), KinematicsError> {
+                forward_jerk_of(self, axes, jerk)
+            }
+
+            fn inverse_jerk(
+                &self,
+                tool: &ToolMotion,
+                jerk: &ToolJerk,
+                near: &AxisVector,
+            ) -> Result<(AxisMotion, AxisVector), KinematicsError> {
+                inverse_jerk_of(self, tool, jerk, near)
+            }
+
+            fn jacobian(&self, axes: &AxisVector) -> Result<Jacobian, KinematicsError> {
+                jacobian_of(self, axes)
+            }
+
+            fn jacobian_rate(
+                &self,
+                axes: &AxisVector,
+                velocity: &AxisVector,
+            ) -> Result<Jacobian, KinematicsError> {
+                jacobian_rate_of(self, axes, velocity)
+            }
+
+            fn branch(&self) -> Branch {
+                Transform::<$axes>::branch(self)
+            }
+
+            fn branch_at(&self, axes: &AxisVector) -> Result<Branch, KinematicsError> {
+                branch_at_of(self, axes)
+            }
+
+            fn margins(&self, pose: &Pose) -> Result<Margins, KinematicsError> {
+                margins_of(self, pose)
+            }
+
+            fn characteristic_length(&self) -> f64 {
+                Transform::<$axes>::characteristic_length(self)
+            }
+
+            fn holding(self: Box<Self>, tip: &Vector3<f64>) -> Box<dyn Kinematics> {
+                Box::new(Transform::<$axes>::holding(*self, tip))
+            }
+        }
+    )*};
+}
+
+implement! {
+    crate::gantry::Gantry2: 2,
+    crate::gantry::Gantry3: 3,
+    crate::gantry::GantryCutter2: 3,
+    crate::gantry::GantryCutter3: 4,
+    crate::gantry::Gantry2Tool: 2,
+    crate::gantry::Gantry3Tool: 3,
+    crate::gantry::GantryH2: 2,
+    crate::scara::Scara2: 2,
+    crate::scara::Scara3: 3,
+    crate::tripod::Tripod: 3,
+    crate::tripod::CalibratedTripod: 3,
+}
