@@ -1,0 +1,118 @@
+//! The angle of a vector, without a call.
+//!
+//! The library's `atan2` is as exact as can be and takes most of the time of a SCARA's transform. This one is within three units in
+//! the last place of it and is a straight run of arithmetic that overlaps with what is around it.
+//!
+//! With a the smaller and b the larger of |x| and |y|, a/b is the tangent of an angle up to 45°, and
+//! (a − b)/(a + b) that of the angle less 45°, so one of the two lies within tan 22.5° of 0. There
+//! atan z = z + z³·P(z²) with the polynomial P of degree 10 that meets (atan z / z − 1)/z² at the eleven Chebyshev nodes
+//! of 0 ≤ z² ≤ tan² 22.5°; it is off by less than 5·10⁻¹⁸ of z.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+/// tan 22.5°.
+const STEEP: f64 = 0.414_213_562_373_095_03;
+/// What π/4 has beyond its 53 bits; π/2 and π have twice and four times that.
+const FRAC_PI_4_LOW: f64 = 3.061_616_997_868_383e-17;
+/// Beyond these a sum might overflow, or a quotient lose its digits.
+const ORDINARY: std::ops::Range<f64> = 1e-290..1e290;
+
+/// From the constant term up.
+const P: [f64; 11] = [
+    -0.333_333_333_333_333_3,
+    0.199_999_999_999_955_2,
+    -0.142_857_142_846_665_42,
+    0.111_111_110_152_563_61,
+    -0.090_909_045_781_239_03,
+    0.076_921_831_908_260_87,
+    -0.066_645_114_473_819_48,
+    0.058_581_489_128_022_1,
+    -0.050_854_497_379_402_6,
+    0.039_231_658_295_587_19,
+    -0.019_176_887_119_062_26,
+];
+
+/// The angle of (x, y) from +x, −π to π, as `y.atan2(x)` has it.
+#[inline]
+pub(crate) fn angle(y: f64, x: f64) -> f64 {
+    let (width, height) = (x.abs(), y.abs());
+    let upright = height > width;
+    let (small, large) = if upright { (width, height) } else { (height, width) };
+    if !ORDINARY.contains(&large) {
+        return y.atan2(x);
+    }
+    let steep = small > STEEP * large;
+    let (over, under) = if steep { (small - large, small + large) } else { (small, large) };
+    let z = over / under;
+    let t = z * z;
+    let (t2, t4) = (t * t, t * t * (t * t));
+    let pair = |low: f64, high: f64| low + high * t;
+    let [p0, p1, p2, p3, p4, p5, p6, p7, p8, p9, p10] = P;
+    let low = pair(p0, p1) + pair(p2, p3) * t2;
+    let middle = pair(p4, p5) + pair(p6, p7) * t2;
+    let high = pair(p8, p9) + p10 * t2;
+    let turn = z * t * (low + (middle + high * t4) * t4) + z;
+    let first = if steep { FRAC_PI_4 + (turn + FRAC_PI_4_LOW) } else { turn };
+    let quarter = if upright { FRAC_PI_2 - (first - 2.0 * FRAC_PI_4_LOW) } else { first };
+    let half = if x < 0.0 { PI - (quarter - 4.0 * FRAC_PI_4_LOW) } else { quarter };
+    half.copysign(y)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::angle;
+    use crate::tests::seeded;
+    use proptest::prelude::*;
+
+    fn agrees(y: f64, x: f64) {
+        let (found, expected) = (angle(y, x), y.atan2(x));
+        assert!(
+            (found - expected).abs() <= 3.0 * f64::EPSILON * expected.abs(),
+            "({x:e}, {y:e}): {found:e} {expected:e}"
+        );
+        assert_eq!(found.is_sign_negative(), expected.is_sign_negative(), "({x:e}, {y:e})");
+    }
+
+    #[test]
+    fn corners() {
+        let values = [
+            0.0,
+            1e-300,
+            1e-20,
+            1e-8,
+            0.414_213_562_373_095,
+            0.414_213_562_373_095_1,
+            0.5,
+            1.0,
+            1.0 + 1e-15,
+            2.0,
+            1e8,
+            1e300,
+            f64::MIN_POSITIVE,
+            f64::MAX,
+            f64::INFINITY,
+        ];
+        for (x, y) in values.iter().flat_map(|x| values.iter().map(move |y| (*x, *y))) {
+            for (x, y) in [(x, y), (-x, y), (x, -y), (-x, -y)] {
+                agrees(y, x);
+            }
+        }
+        assert!(angle(f64::NAN, 1.0).is_nan() && angle(1.0, f64::NAN).is_nan());
+    }
+
+    proptest! {
+        #![proptest_config(seeded())]
+
+        #[test]
+        fn it_is_the_librarys(turn in -3.2..3.2, size in -200.0..200.0) {
+            let (sin, cos) = f64::sin_cos(turn);
+            let size = 10_f64.powf(size);
+            agrees(sin * size, cos * size);
+        }
+
+        #[test]
+        fn of_any_numbers(y in any::<f64>(), x in any::<f64>()) {
+            agrees(y, x);
+        }
+    }
+}
