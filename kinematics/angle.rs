@@ -36,13 +36,15 @@ const P: [f64; 11] = [
 #[inline]
 pub(crate) fn angle(y: f64, x: f64) -> f64 {
     let (width, height) = (x.abs(), y.abs());
-    let upright = height > width;
-    let (small, large) = if upright { (width, height) } else { (height, width) };
-    if !ORDINARY.contains(&large) {
+    let (small, large) = (width.min(height), width.max(height));
+    // Also for what is not a number, which the minimum leaves out.
+    if !ORDINARY.contains(&(width + height)) {
         return y.atan2(x);
     }
-    let steep = small > STEEP * large;
-    let (over, under) = if steep { (small - large, small + large) } else { (small, large) };
+    // Poses come from everywhere: numbers that are 0 or 1 cost less than branches that nobody can foresee.
+    let [steep, upright, back] =
+        [small > STEEP * large, height > width, x < 0.0].map(|is| f64::from(u8::from(is)));
+    let (over, under) = (small - steep * large, large + steep * small);
     let z = over / under;
     let t = z * z;
     let (t2, t4) = (t * t, t * t * (t * t));
@@ -52,9 +54,10 @@ pub(crate) fn angle(y: f64, x: f64) -> f64 {
     let middle = pair(p4, p5) + pair(p6, p7) * t2;
     let high = pair(p8, p9) + p10 * t2;
     let turn = z * t * (low + (middle + high * t4) * t4) + z;
-    let first = if steep { FRAC_PI_4 + (turn + FRAC_PI_4_LOW) } else { turn };
-    let quarter = if upright { FRAC_PI_2 - (first - 2.0 * FRAC_PI_4_LOW) } else { first };
-    let half = if x < 0.0 { PI - (quarter - 4.0 * FRAC_PI_4_LOW) } else { quarter };
+    let first = steep * FRAC_PI_4 + (turn + steep * FRAC_PI_4_LOW);
+    let quarter =
+        upright * FRAC_PI_2 + ((1.0 - 2.0 * upright) * first + upright * (2.0 * FRAC_PI_4_LOW));
+    let half = back * PI + ((1.0 - 2.0 * back) * quarter + back * (4.0 * FRAC_PI_4_LOW));
     half.copysign(y)
 }
 

@@ -25,8 +25,9 @@ pub enum KinematicsError {
         /// Tool tip, machine frame, m.
         target: [f64; 3],
     },
-    /// The carriages of a tripod stand so far apart that its rods do not meet at the platform.
-    #[error("carriages at {:.3}, {:.3} and {:.3} mm are so far apart that the rods do not meet",
+    /// The carriages of a tripod stand so far apart that its rods do not meet at the platform, or only where some of them
+    /// would have to point up.
+    #[error("carriages at {:.3}, {:.3} and {:.3} mm are so far apart that no platform hangs on all rods",
         carriages[0] * 1e3, carriages[1] * 1e3, carriages[2] * 1e3)]
     Apart {
         /// Axis positions, m.
@@ -81,7 +82,7 @@ impl ReachOf {
             Self::Rod(carriage) => {
                 let carriage = ["A", "B", "C"].get(carriage).copied().unwrap_or("?");
                 format!(
-                    "is {distance:.6} mm beside carriage {carriage}, its rods reach {high:.6} mm"
+                    "needs the rods of carriage {carriage} to span {distance:.6} mm sideways, they are {high:.6} mm long"
                 )
             }
             Self::Platform => {
@@ -97,7 +98,8 @@ impl ReachOf {
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DimensionError {
     /// An arm without a length.
-    #[error("arm {} is {:.3} mm long; it must be longer than 0", arm + 1, length * 1e3)]
+    #[error("arm {} is {:.3} mm long; it must be longer than 0{}", arm + 1, length * 1e3,
+        if *arm == 2 { ", or 0" } else { "" })]
     ArmLength {
         /// Index of the arm, from 0.
         arm: usize,

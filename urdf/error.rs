@@ -41,8 +41,8 @@ pub enum DimensionError {
     },
     /// A rod of a tripod that is shorter than what it has to bridge.
     #[error(
-        "rod {} of {length} m is too short for its joints and the {reach} m between its ends as seen from above",
-        rod + 1
+        "rod {} of {:.3} mm is too short for its joints and the {:.3} mm between its ends as seen from above",
+        rod + 1, length * 1e3, reach * 1e3
     )]
     Rod {
         /// Which, from 0.

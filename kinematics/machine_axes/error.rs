@@ -31,8 +31,8 @@ pub enum MachineAxesError {
         /// The output, from 0.
         output: usize,
     },
-    /// A coordinate that the transform turns into positions of its own axes.
-    #[error("{coordinate} is assigned to an axis of its own, but the transform uses it")]
+    /// A coordinate that the transform turns into positions of its own axes, or one that no axis alone can move: the direction.
+    #[error("{coordinate} is assigned to an axis of its own, but only the transform can use it")]
     CoordinateOfTransform {
         /// The coordinate.
         coordinate: Coordinate,

@@ -71,7 +71,8 @@ impl MachineAxes {
                     return Err(MachineAxesError::CoordinateTwice { coordinate });
                 }
                 AxisSource::Coordinate(coordinate)
-                    if transform.coordinates().contains(&coordinate) =>
+                    if transform.coordinates().contains(&coordinate)
+                        || coordinate == Coordinate::Direction =>
                 {
                     return Err(MachineAxesError::CoordinateOfTransform { coordinate });
                 }

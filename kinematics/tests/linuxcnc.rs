@@ -145,7 +145,11 @@ fn lineardeltakins_is_a_tripod_with_carriage_a_at_y() {
                     let axes = tripod.inverse(&pose_at(&row.given), &AxisVector::zeros(3));
                     axes.map(|axes| mm(axes.iter().copied()))
                 };
-                assert_eq!(found.is_ok(), row.succeeded, "{:?}", row.given);
+                // Where rods would point up lineardeltakins answers all the same; we do not.
+                let points_up = series.forward
+                    && row.succeeded
+                    && row.given.iter().any(|carriage| row.found[2] > *carriage);
+                assert_eq!(found.is_ok(), row.succeeded && !points_up, "{:?}", row.given);
                 match found {
                     Ok(found) => comparison.compare(&found, &row.found),
                     Err(KinematicsError::Apart { .. }) if series.forward => comparison.refused += 1,
@@ -157,7 +161,7 @@ fn lineardeltakins_is_a_tripod_with_carriage_a_at_y() {
             }
         }
     }
-    comparison.finish("lineardeltakins", 3000, 100);
+    comparison.finish("lineardeltakins", 2500, 100);
 }
 
 /// D2 and D4 are the first two arms, D6 is a third one or, of any sign, a tool in front of the last axis; D5 is a tool

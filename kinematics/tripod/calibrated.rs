@@ -32,12 +32,16 @@ use crate::transform::{Parallel, Transform};
 use crate::{Branch, Coordinate, KinematicsError, Margins};
 use nalgebra::{Const, Isometry3, LU, Matrix6, Rotation3, Translation3, Vector3, Vector6};
 
+use std::f64::consts::TAU;
+
 /// Steps of Newton's method after which there is no solution. Far from singularities five do; at an edge of reach each one halves what is missing.
 const STEPS: usize = 64;
 /// How far off its length a rod may be in a solution, in parts of its length.
 const TOLERANCE: f64 = 32.0 * f64::EPSILON;
 /// By how much the level pairs of the closed form may miss, in parts of a squared length: the true rods may reach.
 const SLACK: f64 = 0.1;
+/// Directions in which the edge of the reach is looked for.
+const DIRECTIONS: u32 = 24;
 /// Pivots below this, in parts of the largest, mean that the rods do not hold the platform.
 const LOOSE: f64 = 1e-7;
 
@@ -225,6 +229,30 @@ impl CalibratedTripod {
         self.close(start, axes_given, |state, shift| state.tip += shift).or(Err(apart))
     }
 
+    /// The least way from a reachable place to one that is not, in any of [`DIRECTIONS`] horizontal directions.
+    fn edge(&self, tool: &Vector3<f64>) -> f64 {
+        let mut nearest = 2.0 * self.characteristic_length();
+        for number in 0..DIRECTIONS {
+            let (sin, cos) = (TAU * f64::from(number) / f64::from(DIRECTIONS)).sin_cos();
+            let reached =
+                |way: f64| self.hung_at(&(tool + Vector3::new(cos, sin, 0.0) * way)).is_ok();
+            if reached(nearest) {
+                continue;
+            }
+            let (mut inside, mut outside) = (0.0, nearest);
+            while outside - inside > 1e-9 * nearest.max(1e-3) {
+                let middle = f64::midpoint(inside, outside);
+                if reached(middle) {
+                    inside = middle;
+                } else {
+                    outside = middle;
+                }
+            }
+            nearest = inside;
+        }
+        nearest
+    }
+
     #[cold]
     fn unreachable(&self, tip: &Vector3<f64>, off: f64) -> KinematicsError {
         let target = (*tip).into();
@@ -403,24 +431,20 @@ impl Transform<3> for CalibratedTripod {
         Branch::PlatformBelow
     }
 
-    /// Of the rods where the platform really is; beyond reach, of level rod pairs.
+    /// The platform tilts, so its way may end before or after a rod is level: the edge is looked for, in
+    /// [`DIRECTIONS`] horizontal directions. Beyond reach, of level rod pairs.
     fn margins(&self, tool: &Vector3<f64>) -> Margins {
         let (mut centers, lengths) = self.pairs();
+        let left = centers.iter().zip(lengths);
+        let left = left.map(|(center, length)| length - (tool - center).xy().norm());
+        let level = left.fold(f64::INFINITY, f64::min);
         let Ok(state) = self.hung_at(tool) else {
-            let left = centers.iter().zip(lengths);
-            let left = left.map(|(center, length)| length - (tool - center).xy().norm());
-            return Margins { boundary: left.fold(0.0, f64::min), branch: 0.0 };
+            return Margins { boundary: level.min(0.0), branch: 0.0 };
         };
-        let spokes = self.spokes(&state);
-        let left = spokes.iter().zip(&self.rods);
-        let left = left.map(|(spoke, rod)| rod.length - spoke.s.xy().norm());
         for (center, height) in centers.iter_mut().zip(&state.heights) {
             center.z += height;
         }
-        Margins {
-            boundary: left.fold(f64::INFINITY, f64::min),
-            branch: plane_above(&centers, tool),
-        }
+        Margins { boundary: self.edge(tool), branch: plane_above(&centers, tool) }
     }
 
     fn characteristic_length(&self) -> f64 {

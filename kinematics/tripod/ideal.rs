@@ -268,9 +268,12 @@ impl Transform<3> for Tripod {
     }
 
     fn to_tool(&self, axes: &Vector3<f64>) -> Result<Vector3<f64>, KinematicsError> {
-        let lengths = [self.dimensions.rod_length; 3];
-        let platform = meet::below(&self.centers(axes), lengths);
-        let platform = platform.ok_or(KinematicsError::Apart { carriages: (*axes).into() })?;
+        let (centers, length) = (self.centers(axes), self.dimensions.rod_length);
+        // Rods that point up belong to another way of assembly. What is nearer to level than rounding is level.
+        let rounding = 1e-9 * length;
+        let platform = meet::below(&centers, [length; 3])
+            .filter(|platform| centers.iter().all(|center| platform.z <= center.z + rounding))
+            .ok_or(KinematicsError::Apart { carriages: (*axes).into() })?;
         Ok(platform + self.tool)
     }
 

@@ -55,3 +55,21 @@ fn a_hand_that_an_additional_axis_turns() {
     };
     assert!(range(&turned) > range(&still) + 0.5, "{} {}", range(&turned), range(&still));
 }
+
+/// A turn of 0.9° is within the angle tolerance: the path goes on, and the knife would have to turn by it in one cycle.
+#[test]
+fn a_knife_at_a_slight_turn() {
+    let (sin, cos) = 0.9_f64.to_radians().sin_cos();
+    let (x, y) = (100.0 + 100.0 * cos, 100.0 * sin);
+    let program = format!("% turn\nN10 G92 X0 Y0 Z20\nN20 G1 X100 F50\nN30 G1 X{x:.6} Y{y:.6}\n");
+    let outcome = outcome(CUTTER, &program);
+    let found: Vec<_> = outcome
+        .findings
+        .iter()
+        .filter(|finding| finding.axis.as_deref() == Some("R"))
+        .map(|finding| (finding.rule, finding.line, finding.value.unwrap()))
+        .collect();
+    let [(Rule::AxisAcceleration, 3, value)] = found[..] else { panic!("{:#?}", outcome.findings) };
+    // 0.9° in a thousandth of a second, from rest.
+    assert!((value - 0.9e6).abs() < 10.0, "{value}");
+}

@@ -10,7 +10,7 @@ mod tests;
 use crate::compare::Comparison;
 use crate::finding::{self, Finding, Rule};
 use crate::m_function::{Acknowledge, Acknowledgement};
-use crate::machine::Machine;
+use crate::machine::{DirectionRule, Machine};
 use crate::physics::PhysicsError;
 use crate::plant::Plant;
 use crate::program::{ProgramFile, ProgramItem};
@@ -19,7 +19,7 @@ use crate::setpoint::{AxisSetpoint, Transformer};
 use crate::simulated::Simulated;
 use findings::Findings;
 use std::io;
-use twin_kinematics::{AxisSource, AxisVector};
+use twin_kinematics::{AxisSource, AxisVector, Kinematics};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
 use twin_motion::path::EXTRA_AXES;
@@ -204,8 +204,10 @@ impl<'m> Checker<'m> {
         self.start.get_or_insert(setpoint.axes.position);
         let machine = self.machine;
         let cycle = seconds(machine.cycle_ns);
+        let with_path = matches!(machine.direction, DirectionRule::Path(..));
         for (index, (axis, peak)) in machine.axes.iter().zip(&mut self.peaks).enumerate() {
             let now = Instant::of(&setpoint, index);
+            let turns = with_path && machine.kinematics.is_rotary(index);
             let before = last.as_ref().map(|last| Instant::of(last, index));
             let mut report = |finding| self.findings.add(Some(index), finding);
             let [low, high] = peak.position.unwrap_or([now.position; 2]);
@@ -242,6 +244,19 @@ impl<'m> Checker<'m> {
                 if exceeds(stepped, axis.max_velocity) {
                     report(sentence::too_fast(axis, before.place, stepped));
                 }
+            }
+            // A tool that turns with the path turns at once where that has a corner too small to stop at. Neither velocity
+            // says so, only the position.
+            let explained = now.velocity.abs().max(before.velocity.abs());
+            let kink = (stepped.abs() - explained).max(0.0) / cycle;
+            if turns
+                && !told
+                && !at_rest
+                && !exceeds(stepped, axis.max_velocity)
+                && exceeds(kink, axis.max_acceleration)
+            {
+                peak.acceleration.include(kink, before.place);
+                report(sentence::too_hard(axis, before.place, kink));
             }
             let jerk = (now.acceleration - before.acceleration) / cycle;
             // An acceleration that comes up is of this block, one that ends of the one before.

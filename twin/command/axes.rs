@@ -2,7 +2,7 @@
 
 use super::options::MachineOption;
 use super::{Failure, Status};
-use crate::machine::{DirectionRule, Machine};
+use crate::machine::Machine;
 use crate::number::significant;
 use nalgebra::Point3;
 use std::io;
@@ -15,7 +15,7 @@ const DIGITS: usize = 12;
 ///
 /// A line that cannot be converted gives `error,REASON`; the exit status is then 1. Positions are those of the tool
 /// tip in the machine frame; without a z the tip is where it is with every linear axis at 0, without a direction the tool
-/// points where the machine file has it fixed, or along +x. Rotary axes go on from line to line: each answer is the one
+/// points as where programs start. Rotary axes go on from line to line: each answer is the one
 /// nearest to the line before; modulo axes show their position within their period.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
@@ -114,10 +114,7 @@ fn inverse(machine: &Machine, numbers: &[f64], near: &mut AxisVector) -> Result<
     };
     // Without a z the tool is where it is with every linear axis at 0.
     let z = z.map_or_else(|| machine.rest_height(), |z| z * 1e-3);
-    let direction = direction.unwrap_or(match machine.direction {
-        DirectionRule::Fixed(angle) => angle,
-        DirectionRule::Path(..) | DirectionRule::Additional(_) => 0.0,
-    });
+    let direction = direction.unwrap_or_else(|| machine.start_pose().direction);
     let pose = Pose { position: Point3::new(x * 1e-3, y * 1e-3, z), direction };
     let axes = machine.kinematics.inverse(&pose, near).map_err(|error| error.to_string())?;
     *near = axes;

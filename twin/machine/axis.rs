@@ -164,7 +164,8 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
     let period = section.number(&format!("period_{unit}"), 1e-3..=MOST);
     let limits = ["position_min", "position_max"].map(|name| format!("{name}_{unit}"));
     // A modulo axis may go round and round; one limit alone would be an oversight.
-    let limited = period.is_none() || limits.iter().any(|key| section.has(key));
+    let limited =
+        !section.has(&format!("period_{unit}")) || limits.iter().any(|key| section.has(key));
     let [position_min, position_max] = limits.map(|key| {
         if limited {
             section.required_number(&key, -MOST..=MOST)

@@ -13,8 +13,9 @@ pub enum DirectionRule {
     Path(ToPath, f64),
     /// It stays so, rad in the work frame.
     Fixed(f64),
-    /// The additional axis of this number, in degrees: P Q U V W are 0 to 4 (in RS274 A B C are P Q U).
-    Additional(u8),
+    /// The additional axis of this number, in degrees: P Q U V W are 0 to 4 (in RS274 A B C are P Q U), turned by so much
+    /// more, rad.
+    Additional(u8, f64),
 }
 
 #[derive(Clone, Copy)]
@@ -55,7 +56,7 @@ impl DirectionRule {
         match word {
             Word::Path(to_path) => Self::Path(to_path, angle),
             Word::Fixed => Self::Fixed(angle),
-            Word::Additional(number) => Self::Additional(number),
+            Word::Additional(number) => Self::Additional(number, angle),
         }
     }
 
@@ -67,11 +68,13 @@ impl DirectionRule {
                 [heading.along + to_path.offset() + angle, heading.rate, heading.acceleration]
             }
             Self::Fixed(angle) => [angle, 0.0, 0.0],
-            Self::Additional(number) => {
+            Self::Additional(number, angle) => {
                 let extra = &tool.extra;
-                [&extra.position, &extra.velocity, &extra.acceleration].map(|values| {
-                    values.get(usize::from(number)).copied().unwrap_or_default().to_radians()
-                })
+                let [direction, rate, acceleration] =
+                    [&extra.position, &extra.velocity, &extra.acceleration].map(|values| {
+                        values.get(usize::from(number)).copied().unwrap_or_default().to_radians()
+                    });
+                [direction + angle, rate, acceleration]
             }
         }
     }
@@ -80,15 +83,14 @@ impl DirectionRule {
     pub fn at_start(&self) -> f64 {
         match *self {
             Self::Path(to_path, angle) => to_path.offset() + angle,
-            Self::Fixed(angle) => angle,
-            Self::Additional(_) => 0.0,
+            Self::Fixed(angle) | Self::Additional(_, angle) => angle,
         }
     }
 
     /// The additional axis that turns the tool.
     pub const fn additional(&self) -> Option<u8> {
         match *self {
-            Self::Additional(number) => Some(number),
+            Self::Additional(number, _) => Some(number),
             Self::Path(..) | Self::Fixed(_) => None,
         }
     }

@@ -41,14 +41,16 @@ pub enum PhysicsError {
     },
     /// A joint that several axes move, or none: a belt between two motors, a rod between carriage and platform.
     #[error(
-        "joint {joint} has no axis of its own; machines with coupled axes are not simulated yet"
+        "joint {joint} is moved by several axes, as by an H belt, which is not simulated yet; `twin check` without `--physics` does the rest"
     )]
     CoupledJoint {
         /// The joint.
         joint: usize,
     },
     /// Links that go round in a circle.
-    #[error("{loops} loops of links; machines with closed loops are not simulated yet")]
+    #[error(
+        "its links make {loops} closed loops, as a tripod's rods do, which is not simulated yet; `twin check` without `--physics` does the rest"
+    )]
     ClosedLoops {
         /// How many.
         loops: usize,

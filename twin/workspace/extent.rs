@@ -144,24 +144,31 @@ impl<'s, 'm> Sweep<'s, 'm> {
         }
     }
 
-    /// From axis positions with the tool at `value` on, the farthest it gets on one side: axis by axis, with steps that
-    /// are halved where none leads farther.
+    /// From axis positions with the tool at `value` on, the farthest it gets on one side: all axes stay or step forth or
+    /// back, in every combination (along the edge between two branches no axis can move alone), with steps that are halved
+    /// where none leads farther.
     fn climb(&self, side: usize, mut value: f64, mut axes: AxisVector, count: u32) -> f64 {
         let mut part = 1.0 / f64::from(count.max(2) - 1);
         for _ in 0..STEPS {
             let mut farther = None;
-            for &index in &self.moving {
-                let Some([low, high]) = self.ranges.get(index).copied() else { continue };
-                for step in [part, -part].map(|part| part * (high - low)) {
-                    let mut moved = axes;
-                    if let Some(axis) = moved.get_mut(index) {
-                        *axis = (*axis + step).clamp(low, high);
+            for combination in 0..3_u32.saturating_pow(self.dimensions()) {
+                let mut moved = axes;
+                let mut rest = combination;
+                for &index in &self.moving {
+                    // 0, 1, 2: stay, forth, back.
+                    let step =
+                        [0.0, part, -part].get(rest as usize % 3).copied().unwrap_or_default();
+                    rest /= 3;
+                    if let Some((axis, [low, high])) =
+                        moved.get_mut(index).zip(self.ranges.get(index).copied())
+                    {
+                        *axis = (*axis + step * (high - low)).clamp(low, high);
                     }
-                    let reached = self.tool(&moved).map(|position| outward(side, &position));
-                    if let Some(reached) = reached.filter(|reached| *reached > value) {
-                        value = reached;
-                        farther = Some(moved);
-                    }
+                }
+                let reached = self.tool(&moved).map(|position| outward(side, &position));
+                if let Some(reached) = reached.filter(|reached| *reached > value) {
+                    value = reached;
+                    farther = Some(moved);
                 }
             }
             match farther {

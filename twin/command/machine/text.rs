@@ -3,6 +3,7 @@
 use super::Facts;
 use crate::command::show;
 use crate::machine::{Axis, Machine};
+use crate::number::significant;
 use crate::workspace::{Cut, Example, MeasureAt, Section};
 use comfy_table::{Cell, CellAlignment};
 use nalgebra::Point3;
@@ -36,7 +37,6 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     ]);
     for axis in &machine.axes {
         let unit = axis.unit();
-        let [low, high] = axis.position_limits.map(|limit| axis.from_si(limit));
         let drive = axis.drive.as_ref().and_then(|drive| {
             let device = machine.drives.get(drive.device)?;
             let letter = ["X", "Y", "Z", "A", "B"].get(drive.index)?;
@@ -49,7 +49,7 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
         let row = [
             axis.name.clone(),
             format!("{:?}", axis.kind).to_lowercase(),
-            format!("{low:.1} … {high:.1} {unit}"),
+            format!("{} {unit}", show::limits(axis)),
             format!("{:.1} {unit}/s", axis.from_si(axis.max_velocity)),
             format!("{:.1} {unit}/s²", axis.from_si(axis.max_acceleration)),
             axis.max_jerk
@@ -70,11 +70,20 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
             device.name, device.station, device.baud
         )?;
     }
-    let [x, y, z] = machine.conditions.start.map(|value| value * 1e3);
+    let [x, y, z] = machine.conditions.start.map(|value| significant(value * 1e3, 9));
     write!(out, "start of programs that do not say where: X{x} Y{y} Z{z}")?;
     match machine.start_axes() {
         Some(axes) => {
-            writeln!(out, " = {}", positions(machine, &axes))?;
+            write!(out, " = {}", positions(machine, &axes))?;
+            let beyond = machine.axes.iter().zip(axes.iter()).filter(|(axis, position)| {
+                let [low, high] = axis.position_limits;
+                !(low..=high).contains(*position)
+            });
+            let beyond: Vec<_> = beyond.map(|(axis, _)| axis.name.as_str()).collect();
+            if !beyond.is_empty() {
+                write!(out, ", beyond the limits of {}", beyond.join(", "))?;
+            }
+            writeln!(out)?;
         }
         None => {
             writeln!(out, ", which the machine cannot reach: such programs must begin with G92")?;
@@ -169,7 +178,7 @@ fn workspace(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
             let place = |at: MeasureAt| format!("{:.3} at {}", at.measure, point(&at.position));
             format!("from {} to {}", place(worst), place(best))
         };
-        writeln!(out, "singularity measure there: {values}")?;
+        writeln!(out, "singularity measure in the horizontal section: {values}")?;
         writeln!(
             out,
             "  smallest singular value of the Jacobian, with a radian counted as {length:.1} mm: how fast the tool goes in its\n  \

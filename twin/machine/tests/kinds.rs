@@ -156,7 +156,7 @@ fn directions_come_from_where_the_file_says() {
     let with =
         |line: &str| load(&edited(shipped("scara3"), "direction = \"fixed\" ", line)).direction;
     assert_eq!(with("direction = \"right\" "), DirectionRule::Path(ToPath::Right, 0.0));
-    assert_eq!(with("direction = \"U\" "), DirectionRule::Additional(2));
+    assert_eq!(with("direction = \"U\" "), DirectionRule::Additional(2, 0.0));
     let fixed = edited(shipped("scara3"), "direction_deg = 0.0", "direction_deg = 90.0");
     assert_eq!(load(&fixed).direction, DirectionRule::Fixed(90_f64.to_radians()));
     let [(place, message, _)] =

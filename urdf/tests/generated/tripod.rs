@@ -259,7 +259,7 @@ fn impossible_tripods_are_named() {
     };
     let short = refusal(|d| d.rods[3].length = 0.15);
     assert!(matches!(short, DimensionError::Rod { rod: 3, .. }), "{short}");
-    assert!(short.to_string().starts_with("rod 4 of 0.15 m is too short"), "{short}");
+    assert!(short.to_string().starts_with("rod 4 of 150.000 mm is too short"), "{short}");
     let all_on_one = refusal(|d| d.rods[3].carriage = 0);
     assert_eq!(all_on_one, DimensionError::RodsOfCarriages { carriages: [0, 0, 1, 0, 2, 2] });
     let beyond = refusal(|d| d.rods[0].carriage = 3);
