@@ -14,7 +14,7 @@ fn a_gantry_is_described() {
         "within the software limits: x -50.0 … 650.0, y -250.0 … 450.0, z -100.0 … 80.0 mm",
         "horizontal section at z -10 mm: 4900.0 cm², x -50.0 … 650.0, y -250.0 … 450.0 mm",
         "vertical section through x 0, y 0 mm at 0°: 1260.0 cm², along it -50.0 … 650.0",
-        "singularity measure there: 1.000 everywhere",
+        "singularity measure in the horizontal section: 1.000 everywhere",
         "the tool is at X300.0 Y100.0 Z-10.0 with X 300.000 mm, Y 100.000 mm, Z 30.000 mm",
         "400.0 mm/s (X at its 400.0 mm/s)",
         "200.0 mm/s (Z at its 200.0 mm/s)",

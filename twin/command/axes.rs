@@ -6,7 +6,7 @@ use crate::machine::Machine;
 use crate::number::significant;
 use nalgebra::Point3;
 use std::io;
-use twin_kinematics::{AxisVector, Kinematics, Pose};
+use twin_kinematics::{AxisVector, Coordinate, Kinematics, Pose};
 
 /// Digits of the answers.
 const DIGITS: usize = 12;
@@ -112,6 +112,11 @@ fn inverse(machine: &Machine, numbers: &[f64], near: &mut AxisVector) -> Result<
             ));
         }
     };
+    let turns = machine.kinematics.coordinates().contains(&Coordinate::Direction);
+    if let Some(direction) = direction.filter(|direction| *direction != 0.0 && !turns) {
+        let (degrees, kind) = (direction.to_degrees(), machine.kind);
+        return Err(format!("direction {degrees:.3} deg: a {kind} does not turn its tool"));
+    }
     // Without a z the tool is where it is with every linear axis at 0.
     let z = z.map_or_else(|| machine.rest_height(), |z| z * 1e-3);
     let direction = direction.unwrap_or_else(|| machine.start_pose().direction);
