@@ -2,7 +2,7 @@
 
 use super::space::Space;
 use nalgebra::{Point3, Vector3};
-use twin_kinematics::{AxisVector, Kinematics, KinematicsError, ToolMotion};
+use twin_kinematics::{AxisVector, Branch, Kinematics, KinematicsError, Margins, ToolMotion};
 
 /// The name of a turning tool's way.
 const DIRECTION: &str = "direction";
@@ -33,6 +33,10 @@ pub struct Example {
     pub position: Point3<f64>,
     /// Axis positions, m or rad.
     pub axes: AxisVector,
+    /// How far the edge of what the mechanism reaches is, and where solutions meet.
+    pub margins: Margins,
+    /// Which of the solutions it is.
+    pub branch: Branch,
     /// x, y and, where the machine has axes for them, z and the direction of the tool.
     pub ways: Vec<Way>,
 }
@@ -80,6 +84,7 @@ impl Example {
                 ways.push(Way { name, rates, fastest });
             }
         }
-        Ok(Self { position, axes, ways })
+        let (margins, branch) = (kinematics.margins(&pose)?, kinematics.branch_at(&axes)?);
+        Ok(Self { position, axes, margins, branch, ways })
     }
 }

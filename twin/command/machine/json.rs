@@ -109,7 +109,15 @@ fn worked(machine: &Machine, example: &Example) -> Value {
     });
     json!({
         "position_mm": point(&example.position),
+        "branch": example.branch.to_string(),
+        "to_edge_mm": finite(example.margins.boundary * 1e3),
+        "to_other_branch_mm": finite(example.margins.branch * 1e3),
         "axes": positions(machine, &example.axes),
         "ways": Value::Object(ways.collect::<Map<_, _>>()),
     })
+}
+
+/// JSON has no infinity: what is nowhere is null.
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
 }

@@ -8,7 +8,7 @@ use crate::workspace::{Cut, Example, MeasureAt, Section};
 use comfy_table::{Cell, CellAlignment};
 use nalgebra::Point3;
 use std::io::{self, Write};
-use twin_kinematics::{AxisVector, Kinematics, ReachOf};
+use twin_kinematics::{AxisVector, Branch, Kinematics, ReachOf};
 
 pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
     file(out, facts.machine)?;
@@ -215,12 +215,20 @@ const RATE: f64 = 1e-9;
 
 /// What the axes do at one pose.
 fn worked(out: &mut impl Write, machine: &Machine, example: &Example) -> io::Result<()> {
-    writeln!(
-        out,
-        "for example, the tool is at {} with {}; there",
-        point(&example.position),
-        positions(machine, &example.axes)
-    )?;
+    let at = point(&example.position);
+    writeln!(out, "for example, the tool is at {at} with {}", positions(machine, &example.axes))?;
+    if example.branch != Branch::Only {
+        write!(out, "  {}, {:.1} mm", example.branch, example.margins.boundary * 1e3)?;
+        write!(out, " from where its mechanism ends")?;
+        if example.margins.branch > example.margins.boundary {
+            write!(
+                out,
+                ", {:.1} mm from where it would lose its hold",
+                example.margins.branch * 1e3
+            )?;
+        }
+        writeln!(out)?;
+    }
     let mut table = show::table();
     let costs = |axis: &Axis| format!("costs {}", axis.name);
     let header = std::iter::once("the tool at".to_owned()).chain(machine.axes.iter().map(costs));
