@@ -8,6 +8,9 @@ use nalgebra::{Point3, Vector3};
 /// No probe repeats to a millionth of the workpiece it touches, so a shorter length says nothing about where it lies.
 const DEGENERATE: f64 = 1e-6;
 
+/// Points may lie on the wrong side of a face by this part of the distance between them: faces are not quite square.
+const UNEVEN: f64 = 1e-2;
+
 /// Points that do not say how a cuboid lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CuboidError {
@@ -25,6 +28,15 @@ pub enum CuboidError {
         /// A, B or C.
         face: char,
     },
+    /// Points of the other faces on both sides of one: no cuboid has them. One was touched elsewhere than it should have
+    /// been.
+    #[error(
+        "points of the other faces lie on both sides of face {face}: one of them was probed on another face than it says"
+    )]
+    BothSides {
+        /// A, B or C.
+        face: char,
+    },
     /// A coordinate of a point or of the corner, or a difference of two, is not a finite number.
     #[error("a coordinate of a probed point is not a finite number, or too large")]
     NotFinite,
@@ -36,7 +48,7 @@ impl CuboidError {
         match self {
             Self::Collinear => Some(1),
             Self::SameProjection => Some(2),
-            Self::NoSide { .. } | Self::NotFinite => None,
+            Self::NoSide { .. } | Self::BothSides { .. } | Self::NotFinite => None,
         }
     }
 }
@@ -127,7 +139,11 @@ impl Cuboid {
             if side.abs() <= DEGENERATE {
                 return Err(CuboidError::NoSide { face });
             }
-            Ok(edge * side.signum())
+            let outward = edge * side.signum();
+            if points.iter().any(|point| outward.dot(&(*point - corner)) < -UNEVEN) {
+                return Err(CuboidError::BothSides { face });
+            }
+            Ok(outward)
         };
         let placed = origin + corner * scale;
         if !placed.iter().all(|value| value.is_finite()) {

@@ -173,3 +173,14 @@ proptest! {
         prop_assert!(a.x > 0.0 && a.y * side > 0.0 && b.x > 0.0 && b.z < 0.0 && c.y * side > 0.0 && c.z < 0.0);
     }
 }
+
+/// C was touched between the points on A: the corner would be inside the work.
+#[test]
+fn points_on_both_sides_of_a_face() {
+    let point = |x: f64, y: f64, z: f64| Point3::new(x, y, z) * 1e-3;
+    let a = [point(310.0, 10.0, 0.0), point(390.0, 10.0, 0.0), point(310.0, 70.0, 0.0)];
+    let b = [point(310.0, 0.0, -5.0), point(390.0, 0.0, -5.0)];
+    assert!(Cuboid::from_points(a, b, point(300.0, 20.0, -5.0)).is_ok());
+    let error = Cuboid::from_points(a, b, point(350.0, 20.0, -5.0)).unwrap_err();
+    assert_eq!(error, CuboidError::BothSides { face: 'C' });
+}
