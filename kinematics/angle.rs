@@ -1,4 +1,4 @@
-//! The angle of a vector, without a call.
+//! Angles and their sines, without a call.
 //!
 //! The library's `atan2` is as exact as can be and takes most of the time of a SCARA's transform. This one is within three units in
 //! the last place of it and is a straight run of arithmetic that overlaps with what is around it.
@@ -8,7 +8,7 @@
 //! atan z = z + z³·P(z²) with the polynomial P of degree 10 that meets (atan z / z − 1)/z² at the eleven Chebyshev nodes
 //! of 0 ≤ z² ≤ tan² 22.5°; it is off by less than 5·10⁻¹⁸ of z.
 
-use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
 /// tan 22.5°.
 const STEEP: f64 = 0.414_213_562_373_095_03;
@@ -61,9 +61,66 @@ pub(crate) fn angle(y: f64, x: f64) -> f64 {
     half.copysign(y)
 }
 
+/// ∓1/n! for odd n from 3.
+const SINE: [f64; 8] = [
+    -1.0 / 6.0,
+    1.0 / 120.0,
+    -1.0 / 5_040.0,
+    1.0 / 362_880.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 1_307_674_368_000.0,
+    1.0 / 355_687_428_096_000.0,
+];
+/// ∓1/n! for even n from 2.
+const COSINE: [f64; 8] = [
+    -1.0 / 2.0,
+    1.0 / 24.0,
+    -1.0 / 720.0,
+    1.0 / 40_320.0,
+    -1.0 / 3_628_800.0,
+    1.0 / 479_001_600.0,
+    -1.0 / 87_178_291_200.0,
+    1.0 / 20_922_789_888_000.0,
+];
+
+/// Half of π in three parts; the first two have 33 bits, so that a multiple of them by less than 2²⁰ is exact.
+const HALF_TURNS: [f64; 3] =
+    [1.570_796_326_734_125_6, 6.077_100_506_303_966e-11, 2.022_266_248_795_950_6e-21];
+
+/// 1.5·2⁵².
+const ROUNDS: f64 = 6_755_399_441_055_744.0;
+
+/// Sine and cosine of an angle (rad), within 2⁻⁵¹: a quarter turn to the nearest of four directions, and the series from there.
+#[inline]
+pub(crate) fn sin_cos(angle: f64) -> (f64, f64) {
+    // Beyond a million quarter turns, and for what is not a number.
+    if angle.abs() > 1e6 || angle.is_nan() {
+        return angle.sin_cos();
+    }
+    // Numbers of this size have no places after the point, so adding it rounds; the last two bits are the quarter.
+    let shifted = angle * FRAC_2_PI + ROUNDS;
+    let (quarters, bits) = (shifted - ROUNDS, shifted.to_bits());
+    let [first, second, third] = HALF_TURNS;
+    let r = angle - quarters * first - quarters * second - quarters * third;
+    let t = r * r;
+    let (t2, t4) = (t * t, t * t * (t * t));
+    // 1/3!, 1/5! … and 1/2!, 1/4! … with their signs: |r| ≤ 45°, so what follows is below 10⁻¹⁷.
+    let [s3, s5, s7, s9, s11, s13, s15, s17] = SINE;
+    let sine = (s3 + s5 * t + (s7 + s9 * t) * t2) + (s11 + s13 * t + (s15 + s17 * t) * t2) * t4;
+    let sine = r + r * t * sine;
+    let [c2, c4, c6, c8, c10, c12, c14, c16] = COSINE;
+    let cosine = (c2 + c4 * t + (c6 + c8 * t) * t2) + (c10 + c12 * t + (c14 + c16 * t) * t2) * t4;
+    let cosine = 1.0 + t * cosine;
+    let [odd, down, back] = [bits & 1, (bits >> 1) & 1, (bits ^ (bits >> 1)) & 1]
+        .map(|bit| if bit == 1 { 1.0 } else { 0.0 });
+    let (up, along) = (sine + odd * (cosine - sine), cosine + odd * (sine - cosine));
+    (up * (1.0 - 2.0 * down), along * (1.0 - 2.0 * back))
+}
+
 #[cfg(test)]
 mod tests {
-    use super::angle;
+    use super::{angle, sin_cos};
     use crate::tests::seeded;
     use proptest::prelude::*;
 
@@ -100,6 +157,7 @@ mod tests {
                 agrees(y, x);
             }
         }
+        assert!(sin_cos(f64::NAN).0.is_nan() && sin_cos(f64::INFINITY).1.is_nan());
         assert!(angle(f64::NAN, 1.0).is_nan() && angle(1.0, f64::NAN).is_nan());
     }
 
@@ -111,6 +169,15 @@ mod tests {
             let (sin, cos) = f64::sin_cos(turn);
             let size = 10_f64.powf(size);
             agrees(sin * size, cos * size);
+        }
+
+        #[test]
+        fn sines_are_the_librarys(angle in prop_oneof![-7.0..7.0, -2e6..2e6], quarters in -9..9) {
+            for angle in [angle, f64::from(quarters) * std::f64::consts::FRAC_PI_2] {
+                let ((sin, cos), (expected_sin, expected_cos)) = (sin_cos(angle), angle.sin_cos());
+                prop_assert!((sin - expected_sin).abs() <= 2.0 * f64::EPSILON, "{angle}: {sin} {expected_sin}");
+                prop_assert!((cos - expected_cos).abs() <= 2.0 * f64::EPSILON, "{angle}: {cos} {expected_cos}");
+            }
         }
 
         #[test]
