@@ -229,7 +229,7 @@ impl CalibratedTripod {
         self.close(start, axes_given, |state, shift| state.tip += shift).or(Err(apart))
     }
 
-    /// The least way from a reachable place to one that is not, in any of [`DIRECTIONS`] horizontal directions.
+    /// The least way from a reachable place to one that is not, in any of the horizontal directions looked in.
     fn edge(&self, tool: &Vector3<f64>) -> f64 {
         let mut nearest = 2.0 * self.characteristic_length();
         for number in 0..DIRECTIONS {
@@ -432,7 +432,7 @@ impl Transform<3> for CalibratedTripod {
     }
 
     /// The platform tilts, so its way may end before or after a rod is level: the edge is looked for, in
-    /// [`DIRECTIONS`] horizontal directions. Beyond reach, of level rod pairs.
+    /// 24 horizontal directions. Beyond reach, of level rod pairs.
     fn margins(&self, tool: &Vector3<f64>) -> Margins {
         let (mut centers, lengths) = self.pairs();
         let left = centers.iter().zip(lengths);
