@@ -10,7 +10,6 @@
 //! [`Kinematics::forward`], `SMC_TRAFOV_x` (with velocities) is [`Kinematics::inverse_motion`]. [`Transform`] is the same
 //! for who knows the machine when compiling and needs speed.
 
-mod angle;
 mod axes;
 mod branch;
 mod coordinate;

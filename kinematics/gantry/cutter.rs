@@ -24,7 +24,6 @@
 //!   a⃛ = p⃛ − ((d⃛ − ḋ³)·E − 3·ḋ·d̈)·D·t
 //! ```
 
-use crate::angle::sin_cos;
 use crate::error::{DimensionError, all_finite};
 use crate::smooth::SmoothMap;
 use crate::transform::{Parallel, Transform};
@@ -99,7 +98,7 @@ impl<const N: usize> GantryCutter<N> {
     /// The flange, seen from the tip, for a direction given by its cosine and sine: −D·t.
     #[inline]
     fn flange_from_tip(&self, direction: f64) -> Vector2<f64> {
-        let (sin, cos) = sin_cos(direction);
+        let (sin, cos) = direction.sin_cos();
         let t = self.tool;
         Vector2::new(sin * t.y - cos * t.x, -sin * t.x - cos * t.y)
     }

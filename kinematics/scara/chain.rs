@@ -23,7 +23,6 @@
 //!   ν = ṗ·W/(U×W),  ω = −ṗ·U/(U×W),  U×W = L1·L2·sin β
 //! ```
 
-use crate::angle::angle;
 use nalgebra::Vector2;
 
 /// How far off an edge of the reach counts as rounding, in parts of L1 + L2: four units in the last place.
@@ -116,8 +115,8 @@ impl Bent {
     pub(super) fn angles(&self) -> [f64; 2] {
         let Self { x, y, m, k, .. } = *self;
         // The two zeros of a floating-point number must not turn an arm by half a turn.
-        let alpha = if self.alpha_is_free() { 0.0 } else { angle(y * m - x * k, x * m + y * k) };
-        [alpha, angle(k, self.cosine)]
+        let alpha = if self.alpha_is_free() { 0.0 } else { (y * m - x * k).atan2(x * m + y * k) };
+        [alpha, k.atan2(self.cosine)]
     }
 
     /// The end of the second arm is on the axis of the first.

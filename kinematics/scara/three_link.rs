@@ -25,7 +25,6 @@
 use super::ScaraView;
 use super::chain::{Bent, Pair, TwoArms, turned};
 use super::two_link::{Elbow, check_arms};
-use crate::angle::sin_cos;
 use crate::error::{DimensionError, ReachOf, all_finite};
 use crate::smooth::SmoothMap;
 use crate::transform::{Serial, Transform};
@@ -94,7 +93,7 @@ impl Scara3 {
     /// From the wrist to the tip with the last arm in the direction δ.
     #[inline]
     fn hand_at(&self, direction: f64) -> Vector2<f64> {
-        let (sin, cos) = sin_cos(direction);
+        let (sin, cos) = direction.sin_cos();
         let (x, y) = (self.hand.x, self.hand.y);
         Vector2::new(x * cos - y * sin, x * sin + y * cos)
     }
