@@ -261,8 +261,9 @@ fn close(machine: &CalibratedTripod, start: Vector3<f64>) -> Option<Vector3<f64>
         }
     }
     let close = start + outwards * (inside - 1e-6 * size);
-    // One rod of a pair may be level before the platform is at the end of its way, and the platform then tilts.
+    // One rod of a pair may be level before the platform is at the end of its way, and the platform then tilts: the
+    // last bit of that way is nearer to the edge than it is long.
+    let tilt = machine.platform(&machine.to_axes(&close).ok()?).ok()?.rotation.angle();
     // Where the two ways back meet, that way loses digits.
-    let margins = machine.margins(&close);
-    (margins.boundary > 1e-6 * size && margins.branch > 0.1 * size).then_some(close)
+    (tilt < 0.1 && machine.margins(&close).branch > 0.1 * size).then_some(close)
 }
