@@ -161,7 +161,7 @@ fn lineardeltakins_is_a_tripod_with_carriage_a_at_y() {
             }
         }
     }
-    comparison.finish("lineardeltakins", 2500, 100);
+    comparison.finish("lineardeltakins", 3000, 100);
 }
 
 /// D2 and D4 are the first two arms, D6 is a third one or, of any sign, a tool in front of the last axis; D5 is a tool

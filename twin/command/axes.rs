@@ -124,11 +124,12 @@ fn inverse(machine: &Machine, numbers: &[f64], near: &mut AxisVector) -> Result<
     let axes = machine.kinematics.inverse(&pose, near).map_err(|error| error.to_string())?;
     *near = axes;
     note_limits(machine, &axes);
+    let shown = machine.kinematics.fold(&axes);
     Ok(machine
         .axes
         .iter()
-        .zip(axes.iter())
-        .map(|(axis, position)| axis.from_si(axis.shown(*position)))
+        .zip(shown.iter())
+        .map(|(axis, position)| axis.from_si(*position))
         .collect())
 }
 

@@ -123,11 +123,6 @@ impl Axis {
         value * self.kind.scale()
     }
 
-    /// A position (m or rad) as the axis shows it: within its period, if it has one.
-    pub fn shown(&self, position: f64) -> f64 {
-        self.period.map_or(position, |period| twin_kinematics::turn::fold(position, period))
-    }
-
     /// Increments per m or rad; 0 without a drive.
     #[expect(clippy::cast_precision_loss, reason = "read from a file where it is at most 10^12")]
     pub fn increments_per_si(&self) -> f64 {
