@@ -24,6 +24,7 @@
 //! ```
 
 use nalgebra::Vector2;
+use wide::f64x2;
 
 /// How far off an edge of the reach counts as rounding, in parts of L1 + L2: four units in the last place.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -114,9 +115,11 @@ impl Bent {
     #[inline]
     pub(super) fn angles(&self) -> [f64; 2] {
         let Self { x, y, m, k, .. } = *self;
-        // The two zeros of a floating-point number must not turn an arm by half a turn.
-        let alpha = if self.alpha_is_free() { 0.0 } else { (y * m - x * k).atan2(x * m + y * k) };
-        [alpha, k.atan2(self.cosine)]
+        // Both at once, without branches to mispredict. Where one of the angles is free its lane is 0/0.
+        let opposite = f64x2::from([y * m - x * k, k]);
+        let adjacent = f64x2::from([x * m + y * k, self.cosine]);
+        let [alpha, beta] = opposite.atan2(adjacent).to_array();
+        [if self.alpha_is_free() { 0.0 } else { alpha }, beta]
     }
 
     /// The end of the second arm is on the axis of the first.
@@ -200,5 +203,38 @@ impl Pair {
         self.u * (-3.0 * nu * change[0])
             + self.w * (-3.0 * omega * change[1])
             + turned(self.u * (-nu * nu * nu) + self.w * (-omega * omega * omega))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::f64::consts::PI;
+
+    fn bent([x, y]: [f64; 2], k: f64, cosine: f64) -> Bent {
+        // m = 1 and no k in α's terms: α is the direction of (x, y).
+        Bent { x, y, r_squared: x * x + y * y, m: 1.0, k, cosine, at_edge: false }
+    }
+
+    #[test]
+    fn folded_arms_keep_the_side_of_their_zero() {
+        let angles = |k: f64| bent([1.0, 0.0], k, -1.0).angles();
+        assert!((angles(0.0)[1] - PI).abs() < 1e-15);
+        assert!((angles(-0.0)[1] + PI).abs() < 1e-15);
+    }
+
+    proptest! {
+        #[test]
+        fn angles_are_those_of_the_standard_library(
+            x in -2.0..2.0_f64, y in -2.0..2.0_f64, k in -2.0..2.0_f64, cosine in -2.0..2.0_f64,
+            scale in -12..12_i32,
+        ) {
+            let scale = 10f64.powi(scale);
+            let [alpha, _] = bent([x, y * scale], 0.0, 1.0).angles();
+            let [_, beta] = bent([1.0, 0.0], k, cosine * scale).angles();
+            prop_assert!((alpha - (y * scale).atan2(x)).abs() <= 1e-15);
+            prop_assert!((beta - k.atan2(cosine * scale)).abs() <= 1e-15);
+        }
     }
 }
