@@ -199,6 +199,20 @@ impl Grid {
         }
     }
 
+    /// Makes the limits of acceleration and of jerk in the newest cell tighter by these factors.
+    pub(super) fn tighten_last(&mut self, [acceleration, jerk]: [f64; 2]) {
+        let width = 2 * (self.limits.len() + self.extra);
+        for row in self.rows.iter_mut().rev().take(width) {
+            row.a *= acceleration;
+            row.b *= acceleration;
+        }
+        for row in self.jerks.iter_mut().rev().take(2 * self.limits.len()) {
+            row.first *= jerk;
+            row.second *= jerk;
+            row.third *= jerk;
+        }
+    }
+
     /// Bounds u̇² at a node as well.
     pub fn cap_at(&mut self, node: usize, cap: Cap) {
         if let Some(slot) = self.caps.get_mut(node) {
@@ -262,18 +276,6 @@ impl Grid {
     /// The disc of the tool tip at an end of a cell.
     pub(super) fn disc(&self, cell: usize, end: End) -> Option<&Disc> {
         self.discs.get(2 * cell + end as usize)?.as_ref()
-    }
-
-    /// Forgets the first `cells`.
-    pub(super) fn forget(&mut self, cells: usize) {
-        let cells = cells.min(self.cells());
-        let ends = 2 * cells;
-        self.u.drain(..cells);
-        self.caps.drain(..cells);
-        self.rows.drain(..(ends * (self.limits.len() + self.extra)).min(self.rows.len()));
-        self.jerks.drain(..(ends * self.limits.len()).min(self.jerks.len()));
-        self.discs.drain(..ends);
-        self.cell_caps.drain(..cells);
     }
 }
 

@@ -9,6 +9,9 @@ use super::grid::{End, Grid};
 use super::reachable;
 use std::ops::Range;
 
+/// Rows less active than this where every b is the largest it can be are left out at first.
+const SCREEN: f64 = 0.9;
+
 /// A profile with constant acceleration in every cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearProfile {
@@ -20,7 +23,6 @@ pub struct LinearProfile {
     pub rows: usize,
 }
 
-fn screen()->f64{std::env::var("SCREEN").map_or(0.6,|v|v.parse().unwrap())}
 /// Solves windows with limited acceleration; keeps its memory from one to the next.
 #[derive(Debug, Default)]
 pub struct LinearSolver {
@@ -83,12 +85,12 @@ impl LinearSolver {
                     let r = a * slope;
                     let (p, r) = match side { End::Start => (b - r, r), End::Finish => (-r, b + r) };
                     let (p, r) = (p * b0, r * b1);
-                    if p + r < screen() { return; }
+                    if p.max(0.0) + r.max(0.0) <= 1.0 { return; }
                     let mut right = 1.0;
-                    let mut entries = [(0, 0.0); 2];
+                    let mut entries = [(0, 0.0); 3];
                     match v0 { Some(v) => entries[0] = (v, p), None => right -= p }
                     match v1 { Some(v) => entries[1] = (v, r), None => right -= r }
-                    self.program.add_row(&entries, right);
+                    if p + r < SCREEN { self.program.add_spare(entries, right); } else { self.program.add_row(&entries, right); }
                 };
                 for row in axes {
                     add(row.a, row.b);
@@ -97,7 +99,7 @@ impl LinearSolver {
                 for row in further { add(row.a, row.b); }
             }
         }
-        let answer = self.program.solve(1e-7)?;
+        let answer = self.program.solve_all(1e-7)?;
         let mut b = guess.clone();
         for ((slot, x), scale) in b.iter_mut().skip(1).zip(&answer.x).zip(&scale) {
             *slot = (x * scale).max(0.0);

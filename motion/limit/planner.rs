@@ -19,6 +19,20 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use twin_kinematics::{AxisVector, KinematicsError};
 
+/// A cell takes no longer than this part of the time since the path rested, or until it will: there the velocity changes fast.
+const GRADE: f64 = 0.08;
+/// So many times the time in which acceleration builds up is left between what is committed and where the end of the window
+/// begins to be felt.
+const MARGIN: f64 = 4.0;
+/// Acceleration and jerk between the places where limits are asked for may be so much of the limit.
+const ALLOWED: [f64; 2] = [1.0005, 1.045];
+/// What was planned before is planned again with so much more room.
+const ROOM: [f64; 2] = [2e-4, 2e-3];
+/// Cells that take less time, s, are not looked into: they are over at once.
+const SHORT: f64 = 2e-5;
+/// Limits are tightened at most so often.
+const ROUNDS: u32 = 3;
+
 /// A part of an element and how it is gone through.
 #[derive(Clone, Debug)]
 pub struct Leg {
@@ -87,8 +101,10 @@ pub struct Planner<I, E, A> {
     jerk_limited: bool,
     /// What is known of the path and not committed.
     cells: Vec<Cell>,
-    /// So many of them were planned before and shall stay as they are.
-    kept: usize,
+    /// b at the nodes of those of them that were planned before and stay as they are.
+    kept: Vec<f64>,
+    /// What the last window had planned behind what was committed of it: to rest.
+    tail: Vec<Leg>,
     beginning: Beginning,
     /// What follows the cells, if they end at a stop.
     after: Option<After<E>>,
@@ -124,7 +140,8 @@ where
             options,
             jerk_limited,
             cells: Vec::new(),
-            kept: 0,
+            kept: Vec::new(),
+            tail: Vec::new(),
             beginning: Beginning::Rest,
             after: None,
             near,
@@ -232,10 +249,16 @@ where
             let count = self.cells.len();
             let mut refined = Vec::with_capacity(2 * count);
             let mut cut = false;
+            // Time since the path rested, and until it will.
+            let mut since = if self.beginning == Beginning::Rest { 0.0 } else { f64::INFINITY };
+            let mut left = if self.after.is_some() { duration } else { f64::INFINITY };
             for (index, cell) in std::mem::take(&mut self.cells).into_iter().enumerate() {
                 let pair = b.get(index..index + 2).unwrap_or_default();
                 let takes = time(pair, cell.length(), self.jerk_limited);
-                if index < self.kept || takes <= 1.6 * step {
+                let fine = step.min((GRADE * since.min(left)).max(0.25 * step));
+                since += takes;
+                left -= takes;
+                if index + 1 < self.kept.len() || takes <= 1.6 * fine {
                     refined.push(cell);
                     continue;
                 }
@@ -243,7 +266,7 @@ where
                     self.jerk_limited && index == 0 && self.beginning == Beginning::Rest,
                     self.jerk_limited && index + 1 == count,
                 ];
-                let at = cuts(pair, takes, step, rest);
+                let at = cuts(pair, takes, if rest.contains(&true) { step } else { fine }, rest);
                 cut |= !at.is_empty();
                 refined.extend(self.sampler.parts(cell, &at)?);
             }
@@ -264,31 +287,21 @@ where
                 break;
             }
             if let Err(error) = self.refine() {
-                let place = self.cells.first().map_or(Place::default(), |cell| cell.element.place());
-                self.cells.clear();
-                self.kept = 0;
-                self.beginning = Beginning::Rest;
+                let place = self.rest_instead();
                 self.ready.push_back(Err(LimitError::Kinematics { place, error }));
                 break;
             }
             let grid = grid(&self.sampler, &self.cells);
-            let end = if self.after.is_some() { self.cells.len() } else { self.safe(&grid) };
+            let (end, free) = self.safe(&grid);
             if end == 0 {
                 // All that is known is within braking distance.
                 horizon *= 2.0;
-                self.coarsen(0);
+                self.coarsen(self.kept.len().saturating_sub(1));
                 continue;
             }
-            let stretches = self.solve(&grid);
-            match stretches {
-                Ok(stretches) => self.commit(stretches, end, &grid),
-                Err(error) => {
-                    let place = self.cells.first().map_or(Place::default(), |cell| cell.element.place());
-                    self.cells.clear();
-                    self.kept = 0;
-                    self.beginning = Beginning::Rest;
-                    self.ready.push_back(Err(LimitError::NotSolved { place, error }));
-                }
+            match self.solve_verified() {
+                Ok(stretches) => self.commit(&stretches, end, free),
+                Err(error) => self.fall_back(error),
             }
             break;
         }
@@ -304,22 +317,104 @@ where
         }
     }
 
-    /// How many cells the makeshift end of the window has no influence on.
-    fn safe(&self, grid: &Grid) -> usize {
+    /// How many cells can be committed: those that the makeshift end of the window has no influence on; and how many it
+    /// lets go on as fast as they can.
+    fn safe(&self, grid: &Grid) -> (usize, usize) {
         let cells = 0..grid.cells();
+        if self.after.is_some() {
+            return (cells.end, cells.end);
+        }
         let stopping = reachable::controllable(grid, cells.clone(), 0.0);
         let free = reachable::controllable(grid, cells, f64::INFINITY);
-        let same = stopping.iter().zip(&free).take_while(|(s, f)| **s >= **f * (1.0 - 1e-9)).count();
+        let pairs = stopping.iter().zip(&free);
+        let free = pairs.take_while(|(s, f)| **s >= **f * (1.0 - 1e-9)).count().saturating_sub(1);
         // Jerk limits ask for braking earlier: by the time in which the acceleration comes and goes, and a margin.
         let limits = self.sampler.axes().limits().iter();
-        let mut left = limits.map(|limits| limits.jerk.map_or(0.0, |jerk| 4.0 * limits.acceleration / jerk)).fold(0.0, f64::max);
-        let mut end = same.saturating_sub(1);
+        let build_up = limits.filter_map(|limits| Some(limits.acceleration / limits.jerk?));
+        let mut left = MARGIN * build_up.fold(0.0, f64::max);
+        let mut end = free;
         let (b, _) = self.estimate(grid);
         while end > 0 && left > 0.0 {
             end -= 1;
             left -= time(b.get(end..end + 2).unwrap_or_default(), grid.length(end), false);
         }
-        end
+        (end, free)
+    }
+
+    /// Goes to rest as the last window had it, after a window that could not be planned.
+    fn fall_back(&mut self, error: NotSolved) {
+        let tail = std::mem::take(&mut self.tail);
+        let Some(last) = tail.last() else {
+            let place = self.rest_instead();
+            self.ready.push_back(Err(LimitError::NotSolved { place, error }));
+            return;
+        };
+        let (element, at) = (Arc::clone(&last.element), last.from + last.stretch.length());
+        self.ready.extend(tail.into_iter().map(|leg| Ok(Planned::Leg(leg))));
+        self.beginning = Beginning::Rest;
+        self.kept.clear();
+        let behind = self.cells.iter().position(|cell| Arc::ptr_eq(&cell.element, &element) && cell.to > at * (1.0 + 1e-12));
+        let behind = behind.or_else(|| {
+            let last = self.cells.iter().rposition(|cell| Arc::ptr_eq(&cell.element, &element));
+            last.map(|index| index + 1)
+        });
+        self.cells.drain(..behind.unwrap_or(0).min(self.cells.len()));
+        if let Some(first) = self.cells.first_mut()
+            && Arc::ptr_eq(&first.element, &element)
+        {
+            first.from = at;
+        }
+        self.coarsen(0);
+    }
+
+    /// Gives up the cells at hand and begins again from rest behind them; the place where they began.
+    fn rest_instead(&mut self) -> Place {
+        let place = self.cells.first().map_or(Place::default(), |cell| cell.element.place());
+        self.ready.extend(std::mem::take(&mut self.tail).into_iter().map(|leg| Ok(Planned::Leg(leg))));
+        self.cells.clear();
+        self.kept.clear();
+        self.beginning = Beginning::Rest;
+        place
+    }
+
+    /// Solves, looks between the places where limits were asked for, and makes them tighter where they are exceeded.
+    fn solve_verified(&mut self) -> Result<Vec<Stretch>, NotSolved> {
+        let mut rounds = 0;
+        loop {
+            let grid = grid(&self.sampler, &self.cells);
+            let stretches = self.solve(&grid)?;
+            rounds += 1;
+            if std::env::var("DBG").is_ok(){ let mut w=[0.0f64;2]; let mut at=[0;2]; for (i,(c,s)) in self.cells.iter().zip(&stretches).enumerate(){ let smp=self.sampler.sample(&c.element,c.from+0.5*c.length(),&c.start.position).unwrap(); let e=smp.excess(self.sampler.axes().limits(),s,0.5*c.length()); for k in 0..2{ if e[k]>w[k]{w[k]=e[k];at[k]=i;} } } let mb=stretches.iter().skip(1).take(stretches.len()-2).map(|s|s.at_position(0.0).0).fold(f64::MAX,f64::min); let c=&self.cells[at[1]]; eprintln!("round {rounds} worst {w:?} at {at:?} of {} tight {:?} min b {mb:e} line {:?} dur {:e} head {:?} tail {:?} len {} from {} to {}",self.cells.len(),c.tight,c.element.place().line,stretches[at[1]].duration(),c.element.head().map(|h|h.half_width()),c.element.tail().map(|h|h.half_width()),c.element.length(),c.from,c.to); }
+            if rounds > ROUNDS || !self.tighten(&stretches) {
+                return Ok(stretches);
+            }
+        }
+    }
+
+    /// Makes limits tighter in cells where they are exceeded; true if there are any.
+    fn tighten(&mut self, stretches: &[Stretch]) -> bool {
+        let limits = self.sampler.axes().limits();
+        let fresh = self.kept.len().saturating_sub(1);
+        let mut any = false;
+        for (cell, stretch) in self.cells.iter_mut().zip(stretches).skip(fresh) {
+            if stretch.duration() < SHORT {
+                continue;
+            }
+            let mut worst = [0.0_f64; 2];
+            for part in [0.25, 0.5, 0.75] {
+                let u = part * cell.length();
+                let Ok(sample) = self.sampler.sample(&cell.element, cell.from + u, &cell.start.position) else { continue };
+                let excess = sample.excess(limits, stretch, u);
+                worst = [worst[0].max(excess[0]), worst[1].max(excess[1])];
+            }
+            for ((tight, worst), allowed) in cell.tight.iter_mut().zip(worst).zip(ALLOWED) {
+                if worst > allowed {
+                    *tight *= (worst / (1.0 + 0.5 * (allowed - 1.0))).min(2.0);
+                    any = true;
+                }
+            }
+        }
+        any
     }
 
     /// How each cell is gone through.
@@ -351,8 +446,12 @@ where
                 })
                 .collect());
         }
-        let (guess, _) = self.estimate(grid);
+        let (mut guess, _) = self.estimate(grid);
+        for (guess, kept) in guess.iter_mut().zip(&self.kept) {
+            *guess = *kept;
+        }
         let profile = self.smooth.solve(grid, cells.clone(), self.beginning, &guess, self.options.solves);
+        if std::env::var("DBG").is_ok() && let Err(e)=&profile { let n=guess.len(); let mn=guess[1..n-1].iter().cloned().fold(f64::MAX,f64::min); let ml=cells.clone().map(|c|grid.length(c)).fold(f64::MAX,f64::min); eprintln!("{e}: n {n} beginning {:?} kept {} min guess {mn:e} at {:?} minlen {ml:e} g0..{:?} caps {:?} nan {}",self.beginning,self.kept.len(),guess.iter().position(|g|*g==mn),&guess[..3],&grid.caps()[..3],guess.iter().any(|x|x.is_nan())); }
         let profile = profile.inspect_err(|_| self.effort.failed += 1)?;
         self.effort.iterations += u64::from(profile.iterations);
         let count = cells.len();
@@ -369,34 +468,40 @@ where
             .collect())
     }
 
-    /// Hands out the first `end` cells and prepares the rest for the next window.
-    fn commit(&mut self, stretches: Vec<Stretch>, end: usize, grid: &Grid) {
-        let _ = grid;
-        let mut last = None;
-        for (cell, stretch) in self.cells.iter().zip(stretches).take(end) {
-            last = Some(stretch);
-            let leg = Leg { element: Arc::clone(&cell.element), from: cell.from, stretch };
-            self.ready.push_back(Ok(Planned::Leg(leg)));
-        }
-        self.effort.committed += end as u64;
-        if end == self.cells.len() {
+    /// Hands out the first `end` cells, keeps those up to `free` and prepares the rest for the next window.
+    fn commit(&mut self, stretches: &[Stretch], end: usize, free: usize) {
+        let legs = self.cells.iter().zip(stretches).map(|(cell, stretch)| Leg {
+            element: Arc::clone(&cell.element),
+            from: cell.from,
+            stretch: *stretch,
+        });
+        let mut legs: Vec<Leg> = legs.collect();
+        self.tail = legs.split_off(end.min(legs.len()));
+        self.effort.committed += legs.len() as u64;
+        let last = legs.last().map(|leg| leg.stretch);
+        self.ready.extend(legs.into_iter().map(|leg| Ok(Planned::Leg(leg))));
+        self.kept.clear();
+        let Some(last) = last.filter(|_| end < self.cells.len()) else {
             self.cells.clear();
             self.beginning = Beginning::Rest;
-            self.kept = 0;
             return;
-        }
-        if let Some(stretch) = last {
-            let (b, a) = stretch.at_position(stretch.length());
-            self.beginning = if self.jerk_limited { Beginning::Moving { b, a } } else { Beginning::Moving { b, a: 0.0 } };
-        }
+        };
+        let (b, a) = last.at_position(last.length());
+        self.beginning = Beginning::Moving { b, a };
+        self.kept.push(b);
+        let kept = self.tail.iter().take(free - end);
+        self.kept.extend(kept.map(|leg| leg.stretch.at_position(leg.stretch.length()).0));
         self.cells.drain(..end);
-        self.coarsen(0);
+        for cell in self.cells.iter_mut().take(free - end) {
+            // The plan so far shall not be the only one.
+            cell.tight = [cell.tight[0] / (1.0 + ROOM[0]), cell.tight[1] / (1.0 + ROOM[1])];
+        }
+        self.coarsen(free - end);
     }
 
     /// Makes the cells from `index` on as coarse as they came.
     fn coarsen(&mut self, index: usize) {
         let fine = self.cells.split_off(index.min(self.cells.len()));
-        self.kept = self.cells.len();
         let mut near = fine.first().map_or(self.near, |cell| cell.start.position);
         let mut elements: Vec<(Arc<CourseElement>, f64)> = Vec::new();
         for cell in &fine {

@@ -2,8 +2,9 @@
 
 use super::axis_path::{AxisPath, AxisPoint};
 use super::course::CourseElement;
-use super::grid::{Cap, CapSource, CellEnd, Disc, Grid, Rates, Row};
+use super::grid::{AxisLimits, Cap, CapSource, CellEnd, Disc, Grid, Rates, Row};
 use super::options::LimitOptions;
+use super::stretch::Stretch;
 use nalgebra::Vector3;
 use std::sync::Arc;
 use twin_kinematics::{AxisVector, KinematicsError};
@@ -13,6 +14,8 @@ const LEAST: u32 = 2;
 const LEAST_OF_BLEND: u32 = 3;
 /// Rates half-way through a cell may differ from the mean of those at its ends by this part of the largest.
 const SMOOTH: [f64; 2] = [0.02, 0.1];
+/// Between two blends there is nothing if it is shorter than this part of them.
+const SLIVER: f64 = 0.05;
 /// A cell is halved at most so often for that.
 const DEPTH: u32 = 10;
 /// Derivatives are those inside the cell: taken this part of its length from its ends.
@@ -31,6 +34,27 @@ pub(super) struct Sample {
     disc: Option<Disc>,
 }
 
+impl Sample {
+    /// The largest acceleration and jerk of any axis here, where the motion is that of `stretch` at `u`, each as a part of the
+    /// limit.
+    pub(super) fn excess(&self, limits: &[AxisLimits], stretch: &Stretch, u: f64) -> [f64; 2] {
+        let (b, a) = stretch.at_position(u);
+        let (v, jerk) = (b.sqrt(), stretch.jerk_at(u));
+        let Rates { first, second, third } = &self.rates;
+        let axes = first.iter().zip(second.iter()).zip(third.iter()).zip(limits);
+        let mut worst = [0.0_f64; 2];
+        for (((d1, d2), d3), limits) in axes {
+            let acceleration = d1 * a + d2 * b;
+            worst[0] = worst[0].max(acceleration.abs() / limits.acceleration);
+            if let Some(limit) = limits.jerk {
+                let jerk = d1 * jerk + 3.0 * d2 * a * v + d3 * b * v;
+                worst[1] = worst[1].max(jerk.abs() / limit);
+            }
+        }
+        worst
+    }
+}
+
 /// A part of an element.
 #[derive(Clone, Debug)]
 pub(super) struct Cell {
@@ -41,6 +65,9 @@ pub(super) struct Cell {
     pub(super) end: Sample,
     /// What bounds u̇² at its end: a joint that is not rounded.
     pub(super) joint: Cap,
+    /// By how much acceleration and jerk are limited more tightly than they are, because between the places where limits
+    /// are asked for they were exceeded.
+    pub(super) tight: [f64; 2],
 }
 
 impl Cell {
@@ -77,7 +104,9 @@ impl<A: AxisPath> Sampler<A> {
         let tail = element.length() - element.tail().map_or(0.0, |blend| blend.half_width());
         let mut near = *near;
         let mut last = from;
-        for to in element.breaks().filter(|at| *at > from) {
+        // What is left between two blends that nearly meet is not worth a cell.
+        let sliver = tail - head < SLIVER * head.min(element.length() - tail);
+        for to in element.breaks().filter(|at| *at > from && !(sliver && *at == tail)) {
             let middle = last.midpoint(to);
             let least = if middle < head || middle > tail { LEAST_OF_BLEND } else { LEAST };
             let step = (to - last) / f64::from(least);
@@ -89,7 +118,8 @@ impl<A: AxisPath> Sampler<A> {
                 near = finish.position;
                 let joint = Cap::NONE;
                 let element = Arc::clone(element);
-                let cell = Cell { element, from: begin, to: end, start, end: finish, joint };
+                let cell =
+                    Cell { element, from: begin, to: end, start, end: finish, joint, tight: [1.0; 2] };
                 self.halve(cell, DEPTH, cells)?;
             }
             last = to;
@@ -214,6 +244,7 @@ pub(super) fn grid<A: AxisPath>(sampler: &Sampler<A>, cells: &[Cell]) -> Grid {
         });
         grid.push(cell.length(), &start, &end);
         grid.cap_last(cell.joint);
+        grid.tighten_last(cell.tight);
     }
     grid
 }
