@@ -24,14 +24,15 @@ const GRADE: f64 = 0.08;
 /// So many times the time in which acceleration builds up is left between what is committed and where the end of the window
 /// begins to be felt.
 const MARGIN: f64 = 4.0;
-/// Acceleration and jerk between the places where limits are asked for may be so much of the limit.
-const ALLOWED: [f64; 2] = [1.0005, 1.045];
+/// Acceleration and jerk between the places where limits are asked for may be so much of the limit; a cell in which they are
+/// more than the second number is too long.
+const ALLOWED: [[f64; 2]; 2] = [[1.0005, 1.01], [1.045, 1.2]];
 /// What was planned before is planned again with so much more room.
 const ROOM: [f64; 2] = [2e-4, 2e-3];
 /// Cells that take less time, s, are not looked into: they are over at once.
 const SHORT: f64 = 2e-5;
 /// Limits are tightened at most so often.
-const ROUNDS: u32 = 3;
+const ROUNDS: u32 = 5;
 
 /// A part of an element and how it is gone through.
 #[derive(Clone, Debug)]
@@ -292,15 +293,14 @@ where
                 break;
             }
             let grid = grid(&self.sampler, &self.cells);
-            let (end, free) = self.safe(&grid);
-            if end == 0 {
+            if self.safe(&grid).0 == 0 {
                 // All that is known is within braking distance.
                 horizon *= 2.0;
                 self.coarsen(self.kept.len().saturating_sub(1));
                 continue;
             }
             match self.solve_verified() {
-                Ok(stretches) => self.commit(&stretches, end, free),
+                Ok(stretches) => self.commit(&stretches),
                 Err(error) => self.fall_back(error),
             }
             break;
@@ -377,48 +377,84 @@ where
         place
     }
 
-    /// Solves, looks between the places where limits were asked for, and makes them tighter where they are exceeded.
+    /// Solves, looks between the places where limits were asked for, and makes them tighter, or the cells shorter, where they
+    /// are exceeded.
     fn solve_verified(&mut self) -> Result<Vec<Stretch>, NotSolved> {
-        let mut rounds = 0;
-        loop {
-            let grid = grid(&self.sampler, &self.cells);
-            let stretches = self.solve(&grid)?;
-            rounds += 1;
-            if std::env::var("DBG").is_ok(){ let mut w=[0.0f64;2]; let mut at=[0;2]; for (i,(c,s)) in self.cells.iter().zip(&stretches).enumerate(){ let smp=self.sampler.sample(&c.element,c.from+0.5*c.length(),&c.start.position).unwrap(); let e=smp.excess(self.sampler.axes().limits(),s,0.5*c.length()); for k in 0..2{ if e[k]>w[k]{w[k]=e[k];at[k]=i;} } } let mb=stretches.iter().skip(1).take(stretches.len()-2).map(|s|s.at_position(0.0).0).fold(f64::MAX,f64::min); let c=&self.cells[at[1]]; eprintln!("round {rounds} worst {w:?} at {at:?} of {} tight {:?} min b {mb:e} line {:?} dur {:e} head {:?} tail {:?} len {} from {} to {}",self.cells.len(),c.tight,c.element.place().line,stretches[at[1]].duration(),c.element.head().map(|h|h.half_width()),c.element.tail().map(|h|h.half_width()),c.element.length(),c.from,c.to); }
-            if rounds > ROUNDS || !self.tighten(&stretches) {
-                return Ok(stretches);
-            }
+        let mut stretches = self.solve(None)?;
+        for _ in 0..ROUNDS {
+            let Some(warm) = self.tighten(&stretches) else { break };
+            stretches = self.solve(Some(warm))?;
         }
+        Ok(stretches)
     }
 
-    /// Makes limits tighter in cells where they are exceeded; true if there are any.
-    fn tighten(&mut self, stretches: &[Stretch]) -> bool {
-        let limits = self.sampler.axes().limits();
+    /// Makes limits tighter in cells where they are exceeded, and cuts them in half where they are exceeded by much. The
+    /// profile so far at the nodes, if there are any such cells.
+    fn tighten(&mut self, stretches: &[Stretch]) -> Option<Vec<f64>> {
         let fresh = self.kept.len().saturating_sub(1);
+        let mut cells = Vec::with_capacity(self.cells.len());
+        let start = stretches.first().map_or(0.0, |stretch| stretch.at_position(0.0).0);
+        let mut profile = vec![start];
         let mut any = false;
-        for (cell, stretch) in self.cells.iter_mut().zip(stretches).skip(fresh) {
-            if stretch.duration() < SHORT {
-                continue;
-            }
-            let mut worst = [0.0_f64; 2];
-            for part in [0.25, 0.5, 0.75] {
-                let u = part * cell.length();
-                let Ok(sample) = self.sampler.sample(&cell.element, cell.from + u, &cell.start.position) else { continue };
-                let excess = sample.excess(limits, stretch, u);
-                worst = [worst[0].max(excess[0]), worst[1].max(excess[1])];
-            }
-            for ((tight, worst), allowed) in cell.tight.iter_mut().zip(worst).zip(ALLOWED) {
+        let known = std::mem::take(&mut self.cells);
+        let last = known.len().saturating_sub(1);
+        for (index, (mut cell, stretch)) in known.into_iter().zip(stretches).enumerate() {
+            let worst = if index < fresh { [0.0; 2] } else { self.worst(&cell, stretch) };
+            let mut halve = false;
+            for ((tight, worst), [allowed, far]) in cell.tight.iter_mut().zip(worst).zip(ALLOWED) {
                 if worst > allowed {
                     *tight *= (worst / (1.0 + 0.5 * (allowed - 1.0))).min(2.0);
+                    halve |= worst > far;
                     any = true;
                 }
             }
+            let rest = self.jerk_limited && (index == 0 || index == last);
+            if halve && !rest && stretch.duration() > 4.0 * SHORT {
+                cell.tight = [1.0; 2];
+                if let Ok(parts) = self.sampler.parts(cell.clone(), &[0.5]) {
+                    profile.push(stretch.at_position(0.5 * stretch.length()).0);
+                    cells.extend(parts);
+                } else {
+                    cells.push(cell);
+                }
+            } else {
+                cells.push(cell);
+            }
+            profile.push(stretch.at_position(stretch.length()).0);
         }
-        any
+        self.cells = cells;
+        any.then_some(profile)
     }
 
-    /// How each cell is gone through.
-    fn solve(&mut self, grid: &Grid) -> Result<Vec<Stretch>, NotSolved> {
+    /// The largest acceleration and jerk in a cell as parts of the limits.
+    fn worst(&self, cell: &Cell, stretch: &Stretch) -> [f64; 2] {
+        let mut worst = [0.0_f64; 2];
+        if stretch.duration() < SHORT {
+            return worst;
+        }
+        let limits = self.sampler.axes().limits();
+        for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
+            let u = part * cell.length();
+            let sample = match part {
+                0.0 => cell.start,
+                1.0 => cell.end,
+                _ => {
+                    let s = cell.from + u;
+                    let Ok(sample) = self.sampler.sample(&cell.element, s, &cell.start.position) else {
+                        continue;
+                    };
+                    sample
+                }
+            };
+            let excess = sample.excess(limits, stretch, u);
+            worst = [worst[0].max(excess[0]), worst[1].max(excess[1])];
+        }
+        worst
+    }
+
+    /// How each cell is gone through; `warm`: a profile of b at the nodes that is nearly right.
+    fn solve(&mut self, warm: Option<Vec<f64>>) -> Result<Vec<Stretch>, NotSolved> {
+        let grid = &grid(&self.sampler, &self.cells);
         let cells = 0..grid.cells();
         self.effort.windows += 1;
         self.effort.cells += cells.len() as u64;
@@ -446,12 +482,15 @@ where
                 })
                 .collect());
         }
-        let (mut guess, _) = self.estimate(grid);
-        for (guess, kept) in guess.iter_mut().zip(&self.kept) {
-            *guess = *kept;
-        }
-        let profile = self.smooth.solve(grid, cells.clone(), self.beginning, &guess, self.options.solves);
-        if std::env::var("DBG").is_ok() && let Err(e)=&profile { let n=guess.len(); let mn=guess[1..n-1].iter().cloned().fold(f64::MAX,f64::min); let ml=cells.clone().map(|c|grid.length(c)).fold(f64::MAX,f64::min); eprintln!("{e}: n {n} beginning {:?} kept {} min guess {mn:e} at {:?} minlen {ml:e} g0..{:?} caps {:?} nan {}",self.beginning,self.kept.len(),guess.iter().position(|g|*g==mn),&guess[..3],&grid.caps()[..3],guess.iter().any(|x|x.is_nan())); }
+        let solves = if warm.is_some() { 1 } else { self.options.solves };
+        let guess = warm.unwrap_or_else(|| {
+            let mut guess = self.estimate(grid).0;
+            for (guess, kept) in guess.iter_mut().zip(&self.kept) {
+                *guess = *kept;
+            }
+            guess
+        });
+        let profile = self.smooth.solve(grid, cells.clone(), self.beginning, &guess, solves);
         let profile = profile.inspect_err(|_| self.effort.failed += 1)?;
         self.effort.iterations += u64::from(profile.iterations);
         let count = cells.len();
@@ -469,7 +508,8 @@ where
     }
 
     /// Hands out the first `end` cells, keeps those up to `free` and prepares the rest for the next window.
-    fn commit(&mut self, stretches: &[Stretch], end: usize, free: usize) {
+    fn commit(&mut self, stretches: &[Stretch]) {
+        let (end, free) = self.safe(&grid(&self.sampler, &self.cells));
         let legs = self.cells.iter().zip(stretches).map(|(cell, stretch)| Leg {
             element: Arc::clone(&cell.element),
             from: cell.from,
