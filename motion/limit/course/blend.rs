@@ -2,7 +2,7 @@
 
 use super::CoursePoint;
 use crate::path::ExtraPoint;
-use nalgebra::{Point3, SVector, Vector3};
+use nalgebra::{Point3, SVector};
 
 /// What the course does about a joint: a quintic in each coordinate and extra axis over the last
 /// [`Self::half_width`] metres of one element and as many of the next. At both ends it has the position and the first
