@@ -59,7 +59,7 @@ pub(super) fn widest(
 ) -> Result<Blend, NoBlend> {
     let most = SHARE * from.path_length().min(to.path_length());
     let least = NARROWEST.max(DIGITS * steps.blur);
-    if !(most >= least) {
+    if most < least {
         return Err(NoBlend::TooShort);
     }
     let expected = [
@@ -106,11 +106,12 @@ pub(super) fn widest(
         let patient = good.is_some() || fits || count < PATIENCE;
         let wanted = half_width * if known && patient { by } else { by.clamp(0.1, 0.5) };
         let widest_good = good.as_ref().map_or(least, |(width, _)| *width);
-        let wanted = wanted.min(16.0 * half_width).min(most).max(widest_good);
-        half_width = if wanted < too_wide && (wanted > widest_good || good.is_none()) {
-            wanted
+        // Between a width that will do and one that is too wide, some way from both: the bounds close in.
+        let between = |part: f64| widest_good * (too_wide / widest_good).powf(part);
+        half_width = if good.is_some() && too_wide.is_finite() {
+            wanted.max(between(0.25)).min(between(0.75))
         } else {
-            (widest_good * too_wide.min(most)).sqrt()
+            wanted.max(widest_good).min(16.0 * half_width).min(most)
         };
     }
     match good {

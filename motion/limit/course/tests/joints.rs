@@ -73,7 +73,7 @@ fn width_of_a_line_into_an_arc() {
     let joint = left[0].joint();
     assert!(!joint.stop && joint.angle == 0.0 && joint.tangent_jump == 0.0);
     assert!((joint.curvature_jump - 1.0 / radius).abs() < 1e-9 / radius);
-    assert_eq!(found[0].joint(), super::super::Joint::default());
+    assert_eq!(found[0].joint(), Joint::default());
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn rounding_is_no_step() {
         for path in [lines, vec![start, end]] {
             let course = course(path, within(1e-5));
             assert_eq!(course[0].tail(), None, "{far} {length} {:?}", course[0].tail());
-            assert_eq!(course[0].joint(), super::super::Joint::default());
+            assert_eq!(course[0].joint(), Joint::default());
         }
     }
 }
