@@ -1,0 +1,18 @@
+//! The feed limiter against the outside world: motions whose least time is known in closed form.
+
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    unreachable_pub,
+    reason = "a test that cannot be set up has failed; the modules are shared with the benchmarks"
+)]
+
+mod cases;
+mod circle;
+mod path;
+#[cfg(test)]
+mod reachability;
+mod seven_segments;
+
