@@ -38,8 +38,7 @@ pub fn rolling(radius: f64, acceleration: f64) -> f64 {
 
 /// Once round from rest to rest, s.
 pub fn rest_to_rest(radius: f64, acceleration: f64) -> f64 {
-    let first =
-        root(0.0, 0.5, |angle| angle.tan() + 2.0 * angle.sin() / angle.cos().powi(3) - 1.0);
+    let first = root(0.0, 0.5, |angle| angle.tan() + 2.0 * angle.sin() / angle.cos().powi(3) - 1.0);
     let ydot = (2.0 * first.sin()).sqrt();
     let xdot = ydot * first.tan();
     let squared_xdot = |angle: f64| xdot * xdot + 2.0 * (first.cos() - angle.cos());

@@ -11,8 +11,9 @@
 
 mod cases;
 mod circle;
+mod differences;
 mod path;
+mod programs;
 #[cfg(test)]
 mod reachability;
 mod seven_segments;
-
