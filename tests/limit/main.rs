@@ -5,6 +5,7 @@
     clippy::unwrap_used,
     clippy::panic,
     clippy::indexing_slicing,
+    dead_code,
     unreachable_pub,
     reason = "a test that cannot be set up has failed; the modules are shared with the benchmarks"
 )]
@@ -13,6 +14,7 @@ mod cases;
 mod circle;
 mod differences;
 mod path;
+mod planners;
 mod programs;
 #[cfg(test)]
 mod reachability;

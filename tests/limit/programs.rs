@@ -16,8 +16,8 @@ pub const JERK: f64 = 50.0;
 /// Turns of the path up to so much are passed without a stop.
 pub const ANGLE_TOLERANCE_DEG: f64 = 2.0;
 
-/// The path may be accelerated by far more than the axes: they alone limit it, m/s².
-const UNLIMITED: f64 = 1e4;
+/// An acceleration along the path that is far more than what the axes give: they alone limit it, m/s².
+pub const UNLIMITED: f64 = 1e4;
 
 /// A program and what LinuxCNC made of it.
 #[derive(Clone, Debug)]
@@ -73,11 +73,11 @@ pub fn all() -> Vec<Program> {
 }
 
 impl Program {
-    /// Decoded, with the velocities at its transitions.
-    pub fn checked(&self) -> Checked {
+    /// Decoded, with the velocities at its transitions and this acceleration along the path, m/s².
+    pub fn checked(&self, acceleration: f64) -> Checked {
         let options = DecoderOptions {
-            acceleration: UNLIMITED,
-            deceleration: UNLIMITED,
+            acceleration,
+            deceleration: acceleration,
             ..DecoderOptions::default()
         };
         let mut decoder = Decoder::new(self.text.as_slice(), options);
@@ -113,7 +113,7 @@ mod tests {
         let programs = all();
         assert_eq!(programs.len(), 9);
         for program in &programs {
-            let Checked { elements, mode } = program.checked();
+            let Checked { elements, mode } = program.checked(UNLIMITED);
             let length: f64 = elements.iter().map(CheckedElement::path_length).sum();
             if program.is_exact() {
                 assert_eq!(mode, PathMode::ExactPath, "{}", program.name);
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn stops_are_where_the_tangent_turns() {
         for program in all() {
-            let elements = program.checked().elements;
+            let elements = program.checked(UNLIMITED).elements;
             let stops = elements.iter().filter(|element| element.end_velocity == 0.0).count();
             let moves = elements.iter().filter(|element| element.has_path()).count();
             let expected = match program.name.trim_end_matches("_g61").trim_end_matches("_g64") {

@@ -9,12 +9,7 @@ const ROUNDING: f64 = 1e-12;
 /// c₀·x + c₁·y ≤ c₂ for the squared rates x and y at both ends of a cell.
 type Half = [f64; 3];
 
-/// The largest squared rates at the nodes, from rest to rest.
-pub fn fastest(path: &Path) -> Vec<f64> {
-    between(path, 0.0, 0.0)
-}
-
-/// The same from the squared rate `start`, at most, to `end`.
+/// The largest squared rates at the nodes, from `start`, at most, to `end`.
 pub fn between(path: &Path, start: f64, end: f64) -> Vec<f64> {
     let cells = path.cells();
     let mut squared = vec![end; cells + 1];
