@@ -245,6 +245,23 @@ mod tests {
         }
     }
 
+    #[test]
+    fn probe() {
+        use crate::solvers;
+        for case in all() {
+            let values: Vec<f64> = [1000, 2_000, 4_000].iter().map(|&cells| {
+                let path = (case.path)(cells);
+                let grid = solvers::grid(&path, case.jerk);
+                if case.jerk {
+                    solvers::smooth(&grid, 6).map_or(f64::NAN, |p| solvers::duration(&grid, &p))
+                } else {
+                    path.duration(&solvers::passes(&grid, case.ends))
+                }
+            }).collect();
+            println!("{:50} {:.9} s {:?}", case.name, case.duration, values.iter().map(|v| format!("{:+.1e}", v / case.duration - 1.0)).collect::<Vec<_>>());
+        }
+    }
+
     /// Jerk limits cost time, and the two of every line differ.
     #[test]
     fn jerk_limits_cost_time() {

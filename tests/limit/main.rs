@@ -19,3 +19,4 @@ mod programs;
 #[cfg(test)]
 mod reachability;
 mod seven_segments;
+mod solvers;
