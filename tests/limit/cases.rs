@@ -1,7 +1,7 @@
 //! Paths whose fastest motion is known in closed form.
 
 use crate::circle;
-use crate::path::{Limits, Path, Rates, as_float};
+use crate::path::{Limits, Path, Rates, equal};
 use crate::seven_segments::{duration, trapezoid};
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
@@ -11,14 +11,23 @@ use twin_kinematics::transform::{Differential, Transform};
 /// What is to be matched.
 pub struct Case {
     pub name: String,
-    /// The path in so many cells.
-    pub path: Box<dyn Fn(usize) -> Path>,
+    /// Largest path parameter; the smallest is 0.
+    pub end: f64,
+    /// The path at these nodes.
+    pub path: Box<dyn Fn(Vec<f64>) -> Path>,
     /// Whether the jerk limits hold.
     pub jerk: bool,
     /// Squared rates at start and end, where they are not 0.
     pub ends: [f64; 2],
     /// The least time, s.
     pub duration: f64,
+}
+
+impl Case {
+    /// The path in so many equal cells.
+    pub fn path(&self, cells: usize) -> Path {
+        (self.path)(equal(self.end, cells))
+    }
 }
 
 /// All of them.
@@ -38,12 +47,12 @@ const RAMPS: [(f64, Limits, &str); 4] = [
 ];
 
 /// A line whose axes move by `way` while the parameter goes from 0 to `length`.
-fn line(limits: Vec<Limits>, way: Vec<f64>, length: f64) -> Box<dyn Fn(usize) -> Path> {
-    Box::new(move |cells| {
+fn line(limits: Vec<Limits>, way: Vec<f64>, length: f64) -> Box<dyn Fn(Vec<f64>) -> Path> {
+    Box::new(move |nodes| {
         let zero = vec![0.0; way.len()];
         let first = way.iter().map(|way| way / length).collect();
         let rates: Rates = [first, zero.clone(), zero];
-        Path::uniform(limits.clone(), length, cells, |_| rates.clone())
+        Path::new(limits.clone(), nodes, |_| rates.clone())
     })
 }
 
@@ -55,6 +64,7 @@ fn lines() -> Vec<Case> {
         for (jerk, duration) in [(true, least), (false, without)] {
             cases.push(Case {
                 name: format!("line along an axis, {}: {reaches}", word(jerk)),
+                end: distance,
                 path: line(vec![limits], vec![distance], distance),
                 jerk,
                 ends: [0.0; 2],
@@ -77,6 +87,7 @@ fn lines() -> Vec<Case> {
             let way = vec![distance * share[0], -distance * share[1], distance * share[2]];
             cases.push(Case {
                 name: format!("line in space, {}: {reaches}", word(jerk)),
+                end: distance,
                 path: line(limits, way, distance),
                 jerk,
                 ends: [0.0; 2],
@@ -92,9 +103,9 @@ fn word(jerk: bool) -> &'static str {
 }
 
 /// Once round a circle about the origin from (r, 0).
-fn round(radius: f64, limits: Limits, feed: f64) -> Box<dyn Fn(usize) -> Path> {
-    Box::new(move |cells| {
-        let path = Path::uniform(vec![limits; 2], TAU * radius, cells, |s| {
+fn round(radius: f64, limits: Limits, feed: f64) -> Box<dyn Fn(Vec<f64>) -> Path> {
+    Box::new(move |nodes| {
+        let path = Path::new(vec![limits; 2], nodes, |s| {
             let (sine, cosine) = (s / radius).sin_cos();
             [
                 vec![-sine, cosine],
@@ -112,6 +123,7 @@ fn circles() -> Vec<Case> {
     let free = Limits { velocity: far, acceleration, jerk: far };
     let case = |name: &str, path, squared: f64, duration| Case {
         name: format!("circle, {name}"),
+        end: TAU * radius,
         path,
         jerk: false,
         ends: [squared; 2],
@@ -184,8 +196,9 @@ fn scara_lines() -> Vec<Case> {
             let limits = limits.clone();
             cases.push(Case {
                 name: format!("SCARA, both arms linear, {}: {name}", word(jerk)),
-                path: Box::new(move |cells| {
-                    Path::uniform(limits.clone(), 1.0, cells, |u| {
+                end: 1.0,
+                path: Box::new(move |nodes| {
+                    Path::new(limits.clone(), nodes, |u| {
                         let turn = TAU * u;
                         let g = u + EVEN * turn.sin() / TAU;
                         let rates = [
@@ -219,6 +232,7 @@ fn through_tool(axes: &Vector2<f64>, rates: &[Vector2<f64>; 3]) -> Rates {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::path::as_float;
     use crate::reachability;
 
     /// The closed forms without jerk are the limits of the slow linear programs on ever finer grids. Limits at the ends
@@ -227,7 +241,7 @@ mod tests {
     fn closed_forms_are_limits_of_linear_programs() {
         for case in all().into_iter().filter(|case| !case.jerk) {
             let found = [4_000, 8_000].map(|cells| {
-                let path = (case.path)(cells);
+                let path = case.path(cells);
                 let squared = reachability::between(&path, case.ends[0], case.ends[1]);
                 assert!(path.acceleration_use(&squared) <= 1.0 + 1e-9, "{}", case.name);
                 path.duration(&squared)
@@ -242,23 +256,6 @@ mod tests {
                 found[1] / case.duration - 1.0
             );
             assert!(error.abs() < 1e-6, "{}: {limit} s instead of {}", case.name, case.duration);
-        }
-    }
-
-    #[test]
-    fn probe() {
-        use crate::solvers;
-        for case in all() {
-            let values: Vec<f64> = [1000, 2_000, 4_000].iter().map(|&cells| {
-                let path = (case.path)(cells);
-                let grid = solvers::grid(&path, case.jerk);
-                if case.jerk {
-                    solvers::smooth(&grid, 6).map_or(f64::NAN, |p| solvers::duration(&grid, &p))
-                } else {
-                    path.duration(&solvers::passes(&grid, case.ends))
-                }
-            }).collect();
-            println!("{:50} {:.9} s {:?}", case.name, case.duration, values.iter().map(|v| format!("{:+.1e}", v / case.duration - 1.0)).collect::<Vec<_>>());
         }
     }
 
@@ -277,7 +274,7 @@ mod tests {
     #[test]
     fn arms_move_linearly() {
         let case = all().pop().expect("a case");
-        let path = (case.path)(100);
+        let path = case.path(100);
         for (node, [first, second, third]) in path.nodes.iter().zip(&path.rates) {
             for rate in [first, second, third] {
                 let skew = rate[0] / 0.1 - rate[1] / 0.11;

@@ -13,6 +13,8 @@
 mod cases;
 mod circle;
 mod differences;
+#[cfg(test)]
+mod golden;
 mod path;
 mod planners;
 mod programs;

@@ -25,15 +25,12 @@ pub struct Path {
 }
 
 impl Path {
-    /// `rates` of the path parameter from 0 to `end` in equal cells.
-    pub fn uniform(
+    /// `rates` of the path parameter at these nodes.
+    pub fn new(
         limits: Vec<Limits>,
-        end: f64,
-        cells: usize,
+        nodes: Vec<f64>,
         mut rates: impl FnMut(f64) -> Rates,
     ) -> Self {
-        let last = as_float(cells);
-        let nodes: Vec<_> = (0..=cells).map(|node| end * (as_float(node) / last)).collect();
         let rates = nodes.iter().map(|s| rates(*s)).collect();
         Self { limits, nodes, rates, feed: f64::INFINITY }
     }
@@ -76,6 +73,11 @@ impl Path {
         }
         most
     }
+}
+
+/// Nodes of equal cells from 0 to `end`.
+pub fn equal(end: f64, cells: usize) -> Vec<f64> {
+    (0..=cells).map(|node| end * (as_float(node) / as_float(cells))).collect()
 }
 
 /// A count as a number.

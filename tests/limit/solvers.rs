@@ -1,6 +1,6 @@
 //! What `motion/limit` makes of a path on a grid: the one file of golden set and benchmark that knows it.
 
-use crate::path::Path;
+use crate::path::{Path, as_float};
 use twin_kinematics::AxisVector;
 use twin_motion::limit::{
     AxisLimits, Beginning, Cap, CapSource, CellEnd, Grid, LinearSolver, Rates, SmoothProfile,
@@ -50,8 +50,8 @@ pub fn smooth(grid: &Grid, solves: u32) -> Option<SmoothProfile> {
     solver.solve(grid, 0..grid.cells(), Beginning::Rest, &guess, solves).ok()
 }
 
-/// How long the profile takes, s, as the interpolator follows it.
-pub fn duration(grid: &Grid, profile: &SmoothProfile) -> f64 {
+/// The profile in time, as the interpolator follows it: cell by cell.
+pub fn stretches(grid: &Grid, profile: &SmoothProfile) -> Vec<Stretch> {
     let last = grid.cells() - 1;
     let stretches = (0..grid.cells()).map(|cell| {
         let length = grid.length(cell);
@@ -64,5 +64,23 @@ pub fn duration(grid: &Grid, profile: &SmoothProfile) -> f64 {
             Stretch::bent(length, from, from + profile.a[cell] * length, to)
         }
     });
-    stretches.map(|stretch| stretch.duration()).sum()
+    stretches.collect()
+}
+
+/// Nodes that the profile passes in equal times.
+pub fn equal_times(grid: &Grid, stretches: &[Stretch], cells: usize) -> Vec<f64> {
+    let total: f64 = stretches.iter().map(Stretch::duration).sum();
+    let step = total / as_float(cells);
+    let mut nodes = vec![grid.nodes()[0]];
+    let (mut cell, mut before) = (0, 0.0);
+    for node in 1..cells {
+        let time = step * as_float(node);
+        while time > before + stretches[cell].duration() {
+            before += stretches[cell].duration();
+            cell += 1;
+        }
+        nodes.push(grid.nodes()[cell] + stretches[cell].at(time - before).position);
+    }
+    nodes.extend(grid.nodes().last());
+    nodes
 }

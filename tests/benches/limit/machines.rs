@@ -1,7 +1,7 @@
 //! The machines of the machine files, and where the curves are on them.
 
 use crate::curves::{self, Curve, Jet};
-use crate::path::{Limits, Path, Rates};
+use crate::path::{Limits, Path, Rates, equal};
 use nalgebra::{SVector, Vector2, Vector3};
 use std::f64::consts::FRAC_PI_2;
 use twin_kinematics::gantry::{BeltLayout, Gantry3, GantryH2};
@@ -24,7 +24,7 @@ impl Machine {
     /// A curve in equal cells of its parameter.
     pub fn path(&self, curve: &Curve, cells: usize) -> Path {
         let mut follow = (self.follow)();
-        Path::uniform(self.limits.clone(), curve.end, cells, |s| follow(&curve.at(s)))
+        Path::new(self.limits.clone(), equal(curve.end, cells), |s| follow(&curve.at(s)))
     }
 }
 
