@@ -289,9 +289,17 @@ impl End {
 }
 
 impl Grid {
-    /// The largest jerk of the parameter at the start of a cell, from rest.
+    /// The largest jerk of the parameter with which a cell can be begun from rest.
     pub fn jerk_start(&self, cell: usize) -> f64 {
-        let most = self.jerks(cell, End::Start).iter().map(|row| row.first.abs());
-        1.0 / most.fold(0.0, f64::max)
+        rest_jerk(self.jerks(cell, End::Start))
     }
+
+    /// The largest jerk of the parameter with which a cell can end at rest.
+    pub fn jerk_end(&self, cell: usize) -> f64 {
+        rest_jerk(self.jerks(cell, End::Finish))
+    }
+}
+
+fn rest_jerk(rows: &[JerkRow]) -> f64 {
+    1.0 / rows.iter().fold(0.0, |most, row| row.first.abs().max(most))
 }
