@@ -49,13 +49,15 @@ fn main() {
         let mut line =
             format!("{:20} | {:>8.3}{}", program.name, program.duration, units(program.peak));
         for planner in PLANNERS {
-            let planned = (planner.plan)(&program);
-            let ratio = planned.duration / program.duration;
-            line += &format!(
-                " | {:>8.3}{ratio:>8.4}{}",
-                planned.duration,
-                units(largest(&planned.peaks))
-            );
+            line += &match (planner.plan)(&program) {
+                Ok(planned) => format!(
+                    " | {:>8.3}{:>8.4}{}",
+                    planned.duration,
+                    planned.duration / program.duration,
+                    units(largest(&planned.peaks))
+                ),
+                Err(error) => format!(" | {error}"),
+            };
         }
         println!("{line}");
     }

@@ -26,11 +26,7 @@ pub struct Path {
 
 impl Path {
     /// `rates` of the path parameter at these nodes.
-    pub fn new(
-        limits: Vec<Limits>,
-        nodes: Vec<f64>,
-        mut rates: impl FnMut(f64) -> Rates,
-    ) -> Self {
+    pub fn new(limits: Vec<Limits>, nodes: Vec<f64>, mut rates: impl FnMut(f64) -> Rates) -> Self {
         let rates = nodes.iter().map(|s| rates(*s)).collect();
         Self { limits, nodes, rates, feed: f64::INFINITY }
     }

@@ -73,8 +73,15 @@ pub fn all() -> Vec<Program> {
 }
 
 impl Program {
-    /// Decoded, with the velocities at its transitions and this acceleration along the path, m/s².
+    /// Decoded, with the velocities at its transitions and this acceleration along the path, m/s². On the exact path
+    /// turns of more than [`ANGLE_TOLERANCE_DEG`] are stops; else they are there to be blended.
     pub fn checked(&self, acceleration: f64) -> Checked {
+        let tolerance = if self.is_exact() { ANGLE_TOLERANCE_DEG } else { 180.0 };
+        self.checked_within(acceleration, tolerance.to_radians())
+    }
+
+    /// The same with stops at turns of more than `angle_tolerance`, rad.
+    pub fn checked_within(&self, acceleration: f64, angle_tolerance: f64) -> Checked {
         let options = DecoderOptions {
             acceleration,
             deceleration: acceleration,
@@ -92,7 +99,7 @@ impl Program {
             .collect();
         let mode = decoder.path_mode();
         let elements = elements.into_iter().map(Ok::<_, CheckError>);
-        let elements = CheckVelocities::new(elements, ANGLE_TOLERANCE_DEG.to_radians());
+        let elements = CheckVelocities::new(elements, angle_tolerance);
         Checked { elements: elements.collect::<Result<_, _>>().expect("a path"), mode }
     }
 
@@ -142,7 +149,8 @@ mod tests {
     #[test]
     fn stops_are_where_the_tangent_turns() {
         for program in all() {
-            let elements = program.checked(UNLIMITED).elements;
+            let tolerance = ANGLE_TOLERANCE_DEG.to_radians();
+            let elements = program.checked_within(UNLIMITED, tolerance).elements;
             let stops = elements.iter().filter(|element| element.end_velocity == 0.0).count();
             let moves = elements.iter().filter(|element| element.has_path()).count();
             let expected = match program.name.trim_end_matches("_g61").trim_end_matches("_g64") {

@@ -1,11 +1,17 @@
 //! What `motion/limit` makes of a path on a grid: the one file of golden set and benchmark that knows it.
 
 use crate::path::{Path, as_float};
-use twin_kinematics::AxisVector;
+use nalgebra::Point3;
+use twin_kinematics::{AxisVector, KinematicsError};
+use twin_motion::Place;
+use twin_motion::limit::course::{CourseElement, CourseOptions};
 use twin_motion::limit::{
-    AxisLimits, Beginning, Cap, CapSource, CellEnd, Grid, LinearSolver, Rates, SmoothProfile,
-    SmoothSolver, Stretch, reachable,
+    AxisLimits, AxisPath, AxisPoint, Beginning, Cap, CapSource, CellEnd, Effort, Grid,
+    LimitOptions, LinearSolver, Planned, Planner, Rates, SmoothProfile, SmoothSolver, Stretch,
+    reachable,
 };
+use twin_motion::path::{ElementKind, PathElement, Shape};
+use twin_motion::prepare::{CheckError, CheckVelocities};
 
 /// The path as a grid, with jerk limits or without.
 pub fn grid(path: &Path, jerk: bool) -> Grid {
@@ -41,6 +47,36 @@ pub fn passes(grid: &Grid, [start, end]: [f64; 2]) -> Vec<f64> {
 pub fn linear(grid: &Grid, [start, end]: [f64; 2]) -> Option<Vec<f64>> {
     let profile = LinearSolver::default().solve(grid, 0..grid.cells(), start, end).ok()?;
     Some(profile.b)
+}
+
+/// The squared rates from rest to rest where Clarabel is given `window` cells at a time, each time from where the window
+/// before was left and to rest. What is kept of a window is what two passes over it that need not stop would keep, too;
+/// where that is less than half of it, it is made longer.
+pub fn linear_windows(grid: &Grid, window: usize) -> Option<Vec<f64>> {
+    let mut solver = LinearSolver::default();
+    let (mut from, mut start, mut length) = (0, 0.0, window);
+    let mut squared = vec![0.0];
+    while from < grid.cells() {
+        let cells = from..(from + length).min(grid.cells());
+        let keep = if cells.end == grid.cells() {
+            cells.len()
+        } else {
+            let [stopping, going] =
+                [0.0, f64::INFINITY].map(|end| reachable::fastest(grid, cells.clone(), start, end));
+            let pairs = stopping.iter().zip(&going);
+            pairs.take_while(|(stopping, going)| **stopping >= **going * (1.0 - 1e-9)).count() - 1
+        };
+        if 2 * keep < cells.len() {
+            length *= 2;
+            continue;
+        }
+        let profile = solver.solve(grid, cells, start, 0.0).ok()?;
+        squared.extend(&profile.b[1..=keep]);
+        start = profile.b[keep];
+        from += keep;
+        length = window;
+    }
+    Some(squared)
 }
 
 /// The profile with limited jerk from rest to rest, solved so often, each time about the solution before.
@@ -83,4 +119,69 @@ pub fn equal_times(grid: &Grid, stretches: &[Stretch], cells: usize) -> Vec<f64>
     }
     nodes.extend(grid.nodes().last());
     nodes
+}
+
+/// A path that is given by its rates, wherever the planner of whole programs wants to know them.
+struct Given<F> {
+    limits: Vec<AxisLimits>,
+    rates: F,
+}
+
+impl<F: Fn(f64) -> crate::path::Rates> AxisPath for Given<F> {
+    fn limits(&self) -> &[AxisLimits] {
+        &self.limits
+    }
+
+    fn home(&self) -> AxisVector {
+        AxisVector::zeros(self.limits.len())
+    }
+
+    fn axes(
+        &self,
+        _: &CourseElement,
+        s: f64,
+        near: &AxisVector,
+    ) -> Result<AxisPoint, KinematicsError> {
+        let [first, second, third] = (self.rates)(s).map(AxisVector::from_values);
+        Ok(AxisPoint { position: *near, rates: Rates { first, second, third } })
+    }
+}
+
+/// What the planner of whole programs makes of a path from rest to rest on a grid of its own, whose nodes are `step`
+/// apart, s: how long it takes, s, and what that took; none where there is no profile. The feed limits it if it is finite.
+pub fn planned(
+    limits: &[crate::path::Limits],
+    jerk: bool,
+    (end, feed): (f64, f64),
+    rates: impl Fn(f64) -> crate::path::Rates,
+    step: f64,
+) -> Option<(f64, Effort)> {
+    let limits = limits.iter().map(|limits| AxisLimits {
+        velocity: limits.velocity,
+        acceleration: limits.acceleration,
+        jerk: jerk.then_some(limits.jerk),
+    });
+    let axes = Given { limits: limits.collect(), rates };
+    let shape = Shape::Line { start: Point3::origin(), end: Point3::new(end, 0.0, 0.0) };
+    let element = PathElement {
+        feed: feed.min(1e6),
+        acceleration: 1e6,
+        deceleration: 1e6,
+        ..PathElement::new(Place::default(), ElementKind::Cut, shape)
+    };
+    let path = CheckVelocities::new([Ok::<_, CheckError>(element)].into_iter(), 0.0);
+    let options = LimitOptions {
+        feed: feed.is_finite(),
+        path_acceleration: false,
+        step,
+        ..LimitOptions::new(CourseOptions::new(0.0))
+    };
+    let mut planner = Planner::new(path, axes, options);
+    let mut duration = 0.0;
+    for part in planner.by_ref() {
+        if let Planned::Leg(leg) = part.ok()? {
+            duration += leg.stretch.duration();
+        }
+    }
+    Some((duration, planner.effort()))
 }

@@ -3,6 +3,7 @@
 use crate::curves::{self, Curve, Jet};
 use crate::path::{Limits, Path, Rates, equal};
 use nalgebra::{SVector, Vector2, Vector3};
+use std::cell::RefCell;
 use std::f64::consts::FRAC_PI_2;
 use twin_kinematics::gantry::{BeltLayout, Gantry3, GantryH2};
 use twin_kinematics::scara::{Elbow, Scara2, Scara3};
@@ -21,10 +22,15 @@ pub struct Machine {
 }
 
 impl Machine {
+    /// The rates of the axes along a curve.
+    pub fn rates<'a>(&self, curve: &'a Curve) -> impl Fn(f64) -> Rates + use<'a> {
+        let follow = RefCell::new((self.follow)());
+        move |s| (follow.borrow_mut())(&curve.at(s))
+    }
+
     /// A curve in equal cells of its parameter.
     pub fn path(&self, curve: &Curve, cells: usize) -> Path {
-        let mut follow = (self.follow)();
-        Path::new(self.limits.clone(), equal(curve.end, cells), |s| follow(&curve.at(s)))
+        Path::new(self.limits.clone(), equal(curve.end, cells), self.rates(curve))
     }
 }
 

@@ -3,7 +3,8 @@
 //!
 //! Every row is a path on a machine in so many cells. Durations are those of the profiles; points are cells per second
 //! of computing, on one core, from the derivatives at the nodes to the profile. Machines are noisy: compare within a
-//! row. Numbers are printed, nothing fails on them.
+//! row. The planner of whole programs chooses a grid of its own, uniform in time, and asks the transform for its nodes;
+//! its points are the cells that it commits. Numbers are printed, nothing fails on them.
 
 #![allow(
     clippy::expect_used,
@@ -23,10 +24,13 @@ mod ours;
 #[path = "../../limit/path.rs"]
 mod path;
 mod peer;
+#[path = "../../limit/solvers.rs"]
+mod solvers;
 mod table;
 
+use curves::Curve;
 use machines::{Machine, all, long};
-use path::Path;
+use ours::Problem;
 use peer::Peer;
 use table::Row;
 
@@ -54,17 +58,18 @@ fn main() {
     for machine in &machines {
         for curve in &machine.curves {
             for cells in CELLS {
-                let path = machine.path(curve, cells);
-                rows.push(measured(machine, curve.name, &path, peer.as_mut()));
+                rows.push(measured(machine, curve, cells, peer.as_mut()));
             }
         }
     }
-    rows.push(measured(&machine, curve.name, &machine.path(&curve, LONG), peer.as_mut()));
+    rows.push(measured(&machine, &curve, LONG, peer.as_mut()));
     table::summary(&rows);
 }
 
-fn measured(machine: &Machine, curve: &str, path: &Path, peer: Option<&mut Peer>) -> Row {
-    let row = Row::measured(format!("{} {curve}", machine.name), path, peer);
+fn measured(machine: &Machine, curve: &Curve, cells: usize, peer: Option<&mut Peer>) -> Row {
+    let (path, rates) = (machine.path(curve, cells), machine.rates(curve));
+    let problem = Problem { path: &path, rates: &rates };
+    let row = Row::measured(format!("{} {}", machine.name, curve.name), &problem, peer);
     row.print();
     row
 }

@@ -1,11 +1,11 @@
 //! Times and durations, side by side.
 
-use crate::ours::METHODS;
-use crate::path::{Path, as_float};
+use crate::ours::{Found, METHODS, Problem};
+use crate::path::as_float;
 use crate::peer::{Answer, Peer};
 use std::time::{Duration, Instant};
 
-/// Runs in turn for each method, of which the median counts: short ones more often.
+/// Runs in turn for each method, of which the fastest counts (what is slower has been disturbed): short ones more often.
 fn runs(cells: usize) -> usize {
     if cells <= 1_000 { 9 } else { 3 }
 }
@@ -26,43 +26,51 @@ struct Measured {
     duration: Option<f64>,
     /// Cells per second.
     rate: f64,
+    /// Windows without an answer.
+    failed: u64,
 }
 
 impl Row {
     /// Every planner in turn, so that all see the same machine.
-    pub fn measured(name: String, path: &Path, mut peer: Option<&mut Peer>) -> Self {
-        let mut ours = vec![(None, Vec::new()); METHODS.len()];
-        let mut theirs: Vec<Answer> = Vec::new();
-        for run in 0..runs(path.cells()) {
+    pub fn measured(name: String, problem: &Problem<'_>, mut peer: Option<&mut Peer>) -> Self {
+        let cells = problem.path.cells();
+        let mut ours: Vec<(Option<Found>, Duration)> = vec![(None, Duration::MAX); METHODS.len()];
+        let mut theirs: Option<(Answer, f64)> = None;
+        for run in 0..runs(cells) {
             if let Some(peer) = peer.as_deref_mut() {
-                theirs.push(if run == 0 { peer.take(path) } else { peer.again() });
+                let answer = if run == 0 { peer.take(problem.path) } else { peer.again() };
+                let time = answer.construct + answer.solve;
+                let best = theirs.map_or(time, |(_, best)| best.min(time));
+                theirs = Some((answer, best));
             }
-            for (method, (duration, times)) in METHODS.iter().zip(&mut ours) {
-                times.push(timed(|| *duration = (method.duration)(path)).as_secs_f64());
+            for (method, (found, best)) in METHODS.iter().zip(&mut ours) {
+                *best = (*best).min(timed(|| *found = (method.run)(problem)));
             }
         }
-        let rate = |times: Vec<f64>| as_float(path.cells()) / median(times);
-        let peer = theirs.first().map(|answer| Measured {
+        let peer = theirs.map(|(answer, time)| Measured {
             duration: answer.duration,
-            rate: rate(theirs.iter().map(|answer| answer.construct + answer.solve).collect()),
+            rate: as_float(cells) / time,
+            failed: 0,
         });
-        let ours =
-            ours.into_iter().map(|(duration, times)| Measured { duration, rate: rate(times) });
-        Self { name, cells: path.cells(), peer, ours: ours.collect() }
+        let ours = ours.into_iter().map(|(found, time)| Measured {
+            duration: found.map(|found| found.duration),
+            rate: found.map_or(f64::NAN, |found| as_float(found.cells) / time.as_secs_f64()),
+            failed: found.map_or(0, |found| found.failed),
+        });
+        Self { name, cells, peer, ours: ours.collect() }
     }
 
     pub fn print(&self) {
         let mut line = format!("{:20}{:>7}", self.name, self.cells);
         line += &match self.peer {
-            Some(Measured { duration, rate }) => {
+            Some(Measured { duration, rate, .. }) => {
                 format!("{}{:>9}", seconds(duration), thousands(rate))
             }
             None => format!("{:>10}{:>9}", "", ""),
         };
         for (method, ours) in METHODS.iter().zip(&self.ours) {
-            // With limited jerk the duration is another one.
-            let shorter = self.peer.filter(|_| !method.jerk).and_then(|peer| peer.duration);
-            let beside = match (ours.duration, shorter) {
+            let theirs = self.peer.and_then(|peer| peer.duration).filter(|_| method.same);
+            let beside = match (ours.duration, theirs) {
                 (Some(ours), Some(theirs)) => format!("{:>+10.1e}", ours / theirs - 1.0),
                 (duration, _) => seconds(duration),
             };
@@ -79,37 +87,43 @@ pub fn head() {
     let mut line = format!("{:20}{:>7}{:>10}{:>9}", "path", "cells", "s", "kpoint/s");
     for method in METHODS {
         top += &format!(" |{:^25}", method.name);
-        let duration = if method.jerk { "s" } else { "duration" };
+        let duration = if method.same { "longer" } else { "s" };
         line += &format!(" |{duration:>10}{:>8}{:>7}", "kpt/s", "ratio");
     }
     println!(
-        "Velocity and acceleration limits at both ends of every cell; ratios are to toppra's points per second."
+        "Velocity and acceleration limits at both ends of every cell; ratios are to toppra's points per second.\n\
+         {top}\n{line}"
     );
-    println!("{top}\n{line}");
 }
 
 /// The worst of every column, and what windows lose.
 pub fn summary(rows: &[Row]) {
     for (index, method) in METHODS.iter().enumerate() {
         let pairs = rows.iter().filter_map(|row| Some((row.ours.get(index)?, row.peer.as_ref()?)));
-        let (mut ratio, mut longer) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut ratios, mut longer) = (Vec::new(), f64::NEG_INFINITY);
         for (ours, theirs) in pairs {
-            ratio = ratio.min(ours.rate / theirs.rate);
-            if let (Some(ours), Some(theirs), false) = (ours.duration, theirs.duration, method.jerk)
+            ratios.extend(Some(ours.rate / theirs.rate).filter(|ratio| ratio.is_finite()));
+            if let (Some(ours), Some(theirs), true) = (ours.duration, theirs.duration, method.same)
             {
                 longer = longer.max(ours / theirs - 1.0);
             }
         }
-        let failed = rows.iter().filter(|row| row.ours[index].duration.is_none()).count();
-        let mut line =
-            format!("{}: at least {ratio:.1} times toppra's points per second", method.name);
-        if longer.is_finite() {
-            line += &format!(", duration at most {longer:+.1e} against it");
+        ratios.sort_by(f64::total_cmp);
+        let mut line = format!("{}:", method.name);
+        if let [least, .., most] = ratios.as_slice() {
+            let middle = ratios[ratios.len() / 2];
+            line += &format!(
+                " {least:.1} to {most:.1} times toppra's points per second, {middle:.1} in the middle;"
+            );
         }
-        println!("{line}, {failed} paths without a profile");
-        if let Some(whole) =
-            method.whole.and_then(|name| METHODS.iter().position(|m| m.name == name))
-        {
+        if longer.is_finite() {
+            line += &format!(" duration at most {longer:+.1e} against it;");
+        }
+        let none = rows.iter().filter(|row| row.ours[index].duration.is_none()).count();
+        let failed: u64 = rows.iter().map(|row| row.ours[index].failed).sum();
+        println!("{line} {none} paths without a profile, {failed} failed windows");
+        let whole = METHODS.iter().position(|other| Some(other.name) == method.whole);
+        if let Some(whole) = whole {
             let losses = rows.iter().filter_map(|row| {
                 Some(row.ours[index].duration? / row.ours[whole].duration? - 1.0)
             });
@@ -128,11 +142,6 @@ fn seconds(duration: Option<f64>) -> String {
 
 fn thousands(rate: f64) -> String {
     format!("{:.1}", rate * 1e-3)
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }
 
 #[expect(clippy::disallowed_methods, reason = "a benchmark is about time")]
