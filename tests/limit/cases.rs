@@ -24,6 +24,11 @@ pub struct Case {
 }
 
 impl Case {
+    /// Whether it begins and ends at rest.
+    pub fn rests(&self) -> bool {
+        self.ends.iter().all(|squared| *squared <= 0.0)
+    }
+
     /// The path in so many equal cells.
     pub fn path(&self, cells: usize) -> Path {
         (self.path)(equal(self.end, cells))

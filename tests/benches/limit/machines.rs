@@ -150,9 +150,9 @@ fn through<T: Transform<N>, const N: usize>(
     rates
 }
 
-fn heights(jet: &Jet) -> Option<[f64; 3]> {
+fn heights(jet: &Jet) -> [f64; 3] {
     let [_, first, second, third] = jet;
-    Some([first.z, second.z, third.z])
+    [first.z, second.z, third.z]
 }
 
 fn gantry3() -> Follow {
@@ -165,13 +165,13 @@ fn gantry_h2() -> Follow {
     let layout = BeltLayout { coordinates_exchanged: true, drives_exchanged: false };
     let machine = GantryH2::new([0.0; 2], layout).expect("a gantry");
     let mut near = Vector2::zeros();
-    Box::new(move |jet| through(&machine, jet.map(|of| of.xy()), &mut near, heights(jet)))
+    Box::new(move |jet| through(&machine, jet.map(|of| of.xy()), &mut near, Some(heights(jet))))
 }
 
 fn scara2() -> Follow {
     let machine = Scara2::new([0.25, 0.2], [0.0; 2], Elbow::Low).expect("a SCARA");
     let mut near = Vector2::zeros();
-    Box::new(move |jet| through(&machine, jet.map(|of| of.xy()), &mut near, heights(jet)))
+    Box::new(move |jet| through(&machine, jet.map(|of| of.xy()), &mut near, Some(heights(jet))))
 }
 
 /// The hand turns with x, by 5 rad per metre.
@@ -181,7 +181,7 @@ fn scara3() -> Follow {
     Box::new(move |jet| {
         let tool = jet.map(|of| Vector3::new(of.x, of.y, 5.0 * of.x));
         let tool = [tool[0] - Vector3::new(0.0, 0.0, 1.5), tool[1], tool[2], tool[3]];
-        through(&machine, tool, &mut near, heights(jet))
+        through(&machine, tool, &mut near, Some(heights(jet)))
     })
 }
 
