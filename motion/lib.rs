@@ -14,6 +14,7 @@ pub mod info;
 pub mod interpolate;
 pub mod path;
 pub mod prepare;
+pub mod refeed;
 pub mod rs274;
 pub mod svg;
 
