@@ -12,6 +12,7 @@ pub mod din66025;
 pub mod dxf;
 pub mod info;
 pub mod interpolate;
+pub mod limit;
 pub mod path;
 pub mod prepare;
 pub mod rs274;

@@ -1,0 +1,3 @@
+//! Feed limiting: what the axes can give.
+
+pub mod emergency;
