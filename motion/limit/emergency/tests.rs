@@ -152,7 +152,10 @@ proptest! {
             prop_assert!((now.0 - before.0 - mean * step).abs() <= bend, "{before:?} {now:?}");
             before = now;
         }
-        prop_assert_eq!(before, (0.25 + stop.distance(), 0.0, 0.0));
+        before = stop.at(stop.duration());
+        prop_assert!((before.0 - 0.25 - stop.distance()).abs() < 1e-14, "{before:?}");
+        prop_assert_eq!((before.1, before.2), (0.0, 0.0));
+        prop_assert_eq!(stop.at(stop.duration() + 1.0), before);
         let almost = stop.at(stop.duration() * (1.0 - 1e-12));
         prop_assert!((almost.0 - before.0).abs() < 1e-9 && almost.1.abs() < 1e-9, "{almost:?}");
     }
