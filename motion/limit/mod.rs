@@ -11,6 +11,7 @@
 mod axis_path;
 mod convex;
 pub mod course;
+pub mod emergency;
 mod grid;
 mod linear;
 mod options;
