@@ -67,13 +67,17 @@ impl LinearSolver {
             if let Some(v0) = v0 {
                 let c = b0;
                 let mut q = d(s0) - dd(s0) * b0;
-                if v1.is_some() { q -= cross * b1; }
+                if v1.is_some() {
+                    q -= cross * b1;
+                }
                 self.program.add_cost(v0, dd(s0) * c * c, q * c);
             }
             if let Some(v1) = v1 {
                 let c = b1;
                 let mut q = d(s1) - dd(s1) * b1;
-                if v0.is_some() { q -= cross * b0; }
+                if v0.is_some() {
+                    q -= cross * b0;
+                }
                 self.program.add_cost(v1, dd(s1) * c * c, q * c);
             }
             if let (Some(v0), Some(_)) = (v0, v1) {
@@ -83,20 +87,37 @@ impl LinearSolver {
                 let (axes, further) = grid.rows(cell, side);
                 let mut add = |a: f64, b: f64| {
                     let r = a * slope;
-                    let (p, r) = match side { End::Start => (b - r, r), End::Finish => (-r, b + r) };
+                    let (p, r) = match side {
+                        End::Start => (b - r, r),
+                        End::Finish => (-r, b + r),
+                    };
                     let (p, r) = (p * b0, r * b1);
-                    if p.max(0.0) + r.max(0.0) <= 1.0 { return; }
+                    if p.max(0.0) + r.max(0.0) <= 1.0 {
+                        return;
+                    }
                     let mut right = 1.0;
                     let mut entries = [(0, 0.0); 3];
-                    match v0 { Some(v) => entries[0] = (v, p), None => right -= p }
-                    match v1 { Some(v) => entries[1] = (v, r), None => right -= r }
-                    if p + r < SCREEN { self.program.add_spare(entries, right); } else { self.program.add_row(&entries, right); }
+                    match v0 {
+                        Some(v) => entries[0] = (v, p),
+                        None => right -= p,
+                    }
+                    match v1 {
+                        Some(v) => entries[1] = (v, r),
+                        None => right -= r,
+                    }
+                    if p + r < SCREEN {
+                        self.program.add_spare(entries, right);
+                    } else {
+                        self.program.add_row(&entries, right);
+                    }
                 };
                 for row in axes {
                     add(row.a, row.b);
                     add(-row.a, -row.b);
                 }
-                for row in further { add(row.a, row.b); }
+                for row in further {
+                    add(row.a, row.b);
+                }
             }
         }
         let answer = self.program.solve_all(1e-7)?;

@@ -12,6 +12,7 @@ mod axis_path;
 mod convex;
 pub mod course;
 pub mod emergency;
+mod follow;
 mod grid;
 mod linear;
 mod options;
@@ -23,6 +24,7 @@ mod stretch;
 
 pub use axis_path::{AxisPath, AxisPoint, KinematicPath, axis_point};
 pub use convex::NotSolved;
+pub use follow::{Followed, Follower};
 pub use grid::{AxisLimits, Cap, CapSource, CellEnd, Disc, Grid, JerkRow, Rates, Row};
 pub use linear::{LinearProfile, LinearSolver};
 pub use options::LimitOptions;

@@ -237,7 +237,8 @@ where
             mirrored.clear();
         }
         let pairs = b.windows(2).zip(cells);
-        let duration = pairs.map(|(pair, cell)| time(pair, grid.length(cell), self.jerk_limited)).sum();
+        let duration =
+            pairs.map(|(pair, cell)| time(pair, grid.length(cell), self.jerk_limited)).sum();
         (b, duration)
     }
 
@@ -353,7 +354,10 @@ where
         self.ready.extend(tail.into_iter().map(|leg| Ok(Planned::Leg(leg))));
         self.beginning = Beginning::Rest;
         self.kept.clear();
-        let behind = self.cells.iter().position(|cell| Arc::ptr_eq(&cell.element, &element) && cell.to > at * (1.0 + 1e-12));
+        let behind = self
+            .cells
+            .iter()
+            .position(|cell| Arc::ptr_eq(&cell.element, &element) && cell.to > at * (1.0 + 1e-12));
         let behind = behind.or_else(|| {
             let last = self.cells.iter().rposition(|cell| Arc::ptr_eq(&cell.element, &element));
             last.map(|index| index + 1)
@@ -370,7 +374,8 @@ where
     /// Gives up the cells at hand and begins again from rest behind them; the place where they began.
     fn rest_instead(&mut self) -> Place {
         let place = self.cells.first().map_or(Place::default(), |cell| cell.element.place());
-        self.ready.extend(std::mem::take(&mut self.tail).into_iter().map(|leg| Ok(Planned::Leg(leg))));
+        self.ready
+            .extend(std::mem::take(&mut self.tail).into_iter().map(|leg| Ok(Planned::Leg(leg))));
         self.cells.clear();
         self.kept.clear();
         self.beginning = Beginning::Rest;
@@ -440,7 +445,8 @@ where
                 1.0 => cell.end,
                 _ => {
                     let s = cell.from + u;
-                    let Ok(sample) = self.sampler.sample(&cell.element, s, &cell.start.position) else {
+                    let Ok(sample) = self.sampler.sample(&cell.element, s, &cell.start.position)
+                    else {
                         continue;
                     };
                     sample

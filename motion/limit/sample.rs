@@ -118,8 +118,15 @@ impl<A: AxisPath> Sampler<A> {
                 near = finish.position;
                 let joint = Cap::NONE;
                 let element = Arc::clone(element);
-                let cell =
-                    Cell { element, from: begin, to: end, start, end: finish, joint, tight: [1.0; 2] };
+                let cell = Cell {
+                    element,
+                    from: begin,
+                    to: end,
+                    start,
+                    end: finish,
+                    joint,
+                    tight: [1.0; 2],
+                };
                 self.halve(cell, DEPTH, cells)?;
             }
             last = to;
@@ -129,7 +136,8 @@ impl<A: AxisPath> Sampler<A> {
 
     /// Adds `cell`, in halves if its ends do not tell enough of it.
     fn halve(&self, cell: Cell, depth: u32, cells: &mut Vec<Cell>) -> Result<(), KinematicsError> {
-        let middle = self.sample(&cell.element, cell.from.midpoint(cell.to), &cell.start.position)?;
+        let middle =
+            self.sample(&cell.element, cell.from.midpoint(cell.to), &cell.start.position)?;
         if depth == 0 || is_smooth(&cell, &middle.rates) {
             cells.push(cell);
             return Ok(());
@@ -171,11 +179,8 @@ impl<A: AxisPath> Sampler<A> {
         let LimitOptions { feed, path_acceleration, tool_acceleration, .. } = self.options;
         let speed = point.first.norm();
         // Where only extra axes move the parameter itself is the way.
-        let (scale, bend) = if speed > 0.0 {
-            (speed, point.first.dot(&point.second) / speed)
-        } else {
-            (1.0, 0.0)
-        };
+        let (scale, bend) =
+            if speed > 0.0 { (speed, point.first.dot(&point.second) / speed) } else { (1.0, 0.0) };
         let cap = if feed {
             Cap { v2: (element.feed() / scale).powi(2), source: CapSource::Feed }
         } else {
@@ -198,7 +203,8 @@ impl<A: AxisPath> Sampler<A> {
     /// The bound at a joint between `before` and `after`, for what of a step is left there.
     pub(super) fn joint(&self, before: &Sample, after: &Sample) -> Cap {
         let (from, to) = (&before.rates, &after.rates);
-        let values = from.first.iter().zip(to.first.iter()).zip(from.second.iter().zip(to.second.iter()));
+        let values =
+            from.first.iter().zip(to.first.iter()).zip(from.second.iter().zip(to.second.iter()));
         let mut v2 = f64::INFINITY;
         for (((f1, t1), (f2, t2)), limits) in values.zip(self.axes.limits()) {
             let turn = (t1 - f1).abs();
@@ -226,10 +232,17 @@ fn is_smooth(cell: &Cell, middle: &Rates) -> bool {
         values.into_iter().all(|((f, m), t)| (m - f.midpoint(*t)).abs() <= part * size)
     };
     let (start, end) = (&cell.start.rates, &cell.end.rates);
-    let largest = start.first.iter().chain(end.first.iter()).fold(0.0, |most: f64, v| most.max(v.abs()));
+    let largest =
+        start.first.iter().chain(end.first.iter()).fold(0.0, |most: f64, v| most.max(v.abs()));
     // A second derivative that turns the first by little over the cell does not matter.
     near(&start.first, &middle.first, &end.first, SMOOTH[0], 0.0)
-        && near(&start.second, &middle.second, &end.second, SMOOTH[1], SMOOTH[0] * largest / cell.length())
+        && near(
+            &start.second,
+            &middle.second,
+            &end.second,
+            SMOOTH[1],
+            SMOOTH[0] * largest / cell.length(),
+        )
 }
 
 /// The grid of `cells`.

@@ -245,7 +245,9 @@ impl SmoothSolver {
             let gamma = around.gamma.map(|g| g / (h * h));
             let middle = around.middle();
             let guess = match self.guess.get(index..index + 2) {
-                Some([from, to]) => 0.5 * self.scale.get(index).copied().unwrap_or_default() + 0.25 * (from + to),
+                Some([from, to]) => {
+                    0.5 * self.scale.get(index).copied().unwrap_or_default() + 0.25 * (from + to)
+                }
                 _ => 1.0,
             };
             // A cell that is over at once may change the acceleration by as much as one of the least time.
@@ -285,8 +287,10 @@ impl SmoothSolver {
         for (index, ((knot, guess), cell)) in nodes {
             let weight = 0.5 * (grid.length(cell - 1) + grid.length(cell));
             // w/√b to second order about the guess.
-            let (first, second) =
-                (-0.5 * weight / (guess * guess.sqrt()), 0.75 * weight / (guess * guess * guess.sqrt()));
+            let (first, second) = (
+                -0.5 * weight / (guess * guess.sqrt()),
+                0.75 * weight / (guess * guess * guess.sqrt()),
+            );
             let scale = |cell: usize| self.scale.get(cell).copied().unwrap_or_default();
             let (p, r) = (knot.b[0] * scale(index - 1), knot.b[1] * scale(index));
             let linear = first - second * guess;
@@ -387,7 +391,8 @@ impl Writer<'_> {
             }
         }
         // Every right side is 1, where that is possible.
-        let (scale, to) = if free > 1e-3 * right { (1.0 / free, 1.0) } else { (1.0 / right, free / right) };
+        let (scale, to) =
+            if free > 1e-3 * right { (1.0 / free, 1.0) } else { (1.0 / right, free / right) };
         let entries = entries.map(|(index, value)| (index, value * scale));
         let most: f64 = entries.iter().map(|(_, value)| value.abs()).sum();
         if sum >= screen * right {
@@ -398,7 +403,14 @@ impl Writer<'_> {
     }
 
     /// Adds |line·c|·√(b·c) ≤ 1 with its tangent about b = `guess`.
-    fn add_jerk(&self, program: &mut Program, index: usize, line: [f64; 3], b: [f64; 3], guess: f64) {
+    fn add_jerk(
+        &self,
+        program: &mut Program,
+        index: usize,
+        line: [f64; 3],
+        b: [f64; 3],
+        guess: f64,
+    ) {
         let (of_line, of_b) = (guess.sqrt() / 1.5, 1.0 / (3.0 * guess));
         for sign in [1.0, -1.0] {
             let mut entries = line.map(|x| sign * of_line * x);
