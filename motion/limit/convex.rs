@@ -1,9 +1,7 @@
 //! Convex programs for Clarabel: min ½·xᵀ·P·x + qᵀ·x with A·x ≤ 1, P tridiagonal, rows of a few neighbours, cones.
 
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
-};
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
 /// A convex program whose variables are all of the order of 1.
 ///

@@ -20,7 +20,9 @@ pub struct LinearProfile {
     pub rows: usize,
 }
 
-fn screen()->f64{std::env::var("SCREEN").map_or(0.6,|v|v.parse().unwrap())}
+fn screen() -> f64 {
+    std::env::var("SCREEN").map_or(0.6, |v| v.parse().unwrap())
+}
 /// Solves windows with limited acceleration; keeps its memory from one to the next.
 #[derive(Debug, Default)]
 pub struct LinearSolver {
@@ -65,13 +67,17 @@ impl LinearSolver {
             if let Some(v0) = v0 {
                 let c = b0;
                 let mut q = d(s0) - dd(s0) * b0;
-                if v1.is_some() { q -= cross * b1; }
+                if v1.is_some() {
+                    q -= cross * b1;
+                }
                 self.program.add_cost(v0, dd(s0) * c * c, q * c);
             }
             if let Some(v1) = v1 {
                 let c = b1;
                 let mut q = d(s1) - dd(s1) * b1;
-                if v0.is_some() { q -= cross * b0; }
+                if v0.is_some() {
+                    q -= cross * b0;
+                }
                 self.program.add_cost(v1, dd(s1) * c * c, q * c);
             }
             if let (Some(v0), Some(_)) = (v0, v1) {
@@ -81,20 +87,33 @@ impl LinearSolver {
                 let (axes, further) = grid.rows(cell, side);
                 let mut add = |a: f64, b: f64| {
                     let r = a * slope;
-                    let (p, r) = match side { End::Start => (b - r, r), End::Finish => (-r, b + r) };
+                    let (p, r) = match side {
+                        End::Start => (b - r, r),
+                        End::Finish => (-r, b + r),
+                    };
                     let (p, r) = (p * b0, r * b1);
-                    if p + r < screen() { return; }
+                    if p + r < screen() {
+                        return;
+                    }
                     let mut right = 1.0;
                     let mut entries = [(0, 0.0); 2];
-                    match v0 { Some(v) => entries[0] = (v, p), None => right -= p }
-                    match v1 { Some(v) => entries[1] = (v, r), None => right -= r }
+                    match v0 {
+                        Some(v) => entries[0] = (v, p),
+                        None => right -= p,
+                    }
+                    match v1 {
+                        Some(v) => entries[1] = (v, r),
+                        None => right -= r,
+                    }
                     self.program.add_row(&entries, right);
                 };
                 for row in axes {
                     add(row.a, row.b);
                     add(-row.a, -row.b);
                 }
-                for row in further { add(row.a, row.b); }
+                for row in further {
+                    add(row.a, row.b);
+                }
             }
         }
         let answer = self.program.solve(1e-7)?;

@@ -230,11 +230,14 @@ impl SmoothSolver {
             let gamma = around.gamma.map(|g| g / (h * h));
             let middle = around.middle();
             let guess = match self.guess.get(index..index + 2) {
-                Some([from, to]) => 0.5 * self.scale.get(index).copied().unwrap_or_default() + 0.25 * (from + to),
+                Some([from, to]) => {
+                    0.5 * self.scale.get(index).copied().unwrap_or_default() + 0.25 * (from + to)
+                }
                 _ => 1.0,
             };
             let (of_line, of_b) = (guess.sqrt() / 1.5, 1.0 / (3.0 * guess));
-            for (from, to) in grid.jerks(cell, End::Start).iter().zip(grid.jerks(cell, End::Finish)) {
+            for (from, to) in grid.jerks(cell, End::Start).iter().zip(grid.jerks(cell, End::Finish))
+            {
                 let line = middle.jerk(&from.between(to), gamma);
                 for sign in [1.0, -1.0] {
                     let mut entries = line.map(|x| sign * of_line * x);
@@ -263,8 +266,10 @@ impl SmoothSolver {
         for (index, ((knot, guess), cell)) in nodes {
             let weight = 0.5 * (grid.length(cell - 1) + grid.length(cell));
             // w/√b to second order about the guess.
-            let (first, second) =
-                (-0.5 * weight / (guess * guess.sqrt()), 0.75 * weight / (guess * guess * guess.sqrt()));
+            let (first, second) = (
+                -0.5 * weight / (guess * guess.sqrt()),
+                0.75 * weight / (guess * guess * guess.sqrt()),
+            );
             let scale = |cell: usize| self.scale.get(cell).copied().unwrap_or_default();
             let (p, r) = (knot.b[0] * scale(index - 1), knot.b[1] * scale(index));
             let linear = first - second * guess;

@@ -192,7 +192,8 @@ fn quadratic_duration(length: f64, b: f64, a: f64, gamma: f64) -> f64 {
             let best = if a + end >= 0.0 { forward } else { backward };
             best / root
         } else {
-            let phase = |v: f64, a: f64| if v == 0.0 && a == 0.0 { FRAC_PI_2 } else { (root * v).atan2(a) };
+            let phase =
+                |v: f64, a: f64| if v == 0.0 && a == 0.0 { FRAC_PI_2 } else { (root * v).atan2(a) };
             // The acceleration falls along the way: from phase(v₀, a₀) to phase(v₁, a₁).
             (phase(to, end) - phase(from, a)).abs() / root
         };
@@ -230,7 +231,16 @@ mod tests {
             if slope == 0.0 { 0.0 } else { slope / b.sqrt() }
         };
         let sum: f64 = (0..=n)
-            .map(|k| value(k) * if k == 0 || k == n { 1.0 } else if k % 2 == 1 { 4.0 } else { 2.0 })
+            .map(|k| {
+                value(k)
+                    * if k == 0 || k == n {
+                        1.0
+                    } else if k % 2 == 1 {
+                        4.0
+                    } else {
+                        2.0
+                    }
+            })
             .sum();
         sum / (3.0 * n as f64)
     }
@@ -238,7 +248,10 @@ mod tests {
     fn check(stretch: &Stretch) {
         let time = stretch.duration();
         let end = stretch.at(time);
-        assert!((end.position - stretch.length).abs() <= 1e-12 * stretch.length, "{stretch:?} {end:?}");
+        assert!(
+            (end.position - stretch.length).abs() <= 1e-12 * stretch.length,
+            "{stretch:?} {end:?}"
+        );
         let expected = quadrature(stretch);
         assert!((time - expected).abs() <= 1e-6 * expected, "{stretch:?}: {time} {expected}");
         // Each derivative is that of the one before.
@@ -247,12 +260,19 @@ mod tests {
             let t = part * time;
             let [before, here, after] = [t - h, t, t + h].map(|t| stretch.at(t));
             let close = |difference: f64, value: f64, size: f64| {
-                assert!((difference - value).abs() <= 1e-5 * size, "{stretch:?}: {difference} {value}");
+                assert!(
+                    (difference - value).abs() <= 1e-5 * size,
+                    "{stretch:?}: {difference} {value}"
+                );
             };
             let speed = stretch.length / time;
             close((after.position - before.position) / (2.0 * h), here.velocity, speed);
             close((after.velocity - before.velocity) / (2.0 * h), here.acceleration, speed / time);
-            close((after.acceleration - before.acceleration) / (2.0 * h), here.jerk, speed / time / time);
+            close(
+                (after.acceleration - before.acceleration) / (2.0 * h),
+                here.jerk,
+                speed / time / time,
+            );
             let (b, a) = stretch.at_position(here.position);
             close(b.sqrt(), here.velocity, speed);
             close(a, here.acceleration, speed / time);

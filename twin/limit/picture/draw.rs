@@ -12,7 +12,6 @@ use crate::page::{FAINT, INK, MARK, color, fine, font, resized, stroke};
 use crate::report::seconds;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use twin_motion::Place;
 
 /// Colours of axes by place in the machine (Okabe and Ito 2008), those first that are dark enough for lines.
 const AXES: [[u8; 3]; 8] = [
@@ -110,16 +109,15 @@ impl<'a, 'm> Drawing<'a, 'm> {
         let all = (0..PER_AXIS).flat_map(|quantity| {
             self.picture.parts(quantity).map(move |(_, axis, highest)| (quantity, axis, highest))
         });
-        let worst = all.max_by(|one, other| one.2.peak.value.total_cmp(&other.2.peak.value));
-        match worst {
-            Some((quantity, axis, highest)) if highest.peak.value > 0.0 => format!(
+        match highest(all, |one| one.2) {
+            Some((quantity, axis, highest)) => format!(
                 "at most {} of a limit: {} of {} in line {}",
                 percent(highest.peak.value),
                 QUANTITIES.get(quantity).map_or("", |(name, _)| *name),
                 axis.name,
                 text::line(highest.peak.place),
             ),
-            _ => "no axis moves".to_owned(),
+            None => "no axis moves".to_owned(),
         }
     }
 
@@ -173,9 +171,7 @@ impl<'a, 'm> Drawing<'a, 'm> {
         self.curve(root, row, PATH, 1.0, INK.stroke_width(stroke(1.4)))?;
         let fastest = &self.picture.fastest;
         let at = (RIGHT + 12.0, row.top + LINE / 2.0);
-        let place = where_it_is(fastest.peak.place);
-        let text = format!("largest {} mm/s, {place}", digits(fastest.peak.value));
-        words(root, &text, at, INK)?;
+        words(root, &format!("at most {} mm/s", digits(fastest.peak.value)), at, INK)?;
         self.ring(root, row, fastest, 1.0, INK)
     }
 
@@ -200,13 +196,8 @@ impl<'a, 'm> Drawing<'a, 'm> {
             words(root, &format!("{text} {unit}"), (RIGHT + 12.0, y), color_of(index))?;
             y += LINE;
         }
-        let largest = self.picture.parts(quantity);
-        let largest = largest.max_by(|one, other| one.2.peak.value.total_cmp(&other.2.peak.value));
-        match largest {
-            Some((index, _, highest)) => {
-                words(root, &where_it_is(highest.peak.place), (RIGHT + 12.0, y), FAINT)?;
-                self.ring(root, row, highest, 100.0, color_of(index))
-            }
+        match highest(self.picture.parts(quantity), |one| one.2) {
+            Some((index, _, highest)) => self.ring(root, row, highest, 100.0, color_of(index)),
             None => Ok(()),
         }
     }
@@ -225,7 +216,23 @@ impl<'a, 'm> Drawing<'a, 'm> {
         }
         let at = (self.time.x(highest.time_ns), row.y(highest.value * scale));
         let ring = color.stroke_width(stroke(1.6));
-        root.draw(&Circle::new((fine(at.0), fine(at.1)), stroke(5.0), ring))
+        root.draw(&Circle::new((fine(at.0), fine(at.1)), stroke(5.0), ring))?;
+        // Towards the middle of the row, and within it from left to right.
+        let below = at.1 < row.top + row.height / 2.0;
+        let y = if below { at.1 + 15.0 } else { at.1 - 15.0 };
+        let (side, x) = if at.0 > LEFT.midpoint(RIGHT) {
+            (HPos::Right, at.0 - 4.0)
+        } else {
+            (HPos::Left, at.0 + 4.0)
+        };
+        let style = font(12.5, color).pos(Pos::new(side, VPos::Center));
+        let text = format!("line {}", text::line(highest.peak.place));
+        // On white, so that curves do not cross it.
+        let width = text.chars().fold(4.0, |sum, _| sum + 6.3);
+        let left = if side == HPos::Right { x - width } else { x };
+        let patch = [(left, y - 8.0), (left + width, y + 8.0)].map(|(x, y)| (fine(x), fine(y)));
+        root.draw(&Rectangle::new(patch, WHITE.mix(0.8).filled()))?;
+        root.draw_text(&text, &style, (fine(x), fine(y)))
     }
 
     /// Which limit holds the path back.
@@ -233,7 +240,7 @@ impl<'a, 'm> Drawing<'a, 'm> {
         let of = |column: &Column| column.most_held();
         for (begin, end, kind) in self.bands(of) {
             let Some(kind) = kind else { continue };
-            self.band(root, row, [begin, end], self.kind_color(kind))?;
+            band(root, row, [begin, end], self.kind_color(kind))?;
         }
         row.frame(root)?;
         words(root, "what holds back", (RIGHT + 12.0, row.top + STRIP / 2.0), INK)
@@ -256,17 +263,6 @@ impl<'a, 'm> Drawing<'a, 'm> {
         bands
     }
 
-    fn band(
-        &self,
-        root: &Area<'_>,
-        row: &Row,
-        [begin, end]: [f64; 2],
-        color: RGBColor,
-    ) -> Result<(), Failure> {
-        let corners = [(begin, row.top), (end, row.bottom())].map(|(x, y)| (fine(x), fine(y)));
-        root.draw(&Rectangle::new(corners, color.filled()))
-    }
-
     /// The lines of the program: by turns light and dark where there is room, with their numbers where these fit.
     fn lines(&self, root: &Area<'_>, row: &Row) -> Result<(), Failure> {
         let shades = [color([238, 240, 243]), color([214, 218, 224])];
@@ -282,7 +278,7 @@ impl<'a, 'm> Drawing<'a, 'm> {
         let mut numbers = Vec::new();
         for (begin, end, number) in self.bands(of) {
             let color = if number.is_some() { shade.next() } else { None };
-            self.band(root, row, [begin, end], color.copied().unwrap_or(mixed))?;
+            band(root, row, [begin, end], color.copied().unwrap_or(mixed))?;
             let Some(number) = number else { continue };
             let text = number.to_string();
             let half = text.chars().fold(2.5, |sum, _| sum + 3.4);
@@ -340,6 +336,16 @@ impl<'a, 'm> Drawing<'a, 'm> {
     }
 }
 
+fn band(
+    root: &Area<'_>,
+    row: &Row,
+    [begin, end]: [f64; 2],
+    color: RGBColor,
+) -> Result<(), Failure> {
+    let corners = [(begin, row.top), (end, row.bottom())].map(|(x, y)| (fine(x), fine(y)));
+    root.draw(&Rectangle::new(corners, color.filled()))
+}
+
 fn color_of(axis: usize) -> RGBColor {
     color(AXES.get(axis % AXES.len()).copied().unwrap_or_default())
 }
@@ -350,6 +356,13 @@ fn share(axis: &Axis, highest: &Highest, limit: Option<f64>) -> String {
     format!("{}: {}, {}", axis.name, percent(highest.peak.value), digits(value))
 }
 
-fn where_it_is(place: Place) -> String {
-    format!("line {}", text::line(place))
+/// The first of those with the largest value; none if all are zero.
+fn highest<T>(
+    all: impl Iterator<Item = T>,
+    of: impl for<'t> Fn(&'t T) -> &'t Highest,
+) -> Option<T> {
+    all.fold(None, |best, one| {
+        let most = best.as_ref().map_or(0.0, |best| of(best).peak.value);
+        if of(&one).peak.value > most { Some(one) } else { best }
+    })
 }
