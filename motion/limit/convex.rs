@@ -18,7 +18,19 @@ pub(super) struct Program {
     right: Vec<f64>,
     /// How many of the last rows belong to cones, four each.
     cones: usize,
+    /// Rows that are left out as long as a solution keeps them.
+    spare: Vec<Spare>,
 }
+
+/// A row that is left out.
+#[derive(Clone, Copy, Debug)]
+struct Spare {
+    entries: [(usize, f64); 3],
+    right: f64,
+}
+
+/// A row that was left out has to be kept to within this part of the variables' scale.
+const KEPT: f64 = 1e-5;
 
 /// What a solve gave.
 #[derive(Debug)]
@@ -49,6 +61,7 @@ impl Program {
         self.ends.clear();
         self.entries.clear();
         self.right.clear();
+        self.spare.clear();
         self.cones = 0;
     }
 
@@ -74,6 +87,42 @@ impl Program {
         self.entries.extend(entries.iter().filter(|(_, value)| *value != 0.0));
         self.ends.push(self.entries.len());
         self.right.push(right);
+    }
+
+    /// Adds a row only once a solution does not keep it.
+    pub(super) fn add_spare(&mut self, entries: [(usize, f64); 3], right: f64) {
+        self.spare.push(Spare { entries, right });
+    }
+
+    /// Adds the spare rows that `x` does not keep; how many.
+    fn add_broken(&mut self, x: &[f64]) -> usize {
+        let spare = std::mem::take(&mut self.spare);
+        let before = self.rows();
+        for row in spare {
+            let value = |(index, factor): &(usize, f64)| x.get(*index).map_or(0.0, |x| factor * x);
+            if row.entries.iter().map(value).sum::<f64>() > row.right + KEPT {
+                self.add_row(&row.entries, row.right);
+            } else {
+                self.spare.push(row);
+            }
+        }
+        self.rows() - before
+    }
+
+    /// Solves it, with as many of the spare rows as are needed.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub(super) fn solve_all(&mut self, tolerance: f64) -> Result<Answer, NotSolved> {
+        let mut iterations = 0;
+        loop {
+            let mut answer = self.solve(tolerance)?;
+            iterations += answer.iterations;
+            if self.add_broken(&answer.x) == 0 {
+                answer.iterations = iterations;
+                return Ok(answer);
+            }
+        }
     }
 
     /// Adds the cone |three rows| ≤ 1. After the first cone no more rows may be added.

@@ -199,6 +199,20 @@ impl Grid {
         }
     }
 
+    /// Makes the limits of acceleration and of jerk in the newest cell tighter by these factors.
+    pub(super) fn tighten_last(&mut self, [acceleration, jerk]: [f64; 2]) {
+        let width = 2 * (self.limits.len() + self.extra);
+        for row in self.rows.iter_mut().rev().take(width) {
+            row.a *= acceleration;
+            row.b *= acceleration;
+        }
+        for row in self.jerks.iter_mut().rev().take(2 * self.limits.len()) {
+            row.first *= jerk;
+            row.second *= jerk;
+            row.third *= jerk;
+        }
+    }
+
     /// Bounds u̇² at a node as well.
     pub fn cap_at(&mut self, node: usize, cap: Cap) {
         if let Some(slot) = self.caps.get_mut(node) {
@@ -263,18 +277,6 @@ impl Grid {
     pub(super) fn disc(&self, cell: usize, end: End) -> Option<&Disc> {
         self.discs.get(2 * cell + end as usize)?.as_ref()
     }
-
-    /// Forgets the first `cells`.
-    pub(super) fn forget(&mut self, cells: usize) {
-        let cells = cells.min(self.cells());
-        let ends = 2 * cells;
-        self.u.drain(..cells);
-        self.caps.drain(..cells);
-        self.rows.drain(..(ends * (self.limits.len() + self.extra)).min(self.rows.len()));
-        self.jerks.drain(..(ends * self.limits.len()).min(self.jerks.len()));
-        self.discs.drain(..ends);
-        self.cell_caps.drain(..cells);
-    }
 }
 
 /// One of the ends of a cell.
@@ -289,9 +291,17 @@ impl End {
 }
 
 impl Grid {
-    /// The largest jerk of the parameter at the start of a cell, from rest.
+    /// The largest jerk of the parameter with which a cell can be begun from rest.
     pub fn jerk_start(&self, cell: usize) -> f64 {
-        let most = self.jerks(cell, End::Start).iter().map(|row| row.first.abs());
-        1.0 / most.fold(0.0, f64::max)
+        rest_jerk(self.jerks(cell, End::Start))
     }
+
+    /// The largest jerk of the parameter with which a cell can end at rest.
+    pub fn jerk_end(&self, cell: usize) -> f64 {
+        rest_jerk(self.jerks(cell, End::Finish))
+    }
+}
+
+fn rest_jerk(rows: &[JerkRow]) -> f64 {
+    1.0 / rows.iter().fold(0.0, |most, row| row.first.abs().max(most))
 }

@@ -9,6 +9,9 @@ use super::grid::{End, Grid};
 use super::reachable;
 use std::ops::Range;
 
+/// Rows less active than this where every b is the largest it can be are left out at first.
+const SCREEN: f64 = 0.9;
+
 /// A profile with constant acceleration in every cell.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearProfile {
@@ -20,9 +23,12 @@ pub struct LinearProfile {
     pub rows: usize,
 }
 
+<<<<<<< HEAD
 fn screen() -> f64 {
     std::env::var("SCREEN").map_or(0.6, |v| v.parse().unwrap())
 }
+=======
+>>>>>>> main
 /// Solves windows with limited acceleration; keeps its memory from one to the next.
 #[derive(Debug, Default)]
 pub struct LinearSolver {
@@ -92,11 +98,19 @@ impl LinearSolver {
                         End::Finish => (-r, b + r),
                     };
                     let (p, r) = (p * b0, r * b1);
+<<<<<<< HEAD
                     if p + r < screen() {
                         return;
                     }
                     let mut right = 1.0;
                     let mut entries = [(0, 0.0); 2];
+=======
+                    if p.max(0.0) + r.max(0.0) <= 1.0 {
+                        return;
+                    }
+                    let mut right = 1.0;
+                    let mut entries = [(0, 0.0); 3];
+>>>>>>> main
                     match v0 {
                         Some(v) => entries[0] = (v, p),
                         None => right -= p,
@@ -105,7 +119,15 @@ impl LinearSolver {
                         Some(v) => entries[1] = (v, r),
                         None => right -= r,
                     }
+<<<<<<< HEAD
                     self.program.add_row(&entries, right);
+=======
+                    if p + r < SCREEN {
+                        self.program.add_spare(entries, right);
+                    } else {
+                        self.program.add_row(&entries, right);
+                    }
+>>>>>>> main
                 };
                 for row in axes {
                     add(row.a, row.b);
@@ -116,7 +138,7 @@ impl LinearSolver {
                 }
             }
         }
-        let answer = self.program.solve(1e-7)?;
+        let answer = self.program.solve_all(1e-7)?;
         let mut b = guess.clone();
         for ((slot, x), scale) in b.iter_mut().skip(1).zip(&answer.x).zip(&scale) {
             *slot = (x * scale).max(0.0);

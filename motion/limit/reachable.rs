@@ -129,7 +129,9 @@ impl Plane {
     /// The largest y within `cap` that goes with x.
     #[inline]
     fn largest_after(&self, x: f64, cap: f64) -> f64 {
-        self.span(x, cap).high.at.max(0.0)
+        // By rounding the two bounds may cross.
+        let Span { low, high } = self.span(x, cap);
+        high.at.max(low.at).min(cap)
     }
 
     /// The largest x within `cap` that goes with some y from 0 to `next`.

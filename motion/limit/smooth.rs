@@ -30,8 +30,13 @@ use std::ops::Range;
 
 /// Rows less active than this at the guess are left out at first.
 const SCREEN: f64 = 0.3;
-/// A limit is kept if it is exceeded by no more than this part.
-const KEPT: f64 = 1e-5;
+/// The next guess is not below this part of the one before.
+const FLOOR: f64 = 0.05;
+/// Cells that take less time, s, are too short to tell a jerk: their coefficients would drown in rounding.
+const LEAST_TIME: f64 = 2e-5;
+/// Where the velocity varies within a cell, so does the jerk: at its ends it may be larger than in its middle, by this
+/// part of the limit.
+const AT_ENDS: f64 = 0.04;
 
 /// How a profile begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,10 +109,13 @@ impl SmoothSolver {
         for _ in 0..solves.max(1) {
             self.set_scale(grid, &cells, beginning);
             self.build(grid, &cells, beginning);
-            let answer = self.program.solve(1e-7)?;
+            let answer = self.program.solve_all(1e-7)?;
             iterations += answer.iterations;
             let (b, a) = self.values(&cells, beginning, &answer.x);
-            self.guess.clone_from(&b);
+            // A profile that all but rests says little about the next.
+            for (guess, b) in self.guess.iter_mut().zip(&b) {
+                *guess = b.max(FLOOR * *guess);
+            }
             profile = Some((b, a));
         }
         let (b, a) = profile.unwrap_or_default();
@@ -117,7 +125,14 @@ impl SmoothSolver {
     fn set_knots(&mut self, grid: &Grid, cells: &Range<usize>, beginning: Beginning) {
         let count = cells.len();
         self.knots.clear();
-        self.knots.push(Knot::default());
+        self.knots.push(match beginning {
+            Beginning::Rest => Knot::default(),
+            // What is given, as a part of the first c, which is given, too.
+            Beginning::Moving { b, a } => {
+                let c = b + a * grid.length(cells.start);
+                Knot { b: [0.0, b / c], a: [0.0, a / c] }
+            }
+        });
         for (index, cell) in cells.clone().enumerate().skip(1) {
             let (before, after) = (grid.length(cell - 1), grid.length(cell));
             let knot = if index == 1 && beginning == Beginning::Rest {
@@ -235,16 +250,22 @@ impl SmoothSolver {
                 }
                 _ => 1.0,
             };
-            let (of_line, of_b) = (guess.sqrt() / 1.5, 1.0 / (3.0 * guess));
-            for (from, to) in grid.jerks(cell, End::Start).iter().zip(grid.jerks(cell, End::Finish))
-            {
-                let line = middle.jerk(&from.between(to), gamma);
-                for sign in [1.0, -1.0] {
-                    let mut entries = line.map(|x| sign * of_line * x);
-                    for (entry, b) in entries.iter_mut().zip(middle.b) {
-                        *entry += of_b * b;
+            // A cell that is over at once may change the acceleration by as much as one of the least time.
+            let takes = h / guess.sqrt();
+            let share = (takes / LEAST_TIME).min(1.0);
+            let rows = grid.jerks(cell, End::Start).iter().zip(grid.jerks(cell, End::Finish));
+            for (from, to) in rows {
+                let line = middle.jerk(&from.between(to), gamma).map(|x| x * share);
+                writer.add_jerk(&mut self.program, index, line, middle.b, guess);
+            }
+            // Where the velocity varies by more than the ends may take.
+            for (end, place) in [(End::Start, around.start), (End::Finish, around.finish)] {
+                let at_end = self.guess.get(index + end as usize).copied().unwrap_or_default();
+                if at_end > guess * (1.0 + AT_ENDS) {
+                    for row in grid.jerks(cell, end) {
+                        let line = place.jerk(row, gamma).map(|x| x / (1.0 + AT_ENDS));
+                        writer.add_jerk(&mut self.program, index, line, place.b, at_end);
                     }
-                    writer.add(&mut self.program, index, entries, 1.0, SCREEN);
                 }
             }
         }
@@ -369,15 +390,34 @@ impl Writer<'_> {
                 sum += value;
             }
         }
-        if sum < screen * right || entries.iter().all(|(_, value)| *value == 0.0) {
-            return;
+        // Every right side is 1, where that is possible.
+        let (scale, to) =
+            if free > 1e-3 * right { (1.0 / free, 1.0) } else { (1.0 / right, free / right) };
+        let entries = entries.map(|(index, value)| (index, value * scale));
+        let most: f64 = entries.iter().map(|(_, value)| value.abs()).sum();
+        if sum >= screen * right {
+            program.add_row(&entries, to);
+        } else if most > 0.5 * to {
+            program.add_spare(entries, to);
         }
-        // Every right side is 1.
-        if free > 1e-3 * right {
-            let scale = 1.0 / free;
-            program.add_row(&entries.map(|(index, value)| (index, value * scale)), 1.0);
-        } else {
-            program.add_row(&entries.map(|(index, value)| (index, value / right)), free / right);
+    }
+
+    /// Adds |line·c|·√(b·c) ≤ 1 with its tangent about b = `guess`.
+    fn add_jerk(
+        &self,
+        program: &mut Program,
+        index: usize,
+        line: [f64; 3],
+        b: [f64; 3],
+        guess: f64,
+    ) {
+        let (of_line, of_b) = (guess.sqrt() / 1.5, 1.0 / (3.0 * guess));
+        for sign in [1.0, -1.0] {
+            let mut entries = line.map(|x| sign * of_line * x);
+            for (entry, b) in entries.iter_mut().zip(b) {
+                *entry += of_b * b;
+            }
+            self.add(program, index, entries, 1.0, SCREEN);
         }
     }
 

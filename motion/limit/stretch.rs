@@ -112,6 +112,14 @@ impl Stretch {
         }
     }
 
+    /// u⃛ where the parameter is `u` from the start.
+    pub fn jerk_at(&self, u: f64) -> f64 {
+        match self.law {
+            Law::Quadratic { gamma, .. } => gamma * self.at_position(u).0.sqrt(),
+            Law::Launch { jerk } | Law::Landing { jerk } => jerk,
+        }
+    }
+
     /// Where it is `time` s after the start of the cell.
     pub fn at(&self, time: f64) -> Progress {
         let time = time.clamp(0.0, self.duration);

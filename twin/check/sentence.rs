@@ -2,7 +2,7 @@
 
 use super::ROUNDING;
 use crate::finding::{Finding, Rule, Severity};
-use crate::machine::{Axis, AxisKind};
+use crate::machine::{Axis, AxisKind, VelocitySource};
 use crate::physics::PhysicsError;
 use std::collections::BTreeSet;
 use twin_kinematics::KinematicsError;
@@ -65,7 +65,13 @@ pub(super) fn beyond_position(axis: &Axis, place: Place, position: f64) -> Optio
 /// A velocity (rad/s or m/s) above the axis's.
 pub(super) fn too_fast(axis: &Axis, place: Place, velocity: f64) -> Finding {
     let quantity = Quantity { name: "velocity", units: ["deg/s", "mm/s"] };
-    too_much(axis, Rule::AxisVelocity, &quantity, place, velocity, axis.max_velocity)
+    let mut finding =
+        too_much(axis, Rule::AxisVelocity, &quantity, place, velocity, axis.max_velocity);
+    let source = axis.velocity_limit().source;
+    if source != VelocitySource::Axis {
+        finding.message += &format!(" ({})", source.name());
+    }
+    finding
 }
 
 /// An acceleration (rad/s² or m/s²) above the axis's.

@@ -1,6 +1,7 @@
 //! `[[axes]]`: what each axis of the machine is and can do.
 
 use super::drives::{counts, steps_per_s};
+use super::limits::{DriveLimits, VelocityLimits, read_headroom};
 use super::section::Section;
 use crate::physics::AxisDriveParameters;
 use std::ops::Range;
@@ -67,12 +68,16 @@ pub struct Axis {
     pub period: Option<f64>,
     /// Whether the machine file gives the limits.
     pub limited: bool,
-    /// m/s or rad/s.
+    /// m/s or rad/s: the smallest of [`Self::velocity_limits`].
     pub max_velocity: f64,
+    /// What limits its velocity.
+    pub velocity_limits: VelocityLimits,
     /// m/s² or rad/s².
     pub max_acceleration: f64,
     /// m/s³ or rad/s³; `None`: not limited.
     pub max_jerk: Option<f64>,
+    /// Part of the velocity that a plan leaves to the override, 0 to 0.9.
+    pub headroom: f64,
     /// Largest distance from the set-point, m or rad; `None`: not watched.
     pub max_following_error: Option<f64>,
     /// Its drive in the simulated machine.
@@ -172,6 +177,8 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
     let max_acceleration =
         section.required_number(&format!("max_acceleration_{unit}_per_s2"), 1e-3..=1e8);
     let max_jerk = section.number(&format!("max_jerk_{unit}_per_s3"), 1e-3..=1e12);
+    let drive_limits = DriveLimits::read(section, unit);
+    let headroom = read_headroom(section);
     let max_following_error = section.number(&format!("max_following_error_{unit}"), 1e-6..=1e4);
     let simulated = read_simulated(&section.section("physics"), kind);
     let drive = read_drive(section, unit, devices);
@@ -191,10 +198,22 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
         );
         return None;
     }
+    let increments = drive.as_ref().map(|drive| drive.ratio.per_unit());
+    let velocities = drive_limits.with(max_velocity?, increments);
     if let Some(drive) = &drive {
-        check_drive(section, unit, &drive.ratio, [min, max], max_velocity?);
+        // Without a drive's own limit.
+        let velocity = VelocityLimits { step_frequency: None, ..velocities }.smallest().value;
+        check_drive(
+            section,
+            unit,
+            &drive.ratio,
+            [min, max],
+            velocity,
+            drive_limits.step_frequency_hz,
+        );
     }
     let scale = kind.scale();
+    let velocity_limits = velocities.scaled(scale);
     Some(AxisEntry {
         axis: Axis {
             name: name?.to_owned(),
@@ -202,9 +221,11 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
             position_limits: [min * scale, max * scale],
             period: period.map(|period| period * scale),
             limited,
-            max_velocity: max_velocity? * scale,
+            max_velocity: velocity_limits.smallest().value,
+            velocity_limits,
             max_acceleration: max_acceleration? * scale,
             max_jerk: max_jerk.map(|jerk| jerk * scale),
+            headroom,
             max_following_error: max_following_error.map(|error| error * scale),
             simulated,
             drive,
@@ -248,7 +269,7 @@ fn read_drive(section: &Section<'_>, unit: &str, devices: &[String]) -> Option<A
     let per_units = section.number(&per_key, 1e-6..=1e9);
     let Some(device) = device else {
         if !section.has("drive") {
-            for key in ["drive_axis", "increments", &per_key] {
+            for key in ["drive_axis", "increments", &per_key, "max_step_frequency_khz"] {
                 if section.has(key) {
                     section.complain_at(key, format!("`{key}` says nothing without a `drive`"));
                 }
@@ -281,22 +302,27 @@ fn read_drive(section: &Section<'_>, unit: &str, devices: &[String]) -> Option<A
     Some(AxisDrive { device: found, index: index?, ratio })
 }
 
-/// Whether the drive can count and step as far and as fast as the axis may go.
+/// Whether the drive can count and step as far and as fast as the axis may go; a step frequency that is given keeps the
+/// axis within it.
 fn check_drive(
     section: &Section<'_>,
     unit: &str,
     ratio: &IncrementRatio,
     limits: [f64; 2],
     max_velocity: f64,
+    step_frequency_hz: Option<f64>,
 ) {
     let per_unit = ratio.per_unit().abs();
-    let speed = max_velocity * per_unit;
+    let speed = (max_velocity * per_unit).min(step_frequency_hz.unwrap_or(f64::INFINITY));
     let speeds = steps_per_s();
     if !speeds.contains(&speed) {
         let (low, high) = (speeds.start(), speeds.end());
-        let message = format!(
+        let mut message = format!(
             "{max_velocity} {unit}/s are {speed:.0} steps/s; the drive makes {low} to {high} steps/s"
         );
+        if speed > *high {
+            message += ", and `max_step_frequency_khz` would keep the axis within them";
+        }
         section.complain_at("increments", message);
     }
     let farthest = limits.into_iter().map(f64::abs).fold(0.0, f64::max);

@@ -6,6 +6,7 @@ mod direction;
 mod drives;
 mod frame;
 mod geometry;
+mod limits;
 mod m_functions;
 mod problem;
 mod section;
@@ -18,6 +19,7 @@ pub(crate) use conditions::said as tool_table_problem;
 pub use conditions::{PreparationInputs, ProgramConditions};
 pub use direction::DirectionRule;
 pub use drives::{DeviceEntry, Parity};
+pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
 pub use problem::{MachineFileError, Problem};
 
 use crate::m_function::MFunction;
@@ -64,6 +66,8 @@ pub struct Machine {
     pub gravity: Vector3<f64>,
     /// What programs find when they begin.
     pub conditions: ProgramConditions,
+    /// What a plan may ask of the path.
+    pub path_limits: PathLimits,
     /// Time between set-points, ns.
     pub cycle_ns: i64,
 }
@@ -169,6 +173,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
     let frame = frame::read(root);
 
     let conditions = conditions::read(root, path);
+    let path_limits = limits::read_path(root, &conditions.preparation);
     let m_functions = m_functions::read(root, !device_names.is_empty());
 
     let environment = root.section("environment");
@@ -194,6 +199,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         drives: devices.into_iter().collect::<Option<_>>()?,
         gravity: Vector3::from(gravity),
         conditions,
+        path_limits,
         m_functions,
         cycle_ns: CYCLE_NS,
     })

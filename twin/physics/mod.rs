@@ -19,6 +19,7 @@
 //! The state is rapier's after every cycle; [`PhysicsMachine::link_poses`] reads the bodies.
 //! Two runs with the same inputs give the same bits.
 
+mod along_path;
 mod drive;
 mod dynamics;
 mod error;
@@ -34,6 +35,7 @@ use nalgebra::{Isometry3, Vector3};
 use twin_kinematics::{AxisMotion, AxisVector, MAX_AXES};
 use twin_urdf::Model;
 
+pub use along_path::{AxisEffort, AxisLoad, EffortRow, PathDynamics, TorqueAlongPath};
 pub use drive::{AxisDriveParameters, EffortFeedForward};
 pub use error::PhysicsError;
 

@@ -2,7 +2,7 @@
 
 use super::CoursePoint;
 use crate::path::ExtraPoint;
-use nalgebra::{Point3, SVector, Vector3};
+use nalgebra::{Point3, SVector};
 
 /// What the course does about a joint: a quintic in each coordinate and extra axis over the last
 /// [`Self::half_width`] metres of one element and as many of the next. At both ends it has the position and the first
@@ -60,7 +60,7 @@ impl Blend {
     /// Position and derivatives at `way` m from the joint, −[`Self::half_width`] to [`Self::half_width`]; what is
     /// beyond counts as the end.
     pub fn at(&self, way: f64) -> CoursePoint {
-        let x = (way / self.half_width).max(-1.0).min(1.0);
+        let x = (way / self.half_width).clamp(-1.0, 1.0);
         let [position, first, second, third] = self.space.at(x, self.half_width);
         let extra = self.extra.as_ref().map(|extra| {
             let [position, first, second, third] = extra.at(x, self.half_width).map(Into::into);

@@ -87,6 +87,8 @@ impl CourseElement {
     /// derivative steps, at [`Self::breaks`], it is that of the blend.
     ///
     /// What has no length is where it ends, and its derivatives are zero.
+    ///
+    /// A blend costs about as much as an arc, a fifth of a cubic.
     pub fn at(&self, s: f64) -> CoursePoint {
         let length = self.length();
         let s = s.max(0.0).min(length);

@@ -2,7 +2,7 @@
 
 use super::blend::resting;
 use super::{CoursePoint, Order};
-use crate::path::ExtraPoint;
+use crate::path::{ExtraPoint, Shape};
 use crate::prepare::CheckedElement;
 use nalgebra::SVector;
 
@@ -55,7 +55,7 @@ pub(super) struct Steps {
     extra: [bool; 2],
     apart: bool,
     folds: bool,
-    /// How far off the coordinates may be, m: by rounding, and by the gap between the elements.
+    /// How far off positions near the joint may be, m: by rounding, and by the gap between the elements.
     pub(super) blur: f64,
 }
 
@@ -67,8 +67,11 @@ impl Steps {
         after.extra = after.extra.or(before.extra.map(resting));
         let shorter = from.path_length().min(to.path_length());
 
-        let size = [from.start(), from.end(), to.end()].map(|point| point.coords.amax());
-        let rounding = ROUNDINGS * f64::EPSILON * size.into_iter().fold(0.0, f64::max);
+        let near = ROUNDINGS
+            * f64::EPSILON
+            * before.position.coords.amax().max(reckoned_with(from)).max(reckoned_with(to));
+        let far_ends = from.start().coords.amax().max(to.end().coords.amax());
+        let rounding = near.max(ROUNDINGS * f64::EPSILON * far_ends);
         let gap = (after.position - before.position).norm();
         let tangent_jump = (after.first - before.first).norm();
         let curvature_jump = (after.second - before.second).norm();
@@ -119,9 +122,9 @@ impl Steps {
             joint,
             space,
             extra,
-            apart: gap > MEETING + rounding || step(|side| side.position) > SAME * far.max(1.0),
+            apart: gap > MEETING + near || step(|side| side.position) > SAME * far.max(1.0),
             folds: (0.5 * angle).cos() < SLOWEST,
-            blur: rounding.max(gap),
+            blur: near.max(gap),
         }
     }
 
@@ -152,6 +155,18 @@ impl Steps {
     /// Whether an extra axis has a step of any kind.
     pub(super) fn extra_step(&self) -> bool {
         self.extra.contains(&true)
+    }
+}
+
+/// The largest number that goes into a position of a curve, m; 0 for a line, which starts and ends where it is told.
+fn reckoned_with(element: &CheckedElement) -> f64 {
+    match &element.shape {
+        Shape::Line { .. } => 0.0,
+        Shape::Arc(arc) => arc.center().coords.amax() + arc.radius().max(arc.end_radius()),
+        Shape::Ellipse(ellipse) => {
+            ellipse.center().coords.amax() + ellipse.major().norm().max(ellipse.minor().abs())
+        }
+        Shape::Cubic(cubic) => cubic.start().coords.amax().max(cubic.end().coords.amax()),
     }
 }
 

@@ -27,8 +27,12 @@ const SHARPEST: f64 = 1e30;
 /// Deviations that are found are within the tolerance by this part of it, at most and at least aimed at.
 const AIM: f64 = 0.98;
 const ENOUGH: f64 = 0.9;
-/// So many widths are tried, at most. Two or three are the rule.
+/// So many widths are tried once there is one that will do. One or two are the rule.
 const TRIALS: u32 = 12;
+/// And so many until then: halved so often the longest element is as short as the shortest.
+const MOST_TRIALS: u32 = 100;
+/// So many may be found too wide by what their deviations say.
+const PATIENCE: u32 = 3;
 /// Deviations are looked at in so many intervals on each side.
 const INTERVALS: u8 = 8;
 /// Over each of them the first derivative of the original path changes by no more than this, so that a cubic between
@@ -44,8 +48,9 @@ pub(super) enum NoBlend {
     TooShort,
 }
 
-/// The widest blend between two elements within the tolerance: at most half of either, and within a tenth of the
-/// tolerance used up if it is narrower than that (or the path bends by about 2 rad under it).
+/// The widest blend between two elements: at most half of either, and if it is narrower than that, the tolerance is
+/// used up to a tenth, or one that is wider by a tenth is not within it, folds, or lets the path bend by about 2 rad
+/// beside it.
 pub(super) fn widest(
     from: &CheckedElement,
     to: &CheckedElement,
@@ -54,7 +59,7 @@ pub(super) fn widest(
 ) -> Result<Blend, NoBlend> {
     let most = SHARE * from.path_length().min(to.path_length());
     let least = NARROWEST.max(DIGITS * steps.blur);
-    if !(most >= least) {
+    if most < least {
         return Err(NoBlend::TooShort);
     }
     let expected = [
@@ -67,7 +72,10 @@ pub(super) fn widest(
     // The smallest that was too wide, and what the last trials found.
     let (mut too_wide, mut folds) = (f64::INFINITY, false);
     let mut last: Option<[f64; 2]> = None;
-    for _ in 0..TRIALS {
+    for count in 0..MOST_TRIALS {
+        if good.is_some() && count >= TRIALS {
+            break;
+        }
         let trial = Trial::new(from, to, steps, options, half_width);
         // By which power of the width the deviation grows: as between the last two trials, or as expected.
         let power = last
@@ -93,15 +101,17 @@ pub(super) fn widest(
                 break;
             }
         }
-        // But for the deviation there is nothing to reckon with: half as wide.
-        let known = fits || trial.deviation > 1.0 && trial.deviation.is_finite();
-        let wanted = if known { half_width * by } else { 0.5 * half_width };
+        // Where the path bends much the deviation says nothing about that of other widths: half as wide.
+        let known = fits || trial.deviation.is_finite() && !trial.folds && !trial.coarse;
+        let patient = good.is_some() || fits || count < PATIENCE;
+        let wanted = half_width * if known && patient { by } else { by.clamp(0.1, 0.5) };
         let widest_good = good.as_ref().map_or(least, |(width, _)| *width);
-        let wanted = wanted.min(16.0 * half_width).min(most).max(widest_good);
-        half_width = if wanted < too_wide && (wanted > widest_good || good.is_none()) {
-            wanted
+        // Between a width that will do and one that is too wide, some way from both: the bounds close in.
+        let between = |part: f64| widest_good * (too_wide / widest_good).powf(part);
+        half_width = if good.is_some() && too_wide.is_finite() {
+            wanted.max(between(0.25)).min(between(0.75))
         } else {
-            (widest_good * too_wide.min(most)).sqrt()
+            wanted.max(widest_good).min(16.0 * half_width).min(most)
         };
     }
     match good {

@@ -145,7 +145,7 @@ fn extra_axes() {
         let [p, others @ ..] = element.extra_at(part * 0.05).unwrap().third;
         let expected = 60.0 * 3.0 / 0.05_f64.powi(3) * factor;
         assert!((p - expected).abs() < 1e-9 * expected.abs(), "{p}");
-        assert_eq!(others, [0.0; 4]);
+        assert!(others.iter().all(|third| third.abs() < 1e-300), "{others:?}");
     }
 }
 

@@ -50,6 +50,8 @@ fn axis(axis: &Axis) -> Value {
         "limits": axis.limited.then(|| axis.position_limits.map(|limit| axis.from_si(limit))),
         "period": axis.period.map(|period| axis.from_si(period)),
         "velocity": axis.from_si(axis.max_velocity),
+        "velocity_limited_by": axis.velocity_limit().source.name(),
+        "headroom_percent": (axis.headroom * 1e4).round() / 1e2,
         "acceleration": axis.from_si(axis.max_acceleration),
         "jerk": axis.max_jerk.map(|jerk| axis.from_si(jerk)),
     })

@@ -2,7 +2,7 @@
 
 use super::Facts;
 use crate::command::show;
-use crate::machine::{Axis, Machine};
+use crate::machine::{Axis, Machine, VelocityLimit, VelocitySource};
 use crate::number::significant;
 use crate::workspace::{Cut, Example, MeasureAt, Section};
 use comfy_table::{Cell, CellAlignment};
@@ -50,7 +50,7 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
             axis.name.clone(),
             format!("{:?}", axis.kind).to_lowercase(),
             format!("{} {unit}", show::limits(axis)),
-            format!("{:.1} {unit}/s", axis.from_si(axis.max_velocity)),
+            velocity(axis),
             format!("{:.1} {unit}/s²", axis.from_si(axis.max_acceleration)),
             axis.max_jerk
                 .map_or("–".to_owned(), |jerk| format!("{:.1} {unit}/s³", axis.from_si(jerk))),
@@ -99,6 +99,16 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
         )?;
     }
     Ok(())
+}
+
+/// The largest velocity of an axis, and what keeps it from more if that is not the axis.
+fn velocity(axis: &Axis) -> String {
+    let VelocityLimit { value, source } = axis.velocity_limit();
+    let shown = format!("{:.1} {}/s", axis.from_si(value), axis.unit());
+    match source {
+        VelocitySource::Axis => shown,
+        source => format!("{shown} ({})", source.name()),
+    }
 }
 
 /// Cells of a row, those of some columns to the right.

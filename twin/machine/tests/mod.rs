@@ -3,6 +3,7 @@
 #![expect(clippy::float_cmp, reason = "given in the file, rounded before, or to be exact")]
 
 mod kinds;
+mod limits;
 mod programs;
 
 use super::{Axis, AxisKind, Machine, MachineFileError, Parity, Problem};

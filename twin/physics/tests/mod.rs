@@ -1,5 +1,6 @@
 //! Tests of the physics machine: machines made by hand, closed forms, and peers' numbers.
 
+mod along_path;
 mod closed_forms;
 mod drives;
 mod rapier;

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use super::*;
 
 /// Two revolute axes about +z, 0.4 m and 0.3 m apart, and a slide along +z; masses of uniform boxes.
-fn scara() -> Model {
+pub(super) fn scara() -> Model {
     chain([
         (
             JointKind::Revolute,
@@ -30,7 +30,7 @@ fn scara() -> Model {
 }
 
 /// Joint motion on a circle of 0.1 m about (0.45, 0) at 0.5 m/s, z = 0.02·sin(2πt), in closed form.
-fn circle(t: f64) -> [JointVector; 3] {
+pub(super) fn circle(t: f64) -> [JointVector; 3] {
     let (sin, cos) = (5.0 * t).sin_cos();
     let place = [0.45 + 0.1 * cos, 0.1 * sin];
     let velocity = [-0.5 * sin, 0.5 * cos];
@@ -69,7 +69,7 @@ fn tip(q: &JointVector) -> Vector3<f64> {
 }
 
 /// Cycle, `tau_ff` of that cycle: inverse dynamics half a cycle ahead (`scara_circle.csv`).
-const FEED_FORWARD: [(u32, [f64; 3]); 6] = [
+pub(super) const FEED_FORWARD: [(u32, [f64; 3]); 6] = [
     (0, [-3.135_973_326_919_322, 1.785_836_656_586_677_5, 19.615_039_003_891_674]),
     (100, [-5.601_531_892_777_208, 0.956_656_077_830_836, 18.687_797_784_218_347]),
     (500, [-5.064_228_138_827_286, -1.988_900_794_408_700_3, 19.624_960_996_108_328]),

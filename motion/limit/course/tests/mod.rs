@@ -6,7 +6,7 @@ mod joints;
 mod random;
 mod stream;
 
-use super::{Course, CourseElement, CourseOptions, CoursePoint, Order};
+use super::{Blend, Course, CourseElement, CourseOptions, CoursePoint, Joint, Order};
 use crate::Place;
 use crate::path::{Arc, Details, ElementKind, ExtraAxes, PathElement, Plane, Shape};
 use crate::prepare::{CheckError, CheckVelocities};

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::path::{AxisMask, Cubic, Ellipse};
-use nalgebra::{Point2, Vector2};
+use nalgebra::Vector2;
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 
@@ -130,39 +130,29 @@ fn options() -> impl Strategy<Value = CourseOptions> {
     })
 }
 
-/// How far two points of the course, their derivatives up to the second or third, may be apart by rounding, for derivatives
-/// like those of `at` and lengths like `width`, m.
-fn rounding(at: &CoursePoint, width: f64) -> ([f64; 4], [f64; 4]) {
-    let noise = 1e-12;
-    let size = 1e-14 * (1.0 + at.position.coords.amax());
-    let extra = at.extra.unwrap_or_default();
-    let norm = |value: [f64; 5]| SVector::from(value).amax();
-    let u = 1e-14 * (1.0 + norm(extra.position));
-    let second = |first: f64, second: f64, size: f64| {
-        noise * (first / width + second) + 10.0 * size / (width * width)
-    };
-    let slope = at.first.norm();
-    let third = second(slope, at.second.norm(), size) / width + noise * at.third.norm();
-    let space = [
-        size,
-        noise * slope + 10.0 * size / width,
-        second(slope, at.second.norm(), size),
-        10.0 * third,
-    ];
-    let slope = norm(extra.first);
-    let third = second(slope, norm(extra.second), u) / width + noise * norm(extra.third);
-    let extra =
-        [u, noise * slope + 10.0 * u / width, second(slope, norm(extra.second), u), 10.0 * third];
-    (space, extra)
+/// How far a position and its derivatives may be apart by rounding: those of a quintic of this `width`, m, are made of
+/// positions of this `size` and of these derivatives.
+fn rounding(size: f64, [first, second, third]: [f64; 3], width: f64) -> [f64; 4] {
+    let slope = 1e-12 * (first + second * width + third * width * width) + 1e-13 * size / width;
+    [1e-14 * size, slope, slope / width, 10.0 * slope / (width * width)]
 }
 
 /// The derivatives up to the `order`-th are the same on both sides.
 fn same(a: &CoursePoint, b: &CoursePoint, width: f64, order: usize) -> Result<(), TestCaseError> {
-    let found = steps(a, b);
-    let allowed = rounding(a, width);
+    let (space, extra) = steps(a, b);
+    let norms = |p: &CoursePoint| [p.first.norm(), p.second.norm(), p.third.norm()];
+    let norms_u = |p: &CoursePoint| {
+        let extra = p.extra.unwrap_or_default();
+        [extra.first, extra.second, extra.third].map(|value| SVector::from(value).amax())
+    };
+    let larger = |[a, b]: [[f64; 3]; 2]| [0, 1, 2].map(|order| f64::max(a[order], b[order]));
+    let size = 1.0 + a.position.coords.amax();
+    let size_u = 1.0 + SVector::from(a.extra.unwrap_or_default().position).amax();
+    let allowed = rounding(size, larger([norms(a), norms(b)]), width);
+    let allowed_u = rounding(size_u, larger([norms_u(a), norms_u(b)]), width);
     for derivative in 0..=order {
-        prop_assert!(found.0[derivative] <= allowed.0[derivative], "{derivative}: {a:?} {b:?}");
-        prop_assert!(found.1[derivative] <= allowed.1[derivative], "{derivative}: {a:?} {b:?}");
+        prop_assert!(space[derivative] <= allowed[derivative], "{derivative}: {a:?} {b:?}");
+        prop_assert!(extra[derivative] <= allowed_u[derivative], "{derivative}: {a:?} {b:?}");
     }
     Ok(())
 }
@@ -184,7 +174,7 @@ proptest! {
                 same(&before, &after, d, 3)?;
                 same(&a.at(a.length() - d), &original(a, a.length() - d), d, 2)?;
                 same(&b.at(d), &original(b, d), d, 2)?;
-                prop_assert_eq!(a.joint(), super::super::Joint::default());
+                prop_assert_eq!(a.joint(), Joint::default());
                 // From beside, not by the formulas of the blend: the third derivative times the distance at most.
                 for (element, s) in [(a, a.length() - d), (b, d)] {
                     let h = 1e-6 * d;
@@ -218,7 +208,7 @@ proptest! {
         prop_assert!(space <= options.tolerance * (1.0 + 1e-9), "{space}");
         prop_assert!(extra <= options.extra_tolerance * (1.0 + 1e-9), "{extra}");
         for element in &course {
-            let width = |blend: Option<&std::sync::Arc<crate::limit::Blend>>| {
+            let width = |blend: Option<&std::sync::Arc<Blend>>| {
                 blend.map_or(0.0, |blend| blend.half_width())
             };
             let (head, tail) = (width(element.head()), width(element.tail()));
@@ -237,7 +227,8 @@ proptest! {
         }
     }
 
-    /// A blend is as wide as half of the shorter element, or uses the tolerance up, or the path bends too much.
+    /// A blend is as wide as half of the shorter element, or uses the tolerance up, or would be off by more than that if
+    /// it were a tenth wider; or the path bends too much, or the blend is slow already.
     #[test]
     fn as_wide_as_it_may_be(path in path(), options in options()) {
         let course = course(path, options);
@@ -246,20 +237,29 @@ proptest! {
             let Some(blend) = a.tail() else { continue };
             let d = blend.half_width();
             let most = 0.5 * a.length().min(b.length());
-            let [mut space, mut extra] = [0.0_f64; 2];
-            let (mut bend, mut last) = (0.0, None::<Vector3<f64>>);
+            let beside = |way: f64| {
+                if way < 0.0 { original(a, a.length() + way) } else { original(b, way) }
+            };
+            let wide = 1.1 * d;
+            let ends = [beside(-wide), beside(wide)];
+            let wider = Blend::new(wide, b.at(0.0).position, &ends[0], &ends[1]).unwrap();
+            let [mut used, mut beyond] = [0.0_f64; 2];
+            let (mut bend, mut slowest, mut last) = (0.0, f64::INFINITY, None::<Vector3<f64>>);
             for part in 0..=400 {
-                let way = 1.1 * d * (f64::from(part) / 200.0 - 1.0);
-                let path = if part < 200 { original(a, a.length() + way) } else { original(b, way) };
-                if way.abs() <= d {
-                    let off = steps(&blend.at(way), &path);
-                    (space, extra) = (space.max(off.0[0]), extra.max(off.1[0]));
+                let part = f64::from(part) / 200.0 - 1.0;
+                for (blend, used) in [(&**blend, &mut used), (&wider, &mut beyond)] {
+                    let way = part * blend.half_width();
+                    let (space, extra) = steps(&blend.at(way), &beside(way));
+                    let parts = [space[0] / options.tolerance, extra[0] / options.extra_tolerance];
+                    *used = used.max(parts[0]).max(parts[1]);
                 }
-                let from = last.replace(path.first).filter(|_| part != 200);
-                bend += from.map_or(0.0, |from| (path.first - from).norm());
+                slowest = slowest.min(blend.at(part * d).first.norm());
+                let first = beside(part * wide).first;
+                bend += last.replace(first).map_or(0.0, |from| (first - from).norm());
             }
-            let used = (space / options.tolerance).max(extra / options.extra_tolerance);
-            prop_assert!(d == most || used > 0.8 || bend > 0.3, "{d} of {most}, {used}, {bend}");
+            let step = (b.element().start_tangent() - a.element().end_tangent()).norm();
+            let limited = used > 0.85 || beyond > 0.85 || bend - step > 0.3 || slowest < 0.2;
+            prop_assert!(d == most || limited, "{d} of {most}, {used}, {beyond}, {bend}, {slowest}");
         }
     }
 

@@ -1,0 +1,256 @@
+//! The efforts of the axes along a path, linear in what a plan of the feed chooses.
+//!
+//! With a path parameter s, axis positions q(s) and q̇ = q′·ṡ, q̈ = q′·s̈ + q″·ṡ², the equation of motion
+//! `effort = M(q)·q̈ + C(q, q̇)·q̇ + g(q) + friction` becomes, per axis,
+//!
+//! ```text
+//! effort = m·s̈ + c·ṡ² + g + d·q′·ṡ ± f      m = M·q′ (rotors included), c = M·q″ + C(q, q′)·q′
+//! ```
+//!
+//! Friction is treated so that the result is never optimistic:
+//!
+//! - Viscous friction d·q′·ṡ is counted where the motor has to overcome it, and not where it helps to brake. It grows
+//!   with ṡ and not with ṡ², so that it is bounded by a tangent of the root: ṡ ≤ ½·(r + ṡ²/r), exact at the reference
+//!   speed r.
+//! - Dry friction ±f has the sign of the velocity, which may change anywhere between two points of a plan, and any value
+//!   in between at rest: all of it is counted against both limits, everywhere.
+
+use nalgebra::Vector3;
+use twin_kinematics::{AxisVector, MAX_AXES};
+use twin_urdf::Model;
+
+use super::dynamics::{Dynamics, JointVector, at};
+use super::error::PhysicsError;
+use super::{checked, joint_vector};
+
+/// The drive of an axis as its efforts along a path see it; everything behind the gear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisLoad {
+    /// Largest force or torque, N or Nm; infinite for no limit.
+    pub effort_limit: f64,
+    /// Dry friction, N or Nm.
+    pub coulomb_friction: f64,
+    /// Friction proportional to velocity, N·s/m or Nm·s/rad.
+    pub viscous_friction: f64,
+    /// Rotor and gear inertia as felt at the axis, kg or kg·m².
+    pub armature: f64,
+    /// Part of the velocity that is left to the override, from 0 to below 1.
+    pub headroom: f64,
+}
+
+impl AxisLoad {
+    /// The first field out of range, by name.
+    fn out_of_range(&self) -> Option<(&'static str, f64)> {
+        let finite = 0.0..=f64::MAX;
+        let ranges = [
+            ("effort_limit", self.effort_limit, 0.0..=f64::INFINITY),
+            ("coulomb_friction", self.coulomb_friction, finite.clone()),
+            ("viscous_friction", self.viscous_friction, finite.clone()),
+            ("armature", self.armature, finite),
+            ("headroom", self.headroom, 0.0..=0.999),
+        ];
+        let wrong = ranges.into_iter().find(|(_, value, range)| !range.contains(value));
+        wrong.map(|(name, value, _)| (name, value))
+    }
+}
+
+/// The equation of motion of a machine, to be asked along paths.
+#[derive(Clone, Debug)]
+pub struct PathDynamics {
+    /// Without gravity, so that it takes nothing from the digits of the rest.
+    weightless: Dynamics,
+    weighty: Dynamics,
+    loads: Vec<AxisLoad>,
+}
+
+impl PathDynamics {
+    /// Of `model` under `gravity` (m/s², machine frame), with one of `loads` per machine axis.
+    ///
+    /// # Errors
+    /// [`PhysicsError`] if the model is no tree of links whose moving joints are the machine's axes, or if a number is out
+    /// of range.
+    pub fn new(
+        model: &Model,
+        loads: &[AxisLoad],
+        gravity: Vector3<f64>,
+    ) -> Result<Self, PhysicsError> {
+        for (axis, load) in loads.iter().enumerate() {
+            if let Some((parameter, value)) = load.out_of_range() {
+                return Err(PhysicsError::DriveParameter { axis, parameter, value });
+            }
+        }
+        let armature = joint_vector(loads.iter().map(|load| load.armature));
+        let weighty = Dynamics::new(model, loads.len(), gravity, armature)?;
+        let weightless = Dynamics::new(model, loads.len(), Vector3::zeros(), armature)?;
+        Ok(Self { weightless, weighty, loads: loads.to_vec() })
+    }
+
+    /// At `position` (m or rad), where the derivatives of the positions by the path parameter are `first` (q′) and
+    /// `second` (q″).
+    ///
+    /// # Errors
+    /// [`PhysicsError::AxisCount`] and [`PhysicsError::Input`].
+    pub fn at(
+        &mut self,
+        position: &AxisVector,
+        first: &AxisVector,
+        second: &AxisVector,
+    ) -> Result<TorqueAlongPath, PhysicsError> {
+        let [position, first, second] =
+            [position, first, second].map(|values| checked(values, self.loads.len(), 0));
+        let (position, first, second) = (position?, first?, second?);
+        let zero = JointVector::zeros();
+        let inertia = self.weightless.inverse_dynamics(&position, &zero, &first);
+        let centrifugal = self.weightless.inverse_dynamics(&position, &first, &second);
+        let weight = self.weighty.inverse_dynamics(&position, &zero, &zero);
+        let mut axes = [AxisEffort::NONE; MAX_AXES];
+        for (axis, (slot, load)) in axes.iter_mut().zip(&self.loads).enumerate() {
+            *slot = AxisEffort {
+                inertia: at(&inertia, axis),
+                centrifugal: at(&centrifugal, axis),
+                weight: at(&weight, axis),
+                viscous: load.viscous_friction * at(&first, axis),
+                dry: load.coulomb_friction,
+                limit: load.effort_limit,
+                left: 1.0 - load.headroom,
+            };
+        }
+        Ok(TorqueAlongPath { axes, count: self.loads.len() })
+    }
+}
+
+/// The half plane `acceleration`·s̈ + `speed_v2`·ṡ² ≤ `limit`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffortRow {
+    /// The axis whose motor it is.
+    pub axis: usize,
+    /// Coefficient of s̈.
+    pub acceleration: f64,
+    /// Coefficient of ṡ².
+    pub speed_v2: f64,
+    /// What is left of the motor's effort, N or Nm; below 0 where weight and dry friction alone exceed it.
+    pub limit: f64,
+}
+
+/// The effort of one axis at one point of a path, N or Nm per unit of what stands beside it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisEffort {
+    /// m: per unit of s̈.
+    pub inertia: f64,
+    /// c: per unit of ṡ², without viscous friction.
+    pub centrifugal: f64,
+    /// g: what holds the axis against gravity.
+    pub weight: f64,
+    /// d·q′: viscous friction per unit of ṡ, with the sign of the motion.
+    pub viscous: f64,
+    /// f: dry friction, of either sign.
+    pub dry: f64,
+    /// Largest effort of the motor; infinite for no limit.
+    pub limit: f64,
+    /// Part of the velocity that a plan may use: 1 less the headroom of the override.
+    left: f64,
+}
+
+impl AxisEffort {
+    const NONE: Self = Self {
+        inertia: 0.0,
+        centrifugal: 0.0,
+        weight: 0.0,
+        viscous: 0.0,
+        dry: 0.0,
+        limit: f64::INFINITY,
+        left: 1.0,
+    };
+
+    /// What the motor gives at the path acceleration s̈ and the path speed ṡ, without dry friction, N or Nm.
+    pub fn effort(&self, acceleration: f64, speed: f64) -> f64 {
+        self.inertia * acceleration
+            + (self.centrifugal * speed + self.viscous) * speed
+            + self.weight
+    }
+
+    /// Whether the motor can hold the axis here, dry friction against it.
+    pub fn holds(&self) -> bool {
+        self.spare().into_iter().all(|spare| spare >= 0.0)
+    }
+
+    /// What weight and dry friction leave of the effort, upwards and downwards.
+    fn spare(&self) -> [f64; 2] {
+        [self.limit - self.weight - self.dry, self.limit + self.weight - self.dry]
+    }
+
+    /// Viscous friction per unit of ṡ where it is to be overcome, upwards and downwards.
+    fn drag(&self) -> [f64; 2] {
+        [self.viscous.max(0.0), (-self.viscous).max(0.0)]
+    }
+
+    /// The largest ṡ at which the motor overcomes weight and friction without acceleration, at every override within the
+    /// headroom; infinite without viscous friction or without a limit.
+    ///
+    /// Together with [`Self::rows`] it keeps the motor within its limit at every constant override from 0 up to
+    /// 1 / (1 − headroom): dynamic efforts fall with the square of the override, viscous friction only with itself, and
+    /// weight not at all, so that a row alone does not say what happens where it is slower.
+    pub fn largest_speed(&self) -> f64 {
+        let ways = self.spare().into_iter().zip(self.drag()).filter(|(_, drag)| *drag > 0.0);
+        let speeds = ways.map(|(spare, drag)| (self.left * spare / drag).max(0.0));
+        speeds.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The limits of the motor upwards and downwards, exact at the reference speed r (ṡ, as of the plan before) as far as
+    /// friction is concerned, and on the safe side elsewhere. A reference that is no number above 0 counts as 1, one
+    /// above [`Self::largest_speed`] as that.
+    ///
+    /// At an override k, rows and limits are those of k²·(m·s̈ + c·ṡ²) + k·d·q′·ṡ + g ± f at the largest k.
+    pub fn rows(&self, axis: usize, reference: f64) -> [EffortRow; 2] {
+        let most = self.largest_speed();
+        let usable = reference > 0.0 && reference.is_finite();
+        let reference = if usable { reference } else { 1.0 };
+        let reference = if most > 0.0 { reference.min(most) } else { reference };
+        let [up, down] = self.spare();
+        let [drag_up, drag_down] = self.drag();
+        let row = |sign: f64, spare: f64, drag: f64| EffortRow {
+            axis,
+            acceleration: sign * self.inertia,
+            speed_v2: sign * self.centrifugal + 0.5 * self.left * drag / reference,
+            limit: self.left * (self.left * spare - 0.5 * drag * reference),
+        };
+        [row(1.0, up, drag_up), row(-1.0, down, drag_down)]
+    }
+}
+
+/// The efforts of all axes at one point of a path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TorqueAlongPath {
+    axes: [AxisEffort; MAX_AXES],
+    count: usize,
+}
+
+impl TorqueAlongPath {
+    /// Of every axis, in machine-file order.
+    pub fn axes(&self) -> &[AxisEffort] {
+        self.axes.get(..self.count).unwrap_or_default()
+    }
+
+    /// Those whose motor has a limit, with the number of the axis. They are the same at every point.
+    pub fn limited(&self) -> impl Iterator<Item = (usize, &AxisEffort)> {
+        self.axes().iter().enumerate().filter(|(_, effort)| effort.limit.is_finite())
+    }
+
+    /// Two rows per limited axis: [`AxisEffort::rows`].
+    pub fn rows(&self, reference: f64) -> impl Iterator<Item = EffortRow> {
+        self.limited().flat_map(move |(axis, effort)| effort.rows(axis, reference))
+    }
+
+    /// The smallest [`AxisEffort::largest_speed`] and its axis; `None` if no motor limits the speed alone.
+    pub fn largest_speed(&self) -> Option<(f64, usize)> {
+        self.limited()
+            .map(|(axis, effort)| (effort.largest_speed(), axis))
+            .filter(|(speed, _)| speed.is_finite())
+            .min_by(|one, other| one.0.total_cmp(&other.0))
+    }
+
+    /// An axis that its motor cannot hold here.
+    pub fn overloaded(&self) -> Option<usize> {
+        self.limited().find(|(_, effort)| !effort.holds()).map(|(axis, _)| axis)
+    }
+}

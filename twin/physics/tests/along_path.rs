@@ -1,0 +1,202 @@
+//! Efforts along paths: a peer's inverse dynamics, the power they put in, and what friction may never do to a limit.
+
+use std::path::{Path, PathBuf};
+
+use proptest::prelude::*;
+
+use super::scara::{FEED_FORWARD, circle, scara};
+use super::*;
+
+const FREE: AxisLoad = AxisLoad {
+    effort_limit: f64::INFINITY,
+    coulomb_friction: 0.0,
+    viscous_friction: 0.0,
+    armature: 0.0,
+    headroom: 0.0,
+};
+
+/// Efforts on the circle of the reference at time `t`, by a path parameter u = t + 0.1·sin(3t) that goes neither as fast
+/// as time nor evenly.
+fn on_circle(dynamics: &mut PathDynamics, t: f64) -> JointVector {
+    let (speed, acceleration) = (1.0 + 0.3 * (3.0 * t).cos(), -0.9 * (3.0 * t).sin());
+    let [position, velocity, change] = circle(t);
+    let first = velocity / speed;
+    let second = (change - first * acceleration) / (speed * speed);
+    let [position, first, second] = [position, first, second].map(|values| axis_vector(&values, 3));
+    let torque = dynamics.at(&position, &first, &second).unwrap();
+    joint_vector(torque.axes().iter().map(|axis| axis.effort(acceleration, speed)))
+}
+
+#[test]
+fn efforts_on_a_circle_are_pinocchios() {
+    let mut dynamics = PathDynamics::new(&scara(), &[FREE; 3], down()).unwrap();
+    for (cycle, expected) in FEED_FORWARD {
+        let effort = on_circle(&mut dynamics, (f64::from(cycle) + 0.5) * 1e-3);
+        assert!((effort - joints(expected)).amax() < 1e-12, "{cycle}: {effort} {expected:?}");
+    }
+}
+
+/// Every row of the peer's file, if it is there (`TWIN_SHARED` or beside the workspace).
+#[test]
+fn all_efforts_on_the_circle_are_pinocchios() {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
+    let shared = std::env::var_os("TWIN_SHARED").map_or(beside, PathBuf::from);
+    let Ok(mut file) = csv::Reader::from_path(shared.join("reference/scara_circle.csv")) else {
+        println!("skipped: no scara_circle.csv (TWIN_SHARED, ../shared)");
+        return;
+    };
+    let header = file.headers().unwrap().clone();
+    let columns = ["tau_ff1", "tau_ff2", "tau_ff3"]
+        .map(|name| header.iter().position(|column| column == name).unwrap());
+    let mut dynamics = PathDynamics::new(&scara(), &[FREE; 3], down()).unwrap();
+    let (mut rows, mut worst) = (0, 0.0_f64);
+    for row in file.records() {
+        let row = row.unwrap();
+        let time: f64 = row[0].parse().unwrap();
+        let expected = joints(columns.map(|column| row[column].parse().unwrap()));
+        let effort = on_circle(&mut dynamics, time + 0.5e-3);
+        worst = worst.max((effort - expected).amax());
+        rows += 1;
+    }
+    println!("{rows} rows, at most {worst:e} Nm or N apart");
+    assert!(rows >= 5000 && worst < 1e-11, "{rows} rows, {worst} apart");
+}
+
+#[test]
+fn a_lift_and_its_rotor() {
+    let load = AxisLoad { armature: 2.0, viscous_friction: 30.0, coulomb_friction: 4.0, ..FREE };
+    let load = AxisLoad { effort_limit: 100.0, ..load };
+    let mut dynamics = PathDynamics::new(&lift(3.0), &[load], down()).unwrap();
+    // Half as fast as the path, and bending.
+    let torque = dynamics.at(&axes([0.2]), &axes([0.5]), &axes([-0.1])).unwrap();
+    let [axis] = torque.axes() else { panic!("one axis") };
+    let expected = [2.5, -0.5, 3.0 * G, 15.0, 4.0];
+    let found = [axis.inertia, axis.centrifugal, axis.weight, axis.viscous, axis.dry];
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-12, "{found} is not {expected}");
+    }
+    // Upwards 100 − 3·g − 4 N are left for 15 N·s/m.
+    let most = (100.0 - 3.0 * G - 4.0) / 15.0;
+    let (speed, limiting) = torque.largest_speed().unwrap();
+    assert!((speed - most).abs() < 1e-12 && limiting == 0);
+    assert_eq!((torque.overloaded(), torque.rows(1.0).count()), (None, 2));
+    let weak = AxisLoad { effort_limit: 33.0, ..load };
+    let mut dynamics = PathDynamics::new(&lift(3.0), &[weak], down()).unwrap();
+    let torque = dynamics.at(&axes([0.2]), &axes([0.5]), &axes([0.0])).unwrap();
+    assert_eq!((torque.overloaded(), torque.largest_speed()), (Some(0), Some((0.0, 0))));
+    assert!(torque.rows(1.0).any(|row| row.limit < 0.0));
+}
+
+#[test]
+fn only_motors_with_limits_have_rows() {
+    let limited = AxisLoad { effort_limit: 10.0, ..FREE };
+    let mut dynamics = PathDynamics::new(&crooked(), &[FREE, limited, FREE], down()).unwrap();
+    let zero = axes([0.0; 3]);
+    let torque = dynamics.at(&zero, &axes([1.0; 3]), &zero).unwrap();
+    assert!(torque.rows(0.5).map(|row| row.axis).eq([1, 1]));
+    assert_eq!(torque.largest_speed(), None);
+    let wrong = AxisLoad { viscous_friction: -1.0, ..FREE };
+    let error = PathDynamics::new(&crooked(), &[FREE, wrong, FREE], down()).unwrap_err();
+    assert!(
+        matches!(error, PhysicsError::DriveParameter { axis: 1, parameter, .. } if parameter == "viscous_friction")
+    );
+    let error = dynamics.at(&axes([0.0; 2]), &zero, &zero).unwrap_err();
+    assert!(matches!(error, PhysicsError::AxisCount { given: 2, expected: 3 }));
+    let error = dynamics.at(&axes([0.0, f64::NAN, 0.0]), &zero, &zero).unwrap_err();
+    assert!(matches!(error, PhysicsError::Input { .. }));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// The power of all motors is the growth of kinetic and potential energy, by differences over time, on a machine in
+    /// which nothing is aligned.
+    #[test]
+    fn power_becomes_energy(
+        position in prop::array::uniform3(-1.0..1.0f64),
+        first in prop::array::uniform3(-2.0..2.0f64),
+        second in prop::array::uniform3(-5.0..5.0f64),
+        speed in 0.1..2.0f64,
+        acceleration in -5.0..5.0f64,
+    ) {
+        let mut dynamics = PathDynamics::new(&crooked(), &[FREE; 3], down()).unwrap();
+        let torque = dynamics.at(&axes(position), &axes(first), &axes(second)).unwrap();
+        let power: f64 = torque.axes().iter().zip(first)
+            .map(|(axis, first)| axis.effort(acceleration, speed) * first * speed).sum();
+        let mut energies = Dynamics::new(&crooked(), 3, down(), JointVector::zeros()).unwrap();
+        let [position, first, second] = [position, first, second].map(joints);
+        let mut energy = |t: f64| {
+            let (s, rate) = (t * (speed + 0.5 * t * acceleration), speed + t * acceleration);
+            let velocity = (first + second * s) * rate;
+            let (kinetic, potential) = energies.energy(&(position + (first + second * (0.5 * s)) * s), &velocity);
+            kinetic + potential
+        };
+        let dt = 1e-4;
+        let growth = (8.0 * (energy(dt) - energy(-dt)) - (energy(2.0 * dt) - energy(-2.0 * dt))) / (12.0 * dt);
+        prop_assert!((power - growth).abs() < 1e-6 * growth.abs().max(10.0), "{power} W, {growth} W");
+    }
+
+    /// Wherever the rows and the largest speed are kept, the motor is within its limit, dry friction of either sign, at
+    /// every override within the headroom; the reference speed does not matter for that.
+    #[test]
+    fn rows_are_never_optimistic(
+        mass in 0.5..20.0f64,
+        rates in (-2.0..2.0f64, -5.0..5.0f64),
+        friction in (0.0..40.0f64, 0.0..10.0f64),
+        spare in 1.0..200.0f64,
+        headroom in 0.0..0.6f64,
+        reference in 0.0..5.0f64,
+        motion in (-1.0..1.0f64, 0.0..1.0f64),
+    ) {
+        let (viscous_friction, coulomb_friction) = friction;
+        let effort_limit = mass * G + coulomb_friction + spare;
+        let load = AxisLoad { effort_limit, coulomb_friction, viscous_friction, armature: 0.0, headroom };
+        let mut dynamics = PathDynamics::new(&lift(mass), &[load], down()).unwrap();
+        let torque = dynamics.at(&axes([0.0]), &axes([rates.0]), &axes([rates.1])).unwrap();
+        let axis = torque.axes()[0];
+        prop_assert!(axis.holds());
+        let most = torque.largest_speed().map_or(10.0, |(speed, _)| speed.min(10.0));
+        let mut speed = motion.1 * most;
+        let rows: Vec<_> = torque.rows(reference).collect();
+        // The fastest there is room for, and an acceleration within it: rest is always possible.
+        let bounds = |speed: f64| rows.iter().fold([f64::NEG_INFINITY, f64::INFINITY], |[low, high], row| {
+            let bound = (row.limit - row.speed_v2 * speed * speed) / row.acceleration;
+            if row.acceleration > 0.0 { [low, high.min(bound)] } else { [low.max(bound), high] }
+        });
+        prop_assert!(bounds(0.0)[0] < 0.0 && bounds(0.0)[1] > 0.0);
+        while bounds(speed)[0] > bounds(speed)[1] {
+            speed *= 0.5;
+        }
+        let [low, high] = bounds(speed);
+        for acceleration in [low, high, low + (high - low) * (0.5 + 0.5 * motion.0)] {
+            for part in 0..=40 {
+                let factor = f64::from(part) / 40.0 / (1.0 - headroom);
+                let effort = axis.effort(acceleration * factor * factor, speed * factor);
+                for dry in [-coulomb_friction, coulomb_friction] {
+                    let effort = (effort + dry).abs();
+                    prop_assert!(effort <= effort_limit * (1.0 + 1e-9), "{effort} N of {effort_limit} N");
+                }
+            }
+        }
+    }
+
+    /// At the reference speed, rows give the motor all that friction leaves.
+    #[test]
+    fn rows_are_exact_at_their_reference(
+        first in 0.1..2.0f64,
+        second in -5.0..5.0f64,
+        part in 0.01..1.0f64,
+    ) {
+        let load = AxisLoad { effort_limit: 100.0, coulomb_friction: 5.0, viscous_friction: 20.0, ..FREE };
+        let mut dynamics = PathDynamics::new(&lift(4.0), &[load], down()).unwrap();
+        let torque = dynamics.at(&axes([0.0]), &axes([first]), &axes([second])).unwrap();
+        let speed = part * torque.largest_speed().unwrap().0;
+        let [up, _] = torque.axes()[0].rows(0, speed);
+        let acceleration = (up.limit - up.speed_v2 * speed * speed) / up.acceleration;
+        let effort = torque.axes()[0].effort(acceleration, speed) + 5.0;
+        prop_assert!((effort - 100.0).abs() < 1e-9, "{effort} N");
+        // Newton: what is accelerated is the mass alone.
+        let falling = 4.0 * (first * acceleration + second * speed * speed + G);
+        prop_assert!((effort - falling - 20.0 * first * speed - 5.0).abs() < 1e-9);
+    }
+}
