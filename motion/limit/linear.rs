@@ -23,12 +23,6 @@ pub struct LinearProfile {
     pub rows: usize,
 }
 
-<<<<<<< HEAD
-fn screen() -> f64 {
-    std::env::var("SCREEN").map_or(0.6, |v| v.parse().unwrap())
-}
-=======
->>>>>>> main
 /// Solves windows with limited acceleration; keeps its memory from one to the next.
 #[derive(Debug, Default)]
 pub struct LinearSolver {
@@ -98,19 +92,11 @@ impl LinearSolver {
                         End::Finish => (-r, b + r),
                     };
                     let (p, r) = (p * b0, r * b1);
-<<<<<<< HEAD
-                    if p + r < screen() {
-                        return;
-                    }
-                    let mut right = 1.0;
-                    let mut entries = [(0, 0.0); 2];
-=======
                     if p.max(0.0) + r.max(0.0) <= 1.0 {
                         return;
                     }
                     let mut right = 1.0;
                     let mut entries = [(0, 0.0); 3];
->>>>>>> main
                     match v0 {
                         Some(v) => entries[0] = (v, p),
                         None => right -= p,
@@ -119,15 +105,11 @@ impl LinearSolver {
                         Some(v) => entries[1] = (v, r),
                         None => right -= r,
                     }
-<<<<<<< HEAD
-                    self.program.add_row(&entries, right);
-=======
                     if p + r < SCREEN {
                         self.program.add_spare(entries, right);
                     } else {
                         self.program.add_row(&entries, right);
                     }
->>>>>>> main
                 };
                 for row in axes {
                     add(row.a, row.b);
