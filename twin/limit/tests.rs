@@ -104,7 +104,9 @@ fn near(found: f64, expected: f64, tolerance: f64) {
 
 fn summary_of(machine: &Machine, samples: &[ProfileSample]) -> LimitSummary {
     let mut summing = Summing::new(machine.axes.len());
-    samples.iter().for_each(|sample| summing.include(sample));
+    for sample in samples {
+        summing.include(sample);
+    }
     let windows = Windows { count: 3, failed: 1 };
     summing.finish(windows, |line| (line == 11).then_some(0.08))
 }
@@ -178,7 +180,7 @@ fn the_worst_of_many_lines_are_found() {
     let lost = |line: u32| i64::from(line) * 7919 % 100_003;
     for line in 1..=100_002 {
         let place = Place { line, block: None };
-        summing.include(&ProfileSample { time_ns, way, place, ..rest(&machine) });
+        summing.include(&ProfileSample { time_ns, place, way, ..rest(&machine) });
         way += 1e-3;
         time_ns += 10_000_000 + lost(line) * 1000;
     }
@@ -211,7 +213,9 @@ fn a_table_has_every_number_with_its_unit() {
         },
     ];
     let mut table = ProfileCsv::new(Vec::new(), &machine.axes).unwrap();
-    samples.iter().for_each(|sample| table.write(sample).unwrap());
+    for sample in &samples {
+        table.write(sample).unwrap();
+    }
     let text = String::from_utf8(table.finish().unwrap()).unwrap();
     let mut lines = text.lines();
     assert_eq!(
@@ -322,7 +326,9 @@ fn a_summary_for_programs() {
 
 fn picture_of(machine: &Machine, samples: &[ProfileSample]) -> String {
     let mut picture = Picture::new(&machine.axes);
-    samples.iter().for_each(|sample| picture.include(sample));
+    for sample in samples {
+        picture.include(sample);
+    }
     picture.draw("part.cnc", &machine.name).unwrap()
 }
 

@@ -29,8 +29,14 @@ const AXES: [[u8; 3]; 8] = [
 const OTHERS: [[u8; 3]; KINDS.len()] =
     [[214, 218, 224], [160, 166, 176], [128, 112, 168], [110, 116, 126], [34, 38, 46]];
 
+/// The rows are so much higher than the largest value: there its line is written.
+const ROOM: f64 = 1.3;
+
 /// Height of the strips, pixels.
 const STRIP: f64 = 16.0;
+
+/// Between numbers of lines that are narrow, pixels.
+const SPARSE: f64 = 60.0;
 
 /// What the rows of the axes show.
 const QUANTITIES: [(&str, [&str; 2]); PER_AXIS] = [
@@ -54,7 +60,7 @@ impl<'a, 'm> Drawing<'a, 'm> {
     pub(super) fn draw(&self, program: &str, machine: &str) -> Result<String, Failure> {
         // As high as the curves need to be read, and as the list beside them.
         let least = self.picture.axes.iter().fold(12.0, |height, _| height + LINE);
-        let height = 132.0_f64.max(least);
+        let height = 150.0_f64.max(least);
         let mut rows = vec![(None, Row { top: TOP, height, range: self.feeds() })];
         let mut bottom = TOP + height + GAP;
         for quantity in 0..PER_AXIS {
@@ -121,19 +127,19 @@ impl<'a, 'm> Drawing<'a, 'm> {
         }
     }
 
-    /// From 0 to a little above the fastest, along the path and as programmed, mm/s.
+    /// From 0 to some way above the fastest, along the path and as programmed, mm/s.
     fn feeds(&self) -> [f64; 2] {
         let envelope = &self.picture.envelope;
         let top = [PATH, FEED].into_iter().filter_map(|curve| Some(envelope.range(curve)?[1]));
         let top = top.fold(0.0, f64::max);
         let low = envelope.range(PATH).map_or(0.0, |[low, _]| low.min(0.0));
-        [low * 1.08, if top > 0.0 { top * 1.08 } else { 1.0 }]
+        [low * ROOM, if top > 0.0 { top * ROOM } else { 1.0 }]
     }
 
-    /// A little more than the limits, or than what is asked for, %.
+    /// Some more than the limits, or than what is asked for, %.
     fn shares(&self, quantity: usize) -> [f64; 2] {
         let parts = self.picture.parts(quantity).map(|(_, _, highest)| highest.peak.value);
-        let most = parts.fold(1.0, f64::max) * 100.0 * 1.12;
+        let most = parts.fold(1.0, f64::max) * 100.0 * ROOM;
         [-most, most]
     }
 
@@ -179,12 +185,15 @@ impl<'a, 'm> Drawing<'a, 'm> {
     fn axes(&self, root: &Area<'_>, row: &Row, quantity: usize) -> Result<(), Failure> {
         let Some((name, units)) = QUANTITIES.get(quantity) else { return Ok(()) };
         row.draw(root, &self.time, [name, "(% of limit)"])?;
-        for limit in [-100.0, 100.0] {
-            dashes(root, [(LEFT, row.y(limit)), (RIGHT, row.y(limit))], MARK)?;
-        }
-        for (index, ..) in self.picture.parts(quantity) {
+        // Those that go far lie behind those that do not.
+        let mut order: Vec<_> = self.picture.parts(quantity).collect();
+        order.sort_by(|one, other| other.2.peak.value.total_cmp(&one.2.peak.value));
+        for (index, ..) in order {
             let style = color_of(index).stroke_width(stroke(1.4));
             self.curve(root, row, FIRST_AXIS + PER_AXIS * index + quantity, 100.0, style)?;
+        }
+        for limit in [-100.0, 100.0] {
+            dashes(root, [(LEFT, row.y(limit)), (RIGHT, row.y(limit))], MARK)?;
         }
         let mut y = row.top + LINE / 2.0;
         for (index, axis, highest) in self.picture.parts(quantity) {
@@ -217,21 +226,12 @@ impl<'a, 'm> Drawing<'a, 'm> {
         let at = (self.time.x(highest.time_ns), row.y(highest.value * scale));
         let ring = color.stroke_width(stroke(1.6));
         root.draw(&Circle::new((fine(at.0), fine(at.1)), stroke(5.0), ring))?;
-        // Towards the middle of the row, and within it from left to right.
-        let below = at.1 < row.top + row.height / 2.0;
-        let y = if below { at.1 + 15.0 } else { at.1 - 15.0 };
-        let (side, x) = if at.0 > LEFT.midpoint(RIGHT) {
-            (HPos::Right, at.0 - 4.0)
-        } else {
-            (HPos::Left, at.0 + 4.0)
-        };
-        let style = font(12.5, color).pos(Pos::new(side, VPos::Center));
+        // Outside of the curve, where the row has room for it, and within the page.
         let text = format!("line {}", text::line(highest.peak.place));
-        // On white, so that curves do not cross it.
-        let width = text.chars().fold(4.0, |sum, _| sum + 6.3);
-        let left = if side == HPos::Right { x - width } else { x };
-        let patch = [(left, y - 8.0), (left + width, y + 8.0)].map(|(x, y)| (fine(x), fine(y)));
-        root.draw(&Rectangle::new(patch, WHITE.mix(0.8).filled()))?;
+        let half = text.chars().fold(0.0, |sum, _| sum + 3.2);
+        let y = if highest.value < 0.0 { at.1 + 13.0 } else { at.1 - 13.0 };
+        let x = at.0.clamp(LEFT + half, RIGHT - half);
+        let style = font(12.5, color).pos(Pos::new(HPos::Center, VPos::Center));
         root.draw_text(&text, &style, (fine(x), fine(y)))
     }
 
@@ -272,28 +272,38 @@ impl<'a, 'm> Drawing<'a, 'm> {
             let [first, last] = column.lines;
             (first == last).then_some(first)
         };
-        let style = font(11.5, INK).pos(Pos::new(HPos::Center, VPos::Center));
-        let mut free = LEFT;
         let mut shade = shades.iter().cycle();
-        let mut numbers = Vec::new();
+        let mut numbers: Vec<(f64, u32)> = Vec::new();
         for (begin, end, number) in self.bands(of) {
             let color = if number.is_some() { shade.next() } else { None };
             band(root, row, [begin, end], color.copied().unwrap_or(mixed))?;
-            let Some(number) = number else { continue };
-            let text = number.to_string();
-            let half = text.chars().fold(2.5, |sum, _| sum + 3.4);
-            let middle = begin.midpoint(end);
-            let is_wide = end - begin >= 2.0 * half;
-            // Of many narrow ones some.
-            if middle - half >= free && middle + half <= RIGHT && (is_wide || middle >= free + 40.0)
-            {
-                numbers.push((text, middle));
-                free = middle + half;
+            if let Some(number) = number.filter(|number| end - begin >= 2.0 * half_width(*number)) {
+                numbers.push((begin.midpoint(end), number));
+            }
+        }
+        // Where bands are narrow some numbers, with a tick.
+        let mut ticks = Vec::new();
+        let mut free = LEFT;
+        let mut wide = numbers.iter().map(|(x, number)| (*x, half_width(*number))).peekable();
+        for column in self.picture.envelope.columns() {
+            let (x, number) = (self.time.x(column.begin_ns), column.lines[0]);
+            while let Some((at, half)) = wide.next_if(|(at, half)| at - half <= x + SPARSE / 2.0) {
+                free = at + half;
+            }
+            let half = half_width(number);
+            if x - half >= free + 4.0 && x >= free + SPARSE && x + half <= RIGHT {
+                ticks.push((x, number));
+                free = x + half;
             }
         }
         row.frame(root)?;
-        for (text, middle) in numbers {
-            root.draw_text(&text, &style, (fine(middle), fine(row.top + STRIP / 2.0)))?;
+        let style = font(11.5, INK).pos(Pos::new(HPos::Center, VPos::Center));
+        for (x, _) in &ticks {
+            line(root, [(*x, row.top), (*x, row.top + 3.0)], FAINT.stroke_width(stroke(0.8)))?;
+        }
+        for (x, number) in numbers.into_iter().chain(ticks) {
+            let at = (fine(x), fine(row.top + STRIP / 2.0 + 0.5));
+            root.draw_text(&number.to_string(), &style, at)?;
         }
         words(root, "line of the program", (RIGHT + 12.0, row.top + STRIP / 2.0), INK)
     }
@@ -344,6 +354,11 @@ fn band(
 ) -> Result<(), Failure> {
     let corners = [(begin, row.top), (end, row.bottom())].map(|(x, y)| (fine(x), fine(y)));
     root.draw(&Rectangle::new(corners, color.filled()))
+}
+
+/// Half of the room for a number, pixels.
+fn half_width(number: u32) -> f64 {
+    number.to_string().chars().fold(2.5, |sum, _| sum + 3.4)
 }
 
 fn color_of(axis: usize) -> RGBColor {
