@@ -6,7 +6,8 @@
 use super::axis_path::AxisPath;
 use super::convex::NotSolved;
 use super::course::{Course, CourseElement};
-use super::grid::Grid;
+use super::gain::Gain;
+use super::grid::{Constraint, Grid};
 use super::linear::LinearSolver;
 use super::options::LimitOptions;
 use super::reachable;
@@ -15,7 +16,7 @@ use super::smooth::{Beginning, SmoothSolver};
 use super::stretch::Stretch;
 use crate::Place;
 use crate::prepare::CheckedElement;
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use twin_kinematics::{AxisVector, KinematicsError};
 
@@ -114,6 +115,9 @@ pub struct Planner<I, E, A> {
     smooth: SmoothSolver,
     linear: LinearSolver,
     effort: Effort,
+    /// What limits cost in the window that is being planned, and in all that was committed.
+    gains: Vec<Gain>,
+    costs: BTreeMap<Constraint, f64>,
     over: bool,
 }
 
@@ -150,6 +154,8 @@ where
             smooth: SmoothSolver::default(),
             linear: LinearSolver::default(),
             effort: Effort::default(),
+            gains: Vec::new(),
+            costs: BTreeMap::new(),
             over: false,
         }
     }
@@ -157,6 +163,12 @@ where
     /// What planning has taken so far.
     pub fn effort(&self) -> Effort {
         self.effort
+    }
+
+    /// What each limit has cost so far: by how much shorter the motion would be per part by which the limit were raised, s. At 20 %
+    /// more it is about a fifth of that, as long as nothing else holds the path back.
+    pub fn costs(&self) -> &BTreeMap<Constraint, f64> {
+        &self.costs
     }
 
     /// Takes one more element from the course.
@@ -473,6 +485,7 @@ where
             let b = match self.linear.solve(grid, cells.clone(), start, 0.0) {
                 Ok(profile) => {
                     self.effort.iterations += u64::from(profile.iterations);
+                    self.gains = profile.gains;
                     profile.b
                 }
                 Err(_failed) => {
@@ -499,6 +512,7 @@ where
         let profile = self.smooth.solve(grid, cells.clone(), self.beginning, &guess, solves);
         let profile = profile.inspect_err(|_| self.effort.failed += 1)?;
         self.effort.iterations += u64::from(profile.iterations);
+        self.gains = profile.gains;
         let count = cells.len();
         let pairs = profile.b.windows(2).zip(&profile.a).zip(lengths).enumerate();
         Ok(pairs
@@ -524,6 +538,9 @@ where
         let mut legs: Vec<Leg> = legs.collect();
         self.tail = legs.split_off(end.min(legs.len()));
         self.effort.committed += legs.len() as u64;
+        for gain in self.gains.drain(..).filter(|gain| gain.cell < end) {
+            *self.costs.entry(gain.constraint).or_default() += gain.time;
+        }
         let last = legs.last().map(|leg| leg.stretch);
         self.ready.extend(legs.into_iter().map(|leg| Ok(Planned::Leg(leg))));
         self.kept.clear();
