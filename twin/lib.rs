@@ -9,6 +9,7 @@ pub mod compare;
 pub mod emulated;
 pub mod finding;
 pub mod hardware;
+pub mod limit;
 pub mod m_function;
 pub mod machine;
 pub mod number;
@@ -23,3 +24,6 @@ pub mod setpoint;
 pub mod settings;
 pub mod simulated;
 pub mod workspace;
+
+mod page;
+mod table;

@@ -190,8 +190,9 @@ struct PositionReport {
     limit_max: Option<f64>,
 }
 
+/// The largest values asked of one axis, in its unit.
 #[derive(Clone, Debug, serde::Serialize)]
-struct AxisPeakReport {
+pub struct AxisPeakReport {
     unit: &'static str,
     position: PositionReport,
     velocity: PeakReport,
@@ -202,7 +203,8 @@ struct AxisPeakReport {
 }
 
 impl AxisPeakReport {
-    fn new(axis: &Axis, peak: &AxisPeak) -> Self {
+    /// For one axis.
+    pub fn new(axis: &Axis, peak: &AxisPeak) -> Self {
         let report = |peak: &Peak, limit: Option<f64>| PeakReport {
             value: rounded(axis.from_si(peak.value)),
             limit: limit.map(|limit| rounded(axis.from_si(limit))),
@@ -231,7 +233,7 @@ impl AxisPeakReport {
 }
 
 /// To 12 significant digits: what conversion between units adds beyond is noise (239.99999999999997).
-fn rounded(value: f64) -> f64 {
+pub(crate) fn rounded(value: f64) -> f64 {
     significant(value, 12).parse().unwrap_or(value)
 }
 

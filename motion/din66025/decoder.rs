@@ -62,7 +62,7 @@ impl Default for DecoderOptions {
 ///
 /// Jumps (G20) are taken as the program is read, so a program that loops gives its elements again and again.
 pub struct Decoder<R> {
-    reader: R,
+    pub(super) reader: R,
     /// How the reader goes to another place; none if it cannot.
     seek: Option<Seeker<R>>,
     skip_suppressed_blocks: bool,
@@ -72,15 +72,16 @@ pub struct Decoder<R> {
     targets: BTreeMap<u32, Position>,
     /// Where the next line begins.
     next: Position,
-    line: Vec<u8>,
+    pub(super) line: Vec<u8>,
     name: Option<String>,
     /// The `%` line has been read, or missed.
     begun: bool,
-    ended: bool,
-    words: Vec<Word>,
+    pub(super) ended: bool,
+    /// Those of the last line.
+    pub(super) words: Vec<Word>,
     complaints: Complaints,
-    state: State,
-    out: Output,
+    pub(super) state: State,
+    pub(super) out: Output,
 }
 
 /// How to go forwards and backwards in a reader, bytes.
@@ -217,6 +218,18 @@ impl<R: BufRead> Decoder<R> {
         }
     }
 
+    /// Reads and carries out the next line, or finds that there is none.
+    pub(super) fn step(&mut self) -> io::Result<()> {
+        self.words.clear();
+        if !self.read_line()? {
+            self.ended = true;
+            self.state.finish(&mut self.out);
+        } else if let Some(jump) = self.decode_line() {
+            self.jump(jump)?;
+        }
+        Ok(())
+    }
+
     /// Decodes the line at hand; tells where to go on if that is not the next one.
     fn decode_line(&mut self) -> Option<JumpTo> {
         let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
@@ -246,7 +259,6 @@ impl<R: BufRead> Decoder<R> {
             b'/' => begin + 1,
             _ => begin,
         };
-        self.words.clear();
         let Complaints { problems, notes } = &mut self.complaints;
         notes.clear();
         lexer::lex(line, begin, &self.state.variables, &mut self.words, problems);
@@ -287,18 +299,7 @@ impl<R: BufRead> Iterator for Decoder<R> {
             if self.ended {
                 return None;
             }
-            let read = self.read_line().and_then(|read| {
-                match read.then(|| self.decode_line()) {
-                    Some(Some(jump)) => self.jump(jump)?,
-                    Some(None) => {}
-                    None => {
-                        self.ended = true;
-                        self.state.finish(&mut self.out);
-                    }
-                }
-                Ok(())
-            });
-            if let Err(error) = read {
+            if let Err(error) = self.step() {
                 self.ended = true;
                 self.state.finish(&mut self.out);
                 self.out.items.push_back(Err(Failure::Io(error)));
@@ -367,7 +368,7 @@ const REMEMBERED_DIAGNOSTICS: usize = 4096;
 /// What a line gives: a few items, in order.
 #[derive(Debug, Default)]
 pub(super) struct Output {
-    items: VecDeque<Result<Item, Failure>>,
+    pub(super) items: VecDeque<Result<Item, Failure>>,
     place: Place,
     /// Line, column and kind of what has been told.
     told: HashSet<(u32, usize, Discriminant<DecodeError>)>,

@@ -66,6 +66,11 @@ impl Emitter {
         }
     }
 
+    /// The element held back.
+    pub(super) fn held(&self) -> Option<&PathElement> {
+        self.held.as_ref().map(|held| &held.element)
+    }
+
     /// Nothing follows.
     pub(super) fn finish(&mut self, out: &mut Output) {
         if let Some(held) = self.held.take() {

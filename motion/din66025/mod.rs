@@ -41,6 +41,7 @@ mod emit;
 mod error;
 mod idle;
 mod lexer;
+mod refeed;
 mod scan;
 mod state;
 #[cfg(test)]
@@ -51,6 +52,7 @@ mod write;
 
 pub use decoder::{DEFAULT_JUMPS, Decoder, DecoderOptions, MAX_LINE_BYTES};
 pub use error::{DecodeError, Diagnostic, Failure, Item};
+pub use refeed::refeed;
 pub use scan::marks_in;
 pub use variables::Variables;
 pub use write::{ProgramWriter, WriteError};

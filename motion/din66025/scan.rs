@@ -8,8 +8,25 @@ use std::io::{self, BufRead};
 ///
 /// # Errors
 /// If `program` cannot be read.
-pub fn marks_in(mut program: impl BufRead) -> io::Result<Marks> {
+pub fn marks_in(program: impl BufRead) -> io::Result<Marks> {
     let mut marks = Marks::default();
+    commands(program, |number| marks = marks.with(starts(number)))?;
+    Ok(marks)
+}
+
+/// Whether a program may jump (G20): whether it names the command anywhere, in comments, too, or a command whose number
+/// is a variable.
+///
+/// # Errors
+/// If `program` cannot be read.
+pub(super) fn may_jump(program: impl BufRead) -> io::Result<bool> {
+    let mut jumps = false;
+    commands(program, |number| jumps |= matches!(number, Some(20) | None))?;
+    Ok(jumps)
+}
+
+/// Hands on the number after each G, none where it is a variable.
+fn commands(mut program: impl BufRead, mut each: impl FnMut(Option<u32>)) -> io::Result<()> {
     // The number after a G as far as it has been read: none outside of such a word.
     let mut number: Option<u32> = None;
     loop {
@@ -20,7 +37,9 @@ pub fn marks_in(mut program: impl BufRead) -> io::Result<Marks> {
         for byte in chunk {
             match (byte, number) {
                 (b'G' | b'g', _) => {
-                    marks = marks.with(starts(number));
+                    if number.is_some() {
+                        each(number);
+                    }
                     number = Some(0);
                 }
                 (b'0'..=b'9', Some(value)) => {
@@ -28,8 +47,12 @@ pub fn marks_in(mut program: impl BufRead) -> io::Result<Marks> {
                 }
                 // A sign belongs to the number.
                 (b'+', Some(0)) | (_, None) => {}
+                (b'$', Some(0)) => {
+                    each(None);
+                    number = None;
+                }
                 (_, Some(_)) => {
-                    marks = marks.with(starts(number));
+                    each(number);
                     number = None;
                 }
             }
@@ -37,7 +60,10 @@ pub fn marks_in(mut program: impl BufRead) -> io::Result<Marks> {
         let length = chunk.len();
         program.consume(length);
         if length == 0 {
-            return Ok(marks.with(starts(number)));
+            if number.is_some() {
+                each(number);
+            }
+            return Ok(());
         }
     }
 }
@@ -68,5 +94,19 @@ mod tests {
             assert_eq!(marks_in(reader).unwrap(), expected);
         }
         assert_eq!(marks_in(&b"N10 G1 X1 F10"[..]).unwrap(), Marks::default());
+    }
+
+    #[test]
+    fn jumps_are_found() {
+        for (program, jumps) in [
+            ("%\nN10 G1 X20", false),
+            ("%\nN10 g020 L10", true),
+            ("%\nN10 G20.0L10", true),
+            ("%\nN10 G$a$ L10", true),
+            ("%\nN10 G120 X$a$", false),
+            ("%\nN10 X1G20", true),
+        ] {
+            assert_eq!(may_jump(program.as_bytes()).unwrap(), jumps, "{program}");
+        }
     }
 }

@@ -102,6 +102,11 @@ impl State {
         self.position
     }
 
+    /// The last element, which waits for the next.
+    pub(super) fn held(&self) -> Option<&PathElement> {
+        self.emitter.held()
+    }
+
     /// Takes over what stays of a block, right or wrong.
     pub(super) fn store(&mut self, block: &Block) {
         if let Some(feed) = block.feed {

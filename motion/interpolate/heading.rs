@@ -34,7 +34,7 @@ impl Heading {
     /// With the direction θ(s): θ̇ = θ′·ṡ and θ̈ = θ″·ṡ² + θ′·s̈. Derivatives too large for a number, on arcs too small for
     /// any machine, count as none, like those of the path itself.
     #[inline]
-    pub(super) fn at(
+    pub(crate) fn at(
         point: &PathPoint,
         [velocity, acceleration]: [f64; 2],
         backwards: bool,

@@ -5,7 +5,7 @@
 /// The durations of millions of elements add up without loss: what is rounded is a fraction of a nanosecond each
 /// time, not the time since the start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Instant {
+pub(crate) struct Instant {
     ns: i64,
     /// Fraction of a nanosecond, 0 to 1.
     fraction: f64,
@@ -19,13 +19,13 @@ const NS_PER_S: f64 = 1e9;
 
 impl Instant {
     /// A whole nanosecond.
-    pub(super) fn at_ns(ns: i64) -> Self {
+    pub(crate) fn at_ns(ns: i64) -> Self {
         Self { ns, fraction: 0.0 }
     }
 
     /// `seconds` (not negative) later. Beyond the range of `i64` nanoseconds, 292 years, time stands still.
     #[expect(clippy::cast_possible_truncation, reason = "the cast saturates, and so does the sum")]
-    pub(super) fn after(self, seconds: f64) -> Self {
+    pub(crate) fn after(self, seconds: f64) -> Self {
         let fraction = self.fraction + seconds * NS_PER_S;
         let whole = fraction.floor();
         let fraction = if whole.is_finite() { fraction - whole } else { 0.0 };
@@ -33,7 +33,7 @@ impl Instant {
     }
 
     /// The whole nanosecond it is meant to be, if it is one but for rounding; else itself.
-    pub(super) fn settled(self) -> Self {
+    pub(crate) fn settled(self) -> Self {
         if self.fraction < ROUNDING_NS {
             Self::at_ns(self.ns)
         } else if self.fraction > 1.0 - ROUNDING_NS {
@@ -44,7 +44,7 @@ impl Instant {
     }
 
     /// Whether it is at or before `ns`.
-    pub(super) fn reached_at(self, ns: i64) -> bool {
+    pub(crate) fn reached_at(self, ns: i64) -> bool {
         self.ns < ns || (self.ns == ns && self.fraction <= 0.0)
     }
 
@@ -53,13 +53,13 @@ impl Instant {
         clippy::cast_precision_loss,
         reason = "the time within one element: exact below 104 days"
     )]
-    pub(super) fn until(self, ns: i64) -> f64 {
+    pub(crate) fn until(self, ns: i64) -> f64 {
         (ns.saturating_sub(self.ns) as f64 - self.fraction) / NS_PER_S
     }
 
     /// Time since 0, s.
     #[expect(clippy::cast_precision_loss, reason = "a duration for people and reports")]
-    pub(super) fn seconds(self) -> f64 {
+    pub(crate) fn seconds(self) -> f64 {
         (self.ns as f64 + self.fraction) / NS_PER_S
     }
 }

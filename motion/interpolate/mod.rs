@@ -17,7 +17,7 @@ mod control;
 mod error;
 mod heading;
 mod inputs;
-mod instant;
+pub(crate) mod instant;
 mod interpolator;
 mod look_ahead;
 mod profile;
@@ -27,7 +27,7 @@ mod setpoint;
 mod source;
 mod spans;
 mod sum;
-mod switches;
+pub(crate) mod switches;
 #[cfg(test)]
 mod tests;
 mod transition;

@@ -95,7 +95,7 @@ impl Status {
     }
 
     /// By the sign of an acceleration along the path.
-    pub(super) fn of_acceleration(acceleration: f64) -> Self {
+    pub(crate) fn of_acceleration(acceleration: f64) -> Self {
         if acceleration > 0.0 {
             Self::Accelerating
         } else if acceleration < 0.0 {

@@ -4,15 +4,15 @@ use crate::path::Switch;
 
 /// The switches as the path has set them (`dwSwitches`, `iLastSwitch`).
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct SwitchBoard {
-    pub(super) states: u32,
-    pub(super) last: u8,
+pub(crate) struct SwitchBoard {
+    pub(crate) states: u32,
+    pub(crate) last: u8,
 }
 
 impl SwitchBoard {
     /// Applies those of `switches` that lie at `s` of `length` or before it and are not among the first `passed`, which
     /// counts on.
-    pub(super) fn pass(&mut self, switches: &[Switch], passed: &mut usize, s: f64, length: f64) {
+    pub(crate) fn pass(&mut self, switches: &[Switch], passed: &mut usize, s: f64, length: f64) {
         for switch in switches.get(*passed..).unwrap_or_default() {
             if switch.at * length > s {
                 break;
@@ -23,7 +23,7 @@ impl SwitchBoard {
     }
 
     /// Applies all that are left.
-    pub(super) fn pass_all(&mut self, switches: &[Switch], passed: &mut usize) {
+    pub(crate) fn pass_all(&mut self, switches: &[Switch], passed: &mut usize) {
         for switch in switches.get(*passed..).unwrap_or_default() {
             self.apply(*switch);
         }

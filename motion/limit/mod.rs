@@ -1,3 +1,33 @@
-//! Feed limiting: what the axes can give.
+//! Feed limiting: the fastest motion along a path under the limits of every axis.
+//!
+//! ```text
+//! CheckedElement ─ course (C²) ─ samples of the axes ─ grid, uniform in time ─ windows for Clarabel ─▶ stretches in time
+//! ```
+//!
+//! [`course`] rounds the joints of the path within a tolerance, [`Grid`] holds what limits the motion along it,
+//! [`reachable`] gives the fastest profile with limited acceleration in two passes, and Clarabel those profiles that are
+//! followed: [`LinearSolver`] where accelerations alone are limited, [`SmoothSolver`] where jerks are as well.
 
+mod axis_path;
+mod convex;
+pub mod course;
 pub mod emergency;
+mod follow;
+mod grid;
+mod linear;
+mod options;
+mod planner;
+pub mod reachable;
+mod sample;
+mod smooth;
+mod stretch;
+
+pub use axis_path::{AxisPath, AxisPoint, KinematicPath, axis_point};
+pub use convex::NotSolved;
+pub use follow::{Followed, Follower};
+pub use grid::{AxisLimits, Cap, CapSource, CellEnd, Disc, Grid, JerkRow, Rates, Row};
+pub use linear::{LinearProfile, LinearSolver};
+pub use options::LimitOptions;
+pub use planner::{Effort, Leg, LimitError, Planned, Planner};
+pub use smooth::{Beginning, SmoothProfile, SmoothSolver};
+pub use stretch::{Law, Progress, Stretch};

@@ -132,15 +132,16 @@ impl PathElement {
         let mut point = ExtraPoint::default();
         for (index, (start, end)) in extra.start.iter().zip(extra.end).enumerate() {
             let smooth = details.s_profile.contains(AxisMask::extra(index));
-            let [position, first, second, _] = along(*start, end, s, length, smooth);
+            let [position, first, second, third] = along(*start, end, s, length, smooth);
             let slots = (
                 point.position.get_mut(index),
                 point.first.get_mut(index),
                 point.second.get_mut(index),
+                point.third.get_mut(index),
             );
-            if let (Some(at), Some(d1), Some(d2)) = slots {
-                let [first, second] = [first, second].map(finite_or_zero);
-                (*at, *d1, *d2) = (position, first, second);
+            if let (Some(at), Some(d1), Some(d2), Some(d3)) = slots {
+                let [first, second, third] = [first, second, third].map(finite_or_zero);
+                (*at, *d1, *d2, *d3) = (position, first, second, third);
             }
         }
         Some(point)
@@ -170,6 +171,8 @@ pub struct ExtraPoint {
     pub first: ExtraPosition,
     /// Second derivative, u/m².
     pub second: ExtraPosition,
+    /// Third derivative, u/m³.
+    pub third: ExtraPosition,
 }
 
 /// A derivative, or zero where the element is too small for it to be a number (10⁻¹⁵⁰ m and less, from a queue file).

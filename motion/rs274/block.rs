@@ -164,6 +164,15 @@ impl Block {
         Some(usize::try_from(start).ok()?..usize::try_from(end).ok()?)
     }
 
+    /// The bytes of the last word with a number of its own.
+    pub(super) fn last_columns(&self) -> Option<Range<usize>> {
+        let present = self.columns.iter().enumerate().filter(|(index, _)| {
+            u8::try_from(*index).is_ok_and(|index| self.present.contains(Letter(index)))
+        });
+        let (_, (start, end)) = present.max_by_key(|(_, (_, end))| *end)?;
+        Some(usize::try_from(*start).ok()?..usize::try_from(*end).ok()?)
+    }
+
     /// Adds the word of an ASCII letter other than N and O, or says what is wrong with it.
     pub(super) fn add(
         &mut self,

@@ -25,7 +25,7 @@ const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 #[derive(Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "each is told apart by its name")]
 pub struct Decoder<R> {
-    reader: R,
+    pub(super) reader: R,
     skip_suppressed_blocks: bool,
     line: Vec<u8>,
     line_number: u32,
@@ -34,13 +34,14 @@ pub struct Decoder<R> {
     begun: bool,
     /// There was anything but comments, blanks, a `%` and an O word.
     under_way: bool,
-    ended: bool,
+    pub(super) ended: bool,
     /// The last block that was carried out.
     last: Place,
-    block: Block,
+    /// That of the last line.
+    pub(super) block: Block,
     problems: Vec<Problem>,
-    state: State,
-    out: Output,
+    pub(super) state: State,
+    pub(super) out: Output,
 }
 
 impl<R: BufRead> Decoder<R> {
@@ -119,6 +120,24 @@ impl<R: BufRead> Decoder<R> {
         Ok(true)
     }
 
+    /// Reads and carries out the next line, or finds that there is none.
+    pub(super) fn step(&mut self) -> io::Result<()> {
+        self.block.clear();
+        if self.read_line()? {
+            self.decode_line();
+            if self.ended {
+                self.state.end(&mut self.out);
+            }
+        } else {
+            self.ended = true;
+            self.out.place = Place { line: self.line_number.max(1), block: None };
+            self.out.warning(None, DecodeError::MissingEnd);
+            self.out.place = self.last;
+            self.state.end(&mut self.out);
+        }
+        Ok(())
+    }
+
     fn decode_line(&mut self) {
         let line = self.line.strip_suffix(b"\n").unwrap_or(&self.line);
         let mut at = 0;
@@ -137,7 +156,6 @@ impl<R: BufRead> Decoder<R> {
             }
             Some(_) => {}
         }
-        self.block.clear();
         let kind = lexer::lex(line, at, &mut self.block, &mut self.problems);
         self.out.place.block = self.block.number;
         if let Line::ProgramNumber { start, end } = kind {
@@ -194,20 +212,8 @@ impl<R: BufRead> Iterator for Decoder<R> {
             if self.ended {
                 return None;
             }
-            match self.read_line() {
-                Ok(true) => {
-                    self.decode_line();
-                    if self.ended {
-                        self.state.end(&mut self.out);
-                    }
-                }
-                Ok(false) => {
-                    self.ended = true;
-                    self.out.place = Place { line: self.line_number.max(1), block: None };
-                    self.out.warning(None, DecodeError::MissingEnd);
-                    self.out.place = self.last;
-                    self.state.end(&mut self.out);
-                }
+            match self.step() {
+                Ok(()) => {}
                 Err(error) => {
                     self.ended = true;
                     return Some(Err(Failure::Io(error)));
@@ -222,7 +228,7 @@ impl<R: BufRead> FusedIterator for Decoder<R> {}
 /// What a line gives: few items, but for canned cycles, in order.
 #[derive(Debug, Default)]
 pub(super) struct Output {
-    items: VecDeque<Result<Item, Failure>>,
+    pub(super) items: VecDeque<Result<Item, Failure>>,
     place: Place,
 }
 

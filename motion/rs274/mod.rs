@@ -47,6 +47,7 @@ mod error;
 mod lexer;
 mod offsets;
 mod options;
+mod refeed;
 mod state;
 #[cfg(test)]
 mod tests;
@@ -58,4 +59,5 @@ pub use cycle::MAX_CYCLE_MOVES;
 pub use decoder::{Decoder, MAX_LINE_BYTES};
 pub use error::{DecodeError, Diagnostic, Failure, Item, UnsupportedReason};
 pub use options::{DecoderOptions, LengthUnit, PathMode, Position, ToolReference};
+pub use refeed::refeed;
 pub use tool_table::{Tool, ToolTable, ToolTableError};

@@ -11,17 +11,24 @@ use super::word::{Cycle, Motion, OneShot};
 use crate::path::{ElementKind, MParameters, Plane};
 
 /// Limits of numbers, in their own units.
-const MAX_FEED: f64 = 1e9;
+pub(super) const MAX_FEED: f64 = 1e9;
 const MAX_SPEED: f64 = 1e9;
 const MAX_DWELL_S: f64 = 1e6;
 
 /// F of G94 in both of its meanings.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Feed {
     /// m/s.
     pub(super) linear: f64,
     /// Where only rotary axes move, degrees/s.
     pub(super) rotary: f64,
+}
+
+impl Feed {
+    /// That of an F word.
+    pub(super) fn per_minute(number: f64, units: LengthUnit) -> Self {
+        Self { linear: units.to_metres(number) / 60.0, rotary: number / 60.0 }
+    }
 }
 
 /// The interpreter between two blocks.
@@ -259,8 +266,7 @@ impl State {
         }
         let Some(feed) = Self::in_range(block, Letter::F, MAX_FEED)? else { return Ok(()) };
         if !self.inverse_time {
-            self.feed =
-                Some(Feed { linear: self.units.to_metres(feed) / 60.0, rotary: feed / 60.0 });
+            self.feed = Some(Feed::per_minute(feed, self.units));
             // F0 is none.
             self.feed_reported &= feed <= 0.0;
         }

@@ -18,7 +18,7 @@ const MAX_ANGLE: f64 = 1e9;
 const MAX_RADIUS: f64 = 1e6;
 
 /// The lowest velocity that inverse time leads to, program units or degrees per minute.
-const MIN_INVERSE_TIME_FEED: f64 = 0.1;
+pub(super) const MIN_INVERSE_TIME_FEED: f64 = 0.1;
 
 impl State {
     /// Where the axis words of `block` lead.

@@ -5,7 +5,8 @@ use crate::finding::{Finding, Severity};
 use crate::machine::{Axis, Machine};
 use crate::program::{Dialect, ProgramFile};
 use crate::report::{AxisPeak, Peak};
-use comfy_table::{Cell, CellAlignment, Color, ContentArrangement, LineStyle, Table, TableStyle};
+pub(super) use crate::table::table;
+use comfy_table::{Cell, CellAlignment, Color, Table};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{
     Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents,
@@ -295,22 +296,6 @@ fn against(text: String, value: f64, limit: f64) -> Cell {
     } else {
         cell
     }
-}
-
-/// Rules above, below and under the header; nothing between rows.
-const STYLE: TableStyle = TableStyle::new()
-    .top_border(LineStyle::none().fill('─').junction('─'))
-    .header_separator(LineStyle::none().fill('─').junction('─'))
-    .bottom_border(LineStyle::none().fill('─').junction('─'));
-
-/// An empty table in the house style.
-pub(super) fn table() -> Table {
-    let mut table = Table::new();
-    table.load_style(STYLE).set_content_arrangement(ContentArrangement::Disabled);
-    if !io::stdout().is_terminal() || std::env::var_os("NO_COLOR").is_some() {
-        table.force_no_tty();
-    }
-    table
 }
 
 /// A progress bar over `length` units, on standard error, only on a terminal.

@@ -6,6 +6,7 @@ mod errors;
 mod jumps;
 mod language;
 mod random;
+mod refeed;
 mod warnings;
 mod words;
 mod write;

@@ -26,7 +26,7 @@ fn most_items(program: &[u8]) -> usize {
 }
 
 /// What resembles a program more often than random bytes do.
-fn scraps() -> impl Strategy<Value = Vec<u8>> {
+pub(super) fn scraps() -> impl Strategy<Value = Vec<u8>> {
     let scrap = prop_oneof![
         4 => "[NGXYZIJREFngxyzijrefMTDHSKLOPQUVWa$/%() \t.,+-]{0,3}",
         4 => "[NGXYZIJREFDHKLMOPQSUVW]-?[0-9]{0,4}\\.?[0-9]{0,3} ?",

@@ -132,6 +132,23 @@ fn z_with_the_s_profile() {
     }
 }
 
+/// The same of an extra axis, beside one that moves linearly.
+#[test]
+fn extra_axes() {
+    let shape = line([0.0; 3], [50.0, 0.0, 0.0]);
+    let mut element = PathElement::new(Place::default(), ElementKind::Cut, shape);
+    let extra = ExtraAxes { start: [1.0; 5], end: [4.0, 5.0, 1.0, 1.0, 1.0] };
+    let s_profile = AxisMask::extra(0);
+    element.details =
+        Some(Box::new(Details { extra: Some(extra), s_profile, ..Details::default() }));
+    for (part, factor) in [(0.0, 1.0), (0.1, 0.46), (0.5, -0.5), (0.9, 0.46), (1.0, 1.0)] {
+        let [p, others @ ..] = element.extra_at(part * 0.05).unwrap().third;
+        let expected = 60.0 * 3.0 / 0.05_f64.powi(3) * factor;
+        assert!((p - expected).abs() < 1e-9 * expected.abs(), "{p}");
+        assert!(others.iter().all(|third| third.abs() < 1e-300), "{others:?}");
+    }
+}
+
 /// Elements of which a queue file may speak.
 #[test]
 fn absurd_elements_have_none() {

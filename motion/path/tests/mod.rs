@@ -222,7 +222,10 @@ fn elements_too_small_for_derivatives_have_none() {
             assert!(derivatives.clone().all(|value| value.is_finite()), "{point:?}");
             let extra = element.extra_at(part * length).unwrap();
             assert!(
-                extra.first.iter().chain(&extra.second).all(|value| value.is_finite()),
+                [extra.first, extra.second, extra.third]
+                    .as_flattened()
+                    .iter()
+                    .all(|d| d.is_finite()),
                 "{extra:?}"
             );
         }

@@ -15,7 +15,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Programs of words that are understood: every move is LinuxCNC's.
-const WITHIN: [&str; 29] = [
+pub(super) const WITHIN: [&str; 29] = [
     "bcnc/sample.gcode",
     "camotics/bear.nc",
     "camotics/bottom.ngc",
@@ -95,7 +95,7 @@ const OUTSIDE: [(&str, u32, &str); 26] = [
 const NO_PROGRAM: (&str, u32, &str) = ("fluidnc/flow_control_basic.nc", 1, "-");
 
 /// The folder of programs, if it is there.
-fn corpus() -> Option<PathBuf> {
+pub(super) fn corpus() -> Option<PathBuf> {
     let shared = std::env::var_os("TWIN_SHARED")
         .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared"), PathBuf::from);
     let corpus = shared.join("corpus");

@@ -12,6 +12,7 @@ mod linuxcnc;
 mod moves;
 mod offsets;
 mod random;
+mod refeed;
 mod tools;
 mod unsupported;
 mod words;

@@ -20,7 +20,7 @@ fn run(program: &[u8], capacity: usize, options: &DecoderOptions) -> Vec<Result<
 }
 
 /// What resembles a program more often than random bytes do.
-fn scraps() -> impl Strategy<Value = Vec<u8>> {
+pub(super) fn scraps() -> impl Strategy<Value = Vec<u8>> {
     let scrap = prop_oneof![
         4 => "[NGXYZABCIJKRFMTSHPQLOUEDngxyzijkrf$/%();\\[\\]#= \t.,+-]{0,3}",
         6 => "[NGXYZABCIJKRFMTSHPQLO]-?[0-9]{0,4}\\.?[0-9]{0,3} ?",
@@ -112,7 +112,7 @@ fn block() -> impl Strategy<Value = String> {
     ]
 }
 
-fn programs() -> impl Strategy<Value = Vec<String>> {
+pub(super) fn programs() -> impl Strategy<Value = Vec<String>> {
     prop::collection::vec(block(), 0..40).prop_map(|mut lines| {
         lines.insert(0, "F20".to_owned());
         lines

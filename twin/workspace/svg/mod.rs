@@ -9,8 +9,9 @@ use super::section::{Cut, Section, Short};
 use super::silhouette::{clip, silhouette};
 use super::space::State;
 use super::survey::Workspace;
+use crate::page::{FAINT, GRID, INK, MARK, color, fine, font, stroke};
 use nalgebra::{Point2, Point3, Vector2};
-use page::{FAINT, INK, MARK, NUMBERS, Page, Sign, color, cross, fine, font, stroke};
+use page::{NUMBERS, Page, Sign, cross};
 use plotters::chart::ChartContext;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
@@ -142,7 +143,7 @@ impl Drawing<'_, '_> {
             .y_label_formatter(&|value| number(*value))
             .label_style(font(14.5, INK))
             .axis_style(FAINT.stroke_width(stroke(0.8)))
-            .bold_line_style(RGBColor(226, 229, 234).stroke_width(stroke(0.8)))
+            .bold_line_style(GRID.stroke_width(stroke(0.8)))
             .light_line_style(TRANSPARENT)
             .set_all_tick_mark_size(fine(4.0))
             .draw()

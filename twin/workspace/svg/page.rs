@@ -1,14 +1,13 @@
 //! The page around a section: sizes, title, scale, legend.
 
 use super::{Area, Failure};
+use crate::page::{self, FAINT, INK, MARK, color, fine, font, stroke};
 use crate::workspace::scale::Scale;
 use crate::workspace::section::Section;
 use nalgebra::Point2;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-/// plotters draws on whole pixels; this many of them are one of the picture.
-const FINE: u32 = 10;
 /// Largest size of the section on the page, pixels.
 const LARGEST: [f64; 2] = [690.0, 620.0];
 /// Room around the section, pixels: left, top, right, bottom.
@@ -19,10 +18,6 @@ pub(super) const NUMBERS: f64 = 50.0;
 const NARROWEST: f64 = 780.0;
 /// The colour scale is at least this high, pixels.
 const LOWEST_SCALE: f64 = 150.0;
-
-pub(super) const INK: RGBColor = RGBColor(34, 38, 46);
-pub(super) const FAINT: RGBColor = RGBColor(110, 116, 126);
-pub(super) const MARK: RGBColor = RGBColor(214, 39, 40);
 
 /// How a section lies on the page.
 #[derive(Clone, Copy, Debug)]
@@ -84,13 +79,7 @@ impl Page {
 
     /// The picture at its size; inside it counts finer.
     pub(super) fn resized(&self, text: &str) -> String {
-        let (width, height) = self.size();
-        let of_page = |pixels: u32| f64::from(pixels) / f64::from(FINE);
-        text.replacen(
-            &format!(r#"width="{width}" height="{height}""#),
-            &format!(r#"width="{}" height="{}""#, of_page(width), of_page(height)),
-            1,
-        )
+        page::resized(text, self.size())
     }
 
     pub(super) fn title(root: &Area<'_>, title: &str, below: &str) -> Result<(), Failure> {
@@ -199,24 +188,4 @@ impl Sign {
 pub(super) fn cross((x, y): (f64, f64)) -> [[(f64, f64); 2]; 2] {
     let arm = 5.5;
     [[(x - arm, y), (x + arm, y)], [(x, y - arm), (x, y + arm)]]
-}
-
-/// Pixels of the page as plotters counts them.
-pub(super) fn fine(pixels: f64) -> i32 {
-    #[expect(clippy::cast_possible_truncation, reason = "places on a page")]
-    let fine = (pixels * f64::from(FINE)).round() as i32;
-    fine
-}
-
-/// The width of a line.
-pub(super) fn stroke(pixels: f64) -> u32 {
-    fine(pixels).unsigned_abs()
-}
-
-pub(super) fn color([red, green, blue]: [u8; 3]) -> RGBColor {
-    RGBColor(red, green, blue)
-}
-
-pub(super) fn font(pixels: f64, color: RGBColor) -> TextStyle<'static> {
-    ("sans-serif", pixels * f64::from(FINE)).into_font().color(&color)
 }

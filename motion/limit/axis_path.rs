@@ -1,0 +1,94 @@
+//! From points of the course to the axes.
+
+use super::course::{CourseElement, CoursePoint};
+use super::grid::{AxisLimits, Rates};
+use nalgebra::Vector3;
+use twin_kinematics::{AxisVector, Kinematics, KinematicsError, Pose, ToolJerk, ToolMotion};
+
+/// The axes at one point of the course.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisPoint {
+    /// Where they are, m or rad.
+    pub position: AxisVector,
+    /// How they move with the parameter.
+    pub rates: Rates,
+}
+
+/// A machine as feed limiting sees it.
+pub trait AxisPath {
+    /// Limits of the axes, in their order.
+    fn limits(&self) -> &[AxisLimits];
+
+    /// Where the axes are before the first point: the first answer is the one nearest to it.
+    fn home(&self) -> AxisVector;
+
+    /// The axes where the course is at `s` (m) of `element`, near `near`.
+    ///
+    /// # Errors
+    /// What the kinematics refuses.
+    fn axes(
+        &self,
+        element: &CourseElement,
+        s: f64,
+        near: &AxisVector,
+    ) -> Result<AxisPoint, KinematicsError>;
+}
+
+/// Kinematics without work frame, direction and additional axes.
+#[derive(Debug)]
+pub struct KinematicPath<K> {
+    kinematics: K,
+    limits: Vec<AxisLimits>,
+    home: AxisVector,
+}
+
+impl<K: Kinematics> KinematicPath<K> {
+    /// The machine `kinematics` with `limits` of its axes, which begins near `home`.
+    pub fn new(kinematics: K, limits: Vec<AxisLimits>, home: AxisVector) -> Self {
+        Self { kinematics, limits, home }
+    }
+}
+
+impl<K: Kinematics> AxisPath for KinematicPath<K> {
+    fn limits(&self) -> &[AxisLimits] {
+        &self.limits
+    }
+
+    fn home(&self) -> AxisVector {
+        self.home
+    }
+
+    fn axes(
+        &self,
+        element: &CourseElement,
+        s: f64,
+        near: &AxisVector,
+    ) -> Result<AxisPoint, KinematicsError> {
+        let CoursePoint { position, first, second, third, .. } = element.at(s);
+        axis_point(&self.kinematics, (position.coords, [first, second, third]), [0.0; 4], near)
+    }
+}
+
+/// The axes of `kinematics` for a tool tip with its derivatives by the parameter, and a direction with its own.
+///
+/// # Errors
+/// What the kinematics refuses.
+pub fn axis_point(
+    kinematics: &dyn Kinematics,
+    (position, [first, second, third]): (Vector3<f64>, [Vector3<f64>; 3]),
+    [direction, d1, d2, d3]: [f64; 4],
+    near: &AxisVector,
+) -> Result<AxisPoint, KinematicsError> {
+    // With the parameter in the place of time, derivatives by time are those by the parameter.
+    let tool = ToolMotion {
+        pose: Pose { position: position.into(), direction },
+        velocity: first,
+        acceleration: second,
+        direction_velocity: d1,
+        direction_acceleration: d2,
+    };
+    let jerk = ToolJerk { linear: third, direction: d3 };
+    let (motion, third) = kinematics.inverse_jerk(&tool, &jerk, near)?;
+    let rates = Rates { first: motion.velocity, second: motion.acceleration, third };
+    Ok(AxisPoint { position: motion.position, rates })
+}

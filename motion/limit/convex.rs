@@ -1,0 +1,232 @@
+//! Convex programs for Clarabel: min ½·xᵀ·P·x + qᵀ·x with A·x ≤ 1, P tridiagonal, rows of a few neighbours, cones.
+
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+
+/// A convex program whose variables are all of the order of 1.
+///
+/// Every right-hand side is 1, which spares the solver its equilibration and most of its iterations.
+#[derive(Debug, Default)]
+pub(super) struct Program {
+    /// Diagonal of P, and what is right of it.
+    diagonal: Vec<f64>,
+    beside: Vec<f64>,
+    linear: Vec<f64>,
+    /// Rows one after the other: where each ends in `entries`.
+    ends: Vec<usize>,
+    entries: Vec<(usize, f64)>,
+    right: Vec<f64>,
+    /// How many of the last rows belong to cones, four each.
+    cones: usize,
+    /// Rows that are left out as long as a solution keeps them.
+    spare: Vec<Spare>,
+}
+
+/// A row that is left out.
+#[derive(Clone, Copy, Debug)]
+struct Spare {
+    entries: [(usize, f64); 3],
+    right: f64,
+}
+
+/// A row that was left out has to be kept to within this part of the variables' scale.
+const KEPT: f64 = 1e-5;
+
+/// What a solve gave.
+#[derive(Debug)]
+pub(super) struct Answer {
+    pub(super) x: Vec<f64>,
+    /// Multipliers of the rows, in their order: not negative.
+    pub(super) duals: Vec<f64>,
+    pub(super) iterations: u32,
+}
+
+/// Clarabel came to no answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("Clarabel ended with {status:?} after {iterations} iterations")]
+pub struct NotSolved {
+    /// Its own word for it.
+    pub status: SolverStatus,
+    /// Iterations until then.
+    pub iterations: u32,
+}
+
+impl Program {
+    /// Starts over with `variables` variables and no rows.
+    pub(super) fn reset(&mut self, variables: usize) {
+        for values in [&mut self.diagonal, &mut self.beside, &mut self.linear] {
+            values.clear();
+            values.resize(variables, 0.0);
+        }
+        self.ends.clear();
+        self.entries.clear();
+        self.right.clear();
+        self.spare.clear();
+        self.cones = 0;
+    }
+
+    /// Adds ½·p·x² + q·x for variable `index`.
+    pub(super) fn add_cost(&mut self, index: usize, p: f64, q: f64) {
+        if let (Some(diagonal), Some(linear)) =
+            (self.diagonal.get_mut(index), self.linear.get_mut(index))
+        {
+            *diagonal += p;
+            *linear += q;
+        }
+    }
+
+    /// Adds p·xᵢ·xᵢ₊₁ for variable `index`.
+    pub(super) fn add_coupling(&mut self, index: usize, p: f64) {
+        if let Some(beside) = self.beside.get_mut(index) {
+            *beside += p;
+        }
+    }
+
+    /// Adds the row Σ coefficient·x ≤ `right`. Zero coefficients are left out.
+    pub(super) fn add_row(&mut self, entries: &[(usize, f64)], right: f64) {
+        self.entries.extend(entries.iter().filter(|(_, value)| *value != 0.0));
+        self.ends.push(self.entries.len());
+        self.right.push(right);
+    }
+
+    /// Adds a row only once a solution does not keep it.
+    pub(super) fn add_spare(&mut self, entries: [(usize, f64); 3], right: f64) {
+        self.spare.push(Spare { entries, right });
+    }
+
+    /// Adds the spare rows that `x` does not keep; how many.
+    fn add_broken(&mut self, x: &[f64]) -> usize {
+        let spare = std::mem::take(&mut self.spare);
+        let before = self.rows();
+        for row in spare {
+            let value = |(index, factor): &(usize, f64)| x.get(*index).map_or(0.0, |x| factor * x);
+            if row.entries.iter().map(value).sum::<f64>() > row.right + KEPT {
+                self.add_row(&row.entries, row.right);
+            } else {
+                self.spare.push(row);
+            }
+        }
+        self.rows() - before
+    }
+
+    /// Solves it, with as many of the spare rows as are needed.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub(super) fn solve_all(&mut self, tolerance: f64) -> Result<Answer, NotSolved> {
+        let mut iterations = 0;
+        loop {
+            let mut answer = self.solve(tolerance)?;
+            iterations += answer.iterations;
+            if self.add_broken(&answer.x) == 0 {
+                answer.iterations = iterations;
+                return Ok(answer);
+            }
+        }
+    }
+
+    /// Adds the cone |three rows| ≤ 1. After the first cone no more rows may be added.
+    pub(super) fn add_cone(&mut self, rows: [&[(usize, f64)]; 3]) {
+        self.add_row(&[], 1.0);
+        for row in rows {
+            self.add_row(row, 0.0);
+        }
+        self.cones += 1;
+    }
+
+    /// Number of rows.
+    pub(super) fn rows(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// P as upper triangle.
+    fn quadratic(&self) -> CscMatrix<f64> {
+        let n = self.diagonal.len();
+        let (mut starts, mut rows, mut values) =
+            (Vec::with_capacity(n + 1), Vec::with_capacity(2 * n), Vec::with_capacity(2 * n));
+        starts.push(0);
+        let mut above = 0.0;
+        for (column, (diagonal, beside)) in self.diagonal.iter().zip(&self.beside).enumerate() {
+            if above != 0.0 {
+                rows.push(column.saturating_sub(1));
+                values.push(above);
+            }
+            rows.push(column);
+            values.push(*diagonal);
+            starts.push(values.len());
+            above = *beside;
+        }
+        CscMatrix::new(n, n, starts, rows, values)
+    }
+
+    /// A by columns.
+    fn constraints(&self) -> CscMatrix<f64> {
+        let n = self.diagonal.len();
+        let mut starts = vec![0usize; n + 1];
+        for (column, _) in &self.entries {
+            if let Some(count) = starts.get_mut(column + 1) {
+                *count += 1;
+            }
+        }
+        let mut sum = 0;
+        for start in &mut starts {
+            sum += *start;
+            *start = sum;
+        }
+        let mut next = starts.clone();
+        let mut rows = vec![0usize; self.entries.len()];
+        let mut values = vec![0.0; self.entries.len()];
+        let mut from = 0;
+        for (row, end) in self.ends.iter().enumerate() {
+            for (column, value) in self.entries.get(from..*end).unwrap_or_default() {
+                let Some(slot) = next.get_mut(*column) else { continue };
+                if let (Some(index), Some(entry)) = (rows.get_mut(*slot), values.get_mut(*slot)) {
+                    (*index, *entry) = (row, *value);
+                }
+                *slot += 1;
+            }
+            from = *end;
+        }
+        CscMatrix::new(self.ends.len(), n, starts, rows, values)
+    }
+
+    /// Solves it to `tolerance` (of feasibility and, relative, of the cost).
+    ///
+    /// # Errors
+    /// If Clarabel comes to no answer of at least nearly that quality.
+    pub(super) fn solve(&self, tolerance: f64) -> Result<Answer, NotSolved> {
+        let (p, a) = (self.quadratic(), self.constraints());
+        let plain = self.ends.len() - 4 * self.cones;
+        let mut cones = vec![SupportedConeT::NonnegativeConeT(plain)];
+        cones.extend((0..self.cones).map(|_| SupportedConeT::SecondOrderConeT(4)));
+        let settings = DefaultSettings {
+            verbose: false,
+            max_iter: 100,
+            max_step_fraction: 0.995,
+            tol_gap_abs: tolerance,
+            tol_gap_rel: tolerance,
+            tol_feas: tolerance,
+            equilibrate_enable: false,
+            presolve_enable: false,
+            direct_solve_method: "qdldl".to_owned(),
+            max_threads: 1,
+            iterative_refinement_max_iter: 2,
+            iterative_refinement_reltol: 1e-7,
+            ..DefaultSettings::default()
+        };
+        let not_solved = |status, iterations| NotSolved { status, iterations };
+        let mut solver = DefaultSolver::new(&p, &self.linear, &a, &self.right, &cones, settings)
+            .map_err(|_invalid| not_solved(SolverStatus::NumericalError, 0))?;
+        solver.solve();
+        let solution = solver.solution;
+        let iterations = solution.iterations;
+        match solution.status {
+            SolverStatus::Solved | SolverStatus::AlmostSolved
+                if solution.x.iter().all(|value| value.is_finite()) =>
+            {
+                Ok(Answer { x: solution.x, duals: solution.z, iterations })
+            }
+            status => Err(not_solved(status, iterations)),
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! Elements of the course.
+
+use super::{Blend, Joint};
+use crate::Place;
+use crate::path::{ElementKind, ExtraPoint};
+use crate::prepare::CheckedElement;
+use nalgebra::{Point3, Vector3};
+use std::sync::Arc;
+
+/// Places nearer to each other than this part of the length are one.
+const SAME_PLACE: f64 = 1e-9;
+
+/// A path element with what replaces it at its ends.
+///
+/// The parameter s is the path length of the original element, 0 to [`Self::length`], everywhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CourseElement {
+    element: CheckedElement,
+    head: Option<Arc<Blend>>,
+    tail: Option<Arc<Blend>>,
+    joint: Joint,
+}
+
+impl CourseElement {
+    /// As it is, with a stop at its end.
+    pub(super) fn new(element: CheckedElement) -> Self {
+        Self { element, head: None, tail: None, joint: Joint::STOP }
+    }
+
+    /// Begins with the second half of `blend`.
+    pub(super) fn lead_in(&mut self, blend: Arc<Blend>) {
+        self.head = Some(blend);
+    }
+
+    /// Ends with the first half of `blend`, without a step.
+    pub(super) fn lead_out(&mut self, blend: Arc<Blend>) {
+        self.tail = Some(blend);
+        self.joint = Joint::default();
+    }
+
+    /// Ends as it is, with what `joint` says.
+    pub(super) fn leave(&mut self, joint: Joint) {
+        self.joint = joint;
+    }
+
+    /// The original element.
+    pub fn element(&self) -> &CheckedElement {
+        &self.element
+    }
+
+    /// The original element.
+    pub fn into_element(self) -> CheckedElement {
+        self.element
+    }
+
+    /// The blend at the joint with the element before, of which the second half is on this one.
+    pub fn head(&self) -> Option<&Arc<Blend>> {
+        self.head.as_ref()
+    }
+
+    /// The blend at the joint with the next element, of which the first half is on this one.
+    pub fn tail(&self) -> Option<&Arc<Blend>> {
+        self.tail.as_ref()
+    }
+
+    /// What is left of the steps at the end of the element.
+    pub fn joint(&self) -> Joint {
+        self.joint
+    }
+
+    /// Length of the original path, m; 0 for what is no motion.
+    pub fn length(&self) -> f64 {
+        self.element.path_length()
+    }
+
+    /// Where the blend with the element before ends, m.
+    fn head_end(&self) -> f64 {
+        self.head.as_ref().map_or(0.0, |blend| blend.half_width())
+    }
+
+    /// Where the blend with the next element begins, m.
+    fn tail_start(&self) -> f64 {
+        self.length() - self.tail.as_ref().map_or(0.0, |blend| blend.half_width())
+    }
+
+    /// Position and derivatives at `s`, m, 0 to [`Self::length`]; what is beyond counts as the end. Where the third
+    /// derivative steps, at [`Self::breaks`], it is that of the blend.
+    ///
+    /// What has no length is where it ends, and its derivatives are zero.
+    ///
+    /// A blend costs about as much as an arc, a fifth of a cubic.
+    pub fn at(&self, s: f64) -> CoursePoint {
+        let length = self.length();
+        let s = s.max(0.0).min(length);
+        match (&self.head, &self.tail) {
+            (Some(blend), _) if s <= blend.half_width() => blend.at(s),
+            (_, Some(blend)) if s >= self.tail_start() => blend.at(s - length),
+            _ => CoursePoint::of(&self.element, s),
+        }
+    }
+
+    /// Where the third derivative may step, m, strictly increasing: 0, the end of the blend with the element before,
+    /// the start of that with the next, and the length, as far as they exist.
+    pub fn breaks(&self) -> impl Iterator<Item = f64> + use<> {
+        let length = self.length();
+        let apart = SAME_PLACE * length;
+        let mut last = 0.0;
+        let inner = [self.head_end(), self.tail_start()].into_iter().filter(move |at| {
+            let new = *at - last > apart && length - *at > apart;
+            if new {
+                last = *at;
+            }
+            new
+        });
+        let end = (length > 0.0).then_some(length);
+        std::iter::once(0.0).chain(inner).chain(end)
+    }
+
+    /// The block it comes from.
+    pub fn place(&self) -> Place {
+        self.element.place
+    }
+
+    /// Programmed velocity along the path (F), m/s.
+    pub fn feed(&self) -> f64 {
+        self.element.feed
+    }
+
+    /// Programmed acceleration along the path (E+), m/s², positive.
+    pub fn acceleration(&self) -> f64 {
+        self.element.acceleration
+    }
+
+    /// Programmed deceleration along the path (E−), m/s², positive.
+    pub fn deceleration(&self) -> f64 {
+        self.element.deceleration
+    }
+
+    /// Largest velocity with which the original path goes on into the next element, m/s.
+    pub fn end_velocity(&self) -> f64 {
+        self.element.end_velocity
+    }
+
+    /// True for positioning (G0).
+    pub fn rapid(&self) -> bool {
+        self.element.kind == ElementKind::Rapid
+    }
+
+    /// True if the course has to stop at the end of the element, because the path does or because no course leads on.
+    pub fn stops_at_end(&self) -> bool {
+        self.joint.stop
+    }
+}
+
+/// Position and derivatives of the course by its parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoursePoint {
+    /// Position, m.
+    pub position: Point3<f64>,
+    /// First derivative: the unit tangent of the original path, no unit vector within a blend.
+    pub first: Vector3<f64>,
+    /// Second derivative, 1/m.
+    pub second: Vector3<f64>,
+    /// Third derivative, 1/m².
+    pub third: Vector3<f64>,
+    /// The extra axes with their derivatives, if the program has named any.
+    pub extra: Option<ExtraPoint>,
+}
+
+impl CoursePoint {
+    /// That of the original path.
+    pub(super) fn of(element: &CheckedElement, s: f64) -> Self {
+        let extra = element.extra_at(s);
+        if !element.has_path() {
+            let zero = Vector3::zeros();
+            return Self { position: element.end(), first: zero, second: zero, third: zero, extra };
+        }
+        let point = element.at(s);
+        Self {
+            position: point.position,
+            first: point.tangent,
+            second: point.curvature,
+            third: point.curvature_rate,
+            extra,
+        }
+    }
+}

@@ -1,0 +1,325 @@
+//! How wide a blend may be.
+
+use super::joint::{SLOWEST, Steps};
+use super::{Blend, CourseOptions, CoursePoint};
+use crate::path::ExtraPoint;
+use crate::prepare::CheckedElement;
+use nalgebra::{SVector, Vector3};
+
+/// The part of an element that each of its two blends may take.
+const SHARE: f64 = 0.5;
+/// No blend is narrower on either side, m.
+const NARROWEST: f64 = 1e-15;
+/// Nor than so many times what the coordinates may be off.
+const DIGITS: f64 = 1e3;
+
+/// Largest deviation for each half width d of a blend of two lines, for a step of the first derivative of 1: 3/16, in
+/// the middle. For lines that turn by θ the step is 2·sin(θ/2).
+const OF_TANGENT: f64 = 3.0 / 16.0;
+/// The same for a step of the second derivative of 1, by d²: a quarter of the largest
+/// 3x/8 + 3x³/4 − x⁵/8 − x², which is at x = 0.27.
+const OF_CURVATURE: f64 = 0.010_74;
+/// The same for a circle of curvature 1, by d⁶: the interpolation error of the sixth derivative, 1/6!.
+const OF_CIRCLE: f64 = 1.0 / 720.0;
+/// Curvatures beyond this one (1/m) count as it; sixth powers stay finite.
+const SHARPEST: f64 = 1e30;
+
+/// Deviations that are found are within the tolerance by this part of it, at most and at least aimed at.
+const AIM: f64 = 0.98;
+const ENOUGH: f64 = 0.9;
+/// So many widths are tried once there is one that will do. One or two are the rule.
+const TRIALS: u32 = 12;
+/// And so many until then: halved so often the longest element is as short as the shortest.
+const MOST_TRIALS: u32 = 100;
+/// So many may be found too wide by what their deviations say.
+const PATIENCE: u32 = 3;
+/// Deviations are looked at in so many intervals on each side.
+const INTERVALS: u8 = 8;
+/// Over each of them the first derivative of the original path changes by no more than this, so that a cubic between
+/// their ends says what is inside.
+const BEND: f64 = 0.3;
+
+/// Why a joint is not blended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NoBlend {
+    /// All blends nearly stand still somewhere.
+    Folds,
+    /// There is no room for one within the tolerance.
+    TooShort,
+}
+
+/// The widest blend between two elements: at most half of either, and if it is narrower than that, the tolerance is
+/// used up to a tenth, or one that is wider by a tenth is not within it, folds, or lets the path bend by about 2 rad
+/// beside it.
+pub(super) fn widest(
+    from: &CheckedElement,
+    to: &CheckedElement,
+    steps: &Steps,
+    options: &CourseOptions,
+) -> Result<Blend, NoBlend> {
+    let most = SHARE * from.path_length().min(to.path_length());
+    let least = NARROWEST.max(DIGITS * steps.blur);
+    if most < least {
+        return Err(NoBlend::TooShort);
+    }
+    let expected = [
+        Expected::in_space(steps, AIM * options.tolerance, most),
+        Expected::of_extra_axes(steps, AIM * options.extra_tolerance, most),
+    ];
+    let first = expected.iter().fold(most, |width, expected| width.min(expected.width));
+    let mut half_width = first.max(least);
+    let mut good: Option<(f64, Blend)> = None;
+    // The smallest that was too wide, and what the last trials found.
+    let (mut too_wide, mut folds) = (f64::INFINITY, false);
+    let mut last: Option<[f64; 2]> = None;
+    for count in 0..MOST_TRIALS {
+        if good.is_some() && count >= TRIALS {
+            break;
+        }
+        let trial = Trial::new(from, to, steps, options, half_width);
+        // By which power of the width the deviation grows: as between the last two trials, or as expected.
+        let power = last
+            .map(|[width, deviation]| {
+                (trial.deviation / deviation).ln() / (half_width / width).ln()
+            })
+            .filter(|power| power.is_finite())
+            .unwrap_or_else(|| expected.iter().map(|e| e.power(half_width)).fold(6.0, f64::min))
+            .clamp(1.0, 6.0);
+        last = Some([half_width, trial.deviation]);
+        let by = (AIM / trial.deviation).powf(power.recip());
+        let fits = trial.fits();
+        folds = trial.folds;
+        if let (true, Some(blend)) = (fits, trial.blend) {
+            let used_up = trial.deviation >= ENOUGH || half_width >= most;
+            good = Some((half_width, blend));
+            if used_up || half_width * 1.1 >= too_wide {
+                break;
+            }
+        } else {
+            too_wide = half_width;
+            if half_width <= least {
+                break;
+            }
+        }
+        // Where the path bends much the deviation says nothing about that of other widths: half as wide.
+        let known = fits || trial.deviation.is_finite() && !trial.folds && !trial.coarse;
+        let patient = good.is_some() || fits || count < PATIENCE;
+        let wanted = half_width * if known && patient { by } else { by.clamp(0.1, 0.5) };
+        let widest_good = good.as_ref().map_or(least, |(width, _)| *width);
+        // Between a width that will do and one that is too wide, some way from both: the bounds close in.
+        let between = |part: f64| widest_good * (too_wide / widest_good).powf(part);
+        half_width = if good.is_some() && too_wide.is_finite() {
+            wanted.max(between(0.25)).min(between(0.75))
+        } else {
+            wanted.max(widest_good).min(16.0 * half_width).min(most)
+        };
+    }
+    match good {
+        Some((_, blend)) => Ok(blend),
+        None if folds => Err(NoBlend::Folds),
+        None => Err(NoBlend::TooShort),
+    }
+}
+
+/// The deviation in powers of the half width d: `tangent`·d + `curvature`·d² + `circle`·d⁶, and the `width` at which it
+/// is as large as allowed.
+#[derive(Clone, Copy, Debug)]
+struct Expected {
+    tangent: f64,
+    curvature: f64,
+    circle: f64,
+    width: f64,
+}
+
+impl Expected {
+    fn in_space(steps: &Steps, tolerance: f64, most: f64) -> Self {
+        let joint = steps.joint();
+        let bend = steps.before.second.norm().max(steps.after.second.norm()).min(SHARPEST);
+        Self::new([joint.tangent_jump, joint.curvature_jump, bend.powi(5)], tolerance, most)
+    }
+
+    fn of_extra_axes(steps: &Steps, tolerance: f64, most: f64) -> Self {
+        let joint = steps.joint();
+        let jumps = [joint.extra_slope_jump, joint.extra_curvature_jump, 0.0];
+        Self::new(jumps, tolerance.max(rounding(steps)), most)
+    }
+
+    fn new([tangent, curvature, circle]: [f64; 3], tolerance: f64, most: f64) -> Self {
+        let [tangent, curvature, circle] =
+            [tangent * OF_TANGENT, curvature * OF_CURVATURE, circle * OF_CIRCLE];
+        // Each term alone: at most three times the tolerance, and from above Newton's method comes down to it.
+        let alone = [
+            tolerance / tangent,
+            (tolerance / curvature).sqrt(),
+            (tolerance / circle).powf(1.0 / 6.0),
+        ];
+        let mut width = alone.into_iter().fold(most, f64::min);
+        for _ in 0..3 {
+            let d5 = width.powi(5);
+            let beyond = (tangent + curvature * width + circle * d5) * width - tolerance;
+            let slope = tangent + 2.0 * curvature * width + 6.0 * circle * d5;
+            if !(beyond > 0.0 && slope > 0.0) {
+                break;
+            }
+            width -= beyond / slope;
+        }
+        Self { tangent, curvature, circle, width }
+    }
+
+    /// The power of the width by which the deviation grows there; 6 if there is none.
+    fn power(&self, width: f64) -> f64 {
+        let [one, two, six] = [self.tangent, self.curvature * width, self.circle * width.powi(5)];
+        let power = (one + 2.0 * two + 6.0 * six) / (one + two + six);
+        if power.is_finite() { power } else { 6.0 }
+    }
+}
+
+/// What counts as no deviation of the extra axes, u: their rounding.
+fn rounding(steps: &Steps) -> f64 {
+    let far = |at: &CoursePoint| at.extra.map_or(0.0, |extra| SVector::from(extra.position).amax());
+    16.0 * f64::EPSILON * far(&steps.before).max(far(&steps.after))
+}
+
+/// A blend held against the path it is to replace.
+struct Trial {
+    /// None if it leads to what is no number.
+    blend: Option<Blend>,
+    /// Its largest deviation, as a part of what is allowed.
+    deviation: f64,
+    /// It is too slow somewhere.
+    folds: bool,
+    /// The path bends too much between the points at which the deviation was looked at.
+    coarse: bool,
+}
+
+impl Trial {
+    fn new(
+        from: &CheckedElement,
+        to: &CheckedElement,
+        steps: &Steps,
+        options: &CourseOptions,
+        half_width: f64,
+    ) -> Self {
+        let length = from.path_length();
+        let start = completed(CoursePoint::of(from, length - half_width), &steps.before);
+        let end = completed(CoursePoint::of(to, half_width), &steps.after);
+        let none = Self { blend: None, deviation: f64::INFINITY, folds: false, coarse: false };
+        let Some(blend) = Blend::new(half_width, steps.after.position, &start, &end) else {
+            return none;
+        };
+        let mut check = Check {
+            blend: &blend,
+            tolerance: options.tolerance,
+            extra_tolerance: options.extra_tolerance.max(rounding(steps)),
+            deviation: 0.0,
+            slowest: [f64::INFINITY; 2],
+            coarse: false,
+        };
+        let step = half_width / f64::from(INTERVALS);
+        let way = |count: u8| step * f64::from(count);
+        let inner = || 1..INTERVALS;
+        let before = inner().rev().map(|count| {
+            let point = CoursePoint::of(from, length - way(count));
+            (-way(count), completed(point, &steps.before))
+        });
+        check.side([(-half_width, start)].into_iter().chain(before).chain([(0.0, steps.before)]));
+        let after = inner()
+            .map(|count| (way(count), completed(CoursePoint::of(to, way(count)), &steps.after)));
+        check.side([(0.0, steps.after)].into_iter().chain(after).chain([(half_width, end)]));
+        let Check { deviation, slowest: [blended, original], coarse, .. } = check;
+        let folds = blended < SLOWEST * original;
+        // Without a number it must not fit.
+        let deviation = if deviation.is_nan() { f64::INFINITY } else { deviation };
+        Self { blend: Some(blend), deviation, folds, coarse }
+    }
+
+    fn fits(&self) -> bool {
+        self.blend.is_some() && self.deviation <= 1.0 && !self.folds && !self.coarse
+    }
+}
+
+/// With the extra axes where they are at the joint, if the element does not know them.
+fn completed(mut point: CoursePoint, joint: &CoursePoint) -> CoursePoint {
+    point.extra = point.extra.or(joint.extra);
+    point
+}
+
+/// Compares blend and path.
+struct Check<'a> {
+    blend: &'a Blend,
+    tolerance: f64,
+    extra_tolerance: f64,
+    /// Largest so far, as a part of the tolerance.
+    deviation: f64,
+    /// Lowest speed of the blend and of the path so far, in space or else of the extra axes.
+    slowest: [f64; 2],
+    coarse: bool,
+}
+
+/// Deviation and its derivative, in space and of the extra axes, and the derivative of the path.
+struct Deviation {
+    way: f64,
+    space: [Vector3<f64>; 2],
+    extra: [SVector<f64, 5>; 2],
+    original: Vector3<f64>,
+}
+
+impl Check<'_> {
+    /// Goes along the points of the path on one side of the joint.
+    fn side(&mut self, points: impl Iterator<Item = (f64, CoursePoint)>) {
+        let mut last: Option<Deviation> = None;
+        for (way, point) in points {
+            let here = self.deviation(way, &point);
+            if let Some(last) = &last {
+                self.interval(last, &here);
+            }
+            last = Some(here);
+        }
+    }
+
+    fn deviation(&mut self, way: f64, point: &CoursePoint) -> Deviation {
+        let blended = self.blend.at(way);
+        let [new, old] = [blended.extra, point.extra].map(Option::<ExtraPoint>::unwrap_or_default);
+        let speeds = if point.first == Vector3::zeros() && blended.first == Vector3::zeros() {
+            [new, old].map(|extra| SVector::from(extra.first).norm())
+        } else {
+            [blended.first.norm(), point.first.norm()]
+        };
+        for (slowest, speed) in self.slowest.iter_mut().zip(speeds) {
+            *slowest = slowest.min(speed);
+        }
+        Deviation {
+            way,
+            space: [blended.position - point.position, blended.first - point.first],
+            extra: [
+                SVector::from(new.position) - SVector::from(old.position),
+                SVector::from(new.first) - SVector::from(old.first),
+            ],
+            original: point.first,
+        }
+    }
+
+    /// Bounds the deviation between two points by the Bézier points of the cubic that has its values and derivatives:
+    /// no point of the cubic is outside of their hull.
+    fn interval(&mut self, from: &Deviation, to: &Deviation) {
+        let third = (to.way - from.way) / 3.0;
+        let space = hull(from.space, to.space, third).map(|point| point.norm() / self.tolerance);
+        let extra = hull(from.extra, to.extra, third).map(|u| u.amax() / self.extra_tolerance);
+        for part in space.into_iter().chain(extra) {
+            // Zero divided by a tolerance of zero is no deviation; of what is no number the blend is rid already.
+            if part > self.deviation {
+                self.deviation = part;
+            }
+        }
+        self.coarse |= (to.original - from.original).norm() > BEND;
+    }
+}
+
+fn hull<const N: usize>(
+    from: [SVector<f64, N>; 2],
+    to: [SVector<f64, N>; 2],
+    third: f64,
+) -> [SVector<f64, N>; 4] {
+    let ([from, leaving], [to, arriving]) = (from, to);
+    [from, from + leaving * third, to - arriving * third, to]
+}

@@ -1,0 +1,234 @@
+//! Set-points along the planned motion, one per cycle.
+
+use super::course::CourseElement;
+use super::planner::{Leg, LimitError, Planned};
+use super::stretch::Progress;
+use crate::interpolate::instant::Instant;
+use crate::interpolate::switches::SwitchBoard;
+use crate::interpolate::{ExtraMotion, Heading, Status, ToolSetpoint};
+use crate::path::{ElementKind, ExtraPoint, PathPoint};
+use std::num::NonZeroU32;
+use std::sync::Arc;
+
+/// A set-point, and where on the course it is.
+#[derive(Clone, Debug)]
+pub struct Followed {
+    /// What the interpolator gives per cycle.
+    pub tool: ToolSetpoint,
+    /// The element under way.
+    pub element: Arc<CourseElement>,
+    /// The path parameter on it and its derivatives by time; its position is from the start of the element, m.
+    pub progress: Progress,
+}
+
+/// Turns the planned motion into one set-point per cycle, as [`crate::interpolate::Interpolator`] does with unlimited
+/// paths: the first is the start of the path at time 0, the last its end at the first cycle at or after the exact end time. A
+/// dwell takes its time, an M function and a jump take a cycle.
+///
+/// After an error the path goes on from rest with what follows.
+#[derive(Debug)]
+pub struct Follower<P> {
+    plan: P,
+    cycle_ns: i64,
+    now_ns: i64,
+    current: Option<Current>,
+    /// When the last leg ended.
+    reached: Instant,
+    board: SwitchBoard,
+    /// The element whose switches are being passed, and how many are.
+    switching: Option<(Arc<CourseElement>, usize)>,
+    heading: Heading,
+    /// Way to the start of the element under way, m.
+    way: f64,
+    last: Option<Arc<CourseElement>>,
+    over: bool,
+}
+
+#[derive(Debug)]
+enum Current {
+    Along { leg: Leg, start: Instant, end: Instant },
+    Still { element: Arc<CourseElement>, until_ns: i64 },
+}
+
+impl<P, E> Follower<P>
+where
+    P: Iterator<Item = Result<Planned, LimitError<E>>>,
+{
+    /// Follows `plan` with a cycle of `cycle_ns`, ns.
+    pub fn new(plan: P, cycle_ns: NonZeroU32) -> Self {
+        Self {
+            plan,
+            cycle_ns: i64::from(cycle_ns.get()),
+            now_ns: 0,
+            current: None,
+            reached: Instant::at_ns(0),
+            board: SwitchBoard::default(),
+            switching: None,
+            heading: Heading::default(),
+            way: 0.0,
+            last: None,
+            over: false,
+        }
+    }
+
+    /// The plan.
+    pub fn plan(&self) -> &P {
+        &self.plan
+    }
+
+    /// When the path came to rest, s since its start.
+    pub fn duration(&self) -> f64 {
+        self.reached.seconds()
+    }
+
+    /// Takes over what comes next; false at the end.
+    fn advance(&mut self) -> Result<bool, LimitError<E>> {
+        let Some(next) = self.plan.next().transpose()? else { return Ok(false) };
+        self.current = Some(match next {
+            Planned::Leg(leg) => {
+                self.enter(&leg.element);
+                let start = self.reached;
+                Current::Along { end: start.after(leg.stretch.duration()), start, leg }
+            }
+            Planned::Pause(element) => {
+                self.enter(&element);
+                let takes = match element.element().kind {
+                    ElementKind::Dwell { time_ns } => time_ns.max(self.cycle_ns),
+                    _ => self.cycle_ns,
+                };
+                Current::Still { element, until_ns: self.now_ns.saturating_add(takes) }
+            }
+        });
+        Ok(true)
+    }
+
+    /// The element before is left behind.
+    fn enter(&mut self, element: &Arc<CourseElement>) {
+        if let Some((passed, count)) = &mut self.switching
+            && !Arc::ptr_eq(passed, element)
+        {
+            self.board.pass_all(passed.element().switches(), count);
+            self.way += passed.length();
+            self.switching = None;
+        }
+        if self.switching.is_none() {
+            self.switching = Some((Arc::clone(element), 0));
+        }
+        self.last = Some(Arc::clone(element));
+    }
+
+    fn along(&mut self, element: &Arc<CourseElement>, progress: Progress) -> Followed {
+        let status = Status::of_acceleration(progress.acceleration);
+        self.setpoint(element, progress, status)
+    }
+
+    fn setpoint(
+        &mut self,
+        element: &Arc<CourseElement>,
+        progress: Progress,
+        status: Status,
+    ) -> Followed {
+        let Progress { position: s, velocity, acceleration, .. } = progress;
+        if let Some((element, passed)) = &mut self.switching {
+            self.board.pass(element.element().switches(), passed, s, element.length());
+        }
+        let point = element.at(s);
+        let path = PathPoint {
+            position: point.position,
+            tangent: point.first,
+            curvature: point.second,
+            curvature_rate: point.third,
+        };
+        // Where there is no direction it stays as it was.
+        let still = Heading { rate: 0.0, acceleration: 0.0, ..self.heading };
+        self.heading = Heading::at(&path, [velocity, acceleration], false).unwrap_or(still);
+        let time_ns = self.now_ns;
+        self.now_ns = self.now_ns.saturating_add(self.cycle_ns);
+        let path_element = element.element();
+        let m_function = match path_element.kind {
+            ElementKind::MFunction { number } => Some(number),
+            _ => None,
+        };
+        let tool = ToolSetpoint {
+            time_ns,
+            place: element.place(),
+            rapid: element.rapid(),
+            status,
+            last_switch: self.board.last,
+            m_function: m_function.filter(|_| status == Status::Waiting),
+            switches: self.board.states,
+            feed: element.feed(),
+            position: point.position,
+            velocity: point.first * velocity,
+            acceleration: point.second * (velocity * velocity) + point.first * acceleration,
+            path_velocity: velocity * speed(&path),
+            way: self.way + s,
+            heading: self.heading,
+            extra: point.extra.map(|extra| extra_motion(&extra, &progress)).unwrap_or_default(),
+        };
+        Followed { tool, element: Arc::clone(element), progress }
+    }
+}
+
+/// Way per parameter: 1 but in blends, and where only extra axes move.
+fn speed(point: &PathPoint) -> f64 {
+    let speed = point.tangent.norm();
+    if speed > 0.0 { speed } else { 1.0 }
+}
+
+fn extra_motion(extra: &ExtraPoint, progress: &Progress) -> ExtraMotion {
+    let mut motion = ExtraMotion { position: extra.position, ..ExtraMotion::default() };
+    let v2 = progress.velocity * progress.velocity;
+    let slots = motion.velocity.iter_mut().zip(&mut motion.acceleration);
+    for ((velocity, acceleration), (first, second)) in
+        slots.zip(extra.first.iter().zip(extra.second))
+    {
+        *velocity = first * progress.velocity;
+        *acceleration = second * v2 + first * progress.acceleration;
+    }
+    motion
+}
+
+impl<P, E> Iterator for Follower<P>
+where
+    P: Iterator<Item = Result<Planned, LimitError<E>>>,
+{
+    type Item = Result<Followed, LimitError<E>>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        while !self.over {
+            match self.current.take() {
+                None => match self.advance() {
+                    Ok(true) => {}
+                    Ok(false) => self.over = true,
+                    Err(error) => return Some(Err(error)),
+                },
+                Some(Current::Along { leg, start, end }) => {
+                    if end.reached_at(self.now_ns) {
+                        self.reached = end;
+                        continue;
+                    }
+                    let mut progress = leg.stretch.at(start.until(self.now_ns));
+                    progress.position += leg.from;
+                    let followed = self.along(&leg.element, progress);
+                    self.current = Some(Current::Along { leg, start, end });
+                    return Some(Ok(followed));
+                }
+                Some(Current::Still { element, until_ns }) => {
+                    if self.now_ns >= until_ns {
+                        self.reached = Instant::at_ns(until_ns);
+                        continue;
+                    }
+                    let at = Progress::default();
+                    let followed = self.setpoint(&element, at, Status::Waiting);
+                    self.current = Some(Current::Still { element, until_ns });
+                    return Some(Ok(followed));
+                }
+            }
+        }
+        // The end, at rest.
+        let element = self.last.take()?;
+        let at = Progress { position: element.length(), ..Progress::default() };
+        Some(Ok(self.setpoint(&element, at, Status::Finished)))
+    }
+}

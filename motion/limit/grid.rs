@@ -1,0 +1,307 @@
+//! A path through the space of the axes, cut into cells, with everything that limits the motion along it.
+//!
+//! With the path parameter u, b = u̇² and a = ü:
+//!
+//! ```text
+//!   q̇ = q′·√b        q̈ = q′·a + q″·b        q⃛ = (q′·ȧ/√b + 3·q″·a + q‴·b)·√b
+//! ```
+//!
+//! so that limits of velocity are bounds on b, and limits of acceleration are linear in a and b.
+
+use twin_kinematics::AxisVector;
+
+/// What one axis can give, SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisLimits {
+    /// Largest velocity, m/s or rad/s.
+    pub velocity: f64,
+    /// Largest acceleration, m/s² or rad/s².
+    pub acceleration: f64,
+    /// Largest jerk, m/s³ or rad/s³; `None`: not limited.
+    pub jerk: Option<f64>,
+}
+
+/// Derivatives of the axis positions by the path parameter, at one point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rates {
+    /// q′.
+    pub first: AxisVector,
+    /// q″.
+    pub second: AxisVector,
+    /// q‴.
+    pub third: AxisVector,
+}
+
+/// The half plane `a`·ü + `b`·u̇² ≤ 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Row {
+    /// Coefficient of ü.
+    pub a: f64,
+    /// Coefficient of u̇².
+    pub b: f64,
+}
+
+/// The strip |`first`·ȧ/√b + 3·`second`·a + `third`·b|·√b ≤ 1: the derivatives of an axis, divided by its jerk limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JerkRow {
+    /// q′/J.
+    pub first: f64,
+    /// q″/J.
+    pub second: f64,
+    /// q‴/J.
+    pub third: f64,
+}
+
+impl JerkRow {
+    /// Half-way to `other`.
+    pub(super) fn between(&self, other: &Self) -> Self {
+        Self {
+            first: self.first.midpoint(other.first),
+            second: self.second.midpoint(other.second),
+            third: self.third.midpoint(other.third),
+        }
+    }
+}
+
+/// The disc |`a`·ü + `b`·u̇²| ≤ 1: the acceleration of the tool tip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    /// p′ divided by the limit.
+    pub a: [f64; 3],
+    /// p″ divided by the limit.
+    pub b: [f64; 3],
+}
+
+/// What bounds u̇² at a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum CapSource {
+    /// The path stops here.
+    Stop,
+    /// The programmed velocity (F).
+    Feed,
+    /// The velocity limit of the axis of this number.
+    AxisVelocity(u8),
+    /// A turn or a step of the curvature at a joint.
+    Joint,
+    /// Nothing: the acceleration alone.
+    Nothing,
+}
+
+/// A bound on u̇² and where it comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cap {
+    /// Largest u̇².
+    pub v2: f64,
+    /// What asks for it.
+    pub source: CapSource,
+}
+
+impl Cap {
+    /// None.
+    pub const NONE: Self = Self { v2: f64::INFINITY, source: CapSource::Nothing };
+    /// A stop.
+    pub const STOP: Self = Self { v2: 0.0, source: CapSource::Stop };
+
+    /// The smaller of two; this one if they are equal.
+    #[must_use]
+    pub fn min(self, other: Self) -> Self {
+        if other.v2 < self.v2 { other } else { self }
+    }
+}
+
+/// One end of a cell.
+#[derive(Clone, Debug)]
+pub struct CellEnd<'a> {
+    /// The axes.
+    pub rates: Rates,
+    /// What bounds u̇² beside the axes.
+    pub cap: Cap,
+    /// Further half planes, as many at every place: the programmed accelerations along the path, motor torques.
+    pub rows: &'a [Row],
+    /// The acceleration of the tool tip, if it is limited.
+    pub disc: Option<Disc>,
+}
+
+/// Cells of a path, one after the other, each with the limits at its two ends. Where the path is smooth, the end of one
+/// cell and the start of the next say the same.
+#[derive(Clone, Debug)]
+pub struct Grid {
+    limits: Vec<AxisLimits>,
+    extra: usize,
+    /// Path parameter of every node: one more than cells.
+    u: Vec<f64>,
+    /// Per node, over both cells that meet there.
+    caps: Vec<Cap>,
+    /// Per cell, at both ends: axes, then further rows.
+    rows: Vec<Row>,
+    /// Per cell, at both ends: axes.
+    jerks: Vec<JerkRow>,
+    discs: Vec<Option<Disc>>,
+    /// Per cell: the smaller cap of its two ends, as each end has it.
+    cell_caps: Vec<[Cap; 2]>,
+}
+
+impl Grid {
+    /// No cells yet, from the parameter `start` on. Every cell end will have `extra` further rows.
+    pub fn new(limits: Vec<AxisLimits>, extra: usize, start: f64) -> Self {
+        Self {
+            limits,
+            extra,
+            u: vec![start],
+            caps: vec![Cap::NONE],
+            rows: Vec::new(),
+            jerks: Vec::new(),
+            discs: Vec::new(),
+            cell_caps: Vec::new(),
+        }
+    }
+
+    /// Adds a cell of the given `length` (of the parameter).
+    pub fn push(&mut self, length: f64, start: &CellEnd<'_>, end: &CellEnd<'_>) {
+        let here = self.u.last().copied().unwrap_or_default();
+        self.u.push(here + length);
+        let caps = [start, end].map(|end| self.push_end(end));
+        if let Some(last) = self.caps.last_mut() {
+            *last = last.min(caps[0]);
+        }
+        self.caps.push(caps[1]);
+        self.cell_caps.push(caps);
+    }
+
+    fn push_end(&mut self, end: &CellEnd<'_>) -> Cap {
+        let CellEnd { rates, mut cap, rows, disc } = *end;
+        let Rates { first, second, third } = &rates;
+        let values = first.iter().zip(second.iter()).zip(third.iter());
+        for (axis, (((&d1, &d2), &d3), limits)) in values.zip(&self.limits).enumerate() {
+            let v2 = (limits.velocity / d1).powi(2);
+            if v2 < cap.v2 {
+                #[expect(clippy::cast_possible_truncation, reason = "there are at most eight axes")]
+                let source = CapSource::AxisVelocity(axis as u8);
+                cap = Cap { v2, source };
+            }
+            self.rows.push(Row { a: d1 / limits.acceleration, b: d2 / limits.acceleration });
+            self.jerks.push(limits.jerk.map_or_else(JerkRow::default, |jerk| JerkRow {
+                first: d1 / jerk,
+                second: d2 / jerk,
+                third: d3 / jerk,
+            }));
+        }
+        let given = rows.iter().copied().chain(std::iter::repeat(Row::default()));
+        self.rows.extend(given.take(self.extra));
+        self.discs.push(disc);
+        cap
+    }
+
+    /// Bounds u̇² at the newest node as well.
+    pub fn cap_last(&mut self, cap: Cap) {
+        if let Some(last) = self.caps.last_mut() {
+            *last = last.min(cap);
+        }
+    }
+
+    /// Makes the limits of acceleration and of jerk in the newest cell tighter by these factors.
+    pub(super) fn tighten_last(&mut self, [acceleration, jerk]: [f64; 2]) {
+        let width = 2 * (self.limits.len() + self.extra);
+        for row in self.rows.iter_mut().rev().take(width) {
+            row.a *= acceleration;
+            row.b *= acceleration;
+        }
+        for row in self.jerks.iter_mut().rev().take(2 * self.limits.len()) {
+            row.first *= jerk;
+            row.second *= jerk;
+            row.third *= jerk;
+        }
+    }
+
+    /// Bounds u̇² at a node as well.
+    pub fn cap_at(&mut self, node: usize, cap: Cap) {
+        if let Some(slot) = self.caps.get_mut(node) {
+            *slot = slot.min(cap);
+        }
+    }
+
+    /// Limits of the axes.
+    pub fn limits(&self) -> &[AxisLimits] {
+        &self.limits
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.cell_caps.len()
+    }
+
+    /// Path parameter of the nodes: one more than cells.
+    pub fn nodes(&self) -> &[f64] {
+        &self.u
+    }
+
+    /// Largest u̇² at the nodes.
+    pub fn caps(&self) -> &[Cap] {
+        &self.caps
+    }
+
+    /// Length of a cell.
+    pub fn length(&self, cell: usize) -> f64 {
+        match self.u.get(cell..) {
+            Some([from, to, ..]) => to - from,
+            _ => 0.0,
+        }
+    }
+
+    /// The caps that the two ends of a cell have themselves.
+    pub fn cell_caps(&self, cell: usize) -> [Cap; 2] {
+        self.cell_caps.get(cell).copied().unwrap_or([Cap::NONE; 2])
+    }
+
+    /// Whether some axis has a jerk limit.
+    pub fn limits_jerk(&self) -> bool {
+        self.limits.iter().any(|limits| limits.jerk.is_some())
+    }
+
+    /// The rows of the axes (each holds with both signs) and the further ones (as they are) at an end of a cell.
+    pub(super) fn rows(&self, cell: usize, end: End) -> (&[Row], &[Row]) {
+        let width = self.limits.len() + self.extra;
+        let from = (2 * cell + end as usize) * width;
+        let rows = self.rows.get(from..from + width).unwrap_or_default();
+        rows.split_at_checked(self.limits.len()).unwrap_or_default()
+    }
+
+    /// The jerk rows of the axes at an end of a cell.
+    pub(super) fn jerks(&self, cell: usize, end: End) -> &[JerkRow] {
+        let width = self.limits.len();
+        let from = (2 * cell + end as usize) * width;
+        self.jerks.get(from..from + width).unwrap_or_default()
+    }
+
+    /// The disc of the tool tip at an end of a cell.
+    pub(super) fn disc(&self, cell: usize, end: End) -> Option<&Disc> {
+        self.discs.get(2 * cell + end as usize)?.as_ref()
+    }
+}
+
+/// One of the ends of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum End {
+    Start = 0,
+    Finish = 1,
+}
+
+impl End {
+    pub(super) const BOTH: [Self; 2] = [Self::Start, Self::Finish];
+}
+
+impl Grid {
+    /// The largest jerk of the parameter with which a cell can be begun from rest.
+    pub fn jerk_start(&self, cell: usize) -> f64 {
+        rest_jerk(self.jerks(cell, End::Start))
+    }
+
+    /// The largest jerk of the parameter with which a cell can end at rest.
+    pub fn jerk_end(&self, cell: usize) -> f64 {
+        rest_jerk(self.jerks(cell, End::Finish))
+    }
+}
+
+fn rest_jerk(rows: &[JerkRow]) -> f64 {
+    1.0 / rows.iter().fold(0.0, |most, row| row.first.abs().max(most))
+}

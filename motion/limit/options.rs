@@ -1,0 +1,37 @@
+//! What is limited, and how finely.
+
+use super::course::CourseOptions;
+
+/// Settings of the feed limiter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimitOptions {
+    /// How joints are rounded.
+    pub course: CourseOptions,
+    /// The programmed velocity (F) counts.
+    pub feed: bool,
+    /// The programmed accelerations along the path (E+, E−) count.
+    pub path_acceleration: bool,
+    /// Largest acceleration of the tool tip, m/s²; `None`: not limited.
+    pub tool_acceleration: Option<f64>,
+    /// Time between nodes of the grid, s.
+    pub step: f64,
+    /// Time that is planned at once, s, where the path does not stop before.
+    pub horizon: f64,
+    /// Solves per window at most; each after the first is about the solution before.
+    pub solves: u32,
+}
+
+impl LimitOptions {
+    /// Everything that the program and the axes ask for, with joints rounded as `course` says.
+    pub fn new(course: CourseOptions) -> Self {
+        Self {
+            course,
+            feed: true,
+            path_acceleration: true,
+            tool_acceleration: None,
+            step: 2e-3,
+            horizon: 1.5,
+            solves: 2,
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! Elements of the course as cells with what limits the motion in them.
+
+use super::axis_path::{AxisPath, AxisPoint};
+use super::course::CourseElement;
+use super::grid::{AxisLimits, Cap, CapSource, CellEnd, Disc, Grid, Rates, Row};
+use super::options::LimitOptions;
+use super::stretch::Stretch;
+use nalgebra::Vector3;
+use std::sync::Arc;
+use twin_kinematics::{AxisVector, KinematicsError};
+
+/// A span between breaks is cut at least into so many cells; one of a blend, which bends all the way, into more.
+const LEAST: u32 = 2;
+const LEAST_OF_BLEND: u32 = 3;
+/// Rates half-way through a cell may differ from the mean of those at its ends by this part of the largest.
+const SMOOTH: [f64; 2] = [0.02, 0.1];
+/// Between two blends there is nothing if it is shorter than this part of them.
+const SLIVER: f64 = 0.05;
+/// A cell is halved at most so often for that.
+const DEPTH: u32 = 10;
+/// Derivatives are those inside the cell: taken this part of its length from its ends.
+const INSIDE: f64 = 1e-9;
+/// Velocities may step by what the acceleration limit changes them in this time, s, where a joint is not rounded; so
+/// may accelerations by what the jerk limit does.
+const STEP_TIME: f64 = 1e-3;
+
+/// What is known at one place of an element.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample {
+    pub(super) position: AxisVector,
+    pub(super) rates: Rates,
+    cap: Cap,
+    rows: [Row; 2],
+    disc: Option<Disc>,
+}
+
+impl Sample {
+    /// The largest acceleration and jerk of any axis here, where the motion is that of `stretch` at `u`, each as a part of the
+    /// limit.
+    pub(super) fn excess(&self, limits: &[AxisLimits], stretch: &Stretch, u: f64) -> [f64; 2] {
+        let (b, a) = stretch.at_position(u);
+        let (v, jerk) = (b.sqrt(), stretch.jerk_at(u));
+        let Rates { first, second, third } = &self.rates;
+        let axes = first.iter().zip(second.iter()).zip(third.iter()).zip(limits);
+        let mut worst = [0.0_f64; 2];
+        for (((d1, d2), d3), limits) in axes {
+            let acceleration = d1 * a + d2 * b;
+            worst[0] = worst[0].max(acceleration.abs() / limits.acceleration);
+            if let Some(limit) = limits.jerk {
+                let jerk = d1 * jerk + 3.0 * d2 * a * v + d3 * b * v;
+                worst[1] = worst[1].max(jerk.abs() / limit);
+            }
+        }
+        worst
+    }
+}
+
+/// A part of an element.
+#[derive(Clone, Debug)]
+pub(super) struct Cell {
+    pub(super) element: Arc<CourseElement>,
+    pub(super) from: f64,
+    pub(super) to: f64,
+    pub(super) start: Sample,
+    pub(super) end: Sample,
+    /// What bounds u̇² at its end: a joint that is not rounded.
+    pub(super) joint: Cap,
+    /// By how much acceleration and jerk are limited more tightly than they are, because between the places where limits
+    /// are asked for they were exceeded.
+    pub(super) tight: [f64; 2],
+}
+
+impl Cell {
+    pub(super) fn length(&self) -> f64 {
+        self.to - self.from
+    }
+}
+
+/// Turns elements into cells on a machine.
+#[derive(Debug)]
+pub(super) struct Sampler<A> {
+    axes: A,
+    options: LimitOptions,
+}
+
+impl<A: AxisPath> Sampler<A> {
+    pub(super) fn new(axes: A, options: LimitOptions) -> Self {
+        Self { axes, options }
+    }
+
+    pub(super) fn axes(&self) -> &A {
+        &self.axes
+    }
+
+    /// The cells of `element` from `from` on, as few as its geometry asks for.
+    pub(super) fn cells(
+        &self,
+        element: &Arc<CourseElement>,
+        from: f64,
+        near: &AxisVector,
+        cells: &mut Vec<Cell>,
+    ) -> Result<(), KinematicsError> {
+        let head = element.head().map_or(0.0, |blend| blend.half_width());
+        let tail = element.length() - element.tail().map_or(0.0, |blend| blend.half_width());
+        let mut near = *near;
+        let mut last = from;
+        // What is left between two blends that nearly meet is not worth a cell.
+        let sliver = tail - head < SLIVER * head.min(element.length() - tail);
+        for to in element.breaks().filter(|at| *at > from && !(sliver && *at == tail)) {
+            let middle = last.midpoint(to);
+            let least = if middle < head || middle > tail { LEAST_OF_BLEND } else { LEAST };
+            let step = (to - last) / f64::from(least);
+            for index in 0..least {
+                let begin = last + step * f64::from(index);
+                let end = if index + 1 == least { to } else { last + step * f64::from(index + 1) };
+                let start = self.sample(element, begin + INSIDE * step, &near)?;
+                let finish = self.sample(element, end - INSIDE * step, &start.position)?;
+                near = finish.position;
+                let joint = Cap::NONE;
+                let element = Arc::clone(element);
+                let cell = Cell {
+                    element,
+                    from: begin,
+                    to: end,
+                    start,
+                    end: finish,
+                    joint,
+                    tight: [1.0; 2],
+                };
+                self.halve(cell, DEPTH, cells)?;
+            }
+            last = to;
+        }
+        Ok(())
+    }
+
+    /// Adds `cell`, in halves if its ends do not tell enough of it.
+    fn halve(&self, cell: Cell, depth: u32, cells: &mut Vec<Cell>) -> Result<(), KinematicsError> {
+        let middle =
+            self.sample(&cell.element, cell.from.midpoint(cell.to), &cell.start.position)?;
+        if depth == 0 || is_smooth(&cell, &middle.rates) {
+            cells.push(cell);
+            return Ok(());
+        }
+        for half in self.parts(cell, &[0.5])? {
+            self.halve(half, depth - 1, cells)?;
+        }
+        Ok(())
+    }
+
+    /// `cell` cut at these parts of its length.
+    pub(super) fn parts(&self, cell: Cell, at: &[f64]) -> Result<Vec<Cell>, KinematicsError> {
+        let mut parts = Vec::with_capacity(at.len() + 1);
+        let length = cell.length();
+        let mut rest = cell.clone();
+        for part in at {
+            let cut = cell.from + part * length;
+            if cut <= rest.from || cut >= rest.to {
+                continue;
+            }
+            let sample = self.sample(&cell.element, cut, &rest.start.position)?;
+            let first = Cell { to: cut, end: sample, joint: Cap::NONE, ..rest.clone() };
+            rest = Cell { from: cut, start: sample, ..rest };
+            parts.push(first);
+        }
+        parts.push(rest);
+        Ok(parts)
+    }
+
+    /// What is known at `s` of `element`.
+    pub(super) fn sample(
+        &self,
+        element: &CourseElement,
+        s: f64,
+        near: &AxisVector,
+    ) -> Result<Sample, KinematicsError> {
+        let AxisPoint { position, rates } = self.axes.axes(element, s, near)?;
+        let point = element.at(s);
+        let LimitOptions { feed, path_acceleration, tool_acceleration, .. } = self.options;
+        let speed = point.first.norm();
+        // Where only extra axes move the parameter itself is the way.
+        let (scale, bend) =
+            if speed > 0.0 { (speed, point.first.dot(&point.second) / speed) } else { (1.0, 0.0) };
+        let cap = if feed {
+            Cap { v2: (element.feed() / scale).powi(2), source: CapSource::Feed }
+        } else {
+            Cap::NONE
+        };
+        let rows = [element.acceleration(), -element.deceleration()].map(|limit| {
+            if path_acceleration {
+                Row { a: scale / limit, b: bend / limit }
+            } else {
+                Row::default()
+            }
+        });
+        let disc = tool_acceleration.map(|limit| {
+            let part = |v: &Vector3<f64>| (v / limit).into();
+            Disc { a: part(&point.first), b: part(&point.second) }
+        });
+        Ok(Sample { position, rates, cap, rows, disc })
+    }
+
+    /// The bound at a joint between `before` and `after`, for what of a step is left there.
+    pub(super) fn joint(&self, before: &Sample, after: &Sample) -> Cap {
+        let (from, to) = (&before.rates, &after.rates);
+        let values =
+            from.first.iter().zip(to.first.iter()).zip(from.second.iter().zip(to.second.iter()));
+        let mut v2 = f64::INFINITY;
+        for (((f1, t1), (f2, t2)), limits) in values.zip(self.axes.limits()) {
+            let turn = (t1 - f1).abs();
+            // What is left where derivatives are taken a little inside.
+            if turn > 1e-6 * f1.abs().max(t1.abs()) {
+                v2 = v2.min((limits.acceleration * STEP_TIME / turn).powi(2));
+            }
+            let bend = (t2 - f2).abs();
+            if let Some(jerk) = limits.jerk
+                && bend > 1e-6 * f2.abs().max(t2.abs())
+            {
+                v2 = v2.min(jerk * STEP_TIME / bend);
+            }
+        }
+        Cap { v2, source: CapSource::Joint }
+    }
+}
+
+/// Whether the rates in the middle are near the mean of those at the ends.
+fn is_smooth(cell: &Cell, middle: &Rates) -> bool {
+    let near = |from: &AxisVector, middle: &AxisVector, to: &AxisVector, part: f64, least: f64| {
+        let values = from.iter().zip(middle.iter()).zip(to.iter());
+        let size = values.clone().map(|((f, m), t)| f.abs().max(m.abs()).max(t.abs()));
+        let size = size.fold(least, f64::max);
+        values.into_iter().all(|((f, m), t)| (m - f.midpoint(*t)).abs() <= part * size)
+    };
+    let (start, end) = (&cell.start.rates, &cell.end.rates);
+    let largest =
+        start.first.iter().chain(end.first.iter()).fold(0.0, |most: f64, v| most.max(v.abs()));
+    // A second derivative that turns the first by little over the cell does not matter.
+    near(&start.first, &middle.first, &end.first, SMOOTH[0], 0.0)
+        && near(
+            &start.second,
+            &middle.second,
+            &end.second,
+            SMOOTH[1],
+            SMOOTH[0] * largest / cell.length(),
+        )
+}
+
+/// The grid of `cells`.
+pub(super) fn grid<A: AxisPath>(sampler: &Sampler<A>, cells: &[Cell]) -> Grid {
+    let mut grid = Grid::new(sampler.axes.limits().to_vec(), 2, 0.0);
+    for cell in cells {
+        let [start, end] = [&cell.start, &cell.end].map(|sample| CellEnd {
+            rates: sample.rates,
+            cap: sample.cap,
+            rows: &sample.rows,
+            disc: sample.disc,
+        });
+        grid.push(cell.length(), &start, &end);
+        grid.cap_last(cell.joint);
+        grid.tighten_last(cell.tight);
+    }
+    grid
+}

@@ -1,0 +1,314 @@
+//! Motion through one cell in time.
+
+use std::f64::consts::FRAC_PI_2;
+
+/// Where the path is in a cell, and how it moves: the parameter from the start of the cell and its derivatives by time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Progress {
+    /// u from the start of the cell, m.
+    pub position: f64,
+    /// u̇, m/s.
+    pub velocity: f64,
+    /// ü, m/s².
+    pub acceleration: f64,
+    /// u⃛, m/s³.
+    pub jerk: f64,
+}
+
+/// How a cell is gone through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Law {
+    /// u̇² = `b` + 2·`a`·u + `gamma`·u²: the acceleration is linear in u.
+    Quadratic {
+        /// u̇² at the start.
+        b: f64,
+        /// ü at the start.
+        a: f64,
+        /// dü/du.
+        gamma: f64,
+    },
+    /// From rest, with constant jerk.
+    Launch {
+        /// u⃛.
+        jerk: f64,
+    },
+    /// To rest, with constant jerk: a launch backwards.
+    Landing {
+        /// u⃛.
+        jerk: f64,
+    },
+}
+
+/// A cell of the path and how it is gone through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    length: f64,
+    law: Law,
+    duration: f64,
+}
+
+impl Stretch {
+    /// A cell of `length` gone through by `law`, whose u̇² must be positive at least at one end and nowhere negative.
+    pub fn new(length: f64, law: Law) -> Self {
+        let duration = match law {
+            Law::Quadratic { b, a, gamma } => quadratic_duration(length, b, a, gamma),
+            Law::Launch { jerk } | Law::Landing { jerk } => (6.0 * length / jerk).cbrt(),
+        };
+        Self { length, law, duration }
+    }
+
+    /// With the u̇² at both ends and the same acceleration all the way.
+    pub fn uniform(length: f64, from: f64, to: f64) -> Self {
+        Self::new(length, Law::Quadratic { b: from, a: 0.5 * (to - from) / length, gamma: 0.0 })
+    }
+
+    /// With u̇² and ü at both ends of a cell that b = `middle` bends in Bézier's way.
+    pub fn bent(length: f64, from: f64, middle: f64, to: f64) -> Self {
+        let a = (middle - from) / length;
+        let gamma = (from - 2.0 * middle + to) / (length * length);
+        Self::new(length, Law::Quadratic { b: from, a, gamma })
+    }
+
+    /// From rest to u̇² = `b`, with constant jerk.
+    pub fn launch(length: f64, b: f64) -> Self {
+        Self::new(length, Law::Launch { jerk: rest_jerk(length, b) })
+    }
+
+    /// From u̇² = `b` to rest, with constant jerk.
+    pub fn landing(length: f64, b: f64) -> Self {
+        Self::new(length, Law::Landing { jerk: rest_jerk(length, b) })
+    }
+
+    /// Length of the cell, m.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Time for it, s.
+    pub fn duration(&self) -> f64 {
+        self.duration
+    }
+
+    /// How it is gone through.
+    pub fn law(&self) -> Law {
+        self.law
+    }
+
+    /// u̇² and ü where the parameter is `u` from the start.
+    pub fn at_position(&self, u: f64) -> (f64, f64) {
+        let rest = |jerk: f64, u: f64| {
+            let t = (6.0 * u.max(0.0) / jerk).cbrt();
+            ((0.5 * jerk * t * t).powi(2), jerk * t)
+        };
+        match self.law {
+            Law::Quadratic { b, a, gamma } => {
+                ((b + u * (2.0 * a + gamma * u)).max(0.0), a + gamma * u)
+            }
+            Law::Launch { jerk } => rest(jerk, u),
+            Law::Landing { jerk } => {
+                let (b, a) = rest(jerk, self.length - u);
+                (b, -a)
+            }
+        }
+    }
+
+    /// u⃛ where the parameter is `u` from the start.
+    pub fn jerk_at(&self, u: f64) -> f64 {
+        match self.law {
+            Law::Quadratic { gamma, .. } => gamma * self.at_position(u).0.sqrt(),
+            Law::Launch { jerk } | Law::Landing { jerk } => jerk,
+        }
+    }
+
+    /// Where it is `time` s after the start of the cell.
+    pub fn at(&self, time: f64) -> Progress {
+        let time = time.clamp(0.0, self.duration);
+        match self.law {
+            Law::Quadratic { b, a, gamma } => {
+                let start = b.max(0.0).sqrt();
+                let (s, c) = hyperbolic(gamma, time);
+                let position = (start * s + a * c).clamp(0.0, self.length);
+                // u̇ = v₀·S′ + a·C′ with S′ = 1 + γ·C and C′ = S.
+                let velocity = (start * (1.0 + gamma * c) + a * s).max(0.0);
+                let acceleration = a + gamma * position;
+                Progress { position, velocity, acceleration, jerk: gamma * velocity }
+            }
+            Law::Launch { jerk } => constant_jerk(jerk, time),
+            Law::Landing { jerk } => {
+                let left = constant_jerk(jerk, self.duration - time);
+                Progress {
+                    position: self.length - left.position,
+                    velocity: left.velocity,
+                    acceleration: -left.acceleration,
+                    jerk,
+                }
+            }
+        }
+    }
+}
+
+fn constant_jerk(jerk: f64, time: f64) -> Progress {
+    Progress {
+        position: jerk * time * time * time / 6.0,
+        velocity: 0.5 * jerk * time * time,
+        acceleration: jerk * time,
+        jerk,
+    }
+}
+
+/// The jerk that leads from rest to u̇² = `b` within `length`.
+fn rest_jerk(length: f64, b: f64) -> f64 {
+    // b = ¼·j^⅔·(6·length)^4/3.
+    (4.0 * b).powf(1.5) / (36.0 * length * length)
+}
+
+/// S(t) = sinh(√γ·t)/√γ and C(t) = (cosh(√γ·t) − 1)/γ, which solve u⃛ = γ·u̇; sine and cosine for γ < 0.
+fn hyperbolic(gamma: f64, time: f64) -> (f64, f64) {
+    let z = gamma * time * time;
+    if z.abs() < 1e-2 {
+        // To the last digit by series.
+        let s = time * (1.0 + z / 6.0 * (1.0 + z / 20.0 * (1.0 + z / 42.0 * (1.0 + z / 72.0))));
+        let c = 0.5
+            * time
+            * time
+            * (1.0 + z / 12.0 * (1.0 + z / 30.0 * (1.0 + z / 56.0 * (1.0 + z / 90.0))));
+        return (s, c);
+    }
+    let root = gamma.abs().sqrt();
+    let half = 0.5 * root * time;
+    if gamma > 0.0 {
+        ((2.0 * half).sinh() / root, 2.0 * half.sinh().powi(2) / gamma)
+    } else {
+        ((2.0 * half).sin() / root, -2.0 * half.sin().powi(2) / gamma)
+    }
+}
+
+/// Time for `length` with u̇² = b + 2·a·u + γ·u².
+fn quadratic_duration(length: f64, b: f64, a: f64, gamma: f64) -> f64 {
+    let from = b.max(0.0).sqrt();
+    let to = (b + length * (2.0 * a + gamma * length)).max(0.0).sqrt();
+    // Through the mean velocity; exact for γ = 0.
+    let mut time = 2.0 * length / (from + to);
+    let z = gamma * time * time;
+    if z.abs() > 0.5 {
+        // Closed form: √γ·T = ln((√γ·v₁ + a₁)/(√γ·v₀ + a₀)), or the angle between the two phases.
+        let end = a + gamma * length;
+        let root = gamma.abs().sqrt();
+        time = if gamma > 0.0 {
+            let forward = ((root * to + end) / (root * from + a)).ln();
+            let backward = ((root * from - a) / (root * to - end)).ln();
+            let best = if a + end >= 0.0 { forward } else { backward };
+            best / root
+        } else {
+            let phase =
+                |v: f64, a: f64| if v == 0.0 && a == 0.0 { FRAC_PI_2 } else { (root * v).atan2(a) };
+            // The acceleration falls along the way: from phase(v₀, a₀) to phase(v₁, a₁).
+            (phase(to, end) - phase(from, a)).abs() / root
+        };
+    }
+    // Newton's method on the position reached, which takes the rounding of either form away.
+    for _ in 0..4 {
+        let (s, c) = hyperbolic(gamma, time);
+        let velocity = from * (1.0 + gamma * c) + a * s;
+        let step = (from * s + a * c - length) / velocity;
+        if !step.is_finite() || step.abs() > 0.5 * time {
+            break;
+        }
+        time -= step;
+        if step.abs() <= 1e-15 * time {
+            break;
+        }
+    }
+    time
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Time by Simpson's rule in a variable that takes the roots at the ends away.
+    fn quadrature(stretch: &Stretch) -> f64 {
+        let n = 4000;
+        let value = |index: usize| {
+            let w = index as f64 / n as f64;
+            // u = L·(3w² − 2w³): zero slope at both ends.
+            let u = stretch.length * w * w * (3.0 - 2.0 * w);
+            let slope = stretch.length * 6.0 * w * (1.0 - w);
+            let b = stretch.at_position(u).0;
+            if slope == 0.0 { 0.0 } else { slope / b.sqrt() }
+        };
+        let sum: f64 = (0..=n)
+            .map(|k| {
+                value(k)
+                    * if k == 0 || k == n {
+                        1.0
+                    } else if k % 2 == 1 {
+                        4.0
+                    } else {
+                        2.0
+                    }
+            })
+            .sum();
+        sum / (3.0 * n as f64)
+    }
+
+    fn check(stretch: &Stretch) {
+        let time = stretch.duration();
+        let end = stretch.at(time);
+        assert!(
+            (end.position - stretch.length).abs() <= 1e-12 * stretch.length,
+            "{stretch:?} {end:?}"
+        );
+        let expected = quadrature(stretch);
+        assert!((time - expected).abs() <= 1e-6 * expected, "{stretch:?}: {time} {expected}");
+        // Each derivative is that of the one before.
+        let h = time * 1e-4;
+        for part in [0.2, 0.5, 0.8] {
+            let t = part * time;
+            let [before, here, after] = [t - h, t, t + h].map(|t| stretch.at(t));
+            let close = |difference: f64, value: f64, size: f64| {
+                assert!(
+                    (difference - value).abs() <= 1e-5 * size,
+                    "{stretch:?}: {difference} {value}"
+                );
+            };
+            let speed = stretch.length / time;
+            close((after.position - before.position) / (2.0 * h), here.velocity, speed);
+            close((after.velocity - before.velocity) / (2.0 * h), here.acceleration, speed / time);
+            close(
+                (after.acceleration - before.acceleration) / (2.0 * h),
+                here.jerk,
+                speed / time / time,
+            );
+            let (b, a) = stretch.at_position(here.position);
+            close(b.sqrt(), here.velocity, speed);
+            close(a, here.acceleration, speed / time);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn time_and_way_fit(length in 1e-6..1.0_f64, from in 1e-3..1.0_f64, middle in 1e-3..1.0_f64, to in 1e-3..1.0_f64) {
+            check(&Stretch::bent(length, from, middle, to));
+        }
+
+        #[test]
+        fn from_and_to_rest(length in 1e-9..1.0_f64, b in 1e-6..1.0_f64) {
+            check(&Stretch::launch(length, b));
+            check(&Stretch::landing(length, b));
+            let end = Stretch::launch(length, b).at(1e9);
+            prop_assert!((end.velocity.powi(2) - b).abs() <= 1e-12 * b);
+            prop_assert_eq!(Stretch::landing(length, b).at(1e9).velocity, 0.0);
+        }
+    }
+
+    #[test]
+    fn uniform_from_rest_is_the_school_formula() {
+        let stretch = Stretch::uniform(0.5, 0.0, 1.0);
+        assert!((stretch.duration() - 1.0).abs() < 1e-15);
+        assert!((stretch.at(0.5).position - 0.125).abs() < 1e-15);
+        check(&stretch);
+        check(&Stretch::uniform(0.5, 1.0, 0.0));
+    }
+}

@@ -1,0 +1,96 @@
+//! What `motion/limit` is asked for.
+
+use crate::path::{Path, Rates};
+use crate::solvers::{grid, linear, linear_windows, passes, planned};
+use twin_motion::limit::Grid;
+
+/// A path on a grid, and between its nodes.
+pub struct Problem<'a> {
+    pub path: &'a Path,
+    /// The path as [`grid`] makes it, without jerk limits.
+    pub grid: &'a Grid,
+    pub rates: &'a dyn Fn(f64) -> Rates,
+}
+
+/// What came of it.
+#[derive(Clone, Copy)]
+pub struct Found {
+    /// Of the profile, s.
+    pub duration: f64,
+    /// Cells that it has.
+    pub cells: usize,
+    /// Windows without an answer.
+    pub failed: u64,
+}
+
+/// One way to limit a path.
+#[derive(Clone, Copy)]
+pub struct Method {
+    pub name: &'static str,
+    /// Whether the rows are those that the peer has: velocity and acceleration on the same grid.
+    pub same: bool,
+    /// The method that does the same in one window over the whole path.
+    pub whole: Option<&'static str>,
+    /// From rest to rest.
+    pub run: fn(&Problem<'_>) -> Option<Found>,
+}
+
+/// Cells per window at first.
+const WINDOW: usize = 500;
+/// Time between the nodes of the planner, s.
+const STEP: f64 = 2e-3;
+
+const WHOLE: &str = "Clarabel, one window";
+
+/// All that are compared.
+pub const METHODS: [Method; 6] = [
+    Method {
+        name: "two passes, grid given",
+        same: true,
+        whole: None,
+        run: |problem| {
+            let duration = problem.path.duration(&passes(problem.grid, [0.0; 2]));
+            Some(Found { duration, cells: problem.path.cells(), failed: 0 })
+        },
+    },
+    Method {
+        name: "two passes",
+        same: true,
+        whole: None,
+        run: |problem| on_grid(problem, |path| Some(passes(&grid(path, false), [0.0; 2]))),
+    },
+    Method {
+        name: WHOLE,
+        same: true,
+        whole: None,
+        run: |problem| on_grid(problem, |path| linear(&grid(path, false), [0.0; 2])),
+    },
+    Method {
+        name: "Clarabel, windows",
+        same: true,
+        whole: Some(WHOLE),
+        run: |problem| on_grid(problem, |path| linear_windows(&grid(path, false), WINDOW)),
+    },
+    Method { name: "planner", same: false, whole: None, run: |problem| by_planner(problem, false) },
+    Method {
+        name: "planner with jerk",
+        same: false,
+        whole: None,
+        run: |problem| by_planner(problem, true),
+    },
+];
+
+fn on_grid(problem: &Problem<'_>, solve: fn(&Path) -> Option<Vec<f64>>) -> Option<Found> {
+    let squared = solve(problem.path)?;
+    let duration = problem.path.duration(&squared);
+    Some(Found { duration, cells: problem.path.cells(), failed: 0 })
+}
+
+/// On a grid of its own, for which it asks for the rates of the axes where it likes.
+fn by_planner(problem: &Problem<'_>, jerk: bool) -> Option<Found> {
+    let Problem { path, rates, .. } = problem;
+    let extent = (path.nodes[path.cells()], path.feed);
+    let (duration, effort) = planned(&path.limits, jerk, extent, rates, STEP)?;
+    let cells = usize::try_from(effort.committed).ok()?;
+    Some(Found { duration, cells, failed: effort.failed })
+}

@@ -1,0 +1,65 @@
+//! The solvers of `motion/limit` on paths whose least time is known in closed form.
+
+use crate::cases::{Case, all};
+use crate::solvers::{grid, linear, linear_windows, passes, planned};
+
+fn without_jerk() -> impl Iterator<Item = Case> {
+    all().into_iter().filter(|case| !case.jerk)
+}
+
+/// The two passes lead to the closed forms as grids become finer. Limits at the ends of cells alone make them err by as
+/// much as a cell is long: two grids tell where that leads.
+#[test]
+fn two_passes_lead_to_the_closed_forms() {
+    for case in without_jerk() {
+        let found = [4_000, 8_000].map(|cells| {
+            let path = case.path(cells);
+            let squared = passes(&grid(&path, false), case.ends);
+            let most = path.acceleration_use(&squared);
+            assert!(most <= 1.0 + 1e-9, "{}: {most} of an acceleration limit", case.name);
+            path.duration(&squared)
+        });
+        let error = (2.0 * found[1] - found[0]) / case.duration - 1.0;
+        assert!(error.abs() < 1e-6, "{}: {error:e}", case.name);
+    }
+}
+
+/// Clarabel finds what the two passes find, all at once and in windows, and keeps the limits.
+#[test]
+fn clarabel_finds_the_profile_of_the_two_passes() {
+    for case in without_jerk() {
+        let path = case.path(1_000);
+        let grid = grid(&path, false);
+        let least = path.duration(&passes(&grid, case.ends));
+        let squared = linear(&grid, case.ends).expect("a profile");
+        let windows = case.rests().then(|| linear_windows(&grid, 300));
+        for squared in [Some(squared), windows.map(|found| found.expect("a profile"))] {
+            let Some(squared) = squared else { continue };
+            let error = path.duration(&squared) / least - 1.0;
+            assert!(error.abs() < 1e-6, "{}: {error:e}", case.name);
+            let most = path.acceleration_use(&squared);
+            assert!(most <= 1.0 + 1e-6, "{}: {most} of an acceleration limit", case.name);
+        }
+    }
+}
+
+/// How much longer than the least time the planner of whole programs takes for a case from rest to rest.
+pub fn planner_error(case: &Case, step: f64) -> f64 {
+    let path = case.path(2);
+    let rates = |s: f64| (case.path)(vec![s]).rates.swap_remove(0);
+    let found = planned(&path.limits, case.jerk, (case.end, path.feed), rates, step);
+    let (duration, effort) = found.expect("a profile");
+    assert_eq!(effort.failed, 0, "{}", case.name);
+    duration / case.duration - 1.0
+}
+
+/// With nodes 2 ms apart the planner errs by what a cell may at both ends of the path, and never to the fast side.
+#[test]
+fn planner_is_near_the_closed_forms_without_jerk() {
+    for case in without_jerk().filter(Case::rests) {
+        let error = planner_error(&case, 2e-3);
+        println!("{:50} {error:+.1e}", case.name);
+        assert!(error > -1e-6, "{}: {error:e}", case.name);
+        assert!(error * case.duration < 3e-3, "{}: {error:e}", case.name);
+    }
+}

@@ -1,0 +1,24 @@
+//! The feed limiter against the outside world: motions whose least time is known in closed form.
+
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    dead_code,
+    unreachable_pub,
+    reason = "a test that cannot be set up has failed; the modules are shared with the benchmarks"
+)]
+
+mod cases;
+mod circle;
+mod differences;
+#[cfg(test)]
+mod golden;
+mod path;
+mod planners;
+mod programs;
+#[cfg(test)]
+mod reachability;
+mod seven_segments;
+mod solvers;

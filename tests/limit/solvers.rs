@@ -1,0 +1,189 @@
+//! What `motion/limit` makes of a path on a grid: the one file of golden set and benchmark that knows it.
+
+use crate::path::{Path, as_float};
+use nalgebra::Point3;
+use twin_kinematics::{AxisVector, KinematicsError};
+use twin_motion::Place;
+use twin_motion::limit::course::{CourseElement, CourseOptions};
+use twin_motion::limit::{
+    AxisLimits, AxisPath, AxisPoint, Beginning, Cap, CapSource, CellEnd, Effort, Grid,
+    LimitOptions, LinearSolver, Planned, Planner, Rates, SmoothProfile, SmoothSolver, Stretch,
+    reachable,
+};
+use twin_motion::path::{ElementKind, PathElement, Shape};
+use twin_motion::prepare::{CheckError, CheckVelocities};
+
+/// The path as a grid, with jerk limits or without.
+pub fn grid(path: &Path, jerk: bool) -> Grid {
+    let limits = path.limits.iter().map(|limits| AxisLimits {
+        velocity: limits.velocity,
+        acceleration: limits.acceleration,
+        jerk: jerk.then_some(limits.jerk),
+    });
+    let mut grid = Grid::new(limits.collect(), 0, path.nodes[0]);
+    let feed = Cap { v2: path.feed * path.feed, source: CapSource::Feed };
+    let cap = if path.feed.is_finite() { feed } else { Cap::NONE };
+    let end = |node: usize| {
+        let rates = path.rates[node].each_ref();
+        let [first, second, third] =
+            rates.map(|rates| AxisVector::from_values(rates.iter().copied()));
+        CellEnd { rates: Rates { first, second, third }, cap, rows: &[], disc: None }
+    };
+    let mut start = end(0);
+    for (node, s) in path.nodes.windows(2).enumerate() {
+        let finish = end(node + 1);
+        grid.push(s[1] - s[0], &start, &finish);
+        start = finish;
+    }
+    grid
+}
+
+/// The squared rates of two passes.
+pub fn passes(grid: &Grid, [start, end]: [f64; 2]) -> Vec<f64> {
+    reachable::fastest(grid, 0..grid.cells(), start, end)
+}
+
+/// The squared rates of one program for Clarabel with limited acceleration.
+pub fn linear(grid: &Grid, [start, end]: [f64; 2]) -> Option<Vec<f64>> {
+    let profile = LinearSolver::default().solve(grid, 0..grid.cells(), start, end).ok()?;
+    Some(profile.b)
+}
+
+/// The squared rates from rest to rest where Clarabel is given `window` cells at a time, each time from where the window
+/// before was left and to rest. What is kept of a window is what two passes over it that need not stop would keep, too;
+/// where that is less than half of it, it is made longer.
+pub fn linear_windows(grid: &Grid, window: usize) -> Option<Vec<f64>> {
+    let mut solver = LinearSolver::default();
+    let (mut from, mut start, mut length) = (0, 0.0, window);
+    let mut squared = vec![0.0];
+    while from < grid.cells() {
+        let cells = from..(from + length).min(grid.cells());
+        let keep = if cells.end == grid.cells() {
+            cells.len()
+        } else {
+            let [stopping, going] =
+                [0.0, f64::INFINITY].map(|end| reachable::fastest(grid, cells.clone(), start, end));
+            let pairs = stopping.iter().zip(&going);
+            let same = pairs.take_while(|(stopping, going)| **stopping >= **going * (1.0 - 1e-9));
+            // None are where not even the window as a whole is long enough to stop in.
+            same.count().saturating_sub(1)
+        };
+        if keep == 0 || 2 * keep < cells.len() {
+            length *= 2;
+            continue;
+        }
+        let profile = solver.solve(grid, cells, start, 0.0).ok()?;
+        squared.extend(&profile.b[1..=keep]);
+        start = profile.b[keep];
+        from += keep;
+        length = window;
+    }
+    Some(squared)
+}
+
+/// The profile with limited jerk from rest to rest, solved so often, each time about the solution before.
+pub fn smooth(grid: &Grid, solves: u32) -> Option<SmoothProfile> {
+    let guess = passes(grid, [0.0; 2]);
+    let mut solver = SmoothSolver::default();
+    solver.solve(grid, 0..grid.cells(), Beginning::Rest, &guess, solves).ok()
+}
+
+/// The profile in time, as the interpolator follows it: cell by cell.
+pub fn stretches(grid: &Grid, profile: &SmoothProfile) -> Vec<Stretch> {
+    let last = grid.cells() - 1;
+    let stretches = (0..grid.cells()).map(|cell| {
+        let length = grid.length(cell);
+        let (from, to) = (profile.b[cell], profile.b[cell + 1]);
+        if cell == 0 {
+            Stretch::launch(length, to)
+        } else if cell == last {
+            Stretch::landing(length, from)
+        } else {
+            Stretch::bent(length, from, from + profile.a[cell] * length, to)
+        }
+    });
+    stretches.collect()
+}
+
+/// Nodes that the profile passes in equal times.
+pub fn equal_times(grid: &Grid, stretches: &[Stretch], cells: usize) -> Vec<f64> {
+    let total: f64 = stretches.iter().map(Stretch::duration).sum();
+    let step = total / as_float(cells);
+    let mut nodes = vec![grid.nodes()[0]];
+    let (mut cell, mut before) = (0, 0.0);
+    for node in 1..cells {
+        let time = step * as_float(node);
+        while time > before + stretches[cell].duration() {
+            before += stretches[cell].duration();
+            cell += 1;
+        }
+        nodes.push(grid.nodes()[cell] + stretches[cell].at(time - before).position);
+    }
+    nodes.extend(grid.nodes().last());
+    nodes
+}
+
+/// A path that is given by its rates, wherever the planner of whole programs wants to know them.
+struct Given<F> {
+    limits: Vec<AxisLimits>,
+    rates: F,
+}
+
+impl<F: Fn(f64) -> crate::path::Rates> AxisPath for Given<F> {
+    fn limits(&self) -> &[AxisLimits] {
+        &self.limits
+    }
+
+    fn home(&self) -> AxisVector {
+        AxisVector::zeros(self.limits.len())
+    }
+
+    fn axes(
+        &self,
+        _: &CourseElement,
+        s: f64,
+        near: &AxisVector,
+    ) -> Result<AxisPoint, KinematicsError> {
+        let [first, second, third] = (self.rates)(s).map(AxisVector::from_values);
+        Ok(AxisPoint { position: *near, rates: Rates { first, second, third } })
+    }
+}
+
+/// What the planner of whole programs makes of a path from rest to rest on a grid of its own, whose nodes are `step`
+/// apart, s: how long it takes, s, and what that took; none where there is no profile. The feed limits it if it is finite.
+pub fn planned(
+    limits: &[crate::path::Limits],
+    jerk: bool,
+    (end, feed): (f64, f64),
+    rates: impl Fn(f64) -> crate::path::Rates,
+    step: f64,
+) -> Option<(f64, Effort)> {
+    let limits = limits.iter().map(|limits| AxisLimits {
+        velocity: limits.velocity,
+        acceleration: limits.acceleration,
+        jerk: jerk.then_some(limits.jerk),
+    });
+    let axes = Given { limits: limits.collect(), rates };
+    let shape = Shape::Line { start: Point3::origin(), end: Point3::new(end, 0.0, 0.0) };
+    let element = PathElement {
+        feed: feed.min(1e6),
+        acceleration: 1e6,
+        deceleration: 1e6,
+        ..PathElement::new(Place::default(), ElementKind::Cut, shape)
+    };
+    let path = CheckVelocities::new([Ok::<_, CheckError>(element)].into_iter(), 0.0);
+    let options = LimitOptions {
+        feed: feed.is_finite(),
+        path_acceleration: false,
+        step,
+        ..LimitOptions::new(CourseOptions::new(0.0))
+    };
+    let mut planner = Planner::new(path, axes, options);
+    let mut duration = 0.0;
+    for part in planner.by_ref() {
+        if let Planned::Leg(leg) = part.ok()? {
+            duration += leg.stretch.duration();
+        }
+    }
+    Some((duration, planner.effort()))
+}

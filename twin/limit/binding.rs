@@ -1,0 +1,112 @@
+//! Which limit holds the path back.
+
+use crate::machine::{Axis, AxisKind};
+
+/// What of an axis is limited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Quantity {
+    /// m/s or rad/s.
+    Velocity,
+    /// m/s² or rad/s².
+    Acceleration,
+    /// m/s³ or rad/s³.
+    Jerk,
+    /// Steps or revolutions that its drive can make in a second.
+    DriveSpeed,
+    /// Force or torque of its motor.
+    Effort,
+}
+
+/// The limit that holds the path back at an instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Binding {
+    /// One of an axis, by its place in the machine file.
+    Axis {
+        /// Which axis.
+        axis: usize,
+        /// What of it.
+        quantity: Quantity,
+    },
+    /// The programmed feed (F), or the velocity of rapids.
+    Feed,
+    /// The programmed acceleration along the path (E above zero).
+    PathAcceleration,
+    /// The programmed deceleration along the path (E below zero).
+    PathDeceleration,
+    /// The change of the acceleration along the path.
+    PathJerk,
+    /// The acceleration of the tool tip in space.
+    ToolAcceleration,
+    /// The jump of the acceleration where an arc begins or ends.
+    Centripetal,
+    /// The path has to stop: corners, G0, M functions, dwells.
+    Stop,
+}
+
+impl Quantity {
+    /// As reports and tables for other programs call it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Velocity => "axis-velocity",
+            Self::Acceleration => "axis-acceleration",
+            Self::Jerk => "axis-jerk",
+            Self::DriveSpeed => "drive-speed",
+            Self::Effort => "axis-effort",
+        }
+    }
+
+    const fn words(self, kind: AxisKind) -> &'static str {
+        match (self, kind) {
+            (Self::Velocity, _) => "velocity",
+            (Self::Acceleration, _) => "acceleration",
+            (Self::Jerk, _) => "jerk",
+            (Self::DriveSpeed, _) => "speed of the drive",
+            (Self::Effort, AxisKind::Rotary) => "torque",
+            (Self::Effort, AxisKind::Linear) => "force",
+        }
+    }
+}
+
+impl Binding {
+    /// As reports and tables for other programs call it.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Axis { quantity, .. } => quantity.name(),
+            Self::Feed => "feed",
+            Self::PathAcceleration => "path-acceleration",
+            Self::PathDeceleration => "path-deceleration",
+            Self::PathJerk => "path-jerk",
+            Self::ToolAcceleration => "tool-acceleration",
+            Self::Centripetal => "centripetal",
+            Self::Stop => "stop",
+        }
+    }
+
+    /// The axis, if it is a limit of one.
+    pub fn axis(self, axes: &[Axis]) -> Option<&Axis> {
+        match self {
+            Self::Axis { axis, .. } => axes.get(axis),
+            _ => None,
+        }
+    }
+
+    /// In words.
+    pub fn words(self, axes: &[Axis]) -> String {
+        let words = match self {
+            Self::Axis { quantity, .. } => {
+                return self.axis(axes).map_or_else(
+                    || quantity.words(AxisKind::Linear).to_owned(),
+                    |axis| format!("{} of {}", quantity.words(axis.kind), axis.name),
+                );
+            }
+            Self::Feed => "programmed feed (F)",
+            Self::PathAcceleration => "programmed acceleration (E)",
+            Self::PathDeceleration => "programmed deceleration (E)",
+            Self::PathJerk => "jerk along the path",
+            Self::ToolAcceleration => "acceleration of the tool tip",
+            Self::Centripetal => "jump of acceleration at an arc",
+            Self::Stop => "stop",
+        };
+        words.to_owned()
+    }
+}

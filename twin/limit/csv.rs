@@ -1,0 +1,124 @@
+//! The profile as a table.
+
+use super::ProfileSample;
+use crate::machine::Axis;
+use crate::number::significant;
+use csv::{ByteRecord, Writer};
+use std::io::Write;
+
+/// Significant digits of all numbers but times, which are whole nanoseconds.
+const DIGITS: usize = 12;
+
+/// Writes a profile as CSV: a header that names every column with its unit, then a line per sample.
+///
+/// The columns are `time_s`, `line`, `block` (empty without an N word), `path_mm`, `feed_mm_per_s`,
+/// `velocity_mm_per_s`, `acceleration_mm_per_s2`, `jerk_mm_per_s3`; for an axis named A `A_deg`, `A_velocity_deg_per_s`,
+/// `A_acceleration_deg_per_s2`, `A_jerk_deg_per_s3` (mm for linear axes); then the limit that holds the path back,
+/// `limited_by` ([`super::Binding::name`]), and its axis, `limited_by_axis`.
+#[derive(Debug)]
+pub struct ProfileCsv<'m, W: Write> {
+    axes: &'m [Axis],
+    writer: Writer<W>,
+    record: ByteRecord,
+}
+
+impl<'m, W: Write> ProfileCsv<'m, W> {
+    /// Writes the header.
+    ///
+    /// # Errors
+    /// If `out` cannot be written.
+    pub fn new(out: W, axes: &'m [Axis]) -> Result<Self, csv::Error> {
+        let mut writer = Writer::from_writer(out);
+        let mut header: Vec<String> = [
+            "time_s",
+            "line",
+            "block",
+            "path_mm",
+            "feed_mm_per_s",
+            "velocity_mm_per_s",
+            "acceleration_mm_per_s2",
+            "jerk_mm_per_s3",
+        ]
+        .map(str::to_owned)
+        .to_vec();
+        for axis in axes {
+            let (name, unit) = (&axis.name, axis.unit());
+            header.push(format!("{name}_{unit}"));
+            header.push(format!("{name}_velocity_{unit}_per_s"));
+            header.push(format!("{name}_acceleration_{unit}_per_s2"));
+            header.push(format!("{name}_jerk_{unit}_per_s3"));
+        }
+        header.extend(["limited_by", "limited_by_axis"].map(str::to_owned));
+        writer.write_record(&header)?;
+        Ok(Self { axes, writer, record: ByteRecord::new() })
+    }
+
+    /// Writes one line.
+    ///
+    /// # Errors
+    /// If the output cannot be written.
+    pub fn write(&mut self, sample: &ProfileSample) -> Result<(), csv::Error> {
+        let record = &mut self.record;
+        record.clear();
+        let mut field = |text: &str| record.push_field(text.as_bytes());
+        let number = |value: f64| significant(value, DIGITS);
+        field(&time(sample.time_ns));
+        field(&sample.place.line.to_string());
+        field(&sample.place.block.map_or_else(String::new, |block| block.to_string()));
+        for metres in [
+            sample.way,
+            sample.feed,
+            sample.path_velocity,
+            sample.path_acceleration,
+            sample.path_jerk,
+        ] {
+            field(&number(metres * 1e3));
+        }
+        for (index, axis) in self.axes.iter().enumerate() {
+            let of = [&sample.position, &sample.velocity, &sample.acceleration, &sample.jerk];
+            for values in of {
+                let value = values.get(index).copied().unwrap_or_default();
+                field(&number(axis.from_si(value)));
+            }
+        }
+        field(sample.binding.map_or("", super::Binding::name));
+        let axis = sample.binding.and_then(|binding| binding.axis(self.axes));
+        field(axis.map_or("", |axis| &axis.name));
+        self.writer.write_byte_record(record)
+    }
+
+    /// Writes what is left and gives the output back.
+    ///
+    /// # Errors
+    /// If the output cannot be written.
+    pub fn finish(self) -> std::io::Result<W> {
+        self.writer.into_inner().map_err(csv::IntoInnerError::into_error)
+    }
+}
+
+/// Nanoseconds as seconds, exactly.
+fn time(time_ns: i64) -> String {
+    let sign = if time_ns < 0 { "-" } else { "" };
+    let ns = time_ns.unsigned_abs();
+    let text = format!("{sign}{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::time;
+
+    #[test]
+    fn times_are_exact() {
+        for (ns, text) in [
+            (0, "0"),
+            (1, "0.000000001"),
+            (1_500_000_000, "1.5"),
+            (86_400_000_000_001, "86400.000000001"),
+            (-2_000_000, "-0.002"),
+            (i64::MAX, "9223372036.854775807"),
+        ] {
+            assert_eq!(time(ns), text);
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The summary for other programs.
+
+use super::{Binding, LimitSummary, LineLoss};
+use crate::finding::Finding;
+use crate::machine::{Axis, Machine};
+use crate::program::ProgramFile;
+use crate::report::{AxisPeakReport, PerAxis, rounded};
+
+/// The summary as JSON.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct LimitReport {
+    program: String,
+    machine: String,
+    dialect: &'static str,
+    length_mm: f64,
+    /// Within all limits.
+    duration_s: f64,
+    /// With the programmed feed all the time.
+    duration_by_feed_s: f64,
+    peak: PerAxis<AxisPeakReport>,
+    limited_by: Vec<ShareReport>,
+    slowest_lines: Vec<LineReport>,
+    windows: u64,
+    windows_failed: u64,
+    findings: Vec<Finding>,
+}
+
+#[derive(Clone, Debug, serde::Serialize)]
+struct ShareReport {
+    #[serde(flatten)]
+    limit: LimitName,
+    time_s: f64,
+    lost_s: f64,
+}
+
+#[derive(Clone, Debug, serde::Serialize)]
+struct LineReport {
+    line: u32,
+    block: Option<u32>,
+    programmed_feed_mm_per_s: f64,
+    /// Rounded down.
+    largest_feed_mm_per_s: Option<f64>,
+    time_s: f64,
+    lost_s: f64,
+    #[serde(flatten)]
+    limit: LimitName,
+}
+
+/// A limit; `None` is one that is not known.
+#[derive(Clone, Debug, serde::Serialize)]
+struct LimitName {
+    limit: Option<&'static str>,
+    axis: Option<String>,
+}
+
+impl LimitName {
+    fn new(binding: Option<Binding>, axes: &[Axis]) -> Self {
+        let axis = binding.and_then(|binding| binding.axis(axes));
+        Self { limit: binding.map(Binding::name), axis: axis.map(|axis| axis.name.clone()) }
+    }
+}
+
+impl LimitReport {
+    /// The summary of `program` on `machine`.
+    pub fn new(machine: &Machine, program: &ProgramFile, summary: &LimitSummary) -> Self {
+        let axes = &machine.axes;
+        let peaks = axes.iter().zip(&summary.peaks);
+        let line = |line: &LineLoss| LineReport {
+            line: line.place.line,
+            block: line.place.block,
+            programmed_feed_mm_per_s: rounded(line.programmed * 1e3),
+            largest_feed_mm_per_s: line.allowed.map(|feed| rounded(feed * 1e3)),
+            time_s: rounded(line.time_s),
+            lost_s: rounded(line.lost_s),
+            limit: LimitName::new(line.binding, axes),
+        };
+        Self {
+            program: program.path().display().to_string(),
+            machine: machine.path.display().to_string(),
+            dialect: program.dialect().name(),
+            length_mm: rounded(summary.length * 1e3),
+            duration_s: rounded(summary.duration_s),
+            duration_by_feed_s: rounded(summary.duration_by_feed_s),
+            peak: PerAxis(
+                peaks
+                    .map(|(axis, peak)| (axis.name.clone(), AxisPeakReport::new(axis, peak)))
+                    .collect(),
+            ),
+            limited_by: summary
+                .limited_by
+                .iter()
+                .map(|share| ShareReport {
+                    limit: LimitName::new(share.binding, axes),
+                    time_s: rounded(share.time_s),
+                    lost_s: rounded(share.lost_s),
+                })
+                .collect(),
+            slowest_lines: summary.lines.iter().map(line).collect(),
+            windows: summary.windows.count,
+            windows_failed: summary.windows.failed,
+            findings: Vec::new(),
+        }
+    }
+
+    /// With what was found wrong with the program.
+    #[must_use]
+    pub fn with_findings(self, findings: &[Finding]) -> Self {
+        Self { findings: findings.to_vec(), ..self }
+    }
+}

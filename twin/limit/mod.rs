@@ -1,0 +1,28 @@
+//! What feed limiting gives: the profile along the program as a table (CSV) and as a picture (SVG), and the summary for
+//! people and for other programs.
+//!
+//! Everything here takes [`ProfileSample`]s one by one, in the order of time, and holds no more than a page shows,
+//! however long the program is.
+
+mod binding;
+mod csv;
+mod json;
+mod losses;
+mod machine_path;
+mod picture;
+mod plan;
+mod sample;
+mod summary;
+#[cfg(test)]
+mod tests;
+mod text;
+
+pub use binding::{Binding, Quantity};
+pub use csv::ProfileCsv;
+pub use json::LimitReport;
+pub use machine_path::{AxisRules, MachinePath, MachinePathError};
+pub use picture::{Picture, PictureError};
+pub use plan::{LimitFailure, LimitRules, Profile, ProfileItem};
+pub use sample::ProfileSample;
+pub use summary::{BindingShare, LimitSummary, LineLoss, Summing, Windows};
+pub use text::write_summary;

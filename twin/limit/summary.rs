@@ -1,0 +1,193 @@
+//! What feed limiting has to say about a program.
+
+use super::losses::Losses;
+use super::{Binding, ProfileSample};
+use crate::report::{AxisPeak, seconds};
+use std::collections::BTreeMap;
+use twin_motion::Place;
+
+/// How many lines that lose time are named.
+const NAMED_LINES: usize = 10;
+
+/// What feed limiting has to say about a program.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LimitSummary {
+    /// How long the program takes within all limits, s.
+    pub duration_s: f64,
+    /// How long it would take if the tool went with the programmed feed all the time, s.
+    pub duration_by_feed_s: f64,
+    /// Length of the path, m.
+    pub length: f64,
+    /// The largest values of each axis, in machine-file order.
+    pub peaks: Vec<AxisPeak>,
+    /// The limits that hold the path back, the most costly first.
+    pub limited_by: Vec<BindingShare>,
+    /// The lines that lose most time, the worst first.
+    pub lines: Vec<LineLoss>,
+    /// How the convex solver did.
+    pub windows: Windows,
+}
+
+/// For how long a limit holds the path back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BindingShare {
+    /// Which; none where it is not known.
+    pub binding: Option<Binding>,
+    /// Time during which it does, s.
+    pub time_s: f64,
+    /// By how much longer that takes than with the programmed feed, s.
+    pub lost_s: f64,
+}
+
+/// What a line loses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineLoss {
+    /// The block.
+    pub place: Place,
+    /// The largest feed that is programmed there, m/s.
+    pub programmed: f64,
+    /// The largest feed that the machine allows on the whole line, m/s: the least of what it allows anywhere on it.
+    /// `None` if that is not known.
+    pub allowed: Option<f64>,
+    /// How long it takes, s.
+    pub time_s: f64,
+    /// By how much longer than with the programmed feed, s.
+    pub lost_s: f64,
+    /// The limit that costs most.
+    pub binding: Option<Binding>,
+    /// What that limit costs, s.
+    pub binding_lost_s: f64,
+}
+
+/// How the convex solver did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Windows {
+    /// Windows solved, or not.
+    pub count: u64,
+    /// Those in which it failed, so that the two-pass profile went on: feasible, but slower, and without its jerk limits.
+    pub failed: u64,
+}
+
+impl LineLoss {
+    /// Adds another piece of the same line. The limit that costs most is that of the longest loss without another in
+    /// between.
+    pub(super) fn include(&mut self, piece: &Self) {
+        self.programmed = self.programmed.max(piece.programmed);
+        self.allowed = match (self.allowed, piece.allowed) {
+            (Some(one), Some(other)) => Some(one.min(other)),
+            (one, other) => one.or(other),
+        };
+        self.time_s += piece.time_s;
+        self.lost_s += piece.lost_s;
+        if piece.binding_lost_s > self.binding_lost_s {
+            self.binding = piece.binding;
+            self.binding_lost_s = piece.binding_lost_s;
+        }
+    }
+}
+
+/// Makes a summary of the samples of a profile.
+///
+/// Between two samples the way is gone with the limit and the programmed feed of the first; what it takes longer than
+/// with the programmed feed is lost.
+#[derive(Clone, Debug, Default)]
+pub struct Summing {
+    summary: LimitSummary,
+    shares: BTreeMap<Option<Binding>, BindingShare>,
+    losses: Losses,
+    /// The piece of a line under one limit that is being gone through.
+    piece: Option<LineLoss>,
+    before: Option<ProfileSample>,
+    begin_ns: i64,
+    begin: f64,
+}
+
+impl Summing {
+    /// Nothing yet.
+    pub fn new(axes: usize) -> Self {
+        let peaks = vec![AxisPeak::default(); axes];
+        let summary = LimitSummary { peaks, ..LimitSummary::default() };
+        Self { summary, ..Self::default() }
+    }
+
+    /// Takes the next sample.
+    pub fn include(&mut self, sample: &ProfileSample) {
+        for (index, peak) in self.summary.peaks.iter_mut().enumerate() {
+            let at = sample.position.get(index).copied().unwrap_or_default();
+            let [low, high] = peak.position.unwrap_or([at; 2]);
+            peak.position = Some([low.min(at), high.max(at)]);
+            for (values, peak) in [
+                (&sample.velocity, &mut peak.velocity),
+                (&sample.acceleration, &mut peak.acceleration),
+                (&sample.jerk, &mut peak.jerk),
+            ] {
+                peak.include(values.get(index).copied().unwrap_or_default(), sample.place);
+            }
+        }
+        match self.before.replace(*sample) {
+            None => (self.begin_ns, self.begin) = (sample.time_ns, sample.way),
+            Some(before) => self.interval(&before, sample),
+        }
+    }
+
+    fn interval(&mut self, before: &ProfileSample, now: &ProfileSample) {
+        let time_s = seconds(now.time_ns - before.time_ns);
+        let way = now.way - before.way;
+        // Where the path stands nothing is lost that a feed would win.
+        let by_feed_s = if before.feed > 0.0 { way / before.feed } else { time_s };
+        let lost_s = time_s - by_feed_s;
+        self.summary.duration_by_feed_s += by_feed_s;
+        let binding = before.binding;
+        let nothing = BindingShare { binding, time_s: 0.0, lost_s: 0.0 };
+        let share = self.shares.entry(binding).or_insert(nothing);
+        share.time_s += time_s;
+        share.lost_s += lost_s;
+        let piece = LineLoss {
+            place: before.place,
+            programmed: before.feed,
+            allowed: None,
+            time_s,
+            lost_s,
+            binding,
+            binding_lost_s: lost_s,
+        };
+        match &mut self.piece {
+            Some(held) if held.place == piece.place && held.binding == binding => {
+                let binding_lost_s = held.binding_lost_s + lost_s;
+                held.include(&piece);
+                held.binding_lost_s = binding_lost_s;
+            }
+            held => {
+                if let Some(whole) = held.replace(piece) {
+                    self.losses.include(whole);
+                }
+            }
+        }
+    }
+
+    /// The summary. `allowed` knows the largest feed that the machine allows on a line, m/s.
+    pub fn finish(
+        mut self,
+        windows: Windows,
+        allowed: impl Fn(u32) -> Option<f64>,
+    ) -> LimitSummary {
+        if let Some(piece) = self.piece.take() {
+            self.losses.include(piece);
+        }
+        let mut summary = self.summary;
+        if let Some(last) = &self.before {
+            summary.duration_s = seconds(last.time_ns - self.begin_ns);
+            summary.length = last.way - self.begin;
+        }
+        summary.limited_by = self.shares.into_values().collect();
+        summary.limited_by.sort_by(|one, other| {
+            other.lost_s.total_cmp(&one.lost_s).then(one.binding.cmp(&other.binding))
+        });
+        summary.lines = self.losses.worst(NAMED_LINES);
+        for line in &mut summary.lines {
+            line.allowed = allowed(line.place.line).or(line.allowed);
+        }
+        summary.windows = windows;
+        summary
+    }
+}

@@ -1,0 +1,164 @@
+//! The summary for people.
+
+use super::{Binding, LimitSummary};
+use crate::machine::{Axis, Machine};
+use crate::number::significant;
+use crate::program::ProgramFile;
+use crate::report::Peak;
+use crate::table::table;
+use comfy_table::{Cell, CellAlignment, Color, Table};
+use std::io::{self, Write};
+use twin_motion::Place;
+
+/// Writes the summary: durations, largest values, what holds the program back, and where.
+///
+/// # Errors
+/// If `out` cannot be written.
+pub fn write_summary(
+    out: &mut impl Write,
+    machine: &Machine,
+    program: &ProgramFile,
+    summary: &LimitSummary,
+) -> io::Result<()> {
+    let LimitSummary { duration_s, duration_by_feed_s: by_feed_s, .. } = *summary;
+    write!(
+        out,
+        "{} ({}) on {}: {:.1} mm in {duration_s:.3} s; with the programmed feed alone {by_feed_s:.3} s",
+        program.path().display(),
+        program.dialect().name(),
+        machine.name,
+        summary.length * 1e3,
+    )?;
+    if by_feed_s > 0.0 {
+        write!(out, " ({:+.1} %)", (duration_s / by_feed_s - 1.0) * 100.0)?;
+    }
+    writeln!(out)?;
+    if summary.peaks.iter().any(|peak| peak.position.is_some()) {
+        writeln!(out, "{}", peaks(machine, summary))?;
+    }
+    if !summary.limited_by.is_empty() {
+        writeln!(out, "{}", limited_by(machine, summary))?;
+    }
+    if !summary.lines.is_empty() {
+        writeln!(out, "{}", lines(machine, summary))?;
+    }
+    let windows = summary.windows;
+    if windows.failed > 0 {
+        writeln!(
+            out,
+            "in {} of {} windows the solver failed; the path goes through them by the two-pass profile, without limits \
+             of jerk",
+            windows.failed, windows.count
+        )?;
+    }
+    Ok(())
+}
+
+/// Per axis the largest velocity, acceleration and jerk, each with its share of the limit and its line.
+fn peaks(machine: &Machine, summary: &LimitSummary) -> Table {
+    let mut table = table();
+    table.set_header([
+        "axis",
+        "velocity",
+        "of limit",
+        "line",
+        "acceleration",
+        "of limit",
+        "line",
+        "jerk",
+        "of limit",
+        "line",
+    ]);
+    for (axis, peak) in machine.axes.iter().zip(&summary.peaks) {
+        let mut row = vec![Cell::new(&axis.name)];
+        for (peak, limit, per) in [
+            (&peak.velocity, Some(axis.max_velocity), "s"),
+            (&peak.acceleration, Some(axis.max_acceleration), "s²"),
+            (&peak.jerk, axis.max_jerk, "s³"),
+        ] {
+            row.extend(against(axis, peak, limit, per));
+        }
+        add(&mut table, 1, row);
+    }
+    table
+}
+
+fn against(axis: &Axis, peak: &Peak, limit: Option<f64>, per: &str) -> [Cell; 3] {
+    let value = format!("{} {}/{per}", digits(axis.from_si(peak.value)), axis.unit());
+    let share = limit.map(|limit| peak.value / limit);
+    let cell = Cell::new(share.map_or("–".to_owned(), percent));
+    let cell = match share {
+        // A thousandth is what sampling may add.
+        Some(share) if share > 1.001 => cell.fg(Color::Red),
+        Some(share) if share > 0.9 => cell.fg(Color::Yellow),
+        _ => cell,
+    };
+    let line = if peak.value > 0.0 { line(peak.place) } else { "–".to_owned() };
+    [Cell::new(value), cell, Cell::new(line)]
+}
+
+/// What holds the program back.
+fn limited_by(machine: &Machine, summary: &LimitSummary) -> Table {
+    let mut table = table();
+    table.set_header(["held back by", "time", "share", "lost"]);
+    for share in &summary.limited_by {
+        let part = if summary.duration_s > 0.0 { share.time_s / summary.duration_s } else { 0.0 };
+        let row = [
+            words(share.binding, machine),
+            format!("{:.3} s", share.time_s),
+            percent(part),
+            format!("{:.3} s", share.lost_s),
+        ];
+        add(&mut table, 1, row.map(Cell::new).to_vec());
+    }
+    table
+}
+
+/// The lines that lose most time.
+fn lines(machine: &Machine, summary: &LimitSummary) -> Table {
+    let mut table = table();
+    table.set_header(["line", "lost", "of", "programmed", "largest feed", "held back by"]);
+    for loss in &summary.lines {
+        let mut row = vec![
+            Cell::new(line(loss.place)),
+            Cell::new(format!("{:.3} s", loss.lost_s)),
+            Cell::new(format!("{:.3} s", loss.time_s)),
+            Cell::new(format!("{} mm/s", digits(loss.programmed * 1e3))),
+            Cell::new(
+                loss.allowed
+                    .map_or("–".to_owned(), |feed| format!("{} mm/s", digits(feed * 1e3))),
+            ),
+        ];
+        for cell in row.iter_mut().skip(1) {
+            *cell = cell.clone().set_alignment(CellAlignment::Right);
+        }
+        row.push(Cell::new(words(loss.binding, machine)));
+        table.add_row(row);
+    }
+    table
+}
+
+/// Adds a row of which the first `texts` cells are words and the others numbers.
+fn add(table: &mut Table, texts: usize, row: Vec<Cell>) {
+    table.add_row(row.into_iter().enumerate().map(|(column, cell)| {
+        if column < texts { cell } else { cell.set_alignment(CellAlignment::Right) }
+    }));
+}
+
+fn words(binding: Option<Binding>, machine: &Machine) -> String {
+    binding.map_or("not known".to_owned(), |binding| binding.words(&machine.axes))
+}
+
+pub(super) fn line(place: Place) -> String {
+    let block = place.block.map_or(String::new(), |block| format!(" (N{block})"));
+    format!("{}{block}", place.line)
+}
+
+pub(super) fn percent(share: f64) -> String {
+    format!("{:.1} %", share * 100.0)
+}
+
+/// Four digits, for people; more where they are before the point.
+pub(super) fn digits(value: f64) -> String {
+    if value.abs() >= 1e4 { format!("{value:.0}") } else { significant(value, 4) }
+}
