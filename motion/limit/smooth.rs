@@ -219,6 +219,15 @@ impl SmoothSolver {
                 if node == count || (node == 0 && beginning == Beginning::Rest) {
                     continue;
                 }
+                if end == End::Finish && node < count {
+                    // Between cells of different limits it is the lower one that counts, which c alone does not keep.
+                    let cap = grid.caps().get(cell + 1).map_or(f64::INFINITY, |cap| cap.v2);
+                    let beside = [grid.cell_caps(cell), grid.cell_caps(cell + 1)];
+                    let mean = beside.map(|[from, to]| 0.5 * (from.v2 + to.v2));
+                    if cap < mean[0].max(mean[1]) * (1.0 - 1e-6) {
+                        writer.add(&mut self.program, index, place.b, cap, SCREEN);
+                    }
+                }
                 if node > 0 {
                     let (axes, further) = grid.rows(cell, end);
                     for row in axes {
