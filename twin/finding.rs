@@ -24,6 +24,8 @@ pub enum Rule {
     AxisAcceleration,
     /// An axis asked for more than its jerk.
     AxisJerk,
+    /// The path is slower than programmed, or has no profile within the limits.
+    FeedReduced,
     /// The arms are stretched or folded.
     Singularity,
     /// A tool of that radius damages the part, or does not get everywhere.
@@ -48,6 +50,7 @@ impl Rule {
             Self::AxisVelocity => "axis-velocity",
             Self::AxisAcceleration => "axis-acceleration",
             Self::AxisJerk => "axis-jerk",
+            Self::FeedReduced => "feed-reduced",
             Self::Singularity => "singularity",
             Self::CompensationGouge => "compensation-gouge",
             Self::LoopCut => "loop-cut",

@@ -152,16 +152,12 @@ impl<I: Iterator<Item = io::Result<LineLimit>>> Running<I> {
             let (_, text) = rounded_down(number * (limit / cut.feed))?;
             (!is_below(limit, slowest)).then(|| Edit::replace(line, &columns, &text))
         });
-        match lower {
-            Some(edit) => {
-                refed.lowered += 1;
-                Some(edit)
-            }
-            None => {
-                self.report(Reason::InverseTime, cut.feed, limit, refed);
-                None
-            }
+        if lower.is_some() {
+            refed.lowered += 1;
+        } else {
+            self.report(Reason::InverseTime, cut.feed, limit, refed);
         }
+        lower
     }
 
     fn report(&self, reason: Reason, programmed: f64, limit: f64, refed: &mut Refed) {

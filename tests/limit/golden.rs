@@ -15,7 +15,8 @@ fn two_passes_lead_to_the_closed_forms() {
         let found = [4_000, 8_000].map(|cells| {
             let path = case.path(cells);
             let squared = passes(&grid(&path, false), case.ends);
-            assert!(path.acceleration_use(&squared) <= 1.0 + 1e-9, "{}", case.name);
+            let most = path.acceleration_use(&squared);
+            assert!(most <= 1.0 + 1e-9, "{}: {most} of an acceleration limit", case.name);
             path.duration(&squared)
         });
         let error = (2.0 * found[1] - found[0]) / case.duration - 1.0;

@@ -64,9 +64,11 @@ pub fn linear_windows(grid: &Grid, window: usize) -> Option<Vec<f64>> {
             let [stopping, going] =
                 [0.0, f64::INFINITY].map(|end| reachable::fastest(grid, cells.clone(), start, end));
             let pairs = stopping.iter().zip(&going);
-            pairs.take_while(|(stopping, going)| **stopping >= **going * (1.0 - 1e-9)).count() - 1
+            let same = pairs.take_while(|(stopping, going)| **stopping >= **going * (1.0 - 1e-9));
+            // None are where not even the window as a whole is long enough to stop in.
+            same.count().saturating_sub(1)
         };
-        if 2 * keep < cells.len() {
+        if keep == 0 || 2 * keep < cells.len() {
             length *= 2;
             continue;
         }

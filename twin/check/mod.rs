@@ -18,6 +18,7 @@ use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
 use crate::simulated::Simulated;
 use findings::Findings;
+pub(crate) use sentence::unreachable;
 use std::io;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics};
 use twin_motion::Place;
@@ -195,7 +196,7 @@ impl<'m> Checker<'m> {
         let setpoint = match self.transformer.axes(tool, None) {
             Ok(setpoint) => setpoint,
             Err(error) => {
-                self.findings.add(None, sentence::unreachable(tool.place, &error));
+                self.findings.add(None, unreachable(tool.place, &error));
                 self.last = None;
                 return None;
             }

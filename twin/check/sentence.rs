@@ -9,7 +9,7 @@ use twin_kinematics::KinematicsError;
 use twin_motion::Place;
 
 /// A set-point that the kinematics refuses.
-pub(super) fn unreachable(place: Place, error: &KinematicsError) -> Finding {
+pub(crate) fn unreachable(place: Place, error: &KinematicsError) -> Finding {
     let (rule, what) = match error {
         KinematicsError::Singular { .. } => {
             (Rule::Singularity, "the tool cannot go on as programmed")

@@ -3,6 +3,7 @@
 mod axes;
 mod check;
 mod emulate;
+mod limit;
 mod machine;
 mod options;
 mod path;
@@ -64,6 +65,7 @@ enum Command {
     Run(run::Arguments),
     Check(check::Arguments),
     Path(Box<path::Arguments>),
+    Limit(Box<limit::Arguments>),
     Axes(axes::Arguments),
     Emulate(emulate::Arguments),
     View(view::Arguments),
@@ -77,6 +79,7 @@ pub fn main() -> ExitCode {
         Command::Run(arguments) => run::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Path(arguments) => path::run(&arguments),
+        Command::Limit(arguments) => limit::run(&arguments),
         Command::Axes(arguments) => axes::run(&arguments),
         Command::Emulate(arguments) => emulate::run(&arguments),
         Command::View(arguments) => view::run(&arguments),

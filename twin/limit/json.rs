@@ -1,6 +1,7 @@
 //! The summary for other programs.
 
 use super::{Binding, LimitSummary, LineLoss};
+use crate::finding::Finding;
 use crate::machine::{Axis, Machine};
 use crate::program::ProgramFile;
 use crate::report::{AxisPeakReport, PerAxis, rounded};
@@ -21,6 +22,7 @@ pub struct LimitReport {
     slowest_lines: Vec<LineReport>,
     windows: u64,
     windows_failed: u64,
+    findings: Vec<Finding>,
 }
 
 #[derive(Clone, Debug, serde::Serialize)]
@@ -96,6 +98,13 @@ impl LimitReport {
             slowest_lines: summary.lines.iter().map(line).collect(),
             windows: summary.windows.count,
             windows_failed: summary.windows.failed,
+            findings: Vec::new(),
         }
+    }
+
+    /// With what was found wrong with the program.
+    #[must_use]
+    pub fn with_findings(self, findings: &[Finding]) -> Self {
+        Self { findings: findings.to_vec(), ..self }
     }
 }

@@ -5,7 +5,9 @@ mod source;
 mod stream;
 
 pub use operations::Operations;
+pub(crate) use source::Halt;
 pub use stream::{ElementItem, Elements, Facts, FileFacts, ProgramItem, Setpoints};
+pub(crate) use stream::{Findings, Prepared};
 
 use crate::m_function::Acknowledgement;
 use crate::machine::{Machine, ProgramConditions};
@@ -19,7 +21,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 use std::time::SystemTime;
-use stream::{Prepared, Stage};
+use stream::Stage;
 use twin_motion::Place;
 use twin_motion::interpolate::{DEFAULT_CYCLE_NS, Interpolator, LookAhead};
 use twin_motion::path::queue::{Generator, QueueReader};
@@ -228,6 +230,19 @@ impl ProgramFile {
         Ok(Setpoints::new(interpolator, notices, ledger, self.settings.inputs, acknowledgement))
     }
 
+    /// Its path after preparation, with transition velocities, for feed limiting; and what is found on the way.
+    ///
+    /// # Errors
+    /// If it cannot be opened.
+    pub(crate) fn path_for_limits(
+        &self,
+        conditions: &ProgramConditions,
+    ) -> io::Result<(Prepared, Findings)> {
+        let notices = Notices::default();
+        let (prepared, ledger) = self.prepare(conditions, &notices)?;
+        Ok((prepared, Findings::new(notices, ledger)))
+    }
+
     /// Whether preparation leads the path elsewhere.
     ///
     /// # Errors
@@ -344,22 +359,41 @@ impl ProgramFile {
         Ok((decoded, ledger))
     }
 
+    /// How it is read if it is written in DIN 66025.
+    pub(crate) fn din66025_options(
+        &self,
+        conditions: &ProgramConditions,
+    ) -> din66025::DecoderOptions {
+        let ReadSettings { skip_suppressed, variables, jumps, .. } = self.settings.clone();
+        din66025::DecoderOptions {
+            start: conditions.start,
+            start_extra: conditions.start_additional,
+            skip_suppressed_blocks: skip_suppressed,
+            variables,
+            jumps,
+        }
+    }
+
+    /// How it is read if it is written in RS274.
+    pub(crate) fn rs274_options(&self, conditions: &ProgramConditions) -> rs274::DecoderOptions {
+        let ReadSettings { skip_suppressed, tools, .. } = self.settings.clone();
+        let mut options = rs274::DecoderOptions {
+            skip_suppressed_blocks: skip_suppressed,
+            ..conditions.rs274.clone()
+        };
+        options.tools = tools.or(options.tools);
+        options
+    }
+
     fn decoder(
         &self,
         reader: BufReader<Counted>,
         conditions: &ProgramConditions,
         empty: EmptyMoves,
     ) -> io::Result<Decoder> {
-        let ReadSettings { skip_suppressed, variables, jumps, tools, .. } = self.settings.clone();
         Ok(match self.dialect {
             Dialect::Din66025 => {
-                let options = din66025::DecoderOptions {
-                    start: conditions.start,
-                    start_extra: conditions.start_additional,
-                    skip_suppressed_blocks: skip_suppressed,
-                    variables,
-                    jumps,
-                };
+                let options = self.din66025_options(conditions);
                 Decoder::Din66025(Box::new(if self.is_repeatable() {
                     din66025::Decoder::with_jumps(reader, options)
                 } else {
@@ -367,12 +401,10 @@ impl ProgramFile {
                 }))
             }
             Dialect::Rs274 => {
-                let mut options = rs274::DecoderOptions {
-                    skip_suppressed_blocks: skip_suppressed,
+                let options = rs274::DecoderOptions {
                     keep_empty_moves: empty == EmptyMoves::Kept,
-                    ..conditions.rs274.clone()
+                    ..self.rs274_options(conditions)
                 };
-                options.tools = tools.or(options.tools);
                 Decoder::Rs274(Box::new(rs274::Decoder::new(reader, options)))
             }
             Dialect::Queue | Dialect::Dxf => {

@@ -81,7 +81,7 @@ impl Operations {
 type Path = Box<dyn Iterator<Item = Result<PathElement, Halt>>>;
 
 /// A path after [`Operations`].
-pub(super) enum Operated {
+pub(crate) enum Operated {
     Unchanged(Decoded),
     Changed(Path),
 }

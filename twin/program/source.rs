@@ -73,7 +73,7 @@ impl Seek for Counted {
 
 /// What ends a stream early.
 #[derive(Debug)]
-pub(super) enum Halt {
+pub(crate) enum Halt {
     Io(io::Error),
     /// A stage cannot go on.
     Finding(Box<Finding>),

@@ -68,12 +68,40 @@ pub(super) enum Stage {
 }
 
 /// The program's path, ready for look-ahead.
-pub(super) type Prepared = CheckVelocities<PreparedPath<Operated, Halt>, Halt>;
+pub(crate) type Prepared = CheckVelocities<PreparedPath<Operated, Halt>, Halt>;
 
 /// The next thing found: by the decoder, or by preparation.
 fn found(ledger: &RefCell<Ledger>, notices: &Notices) -> Option<Finding> {
     let finding = ledger.borrow_mut().findings.pop_front();
     finding.or_else(|| notices.take().map(|notice| noticed(&notice)))
+}
+
+/// What is found on the way of a path that somebody else follows.
+#[derive(Debug)]
+pub struct Findings {
+    notices: Notices,
+    ledger: Rc<RefCell<Ledger>>,
+}
+
+impl Findings {
+    pub(super) fn new(notices: Notices, ledger: Rc<RefCell<Ledger>>) -> Self {
+        Self { notices, ledger }
+    }
+
+    /// The next thing found by now.
+    pub fn take(&self) -> Option<Finding> {
+        found(&self.ledger, &self.notices)
+    }
+
+    /// Bytes of the file read so far.
+    pub fn bytes_read(&self) -> u64 {
+        self.ledger.borrow().bytes
+    }
+
+    /// Diagnostics of the text that were left out because there are too many.
+    pub fn left_out(&self) -> u64 {
+        self.ledger.borrow().left_out
+    }
 }
 
 /// What comes out of [`Elements`].

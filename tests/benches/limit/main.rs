@@ -69,7 +69,8 @@ fn main() {
 
 fn measured(machine: &Machine, curve: &Curve, cells: usize, peer: Option<&mut Peer>) -> Row {
     let (path, rates) = (machine.path(curve, cells), machine.rates(curve));
-    let problem = Problem { path: &path, rates: &rates };
+    let grid = solvers::grid(&path, false);
+    let problem = Problem { path: &path, grid: &grid, rates: &rates };
     let row = Row::measured(format!("{} {}", machine.name, curve.name), &problem, peer);
     row.print();
     row

@@ -2,10 +2,13 @@
 
 use crate::path::{Path, Rates};
 use crate::solvers::{grid, linear, linear_windows, passes, planned};
+use twin_motion::limit::Grid;
 
 /// A path on a grid, and between its nodes.
 pub struct Problem<'a> {
     pub path: &'a Path,
+    /// The path as [`grid`] makes it, without jerk limits.
+    pub grid: &'a Grid,
     pub rates: &'a dyn Fn(f64) -> Rates,
 }
 
@@ -40,7 +43,16 @@ const STEP: f64 = 2e-3;
 const WHOLE: &str = "Clarabel, one window";
 
 /// All that are compared.
-pub const METHODS: [Method; 5] = [
+pub const METHODS: [Method; 6] = [
+    Method {
+        name: "two passes, grid given",
+        same: true,
+        whole: None,
+        run: |problem| {
+            let duration = problem.path.duration(&passes(problem.grid, [0.0; 2]));
+            Some(Found { duration, cells: problem.path.cells(), failed: 0 })
+        },
+    },
     Method {
         name: "two passes",
         same: true,
@@ -76,7 +88,7 @@ fn on_grid(problem: &Problem<'_>, solve: fn(&Path) -> Option<Vec<f64>>) -> Optio
 
 /// On a grid of its own, for which it asks for the rates of the axes where it likes.
 fn by_planner(problem: &Problem<'_>, jerk: bool) -> Option<Found> {
-    let Problem { path, rates } = problem;
+    let Problem { path, rates, .. } = problem;
     let extent = (path.nodes[path.cells()], path.feed);
     let (duration, effort) = planned(&path.limits, jerk, extent, rates, STEP)?;
     let cells = usize::try_from(effort.committed).ok()?;

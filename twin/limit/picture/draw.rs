@@ -12,7 +12,6 @@ use crate::page::{FAINT, INK, MARK, color, fine, font, resized, stroke};
 use crate::report::seconds;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use twin_motion::Place;
 
 /// Colours of axes by place in the machine (Okabe and Ito 2008), those first that are dark enough for lines.
 const AXES: [[u8; 3]; 8] = [
@@ -30,8 +29,14 @@ const AXES: [[u8; 3]; 8] = [
 const OTHERS: [[u8; 3]; KINDS.len()] =
     [[214, 218, 224], [160, 166, 176], [128, 112, 168], [110, 116, 126], [34, 38, 46]];
 
+/// The rows are so much higher than the largest value: there its line is written.
+const ROOM: f64 = 1.3;
+
 /// Height of the strips, pixels.
 const STRIP: f64 = 16.0;
+
+/// Between numbers of lines that are narrow, pixels.
+const SPARSE: f64 = 60.0;
 
 /// What the rows of the axes show.
 const QUANTITIES: [(&str, [&str; 2]); PER_AXIS] = [
@@ -55,7 +60,7 @@ impl<'a, 'm> Drawing<'a, 'm> {
     pub(super) fn draw(&self, program: &str, machine: &str) -> Result<String, Failure> {
         // As high as the curves need to be read, and as the list beside them.
         let least = self.picture.axes.iter().fold(12.0, |height, _| height + LINE);
-        let height = 132.0_f64.max(least);
+        let height = 150.0_f64.max(least);
         let mut rows = vec![(None, Row { top: TOP, height, range: self.feeds() })];
         let mut bottom = TOP + height + GAP;
         for quantity in 0..PER_AXIS {
@@ -110,32 +115,31 @@ impl<'a, 'm> Drawing<'a, 'm> {
         let all = (0..PER_AXIS).flat_map(|quantity| {
             self.picture.parts(quantity).map(move |(_, axis, highest)| (quantity, axis, highest))
         });
-        let worst = all.max_by(|one, other| one.2.peak.value.total_cmp(&other.2.peak.value));
-        match worst {
-            Some((quantity, axis, highest)) if highest.peak.value > 0.0 => format!(
+        match highest(all, |one| one.2) {
+            Some((quantity, axis, highest)) => format!(
                 "at most {} of a limit: {} of {} in line {}",
                 percent(highest.peak.value),
                 QUANTITIES.get(quantity).map_or("", |(name, _)| *name),
                 axis.name,
                 text::line(highest.peak.place),
             ),
-            _ => "no axis moves".to_owned(),
+            None => "no axis moves".to_owned(),
         }
     }
 
-    /// From 0 to a little above the fastest, along the path and as programmed, mm/s.
+    /// From 0 to some way above the fastest, along the path and as programmed, mm/s.
     fn feeds(&self) -> [f64; 2] {
         let envelope = &self.picture.envelope;
         let top = [PATH, FEED].into_iter().filter_map(|curve| Some(envelope.range(curve)?[1]));
         let top = top.fold(0.0, f64::max);
         let low = envelope.range(PATH).map_or(0.0, |[low, _]| low.min(0.0));
-        [low * 1.08, if top > 0.0 { top * 1.08 } else { 1.0 }]
+        [low * ROOM, if top > 0.0 { top * ROOM } else { 1.0 }]
     }
 
-    /// A little more than the limits, or than what is asked for, %.
+    /// Some more than the limits, or than what is asked for, %.
     fn shares(&self, quantity: usize) -> [f64; 2] {
         let parts = self.picture.parts(quantity).map(|(_, _, highest)| highest.peak.value);
-        let most = parts.fold(1.0, f64::max) * 100.0 * 1.12;
+        let most = parts.fold(1.0, f64::max) * 100.0 * ROOM;
         [-most, most]
     }
 
@@ -173,9 +177,7 @@ impl<'a, 'm> Drawing<'a, 'm> {
         self.curve(root, row, PATH, 1.0, INK.stroke_width(stroke(1.4)))?;
         let fastest = &self.picture.fastest;
         let at = (RIGHT + 12.0, row.top + LINE / 2.0);
-        let place = where_it_is(fastest.peak.place);
-        let text = format!("largest {} mm/s, {place}", digits(fastest.peak.value));
-        words(root, &text, at, INK)?;
+        words(root, &format!("at most {} mm/s", digits(fastest.peak.value)), at, INK)?;
         self.ring(root, row, fastest, 1.0, INK)
     }
 
@@ -183,12 +185,15 @@ impl<'a, 'm> Drawing<'a, 'm> {
     fn axes(&self, root: &Area<'_>, row: &Row, quantity: usize) -> Result<(), Failure> {
         let Some((name, units)) = QUANTITIES.get(quantity) else { return Ok(()) };
         row.draw(root, &self.time, [name, "(% of limit)"])?;
-        for limit in [-100.0, 100.0] {
-            dashes(root, [(LEFT, row.y(limit)), (RIGHT, row.y(limit))], MARK)?;
-        }
-        for (index, ..) in self.picture.parts(quantity) {
+        // Those that go far lie behind those that do not.
+        let mut order: Vec<_> = self.picture.parts(quantity).collect();
+        order.sort_by(|one, other| other.2.peak.value.total_cmp(&one.2.peak.value));
+        for (index, ..) in order {
             let style = color_of(index).stroke_width(stroke(1.4));
             self.curve(root, row, FIRST_AXIS + PER_AXIS * index + quantity, 100.0, style)?;
+        }
+        for limit in [-100.0, 100.0] {
+            dashes(root, [(LEFT, row.y(limit)), (RIGHT, row.y(limit))], MARK)?;
         }
         let mut y = row.top + LINE / 2.0;
         for (index, axis, highest) in self.picture.parts(quantity) {
@@ -200,13 +205,8 @@ impl<'a, 'm> Drawing<'a, 'm> {
             words(root, &format!("{text} {unit}"), (RIGHT + 12.0, y), color_of(index))?;
             y += LINE;
         }
-        let largest = self.picture.parts(quantity);
-        let largest = largest.max_by(|one, other| one.2.peak.value.total_cmp(&other.2.peak.value));
-        match largest {
-            Some((index, _, highest)) => {
-                words(root, &where_it_is(highest.peak.place), (RIGHT + 12.0, y), FAINT)?;
-                self.ring(root, row, highest, 100.0, color_of(index))
-            }
+        match highest(self.picture.parts(quantity), |one| one.2) {
+            Some((index, _, highest)) => self.ring(root, row, highest, 100.0, color_of(index)),
             None => Ok(()),
         }
     }
@@ -225,7 +225,14 @@ impl<'a, 'm> Drawing<'a, 'm> {
         }
         let at = (self.time.x(highest.time_ns), row.y(highest.value * scale));
         let ring = color.stroke_width(stroke(1.6));
-        root.draw(&Circle::new((fine(at.0), fine(at.1)), stroke(5.0), ring))
+        root.draw(&Circle::new((fine(at.0), fine(at.1)), stroke(5.0), ring))?;
+        // Outside of the curve, where the row has room for it, and within the page.
+        let text = format!("line {}", text::line(highest.peak.place));
+        let half = text.chars().fold(0.0, |sum, _| sum + 3.2);
+        let y = if highest.value < 0.0 { at.1 + 13.0 } else { at.1 - 13.0 };
+        let x = at.0.clamp(LEFT + half, RIGHT - half);
+        let style = font(12.5, color).pos(Pos::new(HPos::Center, VPos::Center));
+        root.draw_text(&text, &style, (fine(x), fine(y)))
     }
 
     /// Which limit holds the path back.
@@ -233,7 +240,7 @@ impl<'a, 'm> Drawing<'a, 'm> {
         let of = |column: &Column| column.most_held();
         for (begin, end, kind) in self.bands(of) {
             let Some(kind) = kind else { continue };
-            self.band(root, row, [begin, end], self.kind_color(kind))?;
+            band(root, row, [begin, end], self.kind_color(kind))?;
         }
         row.frame(root)?;
         words(root, "what holds back", (RIGHT + 12.0, row.top + STRIP / 2.0), INK)
@@ -256,17 +263,6 @@ impl<'a, 'm> Drawing<'a, 'm> {
         bands
     }
 
-    fn band(
-        &self,
-        root: &Area<'_>,
-        row: &Row,
-        [begin, end]: [f64; 2],
-        color: RGBColor,
-    ) -> Result<(), Failure> {
-        let corners = [(begin, row.top), (end, row.bottom())].map(|(x, y)| (fine(x), fine(y)));
-        root.draw(&Rectangle::new(corners, color.filled()))
-    }
-
     /// The lines of the program: by turns light and dark where there is room, with their numbers where these fit.
     fn lines(&self, root: &Area<'_>, row: &Row) -> Result<(), Failure> {
         let shades = [color([238, 240, 243]), color([214, 218, 224])];
@@ -276,28 +272,38 @@ impl<'a, 'm> Drawing<'a, 'm> {
             let [first, last] = column.lines;
             (first == last).then_some(first)
         };
-        let style = font(11.5, INK).pos(Pos::new(HPos::Center, VPos::Center));
-        let mut free = LEFT;
         let mut shade = shades.iter().cycle();
-        let mut numbers = Vec::new();
+        let mut numbers: Vec<(f64, u32)> = Vec::new();
         for (begin, end, number) in self.bands(of) {
             let color = if number.is_some() { shade.next() } else { None };
-            self.band(root, row, [begin, end], color.copied().unwrap_or(mixed))?;
-            let Some(number) = number else { continue };
-            let text = number.to_string();
-            let half = text.chars().fold(2.5, |sum, _| sum + 3.4);
-            let middle = begin.midpoint(end);
-            let is_wide = end - begin >= 2.0 * half;
-            // Of many narrow ones some.
-            if middle - half >= free && middle + half <= RIGHT && (is_wide || middle >= free + 40.0)
-            {
-                numbers.push((text, middle));
-                free = middle + half;
+            band(root, row, [begin, end], color.copied().unwrap_or(mixed))?;
+            if let Some(number) = number.filter(|number| end - begin >= 2.0 * half_width(*number)) {
+                numbers.push((begin.midpoint(end), number));
+            }
+        }
+        // Where bands are narrow some numbers, with a tick.
+        let mut ticks = Vec::new();
+        let mut free = LEFT;
+        let mut wide = numbers.iter().map(|(x, number)| (*x, half_width(*number))).peekable();
+        for column in self.picture.envelope.columns() {
+            let (x, number) = (self.time.x(column.begin_ns), column.lines[0]);
+            while let Some((at, half)) = wide.next_if(|(at, half)| at - half <= x + SPARSE / 2.0) {
+                free = at + half;
+            }
+            let half = half_width(number);
+            if x - half >= free + 4.0 && x >= free + SPARSE && x + half <= RIGHT {
+                ticks.push((x, number));
+                free = x + half;
             }
         }
         row.frame(root)?;
-        for (text, middle) in numbers {
-            root.draw_text(&text, &style, (fine(middle), fine(row.top + STRIP / 2.0)))?;
+        let style = font(11.5, INK).pos(Pos::new(HPos::Center, VPos::Center));
+        for (x, _) in &ticks {
+            line(root, [(*x, row.top), (*x, row.top + 3.0)], FAINT.stroke_width(stroke(0.8)))?;
+        }
+        for (x, number) in numbers.into_iter().chain(ticks) {
+            let at = (fine(x), fine(row.top + STRIP / 2.0 + 0.5));
+            root.draw_text(&number.to_string(), &style, at)?;
         }
         words(root, "line of the program", (RIGHT + 12.0, row.top + STRIP / 2.0), INK)
     }
@@ -340,6 +346,21 @@ impl<'a, 'm> Drawing<'a, 'm> {
     }
 }
 
+fn band(
+    root: &Area<'_>,
+    row: &Row,
+    [begin, end]: [f64; 2],
+    color: RGBColor,
+) -> Result<(), Failure> {
+    let corners = [(begin, row.top), (end, row.bottom())].map(|(x, y)| (fine(x), fine(y)));
+    root.draw(&Rectangle::new(corners, color.filled()))
+}
+
+/// Half of the room for a number, pixels.
+fn half_width(number: u32) -> f64 {
+    number.to_string().chars().fold(2.5, |sum, _| sum + 3.4)
+}
+
 fn color_of(axis: usize) -> RGBColor {
     color(AXES.get(axis % AXES.len()).copied().unwrap_or_default())
 }
@@ -350,6 +371,13 @@ fn share(axis: &Axis, highest: &Highest, limit: Option<f64>) -> String {
     format!("{}: {}, {}", axis.name, percent(highest.peak.value), digits(value))
 }
 
-fn where_it_is(place: Place) -> String {
-    format!("line {}", text::line(place))
+/// The first of those with the largest value; none if all are zero.
+fn highest<T>(
+    all: impl Iterator<Item = T>,
+    of: impl for<'t> Fn(&'t T) -> &'t Highest,
+) -> Option<T> {
+    all.fold(None, |best, one| {
+        let most = best.as_ref().map_or(0.0, |best| of(best).peak.value);
+        if of(&one).peak.value > most { Some(one) } else { best }
+    })
 }

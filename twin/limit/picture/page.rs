@@ -108,7 +108,7 @@ impl Row {
         name: [&str; 2],
     ) -> Result<(), Failure> {
         let numbers = font(13.0, INK).pos(Pos::new(HPos::Right, VPos::Center));
-        for (value, text) in ticks(self.range[0], self.range[1], 5.0) {
+        for (value, text) in ticks(self.range[0], self.range[1], 6.0) {
             let y = self.y(value);
             line(root, [(LEFT, y), (RIGHT, y)], GRID.stroke_width(stroke(0.8)))?;
             root.draw_text(&text, &numbers, (fine(LEFT - 7.0), fine(y)))?;

@@ -1,0 +1,265 @@
+//! A program within all limits, set-point by set-point.
+
+use super::machine_path::{AxisRules, MachinePath, MachinePathError};
+use super::{Binding, ProfileSample, Quantity};
+use crate::check::unreachable;
+use crate::finding::{Finding, Rule};
+use crate::machine::Machine;
+use crate::program::{Findings, Halt, Prepared, ProgramFile};
+use std::io;
+use std::num::NonZeroU32;
+use twin_kinematics::AxisVector;
+use twin_motion::interpolate::DEFAULT_CYCLE_NS;
+use twin_motion::limit::course::{CourseOptions, Order};
+use twin_motion::limit::{
+    AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, Planner, Rates,
+};
+use twin_motion::refeed::LineLimit;
+
+/// A value counts as at its limit from this part of it on.
+const AT_LIMIT: f64 = 0.98;
+
+/// What is limited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LimitRules {
+    /// The axes.
+    pub axes: AxisRules,
+    /// The programmed velocity (F), and that of rapids.
+    pub feed: bool,
+    /// The programmed accelerations (E).
+    pub path_acceleration: bool,
+    /// The acceleration of the tool tip, where the machine file gives one.
+    pub tool_acceleration: bool,
+}
+
+impl Default for LimitRules {
+    fn default() -> Self {
+        Self {
+            axes: AxisRules::default(),
+            feed: true,
+            path_acceleration: true,
+            tool_acceleration: true,
+        }
+    }
+}
+
+/// Why a program cannot be limited.
+#[derive(Debug, thiserror::Error)]
+pub enum LimitFailure {
+    /// The file.
+    #[error(transparent)]
+    Read(#[from] io::Error),
+    /// The machine.
+    #[error(transparent)]
+    Machine(#[from] MachinePathError),
+}
+
+/// What comes out of [`Profile`].
+#[derive(Debug)]
+pub enum ProfileItem {
+    /// The next set-point.
+    Sample(Box<ProfileSample>),
+    /// Something wrong with the program; what follows begins from rest.
+    Finding(Finding),
+    /// The file cannot be read any further.
+    Io(io::Error),
+}
+
+/// A program on a machine, as fast as all limits allow: one sample per cycle.
+#[derive(Debug)]
+pub struct Profile<'m> {
+    machine: &'m Machine,
+    axes: MachinePath<'m>,
+    follower: Follower<Planner<Prepared, Halt, MachinePath<'m>>>,
+    rules: LimitRules,
+    near: AxisVector,
+    found: Findings,
+    line: Option<LineLimit>,
+    lines: Vec<LineLimit>,
+}
+
+impl<'m> Profile<'m> {
+    /// The program `program` on `machine`.
+    ///
+    /// # Errors
+    /// If it cannot be opened, or the machine is of a kind that cannot be planned for.
+    pub fn new(
+        program: &ProgramFile,
+        machine: &'m Machine,
+        rules: LimitRules,
+    ) -> Result<Self, LimitFailure> {
+        let (path, found) = program.path_for_limits(&machine.conditions)?;
+        let axes = MachinePath::new(machine, rules.axes)?;
+        let limits = &machine.path_limits;
+        let mut course = CourseOptions::new(limits.blend_tolerance);
+        if axes.limits().iter().all(|axis| axis.jerk.is_none()) {
+            course.order = Order::Velocity;
+        }
+        let options = LimitOptions {
+            feed: rules.feed,
+            path_acceleration: rules.path_acceleration,
+            tool_acceleration: limits.tool_acceleration.filter(|_| rules.tool_acceleration),
+            ..LimitOptions::new(course)
+        };
+        let near = axes.home();
+        let planner = Planner::new(path, MachinePath::new(machine, rules.axes)?, options);
+        let cycle = u32::try_from(machine.cycle_ns).ok().and_then(NonZeroU32::new);
+        let follower = Follower::new(planner, cycle.unwrap_or(DEFAULT_CYCLE_NS));
+        Ok(Self { machine, axes, follower, rules, near, found, line: None, lines: Vec::new() })
+    }
+
+    /// What planning has taken so far.
+    pub fn effort(&self) -> Effort {
+        self.follower.plan().effort()
+    }
+
+    /// How long the path takes, s: exact at the end.
+    pub fn duration(&self) -> f64 {
+        self.follower.duration()
+    }
+
+    /// The largest feed of every line so far that the axes allow at constant velocity, in the order of the program.
+    pub fn line_limits(self) -> Vec<LineLimit> {
+        let mut lines = self.lines;
+        lines.extend(self.line);
+        lines
+    }
+
+    /// Bytes of the file read so far.
+    pub fn bytes_read(&self) -> u64 {
+        self.found.bytes_read()
+    }
+
+    fn sample(&mut self, followed: &Followed) -> ProfileItem {
+        let Followed { tool, element, progress } = followed;
+        let point = match self.axes.axes(element, progress.position, &self.near) {
+            Ok(point) => point,
+            Err(error) => return ProfileItem::Finding(unreachable(tool.place, &error)),
+        };
+        self.near = point.position;
+        let Rates { first, second, third } = &point.rates;
+        let (v, a, j) = (progress.velocity, progress.acceleration, progress.jerk);
+        let values = first.iter().zip(second.iter()).zip(third.iter());
+        let of = |map: &dyn Fn(f64, f64, f64) -> f64| {
+            AxisVector::from_values(values.clone().map(|((d1, d2), d3)| map(*d1, *d2, *d3)))
+        };
+        let along = tool.velocity.try_normalize(0.0).unwrap_or_default();
+        let mut sample = ProfileSample {
+            time_ns: tool.time_ns,
+            place: tool.place,
+            way: tool.way,
+            feed: if element.element().kind.is_motion() { tool.feed } else { 0.0 },
+            path_velocity: tool.path_velocity,
+            path_acceleration: tool.acceleration.dot(&along),
+            path_jerk: j,
+            position: point.position,
+            velocity: of(&|d1, _, _| d1 * v),
+            acceleration: of(&|d1, d2, _| d1 * a + d2 * v * v),
+            jerk: of(&|d1, d2, d3| d1 * j + 3.0 * d2 * v * a + d3 * v * v * v),
+            binding: None,
+        };
+        sample.binding = self.binding(&sample, followed);
+        self.include(&point.rates, followed);
+        ProfileItem::Sample(Box::new(sample))
+    }
+
+    /// The limit that the motion is nearest to, if it is at one.
+    fn binding(&self, sample: &ProfileSample, followed: &Followed) -> Option<Binding> {
+        let element = &followed.element;
+        if !element.element().kind.is_motion() {
+            return Some(Binding::Stop);
+        }
+        let mut most = (AT_LIMIT, None);
+        let mut consider = |part: f64, binding: Binding| {
+            if part > most.0 {
+                most = (part, Some(binding));
+            }
+        };
+        let axes = self.axes.limits().iter().enumerate();
+        for (axis, limits) in axes {
+            let of = |vector: &AxisVector| vector.get(axis).map_or(0.0, |value| value.abs());
+            let jerk = limits.jerk.unwrap_or(f64::INFINITY);
+            let parts = [
+                (of(&sample.velocity) / limits.velocity, Quantity::Velocity),
+                (of(&sample.acceleration) / limits.acceleration, Quantity::Acceleration),
+                (of(&sample.jerk) / jerk, Quantity::Jerk),
+            ];
+            for (part, quantity) in parts {
+                consider(part, Binding::Axis { axis, quantity });
+            }
+        }
+        if self.rules.feed {
+            consider(sample.path_velocity / element.feed(), Binding::Feed);
+        }
+        if self.rules.path_acceleration {
+            let along = sample.path_acceleration;
+            consider(along / element.acceleration(), Binding::PathAcceleration);
+            consider(-along / element.deceleration(), Binding::PathDeceleration);
+        }
+        most.1
+    }
+
+    /// Keeps the feed with which the line could go here at constant velocity. Blends are left out: a controller that has
+    /// none has corners there, which no feed makes smooth.
+    fn include(&mut self, rates: &Rates, followed: &Followed) {
+        let Followed { element, progress, .. } = followed;
+        if !element.element().kind.is_motion() {
+            return;
+        }
+        let s = progress.position;
+        let head = element.head().map_or(0.0, |blend| blend.half_width());
+        let tail = element.length() - element.tail().map_or(0.0, |blend| blend.half_width());
+        let in_blend = s < head || s > tail;
+        let feed = if in_blend { f64::INFINITY } else { largest_feed(self.axes.limits(), rates) };
+        let feed = feed.min(element.feed());
+        let (line, rapid) = (element.place().line, element.rapid());
+        match &mut self.line {
+            Some(limit) if limit.line == line && limit.rapid == rapid => {
+                limit.feed = limit.feed.min(feed)
+            }
+            held => self.lines.extend(held.replace(LineLimit { line, rapid, feed })),
+        }
+    }
+
+    /// The machine.
+    pub fn machine(&self) -> &'m Machine {
+        self.machine
+    }
+}
+
+/// The largest constant velocity along the path within the limits of the axes, m/s.
+fn largest_feed(limits: &[twin_motion::limit::AxisLimits], rates: &Rates) -> f64 {
+    let Rates { first, second, third } = rates;
+    let axes = first.iter().zip(second.iter()).zip(third.iter()).zip(limits);
+    axes.fold(f64::INFINITY, |feed: f64, (((d1, d2), d3), limits)| {
+        let jerk = limits.jerk.unwrap_or(f64::INFINITY);
+        feed.min(limits.velocity / d1.abs())
+            .min((limits.acceleration / d2.abs()).sqrt())
+            .min((jerk / d3.abs()).cbrt())
+    })
+}
+
+impl Iterator for Profile<'_> {
+    type Item = ProfileItem;
+
+    fn next(&mut self) -> Option<ProfileItem> {
+        if let Some(finding) = self.found.take() {
+            return Some(ProfileItem::Finding(finding));
+        }
+        let Some(next) = self.follower.next() else {
+            return self.found.take().map(ProfileItem::Finding);
+        };
+        Some(match next {
+            Ok(followed) => self.sample(&followed),
+            Err(LimitError::Upstream(Halt::Io(error))) => ProfileItem::Io(error),
+            Err(LimitError::Upstream(Halt::Finding(finding))) => ProfileItem::Finding(*finding),
+            Err(LimitError::Kinematics { place, error }) => {
+                ProfileItem::Finding(unreachable(place, &error))
+            }
+            Err(LimitError::NotSolved { place, error }) => {
+                let message = format!("no profile was found within the limits: {error}");
+                ProfileItem::Finding(Finding::error(Rule::FeedReduced, place, message))
+            }
+        })
+    }
+}
