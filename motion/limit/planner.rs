@@ -29,11 +29,11 @@ const LAUNCH: f64 = 8e-3;
 /// So many times the time in which acceleration builds up is left between what is committed and where the end of the window
 /// begins to be felt.
 const MARGIN: f64 = 4.0;
-/// Acceleration and jerk between the places where limits are asked for may be so much of the limit; a cell in which they are
-/// more than the second number is too long.
-const ALLOWED: [[f64; 2]; 2] = [[1.0005, 1.01], [1.045, 1.2]];
+/// Acceleration, jerk and velocity between the places where limits are asked for may be so much of the limit; a cell in which
+/// they are more than the second number is too long.
+const ALLOWED: [[f64; 2]; 3] = [[1.0005, 1.01], [1.045, 1.2], [1.0005, 1.01]];
 /// What was planned before is planned again with so much more room.
-const ROOM: [f64; 2] = [2e-4, 2e-3];
+const ROOM: [f64; 3] = [2e-4, 2e-3, 1e-6];
 /// Cells that take less time, s, are not looked into: they are over at once.
 const SHORT: f64 = 2e-5;
 /// Limits are tightened at most so often.
@@ -425,7 +425,7 @@ where
         let known = std::mem::take(&mut self.cells);
         let last = known.len().saturating_sub(1);
         for (index, (mut cell, stretch)) in known.into_iter().zip(stretches).enumerate() {
-            let worst = if index < fresh { [0.0; 2] } else { self.worst(&cell, stretch) };
+            let worst = if index < fresh { [0.0; 3] } else { self.worst(&cell, stretch) };
             let mut halve = false;
             for ((tight, worst), [allowed, far]) in cell.tight.iter_mut().zip(worst).zip(ALLOWED) {
                 if worst > allowed {
@@ -436,7 +436,7 @@ where
             }
             let rest = self.jerk_limited && (index == 0 || index == last);
             if halve && !rest && stretch.duration() > 4.0 * SHORT {
-                cell.tight = [1.0; 2];
+                cell.tight = [1.0; 3];
                 if let Ok(parts) = self.sampler.parts(cell.clone(), &[0.5]) {
                     profile.push(stretch.at_position(0.5 * stretch.length()).0);
                     cells.extend(parts);
@@ -452,9 +452,9 @@ where
         any.then_some(profile)
     }
 
-    /// The largest acceleration and jerk in a cell as parts of the limits.
-    fn worst(&self, cell: &Cell, stretch: &Stretch) -> [f64; 2] {
-        let mut worst = [0.0_f64; 2];
+    /// The largest acceleration, jerk and velocity in a cell as parts of the limits.
+    fn worst(&self, cell: &Cell, stretch: &Stretch) -> [f64; 3] {
+        let mut worst = [0.0_f64; 3];
         if stretch.duration() < SHORT {
             return worst;
         }
@@ -474,7 +474,9 @@ where
                 }
             };
             let excess = sample.excess(limits, stretch, u);
-            worst = [worst[0].max(excess[0]), worst[1].max(excess[1])];
+            for (worst, excess) in worst.iter_mut().zip(excess) {
+                *worst = worst.max(excess);
+            }
         }
         worst
     }
@@ -566,7 +568,9 @@ where
         self.cells.drain(..end);
         for cell in self.cells.iter_mut().take(free - end) {
             // The plan so far shall not be the only one.
-            cell.tight = [cell.tight[0] / (1.0 + ROOM[0]), cell.tight[1] / (1.0 + ROOM[1])];
+            for (tight, room) in cell.tight.iter_mut().zip(ROOM) {
+                *tight /= 1.0 + room;
+            }
         }
         self.coarsen(free - end);
     }
