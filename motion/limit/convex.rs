@@ -262,7 +262,8 @@ impl Program {
                 if solution.x.iter().all(|value| value.is_finite()) =>
             {
                 let rows = self.origins.iter().zip(&solution.z).zip(&self.right);
-                let of_rows = rows.map(|((origin, dual), right)| (*origin, dual * right * origin.share));
+                let of_rows =
+                    rows.map(|((origin, dual), right)| (*origin, dual * right * origin.share));
                 let tops = solution.z.get(plain..).unwrap_or_default().chunks(4);
                 let of_cones = self.cones.iter().zip(tops).map(|((_, origin), duals)| {
                     (*origin, duals.first().copied().unwrap_or_default() * origin.share)

@@ -12,7 +12,8 @@ use twin_kinematics::AxisVector;
 use twin_motion::interpolate::DEFAULT_CYCLE_NS;
 use twin_motion::limit::course::{CourseOptions, Order};
 use twin_motion::limit::{
-    AxisPath, CapSource, Constraint, Effort, Followed, Follower, LimitError, LimitOptions, Planner, Rates,
+    AxisPath, CapSource, Constraint, Effort, Followed, Follower, LimitError, LimitOptions, Planner,
+    Rates,
 };
 use twin_motion::refeed::LineLimit;
 
