@@ -219,8 +219,8 @@ impl Grid {
         }
     }
 
-    /// Makes the limits of acceleration and of jerk in the newest cell tighter by these factors.
-    pub(super) fn tighten_last(&mut self, [acceleration, jerk]: [f64; 2]) {
+    /// Makes the limits of acceleration, of jerk and of velocity in the newest cell tighter by these factors.
+    pub(super) fn tighten_last(&mut self, [acceleration, jerk, velocity]: [f64; 3]) {
         let width = 2 * (self.limits.len() + self.extra);
         for row in self.rows.iter_mut().rev().take(width) {
             row.a *= acceleration;
@@ -230,6 +230,12 @@ impl Grid {
             row.first *= jerk;
             row.second *= jerk;
             row.third *= jerk;
+        }
+        if let Some(caps) = self.cell_caps.last_mut() {
+            for (cap, node) in caps.iter_mut().rev().zip(self.caps.iter_mut().rev()) {
+                cap.v2 /= velocity * velocity;
+                *node = node.min(*cap);
+            }
         }
     }
 

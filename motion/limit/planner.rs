@@ -20,16 +20,20 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use twin_kinematics::{AxisVector, KinematicsError};
 
-/// A cell takes no longer than this part of the time since the path rested, or until it will: there the velocity changes fast.
-const GRADE: f64 = 0.08;
+/// Within this time, s, after the path rested, or before it will, steps are shorter in proportion: there the velocity changes
+/// fast.
+const GRADE: f64 = 0.04;
+/// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
+/// constant.
+const LAUNCH: f64 = 8e-3;
 /// So many times the time in which acceleration builds up is left between what is committed and where the end of the window
 /// begins to be felt.
 const MARGIN: f64 = 4.0;
-/// Acceleration and jerk between the places where limits are asked for may be so much of the limit; a cell in which they are
-/// more than the second number is too long.
-const ALLOWED: [[f64; 2]; 2] = [[1.0005, 1.01], [1.045, 1.2]];
+/// Acceleration, jerk and velocity between the places where limits are asked for may be so much of the limit; a cell in which
+/// they are more than the second number is too long.
+const ALLOWED: [[f64; 2]; 3] = [[1.0005, 1.01], [1.045, 1.2], [1.0005, 1.01]];
 /// What was planned before is planned again with so much more room.
-const ROOM: [f64; 2] = [2e-4, 2e-3];
+const ROOM: [f64; 3] = [2e-4, 2e-3, 1e-6];
 /// Cells that take less time, s, are not looked into: they are over at once.
 const SHORT: f64 = 2e-5;
 /// Limits are tightened at most so often.
@@ -269,7 +273,7 @@ where
             for (index, cell) in std::mem::take(&mut self.cells).into_iter().enumerate() {
                 let pair = b.get(index..index + 2).unwrap_or_default();
                 let takes = time(pair, cell.length(), self.jerk_limited);
-                let fine = step.min((GRADE * since.min(left)).max(0.25 * step));
+                let fine = step * (since.min(left) / GRADE).clamp(0.125, 1.0);
                 since += takes;
                 left -= takes;
                 if index + 1 < self.kept.len() || takes <= 1.6 * fine {
@@ -280,7 +284,12 @@ where
                     self.jerk_limited && index == 0 && self.beginning == Beginning::Rest,
                     self.jerk_limited && index + 1 == count,
                 ];
-                let at = cuts(pair, takes, if rest.contains(&true) { step } else { fine }, rest);
+                let at = if rest == [false; 2] {
+                    cuts(pair, takes, fine)
+                } else {
+                    let jerks = [grid.jerk_start(index), grid.jerk_end(index)];
+                    rest_cuts(cell.length(), rest, jerks, LAUNCH.min(0.25 * duration))
+                };
                 cut |= !at.is_empty();
                 refined.extend(self.sampler.parts(cell, &at)?);
             }
@@ -416,7 +425,7 @@ where
         let known = std::mem::take(&mut self.cells);
         let last = known.len().saturating_sub(1);
         for (index, (mut cell, stretch)) in known.into_iter().zip(stretches).enumerate() {
-            let worst = if index < fresh { [0.0; 2] } else { self.worst(&cell, stretch) };
+            let worst = if index < fresh { [0.0; 3] } else { self.worst(&cell, stretch) };
             let mut halve = false;
             for ((tight, worst), [allowed, far]) in cell.tight.iter_mut().zip(worst).zip(ALLOWED) {
                 if worst > allowed {
@@ -427,7 +436,7 @@ where
             }
             let rest = self.jerk_limited && (index == 0 || index == last);
             if halve && !rest && stretch.duration() > 4.0 * SHORT {
-                cell.tight = [1.0; 2];
+                cell.tight = [1.0; 3];
                 if let Ok(parts) = self.sampler.parts(cell.clone(), &[0.5]) {
                     profile.push(stretch.at_position(0.5 * stretch.length()).0);
                     cells.extend(parts);
@@ -443,9 +452,9 @@ where
         any.then_some(profile)
     }
 
-    /// The largest acceleration and jerk in a cell as parts of the limits.
-    fn worst(&self, cell: &Cell, stretch: &Stretch) -> [f64; 2] {
-        let mut worst = [0.0_f64; 2];
+    /// The largest acceleration, jerk and velocity in a cell as parts of the limits.
+    fn worst(&self, cell: &Cell, stretch: &Stretch) -> [f64; 3] {
+        let mut worst = [0.0_f64; 3];
         if stretch.duration() < SHORT {
             return worst;
         }
@@ -465,7 +474,9 @@ where
                 }
             };
             let excess = sample.excess(limits, stretch, u);
-            worst = [worst[0].max(excess[0]), worst[1].max(excess[1])];
+            for (worst, excess) in worst.iter_mut().zip(excess) {
+                *worst = worst.max(excess);
+            }
         }
         worst
     }
@@ -557,7 +568,9 @@ where
         self.cells.drain(..end);
         for cell in self.cells.iter_mut().take(free - end) {
             // The plan so far shall not be the only one.
-            cell.tight = [cell.tight[0] / (1.0 + ROOM[0]), cell.tight[1] / (1.0 + ROOM[1])];
+            for (tight, room) in cell.tight.iter_mut().zip(ROOM) {
+                *tight /= 1.0 + room;
+            }
         }
         self.coarsen(free - end);
     }
@@ -606,19 +619,21 @@ fn time(pair: &[f64], length: f64, jerk_limited: bool) -> f64 {
     parts * length / (from.sqrt() + to.sqrt())
 }
 
-/// Where to cut a cell that takes `takes` into parts of about `step`, as parts of its length. `rest`: it begins from, or
-/// ends at, rest with constant jerk.
-fn cuts(pair: &[f64], takes: f64, step: f64, rest: [bool; 2]) -> Vec<f64> {
-    let [from, to] = pair else { return Vec::new() };
-    // The first cell from rest is longer than the others, for the sake of those behind it.
-    let first = 3.0 * step / takes;
+/// Where to cut a cell that begins or ends at rest, as parts of its length: after what is gone in `time` with the whole of the
+/// jerk limit. What is left of it is cut like others.
+fn rest_cuts(length: f64, rest: [bool; 2], jerks: [f64; 2], time: f64) -> Vec<f64> {
+    let [first, last] = jerks.map(|jerk| jerk * time.powi(3) / 6.0 / length);
     match rest {
-        [true, true] => return vec![0.25, 0.5, 0.75],
-        [true, false] if first < 0.8 => return vec![first.powi(3)],
-        [false, true] if first < 0.8 => return vec![1.0 - first.powi(3)],
-        [true, _] | [_, true] => return Vec::new(),
-        _ => {}
+        [true, true] => vec![first.min(0.25), 0.5, 1.0 - last.min(0.25)],
+        [true, false] if first < 0.8 => vec![first],
+        [false, true] if last < 0.8 => vec![1.0 - last],
+        _ => Vec::new(),
     }
+}
+
+/// Where to cut a cell that takes `takes` into parts of about `step`, as parts of its length.
+fn cuts(pair: &[f64], takes: f64, step: f64) -> Vec<f64> {
+    let [from, to] = pair else { return Vec::new() };
     let parts = (takes / step).round().clamp(2.0, 8.0);
     let (v0, v1) = (from.sqrt(), to.sqrt());
     let mut at = Vec::new();

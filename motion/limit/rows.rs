@@ -148,10 +148,14 @@ impl Writer<'_> {
         let place = around.at(end);
         if end == End::Finish
             && let Some(cap) = grid.caps().get(cell + 1)
-            && cap.v2 < grid.cell_caps(cell)[1].v2.max(grid.cell_caps(cell + 1)[0].v2) * (1.0 - 1e-6)
         {
-            let origin = self.origin(Constraint::Velocity(cap.source), 2.0);
-            self.add(place.b, cap.v2, SCREEN, origin);
+            // Between cells of different limits it is the lower one that counts, which c alone does not keep.
+            let beside = [grid.cell_caps(cell), grid.cell_caps(cell + 1)];
+            let mean = beside.map(|[from, to]| 0.5 * (from.v2 + to.v2));
+            if cap.v2 < mean[0].max(mean[1]) * (1.0 - 1e-6) {
+                let origin = self.origin(Constraint::Velocity(cap.source), 2.0);
+                self.add(place.b, cap.v2, SCREEN, origin);
+            }
         }
         let (axes, further) = grid.rows(cell, end);
         for (axis, row) in axes.iter().enumerate() {

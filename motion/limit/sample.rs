@@ -35,17 +35,24 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// The largest acceleration and jerk of any axis here, where the motion is that of `stretch` at `u`, each as a part of the
-    /// limit.
-    pub(super) fn excess(&self, limits: &[AxisLimits], stretch: &Stretch, u: f64) -> [f64; 2] {
+    /// The largest acceleration, jerk and velocity, of any axis and along the path, where the motion is that of `stretch` at
+    /// `u`, each as a part of the limit.
+    pub(super) fn excess(&self, limits: &[AxisLimits], stretch: &Stretch, u: f64) -> [f64; 3] {
         let (b, a) = stretch.at_position(u);
         let (v, jerk) = (b.sqrt(), stretch.jerk_at(u));
         let Rates { first, second, third } = &self.rates;
         let axes = first.iter().zip(second.iter()).zip(third.iter()).zip(limits);
-        let mut worst = [0.0_f64; 2];
+        let along = self.rows.iter().map(|row| row.a * a + row.b * b);
+        let mut worst = [along.fold(0.0, f64::max), 0.0, v / self.cap.v2.sqrt()];
+        if let Some(Disc { a: first, b: second }) = &self.disc {
+            let square: f64 =
+                first.iter().zip(second).map(|(d1, d2)| (d1 * a + d2 * b).powi(2)).sum();
+            worst[0] = worst[0].max(square.sqrt());
+        }
         for (((d1, d2), d3), limits) in axes {
             let acceleration = d1 * a + d2 * b;
             worst[0] = worst[0].max(acceleration.abs() / limits.acceleration);
+            worst[2] = worst[2].max((d1 * v).abs() / limits.velocity);
             if let Some(limit) = limits.jerk {
                 let jerk = d1 * jerk + 3.0 * d2 * a * v + d3 * b * v;
                 worst[1] = worst[1].max(jerk.abs() / limit);
@@ -65,9 +72,9 @@ pub(super) struct Cell {
     pub(super) end: Sample,
     /// What bounds u̇² at its end: a joint that is not rounded.
     pub(super) joint: Cap,
-    /// By how much acceleration and jerk are limited more tightly than they are, because between the places where limits
-    /// are asked for they were exceeded.
-    pub(super) tight: [f64; 2],
+    /// By how much acceleration, jerk and velocity are limited more tightly than they are, because between the places where
+    /// limits are asked for they were exceeded.
+    pub(super) tight: [f64; 3],
 }
 
 impl Cell {
@@ -125,7 +132,7 @@ impl<A: AxisPath> Sampler<A> {
                     start,
                     end: finish,
                     joint,
-                    tight: [1.0; 2],
+                    tight: [1.0; 3],
                 };
                 self.halve(cell, DEPTH, cells)?;
             }
