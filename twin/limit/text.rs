@@ -51,7 +51,11 @@ pub fn write_summary(
     for change in summary.changes.iter().filter(worth).take(NAMED_CHANGES) {
         let Change { binding, gain_s } = change;
         let percent = Change::RAISED * 100.0;
-        writeln!(out, "{} {percent:.0} % up: about {gain_s:.3} s less", binding.words(&machine.axes))?;
+        writeln!(
+            out,
+            "{} {percent:.0} % up: about {gain_s:.3} s less",
+            binding.words(&machine.axes)
+        )?;
     }
     let windows = summary.windows;
     if windows.failed > 0 {

@@ -303,7 +303,7 @@ impl<'a, 'm> Drawing<'a, 'm> {
                 begin.min(begin.midpoint(*end) - half_width(*number) - SPARSE / 2.0) <= x
             };
             while let Some(([begin, end], number)) = ahead.next_if(near) {
-                free = (begin.midpoint(*end) + half_width(*number)).max(end - SPARSE);
+                free = (begin.midpoint(*end) + half_width(*number)).max(end + 4.0 - SPARSE);
             }
             let half = half_width(number);
             if x - half >= free + 4.0 && x >= free + SPARSE && x + half <= RIGHT {
