@@ -12,6 +12,7 @@
 )]
 
 mod compare;
+mod limit;
 mod machine;
 mod path;
 mod process;

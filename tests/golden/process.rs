@@ -124,7 +124,7 @@ impl Done {
 
 /// `value` has exactly these keys.
 #[track_caller]
-fn has_keys(value: &Value, keys: &[&str]) {
+pub(crate) fn has_keys(value: &Value, keys: &[&str]) {
     let object = value.as_object().unwrap_or_else(|| panic!("no object: {value}"));
     let mut found: Vec<_> = object.keys().map(String::as_str).collect();
     let mut wanted = keys.to_vec();
@@ -133,7 +133,7 @@ fn has_keys(value: &Value, keys: &[&str]) {
     assert_eq!(found, wanted);
 }
 
-fn number(value: &Value) -> f64 {
+pub(crate) fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
 }
 

@@ -58,7 +58,8 @@ Exit status:
 
 Start with:
   twin check examples/plate.cnc --machine machines/scara2.toml
-  twin run   examples/plate.cnc --machine machines/scara2.toml --serve";
+  twin run   examples/plate.cnc --machine machines/scara2.toml --serve
+  twin limit examples/plate.cnc --machine machines/scara2.toml -o profile.svg";
 
 #[derive(Debug, Subcommand)]
 enum Command {

@@ -81,7 +81,7 @@ pub struct LineLoss {
 pub struct Windows {
     /// Windows solved, or not.
     pub count: u64,
-    /// Those in which it failed, so that the two-pass profile went on: feasible, but slower, and without its jerk limits.
+    /// Those in which it failed: feasible, but slower than need be.
     pub failed: u64,
 }
 

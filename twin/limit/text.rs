@@ -61,8 +61,8 @@ pub fn write_summary(
     if windows.failed > 0 {
         writeln!(
             out,
-            "in {} of {} windows the solver failed; the path goes through them by the two-pass profile, without limits \
-             of jerk",
+            "in {} of {} windows the solver failed; the path goes through them by the two-pass profile or, where jerks \
+             are limited, brakes to rest as it was planned before",
             windows.failed, windows.count
         )?;
     }

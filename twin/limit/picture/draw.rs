@@ -35,6 +35,9 @@ const ROOM: f64 = 1.3;
 /// Height of the strips, pixels.
 const STRIP: f64 = 16.0;
 
+/// From the middle of a text to a line that must not cross it, pixels.
+const CLEAR: f64 = 9.0;
+
 /// Between numbers of lines that are narrow, pixels.
 const SPARSE: f64 = 60.0;
 
@@ -178,7 +181,7 @@ impl<'a, 'm> Drawing<'a, 'm> {
         let fastest = &self.picture.fastest;
         let at = (RIGHT + 12.0, row.top + LINE / 2.0);
         words(root, &format!("at most {} mm/s", digits(fastest.peak.value)), at, INK)?;
-        self.ring(root, row, fastest, 1.0, INK)
+        self.ring(root, row, fastest, 1.0, None, INK)
     }
 
     /// One quantity of all axes against their limits.
@@ -206,18 +209,21 @@ impl<'a, 'm> Drawing<'a, 'm> {
             y += LINE;
         }
         match highest(self.picture.parts(quantity), |one| one.2) {
-            Some((index, _, highest)) => self.ring(root, row, highest, 100.0, color_of(index)),
+            Some((index, _, highest)) => {
+                self.ring(root, row, highest, 100.0, Some(100.0), color_of(index))
+            }
             None => Ok(()),
         }
     }
 
-    /// Marks the largest value of a row.
+    /// Marks the largest value of a row, in which ±`limit` is drawn.
     fn ring(
         &self,
         root: &Area<'_>,
         row: &Row,
         highest: &Highest,
         scale: f64,
+        limit: Option<f64>,
         color: RGBColor,
     ) -> Result<(), Failure> {
         if highest.peak.value <= 0.0 {
@@ -226,10 +232,16 @@ impl<'a, 'm> Drawing<'a, 'm> {
         let at = (self.time.x(highest.time_ns), row.y(highest.value * scale));
         let ring = color.stroke_width(stroke(1.6));
         root.draw(&Circle::new((fine(at.0), fine(at.1)), stroke(5.0), ring))?;
-        // Outside of the curve, where the row has room for it, and within the page.
+        // Outside of the curve, where the row has room for it, not across the dashes of a limit, and within the page.
         let text = format!("line {}", text::line(highest.peak.place));
         let half = text.chars().fold(0.0, |sum, _| sum + 3.2);
-        let y = if highest.value < 0.0 { at.1 + 13.0 } else { at.1 - 13.0 };
+        let outwards = if highest.value < 0.0 { 1.0 } else { -1.0 };
+        let mut y = at.1 + 13.0 * outwards;
+        if let Some(limit) = limit.map(|limit| row.y(-limit * outwards))
+            && (y - limit).abs() < CLEAR
+        {
+            y = limit + CLEAR * outwards;
+        }
         let x = at.0.clamp(LEFT + half, RIGHT - half);
         let style = font(12.5, color).pos(Pos::new(HPos::Center, VPos::Center));
         root.draw_text(&text, &style, (fine(x), fine(y)))
@@ -273,22 +285,25 @@ impl<'a, 'm> Drawing<'a, 'm> {
             (first == last).then_some(first)
         };
         let mut shade = shades.iter().cycle();
-        let mut numbers: Vec<(f64, u32)> = Vec::new();
+        let mut wide: Vec<([f64; 2], u32)> = Vec::new();
         for (begin, end, number) in self.bands(of) {
             let color = if number.is_some() { shade.next() } else { None };
             band(root, row, [begin, end], color.copied().unwrap_or(mixed))?;
             if let Some(number) = number.filter(|number| end - begin >= 2.0 * half_width(*number)) {
-                numbers.push((begin.midpoint(end), number));
+                wide.push(([begin, end], number));
             }
         }
-        // Where bands are narrow some numbers, with a tick.
+        // Where bands are narrow some numbers, with a tick, clear of those in wide bands.
         let mut ticks = Vec::new();
         let mut free = LEFT;
-        let mut wide = numbers.iter().map(|(x, number)| (*x, half_width(*number))).peekable();
+        let mut ahead = wide.iter().peekable();
         for column in self.picture.envelope.columns() {
             let (x, number) = (self.time.x(column.begin_ns), column.lines[0]);
-            while let Some((at, half)) = wide.next_if(|(at, half)| at - half <= x + SPARSE / 2.0) {
-                free = at + half;
+            let near = |([begin, end], number): &&([f64; 2], u32)| {
+                begin.min(begin.midpoint(*end) - half_width(*number) - SPARSE / 2.0) <= x
+            };
+            while let Some(([begin, end], number)) = ahead.next_if(near) {
+                free = (begin.midpoint(*end) + half_width(*number)).max(end + 4.0 - SPARSE);
             }
             let half = half_width(number);
             if x - half >= free + 4.0 && x >= free + SPARSE && x + half <= RIGHT {
@@ -301,7 +316,8 @@ impl<'a, 'm> Drawing<'a, 'm> {
         for (x, _) in &ticks {
             line(root, [(*x, row.top), (*x, row.top + 3.0)], FAINT.stroke_width(stroke(0.8)))?;
         }
-        for (x, number) in numbers.into_iter().chain(ticks) {
+        let numbers = wide.into_iter().map(|([begin, end], number)| (begin.midpoint(end), number));
+        for (x, number) in numbers.chain(ticks) {
             let at = (fine(x), fine(row.top + STRIP / 2.0 + 0.5));
             root.draw_text(&number.to_string(), &style, at)?;
         }

@@ -1,0 +1,377 @@
+//! `twin limit` as a process: profiles within the limits of machine files, programs with feasible feeds, wrong use.
+
+use crate::process::{Desk, Done, has_keys, number};
+use crate::root;
+use serde_json::Value;
+
+/// Lines rest to rest on the portal, whose Z axis does 200 mm/s and 2000 mm/s² and is asked for twice the speed. F, E and
+/// the corners give every line the time length / velocity + velocity / acceleration.
+const LINES: &str = "\
+% lines
+N10 G92 X300 Y100 Z60 F100 E2000 E-2000
+N20 G1 X340 F150 (across)
+N30 G1 Z0 F400
+N40 G1 X300 F150
+N50 G1 Z60 F400
+N60 G1 X340 Z40 F100
+";
+
+/// What its lines take, s; N60 is √(40² + 20²) mm long, and X and Z can do its 2000 mm/s².
+fn least_time() -> f64 {
+    let line = |length: f64, velocity: f64| length / velocity + velocity / 2000.0;
+    2.0 * line(40.0, 150.0) + 2.0 * line(60.0, 200.0) + line(2000.0_f64.sqrt(), 100.0)
+}
+
+fn limit(desk: &Desk, options: &[&str]) -> Done {
+    desk.twin(&[&["limit", "lines.cnc", "-m", "machine.toml"], options].concat())
+}
+
+fn desk() -> Desk {
+    let desk = Desk::new();
+    desk.write("lines.cnc", LINES);
+    desk
+}
+
+fn json(done: &Done) -> Value {
+    serde_json::from_str(&done.stdout).unwrap_or_else(|error| panic!("{error}: {}", done.stdout))
+}
+
+/// The plate and the SCARA that are shipped, as arguments.
+fn plate() -> [String; 3] {
+    let file = |name: &str| root().join(name).display().to_string();
+    [file("examples/plate.cnc"), "--machine".to_owned(), file("machines/scara2.toml")]
+}
+
+fn with_plate(desk: &Desk, command: &str, options: &[&str]) -> Done {
+    let plate = plate();
+    let [program, machine, file] = plate.each_ref().map(String::as_str);
+    desk.twin(&[&[command, program, machine, file], options].concat())
+}
+
+/// A table with a header.
+struct Rows {
+    header: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Rows {
+    fn read(desk: &Desk, name: &str) -> Self {
+        let text = std::fs::read_to_string(desk.path(name)).expect("it was written");
+        let fields = |line: &str| line.split(',').map(str::to_owned).collect::<Vec<_>>();
+        let mut lines = text.lines();
+        let header = fields(lines.next().expect("a header"));
+        let rows: Vec<_> = lines.map(fields).collect();
+        assert!(rows.iter().all(|row| row.len() == header.len()));
+        Self { header, rows }
+    }
+
+    fn column(&self, name: &str) -> Vec<f64> {
+        let found = self.header.iter().position(|column| column == name);
+        let index = found.unwrap_or_else(|| panic!("no {name} in {:?}", self.header));
+        self.rows.iter().map(|row| row[index].parse().expect("a number")).collect()
+    }
+
+    fn most(&self, name: &str) -> f64 {
+        self.column(name).into_iter().fold(0.0, |most, value| most.max(value.abs()))
+    }
+
+    /// A row per millisecond, from 0 to `duration`, s.
+    #[track_caller]
+    fn are_one_per_cycle(&self, duration: f64) {
+        let times = self.column("time_s");
+        for (index, time) in times.iter().enumerate() {
+            assert!((time - index as f64 * 1e-3).abs() < 1e-9, "row {index} is at {time} s");
+        }
+        let last = times.last().expect("there are rows");
+        assert!((last - duration).abs() < 1e-9, "the last row is at {last} s of {duration} s");
+    }
+}
+
+/// No axis comes near its limits on the plate, so F and E alone decide, as they do for the controller's own planning.
+#[test]
+fn a_program_that_no_axis_limits_takes_as_long_as_ever() {
+    let desk = Desk::new();
+    let checked = json(with_plate(&desk, "check", &["--format", "json"]).ended(0, ""));
+    let limited = json(with_plate(&desk, "limit", &["--format", "json"]).ended(0, ""));
+    let (ours, theirs) = (number(&limited["duration_s"]), number(&checked["duration_s"]));
+    assert!((ours - theirs).abs() < 2e-3, "{ours} s, and {theirs} s by the controller");
+    let (ours, theirs) = (number(&limited["length_mm"]), number(&checked["length_mm"]));
+    assert!((ours - theirs).abs() < 1e-3, "{ours} mm, and {theirs} mm by the controller");
+    for (axis, peak) in limited["peak"].as_object().expect("axes") {
+        let (value, limit) =
+            (number(&peak["velocity"]["value"]), number(&peak["velocity"]["limit"]));
+        assert!(value > 0.0 && value < 0.6 * limit, "{axis}: {value} of {limit}");
+    }
+    assert_eq!(limited["windows_failed"], 0);
+
+    let options = ["-o", "plate.csv", "--output", "plate.svg"];
+    let done = with_plate(&desk, "limit", &options);
+    done.ended(0, "");
+    let first = done.stdout.lines().next().expect("a summary");
+    assert!(first.contains("plate.cnc (din66025) on scara2: 3835.6 mm in 52.75"), "{first}");
+    let rows = Rows::read(&desk, "plate.csv");
+    rows.are_one_per_cycle(number(&limited["duration_s"]));
+    // machines/scara2.toml.
+    let limits = [
+        ("A_velocity_deg_per_s", 240.0),
+        ("B_velocity_deg_per_s", 300.0),
+        ("Z_velocity_mm_per_s", 300.0),
+        ("A_acceleration_deg_per_s2", 1500.0),
+        ("B_acceleration_deg_per_s2", 2500.0),
+        ("Z_acceleration_mm_per_s2", 3000.0),
+    ];
+    for (column, limit) in limits {
+        let most = rows.most(column);
+        assert!(most > 0.0 && most <= limit, "{column}: {most} of {limit}");
+    }
+    // The axes really go where and as fast as the table says.
+    for axis in ["A_deg", "B_deg", "Z_mm"] {
+        let (name, unit) = axis.split_once('_').expect("a unit");
+        let velocity = rows.column(&format!("{name}_velocity_{unit}_per_s"));
+        let position = rows.column(axis);
+        for (at, velocity) in position.windows(3).zip(velocity.iter().skip(1)) {
+            let difference = (at[2] - at[0]) / 2e-3;
+            assert!((difference - velocity).abs() < 1.0, "{axis}: {difference}, not {velocity}");
+        }
+    }
+
+    let picture = std::fs::read_to_string(desk.path("plate.svg")).expect("it was written");
+    is_well_formed(&picture);
+    for words in ["axis A", "axis B", "axis Z", "plate.cnc on scara2", "% of limit"] {
+        assert!(picture.contains(words), "{words} is not in the picture");
+    }
+    assert!(picture.matches("<polyline").count() >= 8, "curves are missing");
+}
+
+/// Every element that is opened is closed in its turn, and there is nothing else: no bare `<` or `&`.
+#[track_caller]
+fn is_well_formed(svg: &str) {
+    let mut open: Vec<&str> = Vec::new();
+    let mut rest = svg.trim();
+    assert!(rest.starts_with("<svg ") && rest.ends_with("</svg>"));
+    while let Some((text, behind)) = rest.split_once('<') {
+        let entities = ["&lt;", "&gt;", "&amp;", "&quot;", "&apos;", "&#"];
+        for (at, _) in text.match_indices('&') {
+            assert!(entities.iter().any(|entity| text[at..].starts_with(entity)), "{text}");
+        }
+        let (tag, after) = behind.split_once('>').expect("a tag ends");
+        assert_eq!(tag.matches('"').count() % 2, 0, "{tag}");
+        if let Some(name) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name), "{tag} closes something else");
+        } else if !tag.ends_with('/') {
+            open.push(tag.split_whitespace().next().expect("a name"));
+        }
+        rest = after;
+        assert!(!open.is_empty() || rest.is_empty(), "something behind the picture: {rest}");
+    }
+    assert!(open.is_empty() && rest.is_empty(), "{open:?} {rest}");
+}
+
+#[test]
+fn an_axis_asked_for_twice_its_speed_is_within_its_limits() {
+    let desk = desk();
+    desk.twin(&["check", "lines.cnc", "-m", "machine.toml"]).ended(1, "axis-velocity");
+    let done = limit(&desk, &["-o", "lines.csv", "--format", "json"]);
+    let report = json(done.ended(0, ""));
+    let duration = number(&report["duration_s"]);
+    assert!((duration - least_time()).abs() < 2e-3, "{duration} s, not {}", least_time());
+    let rows = Rows::read(&desk, "lines.csv");
+    rows.are_one_per_cycle(duration);
+    // machines/gantry3.toml.
+    for (column, limit) in [
+        ("X_velocity_mm_per_s", 400.0),
+        ("Y_velocity_mm_per_s", 400.0),
+        ("Z_velocity_mm_per_s", 200.0),
+    ] {
+        let most = rows.most(column);
+        assert!(most <= limit * (1.0 + 1e-9), "{column}: {most} of {limit}");
+    }
+    assert!(rows.most("Z_velocity_mm_per_s") > 200.0 * (1.0 - 1e-3), "slower than need be");
+    assert!(rows.most("Z_acceleration_mm_per_s2") <= 2000.0 * 1.001);
+
+    // Z goes at 200 mm/s for 0.2 s of each of its two lines, and speeds up and brakes with 2000 mm/s² else: of the 0.4 s
+    // that a line takes, 60 mm at 400 mm/s would be 0.15 s.
+    let held = report["limited_by"].as_array().expect("a list");
+    let by = |limit: &str| {
+        let found = held.iter().find(|one| one["limit"] == limit && one["axis"] == "Z");
+        found.unwrap_or_else(|| panic!("no {limit} of Z in {held:#?}"))
+    };
+    assert!((number(&by("axis-velocity")["time_s"]) - 0.4).abs() < 0.03, "{held:#?}");
+    let lines = report["slowest_lines"].as_array().expect("a list");
+    for line in &lines[..2] {
+        assert!([4, 6].map(Value::from).contains(&line["line"]), "{lines:#?}");
+        assert!((number(&line["lost_s"]) - 0.25).abs() < 2e-3, "{line}");
+        assert_eq!(number(&line["programmed_feed_mm_per_s"]), 400.0);
+        assert!((number(&line["largest_feed_mm_per_s"]) - 200.0).abs() < 1e-3, "{line}");
+    }
+}
+
+/// The least time of one line: the SCARA's Z does 300 mm/s and 3000 mm/s² however much more F and E ask for.
+#[test]
+fn limits_of_an_axis_can_be_left_out() {
+    let desk = Desk::new();
+    let program = root().join("tests/data/bad_axis_velocity/program.cnc").display().to_string();
+    let machine = root().join("machines/scara2.toml").display().to_string();
+    let duration = |options: &[&str]| {
+        let arguments = ["limit", &program, "-m", &machine, "--format", "json"];
+        number(&json(desk.twin(&[&arguments, options].concat()).ended(0, ""))["duration_s"])
+    };
+    let without: [&[&str]; 3] = [
+        &[],
+        &["--without", "axis-velocity"],
+        &["--without", "axis-velocity", "--without", "axis-acceleration"],
+    ];
+    // 70 mm at F400 with E5000.
+    let expected = [70.0 / 300.0 + 0.1, 70.0 / 400.0 + 400.0 / 3000.0, 70.0 / 400.0 + 0.08];
+    for (options, expected) in without.into_iter().zip(expected) {
+        let found = duration(options);
+        assert!((found - expected).abs() < 2e-3, "{options:?}: {found} s, not {expected} s");
+    }
+}
+
+#[test]
+fn a_feasible_program_is_the_same_but_for_its_feeds() {
+    let desk = desk();
+    limit(&desk, &["--feasible", "slower.cnc"]).ended(0, "2 of 7 lines are slower than programmed");
+    let written = std::fs::read_to_string(desk.path("slower.cnc")).expect("it was written");
+    let without_feeds = |text: &str| {
+        let words = text.split(' ').map(|word| {
+            let (word, end) = word.split_at(word.find('\n').unwrap_or(word.len()));
+            format!("{}{end}", if word.starts_with('F') { "F" } else { word })
+        });
+        words.collect::<Vec<_>>().join(" ")
+    };
+    assert_ne!(written, LINES);
+    assert_eq!(without_feeds(&written), without_feeds(LINES));
+
+    let path = |name: &str| -> Vec<Value> {
+        let done = desk.twin(&["path", name]);
+        let lines = done.ended(0, "").stdout.lines();
+        lines.map(|line| serde_json::from_str(line).expect("JSON")).collect()
+    };
+    let (before, after) = (path("lines.cnc"), path("slower.cnc"));
+    assert_eq!((before.len(), after.len()), (5, 5));
+    for (mut before, mut after) in before.into_iter().zip(after) {
+        let key = "feed_mm_per_s";
+        let (programmed, feed) = (number(&before[key]), number(&after[key]));
+        let along_z = [4, 6].map(Value::from).contains(&before["line"]);
+        assert_eq!(programmed > 200.0, along_z, "{before}");
+        if along_z {
+            assert!(feed <= 200.0 && feed > 199.0, "{after}");
+        } else {
+            assert_eq!(feed, programmed, "{after}");
+        }
+        for element in [&mut before, &mut after] {
+            element.as_object_mut().expect("an object").remove(key);
+        }
+        assert_eq!(after, before);
+    }
+    desk.twin(&["check", "slower.cnc", "-m", "machine.toml"]).ended(0, "");
+    // What can be followed already is not touched, byte for byte.
+    let again = ["limit", "slower.cnc", "-m", "machine.toml", "--feasible", "again.cnc"];
+    desk.twin(&again).ended(0, "0 of 7 lines are slower");
+    assert_eq!(std::fs::read_to_string(desk.path("again.cnc")).expect("it was written"), written);
+}
+
+#[test]
+fn a_point_out_of_reach_is_told_with_its_line() {
+    let desk = Desk::new();
+    // The arms are 450 mm long.
+    desk.write("far.cnc", "% far\nN10 G92 X300 Y0 Z20\nN20 G1 X360 Y40 F60\nN30 G1 X600 Y0\n");
+    let machine = root().join("machines/scara2.toml").display().to_string();
+    let far = ["limit", "far.cnc", "--machine", &machine];
+    desk.twin(&far).ended(1, "line 4 (N30): the tool cannot be there");
+    let report = json(desk.twin(&[&far[..], &["--format", "json"]].concat()).ended(1, ""));
+    let findings = report["findings"].as_array().expect("a list");
+    assert_eq!(findings.len(), 1, "{findings:#?}");
+    assert_eq!(
+        (&findings[0]["rule"], &findings[0]["line"], &findings[0]["block"]),
+        (&"reach".into(), &4.into(), &30.into())
+    );
+    assert_eq!((&findings[0]["severity"], number(&findings[0]["limit"])), (&"error".into(), 450.0));
+    desk.write("wrong.cnc", "% wrong\nN10 G1 X310 Q\n");
+    desk.twin(&["limit", "wrong.cnc", "--machine", &machine]).ended(1, "line 2 (N10)");
+}
+
+#[test]
+fn wrong_use_is_status_2() {
+    let desk = desk();
+    limit(&desk, &["-o", "profile.txt"])
+        .ended(2, "profile.txt: profiles are written as .csv or .svg");
+    limit(&desk, &["-o", "missing/profile.csv"]).ended(2, "cannot write missing/profile.csv");
+    limit(&desk, &["-o", "missing/profile.svg"]).ended(2, "cannot write missing/profile.svg");
+    limit(&desk, &["--feasible", "missing/slower.cnc"]).ended(2, "cannot write missing/slower.cnc");
+    limit(&desk, &["--feasible", "lines.cnc"]).ended(2, "this is the program itself");
+    limit(&desk, &["--feasible", "./lines.cnc"]).ended(2, "this is the program itself");
+    assert_eq!(std::fs::read_to_string(desk.path("lines.cnc")).expect("it is there"), LINES);
+    let neither = ["--without", "axis-acceleration", "--without", "path-acceleration"];
+    limit(&desk, &neither).ended(2, "nothing limits how fast the path speeds up");
+    limit(&desk, &["--without", "gravity"]).ended(2, "gravity");
+    let cutter = root().join("machines/gantry_cutter3.toml").display().to_string();
+    let turning = desk.twin(&["limit", "lines.cnc", "--machine", &cutter]);
+    turning.ended(2, "machines yet whose tool turns with the path");
+    desk.twin(&["limit", "none.cnc", "-m", "machine.toml"])
+        .ended(2, "cannot read program none.cnc");
+    desk.twin(&["limit", "lines.cnc"]).ended(2, "--machine");
+    desk.twin(&["path", "lines.cnc", "--output", "lines.queue"]).ended(0, "");
+    let queue = ["limit", "lines.queue", "-m", "machine.toml", "--feasible", "slower.queue"];
+    desk.twin(&queue).ended(2, "lines.queue has no F words");
+}
+
+#[test]
+fn the_report_has_the_fields_of_the_guide() {
+    let desk = desk();
+    let report = json(limit(&desk, &["--format", "json"]).ended(0, ""));
+    let keys = [
+        "program",
+        "machine",
+        "dialect",
+        "length_mm",
+        "duration_s",
+        "duration_by_feed_s",
+        "peak",
+        "limited_by",
+        "slowest_lines",
+        "changes",
+        "windows",
+        "windows_failed",
+        "findings",
+    ];
+    has_keys(&report, &keys);
+    assert_eq!(
+        (&report["program"], &report["machine"], &report["dialect"]),
+        (&"lines.cnc".into(), &"machine.toml".into(), &"din66025".into())
+    );
+    let length = 200.0 + 2000.0_f64.sqrt();
+    assert!((number(&report["length_mm"]) - length).abs() < 1e-6);
+    // F all the time: 80 mm at 150 mm/s, 120 mm at 400 mm/s, the rest at 100 mm/s.
+    let by_feed = 80.0 / 150.0 + 120.0 / 400.0 + 2000.0_f64.sqrt() / 100.0;
+    assert!((number(&report["duration_by_feed_s"]) - by_feed).abs() < 5e-3);
+    has_keys(&report["peak"], &["X", "Y", "Z"]);
+    for peak in report["peak"].as_object().expect("an object").values() {
+        has_keys(peak, &["unit", "position", "velocity", "acceleration", "jerk"]);
+        for quantity in ["velocity", "acceleration", "jerk"] {
+            has_keys(&peak[quantity], &["value", "limit", "line", "block"]);
+        }
+    }
+    let each = |list: &str, keys: &[&str]| {
+        let list = report[list].as_array().expect("a list");
+        assert!(!list.is_empty());
+        for one in list {
+            has_keys(one, &[&["limit", "axis"], keys].concat());
+        }
+    };
+    each("limited_by", &["time_s", "lost_s"]);
+    let lines = ["line", "block", "programmed_feed_mm_per_s", "largest_feed_mm_per_s"];
+    each("slowest_lines", &[&lines[..], &["time_s", "lost_s"]].concat());
+    each("changes", &["raised_percent", "gain_s"]);
+    // All the time is somebody's.
+    let held = report["limited_by"].as_array().expect("a list").iter();
+    let time: f64 = held.map(|one| number(&one["time_s"])).sum();
+    assert!((time - number(&report["duration_s"])).abs() < 1e-6, "{time} s");
+    assert!(number(&report["windows"]) >= 1.0);
+    assert_eq!(
+        (&report["windows_failed"], &report["findings"]),
+        (&0.into(), &Value::Array(vec![]))
+    );
+}
