@@ -31,8 +31,10 @@ const ALLOWED: [[f64; 2]; 3] = [[1.0005, 1.01], [1.045, 1.2], [1.0005, 1.01]];
 const ROOM: [f64; 3] = [2e-4, 2e-3, 1e-6];
 /// Cells that take less time, s, are not looked into: they are over at once.
 const SHORT: f64 = 2e-5;
-/// Limits are tightened at most so often.
-const ROUNDS: u32 = 5;
+/// Limits are tightened at most so often, and cells cut in half at most in so many of these rounds: a shorter cell gives the
+/// profile more freedom, which it may use to exceed limits somewhere else.
+const ROUNDS: u32 = 12;
+const HALVING: u32 = 6;
 
 /// A part of an element and how it is gone through.
 #[derive(Clone, Debug)]
@@ -386,16 +388,16 @@ where
     /// are exceeded.
     fn solve_verified(&mut self) -> Result<Vec<Stretch>, NotSolved> {
         let mut stretches = self.solve(None)?;
-        for _ in 0..ROUNDS {
-            let Some(warm) = self.tighten(&stretches) else { break };
+        for round in 0..ROUNDS {
+            let Some(warm) = self.tighten(&stretches, round < HALVING) else { break };
             stretches = self.solve(Some(warm))?;
         }
         Ok(stretches)
     }
 
-    /// Makes limits tighter in cells where they are exceeded, and cuts them in half where they are exceeded by much. The
-    /// profile so far at the nodes, if there are any such cells.
-    fn tighten(&mut self, stretches: &[Stretch]) -> Option<Vec<f64>> {
+    /// Makes limits tighter in cells where they are exceeded, and with `halving` cuts them in half where they are exceeded
+    /// by much. The profile so far at the nodes, if there are any such cells.
+    fn tighten(&mut self, stretches: &[Stretch], halving: bool) -> Option<Vec<f64>> {
         let fresh = self.kept.len().saturating_sub(1);
         let mut cells = Vec::with_capacity(self.cells.len());
         let start = stretches.first().map_or(0.0, |stretch| stretch.at_position(0.0).0);
@@ -409,7 +411,7 @@ where
             for ((tight, worst), [allowed, far]) in cell.tight.iter_mut().zip(worst).zip(ALLOWED) {
                 if worst > allowed {
                     *tight *= (worst / (1.0 + 0.5 * (allowed - 1.0))).min(2.0);
-                    halve |= worst > far;
+                    halve |= halving && worst > far;
                     any = true;
                 }
             }
