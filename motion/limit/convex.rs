@@ -1,5 +1,6 @@
 //! Convex programs for Clarabel: min ½·xᵀ·P·x + qᵀ·x with A·x ≤ 1, P tridiagonal, rows of a few neighbours, cones.
 
+use super::grid::Constraint;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 
@@ -16,8 +17,10 @@ pub(super) struct Program {
     ends: Vec<usize>,
     entries: Vec<(usize, f64)>,
     right: Vec<f64>,
-    /// How many of the last rows belong to cones, four each.
-    cones: usize,
+    /// Where each row comes from.
+    origins: Vec<Origin>,
+    /// |three rows| ≤ 1.
+    cones: Vec<([[(usize, f64); 3]; 3], Origin)>,
     /// Rows that are left out as long as a solution keeps them.
     spare: Vec<Spare>,
 }
@@ -27,17 +30,32 @@ pub(super) struct Program {
 struct Spare {
     entries: [(usize, f64); 3],
     right: f64,
+    origin: Origin,
+}
+
+/// Where a row comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Origin {
+    /// The cell, from that of the window.
+    pub(super) cell: usize,
+    /// What is limited.
+    pub(super) constraint: Constraint,
+    /// By how much the right side of the row grows where the limit does, both as parts of themselves.
+    pub(super) share: f64,
 }
 
 /// A row that was left out has to be kept to within this part of the variables' scale.
 const KEPT: f64 = 1e-5;
 
+/// Less is rounding of the solver.
+const NO_GAIN: f64 = 1e-9;
+
 /// What a solve gave.
 #[derive(Debug)]
 pub(super) struct Answer {
     pub(super) x: Vec<f64>,
-    /// Multipliers of the rows, in their order: not negative.
-    pub(super) duals: Vec<f64>,
+    /// What it would gain in cost if a limit were larger, as cost per part of the limit: for every row that counts.
+    pub(super) gains: Vec<(Origin, f64)>,
     pub(super) iterations: u32,
 }
 
@@ -62,7 +80,8 @@ impl Program {
         self.entries.clear();
         self.right.clear();
         self.spare.clear();
-        self.cones = 0;
+        self.origins.clear();
+        self.cones.clear();
     }
 
     /// Adds ½·p·x² + q·x for variable `index`.
@@ -83,15 +102,16 @@ impl Program {
     }
 
     /// Adds the row Σ coefficient·x ≤ `right`. Zero coefficients are left out.
-    pub(super) fn add_row(&mut self, entries: &[(usize, f64)], right: f64) {
+    pub(super) fn add_row(&mut self, entries: &[(usize, f64)], right: f64, origin: Origin) {
         self.entries.extend(entries.iter().filter(|(_, value)| *value != 0.0));
         self.ends.push(self.entries.len());
         self.right.push(right);
+        self.origins.push(origin);
     }
 
     /// Adds a row only once a solution does not keep it.
-    pub(super) fn add_spare(&mut self, entries: [(usize, f64); 3], right: f64) {
-        self.spare.push(Spare { entries, right });
+    pub(super) fn add_spare(&mut self, entries: [(usize, f64); 3], right: f64, origin: Origin) {
+        self.spare.push(Spare { entries, right, origin });
     }
 
     /// Adds the spare rows that `x` does not keep; how many.
@@ -101,7 +121,7 @@ impl Program {
         for row in spare {
             let value = |(index, factor): &(usize, f64)| x.get(*index).map_or(0.0, |x| factor * x);
             if row.entries.iter().map(value).sum::<f64>() > row.right + KEPT {
-                self.add_row(&row.entries, row.right);
+                self.add_row(&row.entries, row.right, row.origin);
             } else {
                 self.spare.push(row);
             }
@@ -125,13 +145,9 @@ impl Program {
         }
     }
 
-    /// Adds the cone |three rows| ≤ 1. After the first cone no more rows may be added.
-    pub(super) fn add_cone(&mut self, rows: [&[(usize, f64)]; 3]) {
-        self.add_row(&[], 1.0);
-        for row in rows {
-            self.add_row(row, 0.0);
-        }
-        self.cones += 1;
+    /// Adds |three rows| ≤ 1.
+    pub(super) fn add_cone(&mut self, rows: [[(usize, f64); 3]; 3], origin: Origin) {
+        self.cones.push((rows, origin));
     }
 
     /// Number of rows.
@@ -159,13 +175,26 @@ impl Program {
         CscMatrix::new(n, n, starts, rows, values)
     }
 
-    /// A by columns.
+    /// A by columns: first the rows, then the cones, four rows each of which the first is empty.
     fn constraints(&self) -> CscMatrix<f64> {
         let n = self.diagonal.len();
+        let plain = self.ends.len();
+        let rows = self.entries_by_row().chain(self.cones.iter().enumerate().flat_map(
+            |(index, (cone, _))| {
+                cone.iter().zip(1..).flat_map(move |(row, offset)| {
+                    let row_index = plain + 4 * index + offset;
+                    let entries = row.iter().filter(|(_, value)| *value != 0.0);
+                    // A cone holds right side minus row.
+                    entries.map(move |(column, value)| (row_index, *column, *value))
+                })
+            },
+        ));
         let mut starts = vec![0usize; n + 1];
-        for (column, _) in &self.entries {
-            if let Some(count) = starts.get_mut(column + 1) {
-                *count += 1;
+        let mut count = 0;
+        for (_, column, _) in rows.clone() {
+            count += 1;
+            if let Some(slot) = starts.get_mut(column + 1) {
+                *slot += 1;
             }
         }
         let mut sum = 0;
@@ -174,20 +203,26 @@ impl Program {
             *start = sum;
         }
         let mut next = starts.clone();
-        let mut rows = vec![0usize; self.entries.len()];
-        let mut values = vec![0.0; self.entries.len()];
-        let mut from = 0;
-        for (row, end) in self.ends.iter().enumerate() {
-            for (column, value) in self.entries.get(from..*end).unwrap_or_default() {
-                let Some(slot) = next.get_mut(*column) else { continue };
-                if let (Some(index), Some(entry)) = (rows.get_mut(*slot), values.get_mut(*slot)) {
-                    (*index, *entry) = (row, *value);
-                }
-                *slot += 1;
+        let mut indices = vec![0usize; count];
+        let mut values = vec![0.0; count];
+        for (row, column, value) in rows {
+            let Some(slot) = next.get_mut(column) else { continue };
+            if let (Some(index), Some(entry)) = (indices.get_mut(*slot), values.get_mut(*slot)) {
+                (*index, *entry) = (row, value);
             }
-            from = *end;
+            *slot += 1;
         }
-        CscMatrix::new(self.ends.len(), n, starts, rows, values)
+        CscMatrix::new(plain + 4 * self.cones.len(), n, starts, indices, values)
+    }
+
+    /// Row, column and value of the entries of the rows.
+    fn entries_by_row(&self) -> impl Iterator<Item = (usize, usize, f64)> + Clone {
+        let mut from = 0;
+        self.ends.iter().enumerate().flat_map(move |(row, end)| {
+            let entries = self.entries.get(from..*end).unwrap_or_default();
+            from = *end;
+            entries.iter().map(move |(column, value)| (row, *column, *value))
+        })
     }
 
     /// Solves it to `tolerance` (of feasibility and, relative, of the cost).
@@ -196,9 +231,11 @@ impl Program {
     /// If Clarabel comes to no answer of at least nearly that quality.
     pub(super) fn solve(&self, tolerance: f64) -> Result<Answer, NotSolved> {
         let (p, a) = (self.quadratic(), self.constraints());
-        let plain = self.ends.len() - 4 * self.cones;
+        let plain = self.ends.len();
         let mut cones = vec![SupportedConeT::NonnegativeConeT(plain)];
-        cones.extend((0..self.cones).map(|_| SupportedConeT::SecondOrderConeT(4)));
+        cones.extend(self.cones.iter().map(|_| SupportedConeT::SecondOrderConeT(4)));
+        let mut right = self.right.clone();
+        right.extend(self.cones.iter().flat_map(|_| [1.0, 0.0, 0.0, 0.0]));
         let settings = DefaultSettings {
             verbose: false,
             max_iter: 100,
@@ -215,7 +252,7 @@ impl Program {
             ..DefaultSettings::default()
         };
         let not_solved = |status, iterations| NotSolved { status, iterations };
-        let mut solver = DefaultSolver::new(&p, &self.linear, &a, &self.right, &cones, settings)
+        let mut solver = DefaultSolver::new(&p, &self.linear, &a, &right, &cones, settings)
             .map_err(|_invalid| not_solved(SolverStatus::NumericalError, 0))?;
         solver.solve();
         let solution = solver.solution;
@@ -224,7 +261,14 @@ impl Program {
             SolverStatus::Solved | SolverStatus::AlmostSolved
                 if solution.x.iter().all(|value| value.is_finite()) =>
             {
-                Ok(Answer { x: solution.x, duals: solution.z, iterations })
+                let rows = self.origins.iter().zip(&solution.z).zip(&self.right);
+                let of_rows = rows.map(|((origin, dual), right)| (*origin, dual * right * origin.share));
+                let tops = solution.z.get(plain..).unwrap_or_default().chunks(4);
+                let of_cones = self.cones.iter().zip(tops).map(|((_, origin), duals)| {
+                    (*origin, duals.first().copied().unwrap_or_default() * origin.share)
+                });
+                let gains = of_rows.chain(of_cones).filter(|(_, gain)| *gain > NO_GAIN).collect();
+                Ok(Answer { x: solution.x, gains, iterations })
             }
             status => Err(not_solved(status, iterations)),
         }

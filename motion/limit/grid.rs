@@ -73,7 +73,7 @@ pub struct Disc {
 }
 
 /// What bounds u̇² at a place.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum CapSource {
     /// The path stops here.
     Stop,
@@ -85,6 +85,26 @@ pub enum CapSource {
     Joint,
     /// Nothing: the acceleration alone.
     Nothing,
+}
+
+/// What holds the path back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Constraint {
+    /// A bound on the velocity.
+    Velocity(CapSource),
+    /// The acceleration limit of the axis of this number.
+    AxisAcceleration(u8),
+    /// The jerk limit of the axis of this number.
+    AxisJerk(u8),
+    /// A further row, by its number: the programmed acceleration and deceleration, …
+    Further(u8),
+    /// The acceleration of the tool tip.
+    ToolAcceleration,
+}
+
+/// The number of an axis or row in a [`Constraint`]: there are no more than a few.
+pub(super) fn number(index: usize) -> u8 {
+    u8::try_from(index).unwrap_or(u8::MAX)
 }
 
 /// A bound on u̇² and where it comes from.

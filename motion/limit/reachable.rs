@@ -159,8 +159,8 @@ impl Plane {
 
     /// The largest x as far as half planes go that y has no part in.
     fn alone(&self) -> f64 {
-        let strips = self.strips.iter().filter(|[_, r]| *r == 0.0).map(|[p, _]| p.abs());
-        let halves = self.halves.iter().filter(|[_, r]| *r == 0.0).map(|[p, _]| *p);
+        let strips = self.strips.iter().filter(|[p, r]| r.abs() <= 1e-12 * p.abs()).map(|[p, _]| p.abs());
+        let halves = self.halves.iter().filter(|[p, r]| r.abs() <= 1e-12 * p.abs()).map(|[p, _]| *p);
         let discs = self.discs.iter().map(|disc| disc_alone(disc));
         1.0 / strips.chain(halves).chain(discs).fold(0.0, f64::max)
     }
@@ -172,7 +172,7 @@ impl Plane {
         let mut low = Bound { at: 0.0, row: [0.0, -HUGE] };
         let mut high = Bound { at: cap, row: [0.0, (1.0 / cap).min(HUGE)] };
         for &[p, r] in &self.strips {
-            if r == 0.0 {
+            if r.abs() <= 1e-12 * p.abs() {
                 continue;
             }
             let half = 1.0 / r;

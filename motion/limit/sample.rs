@@ -44,6 +44,11 @@ impl Sample {
         let axes = first.iter().zip(second.iter()).zip(third.iter()).zip(limits);
         let along = self.rows.iter().map(|row| row.a * a + row.b * b);
         let mut worst = [along.fold(0.0, f64::max), 0.0, v / self.cap.v2.sqrt()];
+        if let Some(Disc { a: first, b: second }) = &self.disc {
+            let square: f64 =
+                first.iter().zip(second).map(|(d1, d2)| (d1 * a + d2 * b).powi(2)).sum();
+            worst[0] = worst[0].max(square.sqrt());
+        }
         for (((d1, d2), d3), limits) in axes {
             let acceleration = d1 * a + d2 * b;
             worst[0] = worst[0].max(acceleration.abs() / limits.acceleration);

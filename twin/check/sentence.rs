@@ -65,13 +65,14 @@ pub(super) fn beyond_position(axis: &Axis, place: Place, position: f64) -> Optio
 /// A velocity (rad/s or m/s) above the axis's.
 pub(super) fn too_fast(axis: &Axis, place: Place, velocity: f64) -> Finding {
     let quantity = Quantity { name: "velocity", units: ["deg/s", "mm/s"] };
-    let mut finding =
-        too_much(axis, Rule::AxisVelocity, &quantity, place, velocity, axis.max_velocity);
-    let source = axis.velocity_limit().source;
-    if source != VelocitySource::Axis {
-        finding.message += &format!(" ({})", source.name());
+    let finding = too_much(axis, Rule::AxisVelocity, &quantity, place, velocity, axis.max_velocity);
+    match axis.velocity_limit().source {
+        VelocitySource::Axis => finding,
+        source => {
+            let message = format!("{} ({})", finding.message, source.name());
+            Finding { message, ..finding }
+        }
     }
-    finding
 }
 
 /// An acceleration (rad/s² or m/s²) above the axis's.

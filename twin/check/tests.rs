@@ -228,6 +228,30 @@ fn the_largest_feed_recommended_for_a_velocity_is_the_largest() {
     largest_feed_is_the_largest(&slow, stretching, 100.0, Rule::AxisVelocity);
 }
 
+/// 96 kHz at 320 increments per mm are 300 mm/s: what the drive cannot step is told as such, what the axis cannot is not.
+#[test]
+fn a_velocity_that_drives_or_motors_do_not_allow_names_them() {
+    let line = "% x\nN10 G1 X200 F350 E3000 E-3000\n";
+    let message = |text: &str| {
+        let outcome = checked(text, line);
+        let found = of(&outcome, Rule::AxisVelocity, 2);
+        assert_eq!((found.len(), found[0].limit), (1, Some(300.0)));
+        found[0].message.clone()
+    };
+    let per = "increments = 3200                  # 200 × 16 microsteps per turn of a 10 mm screw";
+    let slow = edited(GANTRY3, per, "increments = 3200\nmax_step_frequency_khz = 96");
+    assert!(
+        message(&slow).ends_with("limit of 300.0000 mm/s (step frequency)"),
+        "{}",
+        message(&slow)
+    );
+    let motor =
+        edited(GANTRY3, per, "increments = 3200\nmax_motor_rpm = 1800\nmotor_turns_per_mm = 0.1");
+    assert!(message(&motor).ends_with("(motor speed)"));
+    let axis = edited(GANTRY3, "max_velocity_mm_per_s = 400.0", "max_velocity_mm_per_s = 300.0");
+    assert!(message(&axis).ends_with("limit of 300.0000 mm/s"));
+}
+
 #[test]
 fn the_largest_feed_recommended_for_an_acceleration_is_the_largest() {
     // a = F²/r with r = 20 mm and 3000 mm/s²: F = 244.95 mm/s.

@@ -136,9 +136,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     bar.finish_and_clear();
     let effort = profile.effort();
     let windows = Windows { count: effort.windows, failed: effort.failed };
+    let changes = profile.changes();
     let limits = profile.line_limits();
     let lines = by_line(&limits);
-    let summary = summing.finish(windows, |line| lines.get(&line).copied());
+    let mut summary = summing.finish(windows, |line| lines.get(&line).copied());
+    summary.changes = changes;
     outputs.finish(&program, &machine)?;
     finding::sort(&mut findings);
     report(arguments, &machine, &program, &summary, &findings).map_err(Failure::Stdio)?;

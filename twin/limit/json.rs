@@ -1,6 +1,6 @@
 //! The summary for other programs.
 
-use super::{Binding, LimitSummary, LineLoss};
+use super::{Binding, Change, LimitSummary, LineLoss};
 use crate::finding::Finding;
 use crate::machine::{Axis, Machine};
 use crate::program::ProgramFile;
@@ -20,6 +20,7 @@ pub struct LimitReport {
     peak: PerAxis<AxisPeakReport>,
     limited_by: Vec<ShareReport>,
     slowest_lines: Vec<LineReport>,
+    changes: Vec<ChangeReport>,
     windows: u64,
     windows_failed: u64,
     findings: Vec<Finding>,
@@ -31,6 +32,14 @@ struct ShareReport {
     limit: LimitName,
     time_s: f64,
     lost_s: f64,
+}
+
+#[derive(Clone, Debug, serde::Serialize)]
+struct ChangeReport {
+    #[serde(flatten)]
+    limit: LimitName,
+    raised_percent: f64,
+    gain_s: f64,
 }
 
 #[derive(Clone, Debug, serde::Serialize)]
@@ -96,6 +105,15 @@ impl LimitReport {
                 })
                 .collect(),
             slowest_lines: summary.lines.iter().map(line).collect(),
+            changes: summary
+                .changes
+                .iter()
+                .map(|change| ChangeReport {
+                    limit: LimitName::new(Some(change.binding), axes),
+                    raised_percent: rounded(Change::RAISED * 100.0),
+                    gain_s: rounded(change.gain_s),
+                })
+                .collect(),
             windows: summary.windows.count,
             windows_failed: summary.windows.failed,
             findings: Vec::new(),

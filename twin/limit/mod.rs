@@ -24,5 +24,5 @@ pub use machine_path::{AxisRules, MachinePath, MachinePathError};
 pub use picture::{Picture, PictureError};
 pub use plan::{LimitFailure, LimitRules, Profile, ProfileItem};
 pub use sample::ProfileSample;
-pub use summary::{BindingShare, LimitSummary, LineLoss, Summing, Windows};
+pub use summary::{BindingShare, Change, LimitSummary, LineLoss, Summing, Windows};
 pub use text::write_summary;

@@ -1,10 +1,10 @@
 //! A program within all limits, set-point by set-point.
 
 use super::machine_path::{AxisRules, MachinePath, MachinePathError};
-use super::{Binding, ProfileSample, Quantity};
+use super::{Binding, Change, ProfileSample, Quantity};
 use crate::check::unreachable;
 use crate::finding::{Finding, Rule};
-use crate::machine::Machine;
+use crate::machine::{Machine, VelocitySource};
 use crate::program::{Findings, Halt, Prepared, ProgramFile};
 use std::io;
 use std::num::NonZeroU32;
@@ -12,7 +12,7 @@ use twin_kinematics::AxisVector;
 use twin_motion::interpolate::DEFAULT_CYCLE_NS;
 use twin_motion::limit::course::{CourseOptions, Order};
 use twin_motion::limit::{
-    AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, Planner, Rates,
+    AxisPath, CapSource, Constraint, Effort, Followed, Follower, LimitError, LimitOptions, Planner, Rates,
 };
 use twin_motion::refeed::LineLimit;
 
@@ -111,6 +111,44 @@ impl<'m> Profile<'m> {
     /// What planning has taken so far.
     pub fn effort(&self) -> Effort {
         self.follower.plan().effort()
+    }
+
+    /// What raising each limit would gain, the most first.
+    pub fn changes(&self) -> Vec<Change> {
+        let mut changes: Vec<Change> = Vec::new();
+        for (constraint, time) in self.follower.plan().costs() {
+            let binding = self.binding_of(*constraint);
+            let gain_s = time * Change::RAISED;
+            match changes.iter_mut().find(|change| Some(change.binding) == binding) {
+                Some(change) => change.gain_s += gain_s,
+                None => changes.extend(binding.map(|binding| Change { binding, gain_s })),
+            }
+        }
+        changes.sort_by(|one, other| other.gain_s.total_cmp(&one.gain_s));
+        changes
+    }
+
+    /// A constraint of the planner as people know it; none of what no machine file and no program says.
+    fn binding_of(&self, constraint: Constraint) -> Option<Binding> {
+        let of_axis = |axis: u8, quantity| Binding::Axis { axis: usize::from(axis), quantity };
+        Some(match constraint {
+            Constraint::Velocity(CapSource::Feed) => Binding::Feed,
+            Constraint::Velocity(CapSource::AxisVelocity(axis)) => {
+                let source = self.machine.axes.get(usize::from(axis))?.velocity_limit().source;
+                let of_axis_itself = source == VelocitySource::Axis;
+                let quantity =
+                    if of_axis_itself { Quantity::Velocity } else { Quantity::DriveSpeed };
+                of_axis(axis, quantity)
+            }
+            Constraint::Velocity(CapSource::Stop | CapSource::Joint | CapSource::Nothing) => {
+                return None;
+            }
+            Constraint::AxisAcceleration(axis) => of_axis(axis, Quantity::Acceleration),
+            Constraint::AxisJerk(axis) => of_axis(axis, Quantity::Jerk),
+            Constraint::Further(0) => Binding::PathAcceleration,
+            Constraint::Further(_) => Binding::PathDeceleration,
+            Constraint::ToolAcceleration => Binding::ToolAcceleration,
+        })
     }
 
     /// How long the path takes, s: exact at the end.

@@ -24,8 +24,25 @@ pub struct LimitSummary {
     pub limited_by: Vec<BindingShare>,
     /// The lines that lose most time, the worst first.
     pub lines: Vec<LineLoss>,
+    /// What raising one limit would gain, the most first.
+    pub changes: Vec<Change>,
     /// How the convex solver did.
     pub windows: Windows,
+}
+
+/// A change of the machine file, or of the program, and what it would gain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// The limit that is raised by [`Self::RAISED`].
+    pub binding: Binding,
+    /// By how much shorter the program would be about, s: from the multipliers of the convex programs, as long as no
+    /// other limit takes over.
+    pub gain_s: f64,
+}
+
+impl Change {
+    /// By how much limits are raised, as a part of them.
+    pub const RAISED: f64 = 0.2;
 }
 
 /// For how long a limit holds the path back.

@@ -1,6 +1,6 @@
 //! The summary for people.
 
-use super::{Binding, LimitSummary};
+use super::{Binding, Change, LimitSummary};
 use crate::machine::{Axis, Machine};
 use crate::number::significant;
 use crate::program::ProgramFile;
@@ -9,6 +9,11 @@ use crate::table::table;
 use comfy_table::{Cell, CellAlignment, Color, Table};
 use std::io::{self, Write};
 use twin_motion::Place;
+
+/// Changes are named that gain at least this, s, and this part of the program's time; so many of them.
+const WORTH_S: f64 = 1e-3;
+const WORTH: f64 = 1e-3;
+const NAMED_CHANGES: usize = 3;
 
 /// Writes the summary: durations, largest values, what holds the program back, and where.
 ///
@@ -41,6 +46,12 @@ pub fn write_summary(
     }
     if !summary.lines.is_empty() {
         writeln!(out, "{}", lines(machine, summary))?;
+    }
+    let worth = |change: &&Change| change.gain_s >= WORTH_S.max(WORTH * duration_s);
+    for change in summary.changes.iter().filter(worth).take(NAMED_CHANGES) {
+        let Change { binding, gain_s } = change;
+        let percent = Change::RAISED * 100.0;
+        writeln!(out, "{} {percent:.0} % up: about {gain_s:.3} s less", binding.words(&machine.axes))?;
     }
     let windows = summary.windows;
     if windows.failed > 0 {

@@ -211,7 +211,7 @@ impl Decoder {
 /// The decoder with its diagnostics taken out, so that an erroneous block does not end the stream: all errors of a
 /// program are found at once.
 #[derive(Debug)]
-pub(super) struct Decoded {
+pub(crate) struct Decoded {
     pub(super) decoder: Decoder,
     pub(super) ledger: Rc<RefCell<Ledger>>,
     /// After an element that nobody would wait for, only diagnostics follow.

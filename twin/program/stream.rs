@@ -78,7 +78,7 @@ fn found(ledger: &RefCell<Ledger>, notices: &Notices) -> Option<Finding> {
 
 /// What is found on the way of a path that somebody else follows.
 #[derive(Debug)]
-pub struct Findings {
+pub(crate) struct Findings {
     notices: Notices,
     ledger: Rc<RefCell<Ledger>>,
 }
@@ -89,18 +89,13 @@ impl Findings {
     }
 
     /// The next thing found by now.
-    pub fn take(&self) -> Option<Finding> {
+    pub(crate) fn take(&self) -> Option<Finding> {
         found(&self.ledger, &self.notices)
     }
 
     /// Bytes of the file read so far.
-    pub fn bytes_read(&self) -> u64 {
+    pub(crate) fn bytes_read(&self) -> u64 {
         self.ledger.borrow().bytes
-    }
-
-    /// Diagnostics of the text that were left out because there are too many.
-    pub fn left_out(&self) -> u64 {
-        self.ledger.borrow().left_out
     }
 }
 

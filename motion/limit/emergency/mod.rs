@@ -140,10 +140,10 @@ impl AxisStop {
         let side = if left < 0.0 { -1.0 } else { 1.0 };
         // From here on it brakes downwards.
         let (v0, a0) = (side * velocity, side * acceleration);
-        let lowest_v2 = jerk * v0 + 0.5 * a0 * a0;
-        let (to, hold) = if lowest_v2 <= most * most {
+        let lowest_squared = jerk * v0 + 0.5 * a0 * a0;
+        let (to, hold) = if lowest_squared <= most * most {
             // Rounding must not raise it above where it starts from.
-            (-lowest_v2.max(0.0).sqrt().max(-a0), 0.0)
+            (-lowest_squared.max(0.0).sqrt().max(-a0), 0.0)
         } else {
             let gained = 0.5 * (a0 * a0 - most * most) / jerk;
             let v1 = if a0 < -most { v0 - gained } else { v0 + gained };

@@ -1,0 +1,25 @@
+//! What limits cost: from the multipliers of the convex programs.
+
+use super::convex::Origin;
+use super::grid::Constraint;
+
+/// What one limit costs in one cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gain {
+    /// The cell, from that of the window.
+    pub cell: usize,
+    /// The limit.
+    pub constraint: Constraint,
+    /// By how much shorter the window would take per part by which the limit is raised, s: at 20 % more about a fifth of
+    /// it, as long as nothing else holds the path back.
+    pub time: f64,
+}
+
+pub(super) fn gains(multipliers: &[(Origin, f64)]) -> Vec<Gain> {
+    let of = |(origin, time): &(Origin, f64)| Gain {
+        cell: origin.cell,
+        constraint: origin.constraint,
+        time: *time,
+    };
+    multipliers.iter().map(of).collect()
+}

@@ -1,0 +1,255 @@
+//! The limits of a cell as rows of the convex program.
+
+use super::convex::{Origin, Program};
+use super::grid::{Constraint, End, Grid, JerkRow, Row, number};
+
+/// Rows less active than this at the guess are left out at first.
+const SCREEN: f64 = 0.3;
+/// Cells that take less time, s, are too short to tell a jerk: their coefficients would drown in rounding.
+const LEAST_TIME: f64 = 2e-5;
+/// Where the velocity varies within a cell, so does the jerk: at its ends it may be larger than in its middle, by this
+/// part of the limit.
+const AT_ENDS: f64 = 0.04;
+/// Where a row of a jerk limit is active, so much of it is the jerk: the rest is the tangent.
+const JERK_SHARE: f64 = 2.0 / 3.0;
+
+/// b, a and γ around a cell as parts of the c of the cell before, of it and of the one after.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Around {
+    pub(super) length: f64,
+    pub(super) start: Place,
+    pub(super) finish: Place,
+    pub(super) gamma: [f64; 3],
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) b: [f64; 3],
+    pub(super) a: [f64; 3],
+}
+
+impl Around {
+    fn at(&self, end: End) -> Place {
+        match end {
+            End::Start => self.start,
+            End::Finish => self.finish,
+        }
+    }
+
+    /// In the middle of the cell.
+    fn middle(&self) -> Place {
+        let mut place = Place { b: [0.0, 0.5, 0.0], a: [0.0; 3] };
+        for end in [&self.start, &self.finish] {
+            for (slot, b) in place.b.iter_mut().zip(end.b) {
+                *slot += 0.25 * b;
+            }
+            for (slot, a) in place.a.iter_mut().zip(end.a) {
+                *slot += 0.5 * a;
+            }
+        }
+        place
+    }
+}
+
+impl Place {
+    fn acceleration(&self, row: &Row) -> [f64; 3] {
+        let mut line = [0.0; 3];
+        for ((slot, a), b) in line.iter_mut().zip(self.a).zip(self.b) {
+            *slot = row.a * a + row.b * b;
+        }
+        line
+    }
+
+    fn jerk(&self, row: &JerkRow, gamma: [f64; 3]) -> [f64; 3] {
+        let mut line = [0.0; 3];
+        for (((slot, a), b), gamma) in line.iter_mut().zip(self.a).zip(self.b).zip(gamma) {
+            *slot = row.third * b + 3.0 * row.second * a + row.first * gamma;
+        }
+        line
+    }
+}
+
+/// Writes rows around a cell in terms of the program's variables.
+#[derive(Debug)]
+pub(super) struct Writer<'s> {
+    pub(super) program: &'s mut Program,
+    pub(super) scale: &'s [f64],
+    /// b at the two ends of the cell.
+    pub(super) guess: &'s [f64],
+    pub(super) variables: usize,
+    /// c of the first cell, if it is given.
+    pub(super) fixed: f64,
+    /// The cell.
+    pub(super) index: usize,
+}
+
+impl Writer<'_> {
+    fn origin(&self, constraint: Constraint, share: f64) -> Origin {
+        Origin { cell: self.index, constraint, share }
+    }
+
+    /// Σ `line`·c as entries, what is given of it, and its value at the guess.
+    fn entries(&self, line: [f64; 3]) -> ([(usize, f64); 3], f64, f64) {
+        let mut entries = [(0, 0.0); 3];
+        let (mut sum, mut given) = (0.0, 0.0);
+        for (offset, (slot, value)) in entries.iter_mut().zip(line).enumerate() {
+            // The cell of this entry is index + offset − 1; variables begin with cell 1.
+            let Some(cell) = (self.index + offset).checked_sub(1) else { continue };
+            if cell == 0 {
+                given += value * self.fixed;
+                sum += value * self.fixed;
+            } else if cell <= self.variables {
+                let value = value * self.scale.get(cell).copied().unwrap_or_default();
+                *slot = (cell - 1, value);
+                sum += value;
+            }
+        }
+        (entries, given, sum)
+    }
+
+    /// Adds the row Σ `line`·c ≤ `right`; at first as a spare one if it is less active than `screen` at the guess.
+    fn add(&mut self, line: [f64; 3], right: f64, screen: f64, origin: Origin) {
+        let (entries, given, sum) = self.entries(line);
+        if entries.iter().all(|(_, value)| *value == 0.0) {
+            return;
+        }
+        let free = right - given;
+        // Every right side is 1, where that is possible.
+        let (scale, to) =
+            if free > 1e-3 * right { (1.0 / free, 1.0) } else { (1.0 / right, free / right) };
+        let entries = entries.map(|(index, value)| (index, value * scale));
+        let most: f64 = entries.iter().map(|(_, value)| value.abs()).sum();
+        if sum >= screen * right {
+            self.program.add_row(&entries, to, origin);
+        } else if most > 0.5 * to {
+            self.program.add_spare(entries, to, origin);
+        }
+    }
+
+    /// The bounds on the velocity: in the cell, and at its end where that is a joint with a bound of its own.
+    pub(super) fn add_cap(&mut self, grid: &Grid, cell: usize) {
+        let [from, to] = grid.cell_caps(cell);
+        let here = 0.5 * (from.v2 + to.v2);
+        let source = from.min(to).source;
+        if here.is_finite() {
+            let origin = self.origin(Constraint::Velocity(source), 2.0);
+            self.add([0.0, 1.0, 0.0], here, f64::NEG_INFINITY, origin);
+        }
+    }
+
+    /// The limits of acceleration at an end of the cell, and the bound on the velocity at the node there.
+    pub(super) fn add_accelerations(
+        &mut self,
+        grid: &Grid,
+        cell: usize,
+        end: End,
+        around: &Around,
+    ) {
+        let place = around.at(end);
+        if end == End::Finish
+            && let Some(cap) = grid.caps().get(cell + 1)
+        {
+            // Between cells of different limits it is the lower one that counts, which c alone does not keep.
+            let beside = [grid.cell_caps(cell), grid.cell_caps(cell + 1)];
+            let mean = beside.map(|[from, to]| 0.5 * (from.v2 + to.v2));
+            if cap.v2 < mean[0].max(mean[1]) * (1.0 - 1e-6) {
+                let origin = self.origin(Constraint::Velocity(cap.source), 2.0);
+                self.add(place.b, cap.v2, SCREEN, origin);
+            }
+        }
+        let (axes, further) = grid.rows(cell, end);
+        for (axis, row) in axes.iter().enumerate() {
+            let origin = self.origin(Constraint::AxisAcceleration(number(axis)), 1.0);
+            let line = place.acceleration(row);
+            self.add(line, 1.0, SCREEN, origin);
+            self.add(line.map(|x| -x), 1.0, SCREEN, origin);
+        }
+        for (index, row) in further.iter().enumerate() {
+            let origin = self.origin(Constraint::Further(number(index)), 1.0);
+            self.add(place.acceleration(row), 1.0, SCREEN, origin);
+        }
+        if let Some(disc) = grid.disc(cell, end) {
+            let lines = disc.a.iter().zip(disc.b).map(|(a, b)| place.acceleration(&Row { a: *a, b }));
+            let mut cone = [[(0, 0.0); 3]; 3];
+            let mut square = 0.0;
+            for (slot, line) in cone.iter_mut().zip(lines) {
+                let (entries, _, sum) = self.entries(line);
+                *slot = entries;
+                square += sum * sum;
+            }
+            // Cones cost more than rows; one far from its limit at the guess is left out.
+            if square > SCREEN * SCREEN {
+                let origin = self.origin(Constraint::ToolAcceleration, 1.0);
+                self.program.add_cone(cone, origin);
+            }
+        }
+    }
+
+    /// The jerk limits in a cell that begins or ends at rest: |line·c|·√(b·c) ≤ 1 in the one c that counts, so that the true
+    /// limit can be given.
+    pub(super) fn add_rest(&mut self, grid: &Grid, cell: usize, around: &Around) {
+        let h = around.length;
+        for end in End::BOTH {
+            let place = around.at(end);
+            // b ∝ u^4/3.
+            let gamma = place.b.map(|b| b * 2.0 / 9.0 / (h * h));
+            for (axis, row) in grid.jerks(cell, end).iter().enumerate() {
+                let line = place.jerk(row, gamma);
+                for (offset, (line, b)) in line.into_iter().zip(place.b).enumerate() {
+                    let Some(cell) = (self.index + offset).checked_sub(1) else { continue };
+                    let jerk = line.abs() * b.max(0.0).sqrt();
+                    if jerk > 0.0 && cell >= 1 && cell <= self.variables {
+                        let most = jerk.powf(-2.0 / 3.0);
+                        let scale = self.scale.get(cell).copied().unwrap_or_default();
+                        let entries = [(cell - 1, scale / most), (0, 0.0), (0, 0.0)];
+                        let constraint = Constraint::AxisJerk(number(axis));
+                        let origin = self.origin(constraint, JERK_SHARE);
+                        if scale > SCREEN * most {
+                            self.program.add_row(&entries, 1.0, origin);
+                        } else {
+                            self.program.add_spare(entries, 1.0, origin);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// The jerk limits in the middle of the cell and, where the velocity varies by more than they may take, at its ends.
+    pub(super) fn add_jerks(&mut self, grid: &Grid, cell: usize, around: &Around) {
+        let [from, to] = *self.guess else { return };
+        let own = self.scale.get(self.index).copied().unwrap_or_default();
+        let guess = 0.5 * own + 0.25 * (from + to);
+        let middle = around.middle();
+        // A cell that is over at once may change the acceleration by as much as one of the least time.
+        let share = (around.length / guess.sqrt() / LEAST_TIME).min(1.0);
+        let rows = grid.jerks(cell, End::Start).iter().zip(grid.jerks(cell, End::Finish));
+        for (axis, (from, to)) in rows.enumerate() {
+            let line = middle.jerk(&from.between(to), around.gamma).map(|x| x * share);
+            self.add_jerk(line, middle.b, guess, axis);
+        }
+        for (end, at_end) in [(End::Start, from), (End::Finish, to)] {
+            if at_end <= guess * (1.0 + AT_ENDS) {
+                continue;
+            }
+            let place = around.at(end);
+            for (axis, row) in grid.jerks(cell, end).iter().enumerate() {
+                let line = place.jerk(row, around.gamma).map(|x| x * share / (1.0 + AT_ENDS));
+                self.add_jerk(line, place.b, at_end, axis);
+            }
+        }
+    }
+
+    /// Adds |line·c|·√(b·c) ≤ 1 with its tangent about b = `guess`.
+    fn add_jerk(&mut self, line: [f64; 3], b: [f64; 3], guess: f64, axis: usize) {
+        let (of_line, of_b) = (guess.sqrt() / 1.5, 1.0 / (3.0 * guess));
+        let origin = self.origin(Constraint::AxisJerk(number(axis)), JERK_SHARE);
+        for sign in [1.0, -1.0] {
+            let mut entries = line.map(|x| sign * of_line * x);
+            for (entry, b) in entries.iter_mut().zip(b) {
+                *entry += of_b * b;
+            }
+            self.add(entries, 1.0, SCREEN, origin);
+        }
+    }
+}
