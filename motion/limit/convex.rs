@@ -20,7 +20,7 @@ pub(super) struct Program {
     /// Where each row comes from.
     origins: Vec<Origin>,
     /// |three rows| ≤ 1.
-    cones: Vec<([[(usize, f64); 3]; 3], Origin)>,
+    cones: Vec<(Cone, Origin)>,
     /// Rows that are left out as long as a solution keeps them.
     spare: Vec<Spare>,
 }
@@ -32,6 +32,9 @@ struct Spare {
     right: f64,
     origin: Origin,
 }
+
+/// The three rows of the cone |rows·x| ≤ 1.
+pub(super) type Cone = [[(usize, f64); 3]; 3];
 
 /// Where a row comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,7 +149,7 @@ impl Program {
     }
 
     /// Adds |three rows| ≤ 1.
-    pub(super) fn add_cone(&mut self, rows: [[(usize, f64); 3]; 3], origin: Origin) {
+    pub(super) fn add_cone(&mut self, rows: Cone, origin: Origin) {
         self.cones.push((rows, origin));
     }
 
@@ -262,7 +265,8 @@ impl Program {
                 if solution.x.iter().all(|value| value.is_finite()) =>
             {
                 let rows = self.origins.iter().zip(&solution.z).zip(&self.right);
-                let of_rows = rows.map(|((origin, dual), right)| (*origin, dual * right * origin.share));
+                let of_rows =
+                    rows.map(|((origin, dual), right)| (*origin, dual * right * origin.share));
                 let tops = solution.z.get(plain..).unwrap_or_default().chunks(4);
                 let of_cones = self.cones.iter().zip(tops).map(|((_, origin), duals)| {
                     (*origin, duals.first().copied().unwrap_or_default() * origin.share)

@@ -5,8 +5,8 @@
 //! that 0 ≤ x ≤ 1. The duration T = Σ 2h/(√bₖ + √bₖ₊₁) is taken to second order about the profile of the two passes.
 
 use super::convex::{NotSolved, Origin, Program};
-use super::grid::{Cap, CapSource, Constraint, End, Grid, Row, number};
 use super::gain::{Gain, gains};
+use super::grid::{Cap, CapSource, Constraint, End, Grid, Row, number};
 use super::reachable;
 use std::ops::Range;
 
@@ -119,9 +119,7 @@ impl LinearSolver {
                 }
                 let mut right = 1.0;
                 let mut entries = [(0, 0.0); 3];
-                for (slot, (variable, value)) in
-                    entries.iter_mut().zip([(first, p), (second, r)])
-                {
+                for (slot, (variable, value)) in entries.iter_mut().zip([(first, p), (second, r)]) {
                     match variable {
                         Some(variable) => *slot = (variable, value),
                         None => right -= value,
@@ -190,7 +188,8 @@ fn most_active(grid: &Grid, cell: usize, start: f64, end: f64) -> Constraint {
         let (axes, further) = grid.rows(cell, side);
         let of = |row: &Row| step.turned(row, side).iter().sum::<f64>();
         let axes = axes.iter().enumerate();
-        let axes = axes.map(|(axis, row)| (of(row).abs(), Constraint::AxisAcceleration(number(axis))));
+        let axes =
+            axes.map(|(axis, row)| (of(row).abs(), Constraint::AxisAcceleration(number(axis))));
         let further = further.iter().enumerate();
         let further = further.map(|(place, row)| (of(row), Constraint::Further(number(place))));
         for (activity, constraint) in axes.chain(further) {

@@ -293,7 +293,7 @@ where
                     rest_cuts(cell.length(), rest, jerks, LAUNCH.min(0.25 * duration))
                 };
                 cut |= !at.is_empty();
-                refined.extend(self.sampler.parts(cell, &at)?);
+                refined.extend(self.sampler.parts(&cell, &at)?);
             }
             self.cells = refined;
             if !cut {
@@ -439,7 +439,7 @@ where
             let rest = self.jerk_limited && (index == 0 || index == last);
             if halve && !rest && stretch.duration() > 4.0 * SHORT {
                 cell.tight = [1.0; 3];
-                if let Ok(parts) = self.sampler.parts(cell.clone(), &[0.5]) {
+                if let Ok(parts) = self.sampler.parts(&cell, &[0.5]) {
                     profile.push(stretch.at_position(0.5 * stretch.length()).0);
                     cells.extend(parts);
                 } else {

@@ -159,9 +159,11 @@ impl Plane {
 
     /// The largest x as far as half planes go that y has no part in.
     fn alone(&self) -> f64 {
-        let strips = self.strips.iter().filter(|[p, r]| r.abs() <= 1e-12 * p.abs()).map(|[p, _]| p.abs());
-        let halves = self.halves.iter().filter(|[p, r]| r.abs() <= 1e-12 * p.abs()).map(|[p, _]| *p);
-        let discs = self.discs.iter().map(|disc| disc_alone(disc));
+        let strips =
+            self.strips.iter().filter(|[p, r]| r.abs() <= 1e-12 * p.abs()).map(|[p, _]| p.abs());
+        let halves =
+            self.halves.iter().filter(|[p, r]| r.abs() <= 1e-12 * p.abs()).map(|[p, _]| *p);
+        let discs = self.discs.iter().map(disc_alone);
         1.0 / strips.chain(halves).chain(discs).fold(0.0, f64::max)
     }
 

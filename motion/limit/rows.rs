@@ -169,7 +169,8 @@ impl Writer<'_> {
             self.add(place.acceleration(row), 1.0, SCREEN, origin);
         }
         if let Some(disc) = grid.disc(cell, end) {
-            let lines = disc.a.iter().zip(disc.b).map(|(a, b)| place.acceleration(&Row { a: *a, b }));
+            let lines =
+                disc.a.iter().zip(disc.b).map(|(a, b)| place.acceleration(&Row { a: *a, b }));
             let mut cone = [[(0, 0.0); 3]; 3];
             let mut square = 0.0;
             for (slot, line) in cone.iter_mut().zip(lines) {

@@ -229,9 +229,9 @@ mod tests {
 
     /// Time by Simpson's rule in a variable that takes the roots at the ends away.
     fn quadrature(stretch: &Stretch) -> f64 {
-        let n = 4000;
-        let value = |index: usize| {
-            let w = index as f64 / n as f64;
+        let n = 4000_u32;
+        let value = |index: u32| {
+            let w = f64::from(index) / f64::from(n);
             // u = L·(3w² − 2w³): zero slope at both ends.
             let u = stretch.length * w * w * (3.0 - 2.0 * w);
             let slope = stretch.length * 6.0 * w * (1.0 - w);
@@ -250,7 +250,7 @@ mod tests {
                     }
             })
             .sum();
-        sum / (3.0 * n as f64)
+        sum / (3.0 * f64::from(n))
     }
 
     fn check(stretch: &Stretch) {
@@ -299,7 +299,7 @@ mod tests {
             check(&Stretch::landing(length, b));
             let end = Stretch::launch(length, b).at(1e9);
             prop_assert!((end.velocity.powi(2) - b).abs() <= 1e-12 * b);
-            prop_assert_eq!(Stretch::landing(length, b).at(1e9).velocity, 0.0);
+            prop_assert!(Stretch::landing(length, b).at(1e9).velocity.abs() <= 0.0);
         }
     }
 
