@@ -255,6 +255,9 @@ impl Program {
             ..DefaultSettings::default()
         };
         let not_solved = |status, iterations| NotSolved { status, iterations };
+        if self.diagonal.is_empty() {
+            return Err(not_solved(SolverStatus::Unsolved, 0));
+        }
         let mut solver = DefaultSolver::new(&p, &self.linear, &a, &right, &cones, settings)
             .map_err(|_invalid| not_solved(SolverStatus::NumericalError, 0))?;
         solver.solve();

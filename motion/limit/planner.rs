@@ -26,6 +26,8 @@ const GRADE: f64 = 0.04;
 /// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
 /// constant.
 const LAUNCH: f64 = 8e-3;
+/// Between stops there are at least so many cells.
+const FEWEST: usize = 4;
 /// So many times the time in which acceleration builds up is left between what is committed and where the end of the window
 /// begins to be felt.
 const MARGIN: f64 = 4.0;
@@ -278,7 +280,9 @@ where
                 let fine = step * (since.min(left) / GRADE).clamp(0.125, 1.0);
                 since += takes;
                 left -= takes;
-                if index + 1 < self.kept.len() || takes <= 1.6 * fine {
+                // A profile with limited jerk has to have a choice.
+                let few = self.jerk_limited && count < FEWEST;
+                if index + 1 < self.kept.len() || takes <= 1.6 * fine && !few {
                     refined.push(cell);
                     continue;
                 }
@@ -286,12 +290,19 @@ where
                     self.jerk_limited && index == 0 && self.beginning == Beginning::Rest,
                     self.jerk_limited && index + 1 == count,
                 ];
-                let at = if rest == [false; 2] {
+                let mut at = if rest == [false; 2] {
                     cuts(pair, takes, fine)
                 } else {
-                    let jerks = [grid.jerk_start(index), grid.jerk_end(index)];
-                    rest_cuts(cell.length(), rest, jerks, LAUNCH.min(0.25 * duration))
+                    rest_cuts(
+                        cell.length(),
+                        rest,
+                        grid.rest_rates(index),
+                        LAUNCH.min(0.25 * duration),
+                    )
                 };
+                if few && at.is_empty() {
+                    at.push(0.5);
+                }
                 cut |= !at.is_empty();
                 refined.extend(self.sampler.parts(&cell, &at)?);
             }
@@ -622,9 +633,11 @@ fn time(pair: &[f64], length: f64, jerk_limited: bool) -> f64 {
 }
 
 /// Where to cut a cell that begins or ends at rest, as parts of its length: after what is gone in `time` with the whole of the
-/// jerk limit. What is left of it is cut like others.
-fn rest_cuts(length: f64, rest: [bool; 2], jerks: [f64; 2], time: f64) -> Vec<f64> {
-    let [first, last] = jerks.map(|jerk| jerk * time.powi(3) / 6.0 / length);
+/// jerk limit, or until the acceleration is what it may be. What is left of it is cut like others. `limits`: acceleration and
+/// jerk of the parameter at its start and its end.
+fn rest_cuts(length: f64, rest: [bool; 2], limits: [[f64; 2]; 2], time: f64) -> Vec<f64> {
+    let [first, last] = limits
+        .map(|[acceleration, jerk]| jerk * time.min(acceleration / jerk).powi(3) / 6.0 / length);
     match rest {
         [true, true] => vec![first.min(0.25), 0.5, 1.0 - last.min(0.25)],
         [true, false] if first < 0.8 => vec![first],

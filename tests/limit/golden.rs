@@ -69,6 +69,9 @@ fn planner_is_near_the_closed_forms_without_jerk() {
 fn planner_comes_to_the_closed_forms_with_jerk() {
     for case in all().into_iter().filter(|case| case.jerk && case.rests()) {
         let found = [2e-3, 1e-3, 5e-4, 2.5e-4].map(|step| planner_error(&case, step));
-        println!("{:50} {:+.1e} {:+.1e} {:+.1e} {:+.1e}", case.name, found[0], found[1], found[2], found[3]);
+        println!(
+            "{:50} {:+.1e} {:+.1e} {:+.1e} {:+.1e}",
+            case.name, found[0], found[1], found[2], found[3]
+        );
     }
 }

@@ -1,7 +1,6 @@
 //! Programs that other people's CAM systems and hands have written, placed on every machine by a work offset.
 //!
-//! Of every program its beginning, or all if `TWIN_CORPUS_FULL` is set; to a number: so many elements at most. Rotary axes
-//! of programs stand still here.
+//! What rotary axes do alone is left out: these machines have none. Of every program its beginning, or all if `TWIN_CORPUS_FULL` is set; to a number: so many elements at most.
 
 use super::machines::Machine;
 use super::run::{Report, Settings, run};
@@ -45,6 +44,9 @@ fn decode(path: &Path, (count, time): (usize, f64)) -> Option<Vec<PathElement>> 
     let mut elements = Vec::new();
     for item in Decoder::new(text.as_slice(), options) {
         if let Item::Element(element) = item.ok()? {
+            if element.kind.is_motion() && element.shape.length() == 0.0 {
+                continue;
+            }
             elements.push(element);
         }
     }
