@@ -20,7 +20,7 @@ pub(super) struct Program {
     /// Where each row comes from.
     origins: Vec<Origin>,
     /// |three rows| ≤ 1.
-    cones: Vec<([[(usize, f64); 3]; 3], Origin)>,
+    cones: Vec<(Cone, Origin)>,
     /// Rows that are left out as long as a solution keeps them.
     spare: Vec<Spare>,
 }
@@ -32,6 +32,9 @@ struct Spare {
     right: f64,
     origin: Origin,
 }
+
+/// The three rows of the cone |rows·x| ≤ 1.
+pub(super) type Cone = [[(usize, f64); 3]; 3];
 
 /// Where a row comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -146,7 +149,7 @@ impl Program {
     }
 
     /// Adds |three rows| ≤ 1.
-    pub(super) fn add_cone(&mut self, rows: [[(usize, f64); 3]; 3], origin: Origin) {
+    pub(super) fn add_cone(&mut self, rows: Cone, origin: Origin) {
         self.cones.push((rows, origin));
     }
 
@@ -252,6 +255,9 @@ impl Program {
             ..DefaultSettings::default()
         };
         let not_solved = |status, iterations| NotSolved { status, iterations };
+        if self.diagonal.is_empty() {
+            return Err(not_solved(SolverStatus::Unsolved, 0));
+        }
         let mut solver = DefaultSolver::new(&p, &self.linear, &a, &right, &cones, settings)
             .map_err(|_invalid| not_solved(SolverStatus::NumericalError, 0))?;
         solver.solve();

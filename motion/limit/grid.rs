@@ -317,6 +317,19 @@ impl End {
 }
 
 impl Grid {
+    /// The largest acceleration and jerk of the parameter from rest at the start of a cell, and to rest at its end.
+    pub(super) fn rest_rates(&self, cell: usize) -> [[f64; 2]; 2] {
+        let acceleration = |end: End, sign: f64| {
+            let (axes, further) = self.rows(cell, end);
+            let most = axes.iter().fold(0.0, |most: f64, row| most.max(row.a.abs()));
+            1.0 / further.iter().fold(most, |most, row| most.max(sign * row.a))
+        };
+        [
+            [acceleration(End::Start, 1.0), self.jerk_start(cell)],
+            [acceleration(End::Finish, -1.0), self.jerk_end(cell)],
+        ]
+    }
+
     /// The largest jerk of the parameter with which a cell can be begun from rest.
     pub fn jerk_start(&self, cell: usize) -> f64 {
         rest_jerk(self.jerks(cell, End::Start))

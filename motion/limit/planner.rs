@@ -26,6 +26,8 @@ const GRADE: f64 = 0.04;
 /// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
 /// constant.
 const LAUNCH: f64 = 8e-3;
+/// Between stops there are at least so many cells.
+const FEWEST: usize = 4;
 /// So many times the time in which acceleration builds up is left between what is committed and where the end of the window
 /// begins to be felt.
 const MARGIN: f64 = 4.0;
@@ -36,8 +38,10 @@ const ALLOWED: [[f64; 2]; 3] = [[1.0005, 1.01], [1.045, 1.2], [1.0005, 1.01]];
 const ROOM: [f64; 3] = [2e-4, 2e-3, 1e-6];
 /// Cells that take less time, s, are not looked into: they are over at once.
 const SHORT: f64 = 2e-5;
-/// Limits are tightened at most so often.
-const ROUNDS: u32 = 5;
+/// Limits are tightened at most so often, and cells cut in half at most in so many of these rounds: a shorter cell gives the
+/// profile more freedom, which it may use to exceed limits somewhere else.
+const ROUNDS: u32 = 12;
+const HALVING: u32 = 6;
 
 /// A part of an element and how it is gone through.
 #[derive(Clone, Debug)]
@@ -276,7 +280,9 @@ where
                 let fine = step * (since.min(left) / GRADE).clamp(0.125, 1.0);
                 since += takes;
                 left -= takes;
-                if index + 1 < self.kept.len() || takes <= 1.6 * fine {
+                // A profile with limited jerk has to have a choice.
+                let few = self.jerk_limited && count < FEWEST;
+                if index + 1 < self.kept.len() || takes <= 1.6 * fine && !few {
                     refined.push(cell);
                     continue;
                 }
@@ -284,14 +290,21 @@ where
                     self.jerk_limited && index == 0 && self.beginning == Beginning::Rest,
                     self.jerk_limited && index + 1 == count,
                 ];
-                let at = if rest == [false; 2] {
+                let mut at = if rest == [false; 2] {
                     cuts(pair, takes, fine)
                 } else {
-                    let jerks = [grid.jerk_start(index), grid.jerk_end(index)];
-                    rest_cuts(cell.length(), rest, jerks, LAUNCH.min(0.25 * duration))
+                    rest_cuts(
+                        cell.length(),
+                        rest,
+                        grid.rest_rates(index),
+                        LAUNCH.min(0.25 * duration),
+                    )
                 };
+                if few && at.is_empty() {
+                    at.push(0.5);
+                }
                 cut |= !at.is_empty();
-                refined.extend(self.sampler.parts(cell, &at)?);
+                refined.extend(self.sampler.parts(&cell, &at)?);
             }
             self.cells = refined;
             if !cut {
@@ -407,16 +420,16 @@ where
     /// are exceeded.
     fn solve_verified(&mut self) -> Result<Vec<Stretch>, NotSolved> {
         let mut stretches = self.solve(None)?;
-        for _ in 0..ROUNDS {
-            let Some(warm) = self.tighten(&stretches) else { break };
+        for round in 0..ROUNDS {
+            let Some(warm) = self.tighten(&stretches, round < HALVING) else { break };
             stretches = self.solve(Some(warm))?;
         }
         Ok(stretches)
     }
 
-    /// Makes limits tighter in cells where they are exceeded, and cuts them in half where they are exceeded by much. The
-    /// profile so far at the nodes, if there are any such cells.
-    fn tighten(&mut self, stretches: &[Stretch]) -> Option<Vec<f64>> {
+    /// Makes limits tighter in cells where they are exceeded, and with `halving` cuts them in half where they are exceeded
+    /// by much. The profile so far at the nodes, if there are any such cells.
+    fn tighten(&mut self, stretches: &[Stretch], halving: bool) -> Option<Vec<f64>> {
         let fresh = self.kept.len().saturating_sub(1);
         let mut cells = Vec::with_capacity(self.cells.len());
         let start = stretches.first().map_or(0.0, |stretch| stretch.at_position(0.0).0);
@@ -430,14 +443,14 @@ where
             for ((tight, worst), [allowed, far]) in cell.tight.iter_mut().zip(worst).zip(ALLOWED) {
                 if worst > allowed {
                     *tight *= (worst / (1.0 + 0.5 * (allowed - 1.0))).min(2.0);
-                    halve |= worst > far;
+                    halve |= halving && worst > far;
                     any = true;
                 }
             }
             let rest = self.jerk_limited && (index == 0 || index == last);
             if halve && !rest && stretch.duration() > 4.0 * SHORT {
                 cell.tight = [1.0; 3];
-                if let Ok(parts) = self.sampler.parts(cell.clone(), &[0.5]) {
+                if let Ok(parts) = self.sampler.parts(&cell, &[0.5]) {
                     profile.push(stretch.at_position(0.5 * stretch.length()).0);
                     cells.extend(parts);
                 } else {
@@ -620,9 +633,11 @@ fn time(pair: &[f64], length: f64, jerk_limited: bool) -> f64 {
 }
 
 /// Where to cut a cell that begins or ends at rest, as parts of its length: after what is gone in `time` with the whole of the
-/// jerk limit. What is left of it is cut like others.
-fn rest_cuts(length: f64, rest: [bool; 2], jerks: [f64; 2], time: f64) -> Vec<f64> {
-    let [first, last] = jerks.map(|jerk| jerk * time.powi(3) / 6.0 / length);
+/// jerk limit, or until the acceleration is what it may be. What is left of it is cut like others. `limits`: acceleration and
+/// jerk of the parameter at its start and its end.
+fn rest_cuts(length: f64, rest: [bool; 2], limits: [[f64; 2]; 2], time: f64) -> Vec<f64> {
+    let [first, last] = limits
+        .map(|[acceleration, jerk]| jerk * time.min(acceleration / jerk).powi(3) / 6.0 / length);
     match rest {
         [true, true] => vec![first.min(0.25), 0.5, 1.0 - last.min(0.25)],
         [true, false] if first < 0.8 => vec![first],

@@ -163,7 +163,7 @@ impl Plane {
             self.strips.iter().filter(|[p, r]| r.abs() <= 1e-12 * p.abs()).map(|[p, _]| p.abs());
         let halves =
             self.halves.iter().filter(|[p, r]| r.abs() <= 1e-12 * p.abs()).map(|[p, _]| *p);
-        let discs = self.discs.iter().map(|disc| disc_alone(disc));
+        let discs = self.discs.iter().map(disc_alone);
         1.0 / strips.chain(halves).chain(discs).fold(0.0, f64::max)
     }
 

@@ -113,7 +113,10 @@ impl<A: AxisPath> Sampler<A> {
         let mut last = from;
         // What is left between two blends that nearly meet is not worth a cell.
         let sliver = tail - head < SLIVER * head.min(element.length() - tail);
-        for to in element.breaks().filter(|at| *at > from && !(sliver && *at == tail)) {
+        for to in element
+            .breaks()
+            .filter(|at| *at > from && !(sliver && *at >= tail && *at < element.length()))
+        {
             let middle = last.midpoint(to);
             let least = if middle < head || middle > tail { LEAST_OF_BLEND } else { LEAST };
             let step = (to - last) / f64::from(least);
@@ -149,14 +152,14 @@ impl<A: AxisPath> Sampler<A> {
             cells.push(cell);
             return Ok(());
         }
-        for half in self.parts(cell, &[0.5])? {
+        for half in self.parts(&cell, &[0.5])? {
             self.halve(half, depth - 1, cells)?;
         }
         Ok(())
     }
 
     /// `cell` cut at these parts of its length.
-    pub(super) fn parts(&self, cell: Cell, at: &[f64]) -> Result<Vec<Cell>, KinematicsError> {
+    pub(super) fn parts(&self, cell: &Cell, at: &[f64]) -> Result<Vec<Cell>, KinematicsError> {
         let mut parts = Vec::with_capacity(at.len() + 1);
         let length = cell.length();
         let mut rest = cell.clone();

@@ -1,0 +1,109 @@
+//! The machines: dimensions and axis limits of `machines/gantry3.toml`, `scara2.toml` and `tripod.toml`, without tool.
+
+use nalgebra::Vector3;
+use twin_kinematics::gantry::Gantry3;
+use twin_kinematics::scara::{Elbow, Scara2};
+use twin_kinematics::tripod::{Tripod, TripodDimensions};
+use twin_kinematics::{AxisSource, AxisVector, Coordinate, Kinematics, MachineAxes, Pose};
+use twin_motion::limit::{AxisLimits, KinematicPath};
+
+/// Acceleration is built up in this time, s: the jerk limit is the acceleration limit divided by it.
+pub const BUILD_UP: f64 = 0.02;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Machine {
+    Gantry3,
+    Scara2,
+    Tripod,
+}
+
+impl Machine {
+    pub const ALL: [Self; 3] = [Self::Gantry3, Self::Scara2, Self::Tripod];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Gantry3 => "gantry3",
+            Self::Scara2 => "scara2",
+            Self::Tripod => "tripod",
+        }
+    }
+
+    fn kinematics(self) -> MachineAxes {
+        let (transform, sources): (Box<dyn Kinematics>, Vec<AxisSource>) = match self {
+            Self::Gantry3 => (
+                Box::new(Gantry3::new([0.0; 3]).unwrap()),
+                [0, 1, 2].map(AxisSource::Transform).to_vec(),
+            ),
+            Self::Scara2 => (
+                Box::new(Scara2::new([0.25, 0.2], [0.0; 2], Elbow::Low).unwrap()),
+                vec![
+                    AxisSource::Transform(0),
+                    AxisSource::Transform(1),
+                    AxisSource::Coordinate(Coordinate::Z),
+                ],
+            ),
+            Self::Tripod => {
+                let dimensions = TripodDimensions {
+                    inner_radius: 0.06,
+                    outer_radius: 0.26,
+                    rod_length: 0.4,
+                    rod_distance: 0.05,
+                    rotation: 90_f64.to_radians(),
+                };
+                let tripod = Tripod::new(dimensions, [0.0; 3]).unwrap();
+                (Box::new(tripod), [0, 1, 2].map(AxisSource::Transform).to_vec())
+            }
+        };
+        MachineAxes::new(transform, sources, Vector3::zeros()).unwrap()
+    }
+
+    /// Velocity and acceleration per axis, and the least and largest position, SI.
+    fn axes(self) -> [([f64; 2], [f64; 2]); 3] {
+        let turn = f64::to_radians;
+        match self {
+            Self::Gantry3 => [
+                ([0.4, 3.0], [-0.05, 0.65]),
+                ([0.4, 3.0], [-0.25, 0.45]),
+                ([0.2, 2.0], [-0.06, 0.12]),
+            ],
+            Self::Scara2 => [
+                ([turn(240.0), turn(1500.0)], [turn(-150.0), turn(150.0)]),
+                ([turn(300.0), turn(2500.0)], [turn(-150.0), turn(150.0)]),
+                ([0.3, 3.0], [-0.06, 0.14]),
+            ],
+            Self::Tripod => [([0.5, 8.0], [0.24, 0.56]); 3],
+        }
+    }
+
+    pub fn limits(self, jerk: bool) -> Vec<AxisLimits> {
+        let limits = self.axes().map(|([velocity, acceleration], _)| AxisLimits {
+            velocity,
+            acceleration,
+            jerk: jerk.then_some(acceleration / BUILD_UP),
+        });
+        limits.to_vec()
+    }
+
+    /// What the planner is given.
+    pub fn path(self, jerk: bool) -> KinematicPath<MachineAxes> {
+        KinematicPath::new(self.kinematics(), self.limits(jerk), AxisVector::zeros(3))
+    }
+
+    /// A box within reach, m: least and largest corner.
+    pub fn room(self) -> [Vector3<f64>; 2] {
+        match self {
+            Self::Gantry3 => [Vector3::new(0.0, -0.2, -0.05), Vector3::new(0.6, 0.4, 0.1)],
+            Self::Scara2 => [Vector3::new(0.18, -0.12, -0.05), Vector3::new(0.38, 0.12, 0.1)],
+            Self::Tripod => [Vector3::new(-0.12, -0.12, 0.0), Vector3::new(0.12, 0.12, 0.12)],
+        }
+    }
+
+    /// Whether every axis stays within its range at a point, m.
+    pub fn reaches(self, point: &Vector3<f64>) -> bool {
+        let pose = Pose::at(point.x, point.y, point.z);
+        let Ok(axes) = self.kinematics().inverse(&pose, &AxisVector::zeros(3)) else {
+            return false;
+        };
+        axes.iter().zip(self.axes()).all(|(at, (_, [min, max]))| (min..=max).contains(at))
+    }
+}

@@ -1,0 +1,19 @@
+//! The feed limiter's planner held to its word: whole paths on whole machines, sampled every millisecond.
+
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    unreachable_pub,
+    reason = "a test that cannot be set up has failed; counts are far below 2^53"
+)]
+
+mod corpus;
+mod long;
+mod machines;
+mod random;
+mod run;

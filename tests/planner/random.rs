@@ -1,0 +1,209 @@
+//! Random paths: lines, arcs, helices, corners and pauses, from hundredths of a millimetre to decimetres.
+
+use super::machines::Machine;
+use super::run::{Report, Settings, arrives, run};
+use nalgebra::{Point3, Vector2, Vector3};
+use proptest::prelude::*;
+use std::f64::consts::PI;
+use twin_motion::Place;
+use twin_motion::path::{Arc, ElementKind, PathElement, Plane, Shape};
+
+#[derive(Clone, Debug)]
+struct Step {
+    form: Form,
+    straight_on: bool,
+    /// m.
+    length: f64,
+    direction: [f64; 3],
+    /// m/s and m/s².
+    feed: f64,
+    accelerations: [f64; 2],
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Form {
+    Line,
+    Rapid,
+    Arc { plane: Plane, sweep: f64, rise: f64 },
+    Dwell,
+}
+
+fn exponential(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> + Clone {
+    (range.start.ln()..range.end.ln()).prop_map(f64::exp)
+}
+
+fn step() -> impl Strategy<Value = Step> {
+    let sweep = prop_oneof![-1.9 * PI..-0.05, 0.05..1.9 * PI];
+    let plane = prop_oneof![3 => Just(Plane::Xy), 1 => Just(Plane::Zx), 1 => Just(Plane::Yz)];
+    let rise = prop_oneof![Just(0.0), -0.3..0.3];
+    let form = prop_oneof![
+        8 => Just(Form::Line),
+        1 => Just(Form::Rapid),
+        5 => (plane, sweep, rise).prop_map(|(plane, sweep, rise)| Form::Arc { plane, sweep, rise }),
+        1 => Just(Form::Dwell),
+    ];
+    // Most as short as CAM writes them.
+    let length = prop_oneof![3 => exponential(1e-5..5e-3), 1 => exponential(5e-3..0.05)];
+    let flat = (-1.0..1.0, -1.0..1.0).prop_map(|(x, y)| [x, y, 0.0]);
+    let direction = prop_oneof![2 => flat, 1 => [-1.0..1.0, -1.0..1.0, -0.5..0.5]];
+    let accelerations = [exponential(0.2..20.0), exponential(0.2..20.0)];
+    (form, any::<bool>(), length, direction, exponential(5e-3..0.5), accelerations).prop_map(
+        |(form, straight_on, length, direction, feed, accelerations)| Step {
+            form,
+            straight_on,
+            length,
+            direction,
+            feed,
+            accelerations,
+        },
+    )
+}
+
+impl Step {
+    /// From `at`, where the path arrives in the direction `along`.
+    fn element(&self, at: Point3<f64>, along: Option<Vector3<f64>>) -> Option<PathElement> {
+        let along = along.filter(|_| self.straight_on);
+        let along = along.or_else(|| Vector3::from(self.direction).try_normalize(1e-3))?;
+        let (kind, shape) = match self.form {
+            Form::Line | Form::Rapid => {
+                let shape = Shape::Line { start: at, end: at + along * self.length };
+                let cut = matches!(self.form, Form::Line);
+                (if cut { ElementKind::Cut } else { ElementKind::Rapid }, shape)
+            }
+            Form::Arc { plane, sweep, rise } => {
+                let [x, y, _] = plane.split(&along);
+                let left = Vector2::new(-y, x).try_normalize(1e-3)?;
+                let spoke = left * (self.length / sweep);
+                let [x, y, z] = plane.split(&at.coords);
+                let center = Vector2::new(x, y) + spoke;
+                let (sin, cos) = sweep.sin_cos();
+                let end = center
+                    - Vector2::new(spoke.x * cos - spoke.y * sin, spoke.x * sin + spoke.y * cos);
+                let end = plane.join([end.x, end.y, z + rise * self.length]);
+                let center = plane.join([center.x, center.y, z]);
+                let made = Arc::in_plane(plane, at, end.into(), center.into(), sweep);
+                (ElementKind::Cut, Shape::Arc(made))
+            }
+            Form::Dwell => {
+                (ElementKind::Dwell { time_ns: 10_000_000 }, Shape::Line { start: at, end: at })
+            }
+        };
+        let [acceleration, deceleration] = self.accelerations;
+        let made = PathElement::new(Place::default(), kind, shape);
+        Some(PathElement { feed: self.feed, acceleration, deceleration, ..made })
+    }
+}
+
+/// The steps one after the other, without those that leave the room.
+fn walk(steps: &[Step], machine: Machine) -> Vec<PathElement> {
+    let [min, max] = machine.room();
+    let mut at = Point3::from(0.5 * (min + max));
+    let mut along = None;
+    let mut path = Vec::new();
+    for (index, step) in steps.iter().enumerate() {
+        let Some(mut element) = step.element(at, along) else { continue };
+        let bounds = element.shape.bounds();
+        let inside = (0..3).all(|i| bounds.min[i] >= min[i] && bounds.max[i] <= max[i]);
+        if !inside {
+            continue;
+        }
+        element.place.line = index as u32 + 1;
+        at = element.end();
+        along = arrives(&element).or(along);
+        path.push(element);
+    }
+    path
+}
+
+/// What holds for every motion.
+pub fn check(
+    report: &Report,
+    path: &[PathElement],
+    settings: &Settings,
+) -> Result<(), TestCaseError> {
+    prop_assert!(report.errors.is_empty(), "{:?}", report.errors);
+    prop_assert_eq!(report.effort.failed, 0);
+    let lines: Vec<u32> = path.iter().map(|element| element.place.line).collect();
+    prop_assert_eq!(&report.lines, &lines);
+    prop_assert!(report.duration.is_finite());
+    let limited = [
+        ("velocity", report.velocity, 1.001),
+        ("acceleration", report.acceleration, 1.001),
+        ("jerk", report.jerk, 1.05),
+        ("third difference", report.third_difference, 1.05),
+        ("feed", report.feed, 1.001),
+        ("path acceleration", report.path_acceleration, 1.001),
+        ("velocity step", report.velocity_step, 1e-6),
+    ];
+    for (name, peak, most) in limited {
+        prop_assert!(peak.value <= most, "{name} {peak:?} on {settings:?}");
+    }
+    if settings.jerk {
+        prop_assert!(report.acceleration_step.value <= 1e-5, "{:?}", report.acceleration_step);
+    }
+    Ok(())
+}
+
+fn settings() -> impl Strategy<Value = Settings> {
+    let machine = prop::sample::select(Machine::ALL.to_vec());
+    let angle = prop_oneof![Just(2_f64.to_radians()), Just(PI)];
+    (machine, exponential(1e-6..1e-4), angle).prop_map(|(machine, tolerance, angle)| Settings {
+        machine,
+        jerk: true,
+        tolerance,
+        angle,
+        horizon: 1.5,
+    })
+}
+
+/// Failures take long to plan: their paths are made shorter only a few times.
+fn cases(cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        failure_persistence: None,
+        max_shrink_iters: 40,
+        ..ProptestConfig::default()
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(16))]
+
+    #[test]
+    fn limits_of_jerk_are_kept(settings in settings(), steps in prop::collection::vec(step(), 1..25)) {
+        let path = walk(&steps, settings.machine);
+        let report = run(path.iter().cloned(), &settings, settings.options());
+        check(&report, &path, &settings)?;
+        let fast = Settings { jerk: false, ..settings };
+        let fast = run(path.iter().cloned(), &fast, settings.options());
+        prop_assert!(fast.duration <= report.duration * 1.001, "{} {}", fast.duration, report.duration);
+        let most = 2.0 * fast.duration + 0.2 * f64::from(report.stops);
+        prop_assert!(report.duration <= most, "{} of {most}", report.duration);
+    }
+
+    #[test]
+    fn limits_of_acceleration_are_kept(settings in settings(), steps in prop::collection::vec(step(), 1..25)) {
+        let settings = Settings { jerk: false, ..settings };
+        let path = walk(&steps, settings.machine);
+        let report = run(path.iter().cloned(), &settings, settings.options());
+        check(&report, &path, &settings)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(6))]
+
+    #[test]
+    fn windows_lose_little(settings in settings(), jerk in any::<bool>(), steps in prop::collection::vec(step(), 10..30)) {
+        let whole = Settings { jerk, horizon: 1e3, ..settings };
+        let path = walk(&steps, settings.machine);
+        let best = run(path.iter().cloned(), &whole, whole.options());
+        for horizon in [1.5, 0.6] {
+            let part = Settings { horizon, ..whole };
+            let report = run(path.iter().cloned(), &part, part.options());
+            check(&report, &path, &part)?;
+            let loss = report.duration / best.duration - 1.0;
+            prop_assert!(loss.abs() <= 1e-3, "{loss:e} with {horizon} s of {} s", best.duration);
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! Plans a path and looks at what comes of it.
+
+use super::machines::Machine;
+use nalgebra::Vector3;
+use std::sync::Arc;
+use std::time::Instant;
+use twin_kinematics::AxisVector;
+use twin_motion::limit::course::{CourseElement, CourseOptions};
+use twin_motion::limit::{
+    AxisLimits, AxisPath, AxisPoint, Effort, Leg, LimitError, LimitOptions, Planned, Planner,
+};
+use twin_motion::path::PathElement;
+use twin_motion::prepare::{CheckError, CheckVelocities};
+
+/// Servo cycle, s.
+const CYCLE: f64 = 1e-3;
+/// The root of what is left of u̇² by rounding, m/s.
+const AT_REST: f64 = 1e-7;
+
+/// How a path is planned.
+#[derive(Clone, Copy, Debug)]
+pub struct Settings {
+    pub machine: Machine,
+    pub jerk: bool,
+    /// Of joints, m.
+    pub tolerance: f64,
+    /// Sharper turns are stops, rad.
+    pub angle: f64,
+    pub horizon: f64,
+}
+
+impl Settings {
+    pub fn options(&self) -> LimitOptions {
+        let options = LimitOptions::new(CourseOptions::new(self.tolerance));
+        LimitOptions { horizon: self.horizon, ..options }
+    }
+}
+
+/// What a value is at most, and where that is.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Peak {
+    pub value: f64,
+    /// Of the program.
+    pub line: u32,
+    /// s.
+    pub time: f64,
+}
+
+impl Peak {
+    fn raise(&mut self, value: f64, line: u32, time: f64) {
+        if value > self.value || value.is_nan() {
+            *self = Self { value, line, time };
+        }
+    }
+}
+
+/// What there is to say about a motion. Peaks are parts of the limits, of any axis.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    pub duration: f64,
+    pub velocity: Peak,
+    pub acceleration: Peak,
+    pub jerk: Peak,
+    /// From differences of positions.
+    pub third_difference: Peak,
+    /// Part of F.
+    pub feed: Peak,
+    /// Part of E+ or E−.
+    pub path_acceleration: Peak,
+    /// Step of the velocity and of the acceleration of the parameter from leg to leg, m/s and m/s².
+    pub velocity_step: Peak,
+    pub acceleration_step: Peak,
+    /// Lines whose elements were visited, in order, each once.
+    pub lines: Vec<u32>,
+    /// Pauses, and stops between elements.
+    pub stops: u32,
+    pub errors: Vec<String>,
+    pub effort: Effort,
+    /// Of planning, s.
+    pub took: f64,
+    pub legs: u64,
+}
+
+impl Report {
+    pub fn points_per_second(&self) -> f64 {
+        self.effort.committed as f64 / self.took
+    }
+}
+
+/// Follows the legs in equal cycles.
+struct Watch<'m, A> {
+    axes: &'m A,
+    limits: Vec<AxisLimits>,
+    near: AxisVector,
+    /// Positions of the last three cycles, the latest first.
+    before: [AxisVector; 3],
+    cycles: u64,
+    /// Where the last leg ended: element, parameter, u̇, ü.
+    last: Option<(Arc<CourseElement>, f64, f64, f64)>,
+    report: Report,
+}
+
+impl<A: AxisPath> Watch<'_, A> {
+    fn leg(&mut self, leg: &Leg) {
+        let line = leg.element.place().line;
+        let stretch = &leg.stretch;
+        let start = self.report.duration;
+        let (b, a) = stretch.at_position(0.0);
+        let mut v0 = 0.0;
+        let mut a0 = 0.0;
+        let mut joined = false;
+        let mut stop = true;
+        if self.last.is_none() {
+            // It stood there before.
+            let start = self.axes.axes(&leg.element, leg.from, &self.near).unwrap().position;
+            self.before = [start; 3];
+        }
+        if let Some((element, s, velocity, acceleration)) = self.last.take() {
+            (v0, a0) = (velocity, acceleration);
+            joined = Arc::ptr_eq(&element, &leg.element);
+            stop = !joined && element.stops_at_end();
+            let from = if joined { s } else { 0.0 };
+            let fits = (leg.from - from).abs() <= 1e-9 * leg.element.length().max(1e-6);
+            assert!(fits, "line {line}: begins at {} instead of {from}", leg.from);
+            let end = element.length();
+            assert!(joined || (s - end).abs() <= 1e-9 * end, "line {line}: left at {s} of {end}");
+        }
+        if !joined {
+            self.report.lines.push(line);
+        }
+        if stop {
+            assert!(b == 0.0 && v0.abs() < AT_REST, "line {line}: {v0}, {b} at a stop");
+            self.report.stops += 1;
+        }
+        self.report.velocity_step.raise((b.sqrt() - v0).abs(), line, start);
+        self.report.acceleration_step.raise((a - a0).abs(), line, start);
+        let end = start + stretch.duration();
+        assert!(end.is_finite() && end >= start, "line {line}: {stretch:?}");
+        while CYCLE * (self.cycles as f64) <= end {
+            let time = CYCLE * (self.cycles as f64);
+            self.sample(leg, line, time, time - start);
+            self.cycles += 1;
+        }
+        let (b, a) = stretch.at_position(stretch.length());
+        self.last = Some((Arc::clone(&leg.element), leg.from + stretch.length(), b.sqrt(), a));
+        self.report.duration = end;
+        self.report.legs += 1;
+    }
+
+    fn sample(&mut self, leg: &Leg, line: u32, time: f64, into: f64) {
+        let progress = leg.stretch.at(into);
+        let s = leg.from + progress.position;
+        let AxisPoint { position, rates } = self.axes.axes(&leg.element, s, &self.near).unwrap();
+        self.near = position;
+        let (v, a, j) = (progress.velocity, progress.acceleration, progress.jerk);
+        let report = &mut self.report;
+        for (axis, limits) in self.limits.iter().enumerate() {
+            let (d1, d2, d3) = (rates.first[axis], rates.second[axis], rates.third[axis]);
+            report.velocity.raise((d1 * v).abs() / limits.velocity, line, time);
+            let acceleration = d1 * a + d2 * v * v;
+            report.acceleration.raise(acceleration.abs() / limits.acceleration, line, time);
+            if let Some(limit) = limits.jerk {
+                let jerk = d1 * j + 3.0 * d2 * v * a + d3 * v * v * v;
+                report.jerk.raise(jerk.abs() / limit, line, time);
+            }
+        }
+        let point = leg.element.at(s);
+        let norm = point.first.norm();
+        // Where only extra axes move the parameter is the way.
+        let speed = if norm > 0.0 { norm } else { 1.0 };
+        report.feed.raise(speed * v / leg.element.feed(), line, time);
+        let along = speed * a + point.first.dot(&point.second) / speed * v * v;
+        let limit =
+            if along > 0.0 { leg.element.acceleration() } else { leg.element.deceleration() };
+        report.path_acceleration.raise(along.abs() / limit, line, time);
+        self.differ(position, line, time);
+    }
+
+    fn differ(&mut self, position: AxisVector, line: u32, time: f64) {
+        let [p1, p2, p3] = self.before;
+        for (axis, limits) in self.limits.iter().enumerate() {
+            let Some(limit) = limits.jerk else { continue };
+            let third = position[axis] - 3.0 * p1[axis] + 3.0 * p2[axis] - p3[axis];
+            let value = third.abs() / CYCLE.powi(3) / limit;
+            self.report.third_difference.raise(value, line, time);
+        }
+        self.before = [position, p1, p2];
+    }
+
+    fn rest(&mut self) {
+        if let Some((element, s, velocity, _)) = &self.last {
+            assert!(velocity.abs() < AT_REST, "{velocity} m/s at rest");
+            assert!((s - element.length()).abs() <= 1e-9 * element.length());
+            let line = element.place().line;
+            let end = element.length();
+            if let Ok(point) = self.axes.axes(element, end, &self.near) {
+                for _ in 0..3 {
+                    self.differ(point.position, line, self.report.duration);
+                }
+            }
+        }
+        self.last = None;
+    }
+}
+
+/// Plans `path` and looks at every millisecond of it.
+pub fn run(
+    path: impl Iterator<Item = PathElement>,
+    settings: &Settings,
+    options: LimitOptions,
+) -> Report {
+    let checked = CheckVelocities::new(path.map(Ok::<_, CheckError>), settings.angle);
+    let mut planner = Planner::new(checked, settings.machine.path(settings.jerk), options);
+    let axes = settings.machine.path(settings.jerk);
+    let mut watch = Watch {
+        limits: axes.limits().to_vec(),
+        near: axes.home(),
+        axes: &axes,
+        before: [axes.home(); 3],
+        cycles: 0,
+        last: None,
+        report: Report::default(),
+    };
+    loop {
+        #[expect(clippy::disallowed_methods, reason = "how long planning takes")]
+        let begun = Instant::now();
+        let next = planner.next();
+        watch.report.took += begun.elapsed().as_secs_f64();
+        match next {
+            Some(Ok(Planned::Leg(leg))) => watch.leg(&leg),
+            Some(Ok(Planned::Pause(element))) => {
+                watch.rest();
+                watch.report.lines.push(element.place().line);
+                watch.report.stops += 1;
+            }
+            Some(Err(LimitError::Upstream(error))) => panic!("{error}"),
+            Some(Err(error)) => {
+                watch.last = None;
+                watch.report.errors.push(error.to_string());
+            }
+            None => break,
+        }
+    }
+    watch.rest();
+    watch.report.effort = planner.effort();
+    watch.report
+}
+
+/// The direction in which a path arrives, if it has one.
+pub fn arrives(element: &PathElement) -> Option<Vector3<f64>> {
+    (element.length() > 0.0).then(|| element.at(element.length()).tangent)
+}
