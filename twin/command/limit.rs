@@ -287,15 +287,12 @@ fn write_feasible(
     let file = File::create(target).map_err(|source| unwritable(target, source))?;
     let mut out = BufWriter::new(file);
     let limits = limits.into_iter().map(Ok);
-    let refed = match program.dialect() {
-        Dialect::Rs274 => {
-            let options = program.rs274_options(&machine.conditions);
-            rs274::refeed(reader, &options, limits, &mut out)
-        }
-        _ => {
-            let options = program.din66025_options(&machine.conditions);
-            din66025::refeed(reader, &options, limits, &mut out)
-        }
+    let refed = if program.dialect() == Dialect::Rs274 {
+        let options = program.rs274_options(&machine.conditions);
+        rs274::refeed(reader, &options, limits, &mut out)
+    } else {
+        let options = program.din66025_options(&machine.conditions);
+        din66025::refeed(reader, &options, limits, &mut out)
     };
     let refed = refed.map_err(|error| match error {
         RefeedError::Read(source) => unreadable(program.path(), source),

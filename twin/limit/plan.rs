@@ -254,7 +254,7 @@ impl<'m> Profile<'m> {
         let (line, rapid) = (element.place().line, element.rapid());
         match &mut self.line {
             Some(limit) if limit.line == line && limit.rapid == rapid => {
-                limit.feed = limit.feed.min(feed)
+                limit.feed = limit.feed.min(feed);
             }
             held => self.lines.extend(held.replace(LineLimit { line, rapid, feed })),
         }
