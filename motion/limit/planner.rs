@@ -36,7 +36,7 @@ const MARGIN: f64 = 4.0;
 const ALLOWED: [[f64; 2]; 3] = [[1.0005, 1.01], [1.045, 1.2], [1.0005, 1.01]];
 /// What was planned before is planned again with so much more room.
 const ROOM: [f64; 3] = [2e-4, 2e-3, 1e-6];
-/// Cells that take less time, s, are not looked into: they are over at once.
+/// Cells that take less time, s, are too short to tell a jerk.
 const SHORT: f64 = 2e-5;
 /// Limits are tightened at most so often, and cells cut in half at most in so many of these rounds: a shorter cell gives the
 /// profile more freedom, which it may use to exceed limits somewhere else.
@@ -438,12 +438,13 @@ where
         let known = std::mem::take(&mut self.cells);
         let last = known.len().saturating_sub(1);
         for (index, (mut cell, stretch)) in known.into_iter().zip(stretches).enumerate() {
-            let worst = if index < fresh { [0.0; 3] } else { self.worst(&cell, stretch) };
+            let worst = self.worst(&cell, stretch);
             let mut halve = false;
             for ((tight, worst), [allowed, far]) in cell.tight.iter_mut().zip(worst).zip(ALLOWED) {
                 if worst > allowed {
                     *tight *= (worst / (1.0 + 0.5 * (allowed - 1.0))).min(2.0);
-                    halve |= halving && worst > far;
+                    // What was planned before stays on its nodes.
+                    halve |= halving && index >= fresh && worst > far;
                     any = true;
                 }
             }
@@ -468,15 +469,13 @@ where
     /// The largest acceleration, jerk and velocity in a cell as parts of the limits.
     fn worst(&self, cell: &Cell, stretch: &Stretch) -> [f64; 3] {
         let mut worst = [0.0_f64; 3];
-        if stretch.duration() < SHORT {
-            return worst;
-        }
         let limits = self.sampler.axes().limits();
-        for part in [0.0, 0.25, 0.5, 0.75, 1.0] {
+        for eighth in 0..=8_u8 {
+            let part = 0.125 * f64::from(eighth);
             let u = part * cell.length();
-            let sample = match part {
-                0.0 => cell.start,
-                1.0 => cell.end,
+            let sample = match eighth {
+                0 => cell.start,
+                8 => cell.end,
                 _ => {
                     let s = cell.from + u;
                     let Ok(sample) = self.sampler.sample(&cell.element, s, &cell.start.position)
@@ -490,6 +489,9 @@ where
             for (worst, excess) in worst.iter_mut().zip(excess) {
                 *worst = worst.max(excess);
             }
+        }
+        if stretch.duration() < SHORT {
+            worst[1] = 0.0;
         }
         worst
     }

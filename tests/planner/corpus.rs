@@ -1,6 +1,7 @@
 //! Programs that other people's CAM systems and hands have written, placed on every machine by a work offset.
 //!
-//! What rotary axes do alone is left out: these machines have none. Of every program its beginning, or all if `TWIN_CORPUS_FULL` is set; to a number: so many elements at most.
+//! What rotary axes do alone is left out: these machines have none. Of every program its beginning, or all if
+//! `TWIN_CORPUS_FULL` is set; to a number: so many elements at most.
 
 use super::machines::Machine;
 use super::run::{Report, Settings, run};
