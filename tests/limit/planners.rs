@@ -59,7 +59,8 @@ fn limited(program: &Program, jerk: Option<f64>) -> Result<Planned, String> {
     let Checked { elements, mode } = program.checked(UNLIMITED);
     let tolerance = match mode {
         PathMode::Tolerance { path, .. } => path,
-        PathMode::ExactPath | PathMode::Continuous => 0.0,
+        // What a machine file has unless it says otherwise: exact to a micrometre.
+        PathMode::ExactPath | PathMode::Continuous => 1e-6,
     };
     let order = if jerk.is_some() { Order::Acceleration } else { Order::Velocity };
     let course = CourseOptions { order, ..CourseOptions::new(tolerance) };

@@ -18,7 +18,7 @@ use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
 use crate::simulated::Simulated;
 use findings::Findings;
-pub(crate) use sentence::unreachable;
+pub(crate) use sentence::{beyond_position, unreachable};
 use std::io;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics};
 use twin_motion::Place;

@@ -40,7 +40,8 @@ pub(super) fn no_additional_axis(place: Place, letter: char) -> Finding {
     Finding::error(Rule::UnsupportedWord, place, message)
 }
 
-pub(super) fn beyond_position(axis: &Axis, place: Place, position: f64) -> Option<Finding> {
+/// An axis beyond its software limits.
+pub(crate) fn beyond_position(axis: &Axis, place: Place, position: f64) -> Option<Finding> {
     let [low, high] = axis.position_limits;
     let tolerance = ROUNDING * (high - low);
     let limit = if position < low - tolerance {

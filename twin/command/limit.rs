@@ -13,6 +13,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use twin_motion::interpolate::Inputs;
 use twin_motion::refeed::{LineLimit, Refed, RefeedError, Unrepaired};
 use twin_motion::{din66025, rs274};
 
@@ -107,6 +108,13 @@ impl Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let machine = arguments.machine.load()?;
     let program = arguments.read.program(&arguments.program, machine.conditions.rs274.units)?;
+    if program.settings().inputs != Inputs::default() {
+        return Err(Failure::Usage(
+            "--override and --profile are for the controller's own planning; `twin limit` plans with the limits of the \
+             machine"
+                .to_owned(),
+        ));
+    }
     if let Some(target) = &arguments.feasible {
         check_target(&program, target)?;
     }

@@ -2,13 +2,15 @@
 
 use super::machine_path::{AxisRules, MachinePath, MachinePathError};
 use super::{Binding, Change, ProfileSample, Quantity};
-use crate::check::unreachable;
+use crate::check::{beyond_position, unreachable};
 use crate::finding::{Finding, Rule};
 use crate::machine::{Machine, VelocitySource};
 use crate::program::{Findings, Halt, Prepared, ProgramFile};
+use std::collections::VecDeque;
 use std::io;
 use std::num::NonZeroU32;
 use twin_kinematics::AxisVector;
+use twin_motion::Place;
 use twin_motion::interpolate::DEFAULT_CYCLE_NS;
 use twin_motion::limit::course::{CourseOptions, Order};
 use twin_motion::limit::{
@@ -77,6 +79,9 @@ pub struct Profile<'m> {
     found: Findings,
     line: Option<LineLimit>,
     lines: Vec<LineLimit>,
+    /// The line on which each axis was last found beyond its software limits.
+    told: Vec<Option<u32>>,
+    ready: VecDeque<ProfileItem>,
 }
 
 impl<'m> Profile<'m> {
@@ -103,10 +108,22 @@ impl<'m> Profile<'m> {
             ..LimitOptions::new(course)
         };
         let near = axes.home();
+        let told = vec![None; machine.axes.len()];
         let planner = Planner::new(path, MachinePath::new(machine, rules.axes)?, options);
         let cycle = u32::try_from(machine.cycle_ns).ok().and_then(NonZeroU32::new);
         let follower = Follower::new(planner, cycle.unwrap_or(DEFAULT_CYCLE_NS));
-        Ok(Self { machine, axes, follower, rules, near, found, line: None, lines: Vec::new() })
+        Ok(Self {
+            machine,
+            axes,
+            follower,
+            rules,
+            near,
+            found,
+            line: None,
+            lines: Vec::new(),
+            told,
+            ready: VecDeque::new(),
+        })
     }
 
     /// What planning has taken so far.
@@ -176,6 +193,7 @@ impl<'m> Profile<'m> {
             Err(error) => return ProfileItem::Finding(unreachable(tool.place, &error)),
         };
         self.near = point.position;
+        self.look_at_positions(tool.place);
         let Rates { first, second, third } = &point.rates;
         let (v, a, j) = (progress.velocity, progress.acceleration, progress.jerk);
         let values = first.iter().zip(second.iter()).zip(third.iter());
@@ -200,6 +218,19 @@ impl<'m> Profile<'m> {
         sample.binding = self.binding(&sample, followed);
         self.include(&point.rates, followed);
         ProfileItem::Sample(Box::new(sample))
+    }
+
+    /// Tells of axes beyond their software limits, once per line.
+    fn look_at_positions(&mut self, place: Place) {
+        let axes = self.machine.axes.iter().zip(self.near.iter()).zip(&mut self.told);
+        for ((axis, position), told) in axes {
+            if *told != Some(place.line)
+                && let Some(finding) = beyond_position(axis, place, *position)
+            {
+                *told = Some(place.line);
+                self.ready.push_back(ProfileItem::Finding(finding));
+            }
+        }
     }
 
     /// The limit that the motion is nearest to, if it is at one.
@@ -282,6 +313,9 @@ impl Iterator for Profile<'_> {
     type Item = ProfileItem;
 
     fn next(&mut self) -> Option<ProfileItem> {
+        if let Some(item) = self.ready.pop_front() {
+            return Some(item);
+        }
         if let Some(finding) = self.found.take() {
             return Some(ProfileItem::Finding(finding));
         }
