@@ -613,6 +613,10 @@ where
 
 /// Lowers `b` from rest at the first node on to what the jerk allows, u being the parameter of the nodes.
 fn soften(b: &mut [f64], u: &[f64], jerk: f64) {
+    if !jerk.is_finite() {
+        // Nothing moves whose jerk is limited.
+        return;
+    }
     let start = u.first().copied().unwrap_or_default();
     let scale = 0.25 * jerk.powf(2.0 / 3.0);
     for (b, u) in b.iter_mut().zip(u) {
@@ -638,8 +642,11 @@ fn time(pair: &[f64], length: f64, jerk_limited: bool) -> f64 {
 /// jerk limit, or until the acceleration is what it may be. What is left of it is cut like others. `limits`: acceleration and
 /// jerk of the parameter at its start and its end.
 fn rest_cuts(length: f64, rest: [bool; 2], limits: [[f64; 2]; 2], time: f64) -> Vec<f64> {
-    let [first, last] = limits
-        .map(|[acceleration, jerk]| jerk * time.min(acceleration / jerk).powi(3) / 6.0 / length);
+    let [first, last] = limits.map(|[acceleration, jerk]| {
+        // Where no jerk is limited: that which builds up the acceleration in the time.
+        let jerk = if jerk.is_finite() { jerk } else { acceleration / time };
+        jerk * time.min(acceleration / jerk).powi(3) / 6.0 / length
+    });
     match rest {
         [true, true] => vec![first.min(0.25), 0.5, 1.0 - last.min(0.25)],
         [true, false] if first < 0.8 => vec![first],

@@ -56,18 +56,25 @@ pub fn with_jerk(program: &Program) -> Result<Planned, String> {
 
 /// On a gantry whose axes are X, Y and Z, blended as the program says (G61, G64 P).
 fn limited(program: &Program, jerk: Option<f64>) -> Result<Planned, String> {
+    limited_each(program, [jerk; 3])
+}
+
+/// With a jerk limit of its own, or none, for each axis.
+fn limited_each(program: &Program, jerks: [Option<f64>; 3]) -> Result<Planned, String> {
     let Checked { elements, mode } = program.checked(UNLIMITED);
     let tolerance = match mode {
         PathMode::Tolerance { path, .. } => path,
         // What a machine file has unless it says otherwise: exact to a micrometre.
         PathMode::ExactPath | PathMode::Continuous => 1e-6,
     };
-    let order = if jerk.is_some() { Order::Acceleration } else { Order::Velocity };
+    let smooth = jerks.iter().any(Option::is_some);
+    let order = if smooth { Order::Acceleration } else { Order::Velocity };
     let course = CourseOptions { order, ..CourseOptions::new(tolerance) };
     let options = LimitOptions { path_acceleration: false, ..LimitOptions::new(course) };
-    let limits = AxisLimits { velocity: VELOCITY, acceleration: ACCELERATION, jerk };
+    let limits =
+        jerks.map(|jerk| AxisLimits { velocity: VELOCITY, acceleration: ACCELERATION, jerk });
     let gantry = Gantry3::new([0.0; 3]).expect("a gantry");
-    let axes = KinematicPath::new(gantry, vec![limits; 3], AxisVector::zeros(3));
+    let axes = KinematicPath::new(gantry, limits.to_vec(), AxisVector::zeros(3));
     let elements = elements.into_iter().map(Ok::<_, CheckError>);
     let mut limiter = Limiter::new(elements, axes, options);
     let mut differences = Differences::new(CYCLE);
@@ -110,6 +117,33 @@ fn path_alone(program: &Program) -> Result<Planned, String> {
 mod tests {
     use super::*;
     use crate::programs::all;
+
+    fn named(name: &str) -> Program {
+        all().into_iter().find(|program| program.name == name).expect("a program")
+    }
+
+    /// Sides along X are trapezoids, those along Y have jerk phases of 20 ms as well.
+    #[test]
+    fn axes_without_a_jerk_limit_need_none() {
+        let planned = limited_each(&named("square_g61"), [None, Some(JERK), Some(JERK)]);
+        let planned = planned.expect("a profile");
+        assert_eq!(planned.failed, 0);
+        let least = 2.0 * (1.1 + 1.12);
+        assert!(planned.duration > least * (1.0 - 1e-6), "{}", planned.duration);
+        assert!(planned.duration < least * 1.005, "{}", planned.duration);
+    }
+
+    /// Within a tenth of LinuxCNC's cycle time, which asks its axes for up to 860,000 mm/s³.
+    #[test]
+    fn jerk_limits_cost_less_than_a_tenth() {
+        for name in ["arcs_g61", "square_g61", "square_g64", "zigzag_g61"] {
+            let program = named(name);
+            let planned = with_jerk(&program).expect("a profile");
+            let ratio = planned.duration / program.duration;
+            println!("{name}: {ratio:.4}, {:?}", planned.peaks);
+            assert!(ratio < 1.1 && planned.failed == 0, "{name}: {ratio}");
+        }
+    }
 
     /// Without turns that are passed, the path's own limits are known to be kept: the square takes four trapezoids, and
     /// its axes are not asked for more than the path.
