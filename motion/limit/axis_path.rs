@@ -2,7 +2,6 @@
 
 use super::course::{CourseElement, CoursePoint};
 use super::grid::{AxisLimits, Rates};
-use nalgebra::Vector3;
 use twin_kinematics::{AxisVector, Kinematics, KinematicsError, Pose, ToolJerk, ToolMotion};
 
 /// The axes at one point of the course.
@@ -65,30 +64,30 @@ impl<K: Kinematics> AxisPath for KinematicPath<K> {
         near: &AxisVector,
     ) -> Result<AxisPoint, KinematicsError> {
         let CoursePoint { position, first, second, third, .. } = element.at(s);
-        axis_point(&self.kinematics, (position.coords, [first, second, third]), [0.0; 4], near)
+        // With the parameter in the place of time, derivatives by time are those by the parameter.
+        let tool = ToolMotion {
+            pose: Pose { position, direction: 0.0 },
+            velocity: first,
+            acceleration: second,
+            direction_velocity: 0.0,
+            direction_acceleration: 0.0,
+        };
+        let jerk = ToolJerk { linear: third, direction: 0.0 };
+        axis_point(&self.kinematics, &tool, &jerk, near)
     }
 }
 
-/// The axes of `kinematics` for a tool tip with its derivatives by the parameter, and a direction with its own.
+/// The axes of `kinematics` for a tool and its jerk, both with the parameter in the place of time.
 ///
 /// # Errors
 /// What the kinematics refuses.
 pub fn axis_point(
     kinematics: &dyn Kinematics,
-    (position, [first, second, third]): (Vector3<f64>, [Vector3<f64>; 3]),
-    [direction, d1, d2, d3]: [f64; 4],
+    tool: &ToolMotion,
+    jerk: &ToolJerk,
     near: &AxisVector,
 ) -> Result<AxisPoint, KinematicsError> {
-    // With the parameter in the place of time, derivatives by time are those by the parameter.
-    let tool = ToolMotion {
-        pose: Pose { position: position.into(), direction },
-        velocity: first,
-        acceleration: second,
-        direction_velocity: d1,
-        direction_acceleration: d2,
-    };
-    let jerk = ToolJerk { linear: third, direction: d3 };
-    let (motion, third) = kinematics.inverse_jerk(&tool, &jerk, near)?;
+    let (motion, third) = kinematics.inverse_jerk(tool, jerk, near)?;
     let rates = Rates { first: motion.velocity, second: motion.acceleration, third };
     Ok(AxisPoint { position: motion.position, rates })
 }

@@ -94,6 +94,9 @@ pub struct Effort {
     pub windows: u64,
     /// Windows for which Clarabel came to no answer, so that another profile was taken.
     pub failed: u64,
+    /// Windows in which a limit is still exceeded somewhere between the places where it was asked for, after all that was
+    /// tried.
+    pub exceeded: u64,
     /// Iterations of Clarabel.
     pub iterations: u64,
     /// Cells planned, those planned again included.
@@ -250,11 +253,10 @@ where
             if self.beginning == Beginning::Rest {
                 soften(&mut b, grid.nodes(), grid.jerk_start(0));
             }
-            let mut mirrored: Vec<f64> = grid.nodes().iter().rev().map(|u| -u).collect();
+            let mirrored: Vec<f64> = grid.nodes().iter().rev().map(|u| -u).collect();
             b.reverse();
             soften(&mut b, &mirrored, grid.jerk_end(cells.end.saturating_sub(1)));
             b.reverse();
-            mirrored.clear();
         }
         let pairs = b.windows(2).zip(cells);
         let duration =
@@ -419,10 +421,21 @@ where
     /// Solves, looks between the places where limits were asked for, and makes them tighter, or the cells shorter, where they
     /// are exceeded.
     fn solve_verified(&mut self) -> Result<Vec<Stretch>, NotSolved> {
+        self.effort.windows += 1;
         let mut stretches = self.solve(None)?;
         for round in 0..ROUNDS {
             let Some(warm) = self.tighten(&stretches, round < HALVING) else { break };
             stretches = self.solve(Some(warm))?;
+            if round + 1 == ROUNDS {
+                let mut cells = self.cells.iter().zip(&stretches);
+                let exceeds = |(cell, stretch): (&Cell, &Stretch)| {
+                    let worst = self.worst(cell, stretch);
+                    worst.iter().zip(ALLOWED).any(|(worst, [allowed, _])| *worst > allowed)
+                };
+                if cells.any(exceeds) {
+                    self.effort.exceeded += 1;
+                }
+            }
         }
         Ok(stretches)
     }
@@ -500,7 +513,6 @@ where
     fn solve(&mut self, warm: Option<Vec<f64>>) -> Result<Vec<Stretch>, NotSolved> {
         let grid = &grid(&self.sampler, &self.cells);
         let cells = 0..grid.cells();
-        self.effort.windows += 1;
         self.effort.cells += cells.len() as u64;
         let lengths = cells.clone().map(|cell| grid.length(cell));
         if !self.jerk_limited {

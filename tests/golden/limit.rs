@@ -104,6 +104,7 @@ fn a_program_that_no_axis_limits_takes_as_long_as_ever() {
         assert!(value > 0.0 && value < 0.6 * limit, "{axis}: {value} of {limit}");
     }
     assert_eq!(limited["windows_failed"], 0);
+    assert_eq!(limited["windows_exceeded"], 0);
 
     let options = ["-o", "plate.csv", "--output", "plate.svg"];
     let done = with_plate(&desk, "limit", &options);
@@ -336,6 +337,7 @@ fn the_report_has_the_fields_of_the_guide() {
         "changes",
         "windows",
         "windows_failed",
+        "windows_exceeded",
         "findings",
     ];
     has_keys(&report, &keys);

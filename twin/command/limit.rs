@@ -143,7 +143,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     }
     bar.finish_and_clear();
     let effort = profile.effort();
-    let windows = Windows { count: effort.windows, failed: effort.failed };
+    let windows =
+        Windows { count: effort.windows, failed: effort.failed, exceeded: effort.exceeded };
     let changes = profile.changes();
     let limits = profile.line_limits();
     let lines = by_line(&limits);

@@ -23,6 +23,7 @@ pub struct LimitReport {
     changes: Vec<ChangeReport>,
     windows: u64,
     windows_failed: u64,
+    windows_exceeded: u64,
     findings: Vec<Finding>,
 }
 
@@ -116,6 +117,7 @@ impl LimitReport {
                 .collect(),
             windows: summary.windows.count,
             windows_failed: summary.windows.failed,
+            windows_exceeded: summary.windows.exceeded,
             findings: Vec::new(),
         }
     }

@@ -1,12 +1,9 @@
 //! A machine as feed limiting sees it.
 
 use crate::machine::{DirectionRule, Machine};
-use nalgebra::Point3;
-use twin_kinematics::{
-    AxisSource, AxisVector, Kinematics, KinematicsError, Pose, ToolJerk, ToolMotion,
-};
+use twin_kinematics::{AxisSource, AxisVector, KinematicsError, Pose, ToolJerk, ToolMotion};
 use twin_motion::limit::course::{CourseElement, CoursePoint};
-use twin_motion::limit::{AxisLimits, AxisPath, AxisPoint, Rates};
+use twin_motion::limit::{AxisLimits, AxisPath, AxisPoint, Rates, axis_point};
 use twin_motion::path::ExtraPoint;
 
 /// What can be limited at the axes; everything unless something is switched off.
@@ -118,7 +115,7 @@ impl AxisPath for MachinePath<'_> {
             self.direction(extra.as_ref());
         // The parameter in the place of time.
         let work = ToolMotion {
-            pose: Pose { position: Point3::from(position.coords), direction },
+            pose: Pose { position, direction },
             velocity: first,
             acceleration: second,
             direction_velocity,
@@ -128,9 +125,7 @@ impl AxisPath for MachinePath<'_> {
         let frame = &self.machine.frame;
         let jerk = frame.jerk_to_machine(&work, &work_jerk);
         let motion = frame.motion_to_machine(&work);
-        let (axes, third) = self.machine.kinematics.inverse_jerk(&motion, &jerk, near)?;
-        let rates = Rates { first: axes.velocity, second: axes.acceleration, third };
-        let mut point = AxisPoint { position: axes.position, rates };
+        let mut point = axis_point(&self.machine.kinematics, &motion, &jerk, near)?;
         if let Some(extra) = &extra {
             self.add_additional(extra, &mut point);
         }

@@ -83,6 +83,8 @@ pub struct Windows {
     pub count: u64,
     /// Those in which it failed: feasible, but slower than need be.
     pub failed: u64,
+    /// Those in which a limit is still exceeded somewhere.
+    pub exceeded: u64,
 }
 
 impl LineLoss {

@@ -107,7 +107,7 @@ fn summary_of(machine: &Machine, samples: &[ProfileSample]) -> LimitSummary {
     for sample in samples {
         summing.include(sample);
     }
-    let windows = Windows { count: 3, failed: 1 };
+    let windows = Windows { count: 3, failed: 1, exceeded: 2 };
     summing.finish(windows, |line| (line == 11).then_some(0.08))
 }
 
@@ -165,7 +165,7 @@ fn waiting_loses_nothing() {
         summary_of(&machine, &[]),
         LimitSummary {
             peaks: vec![crate::report::AxisPeak::default(); 3],
-            windows: Windows { count: 3, failed: 1 },
+            windows: Windows { count: 3, failed: 1, exceeded: 2 },
             ..LimitSummary::default()
         }
     );
@@ -281,6 +281,7 @@ fn a_summary_in_words() {
         "acceleration of X",
         "80 mm/s",
         "in 1 of 3 windows the solver failed",
+        "in 2 of 3 windows a limit is still slightly exceeded",
     ] {
         assert!(text.contains(words), "{words} in\n{text}");
     }
@@ -306,6 +307,7 @@ fn a_summary_for_programs() {
         ("/slowest_lines/0/programmed_feed_mm_per_s", 100.0),
         ("/windows", 3.0),
         ("/windows_failed", 1.0),
+        ("/windows_exceeded", 2.0),
     ] {
         near(number(pointer).unwrap_or_else(|| panic!("{pointer}: {value}")), expected, 1e-6);
     }

@@ -58,6 +58,14 @@ pub fn write_summary(
         )?;
     }
     let windows = summary.windows;
+    if windows.exceeded > 0 {
+        writeln!(
+            out,
+            "in {} of {} windows a limit is still slightly exceeded between the places where it was asked for; the table of \
+             axes says by how much",
+            windows.exceeded, windows.count
+        )?;
+    }
     if windows.failed > 0 {
         writeln!(
             out,
