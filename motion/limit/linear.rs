@@ -62,7 +62,11 @@ impl LinearSolver {
             } else {
                 (most_active(grid, cell, bound, at(index + 2)), 1.0)
             };
-            self.program.add_row(&[(index, 1.0)], 1.0, Origin { cell: index, constraint, share });
+            self.program.add_row(
+                &[(index, 1.0)],
+                1.0,
+                Origin { cell: index, constraint, upper: true, share },
+            );
         }
         for (index, cell) in cells.clone().enumerate() {
             let step = Step::new(grid.length(cell), at(index), at(index + 1));
@@ -125,7 +129,7 @@ impl LinearSolver {
                         None => right -= value,
                     }
                 }
-                let origin = Origin { cell: index, constraint, share: 1.0 };
+                let origin = Origin { cell: index, constraint, upper: true, share: 1.0 };
                 if p + r < SCREEN {
                     self.program.add_spare(entries, right, origin);
                 } else {
@@ -151,7 +155,8 @@ impl LinearSolver {
                     }
                 }
                 let constraint = Constraint::ToolAcceleration;
-                self.program.add_cone(cone, Origin { cell: index, constraint, share: 1.0 });
+                self.program
+                    .add_cone(cone, Origin { cell: index, constraint, upper: true, share: 1.0 });
             }
         }
     }

@@ -8,6 +8,7 @@
 //! [`reachable`] gives the fastest profile with limited acceleration in two passes, and Clarabel those profiles that are
 //! followed: [`LinearSolver`] where accelerations alone are limited, [`SmoothSolver`] where jerks are as well.
 
+mod asked;
 mod axis_path;
 mod convex;
 pub mod course;

@@ -70,11 +70,14 @@ pub(super) struct Cell {
     pub(super) to: f64,
     pub(super) start: Sample,
     pub(super) end: Sample,
+    pub(super) middle: Sample,
     /// What bounds u̇² at its end: a joint that is not rounded.
     pub(super) joint: Cap,
     /// By how much acceleration, jerk and velocity are limited more tightly than they are, because between the places where
     /// limits are asked for they were exceeded.
     pub(super) tight: [f64; 3],
+    /// Whether jerks are limited at its ends as well, because they were exceeded there.
+    pub(super) dense: bool,
 }
 
 impl Cell {
@@ -134,8 +137,10 @@ impl<A: AxisPath> Sampler<A> {
                     to: end,
                     start,
                     end: finish,
+                    middle: start,
                     joint,
                     tight: [1.0; 3],
+                    dense: false,
                 };
                 self.halve(cell, DEPTH, cells)?;
             }
@@ -145,21 +150,42 @@ impl<A: AxisPath> Sampler<A> {
     }
 
     /// Adds `cell`, in halves if its ends do not tell enough of it.
-    fn halve(&self, cell: Cell, depth: u32, cells: &mut Vec<Cell>) -> Result<(), KinematicsError> {
-        let middle =
-            self.sample(&cell.element, cell.from.midpoint(cell.to), &cell.start.position)?;
-        if depth == 0 || is_smooth(&cell, &middle.rates) {
+    fn halve(
+        &self,
+        mut cell: Cell,
+        depth: u32,
+        cells: &mut Vec<Cell>,
+    ) -> Result<(), KinematicsError> {
+        self.look_half_way(&mut cell)?;
+        if depth == 0 || is_smooth(&cell) {
             cells.push(cell);
             return Ok(());
         }
-        for half in self.parts(&cell, &[0.5])? {
+        for half in self.cut(&cell, &[0.5])? {
             self.halve(half, depth - 1, cells)?;
         }
         Ok(())
     }
 
+    fn look_half_way(&self, cell: &mut Cell) -> Result<(), KinematicsError> {
+        let at = cell.from.midpoint(cell.to);
+        cell.middle = self.sample(&cell.element, at, &cell.start.position)?;
+        Ok(())
+    }
+
     /// `cell` cut at these parts of its length.
     pub(super) fn parts(&self, cell: &Cell, at: &[f64]) -> Result<Vec<Cell>, KinematicsError> {
+        let mut parts = self.cut(cell, at)?;
+        if parts.len() > 1 {
+            for part in &mut parts {
+                self.look_half_way(part)?;
+            }
+        }
+        Ok(parts)
+    }
+
+    /// As [`Self::parts`], with nothing known half-way.
+    fn cut(&self, cell: &Cell, at: &[f64]) -> Result<Vec<Cell>, KinematicsError> {
         let mut parts = Vec::with_capacity(at.len() + 1);
         let length = cell.length();
         let mut rest = cell.clone();
@@ -234,7 +260,8 @@ impl<A: AxisPath> Sampler<A> {
 }
 
 /// Whether the rates in the middle are near the mean of those at the ends.
-fn is_smooth(cell: &Cell, middle: &Rates) -> bool {
+fn is_smooth(cell: &Cell) -> bool {
+    let middle = &cell.middle.rates;
     let near = |from: &AxisVector, middle: &AxisVector, to: &AxisVector, part: f64, least: f64| {
         let values = from.iter().zip(middle.iter()).zip(to.iter());
         let size = values.clone().map(|((f, m), t)| f.abs().max(m.abs()).max(t.abs()));
@@ -266,8 +293,12 @@ pub(super) fn grid<A: AxisPath>(sampler: &Sampler<A>, cells: &[Cell]) -> Grid {
             disc: sample.disc,
         });
         grid.push(cell.length(), &start, &end);
+        grid.bend_last(&cell.middle.rates);
         grid.cap_last(cell.joint);
         grid.tighten_last(cell.tight);
+        if cell.dense {
+            grid.make_last_dense();
+        }
     }
     grid
 }
