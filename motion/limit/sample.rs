@@ -1,8 +1,10 @@
 //! Elements of the course as cells with what limits the motion in them.
 
-use super::axis_path::{AxisPath, AxisPoint};
+use super::axis_path::{AxisPath, AxisPoint, MOST_FURTHER_ROWS};
 use super::course::CourseElement;
-use super::grid::{AxisLimits, Cap, CapSource, CellEnd, Disc, Grid, Rates, Row};
+use super::grid::{
+    AxisLimits, Cap, CapSource, CellEnd, Disc, FIRST_FURTHER_ROW, Grid, Rates, Row,
+};
 use super::options::LimitOptions;
 use super::stretch::Stretch;
 use nalgebra::Vector3;
@@ -23,6 +25,8 @@ const INSIDE: f64 = 1e-9;
 /// Velocities may step by what the acceleration limit changes them in this time, s, where a joint is not rounded; so
 /// may accelerations by what the jerk limit does.
 const STEP_TIME: f64 = 1e-3;
+/// Rows along the path: the programmed acceleration and deceleration.
+const ALONG: usize = FIRST_FURTHER_ROW as usize;
 
 /// What is known at one place of an element.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +34,8 @@ pub(super) struct Sample {
     pub(super) position: AxisVector,
     pub(super) rates: Rates,
     cap: Cap,
-    rows: [Row; 2],
+    /// The programmed accelerations along the path, then what [`AxisPath::further`] gives.
+    rows: [Row; ALONG + MOST_FURTHER_ROWS],
     disc: Option<Disc>,
 }
 
@@ -196,13 +201,15 @@ impl<A: AxisPath> Sampler<A> {
         } else {
             Cap::NONE
         };
-        let rows = [element.acceleration(), -element.deceleration()].map(|limit| {
-            if path_acceleration {
-                Row { a: scale / limit, b: bend / limit }
-            } else {
-                Row::default()
+        let mut rows = [Row::default(); ALONG + MOST_FURTHER_ROWS];
+        if path_acceleration {
+            let limits = [element.acceleration(), -element.deceleration()];
+            for (row, limit) in rows.iter_mut().zip(limits) {
+                *row = Row { a: scale / limit, b: bend / limit };
             }
-        });
+        }
+        let further = rows.get_mut(ALONG..).unwrap_or_default();
+        let cap = cap.min(self.axes.further(&AxisPoint { position, rates }, cap.v2, further));
         let disc = tool_acceleration.map(|limit| {
             let part = |v: &Vector3<f64>| (v / limit).into();
             Disc { a: part(&point.first), b: part(&point.second) }
@@ -257,12 +264,13 @@ fn is_smooth(cell: &Cell, middle: &Rates) -> bool {
 
 /// The grid of `cells`.
 pub(super) fn grid<A: AxisPath>(sampler: &Sampler<A>, cells: &[Cell]) -> Grid {
-    let mut grid = Grid::new(sampler.axes.limits().to_vec(), 2, 0.0);
+    let extra = ALONG + sampler.axes.further_rows().min(MOST_FURTHER_ROWS);
+    let mut grid = Grid::new(sampler.axes.limits().to_vec(), extra, 0.0);
     for cell in cells {
         let [start, end] = [&cell.start, &cell.end].map(|sample| CellEnd {
             rates: sample.rates,
             cap: sample.cap,
-            rows: &sample.rows,
+            rows: sample.rows.get(..extra).unwrap_or_default(),
             disc: sample.disc,
         });
         grid.push(cell.length(), &start, &end);

@@ -73,6 +73,8 @@ enum Limit {
     AxisAcceleration,
     /// Jerks of the axes
     AxisJerk,
+    /// Torques and forces of the motors
+    MotorTorque,
     /// The programmed velocity (F), and that of rapids
     Feed,
     /// The programmed accelerations (E)
@@ -88,6 +90,7 @@ impl Arguments {
             velocity: with(Limit::AxisVelocity),
             acceleration: with(Limit::AxisAcceleration),
             jerk: with(Limit::AxisJerk),
+            effort: with(Limit::MotorTorque),
         };
         if !axes.acceleration && !with(Limit::PathAcceleration) {
             return Err(Failure::Usage(
@@ -207,20 +210,21 @@ struct Outputs<'m> {
 
 impl<'m> Outputs<'m> {
     fn new(machine: &'m Machine, files: &'m [PathBuf]) -> Result<Self, Failure> {
+        let efforts = machine.path_dynamics().is_ok_and(|dynamics| dynamics.is_some());
         let mut outputs = Self { tables: Vec::new(), pictures: Vec::new(), picture: None };
         for path in files {
             let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
             match ending.as_deref() {
                 Some("csv") => {
                     let file = File::create(path).map_err(|source| unwritable(path, source))?;
-                    let table = ProfileCsv::new(BufWriter::new(file), &machine.axes);
+                    let table = ProfileCsv::new(BufWriter::new(file), &machine.axes, efforts);
                     outputs
                         .tables
                         .push((path, table.map_err(|error| unwritable(path, error.into()))?));
                 }
                 Some("svg") => {
                     outputs.pictures.push(path);
-                    outputs.picture.get_or_insert_with(|| Picture::new(&machine.axes));
+                    outputs.picture.get_or_insert_with(|| Picture::new(&machine.axes, efforts));
                 }
                 _ => {
                     return Err(Failure::Usage(format!(

@@ -61,8 +61,7 @@ impl Quantity {
             (Self::Acceleration, _) => "acceleration",
             (Self::Jerk, _) => "jerk",
             (Self::DriveSpeed, _) => "speed of the drive",
-            (Self::Effort, AxisKind::Rotary) => "torque",
-            (Self::Effort, AxisKind::Linear) => "force",
+            (Self::Effort, kind) => kind.effort_name(),
         }
     }
 }

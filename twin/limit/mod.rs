@@ -6,6 +6,7 @@
 
 mod binding;
 mod csv;
+mod explain;
 mod json;
 mod losses;
 mod machine_path;

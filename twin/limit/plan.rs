@@ -1,10 +1,10 @@
 //! A program within all limits, set-point by set-point.
 
 use super::machine_path::{AxisRules, MachinePath, MachinePathError};
-use super::{Binding, Change, ProfileSample, Quantity};
+use super::{Change, ProfileSample};
 use crate::check::{beyond_position, unreachable};
 use crate::finding::{Finding, Rule};
-use crate::machine::{Machine, VelocitySource};
+use crate::machine::{Axis, Machine};
 use crate::program::{Findings, Halt, Prepared, ProgramFile};
 use std::collections::VecDeque;
 use std::io;
@@ -14,13 +14,9 @@ use twin_motion::Place;
 use twin_motion::interpolate::DEFAULT_CYCLE_NS;
 use twin_motion::limit::course::{CourseOptions, Order};
 use twin_motion::limit::{
-    AxisPath, CapSource, Constraint, Effort, Followed, Follower, LimitError, LimitOptions, Planner,
-    Rates,
+    AxisPath, AxisPoint, Effort, Followed, Follower, LimitError, LimitOptions, Planner, Rates,
 };
 use twin_motion::refeed::LineLimit;
-
-/// A value counts as at its limit from this part of it on.
-const AT_LIMIT: f64 = 0.98;
 
 /// What is limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,16 +67,18 @@ pub enum ProfileItem {
 /// A program on a machine, as fast as all limits allow: one sample per cycle.
 #[derive(Debug)]
 pub struct Profile<'m> {
-    machine: &'m Machine,
-    axes: MachinePath<'m>,
+    pub(super) machine: &'m Machine,
+    pub(super) axes: MachinePath<'m>,
     follower: Follower<Planner<Prepared, Halt, MachinePath<'m>>>,
-    rules: LimitRules,
+    pub(super) rules: LimitRules,
     near: AxisVector,
     found: Findings,
     line: Option<LineLimit>,
     lines: Vec<LineLimit>,
     /// The line on which each axis was last found beyond its software limits.
     told: Vec<Option<u32>>,
+    /// The line on which each motor was last found too weak to hold its axis.
+    told_overloaded: Vec<Option<u32>>,
     ready: VecDeque<ProfileItem>,
 }
 
@@ -109,6 +107,7 @@ impl<'m> Profile<'m> {
         };
         let near = axes.home();
         let told = vec![None; machine.axes.len()];
+        let told_overloaded = told.clone();
         let planner = Planner::new(path, MachinePath::new(machine, rules.axes)?, options);
         let cycle = u32::try_from(machine.cycle_ns).ok().and_then(NonZeroU32::new);
         let follower = Follower::new(planner, cycle.unwrap_or(DEFAULT_CYCLE_NS));
@@ -122,6 +121,7 @@ impl<'m> Profile<'m> {
             line: None,
             lines: Vec::new(),
             told,
+            told_overloaded,
             ready: VecDeque::new(),
         })
     }
@@ -144,29 +144,6 @@ impl<'m> Profile<'m> {
         }
         changes.sort_by(|one, other| other.gain_s.total_cmp(&one.gain_s));
         changes
-    }
-
-    /// A constraint of the planner as people know it; none of what no machine file and no program says.
-    fn binding_of(&self, constraint: Constraint) -> Option<Binding> {
-        let of_axis = |axis: u8, quantity| Binding::Axis { axis: usize::from(axis), quantity };
-        Some(match constraint {
-            Constraint::Velocity(CapSource::Feed) => Binding::Feed,
-            Constraint::Velocity(CapSource::AxisVelocity(axis)) => {
-                let source = self.machine.axes.get(usize::from(axis))?.velocity_limit().source;
-                let of_axis_itself = source == VelocitySource::Axis;
-                let quantity =
-                    if of_axis_itself { Quantity::Velocity } else { Quantity::DriveSpeed };
-                of_axis(axis, quantity)
-            }
-            Constraint::Velocity(CapSource::Stop | CapSource::Joint | CapSource::Nothing) => {
-                return None;
-            }
-            Constraint::AxisAcceleration(axis) => of_axis(axis, Quantity::Acceleration),
-            Constraint::AxisJerk(axis) => of_axis(axis, Quantity::Jerk),
-            Constraint::Further(0) => Binding::PathAcceleration,
-            Constraint::Further(_) => Binding::PathDeceleration,
-            Constraint::ToolAcceleration => Binding::ToolAcceleration,
-        })
     }
 
     /// How long the path takes, s: exact at the end.
@@ -213,10 +190,16 @@ impl<'m> Profile<'m> {
             velocity: of(&|d1, _, _| d1 * v),
             acceleration: of(&|d1, d2, _| d1 * a + d2 * v * v),
             jerk: of(&|d1, d2, d3| d1 * j + 3.0 * d2 * v * a + d3 * v * v * v),
+            effort: None,
             binding: None,
         };
-        sample.binding = self.binding(&sample, followed);
-        self.include(&point.rates, followed);
+        let ProfileSample { position, velocity, acceleration, .. } = &sample;
+        if let Some((effort, overloaded)) = self.axes.efforts(position, velocity, acceleration) {
+            sample.effort = Some(effort);
+            self.look_at_motors(tool.place, &overloaded);
+        }
+        sample.binding = self.binding(&sample, &point, followed);
+        self.include(&point, followed);
         ProfileItem::Sample(Box::new(sample))
     }
 
@@ -233,45 +216,22 @@ impl<'m> Profile<'m> {
         }
     }
 
-    /// The limit that the motion is nearest to, if it is at one.
-    fn binding(&self, sample: &ProfileSample, followed: &Followed) -> Option<Binding> {
-        let element = &followed.element;
-        if !element.element().kind.is_motion() {
-            return Some(Binding::Stop);
-        }
-        let mut most = (AT_LIMIT, None);
-        let mut consider = |part: f64, binding: Binding| {
-            if part > most.0 {
-                most = (part, Some(binding));
-            }
-        };
-        let axes = self.axes.limits().iter().enumerate();
-        for (axis, limits) in axes {
-            let of = |vector: &AxisVector| vector.get(axis).map_or(0.0, |value| value.abs());
-            let jerk = limits.jerk.unwrap_or(f64::INFINITY);
-            let parts = [
-                (of(&sample.velocity) / limits.velocity, Quantity::Velocity),
-                (of(&sample.acceleration) / limits.acceleration, Quantity::Acceleration),
-                (of(&sample.jerk) / jerk, Quantity::Jerk),
-            ];
-            for (part, quantity) in parts {
-                consider(part, Binding::Axis { axis, quantity });
+    /// Tells of motors that cannot hold their axes, once per line; `overloaded` with what that would take.
+    fn look_at_motors(&mut self, place: Place, overloaded: &[(usize, f64)]) {
+        for (index, effort) in overloaded.iter().filter(|_| self.rules.axes.effort) {
+            let told = self.told_overloaded.get_mut(*index);
+            if let (Some(axis), Some(told)) = (self.machine.axes.get(*index), told)
+                && *told != Some(place.line)
+            {
+                *told = Some(place.line);
+                self.ready.push_back(ProfileItem::Finding(overload(axis, place, *effort)));
             }
         }
-        if self.rules.feed {
-            consider(sample.path_velocity / element.feed(), Binding::Feed);
-        }
-        if self.rules.path_acceleration {
-            let along = sample.path_acceleration;
-            consider(along / element.acceleration(), Binding::PathAcceleration);
-            consider(-along / element.deceleration(), Binding::PathDeceleration);
-        }
-        most.1
     }
 
     /// Keeps the feed with which the line could go here at constant velocity. Blends are left out: a controller that has
     /// none has corners there, which no feed makes smooth.
-    fn include(&mut self, rates: &Rates, followed: &Followed) {
+    fn include(&mut self, point: &AxisPoint, followed: &Followed) {
         let Followed { element, progress, .. } = followed;
         if !element.element().kind.is_motion() {
             return;
@@ -280,7 +240,11 @@ impl<'m> Profile<'m> {
         let head = element.head().map_or(0.0, |blend| blend.half_width());
         let tail = element.length() - element.tail().map_or(0.0, |blend| blend.half_width());
         let in_blend = s < head || s > tail;
-        let feed = if in_blend { f64::INFINITY } else { largest_feed(self.axes.limits(), rates) };
+        let feed = if in_blend {
+            f64::INFINITY
+        } else {
+            largest_feed(self.axes.limits(), &point.rates).min(self.axes.largest_speed(point))
+        };
         let feed = feed.min(element.feed());
         let (line, rapid) = (element.place().line, element.rapid());
         match &mut self.line {
@@ -295,6 +259,19 @@ impl<'m> Profile<'m> {
     pub fn machine(&self) -> &'m Machine {
         self.machine
     }
+}
+
+/// A motor that cannot hold its axis, which would take `effort`, N or Nm.
+fn overload(axis: &Axis, place: Place, effort: f64) -> Finding {
+    let limit = axis.effort_limit().unwrap_or(f64::INFINITY);
+    let (name, unit) = (axis.kind.effort_name(), axis.kind.effort_unit());
+    let message = format!(
+        "axis {}: against weight and dry friction it takes a {name} of {effort:.4} {unit}, more than its motor's limit of \
+         {limit:.4} {unit}",
+        axis.name
+    );
+    let finding = Finding::error(Rule::AxisEffort, place, message);
+    Finding { axis: Some(axis.name.clone()), ..finding.with_value(effort, limit, unit) }
 }
 
 /// The largest constant velocity along the path within the limits of the axes, m/s.

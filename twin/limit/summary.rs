@@ -142,6 +142,9 @@ impl Summing {
             ] {
                 peak.include(values.get(index).copied().unwrap_or_default(), sample.place);
             }
+            if let Some(effort) = sample.effort.and_then(|effort| effort.get(index).copied()) {
+                peak.effort.get_or_insert_default().include(effort, sample.place);
+            }
         }
         match self.before.replace(*sample) {
             None => (self.begin_ns, self.begin) = (sample.time_ns, sample.way),

@@ -1,7 +1,7 @@
 //! The summary for people.
 
 use super::{Binding, Change, LimitSummary};
-use crate::machine::{Axis, Machine};
+use crate::machine::Machine;
 use crate::number::significant;
 use crate::program::ProgramFile;
 use crate::report::Peak;
@@ -77,21 +77,19 @@ pub fn write_summary(
     Ok(())
 }
 
-/// Per axis the largest velocity, acceleration and jerk, each with its share of the limit and its line.
+/// Per axis the largest velocity, acceleration and jerk and, where it is known, the largest effort of its motor, each with
+/// its share of the limit and its line.
 fn peaks(machine: &Machine, summary: &LimitSummary) -> Table {
     let mut table = table();
-    table.set_header([
-        "axis",
-        "velocity",
-        "of limit",
-        "line",
-        "acceleration",
-        "of limit",
-        "line",
-        "jerk",
-        "of limit",
-        "line",
-    ]);
+    let efforts = summary.peaks.iter().any(|peak| peak.effort.is_some());
+    let mut header = vec!["axis"];
+    for quantity in ["velocity", "acceleration", "jerk"] {
+        header.extend([quantity, "of limit", "line"]);
+    }
+    if efforts {
+        header.extend(["motor", "of limit", "line"]);
+    }
+    table.set_header(header);
     for (axis, peak) in machine.axes.iter().zip(&summary.peaks) {
         let mut row = vec![Cell::new(&axis.name)];
         for (peak, limit, per) in [
@@ -99,15 +97,20 @@ fn peaks(machine: &Machine, summary: &LimitSummary) -> Table {
             (&peak.acceleration, Some(axis.max_acceleration), "s²"),
             (&peak.jerk, axis.max_jerk, "s³"),
         ] {
-            row.extend(against(axis, peak, limit, per));
+            let value = format!("{} {}/{per}", digits(axis.from_si(peak.value)), axis.unit());
+            row.extend(against(value, peak, limit));
+        }
+        if efforts {
+            let effort = peak.effort.unwrap_or_default();
+            let value = format!("{} {}", digits(effort.value), axis.kind.effort_unit());
+            row.extend(against(value, &effort, axis.effort_limit()));
         }
         add(&mut table, 1, row);
     }
     table
 }
 
-fn against(axis: &Axis, peak: &Peak, limit: Option<f64>, per: &str) -> [Cell; 3] {
-    let value = format!("{} {}/{per}", digits(axis.from_si(peak.value)), axis.unit());
+fn against(value: String, peak: &Peak, limit: Option<f64>) -> [Cell; 3] {
     let share = limit.map(|limit| peak.value / limit);
     let cell = Cell::new(share.map_or("–".to_owned(), percent));
     let cell = match share {

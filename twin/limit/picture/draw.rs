@@ -7,7 +7,7 @@ use super::page::{
 };
 use super::{FEED, FIRST_AXIS, Highest, KINDS, PATH, PER_AXIS, Picture};
 use crate::limit::text::{self, digits, percent};
-use crate::machine::{Axis, AxisKind};
+use crate::machine::AxisKind;
 use crate::page::{FAINT, INK, MARK, color, fine, font, resized, stroke};
 use crate::report::seconds;
 use plotters::prelude::*;
@@ -46,7 +46,11 @@ const QUANTITIES: [(&str, [&str; 2]); PER_AXIS] = [
     ("velocity", ["deg/s", "mm/s"]),
     ("acceleration", ["deg/s²", "mm/s²"]),
     ("jerk", ["deg/s³", "mm/s³"]),
+    ("motor effort", ["Nm", "N"]),
 ];
+
+/// The one of them that is in SI anyway.
+const EFFORT: usize = 3;
 
 /// A picture being drawn.
 pub(super) struct Drawing<'a, 'm> {
@@ -204,7 +208,10 @@ impl<'a, 'm> Drawing<'a, 'm> {
                 AxisKind::Rotary => units[0],
                 AxisKind::Linear => units[1],
             };
-            let text = share(axis, highest, super::limits(axis).get(quantity).copied().flatten());
+            let limit = self.picture.limits(axis).get(quantity).copied().flatten();
+            let limit = limit.unwrap_or_default() * highest.peak.value;
+            let value = if quantity == EFFORT { limit } else { axis.from_si(limit) };
+            let text = format!("{}: {}, {}", axis.name, percent(highest.peak.value), digits(value));
             words(root, &format!("{text} {unit}"), (RIGHT + 12.0, y), color_of(index))?;
             y += LINE;
         }
@@ -379,12 +386,6 @@ fn half_width(number: u32) -> f64 {
 
 fn color_of(axis: usize) -> RGBColor {
     color(AXES.get(axis % AXES.len()).copied().unwrap_or_default())
-}
-
-/// The largest value of an axis against its limit, without the unit.
-fn share(axis: &Axis, highest: &Highest, limit: Option<f64>) -> String {
-    let value = axis.from_si(highest.peak.value * limit.unwrap_or_default());
-    format!("{}: {}, {}", axis.name, percent(highest.peak.value), digits(value))
 }
 
 /// The first of those with the largest value; none if all are zero.

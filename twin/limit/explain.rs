@@ -1,0 +1,99 @@
+//! Which limit holds the path back.
+
+use super::plan::Profile;
+use super::{Binding, ProfileSample, Quantity};
+use crate::machine::VelocitySource;
+use twin_kinematics::AxisVector;
+use twin_motion::limit::{
+    AxisPath, AxisPoint, CapSource, Constraint, FIRST_FURTHER_ROW, Followed, MOST_FURTHER_ROWS, Row,
+};
+
+/// A value counts as at its limit from this part of it on.
+const AT_LIMIT: f64 = 0.98;
+
+impl Profile<'_> {
+    /// A constraint of the planner as people know it; none of what no machine file and no program says.
+    pub(super) fn binding_of(&self, constraint: Constraint) -> Option<Binding> {
+        let of_axis = |axis: u8, quantity| Binding::Axis { axis: usize::from(axis), quantity };
+        Some(match constraint {
+            Constraint::Velocity(CapSource::Feed) => Binding::Feed,
+            Constraint::Velocity(CapSource::AxisVelocity(axis)) => {
+                let source = self.machine.axes.get(usize::from(axis))?.velocity_limit().source;
+                let of_axis_itself = source == VelocitySource::Axis;
+                let quantity =
+                    if of_axis_itself { Quantity::Velocity } else { Quantity::DriveSpeed };
+                of_axis(axis, quantity)
+            }
+            Constraint::Velocity(CapSource::Stop | CapSource::Joint | CapSource::Nothing) => {
+                return None;
+            }
+            Constraint::AxisAcceleration(axis) => of_axis(axis, Quantity::Acceleration),
+            Constraint::AxisJerk(axis) => of_axis(axis, Quantity::Jerk),
+            Constraint::Velocity(CapSource::Motor(axis)) => of_axis(axis, Quantity::Effort),
+            Constraint::Further(0) => Binding::PathAcceleration,
+            Constraint::Further(row) => match row.checked_sub(FIRST_FURTHER_ROW) {
+                Some(row) => Binding::Axis {
+                    axis: self.axes.motor(usize::from(row))?,
+                    quantity: Quantity::Effort,
+                },
+                None => Binding::PathDeceleration,
+            },
+            Constraint::ToolAcceleration => Binding::ToolAcceleration,
+        })
+    }
+
+    /// The limit that the motion is nearest to, if it is at one.
+    pub(super) fn binding(
+        &self,
+        sample: &ProfileSample,
+        point: &AxisPoint,
+        followed: &Followed,
+    ) -> Option<Binding> {
+        let element = &followed.element;
+        if !element.element().kind.is_motion() {
+            return Some(Binding::Stop);
+        }
+        let mut most = (AT_LIMIT, None);
+        let mut consider = |part: f64, binding: Binding| {
+            if part > most.0 {
+                most = (part, Some(binding));
+            }
+        };
+        let axes = self.axes.limits().iter().enumerate();
+        for (axis, limits) in axes {
+            let of = |vector: &AxisVector| vector.get(axis).map_or(0.0, |value| value.abs());
+            let jerk = limits.jerk.unwrap_or(f64::INFINITY);
+            let parts = [
+                (of(&sample.velocity) / limits.velocity, Quantity::Velocity),
+                (of(&sample.acceleration) / limits.acceleration, Quantity::Acceleration),
+                (of(&sample.jerk) / jerk, Quantity::Jerk),
+            ];
+            for (part, quantity) in parts {
+                consider(part, Binding::Axis { axis, quantity });
+            }
+        }
+        // As the planner sees them.
+        let (v, a) = (followed.progress.velocity, followed.progress.acceleration);
+        let feed = if self.rules.feed { element.feed().powi(2) } else { f64::INFINITY };
+        let mut rows = [Row::default(); MOST_FURTHER_ROWS];
+        let cap = self.axes.further(point, feed, &mut rows);
+        for (index, row) in rows.iter().take(self.axes.further_rows()).enumerate() {
+            let Some(axis) = self.axes.motor(index) else { continue };
+            let effort = Binding::Axis { axis, quantity: Quantity::Effort };
+            consider(row.a * a + row.b * v * v, effort);
+        }
+        if let CapSource::Motor(axis) = cap.source {
+            let effort = Binding::Axis { axis: usize::from(axis), quantity: Quantity::Effort };
+            consider(v / cap.v2.sqrt(), effort);
+        }
+        if self.rules.feed {
+            consider(sample.path_velocity / element.feed(), Binding::Feed);
+        }
+        if self.rules.path_acceleration {
+            let along = sample.path_acceleration;
+            consider(along / element.acceleration(), Binding::PathAcceleration);
+            consider(-along / element.deceleration(), Binding::PathDeceleration);
+        }
+        most.1
+    }
+}
