@@ -29,7 +29,8 @@ pub use convex::NotSolved;
 pub use follow::{Followed, Follower};
 pub use gain::Gain;
 pub use grid::{
-    AxisLimits, Cap, CapSource, CellEnd, Constraint, Disc, FIRST_FURTHER_ROW, Grid, JerkRow, Rates, Row,
+    AxisLimits, Cap, CapSource, CellEnd, Constraint, Disc, FIRST_FURTHER_ROW, Grid, JerkRow, Rates,
+    Row,
 };
 pub use linear::{LinearProfile, LinearSolver};
 pub use options::LimitOptions;

@@ -2,9 +2,7 @@
 
 use super::axis_path::{AxisPath, AxisPoint, MOST_FURTHER_ROWS};
 use super::course::CourseElement;
-use super::grid::{
-    AxisLimits, Cap, CapSource, CellEnd, Disc, FIRST_FURTHER_ROW, Grid, Rates, Row,
-};
+use super::grid::{AxisLimits, Cap, CapSource, CellEnd, Disc, FIRST_FURTHER_ROW, Grid, Rates, Row};
 use super::options::LimitOptions;
 use super::stretch::Stretch;
 use nalgebra::Vector3;

@@ -114,7 +114,8 @@ impl<'m> MachinePath<'m> {
             axis.effort(0.0, 1.0) + dry
         };
         let overloaded = torque.limited().filter(|(_, axis)| !holds(axis));
-        let holding = |(axis, effort): (usize, &AxisEffort)| (axis, effort.weight.abs() + effort.dry);
+        let holding =
+            |(axis, effort): (usize, &AxisEffort)| (axis, effort.weight.abs() + effort.dry);
         let overloaded = overloaded.map(holding).collect();
         Some((AxisVector::from_values(axes.map(effort)), overloaded))
     }
@@ -122,11 +123,8 @@ impl<'m> MachinePath<'m> {
     /// The largest constant speed along the path that the motors keep at `point`, as a velocity of the parameter.
     pub(super) fn largest_speed(&self, point: &AxisPoint) -> f64 {
         let Rates { first, second, .. } = &point.rates;
-        let torque = if self.motors.is_empty() {
-            None
-        } else {
-            self.torque(&point.position, first, second)
-        };
+        let torque =
+            if self.motors.is_empty() { None } else { self.torque(&point.position, first, second) };
         let Some(torque) = torque else { return f64::INFINITY };
         let holding = torque.limited().filter(|(_, axis)| holds(axis));
         holding.map(|(_, axis)| axis.largest_constant_speed()).fold(f64::INFINITY, f64::min)
@@ -237,7 +235,8 @@ impl AxisPath for MachinePath<'_> {
                 *slot = Row { a: row.acceleration / row.limit, b: row.speed_v2 / row.limit };
             }
             let v2 = effort.largest_speed().powi(2);
-            cap = cap.min(Cap { v2, source: CapSource::Motor(u8::try_from(axis).unwrap_or(u8::MAX)) });
+            cap = cap
+                .min(Cap { v2, source: CapSource::Motor(u8::try_from(axis).unwrap_or(u8::MAX)) });
         }
         cap
     }

@@ -6,6 +6,8 @@
 
 mod binding;
 mod csv;
+#[cfg(test)]
+mod effort_tests;
 mod explain;
 mod json;
 mod losses;
