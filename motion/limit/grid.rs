@@ -83,6 +83,10 @@ pub enum CapSource {
     AxisVelocity(u8),
     /// Friction and weight, which leave nothing of the motor of the axis of this number.
     Motor(u8),
+    /// The acceleration towards the centre of a curve, or its jump from one element to the next.
+    Centripetal,
+    /// The velocity that an element asks for at its end.
+    EndVelocity,
     /// A turn or a step of the curvature at a joint.
     Joint,
     /// Nothing: the acceleration alone.

@@ -11,10 +11,10 @@ use twin_kinematics::AxisMotion;
 use twin_motion::refeed::LineLimit;
 
 /// With X bridge 18, carriage 6, quill 3, tool 0.3 and rotor 6 kg move; with Z the quill, the tool and a rotor of 3 kg.
-const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+pub(super) const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
 const SCARA2: &str = include_str!("../../machines/scara2.toml");
 
-fn edited(text: &str, edits: &[(&str, &str)]) -> Machine {
+pub(super) fn edited(text: &str, edits: &[(&str, &str)]) -> Machine {
     let mut text = text.to_owned();
     for (from, to) in edits {
         assert!(text.contains(from), "{from} is not in the file");
@@ -24,15 +24,15 @@ fn edited(text: &str, edits: &[(&str, &str)]) -> Machine {
         .unwrap_or_else(|problems| panic!("{problems:#?}"))
 }
 
-struct Limited {
-    duration: f64,
-    samples: Vec<ProfileSample>,
-    findings: Vec<Finding>,
-    changes: Vec<Change>,
-    lines: Vec<LineLimit>,
+pub(super) struct Limited {
+    pub(super) duration: f64,
+    pub(super) samples: Vec<ProfileSample>,
+    pub(super) findings: Vec<Finding>,
+    pub(super) changes: Vec<Change>,
+    pub(super) lines: Vec<LineLimit>,
 }
 
-fn limited(machine: &Machine, text: &str, rules: LimitRules) -> Limited {
+pub(super) fn limited(machine: &Machine, text: &str, rules: LimitRules) -> Limited {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("program.cnc");
     std::fs::write(&path, text).unwrap();
@@ -54,12 +54,12 @@ fn limited(machine: &Machine, text: &str, rules: LimitRules) -> Limited {
 }
 
 #[track_caller]
-fn near(found: f64, expected: f64, part: f64) {
+pub(super) fn near(found: f64, expected: f64, part: f64) {
     assert!((found - expected).abs() <= part * expected.abs(), "{found} is not {expected}");
 }
 
 /// Rest to rest over `length` with these accelerations at first and at last.
-fn rest_to_rest(length: f64, up: f64, down: f64) -> f64 {
+pub(super) fn rest_to_rest(length: f64, up: f64, down: f64) -> f64 {
     let top = (2.0 * length * up * down / (up + down)).sqrt();
     top / up + top / down
 }

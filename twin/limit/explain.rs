@@ -1,22 +1,51 @@
 //! Which limit holds the path back.
 
-use super::plan::Profile;
+use super::plan::{LimitRules, Profile};
 use super::{Binding, ProfileSample, Quantity};
-use crate::machine::VelocitySource;
+use crate::machine::{Machine, PathLimits, VelocitySource};
+use crate::report::seconds;
 use twin_kinematics::AxisVector;
+use twin_motion::limit::course::CourseElement;
 use twin_motion::limit::{
     AxisPath, AxisPoint, CapSource, Constraint, FIRST_FURTHER_ROW, Followed, MOST_FURTHER_ROWS, Row,
 };
 
+use twin_motion::path::ElementKind;
+use twin_motion::prepare::CircularLimits;
+
 /// A value counts as at its limit from this part of it on.
 const AT_LIMIT: f64 = 0.98;
 
+impl LimitRules {
+    /// Limits on curves, as far as they count.
+    pub(super) fn centripetal(&self, machine: &Machine) -> CircularLimits {
+        let PathLimits { centripetal_acceleration, centripetal_jump, .. } = machine.path_limits;
+        let of = |limit: Option<f64>| limit.filter(|_| self.centripetal).unwrap_or(0.0);
+        CircularLimits {
+            acceleration: of(centripetal_acceleration),
+            acceleration_jump: of(centripetal_jump),
+        }
+    }
+}
+
 impl Profile<'_> {
+    /// The largest velocity along the path that the curve allows at `s`, m/s.
+    pub(super) fn speed_on_curve(&self, element: &CourseElement, s: f64) -> f64 {
+        let CircularLimits { acceleration, .. } = self.rules.centripetal(self.machine);
+        if acceleration > 0.0 && element.element().kind == ElementKind::Cut {
+            (acceleration / element.curvature(s)).sqrt()
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// A constraint of the planner as people know it; none of what no machine file and no program says.
     pub(super) fn binding_of(&self, constraint: Constraint) -> Option<Binding> {
         let of_axis = |axis: u8, quantity| Binding::Axis { axis: usize::from(axis), quantity };
         Some(match constraint {
             Constraint::Velocity(CapSource::Feed) => Binding::Feed,
+            Constraint::Velocity(CapSource::Centripetal) => Binding::Centripetal,
+            Constraint::Velocity(CapSource::EndVelocity) => Binding::EndVelocity,
             Constraint::Velocity(CapSource::AxisVelocity(axis)) => {
                 let source = self.machine.axes.get(usize::from(axis))?.velocity_limit().source;
                 let of_axis_itself = source == VelocitySource::Axis;
@@ -72,8 +101,23 @@ impl Profile<'_> {
                 consider(part, Binding::Axis { axis, quantity });
             }
         }
-        // As the planner sees them.
         let (v, a) = (followed.progress.velocity, followed.progress.acceleration);
+        let s = followed.progress.position;
+        consider(v / self.speed_on_curve(element, s), Binding::Centripetal);
+        let reach = v * seconds(self.machine.cycle_ns);
+        for (transition, to) in element.transitions().into_iter().zip([s, element.length() - s]) {
+            if to <= reach {
+                let jump = self.rules.centripetal(self.machine).acceleration_jump;
+                if jump > 0.0 {
+                    let part = v * (transition.curvature_jump / jump).sqrt();
+                    consider(part, Binding::Centripetal);
+                }
+                if self.rules.feed {
+                    consider(v / transition.velocity, Binding::EndVelocity);
+                }
+            }
+        }
+        // As the planner sees them.
         let feed = if self.rules.feed { element.feed().powi(2) } else { f64::INFINITY };
         let mut rows = [Row::default(); MOST_FURTHER_ROWS];
         let cap = self.axes.further(point, feed, &mut rows);

@@ -1,16 +1,15 @@
 //! A program within all limits, set-point by set-point.
 
 use super::machine_path::{AxisRules, MachinePath, MachinePathError};
+use super::watch::Watch;
 use super::{Change, ProfileSample};
-use crate::check::{beyond_position, unreachable};
+use crate::check::unreachable;
 use crate::finding::{Finding, Rule};
-use crate::machine::{Axis, Machine};
+use crate::machine::Machine;
 use crate::program::{Findings, Halt, Prepared, ProgramFile};
-use std::collections::VecDeque;
 use std::io;
 use std::num::NonZeroU32;
 use twin_kinematics::AxisVector;
-use twin_motion::Place;
 use twin_motion::interpolate::DEFAULT_CYCLE_NS;
 use twin_motion::limit::course::{CourseOptions, Order};
 use twin_motion::limit::{
@@ -29,6 +28,8 @@ pub struct LimitRules {
     pub path_acceleration: bool,
     /// The acceleration of the tool tip, where the machine file gives one.
     pub tool_acceleration: bool,
+    /// The acceleration towards the centre of curves and its jumps, where the machine file limits them.
+    pub centripetal: bool,
 }
 
 impl Default for LimitRules {
@@ -38,6 +39,7 @@ impl Default for LimitRules {
             feed: true,
             path_acceleration: true,
             tool_acceleration: true,
+            centripetal: true,
         }
     }
 }
@@ -75,11 +77,7 @@ pub struct Profile<'m> {
     found: Findings,
     line: Option<LineLimit>,
     lines: Vec<LineLimit>,
-    /// The line on which each axis was last found beyond its software limits.
-    told: Vec<Option<u32>>,
-    /// The line on which each motor was last found too weak to hold its axis.
-    told_overloaded: Vec<Option<u32>>,
-    ready: VecDeque<ProfileItem>,
+    watch: Watch<'m>,
 }
 
 impl<'m> Profile<'m> {
@@ -103,11 +101,10 @@ impl<'m> Profile<'m> {
             feed: rules.feed,
             path_acceleration: rules.path_acceleration,
             tool_acceleration: limits.tool_acceleration.filter(|_| rules.tool_acceleration),
+            centripetal: rules.centripetal(machine),
             ..LimitOptions::new(course)
         };
         let near = axes.home();
-        let told = vec![None; machine.axes.len()];
-        let told_overloaded = told.clone();
         let planner = Planner::new(path, MachinePath::new(machine, rules.axes)?, options);
         let cycle = u32::try_from(machine.cycle_ns).ok().and_then(NonZeroU32::new);
         let follower = Follower::new(planner, cycle.unwrap_or(DEFAULT_CYCLE_NS));
@@ -120,9 +117,7 @@ impl<'m> Profile<'m> {
             found,
             line: None,
             lines: Vec::new(),
-            told,
-            told_overloaded,
-            ready: VecDeque::new(),
+            watch: Watch::new(machine),
         })
     }
 
@@ -170,7 +165,7 @@ impl<'m> Profile<'m> {
             Err(error) => return ProfileItem::Finding(unreachable(tool.place, &error)),
         };
         self.near = point.position;
-        self.look_at_positions(tool.place);
+        self.watch.positions(tool.place, &point.position);
         let Rates { first, second, third } = &point.rates;
         let (v, a, j) = (progress.velocity, progress.acceleration, progress.jerk);
         let values = first.iter().zip(second.iter()).zip(third.iter());
@@ -196,37 +191,13 @@ impl<'m> Profile<'m> {
         let ProfileSample { position, velocity, acceleration, .. } = &sample;
         if let Some((effort, overloaded)) = self.axes.efforts(position, velocity, acceleration) {
             sample.effort = Some(effort);
-            self.look_at_motors(tool.place, &overloaded);
+            if self.rules.axes.effort {
+                self.watch.motors(tool.place, &overloaded);
+            }
         }
         sample.binding = self.binding(&sample, &point, followed);
         self.include(&point, followed);
         ProfileItem::Sample(Box::new(sample))
-    }
-
-    /// Tells of axes beyond their software limits, once per line.
-    fn look_at_positions(&mut self, place: Place) {
-        let axes = self.machine.axes.iter().zip(self.near.iter()).zip(&mut self.told);
-        for ((axis, position), told) in axes {
-            if *told != Some(place.line)
-                && let Some(finding) = beyond_position(axis, place, *position)
-            {
-                *told = Some(place.line);
-                self.ready.push_back(ProfileItem::Finding(finding));
-            }
-        }
-    }
-
-    /// Tells of motors that cannot hold their axes, once per line; `overloaded` with what that would take.
-    fn look_at_motors(&mut self, place: Place, overloaded: &[(usize, f64)]) {
-        for (index, effort) in overloaded.iter().filter(|_| self.rules.axes.effort) {
-            let told = self.told_overloaded.get_mut(*index);
-            if let (Some(axis), Some(told)) = (self.machine.axes.get(*index), told)
-                && *told != Some(place.line)
-            {
-                *told = Some(place.line);
-                self.ready.push_back(ProfileItem::Finding(overload(axis, place, *effort)));
-            }
-        }
     }
 
     /// Keeps the feed with which the line could go here at constant velocity. Blends are left out: a controller that has
@@ -245,7 +216,7 @@ impl<'m> Profile<'m> {
         } else {
             largest_feed(self.axes.limits(), &point.rates).min(self.axes.largest_speed(point))
         };
-        let feed = feed.min(element.feed());
+        let feed = feed.min(element.feed()).min(self.speed_on_curve(element, s));
         let (line, rapid) = (element.place().line, element.rapid());
         match &mut self.line {
             Some(limit) if limit.line == line && limit.rapid == rapid => {
@@ -259,19 +230,6 @@ impl<'m> Profile<'m> {
     pub fn machine(&self) -> &'m Machine {
         self.machine
     }
-}
-
-/// A motor that cannot hold its axis, which would take `effort`, N or Nm.
-fn overload(axis: &Axis, place: Place, effort: f64) -> Finding {
-    let limit = axis.effort_limit().unwrap_or(f64::INFINITY);
-    let (name, unit) = (axis.kind.effort_name(), axis.kind.effort_unit());
-    let message = format!(
-        "axis {}: against weight and dry friction it takes a {name} of {effort:.4} {unit}, more than its motor's limit of \
-         {limit:.4} {unit}",
-        axis.name
-    );
-    let finding = Finding::error(Rule::AxisEffort, place, message);
-    Finding { axis: Some(axis.name.clone()), ..finding.with_value(effort, limit, unit) }
 }
 
 /// The largest constant velocity along the path within the limits of the axes, m/s.
@@ -290,8 +248,8 @@ impl Iterator for Profile<'_> {
     type Item = ProfileItem;
 
     fn next(&mut self) -> Option<ProfileItem> {
-        if let Some(item) = self.ready.pop_front() {
-            return Some(item);
+        if let Some(finding) = self.watch.take() {
+            return Some(ProfileItem::Finding(finding));
         }
         if let Some(finding) = self.found.take() {
             return Some(ProfileItem::Finding(finding));

@@ -1,7 +1,7 @@
 //! The summary for people.
 
-use super::{Binding, Change, LimitSummary};
-use crate::machine::Machine;
+use super::{Binding, Change, LimitSummary, Limits};
+use crate::machine::{Axis, Machine};
 use crate::number::significant;
 use crate::program::ProgramFile;
 use crate::report::Peak;
@@ -14,6 +14,9 @@ use twin_motion::Place;
 const WORTH_S: f64 = 1e-3;
 const WORTH: f64 = 1e-3;
 const NAMED_CHANGES: usize = 3;
+
+/// The part of a limit from which on it is exceeded: a thousandth is what sampling may add.
+const EXCEEDED: f64 = 1.001;
 
 /// Writes the summary: durations, largest values, what holds the program back, and where.
 ///
@@ -38,8 +41,18 @@ pub fn write_summary(
         write!(out, " ({:+.1} %)", (duration_s / by_feed_s - 1.0) * 100.0)?;
     }
     writeln!(out)?;
+    if let Some(axes_s) = summary.duration_under_axes_s {
+        write!(out, "planned by the controller alone; under the limits of the axes {axes_s:.3} s")?;
+        if duration_s > 0.0 {
+            write!(out, ", {:.3} times as long", axes_s / duration_s)?;
+        }
+        writeln!(out)?;
+    }
     if summary.peaks.iter().any(|peak| peak.position.is_some()) {
         writeln!(out, "{}", peaks(machine, summary))?;
+    }
+    for beyond in beyond(machine, summary) {
+        writeln!(out, "{beyond}")?;
     }
     if !summary.limited_by.is_empty() {
         writeln!(out, "{}", limited_by(machine, summary))?;
@@ -114,13 +127,39 @@ fn against(value: String, peak: &Peak, limit: Option<f64>) -> [Cell; 3] {
     let share = limit.map(|limit| peak.value / limit);
     let cell = Cell::new(share.map_or("–".to_owned(), percent));
     let cell = match share {
-        // A thousandth is what sampling may add.
-        Some(share) if share > 1.001 => cell.fg(Color::Red),
+        Some(share) if share > EXCEEDED => cell.fg(Color::Red),
         Some(share) if share > 0.9 => cell.fg(Color::Yellow),
         _ => cell,
     };
     let line = if peak.value > 0.0 { line(peak.place) } else { "–".to_owned() };
     [Cell::new(value), cell, Cell::new(line)]
+}
+
+/// By how much axes are beyond their limits, the worst first; only where nobody has kept them within.
+fn beyond(machine: &Machine, summary: &LimitSummary) -> Vec<String> {
+    if summary.limits == Limits::Axes {
+        return Vec::new();
+    }
+    let mut found: Vec<(f64, String)> = Vec::new();
+    for (axis, peak) in machine.axes.iter().zip(&summary.peaks) {
+        let effort = peak.effort.unwrap_or_default();
+        for (name, peak, limit) in [
+            ("velocity", &peak.velocity, Some(axis.max_velocity)),
+            ("acceleration", &peak.acceleration, Some(axis.max_acceleration)),
+            ("jerk", &peak.jerk, axis.max_jerk),
+            (axis.kind.effort_name(), &effort, axis.effort_limit()),
+        ] {
+            let Some(part) = limit.map(|limit| peak.value / limit).filter(|part| *part > EXCEEDED)
+            else {
+                continue;
+            };
+            let Axis { name: of, .. } = axis;
+            let (times, at) = (significant(part, 4), line(peak.place));
+            found.push((part, format!("{name} of {of}: {times} times its limit in line {at}")));
+        }
+    }
+    found.sort_by(|one, other| other.0.total_cmp(&one.0));
+    found.into_iter().map(|(_, text)| text).collect()
 }
 
 /// What holds the program back.

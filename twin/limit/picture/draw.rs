@@ -26,8 +26,14 @@ const AXES: [[u8; 3]; 8] = [
 ];
 
 /// Colours of limits that are of no axis.
-const OTHERS: [[u8; 3]; KINDS.len()] =
-    [[214, 218, 224], [160, 166, 176], [128, 112, 168], [110, 116, 126], [34, 38, 46]];
+const OTHERS: [[u8; 3]; KINDS.len()] = [
+    [214, 218, 224],
+    [160, 166, 176],
+    [128, 112, 168],
+    [110, 116, 126],
+    [34, 38, 46],
+    [176, 150, 110],
+];
 
 /// The rows are so much higher than the largest value: there its line is written.
 const ROOM: f64 = 1.3;

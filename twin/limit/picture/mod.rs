@@ -22,12 +22,13 @@ const FIRST_AXIS: usize = 2;
 const PER_AXIS: usize = 4;
 
 /// Kinds of limits behind those of the axes.
-const KINDS: [&str; 5] = [
+const KINDS: [&str; 6] = [
     "programmed feed (F)",
     "programmed acceleration (E)",
     "jerk along the path",
     "acceleration of the tool tip",
     "stop",
+    "acceleration towards the centre of curves",
 ];
 
 /// A picture that could not be drawn.
@@ -133,11 +134,12 @@ impl<'m> Picture<'m> {
     fn kind(&self, binding: Binding) -> Option<usize> {
         let number = match binding {
             Binding::Axis { axis, .. } => return (axis < self.axes.len()).then_some(axis),
-            Binding::Feed => 0,
+            Binding::Feed | Binding::EndVelocity => 0,
             Binding::PathAcceleration | Binding::PathDeceleration => 1,
             Binding::PathJerk => 2,
-            Binding::ToolAcceleration | Binding::Centripetal => 3,
+            Binding::ToolAcceleration => 3,
             Binding::Stop => 4,
+            Binding::Centripetal => 5,
         };
         Some(self.axes.len() + number)
     }
