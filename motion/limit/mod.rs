@@ -26,7 +26,7 @@ mod stretch;
 
 pub use axis_path::{AxisPath, AxisPoint, KinematicPath, MOST_FURTHER_ROWS, axis_point};
 pub use convex::NotSolved;
-pub use follow::{Followed, Follower};
+pub use follow::{Followed, Follower, MTimes};
 pub use gain::Gain;
 pub use grid::{
     AxisLimits, Cap, CapSource, CellEnd, Constraint, Disc, FIRST_FURTHER_ROW, Grid, JerkRow, Rates,

