@@ -18,7 +18,7 @@ const AT_LIMIT: f64 = 0.98;
 
 impl LimitRules {
     /// Limits on curves, as far as they count.
-    pub(super) fn centripetal(&self, machine: &Machine) -> CircularLimits {
+    pub(super) fn centripetal(self, machine: &Machine) -> CircularLimits {
         let PathLimits { centripetal_acceleration, centripetal_jump, .. } = machine.path_limits;
         let of = |limit: Option<f64>| limit.filter(|_| self.centripetal).unwrap_or(0.0);
         CircularLimits {

@@ -10,6 +10,7 @@ use twin_motion::path::ExtraPoint;
 
 /// What can be limited at the axes; everything unless something is switched off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct AxisRules {
     /// Their velocities.
     pub velocity: bool,

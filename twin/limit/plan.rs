@@ -21,6 +21,7 @@ use twin_motion::refeed::LineLimit;
 
 /// What is limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct LimitRules {
     /// The axes.
     pub axes: AxisRules,

@@ -44,8 +44,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE")]
     feasible: Option<PathBuf>,
 
-    /// Whose limits the path is planned with: those of the axes, or the controller's own (SMC_CheckVelocities,
-    /// SMC_LimitCircularVelocities and its interpolator), which know no axes, for comparison
+    /// Whose limits the path is planned with: those of the axes, or, for comparison, the controller's own (transition
+    /// velocities, limits on curves and interpolator as in the manual), which know no axes
     #[arg(long, value_enum, default_value = "axes")]
     limits: Limits,
 
@@ -101,7 +101,7 @@ impl Arguments {
                 "--without is for --limits axes: the controller's own planning knows none of these limits"
             }
             Limits::Softmotion if self.feasible.is_some() => "--feasible is for --limits axes",
-            _ => return Ok(()),
+            Limits::Softmotion => return Ok(()),
         };
         Err(Failure::Usage(wrong.to_owned()))
     }
