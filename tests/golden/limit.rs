@@ -231,6 +231,53 @@ fn limits_of_an_axis_can_be_left_out() {
     }
 }
 
+/// X moves 33.3 kg (machines/gantry3.toml): with 100 N, 20 N of them friction, 50 mm from rest to rest take 2·√(L·m/F).
+#[test]
+fn a_motor_is_named_and_shown_where_it_holds_back() {
+    let desk = desk();
+    let strong = std::fs::read_to_string(desk.path("machine.toml")).expect("it is there");
+    let weak = strong.replacen("max_force_n = 600.0", "max_force_n = 100.0", 1).replacen(
+        "viscous_friction_n_s_per_m = 60.0",
+        "viscous_friction_n_s_per_m = 0.0",
+        1,
+    );
+    assert_ne!(weak, strong);
+    desk.write("weak.toml", &weak);
+    desk.write("x.cnc", "% x\nN10 G92 X0 Y0 Z0 F400 E9000 E-9000\nN20 G1 X50\n");
+    let arguments = ["limit", "x.cnc", "-m", "weak.toml", "-o", "x.csv", "-o", "x.svg"];
+    let done = desk.twin(&arguments);
+    let text = &done.ended(0, "").stdout;
+    assert!(text.contains("force of X 20 % up: about"), "{text}");
+    let rows = Rows::read(&desk, "x.csv");
+    let most = rows.most("X_force_n");
+    assert!((most - 100.0).abs() < 0.1, "{most} N");
+    // Nothing else moves, but Z is held: 3.3 kg.
+    assert!((rows.most("Z_force_n") - 3.3 * 9.81).abs() < 1e-6 && rows.most("Y_force_n") < 1e-9);
+    let picture = std::fs::read_to_string(desk.path("x.svg")).expect("it was written");
+    assert!(picture.contains("motor effort") && picture.contains("X: 100.0 %, 100 N"));
+
+    let report = |more: &[&str]| {
+        let arguments = ["limit", "x.cnc", "-m", "weak.toml", "--format", "json"];
+        json(desk.twin(&[&arguments[..], more].concat()).ended(0, ""))
+    };
+    let limited = report(&[]);
+    let expected = 2.0 * (0.05_f64 * 33.3 / 80.0).sqrt();
+    let duration = number(&limited["duration_s"]);
+    assert!((duration - expected).abs() < 1.5e-3, "{duration} s and not {expected} s");
+    let held = limited["limited_by"][0].clone();
+    assert_eq!((&held["limit"], &held["axis"]), (&"axis-effort".into(), &"X".into()), "{held}");
+    let effort = &limited["peak"]["X"]["effort"];
+    assert_eq!((&effort["unit"], &effort["limit"]), (&"N".into(), &100.0.into()), "{effort}");
+    let free = report(&["--without", "motor-torque"]);
+    assert!(number(&free["duration_s"]) < 0.95 * duration);
+    assert!(number(&free["peak"]["X"]["effort"]["value"]) > 110.0, "{}", free["peak"]["X"]);
+
+    // Too weak to hold Z.
+    desk.write("none.toml", &strong.replacen("max_force_n = 300.0", "max_force_n = 30.0", 1));
+    let done = desk.twin(&["limit", "x.cnc", "-m", "none.toml"]);
+    done.ended(1, "axis Z: against weight and dry friction it takes a force of 40.3730 N");
+}
+
 /// A queue has the velocities on and into arcs that preparation has given it; they count as if they were limits of ours.
 #[test]
 fn velocities_of_a_prepared_queue_are_kept() {

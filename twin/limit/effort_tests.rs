@@ -83,7 +83,7 @@ fn a_motor_speeds_its_mass_up() {
     let [first, ..] = &found.changes[..] else { panic!("no changes") };
     assert_eq!(first.binding, MOTOR_OF_X);
     assert!(first.gain_s > 0.05 * found.duration && first.gain_s < 0.2 * found.duration);
-    let most = found.samples.iter().filter_map(|sample| sample.effort.unwrap().get(0).copied());
+    let most = found.samples.iter().filter_map(|sample| sample.effort.unwrap().first().copied());
     // Dry friction counts against the motor all the way, and helps to brake.
     near(most.clone().fold(0.0, f64::max), 100.0, 1e-3);
     near(most.fold(0.0, f64::min), -60.0, 1e-3);
@@ -94,7 +94,7 @@ fn a_motor_speeds_its_mass_up() {
     rules.axes.effort = false;
     let free = limited(&machine, text, rules);
     near(free.duration, rest_to_rest(0.05, 3.0, 3.0), 1e-4);
-    assert!(free.samples.iter().any(|sample| sample.effort.unwrap().get(0) > Some(&110.0)));
+    assert!(free.samples.iter().any(|sample| sample.effort.unwrap().first() > Some(&110.0)));
     // Half kept back for the override: a quarter of the acceleration.
     let machine = edited(
         GANTRY3,
