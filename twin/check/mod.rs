@@ -3,6 +3,7 @@
 #[cfg(test)]
 mod direction_tests;
 mod findings;
+mod options;
 mod sentence;
 mod source;
 #[cfg(test)]
@@ -10,8 +11,8 @@ mod tests;
 
 use crate::compare::Comparison;
 use crate::finding::{self, Finding, Rule};
-use crate::limit::{LimitFailure, Limits, MachinePathError};
-use crate::m_function::{Acknowledge, Acknowledgement};
+use crate::limit::Limits;
+use crate::m_function::Acknowledgement;
 use crate::machine::{DirectionRule, Machine};
 use crate::physics::PhysicsError;
 use crate::plant::Plant;
@@ -20,9 +21,9 @@ use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
 use crate::simulated::Simulated;
 use findings::Findings;
+pub use options::{CheckFailure, CheckOptions};
 pub(crate) use sentence::{beyond_position, unreachable};
 use source::Source;
-use std::io;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
@@ -53,47 +54,6 @@ pub struct Outcome {
     pub findings_left_out: u64,
     /// Where the axes are at the first set-point, m or rad.
     pub start: Option<AxisVector>,
-}
-
-/// Why a program could not be checked.
-#[derive(Debug, thiserror::Error)]
-pub enum CheckFailure {
-    /// The file.
-    #[error(transparent)]
-    Read(#[from] io::Error),
-    /// The simulated machine.
-    #[error(transparent)]
-    Physics(#[from] PhysicsError),
-    /// The limits of the axes.
-    #[error(transparent)]
-    Limits(#[from] MachinePathError),
-}
-
-impl From<LimitFailure> for CheckFailure {
-    fn from(failure: LimitFailure) -> Self {
-        match failure {
-            LimitFailure::Read(error) => Self::Read(error),
-            LimitFailure::Machine(error) => Self::Limits(error),
-        }
-    }
-}
-
-/// How a program is checked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CheckOptions {
-    /// Whose limits the path is planned with.
-    pub limits: Limits,
-    /// Also on the simulated machine.
-    pub physics: bool,
-    /// Who acknowledges M functions.
-    pub acknowledge: Acknowledge,
-}
-
-impl Default for CheckOptions {
-    /// What a run needs to know before it moves anything.
-    fn default() -> Self {
-        Self { limits: Limits::Softmotion, physics: false, acknowledge: Acknowledge::Auto }
-    }
 }
 
 /// What the simulated machine did in a run, where an axis was farther from its set-points than its machine file allows.

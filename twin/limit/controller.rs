@@ -1,7 +1,7 @@
 //! A program as the controller itself plans it (`SMC_CheckVelocities`, `SMC_LimitCircularVelocities`, `SMC_Interpolator`):
 //! no axis is asked what it can give. For comparison.
 
-use super::machine_path::{AxisRules, MachinePath, MachinePathError};
+use super::machine_path::{AxisRules, MachinePath, MachinePathError, efforts, overloaded};
 use super::watch::Watch;
 use super::{Binding, LimitFailure, ProfileItem, ProfileSample};
 use crate::m_function::Acknowledgement;
@@ -69,13 +69,14 @@ impl<'m> ControllerProfile<'m> {
         };
         let axes = setpoint.axes;
         self.watch.positions(tool.place, &axes.position);
+        // Time in the place of the path's parameter.
         let known = self.axes.as_ref();
-        let known = known
-            .and_then(|known| known.efforts(&axes.position, &axes.velocity, &axes.acceleration));
-        let effort = known.map(|(effort, overloaded)| {
-            self.watch.motors(tool.place, &overloaded);
-            effort
-        });
+        let torque = known
+            .and_then(|known| known.torque(&axes.position, &axes.velocity, &axes.acceleration));
+        if let Some(torque) = &torque {
+            self.watch.motors(tool.place, overloaded(torque));
+        }
+        let effort = torque.map(|torque| efforts(&torque, [0.0, 1.0], &axes.velocity));
         let along = tool.velocity.try_normalize(0.0).unwrap_or_default();
         let path_acceleration = tool.acceleration.dot(&along);
         // At first nothing moves.

@@ -3,11 +3,12 @@
 use super::plan::{LimitRules, Profile};
 use super::{Binding, ProfileSample, Quantity};
 use crate::machine::{Machine, PathLimits, VelocitySource};
+use crate::physics::TorqueAlongPath;
 use crate::report::seconds;
 use twin_kinematics::AxisVector;
 use twin_motion::limit::course::CourseElement;
 use twin_motion::limit::{
-    AxisPath, AxisPoint, CapSource, Constraint, FIRST_FURTHER_ROW, Followed, MOST_FURTHER_ROWS, Row,
+    AxisPath, Cap, CapSource, Constraint, FIRST_FURTHER_ROW, Followed, MOST_FURTHER_ROWS, Row,
 };
 
 use twin_motion::path::ElementKind;
@@ -78,11 +79,13 @@ impl Profile<'_> {
         })
     }
 
-    /// The limit that the motion is nearest to, if it is at one.
+    /// The limit that the motion is nearest to, if it is at one; `first` derivatives of the axes and what their motors have
+    /// to give by the parameter of the path.
     pub(super) fn binding(
         &self,
         sample: &ProfileSample,
-        point: &AxisPoint,
+        first: &AxisVector,
+        torque: Option<&TorqueAlongPath>,
         followed: &Followed,
     ) -> Option<Binding> {
         let element = &followed.element;
@@ -127,7 +130,7 @@ impl Profile<'_> {
         // As the planner sees them.
         let feed = if self.rules.feed { element.feed().powi(2) } else { f64::INFINITY };
         let mut rows = [Row::default(); MOST_FURTHER_ROWS];
-        let cap = self.axes.further(point, feed, &mut rows);
+        let cap = torque.map_or(Cap::NONE, |torque| self.axes.rows(torque, first, feed, &mut rows));
         for (index, row) in rows.iter().take(self.axes.further_rows()).enumerate() {
             let Some(axis) = self.axes.motor(index) else { continue };
             let effort = Binding::Axis { axis, quantity: Quantity::Effort };

@@ -5,8 +5,9 @@ use super::{Binding, Quantity};
 use crate::finding::{Finding, Rule, Severity};
 use crate::machine::Machine;
 use crate::number::significant;
+use crate::physics::TorqueAlongPath;
 use twin_motion::Place;
-use twin_motion::limit::{AxisLimits, AxisPath, AxisPoint, Followed, Rates};
+use twin_motion::limit::{AxisLimits, AxisPath, Followed, Rates};
 use twin_motion::refeed::LineLimit;
 
 /// Feeds that differ by no more than this part of them are the same.
@@ -63,7 +64,12 @@ impl LineFeed {
 impl Profile<'_> {
     /// Keeps the feed with which the line could go here at constant velocity. Blends are left out: a controller that has
     /// none has corners there, which no feed makes smooth.
-    pub(super) fn include(&mut self, point: &AxisPoint, followed: &Followed) {
+    pub(super) fn include(
+        &mut self,
+        rates: &Rates,
+        torque: Option<&TorqueAlongPath>,
+        followed: &Followed,
+    ) {
         let Followed { element, progress, .. } = followed;
         if !element.element().kind.is_motion() {
             return;
@@ -78,13 +84,15 @@ impl Profile<'_> {
             }
         };
         if s >= head && s <= tail {
-            for (axis, feeds) in largest_feeds(self.axes.limits(), &point.rates).enumerate() {
+            for (axis, feeds) in largest_feeds(self.axes.limits(), rates).enumerate() {
                 for (feed, quantity) in feeds {
                     allow(feed, self.of_axis(axis, quantity));
                 }
             }
-            let (speed, axis) = self.axes.largest_speed(point);
-            allow(speed, Binding::Axis { axis, quantity: Quantity::Effort });
+            if let Some(torque) = torque {
+                let (speed, axis) = self.axes.largest_speed(torque);
+                allow(speed, Binding::Axis { axis, quantity: Quantity::Effort });
+            }
         }
         allow(self.speed_on_curve(element, s), Binding::Centripetal);
         let (feed, binding) = least;

@@ -99,39 +99,41 @@ impl<'m> MachinePath<'m> {
         self.dynamics.as_ref()?.borrow_mut().at(position, first, second).ok()
     }
 
-    /// Forces and torques of the motors at a velocity and an acceleration of the axes, dry friction against the motion;
-    /// and the axes whose motors cannot hold them there, with what holding takes.
-    pub(super) fn efforts(
+    /// As [`AxisPath::further`], where `torque` is known.
+    pub(super) fn rows(
         &self,
-        position: &AxisVector,
-        velocity: &AxisVector,
-        acceleration: &AxisVector,
-    ) -> Option<(AxisVector, Vec<(usize, f64)>)> {
-        // Time in the place of the parameter.
-        let torque = self.torque(position, velocity, acceleration)?;
-        let axes = torque.axes().iter().zip(velocity.iter());
-        let effort = |(axis, velocity): (&AxisEffort, &f64)| {
-            let dry = if *velocity == 0.0 { 0.0 } else { axis.dry.copysign(*velocity) };
-            axis.effort(0.0, 1.0) + dry
-        };
-        let overloaded = torque.limited().filter(|(_, axis)| !holds(axis));
-        let holding =
-            |(axis, effort): (usize, &AxisEffort)| (axis, effort.weight.abs() + effort.dry);
-        let overloaded = overloaded.map(holding).collect();
-        Some((AxisVector::from_values(axes.map(effort)), overloaded))
+        torque: &TorqueAlongPath,
+        first: &AxisVector,
+        v2: f64,
+        rows: &mut [Row],
+    ) -> Cap {
+        if self.motors.is_empty() {
+            return Cap::NONE;
+        }
+        let mut fastest = v2.sqrt();
+        for (first, limits) in first.iter().zip(&self.limits) {
+            fastest = fastest.min(limits.velocity / first.abs());
+        }
+        let mut cap = Cap::NONE;
+        for ((axis, effort), slots) in torque.limited().zip(rows.chunks_mut(2)) {
+            if !holds(effort) {
+                continue;
+            }
+            for (slot, row) in slots.iter_mut().zip(effort.rows(axis, fastest)) {
+                *slot = Row { a: row.acceleration / row.limit, b: row.speed_v2 / row.limit };
+            }
+            let source = CapSource::Motor(u8::try_from(axis).unwrap_or(u8::MAX));
+            cap = cap.min(Cap { v2: effort.largest_speed().powi(2), source });
+        }
+        cap
     }
 
-    /// The largest constant speed along the path that the motors keep at `point`, as a velocity of the parameter, and the
-    /// axis of the weakest of them.
-    pub(super) fn largest_speed(&self, point: &AxisPoint) -> (f64, usize) {
-        let Rates { first, second, .. } = &point.rates;
-        let torque =
-            if self.motors.is_empty() { None } else { self.torque(&point.position, first, second) };
-        let none = (f64::INFINITY, 0);
-        let Some(torque) = torque else { return none };
-        let holding = torque.limited().filter(|(_, axis)| holds(axis));
+    /// The largest constant speed along the path that the motors keep, as a velocity of the parameter, and the axis of the
+    /// weakest of them.
+    pub(super) fn largest_speed(&self, torque: &TorqueAlongPath) -> (f64, usize) {
+        let holding = torque.limited().filter(|(_, axis)| !self.motors.is_empty() && holds(axis));
         let speeds = holding.map(|(axis, effort)| (effort.largest_constant_speed(), axis));
-        speeds.fold(none, |least, one| if one.0 < least.0 { one } else { least })
+        speeds.fold((f64::INFINITY, 0), |least, one| if one.0 < least.0 { one } else { least })
     }
 
     /// The direction of the tool with three derivatives, rad in the work frame.
@@ -163,6 +165,26 @@ impl<'m> MachinePath<'m> {
             }
         }
     }
+}
+
+/// Forces and torques of the motors at an acceleration and a speed of the parameter and these velocities of the axes, dry
+/// friction against the motion.
+pub(super) fn efforts(
+    torque: &TorqueAlongPath,
+    [acceleration, speed]: [f64; 2],
+    velocity: &AxisVector,
+) -> AxisVector {
+    let axes = torque.axes().iter().zip(velocity.iter());
+    AxisVector::from_values(axes.map(|(axis, velocity)| {
+        let dry = if *velocity == 0.0 { 0.0 } else { axis.dry.copysign(*velocity) };
+        axis.effort(acceleration, speed) + dry
+    }))
+}
+
+/// The axes whose motors cannot hold them, with what holding takes.
+pub(super) fn overloaded(torque: &TorqueAlongPath) -> impl Iterator<Item = (usize, f64)> {
+    let overloaded = torque.limited().filter(|(_, axis)| !holds(axis));
+    overloaded.map(|(axis, effort)| (axis, effort.weight.abs() + effort.dry))
 }
 
 /// Whether the motor holds the axis and has something left to move it.
@@ -221,27 +243,11 @@ impl AxisPath for MachinePath<'_> {
     /// that is possible here, and counted for more than it is below that. A motor that cannot even hold its axis limits
     /// nothing: no plan would help it.
     fn further(&self, point: &AxisPoint, v2: f64, rows: &mut [Row]) -> Cap {
-        let Rates { first, second, .. } = &point.rates;
         if self.motors.is_empty() {
             return Cap::NONE;
         }
-        let Some(torque) = self.torque(&point.position, first, second) else { return Cap::NONE };
-        let mut fastest = v2.sqrt();
-        for (first, limits) in first.iter().zip(&self.limits) {
-            fastest = fastest.min(limits.velocity / first.abs());
-        }
-        let mut cap = Cap::NONE;
-        for ((axis, effort), slots) in torque.limited().zip(rows.chunks_mut(2)) {
-            if !holds(effort) {
-                continue;
-            }
-            for (slot, row) in slots.iter_mut().zip(effort.rows(axis, fastest)) {
-                *slot = Row { a: row.acceleration / row.limit, b: row.speed_v2 / row.limit };
-            }
-            let v2 = effort.largest_speed().powi(2);
-            cap = cap
-                .min(Cap { v2, source: CapSource::Motor(u8::try_from(axis).unwrap_or(u8::MAX)) });
-        }
-        cap
+        let Rates { first, second, .. } = &point.rates;
+        let torque = self.torque(&point.position, first, second);
+        torque.map_or(Cap::NONE, |torque| self.rows(&torque, first, v2, rows))
     }
 }

@@ -1,7 +1,7 @@
 //! A program within all limits, set-point by set-point.
 
 use super::feeds::LineFeed;
-use super::machine_path::{AxisRules, MachinePath, MachinePathError};
+use super::machine_path::{AxisRules, MachinePath, MachinePathError, efforts, overloaded};
 use super::watch::Watch;
 use super::{Change, ProfileSample};
 use crate::check::unreachable;
@@ -214,16 +214,16 @@ impl<'m> Profile<'m> {
             effort: None,
             binding: None,
         };
-        let ProfileSample { position, velocity, acceleration, .. } = &sample;
-        if let Some((effort, overloaded)) = self.axes.efforts(position, velocity, acceleration) {
-            sample.effort = Some(effort);
+        let torque = self.axes.torque(&point.position, first, second);
+        if let Some(torque) = &torque {
+            sample.effort = Some(efforts(torque, [a, v], &sample.velocity));
             if self.rules.axes.effort {
-                self.watch.motors(tool.place, &overloaded);
+                self.watch.motors(tool.place, overloaded(torque));
             }
         }
         self.tool = Some(*tool);
-        sample.binding = self.binding(&sample, &point, followed);
-        self.include(&point, followed);
+        sample.binding = self.binding(&sample, first, torque.as_ref(), followed);
+        self.include(&point.rates, torque.as_ref(), followed);
         ProfileItem::Sample(Box::new(sample))
     }
 

@@ -1,5 +1,6 @@
 //! Draws a profile.
 
+use super::colors::{OTHERS, color_of};
 use super::envelope::{At, Column};
 use super::page::{
     Area, Failure, GAP, LEFT, LINE, RIGHT, Row, Sign, TOP, Time, WIDTH, dashes, legend,
@@ -12,28 +13,6 @@ use crate::page::{FAINT, INK, MARK, color, fine, font, resized, stroke};
 use crate::report::seconds;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-
-/// Colours of axes by place in the machine (Okabe and Ito 2008), those first that are dark enough for lines.
-const AXES: [[u8; 3]; 8] = [
-    [0, 114, 178],
-    [213, 94, 0],
-    [0, 158, 115],
-    [204, 121, 167],
-    [230, 159, 0],
-    [86, 180, 233],
-    [120, 90, 40],
-    [120, 120, 120],
-];
-
-/// Colours of limits that are of no axis.
-const OTHERS: [[u8; 3]; KINDS.len()] = [
-    [214, 218, 224],
-    [160, 166, 176],
-    [128, 112, 168],
-    [110, 116, 126],
-    [34, 38, 46],
-    [176, 150, 110],
-];
 
 /// The rows are so much higher than the largest value: there its line is written.
 const ROOM: f64 = 1.3;
@@ -388,10 +367,6 @@ fn band(
 /// Half of the room for a number, pixels.
 fn half_width(number: u32) -> f64 {
     number.to_string().chars().fold(2.5, |sum, _| sum + 3.4)
-}
-
-fn color_of(axis: usize) -> RGBColor {
-    color(AXES.get(axis % AXES.len()).copied().unwrap_or_default())
 }
 
 /// The first of those with the largest value; none if all are zero.

@@ -1,6 +1,7 @@
 //! The profile as a picture: velocity along the path against the programmed feed; velocity, acceleration and jerk of the
 //! axes and efforts of their motors against their limits; which limit holds the path back, and the lines of the program.
 
+mod colors;
 mod draw;
 mod envelope;
 mod page;
