@@ -101,6 +101,12 @@ pub enum CapSource {
     Feed,
     /// The velocity limit of the axis of this number.
     AxisVelocity(u8),
+    /// Friction and weight, which leave nothing of the motor of the axis of this number.
+    Motor(u8),
+    /// The acceleration towards the centre of a curve, or its jump from one element to the next.
+    Centripetal,
+    /// The velocity that an element asks for at its end.
+    EndVelocity,
     /// A turn or a step of the curvature at a joint.
     Joint,
     /// Nothing: the acceleration alone.
@@ -116,11 +122,15 @@ pub enum Constraint {
     AxisAcceleration(u8),
     /// The jerk limit of the axis of this number.
     AxisJerk(u8),
-    /// A further row, by its number: the programmed acceleration and deceleration, …
+    /// A further row, by its number: the programmed acceleration (0) and deceleration (1), then, from
+    /// [`FIRST_FURTHER_ROW`] on, those of [`super::AxisPath::further`].
     Further(u8),
     /// The acceleration of the tool tip.
     ToolAcceleration,
 }
+
+/// The number of the first row of [`super::AxisPath::further`] in a [`Constraint::Further`].
+pub const FIRST_FURTHER_ROW: u8 = 2;
 
 /// The number of an axis or row in a [`Constraint`]: there are no more than a few.
 pub(super) fn number(index: usize) -> u8 {
