@@ -233,14 +233,13 @@ impl Writer<'_> {
         let guess = (0.5 * own + 0.25 * (from + to)).max(0.5 * from.min(to));
         // A cell that is over at once may change the acceleration by as much as one of the least time.
         let share = (h / guess.sqrt() / LEAST_TIME).min(1.0);
-        let gamma = (from - 2.0 * own + to) / (h * h);
         let places = [
-            (around.start, (from, (own - from) / h), grid.jerks(cell, End::Start)),
-            (around.middle(), (guess, 0.5 * (to - from) / h), grid.middle_jerks(cell)),
-            (around.finish, (to, (to - own) / h), grid.jerks(cell, End::Finish)),
+            (around.start, from, grid.jerks(cell, End::Start)),
+            (around.middle(), guess, grid.middle_jerks(cell)),
+            (around.finish, to, grid.jerks(cell, End::Finish)),
         ];
         let dense = grid.is_dense(cell);
-        for (index, (place, (b, _), rows)) in places.iter().enumerate() {
+        for (index, (place, b, rows)) in places.iter().enumerate() {
             // At the slower end the jerk is what it is in the middle, or less.
             let more = if index == 1 || dense { 0.0 } else { AT_ENDS };
             if index != 1 && *b <= guess * (1.0 + more) {
