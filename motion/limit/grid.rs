@@ -41,6 +41,14 @@ pub struct Row {
     pub b: f64,
 }
 
+impl Row {
+    /// Whether the two are the same to a millionth.
+    pub(super) fn is_about(&self, other: &Self) -> bool {
+        let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (a.abs() + b.abs());
+        same(self.a, other.a) && same(self.b, other.b)
+    }
+}
+
 /// The strip |`first`·ȧ/√b + 3·`second`·a + `third`·b|·√b ≤ 1: the derivatives of an axis, divided by its jerk limit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct JerkRow {

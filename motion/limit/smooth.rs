@@ -36,7 +36,7 @@ const FLOOR: f64 = 0.05;
 
 /// How exactly a guess and the profile itself are solved for.
 const ROUGH: f64 = 1e-5;
-const FINE: f64 = 1e-7;
+const FINE: f64 = 1e-6;
 
 /// With a row that was left out and is not kept those of so many cells before and behind are added.
 const AROUND: usize = 12;
@@ -159,6 +159,11 @@ pub(super) struct CellMotion {
 pub(super) struct Broken(Vec<Origin>);
 
 impl Broken {
+    /// Adds those of cells further on.
+    pub(super) fn extend(&mut self, Self(other): Self) {
+        self.0.extend(other);
+    }
+
     /// Whether one of them limits a jerk in this cell.
     pub(super) fn jerk(&self, cell: usize) -> bool {
         let near = self.0.iter().skip(self.0.partition_point(|origin| origin.cell < cell));
@@ -196,8 +201,9 @@ impl SmoothSolver {
         let mut solved = 0;
         loop {
             solved += 1;
+            let free = 1..cells.len().saturating_sub(1);
             let (mut profile, broken) =
-                self.solve_about(grid, cells.clone(), beginning, &mut guess)?;
+                self.solve_about(grid, cells.clone(), beginning, &mut guess, free)?;
             iterations += profile.iterations;
             if solved >= solves && (broken.0.is_empty() || solved >= solves + MORE) {
                 (profile.iterations, profile.solves) = (iterations, solved);
@@ -206,13 +212,15 @@ impl SmoothSolver {
         }
     }
 
-    /// Solves once about `guess`, which then is about the solution.
+    /// Solves once about `guess`, which then is about the solution. In cells that are not `free` the profile stays what it is
+    /// in the guess; the first and the last are never free.
     pub(super) fn solve_about(
         &mut self,
         grid: &Grid,
         cells: Range<usize>,
         beginning: Beginning,
         guess: &mut Guess,
+        free: Range<usize>,
     ) -> Result<(SmoothProfile, Broken), NotSolved> {
         self.set_knots(grid, &cells, beginning);
         self.scale.clear();
@@ -223,13 +231,14 @@ impl SmoothSolver {
                 *first = given;
             }
         }
-        self.build(grid, &cells, beginning, guess);
+        self.build(grid, &cells, beginning, guess, &free);
         // What is only the guess for another need not be exact.
         let answer = self.program.solve(if guess.rough { ROUGH } else { FINE })?;
         let broken = Broken(self.program.broken(&answer.x).collect());
-        let mut c = self.scale.clone();
-        for (slot, x) in c.iter_mut().skip(1).zip(&answer.x) {
-            *slot *= x;
+        let mut c = guess.c.clone();
+        let solved = self.scale.iter().skip(free.start).zip(&answer.x);
+        for (slot, (scale, x)) in c.iter_mut().skip(free.start).zip(solved) {
+            *slot = scale * x;
         }
         let (b, a) = self.values(&cells, beginning, &c);
         guess.follow(&b, &c, &broken);
@@ -298,17 +307,21 @@ impl SmoothSolver {
         (b, a)
     }
 
-    fn build(&mut self, grid: &Grid, cells: &Range<usize>, beginning: Beginning, guess: &Guess) {
+    fn build(
+        &mut self,
+        grid: &Grid,
+        cells: &Range<usize>,
+        beginning: Beginning,
+        guess: &Guess,
+        free: &Range<usize>,
+    ) {
         let count = cells.len();
-        let variables = count.saturating_sub(2);
-        self.program.reset(variables);
-        self.add_costs(grid, cells, &guess.b);
+        self.program.reset(free.len());
+        self.add_costs(grid, cells, guess, free);
         let screen = if guess.rough { SCREEN_JERK[0] } else { SCREEN_JERK[1] };
-        let fixed = match beginning {
-            Beginning::Rest => 0.0,
-            Beginning::Moving { .. } => self.scale.first().copied().unwrap_or_default(),
-        };
-        for (index, cell) in cells.clone().enumerate() {
+        // What is free in one cell counts in its neighbours, too.
+        let touched = free.start.saturating_sub(1)..(free.end + 1).min(count);
+        for (index, cell) in cells.clone().enumerate().skip(touched.start).take(touched.len()) {
             let around = self.around(index, grid.length(cell));
             let rest = (index == 0 && beginning == Beginning::Rest) || index + 1 == count;
             let mut writer = Writer {
@@ -317,9 +330,8 @@ impl SmoothSolver {
                 middles: &guess.c,
                 guess: guess.b.get(index..index + 2).unwrap_or_default(),
                 asked: guess.asked.get(index).copied().unwrap_or_default(),
-                variables,
+                free,
                 screen,
-                fixed,
                 index,
             };
             if index > 0 && index + 1 < count {
@@ -351,29 +363,31 @@ impl SmoothSolver {
         Around { length, start, finish, gamma }
     }
 
-    fn add_costs(&mut self, grid: &Grid, cells: &Range<usize>, guess: &[f64]) {
-        let variables = cells.len().saturating_sub(2);
-        let nodes = self.knots.iter().zip(guess).zip(cells.clone()).enumerate().skip(1);
-        for (index, ((knot, guess), cell)) in nodes {
-            let weight = 0.5 * (grid.length(cell - 1) + grid.length(cell));
+    fn add_costs(&mut self, grid: &Grid, cells: &Range<usize>, guess: &Guess, free: &Range<usize>) {
+        let nodes = self.knots.iter().zip(&guess.b).zip(cells.clone()).enumerate();
+        for (index, ((knot, guessed), cell)) in nodes.skip(free.start).take(free.len() + 1) {
+            let Some(before) = index.checked_sub(1) else { continue };
+            let weight = 0.5 * (grid.length(cell.saturating_sub(1)) + grid.length(cell));
             // w/√b to second order about the guess.
             let (first, second) = (
-                -0.5 * weight / (guess * guess.sqrt()),
-                0.75 * weight / (guess * guess * guess.sqrt()),
+                -0.5 * weight / (guessed * guessed.sqrt()),
+                0.75 * weight / (guessed * guessed * guessed.sqrt()),
             );
-            let scale = |cell: usize| self.scale.get(cell).copied().unwrap_or_default();
-            let (p, r) = (knot.b[0] * scale(index - 1), knot.b[1] * scale(index));
-            let linear = first - second * guess;
-            let given = index == 1;
-            if !given && p != 0.0 {
-                self.program.add_cost(index - 2, second * p * p, linear * p);
+            let at = |values: &[f64], cell: usize| values.get(cell).copied().unwrap_or_default();
+            let parts = [(before, knot.b[0]), (index, knot.b[1])];
+            let given = parts.iter().filter(|(cell, _)| !free.contains(cell));
+            let given: f64 = given.map(|(cell, part)| part * at(&guess.c, *cell)).sum();
+            let linear = first + second * (given - guessed);
+            for (cell, part) in parts.into_iter().filter(|(cell, _)| free.contains(cell)) {
+                let part = part * at(&self.scale, cell);
+                self.program.add_cost(cell - free.start, second * part * part, linear * part);
             }
-            if index <= variables && r != 0.0 {
-                let extra = if given { second * p } else { 0.0 };
-                self.program.add_cost(index - 1, second * r * r, (linear + extra) * r);
-                if !given {
-                    self.program.add_coupling(index - 2, second * p * r);
-                }
+            if let [(before, p), (after, r)] = parts
+                && free.contains(&before)
+                && free.contains(&after)
+            {
+                let product = p * at(&self.scale, before) * r * at(&self.scale, after);
+                self.program.add_coupling(before - free.start, second * product);
             }
         }
     }
