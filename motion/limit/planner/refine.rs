@@ -11,7 +11,7 @@ use twin_kinematics::KinematicsError;
 
 /// Within this time, s, after the path rested, or before it will, steps are shorter in proportion: there the velocity changes
 /// fast.
-const GRADE: f64 = 0.04;
+const GRADE: f64 = 0.06;
 /// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
 /// constant.
 const LAUNCH: f64 = 8e-3;
