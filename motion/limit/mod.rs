@@ -17,6 +17,7 @@ mod gain;
 mod grid;
 mod linear;
 mod options;
+mod plane;
 mod planner;
 pub mod reachable;
 mod rows;
