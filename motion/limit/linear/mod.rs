@@ -1,0 +1,249 @@
+//! The fastest profile with limited acceleration as a convex program.
+//!
+//! The acceleration is constant in a cell and limits hold at both of its ends, as in [`reachable`](super::reachable).
+//! Variables are xₖ = bₖ/Uₖ at the inner nodes, where Uₖ is the largest bₖ that any profile can have, so that 0 ≤ x ≤ 1. The
+//! duration T = Σ 2h/(√bₖ + √bₖ₊₁) is taken to second order about U: its slopes −h/(√bₖ·(√bₖ + √bₖ₊₁)²) are negative there
+//! and its second derivatives, also the mixed ones, positive, so that it falls in every x all over 0 ≤ x ≤ 1. That is what
+//! the [presolve](presolve) rests on, as it does for the duration itself: most b are proved before Clarabel is asked, and
+//! those that are not proved, around points where an axis has no inertia, are variables of its program. The profile is the
+//! optimum of the program all the same.
+
+mod chain;
+mod presolve;
+mod scaled;
+#[cfg(test)]
+mod tests;
+
+use super::convex::{NotSolved, Origin, Program};
+use super::gain::{Gain, gains};
+use super::grid::{CapSource, Constraint, Grid};
+use chain::Chain;
+use presolve::Presolved;
+use scaled::{Scaled, Vectors};
+use std::ops::Range;
+
+/// Rows less active than this where every b is the largest it can be are left out at first.
+const SCREEN: f64 = 0.9;
+
+/// A profile with constant acceleration in every cell.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearProfile {
+    /// b at every node of the cells, m²/s².
+    pub b: Vec<f64>,
+    /// Inner nodes whose b was left to the solver: all others are proved without it.
+    pub variables: usize,
+    /// Iterations of the solver.
+    pub iterations: u32,
+    /// Rows it was given.
+    pub rows: usize,
+    /// What limits cost.
+    pub gains: Vec<Gain>,
+}
+
+/// Solves windows with limited acceleration; keeps its memory from one to the next.
+#[derive(Debug, Default)]
+pub struct LinearSolver {
+    program: Program,
+    /// Rows and cones in which something is given that is not at the ends of the window.
+    beside: Vec<Beside>,
+}
+
+/// A part of a row or a cone whose b is proved.
+#[derive(Clone, Copy, Debug)]
+struct Beside {
+    node: usize,
+    /// The row or the cone, by its number.
+    of: Of,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Of {
+    /// The row has this coefficient for it.
+    Row(usize, f64),
+    /// The cone has this vector for it.
+    Cone(usize, [f64; 3]),
+}
+
+/// What the solver has a variable for, and what is given, at the two nodes of a cell.
+#[derive(Clone, Copy, Debug)]
+struct Nodes {
+    first: usize,
+    variables: [Option<usize>; 2],
+    /// The least x.
+    least: [f64; 2],
+}
+
+impl LinearSolver {
+    /// The fastest profile over `cells` from b = `start` to b = `end`.
+    ///
+    /// # Errors
+    /// If Clarabel finds none.
+    pub fn solve(
+        &mut self,
+        grid: &Grid,
+        cells: Range<usize>,
+        start: f64,
+        end: f64,
+    ) -> Result<LinearProfile, NotSolved> {
+        let presolved = Presolved::new(grid, cells.clone(), start, end);
+        self.solve_rest(grid, &cells, &presolved)
+    }
+
+    /// Leaves to Clarabel what is not proved.
+    fn solve_rest(
+        &mut self,
+        grid: &Grid,
+        cells: &Range<usize>,
+        presolved: &Presolved,
+    ) -> Result<LinearProfile, NotSolved> {
+        let mut b = presolved.scale();
+        let mut count = 0;
+        let variables: Vec<Option<usize>> = (0..b.len())
+            .map(|node| {
+                let variable = presolved.open(node).then_some(count);
+                count += usize::from(variable.is_some());
+                variable
+            })
+            .collect();
+        let mut chain = Chain::new(grid, cells.clone(), &variables);
+        if count == 0 {
+            let gains = chain.gains(&b);
+            return Ok(LinearProfile { b, variables: 0, iterations: 0, rows: 0, gains });
+        }
+        self.program.reset(count);
+        self.beside.clear();
+        for index in 0..count {
+            // What it costs is told by what the bound comes from.
+            let constraint = Constraint::Velocity(CapSource::Nothing);
+            self.program.add_row(&[(index, 1.0)], 1.0, Origin { cell: 0, constraint, share: 0.0 });
+        }
+        for (first, cell) in cells.clone().enumerate() {
+            let (Some([from, to]), Some([here, next])) =
+                (variables.get(first..first + 2), b.get(first..first + 2))
+            else {
+                break;
+            };
+            let variables = [*from, *to];
+            if variables == [None; 2] {
+                continue;
+            }
+            let least = [first, first + 1].map(|node| {
+                let bounds = (presolved.lower.get(node), presolved.upper.get(node));
+                match bounds {
+                    (Some(lower), Some(upper)) if presolved.open(node) => lower / upper,
+                    _ => 1.0,
+                }
+            });
+            let nodes = Nodes { first, variables, least };
+            self.add_costs(grid.length(cell), [*here, *next], variables);
+            self.add_rows(Scaled::new(grid, cell, [*here, *next]), &nodes);
+        }
+        let answer = self.program.solve_all(1e-7)?;
+        for (slot, variable) in b.iter_mut().zip(&variables) {
+            if let Some(x) = variable.and_then(|index| answer.x.get(index)) {
+                *slot = (*slot * x).max(0.0);
+            }
+        }
+        let duals = &answer.duals;
+        for (node, variable) in variables.iter().enumerate() {
+            if let Some(index) = *variable
+                && let (Some(dual), Some(x)) = (duals.get(index), answer.x.get(index))
+            {
+                chain.bound(node, *x, *dual);
+            }
+        }
+        for Beside { node, of } in &self.beside {
+            let pull = match of {
+                Of::Row(row, value) => duals.get(*row).map(|dual| dual * value),
+                Of::Cone(cone, vector) => {
+                    let from = self.program.rows() + 4 * cone + 1;
+                    let duals = duals.get(from..from + 3);
+                    duals.map(|duals| duals.iter().zip(vector).map(|(dual, part)| dual * part).sum())
+                }
+            };
+            chain.pull(*node, pull.unwrap_or_default());
+        }
+        let mut gains = gains(&answer.gains);
+        gains.extend(chain.gains(&b));
+        let (iterations, rows) = (answer.iterations, self.program.rows());
+        Ok(LinearProfile { b, variables: count, iterations, rows, gains })
+    }
+
+    /// The duration of a cell, 2h/(√x + √y), to second order about b at its ends.
+    fn add_costs(&mut self, h: f64, [b0, b1]: [f64; 2], [first, second]: [Option<usize>; 2]) {
+        let (s0, s1) = (b0.sqrt(), b1.sqrt());
+        let sum = s0 + s1;
+        let slope = |s: f64| -h / (s * sum * sum);
+        let bend = |s: f64| h / (sum * sum) * (0.5 / (s * s * s) + 1.0 / (s * s * sum));
+        let cross = h / (s0 * s1 * sum * sum * sum);
+        for (variable, other, s, b, beside) in
+            [(first, second, s0, b0, b1), (second, first, s1, b1, b0)]
+        {
+            let Some(variable) = variable else { continue };
+            let with = if other.is_some() { cross * beside } else { 0.0 };
+            let linear = slope(s) - bend(s) * b - with;
+            self.program.add_cost(variable, bend(s) * b * b, linear * b);
+        }
+        if let (Some(variable), Some(_)) = (first, second) {
+            self.program.add_coupling(variable, cross * b0 * b1);
+        }
+    }
+
+    /// The limits in a cell, but for those that hold whatever its variables are.
+    fn add_rows(&mut self, scaled: Scaled<'_>, nodes: &Nodes) {
+        for (constraint, row) in scaled.halves() {
+            if Scaled::half_holds(row, nodes.least) {
+                continue;
+            }
+            let mut right = 1.0;
+            let mut entries = [(0, 0.0); 3];
+            for ((slot, value), (variable, node)) in
+                entries.iter_mut().zip(row).zip(nodes.variables.into_iter().zip(nodes.first..))
+            {
+                if let Some(variable) = variable {
+                    *slot = (variable, value);
+                } else {
+                    right -= value;
+                    let of = Of::Row(self.program.rows(), value);
+                    self.beside.push(Beside { node, of });
+                }
+            }
+            let given = nodes.variables.contains(&None);
+            // Raising the limit by a part of it raises 1 by that.
+            let share = if given { 1.0 / right } else { 1.0 };
+            let origin = Origin { cell: nodes.first, constraint, share };
+            if row[0] + row[1] < SCREEN && !given {
+                self.program.add_spare(entries, right, origin);
+            } else {
+                self.program.add_row(&entries, right, origin);
+            }
+        }
+        for vectors in scaled.discs() {
+            if !Scaled::disc_holds(&vectors, nodes.least) {
+                self.add_cone(&vectors, nodes);
+            }
+        }
+    }
+
+    fn add_cone(&mut self, vectors: &Vectors, nodes: &Nodes) {
+        let mut cone = [[(0, 0.0); 3]; 3];
+        let mut given = [0.0; 3];
+        let places = nodes.variables.into_iter().zip(nodes.first..).enumerate();
+        for ((place, (variable, node)), vector) in places.zip(vectors) {
+            if let Some(variable) = variable {
+                for (line, value) in cone.iter_mut().zip(vector) {
+                    if let Some(slot) = line.get_mut(place) {
+                        *slot = (variable, *value);
+                    }
+                }
+            } else {
+                given = *vector;
+                let of = Of::Cone(self.program.cones(), *vector);
+                self.beside.push(Beside { node, of });
+            }
+        }
+        let constraint = Constraint::ToolAcceleration;
+        let origin = Origin { cell: nodes.first, constraint, share: 1.0 };
+        self.program.add_cone_from(cone, given, origin);
+    }
+}
