@@ -4,6 +4,8 @@ use super::grid::{Disc, End, Grid, Row};
 
 /// Stands for infinity where products with it must stay numbers.
 const HUGE: f64 = 1e280;
+/// Bounds that cross by less than this part of them do so by rounding.
+const CROSSED: f64 = 1e-9;
 /// A coefficient that is less than so much of the other one of its row says nothing about its b.
 pub(super) const NOTHING: f64 = 1e-12;
 
@@ -62,7 +64,7 @@ impl Plane {
     pub(super) fn largest_before(&self, cap: f64, next: f64) -> f64 {
         let mut x = cap.min(self.alone());
         // Every round leaves at least one half plane behind; a handful is usual.
-        for _ in 0..64 {
+        for _ in 0..128 {
             let Span { low, high } = self.span(x, next);
             if low.at <= high.at {
                 break;
@@ -72,6 +74,11 @@ impl Plane {
             let (top, bottom) = (rh - rl, pl * rh - ph * rl);
             let meet = top / bottom;
             if !(meet < x && meet >= 0.0) {
+                if meet >= 0.0 && low.at - high.at > CROSSED * low.at.abs().max(high.at.abs()) {
+                    // The edge of a disc, where its tangent does not tell how far it is to the other limits.
+                    x *= 1.0 - CROSSED;
+                    continue;
+                }
                 // Rounding: they meet at x, but for the last digits.
                 x = if meet >= 0.0 { x.min(meet) } else { 0.0 };
                 break;
@@ -164,23 +171,36 @@ fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
+/// |P × R|: pp·rr − pr² without what is lost where both are large.
+fn across([p, r]: &[[f64; 3]; 2]) -> f64 {
+    let cross = [p[1] * r[2] - p[2] * r[1], p[2] * r[0] - p[0] * r[2], p[0] * r[1] - p[1] * r[0]];
+    dot(&cross, &cross).sqrt()
+}
+
 /// 1 / the largest x for which |P·x + R·y| ≤ 1 holds for any y.
-fn disc_alone([p, r]: &[[f64; 3]; 2]) -> f64 {
-    let (pp, pr, rr) = (dot(p, p), dot(p, r), dot(r, r));
-    let off = if rr > 0.0 { pp - pr * pr / rr } else { pp };
-    off.max(0.0).sqrt()
+fn disc_alone(disc: &[[f64; 3]; 2]) -> f64 {
+    let [p, r] = disc;
+    let rr = dot(r, r);
+    if rr > 0.0 { across(disc) / rr.sqrt() } else { dot(p, p).sqrt() }
 }
 
 /// Narrows the y that go with x to those in the disc. The half planes are its tangents there.
-fn disc_span([p, r]: &[[f64; 3]; 2], x: f64, low: &mut Bound, high: &mut Bound) {
-    let (pp, pr, rr) = (dot(p, p), dot(p, r), dot(r, r));
+fn disc_span(disc: &[[f64; 3]; 2], x: f64, low: &mut Bound, high: &mut Bound) {
+    let [p, r] = disc;
+    let (pr, rr) = (dot(p, r), dot(r, r));
     if rr <= 0.0 {
         return;
     }
     let middle = -pr * x / rr;
-    let half = ((pr * pr - rr * pp).mul_add(x * x, rr).max(0.0)).sqrt() / rr;
-    // The tangent at (x, y): (pp·x + pr·y)·x' + (pr·x + rr·y)·y' ≤ 1.
-    let tangent = |y: f64| [pp * x + pr * y, pr * x + rr * y];
+    let off = across(disc) * x;
+    let half = (rr - off * off).max(0.0).sqrt() / rr;
+    // The tangent at (x, y): v·P·x' + v·R·y' ≤ |v| with v = P·x + R·y, which rounding may make longer than 1.
+    let tangent = |y: f64| {
+        let v = [p[0] * x + r[0] * y, p[1] * x + r[1] * y, p[2] * x + r[2] * y];
+        let length = dot(&v, &v).sqrt();
+        let scale = if length > 0.0 { 1.0 / length } else { 1.0 };
+        [dot(&v, p) * scale, dot(&v, r) * scale]
+    };
     if middle + half < high.at {
         *high = Bound { at: middle + half, row: tangent(middle + half) };
     }

@@ -12,15 +12,12 @@
 //! tridiagonal. The coefficients of an active row have the sum 1 and those for other nodes are negative: the matrix is
 //! diagonally dominant by columns with a positive diagonal and nothing positive beside it, so that no λ is negative.
 
+use super::CAPPED;
 use super::scaled::{Active, Scaled};
 use crate::limit::gain::Gain;
 use crate::limit::grid::{Constraint, Grid};
 use std::ops::Range;
 
-/// b counts as held by a cap that is higher by no more than this part.
-const CAPPED: f64 = 1e-9;
-/// Variables of Clarabel that are nearer than this to their bound are held by it.
-const HELD: f64 = 1e-6;
 /// A row that is less active holds nothing.
 const ACTIVE: f64 = 0.99;
 /// Less, s, is rounding.
@@ -38,9 +35,7 @@ pub(super) struct Chain<'g> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Worth {
     time: f64,
-    /// Whether it is a variable of Clarabel.
-    variable: bool,
-    /// Whether something holds it here.
+    /// Whether it is neither a variable of Clarabel nor given.
     held: bool,
 }
 
@@ -59,18 +54,9 @@ impl<'g> Chain<'g> {
         let last = cells.len();
         let nodes = variables.iter().enumerate().map(|(node, variable)| Worth {
             time: 0.0,
-            variable: variable.is_some(),
             held: variable.is_none() && node > 0 && node < last,
         });
         Self { grid, nodes: nodes.collect(), cells }
-    }
-
-    /// A variable of Clarabel: what it is, and the multiplier of its bound.
-    pub(super) fn bound(&mut self, node: usize, x: f64, dual: f64) {
-        if let Some(worth) = self.nodes.get_mut(node) {
-            worth.held = x > 1.0 - HELD;
-            worth.time = if worth.held { dual } else { 0.0 };
-        }
     }
 
     /// A row of Clarabel goes to this node: its multiplier times its coefficient.
@@ -128,9 +114,7 @@ impl<'g> Chain<'g> {
             if let (Some(worth), Some(slot)) = (self.nodes.get_mut(node), result.get_mut(node)) {
                 let (active, slope_before) = before;
                 if worth.held && *here > 0.0 {
-                    if !worth.variable {
-                        worth.time += slope_before + slope * s;
-                    }
+                    worth.time += slope_before + slope * s;
                     let cap = self.grid.caps().get(cell).filter(|cap| *here >= cap.v2 * (1.0 - CAPPED));
                     *slot = if let Some(cap) = cap {
                         Held {

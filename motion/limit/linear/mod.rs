@@ -2,11 +2,17 @@
 //!
 //! The acceleration is constant in a cell and limits hold at both of its ends, as in [`reachable`](super::reachable).
 //! Variables are xₖ = bₖ/Uₖ at the inner nodes, where Uₖ is the largest bₖ that any profile can have, so that 0 ≤ x ≤ 1. The
-//! duration T = Σ 2h/(√bₖ + √bₖ₊₁) is taken to second order about U: its slopes −h/(√bₖ·(√bₖ + √bₖ₊₁)²) are negative there
-//! and its second derivatives, also the mixed ones, positive, so that it falls in every x all over 0 ≤ x ≤ 1. That is what
-//! the [presolve](presolve) rests on, as it does for the duration itself: most b are proved before Clarabel is asked, and
-//! those that are not proved, around points where an axis has no inertia, are variables of its program. The profile is the
-//! optimum of the program all the same.
+//! duration T = Σ 2h/(√bₖ + √bₖ₊₁) is taken to second order about c, the profile of the two passes, or U/1.6 where that is
+//! more. With s = √c and S = sₖ + sₖ₊₁ the slope of a cell by bₖ is at c, and at most (its second derivatives are positive, so
+//! that it is largest where all b are U, and U − c ≤ 0.6·c)
+//!
+//! ```text
+//!   −h/(s·S²)     and     −h/(s·S²) + 0.6·h/S²·(0.5/s + 1/S + s′/(s·S)) = −0.1·h/(s·S²)
+//! ```
+//!
+//! so that the cost falls in every x all over 0 ≤ x ≤ 1. That is what the presolve rests on, as it does for the duration
+//! itself: most b are proved before Clarabel is asked, and those that are not, around points where an axis has no inertia,
+//! are the variables of its program. The profile is the optimum of the program all the same.
 
 mod chain;
 mod presolve;
@@ -16,7 +22,8 @@ mod tests;
 
 use super::convex::{NotSolved, Origin, Program};
 use super::gain::{Gain, gains};
-use super::grid::{CapSource, Constraint, Grid};
+use super::grid::{Constraint, Grid};
+use super::reachable;
 use chain::Chain;
 use presolve::Presolved;
 use scaled::{Scaled, Vectors};
@@ -24,6 +31,11 @@ use std::ops::Range;
 
 /// Rows less active than this where every b is the largest it can be are left out at first.
 const SCREEN: f64 = 0.9;
+
+/// The duration is taken about no less than this part of the largest b.
+const ABOUT: f64 = 1.0 / 1.6;
+/// b counts as held by a cap that is higher by no more than this part.
+const CAPPED: f64 = 1e-9;
 
 /// A profile with constant acceleration in every cell.
 #[derive(Clone, Debug, PartialEq)]
@@ -112,14 +124,14 @@ impl LinearSolver {
         }
         self.program.reset(count);
         self.beside.clear();
-        for index in 0..count {
-            // What it costs is told by what the bound comes from.
-            let constraint = Constraint::Velocity(CapSource::Nothing);
-            self.program.add_row(&[(index, 1.0)], 1.0, Origin { cell: 0, constraint, share: 0.0 });
-        }
+        self.add_bounds(grid, cells, &b, &variables);
+        let about = about(grid, cells, &b, presolved);
         for (first, cell) in cells.clone().enumerate() {
-            let (Some([from, to]), Some([here, next])) =
-                (variables.get(first..first + 2), b.get(first..first + 2))
+            let (Some([from, to]), Some([here, next]), Some([c0, c1])) = (
+                variables.get(first..first + 2),
+                b.get(first..first + 2),
+                about.get(first..first + 2),
+            )
             else {
                 break;
             };
@@ -135,7 +147,7 @@ impl LinearSolver {
                 }
             });
             let nodes = Nodes { first, variables, least };
-            self.add_costs(grid.length(cell), [*here, *next], variables);
+            self.add_costs(grid.length(cell), [*c0, *c1], [*here, *next], variables);
             self.add_rows(Scaled::new(grid, cell, [*here, *next]), &nodes);
         }
         let answer = self.program.solve_all(1e-7)?;
@@ -145,13 +157,6 @@ impl LinearSolver {
             }
         }
         let duals = &answer.duals;
-        for (node, variable) in variables.iter().enumerate() {
-            if let Some(index) = *variable
-                && let (Some(dual), Some(x)) = (duals.get(index), answer.x.get(index))
-            {
-                chain.bound(node, *x, *dual);
-            }
-        }
         for Beside { node, of } in &self.beside {
             let pull = match of {
                 Of::Row(row, value) => duals.get(*row).map(|dual| dual * value),
@@ -169,23 +174,51 @@ impl LinearSolver {
         Ok(LinearProfile { b, variables: count, iterations, rows, gains })
     }
 
-    /// The duration of a cell, 2h/(√x + √y), to second order about b at its ends.
-    fn add_costs(&mut self, h: f64, [b0, b1]: [f64; 2], [first, second]: [Option<usize>; 2]) {
-        let (s0, s1) = (b0.sqrt(), b1.sqrt());
+    /// Caps. Where the bound is what accelerations make of it, their rows say the same as x ≤ 1.
+    fn add_bounds(
+        &mut self,
+        grid: &Grid,
+        cells: &Range<usize>,
+        bounds: &[f64],
+        variables: &[Option<usize>],
+    ) {
+        let nodes = grid.caps().iter().skip(cells.start).zip(bounds).zip(variables).enumerate();
+        for (node, ((cap, bound), variable)) in nodes {
+            let Some(index) = *variable else { continue };
+            let constraint = Constraint::Velocity(cap.source);
+            let origin = Origin { cell: node.saturating_sub(1), constraint, share: 2.0 };
+            if cap.v2 <= bound * (1.0 + CAPPED) {
+                self.program.add_row(&[(index, 1.0)], 1.0, origin);
+            } else {
+                let entries = [(index, 1.0), (0, 0.0), (0, 0.0)];
+                self.program.add_spare(entries, 1.0, Origin { share: 0.0, ..origin });
+            }
+        }
+    }
+
+    /// The duration of a cell, 2h/(√b₀ + √b₁), to second order about c, where b are these `scales` times the variables.
+    fn add_costs(
+        &mut self,
+        h: f64,
+        [c0, c1]: [f64; 2],
+        scales: [f64; 2],
+        [first, second]: [Option<usize>; 2],
+    ) {
+        let (s0, s1) = (c0.sqrt(), c1.sqrt());
         let sum = s0 + s1;
         let slope = |s: f64| -h / (s * sum * sum);
         let bend = |s: f64| h / (sum * sum) * (0.5 / (s * s * s) + 1.0 / (s * s * sum));
         let cross = h / (s0 * s1 * sum * sum * sum);
-        for (variable, other, s, b, beside) in
-            [(first, second, s0, b0, b1), (second, first, s1, b1, b0)]
+        for (variable, other, s, scale, c, beside) in
+            [(first, second, s0, scales[0], c0, c1), (second, first, s1, scales[1], c1, c0)]
         {
             let Some(variable) = variable else { continue };
             let with = if other.is_some() { cross * beside } else { 0.0 };
-            let linear = slope(s) - bend(s) * b - with;
-            self.program.add_cost(variable, bend(s) * b * b, linear * b);
+            let linear = slope(s) - bend(s) * c - with;
+            self.program.add_cost(variable, bend(s) * scale * scale, linear * scale);
         }
         if let (Some(variable), Some(_)) = (first, second) {
-            self.program.add_coupling(variable, cross * b0 * b1);
+            self.program.add_coupling(variable, cross * scales[0] * scales[1]);
         }
     }
 
@@ -246,4 +279,14 @@ impl LinearSolver {
         let origin = Origin { cell: nodes.first, constraint, share: 1.0 };
         self.program.add_cone_from(cone, given, origin);
     }
+}
+
+/// What the duration is taken about.
+fn about(grid: &Grid, cells: &Range<usize>, scale: &[f64], presolved: &Presolved) -> Vec<f64> {
+    let (Some(start), Some(end)) = (scale.first(), scale.last()) else { return Vec::new() };
+    let passes = reachable::fastest(grid, cells.clone(), *start, *end);
+    let nodes = scale.iter().zip(passes).enumerate();
+    nodes
+        .map(|(node, (scale, b))| if presolved.open(node) { b.max(scale * ABOUT) } else { *scale })
+        .collect()
 }

@@ -4,6 +4,9 @@ use crate::limit::grid::{Constraint, Disc, End, Grid, Row, number};
 
 use super::presolve::TIGHT;
 
+/// A limit with less room than this may be what a bound comes from.
+const SLACK: f64 = 1e-6;
+
 /// A cell with b at its ends of which x and y are parts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scaled<'g> {
@@ -69,17 +72,17 @@ impl<'g> Scaled<'g> {
         })
     }
 
-    /// Whether all limits hold for x and y from these parts of b to b.
+    /// Whether a half plane is left alone by all x and y from these least ones to 1.
     pub(super) fn half_holds([p, r]: [f64; 2], least: [f64; 2]) -> bool {
         let most = |value: f64, least: f64| if value > 0.0 { value } else { value * least };
-        most(p, least[0]) + most(r, least[1]) <= 1.0 + TIGHT
+        most(p, least[0]) + most(r, least[1]) < 1.0 - SLACK
     }
 
     /// As [`Self::half_holds`]: a disc is convex, so that its corners tell.
     pub(super) fn disc_holds(vectors: &Vectors, least: [f64; 2]) -> bool {
         [[1.0, 1.0], [least[0], 1.0], [1.0, least[1]], least]
             .iter()
-            .all(|corner| norm(vectors, *corner) <= 1.0 + TIGHT)
+            .all(|corner| norm(vectors, *corner) < 1.0 - SLACK)
     }
 
     /// What is left to x and to y by limits that x = y = 1 breaks, if there are such: where one is more, the other is less.
@@ -139,13 +142,14 @@ pub(super) struct Active {
 
 /// The largest x with |P·x + R·y| ≤ 1 at y = 1, or at the largest y for which there is one.
 fn beside(p: &[f64; 3], r: &[f64; 3]) -> f64 {
-    let (pp, pr, rr) = (dot(p, p), dot(p, r), dot(r, r));
+    let (pp, pr) = (dot(p, p), dot(p, r));
     if pp <= 0.0 {
         return f64::INFINITY;
     }
-    let across = pp * rr - pr * pr;
+    let cross = [p[1] * r[2] - p[2] * r[1], p[2] * r[0] - p[0] * r[2], p[0] * r[1] - p[1] * r[0]];
+    let across = dot(&cross, &cross);
     let y = if across > 0.0 { (pp / across).sqrt().min(1.0) } else { 1.0 };
-    let root = (pr * pr - pp * rr).mul_add(y * y, pp).max(0.0).sqrt();
+    let root = (pp - across * y * y).max(0.0).sqrt();
     (root - pr * y) / pp
 }
 
