@@ -19,8 +19,8 @@ pub(super) struct Program {
     right: Vec<f64>,
     /// Where each row comes from.
     origins: Vec<Origin>,
-    /// |three rows + what is given| ≤ 1.
-    cones: Vec<(Cone, [f64; 3], Origin)>,
+    /// |three rows| ≤ 1.
+    cones: Vec<(Cone, Origin)>,
     /// Rows that are left out as long as a solution keeps them.
     spare: Vec<Spare>,
 }
@@ -59,7 +59,7 @@ pub(super) struct Answer {
     pub(super) x: Vec<f64>,
     /// What it would gain in cost if a limit were larger, as cost per part of the limit: for every row that counts.
     pub(super) gains: Vec<(Origin, f64)>,
-    /// The multipliers of all rows, in their order, and of the cones, four each.
+    /// The multipliers of all rows, in their order, and then of the cones.
     pub(super) duals: Vec<f64>,
     pub(super) iterations: u32,
 }
@@ -152,17 +152,7 @@ impl Program {
 
     /// Adds |three rows| ≤ 1.
     pub(super) fn add_cone(&mut self, rows: Cone, origin: Origin) {
-        self.add_cone_from(rows, [0.0; 3], origin);
-    }
-
-    /// Adds |three rows + `given`| ≤ 1.
-    pub(super) fn add_cone_from(&mut self, rows: Cone, given: [f64; 3], origin: Origin) {
-        self.cones.push((rows, given, origin));
-    }
-
-    /// Number of cones.
-    pub(super) fn cones(&self) -> usize {
-        self.cones.len()
+        self.cones.push((rows, origin));
     }
 
     /// Number of rows.
@@ -195,7 +185,7 @@ impl Program {
         let n = self.diagonal.len();
         let plain = self.ends.len();
         let rows = self.entries_by_row().chain(self.cones.iter().enumerate().flat_map(
-            |(index, (cone, ..))| {
+            |(index, (cone, _))| {
                 cone.iter().zip(1..).flat_map(move |(row, offset)| {
                     let row_index = plain + 4 * index + offset;
                     let entries = row.iter().filter(|(_, value)| *value != 0.0);
@@ -250,8 +240,7 @@ impl Program {
         let mut cones = vec![SupportedConeT::NonnegativeConeT(plain)];
         cones.extend(self.cones.iter().map(|_| SupportedConeT::SecondOrderConeT(4)));
         let mut right = self.right.clone();
-        let given = self.cones.iter().flat_map(|(_, [x, y, z], _)| [1.0, -x, -y, -z]);
-        right.extend(given);
+        right.extend(self.cones.iter().flat_map(|_| [1.0, 0.0, 0.0, 0.0]));
         let settings = DefaultSettings {
             verbose: false,
             max_iter: 100,
@@ -284,7 +273,7 @@ impl Program {
                 let of_rows =
                     rows.map(|((origin, dual), right)| (*origin, dual * right * origin.share));
                 let tops = solution.z.get(plain..).unwrap_or_default().chunks(4);
-                let of_cones = self.cones.iter().zip(tops).map(|((_, _, origin), duals)| {
+                let of_cones = self.cones.iter().zip(tops).map(|((_, origin), duals)| {
                     (*origin, duals.first().copied().unwrap_or_default() * origin.share)
                 });
                 let gains = of_rows.chain(of_cones).filter(|(_, gain)| *gain > NO_GAIN).collect();

@@ -182,14 +182,12 @@ impl Reach {
     ) -> Option<Self> {
         let ends = grid.cell_rows(cell)?;
         let slope = 0.5 / grid.length(cell);
-        let mut reach =
-            Self { low: 0.0, high: f64::INFINITY, falling: f64::INFINITY, given: 0.0 };
+        let mut reach = Self { low: 0.0, high: f64::INFINITY, falling: f64::INFINITY, given: 0.0 };
         for (end, (axes, further)) in ends.into_iter().enumerate() {
             // (Own, other) coefficient.
             let turned = |row: &Row| {
                 let with = row.a * slope;
-                let [p, r] =
-                    if end == 0 { [row.b - with, with] } else { [-with, row.b + with] };
+                let [p, r] = if end == 0 { [row.b - with, with] } else { [-with, row.b + with] };
                 if ONWARDS { [r, p] } else { [p, r] }
             };
             if AXES > 0 {

@@ -115,7 +115,8 @@ impl<'g> Chain<'g> {
                 let (active, slope_before) = before;
                 if worth.held && *here > 0.0 {
                     worth.time += slope_before + slope * s;
-                    let cap = self.grid.caps().get(cell).filter(|cap| *here >= cap.v2 * (1.0 - CAPPED));
+                    let cap =
+                        self.grid.caps().get(cell).filter(|cap| *here >= cap.v2 * (1.0 - CAPPED));
                     *slot = if let Some(cap) = cap {
                         Held {
                             constraint: Some(Constraint::Velocity(cap.source)),

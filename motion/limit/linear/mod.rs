@@ -26,12 +26,14 @@ use super::grid::{Constraint, Grid};
 use super::reachable;
 use chain::Chain;
 use presolve::Presolved;
-use scaled::{Scaled, Vectors};
+use scaled::Scaled;
 use std::ops::Range;
 
 /// Rows less active than this where every b is the largest it can be are left out at first.
 const SCREEN: f64 = 0.9;
 
+/// What the least variables keep of a row to within this is kept by all that is optimal.
+const KEPT: f64 = 1e-6;
 /// The duration is taken about no less than this part of the largest b.
 const ABOUT: f64 = 1.0 / 1.6;
 /// b counts as held by a cap that is higher by no more than this part.
@@ -56,24 +58,16 @@ pub struct LinearProfile {
 #[derive(Debug, Default)]
 pub struct LinearSolver {
     program: Program,
-    /// Rows and cones in which something is given that is not at the ends of the window.
+    /// What is given in rows.
     beside: Vec<Beside>,
 }
 
-/// A part of a row or a cone whose b is proved.
+/// A part of a row whose b is given.
 #[derive(Clone, Copy, Debug)]
 struct Beside {
     node: usize,
-    /// The row or the cone, by its number.
-    of: Of,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Of {
-    /// The row has this coefficient for it.
-    Row(usize, f64),
-    /// The cone has this vector for it.
-    Cone(usize, [f64; 3]),
+    row: usize,
+    coefficient: f64,
 }
 
 /// What the solver has a variable for, and what is given, at the two nodes of a cell.
@@ -131,8 +125,7 @@ impl LinearSolver {
                 variables.get(first..first + 2),
                 b.get(first..first + 2),
                 about.get(first..first + 2),
-            )
-            else {
+            ) else {
                 break;
             };
             let variables = [*from, *to];
@@ -156,17 +149,9 @@ impl LinearSolver {
                 *slot = (*slot * x).max(0.0);
             }
         }
-        let duals = &answer.duals;
-        for Beside { node, of } in &self.beside {
-            let pull = match of {
-                Of::Row(row, value) => duals.get(*row).map(|dual| dual * value),
-                Of::Cone(cone, vector) => {
-                    let from = self.program.rows() + 4 * cone + 1;
-                    let duals = duals.get(from..from + 3);
-                    duals.map(|duals| duals.iter().zip(vector).map(|(dual, part)| dual * part).sum())
-                }
-            };
-            chain.pull(*node, pull.unwrap_or_default());
+        for Beside { node, row, coefficient } in &self.beside {
+            let dual = answer.duals.get(*row).copied().unwrap_or_default();
+            chain.pull(*node, dual * coefficient);
         }
         let mut gains = gains(&answer.gains);
         gains.extend(chain.gains(&b));
@@ -228,56 +213,58 @@ impl LinearSolver {
             if Scaled::half_holds(row, nodes.least) {
                 continue;
             }
-            let mut right = 1.0;
-            let mut entries = [(0, 0.0); 3];
-            for ((slot, value), (variable, node)) in
-                entries.iter_mut().zip(row).zip(nodes.variables.into_iter().zip(nodes.first..))
-            {
-                if let Some(variable) = variable {
-                    *slot = (variable, value);
-                } else {
-                    right -= value;
-                    let of = Of::Row(self.program.rows(), value);
-                    self.beside.push(Beside { node, of });
-                }
-            }
-            let given = nodes.variables.contains(&None);
-            // Raising the limit by a part of it raises 1 by that.
-            let share = if given { 1.0 / right } else { 1.0 };
-            let origin = Origin { cell: nodes.first, constraint, share };
-            if row[0] + row[1] < SCREEN && !given {
-                self.program.add_spare(entries, right, origin);
+            let [Some(first), Some(second)] = nodes.variables else {
+                self.add_given(row, constraint, nodes);
+                continue;
+            };
+            let entries = [(first, row[0]), (second, row[1]), (0, 0.0)];
+            let origin = Origin { cell: nodes.first, constraint, share: 1.0 };
+            if row[0] + row[1] < SCREEN {
+                self.program.add_spare(entries, 1.0, origin);
             } else {
-                self.program.add_row(&entries, right, origin);
+                self.program.add_row(&entries, 1.0, origin);
             }
         }
         for vectors in scaled.discs() {
-            if !Scaled::disc_holds(&vectors, nodes.least) {
-                self.add_cone(&vectors, nodes);
+            if Scaled::disc_holds(&vectors, nodes.least) {
+                continue;
+            }
+            let constraint = Constraint::ToolAcceleration;
+            if let [Some(first), Some(second)] = nodes.variables {
+                let [p, r] = vectors;
+                let mut cone = [[(0, 0.0); 3]; 3];
+                for (line, (p, r)) in cone.iter_mut().zip(p.into_iter().zip(r)) {
+                    *line = [(first, p), (second, r), (0, 0.0)];
+                }
+                let origin = Origin { cell: nodes.first, constraint, share: 1.0 };
+                self.program.add_cone(cone, origin);
+            } else {
+                let own = usize::from(nodes.variables[0].is_none());
+                if let Some(row) = scaled::tangent(&vectors, own) {
+                    self.add_given(row, constraint, nodes);
+                }
             }
         }
     }
 
-    fn add_cone(&mut self, vectors: &Vectors, nodes: &Nodes) {
-        let mut cone = [[(0, 0.0); 3]; 3];
-        let mut given = [0.0; 3];
-        let places = nodes.variables.into_iter().zip(nodes.first..).enumerate();
-        for ((place, (variable, node)), vector) in places.zip(vectors) {
-            if let Some(variable) = variable {
-                for (line, value) in cone.iter_mut().zip(vector) {
-                    if let Some(slot) = line.get_mut(place) {
-                        *slot = (variable, *value);
-                    }
-                }
-            } else {
-                given = *vector;
-                let of = Of::Cone(self.program.cones(), *vector);
-                self.beside.push(Beside { node, of });
-            }
+    /// A half plane in a cell of which one b is given.
+    fn add_given(&mut self, row: [f64; 2], constraint: Constraint, nodes: &Nodes) {
+        let [p, r] = row;
+        let (variable, own, given, node) = match nodes.variables {
+            [Some(variable), None] => (variable, p, r, nodes.first + 1),
+            [None, Some(variable)] => (variable, r, p, nodes.first),
+            _ => return,
+        };
+        let least = nodes.least.iter().fold(1.0, |least: f64, part| least.min(*part));
+        if own <= 0.0 && own * least + given <= 1.0 + KEPT {
+            // It asks for no less than every optimum has. To say so would leave no room, where that is all there can be.
+            return;
         }
-        let constraint = Constraint::ToolAcceleration;
-        let origin = Origin { cell: nodes.first, constraint, share: 1.0 };
-        self.program.add_cone_from(cone, given, origin);
+        let right = 1.0 - given;
+        // Raising the limit by a part of it raises 1 by that.
+        let origin = Origin { cell: nodes.first, constraint, share: 1.0 / right };
+        self.beside.push(Beside { node, row: self.program.rows(), coefficient: given });
+        self.program.add_row(&[(variable, own)], right, origin);
     }
 }
 

@@ -153,7 +153,20 @@ fn beside(p: &[f64; 3], r: &[f64; 3]) -> f64 {
     (root - pr * y) / pp
 }
 
-pub(super) fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+/// The tangent, as half plane, where the own one (0: x, 1: y) is the largest that goes with 1 of the other.
+pub(super) fn tangent(vectors: &Vectors, own: usize) -> Option<[f64; 2]> {
+    let [p, r] = vectors;
+    let (own, given) = if own == 0 { (p, r) } else { (r, p) };
+    let most = beside(own, given);
+    let v: [f64; 3] = std::array::from_fn(|at| match (own.get(at), given.get(at)) {
+        (Some(own), Some(given)) => own * most + given,
+        _ => 0.0,
+    });
+    let length = dot(&v, &v).sqrt();
+    (most.is_finite() && length > 0.0).then(|| [dot(&v, p) / length, dot(&v, r) / length])
+}
+
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

@@ -16,7 +16,7 @@ struct Case {
     /// Per axis: slope, and amplitude, frequency and phase of two waves.
     waves: Vec<[f64; 7]>,
     limits: Vec<AxisLimits>,
-    cells: usize,
+    cells: u32,
     /// Largest acceleration of the tool, whose coordinates are the first axes, in parts of what they could give.
     tool: Option<f64>,
     /// Largest ü, and −ü, in parts of what the first axis could give.
@@ -26,11 +26,12 @@ struct Case {
 
 impl Case {
     fn rates(&self, u: f64) -> Rates {
-        let order = |order: usize| {
+        let order = |order: i32| {
             AxisVector::from_values(self.waves.iter().map(|[slope, waves @ ..]| {
                 let wave = |amplitude: f64, frequency: f64, phase: f64| {
-                    let turn = frequency * u + phase + f64::from(order as u32) * std::f64::consts::FRAC_PI_2;
-                    amplitude * frequency.powi(order as i32) * turn.sin()
+                    let turn =
+                        frequency * u + phase + f64::from(order) * std::f64::consts::FRAC_PI_2;
+                    amplitude * frequency.powi(order) * turn.sin()
                 };
                 let [a, f, p, a2, f2, p2] = *waves;
                 let slope = if order == 1 { *slope } else { 0.0 };
@@ -62,8 +63,8 @@ impl Case {
             Row { a: -1.0 / along[1] / factor(Constraint::Further(1)), b: 0.0 },
         ];
         let rows = if self.along.is_some() { &rows[..] } else { &[] };
-        let end = |node: usize| {
-            let rates = self.rates(node as f64 / self.cells as f64);
+        let end = |node: u32| {
+            let rates = self.rates(f64::from(node) / f64::from(self.cells));
             let part = |values: &AxisVector, limit: f64| {
                 std::array::from_fn(|axis| values.get(axis).map_or(0.0, |value| value / limit))
             };
@@ -74,7 +75,7 @@ impl Case {
             CellEnd { rates, cap, rows, disc }
         };
         for node in 0..self.cells {
-            grid.push(1.0 / self.cells as f64, &end(node), &end(node + 1));
+            grid.push(1.0 / f64::from(self.cells), &end(node), &end(node + 1));
         }
         grid
     }
@@ -94,7 +95,7 @@ fn cases() -> impl Strategy<Value = Case> {
         prop::option::of((0.5..5.0, 0.5..5.0).prop_map(|(up, down)| [up, down])),
         prop::option::of(0.1..2.0),
     );
-    (axes, 60_usize..240, further).prop_map(|(axes, cells, (tool, along, feed))| {
+    (axes, 60_u32..240, further).prop_map(|(axes, cells, (tool, along, feed))| {
         let (waves, limits) = axes.into_iter().unzip();
         Case { waves, limits, cells, tool, along, feed }
     })
@@ -104,9 +105,9 @@ fn cases() -> impl Strategy<Value = Case> {
 fn activity(grid: &Grid, cell: usize, b: &[f64]) -> f64 {
     let scaled = Scaled::new(grid, cell, [b[cell], b[cell + 1]]);
     let halves = scaled.halves().map(|(_, [p, r])| p + r);
-    let discs = scaled.discs().map(|[p, r]| {
-        (0..3).map(|place| (p[place] + r[place]).powi(2)).sum::<f64>().sqrt()
-    });
+    let discs = scaled
+        .discs()
+        .map(|[p, r]| (0..3).map(|place| (p[place] + r[place]).powi(2)).sum::<f64>().sqrt());
     halves.chain(discs).fold(0.0, f64::max)
 }
 
@@ -152,7 +153,7 @@ proptest! {
         let allowed = if found.variables == 0 { 1e-9 } else { 1e-5 };
         let worst = worst(&grid, &found.b);
         prop_assert!(worst <= 1.0 + allowed, "{} of {} variables: {worst}", found.variables, case.cells);
-        for node in 1..case.cells {
+        for node in 1..grid.cells() {
             let mut b = found.b.clone();
             b[node] *= 1.02;
             let capped = b[node] > grid.caps()[node].v2;
@@ -194,8 +195,8 @@ proptest! {
             // To both sides: where what holds b changes, one of them is not the other.
             let by = 1e-3;
             let saved = [1.0 + by, 1.0 - by].map(|factor| (time - solve(Some((constraint, factor))).0) / (factor - 1.0) );
-            let least = saved[0].min(saved[1]) - 0.03 * cost - 0.002 * time;
-            let most = saved[0].max(saved[1]) + 0.03 * cost + 0.002 * time;
+            let least = saved[0].min(saved[1]) - 0.05 * cost - 0.002 * time;
+            let most = saved[0].max(saved[1]) + 0.05 * cost + 0.002 * time;
             prop_assert!((least..=most).contains(&cost), "{constraint:?}: {cost} s, {saved:?} of {time}, {} variables", found.variables);
         }
     }
