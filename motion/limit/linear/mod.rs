@@ -12,7 +12,8 @@
 //!
 //! so that the cost falls in every x all over 0 ≤ x ≤ 1. That is what the presolve rests on, as it does for the duration
 //! itself: most b are proved before Clarabel is asked, and those that are not, around points where an axis has no inertia,
-//! are the variables of its program. The profile is the optimum of the program all the same.
+//! are the variables of its program. The profile is the optimum of the program all the same. On the curves of the benchmark
+//! (`tests/benches/limit`) none to nearly all of the nodes are left to it, 28 % in the middle: fewer the finer the grid.
 
 mod chain;
 mod presolve;
