@@ -24,6 +24,8 @@ pub enum Rule {
     AxisAcceleration,
     /// An axis asked for more than its jerk.
     AxisJerk,
+    /// A motor that cannot give what its axis takes.
+    AxisEffort,
     /// The path is slower than programmed, or has no profile within the limits.
     FeedReduced,
     /// The arms are stretched or folded.
@@ -50,6 +52,7 @@ impl Rule {
             Self::AxisVelocity => "axis-velocity",
             Self::AxisAcceleration => "axis-acceleration",
             Self::AxisJerk => "axis-jerk",
+            Self::AxisEffort => "axis-effort",
             Self::FeedReduced => "feed-reduced",
             Self::Singularity => "singularity",
             Self::CompensationGouge => "compensation-gouge",

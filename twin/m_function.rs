@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::str::FromStr;
 use std::time::Duration;
 use twin_motion::Place;
+use twin_motion::limit::MTimes;
 
 /// `[[m_functions]]` of a machine file: what an M function switches.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -101,6 +102,18 @@ impl Acknowledgement {
             all.of.values_mut().for_each(|wait| *wait = Wait::Told);
         }
         all
+    }
+
+    /// How long M functions take; those that somebody has to acknowledge no time.
+    pub(crate) fn times(&self) -> MTimes {
+        let time = |wait: &Wait| match wait {
+            Wait::Time(time_ns) => *time_ns,
+            Wait::Told => 0,
+        };
+        MTimes {
+            of: self.of.iter().map(|(number, wait)| (*number, time(wait))).collect(),
+            otherwise: time(&self.otherwise),
+        }
     }
 
     fn of(&self, number: u16) -> Wait {

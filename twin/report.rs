@@ -171,6 +171,8 @@ pub struct AxisPeak {
     pub jerk: Peak,
     /// Distance between set-point and simulated machine, if it was simulated.
     pub following_error: Option<Peak>,
+    /// Force or torque of the motor, N or Nm, where it is known.
+    pub effort: Option<Peak>,
 }
 
 #[derive(Clone, Copy, Debug, serde::Serialize)]
@@ -200,16 +202,29 @@ pub struct AxisPeakReport {
     jerk: PeakReport,
     #[serde(skip_serializing_if = "Option::is_none")]
     following_error: Option<PeakReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effort: Option<EffortReport>,
+}
+
+/// The largest force or torque of a motor.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+struct EffortReport {
+    unit: &'static str,
+    #[serde(flatten)]
+    peak: PeakReport,
 }
 
 impl AxisPeakReport {
     /// For one axis.
     pub fn new(axis: &Axis, peak: &AxisPeak) -> Self {
-        let report = |peak: &Peak, limit: Option<f64>| PeakReport {
-            value: rounded(axis.from_si(peak.value)),
-            limit: limit.map(|limit| rounded(axis.from_si(limit))),
+        let plain = |value: f64, limit: Option<f64>, peak: &Peak| PeakReport {
+            value: rounded(value),
+            limit: limit.map(rounded),
             line: (peak.value > 0.0).then_some(peak.place.line),
             block: peak.place.block,
+        };
+        let report = |peak: &Peak, limit: Option<f64>| {
+            plain(axis.from_si(peak.value), limit.map(|limit| axis.from_si(limit)), peak)
         };
         let limits = axis.position_limits.map(|limit| rounded(axis.from_si(limit)));
         let [limit_min, limit_max] = limits.map(|limit| axis.limited.then_some(limit));
@@ -228,6 +243,10 @@ impl AxisPeakReport {
                 .following_error
                 .as_ref()
                 .map(|error| report(error, axis.max_following_error)),
+            effort: peak.effort.as_ref().map(|effort| EffortReport {
+                unit: axis.kind.effort_unit(),
+                peak: plain(effort.value, axis.effort_limit(), effort),
+            }),
         }
     }
 }

@@ -1,8 +1,13 @@
 //! From points of the course to the axes.
 
 use super::course::{CourseElement, CoursePoint};
-use super::grid::{AxisLimits, Rates};
-use twin_kinematics::{AxisVector, Kinematics, KinematicsError, Pose, ToolJerk, ToolMotion};
+use super::grid::{AxisLimits, Cap, Rates, Row};
+use twin_kinematics::{
+    AxisVector, Kinematics, KinematicsError, MAX_AXES, Pose, ToolJerk, ToolMotion,
+};
+
+/// A machine has no more further rows than this: both directions of every motor.
+pub const MOST_FURTHER_ROWS: usize = 2 * MAX_AXES;
 
 /// The axes at one point of the course.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +36,19 @@ pub trait AxisPath {
         s: f64,
         near: &AxisVector,
     ) -> Result<AxisPoint, KinematicsError>;
+
+    /// How many half planes [`Self::further`] gives, at every place as many: at most [`MOST_FURTHER_ROWS`].
+    fn further_rows(&self) -> usize {
+        0
+    }
+
+    /// What limits the motion at `point` beside velocities, accelerations and jerks of the axes, like the torques of
+    /// motors: half planes, written into `rows` where they are not those that hold always ([`Row::default`]), and a bound
+    /// on u̇². `v2` bounds u̇² there anyway: half planes that have to be bent straight may be exact there.
+    fn further(&self, point: &AxisPoint, v2: f64, rows: &mut [Row]) -> Cap {
+        let _ = (point, v2, rows);
+        Cap::NONE
+    }
 }
 
 /// Kinematics without work frame, direction and additional axes.

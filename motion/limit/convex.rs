@@ -33,6 +33,17 @@ struct Spare {
     origin: Origin,
 }
 
+impl Spare {
+    fn is_broken(&self, x: &[f64]) -> bool {
+        let value = |(index, factor): &(usize, f64)| x.get(*index).map_or(0.0, |x| factor * x);
+        let kept = match self.origin.constraint {
+            Constraint::AxisJerk(_) => KEPT_JERK,
+            _ => KEPT,
+        };
+        self.entries.iter().map(value).sum::<f64>() > self.right + kept
+    }
+}
+
 /// The three rows of the cone |rows·x| ≤ 1.
 pub(super) type Cone = [[(usize, f64); 3]; 3];
 
@@ -43,12 +54,16 @@ pub(super) struct Origin {
     pub(super) cell: usize,
     /// What is limited.
     pub(super) constraint: Constraint,
+    /// Whether it is the upper limit, of two that differ by their signs alone.
+    pub(super) upper: bool,
     /// By how much the right side of the row grows where the limit does, both as parts of themselves.
     pub(super) share: f64,
 }
 
 /// A row that was left out has to be kept to within this part of the variables' scale.
 const KEPT: f64 = 1e-5;
+/// One of a jerk, which is allowed more between the places where it is limited, to within this.
+const KEPT_JERK: f64 = 2e-3;
 
 /// Less is rounding of the solver.
 const NO_GAIN: f64 = 1e-9;
@@ -119,17 +134,19 @@ impl Program {
         self.spare.push(Spare { entries, right, origin });
     }
 
+    /// Where the spare rows come from that `x` does not keep.
+    pub(super) fn broken(&self, x: &[f64]) -> impl Iterator<Item = Origin> {
+        self.spare.iter().filter(|row| row.is_broken(x)).map(|row| row.origin)
+    }
+
     /// Adds the spare rows that `x` does not keep; how many.
     fn add_broken(&mut self, x: &[f64]) -> usize {
-        let spare = std::mem::take(&mut self.spare);
         let before = self.rows();
-        for row in spare {
-            let value = |(index, factor): &(usize, f64)| x.get(*index).map_or(0.0, |x| factor * x);
-            if row.entries.iter().map(value).sum::<f64>() > row.right + KEPT {
-                self.add_row(&row.entries, row.right, row.origin);
-            } else {
-                self.spare.push(row);
-            }
+        let (broken, spare): (Vec<_>, Vec<_>) =
+            std::mem::take(&mut self.spare).into_iter().partition(|row| row.is_broken(x));
+        self.spare = spare;
+        for row in broken {
+            self.add_row(&row.entries, row.right, row.origin);
         }
         self.rows() - before
     }
@@ -252,8 +269,8 @@ impl Program {
             presolve_enable: false,
             direct_solve_method: "qdldl".to_owned(),
             max_threads: 1,
-            iterative_refinement_max_iter: 2,
-            iterative_refinement_reltol: 1e-7,
+            // Rows of a few neighbours are well conditioned: what refinement takes is not worth it.
+            iterative_refinement_enable: !self.cones.is_empty(),
             ..DefaultSettings::default()
         };
         let not_solved = |status, iterations| NotSolved { status, iterations };

@@ -7,6 +7,7 @@ use crate::interpolate::instant::Instant;
 use crate::interpolate::switches::SwitchBoard;
 use crate::interpolate::{ExtraMotion, Heading, Status, ToolSetpoint};
 use crate::path::{ElementKind, ExtraPoint, PathPoint};
+use std::collections::BTreeMap;
 use std::num::NonZeroU32;
 use std::sync::Arc;
 
@@ -21,9 +22,18 @@ pub struct Followed {
     pub progress: Progress,
 }
 
+/// How long M functions take beside the cycle that each of them takes, ns.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct MTimes {
+    /// By their number.
+    pub of: BTreeMap<u16, i64>,
+    /// All others.
+    pub otherwise: i64,
+}
+
 /// Turns the planned motion into one set-point per cycle, as [`crate::interpolate::Interpolator`] does with unlimited
 /// paths: the first is the start of the path at time 0, the last its end at the first cycle at or after the exact end time. A
-/// dwell takes its time, an M function and a jump take a cycle.
+/// dwell takes its time, a jump takes a cycle, and so does an M function unless [`Self::with_m_times`] says otherwise.
 ///
 /// After an error the path goes on from rest with what follows.
 #[derive(Debug)]
@@ -41,6 +51,7 @@ pub struct Follower<P> {
     /// Way to the start of the element under way, m.
     way: f64,
     last: Option<Arc<CourseElement>>,
+    m_times: MTimes,
     over: bool,
 }
 
@@ -67,8 +78,15 @@ where
             heading: Heading::default(),
             way: 0.0,
             last: None,
+            m_times: MTimes::default(),
             over: false,
         }
+    }
+
+    /// With M functions that take longer than a cycle.
+    #[must_use]
+    pub fn with_m_times(self, m_times: MTimes) -> Self {
+        Self { m_times, ..self }
     }
 
     /// The plan.
@@ -94,6 +112,11 @@ where
                 self.enter(&element);
                 let takes = match element.element().kind {
                     ElementKind::Dwell { time_ns } => time_ns.max(self.cycle_ns),
+                    ElementKind::MFunction { number } => {
+                        let MTimes { of, otherwise } = &self.m_times;
+                        let takes = of.get(&number).copied().unwrap_or(*otherwise).max(0);
+                        takes.saturating_add(self.cycle_ns)
+                    }
                     _ => self.cycle_ns,
                 };
                 Current::Still { element, until_ns: self.now_ns.saturating_add(takes) }

@@ -63,12 +63,28 @@ pub struct JerkRow {
 
 impl JerkRow {
     /// Half-way to `other`.
-    pub(super) fn between(&self, other: &Self) -> Self {
+    fn between(&self, other: &Self) -> Self {
         Self {
             first: self.first.midpoint(other.first),
             second: self.second.midpoint(other.second),
             third: self.third.midpoint(other.third),
         }
+    }
+
+    fn new(rates: [f64; 3], part: &Part) -> Self {
+        let [first, second, third] = rates.map(|rate| rate * part.jerk);
+        Self { first, second, third }
+    }
+
+    /// The jerk of the axis, as a part of its limit, with these u̇², ü and dü/du.
+    pub(super) fn at(&self, b: f64, a: f64, gamma: f64) -> f64 {
+        (self.third * b + 3.0 * self.second * a + self.first * gamma) * b.sqrt()
+    }
+
+    fn tighten(&mut self, factor: f64) {
+        self.first *= factor;
+        self.second *= factor;
+        self.third *= factor;
     }
 }
 
@@ -90,6 +106,12 @@ pub enum CapSource {
     Feed,
     /// The velocity limit of the axis of this number.
     AxisVelocity(u8),
+    /// Friction and weight, which leave nothing of the motor of the axis of this number.
+    Motor(u8),
+    /// The acceleration towards the centre of a curve, or its jump from one element to the next.
+    Centripetal,
+    /// The velocity that an element asks for at its end.
+    EndVelocity,
     /// A turn or a step of the curvature at a joint.
     Joint,
     /// Nothing: the acceleration alone.
@@ -105,11 +127,15 @@ pub enum Constraint {
     AxisAcceleration(u8),
     /// The jerk limit of the axis of this number.
     AxisJerk(u8),
-    /// A further row, by its number: the programmed acceleration and deceleration, …
+    /// A further row, by its number: the programmed acceleration (0) and deceleration (1), then, from
+    /// [`FIRST_FURTHER_ROW`] on, those of [`super::AxisPath::further`].
     Further(u8),
     /// The acceleration of the tool tip.
     ToolAcceleration,
 }
+
+/// The number of the first row of [`super::AxisPath::further`] in a [`Constraint::Further`].
+pub const FIRST_FURTHER_ROW: u8 = 2;
 
 /// The number of an axis or row in a [`Constraint`]: there are no more than a few.
 pub(super) fn number(index: usize) -> u8 {
@@ -168,6 +194,10 @@ pub struct Grid {
     rows: Vec<Row>,
     /// Per cell, at both ends: axes. None where no axis has a limit.
     jerks: Vec<JerkRow>,
+    /// Per cell, half-way: axes.
+    middles: Vec<JerkRow>,
+    /// Per cell: whether jerks are limited at its ends in any case.
+    dense: Vec<bool>,
     /// Per cell, at both ends. None before the first cell with a disc.
     discs: Vec<Option<Disc>>,
     /// Per cell: the smaller cap of its two ends, as each end has it.
@@ -191,6 +221,8 @@ impl Grid {
             caps: vec![Cap::NONE],
             rows: Vec::new(),
             jerks: Vec::new(),
+            middles: Vec::new(),
+            dense: Vec::new(),
             discs: Vec::new(),
             cell_caps: Vec::new(),
         }
@@ -210,6 +242,34 @@ impl Grid {
         }
         self.caps.push(caps[1]);
         self.cell_caps.push(caps);
+        self.dense.push(false);
+        let axes = self.limits.len();
+        let from = self.jerks.len().saturating_sub(2 * axes);
+        let (start, end) =
+            self.jerks.get(from..).unwrap_or_default().split_at_checked(axes).unwrap_or_default();
+        self.middles.extend(start.iter().zip(end).map(|(start, end)| start.between(end)));
+    }
+
+    /// Half-way through the newest cell the axes have these rates, which else are taken to be the mean of those at its ends.
+    pub(super) fn bend_last(&mut self, middle: &Rates) {
+        let from = self.middles.len().saturating_sub(self.limits.len());
+        let rows = self.middles.get_mut(from..).unwrap_or_default();
+        let rates = middle.first.iter().zip(middle.second.iter()).zip(middle.third.iter());
+        for ((row, part), ((first, second), third)) in rows.iter_mut().zip(&self.parts).zip(rates) {
+            *row = JerkRow::new([*first, *second, *third], part);
+        }
+    }
+
+    /// Limits jerks at the ends of the newest cell in any case.
+    pub(super) fn make_last_dense(&mut self) {
+        if let Some(dense) = self.dense.last_mut() {
+            *dense = true;
+        }
+    }
+
+    /// Whether jerks are limited at the ends of a cell in any case.
+    pub(super) fn is_dense(&self, cell: usize) -> bool {
+        self.dense.get(cell).copied().unwrap_or_default()
     }
 
     fn push_end(&mut self, end: &CellEnd<'_>) -> Cap {
@@ -230,11 +290,8 @@ impl Grid {
         }
         if self.limits_jerk {
             let values = first.iter().zip(second.iter()).zip(third.iter()).zip(&self.parts);
-            self.jerks.extend(values.map(|(((&d1, &d2), &d3), part)| JerkRow {
-                first: d1 * part.jerk,
-                second: d2 * part.jerk,
-                third: d3 * part.jerk,
-            }));
+            self.jerks
+                .extend(values.map(|(((d1, d2), d3), part)| JerkRow::new([*d1, *d2, *d3], part)));
         }
         let axes = 1.0 / (most * most);
         cap.min(Cap { v2: axes, source: CapSource::AxisVelocity(number(fastest)) })
@@ -254,10 +311,10 @@ impl Grid {
             row.a *= acceleration;
             row.b *= acceleration;
         }
-        for row in self.jerks.iter_mut().rev().take(2 * self.limits.len()) {
-            row.first *= jerk;
-            row.second *= jerk;
-            row.third *= jerk;
+        let axes = self.limits.len();
+        let ends = self.jerks.iter_mut().rev().take(2 * axes);
+        for row in ends.chain(self.middles.iter_mut().rev().take(axes)) {
+            row.tighten(jerk);
         }
         if let Some(caps) = self.cell_caps.last_mut() {
             for (cap, node) in caps.iter_mut().rev().zip(self.caps.iter_mut().rev()) {
@@ -338,6 +395,26 @@ impl Grid {
         let width = self.limits.len();
         let from = (2 * cell + end as usize) * width;
         self.jerks.get(from..from + width).unwrap_or_default()
+    }
+
+    /// The jerk rows of the axes half-way through a cell.
+    pub(super) fn middle_jerks(&self, cell: usize) -> &[JerkRow] {
+        let width = self.limits.len();
+        self.middles.get(cell * width..(cell + 1) * width).unwrap_or_default()
+    }
+
+    /// By how much jerks differ at the ends of a cell from those in its middle, at most, as parts of their limits, with these b,
+    /// a and γ at its start, in its middle and at its end.
+    pub(super) fn varies(&self, cell: usize, motion: &[[f64; 3]; 3]) -> f64 {
+        let [start, middle, end] =
+            motion.map(|[b, a, gamma]| move |row: &JerkRow| row.at(b, a, gamma));
+        let starts = self.jerks(cell, End::Start).iter().map(start);
+        let ends = self.jerks(cell, End::Finish).iter().map(end);
+        let middles = self.middle_jerks(cell).iter().map(middle);
+        let most = |most: f64, ((start, end), middle): ((f64, f64), f64)| {
+            most.max((start - middle).abs()).max((end - middle).abs())
+        };
+        starts.zip(ends).zip(middles).fold(0.0, most)
     }
 
     /// The disc of the tool tip at an end of a cell.

@@ -9,6 +9,7 @@
 //! followed: [`LinearSolver`] where accelerations alone are limited (there it is left with what two passes cannot prove),
 //! [`SmoothSolver`] where jerks are as well.
 
+mod asked;
 mod axis_path;
 mod convex;
 pub mod course;
@@ -26,11 +27,14 @@ mod sample;
 mod smooth;
 mod stretch;
 
-pub use axis_path::{AxisPath, AxisPoint, KinematicPath, axis_point};
+pub use axis_path::{AxisPath, AxisPoint, KinematicPath, MOST_FURTHER_ROWS, axis_point};
 pub use convex::NotSolved;
-pub use follow::{Followed, Follower};
+pub use follow::{Followed, Follower, MTimes};
 pub use gain::Gain;
-pub use grid::{AxisLimits, Cap, CapSource, CellEnd, Constraint, Disc, Grid, JerkRow, Rates, Row};
+pub use grid::{
+    AxisLimits, Cap, CapSource, CellEnd, Constraint, Disc, FIRST_FURTHER_ROW, Grid, JerkRow, Rates,
+    Row,
+};
 pub use linear::{LinearProfile, LinearSolver};
 pub use options::LimitOptions;
 pub use planner::{Effort, Leg, LimitError, Planned, Planner};

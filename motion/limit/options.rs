@@ -1,18 +1,22 @@
 //! What is limited, and how finely.
 
 use super::course::CourseOptions;
+use crate::prepare::CircularLimits;
 
 /// Settings of the feed limiter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitOptions {
     /// How joints are rounded.
     pub course: CourseOptions,
-    /// The programmed velocity (F) counts.
+    /// The programmed velocity (F) counts, and that at the end of an element, if it asks for one.
     pub feed: bool,
     /// The programmed accelerations along the path (E+, E−) count.
     pub path_acceleration: bool,
     /// Largest acceleration of the tool tip, m/s²; `None`: not limited.
     pub tool_acceleration: Option<f64>,
+    /// What of the acceleration towards the centre of curves is limited: on them, and its jump from one element to the
+    /// next.
+    pub centripetal: CircularLimits,
     /// Time between nodes of the grid, s.
     pub step: f64,
     /// Time that is planned at once, s, where the path does not stop before.
@@ -29,6 +33,7 @@ impl LimitOptions {
             feed: true,
             path_acceleration: true,
             tool_acceleration: None,
+            centripetal: CircularLimits::default(),
             step: 2e-3,
             horizon: 1.5,
             solves: 2,

@@ -1,10 +1,13 @@
 //! The limits of a cell as rows of the convex program.
 
+use super::asked::Asked;
 use super::convex::{Origin, Program};
 use super::grid::{Constraint, End, Grid, JerkRow, Row, number};
 
 /// Rows less active than this at the guess are left out at first.
-const SCREEN: f64 = 0.3;
+const SCREEN: f64 = 0.5;
+/// Jerk rows less active than this at the guess, the first time and later; without jerk they are active by a third.
+pub(super) const SCREEN_JERK: [f64; 2] = [0.5, 0.7];
 /// Cells that take less time, s, are too short to tell a jerk: their coefficients would drown in rounding.
 const LEAST_TIME: f64 = 2e-5;
 /// Where the velocity varies within a cell, so does the jerk: at its ends it may be larger than in its middle, by this
@@ -73,10 +76,16 @@ impl Place {
 #[derive(Debug)]
 pub(super) struct Writer<'s> {
     pub(super) program: &'s mut Program,
+    /// Of the variables, and c at the guess: both per cell.
     pub(super) scale: &'s [f64],
+    pub(super) middles: &'s [f64],
     /// b at the two ends of the cell.
     pub(super) guess: &'s [f64],
+    /// Rows of the cell that are not left out.
+    pub(super) asked: Asked,
     pub(super) variables: usize,
+    /// Jerk rows less active than this at the guess are left out at first.
+    pub(super) screen: f64,
     /// c of the first cell, if it is given.
     pub(super) fixed: f64,
     /// The cell.
@@ -85,7 +94,7 @@ pub(super) struct Writer<'s> {
 
 impl Writer<'_> {
     fn origin(&self, constraint: Constraint, share: f64) -> Origin {
-        Origin { cell: self.index, constraint, share }
+        Origin { cell: self.index, constraint, upper: true, share }
     }
 
     /// Σ `line`·c as entries, what is given of it, and its value at the guess.
@@ -99,9 +108,9 @@ impl Writer<'_> {
                 given += value * self.fixed;
                 sum += value * self.fixed;
             } else if cell <= self.variables {
-                let value = value * self.scale.get(cell).copied().unwrap_or_default();
-                *slot = (cell - 1, value);
-                sum += value;
+                let at = |values: &[f64]| values.get(cell).copied().unwrap_or_default();
+                *slot = (cell - 1, value * at(self.scale));
+                sum += value * at(self.middles);
             }
         }
         (entries, given, sum)
@@ -119,7 +128,7 @@ impl Writer<'_> {
             if free > 1e-3 * right { (1.0 / free, 1.0) } else { (1.0 / right, free / right) };
         let entries = entries.map(|(index, value)| (index, value * scale));
         let most: f64 = entries.iter().map(|(_, value)| value.abs()).sum();
-        if sum >= screen * right {
+        if sum >= screen * right || self.asked.has(&origin) {
             self.program.add_row(&entries, to, origin);
         } else if most > 0.5 * to {
             self.program.add_spare(entries, to, origin);
@@ -162,7 +171,7 @@ impl Writer<'_> {
             let origin = self.origin(Constraint::AxisAcceleration(number(axis)), 1.0);
             let line = place.acceleration(row);
             self.add(line, 1.0, SCREEN, origin);
-            self.add(line.map(|x| -x), 1.0, SCREEN, origin);
+            self.add(line.map(|x| -x), 1.0, SCREEN, Origin { upper: false, ..origin });
         }
         for (index, row) in further.iter().enumerate() {
             let origin = self.origin(Constraint::Further(number(index)), 1.0);
@@ -216,41 +225,44 @@ impl Writer<'_> {
         }
     }
 
-    /// The jerk limits in the middle of the cell and, where the velocity varies by more than they may take, at its ends.
+    /// The jerk limits in the middle of the cell and, where the jerk is another there, at its ends.
     pub(super) fn add_jerks(&mut self, grid: &Grid, cell: usize, around: &Around) {
         let [from, to] = *self.guess else { return };
-        let own = self.scale.get(self.index).copied().unwrap_or_default();
-        let guess = 0.5 * own + 0.25 * (from + to);
-        let middle = around.middle();
+        let own = self.middles.get(self.index).copied().unwrap_or_default();
+        let h = around.length;
+        let guess = (0.5 * own + 0.25 * (from + to)).max(0.5 * from.min(to));
         // A cell that is over at once may change the acceleration by as much as one of the least time.
-        let share = (around.length / guess.sqrt() / LEAST_TIME).min(1.0);
-        let rows = grid.jerks(cell, End::Start).iter().zip(grid.jerks(cell, End::Finish));
-        for (axis, (from, to)) in rows.enumerate() {
-            let line = middle.jerk(&from.between(to), around.gamma).map(|x| x * share);
-            self.add_jerk(line, middle.b, guess, axis);
-        }
-        for (end, at_end) in [(End::Start, from), (End::Finish, to)] {
-            if at_end <= guess * (1.0 + AT_ENDS) {
+        let share = (h / guess.sqrt() / LEAST_TIME).min(1.0);
+        let places = [
+            (around.start, from, grid.jerks(cell, End::Start)),
+            (around.middle(), guess, grid.middle_jerks(cell)),
+            (around.finish, to, grid.jerks(cell, End::Finish)),
+        ];
+        let dense = grid.is_dense(cell);
+        for (index, (place, b, rows)) in places.iter().enumerate() {
+            // At the slower end the jerk is what it is in the middle, or less.
+            let more = if index == 1 || dense { 0.0 } else { AT_ENDS };
+            if index != 1 && *b <= guess * (1.0 + more) {
                 continue;
             }
-            let place = around.at(end);
-            for (axis, row) in grid.jerks(cell, end).iter().enumerate() {
-                let line = place.jerk(row, around.gamma).map(|x| x * share / (1.0 + AT_ENDS));
-                self.add_jerk(line, place.b, at_end, axis);
+            let factor = share / (1.0 + more);
+            for (axis, row) in rows.iter().enumerate() {
+                let line = place.jerk(row, around.gamma).map(|x| x * factor);
+                self.add_jerk(line, place.b, *b, (axis, true));
+                self.add_jerk(line.map(|x| -x), place.b, *b, (axis, false));
             }
         }
     }
 
-    /// Adds |line·c|·√(b·c) ≤ 1 with its tangent about b = `guess`.
-    fn add_jerk(&mut self, line: [f64; 3], b: [f64; 3], guess: f64, axis: usize) {
+    /// Adds line·c·√(b·c) ≤ 1 with its tangent about b = `guess`.
+    fn add_jerk(&mut self, line: [f64; 3], b: [f64; 3], guess: f64, (axis, upper): (usize, bool)) {
         let (of_line, of_b) = (guess.sqrt() / 1.5, 1.0 / (3.0 * guess));
         let origin = self.origin(Constraint::AxisJerk(number(axis)), JERK_SHARE);
-        for sign in [1.0, -1.0] {
-            let mut entries = line.map(|x| sign * of_line * x);
-            for (entry, b) in entries.iter_mut().zip(b) {
-                *entry += of_b * b;
-            }
-            self.add(entries, 1.0, SCREEN, origin);
+        let origin = Origin { upper, ..origin };
+        let mut entries = line.map(|x| of_line * x);
+        for (entry, b) in entries.iter_mut().zip(b) {
+            *entry += of_b * b;
         }
+        self.add(entries, 1.0, self.screen, origin);
     }
 }

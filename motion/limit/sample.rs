@@ -1,10 +1,12 @@
 //! Elements of the course as cells with what limits the motion in them.
 
-use super::axis_path::{AxisPath, AxisPoint};
-use super::course::CourseElement;
-use super::grid::{AxisLimits, Cap, CapSource, CellEnd, Disc, Grid, Rates, Row};
+use super::axis_path::{AxisPath, AxisPoint, MOST_FURTHER_ROWS};
+use super::course::{CourseElement, Transition};
+use super::grid::{AxisLimits, Cap, CapSource, CellEnd, Disc, FIRST_FURTHER_ROW, Grid, Rates, Row};
 use super::options::LimitOptions;
 use super::stretch::Stretch;
+use crate::path::ElementKind;
+use crate::prepare::CircularLimits;
 use nalgebra::Vector3;
 use std::sync::Arc;
 use twin_kinematics::{AxisVector, KinematicsError};
@@ -20,9 +22,13 @@ const SLIVER: f64 = 0.05;
 const DEPTH: u32 = 10;
 /// Derivatives are those inside the cell: taken this part of its length from its ends.
 const INSIDE: f64 = 1e-9;
+/// Places within this part of the length from the end of an element are at its end.
+const NEAR: f64 = 1e-8;
 /// Velocities may step by what the acceleration limit changes them in this time, s, where a joint is not rounded; so
 /// may accelerations by what the jerk limit does.
 const STEP_TIME: f64 = 1e-3;
+/// Rows along the path: the programmed acceleration and deceleration.
+const ALONG: usize = FIRST_FURTHER_ROW as usize;
 
 /// What is known at one place of an element.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +36,10 @@ pub(super) struct Sample {
     pub(super) position: AxisVector,
     pub(super) rates: Rates,
     cap: Cap,
-    rows: [Row; 2],
+    /// What bounds u̇² at a joint, if this is one.
+    transition: Cap,
+    /// The programmed accelerations along the path, then what [`AxisPath::further`] gives.
+    rows: [Row; ALONG + MOST_FURTHER_ROWS],
     disc: Option<Disc>,
 }
 
@@ -43,7 +52,8 @@ impl Sample {
         let Rates { first, second, third } = &self.rates;
         let axes = first.iter().zip(second.iter()).zip(third.iter()).zip(limits);
         let along = self.rows.iter().map(|row| row.a * a + row.b * b);
-        let mut worst = [along.fold(0.0, f64::max), 0.0, v / self.cap.v2.sqrt()];
+        let cap = self.cap.min(self.transition);
+        let mut worst = [along.fold(0.0, f64::max), 0.0, v / cap.v2.sqrt()];
         if let Some(Disc { a: first, b: second }) = &self.disc {
             let square: f64 =
                 first.iter().zip(second).map(|(d1, d2)| (d1 * a + d2 * b).powi(2)).sum();
@@ -70,11 +80,14 @@ pub(super) struct Cell {
     pub(super) to: f64,
     pub(super) start: Sample,
     pub(super) end: Sample,
+    pub(super) middle: Sample,
     /// What bounds u̇² at its end: a joint that is not rounded.
     pub(super) joint: Cap,
     /// By how much acceleration, jerk and velocity are limited more tightly than they are, because between the places where
     /// limits are asked for they were exceeded.
     pub(super) tight: [f64; 3],
+    /// Whether jerks are limited at its ends as well, because they were exceeded there.
+    pub(super) dense: bool,
 }
 
 impl Cell {
@@ -134,8 +147,10 @@ impl<A: AxisPath> Sampler<A> {
                     to: end,
                     start,
                     end: finish,
+                    middle: start,
                     joint,
                     tight: [1.0; 3],
+                    dense: false,
                 };
                 self.halve(cell, DEPTH, cells)?;
             }
@@ -145,21 +160,42 @@ impl<A: AxisPath> Sampler<A> {
     }
 
     /// Adds `cell`, in halves if its ends do not tell enough of it.
-    fn halve(&self, cell: Cell, depth: u32, cells: &mut Vec<Cell>) -> Result<(), KinematicsError> {
-        let middle =
-            self.sample(&cell.element, cell.from.midpoint(cell.to), &cell.start.position)?;
-        if depth == 0 || is_smooth(&cell, &middle.rates) {
+    fn halve(
+        &self,
+        mut cell: Cell,
+        depth: u32,
+        cells: &mut Vec<Cell>,
+    ) -> Result<(), KinematicsError> {
+        self.look_half_way(&mut cell)?;
+        if depth == 0 || is_smooth(&cell) {
             cells.push(cell);
             return Ok(());
         }
-        for half in self.parts(&cell, &[0.5])? {
+        for half in self.cut(&cell, &[0.5])? {
             self.halve(half, depth - 1, cells)?;
         }
         Ok(())
     }
 
+    fn look_half_way(&self, cell: &mut Cell) -> Result<(), KinematicsError> {
+        let at = cell.from.midpoint(cell.to);
+        cell.middle = self.sample(&cell.element, at, &cell.start.position)?;
+        Ok(())
+    }
+
     /// `cell` cut at these parts of its length.
     pub(super) fn parts(&self, cell: &Cell, at: &[f64]) -> Result<Vec<Cell>, KinematicsError> {
+        let mut parts = self.cut(cell, at)?;
+        if parts.len() > 1 {
+            for part in &mut parts {
+                self.look_half_way(part)?;
+            }
+        }
+        Ok(parts)
+    }
+
+    /// As [`Self::parts`], with nothing known half-way.
+    fn cut(&self, cell: &Cell, at: &[f64]) -> Result<Vec<Cell>, KinematicsError> {
         let mut parts = Vec::with_capacity(at.len() + 1);
         let length = cell.length();
         let mut rest = cell.clone();
@@ -196,18 +232,54 @@ impl<A: AxisPath> Sampler<A> {
         } else {
             Cap::NONE
         };
-        let rows = [element.acceleration(), -element.deceleration()].map(|limit| {
-            if path_acceleration {
-                Row { a: scale / limit, b: bend / limit }
-            } else {
-                Row::default()
+        let cap = cap.min(self.on_curve(element, s));
+        let transition = self.transition(element, s);
+        let mut rows = [Row::default(); ALONG + MOST_FURTHER_ROWS];
+        if path_acceleration {
+            let limits = [element.acceleration(), -element.deceleration()];
+            for (row, limit) in rows.iter_mut().zip(limits) {
+                *row = Row { a: scale / limit, b: bend / limit };
             }
-        });
+        }
+        let further = rows.get_mut(ALONG..).unwrap_or_default();
+        let cap = cap.min(self.axes.further(&AxisPoint { position, rates }, cap.v2, further));
         let disc = tool_acceleration.map(|limit| {
             let part = |v: &Vector3<f64>| (v / limit).into();
             Disc { a: part(&point.first), b: part(&point.second) }
         });
-        Ok(Sample { position, rates, cap, rows, disc })
+        Ok(Sample { position, rates, cap, transition, rows, disc })
+    }
+
+    /// The bound of the acceleration towards the centre of a curve: that of the programmed path, also where it is rounded.
+    fn on_curve(&self, element: &CourseElement, s: f64) -> Cap {
+        let CircularLimits { acceleration, .. } = self.options.centripetal;
+        if acceleration > 0.0 && element.element().kind == ElementKind::Cut {
+            Cap { v2: acceleration / element.curvature(s), source: CapSource::Centripetal }
+        } else {
+            Cap::NONE
+        }
+    }
+
+    /// What is asked for where two elements meet, if that is at `s`.
+    fn transition(&self, element: &CourseElement, s: f64) -> Cap {
+        let [head, tail] = element.transitions();
+        let near = NEAR * element.length();
+        let Transition { curvature_jump, velocity } = if s <= near {
+            head
+        } else if s >= element.length() - near {
+            tail
+        } else {
+            return Cap::NONE;
+        };
+        let limit = self.options.centripetal.acceleration_jump;
+        let mut cap = Cap::NONE;
+        if limit > 0.0 {
+            cap = cap.min(Cap { v2: limit / curvature_jump, source: CapSource::Centripetal });
+        }
+        if self.options.feed {
+            cap = cap.min(Cap { v2: velocity * velocity, source: CapSource::EndVelocity });
+        }
+        cap
     }
 
     /// The bound at a joint between `before` and `after`, for what of a step is left there.
@@ -229,12 +301,13 @@ impl<A: AxisPath> Sampler<A> {
                 v2 = v2.min(jerk * STEP_TIME / bend);
             }
         }
-        Cap { v2, source: CapSource::Joint }
+        Cap { v2, source: CapSource::Joint }.min(before.transition).min(after.transition)
     }
 }
 
 /// Whether the rates in the middle are near the mean of those at the ends.
-fn is_smooth(cell: &Cell, middle: &Rates) -> bool {
+fn is_smooth(cell: &Cell) -> bool {
+    let middle = &cell.middle.rates;
     let near = |from: &AxisVector, middle: &AxisVector, to: &AxisVector, part: f64, least: f64| {
         let values = from.iter().zip(middle.iter()).zip(to.iter());
         let size = values.clone().map(|((f, m), t)| f.abs().max(m.abs()).max(t.abs()));
@@ -257,17 +330,22 @@ fn is_smooth(cell: &Cell, middle: &Rates) -> bool {
 
 /// The grid of `cells`.
 pub(super) fn grid<A: AxisPath>(sampler: &Sampler<A>, cells: &[Cell]) -> Grid {
-    let mut grid = Grid::new(sampler.axes.limits().to_vec(), 2, 0.0);
+    let extra = ALONG + sampler.axes.further_rows().min(MOST_FURTHER_ROWS);
+    let mut grid = Grid::new(sampler.axes.limits().to_vec(), extra, 0.0);
     for cell in cells {
         let [start, end] = [&cell.start, &cell.end].map(|sample| CellEnd {
             rates: sample.rates,
             cap: sample.cap,
-            rows: &sample.rows,
+            rows: sample.rows.get(..extra).unwrap_or_default(),
             disc: sample.disc,
         });
         grid.push(cell.length(), &start, &end);
+        grid.bend_last(&cell.middle.rates);
         grid.cap_last(cell.joint);
         grid.tighten_last(cell.tight);
+        if cell.dense {
+            grid.make_last_dense();
+        }
     }
     grid
 }

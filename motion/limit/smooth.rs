@@ -24,14 +24,24 @@
 //! limit, and solving again about it is never worse. The duration Σ wₖ/√bₖ, wₖ half the length of the two cells beside
 //! a node, is taken to second order about b̄. Variables are cᵢ/c̄ᵢ.
 
-use super::convex::{NotSolved, Program};
+use super::asked::Asked;
+use super::convex::{NotSolved, Origin, Program};
 use super::gain::{Gain, gains};
-use super::grid::{End, Grid};
-use super::rows::{Around, Place, Writer};
+use super::grid::{Constraint, End, Grid};
+use super::rows::{Around, Place, SCREEN_JERK, Writer};
 use std::ops::Range;
 
 /// The next guess is not below this part of the one before.
 const FLOOR: f64 = 0.05;
+
+/// How exactly a guess and the profile itself are solved for.
+const ROUGH: f64 = 1e-5;
+const FINE: f64 = 1e-7;
+
+/// With a row that was left out and is not kept those of so many cells before and behind are added.
+const AROUND: usize = 12;
+/// Rows that were left out are looked for at most so often.
+const MORE: u32 = 10;
 
 /// How a profile begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,20 +83,103 @@ struct Knot {
     a: [f64; 2],
 }
 
+/// What a window is solved about.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Guess {
+    /// b at the nodes, positive at all inner ones.
+    pub(super) b: Vec<f64>,
+    /// c in the cells.
+    pub(super) c: Vec<f64>,
+    /// Rows that are to be in the program, whether or not they seem to count, per cell.
+    pub(super) asked: Vec<Asked>,
+    /// Whether it is no solution of the program yet.
+    pub(super) rough: bool,
+}
+
+impl Guess {
+    /// Of b alone.
+    pub(super) fn rough(b: Vec<f64>) -> Self {
+        let c: Vec<f64> = pairs(&b).map(|(from, to)| from.midpoint(to)).collect();
+        Self { asked: vec![Asked::default(); c.len()], b, c, rough: true }
+    }
+
+    /// What happens in the cell `index` of the length `h`.
+    pub(super) fn motion(&self, index: usize, h: f64) -> Option<CellMotion> {
+        let (from, to, c) = (*self.b.get(index)?, *self.b.get(index + 1)?, *self.c.get(index)?);
+        let gamma = (from - 2.0 * c + to) / (h * h);
+        let middle = 0.5 * c + 0.25 * (from + to);
+        let ends = [
+            [from, (c - from) / h, gamma],
+            [middle.max(0.5 * from.min(to)), 0.5 * (to - from) / h, gamma],
+            [to, (to - c) / h, gamma],
+        ];
+        Some(CellMotion { duration: 2.0 * h / (from.sqrt() + to.sqrt()), ends })
+    }
+
+    /// Fitted to a grid on which the cell `index` is two.
+    pub(super) fn halve(&mut self, index: usize) {
+        let ends = (self.b.get(index), self.b.get(index + 1), self.c.get(index));
+        let (Some(&from), Some(&to), Some(&c)) = ends else { return };
+        let [before, after] = [c.midpoint(from), c.midpoint(to)];
+        self.b.insert(index + 1, before.midpoint(after).max(FLOOR * from.max(to)));
+        self.c.splice(index..=index, [before, after]);
+        self.asked.insert(index, self.asked.get(index).copied().unwrap_or_default());
+    }
+
+    /// With the solution about it in its place, and `broken` rows to be kept from now on.
+    fn follow(&mut self, b: &[f64], c: &[f64], Broken(broken): &Broken) {
+        // A profile that all but rests says little about the next.
+        for (guess, b) in self.b.iter_mut().zip(b) {
+            *guess = b.max(FLOOR * *guess);
+        }
+        self.c.clear();
+        self.c.extend_from_slice(c);
+        self.rough = false;
+        for origin in broken {
+            // A solution that keeps the one row would yield to its likes in the cells around.
+            let from = origin.cell.saturating_sub(AROUND);
+            for asked in self.asked.iter_mut().skip(from).take(2 * AROUND + 1) {
+                asked.add(origin);
+            }
+        }
+    }
+}
+
+/// About what happens in a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellMotion {
+    /// s.
+    pub(super) duration: f64,
+    /// b, a and γ at its start, in its middle and at its end.
+    pub(super) ends: [[f64; 3]; 3],
+}
+
+/// Rows that were left out and are not kept.
+#[derive(Debug, Default)]
+pub(super) struct Broken(Vec<Origin>);
+
+impl Broken {
+    /// Whether one of them limits a jerk in this cell.
+    pub(super) fn jerk(&self, cell: usize) -> bool {
+        let near = self.0.iter().skip(self.0.partition_point(|origin| origin.cell < cell));
+        near.take_while(|origin| origin.cell == cell)
+            .any(|origin| matches!(origin.constraint, Constraint::AxisJerk(_)))
+    }
+}
+
 /// Solves windows with limited jerk; keeps its memory from one to the next.
 #[derive(Debug, Default)]
 pub struct SmoothSolver {
     program: Program,
     knots: Vec<Knot>,
-    /// c of the first cell, if it is given; the scale of the others.
+    /// Of the variables: c of every cell is a multiple of it.
     scale: Vec<f64>,
-    /// Guess of b at the nodes.
-    guess: Vec<f64>,
 }
 
 impl SmoothSolver {
     /// The fastest profile over `cells` (at least 3), from `beginning` to rest, about the profile `guess` of b at the nodes, which must
-    /// be positive at all inner ones. Solves as often as told, each time about the solution before.
+    /// be positive at all inner ones. Solves as often as told, each time about the solution before, and as often as rows are
+    /// found that should not have been left out.
     ///
     /// # Errors
     /// If Clarabel finds none.
@@ -98,28 +191,58 @@ impl SmoothSolver {
         guess: &[f64],
         solves: u32,
     ) -> Result<SmoothProfile, NotSolved> {
-        self.guess.clear();
-        self.guess.extend_from_slice(guess);
-        self.set_knots(grid, &cells, beginning);
+        let mut guess = Guess::rough(guess.to_vec());
         let mut iterations = 0;
-        let mut profile = None;
-        let mut costs = Vec::new();
-        for _ in 0..solves.max(1) {
-            self.set_scale(grid, &cells, beginning);
-            self.build(grid, &cells, beginning);
-            let answer = self.program.solve_all(1e-7)?;
-            iterations += answer.iterations;
-            costs = gains(&answer.gains);
-            let (b, a) = self.values(&cells, beginning, &answer.x);
-            // A profile that all but rests says little about the next.
-            for (guess, b) in self.guess.iter_mut().zip(&b) {
-                *guess = b.max(FLOOR * *guess);
+        let mut solved = 0;
+        loop {
+            solved += 1;
+            let (mut profile, broken) =
+                self.solve_about(grid, cells.clone(), beginning, &mut guess)?;
+            iterations += profile.iterations;
+            if solved >= solves && (broken.0.is_empty() || solved >= solves + MORE) {
+                (profile.iterations, profile.solves) = (iterations, solved);
+                return Ok(profile);
             }
-            profile = Some((b, a));
         }
-        let (b, a) = profile.unwrap_or_default();
-        let rows = self.program.rows();
-        Ok(SmoothProfile { beginning, b, a, iterations, solves, rows, gains: costs })
+    }
+
+    /// Solves once about `guess`, which then is about the solution.
+    pub(super) fn solve_about(
+        &mut self,
+        grid: &Grid,
+        cells: Range<usize>,
+        beginning: Beginning,
+        guess: &mut Guess,
+    ) -> Result<(SmoothProfile, Broken), NotSolved> {
+        self.set_knots(grid, &cells, beginning);
+        self.scale.clear();
+        self.scale.extend(pairs(&guess.b).map(|(from, to)| from.midpoint(to)));
+        if let Beginning::Moving { b, a } = beginning {
+            let given = b + a * grid.length(cells.start);
+            for first in [self.scale.first_mut(), guess.c.first_mut()].into_iter().flatten() {
+                *first = given;
+            }
+        }
+        self.build(grid, &cells, beginning, guess);
+        // What is only the guess for another need not be exact.
+        let answer = self.program.solve(if guess.rough { ROUGH } else { FINE })?;
+        let broken = Broken(self.program.broken(&answer.x).collect());
+        let mut c = self.scale.clone();
+        for (slot, x) in c.iter_mut().skip(1).zip(&answer.x) {
+            *slot *= x;
+        }
+        let (b, a) = self.values(&cells, beginning, &c);
+        guess.follow(&b, &c, &broken);
+        let profile = SmoothProfile {
+            beginning,
+            b,
+            a,
+            iterations: answer.iterations,
+            solves: 1,
+            rows: self.program.rows(),
+            gains: gains(&answer.gains),
+        };
+        Ok((profile, broken))
     }
 
     fn set_knots(&mut self, grid: &Grid, cells: &Range<usize>, beginning: Beginning) {
@@ -150,28 +273,13 @@ impl SmoothSolver {
         self.knots.push(Knot::default());
     }
 
-    fn set_scale(&mut self, grid: &Grid, cells: &Range<usize>, beginning: Beginning) {
-        self.scale.clear();
-        self.scale.extend(self.guess.windows(2).map(|pair| match pair {
-            [from, to] => 0.5 * (from + to),
-            _ => 1.0,
-        }));
-        if let (Beginning::Moving { b, a }, Some(first)) = (beginning, self.scale.first_mut()) {
-            *first = b + a * grid.length(cells.start);
-        }
-    }
-
     /// b and a at all nodes for a solution.
     fn values(
         &self,
         cells: &Range<usize>,
         beginning: Beginning,
-        x: &[f64],
+        c: &[f64],
     ) -> (Vec<f64>, Vec<f64>) {
-        let mut c = self.scale.clone();
-        for (slot, x) in c.iter_mut().skip(1).zip(x) {
-            *slot *= x;
-        }
         let mut b = vec![0.0; cells.len() + 1];
         let mut a = b.clone();
         for (index, pair) in c.windows(2).enumerate() {
@@ -190,11 +298,12 @@ impl SmoothSolver {
         (b, a)
     }
 
-    fn build(&mut self, grid: &Grid, cells: &Range<usize>, beginning: Beginning) {
+    fn build(&mut self, grid: &Grid, cells: &Range<usize>, beginning: Beginning, guess: &Guess) {
         let count = cells.len();
         let variables = count.saturating_sub(2);
         self.program.reset(variables);
-        self.add_costs(grid, cells);
+        self.add_costs(grid, cells, &guess.b);
+        let screen = if guess.rough { SCREEN_JERK[0] } else { SCREEN_JERK[1] };
         let fixed = match beginning {
             Beginning::Rest => 0.0,
             Beginning::Moving { .. } => self.scale.first().copied().unwrap_or_default(),
@@ -205,8 +314,11 @@ impl SmoothSolver {
             let mut writer = Writer {
                 program: &mut self.program,
                 scale: &self.scale,
-                guess: self.guess.get(index..index + 2).unwrap_or_default(),
+                middles: &guess.c,
+                guess: guess.b.get(index..index + 2).unwrap_or_default(),
+                asked: guess.asked.get(index).copied().unwrap_or_default(),
                 variables,
+                screen,
                 fixed,
                 index,
             };
@@ -239,9 +351,9 @@ impl SmoothSolver {
         Around { length, start, finish, gamma }
     }
 
-    fn add_costs(&mut self, grid: &Grid, cells: &Range<usize>) {
+    fn add_costs(&mut self, grid: &Grid, cells: &Range<usize>, guess: &[f64]) {
         let variables = cells.len().saturating_sub(2);
-        let nodes = self.knots.iter().zip(&self.guess).zip(cells.clone()).enumerate().skip(1);
+        let nodes = self.knots.iter().zip(guess).zip(cells.clone()).enumerate().skip(1);
         for (index, ((knot, guess), cell)) in nodes {
             let weight = 0.5 * (grid.length(cell - 1) + grid.length(cell));
             // w/√b to second order about the guess.
@@ -265,6 +377,11 @@ impl SmoothSolver {
             }
         }
     }
+}
+
+/// Values that follow each other.
+fn pairs(values: &[f64]) -> impl Iterator<Item = (f64, f64)> + '_ {
+    values.iter().copied().zip(values.iter().copied().skip(1))
 }
 
 /// b (and a) at the end of a cell of length `h` that is gone through from rest with constant jerk, as a part of the c

@@ -114,7 +114,7 @@ fn normal(shape: &Shape) -> Vector3<f64> {
 
 /// Curvature of the shape's projection onto its plane at path length `s`, 1/m, as a vector along the plane's normal:
 /// κ = (p′ × p″) · n / |p′|³.
-fn curvature(shape: &Shape, s: f64) -> Vector3<f64> {
+pub(crate) fn curvature(shape: &Shape, s: f64) -> Vector3<f64> {
     if let Shape::Line { .. } = shape {
         return Vector3::zeros();
     }

@@ -29,6 +29,7 @@ mod tool_radius;
 pub use avoid_loops::{AvoidLoops, DEFAULT_LOOP_WINDOW};
 pub use check_velocities::{CheckError, CheckVelocities, CheckedElement, Limit};
 pub use corner::{CornerError, CornerStyle, Corners, RoundPath, Rounding, SmoothPath, Smoothing};
+pub(crate) use limit_circular::curvature;
 pub use limit_circular::{CircularLimits, LimitCircularVelocities};
 pub use notice::{Notice, Notices};
 pub use preparation::{Incompatible, Optional, Preparation, PreparedPath, Stage};

@@ -231,6 +231,86 @@ fn limits_of_an_axis_can_be_left_out() {
     }
 }
 
+/// X moves 33.3 kg (machines/gantry3.toml): with 100 N, 20 N of them friction, 50 mm from rest to rest take 2·√(L·m/F).
+#[test]
+fn a_motor_is_named_and_shown_where_it_holds_back() {
+    let desk = desk();
+    let strong = std::fs::read_to_string(desk.path("machine.toml")).expect("it is there");
+    let weak = strong.replacen("max_force_n = 600.0", "max_force_n = 100.0", 1).replacen(
+        "viscous_friction_n_s_per_m = 60.0",
+        "viscous_friction_n_s_per_m = 0.0",
+        1,
+    );
+    assert_ne!(weak, strong);
+    desk.write("weak.toml", &weak);
+    desk.write("x.cnc", "% x\nN10 G92 X0 Y0 Z0 F400 E9000 E-9000\nN20 G1 X50\n");
+    let arguments = ["limit", "x.cnc", "-m", "weak.toml", "-o", "x.csv", "-o", "x.svg"];
+    let done = desk.twin(&arguments);
+    let text = &done.ended(0, "").stdout;
+    assert!(text.contains("force of X 20 % up: about"), "{text}");
+    let rows = Rows::read(&desk, "x.csv");
+    let most = rows.most("X_force_n");
+    assert!((most - 100.0).abs() < 0.1, "{most} N");
+    // Nothing else moves, but Z is held: 3.3 kg.
+    assert!((rows.most("Z_force_n") - 3.3 * 9.81).abs() < 1e-6 && rows.most("Y_force_n") < 1e-9);
+    let picture = std::fs::read_to_string(desk.path("x.svg")).expect("it was written");
+    assert!(picture.contains("motor effort") && picture.contains("X: 100.0 %, 100 N"));
+
+    let report = |more: &[&str]| {
+        let arguments = ["limit", "x.cnc", "-m", "weak.toml", "--format", "json"];
+        json(desk.twin(&[&arguments[..], more].concat()).ended(0, ""))
+    };
+    let limited = report(&[]);
+    let expected = 2.0 * (0.05_f64 * 33.3 / 80.0).sqrt();
+    let duration = number(&limited["duration_s"]);
+    assert!((duration - expected).abs() < 1.5e-3, "{duration} s and not {expected} s");
+    let held = limited["limited_by"][0].clone();
+    assert_eq!((&held["limit"], &held["axis"]), (&"axis-effort".into(), &"X".into()), "{held}");
+    let effort = &limited["peak"]["X"]["effort"];
+    assert_eq!((&effort["unit"], &effort["limit"]), (&"N".into(), &100.0.into()), "{effort}");
+    let free = report(&["--without", "motor-torque"]);
+    assert!(number(&free["duration_s"]) < 0.95 * duration);
+    assert!(number(&free["peak"]["X"]["effort"]["value"]) > 110.0, "{}", free["peak"]["X"]);
+
+    // Too weak to hold Z.
+    desk.write("none.toml", &strong.replacen("max_force_n = 300.0", "max_force_n = 30.0", 1));
+    let done = desk.twin(&["limit", "x.cnc", "-m", "none.toml"]);
+    done.ended(1, "axis Z: against weight and dry friction it takes a force of 40.3730 N");
+}
+
+/// A queue has the velocities on and into arcs that preparation has given it; they count as if they were limits of ours.
+#[test]
+fn velocities_of_a_prepared_queue_are_kept() {
+    let desk = desk();
+    desk.write(
+        "hairpin.cnc",
+        "% hairpin\nN10 G92 X0 Y0 Z0 F200 E2000 E-2000\nN20 G1 X100\nN30 G3 X100 Y100 I0 J50\nN40 G1 X0\n",
+    );
+    let plain = std::fs::read_to_string(desk.path("machine.toml")).expect("it is there");
+    let limits = "[preparation]\nmax_circular_acceleration_mm_per_s2 = 500.0\n\
+                  max_circular_acceleration_jump_mm_per_s2 = 125.0\n";
+    desk.write("curves.toml", &plain.replacen("[preparation]\n", limits, 1));
+    let prepare = ["path", "hairpin.cnc", "--machine", "curves.toml", "--prepare"];
+    desk.twin(&[&prepare[..], &["--output", "hairpin.queue"]].concat()).ended(0, "");
+    let report = |program: &str, machine: &str, more: &[&str]| {
+        let arguments = ["limit", program, "-m", machine, "--format", "json"];
+        json(desk.twin(&[&arguments[..], more].concat()).ended(0, ""))
+    };
+    let ours = report("hairpin.cnc", "curves.toml", &[]);
+    let theirs = report("hairpin.queue", "machine.toml", &[]);
+    let [one, other] = [&ours, &theirs].map(|report| number(&report["duration_s"]));
+    assert!((one - other).abs() < 1.5e-3, "{one} s and {other} s");
+    let raised = |report: &Value, limit: &str| {
+        let mut changes = report["changes"].as_array().expect("a list").iter();
+        changes.any(|change| change["limit"] == limit)
+    };
+    assert!(raised(&ours, "centripetal") && !raised(&ours, "end-velocity"), "{ours:#}");
+    assert!(raised(&theirs, "end-velocity") && !raised(&theirs, "centripetal"), "{theirs:#}");
+    let free =
+        number(&report("hairpin.cnc", "curves.toml", &["--without", "centripetal"])["duration_s"]);
+    assert!(free < 0.95 * one, "{free} s and {one} s");
+}
+
 #[test]
 fn a_feasible_program_is_the_same_but_for_its_feeds() {
     let desk = desk();
@@ -295,6 +375,62 @@ fn a_point_out_of_reach_is_told_with_its_line() {
     desk.twin(&["limit", "wrong.cnc", "--machine", &machine]).ended(1, "line 2 (N10)");
 }
 
+/// What the controller itself takes for the lines, s: on its 60 mm Z speeds up and brakes with 2000 mm/s² and never comes to
+/// 400 mm/s.
+fn controllers_time() -> f64 {
+    let line = |length: f64, velocity: f64| length / velocity + velocity / 2000.0;
+    2.0 * line(40.0, 150.0) + 4.0 * (60.0_f64 / 2000.0).sqrt() + line(2000.0_f64.sqrt(), 100.0)
+}
+
+#[test]
+fn the_controllers_own_planning_is_compared() {
+    let desk = desk();
+    let softmotion = ["--limits", "softmotion"];
+    let outputs = ["-o", "own.csv", "-o", "own.svg", "--format", "json"];
+    let report = json(limit(&desk, &[&softmotion[..], &outputs].concat()).ended(0, ""));
+    let [own, axes] =
+        ["duration_s", "duration_under_axis_limits_s"].map(|key| number(&report[key]));
+    assert!((own - controllers_time()).abs() < 6e-3, "{own} s, not {}", controllers_time());
+    assert!((axes - least_time()).abs() < 2e-3, "{axes} s, not {}", least_time());
+    assert!((number(&report["ratio"]) - axes / own).abs() < 1e-9);
+    assert_eq!(report["limits"], "softmotion");
+    // The set-points are those of `check`.
+    let checked = desk.twin(&["check", "lines.cnc", "-m", "machine.toml", "--format", "json"]);
+    let checked = json(checked.ended(1, ""));
+    assert_eq!(report["duration_s"], checked["duration_s"]);
+    for axis in ["X", "Y", "Z"] {
+        for quantity in ["velocity", "acceleration"] {
+            assert_eq!(report["peak"][axis][quantity], checked["peak"][axis][quantity], "{axis}");
+        }
+    }
+    let rows = Rows::read(&desk, "own.csv");
+    rows.are_one_per_cycle(own);
+    // √(60 · 2000) mm/s.
+    let most = rows.most("Z_velocity_mm_per_s");
+    assert!(most <= 346.42 && most > 343.0, "{most}");
+    is_well_formed(&std::fs::read_to_string(desk.path("own.svg")).expect("it was written"));
+
+    let done = limit(&desk, &softmotion);
+    let text = &done.ended(0, "").stdout;
+    assert!(text.contains("under the limits of the axes 1.98"), "{text}");
+    let beyond = "velocity of Z: 1.7";
+    let line = text.lines().find(|line| line.starts_with(beyond));
+    let line = line.unwrap_or_else(|| panic!("no {beyond} in {text}"));
+    let of_line = |text: &str| line.ends_with(&format!(" times its limit in line {text}"));
+    assert!(of_line("4 (N30)") || of_line("6 (N50)"), "{line}");
+    // Override and profile are its own.
+    let slow = [&softmotion[..], &["--override", "0.5", "--format", "json"]].concat();
+    let report = json(limit(&desk, &slow).ended(0, ""));
+    let line = |length: f64, velocity: f64| length / velocity + velocity / 2000.0;
+    let half = 2.0 * (line(40.0, 75.0) + line(60.0, 200.0)) + line(2000.0_f64.sqrt(), 50.0);
+    assert!((number(&report["duration_s"]) - half).abs() < 6e-3, "{} {half}", report["duration_s"]);
+    // Tools that turn with the path have nothing to be compared with.
+    let cutter = root().join("machines/gantry_cutter3.toml").display().to_string();
+    let turning = ["limit", "lines.cnc", "-m", &cutter, "--limits", "softmotion"];
+    let done = desk.twin(&turning);
+    assert!(!done.ended(0, "").stdout.contains("under the limits of the axes"));
+}
+
 #[test]
 fn wrong_use_is_status_2() {
     let desk = desk();
@@ -309,6 +445,11 @@ fn wrong_use_is_status_2() {
     let neither = ["--without", "axis-acceleration", "--without", "path-acceleration"];
     limit(&desk, &neither).ended(2, "nothing limits how fast the path speeds up");
     limit(&desk, &["--without", "gravity"]).ended(2, "gravity");
+    limit(&desk, &["--override", "0.5"]).ended(2, "--limits softmotion");
+    let softmotion = ["--limits", "softmotion"];
+    limit(&desk, &[&softmotion[..], &["--without", "feed"]].concat()).ended(2, "--without is for");
+    limit(&desk, &[&softmotion[..], &["--feasible", "slower.cnc"]].concat())
+        .ended(2, "--feasible is for --limits axes");
     let cutter = root().join("machines/gantry_cutter3.toml").display().to_string();
     let turning = desk.twin(&["limit", "lines.cnc", "--machine", &cutter]);
     turning.ended(2, "machines yet whose tool turns with the path");
@@ -328,6 +469,7 @@ fn the_report_has_the_fields_of_the_guide() {
         "program",
         "machine",
         "dialect",
+        "limits",
         "length_mm",
         "duration_s",
         "duration_by_feed_s",
@@ -352,7 +494,8 @@ fn the_report_has_the_fields_of_the_guide() {
     assert!((number(&report["duration_by_feed_s"]) - by_feed).abs() < 5e-3);
     has_keys(&report["peak"], &["X", "Y", "Z"]);
     for peak in report["peak"].as_object().expect("an object").values() {
-        has_keys(peak, &["unit", "position", "velocity", "acceleration", "jerk"]);
+        has_keys(peak, &["unit", "position", "velocity", "acceleration", "jerk", "effort"]);
+        has_keys(&peak["effort"], &["unit", "value", "limit", "line", "block"]);
         for quantity in ["velocity", "acceleration", "jerk"] {
             has_keys(&peak[quantity], &["value", "limit", "line", "block"]);
         }

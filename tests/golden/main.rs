@@ -11,6 +11,7 @@
     reason = "a test that cannot be set up has failed"
 )]
 
+mod check_limits;
 mod compare;
 mod limit;
 mod machine;

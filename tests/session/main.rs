@@ -17,6 +17,7 @@ mod simulated;
 
 use std::path::Path;
 use tempfile::TempDir;
+use twin::check::CheckOptions;
 use twin::m_function::Acknowledge;
 use twin::machine::Machine;
 use twin::program::{Dialect, ProgramFile};
@@ -61,7 +62,7 @@ impl Program {
     /// Checks it as every run is checked.
     fn check(&self, machine: &Machine) -> twin::check::Outcome {
         let outcome =
-            twin::check::check(machine, &self.file, false, Acknowledge::Auto, &mut |_| {}).unwrap();
+            twin::check::check(machine, &self.file, CheckOptions::default(), &mut |_| {}).unwrap();
         assert!(outcome.findings.is_empty(), "{:#?}", outcome.findings);
         outcome
     }

@@ -3,13 +3,16 @@
 #[cfg(test)]
 mod direction_tests;
 mod findings;
+mod options;
 mod sentence;
+mod source;
 #[cfg(test)]
 mod tests;
 
 use crate::compare::Comparison;
 use crate::finding::{self, Finding, Rule};
-use crate::m_function::{Acknowledge, Acknowledgement};
+use crate::limit::Limits;
+use crate::m_function::Acknowledgement;
 use crate::machine::{DirectionRule, Machine};
 use crate::physics::PhysicsError;
 use crate::plant::Plant;
@@ -18,8 +21,9 @@ use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
 use crate::simulated::Simulated;
 use findings::Findings;
+pub use options::{CheckFailure, CheckOptions};
 pub(crate) use sentence::{beyond_position, unreachable};
-use std::io;
+use source::Source;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
@@ -27,6 +31,11 @@ use twin_motion::path::EXTRA_AXES;
 
 /// A value may exceed its limit by this fraction before it counts: rounding, not motion.
 const ROUNDING: f64 = 1e-9;
+
+/// By which factors set-points may exceed velocities, accelerations and jerks of axes: the controller's own not at all; those
+/// within the limits of the axes by what may happen between the places at which these are asked for.
+const CONTROLLER: [f64; 3] = [1.0; 3];
+const WITHIN_AXES: [f64; 3] = [1.001, 1.001, 1.05];
 
 /// What checking a program has told.
 #[derive(Clone, Debug, Default)]
@@ -47,17 +56,6 @@ pub struct Outcome {
     pub start: Option<AxisVector>,
 }
 
-/// Why a program could not be checked.
-#[derive(Debug, thiserror::Error)]
-pub enum CheckFailure {
-    /// The file.
-    #[error(transparent)]
-    Read(#[from] io::Error),
-    /// The simulated machine.
-    #[error(transparent)]
-    Physics(#[from] PhysicsError),
-}
-
 /// What the simulated machine did in a run, where an axis was farther from its set-points than its machine file allows.
 pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Finding> {
     let axes = machine.axes.iter().zip(&comparison.axes);
@@ -69,21 +67,26 @@ pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Findi
     beyond.collect()
 }
 
-/// Checks a whole program; with `physics` also on the simulated machine. `progress` is told the bytes read so far.
+/// Checks a whole program. `progress` is told the bytes read so far.
 ///
 /// # Errors
-/// If the file cannot be read, or the simulated machine cannot be built.
+/// If the file cannot be read, the simulated machine cannot be built, or the machine is none whose axes a path can be planned
+/// for.
 pub fn check(
     machine: &Machine,
     program: &ProgramFile,
-    physics: bool,
-    acknowledge: Acknowledge,
+    options: CheckOptions,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Outcome, CheckFailure> {
-    let mut checker = Checker::new(machine);
+    let CheckOptions { limits, physics, acknowledge } = options;
+    let slack = match limits {
+        Limits::Softmotion => CONTROLLER,
+        Limits::Axes => WITHIN_AXES,
+    };
+    let mut checker = Checker::new(machine, slack);
     let mut rehearsal = physics.then_some(Rehearsal { machine, twin: None, lost: false });
     let rules = Acknowledgement::for_check(machine, acknowledge);
-    let mut items = program.open(machine, rules)?;
+    let mut items = Source::new(machine, program, limits, rules)?;
     let mut countdown = 0u32;
     while let Some(item) = items.next() {
         match item {
@@ -155,6 +158,8 @@ impl Rehearsal<'_> {
 struct Checker<'m> {
     machine: &'m Machine,
     transformer: Transformer<'m>,
+    /// By which factors limits of velocity, acceleration and jerk may be exceeded.
+    slack: [f64; 3],
     findings: Findings,
     peaks: Vec<AxisPeak>,
     last: Option<AxisSetpoint>,
@@ -165,10 +170,11 @@ struct Checker<'m> {
 }
 
 impl<'m> Checker<'m> {
-    fn new(machine: &'m Machine) -> Self {
+    fn new(machine: &'m Machine, slack: [f64; 3]) -> Self {
         Self {
             machine,
             transformer: Transformer::new(machine),
+            slack,
             findings: Findings::default(),
             peaks: vec![AxisPeak::default(); machine.axes.len()],
             last: None,
@@ -204,6 +210,7 @@ impl<'m> Checker<'m> {
         let last = self.last.replace(setpoint);
         self.start.get_or_insert(setpoint.axes.position);
         let machine = self.machine;
+        let [faster, harder, jerkier] = self.slack;
         let cycle = seconds(machine.cycle_ns);
         let with_path = matches!(machine.direction, DirectionRule::Path(..));
         for (index, (axis, peak)) in machine.axes.iter().zip(&mut self.peaks).enumerate() {
@@ -219,14 +226,14 @@ impl<'m> Checker<'m> {
 
             let limit = axis.max_velocity;
             peak.velocity.include(now.velocity, tool.place);
-            if exceeds(now.velocity, limit) {
+            if exceeds(now.velocity, faster * limit) {
                 let mut finding = sentence::too_fast(axis, tool.place, now.velocity);
                 finding.largest_feed_mm_per_s = now.feed_for_velocity(before.as_ref(), limit);
                 report(finding);
             }
             let limit = axis.max_acceleration;
             peak.acceleration.include(now.acceleration, tool.place);
-            if exceeds(now.acceleration, limit) {
+            if exceeds(now.acceleration, harder * limit) {
                 let mut finding = sentence::too_hard(axis, tool.place, now.acceleration);
                 finding.largest_feed_mm_per_s = now.feed_for_acceleration(before.as_ref(), limit);
                 report(finding);
@@ -238,11 +245,11 @@ impl<'m> Checker<'m> {
             // set-point before began.
             let stepped = (now.position - before.position) / cycle;
             let at_rest = now.path_velocity <= 0.0 && before.path_velocity <= 0.0;
-            let told = exceeds(now.velocity, axis.max_velocity)
-                || exceeds(before.velocity, axis.max_velocity);
-            if at_rest || (exceeds(stepped, axis.max_velocity) && !told) {
+            let most = faster * axis.max_velocity;
+            let told = exceeds(now.velocity, most) || exceeds(before.velocity, most);
+            if at_rest || (exceeds(stepped, most) && !told) {
                 peak.velocity.include(stepped, before.place);
-                if exceeds(stepped, axis.max_velocity) {
+                if exceeds(stepped, most) {
                     report(sentence::too_fast(axis, before.place, stepped));
                 }
             }
@@ -253,8 +260,8 @@ impl<'m> Checker<'m> {
             if turns
                 && !told
                 && !at_rest
-                && !exceeds(stepped, axis.max_velocity)
-                && exceeds(kink, axis.max_acceleration)
+                && !exceeds(stepped, most)
+                && exceeds(kink, harder * axis.max_acceleration)
             {
                 peak.acceleration.include(kink, before.place);
                 report(sentence::too_hard(axis, before.place, kink));
@@ -264,7 +271,7 @@ impl<'m> Checker<'m> {
             let rises = now.acceleration.abs() >= before.acceleration.abs();
             let place = if rises { now.place } else { before.place };
             peak.jerk.include(jerk, place);
-            if let Some(limit) = axis.max_jerk.filter(|limit| exceeds(jerk, *limit)) {
+            if let Some(limit) = axis.max_jerk.filter(|limit| exceeds(jerk, jerkier * *limit)) {
                 report(sentence::too_jerky(axis, place, jerk, limit));
             }
         }

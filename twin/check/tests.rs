@@ -3,9 +3,8 @@
 #![expect(clippy::float_cmp, reason = "rounded before, or given")]
 
 use super::findings::MAX_FINDINGS;
-use super::{CheckFailure, Outcome, check};
+use super::{CheckFailure, CheckOptions, Outcome, check};
 use crate::finding::{Finding, Rule, Severity, unfit};
-use crate::m_function::Acknowledge;
 use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
 use crate::settings::ReadSettings;
@@ -23,6 +22,7 @@ fn edited(text: &str, from: &str, to: &str) -> String {
 }
 
 fn examine(machine: &str, program: &str, physics: bool) -> Result<Outcome, CheckFailure> {
+    let options = CheckOptions::default();
     let machine = Machine::parse(Path::new("machine.toml"), machine)
         .unwrap_or_else(|problems| panic!("{problems:#?}"));
     let folder = tempfile::tempdir().unwrap();
@@ -30,7 +30,7 @@ fn examine(machine: &str, program: &str, physics: bool) -> Result<Outcome, Check
     std::fs::write(&path, program).unwrap();
     let program =
         ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
-    check(&machine, &program, physics, Acknowledge::Auto, &mut |_| {})
+    check(&machine, &program, CheckOptions { physics, ..options }, &mut |_| {})
 }
 
 pub(super) fn checked(machine: &str, program: &str) -> Outcome {
@@ -425,7 +425,7 @@ fn what_cannot_be_read_is_no_finding() {
     for path in [folder.path(), &folder.path().join("missing.cnc")] {
         let program =
             ProgramFile::new(path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
-        let failure = check(&machine, &program, false, Acknowledge::Auto, &mut |_| {});
+        let failure = check(&machine, &program, CheckOptions::default(), &mut |_| {});
         assert!(matches!(failure, Err(CheckFailure::Read(_))), "{failure:?}");
     }
 }
@@ -440,7 +440,7 @@ fn progress_is_told_to_the_end_of_the_file() {
     let program =
         ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
     let mut told = Vec::new();
-    check(&machine, &program, false, Acknowledge::Auto, &mut |bytes| told.push(bytes)).unwrap();
+    check(&machine, &program, CheckOptions::default(), &mut |bytes| told.push(bytes)).unwrap();
     assert!(told.is_sorted() && told.len() >= 2, "{told:?}");
     assert_eq!(told.last(), Some(&program.size().unwrap()));
 }

@@ -1,9 +1,12 @@
 //! `twin check`: is the program fit for the machine?
 
-use super::options::{AcknowledgeOption, MachineOption, ReadOptions, unreadable};
+use super::options::{
+    AcknowledgeOption, MachineOption, ReadOptions, plans_without_inputs, unreadable,
+};
 use super::{Failure, Status, show};
-use crate::check::{self, Outcome};
+use crate::check::{self, CheckOptions, Outcome};
 use crate::finding;
+use crate::limit::Limits;
 use crate::machine::Machine;
 use crate::program::ProgramFile;
 use crate::report::{CheckReport, seconds};
@@ -34,6 +37,11 @@ pub(super) struct Arguments {
 
     #[command(flatten)]
     m_functions: AcknowledgeOption,
+
+    /// Whose limits the path is planned with: the controller's own, or those of the axes, as `twin limit` plans it; then what
+    /// is slower than programmed is noted
+    #[arg(long, value_enum, default_value = "softmotion")]
+    limits: Limits,
 
     /// Also run each program on the simulated machine and report following errors
     #[arg(long)]
@@ -105,14 +113,20 @@ fn one(
     arguments: &Arguments,
     bars: &MultiProgress,
 ) -> Result<Outcome, Failure> {
+    if arguments.limits == Limits::Axes {
+        plans_without_inputs(program)?;
+    }
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
     let bar = bars.add(show::progress(bytes, "{msg} {bar:30} {percent:>3} % {bytes_per_sec}"));
     bar.set_message(program.path().display().to_string());
     let outcome = check::check(
         machine,
         program,
-        arguments.physics,
-        arguments.m_functions.acknowledge,
+        CheckOptions {
+            limits: arguments.limits,
+            physics: arguments.physics,
+            acknowledge: arguments.m_functions.acknowledge,
+        },
         &mut |read| bar.set_position(read),
     );
     bar.finish_and_clear();

@@ -169,6 +169,7 @@ impl Failure {
         match failure {
             CheckFailure::Read(source) => options::unreadable(program.path(), source),
             CheckFailure::Physics(error) => Self::Physics(error),
+            CheckFailure::Limits(error) => Self::Usage(error.to_string()),
         }
     }
 

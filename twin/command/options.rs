@@ -183,6 +183,18 @@ fn tools(path: &Path, unit: LengthUnit) -> Result<ToolTable, Failure> {
     table.map_err(|error| Failure::Usage(tool_table_problem(path, &error)))
 }
 
+/// Plans within the limits of the axes have no override and no profile.
+pub(super) fn plans_without_inputs(program: &ProgramFile) -> Result<(), Failure> {
+    if program.settings().inputs == Inputs::default() {
+        return Ok(());
+    }
+    Err(Failure::Usage(
+        "--override and --profile are for the controller's own planning (--limits softmotion), not for that within the limits \
+         of the axes"
+            .to_owned(),
+    ))
+}
+
 /// The failure to read a program.
 pub(super) fn unreadable(path: &Path, source: std::io::Error) -> Failure {
     Failure::Program { path: path.display().to_string(), source }

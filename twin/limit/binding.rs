@@ -37,8 +37,10 @@ pub enum Binding {
     PathJerk,
     /// The acceleration of the tool tip in space.
     ToolAcceleration,
-    /// The jump of the acceleration where an arc begins or ends.
+    /// The acceleration towards the centre of a curve, or its jump where an arc begins or ends.
     Centripetal,
+    /// The velocity that an element asks for at its end.
+    EndVelocity,
     /// The path has to stop: corners, G0, M functions, dwells.
     Stop,
 }
@@ -61,8 +63,7 @@ impl Quantity {
             (Self::Acceleration, _) => "acceleration",
             (Self::Jerk, _) => "jerk",
             (Self::DriveSpeed, _) => "speed of the drive",
-            (Self::Effort, AxisKind::Rotary) => "torque",
-            (Self::Effort, AxisKind::Linear) => "force",
+            (Self::Effort, kind) => kind.effort_name(),
         }
     }
 }
@@ -78,6 +79,7 @@ impl Binding {
             Self::PathJerk => "path-jerk",
             Self::ToolAcceleration => "tool-acceleration",
             Self::Centripetal => "centripetal",
+            Self::EndVelocity => "end-velocity",
             Self::Stop => "stop",
         }
     }
@@ -104,7 +106,8 @@ impl Binding {
             Self::PathDeceleration => "programmed deceleration (E)",
             Self::PathJerk => "jerk along the path",
             Self::ToolAcceleration => "acceleration of the tool tip",
-            Self::Centripetal => "jump of acceleration at an arc",
+            Self::Centripetal => "acceleration towards the centre of curves",
+            Self::EndVelocity => "velocity at the end of an element",
             Self::Stop => "stop",
         };
         words.to_owned()

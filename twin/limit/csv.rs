@@ -13,21 +13,23 @@ const DIGITS: usize = 12;
 ///
 /// The columns are `time_s`, `line`, `block` (empty without an N word), `path_mm`, `feed_mm_per_s`,
 /// `velocity_mm_per_s`, `acceleration_mm_per_s2`, `jerk_mm_per_s3`; for an axis named A `A_deg`, `A_velocity_deg_per_s`,
-/// `A_acceleration_deg_per_s2`, `A_jerk_deg_per_s3` (mm for linear axes); then the limit that holds the path back,
+/// `A_acceleration_deg_per_s2`, `A_jerk_deg_per_s3` (mm for linear axes) and, where the efforts of motors are known,
+/// `A_torque_nm` (`A_force_n`); then the limit that holds the path back,
 /// `limited_by` ([`super::Binding::name`]), and its axis, `limited_by_axis`.
 #[derive(Debug)]
 pub struct ProfileCsv<'m, W: Write> {
     axes: &'m [Axis],
+    efforts: bool,
     writer: Writer<W>,
     record: ByteRecord,
 }
 
 impl<'m, W: Write> ProfileCsv<'m, W> {
-    /// Writes the header.
+    /// Writes the header. With `efforts` the samples have those of the motors.
     ///
     /// # Errors
     /// If `out` cannot be written.
-    pub fn new(out: W, axes: &'m [Axis]) -> Result<Self, csv::Error> {
+    pub fn new(out: W, axes: &'m [Axis], efforts: bool) -> Result<Self, csv::Error> {
         let mut writer = Writer::from_writer(out);
         let mut header: Vec<String> = [
             "time_s",
@@ -47,10 +49,14 @@ impl<'m, W: Write> ProfileCsv<'m, W> {
             header.push(format!("{name}_velocity_{unit}_per_s"));
             header.push(format!("{name}_acceleration_{unit}_per_s2"));
             header.push(format!("{name}_jerk_{unit}_per_s3"));
+            if efforts {
+                let unit = axis.kind.effort_unit().to_lowercase();
+                header.push(format!("{name}_{}_{unit}", axis.kind.effort_name()));
+            }
         }
         header.extend(["limited_by", "limited_by_axis"].map(str::to_owned));
         writer.write_record(&header)?;
-        Ok(Self { axes, writer, record: ByteRecord::new() })
+        Ok(Self { axes, efforts, writer, record: ByteRecord::new() })
     }
 
     /// Writes one line.
@@ -79,6 +85,10 @@ impl<'m, W: Write> ProfileCsv<'m, W> {
             for values in of {
                 let value = values.get(index).copied().unwrap_or_default();
                 field(&number(axis.from_si(value)));
+            }
+            if self.efforts {
+                let effort = sample.effort.and_then(|effort| effort.get(index).copied());
+                field(&effort.map_or_else(String::new, number));
             }
         }
         field(sample.binding.map_or("", super::Binding::name));

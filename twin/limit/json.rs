@@ -12,11 +12,14 @@ pub struct LimitReport {
     program: String,
     machine: String,
     dialect: &'static str,
+    limits: &'static str,
     length_mm: f64,
     /// Within all limits.
     duration_s: f64,
     /// With the programmed feed all the time.
     duration_by_feed_s: f64,
+    #[serde(flatten)]
+    compared: Option<ComparedReport>,
     peak: PerAxis<AxisPeakReport>,
     limited_by: Vec<ShareReport>,
     slowest_lines: Vec<LineReport>,
@@ -25,6 +28,14 @@ pub struct LimitReport {
     windows_failed: u64,
     windows_exceeded: u64,
     findings: Vec<Finding>,
+}
+
+/// Beside the limits of the axes.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+struct ComparedReport {
+    duration_under_axis_limits_s: f64,
+    /// That by `duration_s`.
+    ratio: Option<f64>,
 }
 
 #[derive(Clone, Debug, serde::Serialize)]
@@ -88,9 +99,17 @@ impl LimitReport {
             program: program.path().display().to_string(),
             machine: machine.path.display().to_string(),
             dialect: program.dialect().name(),
+            limits: summary.limits.name(),
             length_mm: rounded(summary.length * 1e3),
             duration_s: rounded(summary.duration_s),
             duration_by_feed_s: rounded(summary.duration_by_feed_s),
+            compared: summary.duration_under_axes_s.map(|duration_s| {
+                let ratio = duration_s / summary.duration_s;
+                ComparedReport {
+                    duration_under_axis_limits_s: rounded(duration_s),
+                    ratio: ratio.is_finite().then(|| rounded(ratio)),
+                }
+            }),
             peak: PerAxis(
                 peaks
                     .map(|(axis, peak)| (axis.name.clone(), AxisPeakReport::new(axis, peak)))

@@ -1,13 +1,16 @@
 //! A machine as feed limiting sees it.
 
 use crate::machine::{DirectionRule, Machine};
+use crate::physics::{AxisEffort, PathDynamics, PhysicsError, TorqueAlongPath};
+use std::cell::RefCell;
 use twin_kinematics::{AxisSource, AxisVector, KinematicsError, Pose, ToolJerk, ToolMotion};
 use twin_motion::limit::course::{CourseElement, CoursePoint};
-use twin_motion::limit::{AxisLimits, AxisPath, AxisPoint, Rates, axis_point};
+use twin_motion::limit::{AxisLimits, AxisPath, AxisPoint, Cap, CapSource, Rates, Row, axis_point};
 use twin_motion::path::ExtraPoint;
 
 /// What can be limited at the axes; everything unless something is switched off.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct AxisRules {
     /// Their velocities.
     pub velocity: bool,
@@ -15,16 +18,18 @@ pub struct AxisRules {
     pub acceleration: bool,
     /// Their jerks.
     pub jerk: bool,
+    /// Torques and forces of their motors.
+    pub effort: bool,
 }
 
 impl Default for AxisRules {
     fn default() -> Self {
-        Self { velocity: true, acceleration: true, jerk: true }
+        Self { velocity: true, acceleration: true, jerk: true, effort: true }
     }
 }
 
 /// Why feed limiting is not for a machine.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MachinePathError {
     /// The direction of the tool follows the path, so that it would have to jump at corners.
     #[error(
@@ -32,13 +37,23 @@ pub enum MachinePathError {
          it is for tools that do not turn, keep their direction, or are turned by an additional axis"
     )]
     TurnsWithPath,
+    /// Motors are limited, but the masses they move make no sense.
+    #[error("the torques of the motors cannot be reckoned: {0}")]
+    Physics(#[from] PhysicsError),
 }
+
+/// A motor counts as overloaded by weight and dry friction if these leave less than this part of its effort.
+const LEAST_SPARE: f64 = 1e-6;
 
 /// A machine as feed limiting sees it: from the program's frame to the axes, and their limits.
 #[derive(Debug)]
 pub struct MachinePath<'m> {
     machine: &'m Machine,
     limits: Vec<AxisLimits>,
+    /// What the motors have to give; none if the machine file limits none of them, or physics does not know the machine.
+    dynamics: Option<RefCell<PathDynamics>>,
+    /// The axes whose motors are limited.
+    motors: Vec<usize>,
 }
 
 impl<'m> MachinePath<'m> {
@@ -55,7 +70,70 @@ impl<'m> MachinePath<'m> {
             acceleration: if rules.acceleration { limit.acceleration } else { f64::INFINITY },
             jerk: limit.jerk.filter(|_| rules.jerk),
         });
-        Ok(Self { machine, limits: limits.collect() })
+        let dynamics = machine.path_dynamics()?.map(RefCell::new);
+        let limited = |axis: &usize| {
+            machine.axes.get(*axis).is_some_and(|axis| axis.simulated.effort_limit.is_finite())
+        };
+        let motors = if rules.effort && dynamics.is_some() {
+            (0..machine.axes.len()).filter(limited).collect()
+        } else {
+            Vec::new()
+        };
+        Ok(Self { machine, limits: limits.collect(), dynamics, motors })
+    }
+
+    /// The axis that a row of [`AxisPath::further`] is about.
+    pub(super) fn motor(&self, row: usize) -> Option<usize> {
+        self.motors.get(row / 2).copied()
+    }
+
+    /// What the motors have to give at `position` with the derivatives `first` and `second` by a path parameter, or by
+    /// time; `None` where that is not known.
+    pub(super) fn torque(
+        &self,
+        position: &AxisVector,
+        first: &AxisVector,
+        second: &AxisVector,
+    ) -> Option<TorqueAlongPath> {
+        // Numbers that are none have been refused by the kinematics.
+        self.dynamics.as_ref()?.borrow_mut().at(position, first, second).ok()
+    }
+
+    /// As [`AxisPath::further`], where `torque` is known.
+    pub(super) fn rows(
+        &self,
+        torque: &TorqueAlongPath,
+        first: &AxisVector,
+        v2: f64,
+        rows: &mut [Row],
+    ) -> Cap {
+        if self.motors.is_empty() {
+            return Cap::NONE;
+        }
+        let mut fastest = v2.sqrt();
+        for (first, limits) in first.iter().zip(&self.limits) {
+            fastest = fastest.min(limits.velocity / first.abs());
+        }
+        let mut cap = Cap::NONE;
+        for ((axis, effort), slots) in torque.limited().zip(rows.chunks_mut(2)) {
+            if !holds(effort) {
+                continue;
+            }
+            for (slot, row) in slots.iter_mut().zip(effort.rows(axis, fastest)) {
+                *slot = Row { a: row.acceleration / row.limit, b: row.speed_v2 / row.limit };
+            }
+            let source = CapSource::Motor(u8::try_from(axis).unwrap_or(u8::MAX));
+            cap = cap.min(Cap { v2: effort.largest_speed().powi(2), source });
+        }
+        cap
+    }
+
+    /// The largest constant speed along the path that the motors keep, as a velocity of the parameter, and the axis of the
+    /// weakest of them.
+    pub(super) fn largest_speed(&self, torque: &TorqueAlongPath) -> (f64, usize) {
+        let holding = torque.limited().filter(|(_, axis)| !self.motors.is_empty() && holds(axis));
+        let speeds = holding.map(|(axis, effort)| (effort.largest_constant_speed(), axis));
+        speeds.fold((f64::INFINITY, 0), |least, one| if one.0 < least.0 { one } else { least })
     }
 
     /// The direction of the tool with three derivatives, rad in the work frame.
@@ -87,6 +165,31 @@ impl<'m> MachinePath<'m> {
             }
         }
     }
+}
+
+/// Forces and torques of the motors at an acceleration and a speed of the parameter and these velocities of the axes, dry
+/// friction against the motion.
+pub(super) fn efforts(
+    torque: &TorqueAlongPath,
+    [acceleration, speed]: [f64; 2],
+    velocity: &AxisVector,
+) -> AxisVector {
+    let axes = torque.axes().iter().zip(velocity.iter());
+    AxisVector::from_values(axes.map(|(axis, velocity)| {
+        let dry = if *velocity == 0.0 { 0.0 } else { axis.dry.copysign(*velocity) };
+        axis.effort(acceleration, speed) + dry
+    }))
+}
+
+/// The axes whose motors cannot hold them, with what holding takes.
+pub(super) fn overloaded(torque: &TorqueAlongPath) -> impl Iterator<Item = (usize, f64)> {
+    let overloaded = torque.limited().filter(|(_, axis)| !holds(axis));
+    overloaded.map(|(axis, effort)| (axis, effort.weight.abs() + effort.dry))
+}
+
+/// Whether the motor holds the axis and has something left to move it.
+fn holds(effort: &AxisEffort) -> bool {
+    effort.limit - effort.weight.abs() - effort.dry >= LEAST_SPARE * effort.limit
 }
 
 /// One extra axis with three derivatives, u.
@@ -130,5 +233,21 @@ impl AxisPath for MachinePath<'_> {
             self.add_additional(extra, &mut point);
         }
         Ok(point)
+    }
+
+    fn further_rows(&self) -> usize {
+        2 * self.motors.len()
+    }
+
+    /// The limits of the motors. Viscous friction, which grows with the velocity alone, is exact at the largest velocity
+    /// that is possible here, and counted for more than it is below that. A motor that cannot even hold its axis limits
+    /// nothing: no plan would help it.
+    fn further(&self, point: &AxisPoint, v2: f64, rows: &mut [Row]) -> Cap {
+        if self.motors.is_empty() {
+            return Cap::NONE;
+        }
+        let Rates { first, second, .. } = &point.rates;
+        let torque = self.torque(&point.position, first, second);
+        torque.map_or(Cap::NONE, |torque| self.rows(&torque, first, v2, rows))
     }
 }

@@ -5,7 +5,14 @@
 //! however long the program is.
 
 mod binding;
+mod controller;
 mod csv;
+#[cfg(test)]
+mod curve_tests;
+#[cfg(test)]
+mod effort_tests;
+mod explain;
+mod feeds;
 mod json;
 mod losses;
 mod machine_path;
@@ -16,13 +23,15 @@ mod summary;
 #[cfg(test)]
 mod tests;
 mod text;
+mod watch;
 
 pub use binding::{Binding, Quantity};
+pub use controller::ControllerProfile;
 pub use csv::ProfileCsv;
 pub use json::LimitReport;
 pub use machine_path::{AxisRules, MachinePath, MachinePathError};
 pub use picture::{Picture, PictureError};
 pub use plan::{LimitFailure, LimitRules, Profile, ProfileItem};
 pub use sample::ProfileSample;
-pub use summary::{BindingShare, Change, LimitSummary, LineLoss, Summing, Windows};
+pub use summary::{BindingShare, Change, LimitSummary, Limits, LineLoss, Summing, Windows};
 pub use text::write_summary;

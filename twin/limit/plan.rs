@@ -1,29 +1,27 @@
 //! A program within all limits, set-point by set-point.
 
-use super::machine_path::{AxisRules, MachinePath, MachinePathError};
-use super::{Binding, Change, ProfileSample, Quantity};
-use crate::check::{beyond_position, unreachable};
+use super::feeds::LineFeed;
+use super::machine_path::{AxisRules, MachinePath, MachinePathError, efforts, overloaded};
+use super::watch::Watch;
+use super::{Change, ProfileSample};
+use crate::check::unreachable;
 use crate::finding::{Finding, Rule};
-use crate::machine::{Machine, VelocitySource};
+use crate::m_function::Acknowledgement;
+use crate::machine::Machine;
 use crate::program::{Findings, Halt, Prepared, ProgramFile};
-use std::collections::VecDeque;
 use std::io;
 use std::num::NonZeroU32;
 use twin_kinematics::AxisVector;
-use twin_motion::Place;
-use twin_motion::interpolate::DEFAULT_CYCLE_NS;
+use twin_motion::interpolate::{DEFAULT_CYCLE_NS, ToolSetpoint};
 use twin_motion::limit::course::{CourseOptions, Order};
 use twin_motion::limit::{
-    AxisPath, CapSource, Constraint, Effort, Followed, Follower, LimitError, LimitOptions, Planner,
-    Rates,
+    AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, Planner, Rates,
 };
 use twin_motion::refeed::LineLimit;
 
-/// A value counts as at its limit from this part of it on.
-const AT_LIMIT: f64 = 0.98;
-
 /// What is limited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 pub struct LimitRules {
     /// The axes.
     pub axes: AxisRules,
@@ -33,6 +31,8 @@ pub struct LimitRules {
     pub path_acceleration: bool,
     /// The acceleration of the tool tip, where the machine file gives one.
     pub tool_acceleration: bool,
+    /// The acceleration towards the centre of curves and its jumps, where the machine file limits them.
+    pub centripetal: bool,
 }
 
 impl Default for LimitRules {
@@ -42,6 +42,7 @@ impl Default for LimitRules {
             feed: true,
             path_acceleration: true,
             tool_acceleration: true,
+            centripetal: true,
         }
     }
 }
@@ -71,17 +72,19 @@ pub enum ProfileItem {
 /// A program on a machine, as fast as all limits allow: one sample per cycle.
 #[derive(Debug)]
 pub struct Profile<'m> {
-    machine: &'m Machine,
-    axes: MachinePath<'m>,
+    pub(super) machine: &'m Machine,
+    pub(super) axes: MachinePath<'m>,
     follower: Follower<Planner<Prepared, Halt, MachinePath<'m>>>,
-    rules: LimitRules,
+    pub(super) rules: LimitRules,
     near: AxisVector,
     found: Findings,
-    line: Option<LineLimit>,
-    lines: Vec<LineLimit>,
-    /// The line on which each axis was last found beyond its software limits.
-    told: Vec<Option<u32>>,
-    ready: VecDeque<ProfileItem>,
+    pub(super) line: Option<LineFeed>,
+    pub(super) lines: Vec<LineLimit>,
+    /// Lines whose feed cannot be held are told, and not kept.
+    pub(super) tells_feeds: bool,
+    pub(super) watch: Watch<'m>,
+    /// The last one.
+    tool: Option<ToolSetpoint>,
 }
 
 impl<'m> Profile<'m> {
@@ -105,10 +108,10 @@ impl<'m> Profile<'m> {
             feed: rules.feed,
             path_acceleration: rules.path_acceleration,
             tool_acceleration: limits.tool_acceleration.filter(|_| rules.tool_acceleration),
+            centripetal: rules.centripetal(machine),
             ..LimitOptions::new(course)
         };
         let near = axes.home();
-        let told = vec![None; machine.axes.len()];
         let planner = Planner::new(path, MachinePath::new(machine, rules.axes)?, options);
         let cycle = u32::try_from(machine.cycle_ns).ok().and_then(NonZeroU32::new);
         let follower = Follower::new(planner, cycle.unwrap_or(DEFAULT_CYCLE_NS));
@@ -121,9 +124,27 @@ impl<'m> Profile<'m> {
             found,
             line: None,
             lines: Vec::new(),
-            told,
-            ready: VecDeque::new(),
+            tells_feeds: false,
+            watch: Watch::new(machine),
+            tool: None,
         })
+    }
+
+    /// For a check: M functions take the time that `rules` give them, and what comes out beside samples tells of every
+    /// line whose feed cannot be held. [`Self::line_limits`] has nothing then.
+    pub(crate) fn for_check(self, rules: &Acknowledgement) -> Self {
+        let follower = self.follower.with_m_times(rules.times());
+        Self { follower, tells_feeds: true, ..self }
+    }
+
+    /// The set-point of the last sample.
+    pub(crate) fn tool(&self) -> Option<&ToolSetpoint> {
+        self.tool.as_ref()
+    }
+
+    /// What is known of the file.
+    pub(crate) fn file(&self) -> &Findings {
+        &self.found
     }
 
     /// What planning has taken so far.
@@ -146,29 +167,6 @@ impl<'m> Profile<'m> {
         changes
     }
 
-    /// A constraint of the planner as people know it; none of what no machine file and no program says.
-    fn binding_of(&self, constraint: Constraint) -> Option<Binding> {
-        let of_axis = |axis: u8, quantity| Binding::Axis { axis: usize::from(axis), quantity };
-        Some(match constraint {
-            Constraint::Velocity(CapSource::Feed) => Binding::Feed,
-            Constraint::Velocity(CapSource::AxisVelocity(axis)) => {
-                let source = self.machine.axes.get(usize::from(axis))?.velocity_limit().source;
-                let of_axis_itself = source == VelocitySource::Axis;
-                let quantity =
-                    if of_axis_itself { Quantity::Velocity } else { Quantity::DriveSpeed };
-                of_axis(axis, quantity)
-            }
-            Constraint::Velocity(CapSource::Stop | CapSource::Joint | CapSource::Nothing) => {
-                return None;
-            }
-            Constraint::AxisAcceleration(axis) => of_axis(axis, Quantity::Acceleration),
-            Constraint::AxisJerk(axis) => of_axis(axis, Quantity::Jerk),
-            Constraint::Further(0) => Binding::PathAcceleration,
-            Constraint::Further(_) => Binding::PathDeceleration,
-            Constraint::ToolAcceleration => Binding::ToolAcceleration,
-        })
-    }
-
     /// How long the path takes, s: exact at the end.
     pub fn duration(&self) -> f64 {
         self.follower.duration()
@@ -177,7 +175,7 @@ impl<'m> Profile<'m> {
     /// The largest feed of every line so far that the axes allow at constant velocity, in the order of the program.
     pub fn line_limits(self) -> Vec<LineLimit> {
         let mut lines = self.lines;
-        lines.extend(self.line);
+        lines.extend(self.line.map(|line| line.limit()));
         lines
     }
 
@@ -193,7 +191,7 @@ impl<'m> Profile<'m> {
             Err(error) => return ProfileItem::Finding(unreachable(tool.place, &error)),
         };
         self.near = point.position;
-        self.look_at_positions(tool.place);
+        self.watch.positions(tool.place, &point.position);
         let Rates { first, second, third } = &point.rates;
         let (v, a, j) = (progress.velocity, progress.acceleration, progress.jerk);
         let values = first.iter().zip(second.iter()).zip(third.iter());
@@ -213,82 +211,20 @@ impl<'m> Profile<'m> {
             velocity: of(&|d1, _, _| d1 * v),
             acceleration: of(&|d1, d2, _| d1 * a + d2 * v * v),
             jerk: of(&|d1, d2, d3| d1 * j + 3.0 * d2 * v * a + d3 * v * v * v),
+            effort: None,
             binding: None,
         };
-        sample.binding = self.binding(&sample, followed);
-        self.include(&point.rates, followed);
+        let torque = self.axes.torque(&point.position, first, second);
+        if let Some(torque) = &torque {
+            sample.effort = Some(efforts(torque, [a, v], &sample.velocity));
+            if self.rules.axes.effort {
+                self.watch.motors(tool.place, overloaded(torque));
+            }
+        }
+        self.tool = Some(*tool);
+        sample.binding = self.binding(&sample, first, torque.as_ref(), followed);
+        self.include(&point.rates, torque.as_ref(), followed);
         ProfileItem::Sample(Box::new(sample))
-    }
-
-    /// Tells of axes beyond their software limits, once per line.
-    fn look_at_positions(&mut self, place: Place) {
-        let axes = self.machine.axes.iter().zip(self.near.iter()).zip(&mut self.told);
-        for ((axis, position), told) in axes {
-            if *told != Some(place.line)
-                && let Some(finding) = beyond_position(axis, place, *position)
-            {
-                *told = Some(place.line);
-                self.ready.push_back(ProfileItem::Finding(finding));
-            }
-        }
-    }
-
-    /// The limit that the motion is nearest to, if it is at one.
-    fn binding(&self, sample: &ProfileSample, followed: &Followed) -> Option<Binding> {
-        let element = &followed.element;
-        if !element.element().kind.is_motion() {
-            return Some(Binding::Stop);
-        }
-        let mut most = (AT_LIMIT, None);
-        let mut consider = |part: f64, binding: Binding| {
-            if part > most.0 {
-                most = (part, Some(binding));
-            }
-        };
-        let axes = self.axes.limits().iter().enumerate();
-        for (axis, limits) in axes {
-            let of = |vector: &AxisVector| vector.get(axis).map_or(0.0, |value| value.abs());
-            let jerk = limits.jerk.unwrap_or(f64::INFINITY);
-            let parts = [
-                (of(&sample.velocity) / limits.velocity, Quantity::Velocity),
-                (of(&sample.acceleration) / limits.acceleration, Quantity::Acceleration),
-                (of(&sample.jerk) / jerk, Quantity::Jerk),
-            ];
-            for (part, quantity) in parts {
-                consider(part, Binding::Axis { axis, quantity });
-            }
-        }
-        if self.rules.feed {
-            consider(sample.path_velocity / element.feed(), Binding::Feed);
-        }
-        if self.rules.path_acceleration {
-            let along = sample.path_acceleration;
-            consider(along / element.acceleration(), Binding::PathAcceleration);
-            consider(-along / element.deceleration(), Binding::PathDeceleration);
-        }
-        most.1
-    }
-
-    /// Keeps the feed with which the line could go here at constant velocity. Blends are left out: a controller that has
-    /// none has corners there, which no feed makes smooth.
-    fn include(&mut self, rates: &Rates, followed: &Followed) {
-        let Followed { element, progress, .. } = followed;
-        if !element.element().kind.is_motion() {
-            return;
-        }
-        let s = progress.position;
-        let head = element.head().map_or(0.0, |blend| blend.half_width());
-        let tail = element.length() - element.tail().map_or(0.0, |blend| blend.half_width());
-        let in_blend = s < head || s > tail;
-        let feed = if in_blend { f64::INFINITY } else { largest_feed(self.axes.limits(), rates) };
-        let feed = feed.min(element.feed());
-        let (line, rapid) = (element.place().line, element.rapid());
-        match &mut self.line {
-            Some(limit) if limit.line == line && limit.rapid == rapid => {
-                limit.feed = limit.feed.min(feed);
-            }
-            held => self.lines.extend(held.replace(LineLimit { line, rapid, feed })),
-        }
     }
 
     /// The machine.
@@ -297,30 +233,22 @@ impl<'m> Profile<'m> {
     }
 }
 
-/// The largest constant velocity along the path within the limits of the axes, m/s.
-fn largest_feed(limits: &[twin_motion::limit::AxisLimits], rates: &Rates) -> f64 {
-    let Rates { first, second, third } = rates;
-    let axes = first.iter().zip(second.iter()).zip(third.iter()).zip(limits);
-    axes.fold(f64::INFINITY, |feed: f64, (((d1, d2), d3), limits)| {
-        let jerk = limits.jerk.unwrap_or(f64::INFINITY);
-        feed.min(limits.velocity / d1.abs())
-            .min((limits.acceleration / d2.abs()).sqrt())
-            .min((jerk / d3.abs()).cbrt())
-    })
-}
-
 impl Iterator for Profile<'_> {
     type Item = ProfileItem;
 
     fn next(&mut self) -> Option<ProfileItem> {
-        if let Some(item) = self.ready.pop_front() {
-            return Some(item);
+        if let Some(finding) = self.watch.take() {
+            return Some(ProfileItem::Finding(finding));
         }
         if let Some(finding) = self.found.take() {
             return Some(ProfileItem::Finding(finding));
         }
         let Some(next) = self.follower.next() else {
-            return self.found.take().map(ProfileItem::Finding);
+            if self.tells_feeds {
+                let line = self.line.take();
+                self.leave_line(line);
+            }
+            return self.found.take().or_else(|| self.watch.take()).map(ProfileItem::Finding);
         };
         Some(match next {
             Ok(followed) => self.sample(&followed),

@@ -29,6 +29,8 @@ pub struct ProfileSample {
     pub acceleration: AxisVector,
     /// m/s³ or rad/s³.
     pub jerk: AxisVector,
+    /// Forces or torques of the motors, N or Nm, if they are known.
+    pub effort: Option<AxisVector>,
     /// Which limit holds the path back, if any is known.
     pub binding: Option<Binding>,
 }

@@ -9,9 +9,33 @@ use twin_motion::Place;
 /// How many lines that lose time are named.
 const NAMED_LINES: usize = 10;
 
+/// Whose limits a program is planned with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Limits {
+    /// Those of the axes.
+    #[default]
+    Axes,
+    /// The controller's own, which know no axes; for comparison.
+    Softmotion,
+}
+
+impl Limits {
+    /// As options and reports call them.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Axes => "axes",
+            Self::Softmotion => "softmotion",
+        }
+    }
+}
+
 /// What feed limiting has to say about a program.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LimitSummary {
+    /// Whose limits it is planned with.
+    pub limits: Limits,
+    /// How long it takes under the limits of the axes, s, where it is planned with others.
+    pub duration_under_axes_s: Option<f64>,
     /// How long the program takes within all limits, s.
     pub duration_s: f64,
     /// How long it would take if the tool went with the programmed feed all the time, s.
@@ -141,6 +165,9 @@ impl Summing {
                 (&sample.jerk, &mut peak.jerk),
             ] {
                 peak.include(values.get(index).copied().unwrap_or_default(), sample.place);
+            }
+            if let Some(effort) = sample.effort.and_then(|effort| effort.get(index).copied()) {
+                peak.effort.get_or_insert_default().include(effort, sample.place);
             }
         }
         match self.before.replace(*sample) {

@@ -53,6 +53,7 @@ fn rest(machine: &Machine) -> ProfileSample {
         velocity: zero,
         acceleration: zero,
         jerk: zero,
+        effort: None,
         binding: None,
     }
 }
@@ -212,7 +213,7 @@ fn a_table_has_every_number_with_its_unit() {
             ..rest(&machine)
         },
     ];
-    let mut table = ProfileCsv::new(Vec::new(), &machine.axes).unwrap();
+    let mut table = ProfileCsv::new(Vec::new(), &machine.axes, false).unwrap();
     for sample in &samples {
         table.write(sample).unwrap();
     }
@@ -254,7 +255,7 @@ fn a_table_has_every_number_with_its_unit() {
 fn names_with_commas_stay_one_column() {
     let mut machine = gantry();
     machine.axes[0].name = "X, \"long\"".to_owned();
-    let mut table = ProfileCsv::new(Vec::new(), &machine.axes).unwrap();
+    let mut table = ProfileCsv::new(Vec::new(), &machine.axes, false).unwrap();
     table.write(&rest(&machine)).unwrap();
     let text = table.finish().unwrap();
     let mut reader = ::csv::Reader::from_reader(text.as_slice());
@@ -327,7 +328,7 @@ fn a_summary_for_programs() {
 }
 
 fn picture_of(machine: &Machine, samples: &[ProfileSample]) -> String {
-    let mut picture = Picture::new(&machine.axes);
+    let mut picture = Picture::new(&machine.axes, false);
     for sample in samples {
         picture.include(sample);
     }
@@ -429,7 +430,7 @@ fn the_limit_is_where_its_line_is() {
 #[test]
 fn a_picture_of_hours_is_no_larger() {
     let machine = gantry();
-    let mut picture = Picture::new(&machine.axes);
+    let mut picture = Picture::new(&machine.axes, false);
     for number in 0..400_000_u32 {
         let wave = (f64::from(number) * 0.37).sin();
         picture.include(&ProfileSample {
@@ -478,6 +479,7 @@ fn a_program_through_all_outputs() {
             velocity: setpoint.axes.velocity,
             acceleration,
             jerk: before.map_or_else(|| AxisVector::zeros(3), change),
+            effort: None,
             binding: Some(if setpoint.path_velocity >= tool.feed * 0.999 {
                 Binding::Feed
             } else {

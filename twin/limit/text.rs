@@ -1,6 +1,6 @@
 //! The summary for people.
 
-use super::{Binding, Change, LimitSummary};
+use super::{Binding, Change, LimitSummary, Limits};
 use crate::machine::{Axis, Machine};
 use crate::number::significant;
 use crate::program::ProgramFile;
@@ -14,6 +14,9 @@ use twin_motion::Place;
 const WORTH_S: f64 = 1e-3;
 const WORTH: f64 = 1e-3;
 const NAMED_CHANGES: usize = 3;
+
+/// The part of a limit from which on it is exceeded: a thousandth is what sampling may add.
+const EXCEEDED: f64 = 1.001;
 
 /// Writes the summary: durations, largest values, what holds the program back, and where.
 ///
@@ -38,8 +41,18 @@ pub fn write_summary(
         write!(out, " ({:+.1} %)", (duration_s / by_feed_s - 1.0) * 100.0)?;
     }
     writeln!(out)?;
+    if let Some(axes_s) = summary.duration_under_axes_s {
+        write!(out, "planned by the controller alone; under the limits of the axes {axes_s:.3} s")?;
+        if duration_s > 0.0 {
+            write!(out, ", {:.3} times as long", axes_s / duration_s)?;
+        }
+        writeln!(out)?;
+    }
     if summary.peaks.iter().any(|peak| peak.position.is_some()) {
         writeln!(out, "{}", peaks(machine, summary))?;
+    }
+    for beyond in beyond(machine, summary) {
+        writeln!(out, "{beyond}")?;
     }
     if !summary.limited_by.is_empty() {
         writeln!(out, "{}", limited_by(machine, summary))?;
@@ -77,21 +90,19 @@ pub fn write_summary(
     Ok(())
 }
 
-/// Per axis the largest velocity, acceleration and jerk, each with its share of the limit and its line.
+/// Per axis the largest velocity, acceleration and jerk and, where it is known, the largest effort of its motor, each with
+/// its share of the limit and its line.
 fn peaks(machine: &Machine, summary: &LimitSummary) -> Table {
     let mut table = table();
-    table.set_header([
-        "axis",
-        "velocity",
-        "of limit",
-        "line",
-        "acceleration",
-        "of limit",
-        "line",
-        "jerk",
-        "of limit",
-        "line",
-    ]);
+    let efforts = summary.peaks.iter().any(|peak| peak.effort.is_some());
+    let mut header = vec!["axis"];
+    for quantity in ["velocity", "acceleration", "jerk"] {
+        header.extend([quantity, "of limit", "line"]);
+    }
+    if efforts {
+        header.extend(["motor", "of limit", "line"]);
+    }
+    table.set_header(header);
     for (axis, peak) in machine.axes.iter().zip(&summary.peaks) {
         let mut row = vec![Cell::new(&axis.name)];
         for (peak, limit, per) in [
@@ -99,25 +110,56 @@ fn peaks(machine: &Machine, summary: &LimitSummary) -> Table {
             (&peak.acceleration, Some(axis.max_acceleration), "s²"),
             (&peak.jerk, axis.max_jerk, "s³"),
         ] {
-            row.extend(against(axis, peak, limit, per));
+            let value = format!("{} {}/{per}", digits(axis.from_si(peak.value)), axis.unit());
+            row.extend(against(value, peak, limit));
+        }
+        if efforts {
+            let effort = peak.effort.unwrap_or_default();
+            let value = format!("{} {}", digits(effort.value), axis.kind.effort_unit());
+            row.extend(against(value, &effort, axis.effort_limit()));
         }
         add(&mut table, 1, row);
     }
     table
 }
 
-fn against(axis: &Axis, peak: &Peak, limit: Option<f64>, per: &str) -> [Cell; 3] {
-    let value = format!("{} {}/{per}", digits(axis.from_si(peak.value)), axis.unit());
+fn against(value: String, peak: &Peak, limit: Option<f64>) -> [Cell; 3] {
     let share = limit.map(|limit| peak.value / limit);
     let cell = Cell::new(share.map_or("–".to_owned(), percent));
     let cell = match share {
-        // A thousandth is what sampling may add.
-        Some(share) if share > 1.001 => cell.fg(Color::Red),
+        Some(share) if share > EXCEEDED => cell.fg(Color::Red),
         Some(share) if share > 0.9 => cell.fg(Color::Yellow),
         _ => cell,
     };
     let line = if peak.value > 0.0 { line(peak.place) } else { "–".to_owned() };
     [Cell::new(value), cell, Cell::new(line)]
+}
+
+/// By how much axes are beyond their limits, the worst first; only where nobody has kept them within.
+fn beyond(machine: &Machine, summary: &LimitSummary) -> Vec<String> {
+    if summary.limits == Limits::Axes {
+        return Vec::new();
+    }
+    let mut found: Vec<(f64, String)> = Vec::new();
+    for (axis, peak) in machine.axes.iter().zip(&summary.peaks) {
+        let effort = peak.effort.unwrap_or_default();
+        for (name, peak, limit) in [
+            ("velocity", &peak.velocity, Some(axis.max_velocity)),
+            ("acceleration", &peak.acceleration, Some(axis.max_acceleration)),
+            ("jerk", &peak.jerk, axis.max_jerk),
+            (axis.kind.effort_name(), &effort, axis.effort_limit()),
+        ] {
+            let Some(part) = limit.map(|limit| peak.value / limit).filter(|part| *part > EXCEEDED)
+            else {
+                continue;
+            };
+            let Axis { name: of, .. } = axis;
+            let (times, at) = (significant(part, 4), line(peak.place));
+            found.push((part, format!("{name} of {of}: {times} times its limit in line {at}")));
+        }
+    }
+    found.sort_by(|one, other| other.0.total_cmp(&one.0));
+    found.into_iter().map(|(_, text)| text).collect()
 }
 
 /// What holds the program back.

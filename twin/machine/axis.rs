@@ -27,6 +27,22 @@ impl AxisKind {
         }
     }
 
+    /// The unit of what its motor gives.
+    pub const fn effort_unit(self) -> &'static str {
+        match self {
+            Self::Rotary => "Nm",
+            Self::Linear => "N",
+        }
+    }
+
+    /// What its motor gives, in a word.
+    pub const fn effort_name(self) -> &'static str {
+        match self {
+            Self::Rotary => "torque",
+            Self::Linear => "force",
+        }
+    }
+
     /// One such unit in SI.
     pub const fn scale(self) -> f64 {
         match self {
@@ -126,6 +142,11 @@ impl Axis {
     /// A value in the unit people write (or a derivative) in SI.
     pub fn to_si(&self, value: f64) -> f64 {
         value * self.kind.scale()
+    }
+
+    /// The largest force or torque of its motor, N or Nm, if that is limited.
+    pub fn effort_limit(&self) -> Option<f64> {
+        Some(self.simulated.effort_limit).filter(|limit| limit.is_finite())
     }
 
     /// Increments per m or rad; 0 without a drive.

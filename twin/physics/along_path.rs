@@ -174,6 +174,20 @@ impl AxisEffort {
         self.spare().into_iter().all(|spare| spare >= 0.0)
     }
 
+    /// The largest ṡ that can be kept, without acceleration; infinite where no speed is too high.
+    pub fn largest_constant_speed(&self) -> f64 {
+        let ways = [1.0, -1.0].into_iter().zip(self.spare()).zip(self.drag());
+        let speeds = ways.map(|((sign, spare), drag)| {
+            // c·ṡ² + d·ṡ ≤ spare, both sides with the headroom taken off as in the rows.
+            let (square, linear) = (sign * self.centrifugal, self.left * drag);
+            let spare = self.left * self.left * spare.max(0.0);
+            let root = linear * linear + 4.0 * square * spare;
+            let slowing = linear + root.max(0.0).sqrt();
+            if root < 0.0 || slowing <= 0.0 { f64::INFINITY } else { 2.0 * spare / slowing }
+        });
+        speeds.fold(f64::INFINITY, f64::min)
+    }
+
     /// What weight and dry friction leave of the effort, upwards and downwards.
     fn spare(&self) -> [f64; 2] {
         [self.limit - self.weight - self.dry, self.limit + self.weight - self.dry]

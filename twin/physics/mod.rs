@@ -324,6 +324,29 @@ pub fn holding_effort(
     Ok(axis_vector(&dynamics.inverse_dynamics(&checked(position, axes, 0)?, &zero, &zero), axes))
 }
 
+/// The efforts (N or Nm) that `model` takes in `motion` against `gravity` (m/s²), without friction, with rotors of these
+/// inertias behind the gears (kg or kg·m²).
+///
+/// # Errors
+/// Those of [`axis_inertia`].
+#[cfg(test)]
+pub fn motion_effort(
+    model: &Model,
+    gravity: Vector3<f64>,
+    armature: &[f64],
+    motion: &AxisMotion,
+) -> Result<AxisVector, PhysicsError> {
+    let axes = armature.len();
+    let mut dynamics = Dynamics::new(model, axes, gravity, joint_vector(armature.iter().copied()))?;
+    let of = |values: &AxisVector| checked(values, axes, 0);
+    let effort = dynamics.inverse_dynamics(
+        &of(&motion.position)?,
+        &of(&motion.velocity)?,
+        &of(&motion.acceleration)?,
+    );
+    Ok(axis_vector(&effort, axes))
+}
+
 fn joint_vector(values: impl Iterator<Item = f64>) -> JointVector {
     let mut result = JointVector::zeros();
     for (slot, value) in result.iter_mut().zip(values) {

@@ -239,7 +239,9 @@ impl ProgramFile {
         conditions: &ProgramConditions,
     ) -> io::Result<(Prepared, Findings)> {
         let notices = Notices::default();
-        let (prepared, ledger) = self.prepare(conditions, &notices)?;
+        let mut conditions = conditions.clone();
+        conditions.preparation.circular = None;
+        let (prepared, ledger) = self.prepare(&conditions, &notices)?;
         Ok((prepared, Findings::new(notices, ledger)))
     }
 

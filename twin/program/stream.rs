@@ -93,6 +93,21 @@ impl Findings {
         found(&self.ledger, &self.notices)
     }
 
+    /// Path elements decoded so far.
+    pub(crate) fn elements(&self) -> u64 {
+        self.ledger.borrow().elements
+    }
+
+    /// Length of the path decoded so far, m.
+    pub(crate) fn length(&self) -> f64 {
+        self.ledger.borrow().length
+    }
+
+    /// Diagnostics of the text that were left out because there are too many.
+    pub(crate) fn left_out(&self) -> u64 {
+        self.ledger.borrow().left_out
+    }
+
     /// Bytes of the file read so far.
     pub(crate) fn bytes_read(&self) -> u64 {
         self.ledger.borrow().bytes

@@ -3,12 +3,26 @@
 use super::{Blend, Joint};
 use crate::Place;
 use crate::path::{ElementKind, ExtraPoint};
-use crate::prepare::CheckedElement;
+use crate::prepare::{CheckedElement, curvature};
 use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
 
 /// Places nearer to each other than this part of the length are one.
 const SAME_PLACE: f64 = 1e-9;
+
+/// How the programmed path goes from one element into the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transition {
+    /// By how much its curvature steps, 1/m: [`crate::prepare::LimitCircularVelocities`] says how that is measured.
+    pub curvature_jump: f64,
+    /// The velocity that the element asks for at its end beside its feed and that of the next, m/s; infinite if none.
+    pub velocity: f64,
+}
+
+impl Transition {
+    /// Nothing that would have to be limited.
+    const NONE: Self = Self { curvature_jump: 0.0, velocity: f64::INFINITY };
+}
 
 /// A path element with what replaces it at its ends.
 ///
@@ -19,12 +33,15 @@ pub struct CourseElement {
     head: Option<Arc<Blend>>,
     tail: Option<Arc<Blend>>,
     joint: Joint,
+    /// At its start and its end.
+    transitions: [Transition; 2],
 }
 
 impl CourseElement {
     /// As it is, with a stop at its end.
     pub(super) fn new(element: CheckedElement) -> Self {
-        Self { element, head: None, tail: None, joint: Joint::STOP }
+        let transitions = [Transition::NONE; 2];
+        Self { element, head: None, tail: None, joint: Joint::STOP, transitions }
     }
 
     /// Begins with the second half of `blend`.
@@ -41,6 +58,23 @@ impl CourseElement {
     /// Ends as it is, with what `joint` says.
     pub(super) fn leave(&mut self, joint: Joint) {
         self.joint = joint;
+    }
+
+    /// The path goes on into `next` with `transition`.
+    pub(super) fn pass_into(&mut self, next: &mut Self, transition: Transition) {
+        self.transitions[1] = transition;
+        next.transitions[0] = transition;
+    }
+
+    /// How the programmed path comes from the element before, and how it goes on into the next. Where it stops there is
+    /// nothing to tell.
+    pub fn transitions(&self) -> [Transition; 2] {
+        self.transitions
+    }
+
+    /// Curvature of the programmed path in its plane at `s`, 1/m, not negative.
+    pub fn curvature(&self, s: f64) -> f64 {
+        curvature(&self.element.shape, s).norm()
     }
 
     /// The original element.

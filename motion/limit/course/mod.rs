@@ -13,12 +13,15 @@ mod tests;
 mod width;
 
 pub use blend::Blend;
-pub use element::{CourseElement, CoursePoint};
+pub use element::{CourseElement, CoursePoint, Transition};
 pub use joint::Joint;
 
-use crate::prepare::CheckedElement;
+use crate::prepare::{CheckedElement, curvature};
 use joint::Steps;
 use std::sync::Arc;
+
+/// Velocities that differ by no more than this part of them are the same.
+const SAME_FEED: f64 = 1e-9;
 
 /// Which steps are blended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -136,6 +139,14 @@ fn join(element: &mut CourseElement, next: &mut CourseElement, options: &CourseO
     if from.end_velocity <= 0.0 || !from.has_path() || !to.has_path() {
         return;
     }
+    let jump = curvature(&to.shape, 0.0) - curvature(&from.shape, from.shape.length());
+    let feed = from.feed.min(to.feed);
+    let velocity = if from.end_velocity < feed * (1.0 - SAME_FEED) {
+        from.end_velocity
+    } else {
+        f64::INFINITY
+    };
+    let transition = Transition { curvature_jump: jump.norm(), velocity };
     let steps = Steps::between(from, to);
     let left = if steps.apart() {
         Joint { stop: true, ..steps.joint() }
@@ -149,6 +160,7 @@ fn join(element: &mut CourseElement, next: &mut CourseElement, options: &CourseO
                 let blend = Arc::new(blend);
                 element.lead_out(Arc::clone(&blend));
                 next.lead_in(blend);
+                element.pass_into(next, transition);
                 return;
             }
             Err(width::NoBlend::Folds) => Joint { stop: true, ..steps.joint() },
@@ -156,4 +168,5 @@ fn join(element: &mut CourseElement, next: &mut CourseElement, options: &CourseO
         }
     };
     element.leave(left);
+    element.pass_into(next, transition);
 }

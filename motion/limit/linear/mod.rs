@@ -172,7 +172,8 @@ impl LinearSolver {
         for (node, ((cap, bound), variable)) in nodes {
             let Some(index) = *variable else { continue };
             let constraint = Constraint::Velocity(cap.source);
-            let origin = Origin { cell: node.saturating_sub(1), constraint, share: 2.0 };
+            let origin =
+                Origin { cell: node.saturating_sub(1), constraint, upper: true, share: 2.0 };
             if cap.v2 <= bound * (1.0 + CAPPED) {
                 self.program.add_row(&[(index, 1.0)], 1.0, origin);
             } else {
@@ -219,7 +220,7 @@ impl LinearSolver {
                 continue;
             };
             let entries = [(first, row[0]), (second, row[1]), (0, 0.0)];
-            let origin = Origin { cell: nodes.first, constraint, share: 1.0 };
+            let origin = Origin { cell: nodes.first, constraint, upper: true, share: 1.0 };
             if row[0] + row[1] < SCREEN {
                 self.program.add_spare(entries, 1.0, origin);
             } else {
@@ -237,7 +238,7 @@ impl LinearSolver {
                 for (line, (p, r)) in cone.iter_mut().zip(p.into_iter().zip(r)) {
                     *line = [(first, p), (second, r), (0, 0.0)];
                 }
-                let origin = Origin { cell: nodes.first, constraint, share: 1.0 };
+                let origin = Origin { cell: nodes.first, constraint, upper: true, share: 1.0 };
                 self.program.add_cone(cone, origin);
             } else {
                 let own = usize::from(nodes.variables[0].is_none());
@@ -263,7 +264,7 @@ impl LinearSolver {
         }
         let right = 1.0 - given;
         // Raising the limit by a part of it raises 1 by that.
-        let origin = Origin { cell: nodes.first, constraint, share: 1.0 / right };
+        let origin = Origin { cell: nodes.first, constraint, upper: true, share: 1.0 / right };
         self.beside.push(Beside { node, row: self.program.rows(), coefficient: given });
         self.program.add_row(&[(variable, own)], right, origin);
     }

@@ -7,7 +7,7 @@ use super::options::{
     self, AcknowledgeOption, DEFAULT_ADDRESS, MachineOption, ReadOptions, unreadable,
 };
 use super::{Failure, Status, check, show};
-use crate::check::Outcome;
+use crate::check::{CheckOptions, Outcome};
 use crate::finding;
 use crate::hardware::Hardware;
 use crate::m_function::{Acknowledge, MCall};
@@ -307,8 +307,9 @@ fn check_first(
     acknowledge: Acknowledge,
 ) -> Result<Outcome, Failure> {
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
+    let options = CheckOptions { acknowledge, ..CheckOptions::default() };
     let bar = show::progress(bytes, "checking {bar:30} {percent:>3} % {bytes_per_sec}");
-    let outcome = crate::check::check(machine, program, false, acknowledge, &mut |read| {
+    let outcome = crate::check::check(machine, program, options, &mut |read| {
         bar.set_position(read);
     });
     bar.finish_and_clear();

@@ -1,5 +1,6 @@
 //! Draws a profile.
 
+use super::colors::{OTHERS, color_of};
 use super::envelope::{At, Column};
 use super::page::{
     Area, Failure, GAP, LEFT, LINE, RIGHT, Row, Sign, TOP, Time, WIDTH, dashes, legend,
@@ -7,27 +8,11 @@ use super::page::{
 };
 use super::{FEED, FIRST_AXIS, Highest, KINDS, PATH, PER_AXIS, Picture};
 use crate::limit::text::{self, digits, percent};
-use crate::machine::{Axis, AxisKind};
+use crate::machine::AxisKind;
 use crate::page::{FAINT, INK, MARK, color, fine, font, resized, stroke};
 use crate::report::seconds;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-
-/// Colours of axes by place in the machine (Okabe and Ito 2008), those first that are dark enough for lines.
-const AXES: [[u8; 3]; 8] = [
-    [0, 114, 178],
-    [213, 94, 0],
-    [0, 158, 115],
-    [204, 121, 167],
-    [230, 159, 0],
-    [86, 180, 233],
-    [120, 90, 40],
-    [120, 120, 120],
-];
-
-/// Colours of limits that are of no axis.
-const OTHERS: [[u8; 3]; KINDS.len()] =
-    [[214, 218, 224], [160, 166, 176], [128, 112, 168], [110, 116, 126], [34, 38, 46]];
 
 /// The rows are so much higher than the largest value: there its line is written.
 const ROOM: f64 = 1.3;
@@ -46,7 +31,11 @@ const QUANTITIES: [(&str, [&str; 2]); PER_AXIS] = [
     ("velocity", ["deg/s", "mm/s"]),
     ("acceleration", ["deg/s²", "mm/s²"]),
     ("jerk", ["deg/s³", "mm/s³"]),
+    ("motor effort", ["Nm", "N"]),
 ];
+
+/// The one of them that is in SI anyway.
+const EFFORT: usize = 3;
 
 /// A picture being drawn.
 pub(super) struct Drawing<'a, 'm> {
@@ -204,7 +193,10 @@ impl<'a, 'm> Drawing<'a, 'm> {
                 AxisKind::Rotary => units[0],
                 AxisKind::Linear => units[1],
             };
-            let text = share(axis, highest, super::limits(axis).get(quantity).copied().flatten());
+            let limit = self.picture.limits(axis).get(quantity).copied().flatten();
+            let limit = limit.unwrap_or_default() * highest.peak.value;
+            let value = if quantity == EFFORT { limit } else { axis.from_si(limit) };
+            let text = format!("{}: {}, {}", axis.name, percent(highest.peak.value), digits(value));
             words(root, &format!("{text} {unit}"), (RIGHT + 12.0, y), color_of(index))?;
             y += LINE;
         }
@@ -375,16 +367,6 @@ fn band(
 /// Half of the room for a number, pixels.
 fn half_width(number: u32) -> f64 {
     number.to_string().chars().fold(2.5, |sum, _| sum + 3.4)
-}
-
-fn color_of(axis: usize) -> RGBColor {
-    color(AXES.get(axis % AXES.len()).copied().unwrap_or_default())
-}
-
-/// The largest value of an axis against its limit, without the unit.
-fn share(axis: &Axis, highest: &Highest, limit: Option<f64>) -> String {
-    let value = axis.from_si(highest.peak.value * limit.unwrap_or_default());
-    format!("{}: {}, {}", axis.name, percent(highest.peak.value), digits(value))
 }
 
 /// The first of those with the largest value; none if all are zero.

@@ -1,6 +1,7 @@
 //! The profile as a picture: velocity along the path against the programmed feed; velocity, acceleration and jerk of the
-//! axes against their limits; which limit holds the path back, and the lines of the program.
+//! axes and efforts of their motors against their limits; which limit holds the path back, and the lines of the program.
 
+mod colors;
 mod draw;
 mod envelope;
 mod page;
@@ -18,16 +19,17 @@ const COLUMNS: usize = 1800;
 const PATH: usize = 0;
 const FEED: usize = 1;
 const FIRST_AXIS: usize = 2;
-/// Curves of each axis: velocity, acceleration and jerk as parts of their limits.
-const PER_AXIS: usize = 3;
+/// Curves of each axis: velocity, acceleration, jerk and effort of its motor as parts of their limits.
+const PER_AXIS: usize = 4;
 
 /// Kinds of limits behind those of the axes.
-const KINDS: [&str; 5] = [
+const KINDS: [&str; 6] = [
     "programmed feed (F)",
     "programmed acceleration (E)",
     "jerk along the path",
     "acceleration of the tool tip",
     "stop",
+    "acceleration towards the centre of curves",
 ];
 
 /// A picture that could not be drawn.
@@ -39,6 +41,8 @@ pub struct PictureError(#[from] Failure);
 #[derive(Clone, Debug)]
 pub struct Picture<'m> {
     axes: &'m [Axis],
+    /// The efforts of the motors are known.
+    efforts: bool,
     envelope: Envelope,
     values: Vec<Option<f64>>,
     held: Option<usize>,
@@ -68,17 +72,13 @@ impl Highest {
     }
 }
 
-/// The limits of an axis in the order of its curves.
-fn limits(axis: &Axis) -> [Option<f64>; PER_AXIS] {
-    [Some(axis.max_velocity), Some(axis.max_acceleration), axis.max_jerk]
-}
-
 impl<'m> Picture<'m> {
-    /// Of a machine with these axes.
-    pub fn new(axes: &'m [Axis]) -> Self {
+    /// Of a machine with these axes. With `efforts` the samples have those of the motors.
+    pub fn new(axes: &'m [Axis], efforts: bool) -> Self {
         let curves = FIRST_AXIS + PER_AXIS * axes.len();
         Self {
             axes,
+            efforts,
             envelope: Envelope::new(COLUMNS, axes.len() + KINDS.len()),
             values: vec![None; curves],
             held: None,
@@ -88,15 +88,29 @@ impl<'m> Picture<'m> {
         }
     }
 
+    /// The limits of an axis in the order of its curves.
+    fn limits(&self, axis: &Axis) -> [Option<f64>; PER_AXIS] {
+        let effort = axis.effort_limit().filter(|_| self.efforts);
+        [Some(axis.max_velocity), Some(axis.max_acceleration), axis.max_jerk, effort]
+    }
+
     /// Takes the next sample.
     pub fn include(&mut self, sample: &ProfileSample) {
         self.values.clear();
         self.values.push(Some(sample.path_velocity * 1e3));
         self.values.push((sample.feed > 0.0).then_some(sample.feed * 1e3));
-        for ((index, axis), peaks) in self.axes.iter().enumerate().zip(&mut self.peaks) {
-            let of = [&sample.velocity, &sample.acceleration, &sample.jerk];
-            for ((values, limit), highest) in of.into_iter().zip(limits(axis)).zip(peaks) {
-                let value = values.get(index).copied().unwrap_or_default();
+        for (index, axis) in self.axes.iter().enumerate() {
+            let limits = self.limits(axis);
+            let of = [
+                Some(&sample.velocity),
+                Some(&sample.acceleration),
+                Some(&sample.jerk),
+                sample.effort.as_ref(),
+            ];
+            let Some(peaks) = self.peaks.get_mut(index) else { continue };
+            for ((values, limit), highest) in of.into_iter().zip(limits).zip(peaks) {
+                let value = values.and_then(|values| values.get(index).copied());
+                let value = value.unwrap_or_default();
                 let part = limit.map(|limit| value / limit);
                 if let Some(part) = part {
                     highest.include(part, sample);
@@ -121,11 +135,12 @@ impl<'m> Picture<'m> {
     fn kind(&self, binding: Binding) -> Option<usize> {
         let number = match binding {
             Binding::Axis { axis, .. } => return (axis < self.axes.len()).then_some(axis),
-            Binding::Feed => 0,
+            Binding::Feed | Binding::EndVelocity => 0,
             Binding::PathAcceleration | Binding::PathDeceleration => 1,
             Binding::PathJerk => 2,
-            Binding::ToolAcceleration | Binding::Centripetal => 3,
+            Binding::ToolAcceleration => 3,
             Binding::Stop => 4,
+            Binding::Centripetal => 5,
         };
         Some(self.axes.len() + number)
     }
@@ -141,7 +156,7 @@ impl<'m> Picture<'m> {
     /// The largest values of the axes as parts of their limits.
     fn parts(&self, quantity: usize) -> impl Iterator<Item = (usize, &Axis, &Highest)> {
         self.axes.iter().zip(&self.peaks).enumerate().filter_map(move |(index, (axis, peaks))| {
-            limits(axis).get(quantity).copied().flatten()?;
+            self.limits(axis).get(quantity).copied().flatten()?;
             Some((index, axis, peaks.get(quantity)?))
         })
     }

@@ -199,4 +199,31 @@ proptest! {
         let falling = 4.0 * (first * acceleration + second * speed * speed + G);
         prop_assert!((effort - falling - 20.0 * first * speed - 5.0).abs() < 1e-9);
     }
+    /// Up to the largest constant speed every motor keeps it, beyond one does not; where there is none all speeds are kept.
+    #[test]
+    fn the_largest_constant_speed_is_the_first_too_fast(
+        position in prop::array::uniform3(-1.0..1.0f64),
+        first in prop::array::uniform3(-2.0..2.0f64),
+        second in prop::array::uniform3(-20.0..20.0f64),
+        viscous_friction in 0.0..30.0f64,
+        effort_limit in 150.0..400.0f64,
+    ) {
+        let load = AxisLoad { effort_limit, coulomb_friction: 3.0, viscous_friction, ..FREE };
+        let mut dynamics = PathDynamics::new(&crooked(), &[load; 3], down()).unwrap();
+        let torque = dynamics.at(&axes(position), &axes(first), &axes(second)).unwrap();
+        for axis in torque.axes().iter().filter(|axis| axis.holds()) {
+            let keeps = |speed: f64| {
+                // Viscous friction only where it is to be overcome.
+                let plain = axis.centrifugal * speed * speed + axis.weight;
+                let drag = axis.viscous * speed;
+                let demands = [plain + drag.max(0.0), -plain + (-drag).max(0.0)];
+                demands.into_iter().all(|demand| demand + 3.0 <= effort_limit * (1.0 + 1e-9))
+            };
+            let most = axis.largest_constant_speed();
+            for part in 0..=100 {
+                prop_assert!(keeps(most.min(1e3) * f64::from(part) / 100.0), "{axis:?} {most}");
+            }
+            prop_assert!(most.is_infinite() || !keeps(most * (1.0 + 1e-6)), "{axis:?} {most}");
+        }
+    }
 }

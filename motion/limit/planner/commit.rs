@@ -1,0 +1,148 @@
+//! What of a window is committed, and what becomes of the rest.
+
+use super::refine::time;
+use super::{Leg, LimitError, Planned, Planner};
+use crate::Place;
+use crate::limit::axis_path::AxisPath;
+use crate::limit::convex::NotSolved;
+use crate::limit::course::CourseElement;
+use crate::limit::grid::Grid;
+use crate::limit::reachable;
+use crate::limit::sample::grid;
+use crate::limit::smooth::Beginning;
+use crate::limit::stretch::Stretch;
+use crate::prepare::CheckedElement;
+use std::sync::Arc;
+
+/// So many times the time in which acceleration builds up is left between what is committed and where the end of the window
+/// begins to be felt.
+const MARGIN: f64 = 4.0;
+/// What was planned before is planned again with so much more room.
+const ROOM: [f64; 3] = [2e-4, 2e-3, 1e-6];
+
+impl<I, E, A> Planner<I, E, A>
+where
+    I: Iterator<Item = Result<CheckedElement, E>>,
+    A: AxisPath,
+{
+    /// How many cells can be committed: those that the makeshift end of the window has no influence on; and how many it
+    /// lets go on as fast as they can.
+    pub(super) fn safe(&self, grid: &Grid) -> (usize, usize) {
+        let cells = 0..grid.cells();
+        if self.after.is_some() {
+            return (cells.end, cells.end);
+        }
+        let stopping = reachable::controllable(grid, cells.clone(), 0.0);
+        let free = reachable::controllable(grid, cells, f64::INFINITY);
+        let pairs = stopping.iter().zip(&free);
+        let free = pairs.take_while(|(s, f)| **s >= **f * (1.0 - 1e-9)).count().saturating_sub(1);
+        // Jerk limits ask for braking earlier: by the time in which the acceleration comes and goes, and a margin.
+        let limits = self.sampler.axes().limits().iter();
+        let build_up = limits.filter_map(|limits| Some(limits.acceleration / limits.jerk?));
+        let mut left = MARGIN * build_up.fold(0.0, f64::max);
+        let mut end = free;
+        let (b, _) = self.estimate(grid);
+        while end > 0 && left > 0.0 {
+            end -= 1;
+            left -= time(b.get(end..end + 2).unwrap_or_default(), grid.length(end), false);
+        }
+        (end, free)
+    }
+
+    /// Goes to rest as the last window had it, after a window that could not be planned.
+    pub(super) fn fall_back(&mut self, error: NotSolved) {
+        let tail = std::mem::take(&mut self.tail);
+        let Some(last) = tail.last() else {
+            let place = self.rest_instead();
+            self.ready.push_back(Err(LimitError::NotSolved { place, error }));
+            return;
+        };
+        let (element, at) = (Arc::clone(&last.element), last.from + last.stretch.length());
+        self.ready.extend(tail.into_iter().map(|leg| Ok(Planned::Leg(leg))));
+        self.beginning = Beginning::Rest;
+        self.kept.clear();
+        let behind = self
+            .cells
+            .iter()
+            .position(|cell| Arc::ptr_eq(&cell.element, &element) && cell.to > at * (1.0 + 1e-12));
+        let behind = behind.or_else(|| {
+            let last = self.cells.iter().rposition(|cell| Arc::ptr_eq(&cell.element, &element));
+            last.map(|index| index + 1)
+        });
+        self.cells.drain(..behind.unwrap_or(0).min(self.cells.len()));
+        if let Some(first) = self.cells.first_mut()
+            && Arc::ptr_eq(&first.element, &element)
+        {
+            first.from = at;
+        }
+        self.coarsen(0);
+    }
+
+    /// Gives up the cells at hand and begins again from rest behind them; the place where they began.
+    pub(super) fn rest_instead(&mut self) -> Place {
+        let place = self.cells.first().map_or(Place::default(), |cell| cell.element.place());
+        self.ready
+            .extend(std::mem::take(&mut self.tail).into_iter().map(|leg| Ok(Planned::Leg(leg))));
+        self.cells.clear();
+        self.kept.clear();
+        self.beginning = Beginning::Rest;
+        place
+    }
+
+    /// Hands out the first `end` cells, keeps those up to `free` and prepares the rest for the next window.
+    pub(super) fn commit(&mut self, stretches: &[Stretch]) {
+        let (end, free) = self.safe(&grid(&self.sampler, &self.cells));
+        let legs = self.cells.iter().zip(stretches).map(|(cell, stretch)| Leg {
+            element: Arc::clone(&cell.element),
+            from: cell.from,
+            stretch: *stretch,
+        });
+        let mut legs: Vec<Leg> = legs.collect();
+        self.tail = legs.split_off(end.min(legs.len()));
+        self.effort.committed += legs.len() as u64;
+        for gain in self.gains.drain(..).filter(|gain| gain.cell < end) {
+            *self.costs.entry(gain.constraint).or_default() += gain.time;
+        }
+        let last = legs.last().map(|leg| leg.stretch);
+        self.ready.extend(legs.into_iter().map(|leg| Ok(Planned::Leg(leg))));
+        self.kept.clear();
+        let Some(last) = last.filter(|_| end < self.cells.len()) else {
+            self.cells.clear();
+            self.beginning = Beginning::Rest;
+            return;
+        };
+        let (b, a) = last.at_position(last.length());
+        self.beginning = Beginning::Moving { b, a };
+        self.kept.push(b);
+        let kept = self.tail.iter().take(free - end);
+        self.kept.extend(kept.map(|leg| leg.stretch.at_position(leg.stretch.length()).0));
+        self.cells.drain(..end);
+        for cell in self.cells.iter_mut().take(free - end) {
+            // The plan so far shall not be the only one.
+            for (tight, room) in cell.tight.iter_mut().zip(ROOM) {
+                *tight /= 1.0 + room;
+            }
+        }
+        self.coarsen(free - end);
+    }
+
+    /// Makes the cells from `index` on as coarse as they came.
+    pub(super) fn coarsen(&mut self, index: usize) {
+        let fine = self.cells.split_off(index.min(self.cells.len()));
+        let mut near = fine.first().map_or(self.near, |cell| cell.start.position);
+        let mut elements: Vec<(Arc<CourseElement>, f64)> = Vec::new();
+        for cell in &fine {
+            if elements.last().is_none_or(|(element, _)| !Arc::ptr_eq(element, &cell.element)) {
+                elements.push((Arc::clone(&cell.element), cell.from));
+            }
+        }
+        for (element, from) in elements {
+            let known = self.cells.len();
+            // What could be sampled before can be sampled again.
+            if self.sampler.cells(&element, from, &near, &mut self.cells).is_ok() {
+                self.join(known);
+                near = self.near;
+            }
+        }
+    }
+}

@@ -1,0 +1,276 @@
+//! The fastest motion along the course, window by window.
+//!
+//! A window begins where the last one was left and ends at rest: at a stop of the path, or at the end of what is known of
+//! it. Of a window that does not end at a stop, only the part is committed that this makeshift end has no influence on.
+
+mod commit;
+mod refine;
+mod window;
+
+use super::axis_path::AxisPath;
+use super::convex::NotSolved;
+use super::course::{Course, CourseElement};
+use super::gain::Gain;
+use super::grid::Constraint;
+use super::linear::LinearSolver;
+use super::options::LimitOptions;
+use super::sample::{Cell, Sampler, grid};
+use super::smooth::{Beginning, SmoothSolver};
+use super::stretch::Stretch;
+use crate::Place;
+use crate::prepare::CheckedElement;
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+use twin_kinematics::{AxisVector, KinematicsError};
+
+/// A part of an element and how it is gone through.
+#[derive(Clone, Debug)]
+pub struct Leg {
+    /// The element.
+    pub element: Arc<CourseElement>,
+    /// Where on it the part begins, m.
+    pub from: f64,
+    /// How it is gone through.
+    pub stretch: Stretch,
+}
+
+/// What comes next along the course.
+#[derive(Clone, Debug)]
+pub enum Planned {
+    /// Motion.
+    Leg(Leg),
+    /// What is no motion: an M function, a dwell, a jump. The path rests before it.
+    Pause(Arc<CourseElement>),
+}
+
+/// Why the path does not go on as programmed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LimitError<E> {
+    /// An error from upstream.
+    #[error(transparent)]
+    Upstream(E),
+    /// The machine cannot follow an element, which is left out.
+    #[error("{error}")]
+    Kinematics {
+        /// The block.
+        place: Place,
+        /// What the kinematics says.
+        error: KinematicsError,
+    },
+    /// No profile was found for some elements, which are left out.
+    #[error("{error}")]
+    NotSolved {
+        /// The first block.
+        place: Place,
+        /// What Clarabel says.
+        error: NotSolved,
+    },
+}
+
+/// What planning took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Windows planned.
+    pub windows: u64,
+    /// Windows for which Clarabel came to no answer, so that another profile was taken.
+    pub failed: u64,
+    /// Windows in which a limit is still exceeded somewhere between the places where it was asked for, after all that was
+    /// tried.
+    pub exceeded: u64,
+    /// Iterations of Clarabel.
+    pub iterations: u64,
+    /// Cells planned, those planned again included.
+    pub cells: u64,
+    /// Cells committed.
+    pub committed: u64,
+}
+
+/// Plans the motion along the elements of `upstream` on a machine: an iterator of [`Planned`].
+#[derive(Debug)]
+pub struct Planner<I, E, A> {
+    course: Course<I, E>,
+    sampler: Sampler<A>,
+    options: LimitOptions,
+    jerk_limited: bool,
+    /// What is known of the path and not committed.
+    cells: Vec<Cell>,
+    /// b at the nodes of those of them that were planned before and stay as they are.
+    kept: Vec<f64>,
+    /// What the last window had planned behind what was committed of it: to rest.
+    tail: Vec<Leg>,
+    beginning: Beginning,
+    /// What follows the cells, if they end at a stop.
+    after: Option<After<E>>,
+    near: AxisVector,
+    ready: VecDeque<Result<Planned, LimitError<E>>>,
+    smooth: SmoothSolver,
+    linear: LinearSolver,
+    effort: Effort,
+    /// What limits cost in the window that is being planned, and in all that was committed.
+    gains: Vec<Gain>,
+    costs: BTreeMap<Constraint, f64>,
+    over: bool,
+}
+
+#[derive(Debug)]
+enum After<E> {
+    /// The path goes on from rest.
+    Path,
+    Pause(Arc<CourseElement>),
+    Error(LimitError<E>),
+    End,
+}
+
+impl<I, E, A> Planner<I, E, A>
+where
+    I: Iterator<Item = Result<CheckedElement, E>>,
+    A: AxisPath,
+{
+    /// Plans the elements of `upstream` on the machine `axes`.
+    pub fn new(upstream: I, axes: A, options: LimitOptions) -> Self {
+        let near = axes.home();
+        let jerk_limited = axes.limits().iter().any(|limits| limits.jerk.is_some());
+        Self {
+            course: Course::new(upstream, options.course),
+            sampler: Sampler::new(axes, options),
+            options,
+            jerk_limited,
+            cells: Vec::new(),
+            kept: Vec::new(),
+            tail: Vec::new(),
+            beginning: Beginning::Rest,
+            after: None,
+            near,
+            ready: VecDeque::new(),
+            smooth: SmoothSolver::default(),
+            linear: LinearSolver::default(),
+            effort: Effort::default(),
+            gains: Vec::new(),
+            costs: BTreeMap::new(),
+            over: false,
+        }
+    }
+
+    /// What planning has taken so far.
+    pub fn effort(&self) -> Effort {
+        self.effort
+    }
+
+    /// What each limit has cost so far: by how much shorter the motion would be per part by which the limit were raised, s. At 20 %
+    /// more it is about a fifth of that, as long as nothing else holds the path back.
+    pub fn costs(&self) -> &BTreeMap<Constraint, f64> {
+        &self.costs
+    }
+
+    /// Takes one more element from the course.
+    fn pull(&mut self) {
+        let element = match self.course.next() {
+            Some(Ok(element)) => Arc::new(element),
+            Some(Err(error)) => {
+                self.after = Some(After::Error(LimitError::Upstream(error)));
+                return;
+            }
+            None => {
+                self.after = Some(After::End);
+                return;
+            }
+        };
+        if element.length() <= 0.0 {
+            self.after = Some(After::Pause(element));
+            return;
+        }
+        let known = self.cells.len();
+        match self.sampler.cells(&element, 0.0, &self.near, &mut self.cells) {
+            Ok(()) => self.join(known),
+            Err(error) => {
+                self.cells.truncate(known);
+                let place = element.place();
+                self.after = Some(After::Error(LimitError::Kinematics { place, error }));
+                return;
+            }
+        }
+        if element.stops_at_end() {
+            self.after = Some(After::Path);
+        }
+    }
+
+    /// Bounds the velocity at the joint before the cell `index`.
+    fn join(&mut self, index: usize) {
+        if let Some(last) = self.cells.last() {
+            self.near = last.end.position;
+        }
+        if let Some((before, [after, ..])) = self.cells.split_at_mut_checked(index)
+            && let Some(before) = before.last_mut()
+        {
+            before.joint = self.sampler.joint(&before.end, &after.start);
+        }
+    }
+
+    /// Pulls elements until `horizon` s of the path are known, or a stop.
+    fn fill(&mut self, horizon: f64) {
+        let mut check = 64;
+        while self.after.is_none() {
+            self.pull();
+            if self.cells.len() >= check && self.after.is_none() {
+                let grid = grid(&self.sampler, &self.cells);
+                if self.estimate(&grid).1 >= horizon {
+                    return;
+                }
+                check = self.cells.len() + self.cells.len() / 2;
+            }
+        }
+    }
+
+    /// Plans the cells at hand.
+    fn plan(&mut self) {
+        let mut horizon = self.options.horizon;
+        loop {
+            self.fill(horizon);
+            if self.cells.is_empty() {
+                break;
+            }
+            if let Err(error) = self.refine() {
+                let place = self.rest_instead();
+                self.ready.push_back(Err(LimitError::Kinematics { place, error }));
+                break;
+            }
+            let grid = grid(&self.sampler, &self.cells);
+            if self.safe(&grid).0 == 0 {
+                // All that is known is within braking distance.
+                horizon *= 2.0;
+                self.coarsen(self.kept.len().saturating_sub(1));
+                continue;
+            }
+            match self.solve_verified() {
+                Ok(stretches) => self.commit(&stretches),
+                Err(error) => self.fall_back(error),
+            }
+            break;
+        }
+        if self.cells.is_empty()
+            && let Some(after) = self.after.take()
+        {
+            match after {
+                After::Path => {}
+                After::Pause(element) => self.ready.push_back(Ok(Planned::Pause(element))),
+                After::Error(error) => self.ready.push_back(Err(error)),
+                After::End => self.over = true,
+            }
+        }
+    }
+}
+
+impl<I, E, A> Iterator for Planner<I, E, A>
+where
+    I: Iterator<Item = Result<CheckedElement, E>>,
+    A: AxisPath,
+{
+    type Item = Result<Planned, LimitError<E>>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        while self.ready.is_empty() && !self.over {
+            self.plan();
+        }
+        self.ready.pop_front()
+    }
+}

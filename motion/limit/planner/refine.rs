@@ -1,0 +1,160 @@
+//! The grid of a window: where the profile is free to bend.
+
+use super::Planner;
+use crate::limit::axis_path::AxisPath;
+use crate::limit::grid::Grid;
+use crate::limit::reachable;
+use crate::limit::sample::grid;
+use crate::limit::smooth::Beginning;
+use crate::prepare::CheckedElement;
+use twin_kinematics::KinematicsError;
+
+/// Within this time, s, after the path rested, or before it will, steps are shorter in proportion: there the velocity changes
+/// fast.
+const GRADE: f64 = 0.04;
+/// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
+/// constant.
+const LAUNCH: f64 = 8e-3;
+/// Between stops there are at least so many cells.
+const FEWEST: usize = 4;
+
+impl<I, E, A> Planner<I, E, A>
+where
+    I: Iterator<Item = Result<CheckedElement, E>>,
+    A: AxisPath,
+{
+    /// A first profile of b at the nodes, with stops as jerk limits allow them, and its duration.
+    pub(super) fn estimate(&self, grid: &Grid) -> (Vec<f64>, f64) {
+        let cells = 0..grid.cells();
+        let start = match self.beginning {
+            Beginning::Rest => 0.0,
+            Beginning::Moving { b, .. } => b,
+        };
+        let mut b = reachable::fastest(grid, cells.clone(), start, 0.0);
+        if self.jerk_limited {
+            if self.beginning == Beginning::Rest {
+                soften(&mut b, grid.nodes(), grid.jerk_start(0));
+            }
+            let mirrored: Vec<f64> = grid.nodes().iter().rev().map(|u| -u).collect();
+            b.reverse();
+            soften(&mut b, &mirrored, grid.jerk_end(cells.end.saturating_sub(1)));
+            b.reverse();
+        }
+        let pairs = b.windows(2).zip(cells);
+        let duration =
+            pairs.map(|(pair, cell)| time(pair, grid.length(cell), self.jerk_limited)).sum();
+        (b, duration)
+    }
+
+    /// Cuts cells that take too long, but not those that are kept.
+    pub(super) fn refine(&mut self) -> Result<(), KinematicsError> {
+        for _ in 0..12 {
+            let grid = grid(&self.sampler, &self.cells);
+            let (b, duration) = self.estimate(&grid);
+            let step = self.options.step.min(duration / 12.0);
+            let count = self.cells.len();
+            let mut refined = Vec::with_capacity(2 * count);
+            let mut cut = false;
+            // Time since the path rested, and until it will.
+            let mut since = if self.beginning == Beginning::Rest { 0.0 } else { f64::INFINITY };
+            let mut left = if self.after.is_some() { duration } else { f64::INFINITY };
+            for (index, cell) in std::mem::take(&mut self.cells).into_iter().enumerate() {
+                let pair = b.get(index..index + 2).unwrap_or_default();
+                let takes = time(pair, cell.length(), self.jerk_limited);
+                let fine = step * (since.min(left) / GRADE).clamp(0.125, 1.0);
+                since += takes;
+                left -= takes;
+                // A profile with limited jerk has to have a choice.
+                let few = self.jerk_limited && count < FEWEST;
+                if index + 1 < self.kept.len() || takes <= 1.6 * fine && !few {
+                    refined.push(cell);
+                    continue;
+                }
+                let rest = [
+                    self.jerk_limited && index == 0 && self.beginning == Beginning::Rest,
+                    self.jerk_limited && index + 1 == count,
+                ];
+                let mut at = if rest == [false; 2] {
+                    cuts(pair, takes, fine)
+                } else {
+                    rest_cuts(
+                        cell.length(),
+                        rest,
+                        grid.rest_rates(index),
+                        LAUNCH.min(0.25 * duration),
+                    )
+                };
+                if few && at.is_empty() {
+                    at.push(0.5);
+                }
+                cut |= !at.is_empty();
+                refined.extend(self.sampler.parts(&cell, &at)?);
+            }
+            self.cells = refined;
+            if !cut {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Lowers `b` from rest at the first node on to what the jerk allows, u being the parameter of the nodes.
+fn soften(b: &mut [f64], u: &[f64], jerk: f64) {
+    if !jerk.is_finite() {
+        // Nothing moves whose jerk is limited.
+        return;
+    }
+    let start = u.first().copied().unwrap_or_default();
+    let scale = 0.25 * jerk.powf(2.0 / 3.0);
+    for (b, u) in b.iter_mut().zip(u) {
+        let most = scale * (6.0 * (u - start)).powf(4.0 / 3.0);
+        // Beyond the first meeting the acceleration is what counts.
+        if most >= *b && u > &start {
+            break;
+        }
+        *b = most;
+    }
+}
+
+/// Time for a cell with these b at its ends, s.
+pub(super) fn time(pair: &[f64], length: f64, jerk_limited: bool) -> f64 {
+    let [from, to] = pair else { return 0.0 };
+    let rest = from.min(*to) <= 0.0;
+    // With constant jerk from rest the mean velocity is a third of the last one, with constant acceleration half of it.
+    let parts = if rest && jerk_limited { 3.0 } else { 2.0 };
+    parts * length / (from.sqrt() + to.sqrt())
+}
+
+/// Where to cut a cell that begins or ends at rest, as parts of its length: after what is gone in `time` with the whole of the
+/// jerk limit, or until the acceleration is what it may be. What is left of it is cut like others. `limits`: acceleration and
+/// jerk of the parameter at its start and its end.
+fn rest_cuts(length: f64, rest: [bool; 2], limits: [[f64; 2]; 2], time: f64) -> Vec<f64> {
+    let [first, last] = limits.map(|[acceleration, jerk]| {
+        // Where no jerk is limited: that which builds up the acceleration in the time.
+        let jerk = if jerk.is_finite() { jerk } else { acceleration / time };
+        jerk * time.min(acceleration / jerk).powi(3) / 6.0 / length
+    });
+    match rest {
+        [true, true] => vec![first.min(0.25), 0.5, 1.0 - last.min(0.25)],
+        [true, false] if first < 0.8 => vec![first],
+        [false, true] if last < 0.8 => vec![1.0 - last],
+        _ => Vec::new(),
+    }
+}
+
+/// Where to cut a cell that takes `takes` into parts of about `step`, as parts of its length.
+fn cuts(pair: &[f64], takes: f64, step: f64) -> Vec<f64> {
+    let [from, to] = pair else { return Vec::new() };
+    let parts = (takes / step).round().clamp(2.0, 8.0);
+    let (v0, v1) = (from.sqrt(), to.sqrt());
+    let mut at = Vec::new();
+    let mut index = 1.0;
+    while index < parts {
+        // With constant acceleration: the way after a part of the time.
+        let part = index / parts;
+        at.push(part * (2.0 * v0 + part * (v1 - v0)) / (v0 + v1));
+        index += 1.0;
+    }
+    at
+}

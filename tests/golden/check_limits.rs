@@ -1,0 +1,113 @@
+//! `twin check --limits axes` as a process: the same check over the path as fast as the axes allow.
+
+use crate::process::{Desk, number};
+use crate::root;
+use serde_json::Value;
+
+/// Z does 200 mm/s; N30 asks for twice of that.
+const LINES: &str = "\
+% lines
+N10 G92 X300 Y100 Z60 F100 E2000 E-2000
+N20 G1 X340 F150
+N30 G1 Z0 F400
+";
+
+const AXES: [&str; 2] = ["--limits", "axes"];
+
+fn check(desk: &Desk, program: &str, options: &[&str], status: i32) -> Value {
+    let arguments = ["check", program, "-m", "machine.toml", "--format", "json"];
+    let done = desk.twin(&[&arguments[..], options].concat());
+    let text = &done.ended(status, "").stdout;
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+fn desk() -> Desk {
+    let desk = Desk::new();
+    desk.write("lines.cnc", LINES);
+    desk
+}
+
+#[test]
+fn a_program_too_fast_for_an_axis_is_fit_and_its_lines_are_noted() {
+    let desk = desk();
+    check(&desk, "lines.cnc", &[], 1);
+    let report = check(&desk, "lines.cnc", &AXES, 0);
+    let line = |length: f64, velocity: f64| length / velocity + velocity / 2000.0;
+    let expected = line(40.0, 150.0) + line(60.0, 200.0);
+    assert!((number(&report["duration_s"]) - expected).abs() < 2e-3, "{report:#}");
+    assert!((number(&report["length_mm"]) - 100.0).abs() < 1e-9, "{report:#}");
+    let peak = &report["peak"]["Z"]["velocity"];
+    assert!(number(&peak["value"]) <= 200.2 && number(&peak["value"]) > 199.5, "{peak}");
+    let findings = report["findings"].as_array().expect("a list");
+    let [note] = &findings[..] else { panic!("{findings:#?}") };
+    for (key, value) in [
+        ("rule", Value::from("feed-reduced")),
+        ("severity", "note".into()),
+        ("line", 4.into()),
+        ("block", 30.into()),
+        ("axis", "Z".into()),
+        ("unit", "mm/s".into()),
+    ] {
+        assert_eq!(note[key], value, "{note}");
+    }
+    for (key, value) in [("value", 200.0), ("limit", 400.0), ("largest_feed_mm_per_s", 200.0)] {
+        assert!((number(&note[key]) - value).abs() < 1e-9, "{note}");
+    }
+    let human = ["check", "lines.cnc", "-m", "machine.toml", "--limits", "axes"];
+    let done = desk.twin(&human);
+    done.ended(0, "the programmed feed of 400 mm/s cannot be held: velocity of Z allows 200 mm/s");
+    assert!(done.stdout.contains("fit for the machine: 0 errors"), "{}", done.stdout);
+}
+
+/// The simulated machine follows what it is given.
+#[test]
+fn physics_follows_the_limited_path() {
+    let desk = desk();
+    let report = check(&desk, "lines.cnc", &[&AXES[..], &["--physics"]].concat(), 0);
+    let error = number(&report["peak"]["Z"]["following_error"]["value"]);
+    assert!(error > 0.0 && error < 0.5, "{error} mm");
+}
+
+/// M functions take the time that the machine file or `--m-ack` gives them.
+#[test]
+fn waiting_takes_as_long_as_in_the_controllers_planning() {
+    let desk = desk();
+    desk.write(
+        "waits.cnc",
+        "% waits\nN10 G92 X300 Y100 Z60 F100 E2000 E-2000\nN20 G1 X340\nN30 M3\nN50 M7\nN60 G1 X300\n",
+    );
+    let plain = std::fs::read_to_string(desk.path("machine.toml")).expect("it is there");
+    desk.write("machine.toml", &format!("{plain}\n[[m_functions]]\nm = 3\ntime_ms = 500\n"));
+    let options = ["--m-ack", "30ms"];
+    let [own, axes] = [&options[..], &[&options[..], &AXES].concat()]
+        .map(|options| number(&check(&desk, "waits.cnc", options, 0)["duration_s"]));
+    assert!((own - axes).abs() < 3e-3, "{own} s and {axes} s");
+    assert!(own > 2.0 * 0.45 + 0.5 + 0.03, "{own} s");
+}
+
+#[test]
+fn what_is_wrong_stays_wrong() {
+    let desk = desk();
+    // X ends at 650 mm.
+    desk.write("far.cnc", "% far\nN10 G92 X600 Y0 Z0 F100 E1000 E-1000\nN20 G1 X660\n");
+    let report = check(&desk, "far.cnc", &AXES, 1);
+    let findings = report["findings"].as_array().expect("a list");
+    let [finding] = &findings[..] else { panic!("{findings:#?}") };
+    assert_eq!((&finding["rule"], &finding["line"]), (&"axis-position".into(), &3.into()));
+    let arguments = ["check", "lines.cnc", "-m", "machine.toml", "--limits", "axes"];
+    desk.twin(&[&arguments[..], &["--override", "0.5"]].concat()).ended(2, "--limits softmotion");
+    let cutter = root().join("machines/gantry_cutter3.toml").display().to_string();
+    desk.twin(&["check", "lines.cnc", "-m", &cutter, "--limits", "axes"])
+        .ended(2, "machines yet whose tool turns with the path");
+}
+
+/// What is shipped is fit within the limits of the axes, on the machines it is for.
+#[test]
+fn shipped_programs_are_fit() {
+    let desk = Desk::new();
+    let file = |name: &str| root().join(name).display().to_string();
+    let (program, machine) = (file("examples/plate.cnc"), file("machines/scara2.toml"));
+    let arguments = ["check", &program, "-m", &machine, "--limits", "axes"];
+    let done = desk.twin(&arguments);
+    assert!(done.ended(0, "").stdout.contains("fit for the machine: 0 errors, 0 warnings"));
+}

@@ -1,0 +1,81 @@
+//! The program with feeds that the axes can follow.
+
+use super::{Failure, unwritable};
+use crate::command::options::unreadable;
+use crate::machine::Machine;
+use crate::program::{Dialect, ProgramFile};
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Write};
+use std::path::Path;
+use twin_motion::refeed::{LineLimit, Refed, RefeedError, Unrepaired};
+use twin_motion::{din66025, rs274};
+
+/// A program is not written over itself, and only programs have F words.
+pub(super) fn check_target(program: &ProgramFile, target: &Path) -> Result<(), Failure> {
+    match program.dialect() {
+        Dialect::Din66025 | Dialect::Rs274 => {}
+        Dialect::Queue | Dialect::Dxf => {
+            return Err(Failure::Usage(format!("{} has no F words", program.path().display())));
+        }
+    }
+    let same = |path: &Path| std::fs::canonicalize(path).ok();
+    if same(target).is_some_and(|target| Some(target) == same(program.path())) {
+        return Err(Failure::Usage(format!(
+            "--feasible {}: this is the program itself; name another file",
+            target.display()
+        )));
+    }
+    Ok(())
+}
+
+pub(super) fn write(
+    program: &ProgramFile,
+    machine: &Machine,
+    limits: Vec<LineLimit>,
+    target: &Path,
+) -> Result<Refed, Failure> {
+    let source = File::open(program.path()).map_err(|error| unreadable(program.path(), error))?;
+    let reader = BufReader::new(source);
+    let file = File::create(target).map_err(|source| unwritable(target, source))?;
+    let mut out = BufWriter::new(file);
+    let limits = limits.into_iter().map(Ok);
+    let refed = if program.dialect() == Dialect::Rs274 {
+        let options = program.rs274_options(&machine.conditions);
+        rs274::refeed(reader, &options, limits, &mut out)
+    } else {
+        let options = program.din66025_options(&machine.conditions);
+        din66025::refeed(reader, &options, limits, &mut out)
+    };
+    let refed = refed.map_err(|error| match error {
+        RefeedError::Read(source) => unreadable(program.path(), source),
+        RefeedError::Write(source) => unwritable(target, source),
+        error => Failure::Usage(error.to_string()),
+    })?;
+    out.flush().map_err(|source| unwritable(target, source))?;
+    Ok(refed)
+}
+
+/// What became of the F words.
+pub(super) fn tell(refed: &Refed, target: &Path) -> io::Result<()> {
+    let mut out = io::stderr().lock();
+    let Refed { lines, changed, lowered, .. } = refed;
+    writeln!(
+        out,
+        "{}: {lowered} of {lines} lines are slower than programmed, F changed in {changed}",
+        target.display()
+    )?;
+    let left = refed.unrepaired.len() as u64 + refed.unrepaired_left_out;
+    if left > 0 {
+        writeln!(out, "{left} lines stay too fast, because no F governs them:")?;
+        for line in refed.unrepaired.iter().take(10) {
+            let Unrepaired { place, reason, programmed, limit } = line;
+            writeln!(
+                out,
+                "  {place}: {:.1} mm/s, the machine allows {:.1} mm/s; {reason}",
+                programmed * 1e3,
+                limit * 1e3
+            )?;
+        }
+    }
+    Ok(())
+}

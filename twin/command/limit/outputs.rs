@@ -1,0 +1,76 @@
+//! Profiles in files.
+
+use super::{Failure, unwritable};
+use crate::limit::{Picture, ProfileCsv, ProfileSample};
+use crate::machine::Machine;
+use crate::program::ProgramFile;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// The files a profile is written to.
+#[derive(Default)]
+pub(super) struct Outputs<'m> {
+    tables: Vec<(&'m Path, ProfileCsv<'m, BufWriter<File>>)>,
+    pictures: Vec<&'m Path>,
+    picture: Option<Picture<'m>>,
+}
+
+impl<'m> Outputs<'m> {
+    pub(super) fn new(machine: &'m Machine, files: &'m [PathBuf]) -> Result<Self, Failure> {
+        let efforts = machine.path_dynamics().is_ok_and(|dynamics| dynamics.is_some());
+        let mut outputs = Self { tables: Vec::new(), pictures: Vec::new(), picture: None };
+        for path in files {
+            let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+            match ending.as_deref() {
+                Some("csv") => {
+                    let file = File::create(path).map_err(|source| unwritable(path, source))?;
+                    let table = ProfileCsv::new(BufWriter::new(file), &machine.axes, efforts);
+                    outputs
+                        .tables
+                        .push((path, table.map_err(|error| unwritable(path, error.into()))?));
+                }
+                Some("svg") => {
+                    outputs.pictures.push(path);
+                    outputs.picture.get_or_insert_with(|| Picture::new(&machine.axes, efforts));
+                }
+                _ => {
+                    return Err(Failure::Usage(format!(
+                        "{}: profiles are written as .csv or .svg",
+                        path.display()
+                    )));
+                }
+            }
+        }
+        Ok(outputs)
+    }
+
+    pub(super) fn include(&mut self, sample: &ProfileSample) -> Result<(), Failure> {
+        for (path, table) in &mut self.tables {
+            table.write(sample).map_err(|error| unwritable(path, error.into()))?;
+        }
+        if let Some(picture) = &mut self.picture {
+            picture.include(sample);
+        }
+        Ok(())
+    }
+
+    pub(super) fn finish(self, program: &ProgramFile, machine: &Machine) -> Result<(), Failure> {
+        for (path, table) in self.tables {
+            table
+                .finish()
+                .and_then(|mut out| out.flush())
+                .map_err(|source| unwritable(path, source))?;
+        }
+        if let Some(picture) = self.picture {
+            let name = program.path().display().to_string();
+            let text = picture
+                .draw(&name, &machine.name)
+                .map_err(|error| Failure::Usage(error.to_string()))?;
+            for path in self.pictures {
+                std::fs::write(path, &text).map_err(|source| unwritable(path, source))?;
+            }
+        }
+        Ok(())
+    }
+}

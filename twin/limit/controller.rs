@@ -1,0 +1,146 @@
+//! A program as the controller itself plans it (`SMC_CheckVelocities`, `SMC_LimitCircularVelocities`, `SMC_Interpolator`):
+//! no axis is asked what it can give. For comparison.
+
+use super::machine_path::{AxisRules, MachinePath, MachinePathError, efforts, overloaded};
+use super::watch::Watch;
+use super::{Binding, LimitFailure, ProfileItem, ProfileSample};
+use crate::m_function::Acknowledgement;
+use crate::machine::Machine;
+use crate::program::{ProgramFile, ProgramItem, Setpoints};
+use crate::report::seconds;
+use crate::setpoint::Transformer;
+use twin_kinematics::AxisVector;
+use twin_motion::interpolate::{Status, ToolSetpoint};
+
+/// The part of the programmed velocity from which on it counts as reached.
+const AT_FEED: f64 = 0.98;
+
+/// A program on a machine as the controller itself plans it: one sample per cycle. Jerks are differences of accelerations
+/// from one cycle to the next.
+#[derive(Debug)]
+pub struct ControllerProfile<'m> {
+    setpoints: Setpoints,
+    transformer: Transformer<'m>,
+    /// What the motors have to give; not known of machines whose tool turns with the path.
+    axes: Option<MachinePath<'m>>,
+    /// Override.
+    factor: f64,
+    before: Option<ProfileSample>,
+    watch: Watch<'m>,
+    cycle: f64,
+}
+
+impl<'m> ControllerProfile<'m> {
+    /// The program `program` on `machine`. An M function takes a cycle.
+    ///
+    /// # Errors
+    /// If it cannot be opened, or the masses of the machine make no sense.
+    pub fn new(program: &ProgramFile, machine: &'m Machine) -> Result<Self, LimitFailure> {
+        let axes = match MachinePath::new(machine, AxisRules::default()) {
+            Ok(axes) => Some(axes),
+            Err(MachinePathError::TurnsWithPath) => None,
+            Err(error) => return Err(error.into()),
+        };
+        Ok(Self {
+            setpoints: program.open(machine, Acknowledgement::default())?,
+            transformer: Transformer::new(machine),
+            axes,
+            factor: program.settings().inputs.override_factor.factor(),
+            before: None,
+            watch: Watch::new(machine),
+            cycle: seconds(machine.cycle_ns),
+        })
+    }
+
+    /// Bytes of the file read so far.
+    pub fn bytes_read(&self) -> u64 {
+        self.setpoints.bytes_read()
+    }
+
+    /// `None` if the machine cannot go there.
+    fn sample(&mut self, tool: &ToolSetpoint) -> Option<ProfileSample> {
+        let setpoint = match self.transformer.axes(tool, None) {
+            Ok(setpoint) => setpoint,
+            Err(error) => {
+                self.watch.refused(tool.place, &error);
+                self.before = None;
+                return None;
+            }
+        };
+        let axes = setpoint.axes;
+        self.watch.positions(tool.place, &axes.position);
+        // Time in the place of the path's parameter.
+        let known = self.axes.as_ref();
+        let torque = known
+            .and_then(|known| known.torque(&axes.position, &axes.velocity, &axes.acceleration));
+        if let Some(torque) = &torque {
+            self.watch.motors(tool.place, overloaded(torque));
+        }
+        let effort = torque.map(|torque| efforts(&torque, [0.0, 1.0], &axes.velocity));
+        let along = tool.velocity.try_normalize(0.0).unwrap_or_default();
+        let path_acceleration = tool.acceleration.dot(&along);
+        // At first nothing moves.
+        let (jerk, path_jerk) = match &self.before {
+            Some(before) => {
+                let pairs = axes.acceleration.iter().zip(before.acceleration.iter());
+                let jerk = pairs.map(|(now, before)| (now - before) / self.cycle);
+                let path_jerk = (path_acceleration - before.path_acceleration) / self.cycle;
+                (AxisVector::from_values(jerk), path_jerk)
+            }
+            None => (AxisVector::zeros(axes.position.len()), 0.0),
+        };
+        let sample = ProfileSample {
+            time_ns: tool.time_ns,
+            place: tool.place,
+            way: tool.way,
+            feed: if tool.status == Status::Waiting { 0.0 } else { tool.feed },
+            path_velocity: tool.path_velocity,
+            path_acceleration,
+            path_jerk,
+            position: axes.position,
+            velocity: axes.velocity,
+            acceleration: axes.acceleration,
+            jerk,
+            effort,
+            binding: self.binding(tool),
+        };
+        self.before = Some(sample);
+        Some(sample)
+    }
+
+    /// What the controller holds the path back for.
+    fn binding(&self, tool: &ToolSetpoint) -> Option<Binding> {
+        if tool.status == Status::Waiting {
+            return Some(Binding::Stop);
+        }
+        if tool.path_velocity >= AT_FEED * tool.feed * self.factor {
+            return Some(Binding::Feed);
+        }
+        match tool.status {
+            Status::Accelerating => Some(Binding::PathAcceleration),
+            Status::Decelerating => Some(Binding::PathDeceleration),
+            _ => None,
+        }
+    }
+}
+
+impl Iterator for ControllerProfile<'_> {
+    type Item = ProfileItem;
+
+    fn next(&mut self) -> Option<ProfileItem> {
+        loop {
+            if let Some(finding) = self.watch.take() {
+                return Some(ProfileItem::Finding(finding));
+            }
+            match self.setpoints.next()? {
+                ProgramItem::Setpoint(tool) => {
+                    if let Some(sample) = self.sample(&tool) {
+                        return Some(ProfileItem::Sample(Box::new(sample)));
+                    }
+                }
+                ProgramItem::Diagnostic(finding) => return Some(ProfileItem::Finding(finding)),
+                ProgramItem::Io(error) => return Some(ProfileItem::Io(error)),
+            }
+        }
+    }
+}

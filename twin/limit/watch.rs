@@ -1,0 +1,91 @@
+//! What is wrong at set-points, told once per line.
+
+use crate::check::{beyond_position, unreachable};
+use crate::finding::{Finding, Rule};
+use crate::machine::{Axis, Machine};
+use std::collections::VecDeque;
+use twin_kinematics::{AxisVector, KinematicsError};
+use twin_motion::Place;
+
+/// Looks at set-points. Every fault is told once per line.
+#[derive(Debug)]
+pub(super) struct Watch<'m> {
+    axes: &'m [Axis],
+    /// The line on which each axis was last found beyond its software limits, …
+    beyond: Vec<Option<u32>>,
+    /// … on which each motor was last found too weak to hold its axis, …
+    overloaded: Vec<Option<u32>>,
+    /// … and on which the tool was last found out of reach.
+    unreached: Option<u32>,
+    found: VecDeque<Finding>,
+}
+
+impl<'m> Watch<'m> {
+    /// Nothing found yet.
+    pub(super) fn new(machine: &'m Machine) -> Self {
+        let none = vec![None; machine.axes.len()];
+        Self {
+            axes: &machine.axes,
+            beyond: none.clone(),
+            overloaded: none,
+            unreached: None,
+            found: VecDeque::new(),
+        }
+    }
+
+    /// The next thing found.
+    pub(super) fn take(&mut self) -> Option<Finding> {
+        self.found.pop_front()
+    }
+
+    /// Something else that was found.
+    pub(super) fn tell(&mut self, finding: Finding) {
+        self.found.push_back(finding);
+    }
+
+    /// Looks at the axes.
+    pub(super) fn positions(&mut self, place: Place, positions: &AxisVector) {
+        for ((axis, position), told) in self.axes.iter().zip(positions.iter()).zip(&mut self.beyond)
+        {
+            if *told != Some(place.line)
+                && let Some(finding) = beyond_position(axis, place, *position)
+            {
+                *told = Some(place.line);
+                self.found.push_back(finding);
+            }
+        }
+    }
+
+    /// Motors that cannot hold their axes, with what that would take.
+    pub(super) fn motors(&mut self, place: Place, overloaded: impl Iterator<Item = (usize, f64)>) {
+        for (index, effort) in overloaded {
+            let told = self.overloaded.get_mut(index);
+            if let (Some(axis), Some(told)) = (self.axes.get(index), told)
+                && *told != Some(place.line)
+            {
+                *told = Some(place.line);
+                self.found.push_back(overload(axis, place, effort));
+            }
+        }
+    }
+
+    /// The machine cannot go there.
+    pub(super) fn refused(&mut self, place: Place, error: &KinematicsError) {
+        if self.unreached.replace(place.line) != Some(place.line) {
+            self.found.push_back(unreachable(place, error));
+        }
+    }
+}
+
+/// A motor that cannot hold its axis, which would take `effort`, N or Nm.
+fn overload(axis: &Axis, place: Place, effort: f64) -> Finding {
+    let limit = axis.effort_limit().unwrap_or(f64::INFINITY);
+    let (name, unit) = (axis.kind.effort_name(), axis.kind.effort_unit());
+    let message = format!(
+        "axis {}: against weight and dry friction it takes a {name} of {effort:.4} {unit}, more than its motor's limit of \
+         {limit:.4} {unit}",
+        axis.name
+    );
+    let finding = Finding::error(Rule::AxisEffort, place, message);
+    Finding { axis: Some(axis.name.clone()), ..finding.with_value(effort, limit, unit) }
+}
