@@ -34,9 +34,10 @@ use std::ops::Range;
 /// The next guess is not below this part of the one before.
 const FLOOR: f64 = 0.05;
 
-/// How exactly a guess and the profile itself are solved for.
+/// How exactly a guess, a profile that is looked at afterwards, and one that is not, are solved for.
 const ROUGH: f64 = 1e-5;
 const FINE: f64 = 1e-6;
+const EXACT: f64 = 1e-9;
 
 /// With a row that was left out and is not kept those of so many cells before and behind are added.
 const AROUND: usize = 12;
@@ -94,13 +95,15 @@ pub(super) struct Guess {
     pub(super) asked: Vec<Asked>,
     /// Whether it is no solution of the program yet.
     pub(super) rough: bool,
+    /// How exactly the next one is solved for, if this is one.
+    tolerance: f64,
 }
 
 impl Guess {
     /// Of b alone.
     pub(super) fn rough(b: Vec<f64>) -> Self {
         let c: Vec<f64> = pairs(&b).map(|(from, to)| from.midpoint(to)).collect();
-        Self { asked: vec![Asked::default(); c.len()], b, c, rough: true }
+        Self { asked: vec![Asked::default(); c.len()], b, c, rough: true, tolerance: FINE }
     }
 
     /// What happens in the cell `index` of the length `h`.
@@ -196,7 +199,7 @@ impl SmoothSolver {
         guess: &[f64],
         solves: u32,
     ) -> Result<SmoothProfile, NotSolved> {
-        let mut guess = Guess::rough(guess.to_vec());
+        let mut guess = Guess { tolerance: EXACT, ..Guess::rough(guess.to_vec()) };
         let mut iterations = 0;
         let mut solved = 0;
         loop {
@@ -233,7 +236,7 @@ impl SmoothSolver {
         }
         self.build(grid, &cells, beginning, guess, &free);
         // What is only the guess for another need not be exact.
-        let answer = self.program.solve(if guess.rough { ROUGH } else { FINE })?;
+        let answer = self.program.solve(if guess.rough { ROUGH } else { guess.tolerance })?;
         let broken = Broken(self.program.broken(&answer.x).collect());
         let mut c = guess.c.clone();
         let solved = self.scale.iter().skip(free.start).zip(&answer.x);
