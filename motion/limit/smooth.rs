@@ -34,6 +34,9 @@ use std::ops::Range;
 /// The next guess is not below this part of the one before.
 const FLOOR: f64 = 0.05;
 
+/// Where b changes by more than this part, the tangents about it do, too: by the square of it.
+const MOVED: f64 = 0.15;
+
 /// How exactly a guess, a profile that is looked at afterwards, and one that is not, are solved for.
 const ROUGH: f64 = 1e-5;
 const FINE: f64 = 1e-6;
@@ -95,6 +98,8 @@ pub(super) struct Guess {
     pub(super) asked: Vec<Asked>,
     /// Whether it is no solution of the program yet.
     pub(super) rough: bool,
+    /// Nodes at which the last solution was far from what it was about, so that the tangents there are not near the limits.
+    pub(super) moved: Vec<usize>,
     /// How exactly the next one is solved for, if this is one.
     tolerance: f64,
 }
@@ -103,7 +108,14 @@ impl Guess {
     /// Of b alone.
     pub(super) fn rough(b: Vec<f64>) -> Self {
         let c: Vec<f64> = pairs(&b).map(|(from, to)| from.midpoint(to)).collect();
-        Self { asked: vec![Asked::default(); c.len()], b, c, rough: true, tolerance: FINE }
+        Self {
+            asked: vec![Asked::default(); c.len()],
+            b,
+            c,
+            rough: true,
+            moved: Vec::new(),
+            tolerance: FINE,
+        }
     }
 
     /// What happens in the cell `index` of the length `h`.
@@ -132,8 +144,13 @@ impl Guess {
     /// With the solution about it in its place, and `broken` rows to be kept from now on.
     fn follow(&mut self, b: &[f64], c: &[f64], Broken(broken): &Broken) {
         // A profile that all but rests says little about the next.
-        for (guess, b) in self.b.iter_mut().zip(b) {
-            *guess = b.max(FLOOR * *guess);
+        self.moved.clear();
+        for (node, (guess, b)) in self.b.iter_mut().zip(b).enumerate() {
+            let next = b.max(FLOOR * *guess);
+            if (next - *guess).abs() > MOVED * *guess {
+                self.moved.push(node);
+            }
+            *guess = next;
         }
         self.c.clear();
         self.c.extend_from_slice(c);
