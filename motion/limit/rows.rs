@@ -2,7 +2,7 @@
 
 use super::asked::Asked;
 use super::convex::{Origin, Program};
-use super::grid::{Constraint, End, Grid, JerkRow, Row, number};
+use super::grid::{CapSource, Constraint, End, Grid, JerkRow, Row, number};
 
 use std::ops::Range;
 
@@ -12,6 +12,8 @@ const SCREEN: f64 = 0.5;
 const SCREEN_CAP: f64 = 0.2;
 /// Jerk rows less active than this at the guess, the first time and later; without jerk they are active by a third.
 pub(super) const SCREEN_JERK: [f64; 2] = [0.5, 0.7];
+/// The least c, as a part of the guess of b around it.
+const LEAST: f64 = 0.02;
 /// Cells that take less time, s, are too short to tell a jerk: their coefficients would drown in rounding.
 const LEAST_TIME: f64 = 2e-5;
 /// Where the velocity varies within a cell, so does the jerk: at its ends it may be larger than in its middle, by this
@@ -147,6 +149,23 @@ impl Writer<'_> {
         if here.is_finite() {
             let origin = self.origin(Constraint::Velocity(source), 2.0);
             self.add([0.0, 1.0, 0.0], here, SCREEN_CAP, origin);
+        }
+    }
+
+    /// b stays positive all through the cell, where the values at its ends alone do not see to it.
+    pub(super) fn add_least(&mut self) {
+        if let Some(variable) = self.index.checked_sub(self.free.start)
+            && self.free.contains(&self.index)
+        {
+            let constraint = Constraint::Velocity(CapSource::Nothing);
+            let origin = Origin { upper: false, ..self.origin(constraint, 0.0) };
+            let entries = [(variable, -1.0), (0, 0.0), (0, 0.0)];
+            let seems = self.middles.get(self.index).zip(self.scale.get(self.index));
+            if seems.is_some_and(|(c, scale)| *c < 2.0 * LEAST * scale) {
+                self.program.add_row(&entries, -LEAST, origin);
+            } else {
+                self.program.add_spare(entries, -LEAST, origin);
+            }
         }
     }
 

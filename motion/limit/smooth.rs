@@ -356,6 +356,7 @@ impl SmoothSolver {
             };
             if index > 0 && index + 1 < count {
                 writer.add_cap(grid, cell);
+                writer.add_least();
             }
             for end in End::BOTH {
                 // Where the path rests, or what it does is given, there is nothing to limit.
