@@ -43,8 +43,10 @@ fn run(
     let mut recorder = Recorder::with(|time_ns| each(time_ns, &board, &interrupts));
     let hardware = Some(hardware);
     let acknowledge = Acknowledge::Auto;
-    let program = &program.file;
-    let session = Session { machine, program, twin, hardware, acknowledge, realtime: false };
+    let Program { file: program, limits, .. } = program;
+    let limits = *limits;
+    let session =
+        Session { machine, program, twin, hardware, limits, acknowledge, realtime: false };
     let ending = session.run(&mut recorder, &|| interrupts.get()).unwrap();
     let recorder = recorder.ended();
     Outcome { ending, recorder, board: board.into_inner().map(|board| board.stop().unwrap()) }

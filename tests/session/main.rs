@@ -9,6 +9,7 @@
 #![expect(clippy::float_cmp, reason = "at rest, given, or to be the same bit for bit")]
 #![expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "short runs")]
 
+mod emergency;
 mod emulated;
 mod m_functions;
 mod puppet;
@@ -18,6 +19,8 @@ mod simulated;
 use std::path::Path;
 use tempfile::TempDir;
 use twin::check::CheckOptions;
+use twin::finding::Severity;
+use twin::limit::Limits;
 use twin::m_function::Acknowledge;
 use twin::machine::Machine;
 use twin::program::{Dialect, ProgramFile};
@@ -46,6 +49,7 @@ fn portal() -> Machine {
 /// A program on disk.
 struct Program {
     file: ProgramFile,
+    limits: Limits,
     _folder: TempDir,
 }
 
@@ -56,14 +60,21 @@ impl Program {
         std::fs::write(&path, text).unwrap();
         let file =
             ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
-        Self { file, _folder: folder }
+        Self { file, limits: Limits::Softmotion, _folder: folder }
+    }
+
+    /// Planned within the limits of the axes.
+    fn within_axes(self) -> Self {
+        Self { limits: Limits::Axes, ..self }
     }
 
     /// Checks it as every run is checked.
     fn check(&self, machine: &Machine) -> twin::check::Outcome {
-        let outcome =
-            twin::check::check(machine, &self.file, CheckOptions::default(), &mut |_| {}).unwrap();
-        assert!(outcome.findings.is_empty(), "{:#?}", outcome.findings);
+        let options = CheckOptions { limits: self.limits, ..CheckOptions::default() };
+        let outcome = twin::check::check(machine, &self.file, options, &mut |_| {}).unwrap();
+        let mut findings = outcome.findings.iter();
+        // Feeds that the axes cannot hold.
+        assert!(findings.all(|one| one.severity == Severity::Note), "{:#?}", outcome.findings);
         outcome
     }
 }
@@ -92,6 +103,7 @@ fn simulate_with(
         program: &program.file,
         twin,
         hardware: None,
+        limits: program.limits,
         acknowledge,
         realtime: false,
     };

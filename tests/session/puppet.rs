@@ -21,7 +21,7 @@ use twin_drives::{
 #[derive(Debug, Default)]
 pub(super) struct Puppet {
     position: Increments,
-    soft_stops: Arc<AtomicU32>,
+    pub(super) soft_stops: Arc<AtomicU32>,
     /// Does not answer from then on.
     fails_at_ns: Option<i64>,
     pub(super) outputs: Arc<Mutex<Vec<(u8, bool)>>>,
@@ -171,6 +171,7 @@ fn run_on(
         program: &program.file,
         twin,
         hardware: Some(hardware),
+        limits: program.limits,
         acknowledge: Acknowledge::Auto,
         realtime: false,
     };

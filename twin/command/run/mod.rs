@@ -4,13 +4,15 @@ mod prompt;
 mod summary;
 
 use super::options::{
-    self, AcknowledgeOption, DEFAULT_ADDRESS, MachineOption, ReadOptions, unreadable,
+    self, AcknowledgeOption, DEFAULT_ADDRESS, MachineOption, ReadOptions, plans_without_inputs,
+    unreadable,
 };
 use super::{Failure, Status, check, show};
 use crate::check::{CheckOptions, Outcome};
 use crate::finding;
 use crate::hardware::Hardware;
-use crate::m_function::{Acknowledge, MCall};
+use crate::limit::Limits;
+use crate::m_function::MCall;
 use crate::machine::Machine;
 use crate::picture::Picture;
 use crate::program::ProgramFile;
@@ -37,7 +39,7 @@ const APPROACH: f64 = 0.25;
 ///
 /// The whole program is checked first, and nothing moves if it is not fit for the machine. Without drives the run
 /// goes as fast as it can; with drives it is in step with the wall clock. Ctrl-C brakes on the path and still
-/// writes recording and report; a second Ctrl-C brakes the drives where they are.
+/// writes recording and report; a second Ctrl-C brakes every axis at its own limits, off the path.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The program
@@ -51,6 +53,11 @@ pub(super) struct Arguments {
 
     #[command(flatten)]
     m_functions: AcknowledgeOption,
+
+    /// Whose limits the path is planned with: the controller's own, or those of the axes, as `twin limit` plans it. As for
+    /// `twin check`, the controller's own unless told otherwise: what moves is what was checked, and what the controller does
+    #[arg(long, value_enum, default_value = "softmotion")]
+    limits: Limits,
 
     /// Drives to run in parallel to the simulated machine
     #[arg(long, value_enum, default_value = "emulated")]
@@ -129,7 +136,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         )));
     }
 
-    let checked = check_first(&machine, &program, arguments.m_functions.acknowledge)?;
+    if arguments.limits == Limits::Axes {
+        plans_without_inputs(&program)?;
+    }
+    let checked = check_first(&machine, &program, arguments)?;
     let mut outcome = checked.clone();
     show::findings(&program, &outcome.findings);
     let report = Report {
@@ -160,7 +170,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     finding::sort(&mut outcome.findings);
     let report = Report { outcome: &outcome, ..report };
 
-    let reason = done.ending.stopped.as_ref().map(ToString::to_string);
+    let reason = done.ending.reason();
     // First what was asked for in files: nobody may be reading what is printed.
     report.write(&done.ending, done.samples, reason.clone())?;
     let mut out = io::stdout().lock();
@@ -232,7 +242,8 @@ fn perform<'m>(
     );
     let acknowledge = arguments.m_functions.acknowledge;
     let realtime = arguments.realtime;
-    let session = Session { machine, program, twin, hardware, acknowledge, realtime };
+    let limits = arguments.limits;
+    let session = Session { machine, program, twin, hardware, limits, acknowledge, realtime };
     let mut watcher = Watcher {
         picture: &mut picture,
         bar: &bar,
@@ -243,7 +254,7 @@ fn perform<'m>(
     let clock = crate::clock::Clock::start();
     let ending = session
         .run(&mut watcher, &|| interrupt.count())
-        .map_err(|source| unreadable(program.path(), source))?;
+        .map_err(|failure| Failure::check(program, failure.into()))?;
     let took = seconds(clock.now_ns());
     let samples = watcher.samples;
     bar.finish_and_clear();
@@ -304,10 +315,11 @@ fn judge(arguments: &Arguments, ending: &Ending) -> Status {
 fn check_first(
     machine: &Machine,
     program: &ProgramFile,
-    acknowledge: Acknowledge,
+    arguments: &Arguments,
 ) -> Result<Outcome, Failure> {
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
-    let options = CheckOptions { acknowledge, ..CheckOptions::default() };
+    let acknowledge = arguments.m_functions.acknowledge;
+    let options = CheckOptions { limits: arguments.limits, physics: false, acknowledge };
     let bar = show::progress(bytes, "checking {bar:30} {percent:>3} % {bytes_per_sec}");
     let outcome = crate::check::check(machine, program, options, &mut |read| {
         bar.set_position(read);
