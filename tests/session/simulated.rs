@@ -139,7 +139,8 @@ fn what_was_not_checked_is_not_run() {
     assert!(error.to_string().contains("has changed"), "{error}");
     std::fs::remove_file(program.file.path()).unwrap();
     let error = run().unwrap_err();
-    let missing = matches!(&error, LimitFailure::Read(error) if error.kind() == std::io::ErrorKind::NotFound);
+    let missing =
+        matches!(&error, LimitFailure::Read(error) if error.kind() == std::io::ErrorKind::NotFound);
     assert!(missing, "{error}");
 }
 

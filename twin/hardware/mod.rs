@@ -198,11 +198,7 @@ impl Hardware {
 
     /// Another plan than was commanded: `setpoints` in the place of those after `time_ns`, to an early end at which the drives
     /// come to rest.
-    pub fn replan<'a>(
-        &mut self,
-        time_ns: i64,
-        setpoints: impl Iterator<Item = &'a AxisSetpoint>,
-    ) {
+    pub fn replan<'a>(&mut self, time_ns: i64, setpoints: impl Iterator<Item = &'a AxisSetpoint>) {
         // First this: the end of a plan that gets shorter is no delay.
         self.finish(true);
         self.stream.replace(time_ns, setpoints.map(|setpoint| self.motion(setpoint)));
