@@ -5,8 +5,15 @@ use crate::finding::Rule;
 use crate::limit::{LimitFailure, LimitRules, Limits, Profile, ProfileItem};
 use crate::m_function::{Acknowledgement, MCall, Waiting};
 use crate::machine::Machine;
-use crate::program::{ProgramFile, ProgramItem, Setpoints};
+use crate::program::{Findings, ProgramFile, ProgramItem, Setpoints};
+use std::io;
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+use std::task::Poll;
+use std::thread::Scope;
 use twin_motion::interpolate::ToolSetpoint;
+
+/// Set-points that a thread may be ahead: seconds of them, where planning a window takes a part of one.
+const AHEAD: usize = 4096;
 
 /// The set-points of a program, as the controller itself plans them or within the limits of the axes.
 #[derive(Debug)]
@@ -29,17 +36,90 @@ impl<'m> Planning<'m> {
         limits: Limits,
         rules: Acknowledgement,
     ) -> Result<Self, LimitFailure> {
-        Ok(Self(match limits {
-            Limits::Softmotion => Plan::Controller(Box::new(program.open(machine, rules)?)),
-            Limits::Axes => Plan::Axes(Box::new(WithinAxes::new(machine, program, rules)?)),
-        }))
+        Ok(match limits {
+            Limits::Softmotion => Self(Plan::Controller(Box::new(program.open(machine, rules)?))),
+            Limits::Axes => {
+                let motion = Motion::new(machine, program, &rules)?;
+                Self::within_axes(machine, Source::Here(Box::new(motion)), rules)
+            }
+        })
+    }
+
+    /// As [`Self::new`], for whoever cannot wait while a window of the path is planned: that is done in a thread of `scope`,
+    /// ahead. It ends when the planning is dropped.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and if no thread can be had.
+    pub(crate) fn ahead<'scope>(
+        scope: &'scope Scope<'scope, '_>,
+        machine: &'m Machine,
+        program: &'scope ProgramFile,
+        limits: Limits,
+        rules: Acknowledgement,
+    ) -> Result<Self, LimitFailure>
+    where
+        'm: 'scope,
+    {
+        if limits == Limits::Softmotion {
+            return Self::new(machine, program, limits, rules);
+        }
+        let (sender, items) = sync_channel(AHEAD);
+        let (opened, whether_opened) = sync_channel(1);
+        let for_motion = rules.clone();
+        let plan = move || {
+            // Where that is refused, it is as it was.
+            crate::priority::ordinary().unwrap_or_default();
+            let motion = match Motion::new(machine, program, &for_motion) {
+                Ok(motion) => motion,
+                Err(failure) => return opened.send(Err(failure)).unwrap_or_default(),
+            };
+            opened.send(Ok(())).unwrap_or_default();
+            for next in motion {
+                if sender.send(next).is_err() {
+                    return;
+                }
+            }
+        };
+        std::thread::Builder::new().name("planner".to_owned()).spawn_scoped(scope, plan)?;
+        let gone = |_| LimitFailure::Read(io::Error::other("its thread has ended"));
+        whether_opened.recv().map_err(gone)??;
+        Ok(Self::within_axes(machine, Source::Thread(items), rules))
+    }
+
+    fn within_axes(machine: &Machine, profile: Source<'m>, rules: Acknowledgement) -> Self {
+        Self(Plan::Axes(Box::new(WithinAxes {
+            profile,
+            cycle_ns: machine.cycle_ns,
+            waiting: Waiting::new(rules),
+            tool: None,
+            later_ns: 0,
+        })))
+    }
+
+    /// What comes next; with `waits`, or where no thread is ahead, it is there when this returns.
+    pub(crate) fn poll(&mut self, waits: bool) -> Poll<Option<ProgramItem>> {
+        match &mut self.0 {
+            Plan::Controller(setpoints) => Poll::Ready(setpoints.next()),
+            Plan::Axes(within) => within.poll(waits),
+        }
+    }
+
+    /// What is known of the file; nothing of what another thread reads.
+    fn file(&self) -> Option<&Findings> {
+        match &self.0 {
+            Plan::Axes(within) => match &within.profile {
+                Source::Here(motion) => Some(motion.0.file()),
+                Source::Thread(_) => None,
+            },
+            Plan::Controller(_) => None,
+        }
     }
 
     /// Bytes of the file read so far.
     pub(crate) fn bytes_read(&self) -> u64 {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.bytes_read(),
-            Plan::Axes(within) => within.profile.bytes_read(),
+            Plan::Axes(_) => self.file().map_or(0, Findings::bytes_read),
         }
     }
 
@@ -47,7 +127,7 @@ impl<'m> Planning<'m> {
     pub(crate) fn elements(&self) -> u64 {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.elements(),
-            Plan::Axes(within) => within.profile.file().elements(),
+            Plan::Axes(_) => self.file().map_or(0, Findings::elements),
         }
     }
 
@@ -55,7 +135,7 @@ impl<'m> Planning<'m> {
     pub(crate) fn length(&self) -> f64 {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.length(),
-            Plan::Axes(within) => within.profile.file().length(),
+            Plan::Axes(_) => self.file().map_or(0.0, Findings::length),
         }
     }
 
@@ -63,7 +143,7 @@ impl<'m> Planning<'m> {
     pub(crate) fn left_out(&self) -> u64 {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.left_out(),
-            Plan::Axes(within) => within.profile.file().left_out(),
+            Plan::Axes(_) => self.file().map_or(0, Findings::left_out),
         }
     }
 
@@ -107,9 +187,9 @@ impl Iterator for Planning<'_> {
     type Item = ProgramItem;
 
     fn next(&mut self) -> Option<ProgramItem> {
-        match &mut self.0 {
-            Plan::Controller(setpoints) => setpoints.next(),
-            Plan::Axes(within) => within.next(),
+        match self.poll(true) {
+            Poll::Ready(next) => next,
+            Poll::Pending => None,
         }
     }
 }
@@ -117,7 +197,7 @@ impl Iterator for Planning<'_> {
 /// A program within the limits of the axes.
 #[derive(Debug)]
 struct WithinAxes<'m> {
-    profile: Profile<'m>,
+    profile: Source<'m>,
     cycle_ns: i64,
     waiting: Waiting,
     /// The last one.
@@ -127,22 +207,7 @@ struct WithinAxes<'m> {
     later_ns: i64,
 }
 
-impl<'m> WithinAxes<'m> {
-    fn new(
-        machine: &'m Machine,
-        program: &ProgramFile,
-        rules: Acknowledgement,
-    ) -> Result<Self, LimitFailure> {
-        let profile = Profile::new(program, machine, LimitRules::default())?;
-        Ok(Self {
-            profile: profile.for_check(&rules),
-            cycle_ns: machine.cycle_ns,
-            waiting: Waiting::new(rules),
-            tool: None,
-            later_ns: 0,
-        })
-    }
-
+impl WithinAxes<'_> {
     /// The path rests where it is for one cycle more.
     fn wait(&mut self) -> Option<ToolSetpoint> {
         let mut tool = self.tool?;
@@ -152,39 +217,82 @@ impl<'m> WithinAxes<'m> {
         Some(tool)
     }
 
-    /// The set-point of the profile's last sample.
-    fn take(&mut self) -> Option<ToolSetpoint> {
-        let mut tool = *self.profile.tool()?;
-        tool.time_ns += self.later_ns;
-        // Two of the same number in a row are two calls all the same.
-        let left = self.profile.has_entered();
-        self.waiting.see(left, tool.m_function, tool.place, tool.time_ns);
-        self.tool = Some(tool);
-        Some(tool)
-    }
-}
-
-impl Iterator for WithinAxes<'_> {
-    type Item = ProgramItem;
-
-    fn next(&mut self) -> Option<ProgramItem> {
+    fn poll(&mut self, waits: bool) -> Poll<Option<ProgramItem>> {
         if self.waiting.for_word()
             && let Some(tool) = self.wait()
         {
-            return Some(ProgramItem::Setpoint(tool));
+            return Poll::Ready(Some(ProgramItem::Setpoint(tool)));
         }
-        loop {
-            match self.profile.next()? {
-                ProfileItem::Sample(_) => {
-                    if let Some(tool) = self.take() {
-                        return Some(ProgramItem::Setpoint(tool));
-                    }
-                }
-                // Whoever takes set-points finds that out itself.
-                ProfileItem::Finding(finding) if finding.rule == Rule::AxisPosition => {}
-                ProfileItem::Finding(finding) => return Some(ProgramItem::Diagnostic(finding)),
-                ProfileItem::Io(error) => return Some(ProgramItem::Io(error)),
+        let next = match &mut self.profile {
+            Source::Here(profile) => profile.next(),
+            Source::Thread(items) if waits => items.recv().ok(),
+            Source::Thread(items) => match items.try_recv() {
+                Ok(item) => Some(item),
+                Err(TryRecvError::Empty) => return Poll::Pending,
+                Err(TryRecvError::Disconnected) => None,
+            },
+        };
+        Poll::Ready(next.map(|Next { item, enters }| match item {
+            ProgramItem::Setpoint(mut tool) => {
+                tool.time_ns += self.later_ns;
+                // Two of the same number in a row are two calls all the same.
+                self.waiting.see(enters, tool.m_function, tool.place, tool.time_ns);
+                self.tool = Some(tool);
+                ProgramItem::Setpoint(tool)
             }
+            other => other,
+        }))
+    }
+}
+
+/// Where the motion within the limits of the axes comes from.
+#[derive(Debug)]
+enum Source<'m> {
+    Here(Box<Motion<'m>>),
+    /// From a thread of its own, which is ahead.
+    Thread(Receiver<Next>),
+}
+
+/// What comes next.
+#[derive(Debug)]
+struct Next {
+    item: ProgramItem,
+    /// It is the first set-point on its element.
+    enters: bool,
+}
+
+/// The motion within the limits of the axes.
+#[derive(Debug)]
+struct Motion<'m>(Profile<'m>);
+
+impl<'m> Motion<'m> {
+    fn new(
+        machine: &'m Machine,
+        program: &ProgramFile,
+        rules: &Acknowledgement,
+    ) -> Result<Self, LimitFailure> {
+        let profile = Profile::new(program, machine, LimitRules::default())?;
+        Ok(Self(profile.for_check(rules)))
+    }
+}
+
+impl Iterator for Motion<'_> {
+    type Item = Next;
+
+    fn next(&mut self) -> Option<Next> {
+        let Self(profile) = self;
+        loop {
+            let item = match profile.next()? {
+                ProfileItem::Sample(_) => match profile.tool() {
+                    Some(tool) => ProgramItem::Setpoint(*tool),
+                    None => continue,
+                },
+                // Whoever takes set-points finds that out itself.
+                ProfileItem::Finding(finding) if finding.rule == Rule::AxisPosition => continue,
+                ProfileItem::Finding(finding) => ProgramItem::Diagnostic(finding),
+                ProfileItem::Io(error) => ProgramItem::Io(error),
+            };
+            return Some(Next { item, enters: profile.has_entered() });
         }
     }
 }

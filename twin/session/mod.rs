@@ -191,11 +191,23 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
         observer: &mut dyn Observer,
         interrupts: &dyn Fn() -> u32,
     ) -> Result<Ending, LimitFailure> {
-        let paced = self.realtime || self.hardware.is_some();
-        let ahead_ns = if self.hardware.is_some() { HORIZON_NS } else { 0 };
         let outputs = self.hardware.is_some();
         let rules = Acknowledgement::for_run(self.machine, self.acknowledge, outputs);
-        let items = Planning::new(self.machine, self.program, self.limits, rules)?;
+        std::thread::scope(|scope| {
+            let Self { machine, program, limits, .. } = self;
+            let items = Planning::ahead(scope, machine, program, limits, rules)?;
+            Ok(self.follow(items, observer, interrupts))
+        })
+    }
+
+    fn follow(
+        self,
+        items: Planning<'_>,
+        observer: &mut dyn Observer,
+        interrupts: &dyn Fn() -> u32,
+    ) -> Ending {
+        let paced = self.realtime || self.hardware.is_some();
+        let ahead_ns = if self.hardware.is_some() { HORIZON_NS } else { 0 };
         let mut run = Run::new(self.machine, items, self.twin, self.hardware, self.realtime);
         // Drives that begin to follow find a plan.
         run.heed(interrupts());
@@ -218,6 +230,6 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
             }
         }
         run.settle(clock, observer, interrupts);
-        Ok(run.ending())
+        run.ending()
     }
 }

@@ -15,6 +15,7 @@ use crate::plant::{AxisFeedback, Plant};
 use crate::program::ProgramItem;
 use crate::setpoint::{AxisSetpoint, Transformer};
 use std::collections::VecDeque;
+use std::task::Poll;
 use std::time::Duration;
 use twin_motion::Place;
 
@@ -234,11 +235,14 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
     /// Plans beyond `until_ns`, and hands the drives what is planned.
     pub(super) fn plan(&mut self, until_ns: i64) {
         let paced = self.hardware.is_some() || self.realtime;
+        // Before the beginning there is time.
+        let waits = self.clock.is_none();
         while self.planning
             && (paced || !self.waits_for_word())
             && self.planned.back().is_none_or(|last| last.time_ns <= until_ns)
         {
-            match self.items.next() {
+            let Poll::Ready(item) = self.items.poll(waits) else { break };
+            match item {
                 Some(ProgramItem::Setpoint(tool)) => {
                     let call = self.items.m_call();
                     match self.transformer.axes(&tool, call) {
