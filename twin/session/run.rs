@@ -22,6 +22,17 @@ use twin_motion::Place;
 /// How long drives may take to come to rest at the end before the session ends without them.
 const LONGEST_SETTLING: Duration = Duration::from_secs(10);
 
+/// What comes behind the set-points that are planned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Plan {
+    /// More of them.
+    GoesOn,
+    /// Nothing: they lead along the path to rest.
+    Ends,
+    /// Nothing: they lead off the path to rest, as fast as the axes can.
+    Brakes,
+}
+
 /// A run under way.
 pub(super) struct Run<'a, P> {
     machine: &'a Machine,
@@ -41,13 +52,11 @@ pub(super) struct Run<'a, P> {
     comparison: Comparison,
     /// Set-points that are planned and not yet due.
     planned: VecDeque<AxisSetpoint>,
-    /// Whether there are more.
-    planning: bool,
+    /// What comes behind them.
+    plan: Plan,
     stopped: Option<Stopped>,
     /// How often the user has interrupted.
     interrupts: u32,
-    /// The set-points lead off the path to rest, as fast as the axes can.
-    braking: bool,
     /// Where they leave it.
     off_path: Option<Place>,
     /// The last set-point that was executed.
@@ -78,10 +87,9 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
             history: History::new(machine),
             comparison: Comparison::new(machine.axes.len()),
             planned: VecDeque::new(),
-            planning: true,
+            plan: Plan::GoesOn,
             stopped: None,
             interrupts: 0,
-            braking: false,
             off_path: None,
             executed: None,
             m_call: None,
@@ -150,7 +158,7 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
 
     /// Whether there are set-points left.
     pub(super) fn goes_on(&self) -> bool {
-        self.planning || !self.planned.is_empty()
+        self.plan == Plan::GoesOn || !self.planned.is_empty()
     }
 
     /// Time of the last set-point that was executed, ns.
@@ -177,14 +185,14 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
             self.interrupts += 1;
             if self.interrupts == 1 {
                 // What is planned to its end goes to its end.
-                if self.planning && self.stopped.is_none() {
+                if self.plan == Plan::GoesOn && self.stopped.is_none() {
                     self.stopped = Some(Stopped::Interrupted(self.place()));
                     self.stop();
                 }
                 continue;
             }
             self.stopped.get_or_insert(Stopped::Interrupted(self.place()));
-            if !self.braking && self.goes_on() {
+            if self.plan != Plan::Brakes && self.goes_on() {
                 self.brake();
             } else if let Some(hardware) = &mut self.hardware {
                 hardware.stop();
@@ -201,7 +209,7 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
 
     /// From now on every axis brakes at its own limits, on the simulated machine and on the drives.
     fn brake(&mut self) {
-        if self.braking || !self.goes_on() {
+        if self.plan == Plan::Brakes || !self.goes_on() {
             return;
         }
         // Where planning has kept everything else waiting, the drives are ahead of the simulated machine.
@@ -214,7 +222,7 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
 
     /// Every axis brakes at its own limits from the end of what is planned.
     fn come_to_rest(&mut self) {
-        (self.planning, self.braking) = (false, true);
+        self.plan = Plan::Brakes;
         let kept = self.planned.len();
         let moving = self.executed.is_some() || kept > 1;
         let from = self.planned.back().or(self.executed.as_ref()).copied();
@@ -237,7 +245,7 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
         let paced = self.hardware.is_some() || self.realtime;
         // Before the beginning there is time.
         let waits = self.clock.is_none();
-        while self.planning
+        while self.plan == Plan::GoesOn
             && (paced || !self.waits_for_word())
             && self.planned.back().is_none_or(|last| last.time_ns <= until_ns)
         {
@@ -266,10 +274,10 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
                     }
                 }
                 Some(ProgramItem::Io(error)) => self.lose_plan(Stopped::Read(error)),
-                None => self.planning = false,
+                None => self.plan = Plan::Ends,
             }
         }
-        if !self.planning
+        if self.plan != Plan::GoesOn
             && let Some(hardware) = &mut self.hardware
         {
             hardware.finish(self.stopped.is_some());

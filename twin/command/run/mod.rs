@@ -1,5 +1,6 @@
 //! `twin run`: the program on the simulated machine and on the drives at once.
 
+mod interrupt;
 mod prompt;
 mod summary;
 
@@ -20,12 +21,11 @@ use crate::report::seconds;
 use crate::session::{Answer, DriveSample, Ending, Observer, Session, TwinCycle};
 use crate::simulated::Simulated;
 use indicatif::ProgressBar;
+pub(super) use interrupt::Interrupt;
 use prompt::Prompt;
 use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 use summary::{DriveSamples, Report, summary};
 use twin_drives::interpcnc::emulator::EmulatedBoard;
@@ -39,7 +39,7 @@ const APPROACH: f64 = 0.25;
 ///
 /// The whole program is checked first, and nothing moves if it is not fit for the machine. Without drives the run
 /// goes as fast as it can; with drives it is in step with the wall clock. Ctrl-C brakes on the path and still
-/// writes recording and report; a second Ctrl-C brakes every axis at its own limits, off the path.
+/// writes recording and report; a second one, and with --limits axes the first, brakes every axis at its own limits.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The program
@@ -92,35 +92,6 @@ enum Drives {
     Emulated,
     /// The drives on the ports of the machine file (not there yet)
     Real,
-}
-
-/// Ctrl-C, counted.
-#[derive(Clone, Debug)]
-pub(super) struct Interrupt {
-    count: Arc<AtomicU32>,
-}
-
-impl Interrupt {
-    pub(super) fn catch() -> Result<Self, Failure> {
-        let count = Arc::new(AtomicU32::new(0));
-        let counter = Arc::clone(&count);
-        ctrlc::set_handler(move || {
-            counter.fetch_add(1, Ordering::Relaxed);
-        })?;
-        Ok(Self { count })
-    }
-
-    fn count(&self) -> u32 {
-        self.count.load(Ordering::Relaxed)
-    }
-
-    /// Sleeps until the next Ctrl-C.
-    pub(super) fn wait(&self) {
-        let before = self.count();
-        while self.count() == before {
-            std::thread::sleep(Duration::from_millis(50));
-        }
-    }
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
