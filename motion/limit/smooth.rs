@@ -34,9 +34,13 @@ use std::ops::Range;
 /// The next guess is not below this part of the one before.
 const FLOOR: f64 = 0.05;
 
-/// How exactly a guess and the profile itself are solved for.
+/// Where b changes by more than this part, the tangents about it do, too: by the square of it.
+const MOVED: f64 = 0.15;
+
+/// How exactly a guess, a profile that is looked at afterwards, and one that is not, are solved for.
 const ROUGH: f64 = 1e-5;
 const FINE: f64 = 1e-6;
+const EXACT: f64 = 1e-9;
 
 /// With a row that was left out and is not kept those of so many cells before and behind are added.
 const AROUND: usize = 12;
@@ -94,13 +98,24 @@ pub(super) struct Guess {
     pub(super) asked: Vec<Asked>,
     /// Whether it is no solution of the program yet.
     pub(super) rough: bool,
+    /// Nodes at which the last solution was far from what it was about, so that the tangents there are not near the limits.
+    pub(super) moved: Vec<usize>,
+    /// How exactly the next one is solved for, if this is one.
+    tolerance: f64,
 }
 
 impl Guess {
     /// Of b alone.
     pub(super) fn rough(b: Vec<f64>) -> Self {
         let c: Vec<f64> = pairs(&b).map(|(from, to)| from.midpoint(to)).collect();
-        Self { asked: vec![Asked::default(); c.len()], b, c, rough: true }
+        Self {
+            asked: vec![Asked::default(); c.len()],
+            b,
+            c,
+            rough: true,
+            moved: Vec::new(),
+            tolerance: FINE,
+        }
     }
 
     /// What happens in the cell `index` of the length `h`.
@@ -129,8 +144,13 @@ impl Guess {
     /// With the solution about it in its place, and `broken` rows to be kept from now on.
     fn follow(&mut self, b: &[f64], c: &[f64], Broken(broken): &Broken) {
         // A profile that all but rests says little about the next.
-        for (guess, b) in self.b.iter_mut().zip(b) {
-            *guess = b.max(FLOOR * *guess);
+        self.moved.clear();
+        for (node, (guess, b)) in self.b.iter_mut().zip(b).enumerate() {
+            let next = b.max(FLOOR * *guess);
+            if (next - *guess).abs() > MOVED * *guess {
+                self.moved.push(node);
+            }
+            *guess = next;
         }
         self.c.clear();
         self.c.extend_from_slice(c);
@@ -196,7 +216,7 @@ impl SmoothSolver {
         guess: &[f64],
         solves: u32,
     ) -> Result<SmoothProfile, NotSolved> {
-        let mut guess = Guess::rough(guess.to_vec());
+        let mut guess = Guess { tolerance: EXACT, ..Guess::rough(guess.to_vec()) };
         let mut iterations = 0;
         let mut solved = 0;
         loop {
@@ -233,7 +253,7 @@ impl SmoothSolver {
         }
         self.build(grid, &cells, beginning, guess, &free);
         // What is only the guess for another need not be exact.
-        let answer = self.program.solve(if guess.rough { ROUGH } else { FINE })?;
+        let answer = self.program.solve(if guess.rough { ROUGH } else { guess.tolerance })?;
         let broken = Broken(self.program.broken(&answer.x).collect());
         let mut c = guess.c.clone();
         let solved = self.scale.iter().skip(free.start).zip(&answer.x);

@@ -29,7 +29,7 @@ where
     /// lets go on as fast as they can.
     pub(super) fn safe(&self, grid: &Grid) -> (usize, usize) {
         let cells = 0..grid.cells();
-        if self.after.is_some() {
+        if self.stops() {
             return (cells.end, cells.end);
         }
         let stopping = reachable::controllable(grid, cells.clone(), 0.0);
@@ -133,6 +133,7 @@ where
 
     /// Makes the cells from `index` on as coarse as they came.
     pub(super) fn coarsen(&mut self, index: usize) {
+        self.cells.append(&mut self.beyond);
         let fine = self.cells.split_off(index.min(self.cells.len()));
         let mut near = fine.first().map_or(self.near, |cell| cell.start.position);
         let mut elements: Vec<(Arc<CourseElement>, f64)> = Vec::new();

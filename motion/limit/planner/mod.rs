@@ -94,6 +94,8 @@ pub struct Planner<I, E, A> {
     jerk_limited: bool,
     /// What is known of the path and not committed.
     cells: Vec<Cell>,
+    /// What is known behind the window: as coarse as it came.
+    beyond: Vec<Cell>,
     /// b at the nodes of those of them that were planned before and stay as they are.
     kept: Vec<f64>,
     /// What the last window had planned behind what was committed of it: to rest.
@@ -136,6 +138,7 @@ where
             options,
             jerk_limited,
             cells: Vec::new(),
+            beyond: Vec::new(),
             kept: Vec::new(),
             tail: Vec::new(),
             beginning: Beginning::Rest,
@@ -208,17 +211,23 @@ where
 
     /// Pulls elements until `horizon` s of the path are known, or a stop.
     fn fill(&mut self, horizon: f64) {
-        let mut check = 64;
+        self.cells.append(&mut self.beyond);
+        let mut check = 16;
         while self.after.is_none() {
-            self.pull();
-            if self.cells.len() >= check && self.after.is_none() {
+            if self.cells.len() >= check {
                 let grid = grid(&self.sampler, &self.cells);
                 if self.estimate(&grid).1 >= horizon {
                     return;
                 }
                 check = self.cells.len() + self.cells.len() / 2;
             }
+            self.pull();
         }
+    }
+
+    /// Whether the path stops at the end of the window.
+    fn stops(&self) -> bool {
+        self.after.is_some() && self.beyond.is_empty()
     }
 
     /// Plans the cells at hand.
@@ -229,7 +238,7 @@ where
             if self.cells.is_empty() {
                 break;
             }
-            if let Err(error) = self.refine() {
+            if let Err(error) = self.cut_off(horizon).and_then(|()| self.refine()) {
                 let place = self.rest_instead();
                 self.ready.push_back(Err(LimitError::Kinematics { place, error }));
                 break;
@@ -248,6 +257,7 @@ where
             break;
         }
         if self.cells.is_empty()
+            && self.beyond.is_empty()
             && let Some(after) = self.after.take()
         {
             match after {

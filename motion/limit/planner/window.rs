@@ -27,9 +27,8 @@ const HALVING: u32 = 6;
 const VARIES: f64 = 0.12;
 /// A change is felt for so many times the time in which acceleration builds up.
 const FELT: f64 = 4.0;
-/// A profile that takes less than the one that it is about by more than this part is solved about again, so often at most.
-const SETTLED: f64 = 1e-3;
-const MOST_SOLVES: u32 = 8;
+/// A profile far from what it is about is solved about again, so often at most.
+const MOST_SOLVES: u32 = 20;
 
 impl<I, E, A> Planner<I, E, A>
 where
@@ -90,18 +89,20 @@ where
 
     /// Solves about the solution before until that makes no difference any more.
     fn settle(&mut self, guess: &mut Guess) -> Result<(SmoothProfile, Broken), NotSolved> {
-        let (mut solves, mut before) = (0, 0.0);
+        let mut solves = 0;
         loop {
             let grid = grid(&self.sampler, &self.cells);
             let whole = 1..grid.cells().saturating_sub(1);
-            let (profile, broken) = self.solve_part(&grid, guess, whole)?;
-            let takes = duration(&grid, &profile.b);
-            let settled = takes > before * (1.0 - SETTLED);
-            before = takes;
+            let mut solved = self.solve_part(&grid, guess, whole)?;
             solves += 1;
-            if solves >= self.options.solves && (settled || solves >= MOST_SOLVES) {
-                self.gains.clone_from(&profile.gains);
-                return Ok((profile, broken));
+            if solves >= self.options.solves {
+                self.gains.clone_from(&solved.0.gains);
+                while !guess.moved.is_empty() && solves < MOST_SOLVES {
+                    let moved = std::mem::take(&mut guess.moved);
+                    solved = self.solve_again(guess, &moved)?;
+                    solves += 1;
+                }
+                return Ok(solved);
             }
             if solves == 1 {
                 self.bend(&grid, guess);
@@ -119,7 +120,7 @@ where
         let parts = self.around(&grid, guess, changed);
         let whole = 1..grid.cells().saturating_sub(1);
         let mut all_broken = Broken::default();
-        let mut result = None;
+        let (mut result, mut moved) = (None, Vec::new());
         if 2 * parts.iter().map(Range::len).sum::<usize>() < whole.len() {
             for part in parts {
                 let Ok((profile, broken)) = self.solve_part(&grid, guess, part.clone()) else {
@@ -131,10 +132,12 @@ where
                 self.gains.retain(|gain| !part.contains(&gain.cell));
                 self.gains.extend_from_slice(&profile.gains);
                 all_broken.extend(broken);
+                moved.append(&mut guess.moved);
                 result = Some(profile);
             }
         }
         if let Some(profile) = result {
+            guess.moved = moved;
             return Ok((profile, all_broken));
         }
         let (profile, broken) = self.solve_part(&grid, guess, whole)?;
@@ -337,12 +340,6 @@ where
 /// Whether something in a cell is more than it may be.
 fn exceeds(worst: [f64; 3]) -> bool {
     worst.iter().zip(ALLOWED).any(|(worst, [allowed, _])| *worst > allowed)
-}
-
-/// About how long it takes to go through the cells of `grid` with these b at its nodes, s.
-fn duration(grid: &Grid, b: &[f64]) -> f64 {
-    let ends = b.iter().zip(b.iter().skip(1)).enumerate();
-    ends.map(|(cell, (from, to))| 2.0 * grid.length(cell) / (from.sqrt() + to.sqrt())).sum()
 }
 
 /// How each cell is gone through.
