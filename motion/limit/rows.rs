@@ -17,6 +17,8 @@ const LEAST_TIME: f64 = 2e-5;
 /// Where the velocity varies within a cell, so does the jerk: at its ends it may be larger than in its middle, by this
 /// part of the limit.
 const AT_ENDS: f64 = 0.04;
+/// An end of a cell at which b is less by more than this part is left alone.
+const SLOWER: f64 = 0.3;
 /// Where a row of a jerk limit is active, so much of it is the jerk: the rest is the tangent.
 const JERK_SHARE: f64 = 2.0 / 3.0;
 
@@ -253,10 +255,10 @@ impl Writer<'_> {
         ];
         let dense = grid.is_dense(cell);
         for (index, (place, b, rows)) in places.iter().enumerate() {
-            // At the slower end the jerk is what it is in the middle, or less; and near rest the tangent there would hold back
-            // what it is not about.
+            // Near rest the tangent at the slower end would hold back what it is not about.
             let more = if index == 1 || dense { 0.0 } else { AT_ENDS };
-            if index != 1 && *b <= guess * (1.0 + more) {
+            let least = if dense { 1.0 - SLOWER } else { 1.0 + AT_ENDS };
+            if index != 1 && *b <= guess * least {
                 continue;
             }
             let factor = share / (1.0 + more);

@@ -189,6 +189,10 @@ fn quadratic_duration(length: f64, b: f64, a: f64, gamma: f64) -> f64 {
     let to = (b + length * (2.0 * a + gamma * length)).max(0.0).sqrt();
     // Through the mean velocity; exact for γ = 0.
     let mut time = 2.0 * length / (from + to);
+    if gamma == 0.0 {
+        // Newton's method would divide by the velocity, which may be 0 at the end.
+        return time;
+    }
     let z = gamma * time * time;
     if z.abs() > 0.5 {
         // Closed form: √γ·T = ln((√γ·v₁ + a₁)/(√γ·v₀ + a₀)), or the angle between the two phases.
@@ -297,5 +301,13 @@ mod tests {
         assert!((stretch.at(0.5).position - 0.125).abs() < 1e-15);
         check(&stretch);
         check(&Stretch::uniform(0.5, 1.0, 0.0));
+    }
+
+    /// Where the square of the velocity at the end is 0 but for its rounding, the time is that of the school formula as well.
+    #[test]
+    fn uniform_to_rest_takes_its_time() {
+        let (length, b) = (3.890_243_159_207_496e-8, 7.934_570_312_567_944e-8_f64);
+        let time = Stretch::uniform(length, b, 0.0).duration();
+        assert!((time / (2.0 * length / b.sqrt()) - 1.0).abs() < 1e-9, "{time}");
     }
 }

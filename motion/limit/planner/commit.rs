@@ -17,8 +17,10 @@ use std::sync::Arc;
 /// So many times the time in which acceleration builds up is left between what is committed and where the end of the window
 /// begins to be felt.
 const MARGIN: f64 = 4.0;
+/// And at least so long, s: where cells further on have become shorter they may ask for a little earlier braking.
+const LEAST_MARGIN: f64 = 0.06;
 /// What was planned before is planned again with so much more room.
-const ROOM: [f64; 3] = [2e-4, 2e-3, 1e-6];
+const ROOM: [f64; 3] = [3e-4, 2e-3, 1e-6];
 
 impl<I, E, A> Planner<I, E, A>
 where
@@ -37,7 +39,7 @@ where
         let pairs = stopping.iter().zip(&free);
         let free = pairs.take_while(|(s, f)| **s >= **f * (1.0 - 1e-9)).count().saturating_sub(1);
         // Jerk limits ask for braking earlier: by the time in which the acceleration comes and goes, and a margin.
-        let mut left = MARGIN * self.build_up();
+        let mut left = LEAST_MARGIN.max(MARGIN * self.build_up());
         let mut end = free;
         let (b, _) = self.estimate(grid);
         while end > 0 && left > 0.0 {
