@@ -26,4 +26,5 @@ pub mod simulated;
 pub mod workspace;
 
 mod page;
+mod planning;
 mod table;

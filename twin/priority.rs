@@ -2,11 +2,26 @@
 
 use thread_priority::unix::{set_thread_priority_and_policy, thread_native_id};
 use thread_priority::{
-    Error, RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
+    Error, NormalThreadSchedulePolicy, RealtimeThreadSchedulePolicy, ThreadPriority,
+    ThreadPriorityValue, ThreadSchedulePolicy,
 };
 
 /// Above everything that is not real-time, below what the kernel runs in threads of its own.
 const PRIORITY: u8 = 10;
+
+/// As nice as any other program.
+const ORDINARY: u8 = 48;
+
+/// Runs the calling thread as any other program, although it was started by one that does not wait: what reckons for long.
+///
+/// # Errors
+/// Where threads cannot be told apart.
+pub(crate) fn ordinary() -> Result<(), Error> {
+    let value = ThreadPriorityValue::try_from(ORDINARY)
+        .map_or(ThreadPriority::Min, ThreadPriority::Crossplatform);
+    let policy = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+    set_thread_priority_and_policy(thread_native_id(), value, policy)
+}
 
 /// Runs the calling thread, and the threads it will start, before every ordinary thread of the computer
 /// (`SCHED_FIFO`): a drive that is not spoken to for a tenth of a second is a tenth of a second behind the plan.

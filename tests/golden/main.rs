@@ -17,6 +17,7 @@ mod limit;
 mod machine;
 mod path;
 mod process;
+mod run_limits;
 
 use serde::Deserialize;
 use std::collections::BTreeMap;

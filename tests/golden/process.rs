@@ -40,7 +40,7 @@ impl Desk {
         std::fs::write(self.path(name), text).expect("written");
     }
 
-    fn read(&self, name: &str) -> Value {
+    pub(crate) fn read(&self, name: &str) -> Value {
         let text = std::fs::read_to_string(self.path(name)).expect("it was written");
         serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
     }
@@ -57,7 +57,7 @@ impl Desk {
     }
 
     /// `twin run` of `program`, interrupted by `signal` a second after it has announced what `sign` says.
-    fn interrupted(&self, signal: &str, sign: &str, arguments: &[&str]) -> Done {
+    pub(crate) fn interrupted(&self, signal: &str, sign: &str, arguments: &[&str]) -> Done {
         let mut child = self.command(arguments).spawn().expect("the binary starts");
         let stderr = child.stderr.take().expect("piped");
         let mut lines = BufReader::new(stderr).lines().map_while(Result::ok);

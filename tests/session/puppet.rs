@@ -16,12 +16,15 @@ use twin::setpoint::AxisSetpoint;
 use twin_drives::{
     Action, Drive, DriveError, Exchange, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
 };
+use twin_kinematics::AxisVector;
 
 /// A drive that is where the stream says at any time, and knows that time exactly.
 #[derive(Debug, Default)]
 pub(super) struct Puppet {
     position: Increments,
-    soft_stops: Arc<AtomicU32>,
+    pub(super) soft_stops: Arc<AtomicU32>,
+    /// Where it is, for others.
+    pub(super) found: Arc<Mutex<Increments>>,
     /// Does not answer from then on.
     fails_at_ns: Option<i64>,
     pub(super) outputs: Arc<Mutex<Vec<(u8, bool)>>>,
@@ -79,6 +82,7 @@ impl Drive for Puppet {
         for (position, wanted) in self.position.iter_mut().zip(motion.position) {
             *position = wanted.round() as i64;
         }
+        *self.found.lock().unwrap() = self.position;
         let moving = motion.velocity.iter().any(|velocity| velocity.abs() > 1.0);
         Ok(Sample { time_ns, position: self.position, moving })
     }
@@ -161,8 +165,33 @@ fn run_on(
     interrupts: &dyn Fn() -> u32,
 ) -> Ending {
     let start = program.check(machine).start.unwrap();
+    run_both(&start, machine, twin, puppet, program, recorder, interrupts)
+}
+
+/// Without a check.
+pub(super) fn run_from(
+    start: &AxisVector,
+    machine: &Machine,
+    puppet: Puppet,
+    program: &Program,
+    recorder: &mut Recorder<'_>,
+    interrupts: &dyn Fn() -> u32,
+) -> Ending {
+    let twin = Ideal { fails_at_ns: i64::MAX, arrived: None };
+    run_both(start, machine, twin, puppet, program, recorder, interrupts)
+}
+
+fn run_both(
+    start: &AxisVector,
+    machine: &Machine,
+    twin: Ideal,
+    puppet: Puppet,
+    program: &Program,
+    recorder: &mut Recorder<'_>,
+    interrupts: &dyn Fn() -> u32,
+) -> Ending {
     let mut hardware =
-        Hardware::start(machine, Box::new(puppet), &start, machine.cycle_ns, 0.25).unwrap();
+        Hardware::start(machine, Box::new(puppet), start, machine.cycle_ns, 0.25).unwrap();
     while !hardware.ready().unwrap() {
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -171,6 +200,7 @@ fn run_on(
         program: &program.file,
         twin,
         hardware: Some(hardware),
+        limits: program.limits,
         acknowledge: Acknowledge::Auto,
         realtime: false,
     };
@@ -198,13 +228,22 @@ fn samples_are_compared_with_what_was_wanted_at_their_time() {
 #[test]
 fn a_simulated_machine_that_fails_brakes_the_drives() {
     let mut recorder = Recorder::new();
-    let (ending, soft_stops) = run(CIRCLES, 300_000_000, &mut recorder, &|| 0);
+    let puppet = Puppet::default();
+    let found = Arc::clone(&puppet.found);
+    let (ending, soft_stops) = run_with(puppet, CIRCLES, 300_000_000, &mut recorder, &|| 0);
     let Some(stopped @ Stopped::Twin { place, .. }) = &ending.stopped else {
         panic!("{:?}", ending.stopped)
     };
     assert_eq!(place.line, 2);
     assert!(stopped.to_string().contains("diverged"), "{stopped}");
-    assert_eq!(soft_stops, 1);
+    assert_eq!((soft_stops, ending.off_path.map(|place| place.line)), (0, Some(2)));
+    // At 0.3 s, 20 mm along the circle (v·(t − v/2E)), at full speed; then 1.7 mm at most with 3000 mm/s² in X and Y each, and
+    // a moment until the session has heard of it.
+    let (sin, cos) = (20.0f64 / 30.0).sin_cos();
+    let [x, y, ..] = found.lock().unwrap().map(|increments| increments as f64 / 320.0);
+    let (x, y) = (x - 30.0 * (1.0 - cos), y - 30.0 * sin);
+    let along = x * sin + y * cos;
+    assert!(along > 0.5 && along < 8.0, "{x} mm {y} mm");
     // What the drives did after that has nothing to be compared with.
     assert!(ending.comparison.tool.drives_against_twin.maximum().unwrap().0 < 2.5e-6);
 }
@@ -239,7 +278,7 @@ fn drives_do_not_leap_after_a_session_that_was_kept_waiting() {
 
 #[test]
 fn only_the_second_interrupt_brakes_the_drives_off_the_path() {
-    for (interrupts, brakes) in [(1, 0), (2, 1)] {
+    for (interrupts, off_path, brakes) in [(1, false, 0), (2, true, 0), (3, true, 1)] {
         let count = Cell::new(0);
         let mut recorder = Recorder::with(|time_ns| {
             if time_ns >= 200_000_000 {
@@ -249,7 +288,7 @@ fn only_the_second_interrupt_brakes_the_drives_off_the_path() {
         let (ending, soft_stops) = run(CIRCLES, i64::MAX, &mut recorder, &|| count.get());
         let stopped = &ending.stopped;
         assert!(matches!(stopped, Some(Stopped::Interrupted(_))), "{stopped:?}");
-        assert_eq!(soft_stops, brakes);
+        assert_eq!((ending.off_path.is_some(), soft_stops), (off_path, brakes));
         assert_eq!(recorder.last().path_velocity, 0.0);
     }
 }

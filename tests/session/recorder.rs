@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use twin::compare::Measured;
 use twin::m_function::MCall;
 use twin::session::{Answer, DriveSample, Observer, TwinCycle};
+use twin_kinematics::AxisMotion;
 
 /// One cycle of the simulated machine.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +13,7 @@ pub(crate) struct Cycle {
     pub(crate) line: u32,
     /// Of the set-point, m/s.
     pub(crate) path_velocity: f64,
+    pub(crate) axes: AxisMotion,
     pub(crate) wanted: Measured,
     pub(crate) twin: Measured,
 }
@@ -77,6 +79,7 @@ impl Observer for Recorder<'_> {
             time_ns: cycle.setpoint.time_ns,
             line: cycle.setpoint.place.line,
             path_velocity: cycle.setpoint.path_velocity,
+            axes: cycle.setpoint.axes,
             wanted: *cycle.wanted,
             twin: *cycle.twin,
         });

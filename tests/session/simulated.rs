@@ -4,6 +4,7 @@ use crate::{Program, Recorder, SCARA2, machine, portal, simulate};
 use std::cell::Cell;
 use twin::clock::Clock;
 use twin::compare::ErrorStatistics;
+use twin::limit::{LimitFailure, Limits};
 use twin::m_function::Acknowledge;
 use twin::session::{Session, Stopped};
 use twin::simulated::Simulated;
@@ -125,6 +126,7 @@ fn what_was_not_checked_is_not_run() {
             program: &program.file,
             twin,
             hardware: None,
+            limits: Limits::Softmotion,
             acknowledge: Acknowledge::Auto,
             realtime: false,
         };
@@ -136,7 +138,10 @@ fn what_was_not_checked_is_not_run() {
     let error = run().unwrap_err();
     assert!(error.to_string().contains("has changed"), "{error}");
     std::fs::remove_file(program.file.path()).unwrap();
-    assert_eq!(run().unwrap_err().kind(), std::io::ErrorKind::NotFound);
+    let error = run().unwrap_err();
+    let missing =
+        matches!(&error, LimitFailure::Read(error) if error.kind() == std::io::ErrorKind::NotFound);
+    assert!(missing, "{error}");
 }
 
 #[test]
@@ -166,8 +171,15 @@ fn in_real_time_a_run_takes_no_less_than_its_time() {
     let start = program.check(&machine).start.unwrap();
     let twin = Simulated::new(&machine, &start).unwrap();
     let (program, acknowledge) = (&program.file, Acknowledge::Auto);
-    let session =
-        Session { machine: &machine, program, twin, hardware: None, acknowledge, realtime: true };
+    let session = Session {
+        machine: &machine,
+        program,
+        twin,
+        hardware: None,
+        limits: Limits::Softmotion,
+        acknowledge,
+        realtime: true,
+    };
     let clock = Clock::start();
     let ending = session.run(&mut Recorder::new(), &|| 0).unwrap();
     assert!(ending.executed_ns >= 199_000_000);

@@ -5,7 +5,6 @@ mod direction_tests;
 mod findings;
 mod options;
 mod sentence;
-mod source;
 #[cfg(test)]
 mod tests;
 
@@ -15,6 +14,7 @@ use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
 use crate::machine::{DirectionRule, Machine};
 use crate::physics::PhysicsError;
+use crate::planning::Planning;
 use crate::plant::Plant;
 use crate::program::{ProgramFile, ProgramItem};
 use crate::report::{AxisPeak, Peak, seconds};
@@ -23,7 +23,6 @@ use crate::simulated::Simulated;
 use findings::Findings;
 pub use options::{CheckFailure, CheckOptions};
 pub(crate) use sentence::{beyond_position, unreachable};
-use source::Source;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
@@ -86,7 +85,7 @@ pub fn check(
     let mut checker = Checker::new(machine, slack);
     let mut rehearsal = physics.then_some(Rehearsal { machine, twin: None, lost: false });
     let rules = Acknowledgement::for_check(machine, acknowledge);
-    let mut items = Source::new(machine, program, limits, rules)?;
+    let mut items = Planning::new(machine, program, limits, rules)?;
     let mut countdown = 0u32;
     while let Some(item) = items.next() {
         match item {

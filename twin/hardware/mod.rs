@@ -196,7 +196,29 @@ impl Hardware {
         changed.unwrap_or_default();
     }
 
-    /// Asks the drives to brake now, wherever they are.
+    /// Another plan than was commanded: `setpoints` in the place of those after `time_ns`, to an early end at which the drives
+    /// come to rest.
+    pub fn replan<'a>(&mut self, time_ns: i64, setpoints: impl Iterator<Item = &'a AxisSetpoint>) {
+        // First this: the end of a plan that gets shorter is no delay.
+        self.finish(true);
+        self.stream.replace(time_ns, setpoints.map(|setpoint| self.motion(setpoint)));
+    }
+
+    /// A set-point in increments.
+    fn motion(&self, setpoint: &AxisSetpoint) -> IncrementMotion {
+        let mut motion = IncrementMotion::default();
+        let slots = motion.position.iter_mut().zip(motion.velocity.iter_mut());
+        let axes = setpoint.axes.position.iter().zip(setpoint.axes.velocity.iter());
+        for ((position, velocity), ((si_position, si_velocity), axis)) in
+            slots.zip(axes.zip(&self.axes))
+        {
+            *position = si_position * axis.increments_per_si;
+            *velocity = si_velocity * axis.increments_per_si;
+        }
+        motion
+    }
+
+    /// Asks the drives to brake now, wherever they are, on ramps of their own.
     pub fn stop(&mut self) {
         self.order.store(STOP, Ordering::Relaxed);
     }
@@ -260,16 +282,7 @@ impl Plant for Hardware {
     type Error = HardwareError;
 
     fn command(&mut self, setpoint: &AxisSetpoint) -> Result<(), HardwareError> {
-        let mut motion = IncrementMotion::default();
-        let slots = motion.position.iter_mut().zip(motion.velocity.iter_mut());
-        let axes = setpoint.axes.position.iter().zip(setpoint.axes.velocity.iter());
-        for ((position, velocity), ((si_position, si_velocity), axis)) in
-            slots.zip(axes.zip(&self.axes))
-        {
-            *position = si_position * axis.increments_per_si;
-            *velocity = si_velocity * axis.increments_per_si;
-        }
-        self.stream.push(setpoint.time_ns, motion);
+        self.stream.push(setpoint.time_ns, self.motion(setpoint));
         Ok(())
     }
 

@@ -50,6 +50,14 @@ impl Stream {
         }
     }
 
+    /// Plans `motions`, a cycle each, in the place of whatever is planned after `time_ns`.
+    pub(super) fn replace(&self, time_ns: i64, motions: impl Iterator<Item = IncrementMotion>) {
+        let mut plan = self.plan();
+        let kept = time_ns.div_euclid(self.cycle_ns) + 1 - plan.first;
+        plan.setpoints.truncate(usize::try_from(kept).unwrap_or(0));
+        plan.setpoints.extend(motions);
+    }
+
     /// The last planned instant, ns.
     pub(super) fn end_ns(&self) -> i64 {
         let plan = self.plan();

@@ -245,6 +245,26 @@ fn a_stream_is_interpolated_between_cycles_and_rests_at_its_ends() {
 }
 
 #[test]
+fn a_stream_is_replaced_behind_an_instant() {
+    let stream = Stream::new([0.0; MAX_DRIVE_AXES], CYCLE_NS);
+    for cycle in 0..3000 {
+        stream.push(cycle * CYCLE_NS, motion(10.0 * cycle as f64, 1e4));
+    }
+    // Also what has been forgotten at the front counts.
+    let rest = [29_908.0, 29_912.0].map(|position| motion(position, 0.0));
+    stream.replace(2990 * CYCLE_NS, rest.into_iter());
+    assert_eq!(stream.end_ns(), 2992 * CYCLE_NS);
+    for (cycle, position) in [(2989, 29_890.0), (2990, 29_900.0), (2991, 29_908.0)] {
+        let found = stream.at(cycle * CYCLE_NS).position.first().copied().unwrap();
+        assert!((found - position).abs() < 1e-9, "{cycle}: {found}");
+    }
+    assert_eq!(stream.at(5000 * CYCLE_NS), motion(29_912.0, 0.0));
+    // Nothing left to do: it rests where it is.
+    stream.replace(2989 * CYCLE_NS, std::iter::empty());
+    assert_eq!(stream.at(2990 * CYCLE_NS), motion(29_890.0, 0.0));
+}
+
+#[test]
 fn a_stream_forgets_what_is_long_past() {
     let stream = Stream::new([0.0; MAX_DRIVE_AXES], CYCLE_NS);
     let cycles = 100_000;

@@ -11,9 +11,10 @@ use crate::machine::Machine;
 use crate::program::{Findings, Halt, Prepared, ProgramFile};
 use std::io;
 use std::num::NonZeroU32;
+use std::sync::Arc;
 use twin_kinematics::AxisVector;
 use twin_motion::interpolate::{DEFAULT_CYCLE_NS, ToolSetpoint};
-use twin_motion::limit::course::{CourseOptions, Order};
+use twin_motion::limit::course::{CourseElement, CourseOptions, Order};
 use twin_motion::limit::{
     AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, Planner, Rates,
 };
@@ -85,6 +86,9 @@ pub struct Profile<'m> {
     pub(super) watch: Watch<'m>,
     /// The last one.
     tool: Option<ToolSetpoint>,
+    /// The element it is on, and whether it is the first on it.
+    element: Option<Arc<CourseElement>>,
+    entered: bool,
 }
 
 impl<'m> Profile<'m> {
@@ -127,6 +131,8 @@ impl<'m> Profile<'m> {
             tells_feeds: false,
             watch: Watch::new(machine),
             tool: None,
+            element: None,
+            entered: false,
         })
     }
 
@@ -140,6 +146,11 @@ impl<'m> Profile<'m> {
     /// The set-point of the last sample.
     pub(crate) fn tool(&self) -> Option<&ToolSetpoint> {
         self.tool.as_ref()
+    }
+
+    /// Whether the last sample is the first on its element.
+    pub(crate) fn has_entered(&self) -> bool {
+        self.entered
     }
 
     /// What is known of the file.
@@ -222,6 +233,10 @@ impl<'m> Profile<'m> {
             }
         }
         self.tool = Some(*tool);
+        self.entered = !self.element.as_ref().is_some_and(|last| Arc::ptr_eq(last, element));
+        if self.entered {
+            self.element = Some(Arc::clone(element));
+        }
         sample.binding = self.binding(&sample, first, torque.as_ref(), followed);
         self.include(&point.rates, torque.as_ref(), followed);
         ProfileItem::Sample(Box::new(sample))

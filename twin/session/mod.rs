@@ -1,14 +1,17 @@
 //! A run: the same set-points to the simulated machine and to the drives, and what both make of them.
 
+mod braking;
 mod history;
 mod run;
 
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
 use crate::hardware::{HORIZON_NS, Hardware, HardwareError};
+use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledge, Acknowledgement, MCall};
 use crate::machine::Machine;
 use crate::physics::PhysicsError;
+use crate::planning::Planning;
 use crate::plant::Plant;
 use crate::program::ProgramFile;
 use crate::setpoint::AxisSetpoint;
@@ -78,6 +81,8 @@ pub struct Ending {
     pub executed_ns: i64,
     /// Why it did not go to the end of the program.
     pub stopped: Option<Stopped>,
+    /// Where the axes left the path to come to rest, each at its own limits.
+    pub off_path: Option<Place>,
     /// Outputs of the drives that are perhaps still on although the run has ended early.
     pub left_on: Vec<u8>,
 }
@@ -86,7 +91,18 @@ impl Ending {
     /// The ending of a run that never began.
     pub fn nothing(machine: &Machine) -> Self {
         let comparison = Comparison::new(machine.axes.len());
-        Self { comparison, executed_ns: 0, stopped: None, left_on: Vec::new() }
+        Self { comparison, executed_ns: 0, stopped: None, off_path: None, left_on: Vec::new() }
+    }
+
+    /// Why it did not go to the end of the program, and how it came to rest, in words.
+    pub fn reason(&self) -> Option<String> {
+        let reason = self.stopped.as_ref()?;
+        Some(match self.off_path {
+            Some(place) => format!(
+                "{reason}; from {place} on the axes left the path and braked, each at its own limits"
+            ),
+            None => reason.to_string(),
+        })
     }
 }
 
@@ -96,7 +112,7 @@ pub enum Stopped {
     /// The user asked for it.
     #[error("stopped by the user at {0}")]
     Interrupted(Place),
-    /// The drives failed; the simulated machine braked on the path.
+    /// The drives failed; every axis of the simulated machine braked at its own limits.
     #[error("the drives failed at {place}: {source}")]
     Drives {
         /// The block in which the set-point was.
@@ -119,6 +135,14 @@ pub enum Stopped {
         place: Place,
         /// Why.
         source: KinematicsError,
+    },
+    /// A program in which something is found wrong that the check has not found: the file has changed.
+    #[error("{place}: {message}; has the program file changed since it was checked?")]
+    Program {
+        /// The block.
+        place: Place,
+        /// What is wrong.
+        message: String,
     },
     /// The program file could no longer be read.
     #[error("the program file cannot be read any further: {0}")]
@@ -147,6 +171,8 @@ pub struct Session<'a, P> {
     pub twin: P,
     /// The drives, standing there too.
     pub hardware: Option<Hardware>,
+    /// Whose limits the path is planned with, as it was checked.
+    pub limits: Limits,
     /// Who acknowledges M functions that the machine file knows nothing of.
     pub acknowledge: Acknowledge,
     /// In step with the wall clock; with drives it always is.
@@ -154,27 +180,40 @@ pub struct Session<'a, P> {
 }
 
 impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
-    /// Runs the program to its end, or until `interrupts` counts one (a second one brakes the drives where
-    /// they are), and brings everything to rest.
+    /// Runs the program to its end, or until `interrupts` counts one, and brings everything to rest: on the path with the first
+    /// if the planning is able to, else, and with the second, every axis at its own acceleration and jerk; the next one
+    /// leaves the drives to the ramps of their devices.
     ///
     /// # Errors
-    /// If the program cannot be opened.
+    /// If the program cannot be opened, or the machine is none whose axes a path can be planned for.
     pub fn run(
         self,
         observer: &mut dyn Observer,
         interrupts: &dyn Fn() -> u32,
-    ) -> std::io::Result<Ending> {
-        let paced = self.realtime || self.hardware.is_some();
-        let ahead_ns = if self.hardware.is_some() { HORIZON_NS } else { 0 };
+    ) -> Result<Ending, LimitFailure> {
         let outputs = self.hardware.is_some();
         let rules = Acknowledgement::for_run(self.machine, self.acknowledge, outputs);
-        let items = self.program.open(self.machine, rules)?;
+        std::thread::scope(|scope| {
+            let Self { machine, program, limits, .. } = self;
+            let items = Planning::ahead(scope, machine, program, limits, rules)?;
+            Ok(self.follow(items, observer, interrupts))
+        })
+    }
+
+    fn follow(
+        self,
+        items: Planning<'_>,
+        observer: &mut dyn Observer,
+        interrupts: &dyn Fn() -> u32,
+    ) -> Ending {
+        let paced = self.realtime || self.hardware.is_some();
+        let ahead_ns = if self.hardware.is_some() { HORIZON_NS } else { 0 };
         let mut run = Run::new(self.machine, items, self.twin, self.hardware, self.realtime);
         // Drives that begin to follow find a plan.
         run.heed(interrupts());
         run.plan(ahead_ns);
         let clock = Clock::start();
-        run.begin(clock);
+        run.begin(clock, paced);
         while run.goes_on() {
             let now_ns = if paced { clock.now_ns() } else { run.executed_ns() + BATCH_NS };
             run.heed(interrupts());
@@ -191,6 +230,6 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
             }
         }
         run.settle(clock, observer, interrupts);
-        Ok(run.ending())
+        run.ending()
     }
 }

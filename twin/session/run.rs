@@ -1,33 +1,50 @@
 //! A run under way, in rounds: plan, simulate what is due, listen to the drives.
 
+use super::braking::braking;
 use super::history::History;
 use super::{Answer, DriveSample, Ending, Observer, Stopped, TwinCycle};
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
+use crate::finding::{Finding, Severity};
 use crate::hardware::{Hardware, HardwareError};
 use crate::m_function::{MCall, MFunction};
 use crate::machine::Machine;
 use crate::physics::PhysicsError;
+use crate::planning::Planning;
 use crate::plant::{AxisFeedback, Plant};
-use crate::program::{ProgramItem, Setpoints};
+use crate::program::ProgramItem;
 use crate::setpoint::{AxisSetpoint, Transformer};
 use std::collections::VecDeque;
+use std::task::Poll;
 use std::time::Duration;
 use twin_motion::Place;
 
 /// How long drives may take to come to rest at the end before the session ends without them.
 const LONGEST_SETTLING: Duration = Duration::from_secs(10);
 
+/// What comes behind the set-points that are planned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Plan {
+    /// More of them.
+    GoesOn,
+    /// Nothing: they lead along the path to rest.
+    Ends,
+    /// Nothing: they lead off the path to rest, as fast as the axes can.
+    Brakes,
+}
+
 /// A run under way.
 pub(super) struct Run<'a, P> {
     machine: &'a Machine,
-    items: Setpoints,
+    items: Planning<'a>,
     transformer: Transformer<'a>,
     twin: P,
     twin_failed: bool,
     hardware: Option<Hardware>,
     /// Whether time passes by itself.
     realtime: bool,
+    /// What set-points are due by, if that is the wall clock.
+    clock: Option<Clock>,
     /// Of the drives, from later than the simulated machine has come: drives are heard of at any time, it is simulated
     /// once per round.
     samples: VecDeque<AxisFeedback>,
@@ -35,13 +52,15 @@ pub(super) struct Run<'a, P> {
     comparison: Comparison,
     /// Set-points that are planned and not yet due.
     planned: VecDeque<AxisSetpoint>,
-    /// Whether there are more.
-    planning: bool,
+    /// What comes behind them.
+    plan: Plan,
     stopped: Option<Stopped>,
-    /// Time of the last set-point that was executed.
-    executed_ns: i64,
-    /// Its block.
-    place: Place,
+    /// How often the user has interrupted.
+    interrupts: u32,
+    /// Where they leave it.
+    off_path: Option<Place>,
+    /// The last set-point that was executed.
+    executed: Option<AxisSetpoint>,
     /// The M function executed last.
     m_call: Option<MCall>,
 }
@@ -50,7 +69,7 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
     /// Of `items` on `twin` and `hardware`, which stand at the start.
     pub(super) fn new(
         machine: &'a Machine,
-        items: Setpoints,
+        items: Planning<'a>,
         twin: P,
         hardware: Option<Hardware>,
         realtime: bool,
@@ -63,14 +82,16 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
             twin_failed: false,
             hardware,
             realtime,
+            clock: None,
             samples: VecDeque::new(),
             history: History::new(machine),
             comparison: Comparison::new(machine.axes.len()),
             planned: VecDeque::new(),
-            planning: true,
+            plan: Plan::GoesOn,
             stopped: None,
-            executed_ns: 0,
-            place: Place::default(),
+            interrupts: 0,
+            off_path: None,
+            executed: None,
             m_call: None,
         }
     }
@@ -111,7 +132,7 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
         }
         if let Some(function) = self.switches(call.number) {
             let switched = self.hardware.as_ref().is_none_or(Hardware::has_switched);
-            if switched && self.executed_ns - call.since_ns >= function.time_ns {
+            if switched && self.executed_ns() - call.since_ns >= function.time_ns {
                 self.items.acknowledge();
             }
             return;
@@ -122,13 +143,14 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
             Answer::Nobody => {
                 let MCall { number, place, .. } = call;
                 self.stopped = Some(Stopped::Unacknowledged { number, place });
-                self.items.request_stop();
+                self.stop();
             }
         }
     }
 
     /// From now on the drives follow the plan by `clock`.
-    pub(super) fn begin(&mut self, clock: Clock) {
+    pub(super) fn begin(&mut self, clock: Clock, paced: bool) {
+        self.clock = paced.then_some(clock);
         if let Some(hardware) = &mut self.hardware {
             hardware.follow(clock);
         }
@@ -136,31 +158,84 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
 
     /// Whether there are set-points left.
     pub(super) fn goes_on(&self) -> bool {
-        self.planning || !self.planned.is_empty()
+        self.plan == Plan::GoesOn || !self.planned.is_empty()
     }
 
+    /// Time of the last set-point that was executed, ns.
     pub(super) fn executed_ns(&self) -> i64 {
-        self.executed_ns
+        self.executed.map_or(0, |executed| executed.time_ns)
+    }
+
+    /// Its block.
+    fn place(&self) -> Place {
+        self.executed.map_or(Place::default(), |executed| executed.place)
     }
 
     /// What has come of it.
     pub(super) fn ending(self) -> Ending {
-        let Self { comparison, executed_ns, stopped, hardware, .. } = self;
+        let executed_ns = self.executed_ns();
+        let Self { comparison, stopped, off_path, hardware, .. } = self;
         let left_on = hardware.map(|hardware| hardware.left_on().to_vec()).unwrap_or_default();
-        Ending { comparison, executed_ns, stopped, left_on }
+        Ending { comparison, executed_ns, stopped, off_path, left_on }
     }
 
     /// Obeys the user, who has interrupted so many times.
     pub(super) fn heed(&mut self, interrupts: u32) {
-        // What is planned to its end goes to its end.
-        let stops = if self.planning { interrupts > 0 } else { interrupts > 1 };
-        if self.stopped.is_none() && stops {
-            self.stopped = Some(Stopped::Interrupted(self.place));
-            self.items.request_stop();
+        while self.interrupts < interrupts {
+            self.interrupts += 1;
+            if self.interrupts == 1 {
+                // What is planned to its end goes to its end.
+                if self.plan == Plan::GoesOn && self.stopped.is_none() {
+                    self.stopped = Some(Stopped::Interrupted(self.place()));
+                    self.stop();
+                }
+                continue;
+            }
+            self.stopped.get_or_insert(Stopped::Interrupted(self.place()));
+            if self.plan != Plan::Brakes && self.goes_on() {
+                self.brake();
+            } else if let Some(hardware) = &mut self.hardware {
+                hardware.stop();
+            }
         }
-        if interrupts > 1
-            && let Some(hardware) = &mut self.hardware
-        {
+    }
+
+    /// On the path, if the planning is able to.
+    fn stop(&mut self) {
+        if !self.items.request_stop() {
+            self.brake();
+        }
+    }
+
+    /// From now on every axis brakes at its own limits, on the simulated machine and on the drives.
+    fn brake(&mut self) {
+        if self.plan == Plan::Brakes || !self.goes_on() {
+            return;
+        }
+        // Where planning has kept everything else waiting, the drives are ahead of the simulated machine.
+        let now_ns = self.clock.map_or(self.executed_ns(), |clock| clock.now_ns());
+        let due = self.planned.iter().take_while(|next| next.time_ns <= now_ns).count();
+        // Everything stands at the first.
+        self.planned.truncate(due.max(usize::from(self.executed.is_none())));
+        self.come_to_rest();
+    }
+
+    /// Every axis brakes at its own limits from the end of what is planned.
+    fn come_to_rest(&mut self) {
+        self.plan = Plan::Brakes;
+        let kept = self.planned.len();
+        let moving = self.executed.is_some() || kept > 1;
+        let from = self.planned.back().or(self.executed.as_ref()).copied();
+        let rest = from.filter(|_| moving).map(|from| (from, braking(self.machine, &from)));
+        if let Some((from, Ok(rest))) = rest {
+            self.planned.extend(rest);
+            if self.planned.len() > kept {
+                self.off_path = Some(from.place);
+            }
+            if let Some(hardware) = &mut self.hardware {
+                hardware.replan(from.time_ns, self.planned.iter().skip(kept));
+            }
+        } else if let Some(hardware) = &mut self.hardware {
             hardware.stop();
         }
     }
@@ -168,52 +243,60 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
     /// Plans beyond `until_ns`, and hands the drives what is planned.
     pub(super) fn plan(&mut self, until_ns: i64) {
         let paced = self.hardware.is_some() || self.realtime;
-        while self.planning
+        // Before the beginning there is time.
+        let waits = self.clock.is_none();
+        while self.plan == Plan::GoesOn
             && (paced || !self.waits_for_word())
             && self.planned.back().is_none_or(|last| last.time_ns <= until_ns)
         {
-            match self.items.next() {
+            let Poll::Ready(item) = self.items.poll(waits) else { break };
+            match item {
                 Some(ProgramItem::Setpoint(tool)) => {
                     let call = self.items.m_call();
                     match self.transformer.axes(&tool, call) {
                         Ok(setpoint) => {
+                            self.planned.push_back(setpoint);
                             if let Some(hardware) = &mut self.hardware
                                 && let Err(source) = hardware.command(&setpoint)
                             {
                                 self.lose_drives(source);
                             }
-                            self.planned.push_back(setpoint);
                         }
                         Err(source) => self.lose_plan(Stopped::Path { place: tool.place, source }),
                     }
                 }
                 // The check has refused programs with errors; warnings have been shown by it.
-                Some(ProgramItem::Diagnostic(_)) => {}
+                Some(ProgramItem::Diagnostic(finding)) => {
+                    if finding.severity == Severity::Error {
+                        let Finding { line, block, message, .. } = finding;
+                        let place = Place { line, block };
+                        self.lose_plan(Stopped::Program { place, message });
+                    }
+                }
                 Some(ProgramItem::Io(error)) => self.lose_plan(Stopped::Read(error)),
-                None => self.planning = false,
+                None => self.plan = Plan::Ends,
             }
         }
-        if !self.planning
+        if self.plan != Plan::GoesOn
             && let Some(hardware) = &mut self.hardware
         {
             hardware.finish(self.stopped.is_some());
         }
     }
 
-    /// No set-points any more that lead to rest: the drives brake now; the simulated machine takes what there is.
+    /// No set-points any more that lead to rest on the path: what is planned is still good, and the axes brake from its end.
     fn lose_plan(&mut self, reason: Stopped) {
         self.stopped.get_or_insert(reason);
-        self.planning = false;
-        if let Some(hardware) = &mut self.hardware {
-            hardware.stop();
-        }
+        self.come_to_rest();
     }
 
     /// The simulated machine takes what is due.
     pub(super) fn simulate(&mut self, now_ns: i64, observer: &mut dyn Observer) {
         while let Some(setpoint) = self.planned.pop_front_if(|next| next.time_ns <= now_ns) {
-            self.executed_ns = setpoint.time_ns;
-            self.place = setpoint.place;
+            self.executed = Some(setpoint);
+            if self.twin_failed {
+                continue;
+            }
             if let Some(call) = setpoint.m_call {
                 self.begin_m_function(call, observer);
             }
@@ -224,7 +307,7 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
                 Err(source) => return self.lose_twin(source),
             };
             if let Some((wanted, twin)) = self.history.push(self.machine, &setpoint, &feedback) {
-                self.comparison.twin(&wanted, &twin, self.place);
+                self.comparison.twin(&wanted, &twin, setpoint.place);
                 observer.twin(&TwinCycle { setpoint: &setpoint, wanted: &wanted, twin: &twin });
             }
         }
@@ -233,21 +316,17 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
     /// Nothing to compare with any more: the drives brake, and that is the end.
     fn lose_twin(&mut self, source: PhysicsError) {
         self.twin_failed = true;
-        self.stopped.get_or_insert(Stopped::Twin { place: self.place, source });
-        if let Some(hardware) = &mut self.hardware {
-            hardware.stop();
-        }
-        self.planning = false;
-        self.planned.clear();
+        self.stopped.get_or_insert(Stopped::Twin { place: self.place(), source });
+        self.brake();
     }
 
-    /// The simulated machine brakes on the path. That the drives fail is worth more words than that the user has
-    /// stopped them before.
+    /// The drives are off the path or nobody knows where they are: the simulated machine has nothing to gain from staying on
+    /// it. That the drives fail is worth more words than that the user has stopped them before.
     fn lose_drives(&mut self, source: HardwareError) {
-        self.items.request_stop();
         if matches!(self.stopped, None | Some(Stopped::Interrupted(_) | Stopped::Unsettled)) {
-            self.stopped = Some(Stopped::Drives { place: self.place, source });
+            self.stopped = Some(Stopped::Drives { place: self.place(), source });
         }
+        self.brake();
     }
 
     /// Takes what the drives have said and compares what is comparable.
@@ -260,7 +339,7 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
             }
         };
         // After the end everything rests; before it, what a sample is compared with must have been simulated.
-        let known_ns = if self.goes_on() { self.executed_ns } else { i64::MAX };
+        let known_ns = if self.goes_on() { self.executed_ns() } else { i64::MAX };
         while let Some(sample) = self.samples.pop_front_if(|sample| sample.time_ns <= known_ns) {
             self.compare(&sample, observer);
         }
@@ -307,9 +386,7 @@ impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
                 self.stopped.get_or_insert(Stopped::Unsettled);
                 return;
             }
-            if interrupts() > 1 {
-                self.heed(interrupts());
-            }
+            self.heed(interrupts());
             std::thread::sleep(Duration::from_millis(1));
         }
     }

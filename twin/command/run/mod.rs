@@ -1,16 +1,19 @@
 //! `twin run`: the program on the simulated machine and on the drives at once.
 
+mod interrupt;
 mod prompt;
 mod summary;
 
 use super::options::{
-    self, AcknowledgeOption, DEFAULT_ADDRESS, MachineOption, ReadOptions, unreadable,
+    self, AcknowledgeOption, DEFAULT_ADDRESS, MachineOption, ReadOptions, plans_without_inputs,
+    unreadable,
 };
 use super::{Failure, Status, check, show};
 use crate::check::{CheckOptions, Outcome};
 use crate::finding;
 use crate::hardware::Hardware;
-use crate::m_function::{Acknowledge, MCall};
+use crate::limit::Limits;
+use crate::m_function::MCall;
 use crate::machine::Machine;
 use crate::picture::Picture;
 use crate::program::ProgramFile;
@@ -18,12 +21,11 @@ use crate::report::seconds;
 use crate::session::{Answer, DriveSample, Ending, Observer, Session, TwinCycle};
 use crate::simulated::Simulated;
 use indicatif::ProgressBar;
+pub(super) use interrupt::Interrupt;
 use prompt::Prompt;
 use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 use summary::{DriveSamples, Report, summary};
 use twin_drives::interpcnc::emulator::EmulatedBoard;
@@ -37,7 +39,7 @@ const APPROACH: f64 = 0.25;
 ///
 /// The whole program is checked first, and nothing moves if it is not fit for the machine. Without drives the run
 /// goes as fast as it can; with drives it is in step with the wall clock. Ctrl-C brakes on the path and still
-/// writes recording and report; a second Ctrl-C brakes the drives where they are.
+/// writes recording and report; a second one, and with --limits axes the first, brakes every axis at its own limits.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The program
@@ -51,6 +53,11 @@ pub(super) struct Arguments {
 
     #[command(flatten)]
     m_functions: AcknowledgeOption,
+
+    /// Whose limits the path is planned with: the controller's own, or those of the axes, as `twin limit` plans it. As for
+    /// `twin check`, the controller's own unless told otherwise: what moves is what was checked, and what the controller does
+    #[arg(long, value_enum, default_value = "softmotion")]
+    limits: Limits,
 
     /// Drives to run in parallel to the simulated machine
     #[arg(long, value_enum, default_value = "emulated")]
@@ -87,35 +94,6 @@ enum Drives {
     Real,
 }
 
-/// Ctrl-C, counted.
-#[derive(Clone, Debug)]
-pub(super) struct Interrupt {
-    count: Arc<AtomicU32>,
-}
-
-impl Interrupt {
-    pub(super) fn catch() -> Result<Self, Failure> {
-        let count = Arc::new(AtomicU32::new(0));
-        let counter = Arc::clone(&count);
-        ctrlc::set_handler(move || {
-            counter.fetch_add(1, Ordering::Relaxed);
-        })?;
-        Ok(Self { count })
-    }
-
-    fn count(&self) -> u32 {
-        self.count.load(Ordering::Relaxed)
-    }
-
-    /// Sleeps until the next Ctrl-C.
-    pub(super) fn wait(&self) {
-        let before = self.count();
-        while self.count() == before {
-            std::thread::sleep(Duration::from_millis(50));
-        }
-    }
-}
-
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     arguments.check()?;
     let machine = arguments.machine.load()?;
@@ -129,7 +107,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         )));
     }
 
-    let checked = check_first(&machine, &program, arguments.m_functions.acknowledge)?;
+    if arguments.limits == Limits::Axes {
+        plans_without_inputs(&program)?;
+    }
+    let checked = check_first(&machine, &program, arguments)?;
     let mut outcome = checked.clone();
     show::findings(&program, &outcome.findings);
     let report = Report {
@@ -160,7 +141,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     finding::sort(&mut outcome.findings);
     let report = Report { outcome: &outcome, ..report };
 
-    let reason = done.ending.stopped.as_ref().map(ToString::to_string);
+    let reason = done.ending.reason();
     // First what was asked for in files: nobody may be reading what is printed.
     report.write(&done.ending, done.samples, reason.clone())?;
     let mut out = io::stdout().lock();
@@ -232,7 +213,8 @@ fn perform<'m>(
     );
     let acknowledge = arguments.m_functions.acknowledge;
     let realtime = arguments.realtime;
-    let session = Session { machine, program, twin, hardware, acknowledge, realtime };
+    let limits = arguments.limits;
+    let session = Session { machine, program, twin, hardware, limits, acknowledge, realtime };
     let mut watcher = Watcher {
         picture: &mut picture,
         bar: &bar,
@@ -243,7 +225,7 @@ fn perform<'m>(
     let clock = crate::clock::Clock::start();
     let ending = session
         .run(&mut watcher, &|| interrupt.count())
-        .map_err(|source| unreadable(program.path(), source))?;
+        .map_err(|failure| Failure::check(program, failure.into()))?;
     let took = seconds(clock.now_ns());
     let samples = watcher.samples;
     bar.finish_and_clear();
@@ -304,10 +286,11 @@ fn judge(arguments: &Arguments, ending: &Ending) -> Status {
 fn check_first(
     machine: &Machine,
     program: &ProgramFile,
-    acknowledge: Acknowledge,
+    arguments: &Arguments,
 ) -> Result<Outcome, Failure> {
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
-    let options = CheckOptions { acknowledge, ..CheckOptions::default() };
+    let acknowledge = arguments.m_functions.acknowledge;
+    let options = CheckOptions { limits: arguments.limits, physics: false, acknowledge };
     let bar = show::progress(bytes, "checking {bar:30} {percent:>3} % {bytes_per_sec}");
     let outcome = crate::check::check(machine, program, options, &mut |read| {
         bar.set_position(read);

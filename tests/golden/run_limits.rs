@@ -1,0 +1,71 @@
+//! `twin run --limits axes` as a process: what has been checked within the limits of the axes is what moves.
+
+use crate::process::{Desk, number};
+
+/// 40 mm of X at 150 mm/s, then 60 mm of Z, which does 200 mm/s and is asked for twice of that.
+const LINES: &str = "\
+% lines
+N10 G92 X0 Y0 Z-40 F100 E2000 E-2000
+N20 G1 X40 F150
+N30 G1 Z20 F400
+";
+const CIRCLES: &str = "% circles\nN10 G2 I30 J0 F100 E500 E-500\nN20 G2 I30 J0\nN30 G2 I30 J0\n";
+
+const RUN: [&str; 6] = ["-m", "machine.toml", "--report", "r.json", "--limits", "axes"];
+
+#[test]
+fn what_is_too_fast_for_an_axis_runs_within_its_limits() {
+    let desk = Desk::new();
+    desk.write("lines.cnc", LINES);
+    desk.twin(&["run", "lines.cnc", "-m", "machine.toml"]).ended(1, "axis-velocity");
+    let expected: f64 =
+        [(40.0, 150.0), (60.0, 200.0)].iter().map(|(length, v)| length / v + v / 2000.0).sum();
+    let mut errors = Vec::new();
+    for drives in ["none", "emulated"] {
+        let more = ["--drives", drives, "--tolerance", "5"];
+        let done = desk.twin(&[&["run", "lines.cnc"][..], &RUN, &more].concat());
+        done.ended(0, "the programmed feed of 400 mm/s cannot be held");
+        let report = desk.read("r.json");
+        assert_eq!(report["completed"], true);
+        assert_eq!(report["executed_s"], report["duration_s"]);
+        assert!((number(&report["executed_s"]) - expected).abs() < 2e-3, "{report:#}");
+        assert!(number(&report["peak"]["Z"]["velocity"]["value"]) <= 200.2, "{report:#}");
+        errors.push(report["tool_error_mm"]["twin"].clone());
+        let heard = report["tool_error_mm"]["drives"]["max"].as_f64();
+        assert_eq!(heard.is_some_and(|error| error > 0.0), drives == "emulated");
+    }
+    assert_eq!(errors[0], errors[1], "the same set-points");
+    // As `twin check` says it.
+    let check = ["check", "lines.cnc", "-m", "machine.toml", "--limits", "axes"];
+    let checked = desk.twin(&[&check[..], &["--format", "json"]].concat());
+    let checked: serde_json::Value = serde_json::from_str(&checked.stdout).expect("an object");
+    for key in ["duration_s", "length_mm", "peak", "findings"] {
+        assert_eq!(checked[key], desk.read("r.json")[key], "{key}");
+    }
+}
+
+#[test]
+fn what_says_nothing_within_the_limits_of_the_axes_is_refused() {
+    let desk = Desk::new();
+    desk.write("lines.cnc", LINES);
+    let done = desk.twin(&[&["run", "lines.cnc", "--override", "0.5"][..], &RUN].concat());
+    done.ended(2, "--override and --profile are for the controller's own planning");
+}
+
+#[test]
+fn ctrl_c_brakes_every_axis_at_its_own_limits() {
+    let desk = Desk::new();
+    desk.write("circles.cnc", CIRCLES);
+    let arguments = [&["run", "circles.cnc"][..], &RUN].concat();
+    let done = desk.interrupted("-INT", "emulated InterpCNC", &arguments);
+    done.ended(
+        2,
+        "stopped by the user at line 2 (N10); from line 2 (N10) on the axes left the path",
+    );
+    let report = desk.read("r.json");
+    assert_eq!(report["completed"], false);
+    let reason = report["stopped_because"].as_str().expect("a reason");
+    assert!(reason.contains("each at its own limits"), "{reason}");
+    let (executed, duration) = (number(&report["executed_s"]), number(&report["duration_s"]));
+    assert!(executed > 0.1 && executed < duration - 1.0, "{executed} s of {duration} s");
+}

@@ -1,0 +1,57 @@
+//! The way to rest off the path: every axis brakes as hard as it may, each for itself.
+
+use crate::machine::Machine;
+use crate::report::seconds;
+use crate::setpoint::AxisSetpoint;
+use std::f64::consts::TAU;
+use twin_kinematics::{AxisMotion, Kinematics, ToolMotion};
+use twin_motion::limit::emergency::{EmergencyStop, StopError, StopLimits};
+
+/// So many time constants of the slowest position loop the set-points rest at the end, for what follows them to rest as well.
+const SETTLING: f64 = 10.0;
+
+/// The set-points behind `from`, one per cycle, until all axes rest; none if they rest there.
+///
+/// # Errors
+/// If the motion or the limits are none that an axis can be braked with; those of a machine file are.
+pub(super) fn braking<'m>(
+    machine: &'m Machine,
+    from: &AxisSetpoint,
+) -> Result<impl Iterator<Item = AxisSetpoint> + use<'m>, StopError> {
+    let limits: Vec<_> = machine
+        .axes
+        .iter()
+        .map(|axis| StopLimits { acceleration: axis.max_acceleration, jerk: axis.max_jerk })
+        .collect();
+    let stop = EmergencyStop::new(&from.axes, &limits)?;
+    let moves = stop.duration() > 0.0;
+    let end = if moves { stop.duration() + settling(machine) } else { 0.0 };
+    let mut last = *from;
+    let begun_ns = from.time_ns;
+    Ok(std::iter::from_fn(move || {
+        if seconds(last.time_ns - begun_ns) >= end {
+            return None;
+        }
+        let time_ns = last.time_ns + machine.cycle_ns;
+        let axes = stop.at(seconds(time_ns - begun_ns));
+        let tool = tool(machine, &axes, &last);
+        let path_velocity = tool.velocity.norm();
+        last = AxisSetpoint { time_ns, axes, tool, path_velocity, m_call: None, ..last };
+        Some(last)
+    }))
+}
+
+/// How long the simulated machine takes to come to rest behind its set-points, s.
+fn settling(machine: &Machine) -> f64 {
+    let bandwidths = machine.axes.iter().map(|axis| axis.simulated.bandwidth_hz);
+    let slowest = bandwidths.fold(f64::INFINITY, f64::min);
+    // The gain of the position loop is a quarter of the bandwidth.
+    SETTLING * 4.0 / (TAU * slowest)
+}
+
+/// Where the axes have the tool. Off the path it may come to where the transform knows no tool; it is then shown where it was
+/// last.
+fn tool(machine: &Machine, axes: &AxisMotion, last: &AxisSetpoint) -> ToolMotion {
+    let known = machine.kinematics.forward_motion(axes).ok();
+    known.unwrap_or_else(|| ToolMotion::at_rest(last.tool.pose))
+}
