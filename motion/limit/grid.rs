@@ -126,6 +126,17 @@ pub enum CapSource {
     Nothing,
 }
 
+impl CapSource {
+    /// By how much u̇² grows where what asks for the bound does, both as parts of themselves.
+    pub(super) fn share(self) -> f64 {
+        match self {
+            // v² = a·r.
+            Self::Centripetal => 1.0,
+            _ => 2.0,
+        }
+    }
+}
+
 /// What holds the path back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Constraint {

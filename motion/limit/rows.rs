@@ -147,7 +147,7 @@ impl Writer<'_> {
         let here = 0.5 * (from.v2 + to.v2);
         let source = from.min(to).source;
         if here.is_finite() {
-            let origin = self.origin(Constraint::Velocity(source), 2.0);
+            let origin = self.origin(Constraint::Velocity(source), source.share());
             self.add([0.0, 1.0, 0.0], here, SCREEN_CAP, origin);
         }
     }
@@ -185,7 +185,7 @@ impl Writer<'_> {
             let beside = [grid.cell_caps(cell), grid.cell_caps(cell + 1)];
             let mean = beside.map(|[from, to]| 0.5 * (from.v2 + to.v2));
             if cap.v2 < mean[0].max(mean[1]) * (1.0 - 1e-6) {
-                let origin = self.origin(Constraint::Velocity(cap.source), 2.0);
+                let origin = self.origin(Constraint::Velocity(cap.source), cap.source.share());
                 self.add(place.b, cap.v2, SCREEN, origin);
             }
         }

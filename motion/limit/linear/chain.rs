@@ -122,8 +122,7 @@ impl<'g> Chain<'g> {
                             constraint: Some(Constraint::Velocity(cap.source)),
                             cell: node.saturating_sub(1),
                             row: [0.0, 1.0, 0.0],
-                            // b goes with the square.
-                            share: 2.0,
+                            share: cap.source.share(),
                         }
                     } else if active.activity > start.activity {
                         let [p, r] = active.row;

@@ -172,8 +172,8 @@ impl LinearSolver {
         for (node, ((cap, bound), variable)) in nodes {
             let Some(index) = *variable else { continue };
             let constraint = Constraint::Velocity(cap.source);
-            let origin =
-                Origin { cell: node.saturating_sub(1), constraint, upper: true, share: 2.0 };
+            let share = cap.source.share();
+            let origin = Origin { cell: node.saturating_sub(1), constraint, upper: true, share };
             if cap.v2 <= bound * (1.0 + CAPPED) {
                 self.program.add_row(&[(index, 1.0)], 1.0, origin);
             } else {
