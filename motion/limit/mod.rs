@@ -8,11 +8,13 @@
 //! [`reachable`] gives the fastest profile with limited acceleration in two passes, and Clarabel those profiles that are
 //! followed: [`LinearSolver`] where accelerations alone are limited, [`SmoothSolver`] where jerks are as well.
 
+mod ahead;
 mod asked;
 mod axis_path;
 mod convex;
 pub mod course;
 pub mod emergency;
+mod feeds;
 mod follow;
 mod gain;
 mod grid;
@@ -25,6 +27,7 @@ mod sample;
 mod smooth;
 mod stretch;
 
+pub use ahead::{Ahead, Replan};
 pub use axis_path::{AxisPath, AxisPoint, KinematicPath, MOST_FURTHER_ROWS, axis_point};
 pub use convex::NotSolved;
 pub use follow::{Followed, Follower, MTimes};

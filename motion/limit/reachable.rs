@@ -60,6 +60,33 @@ pub(super) fn bounds(grid: &Grid, cells: Range<usize>, start: f64, end: f64) -> 
     result
 }
 
+/// The smallest b at every node of `cells` that braking can bring about from `start`, and where the path then rests: that node's
+/// cell and the part of its length. From there on b is 0.
+pub(super) fn slowest(
+    grid: &Grid,
+    cells: Range<usize>,
+    start: f64,
+) -> (Vec<f64>, Option<(usize, f64)>) {
+    let mut most = controllable(grid, cells.clone(), f64::INFINITY).into_iter().skip(1);
+    let mut result = vec![start];
+    let mut rest = None;
+    let mut plane = Plane::default();
+    let mut here = start;
+    for cell in cells {
+        let most = most.next().unwrap_or_default();
+        if rest.is_none() {
+            plane.set(grid, cell);
+            let next = plane.least_after(here);
+            if next <= 0.0 {
+                rest = Some((cell, here / (here - next)));
+            }
+            here = next.clamp(0.0, most);
+        }
+        result.push(here);
+    }
+    (result, rest)
+}
+
 /// Lowers `b`, which holds what can be met later, to what can be reached from its first value.
 fn forward(grid: &Grid, cells: Range<usize>, b: &mut [f64]) {
     let mut plane = Plane::default();
@@ -134,6 +161,11 @@ impl Plane {
         high.at.max(low.at).min(cap)
     }
 
+    /// The smallest y that goes with x, below 0 where the path comes to rest before.
+    fn least_after(&self, x: f64) -> f64 {
+        self.span_from(x, -HUGE, f64::INFINITY).low.at.max(-HUGE)
+    }
+
     /// The largest x within `cap` that goes with some y from 0 to `next`.
     fn largest_before(&self, cap: f64, next: f64) -> f64 {
         let mut x = cap.min(self.alone());
@@ -170,8 +202,14 @@ impl Plane {
     /// The y that go with x, from 0 to `cap` at most.
     #[inline]
     fn span(&self, x: f64, cap: f64) -> Span {
+        self.span_from(x, 0.0, cap)
+    }
+
+    /// The same from `least` on.
+    #[inline]
+    fn span_from(&self, x: f64, least: f64, cap: f64) -> Span {
         // 0 ≤ y as a row is y ≥ −1/HUGE, and y ≤ cap may have to be y ≤ 1/HUGE.
-        let mut low = Bound { at: 0.0, row: [0.0, -HUGE] };
+        let mut low = Bound { at: least, row: [0.0, -HUGE] };
         let mut high = Bound { at: cap, row: [0.0, (1.0 / cap).min(HUGE)] };
         for &[p, r] in &self.strips {
             if r.abs() <= 1e-12 * p.abs() {

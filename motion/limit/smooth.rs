@@ -27,7 +27,7 @@
 use super::asked::Asked;
 use super::convex::{NotSolved, Origin, Program};
 use super::gain::{Gain, gains};
-use super::grid::{Constraint, End, Grid};
+use super::grid::{CapSource, Constraint, End, Grid};
 use super::rows::{Around, Place, SCREEN_JERK, Writer};
 use std::ops::Range;
 
@@ -42,6 +42,16 @@ const FINE: f64 = 1e-7;
 const AROUND: usize = 12;
 /// Rows that were left out are looked for at most so often.
 const MORE: u32 = 10;
+
+/// What is wanted of a profile.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Aim {
+    /// The shortest duration.
+    #[default]
+    Fastest,
+    /// The smallest velocities: braking, and then standing.
+    Slowest,
+}
 
 /// How a profile begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,6 +169,11 @@ pub(super) struct CellMotion {
 pub(super) struct Broken(Vec<Origin>);
 
 impl Broken {
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Whether one of them limits a jerk in this cell.
     pub(super) fn jerk(&self, cell: usize) -> bool {
         let near = self.0.iter().skip(self.0.partition_point(|origin| origin.cell < cell));
@@ -174,6 +189,7 @@ pub struct SmoothSolver {
     knots: Vec<Knot>,
     /// Of the variables: c of every cell is a multiple of it.
     scale: Vec<f64>,
+    pub(super) aim: Aim,
 }
 
 impl SmoothSolver {
@@ -302,7 +318,10 @@ impl SmoothSolver {
         let count = cells.len();
         let variables = count.saturating_sub(2);
         self.program.reset(variables);
-        self.add_costs(grid, cells, &guess.b);
+        match self.aim {
+            Aim::Fastest => self.add_costs(grid, cells, &guess.b),
+            Aim::Slowest => self.add_velocities(grid, cells, &guess.b),
+        }
         let screen = if guess.rough { SCREEN_JERK[0] } else { SCREEN_JERK[1] };
         let fixed = match beginning {
             Beginning::Rest => 0.0,
@@ -375,6 +394,27 @@ impl SmoothSolver {
                     self.program.add_coupling(index - 2, second * p * r);
                 }
             }
+        }
+    }
+
+    /// Σ wₖ·bₖ/b̄ₖ as the cost, and no c below 0: every b is as small as those before it allow.
+    fn add_velocities(&mut self, grid: &Grid, cells: &Range<usize>, guess: &[f64]) {
+        let total: f64 = cells.clone().map(|cell| grid.length(cell)).sum();
+        let knots = self.knots.iter().zip(guess).zip(cells.clone()).enumerate().skip(1);
+        for (index, ((knot, guess), cell)) in knots {
+            let weight = 0.5 * (grid.length(cell - 1) + grid.length(cell)) / (total * guess);
+            for (part, of) in knot.b.into_iter().zip([index - 1, index]) {
+                let scale = self.scale.get(of).copied().unwrap_or_default();
+                // Variables begin with the second c.
+                if let Some(variable) = of.checked_sub(1) {
+                    self.program.add_cost(variable, 0.0, weight * part * scale);
+                }
+            }
+        }
+        for (variable, cell) in (0..cells.len().saturating_sub(2)).zip(1..) {
+            let constraint = Constraint::Velocity(CapSource::Stop);
+            let origin = Origin { cell, constraint, upper: false, share: 0.0 };
+            self.program.add_row(&[(variable, -1.0)], 0.0, origin);
         }
     }
 }

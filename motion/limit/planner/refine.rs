@@ -15,6 +15,8 @@ const GRADE: f64 = 0.04;
 /// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
 /// constant.
 const LAUNCH: f64 = 8e-3;
+/// What takes so many times the horizon is more than a window.
+const MUCH: f64 = 1.5;
 /// Between stops there are at least so many cells.
 const FEWEST: usize = 4;
 
@@ -46,11 +48,14 @@ where
         (b, duration)
     }
 
-    /// Cuts cells that take too long, but not those that are kept.
-    pub(super) fn refine(&mut self) -> Result<(), KinematicsError> {
-        for _ in 0..12 {
+    /// Cuts cells that take too long, but not those that are kept, and gives back what lies far beyond `horizon` s.
+    pub(super) fn refine(&mut self, horizon: f64) -> Result<(), KinematicsError> {
+        for _ in 0..16 {
             let grid = grid(&self.sampler, &self.cells);
             let (b, duration) = self.estimate(&grid);
+            if duration > MUCH * horizon && self.give_back_beyond(&b, horizon)? {
+                continue;
+            }
             let step = self.options.step.min(duration / 12.0);
             let count = self.cells.len();
             let mut refined = Vec::with_capacity(2 * count);

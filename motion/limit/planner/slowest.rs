@@ -1,0 +1,236 @@
+//! The slowest profile from where the path is: braking as hard as the limits allow.
+
+use super::Planner;
+use super::refine::time;
+use crate::limit::axis_path::AxisPath;
+use crate::limit::convex::NotSolved;
+use crate::limit::course::CourseElement;
+use crate::limit::feeds::Feeds;
+use crate::limit::grid::Grid;
+use crate::limit::reachable;
+use crate::limit::sample::{Cell, grid};
+use crate::limit::smooth::{Aim, Beginning, Guess};
+use crate::limit::stretch::{Law, Stretch};
+use crate::prepare::CheckedElement;
+use clarabel::solver::SolverStatus;
+use std::sync::Arc;
+
+/// So much of the plan so far, s, is looked at first for a place to rest at.
+const LOOK: f64 = 0.25;
+/// Of the way that braking takes without jerk limits so much is added.
+const FURTHER: f64 = 0.5;
+/// Limits are tightened by and by within this time, s: at first they may be used up.
+const BY_AND_BY: f64 = 0.02;
+/// Solves at most, and what a further one has to lower the sum of b by.
+const MOST_SOLVES: u32 = 10;
+const SETTLED: f64 = 1e-3;
+/// b below this part of the first is rest.
+const REST: f64 = 3e-4;
+/// With a landing of constant jerk the way left is this times b/|a|.
+const LANDING: f64 = 2.0 / 3.0;
+/// The path rests behind the first place possible by this part of the way.
+const BEHIND: f64 = 2e-3;
+
+/// The slowest profile along the plan so far.
+#[derive(Debug)]
+pub(super) struct Slowest {
+    cells: Vec<Cell>,
+    b: Vec<f64>,
+    /// From the first node, if it is not where the plan so far ends.
+    rest: Option<f64>,
+}
+
+impl Slowest {
+    /// With the override `factor` from the beginning of the profile on.
+    pub(super) fn feeds(&self, factor: f64) -> Feeds {
+        let mut feeds = Feeds::new(factor);
+        let mut before = self.b.first().copied().unwrap_or_default();
+        for (cell, pair) in self.cells.iter().zip(self.b.windows(2)) {
+            let [from, to] = pair else { continue };
+            feeds.brake(&cell.element, cell.to, before.max(*from).max(*to));
+            before = *from;
+        }
+        feeds
+    }
+
+    /// Where the path rests at the earliest.
+    pub(super) fn rest(&self) -> Option<(&Arc<CourseElement>, f64)> {
+        let mut left = self.rest.unwrap_or(f64::INFINITY);
+        for cell in &self.cells {
+            if left <= cell.length() {
+                return Some((&cell.element, cell.from + left));
+            }
+            left -= cell.length();
+        }
+        self.cells.last().map(|cell| (&cell.element, cell.to))
+    }
+}
+
+impl<I, E, A> Planner<I, E, A>
+where
+    I: Iterator<Item = Result<CheckedElement, E>>,
+    A: AxisPath,
+{
+    /// The slowest profile from the beginning on, along the plan so far. `room`: by how much tighter accelerations and jerks are
+    /// limited.
+    pub(super) fn slowest(&mut self, room: [f64; 2]) -> Result<Slowest, NotSolved> {
+        let mut look = LOOK;
+        loop {
+            let cells = self.old_cells(look, room)?;
+            let all = cells.len() >= self.tail.len();
+            let grid = grid(&self.sampler, &cells);
+            let (b, rest) = reachable::slowest(&grid, 0..cells.len(), self.start());
+            let rest =
+                rest.and_then(|(cell, part)| Some(grid.nodes().get(cell)? + part * grid.length(cell)));
+            let Some(rest) = rest.or(all.then_some(f64::INFINITY)) else {
+                look *= 2.0;
+                continue;
+            };
+            if !self.jerk_limited {
+                let rest = rest.is_finite().then_some(rest);
+                return Ok(Slowest { cells, b, rest });
+            }
+            let limits = self.sampler.axes().limits().iter();
+            let build_up = limits.filter_map(|limits| Some(limits.acceleration / limits.jerk?));
+            let build_up = build_up.fold(0.0, f64::max);
+            let enough = rest * (1.0 + FURTHER) + 2.0 * build_up * self.start().sqrt();
+            let count = grid.nodes().iter().position(|u| *u > enough);
+            if count.is_none() && !all {
+                look *= 2.0;
+                continue;
+            }
+            let count = count.filter(|count| *count > 4 && *count < cells.len());
+            if let Some(count) = count {
+                let mut some = cells.clone();
+                some.truncate(count);
+                if let Ok(slowest) = self.slowest_smooth(some) {
+                    return Ok(slowest);
+                }
+            }
+            if all {
+                return self.slowest_smooth(cells);
+            }
+            look *= 2.0;
+        }
+    }
+
+    /// u̇² at the beginning.
+    fn start(&self) -> f64 {
+        match self.beginning {
+            Beginning::Rest => 0.0,
+            Beginning::Moving { b, .. } => b,
+        }
+    }
+
+    /// The legs of the plan so far as cells, of about `look` s.
+    fn old_cells(&self, look: f64, room: [f64; 2]) -> Result<Vec<Cell>, NotSolved> {
+        let mut cells = Vec::new();
+        let mut near = self.near;
+        let mut at = 0.0;
+        for leg in &self.tail {
+            if at > look {
+                break;
+            }
+            let part = leg.from..leg.from + leg.stretch.length();
+            let cell = self.sampler.cell(&leg.element, part, &near);
+            let mut cell = cell.map_err(|_refused| none())?;
+            at += leg.stretch.duration();
+            let grown = (at / BY_AND_BY).min(1.0);
+            let [acceleration, jerk] = room.map(|room| 1.0 + (room - 1.0) * grown);
+            cell.tight = [acceleration, jerk, 1.0];
+            near = cell.end.position;
+            cells.push(cell);
+        }
+        Ok(cells)
+    }
+
+    fn slowest_smooth(&mut self, mut cells: Vec<Cell>) -> Result<Slowest, NotSolved> {
+        let mut guess = self.old_guess(cells.len());
+        let mut before = f64::INFINITY;
+        self.smooth.aim = Aim::Slowest;
+        let mut solves = 0;
+        let result = loop {
+            let grid = grid(&self.sampler, &cells);
+            self.effort.cells += grid.cells() as u64;
+            let solved = self.smooth.solve_about(&grid, 0..grid.cells(), self.beginning, &mut guess);
+            let (profile, broken) = match solved {
+                Ok(solved) => solved,
+                Err(error) => break Err(error),
+            };
+            self.effort.iterations += u64::from(profile.iterations);
+            solves += 1;
+            let sum: f64 =
+                (0..grid.cells()).zip(&profile.b).map(|(cell, b)| grid.length(cell) * b).sum();
+            let settled = broken.is_empty() && sum >= before * (1.0 - SETTLED);
+            before = sum;
+            if settled || solves >= MOST_SOLVES {
+                let rest = rest(&grid, &profile.b, &profile.a);
+                break Ok((profile.b, rest));
+            }
+            self.halve_slow(&mut cells, &profile.b, &mut guess);
+        };
+        self.smooth.aim = Aim::Fastest;
+        let (b, rest) = result?;
+        Ok(Slowest { cells, b, rest })
+    }
+
+    /// The plan so far as a guess, for the first `count` cells of it.
+    fn old_guess(&self, count: usize) -> Guess {
+        let legs = || self.tail.iter().take(count).map(|leg| &leg.stretch);
+        let mut b: Vec<f64> = legs().map(|stretch| stretch.at_position(0.0).0).collect();
+        b.extend(legs().last().map(|stretch| stretch.at_position(stretch.length()).0));
+        let middle = |stretch: &Stretch| match stretch.law() {
+            Law::Quadratic { b, a, .. } => b + a * stretch.length(),
+            // What jerk is constant in is at an end, where c is none of the variables.
+            Law::Launch { .. } | Law::Landing { .. } => {
+                0.5 * (stretch.at_position(0.0).0 + stretch.at_position(stretch.length()).0)
+            }
+        };
+        let mut guess = Guess::rough(b);
+        guess.c = legs().map(middle).collect();
+        guess
+    }
+
+    /// Cuts cells in half that take long.
+    fn halve_slow(&self, cells: &mut Vec<Cell>, b: &[f64], guess: &mut Guess) {
+        let least = REST * b.first().copied().unwrap_or_default();
+        let last = cells.len().saturating_sub(1);
+        let mut halved = Vec::with_capacity(cells.len());
+        for (index, cell) in std::mem::take(cells).into_iter().enumerate() {
+            let pair = b.get(index..index + 2).unwrap_or_default();
+            let moving = pair.first().is_some_and(|from| *from > least);
+            let long = time(pair, cell.length(), true) > 1.5 * self.options.step;
+            if moving
+                && long
+                && index > 0
+                && index < last
+                && let Ok(parts) = self.sampler.parts(&cell, &[0.5])
+                && parts.len() == 2
+            {
+                guess.halve(halved.len());
+                halved.extend(parts);
+            } else {
+                halved.push(cell);
+            }
+        }
+        *cells = halved;
+    }
+}
+
+/// Where the slowest profile rests, from the first node.
+fn rest(grid: &Grid, b: &[f64], a: &[f64]) -> Option<f64> {
+    let least = REST * b.first()?;
+    let nodes = grid.nodes();
+    let moving = b.iter().rposition(|b| *b > least)?;
+    let (b, a, u) = (b.get(moving)?, a.get(moving)?, nodes.get(moving)?);
+    if moving + 2 >= nodes.len() || *a >= 0.0 {
+        return None;
+    }
+    let way = u - nodes.first()? + LANDING * b / a.abs();
+    Some(way * (1.0 + BEHIND))
+}
+
+/// There is no profile.
+fn none() -> NotSolved {
+    NotSolved { status: SolverStatus::Unsolved, iterations: 0 }
+}

@@ -1,0 +1,201 @@
+//! Overrides, holds and their end while the path is under way.
+
+use super::machines::{BUILD_UP, Machine};
+use super::random::{Step, cases, check, exponential, settings, step, walk};
+use super::run::{Report, Settings, Watch};
+use nalgebra::Point3;
+use proptest::prelude::*;
+use std::collections::VecDeque;
+use std::f64::consts::PI;
+use std::time::Instant;
+use twin_motion::Place;
+use twin_motion::limit::{AxisPath, LimitError, Planned, Planner};
+use twin_motion::path::{ElementKind, PathElement, Shape};
+use twin_motion::prepare::{CheckError, CheckVelocities};
+
+/// So much is planned ahead, s.
+const LOOKAHEAD: f64 = 0.5;
+/// A held path rests so long, s.
+const HELD: f64 = 0.02;
+/// Within this time, s, an acceleration that was under way goes on for a while.
+const BUILT_DOWN: f64 = 0.06;
+
+/// At a time, s, the override becomes this.
+type Change = (f64, f64);
+
+/// What there is to say about it beside the motion.
+#[derive(Debug, Default)]
+struct Replanned {
+    report: Report,
+    /// From the first leg planned anew to rest, s, and the way, m, per hold.
+    stops: Vec<[f64; 2]>,
+    /// The longest time for a plan to come after a change, and between others, s.
+    took: [f64; 2],
+}
+
+/// Follows `path` with these changes, each of which leaves what begins within `lead` s as it is.
+fn drive(path: &[PathElement], settings: &Settings, changes: &[Change], lead: f64) -> Replanned {
+    let checked = CheckVelocities::new(path.iter().cloned().map(Ok::<_, CheckError>), settings.angle);
+    let mut planner =
+        Planner::new(checked, settings.machine.path(settings.jerk), settings.options());
+    let axes = settings.machine.path(settings.jerk);
+    let mut watch = Watch::new(&axes);
+    let mut result = Replanned::default();
+    let mut changes = changes.iter().copied().peekable();
+    let mut queue: VecDeque<Planned> = VecDeque::new();
+    let mut ended = false;
+    // When overrides begin to count.
+    let mut counts: VecDeque<Change> = VecDeque::new();
+    let mut way = 0.0;
+    let mut stop: Option<[f64; 2]> = None;
+    let mut fresh = false;
+    loop {
+        let takes = |item: &Planned| match item {
+            Planned::Leg(leg) => leg.stretch.duration(),
+            _ => 0.0,
+        };
+        while !ended && queue.iter().map(takes).sum::<f64>() < LOOKAHEAD {
+            #[expect(clippy::disallowed_methods, reason = "how long planning takes")]
+            let begun = Instant::now();
+            let next = planner.next();
+            let took = begun.elapsed().as_secs_f64();
+            let slot = &mut result.took[usize::from(!std::mem::take(&mut fresh))];
+            *slot = slot.max(took);
+            match next {
+                Some(Ok(Planned::Hold { .. })) => break,
+                Some(Ok(item)) => queue.push_back(item),
+                Some(Err(LimitError::Upstream(error))) => panic!("{error}"),
+                Some(Err(error)) => watch.report.errors.push(error.to_string()),
+                None => ended = true,
+            }
+        }
+        let now = watch.report.duration;
+        if let Some((_, factor)) = changes.next_if(|(time, _)| *time <= now) {
+            let mut begins = now;
+            let mut keep = 0;
+            while keep < queue.len() && begins < now + lead {
+                begins += takes(&queue[keep]);
+                keep += 1;
+            }
+            let back = queue.split_off(keep);
+            if back.is_empty() && ended {
+                continue;
+            }
+            planner.take_back(back.into_iter().map(Ok));
+            planner.set_override(factor);
+            counts.push_back((begins, factor));
+            (ended, fresh) = (false, true);
+            continue;
+        }
+        let Some(item) = queue.pop_front() else {
+            if ended {
+                break;
+            }
+            // Held.
+            assert_eq!(planner.override_factor(), 0.0);
+            if let Some([since, from]) = stop.take() {
+                result.stops.push([now - since, way - from]);
+            }
+            watch.wait(HELD);
+            if changes.peek().is_none_or(|(time, _)| *time > watch.report.duration) {
+                planner.set_override(1.0);
+                counts.push_back((watch.report.duration, 1.0));
+            }
+            continue;
+        };
+        while let Some((time, factor)) = counts.pop_front_if(|(time, _)| *time <= now + 1e-9) {
+            watch.factor = (factor.max(1e-9), time + BUILT_DOWN);
+            stop = (factor == 0.0).then_some([now, way]);
+        }
+        match item {
+            Planned::Leg(leg) => {
+                watch.leg(&leg);
+                way += leg.stretch.length();
+            }
+            Planned::Pause(element) => {
+                watch.rest();
+                watch.report.lines.push(element.place().line);
+                watch.report.stops += 1;
+            }
+            Planned::Hold { .. } => unreachable!(),
+        }
+    }
+    watch.rest();
+    watch.report.effort = planner.effort();
+    result.report = watch.report;
+    let _ = axes.limits();
+    result
+}
+
+fn line(length: f64, feed: f64) -> PathElement {
+    let start = Point3::new(0.02, 0.0, 0.0);
+    let shape = Shape::Line { start, end: Point3::new(0.02 + length, 0.0, 0.0) };
+    let made = PathElement::new(Place { line: 1, block: None }, ElementKind::Cut, shape);
+    PathElement { feed, acceleration: 20.0, deceleration: 20.0, ..made }
+}
+
+fn gantry(jerk: bool) -> Settings {
+    Settings { machine: Machine::Gantry3, jerk, tolerance: 1e-5, angle: PI, horizon: 1.5 }
+}
+
+/// From v to rest with acceleration and jerk limits: time and way of the three phases.
+fn braking(v: f64, a: f64, j: f64) -> [f64; 2] {
+    let (build_up, hold) =
+        if v * j >= a * a { (a / j, v / a - a / j) } else { ((v / j).sqrt(), 0.0) };
+    let time = 2.0 * build_up + hold;
+    // Symmetric about its middle.
+    [time, 0.5 * v * time]
+}
+
+#[test]
+fn a_hold_on_a_line_is_the_closed_form() {
+    for feed in [0.39, 0.1, 0.03, 0.004] {
+        for jerk in [true, false] {
+            let at = 0.3;
+            let done = drive(&[line(0.3, feed)], &gantry(jerk), &[(at, 0.0)], 0.05);
+            let j = if jerk { 3.0 / BUILD_UP } else { 1e12 };
+            let [time, way] = braking(feed, 3.0, j);
+            println!("{feed} m/s, jerk {jerk}: {:?}, at best {time} s {way} m; {:?} s; {:?}", done.stops, done.took, done.report.effort);
+            assert_eq!(done.stops.len(), 1);
+            let [took, went] = done.stops[0];
+            assert!(took >= time * 0.999 && took <= time * 1.02, "{took} instead of {time}");
+            assert!(went >= way * 0.999 && went <= way * 1.02, "{went} instead of {way}");
+            assert_eq!(done.report.effort.not_replanned, 0);
+        }
+    }
+}
+
+fn changes() -> impl Strategy<Value = Vec<Change>> {
+    let factor = prop_oneof![3 => Just(0.0), 4 => exponential(0.05..2.0), 1 => Just(1e-2), 2 => Just(1.0)];
+    prop::collection::vec((exponential(1e-3..0.3), factor), 1..12).prop_map(|mut changes| {
+        let mut time = 0.0;
+        for (at, _) in &mut changes {
+            time += *at;
+            *at = time;
+        }
+        changes
+    })
+}
+
+fn holds(settings: Settings, steps: &[Step], changes: &[Change], lead: f64) -> Result<(), TestCaseError> {
+    let path = walk(steps, settings.machine);
+    let Replanned { report, took, .. } = drive(&path, &settings, changes, lead);
+    println!("{} changes, {:?}, jerk {}: {:.1} ms, {:.1} ms else; {:?}", changes.len(), settings.machine, settings.jerk, took[0] * 1e3, took[1] * 1e3, report.effort);
+    check(&report, &path, &settings)?;
+    prop_assert_eq!(report.effort.not_replanned, 0);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(cases(16))]
+
+    #[test]
+    fn limits_of_jerk_are_kept_through_changes(settings in settings(), steps in prop::collection::vec(step(), 1..25), changes in changes(), lead in 0.0..0.2) {
+        holds(settings, &steps, &changes, lead)?;
+    }
+
+    #[test]
+    fn limits_of_acceleration_are_kept_through_changes(settings in settings(), steps in prop::collection::vec(step(), 1..25), changes in changes(), lead in 0.0..0.2) {
+        holds(Settings { jerk: false, ..settings }, &steps, &changes, lead)?;
+    }
+}
