@@ -3,9 +3,6 @@
 use super::course::CourseElement;
 use std::sync::Arc;
 
-/// What is above this part of the slowest profile is too fast: a profile between the two must have room.
-const ROOM: f64 = 1.02;
-
 /// The override, and where it cannot be kept yet because the path has to brake first.
 #[derive(Clone, Debug)]
 pub(super) struct Feeds {
@@ -33,10 +30,10 @@ impl Feeds {
         Self { factor, braking: Vec::new() }
     }
 
-    /// As fast as `b` in any case, and a little more, up to the place `to` of `element`, from that of the one before. Places come in their
-    /// order along the path.
+    /// Up to u̇² = `b` in any case as far as the place `to` of `element`, from that of the one before. Places come in their order
+    /// along the path.
     pub(super) fn brake(&mut self, element: &Arc<CourseElement>, to: f64, b: f64) {
-        let bound = (to, b * ROOM);
+        let bound = (to, b);
         match self.braking.last_mut() {
             Some(last) if Arc::ptr_eq(&last.element, element) => last.bounds.push(bound),
             _ => self

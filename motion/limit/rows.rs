@@ -86,6 +86,8 @@ pub(super) struct Writer<'s> {
     pub(super) variables: usize,
     /// Jerk rows less active than this at the guess are left out at first.
     pub(super) screen: f64,
+    /// Whether no row is left out that could count.
+    pub(super) all: bool,
     /// c of the first cell, if it is given.
     pub(super) fixed: f64,
     /// The cell.
@@ -128,9 +130,11 @@ impl Writer<'_> {
             if free > 1e-3 * right { (1.0 / free, 1.0) } else { (1.0 / right, free / right) };
         let entries = entries.map(|(index, value)| (index, value * scale));
         let most: f64 = entries.iter().map(|(_, value)| value.abs()).sum();
-        if sum >= screen * right || self.asked.has(&origin) {
+        let counts = most > 0.5 * to;
+        if self.all && sum > right * 1.0001 { eprintln!("DBG guess breaks {origin:?} {}", sum / right); }
+        if sum >= screen * right || self.asked.has(&origin) || self.all && counts {
             self.program.add_row(&entries, to, origin);
-        } else if most > 0.5 * to {
+        } else if counts {
             self.program.add_spare(entries, to, origin);
         }
     }

@@ -338,6 +338,8 @@ impl SmoothSolver {
                 asked: guess.asked.get(index).copied().unwrap_or_default(),
                 variables,
                 screen,
+                // What counts is far from the guess.
+                all: self.aim == Aim::Slowest,
                 fixed,
                 index,
             };

@@ -1,6 +1,6 @@
 //! Override, feed hold and their end: planning anew from where the path is.
 
-use super::slowest::Slowest;
+use super::slowest::{Room, Slowest};
 use super::{Leg, NoWindow, Planned, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::feeds::Feeds;
@@ -8,9 +8,15 @@ use crate::limit::smooth::Beginning;
 use crate::prepare::CheckedElement;
 use std::sync::Arc;
 
-/// By how much tighter acceleration and jerk are limited when the slowest profile is looked for: with what is left the plan about it
-/// keeps the limits between the nodes as well.
-const ROOM: [[f64; 2]; 3] = [[1.005, 1.01], [1.02, 1.05], [1.1, 1.15]];
+/// What is left to the plan about the slowest profile, to keep the limits between the nodes as well. The second is for plans so
+/// far that brake about as hard as they can, into a corner or a stop.
+const ROOMS: [Room; 3] = [
+    Room { tight: [1.005, 1.01], faster: 0.02, behind: 2e-3 },
+    Room { tight: [1.0, 1.0], faster: 0.05, behind: 0.01 },
+    Room { tight: [0.98, 0.96], faster: 0.15, behind: 0.05 },
+];
+/// Where no other is found a plan that is hardly faster than the slowest is gone on with, for at least this time, s.
+const HARDLY: f64 = 4e-3;
 /// A plan that comes to rest within this time, s, is not worth another.
 const SOON: f64 = 0.02;
 /// Nor is one of fewer legs.
@@ -59,7 +65,7 @@ where
     /// Plans a window under the override asked for.
     pub(super) fn replan(&mut self) {
         if self.beginning != Beginning::Rest && self.rests_soon() {
-            self.go_on(f64::INFINITY);
+            self.go_on(usize::MAX);
         }
         if self.beginning == Beginning::Rest {
             if self.asked > 0.0 {
@@ -71,30 +77,50 @@ where
         }
         self.effort.replanned += 1;
         let before = (self.sampler.feeds.clone(), self.effort.failed);
-        for room in ROOM {
-            if let Ok(slowest) = self.slowest(room)
-                && self.plan_above(&slowest).is_ok()
-            {
-                self.pass_stop();
-                return;
+        for room in ROOMS {
+            match self.slowest(room.tight) {
+                Ok(slowest) => {
+                    let near = slowest.near(&self.tail);
+                    let legs = self.tail.iter().take(near);
+                    let time: f64 = legs.map(|leg| leg.stretch.duration()).sum();
+                    eprintln!("DBG room {room:?} near {near} {time} beginning {:?} slow {} cells rest {:?} b {:?}", self.beginning, slowest.b.len(), slowest.rest, slowest.b.iter().enumerate().filter(|(i,_)| i%8==0).map(|(_,b)| (b.sqrt()*1e4).round()/1e4).collect::<Vec<_>>());
+                    match self.plan_above(&slowest, room) {
+                    Ok(()) => { self.pass_stop(); return; }
+                    Err(e) => eprintln!("DBG no window {:?} cells {}", match e {NoWindow::NotSolved(e) => e.to_string(), NoWindow::Kinematics(e) => e.to_string()}, self.cells.len()),
+                    }
+                    self.unplan();
+                    (self.sampler.feeds, self.effort.failed) = before.clone();
+                    if time >= HARDLY {
+                        self.changed = true;
+                        self.go_on(near);
+                        return;
+                    }
+                }
+                Err(e) => {
+                    self.effort.failed = before.1;
+                    eprintln!("DBG no slowest {e}")
+                }
             }
-            self.unplan();
-            (self.sampler.feeds, self.effort.failed) = before.clone();
         }
         self.effort.not_replanned += 1;
         self.changed = true;
-        self.go_on(GO_ON);
+        let mut left = GO_ON;
+        let now = self.tail.iter().position(|leg| {
+            left -= leg.stretch.duration();
+            left <= 0.0
+        });
+        self.go_on(now.map_or(usize::MAX, |last| last + 1));
     }
 
     /// A window no slower than `slowest`.
-    fn plan_above(&mut self, slowest: &Slowest) -> Result<(), NoWindow> {
+    fn plan_above(&mut self, slowest: &Slowest, room: Room) -> Result<(), NoWindow> {
         if self.asked <= 0.0
-            && let Some((element, s)) = slowest.rest()
+            && let Some((element, s)) = slowest.rest(room)
         {
             let element = Arc::clone(element);
             self.hold_at(&element, s);
         }
-        self.sampler.feeds = slowest.feeds(self.asked);
+        self.sampler.feeds = slowest.feeds(self.asked, room);
         self.plan_window()
     }
 
@@ -104,21 +130,15 @@ where
         left < SOON || self.tail.len() < FEW
     }
 
-    /// Hands out what was planned so far, for about `time` s or to rest.
-    fn go_on(&mut self, time: f64) {
-        let mut left = time;
-        let later = self.tail.iter().position(|leg| {
-            let later = left <= 0.0;
-            left -= leg.stretch.duration();
-            later
-        });
-        let old = std::mem::take(&mut self.tail);
+    /// Hands out the first `legs` of the plan so far.
+    fn go_on(&mut self, legs: usize) {
+        let mut now = std::mem::take(&mut self.tail);
+        self.tail = now.split_off(legs.min(now.len()));
         self.unplan();
-        if let Some(last) = old.get(later.unwrap_or(old.len()).saturating_sub(1)) {
+        if let Some(last) = now.last() {
             self.skip_to(&last.element, last.from + last.stretch.length());
         }
-        let (now, tail) = old.split_at(later.unwrap_or(old.len()));
-        self.beginning = match tail.first() {
+        self.beginning = match self.tail.first() {
             Some(Leg { stretch, start, .. }) => {
                 self.near = *start;
                 let (b, a) = stretch.at_position(0.0);
@@ -126,7 +146,6 @@ where
             }
             None => Beginning::Rest,
         };
-        self.tail = tail.to_vec();
-        self.ready.extend(now.iter().map(|leg| Ok(Planned::Leg(leg.clone()))));
+        self.ready.extend(now.into_iter().map(|leg| Ok(Planned::Leg(leg))));
     }
 }

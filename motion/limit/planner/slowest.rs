@@ -1,6 +1,6 @@
 //! The slowest profile from where the path is: braking as hard as the limits allow.
 
-use super::Planner;
+use super::{Leg, Planner};
 use super::refine::time;
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
@@ -24,38 +24,53 @@ const BY_AND_BY: f64 = 0.02;
 /// Solves at most, and what a further one has to lower the sum of b by.
 const MOST_SOLVES: u32 = 10;
 const SETTLED: f64 = 1e-3;
+/// A plan is hardly faster than the slowest if its b is larger by no more than this part.
+const NEAR: f64 = 0.05;
 /// b below this part of the first is rest.
 const REST: f64 = 3e-4;
 /// With a landing of constant jerk the way left is this times b/|a|.
 const LANDING: f64 = 2.0 / 3.0;
-/// The path rests behind the first place possible by this part of the way.
-const BEHIND: f64 = 2e-3;
+/// Where the path is to rest it may be faster than the slowest profile by this part of the first b.
+const LAST: f64 = 1e-3;
+
+/// What the slowest profile leaves for the one that is followed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Room {
+    /// By how much tighter accelerations and jerks are limited.
+    pub(super) tight: [f64; 2],
+    /// u̇² may be larger by this part where the override would have it smaller.
+    pub(super) faster: f64,
+    /// The path rests behind the first place possible by this part of the way.
+    pub(super) behind: f64,
+}
 
 /// The slowest profile along the plan so far.
 #[derive(Debug)]
 pub(super) struct Slowest {
     cells: Vec<Cell>,
-    b: Vec<f64>,
+    pub(super) b: Vec<f64>,
     /// From the first node, if it is not where the plan so far ends.
-    rest: Option<f64>,
+    pub(super) rest: Option<f64>,
 }
 
 impl Slowest {
     /// With the override `factor` from the beginning of the profile on.
-    pub(super) fn feeds(&self, factor: f64) -> Feeds {
+    pub(super) fn feeds(&self, factor: f64, room: Room) -> Feeds {
         let mut feeds = Feeds::new(factor);
         let mut before = self.b.first().copied().unwrap_or_default();
+        let last = if factor > 0.0 { 0.0 } else { LAST * before };
         for (cell, pair) in self.cells.iter().zip(self.b.windows(2)) {
             let [from, to] = pair else { continue };
-            feeds.brake(&cell.element, cell.to, before.max(*from).max(*to));
+            let b = before.max(*from).max(*to);
+            feeds.brake(&cell.element, cell.to, b * (1.0 + room.faster) + last);
             before = *from;
         }
         feeds
     }
 
-    /// Where the path rests at the earliest.
-    pub(super) fn rest(&self) -> Option<(&Arc<CourseElement>, f64)> {
-        let mut left = self.rest.unwrap_or(f64::INFINITY);
+    /// Where the path is to rest.
+    pub(super) fn rest(&self, room: Room) -> Option<(&Arc<CourseElement>, f64)> {
+        let mut left = self.rest.map_or(f64::INFINITY, |rest| rest * (1.0 + room.behind));
         for cell in &self.cells {
             if left <= cell.length() {
                 return Some((&cell.element, cell.from + left));
@@ -64,6 +79,21 @@ impl Slowest {
         }
         self.cells.last().map(|cell| (&cell.element, cell.to))
     }
+
+    /// How many of `legs`, which it is along, have a u̇² that is hardly larger than its own.
+    pub(super) fn near(&self, legs: &[Leg]) -> usize {
+        let mut nodes = self.cells.iter().zip(self.b.iter().skip(1));
+        let near = legs.iter().take_while(|leg| {
+            let to = leg.from + leg.stretch.length();
+            let same = |cell: &Cell| {
+                Arc::ptr_eq(&cell.element, &leg.element) && (cell.to - to).abs() <= 1e-9 * to
+            };
+            let (b, _) = leg.stretch.at_position(leg.stretch.length());
+            let slowest = nodes.by_ref().find_map(|(cell, b)| same(cell).then_some(*b));
+            slowest.is_some_and(|slowest| b <= (1.0 + NEAR) * slowest)
+        });
+        near.count()
+    }
 }
 
 impl<I, E, A> Planner<I, E, A>
@@ -71,12 +101,12 @@ where
     I: Iterator<Item = Result<CheckedElement, E>>,
     A: AxisPath,
 {
-    /// The slowest profile from the beginning on, along the plan so far. `room`: by how much tighter accelerations and jerks are
-    /// limited.
-    pub(super) fn slowest(&mut self, room: [f64; 2]) -> Result<Slowest, NotSolved> {
+    /// The slowest profile from the beginning on, along the plan so far. `tight`: by how much tighter accelerations and jerks
+    /// are limited.
+    pub(super) fn slowest(&mut self, tight: [f64; 2]) -> Result<Slowest, NotSolved> {
         let mut look = LOOK;
         loop {
-            let cells = self.old_cells(look, room)?;
+            let cells = self.old_cells(look, tight)?;
             let all = cells.len() >= self.tail.len();
             let grid = grid(&self.sampler, &cells);
             let (b, rest) = reachable::slowest(&grid, 0..cells.len(), self.start());
@@ -123,7 +153,7 @@ where
     }
 
     /// The legs of the plan so far as cells, of about `look` s.
-    fn old_cells(&self, look: f64, room: [f64; 2]) -> Result<Vec<Cell>, NotSolved> {
+    fn old_cells(&self, look: f64, tight: [f64; 2]) -> Result<Vec<Cell>, NotSolved> {
         let mut cells = Vec::new();
         let mut near = self.near;
         let mut at = 0.0;
@@ -136,7 +166,7 @@ where
             let mut cell = cell.map_err(|_refused| none())?;
             at += leg.stretch.duration();
             let grown = (at / BY_AND_BY).min(1.0);
-            let [acceleration, jerk] = room.map(|room| 1.0 + (room - 1.0) * grown);
+            let [acceleration, jerk] = tight.map(|tight| 1.0 + (tight - 1.0) * grown);
             cell.tight = [acceleration, jerk, 1.0];
             near = cell.end.position;
             cells.push(cell);
@@ -155,7 +185,7 @@ where
             let solved = self.smooth.solve_about(&grid, 0..grid.cells(), self.beginning, &mut guess);
             let (profile, broken) = match solved {
                 Ok(solved) => solved,
-                Err(error) => break Err(error),
+                Err(error) => { eprintln!("DBG failing {solves} beginning {:?} cells {} of {}, takes {} first {} last {:?} caps {:?} b {:?} {:?}", self.beginning, cells.len(), self.tail.len(), self.tail.iter().map(|l| l.stretch.duration()).sum::<f64>(), self.tail[0].stretch.duration(), self.tail.last().map(|l| l.stretch), grid.caps().iter().take(4).map(|c|c.v2).collect::<Vec<_>>(), &guess.b[..4.min(guess.b.len())], &guess.c[..4.min(guess.c.len())]); break Err(error) },
             };
             self.effort.iterations += u64::from(profile.iterations);
             solves += 1;
@@ -163,6 +193,7 @@ where
                 (0..grid.cells()).zip(&profile.b).map(|(cell, b)| grid.length(cell) * b).sum();
             let settled = broken.is_empty() && sum >= before * (1.0 - SETTLED);
             before = sum;
+            eprintln!("DBG solve {solves} sum {sum:.6e} iterations {} cells {} broken {}", profile.iterations, cells.len(), broken.is_empty());
             if settled || solves >= MOST_SOLVES {
                 let rest = rest(&grid, &profile.b, &profile.a);
                 break Ok((profile.b, rest));
@@ -226,8 +257,7 @@ fn rest(grid: &Grid, b: &[f64], a: &[f64]) -> Option<f64> {
     if moving + 2 >= nodes.len() || *a >= 0.0 {
         return None;
     }
-    let way = u - nodes.first()? + LANDING * b / a.abs();
-    Some(way * (1.0 + BEHIND))
+    Some(u - nodes.first()? + LANDING * b / a.abs())
 }
 
 /// There is no profile.
