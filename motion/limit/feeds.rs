@@ -1,7 +1,11 @@
 //! The velocity along the path that the program asks for, under the override.
 
 use super::course::CourseElement;
+use std::ops::Range;
 use std::sync::Arc;
+
+/// How exactly solvers keep bounds.
+const EXACT: f64 = 4e-4;
 
 /// The override, and where it cannot be kept yet because the path has to brake first.
 #[derive(Clone, Debug)]
@@ -16,12 +20,12 @@ impl Default for Feeds {
     }
 }
 
-/// Bounds of u̇² on an element while braking.
+/// u̇² on an element while braking.
 #[derive(Clone, Debug)]
 struct Braking {
     element: Arc<CourseElement>,
-    /// Each up to a place, m, from that of the one before.
-    bounds: Vec<(f64, f64)>,
+    /// At some places, m: what braking comes to, and what more is allowed. Linear in between.
+    bounds: Vec<(f64, [f64; 2])>,
 }
 
 impl Feeds {
@@ -30,15 +34,21 @@ impl Feeds {
         Self { factor, braking: Vec::new() }
     }
 
-    /// Up to u̇² = `b` in any case as far as the place `to` of `element`, from that of the one before. Places come in their order
-    /// along the path.
-    pub(super) fn brake(&mut self, element: &Arc<CourseElement>, to: f64, b: f64) {
-        let bound = (to, b);
+    /// Up to a u̇² in any case, and more where that is above what is programmed, on a part of `element`: both at its two ends. Parts
+    /// come in their order along the path.
+    pub(super) fn brake(
+        &mut self,
+        element: &Arc<CourseElement>,
+        part: Range<f64>,
+        [start, end]: [[f64; 2]; 2],
+    ) {
+        let end = (part.end, end);
         match self.braking.last_mut() {
-            Some(last) if Arc::ptr_eq(&last.element, element) => last.bounds.push(bound),
-            _ => self
-                .braking
-                .push(Braking { element: Arc::clone(element), bounds: vec![bound] }),
+            Some(last) if Arc::ptr_eq(&last.element, element) => last.bounds.push(end),
+            _ => {
+                let bounds = vec![(part.start, start), end];
+                self.braking.push(Braking { element: Arc::clone(element), bounds });
+            }
         }
     }
 
@@ -47,9 +57,18 @@ impl Feeds {
         let v2 = self.factor * self.factor * v2;
         let here = self.braking.iter().find(|braking| std::ptr::eq(&*braking.element, element));
         let braking = here.and_then(|braking| {
-            let index = braking.bounds.partition_point(|(to, _)| *to < s);
-            braking.bounds.get(index)
+            let index = braking.bounds.partition_point(|(at, _)| *at < s).max(1);
+            let [(from, start), (to, end), ..] = braking.bounds.get(index - 1..)? else {
+                return None;
+            };
+            let part = ((s - from) / (to - from)).max(0.0);
+            let [b, more] = [0, 1].map(|i: usize| {
+                let ends = [start.get(i), end.get(i)].map(|end| end.copied().unwrap_or_default());
+                ends[0] + part * (ends[1] - ends[0])
+            });
+            Some([b, more])
         });
-        braking.map_or(v2, |(_, least)| v2.max(*least))
+        let braking = braking.map(|[b, more]| b * (1.0 + EXACT) + (b - v2).clamp(0.0, more));
+        braking.map_or(v2, |braking| v2.max(braking))
     }
 }

@@ -252,19 +252,20 @@ where
                 return;
             }
         }
-        match self.plan_window() {
+        match self.plan_window(false) {
             Ok(()) => {}
             Err(NoWindow::Kinematics(error)) => {
                 let place = self.rest_instead();
                 self.ready.push_back(Err(LimitError::Kinematics { place, error }));
             }
             Err(NoWindow::NotSolved(error)) => self.fall_back(error),
+            Err(NoWindow::Slower) => {}
         }
         self.pass_stop();
     }
 
-    /// Plans a window and commits what can be.
-    fn plan_window(&mut self) -> Result<(), NoWindow> {
+    /// Plans a window and commits what can be. `exactly`: it has to begin as fast as the path is.
+    fn plan_window(&mut self, exactly: bool) -> Result<(), NoWindow> {
         let mut horizon = self.options.horizon;
         loop {
             self.fill(horizon);
@@ -280,6 +281,9 @@ where
                 continue;
             }
             let stretches = self.solve_verified().map_err(NoWindow::NotSolved)?;
+            if exactly && !self.begins_with(&stretches) {
+                return Err(NoWindow::Slower);
+            }
             self.commit(&stretches);
             return Ok(());
         }
@@ -305,6 +309,8 @@ where
 enum NoWindow {
     Kinematics(KinematicsError),
     NotSolved(NotSolved),
+    /// It begins slower than the path is.
+    Slower,
 }
 
 impl<I, E, A> Iterator for Planner<I, E, A>

@@ -5,6 +5,7 @@ use super::{Leg, NoWindow, Planned, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::feeds::Feeds;
 use crate::limit::smooth::Beginning;
+use crate::limit::stretch::Stretch;
 use crate::prepare::CheckedElement;
 use std::sync::Arc;
 
@@ -17,6 +18,8 @@ const ROOMS: [Room; 3] = [
 ];
 /// Where no other is found a plan that is hardly faster than the slowest is gone on with, for at least this time, s.
 const HARDLY: f64 = 4e-3;
+/// A profile may begin with a b that is smaller by this part.
+const SLOWER: f64 = 1e-5;
 /// A plan that comes to rest within this time, s, is not worth another.
 const SOON: f64 = 0.02;
 /// Nor is one of fewer legs.
@@ -86,7 +89,7 @@ where
                     eprintln!("DBG room {room:?} near {near} {time} beginning {:?} slow {} cells rest {:?} b {:?}", self.beginning, slowest.b.len(), slowest.rest, slowest.b.iter().enumerate().filter(|(i,_)| i%8==0).map(|(_,b)| (b.sqrt()*1e4).round()/1e4).collect::<Vec<_>>());
                     match self.plan_above(&slowest, room) {
                     Ok(()) => { self.pass_stop(); return; }
-                    Err(e) => eprintln!("DBG no window {:?} cells {}", match e {NoWindow::NotSolved(e) => e.to_string(), NoWindow::Kinematics(e) => e.to_string()}, self.cells.len()),
+                    Err(e) => eprintln!("DBG no window {:?} cells {}", match e {NoWindow::NotSolved(e) => e.to_string(), NoWindow::Kinematics(e) => e.to_string(), NoWindow::Slower => "slower".into() }, self.cells.len()),
                     }
                     self.unplan();
                     (self.sampler.feeds, self.effort.failed) = before.clone();
@@ -121,7 +124,13 @@ where
             self.hold_at(&element, s);
         }
         self.sampler.feeds = slowest.feeds(self.asked, room);
-        self.plan_window()
+        self.plan_window(true)
+    }
+
+    /// Whether a profile begins as fast as the path is: without jerk limits the solver may lower the first velocity.
+    pub(super) fn begins_with(&self, stretches: &[Stretch]) -> bool {
+        let Beginning::Moving { b, .. } = self.beginning else { return true };
+        stretches.first().is_some_and(|first| first.at_position(0.0).0 >= b * (1.0 - SLOWER))
     }
 
     /// Whether the plan so far comes to rest so soon that nothing is gained by another.

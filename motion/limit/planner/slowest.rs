@@ -19,6 +19,8 @@ use std::sync::Arc;
 const LOOK: f64 = 0.25;
 /// Of the way that braking takes without jerk limits so much is added.
 const FURTHER: f64 = 0.5;
+/// With this override programmed velocities do not matter.
+const ANY: f64 = 1e3;
 /// Limits are tightened by and by within this time, s: at first they may be used up.
 const BY_AND_BY: f64 = 0.02;
 /// Solves at most, and what a further one has to lower the sum of b by.
@@ -26,6 +28,8 @@ const MOST_SOLVES: u32 = 10;
 const SETTLED: f64 = 1e-3;
 /// A plan is hardly faster than the slowest if its b is larger by no more than this part.
 const NEAR: f64 = 0.05;
+/// Braking takes at least so many cells.
+const FEWEST: f64 = 16.0;
 /// b below this part of the first is rest.
 const REST: f64 = 3e-4;
 /// With a landing of constant jerk the way left is this times b/|a|.
@@ -57,13 +61,16 @@ impl Slowest {
     /// With the override `factor` from the beginning of the profile on.
     pub(super) fn feeds(&self, factor: f64, room: Room) -> Feeds {
         let mut feeds = Feeds::new(factor);
-        let mut before = self.b.first().copied().unwrap_or_default();
-        let last = if factor > 0.0 { 0.0 } else { LAST * before };
-        for (cell, pair) in self.cells.iter().zip(self.b.windows(2)) {
-            let [from, to] = pair else { continue };
-            let b = before.max(*from).max(*to);
-            feeds.brake(&cell.element, cell.to, b * (1.0 + room.faster) + last);
-            before = *from;
+        let first = self.b.first().copied().unwrap_or_default();
+        let last = if factor > 0.0 { 0.0 } else { LAST * first };
+        let at = |node: usize| {
+            // Between nodes it may bend.
+            let around = self.b.iter().skip(node.saturating_sub(1));
+            let b = around.take(if node > 0 { 3 } else { 2 }).copied().fold(0.0, f64::max);
+            [b, b * room.faster + last]
+        };
+        for (node, cell) in self.cells.iter().enumerate() {
+            feeds.brake(&cell.element, cell.from..cell.to, [at(node), at(node + 1)]);
         }
         feeds
     }
@@ -106,7 +113,11 @@ where
     pub(super) fn slowest(&mut self, tight: [f64; 2]) -> Result<Slowest, NotSolved> {
         let mut look = LOOK;
         loop {
-            let cells = self.old_cells(look, tight)?;
+            // The plan so far may come from before the last override.
+            let feeds = std::mem::replace(&mut self.sampler.feeds, Feeds::new(ANY));
+            let cells = self.old_cells(look, tight);
+            self.sampler.feeds = feeds;
+            let cells = cells?;
             let all = cells.len() >= self.tail.len();
             let grid = grid(&self.sampler, &cells);
             let (b, rest) = reachable::slowest(&grid, 0..cells.len(), self.start());
@@ -225,12 +236,15 @@ where
     /// Cuts cells in half that take long.
     fn halve_slow(&self, cells: &mut Vec<Cell>, b: &[f64], guess: &mut Guess) {
         let least = REST * b.first().copied().unwrap_or_default();
+        let pairs = cells.iter().zip(b.windows(2)).take_while(|(_, pair)| pair.iter().all(|b| *b > least));
+        let braking: f64 = pairs.map(|(cell, pair)| time(pair, cell.length(), true)).sum();
+        let step = self.options.step.min(braking / FEWEST);
         let last = cells.len().saturating_sub(1);
         let mut halved = Vec::with_capacity(cells.len());
         for (index, cell) in std::mem::take(cells).into_iter().enumerate() {
             let pair = b.get(index..index + 2).unwrap_or_default();
             let moving = pair.first().is_some_and(|from| *from > least);
-            let long = time(pair, cell.length(), true) > 1.5 * self.options.step;
+            let long = time(pair, cell.length(), true) > 1.5 * step;
             if moving
                 && long
                 && index > 0
@@ -253,11 +267,13 @@ fn rest(grid: &Grid, b: &[f64], a: &[f64]) -> Option<f64> {
     let least = REST * b.first()?;
     let nodes = grid.nodes();
     let moving = b.iter().rposition(|b| *b > least)?;
-    let (b, a, u) = (b.get(moving)?, a.get(moving)?, nodes.get(moving)?);
-    if moving + 2 >= nodes.len() || *a >= 0.0 {
+    if moving + 2 >= nodes.len() {
         return None;
     }
-    Some(u - nodes.first()? + LANDING * b / a.abs())
+    let (b, a) = (b.get(moving)?, a.get(moving)?);
+    let (from, to) = (nodes.get(moving)?, nodes.get(moving + 1)?);
+    let left = if *a < 0.0 { LANDING * b / a.abs() } else { f64::INFINITY };
+    Some(from - nodes.first()? + left.min(to - from))
 }
 
 /// There is no profile.

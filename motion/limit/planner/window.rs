@@ -21,6 +21,8 @@ const SHORT: f64 = 2e-5;
 /// the profile more freedom, which it may use to exceed limits somewhere else.
 const ROUNDS: u32 = 12;
 const HALVING: u32 = 6;
+/// Nor are there so many times more of them.
+const MOST_CELLS: usize = 4;
 
 /// Cells in which jerks differ by more than this part of their limits are cut in half.
 const VARIES: f64 = 0.12;
@@ -40,6 +42,7 @@ where
         let mut guess = self.jerk_limited.then(|| self.first_guess());
         let mut broken = Broken::default();
         let (mut round, mut solves, mut before) = (0, 0, 0.0);
+        let most = MOST_CELLS * self.cells.len();
         loop {
             let grid = grid(&self.sampler, &self.cells);
             self.effort.cells += grid.cells() as u64;
@@ -72,7 +75,8 @@ where
                 }
                 return Ok(stretches);
             }
-            if !self.tighten(&stretches, round < HALVING, &broken, guess.as_mut()) {
+            let halving = round < HALVING && self.cells.len() < most;
+            if !self.tighten(&stretches, halving, &broken, guess.as_mut()) {
                 return Ok(stretches);
             }
             round += 1;
