@@ -86,7 +86,7 @@ pub(super) struct Writer<'s> {
     pub(super) variables: usize,
     /// Jerk rows less active than this at the guess are left out at first.
     pub(super) screen: f64,
-    /// Whether no row is left out that could count.
+    /// Whether no row is left out that could count, but those of velocities.
     pub(super) all: bool,
     /// c of the first cell, if it is given.
     pub(super) fixed: f64,
@@ -131,7 +131,6 @@ impl Writer<'_> {
         let entries = entries.map(|(index, value)| (index, value * scale));
         let most: f64 = entries.iter().map(|(_, value)| value.abs()).sum();
         let counts = most > 0.5 * to;
-        if self.all && sum > right * 1.0001 { eprintln!("DBG guess breaks {origin:?} {}", sum / right); }
         if sum >= screen * right || self.asked.has(&origin) || self.all && counts {
             self.program.add_row(&entries, to, origin);
         } else if counts {
@@ -160,6 +159,7 @@ impl Writer<'_> {
     ) {
         let place = around.at(end);
         if end == End::Finish
+            && !self.all
             && let Some(cap) = grid.caps().get(cell + 1)
         {
             // Between cells of different limits it is the lower one that counts, which c alone does not keep.

@@ -46,6 +46,11 @@ pub(super) struct Sample {
 }
 
 impl Sample {
+    /// The bound of u̇².
+    pub(super) fn cap(&self) -> f64 {
+        self.cap.v2
+    }
+
     /// The largest acceleration, jerk and velocity, of any axis and along the path, where the motion is that of `stretch` at
     /// `u`, each as a part of the limit.
     pub(super) fn excess(&self, limits: &[AxisLimits], stretch: &Stretch, u: f64) -> [f64; 3] {

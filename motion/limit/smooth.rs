@@ -49,7 +49,7 @@ pub(super) enum Aim {
     /// The shortest duration.
     #[default]
     Fastest,
-    /// The smallest velocities: braking, and then standing.
+    /// The smallest velocities above those of [`SmoothSolver::floors`]: braking, and no bounds on the velocity.
     Slowest,
 }
 
@@ -190,6 +190,8 @@ pub struct SmoothSolver {
     /// Of the variables: c of every cell is a multiple of it.
     scale: Vec<f64>,
     pub(super) aim: Aim,
+    /// The least c of every cell, if that is the aim.
+    pub(super) floors: Vec<f64>,
 }
 
 impl SmoothSolver {
@@ -343,7 +345,7 @@ impl SmoothSolver {
                 fixed,
                 index,
             };
-            if index > 0 && index + 1 < count {
+            if index > 0 && index + 1 < count && self.aim == Aim::Fastest {
                 writer.add_cap(grid, cell);
             }
             for end in End::BOTH {
@@ -399,7 +401,7 @@ impl SmoothSolver {
         }
     }
 
-    /// Σ wₖ·bₖ/b̄ₖ as the cost, and no c below 0: every b is as small as those before it allow.
+    /// Σ wₖ·bₖ/b̄ₖ as the cost, and no c below its floor: every b is as small as those before it allow.
     fn add_velocities(&mut self, grid: &Grid, cells: &Range<usize>, guess: &[f64]) {
         let total: f64 = cells.clone().map(|cell| grid.length(cell)).sum();
         let knots = self.knots.iter().zip(guess).zip(cells.clone()).enumerate().skip(1);
@@ -416,7 +418,9 @@ impl SmoothSolver {
         for (variable, cell) in (0..cells.len().saturating_sub(2)).zip(1..) {
             let constraint = Constraint::Velocity(CapSource::Stop);
             let origin = Origin { cell, constraint, upper: false, share: 0.0 };
-            self.program.add_row(&[(variable, -1.0)], 0.0, origin);
+            let floor = self.floors.get(cell).copied().unwrap_or_default();
+            let scale = self.scale.get(cell).copied().unwrap_or(1.0);
+            self.program.add_row(&[(variable, -1.0)], -floor / scale, origin);
         }
     }
 }

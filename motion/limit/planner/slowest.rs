@@ -28,6 +28,8 @@ const MOST_SOLVES: u32 = 10;
 const SETTLED: f64 = 1e-3;
 /// A plan is hardly faster than the slowest if its b is larger by no more than this part.
 const NEAR: f64 = 0.05;
+/// How exactly solvers keep bounds.
+const EXACT: f64 = 1e-4;
 /// Braking takes at least so many cells.
 const FEWEST: f64 = 16.0;
 /// b below this part of the first is rest.
@@ -67,7 +69,7 @@ impl Slowest {
             // Between nodes it may bend.
             let around = self.b.iter().skip(node.saturating_sub(1));
             let b = around.take(if node > 0 { 3 } else { 2 }).copied().fold(0.0, f64::max);
-            [b, b * room.faster + last]
+            [b + last, b * room.faster]
         };
         for (node, cell) in self.cells.iter().enumerate() {
             feeds.brake(&cell.element, cell.from..cell.to, [at(node), at(node + 1)]);
@@ -113,11 +115,10 @@ where
     pub(super) fn slowest(&mut self, tight: [f64; 2]) -> Result<Slowest, NotSolved> {
         let mut look = LOOK;
         loop {
-            // The plan so far may come from before the last override.
             let feeds = std::mem::replace(&mut self.sampler.feeds, Feeds::new(ANY));
             let cells = self.old_cells(look, tight);
             self.sampler.feeds = feeds;
-            let cells = cells?;
+            let (cells, floors) = cells?;
             let all = cells.len() >= self.tail.len();
             let grid = grid(&self.sampler, &cells);
             let (b, rest) = reachable::slowest(&grid, 0..cells.len(), self.start());
@@ -144,12 +145,12 @@ where
             if let Some(count) = count {
                 let mut some = cells.clone();
                 some.truncate(count);
-                if let Ok(slowest) = self.slowest_smooth(some) {
+                if let Ok(slowest) = self.slowest_smooth(some, floors.clone()) {
                     return Ok(slowest);
                 }
             }
             if all {
-                return self.slowest_smooth(cells);
+                return self.slowest_smooth(cells, floors);
             }
             look *= 2.0;
         }
@@ -163,8 +164,11 @@ where
         }
     }
 
-    /// The legs of the plan so far as cells, of about `look` s.
-    fn old_cells(&self, look: f64, tight: [f64; 2]) -> Result<Vec<Cell>, NotSolved> {
+    /// The legs of the plan so far as cells, of about `look` s, with no regard to programmed velocities; and the u̇² that the override
+    /// allows in each.
+    fn old_cells(&mut self, look: f64, tight: [f64; 2]) -> Result<(Vec<Cell>, Vec<f64>), NotSolved> {
+        let mut floors = Vec::new();
+        let asked = Feeds::new(self.asked);
         let mut cells = Vec::new();
         let mut near = self.near;
         let mut at = 0.0;
@@ -173,8 +177,13 @@ where
                 break;
             }
             let part = leg.from..leg.from + leg.stretch.length();
+            let middle = part.start.midpoint(part.end);
             let cell = self.sampler.cell(&leg.element, part, &near);
             let mut cell = cell.map_err(|_refused| none())?;
+            let any = std::mem::replace(&mut self.sampler.feeds, asked.clone());
+            let slow = self.sampler.sample(&leg.element, middle, &near);
+            self.sampler.feeds = any;
+            floors.push(slow.map_or(0.0, |slow| slow.cap()));
             at += leg.stretch.duration();
             let grown = (at / BY_AND_BY).min(1.0);
             let [acceleration, jerk] = tight.map(|tight| 1.0 + (tight - 1.0) * grown);
@@ -182,17 +191,21 @@ where
             near = cell.end.position;
             cells.push(cell);
         }
-        Ok(cells)
+        Ok((cells, floors))
     }
 
-    fn slowest_smooth(&mut self, mut cells: Vec<Cell>) -> Result<Slowest, NotSolved> {
+    /// The same where jerks are limited: down to `caps` in each cell, unless the plan so far is slower, and no further.
+    fn slowest_smooth(&mut self, mut cells: Vec<Cell>, mut caps: Vec<f64>) -> Result<Slowest, NotSolved> {
         let mut guess = self.old_guess(cells.len());
+        let mut old = guess.clone();
         let mut before = f64::INFINITY;
         self.smooth.aim = Aim::Slowest;
         let mut solves = 0;
         let result = loop {
             let grid = grid(&self.sampler, &cells);
             self.effort.cells += grid.cells() as u64;
+            let floors = caps.iter().zip(&old.c).map(|(cap, c)| cap.min(*c));
+            self.smooth.floors = floors.map(|floor| (1.0 - EXACT) * floor.max(0.0)).collect();
             let solved = self.smooth.solve_about(&grid, 0..grid.cells(), self.beginning, &mut guess);
             let (profile, broken) = match solved {
                 Ok(solved) => solved,
@@ -209,7 +222,7 @@ where
                 let rest = rest(&grid, &profile.b, &profile.a);
                 break Ok((profile.b, rest));
             }
-            self.halve_slow(&mut cells, &profile.b, &mut guess);
+            self.halve_slow(&mut cells, &profile.b, [&mut guess, &mut old], &mut caps);
         };
         self.smooth.aim = Aim::Fastest;
         let (b, rest) = result?;
@@ -234,12 +247,13 @@ where
     }
 
     /// Cuts cells in half that take long.
-    fn halve_slow(&self, cells: &mut Vec<Cell>, b: &[f64], guess: &mut Guess) {
+    fn halve_slow(&self, cells: &mut Vec<Cell>, b: &[f64], guesses: [&mut Guess; 2], caps: &mut Vec<f64>) {
         let least = REST * b.first().copied().unwrap_or_default();
         let pairs = cells.iter().zip(b.windows(2)).take_while(|(_, pair)| pair.iter().all(|b| *b > least));
         let braking: f64 = pairs.map(|(cell, pair)| time(pair, cell.length(), true)).sum();
         let step = self.options.step.min(braking / FEWEST);
         let last = cells.len().saturating_sub(1);
+        let [guess, old] = guesses;
         let mut halved = Vec::with_capacity(cells.len());
         for (index, cell) in std::mem::take(cells).into_iter().enumerate() {
             let pair = b.get(index..index + 2).unwrap_or_default();
@@ -253,6 +267,8 @@ where
                 && parts.len() == 2
             {
                 guess.halve(halved.len());
+                old.halve(halved.len());
+                caps.insert(halved.len(), caps.get(halved.len()).copied().unwrap_or_default());
                 halved.extend(parts);
             } else {
                 halved.push(cell);
