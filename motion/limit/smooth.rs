@@ -34,6 +34,9 @@ use std::ops::Range;
 /// The next guess is not below this part of the one before.
 const FLOOR: f64 = 0.05;
 
+/// A c that is to be positive is at least this part of the guess.
+const LEAST: f64 = 1e-3;
+
 /// How exactly a guess and the profile itself are solved for.
 const ROUGH: f64 = 1e-5;
 const FINE: f64 = 1e-7;
@@ -192,6 +195,8 @@ pub struct SmoothSolver {
     pub(super) aim: Aim,
     /// The least c of every cell, if that is the aim.
     pub(super) floors: Vec<f64>,
+    /// Whether c is to be positive whatever the aim: where the path brakes to nearly nothing it need not be.
+    pub(super) positive: bool,
 }
 
 impl SmoothSolver {
@@ -324,6 +329,9 @@ impl SmoothSolver {
             Aim::Fastest => self.add_costs(grid, cells, &guess.b),
             Aim::Slowest => self.add_velocities(grid, cells, &guess.b),
         }
+        if self.positive || self.aim == Aim::Slowest {
+            self.add_floors(variables);
+        }
         let screen = if guess.rough { SCREEN_JERK[0] } else { SCREEN_JERK[1] };
         let fixed = match beginning {
             Beginning::Rest => 0.0,
@@ -401,7 +409,7 @@ impl SmoothSolver {
         }
     }
 
-    /// Σ wₖ·bₖ/b̄ₖ as the cost, and no c below its floor: every b is as small as those before it allow.
+    /// Σ wₖ·bₖ/b̄ₖ as the cost: every b is as small as those before it allow.
     fn add_velocities(&mut self, grid: &Grid, cells: &Range<usize>, guess: &[f64]) {
         let total: f64 = cells.clone().map(|cell| grid.length(cell)).sum();
         let knots = self.knots.iter().zip(guess).zip(cells.clone()).enumerate().skip(1);
@@ -415,12 +423,21 @@ impl SmoothSolver {
                 }
             }
         }
-        for (variable, cell) in (0..cells.len().saturating_sub(2)).zip(1..) {
+    }
+
+    /// No c below its floor.
+    fn add_floors(&mut self, variables: usize) {
+        for (variable, cell) in (0..variables).zip(1..) {
             let constraint = Constraint::Velocity(CapSource::Stop);
             let origin = Origin { cell, constraint, upper: false, share: 0.0 };
-            let floor = self.floors.get(cell).copied().unwrap_or_default();
-            let scale = self.scale.get(cell).copied().unwrap_or(1.0);
-            self.program.add_row(&[(variable, -1.0)], -floor / scale, origin);
+            let least = match self.aim {
+                Aim::Fastest => LEAST,
+                Aim::Slowest => {
+                    let floor = self.floors.get(cell).copied().unwrap_or_default();
+                    floor / self.scale.get(cell).copied().unwrap_or(1.0)
+                }
+            };
+            self.program.add_row(&[(variable, -1.0)], -least, origin);
         }
     }
 }

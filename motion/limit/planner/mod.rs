@@ -22,6 +22,7 @@ use super::smooth::{Beginning, SmoothSolver};
 use super::stretch::Stretch;
 use crate::Place;
 use crate::prepare::CheckedElement;
+use clarabel::solver::SolverStatus;
 use returned::{Part, Returned};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -281,6 +282,10 @@ where
                 continue;
             }
             let stretches = self.solve_verified().map_err(NoWindow::NotSolved)?;
+            if stretches.iter().any(|stretch| !stretch.duration().is_finite()) {
+                // It would have to go backwards in between.
+                return Err(NoWindow::NotSolved(NOT_SOLVED));
+            }
             if exactly && !self.begins_with(&stretches) {
                 return Err(NoWindow::Slower);
             }
@@ -304,6 +309,9 @@ where
         }
     }
 }
+
+/// A profile that cannot be followed.
+const NOT_SOLVED: NotSolved = NotSolved { status: SolverStatus::Unsolved, iterations: 0 };
 
 /// Why there is no plan for a window.
 enum NoWindow {

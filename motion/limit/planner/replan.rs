@@ -124,7 +124,10 @@ where
             self.hold_at(&element, s);
         }
         self.sampler.feeds = slowest.feeds(self.asked, room);
-        self.plan_window(true)
+        self.smooth.positive = true;
+        let planned = self.plan_window(true);
+        self.smooth.positive = false;
+        planned
     }
 
     /// Whether a profile begins as fast as the path is: without jerk limits the solver may lower the first velocity.

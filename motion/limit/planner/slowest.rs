@@ -1,6 +1,6 @@
 //! The slowest profile from where the path is: braking as hard as the limits allow.
 
-use super::{Leg, Planner};
+use super::{Leg, NOT_SOLVED, Planner};
 use super::refine::time;
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
@@ -12,7 +12,6 @@ use crate::limit::sample::{Cell, grid};
 use crate::limit::smooth::{Aim, Beginning, Guess};
 use crate::limit::stretch::{Law, Stretch};
 use crate::prepare::CheckedElement;
-use clarabel::solver::SolverStatus;
 use std::sync::Arc;
 
 /// So much of the plan so far, s, is looked at first for a place to rest at.
@@ -179,7 +178,7 @@ where
             let part = leg.from..leg.from + leg.stretch.length();
             let middle = part.start.midpoint(part.end);
             let cell = self.sampler.cell(&leg.element, part, &near);
-            let mut cell = cell.map_err(|_refused| none())?;
+            let mut cell = cell.map_err(|_refused| NOT_SOLVED)?;
             let any = std::mem::replace(&mut self.sampler.feeds, asked.clone());
             let slow = self.sampler.sample(&leg.element, middle, &near);
             self.sampler.feeds = any;
@@ -290,9 +289,4 @@ fn rest(grid: &Grid, b: &[f64], a: &[f64]) -> Option<f64> {
     let (from, to) = (nodes.get(moving)?, nodes.get(moving + 1)?);
     let left = if *a < 0.0 { LANDING * b / a.abs() } else { f64::INFINITY };
     Some(from - nodes.first()? + left.min(to - from))
-}
-
-/// There is no profile.
-fn none() -> NotSolved {
-    NotSolved { status: SolverStatus::Unsolved, iterations: 0 }
 }
