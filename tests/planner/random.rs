@@ -163,7 +163,7 @@ pub fn cases(cases: u32) -> ProptestConfig {
     ProptestConfig {
         cases,
         failure_persistence: None,
-        max_shrink_iters: std::env::var("SHRINK").map_or(40, |s| s.parse().unwrap()),
+        max_shrink_iters: 40,
         ..ProptestConfig::default()
     }
 }

@@ -195,7 +195,7 @@ impl<'m, A: AxisPath> Watch<'m, A> {
         // Where only extra axes move the parameter is the way.
         let speed = if norm > 0.0 { norm } else { 1.0 };
         let (factor, from) = self.factor;
-        if factor >= 1.0 && from == 0.0 || time > from && a >= 0.0 {
+        if factor >= 1.0 && from == 0.0 || factor > 0.0 && time > from && a >= 0.0 {
             report.feed.raise(speed * v / (factor * leg.element.feed()), line, time);
         }
         let along = speed * a + point.first.dot(&point.second) / speed * v * v;

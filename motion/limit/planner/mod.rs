@@ -282,7 +282,9 @@ where
                 continue;
             }
             let stretches = self.solve_verified().map_err(NoWindow::NotSolved)?;
-            if stretches.iter().any(|stretch| !stretch.duration().is_finite()) {
+            if (exactly || self.jerk_limited)
+                && stretches.iter().any(|stretch| !stretch.duration().is_finite())
+            {
                 // It would have to go backwards in between.
                 return Err(NoWindow::NotSolved(NOT_SOLVED));
             }

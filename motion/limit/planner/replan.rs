@@ -81,30 +81,22 @@ where
         self.effort.replanned += 1;
         let before = (self.sampler.feeds.clone(), self.effort.failed);
         for room in ROOMS {
-            match self.slowest(room.tight) {
-                Ok(slowest) => {
-                    let near = slowest.near(&self.tail);
-                    let legs = self.tail.iter().take(near);
-                    let time: f64 = legs.map(|leg| leg.stretch.duration()).sum();
-                    eprintln!("DBG room {room:?} near {near} {time} beginning {:?} slow {} cells rest {:?} b {:?}", self.beginning, slowest.b.len(), slowest.rest, slowest.b.iter().enumerate().filter(|(i,_)| i%8==0).map(|(_,b)| (b.sqrt()*1e4).round()/1e4).collect::<Vec<_>>());
-                    match self.plan_above(&slowest, room) {
-                    Ok(()) => { self.pass_stop(); return; }
-                    Err(e) => eprintln!("DBG no window {:?} cells {}", match e {NoWindow::NotSolved(e) => e.to_string(), NoWindow::Kinematics(e) => e.to_string(), NoWindow::Slower => "slower".into() }, self.cells.len()),
-                    }
-                    self.unplan();
-                    (self.sampler.feeds, self.effort.failed) = before.clone();
-                    if time >= HARDLY {
-                        self.changed = true;
-                        self.go_on(near);
-                        return;
-                    }
-                }
-                Err(e) => {
-                    self.effort.failed = before.1;
-                    eprintln!("DBG no slowest {e}")
-                }
+            let Ok(slowest) = self.slowest(room.tight) else { continue };
+            if self.plan_above(&slowest, room).is_ok() {
+                self.pass_stop();
+                return;
+            }
+            self.unplan();
+            (self.sampler.feeds, self.effort.failed) = before.clone();
+            let near = slowest.near(&self.tail);
+            let legs = self.tail.iter().take(near);
+            if legs.map(|leg| leg.stretch.duration()).sum::<f64>() >= HARDLY {
+                self.changed = true;
+                self.go_on(near);
+                return;
             }
         }
+        self.effort.failed = before.1;
         self.effort.not_replanned += 1;
         self.changed = true;
         let mut left = GO_ON;

@@ -53,9 +53,9 @@ pub(super) struct Room {
 #[derive(Debug)]
 pub(super) struct Slowest {
     cells: Vec<Cell>,
-    pub(super) b: Vec<f64>,
+    b: Vec<f64>,
     /// From the first node, if it is not where the plan so far ends.
-    pub(super) rest: Option<f64>,
+    rest: Option<f64>,
 }
 
 impl Slowest {
@@ -208,7 +208,7 @@ where
             let solved = self.smooth.solve_about(&grid, 0..grid.cells(), self.beginning, &mut guess);
             let (profile, broken) = match solved {
                 Ok(solved) => solved,
-                Err(error) => { eprintln!("DBG failing {solves} beginning {:?} cells {} of {}, takes {} first {} last {:?} caps {:?} b {:?} {:?}", self.beginning, cells.len(), self.tail.len(), self.tail.iter().map(|l| l.stretch.duration()).sum::<f64>(), self.tail[0].stretch.duration(), self.tail.last().map(|l| l.stretch), grid.caps().iter().take(4).map(|c|c.v2).collect::<Vec<_>>(), &guess.b[..4.min(guess.b.len())], &guess.c[..4.min(guess.c.len())]); break Err(error) },
+                Err(error) => break Err(error),
             };
             self.effort.iterations += u64::from(profile.iterations);
             solves += 1;
@@ -216,7 +216,6 @@ where
                 (0..grid.cells()).zip(&profile.b).map(|(cell, b)| grid.length(cell) * b).sum();
             let settled = broken.is_empty() && sum >= before * (1.0 - SETTLED);
             before = sum;
-            eprintln!("DBG solve {solves} sum {sum:.6e} iterations {} cells {} broken {}", profile.iterations, cells.len(), broken.is_empty());
             if settled || solves >= MOST_SOLVES {
                 let rest = rest(&grid, &profile.b, &profile.a);
                 break Ok((profile.b, rest));
