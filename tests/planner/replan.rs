@@ -7,11 +7,14 @@ use nalgebra::Point3;
 use proptest::prelude::*;
 use std::collections::VecDeque;
 use std::f64::consts::PI;
+use std::num::NonZeroU32;
 use std::time::Instant;
+use twin_kinematics::MachineAxes;
 use twin_motion::Place;
-use twin_motion::limit::{LimitError, Planned, Planner};
+use twin_motion::interpolate::Status;
+use twin_motion::limit::{Ahead, Followed, Follower, KinematicPath, LimitError, Planned, Planner};
 use twin_motion::path::{ElementKind, PathElement, Shape};
-use twin_motion::prepare::{CheckError, CheckVelocities};
+use twin_motion::prepare::{CheckError, CheckVelocities, CheckedElement};
 
 /// So much is planned ahead, s.
 const LOOKAHEAD: f64 = 0.5;
@@ -35,7 +38,8 @@ struct Replanned {
 
 /// Follows `path` with these changes, each of which leaves what begins within `lead` s as it is.
 fn drive(path: &[PathElement], settings: &Settings, changes: &[Change], lead: f64) -> Replanned {
-    let checked = CheckVelocities::new(path.iter().cloned().map(Ok::<_, CheckError>), settings.angle);
+    let checked =
+        CheckVelocities::new(path.iter().cloned().map(Ok::<_, CheckError>), settings.angle);
     let mut planner =
         Planner::new(checked, settings.machine.path(settings.jerk), settings.options());
     let axes = settings.machine.path(settings.jerk);
@@ -154,12 +158,18 @@ fn a_hold_on_a_line_is_the_closed_form() {
             let done = drive(&[line(0.3, feed)], &gantry(jerk), &[(at, 0.0)], 0.05);
             let j = if jerk { 3.0 / BUILD_UP } else { 1e12 };
             let [time, way] = braking(feed, 3.0, j);
-            println!("{feed} m/s, jerk {jerk}: {:?}, at best {time} s {way} m; {:?} s; {:?}", done.stops, done.took, done.report.effort);
+            println!(
+                "{feed} m/s, jerk {jerk}: {:?}, at best {time} s {way} m; {:?} s; {:?}",
+                done.stops, done.took, done.report.effort
+            );
             assert_eq!(done.stops.len(), 1);
             let [took, went] = done.stops[0];
             // At the faster end of a cell the solver leaves 4 % of the jerk limit.
             assert!(took >= time * 0.999 && took <= time * 1.01 + 3e-3, "{took} instead of {time}");
-            assert!(went >= way * 0.999 && went <= way * 1.02 + 3e-3 * feed / 4.0, "{went} instead of {way}");
+            assert!(
+                went >= way * 0.999 && went <= way * 1.02 + 3e-3 * feed / 4.0,
+                "{went} instead of {way}"
+            );
             assert_eq!(done.report.effort.not_replanned, 0);
         }
     }
@@ -177,10 +187,23 @@ fn changes() -> impl Strategy<Value = Vec<Change>> {
     })
 }
 
-fn holds(settings: Settings, steps: &[Step], changes: &[Change], lead: f64) -> Result<(), TestCaseError> {
+fn holds(
+    settings: Settings,
+    steps: &[Step],
+    changes: &[Change],
+    lead: f64,
+) -> Result<(), TestCaseError> {
     let path = walk(steps, settings.machine);
     let Replanned { report, took, .. } = drive(&path, &settings, changes, lead);
-    println!("{} changes, {:?}, jerk {}: {:.1} ms, {:.1} ms else; {:?}", changes.len(), settings.machine, settings.jerk, took[0] * 1e3, took[1] * 1e3, report.effort);
+    println!(
+        "{} changes, {:?}, jerk {}: {:.1} ms, {:.1} ms else; {:?}",
+        changes.len(),
+        settings.machine,
+        settings.jerk,
+        took[0] * 1e3,
+        took[1] * 1e3,
+        report.effort
+    );
     prop_assert!(report.errors.is_empty(), "{:?}", report.errors);
     let lines: Vec<u32> = path.iter().map(|element| element.place.line).collect();
     prop_assert_eq!(&report.lines, &lines);
@@ -215,4 +238,115 @@ proptest! {
     fn limits_of_acceleration_are_kept_through_changes(settings in settings(), steps in prop::collection::vec(step(), 1..25), changes in changes(), lead in 0.0..0.2) {
         holds(Settings { jerk: false, ..settings }, &steps, &changes, lead)?;
     }
+}
+
+/// A line with an M function in its middle, a switch, and a way back.
+fn with_m_function() -> Vec<PathElement> {
+    let at = |x: f64, y: f64| Point3::new(x, y, 0.0);
+    let element = |line, kind, start, end| {
+        let place = Place { line, block: None };
+        let made = PathElement::new(place, kind, Shape::Line { start, end });
+        PathElement { feed: 0.1, acceleration: 20.0, deceleration: 20.0, ..made }
+    };
+    vec![
+        element(1, ElementKind::Cut, at(0.02, 0.0), at(0.06, 0.0)),
+        element(2, ElementKind::MFunction { number: 7 }, at(0.06, 0.0), at(0.06, 0.0)),
+        element(3, ElementKind::Cut, at(0.06, 0.0), at(0.06, 0.05)),
+    ]
+}
+
+/// Set-points with what is done to the follower at some of them; the last, and how many.
+fn follow(ahead: Ahead, mut act: impl FnMut(usize, &mut Following)) -> Vec<Followed> {
+    let checked = CheckVelocities::new(with_m_function().into_iter().map(Ok::<_, CheckError>), PI);
+    let settings = gantry(true);
+    let planner = Planner::new(
+        Box::new(checked) as Upstream,
+        settings.machine.path(true),
+        settings.options(),
+    );
+    let cycle = NonZeroU32::new(1_000_000).unwrap();
+    let mut follower = Follower::new(planner, cycle).with_ahead(ahead).with_acknowledgement();
+    let mut all: Vec<Followed> = Vec::new();
+    while let Some(followed) = follower.next() {
+        all.push(followed.unwrap());
+        act(all.len(), &mut follower);
+        assert!(all.len() < 20_000, "no end");
+    }
+    let x: Vec<_> = all.iter().map(|followed| followed.tool.position).collect();
+    for four in x.windows(4) {
+        let jerk = (four[3] - four[2]) - 2.0 * (four[2] - four[1]) + (four[1] - four[0]);
+        assert!(jerk.norm() / 1e-9 <= 1.05 * 3.0 / BUILD_UP, "{four:?}");
+    }
+    all
+}
+
+type Upstream = Box<dyn Iterator<Item = Result<CheckedElement, CheckError>>>;
+type Following = Follower<Planner<Upstream, CheckError, KinematicPath<MachineAxes>>>;
+
+#[test]
+fn an_m_function_waits_to_be_acknowledged() {
+    for ahead in [Ahead::default(), Ahead::PLANNING_BESIDE] {
+        let mut shown = 0;
+        let all = follow(ahead, |_, follower| {
+            shown += 1;
+            // Nobody is listening before it is shown; the second call is one too many.
+            if shown % 1000 == 0 {
+                follower.acknowledge();
+                follower.acknowledge();
+            }
+        });
+        let waiting = all.iter().filter(|followed| followed.tool.m_function == Some(7)).count();
+        let first = all.iter().position(|followed| followed.tool.m_function == Some(7)).unwrap();
+        assert_eq!((first + waiting) % 1000, 0, "{first} {waiting}");
+        assert!(waiting > 100);
+        let last = all.last().unwrap();
+        assert_eq!(last.tool.status, Status::Finished);
+        assert!((last.tool.way - 0.09).abs() < 1e-12, "{}", last.tool.way);
+    }
+}
+
+#[test]
+fn a_held_follower_stays_and_goes_on() {
+    for ahead in [Ahead::default(), Ahead::PLANNING_BESIDE] {
+        let all = follow(ahead, |count, follower| match count {
+            200 => follower.set_override(0.0),
+            // Held; still held at rest.
+            700 => {
+                assert!(follower.is_held());
+                follower.set_override(0.0);
+            }
+            1000 => {
+                assert!(follower.is_held());
+                follower.set_override(0.5);
+            }
+            1050 => follower.set_override(2.0),
+            _ => follower.acknowledge(),
+        });
+        let rests = all[700].tool;
+        assert_eq!((rests.status, rests.m_function), (Status::Waiting, None));
+        assert_eq!(rests.path_velocity, 0.0);
+        assert_eq!(rests.position, all[999].tool.position);
+        assert_ne!(rests.position, all[1040].tool.position);
+        let last = all.last().unwrap();
+        assert_eq!(last.tool.position, Point3::new(0.06, 0.05, 0.0));
+        assert!((last.tool.way - 0.09).abs() < 1e-12, "{}", last.tool.way);
+        let most = all.iter().skip(1400).map(|followed| followed.tool.path_velocity);
+        let most = most.fold(0.0, f64::max);
+        assert!(most <= 0.2 * 1.001, "{most}");
+        assert_eq!(all.iter().filter(|followed| followed.tool.m_function.is_some()).count(), 1);
+    }
+}
+
+#[test]
+fn a_stop_leaves_the_rest_undone() {
+    let all = follow(Ahead::PLANNING_BESIDE, |count, follower| {
+        if count == 50 {
+            follower.stop();
+        }
+    });
+    let last = all.last().unwrap();
+    assert_eq!(last.tool.status, Status::Finished);
+    assert_eq!(last.element.place().line, 1);
+    assert!(last.tool.way < 0.039 && last.tool.way > 0.01, "{}", last.tool.way);
+    assert!((last.tool.position.x - 0.02 - last.tool.way).abs() < 1e-12);
 }

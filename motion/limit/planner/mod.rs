@@ -253,7 +253,7 @@ where
                 return;
             }
         }
-        match self.plan_window(false) {
+        match self.plan_window(self.options.horizon, false) {
             Ok(()) => {}
             Err(NoWindow::Kinematics(error)) => {
                 let place = self.rest_instead();
@@ -265,9 +265,8 @@ where
         self.pass_stop();
     }
 
-    /// Plans a window and commits what can be. `exactly`: it has to begin as fast as the path is.
-    fn plan_window(&mut self, exactly: bool) -> Result<(), NoWindow> {
-        let mut horizon = self.options.horizon;
+    /// Plans a window of about `horizon` s and commits what can be. `exactly`: it has to begin as fast as the path is.
+    fn plan_window(&mut self, mut horizon: f64, exactly: bool) -> Result<(), NoWindow> {
         loop {
             self.fill(horizon);
             if self.cells.is_empty() {

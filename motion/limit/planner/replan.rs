@@ -18,6 +18,8 @@ const ROOMS: [Room; 3] = [
 ];
 /// Where no other is found a plan that is hardly faster than the slowest is gone on with, for at least this time, s.
 const HARDLY: f64 = 4e-3;
+/// The first window of a new plan is no longer than this, s: what follows has time.
+const HORIZON: f64 = 0.5;
 /// A profile may begin with a b that is smaller by this part.
 const SLOWER: f64 = 1e-5;
 /// A plan that comes to rest within this time, s, is not worth another.
@@ -117,7 +119,7 @@ where
         }
         self.sampler.feeds = slowest.feeds(self.asked, room);
         self.smooth.positive = true;
-        let planned = self.plan_window(true);
+        let planned = self.plan_window(self.options.horizon.min(HORIZON), true);
         self.smooth.positive = false;
         planned
     }

@@ -1,7 +1,7 @@
 //! The slowest profile from where the path is: braking as hard as the limits allow.
 
-use super::{Leg, NOT_SOLVED, Planner};
 use super::refine::time;
+use super::{Leg, NOT_SOLVED, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
 use crate::limit::course::CourseElement;
@@ -121,8 +121,8 @@ where
             let all = cells.len() >= self.tail.len();
             let grid = grid(&self.sampler, &cells);
             let (b, rest) = reachable::slowest(&grid, 0..cells.len(), self.start());
-            let rest =
-                rest.and_then(|(cell, part)| Some(grid.nodes().get(cell)? + part * grid.length(cell)));
+            let rest = rest
+                .and_then(|(cell, part)| Some(grid.nodes().get(cell)? + part * grid.length(cell)));
             let Some(rest) = rest.or(all.then_some(f64::INFINITY)) else {
                 look *= 2.0;
                 continue;
@@ -165,7 +165,11 @@ where
 
     /// The legs of the plan so far as cells, of about `look` s, with no regard to programmed velocities; and the u̇² that the override
     /// allows in each.
-    fn old_cells(&mut self, look: f64, tight: [f64; 2]) -> Result<(Vec<Cell>, Vec<f64>), NotSolved> {
+    fn old_cells(
+        &mut self,
+        look: f64,
+        tight: [f64; 2],
+    ) -> Result<(Vec<Cell>, Vec<f64>), NotSolved> {
         let mut floors = Vec::new();
         let asked = Feeds::new(self.asked);
         let mut cells = Vec::new();
@@ -194,7 +198,11 @@ where
     }
 
     /// The same where jerks are limited: down to `caps` in each cell, unless the plan so far is slower, and no further.
-    fn slowest_smooth(&mut self, mut cells: Vec<Cell>, mut caps: Vec<f64>) -> Result<Slowest, NotSolved> {
+    fn slowest_smooth(
+        &mut self,
+        mut cells: Vec<Cell>,
+        mut caps: Vec<f64>,
+    ) -> Result<Slowest, NotSolved> {
         let mut guess = self.old_guess(cells.len());
         let mut old = guess.clone();
         let mut before = f64::INFINITY;
@@ -205,7 +213,8 @@ where
             self.effort.cells += grid.cells() as u64;
             let floors = caps.iter().zip(&old.c).map(|(cap, c)| cap.min(*c));
             self.smooth.floors = floors.map(|floor| (1.0 - EXACT) * floor.max(0.0)).collect();
-            let solved = self.smooth.solve_about(&grid, 0..grid.cells(), self.beginning, &mut guess);
+            let solved =
+                self.smooth.solve_about(&grid, 0..grid.cells(), self.beginning, &mut guess);
             let (profile, broken) = match solved {
                 Ok(solved) => solved,
                 Err(error) => break Err(error),
@@ -245,9 +254,16 @@ where
     }
 
     /// Cuts cells in half that take long.
-    fn halve_slow(&self, cells: &mut Vec<Cell>, b: &[f64], guesses: [&mut Guess; 2], caps: &mut Vec<f64>) {
+    fn halve_slow(
+        &self,
+        cells: &mut Vec<Cell>,
+        b: &[f64],
+        guesses: [&mut Guess; 2],
+        caps: &mut Vec<f64>,
+    ) {
         let least = REST * b.first().copied().unwrap_or_default();
-        let pairs = cells.iter().zip(b.windows(2)).take_while(|(_, pair)| pair.iter().all(|b| *b > least));
+        let pairs =
+            cells.iter().zip(b.windows(2)).take_while(|(_, pair)| pair.iter().all(|b| *b > least));
         let braking: f64 = pairs.map(|(cell, pair)| time(pair, cell.length(), true)).sum();
         let step = self.options.step.min(braking / FEWEST);
         let last = cells.len().saturating_sub(1);
