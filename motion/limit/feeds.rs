@@ -55,7 +55,10 @@ impl Feeds {
     /// The bound on u̇² at `s` of `element`, where `v2` is what is programmed.
     pub(super) fn bound(&self, element: &CourseElement, s: f64, v2: f64) -> f64 {
         let v2 = self.factor * self.factor * v2;
-        let here = self.braking.iter().find(|braking| std::ptr::eq(&*braking.element, element));
+        let here = self
+            .braking
+            .iter()
+            .find(|braking| std::ptr::eq(Arc::as_ptr(&braking.element), element));
         let braking = here.and_then(|braking| {
             let index = braking.bounds.partition_point(|(at, _)| *at < s).max(1);
             let [(from, start), (to, end), ..] = braking.bounds.get(index - 1..)? else {

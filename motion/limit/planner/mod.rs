@@ -105,6 +105,7 @@ pub struct Effort {
 
 /// Plans the motion along the elements of `upstream` on a machine: an iterator of [`Planned`].
 #[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a state of its own")]
 pub struct Planner<I, E, A> {
     course: Course<I, E>,
     sampler: Sampler<A>,
@@ -254,13 +255,12 @@ where
             }
         }
         match self.plan_window(self.options.horizon, false) {
-            Ok(()) => {}
+            Ok(()) | Err(NoWindow::Slower) => {}
             Err(NoWindow::Kinematics(error)) => {
                 let place = self.rest_instead();
                 self.ready.push_back(Err(LimitError::Kinematics { place, error }));
             }
             Err(NoWindow::NotSolved(error)) => self.fall_back(error),
-            Err(NoWindow::Slower) => {}
         }
         self.pass_stop();
     }

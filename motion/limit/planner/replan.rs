@@ -41,8 +41,7 @@ where
     /// has been taken back ([`Self::take_back`]): 0 to [`Self::LARGEST_OVERRIDE`], what is beyond counts as these, and no number
     /// as 0. The limits of the axes stay as they are.
     pub fn set_override(&mut self, factor: f64) {
-        // Also of what is no number.
-        self.asked = factor.max(0.0).min(Self::LARGEST_OVERRIDE);
+        self.asked = if factor.is_nan() { 0.0 } else { factor.clamp(0.0, Self::LARGEST_OVERRIDE) };
         self.take_back([]);
     }
 

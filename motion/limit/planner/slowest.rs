@@ -240,7 +240,7 @@ where
     fn old_guess(&self, count: usize) -> Guess {
         let legs = || self.tail.iter().take(count).map(|leg| &leg.stretch);
         let mut b: Vec<f64> = legs().map(|stretch| stretch.at_position(0.0).0).collect();
-        b.extend(legs().last().map(|stretch| stretch.at_position(stretch.length()).0));
+        b.extend(legs().next_back().map(|stretch| stretch.at_position(stretch.length()).0));
         let middle = |stretch: &Stretch| match stretch.law() {
             Law::Quadratic { b, a, .. } => b + a * stretch.length(),
             // What jerk is constant in is at an end, where c is none of the variables.

@@ -64,7 +64,7 @@ where
                         continue;
                     }
                     broken = left_out;
-                    self.gains = profile.gains.clone();
+                    self.gains.clone_from(&profile.gains);
                     stretches(&grid, &profile)
                 }
             };
