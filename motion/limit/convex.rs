@@ -74,6 +74,8 @@ pub(super) struct Answer {
     pub(super) x: Vec<f64>,
     /// What it would gain in cost if a limit were larger, as cost per part of the limit: for every row that counts.
     pub(super) gains: Vec<(Origin, f64)>,
+    /// The multipliers of all rows, in their order, and then of the cones.
+    pub(super) duals: Vec<f64>,
     pub(super) iterations: u32,
 }
 
@@ -292,7 +294,7 @@ impl Program {
                     (*origin, duals.first().copied().unwrap_or_default() * origin.share)
                 });
                 let gains = of_rows.chain(of_cones).filter(|(_, gain)| *gain > NO_GAIN).collect();
-                Ok(Answer { x: solution.x, gains, iterations })
+                Ok(Answer { x: solution.x, gains, duals: solution.z, iterations })
             }
             status => Err(not_solved(status, iterations)),
         }

@@ -21,6 +21,15 @@ pub struct AxisLimits {
     pub jerk: Option<f64>,
 }
 
+/// The reciprocals of what an axis can give.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    velocity: f64,
+    acceleration: f64,
+    /// 0: not limited.
+    jerk: f64,
+}
+
 /// Derivatives of the axis positions by the path parameter, at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
@@ -39,6 +48,14 @@ pub struct Row {
     pub a: f64,
     /// Coefficient of u̇².
     pub b: f64,
+}
+
+impl Row {
+    /// Whether the two are the same to a millionth.
+    pub(super) fn is_about(&self, other: &Self) -> bool {
+        let same = |a: f64, b: f64| (a - b).abs() <= 1e-6 * (a.abs() + b.abs());
+        same(self.a, other.a) && same(self.b, other.b)
+    }
 }
 
 /// The strip |`first`·ȧ/√b + 3·`second`·a + `third`·b|·√b ≤ 1: the derivatives of an axis, divided by its jerk limit.
@@ -62,13 +79,9 @@ impl JerkRow {
         }
     }
 
-    fn new(rates: [f64; 3], limit: Option<f64>) -> Self {
-        let [first, second, third] = rates;
-        limit.map_or_else(Self::default, |jerk| Self {
-            first: first / jerk,
-            second: second / jerk,
-            third: third / jerk,
-        })
+    fn new(rates: [f64; 3], part: &Part) -> Self {
+        let [first, second, third] = rates.map(|rate| rate * part.jerk);
+        Self { first, second, third }
     }
 
     /// The jerk of the axis, as a part of its limit, with these u̇², ü and dü/du.
@@ -177,6 +190,9 @@ pub struct CellEnd<'a> {
 #[derive(Clone, Debug)]
 pub struct Grid {
     limits: Vec<AxisLimits>,
+    /// One per axis.
+    parts: Vec<Part>,
+    limits_jerk: bool,
     extra: usize,
     /// Path parameter of every node: one more than cells.
     u: Vec<f64>,
@@ -184,12 +200,13 @@ pub struct Grid {
     caps: Vec<Cap>,
     /// Per cell, at both ends: axes, then further rows.
     rows: Vec<Row>,
-    /// Per cell, at both ends: axes.
+    /// Per cell, at both ends: axes. None where no axis has a limit.
     jerks: Vec<JerkRow>,
     /// Per cell, half-way: axes.
     middles: Vec<JerkRow>,
     /// Per cell: whether jerks are limited at its ends in any case.
     dense: Vec<bool>,
+    /// Per cell, at both ends. None before the first cell with a disc.
     discs: Vec<Option<Disc>>,
     /// Per cell: the smaller cap of its two ends, as each end has it.
     cell_caps: Vec<[Cap; 2]>,
@@ -198,7 +215,14 @@ pub struct Grid {
 impl Grid {
     /// No cells yet, from the parameter `start` on. Every cell end will have `extra` further rows.
     pub fn new(limits: Vec<AxisLimits>, extra: usize, start: f64) -> Self {
+        let part = |limits: &AxisLimits| Part {
+            velocity: 1.0 / limits.velocity,
+            acceleration: 1.0 / limits.acceleration,
+            jerk: limits.jerk.map_or(0.0, |jerk| 1.0 / jerk),
+        };
         Self {
+            parts: limits.iter().map(part).collect(),
+            limits_jerk: limits.iter().any(|limits| limits.jerk.is_some()),
             limits,
             extra,
             u: vec![start],
@@ -216,7 +240,11 @@ impl Grid {
     pub fn push(&mut self, length: f64, start: &CellEnd<'_>, end: &CellEnd<'_>) {
         let here = self.u.last().copied().unwrap_or_default();
         self.u.push(here + length);
-        let caps = [start, end].map(|end| self.push_end(end));
+        let caps = [self.push_end(start), self.push_end(end)];
+        if start.disc.is_some() || end.disc.is_some() || !self.discs.is_empty() {
+            self.discs.resize(2 * self.cell_caps.len(), None);
+            self.discs.extend([start.disc, end.disc]);
+        }
         if let Some(last) = self.caps.last_mut() {
             *last = last.min(caps[0]);
         }
@@ -235,10 +263,8 @@ impl Grid {
         let from = self.middles.len().saturating_sub(self.limits.len());
         let rows = self.middles.get_mut(from..).unwrap_or_default();
         let rates = middle.first.iter().zip(middle.second.iter()).zip(middle.third.iter());
-        for ((row, limits), ((first, second), third)) in
-            rows.iter_mut().zip(&self.limits).zip(rates)
-        {
-            *row = JerkRow::new([*first, *second, *third], limits.jerk);
+        for ((row, part), ((first, second), third)) in rows.iter_mut().zip(&self.parts).zip(rates) {
+            *row = JerkRow::new([*first, *second, *third], part);
         }
     }
 
@@ -255,23 +281,28 @@ impl Grid {
     }
 
     fn push_end(&mut self, end: &CellEnd<'_>) -> Cap {
-        let CellEnd { rates, mut cap, rows, disc } = *end;
-        let Rates { first, second, third } = &rates;
-        let values = first.iter().zip(second.iter()).zip(third.iter());
-        for (axis, (((&d1, &d2), &d3), limits)) in values.zip(&self.limits).enumerate() {
-            let v2 = (limits.velocity / d1).powi(2);
-            if v2 < cap.v2 {
-                #[expect(clippy::cast_possible_truncation, reason = "there are at most eight axes")]
-                let source = CapSource::AxisVelocity(axis as u8);
-                cap = Cap { v2, source };
+        let CellEnd { rates: Rates { first, second, third }, cap, rows, .. } = end;
+        // The largest part of its limit that an axis has at the unit rate.
+        let (mut most, mut fastest) = (0.0, 0);
+        let values = first.iter().zip(second.iter()).zip(&self.parts);
+        self.rows.extend(values.enumerate().map(|(axis, ((&d1, &d2), part))| {
+            let velocity = d1.abs() * part.velocity;
+            if velocity > most {
+                (most, fastest) = (velocity, axis);
             }
-            self.rows.push(Row { a: d1 / limits.acceleration, b: d2 / limits.acceleration });
-            self.jerks.push(JerkRow::new([d1, d2, d3], limits.jerk));
+            Row { a: d1 * part.acceleration, b: d2 * part.acceleration }
+        }));
+        if self.extra > 0 {
+            let given = rows.iter().copied().chain(std::iter::repeat(Row::default()));
+            self.rows.extend(given.take(self.extra));
         }
-        let given = rows.iter().copied().chain(std::iter::repeat(Row::default()));
-        self.rows.extend(given.take(self.extra));
-        self.discs.push(disc);
-        cap
+        if self.limits_jerk {
+            let values = first.iter().zip(second.iter()).zip(third.iter()).zip(&self.parts);
+            self.jerks
+                .extend(values.map(|(((d1, d2), d3), part)| JerkRow::new([*d1, *d2, *d3], part)));
+        }
+        let axes = 1.0 / (most * most);
+        cap.min(Cap { v2: axes, source: CapSource::AxisVelocity(number(fastest)) })
     }
 
     /// Bounds u̇² at the newest node as well.
@@ -343,7 +374,7 @@ impl Grid {
 
     /// Whether some axis has a jerk limit.
     pub fn limits_jerk(&self) -> bool {
-        self.limits.iter().any(|limits| limits.jerk.is_some())
+        self.limits_jerk
     }
 
     /// The rows of the axes (each holds with both signs) and the further ones (as they are) at an end of a cell.
@@ -352,6 +383,19 @@ impl Grid {
         let from = (2 * cell + end as usize) * width;
         let rows = self.rows.get(from..from + width).unwrap_or_default();
         rows.split_at_checked(self.limits.len()).unwrap_or_default()
+    }
+
+    /// The rows at both ends of a cell, each as [`Self::rows`]; none if the tool tip is limited there as well.
+    #[inline]
+    pub(super) fn cell_rows(&self, cell: usize) -> Option<[(&[Row], &[Row]); 2]> {
+        if self.discs.get(2 * cell..2 * cell + 2).is_some_and(|discs| discs != [None; 2]) {
+            return None;
+        }
+        let width = self.limits.len() + self.extra;
+        let (start, finish) =
+            self.rows.get(2 * cell * width..2 * (cell + 1) * width)?.split_at_checked(width)?;
+        let axes = self.limits.len();
+        Some([start.split_at_checked(axes)?, finish.split_at_checked(axes)?])
     }
 
     /// The jerk rows of the axes at an end of a cell.

@@ -6,7 +6,8 @@
 //!
 //! [`course`] rounds the joints of the path within a tolerance, [`Grid`] holds what limits the motion along it,
 //! [`reachable`] gives the fastest profile with limited acceleration in two passes, and Clarabel those profiles that are
-//! followed: [`LinearSolver`] where accelerations alone are limited, [`SmoothSolver`] where jerks are as well.
+//! followed: [`LinearSolver`] where accelerations alone are limited (there it is left with what two passes cannot prove),
+//! [`SmoothSolver`] where jerks are as well.
 
 mod ahead;
 mod asked;
@@ -20,6 +21,7 @@ mod gain;
 mod grid;
 mod linear;
 mod options;
+mod plane;
 mod planner;
 pub mod reachable;
 mod rows;

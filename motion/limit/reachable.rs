@@ -4,60 +4,48 @@
 //! every node gets the largest b from which the rest of the path can still be met; forwards, the largest b within that
 //! is taken (Pham and Pham, "A new approach to time-optimal path parameterization based on reachability analysis", IEEE
 //! T-RO 34(3), 2018). Standing still is always allowed (b = 0, a = 0), so the sets are intervals from 0.
+//!
+//! A step is a linear program in the b at both ends of a cell. Mostly its optimum is where the b at the far end is the
+//! largest it can be, which one look at every row proves ([`Reach`]); the rest is for [`Plane`].
 
-use super::grid::{Disc, End, Grid, Row};
+use super::grid::{Grid, Row};
+use super::plane::{NOTHING, Plane};
 use std::ops::Range;
-
-/// Stands for infinity where products with it must stay numbers.
-const HUGE: f64 = 1e280;
 
 /// Largest b at the nodes of `cells` such that the limits hold in every cell, from `start` (at most) to `end` (at most).
 ///
 /// The result has one value per node of `cells`. It starts lower than `start` where the path ahead asks for it.
 pub fn fastest(grid: &Grid, cells: Range<usize>, start: f64, end: f64) -> Vec<f64> {
-    let mut controllable = controllable(grid, cells.clone(), end);
-    if let Some(first) = controllable.first_mut() {
+    let mut b = controllable(grid, cells.clone(), end);
+    if let Some(first) = b.first_mut() {
         *first = first.min(start);
     }
-    forward(grid, cells, &mut controllable);
-    controllable
+    pass(grid, cells, Pass::Forwards, &mut b);
+    b
 }
 
 /// The largest b at every node of `cells` from which the end can be met with at most `end`.
 pub(super) fn controllable(grid: &Grid, cells: Range<usize>, end: f64) -> Vec<f64> {
-    let caps = grid.caps();
-    let cap = |node: usize| caps.get(node).map_or(0.0, |cap| cap.v2);
-    let mut result = vec![0.0; cells.len() + 1];
-    let mut next = end.min(cap(cells.end));
-    let mut plane = Plane::default();
-    let mut slots = result.iter_mut().rev();
-    if let Some(slot) = slots.next() {
-        *slot = next;
+    let mut b: Vec<f64> = match grid.caps().get(cells.start..=cells.end) {
+        Some(caps) => caps.iter().map(|cap| cap.v2).collect(),
+        None => vec![0.0; cells.len() + 1],
+    };
+    if let Some(last) = b.last_mut() {
+        *last = last.min(end);
     }
-    for (cell, slot) in cells.rev().zip(slots) {
-        plane.set(grid, cell);
-        next = plane.largest_before(cap(cell), next);
-        *slot = next;
-    }
-    result
+    pass(grid, cells, Pass::Backwards, &mut b);
+    b
 }
 
 /// Upper bounds on b at every node of `cells`, for any profile from `start` (exactly) to `end` (at most): what can be reached
 /// from the start, and from where the end can be met.
 pub(super) fn bounds(grid: &Grid, cells: Range<usize>, start: f64, end: f64) -> Vec<f64> {
-    let mut result = controllable(grid, cells.clone(), end);
-    let mut plane = Plane::default();
-    let mut iter = result.iter_mut();
-    let Some(first) = iter.next() else { return result };
-    *first = first.min(start);
-    let mut here = *first;
-    for (cell, next) in cells.zip(iter) {
-        plane.set(grid, cell);
-        plane.swap();
-        here = plane.largest_before(*next, here);
-        *next = here;
+    let mut b = controllable(grid, cells.clone(), end);
+    if let Some(first) = b.first_mut() {
+        *first = first.min(start);
     }
-    result
+    pass(grid, cells, Pass::Onwards, &mut b);
+    b
 }
 
 /// The smallest b at every node of `cells` that braking can bring about from `start`, and where the path then rests: that node's
@@ -87,18 +75,6 @@ pub(super) fn slowest(
     (result, rest)
 }
 
-/// Lowers `b`, which holds what can be met later, to what can be reached from its first value.
-fn forward(grid: &Grid, cells: Range<usize>, b: &mut [f64]) {
-    let mut plane = Plane::default();
-    let mut iter = b.iter_mut();
-    let Some(mut here) = iter.next().copied() else { return };
-    for (cell, next) in cells.zip(iter) {
-        plane.set(grid, cell);
-        here = plane.largest_after(here, *next);
-        *next = here;
-    }
-}
-
 /// Time for cells between nodes with these b, s.
 pub fn duration(grid: &Grid, cells: Range<usize>, b: &[f64]) -> f64 {
     let pairs = b.windows(2).zip(cells);
@@ -110,195 +86,198 @@ pub fn duration(grid: &Grid, cells: Range<usize>, b: &[f64]) -> f64 {
         .sum()
 }
 
-/// The limits of one cell as half planes p·x + r·y ≤ 1 in the b at its start (x) and its end (y).
-#[derive(Debug, Default)]
-struct Plane {
-    /// Hold with both signs.
-    strips: Vec<[f64; 2]>,
-    /// Hold as they are.
-    halves: Vec<[f64; 2]>,
-    /// |P·x + R·y| ≤ 1.
-    discs: Vec<[[f64; 3]; 2]>,
+/// One way through the cells, lowering b at one node after the other to what the limits of a cell make of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pass {
+    /// To what goes with some b at the end, up to that which is there.
+    Backwards,
+    /// To what goes with some b at the start, up to that which is there.
+    Onwards,
+    /// To what goes with b at the start as it is: it has to hold what can be met later.
+    Forwards,
 }
 
-impl Plane {
+/// A pass with the number of axes known to the compiler, which makes it three times as fast.
+fn pass(grid: &Grid, cells: Range<usize>, pass: Pass, b: &mut [f64]) {
+    let through = match grid.limits().len() {
+        1 => through::<1>,
+        2 => through::<2>,
+        3 => through::<3>,
+        4 => through::<4>,
+        5 => through::<5>,
+        6 => through::<6>,
+        7 => through::<7>,
+        8 => through::<8>,
+        _ => through::<0>,
+    };
+    through(grid, cells, pass, b);
+}
+
+fn through<const AXES: usize>(grid: &Grid, cells: Range<usize>, pass: Pass, b: &mut [f64]) {
+    let mut step = Step { grid, plane: Plane::default() };
+    match pass {
+        Pass::Backwards => {
+            let mut iter = b.iter_mut().rev();
+            let Some(mut next) = iter.next().copied() else { return };
+            for (cell, slot) in cells.rev().zip(iter) {
+                next = step.before::<AXES>(cell, *slot, next);
+                *slot = next;
+            }
+        }
+        Pass::Onwards => {
+            let mut iter = b.iter_mut();
+            let Some(mut here) = iter.next().copied() else { return };
+            for (cell, slot) in cells.zip(iter) {
+                here = step.behind::<AXES>(cell, *slot, here);
+                *slot = here;
+            }
+        }
+        Pass::Forwards => {
+            let mut iter = b.iter_mut();
+            let Some(mut here) = iter.next().copied() else { return };
+            for (cell, slot) in cells.zip(iter) {
+                here = step.after::<AXES>(cell, here, *slot);
+                *slot = here;
+            }
+        }
+    }
+}
+
+/// Takes one cell after the other. `AXES` is the number of axes of the grid, or 0.
+#[derive(Debug)]
+pub(super) struct Step<'g> {
+    grid: &'g Grid,
+    plane: Plane,
+}
+
+impl<'g> Step<'g> {
+    pub(super) fn new(grid: &'g Grid) -> Self {
+        Self { grid, plane: Plane::default() }
+    }
+
+    /// The largest b within `cap` at the start of the cell that goes with some b from 0 to `next` at its end.
     #[inline]
-    fn set(&mut self, grid: &Grid, cell: usize) {
-        self.strips.clear();
-        self.halves.clear();
-        self.discs.clear();
+    pub(super) fn before<const AXES: usize>(&mut self, cell: usize, cap: f64, next: f64) -> f64 {
+        let reach = Reach::of::<AXES, false>(self.grid, cell, next);
+        reach.and_then(|reach| reach.largest(cap)).unwrap_or_else(|| {
+            self.plane.set(self.grid, cell);
+            self.plane.largest_before(cap, next)
+        })
+    }
+
+    /// The largest b within `cap` at the end of the cell that goes with some b from 0 to `here` at its start.
+    #[inline]
+    pub(super) fn behind<const AXES: usize>(&mut self, cell: usize, cap: f64, here: f64) -> f64 {
+        let reach = Reach::of::<AXES, true>(self.grid, cell, here);
+        reach.and_then(|reach| reach.largest(cap)).unwrap_or_else(|| {
+            self.plane.set(self.grid, cell);
+            self.plane.swap();
+            self.plane.largest_before(cap, here)
+        })
+    }
+
+    /// The largest b within `cap` at the end of the cell that goes with this one at its start.
+    #[inline]
+    fn after<const AXES: usize>(&mut self, cell: usize, here: f64, cap: f64) -> f64 {
+        if let Some(reach) = Reach::of::<AXES, true>(self.grid, cell, here) {
+            // By rounding the two bounds may cross.
+            return reach.high.max(reach.low).min(cap);
+        }
+        self.plane.set(self.grid, cell);
+        self.plane.largest_after(here, cap)
+    }
+}
+
+/// What the rows of a cell make of the b at one of its ends where that at the other is given.
+#[derive(Clone, Copy, Debug)]
+struct Reach {
+    low: f64,
+    high: f64,
+    /// The part of `high` that would be larger if less were given.
+    falling: f64,
+    /// The given one, as part of what rows allow that say nothing else.
+    given: f64,
+}
+
+impl Reach {
+    /// With `ONWARDS` the start of the cell is given, else its end. None where there are limits that are no rows.
+    #[inline]
+    fn of<const AXES: usize, const ONWARDS: bool>(
+        grid: &Grid,
+        cell: usize,
+        given: f64,
+    ) -> Option<Self> {
+        let ends = grid.cell_rows(cell)?;
         let slope = 0.5 / grid.length(cell);
-        for end in End::BOTH {
-            let (axes, further) = grid.rows(cell, end);
-            let turn = |row: &Row| {
-                let r = row.a * slope;
-                match end {
-                    End::Start => [row.b - r, r],
-                    End::Finish => [-r, row.b + r],
-                }
+        let mut reach = Self { low: 0.0, high: f64::INFINITY, falling: f64::INFINITY, given: 0.0 };
+        for (end, (axes, further)) in ends.into_iter().enumerate() {
+            // (Own, other) coefficient.
+            let turned = |row: &Row| {
+                let with = row.a * slope;
+                let [p, r] = if end == 0 { [row.b - with, with] } else { [-with, row.b + with] };
+                if ONWARDS { [r, p] } else { [p, r] }
             };
-            self.strips.extend(axes.iter().map(turn));
-            self.halves.extend(further.iter().map(turn));
-            self.discs.extend(grid.disc(cell, end).map(|disc| turn_disc(disc, slope, end)));
+            if AXES > 0 {
+                // A known number of rows, all of them at once.
+                for row in axes.first_chunk::<AXES>()? {
+                    reach.strip(turned(row), given);
+                }
+            } else {
+                for row in axes {
+                    reach.strip(turned(row), given);
+                }
+            }
+            for row in further {
+                reach.half(turned(row), given);
+            }
         }
+        reach.given *= given;
+        Some(reach)
     }
 
-    /// Start and end in each other's place.
-    fn swap(&mut self) {
-        for pair in self.strips.iter_mut().chain(&mut self.halves) {
-            pair.swap(0, 1);
-        }
-        for disc in &mut self.discs {
-            disc.swap(0, 1);
-        }
-    }
-
-    /// The largest y within `cap` that goes with x.
+    /// |own·x + other·`given`| ≤ 1.
     #[inline]
-    fn largest_after(&self, x: f64, cap: f64) -> f64 {
-        // By rounding the two bounds may cross.
-        let Span { low, high } = self.span(x, cap);
-        high.at.max(low.at).min(cap)
+    fn strip(&mut self, [own, other]: [f64; 2], given: f64) {
+        let says = own.abs() > NOTHING * other.abs();
+        let inverse = 1.0 / own;
+        let ratio = if says { other * inverse } else { 0.0 };
+        let half = if says { inverse.abs() } else { f64::INFINITY };
+        let alone = if says { 0.0 } else { other.abs() };
+        let middle = -ratio * given;
+        let (top, bottom) = (middle + half, middle - half);
+        let falling = if ratio > 0.0 { top } else { f64::INFINITY };
+        self.high = if top < self.high { top } else { self.high };
+        self.low = if bottom > self.low { bottom } else { self.low };
+        self.falling = if falling < self.falling { falling } else { self.falling };
+        self.given = if alone > self.given { alone } else { self.given };
     }
 
-    /// The smallest y that goes with x, below 0 where the path comes to rest before.
-    fn least_after(&self, x: f64) -> f64 {
-        self.span_from(x, -HUGE, f64::INFINITY).low.at.max(-HUGE)
-    }
-
-    /// The largest x within `cap` that goes with some y from 0 to `next`.
-    fn largest_before(&self, cap: f64, next: f64) -> f64 {
-        let mut x = cap.min(self.alone());
-        // Every round leaves at least one half plane behind; a handful is usual.
-        for _ in 0..64 {
-            let Span { low, high } = self.span(x, next);
-            if low.at <= high.at {
-                break;
-            }
-            // Where the two bounds meet: low = (1 − pₗ·x)/rₗ = (1 − pₕ·x)/rₕ = high.
-            let ([pl, rl], [ph, rh]) = (low.row, high.row);
-            let (top, bottom) = (rh - rl, pl * rh - ph * rl);
-            let meet = top / bottom;
-            if !(meet < x && meet >= 0.0) {
-                // Rounding: they meet at x, but for the last digits.
-                x = if meet >= 0.0 { x.min(meet) } else { 0.0 };
-                break;
-            }
-            x = meet;
-        }
-        x.max(0.0)
-    }
-
-    /// The largest x as far as half planes go that y has no part in.
-    fn alone(&self) -> f64 {
-        let strips =
-            self.strips.iter().filter(|[p, r]| r.abs() <= 1e-12 * p.abs()).map(|[p, _]| p.abs());
-        let halves =
-            self.halves.iter().filter(|[p, r]| r.abs() <= 1e-12 * p.abs()).map(|[p, _]| *p);
-        let discs = self.discs.iter().map(disc_alone);
-        1.0 / strips.chain(halves).chain(discs).fold(0.0, f64::max)
-    }
-
-    /// The y that go with x, from 0 to `cap` at most.
+    /// own·x + other·`given` ≤ 1.
     #[inline]
-    fn span(&self, x: f64, cap: f64) -> Span {
-        self.span_from(x, 0.0, cap)
+    fn half(&mut self, [own, other]: [f64; 2], given: f64) {
+        if own.abs() <= NOTHING * other.abs() {
+            self.given = self.given.max(other);
+            return;
+        }
+        let at = (1.0 - other * given) / own;
+        if own < 0.0 {
+            self.low = self.low.max(at);
+            return;
+        }
+        self.high = self.high.min(at);
+        if other > 0.0 {
+            self.falling = self.falling.min(at);
+        }
     }
 
-    /// The same from `least` on.
+    /// The largest b within `cap` that goes with some b up to the given one at the other end, if that is the one that goes
+    /// with all of it: then the bound that counts is the cap, or one that would not be larger if less were given. Bounds are
+    /// concave in what is given, so that this holds for all that is less.
     #[inline]
-    fn span_from(&self, x: f64, least: f64, cap: f64) -> Span {
-        // 0 ≤ y as a row is y ≥ −1/HUGE, and y ≤ cap may have to be y ≤ 1/HUGE.
-        let mut low = Bound { at: least, row: [0.0, -HUGE] };
-        let mut high = Bound { at: cap, row: [0.0, (1.0 / cap).min(HUGE)] };
-        for &[p, r] in &self.strips {
-            if r.abs() <= 1e-12 * p.abs() {
-                continue;
-            }
-            let half = 1.0 / r;
-            let (middle, half, p, r) =
-                if r > 0.0 { (-p * x * half, half, p, r) } else { (-p * x * half, -half, -p, -r) };
-            if middle + half < high.at {
-                high = Bound { at: middle + half, row: [p, r] };
-            }
-            if middle - half > low.at {
-                low = Bound { at: middle - half, row: [-p, -r] };
-            }
-        }
-        for &[p, r] in &self.halves {
-            let at = (1.0 - p * x) / r;
-            if r > 0.0 && at < high.at {
-                high = Bound { at, row: [p, r] };
-            } else if r < 0.0 && at > low.at {
-                low = Bound { at, row: [p, r] };
-            }
-        }
-        for disc in &self.discs {
-            disc_span(disc, x, &mut low, &mut high);
-        }
-        Span { low, high }
-    }
-}
-
-/// A bound on y, and the half plane that gives it.
-#[derive(Clone, Copy, Debug)]
-struct Bound {
-    at: f64,
-    row: [f64; 2],
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Span {
-    low: Bound,
-    high: Bound,
-}
-
-fn turn_disc(disc: &Disc, slope: f64, end: End) -> [[f64; 3]; 2] {
-    let r = disc.a.map(|a| a * slope);
-    let mut with = disc.b;
-    let mut without = r;
-    for ((with, without), r) in with.iter_mut().zip(&mut without).zip(r) {
-        *without = -r;
-        *with += r;
-    }
-    match end {
-        // At the start it is x that goes with p″.
-        End::Start => {
-            let mut p = disc.b;
-            for (p, r) in p.iter_mut().zip(r) {
-                *p -= r;
-            }
-            [p, r]
-        }
-        End::Finish => [without, with],
-    }
-}
-
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// 1 / the largest x for which |P·x + R·y| ≤ 1 holds for any y.
-fn disc_alone([p, r]: &[[f64; 3]; 2]) -> f64 {
-    let (pp, pr, rr) = (dot(p, p), dot(p, r), dot(r, r));
-    let off = if rr > 0.0 { pp - pr * pr / rr } else { pp };
-    off.max(0.0).sqrt()
-}
-
-/// Narrows the y that go with x to those in the disc. The half planes are its tangents there.
-fn disc_span([p, r]: &[[f64; 3]; 2], x: f64, low: &mut Bound, high: &mut Bound) {
-    let (pp, pr, rr) = (dot(p, p), dot(p, r), dot(r, r));
-    if rr <= 0.0 {
-        return;
-    }
-    let middle = -pr * x / rr;
-    let half = ((pr * pr - rr * pp).mul_add(x * x, rr).max(0.0)).sqrt() / rr;
-    // The tangent at (x, y): (pp·x + pr·y)·x' + (pr·x + rr·y)·y' ≤ 1.
-    let tangent = |y: f64| [pp * x + pr * y, pr * x + rr * y];
-    if middle + half < high.at {
-        *high = Bound { at: middle + half, row: tangent(middle + half) };
-    }
-    if middle - half > low.at {
-        *low = Bound { at: middle - half, row: tangent(middle - half) };
+    fn largest(&self, cap: f64) -> Option<f64> {
+        let most = if cap < self.high { cap } else { self.high };
+        let proved = self.low <= most && self.given <= 1.0 && (most < self.falling || cap <= most);
+        // Not where it is no number.
+        (proved && most.is_finite()).then_some(most)
     }
 }

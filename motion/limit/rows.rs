@@ -4,8 +4,12 @@ use super::asked::Asked;
 use super::convex::{Origin, Program};
 use super::grid::{Constraint, End, Grid, JerkRow, Row, number};
 
+use std::ops::Range;
+
 /// Rows less active than this at the guess are left out at first.
 const SCREEN: f64 = 0.5;
+/// Bounds on the velocity less active than this, too.
+const SCREEN_CAP: f64 = 0.2;
 /// Jerk rows less active than this at the guess, the first time and later; without jerk they are active by a third.
 pub(super) const SCREEN_JERK: [f64; 2] = [0.5, 0.7];
 /// Cells that take less time, s, are too short to tell a jerk: their coefficients would drown in rounding.
@@ -83,13 +87,12 @@ pub(super) struct Writer<'s> {
     pub(super) guess: &'s [f64],
     /// Rows of the cell that are not left out.
     pub(super) asked: Asked,
-    pub(super) variables: usize,
+    /// Cells whose c are variables; the others are given.
+    pub(super) free: &'s Range<usize>,
     /// Jerk rows less active than this at the guess are left out at first.
     pub(super) screen: f64,
     /// Whether no row is left out that could count, but those of velocities.
     pub(super) all: bool,
-    /// c of the first cell, if it is given.
-    pub(super) fixed: f64,
     /// The cell.
     pub(super) index: usize,
 }
@@ -104,15 +107,14 @@ impl Writer<'_> {
         let mut entries = [(0, 0.0); 3];
         let (mut sum, mut given) = (0.0, 0.0);
         for (offset, (slot, value)) in entries.iter_mut().zip(line).enumerate() {
-            // The cell of this entry is index + offset − 1; variables begin with cell 1.
+            // The cell of this entry is index + offset − 1.
             let Some(cell) = (self.index + offset).checked_sub(1) else { continue };
-            if cell == 0 {
-                given += value * self.fixed;
-                sum += value * self.fixed;
-            } else if cell <= self.variables {
-                let at = |values: &[f64]| values.get(cell).copied().unwrap_or_default();
-                *slot = (cell - 1, value * at(self.scale));
-                sum += value * at(self.middles);
+            let at = |values: &[f64]| value * values.get(cell).copied().unwrap_or_default();
+            sum += at(self.middles);
+            if self.free.contains(&cell) {
+                *slot = (cell - self.free.start, at(self.scale));
+            } else {
+                given += at(self.middles);
             }
         }
         (entries, given, sum)
@@ -145,7 +147,7 @@ impl Writer<'_> {
         let source = from.min(to).source;
         if here.is_finite() {
             let origin = self.origin(Constraint::Velocity(source), 2.0);
-            self.add([0.0, 1.0, 0.0], here, f64::NEG_INFINITY, origin);
+            self.add([0.0, 1.0, 0.0], here, SCREEN_CAP, origin);
         }
     }
 
@@ -171,13 +173,24 @@ impl Writer<'_> {
             }
         }
         let (axes, further) = grid.rows(cell, end);
+        // Where the path is smooth the end of the cell before has said the same.
+        let (said, said_further) = match end {
+            End::Start if self.index > 0 => grid.rows(cell.wrapping_sub(1), End::Finish),
+            _ => Default::default(),
+        };
         for (axis, row) in axes.iter().enumerate() {
+            if said.get(axis).is_some_and(|said| said.is_about(row)) {
+                continue;
+            }
             let origin = self.origin(Constraint::AxisAcceleration(number(axis)), 1.0);
             let line = place.acceleration(row);
             self.add(line, 1.0, SCREEN, origin);
             self.add(line.map(|x| -x), 1.0, SCREEN, Origin { upper: false, ..origin });
         }
         for (index, row) in further.iter().enumerate() {
+            if said_further.get(index).is_some_and(|said| said.is_about(row)) {
+                continue;
+            }
             let origin = self.origin(Constraint::Further(number(index)), 1.0);
             self.add(place.acceleration(row), 1.0, SCREEN, origin);
         }
@@ -212,10 +225,10 @@ impl Writer<'_> {
                 for (offset, (line, b)) in line.into_iter().zip(place.b).enumerate() {
                     let Some(cell) = (self.index + offset).checked_sub(1) else { continue };
                     let jerk = line.abs() * b.max(0.0).sqrt();
-                    if jerk > 0.0 && cell >= 1 && cell <= self.variables {
+                    if jerk > 0.0 && self.free.contains(&cell) {
                         let most = jerk.powf(-2.0 / 3.0);
                         let scale = self.scale.get(cell).copied().unwrap_or_default();
-                        let entries = [(cell - 1, scale / most), (0, 0.0), (0, 0.0)];
+                        let entries = [(cell - self.free.start, scale / most), (0, 0.0), (0, 0.0)];
                         let constraint = Constraint::AxisJerk(number(axis));
                         let origin = self.origin(constraint, JERK_SHARE);
                         if scale > SCREEN * most {
@@ -244,7 +257,8 @@ impl Writer<'_> {
         ];
         let dense = grid.is_dense(cell);
         for (index, (place, b, rows)) in places.iter().enumerate() {
-            // At the slower end the jerk is what it is in the middle, or less.
+            // At the slower end the jerk is what it is in the middle, or less; and near rest the tangent there would hold back
+            // what it is not about.
             let more = if index == 1 || dense { 0.0 } else { AT_ENDS };
             if index != 1 && *b <= guess * (1.0 + more) {
                 continue;

@@ -37,9 +37,13 @@ const FLOOR: f64 = 0.05;
 /// A c that is to be positive is at least this part of the guess.
 const LEAST: f64 = 1e-3;
 
-/// How exactly a guess and the profile itself are solved for.
+/// Where b changes by more than this part, the tangents about it do, too: by the square of it.
+const MOVED: f64 = 0.15;
+
+/// How exactly a guess, a profile that is looked at afterwards, and one that is not, are solved for.
 const ROUGH: f64 = 1e-5;
-const FINE: f64 = 1e-7;
+const FINE: f64 = 1e-6;
+const EXACT: f64 = 1e-9;
 
 /// With a row that was left out and is not kept those of so many cells before and behind are added.
 const AROUND: usize = 12;
@@ -107,13 +111,24 @@ pub(super) struct Guess {
     pub(super) asked: Vec<Asked>,
     /// Whether it is no solution of the program yet.
     pub(super) rough: bool,
+    /// Nodes at which the last solution was far from what it was about, so that the tangents there are not near the limits.
+    pub(super) moved: Vec<usize>,
+    /// How exactly the next one is solved for, if this is one.
+    tolerance: f64,
 }
 
 impl Guess {
     /// Of b alone.
     pub(super) fn rough(b: Vec<f64>) -> Self {
         let c: Vec<f64> = pairs(&b).map(|(from, to)| from.midpoint(to)).collect();
-        Self { asked: vec![Asked::default(); c.len()], b, c, rough: true }
+        Self {
+            asked: vec![Asked::default(); c.len()],
+            b,
+            c,
+            rough: true,
+            moved: Vec::new(),
+            tolerance: FINE,
+        }
     }
 
     /// What happens in the cell `index` of the length `h`.
@@ -142,8 +157,13 @@ impl Guess {
     /// With the solution about it in its place, and `broken` rows to be kept from now on.
     fn follow(&mut self, b: &[f64], c: &[f64], Broken(broken): &Broken) {
         // A profile that all but rests says little about the next.
-        for (guess, b) in self.b.iter_mut().zip(b) {
-            *guess = b.max(FLOOR * *guess);
+        self.moved.clear();
+        for (node, (guess, b)) in self.b.iter_mut().zip(b).enumerate() {
+            let next = b.max(FLOOR * *guess);
+            if (next - *guess).abs() > MOVED * *guess {
+                self.moved.push(node);
+            }
+            *guess = next;
         }
         self.c.clear();
         self.c.extend_from_slice(c);
@@ -175,6 +195,11 @@ impl Broken {
     /// Whether there are none.
     pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
+    }
+
+    /// Adds those of cells further on.
+    pub(super) fn extend(&mut self, Self(other): Self) {
+        self.0.extend(other);
     }
 
     /// Whether one of them limits a jerk in this cell.
@@ -214,13 +239,14 @@ impl SmoothSolver {
         guess: &[f64],
         solves: u32,
     ) -> Result<SmoothProfile, NotSolved> {
-        let mut guess = Guess::rough(guess.to_vec());
+        let mut guess = Guess { tolerance: EXACT, ..Guess::rough(guess.to_vec()) };
         let mut iterations = 0;
         let mut solved = 0;
         loop {
             solved += 1;
+            let free = 1..cells.len().saturating_sub(1);
             let (mut profile, broken) =
-                self.solve_about(grid, cells.clone(), beginning, &mut guess)?;
+                self.solve_about(grid, cells.clone(), beginning, &mut guess, free)?;
             iterations += profile.iterations;
             if solved >= solves && (broken.0.is_empty() || solved >= solves + MORE) {
                 (profile.iterations, profile.solves) = (iterations, solved);
@@ -229,13 +255,15 @@ impl SmoothSolver {
         }
     }
 
-    /// Solves once about `guess`, which then is about the solution.
+    /// Solves once about `guess`, which then is about the solution. In cells that are not `free` the profile stays what it is
+    /// in the guess; the first and the last are never free.
     pub(super) fn solve_about(
         &mut self,
         grid: &Grid,
         cells: Range<usize>,
         beginning: Beginning,
         guess: &mut Guess,
+        free: Range<usize>,
     ) -> Result<(SmoothProfile, Broken), NotSolved> {
         self.set_knots(grid, &cells, beginning);
         self.scale.clear();
@@ -246,13 +274,14 @@ impl SmoothSolver {
                 *first = given;
             }
         }
-        self.build(grid, &cells, beginning, guess);
+        self.build(grid, &cells, beginning, guess, &free);
         // What is only the guess for another need not be exact.
-        let answer = self.program.solve(if guess.rough { ROUGH } else { FINE })?;
+        let answer = self.program.solve(if guess.rough { ROUGH } else { guess.tolerance })?;
         let broken = Broken(self.program.broken(&answer.x).collect());
-        let mut c = self.scale.clone();
-        for (slot, x) in c.iter_mut().skip(1).zip(&answer.x) {
-            *slot *= x;
+        let mut c = guess.c.clone();
+        let solved = self.scale.iter().skip(free.start).zip(&answer.x);
+        for (slot, (scale, x)) in c.iter_mut().skip(free.start).zip(solved) {
+            *slot = scale * x;
         }
         let (b, a) = self.values(&cells, beginning, &c);
         guess.follow(&b, &c, &broken);
@@ -321,23 +350,27 @@ impl SmoothSolver {
         (b, a)
     }
 
-    fn build(&mut self, grid: &Grid, cells: &Range<usize>, beginning: Beginning, guess: &Guess) {
+    fn build(
+        &mut self,
+        grid: &Grid,
+        cells: &Range<usize>,
+        beginning: Beginning,
+        guess: &Guess,
+        free: &Range<usize>,
+    ) {
         let count = cells.len();
-        let variables = count.saturating_sub(2);
-        self.program.reset(variables);
+        self.program.reset(free.len());
         match self.aim {
-            Aim::Fastest => self.add_costs(grid, cells, &guess.b),
-            Aim::Slowest => self.add_velocities(grid, cells, &guess.b),
+            Aim::Fastest => self.add_costs(grid, cells, guess, free),
+            Aim::Slowest => self.add_velocities(grid, cells, &guess.b, free),
         }
         if self.positive || self.aim == Aim::Slowest {
-            self.add_floors(variables);
+            self.add_floors(free);
         }
         let screen = if guess.rough { SCREEN_JERK[0] } else { SCREEN_JERK[1] };
-        let fixed = match beginning {
-            Beginning::Rest => 0.0,
-            Beginning::Moving { .. } => self.scale.first().copied().unwrap_or_default(),
-        };
-        for (index, cell) in cells.clone().enumerate() {
+        // What is free in one cell counts in its neighbours, too.
+        let touched = free.start.saturating_sub(1)..(free.end + 1).min(count);
+        for (index, cell) in cells.clone().enumerate().skip(touched.start).take(touched.len()) {
             let around = self.around(index, grid.length(cell));
             let rest = (index == 0 && beginning == Beginning::Rest) || index + 1 == count;
             let mut writer = Writer {
@@ -346,11 +379,10 @@ impl SmoothSolver {
                 middles: &guess.c,
                 guess: guess.b.get(index..index + 2).unwrap_or_default(),
                 asked: guess.asked.get(index).copied().unwrap_or_default(),
-                variables,
+                free,
                 screen,
                 // What counts is far from the guess.
                 all: self.aim == Aim::Slowest,
-                fixed,
                 index,
             };
             if index > 0 && index + 1 < count && self.aim == Aim::Fastest {
@@ -382,52 +414,59 @@ impl SmoothSolver {
         Around { length, start, finish, gamma }
     }
 
-    fn add_costs(&mut self, grid: &Grid, cells: &Range<usize>, guess: &[f64]) {
-        let variables = cells.len().saturating_sub(2);
-        let nodes = self.knots.iter().zip(guess).zip(cells.clone()).enumerate().skip(1);
-        for (index, ((knot, guess), cell)) in nodes {
-            let weight = 0.5 * (grid.length(cell - 1) + grid.length(cell));
+    fn add_costs(&mut self, grid: &Grid, cells: &Range<usize>, guess: &Guess, free: &Range<usize>) {
+        let nodes = self.knots.iter().zip(&guess.b).zip(cells.clone()).enumerate();
+        for (index, ((knot, guessed), cell)) in nodes.skip(free.start).take(free.len() + 1) {
+            let Some(before) = index.checked_sub(1) else { continue };
+            let weight = 0.5 * (grid.length(cell.saturating_sub(1)) + grid.length(cell));
             // w/√b to second order about the guess.
             let (first, second) = (
-                -0.5 * weight / (guess * guess.sqrt()),
-                0.75 * weight / (guess * guess * guess.sqrt()),
+                -0.5 * weight / (guessed * guessed.sqrt()),
+                0.75 * weight / (guessed * guessed * guessed.sqrt()),
             );
-            let scale = |cell: usize| self.scale.get(cell).copied().unwrap_or_default();
-            let (p, r) = (knot.b[0] * scale(index - 1), knot.b[1] * scale(index));
-            let linear = first - second * guess;
-            let given = index == 1;
-            if !given && p != 0.0 {
-                self.program.add_cost(index - 2, second * p * p, linear * p);
+            let at = |values: &[f64], cell: usize| values.get(cell).copied().unwrap_or_default();
+            let parts = [(before, knot.b[0]), (index, knot.b[1])];
+            let given = parts.iter().filter(|(cell, _)| !free.contains(cell));
+            let given: f64 = given.map(|(cell, part)| part * at(&guess.c, *cell)).sum();
+            let linear = first + second * (given - guessed);
+            for (cell, part) in parts.into_iter().filter(|(cell, _)| free.contains(cell)) {
+                let part = part * at(&self.scale, cell);
+                self.program.add_cost(cell - free.start, second * part * part, linear * part);
             }
-            if index <= variables && r != 0.0 {
-                let extra = if given { second * p } else { 0.0 };
-                self.program.add_cost(index - 1, second * r * r, (linear + extra) * r);
-                if !given {
-                    self.program.add_coupling(index - 2, second * p * r);
-                }
+            if let [(before, p), (after, r)] = parts
+                && free.contains(&before)
+                && free.contains(&after)
+            {
+                let product = p * at(&self.scale, before) * r * at(&self.scale, after);
+                self.program.add_coupling(before - free.start, second * product);
             }
         }
     }
 
     /// Σ wₖ·bₖ/b̄ₖ as the cost: every b is as small as those before it allow.
-    fn add_velocities(&mut self, grid: &Grid, cells: &Range<usize>, guess: &[f64]) {
+    fn add_velocities(
+        &mut self,
+        grid: &Grid,
+        cells: &Range<usize>,
+        guess: &[f64],
+        free: &Range<usize>,
+    ) {
         let total: f64 = cells.clone().map(|cell| grid.length(cell)).sum();
         let knots = self.knots.iter().zip(guess).zip(cells.clone()).enumerate().skip(1);
         for (index, ((knot, guess), cell)) in knots {
             let weight = 0.5 * (grid.length(cell - 1) + grid.length(cell)) / (total * guess);
             for (part, of) in knot.b.into_iter().zip([index - 1, index]) {
                 let scale = self.scale.get(of).copied().unwrap_or_default();
-                // Variables begin with the second c.
-                if let Some(variable) = of.checked_sub(1) {
-                    self.program.add_cost(variable, 0.0, weight * part * scale);
+                if free.contains(&of) {
+                    self.program.add_cost(of - free.start, 0.0, weight * part * scale);
                 }
             }
         }
     }
 
     /// No c below its floor.
-    fn add_floors(&mut self, variables: usize) {
-        for (variable, cell) in (0..variables).zip(1..) {
+    fn add_floors(&mut self, free: &Range<usize>) {
+        for (variable, cell) in free.clone().enumerate() {
             let constraint = Constraint::Velocity(CapSource::Stop);
             let origin = Origin { cell, constraint, upper: false, share: 0.0 };
             let least = match self.aim {

@@ -74,3 +74,13 @@ fn planner_comes_to_the_closed_forms_with_jerk() {
         assert!(coarse * case.duration < 2e-3, "{}: {coarse:e}", case.name);
     }
 }
+
+/// On grids that are made finer where the jerk changes, the convex programs come to the closed forms with jerk.
+#[test]
+fn profiles_with_jerk_are_the_closed_forms() {
+    for case in all().into_iter().filter(|case| case.jerk && case.rests()) {
+        let error = crate::converge::duration(&case) / case.duration - 1.0;
+        println!("{:50} {error:+.1e}", case.name);
+        assert!(error.abs() < 1e-6, "{}: {error:e}", case.name);
+    }
+}

@@ -12,6 +12,8 @@
 
 mod cases;
 mod circle;
+#[cfg(test)]
+mod converge;
 mod differences;
 #[cfg(test)]
 mod golden;

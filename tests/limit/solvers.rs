@@ -7,8 +7,8 @@ use twin_motion::Place;
 use twin_motion::limit::course::{CourseElement, CourseOptions};
 use twin_motion::limit::{
     AxisLimits, AxisPath, AxisPoint, Beginning, Cap, CapSource, CellEnd, Effort, Grid,
-    LimitOptions, LinearSolver, Planned, Planner, Rates, SmoothProfile, SmoothSolver, Stretch,
-    reachable,
+    LimitOptions, LinearProfile, LinearSolver, Planned, Planner, Rates, SmoothProfile,
+    SmoothSolver, Stretch, reachable,
 };
 use twin_motion::path::{ElementKind, PathElement, Shape};
 use twin_motion::prepare::{CheckError, CheckVelocities};
@@ -44,9 +44,13 @@ pub fn passes(grid: &Grid, [start, end]: [f64; 2]) -> Vec<f64> {
 }
 
 /// The squared rates of one program for Clarabel with limited acceleration.
-pub fn linear(grid: &Grid, [start, end]: [f64; 2]) -> Option<Vec<f64>> {
-    let profile = LinearSolver::default().solve(grid, 0..grid.cells(), start, end).ok()?;
-    Some(profile.b)
+pub fn linear(grid: &Grid, ends: [f64; 2]) -> Option<Vec<f64>> {
+    Some(linear_profile(grid, ends)?.b)
+}
+
+/// As [`linear`], with how it was found.
+pub fn linear_profile(grid: &Grid, [start, end]: [f64; 2]) -> Option<LinearProfile> {
+    LinearSolver::default().solve(grid, 0..grid.cells(), start, end).ok()
 }
 
 /// The squared rates from rest to rest where Clarabel is given `window` cells at a time, each time from where the window

@@ -29,7 +29,7 @@ where
     /// lets go on as fast as they can.
     pub(super) fn safe(&self, grid: &Grid) -> (usize, usize) {
         let cells = 0..grid.cells();
-        if self.after.is_some() {
+        if self.stops() {
             return (cells.end, cells.end);
         }
         let stopping = reachable::controllable(grid, cells.clone(), 0.0);
@@ -37,9 +37,7 @@ where
         let pairs = stopping.iter().zip(&free);
         let free = pairs.take_while(|(s, f)| **s >= **f * (1.0 - 1e-9)).count().saturating_sub(1);
         // Jerk limits ask for braking earlier: by the time in which the acceleration comes and goes, and a margin.
-        let limits = self.sampler.axes().limits().iter();
-        let build_up = limits.filter_map(|limits| Some(limits.acceleration / limits.jerk?));
-        let mut left = MARGIN * build_up.fold(0.0, f64::max);
+        let mut left = MARGIN * self.build_up();
         let mut end = free;
         let (b, _) = self.estimate(grid);
         while end > 0 && left > 0.0 {
@@ -47,6 +45,13 @@ where
             left -= time(b.get(end..end + 2).unwrap_or_default(), grid.length(end), false);
         }
         (end, free)
+    }
+
+    /// Time in which the acceleration of the slowest axis builds up, s.
+    pub(super) fn build_up(&self) -> f64 {
+        let limits = self.sampler.axes().limits().iter();
+        let times = limits.filter_map(|limits| Some(limits.acceleration / limits.jerk?));
+        times.fold(0.0, f64::max)
     }
 
     /// Goes to rest as the last window had it, after a window that could not be planned.

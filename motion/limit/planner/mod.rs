@@ -233,17 +233,22 @@ where
 
     /// Pulls elements until `horizon` s of the path are known, or a stop.
     fn fill(&mut self, horizon: f64) {
-        let mut check = 64;
+        let mut check = 16;
         while self.after.is_none() {
-            self.pull();
-            if self.cells.len() >= check && self.after.is_none() {
+            if self.cells.len() >= check {
                 let grid = grid(&self.sampler, &self.cells);
                 if self.estimate(&grid).1 >= horizon {
                     return;
                 }
                 check = self.cells.len() + self.cells.len() / 2;
             }
+            self.pull();
         }
+    }
+
+    /// Whether the path stops at the end of the window.
+    fn stops(&self) -> bool {
+        self.after.is_some()
     }
 
     /// Plans what comes next.

@@ -11,7 +11,7 @@ use twin_kinematics::KinematicsError;
 
 /// Within this time, s, after the path rested, or before it will, steps are shorter in proportion: there the velocity changes
 /// fast.
-const GRADE: f64 = 0.04;
+const GRADE: f64 = 0.06;
 /// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
 /// constant.
 const LAUNCH: f64 = 8e-3;
@@ -62,7 +62,7 @@ where
             let mut cut = false;
             // Time since the path rested, and until it will.
             let mut since = if self.beginning == Beginning::Rest { 0.0 } else { f64::INFINITY };
-            let mut left = if self.after.is_some() { duration } else { f64::INFINITY };
+            let mut left = if self.stops() { duration } else { f64::INFINITY };
             for (index, cell) in std::mem::take(&mut self.cells).into_iter().enumerate() {
                 let pair = b.get(index..index + 2).unwrap_or_default();
                 let takes = time(pair, cell.length(), self.jerk_limited);

@@ -131,9 +131,7 @@ where
                 let rest = rest.is_finite().then_some(rest);
                 return Ok(Slowest { cells, b, rest });
             }
-            let limits = self.sampler.axes().limits().iter();
-            let build_up = limits.filter_map(|limits| Some(limits.acceleration / limits.jerk?));
-            let build_up = build_up.fold(0.0, f64::max);
+            let build_up = self.build_up();
             let enough = rest * (1.0 + FURTHER) + 2.0 * build_up * self.start().sqrt();
             let count = grid.nodes().iter().position(|u| *u > enough);
             if count.is_none() && !all {
@@ -213,8 +211,10 @@ where
             self.effort.cells += grid.cells() as u64;
             let floors = caps.iter().zip(&old.c).map(|(cap, c)| cap.min(*c));
             self.smooth.floors = floors.map(|floor| (1.0 - EXACT) * floor.max(0.0)).collect();
-            let solved =
-                self.smooth.solve_about(&grid, 0..grid.cells(), self.beginning, &mut guess);
+            let solved = {
+                let free = 1..grid.cells().saturating_sub(1);
+                self.smooth.solve_about(&grid, 0..grid.cells(), self.beginning, &mut guess, free)
+            };
             let (profile, broken) = match solved {
                 Ok(solved) => solved,
                 Err(error) => break Err(error),

@@ -9,6 +9,7 @@ use crate::limit::sample::{Cell, grid};
 use crate::limit::smooth::{Beginning, Broken, Guess, SmoothProfile};
 use crate::limit::stretch::Stretch;
 use crate::prepare::CheckedElement;
+use std::ops::Range;
 
 /// Acceleration, jerk and velocity between the places where limits are asked for may be so much of the limit; a cell in which
 /// they are more than the second number is too long.
@@ -21,14 +22,15 @@ const SHORT: f64 = 2e-5;
 /// the profile more freedom, which it may use to exceed limits somewhere else.
 const ROUNDS: u32 = 12;
 const HALVING: u32 = 6;
-/// Nor are there so many times more of them.
+/// Nor are there to be so many times more of them.
 const MOST_CELLS: usize = 4;
 
 /// Cells in which jerks differ by more than this part of their limits are cut in half.
 const VARIES: f64 = 0.12;
-/// A profile that takes less than the one that it is about by more than this part is solved about again, so often at most.
-const SETTLED: f64 = 1e-3;
-const MOST_SOLVES: u32 = 8;
+/// A change is felt for so many times the time in which acceleration builds up.
+const FELT: f64 = 4.0;
+/// A profile far from what it is about is solved about again, so often at most.
+const MOST_SOLVES: u32 = 20;
 
 impl<I, E, A> Planner<I, E, A>
 where
@@ -39,48 +41,158 @@ where
     /// are exceeded.
     pub(super) fn solve_verified(&mut self) -> Result<Vec<Stretch>, NotSolved> {
         self.effort.windows += 1;
-        let mut guess = self.jerk_limited.then(|| self.first_guess());
-        let mut broken = Broken::default();
-        let (mut round, mut solves, mut before) = (0, 0, 0.0);
-        let most = MOST_CELLS * self.cells.len();
+        if self.jerk_limited {
+            return self.solve_smooth();
+        }
+        let mut round = 0;
         loop {
             let grid = grid(&self.sampler, &self.cells);
             self.effort.cells += grid.cells() as u64;
-            let stretches = match &mut guess {
-                None => self.solve_linear(&grid),
-                Some(guess) => {
-                    let profile =
-                        self.smooth.solve_about(&grid, 0..grid.cells(), self.beginning, guess);
-                    let (profile, left_out) = profile.inspect_err(|_| self.effort.failed += 1)?;
-                    self.effort.iterations += u64::from(profile.iterations);
-                    let takes = duration(&grid, &profile.b);
-                    let settled = takes > before * (1.0 - SETTLED);
-                    before = takes;
-                    solves += 1;
-                    if solves < self.options.solves || !settled && solves < MOST_SOLVES {
-                        if solves == 1 {
-                            self.bend(&grid, guess);
-                        }
-                        continue;
-                    }
-                    broken = left_out;
-                    self.gains.clone_from(&profile.gains);
-                    stretches(&grid, &profile)
-                }
-            };
-            if round == ROUNDS {
-                let mut cells = self.cells.iter().zip(&stretches);
-                if cells.any(|(cell, stretch)| exceeds(self.worst(cell, stretch))) {
-                    self.effort.exceeded += 1;
-                }
+            let stretches = self.solve_linear(&grid);
+            if self.is_last(round, &stretches) {
                 return Ok(stretches);
             }
-            let halving = round < HALVING && self.cells.len() < most;
-            if !self.tighten(&stretches, halving, &broken, guess.as_mut()) {
+            if self.tighten(&stretches, round, &Broken::default(), None).is_empty() {
                 return Ok(stretches);
             }
             round += 1;
         }
+    }
+
+    fn solve_smooth(&mut self) -> Result<Vec<Stretch>, NotSolved> {
+        let mut guess = self.first_guess();
+        let (mut profile, mut broken) = self.settle(&mut guess)?;
+        let mut round = 0;
+        let most = MOST_CELLS * self.cells.len();
+        loop {
+            if self.cells.len() > most {
+                // Shorter cells have not helped so far.
+                round = round.max(HALVING);
+            }
+            let stretches = stretches(&grid(&self.sampler, &self.cells), &profile);
+            if self.is_last(round, &stretches) {
+                return Ok(stretches);
+            }
+            let changed = self.tighten(&stretches, round, &broken, Some(&mut guess));
+            if changed.is_empty() {
+                return Ok(stretches);
+            }
+            (profile, broken) = self.solve_again(&mut guess, &changed)?;
+            round += 1;
+        }
+    }
+
+    /// Whether there will be no further round; counts what is still exceeded then.
+    fn is_last(&mut self, round: u32, stretches: &[Stretch]) -> bool {
+        if round < ROUNDS {
+            return false;
+        }
+        let mut cells = self.cells.iter().zip(stretches);
+        if cells.any(|(cell, stretch)| exceeds(self.worst(cell, stretch))) {
+            self.effort.exceeded += 1;
+        }
+        true
+    }
+
+    /// Solves about the solution before until that makes no difference any more.
+    fn settle(&mut self, guess: &mut Guess) -> Result<(SmoothProfile, Broken), NotSolved> {
+        let mut solves = 0;
+        loop {
+            let grid = grid(&self.sampler, &self.cells);
+            let whole = 1..grid.cells().saturating_sub(1);
+            let mut solved = self.solve_part(&grid, guess, whole)?;
+            solves += 1;
+            if solves >= self.options.solves {
+                self.gains.clone_from(&solved.0.gains);
+                while !guess.moved.is_empty() && solves < MOST_SOLVES {
+                    let moved = std::mem::take(&mut guess.moved);
+                    solved = self.solve_again(guess, &moved)?;
+                    solves += 1;
+                }
+                return Ok(solved);
+            }
+            if solves == 1 {
+                self.bend(&grid, guess);
+            }
+        }
+    }
+
+    /// Solves again about `guess` around cells that have `changed`.
+    fn solve_again(
+        &mut self,
+        guess: &mut Guess,
+        changed: &[usize],
+    ) -> Result<(SmoothProfile, Broken), NotSolved> {
+        let grid = grid(&self.sampler, &self.cells);
+        let parts = self.around(&grid, guess, changed);
+        let whole = 1..grid.cells().saturating_sub(1);
+        let mut all_broken = Broken::default();
+        let (mut result, mut moved) = (None, Vec::new());
+        if 2 * parts.iter().map(Range::len).sum::<usize>() < whole.len() {
+            for part in parts {
+                let Ok((profile, broken)) = self.solve_part(&grid, guess, part.clone()) else {
+                    // Between given ends there may be none.
+                    self.effort.failed -= 1;
+                    result = None;
+                    break;
+                };
+                self.gains.retain(|gain| !part.contains(&gain.cell));
+                self.gains.extend_from_slice(&profile.gains);
+                all_broken.extend(broken);
+                moved.append(&mut guess.moved);
+                result = Some(profile);
+            }
+        }
+        if let Some(profile) = result {
+            guess.moved = moved;
+            return Ok((profile, all_broken));
+        }
+        let (profile, broken) = self.solve_part(&grid, guess, whole)?;
+        self.gains.clone_from(&profile.gains);
+        Ok((profile, broken))
+    }
+
+    /// Solves once about `guess`, with the cells `free` of all.
+    fn solve_part(
+        &mut self,
+        grid: &Grid,
+        guess: &mut Guess,
+        free: Range<usize>,
+    ) -> Result<(SmoothProfile, Broken), NotSolved> {
+        self.effort.cells += free.len() as u64;
+        let solved = self.smooth.solve_about(grid, 0..grid.cells(), self.beginning, guess, free);
+        let (profile, broken) = solved.inspect_err(|_| self.effort.failed += 1)?;
+        self.effort.iterations += u64::from(profile.iterations);
+        Ok((profile, broken))
+    }
+
+    /// Parts of the window around these cells, as far as a change there makes itself felt.
+    fn around(&self, grid: &Grid, guess: &Guess, changed: &[usize]) -> Vec<Range<usize>> {
+        let time = FELT * self.build_up();
+        let takes = |cell: usize| {
+            let motion = guess.motion(cell, grid.length(cell));
+            motion.map_or(f64::INFINITY, |motion| motion.duration)
+        };
+        let last = grid.cells().saturating_sub(1);
+        let mut parts: Vec<Range<usize>> = Vec::new();
+        for cell in changed {
+            let (mut from, mut left) = (*cell, time);
+            while from > 1 && left > 0.0 {
+                from -= 1;
+                left -= takes(from);
+            }
+            let (mut to, mut left) = (cell + 1, time);
+            while to < last && left > 0.0 {
+                left -= takes(to);
+                to += 1;
+            }
+            let from = from.max(1);
+            match parts.last_mut() {
+                Some(part) if from <= part.end + 2 => part.end = to.max(part.end),
+                _ => parts.push(from..to.min(last)),
+            }
+        }
+        parts
     }
 
     /// What a window with limited jerk is solved about at first.
@@ -143,18 +255,18 @@ where
     }
 
     /// Looks between the places where limits were asked for. Where they are exceeded, limits are made tighter, or asked for at
-    /// more places, and with `halving` cells are cut in half where they are exceeded by much. Whether there are any such
-    /// cells; `guess` is fitted to the new ones.
+    /// more places, and in the first rounds cells are cut in half where they are exceeded by much. Those cells, by their new
+    /// numbers; `guess` is fitted to the new ones.
     fn tighten(
         &mut self,
         stretches: &[Stretch],
-        halving: bool,
+        round: u32,
         broken: &Broken,
         mut guess: Option<&mut Guess>,
-    ) -> bool {
+    ) -> Vec<usize> {
         let fresh = self.kept.len().saturating_sub(1);
         let mut cells = Vec::with_capacity(self.cells.len());
-        let mut any = false;
+        let mut changed = Vec::new();
         let known = std::mem::take(&mut self.cells);
         let last = known.len().saturating_sub(1);
         for (index, (mut cell, stretch)) in known.into_iter().zip(stretches).enumerate() {
@@ -163,11 +275,10 @@ where
                 cells.push(cell);
                 continue;
             }
-            any = true;
             // What was planned before stays on its nodes.
             let too_long = worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far);
             let rest = self.jerk_limited && (index == 0 || index == last);
-            let halve = halving && index >= fresh && too_long && !rest;
+            let halve = round < HALVING && index >= fresh && too_long && !rest;
             if halve && stretch.duration() > 4.0 * SHORT {
                 cell.tight = [1.0; 3];
                 if let Ok(parts) = self.sampler.parts(&cell, &[0.5])
@@ -176,10 +287,12 @@ where
                     if let Some(guess) = guess.as_deref_mut() {
                         guess.halve(cells.len());
                     }
+                    changed.extend([cells.len(), cells.len() + 1]);
                     cells.extend(parts);
                     continue;
                 }
             }
+            changed.push(cells.len());
             for (kind, (worst, [allowed, _])) in worst.into_iter().zip(ALLOWED).enumerate() {
                 if worst <= allowed {
                     continue;
@@ -195,7 +308,7 @@ where
             cells.push(cell);
         }
         self.cells = cells;
-        any
+        changed
     }
 
     /// The largest acceleration, jerk and velocity in a cell as parts of the limits.
@@ -234,12 +347,6 @@ where
 /// Whether something in a cell is more than it may be.
 fn exceeds(worst: [f64; 3]) -> bool {
     worst.iter().zip(ALLOWED).any(|(worst, [allowed, _])| *worst > allowed)
-}
-
-/// About how long it takes to go through the cells of `grid` with these b at its nodes, s.
-fn duration(grid: &Grid, b: &[f64]) -> f64 {
-    let ends = b.iter().zip(b.iter().skip(1)).enumerate();
-    ends.map(|(cell, (from, to))| 2.0 * grid.length(cell) / (from.sqrt() + to.sqrt())).sum()
 }
 
 /// How each cell is gone through.

@@ -1,7 +1,7 @@
 //! What `motion/limit` is asked for.
 
 use crate::path::{Path, Rates};
-use crate::solvers::{grid, linear, linear_windows, passes, planned};
+use crate::solvers::{grid, linear_profile, linear_windows, passes, planned};
 use twin_motion::limit::Grid;
 
 /// A path on a grid, and between its nodes.
@@ -21,6 +21,8 @@ pub struct Found {
     pub cells: usize,
     /// Windows without an answer.
     pub failed: u64,
+    /// Nodes whose b was left to Clarabel, where that is known: the others are proved.
+    pub left: Option<usize>,
 }
 
 /// One way to limit a path.
@@ -50,7 +52,7 @@ pub const METHODS: [Method; 6] = [
         whole: None,
         run: |problem| {
             let duration = problem.path.duration(&passes(problem.grid, [0.0; 2]));
-            Some(Found { duration, cells: problem.path.cells(), failed: 0 })
+            Some(Found { duration, cells: problem.path.cells(), failed: 0, left: None })
         },
     },
     Method {
@@ -63,7 +65,12 @@ pub const METHODS: [Method; 6] = [
         name: WHOLE,
         same: true,
         whole: None,
-        run: |problem| on_grid(problem, |path| linear(&grid(path, false), [0.0; 2])),
+        run: |problem| {
+            let profile = linear_profile(&grid(problem.path, false), [0.0; 2])?;
+            let duration = problem.path.duration(&profile.b);
+            let left = Some(profile.variables);
+            Some(Found { duration, cells: problem.path.cells(), failed: 0, left })
+        },
     },
     Method {
         name: "Clarabel, windows",
@@ -83,7 +90,7 @@ pub const METHODS: [Method; 6] = [
 fn on_grid(problem: &Problem<'_>, solve: fn(&Path) -> Option<Vec<f64>>) -> Option<Found> {
     let squared = solve(problem.path)?;
     let duration = problem.path.duration(&squared);
-    Some(Found { duration, cells: problem.path.cells(), failed: 0 })
+    Some(Found { duration, cells: problem.path.cells(), failed: 0, left: None })
 }
 
 /// On a grid of its own, for which it asks for the rates of the axes where it likes.
@@ -92,5 +99,5 @@ fn by_planner(problem: &Problem<'_>, jerk: bool) -> Option<Found> {
     let extent = (path.nodes[path.cells()], path.feed);
     let (duration, effort) = planned(&path.limits, jerk, extent, rates, STEP)?;
     let cells = usize::try_from(effort.committed).ok()?;
-    Some(Found { duration, cells, failed: effort.failed })
+    Some(Found { duration, cells, failed: effort.failed, left: None })
 }

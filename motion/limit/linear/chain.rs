@@ -1,0 +1,147 @@
+//! What limits cost where b is proved.
+//!
+//! There every bₖ is held by a cap, or by an active row with a positive coefficient for it: by braking to the next node, or
+//! speeding up from the one before. What a higher bₖ would be worth is what that cap or row costs, and as the row gives
+//! more if b at its other node is higher, a part of it is passed on to what holds that one: along the chains to the caps
+//! at their ends. With λₖ for what holds bₖ (p its coefficients) this is the stationarity of the program,
+//!
+//! ```text
+//!   pₖ(k)·λₖ + pₖ₋₁(k)·λₖ₋₁ + pₖ₊₁(k)·λₖ₊₁ = −∂T/∂xₖ − (rows of Clarabel that go to k),
+//! ```
+//!
+//! tridiagonal. The coefficients of an active row have the sum 1 and those for other nodes are negative: the matrix is
+//! diagonally dominant by columns with a positive diagonal and nothing positive beside it, so that no λ is negative.
+
+use super::CAPPED;
+use super::scaled::{Active, Scaled};
+use crate::limit::gain::Gain;
+use crate::limit::grid::{Constraint, Grid};
+use std::ops::Range;
+
+/// A row that is less active holds nothing.
+const ACTIVE: f64 = 0.99;
+/// Less, s, is rounding.
+const NO_GAIN: f64 = 1e-12;
+
+/// What is known of the worth of b at the nodes.
+#[derive(Debug)]
+pub(super) struct Chain<'g> {
+    grid: &'g Grid,
+    cells: Range<usize>,
+    nodes: Vec<Worth>,
+}
+
+/// What it is worth to have more b at a node, per part.
+#[derive(Clone, Copy, Debug, Default)]
+struct Worth {
+    time: f64,
+    /// Whether it is neither a variable of Clarabel nor given.
+    held: bool,
+}
+
+/// What holds b at a node.
+#[derive(Clone, Copy, Debug, Default)]
+struct Held {
+    constraint: Option<Constraint>,
+    cell: usize,
+    /// Coefficients for the node before, the node itself and the one after.
+    row: [f64; 3],
+    share: f64,
+}
+
+impl<'g> Chain<'g> {
+    pub(super) fn new(grid: &'g Grid, cells: Range<usize>, variables: &[Option<usize>]) -> Self {
+        let last = cells.len();
+        let nodes = variables.iter().enumerate().map(|(node, variable)| Worth {
+            time: 0.0,
+            held: variable.is_none() && node > 0 && node < last,
+        });
+        Self { grid, nodes: nodes.collect(), cells }
+    }
+
+    /// A row of Clarabel goes to this node: its multiplier times its coefficient.
+    pub(super) fn pull(&mut self, node: usize, pull: f64) {
+        if let Some(worth) = self.nodes.get_mut(node) {
+            worth.time -= pull;
+        }
+    }
+
+    /// What the limits cost that hold the profile `b`.
+    pub(super) fn gains(&mut self, b: &[f64]) -> Vec<Gain> {
+        let held = self.held(b);
+        // Eliminated from the first node to the last: what is left of the diagonal and of the right side.
+        let mut left: Vec<[f64; 2]> = Vec::with_capacity(held.len());
+        let (mut before, mut pivot, mut rest) = (Held::default(), 1.0, 0.0);
+        for (held, worth) in held.iter().zip(&self.nodes) {
+            let [back, own, _] = held.row;
+            let factor = before.row[2] / pivot;
+            if held.constraint.is_some() {
+                // The row of the node before goes to this one by `before.row[2]`, that of this one goes back by `back`.
+                (pivot, rest) = (own - factor * back, worth.time - factor * rest);
+            } else {
+                (pivot, rest) = (1.0, 0.0);
+            }
+            left.push([pivot, rest]);
+            before = *held;
+        }
+        let mut gains = Vec::with_capacity(held.len());
+        let mut behind = 0.0;
+        for (held, [pivot, rest]) in held.iter().zip(left).rev() {
+            let Some(constraint) = held.constraint else {
+                behind = 0.0;
+                continue;
+            };
+            let dual = (rest - behind) / pivot;
+            behind = held.row[0] * dual;
+            if dual * held.share > NO_GAIN {
+                gains.push(Gain { cell: held.cell, constraint, time: dual * held.share });
+            }
+        }
+        gains.reverse();
+        gains
+    }
+
+    /// What holds b at every node, and what more of it would be worth where that is proved.
+    fn held(&mut self, b: &[f64]) -> Vec<Held> {
+        let mut result = vec![Held::default(); b.len()];
+        let mut before = (Active::default(), 0.0);
+        for (node, cell) in self.cells.clone().enumerate() {
+            let Some([here, next]) = b.get(node..node + 2) else { break };
+            let [start, finish] = Scaled::new(self.grid, cell, [*here, *next]).most_active();
+            let (s, t) = (here.sqrt(), next.sqrt());
+            // −∂T/∂b·b of 2h/(s + t).
+            let slope = self.grid.length(cell) / ((s + t) * (s + t));
+            if let (Some(worth), Some(slot)) = (self.nodes.get_mut(node), result.get_mut(node)) {
+                let (active, slope_before) = before;
+                if worth.held && *here > 0.0 {
+                    worth.time += slope_before + slope * s;
+                    let cap =
+                        self.grid.caps().get(cell).filter(|cap| *here >= cap.v2 * (1.0 - CAPPED));
+                    *slot = if let Some(cap) = cap {
+                        Held {
+                            constraint: Some(Constraint::Velocity(cap.source)),
+                            cell: node.saturating_sub(1),
+                            row: [0.0, 1.0, 0.0],
+                            // b goes with the square.
+                            share: 2.0,
+                        }
+                    } else if active.activity > start.activity {
+                        let [p, r] = active.row;
+                        held_by(&active, node.saturating_sub(1), [p, r, 0.0])
+                    } else {
+                        let [p, r] = start.row;
+                        held_by(&start, node, [0.0, p, r])
+                    };
+                }
+            }
+            before = (finish, slope * t);
+        }
+        result
+    }
+}
+
+fn held_by(active: &Active, cell: usize, row: [f64; 3]) -> Held {
+    let constraint = active.constraint.filter(|_| active.activity > ACTIVE);
+    // Nothing holds it, as far as can be told.
+    constraint.map_or(Held::default(), |_| Held { constraint, cell, row, share: 1.0 })
+}
