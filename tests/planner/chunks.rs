@@ -65,7 +65,7 @@ fn planned(text: &str, size: usize, jerk: bool) -> Vec<(u32, Option<(f64, Law)>)
     };
     let elements = Decoder::new(reader, options).filter_map(|item| match item.unwrap() {
         Item::Element(element) => Some(Ok::<_, CheckError>(element)),
-        _ => None,
+        Item::Warning(_) => None,
     });
     let checked = CheckVelocities::new(elements, std::f64::consts::PI);
     let options = LimitOptions::new(CourseOptions::new(5e-5));

@@ -39,7 +39,22 @@ where
 
     /// Multiplies all programmed velocities, those of rapids included, by `factor` in all that has not been handed out yet, or
     /// has been taken back ([`Self::take_back`]): 0 to [`Self::LARGEST_OVERRIDE`], what is beyond counts as these, and no number
-    /// as 0. The limits of the axes stay as they are.
+    /// as 0. The limits of the axes stay as they are. Where programmed velocities do not count
+    /// ([`LimitOptions::feed`](crate::limit::LimitOptions::feed)) only 0 makes a difference.
+    ///
+    /// 0 is a feed hold: the path comes to rest as early as it can, after what is handed out, and then there is
+    /// [`Planned::Hold`] until another factor.
+    ///
+    /// Where the path is faster than the override allows it brakes along the slowest profile that the limits of the axes and
+    /// the programmed deceleration leave, and is faster than that by 1 % (up to 7 % where it bends) until it is slow enough.
+    ///
+    /// # How long it takes
+    /// This call itself plans nothing; the next item does. That is bounded by three slowest profiles of at most 10 solves over the way
+    /// of braking and three windows of half a second (250 cells at the usual step, which verification makes at most 8 times
+    /// more), however much is known of the path; after that nothing but the plan so far is handed out, and tried again
+    /// from 0.1 s later ([`Effort::not_replanned`](crate::limit::Effort)). Measured over some hundred changes in random programs: 2 to
+    /// 90 ms with limits of acceleration, 10 to 250 ms with limits of jerk, on one core of two that were busy; once, with three
+    /// attempts on blends that bend within micrometres, 1.1 s.
     pub fn set_override(&mut self, factor: f64) {
         self.asked = if factor.is_nan() { 0.0 } else { factor.clamp(0.0, Self::LARGEST_OVERRIDE) };
         self.take_back([]);
