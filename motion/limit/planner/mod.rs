@@ -277,7 +277,7 @@ where
             if self.cells.is_empty() {
                 return Ok(());
             }
-            self.refine(horizon).map_err(NoWindow::Kinematics)?;
+            self.cut_off(horizon).and_then(|()| self.refine()).map_err(NoWindow::Kinematics)?;
             let grid = grid(&self.sampler, &self.cells);
             if self.safe(&grid).0 == 0 {
                 // All that is known is within braking distance.

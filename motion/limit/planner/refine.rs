@@ -15,8 +15,8 @@ const GRADE: f64 = 0.06;
 /// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
 /// constant.
 const LAUNCH: f64 = 8e-3;
-/// What takes so many times the horizon is more than a window.
-const MUCH: f64 = 1.5;
+/// A path that takes less than so many horizons is planned in one window.
+const BEYOND: f64 = 1.5;
 /// Between stops there are at least so many cells.
 const FEWEST: usize = 4;
 
@@ -48,14 +48,49 @@ where
         (b, duration)
     }
 
-    /// Cuts cells that take too long, but not those that are kept, and gives back what lies far beyond `horizon` s.
-    pub(super) fn refine(&mut self, horizon: f64) -> Result<(), KinematicsError> {
-        for _ in 0..16 {
+    /// Leaves what is more than `horizon` s ahead for the next window.
+    pub(super) fn cut_off(&mut self, horizon: f64) -> Result<(), KinematicsError> {
+        let (b, duration) = self.estimate(&grid(&self.sampler, &self.cells));
+        if duration < BEYOND * horizon {
+            return Ok(());
+        }
+        let mut left = horizon;
+        let ends = b.iter().zip(b.iter().skip(1)).zip(&self.cells);
+        let times =
+            ends.map(|((from, to), cell)| time(&[*from, *to], cell.length(), self.jerk_limited));
+        let mut times = times.enumerate();
+        // What was planned before stays in the window, and something is to be new.
+        let least = self.kept.len();
+        let Some((index, takes)) = times.find(|(index, takes)| {
+            left -= takes;
+            left <= 0.0 && *index >= least
+        }) else {
+            return Ok(());
+        };
+        let Some(cell) = self.cells.get(index) else { return Ok(()) };
+        let part = 1.0 + left / takes;
+        // A window of one cell would begin and end at rest all the way.
+        let mut parts = if takes > 0.1 * horizon && part > 0.1 && part < 0.9 {
+            self.sampler.parts(cell, &[0.5 * part, part])?
+        } else {
+            self.sampler.parts(cell, &[0.5])?
+        };
+        let behind = parts.split_off(parts.len().min(2));
+        let mut beyond = self.cells.split_off(index + 1);
+        beyond.splice(..0, behind);
+        self.cells.truncate(index);
+        self.cells.append(&mut parts);
+        if !beyond.is_empty() {
+            self.return_beyond(&beyond);
+        }
+        Ok(())
+    }
+
+    /// Cuts cells that take too long, but not those that are kept.
+    pub(super) fn refine(&mut self) -> Result<(), KinematicsError> {
+        for _ in 0..12 {
             let grid = grid(&self.sampler, &self.cells);
             let (b, duration) = self.estimate(&grid);
-            if duration > MUCH * horizon && self.give_back_beyond(&b, horizon)? {
-                continue;
-            }
             let step = self.options.step.min(duration / 12.0);
             let count = self.cells.len();
             let mut refined = Vec::with_capacity(2 * count);

@@ -133,7 +133,10 @@ where
         }
         self.sampler.feeds = slowest.feeds(self.asked, room);
         self.smooth.positive = true;
-        let planned = self.plan_window(self.options.horizon.min(HORIZON), true);
+        // To rest it is no further than braking takes.
+        let moving = self.asked > 0.0;
+        let horizon = if moving { self.options.horizon.min(HORIZON) } else { f64::INFINITY };
+        let planned = self.plan_window(horizon, true);
         self.smooth.positive = false;
         planned
     }

@@ -1,6 +1,5 @@
 //! What of the path is known and not planned, or no longer.
 
-use super::refine::time;
 use super::{After, Leg, LimitError, Planned, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::course::CourseElement;
@@ -9,7 +8,6 @@ use crate::limit::smooth::Beginning;
 use crate::prepare::CheckedElement;
 use std::collections::VecDeque;
 use std::sync::Arc;
-use twin_kinematics::KinematicsError;
 
 /// Places on an element nearer to each other than this part of its length are one.
 const SAME_PLACE: f64 = 1e-12;
@@ -204,59 +202,18 @@ where
         }
     }
 
-    /// Gives back the cells beyond `horizon` s, b at the nodes being about `b`; whether there were any.
-    pub(super) fn give_back_beyond(
-        &mut self,
-        b: &[f64],
-        horizon: f64,
-    ) -> Result<bool, KinematicsError> {
-        let mut sum = 0.0;
-        let mut found = None;
-        for (index, cell) in self.cells.iter().enumerate() {
-            let pair = b.get(index..index + 2).unwrap_or_default();
-            let takes = time(pair, cell.length(), self.jerk_limited);
-            if sum + takes >= horizon && index >= self.kept.len() {
-                // What is left of a long one is better cut off at once.
-                let long = takes > 0.25 * horizon;
-                found = Some((index, long.then(|| ((horizon - sum) / takes).clamp(0.1, 1.0))));
-                break;
-            }
-            sum += takes;
-        }
-        let Some((index, at)) = found else { return Ok(false) };
-        let mut beyond = self.cells.split_off(index);
-        let mut own = 1;
-        if let Some(at) = at.filter(|at| *at < 0.9)
-            && let Some(cell) = beyond.first()
-        {
-            let cut = self.sampler.parts(cell, &[at]);
-            match cut {
-                Ok(cut) => drop(beyond.splice(..1, cut)),
-                Err(error) => {
-                    self.cells.append(&mut beyond);
-                    return Err(error);
-                }
-            }
-        } else if beyond.len() == 1 {
-            own = 0;
-        }
-        if own == 0 || beyond.len() <= own {
-            self.cells.append(&mut beyond);
-            return Ok(false);
-        }
-        let rest = beyond.split_off(own);
-        self.cells.append(&mut beyond);
+    /// Gives back `cells`, which are behind the window, and what follows them.
+    pub(super) fn return_beyond(&mut self, cells: &[Cell]) {
         match self.after.take() {
             Some(After::Pause(element)) => self.returned.push_front(Returned::Pause(element)),
             Some(After::Error(error)) => self.returned.push_front(Returned::Error(error)),
             Some(After::Hold) => self.returned.push_front(Returned::Hold),
             Some(After::Path | After::End) | None => {}
         }
-        self.return_cells(&rest);
+        self.return_cells(cells);
         if let Some(last) = self.cells.last() {
             self.near = last.end.position;
         }
-        Ok(true)
     }
 
     /// Drops what is to be planned up to `s` of `element`.
