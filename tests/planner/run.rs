@@ -118,9 +118,10 @@ impl<'m, A: AxisPath> Watch<'m, A> {
 
     /// Rests for some time.
     pub fn wait(&mut self, time: f64) {
-        if self.last.is_some() {
+        if let Some((element, s, ..)) = &self.last {
+            let rests = self.axes.axes(element, *s, &self.near).unwrap().position;
             for _ in 0..3 {
-                self.differ(self.near, 0, self.report.duration);
+                self.differ(rests, 0, self.report.duration);
             }
         }
         self.report.duration += time;

@@ -24,13 +24,13 @@ const ANY: f64 = 1e3;
 const BY_AND_BY: f64 = 0.02;
 /// Solves at most, and what a further one has to lower the sum of b by.
 const MOST_SOLVES: u32 = 10;
-const SETTLED: f64 = 1e-3;
+const SETTLED: f64 = 2e-4;
 /// A plan is hardly faster than the slowest if its b is larger by no more than this part.
 const NEAR: f64 = 0.05;
 /// How exactly solvers keep bounds.
 const EXACT: f64 = 1e-4;
 /// Braking takes at least so many cells.
-const FEWEST: f64 = 16.0;
+const FEWEST: f64 = 32.0;
 /// b below this part of the first is rest.
 const REST: f64 = 3e-4;
 /// With a landing of constant jerk the way left is this times b/|a|.
