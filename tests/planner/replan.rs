@@ -210,7 +210,8 @@ fn holds(
         ("jerk", report.jerk, 1.05),
         ("third difference", report.third_difference, 1.05),
         // While it brakes it may be faster by what the slowest profile needs not to be the only one.
-        ("feed", report.feed, 1.08),
+        // Where no new plan was found the old one goes on for a while.
+        ("feed", report.feed, if report.effort.not_replanned == 0 { 1.08 } else { f64::INFINITY }),
         ("path acceleration", report.path_acceleration, 1.02),
         ("velocity step", report.velocity_step, if settings.jerk { 1e-6 } else { 5e-4 }),
     ];

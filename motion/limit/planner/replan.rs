@@ -52,9 +52,9 @@ where
     /// This call itself plans nothing; the next item does. That is bounded by three slowest profiles of at most 10 solves over the way
     /// of braking and three windows of half a second (250 cells at the usual step, which verification makes at most 8 times
     /// more), however much is known of the path; after that nothing but the plan so far is handed out, and tried again
-    /// from 0.1 s later ([`Effort::not_replanned`](crate::limit::Effort)). Measured over some hundred changes in random programs: 2 to
-    /// 90 ms with limits of acceleration, 10 to 250 ms with limits of jerk, on one core of two that were busy; once, with three
-    /// attempts on blends that bend within micrometres, 1.1 s.
+    /// from 0.1 s later ([`Effort::not_replanned`](crate::limit::Effort)). Measured over some hundred changes in random programs, with
+    /// both cores of the machine busy: mostly 2 to 100 ms with limits of acceleration and 10 to 250 ms with limits of jerk; where
+    /// blends bend within micrometres and all attempts are needed, up to 1.5 s.
     pub fn set_override(&mut self, factor: f64) {
         self.asked = if factor.is_nan() { 0.0 } else { factor.clamp(0.0, Self::LARGEST_OVERRIDE) };
         self.take_back([]);
