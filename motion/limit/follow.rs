@@ -1,5 +1,6 @@
 //! Set-points along the planned motion, one per cycle.
 
+use super::ahead::{Ahead, Replan};
 use super::course::CourseElement;
 use super::planner::{Leg, LimitError, Planned};
 use super::stretch::Progress;
@@ -7,7 +8,7 @@ use crate::interpolate::instant::Instant;
 use crate::interpolate::switches::SwitchBoard;
 use crate::interpolate::{ExtraMotion, Heading, Status, ToolSetpoint};
 use crate::path::{ElementKind, ExtraPoint, PathPoint};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::num::NonZeroU32;
 use std::sync::Arc;
 
@@ -33,15 +34,19 @@ pub struct MTimes {
 
 /// Turns the planned motion into one set-point per cycle, as [`crate::interpolate::Interpolator`] does with unlimited
 /// paths: the first is the start of the path at time 0, the last its end at the first cycle at or after the exact end time. A
-/// dwell takes its time, a jump takes a cycle, and so does an M function unless [`Self::with_m_times`] says otherwise.
+/// dwell takes its time, a jump takes a cycle, and so does an M function unless [`Self::with_m_times`] or
+/// [`Self::with_acknowledgement`] says otherwise.
 ///
-/// After an error the path goes on from rest with what follows.
+/// After an error the path goes on from rest with what follows. Where it is held its set-points stay, [`Status::Waiting`].
 #[derive(Debug)]
-pub struct Follower<P> {
-    plan: P,
-    cycle_ns: i64,
-    now_ns: i64,
-    current: Option<Current>,
+pub struct Follower<P: Iterator> {
+    pub(super) plan: P,
+    /// What comes after the current.
+    pub(super) queue: VecDeque<P::Item>,
+    pub(super) ahead: Ahead,
+    pub(super) cycle_ns: i64,
+    pub(super) now_ns: i64,
+    pub(super) current: Option<Current>,
     /// When the last leg ended.
     reached: Instant,
     board: SwitchBoard,
@@ -50,25 +55,33 @@ pub struct Follower<P> {
     heading: Heading,
     /// Way to the start of the element under way, m.
     way: f64,
-    last: Option<Arc<CourseElement>>,
+    /// The element at hand, and where on it the path comes to rest next.
+    last: Option<(Arc<CourseElement>, f64)>,
     m_times: MTimes,
+    /// M functions last until somebody says that they are done.
+    pub(super) acknowledging: bool,
+    /// The path ends where it rests next.
+    pub(super) stopping: bool,
     over: bool,
 }
 
 #[derive(Debug)]
-enum Current {
+pub(super) enum Current {
     Along { leg: Leg, start: Instant, end: Instant },
-    Still { element: Arc<CourseElement>, until_ns: i64 },
+    Still { from_ns: i64, until_ns: i64 },
+    Held { until_ns: i64 },
 }
 
 impl<P, E> Follower<P>
 where
-    P: Iterator<Item = Result<Planned, LimitError<E>>>,
+    P: Iterator<Item = Result<Planned, LimitError<E>>> + Replan<E>,
 {
     /// Follows `plan` with a cycle of `cycle_ns`, ns.
     pub fn new(plan: P, cycle_ns: NonZeroU32) -> Self {
         Self {
             plan,
+            queue: VecDeque::new(),
+            ahead: Ahead::default(),
             cycle_ns: i64::from(cycle_ns.get()),
             now_ns: 0,
             current: None,
@@ -79,6 +92,8 @@ where
             way: 0.0,
             last: None,
             m_times: MTimes::default(),
+            acknowledging: false,
+            stopping: false,
             over: false,
         }
     }
@@ -101,32 +116,51 @@ where
 
     /// Takes over what comes next; false at the end.
     fn advance(&mut self) -> Result<bool, LimitError<E>> {
-        let Some(next) = self.plan.next().transpose()? else { return Ok(false) };
+        self.plan_ahead();
+        let next = self.queue.pop_front().or_else(|| self.plan.next());
+        let Some(next) = next.transpose()? else { return Ok(false) };
         self.current = Some(match next {
             Planned::Leg(leg) => {
-                self.enter(&leg.element);
+                self.enter(&leg.element, leg.from + leg.stretch.length());
                 let start = self.reached;
                 Current::Along { end: start.after(leg.stretch.duration()), start, leg }
             }
             Planned::Pause(element) => {
-                self.enter(&element);
-                let takes = match element.element().kind {
-                    ElementKind::Dwell { time_ns } => time_ns.max(self.cycle_ns),
-                    ElementKind::MFunction { number } => {
-                        let MTimes { of, otherwise } = &self.m_times;
-                        let takes = of.get(&number).copied().unwrap_or(*otherwise).max(0);
-                        takes.saturating_add(self.cycle_ns)
-                    }
-                    _ => self.cycle_ns,
-                };
-                Current::Still { element, until_ns: self.now_ns.saturating_add(takes) }
+                self.enter(&element, 0.0);
+                let takes = self.pause_ns(&element).unwrap_or(i64::MAX);
+                let until_ns = self.now_ns.saturating_add(takes);
+                Current::Still { from_ns: self.now_ns, until_ns }
+            }
+            Planned::Hold { element, at } => {
+                if std::mem::take(&mut self.stopping) {
+                    self.plan.abandon();
+                    return Ok(false);
+                }
+                if self.last.is_none() {
+                    self.enter(&element, at);
+                }
+                Current::Held { until_ns: self.now_ns.saturating_add(self.cycle_ns) }
             }
         });
         Ok(true)
     }
 
-    /// The element before is left behind.
-    fn enter(&mut self, element: &Arc<CourseElement>) {
+    /// How long a pause takes, ns; `None`: until somebody says that it is over.
+    pub(super) fn pause_ns(&self, element: &CourseElement) -> Option<i64> {
+        match element.element().kind {
+            ElementKind::Dwell { time_ns } => Some(time_ns.max(self.cycle_ns)),
+            ElementKind::MFunction { .. } if self.acknowledging => None,
+            ElementKind::MFunction { number } => {
+                let MTimes { of, otherwise } = &self.m_times;
+                let takes = of.get(&number).copied().unwrap_or(*otherwise).max(0);
+                Some(takes.saturating_add(self.cycle_ns))
+            }
+            _ => Some(self.cycle_ns),
+        }
+    }
+
+    /// The element before is left behind; the path goes as far as `to` on this one, m.
+    fn enter(&mut self, element: &Arc<CourseElement>, to: f64) {
         if let Some((passed, count)) = &mut self.switching
             && !Arc::ptr_eq(passed, element)
         {
@@ -137,7 +171,7 @@ where
         if self.switching.is_none() {
             self.switching = Some((Arc::clone(element), 0));
         }
-        self.last = Some(Arc::clone(element));
+        self.last = Some((Arc::clone(element), to));
     }
 
     fn along(&mut self, element: &Arc<CourseElement>, progress: Progress) -> Followed {
@@ -168,8 +202,8 @@ where
         let time_ns = self.now_ns;
         self.now_ns = self.now_ns.saturating_add(self.cycle_ns);
         let path_element = element.element();
-        let m_function = match path_element.kind {
-            ElementKind::MFunction { number } => Some(number),
+        let m_function = match (path_element.kind, &self.current) {
+            (ElementKind::MFunction { number }, Some(Current::Still { .. })) => Some(number),
             _ => None,
         };
         let tool = ToolSetpoint {
@@ -178,7 +212,7 @@ where
             rapid: element.rapid(),
             status,
             last_switch: self.board.last,
-            m_function: m_function.filter(|_| status == Status::Waiting),
+            m_function,
             switches: self.board.states,
             feed: element.feed(),
             position: point.position,
@@ -214,7 +248,7 @@ fn extra_motion(extra: &ExtraPoint, progress: &Progress) -> ExtraMotion {
 
 impl<P, E> Iterator for Follower<P>
 where
-    P: Iterator<Item = Result<Planned, LimitError<E>>>,
+    P: Iterator<Item = Result<Planned, LimitError<E>>> + Replan<E>,
 {
     type Item = Result<Followed, LimitError<E>>;
 
@@ -237,21 +271,22 @@ where
                     self.current = Some(Current::Along { leg, start, end });
                     return Some(Ok(followed));
                 }
-                Some(Current::Still { element, until_ns }) => {
-                    if self.now_ns >= until_ns {
-                        self.reached = Instant::at_ns(until_ns);
-                        continue;
-                    }
-                    let at = Progress::default();
-                    let followed = self.setpoint(&element, at, Status::Waiting);
-                    self.current = Some(Current::Still { element, until_ns });
-                    return Some(Ok(followed));
+                Some(Current::Still { until_ns, .. } | Current::Held { until_ns })
+                    if self.now_ns >= until_ns =>
+                {
+                    self.reached = Instant::at_ns(until_ns);
+                }
+                Some(current) => {
+                    self.current = Some(current);
+                    let (element, position) = self.last.clone()?;
+                    let at = Progress { position, ..Progress::default() };
+                    return Some(Ok(self.setpoint(&element, at, Status::Waiting)));
                 }
             }
         }
         // The end, at rest.
-        let element = self.last.take()?;
-        let at = Progress { position: element.length(), ..Progress::default() };
+        let (element, position) = self.last.take()?;
+        let at = Progress { position, ..Progress::default() };
         Some(Ok(self.setpoint(&element, at, Status::Finished)))
     }
 }

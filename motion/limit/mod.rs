@@ -9,11 +9,13 @@
 //! followed: [`LinearSolver`] where accelerations alone are limited (there it is left with what two passes cannot prove),
 //! [`SmoothSolver`] where jerks are as well.
 
+mod ahead;
 mod asked;
 mod axis_path;
 mod convex;
 pub mod course;
 pub mod emergency;
+mod feeds;
 mod follow;
 mod gain;
 mod grid;
@@ -27,6 +29,7 @@ mod sample;
 mod smooth;
 mod stretch;
 
+pub use ahead::{Ahead, Replan};
 pub use axis_path::{AxisPath, AxisPoint, KinematicPath, MOST_FURTHER_ROWS, axis_point};
 pub use convex::NotSolved;
 pub use follow::{Followed, Follower, MTimes};

@@ -60,6 +60,11 @@ impl Plane {
         high.at.max(low.at).min(cap)
     }
 
+    /// The smallest y that goes with x, below 0 where the path comes to rest before.
+    pub(super) fn least_after(&self, x: f64) -> f64 {
+        self.span_from(x, -HUGE, f64::INFINITY).low.at.max(-HUGE)
+    }
+
     /// The largest x within `cap` that goes with some y from 0 to `next`.
     pub(super) fn largest_before(&self, cap: f64, next: f64) -> f64 {
         let mut x = cap.min(self.alone());
@@ -101,8 +106,14 @@ impl Plane {
     /// The y that go with x, from 0 to `cap` at most.
     #[inline]
     fn span(&self, x: f64, cap: f64) -> Span {
+        self.span_from(x, 0.0, cap)
+    }
+
+    /// The same from `least` on.
+    #[inline]
+    fn span_from(&self, x: f64, least: f64, cap: f64) -> Span {
         // 0 ≤ y as a row is y ≥ −1/HUGE, and y ≤ cap may have to be y ≤ 1/HUGE.
-        let mut low = Bound { at: 0.0, row: [0.0, -HUGE] };
+        let mut low = Bound { at: least, row: [0.0, -HUGE] };
         let mut high = Bound { at: cap, row: [0.0, (1.0 / cap).min(HUGE)] };
         for &[p, r] in &self.strips {
             if r.abs() <= NOTHING * p.abs() {

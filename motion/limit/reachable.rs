@@ -48,6 +48,33 @@ pub(super) fn bounds(grid: &Grid, cells: Range<usize>, start: f64, end: f64) -> 
     b
 }
 
+/// The smallest b at every node of `cells` that braking can bring about from `start`, and where the path then rests: that node's
+/// cell and the part of its length. From there on b is 0.
+pub(super) fn slowest(
+    grid: &Grid,
+    cells: Range<usize>,
+    start: f64,
+) -> (Vec<f64>, Option<(usize, f64)>) {
+    let mut most = controllable(grid, cells.clone(), f64::INFINITY).into_iter().skip(1);
+    let mut result = vec![start];
+    let mut rest = None;
+    let mut plane = Plane::default();
+    let mut here = start;
+    for cell in cells {
+        let most = most.next().unwrap_or_default();
+        if rest.is_none() {
+            plane.set(grid, cell);
+            let next = plane.least_after(here);
+            if next <= 0.0 {
+                rest = Some((cell, here / (here - next)));
+            }
+            here = next.clamp(0.0, most);
+        }
+        result.push(here);
+    }
+    (result, rest)
+}
+
 /// Time for cells between nodes with these b, s.
 pub fn duration(grid: &Grid, cells: Range<usize>, b: &[f64]) -> f64 {
     let pairs = b.windows(2).zip(cells);

@@ -95,6 +95,8 @@ pub(super) struct Writer<'s> {
     pub(super) free: &'s Range<usize>,
     /// Jerk rows less active than this at the guess are left out at first.
     pub(super) screen: f64,
+    /// Whether no row is left out that could count, but those of velocities.
+    pub(super) all: bool,
     /// The cell.
     pub(super) index: usize,
 }
@@ -134,9 +136,10 @@ impl Writer<'_> {
             if free > 1e-3 * right { (1.0 / free, 1.0) } else { (1.0 / right, free / right) };
         let entries = entries.map(|(index, value)| (index, value * scale));
         let most: f64 = entries.iter().map(|(_, value)| value.abs()).sum();
-        if sum >= screen * right || self.asked.has(&origin) {
+        let counts = most > 0.5 * to;
+        if sum >= screen * right || self.asked.has(&origin) || self.all && counts {
             self.program.add_row(&entries, to, origin);
-        } else if most > 0.5 * to {
+        } else if counts {
             self.program.add_spare(entries, to, origin);
         }
     }
@@ -179,6 +182,7 @@ impl Writer<'_> {
     ) {
         let place = around.at(end);
         if end == End::Finish
+            && !self.all
             && let Some(cap) = grid.caps().get(cell + 1)
         {
             // Between cells of different limits it is the lower one that counts, which c alone does not keep.

@@ -2,12 +2,14 @@
 
 use super::axis_path::{AxisPath, AxisPoint, MOST_FURTHER_ROWS};
 use super::course::{CourseElement, Transition};
+use super::feeds::Feeds;
 use super::grid::{AxisLimits, Cap, CapSource, CellEnd, Disc, FIRST_FURTHER_ROW, Grid, Rates, Row};
 use super::options::LimitOptions;
 use super::stretch::Stretch;
 use crate::path::ElementKind;
 use crate::prepare::CircularLimits;
 use nalgebra::Vector3;
+use std::ops::Range;
 use std::sync::Arc;
 use twin_kinematics::{AxisVector, KinematicsError};
 
@@ -44,6 +46,11 @@ pub(super) struct Sample {
 }
 
 impl Sample {
+    /// The bound of u̇².
+    pub(super) fn cap(&self) -> f64 {
+        self.cap.v2
+    }
+
     /// The largest acceleration, jerk and velocity, of any axis and along the path, where the motion is that of `stretch` at
     /// `u`, each as a part of the limit.
     pub(super) fn excess(&self, limits: &[AxisLimits], stretch: &Stretch, u: f64) -> [f64; 3] {
@@ -101,62 +108,82 @@ impl Cell {
 pub(super) struct Sampler<A> {
     axes: A,
     options: LimitOptions,
+    /// What is asked for of the programmed velocities.
+    pub(super) feeds: Feeds,
 }
 
 impl<A: AxisPath> Sampler<A> {
     pub(super) fn new(axes: A, options: LimitOptions) -> Self {
-        Self { axes, options }
+        Self { axes, options, feeds: Feeds::default() }
     }
 
     pub(super) fn axes(&self) -> &A {
         &self.axes
     }
 
-    /// The cells of `element` from `from` on, as few as its geometry asks for.
+    /// The cells of a part of `element`, as few as its geometry asks for.
     pub(super) fn cells(
         &self,
         element: &Arc<CourseElement>,
-        from: f64,
+        part: Range<f64>,
         near: &AxisVector,
         cells: &mut Vec<Cell>,
     ) -> Result<(), KinematicsError> {
         let head = element.head().map_or(0.0, |blend| blend.half_width());
         let tail = element.length() - element.tail().map_or(0.0, |blend| blend.half_width());
         let mut near = *near;
-        let mut last = from;
+        let mut last = part.start;
         // What is left between two blends that nearly meet is not worth a cell.
         let sliver = tail - head < SLIVER * head.min(element.length() - tail);
         for to in element
             .breaks()
-            .filter(|at| *at > from && !(sliver && *at >= tail && *at < element.length()))
+            .filter(|at| *at > part.start && !(sliver && *at >= tail && *at < element.length()))
         {
+            let to = to.min(part.end);
+            if to <= last {
+                break;
+            }
             let middle = last.midpoint(to);
             let least = if middle < head || middle > tail { LEAST_OF_BLEND } else { LEAST };
             let step = (to - last) / f64::from(least);
             for index in 0..least {
                 let begin = last + step * f64::from(index);
                 let end = if index + 1 == least { to } else { last + step * f64::from(index + 1) };
-                let start = self.sample(element, begin + INSIDE * step, &near)?;
-                let finish = self.sample(element, end - INSIDE * step, &start.position)?;
-                near = finish.position;
-                let joint = Cap::NONE;
-                let element = Arc::clone(element);
-                let cell = Cell {
-                    element,
-                    from: begin,
-                    to: end,
-                    start,
-                    end: finish,
-                    middle: start,
-                    joint,
-                    tight: [1.0; 3],
-                    dense: false,
-                };
+                let cell = self.ends(element, begin..end, &near)?;
+                near = cell.end.position;
                 self.halve(cell, DEPTH, cells)?;
             }
             last = to;
         }
         Ok(())
+    }
+
+    /// A part of `element` as one cell.
+    pub(super) fn cell(
+        &self,
+        element: &Arc<CourseElement>,
+        part: Range<f64>,
+        near: &AxisVector,
+    ) -> Result<Cell, KinematicsError> {
+        let mut cell = self.ends(element, part, near)?;
+        self.look_half_way(&mut cell)?;
+        Ok(cell)
+    }
+
+    /// The same, with nothing known half-way.
+    fn ends(
+        &self,
+        element: &Arc<CourseElement>,
+        Range { start: from, end: to }: Range<f64>,
+        near: &AxisVector,
+    ) -> Result<Cell, KinematicsError> {
+        let inside = INSIDE * (to - from);
+        let start = self.sample(element, from + inside, near)?;
+        let end = self.sample(element, to - inside, &start.position)?;
+        let element = Arc::clone(element);
+        let joint = Cap::NONE;
+        let tight = [1.0; 3];
+        Ok(Cell { element, from, to, start, end, middle: start, joint, tight, dense: false })
     }
 
     /// Adds `cell`, in halves if its ends do not tell enough of it.
@@ -228,7 +255,8 @@ impl<A: AxisPath> Sampler<A> {
         let (scale, bend) =
             if speed > 0.0 { (speed, point.first.dot(&point.second) / speed) } else { (1.0, 0.0) };
         let cap = if feed {
-            Cap { v2: (element.feed() / scale).powi(2), source: CapSource::Feed }
+            let v2 = self.feeds.bound(element, s, (element.feed() / scale).powi(2));
+            Cap { v2, source: CapSource::Feed }
         } else {
             Cap::NONE
         };
@@ -277,7 +305,8 @@ impl<A: AxisPath> Sampler<A> {
             cap = cap.min(Cap { v2: limit / curvature_jump, source: CapSource::Centripetal });
         }
         if self.options.feed {
-            cap = cap.min(Cap { v2: velocity * velocity, source: CapSource::EndVelocity });
+            let v2 = self.feeds.bound(element, s, velocity * velocity);
+            cap = cap.min(Cap { v2, source: CapSource::EndVelocity });
         }
         cap
     }

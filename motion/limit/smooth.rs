@@ -27,12 +27,15 @@
 use super::asked::Asked;
 use super::convex::{NotSolved, Origin, Program};
 use super::gain::{Gain, gains};
-use super::grid::{Constraint, End, Grid};
+use super::grid::{CapSource, Constraint, End, Grid};
 use super::rows::{Around, Place, SCREEN_JERK, Writer};
 use std::ops::Range;
 
 /// The next guess is not below this part of the one before.
 const FLOOR: f64 = 0.05;
+
+/// A c that is to be positive is at least this part of the guess.
+const LEAST: f64 = 1e-3;
 
 /// Where b changes by more than this part, the tangents about it do, too: by the square of it.
 const MOVED: f64 = 0.15;
@@ -46,6 +49,16 @@ const EXACT: f64 = 1e-9;
 const AROUND: usize = 12;
 /// Rows that were left out are looked for at most so often.
 const MORE: u32 = 10;
+
+/// What is wanted of a profile.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Aim {
+    /// The shortest duration.
+    #[default]
+    Fastest,
+    /// The smallest velocities above those of [`SmoothSolver::floors`]: braking, and no bounds on the velocity.
+    Slowest,
+}
 
 /// How a profile begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -179,6 +192,11 @@ pub(super) struct CellMotion {
 pub(super) struct Broken(Vec<Origin>);
 
 impl Broken {
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Adds those of cells further on.
     pub(super) fn extend(&mut self, Self(other): Self) {
         self.0.extend(other);
@@ -199,6 +217,11 @@ pub struct SmoothSolver {
     knots: Vec<Knot>,
     /// Of the variables: c of every cell is a multiple of it.
     scale: Vec<f64>,
+    pub(super) aim: Aim,
+    /// The least c of every cell, if that is the aim.
+    pub(super) floors: Vec<f64>,
+    /// Whether c is to be positive whatever the aim: where the path brakes to nearly nothing it need not be.
+    pub(super) positive: bool,
 }
 
 impl SmoothSolver {
@@ -337,7 +360,13 @@ impl SmoothSolver {
     ) {
         let count = cells.len();
         self.program.reset(free.len());
-        self.add_costs(grid, cells, guess, free);
+        match self.aim {
+            Aim::Fastest => self.add_costs(grid, cells, guess, free),
+            Aim::Slowest => self.add_velocities(grid, cells, &guess.b, free),
+        }
+        if self.positive || self.aim == Aim::Slowest {
+            self.add_floors(free);
+        }
         let screen = if guess.rough { SCREEN_JERK[0] } else { SCREEN_JERK[1] };
         // What is free in one cell counts in its neighbours, too.
         let touched = free.start.saturating_sub(1)..(free.end + 1).min(count);
@@ -352,9 +381,11 @@ impl SmoothSolver {
                 asked: guess.asked.get(index).copied().unwrap_or_default(),
                 free,
                 screen,
+                // What counts is far from the guess.
+                all: self.aim == Aim::Slowest,
                 index,
             };
-            if index > 0 && index + 1 < count {
+            if index > 0 && index + 1 < count && self.aim == Aim::Fastest {
                 writer.add_cap(grid, cell);
                 writer.add_least();
             }
@@ -410,6 +441,43 @@ impl SmoothSolver {
                 let product = p * at(&self.scale, before) * r * at(&self.scale, after);
                 self.program.add_coupling(before - free.start, second * product);
             }
+        }
+    }
+
+    /// Σ wₖ·bₖ/b̄ₖ as the cost: every b is as small as those before it allow.
+    fn add_velocities(
+        &mut self,
+        grid: &Grid,
+        cells: &Range<usize>,
+        guess: &[f64],
+        free: &Range<usize>,
+    ) {
+        let total: f64 = cells.clone().map(|cell| grid.length(cell)).sum();
+        let knots = self.knots.iter().zip(guess).zip(cells.clone()).enumerate().skip(1);
+        for (index, ((knot, guess), cell)) in knots {
+            let weight = 0.5 * (grid.length(cell - 1) + grid.length(cell)) / (total * guess);
+            for (part, of) in knot.b.into_iter().zip([index - 1, index]) {
+                let scale = self.scale.get(of).copied().unwrap_or_default();
+                if free.contains(&of) {
+                    self.program.add_cost(of - free.start, 0.0, weight * part * scale);
+                }
+            }
+        }
+    }
+
+    /// No c below its floor.
+    fn add_floors(&mut self, free: &Range<usize>) {
+        for (variable, cell) in free.clone().enumerate() {
+            let constraint = Constraint::Velocity(CapSource::Stop);
+            let origin = Origin { cell, constraint, upper: false, share: 0.0 };
+            let least = match self.aim {
+                Aim::Fastest => LEAST,
+                Aim::Slowest => {
+                    let floor = self.floors.get(cell).copied().unwrap_or_default();
+                    floor / self.scale.get(cell).copied().unwrap_or(1.0)
+                }
+            };
+            self.program.add_row(&[(variable, -1.0)], -least, origin);
         }
     }
 }

@@ -71,6 +71,7 @@ fn planned(text: &str, size: usize, jerk: bool) -> Vec<(u32, Option<(f64, Law)>)
     let options = LimitOptions::new(CourseOptions::new(5e-5));
     let planner = Planner::new(checked, Machine::Gantry3.path(jerk), options);
     let parts = planner.map(|part| match part.unwrap() {
+        Planned::Hold { .. } => unreachable!("nobody has asked for it"),
         Planned::Leg(leg) => {
             (leg.element.place().line, Some((leg.stretch.length(), leg.stretch.law())))
         }

@@ -17,4 +17,5 @@ mod corpus;
 mod long;
 mod machines;
 mod random;
+mod replan;
 mod run;

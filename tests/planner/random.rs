@@ -9,7 +9,7 @@ use twin_motion::Place;
 use twin_motion::path::{Arc, ElementKind, PathElement, Plane, Shape};
 
 #[derive(Clone, Debug)]
-struct Step {
+pub struct Step {
     form: Form,
     straight_on: bool,
     /// m.
@@ -28,11 +28,11 @@ enum Form {
     Dwell,
 }
 
-fn exponential(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> + Clone {
+pub fn exponential(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> + Clone {
     (range.start.ln()..range.end.ln()).prop_map(f64::exp)
 }
 
-fn step() -> impl Strategy<Value = Step> {
+pub fn step() -> impl Strategy<Value = Step> {
     let sweep = prop_oneof![-1.9 * PI..-0.05, 0.05..1.9 * PI];
     let plane = prop_oneof![3 => Just(Plane::Xy), 1 => Just(Plane::Zx), 1 => Just(Plane::Yz)];
     let rise = prop_oneof![Just(0.0), -0.3..0.3];
@@ -95,7 +95,7 @@ impl Step {
 }
 
 /// The steps one after the other, without those that leave the room.
-fn walk(steps: &[Step], machine: Machine) -> Vec<PathElement> {
+pub fn walk(steps: &[Step], machine: Machine) -> Vec<PathElement> {
     let [min, max] = machine.room();
     let mut at = Point3::from(0.5 * (min + max));
     let mut along = None;
@@ -146,7 +146,7 @@ pub fn check(
     Ok(())
 }
 
-fn settings() -> impl Strategy<Value = Settings> {
+pub fn settings() -> impl Strategy<Value = Settings> {
     let machine = prop::sample::select(Machine::ALL.to_vec());
     let angle = prop_oneof![Just(2_f64.to_radians()), Just(PI)];
     (machine, exponential(1e-6..1e-4), angle).prop_map(|(machine, tolerance, angle)| Settings {
@@ -159,7 +159,7 @@ fn settings() -> impl Strategy<Value = Settings> {
 }
 
 /// Failures take long to plan: their paths are made shorter only a few times.
-fn cases(cases: u32) -> ProptestConfig {
+pub fn cases(cases: u32) -> ProptestConfig {
     ProptestConfig {
         cases,
         failure_persistence: None,

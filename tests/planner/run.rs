@@ -88,7 +88,7 @@ impl Report {
 }
 
 /// Follows the legs in equal cycles.
-struct Watch<'m, A> {
+pub struct Watch<'m, A> {
     axes: &'m A,
     limits: Vec<AxisLimits>,
     near: AxisVector,
@@ -97,11 +97,38 @@ struct Watch<'m, A> {
     cycles: u64,
     /// Where the last leg ended: element, parameter, u̇, ü.
     last: Option<(Arc<CourseElement>, f64, f64, f64)>,
-    report: Report,
+    pub report: Report,
+    /// The override, and from when on the path may be faster only where it slows down, s.
+    pub factor: (f64, f64),
 }
 
-impl<A: AxisPath> Watch<'_, A> {
-    fn leg(&mut self, leg: &Leg) {
+impl<'m, A: AxisPath> Watch<'m, A> {
+    pub fn new(axes: &'m A) -> Self {
+        Self {
+            limits: axes.limits().to_vec(),
+            near: axes.home(),
+            axes,
+            before: [axes.home(); 3],
+            cycles: 0,
+            last: None,
+            report: Report::default(),
+            factor: (1.0, 0.0),
+        }
+    }
+
+    /// Rests for some time.
+    pub fn wait(&mut self, time: f64) {
+        if let Some((element, s, ..)) = &self.last {
+            let rests = self.axes.axes(element, *s, &self.near).unwrap().position;
+            for _ in 0..3 {
+                self.differ(rests, 0, self.report.duration);
+            }
+        }
+        self.report.duration += time;
+        self.cycles = (self.report.duration / CYCLE).ceil() as u64;
+    }
+
+    pub fn leg(&mut self, leg: &Leg) {
         let line = leg.element.place().line;
         let stretch = &leg.stretch;
         let start = self.report.duration;
@@ -168,7 +195,10 @@ impl<A: AxisPath> Watch<'_, A> {
         let norm = point.first.norm();
         // Where only extra axes move the parameter is the way.
         let speed = if norm > 0.0 { norm } else { 1.0 };
-        report.feed.raise(speed * v / leg.element.feed(), line, time);
+        let (factor, from) = self.factor;
+        if factor >= 1.0 && from == 0.0 || factor > 0.0 && time > from && a >= 0.0 {
+            report.feed.raise(speed * v / (factor * leg.element.feed()), line, time);
+        }
         let along = speed * a + point.first.dot(&point.second) / speed * v * v;
         let limit =
             if along > 0.0 { leg.element.acceleration() } else { leg.element.deceleration() };
@@ -187,7 +217,7 @@ impl<A: AxisPath> Watch<'_, A> {
         self.before = [position, p1, p2];
     }
 
-    fn rest(&mut self) {
+    pub fn rest(&mut self) {
         if let Some((element, s, velocity, _)) = &self.last {
             assert!(velocity.abs() < AT_REST, "{velocity} m/s at rest");
             assert!((s - element.length()).abs() <= 1e-9 * element.length());
@@ -212,15 +242,7 @@ pub fn run(
     let checked = CheckVelocities::new(path.map(Ok::<_, CheckError>), settings.angle);
     let mut planner = Planner::new(checked, settings.machine.path(settings.jerk), options);
     let axes = settings.machine.path(settings.jerk);
-    let mut watch = Watch {
-        limits: axes.limits().to_vec(),
-        near: axes.home(),
-        axes: &axes,
-        before: [axes.home(); 3],
-        cycles: 0,
-        last: None,
-        report: Report::default(),
-    };
+    let mut watch = Watch::new(&axes);
     loop {
         #[expect(clippy::disallowed_methods, reason = "how long planning takes")]
         let begun = Instant::now();
@@ -233,6 +255,7 @@ pub fn run(
                 watch.report.lines.push(element.place().line);
                 watch.report.stops += 1;
             }
+            Some(Ok(Planned::Hold { .. })) => panic!("held without being asked to"),
             Some(Err(LimitError::Upstream(error))) => panic!("{error}"),
             Some(Err(error)) => {
                 watch.last = None;

@@ -1,11 +1,11 @@
 //! What of a window is committed, and what becomes of the rest.
 
 use super::refine::time;
+use super::returned::{Part, parts};
 use super::{Leg, LimitError, Planned, Planner};
 use crate::Place;
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
-use crate::limit::course::CourseElement;
 use crate::limit::grid::Grid;
 use crate::limit::reachable;
 use crate::limit::sample::grid;
@@ -103,6 +103,7 @@ where
             element: Arc::clone(&cell.element),
             from: cell.from,
             stretch: *stretch,
+            start: cell.start.position,
         });
         let mut legs: Vec<Leg> = legs.collect();
         self.tail = legs.split_off(end.min(legs.len()));
@@ -135,19 +136,12 @@ where
 
     /// Makes the cells from `index` on as coarse as they came.
     pub(super) fn coarsen(&mut self, index: usize) {
-        self.cells.append(&mut self.beyond);
         let fine = self.cells.split_off(index.min(self.cells.len()));
         let mut near = fine.first().map_or(self.near, |cell| cell.start.position);
-        let mut elements: Vec<(Arc<CourseElement>, f64)> = Vec::new();
-        for cell in &fine {
-            if elements.last().is_none_or(|(element, _)| !Arc::ptr_eq(element, &cell.element)) {
-                elements.push((Arc::clone(&cell.element), cell.from));
-            }
-        }
-        for (element, from) in elements {
+        for Part { element, from, to } in parts(&fine) {
             let known = self.cells.len();
             // What could be sampled before can be sampled again.
-            if self.sampler.cells(&element, from, &near, &mut self.cells).is_ok() {
+            if self.sampler.cells(&element, from..to, &near, &mut self.cells).is_ok() {
                 self.join(known);
                 near = self.near;
             }

@@ -5,6 +5,9 @@
 
 mod commit;
 mod refine;
+mod replan;
+mod returned;
+mod slowest;
 mod window;
 
 use super::axis_path::AxisPath;
@@ -19,6 +22,8 @@ use super::smooth::{Beginning, SmoothSolver};
 use super::stretch::Stretch;
 use crate::Place;
 use crate::prepare::CheckedElement;
+use clarabel::solver::SolverStatus;
+use returned::{Part, Returned};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use twin_kinematics::{AxisVector, KinematicsError};
@@ -32,6 +37,8 @@ pub struct Leg {
     pub from: f64,
     /// How it is gone through.
     pub stretch: Stretch,
+    /// Where the axes are at its start, m or rad.
+    pub start: AxisVector,
 }
 
 /// What comes next along the course.
@@ -41,6 +48,13 @@ pub enum Planned {
     Leg(Leg),
     /// What is no motion: an M function, a dwell, a jump. The path rests before it.
     Pause(Arc<CourseElement>),
+    /// The path rests until [`Planner::set_override`] lets it go on, and would go on from here. It comes again and again until then.
+    Hold {
+        /// The element that is next.
+        element: Arc<CourseElement>,
+        /// Where on it, m.
+        at: f64,
+    },
 }
 
 /// Why the path does not go on as programmed.
@@ -83,10 +97,15 @@ pub struct Effort {
     pub cells: u64,
     /// Cells committed.
     pub committed: u64,
+    /// How often the path was planned anew because of an override or a hold.
+    pub replanned: u64,
+    /// How often no such plan was found: the path then goes on for a moment as it was planned, and the next try is from there.
+    pub not_replanned: u64,
 }
 
 /// Plans the motion along the elements of `upstream` on a machine: an iterator of [`Planned`].
 #[derive(Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a state of its own")]
 pub struct Planner<I, E, A> {
     course: Course<I, E>,
     sampler: Sampler<A>,
@@ -94,8 +113,6 @@ pub struct Planner<I, E, A> {
     jerk_limited: bool,
     /// What is known of the path and not committed.
     cells: Vec<Cell>,
-    /// What is known behind the window: as coarse as it came.
-    beyond: Vec<Cell>,
     /// b at the nodes of those of them that were planned before and stay as they are.
     kept: Vec<f64>,
     /// What the last window had planned behind what was committed of it: to rest.
@@ -104,7 +121,13 @@ pub struct Planner<I, E, A> {
     /// What follows the cells, if they end at a stop.
     after: Option<After<E>>,
     near: AxisVector,
+    /// What of the path was known before and is not in the cells: it comes before the rest of the course.
+    returned: VecDeque<Returned<E>>,
     ready: VecDeque<Result<Planned, LimitError<E>>>,
+    /// The override that is asked for, and whether that is to be seen to.
+    asked: f64,
+    changed: bool,
+    held: bool,
     smooth: SmoothSolver,
     linear: LinearSolver,
     effort: Effort,
@@ -120,6 +143,8 @@ enum After<E> {
     Path,
     Pause(Arc<CourseElement>),
     Error(LimitError<E>),
+    /// The path is to rest here until it is let go on.
+    Hold,
     End,
 }
 
@@ -138,13 +163,16 @@ where
             options,
             jerk_limited,
             cells: Vec::new(),
-            beyond: Vec::new(),
             kept: Vec::new(),
             tail: Vec::new(),
             beginning: Beginning::Rest,
             after: None,
             near,
+            returned: VecDeque::new(),
             ready: VecDeque::new(),
+            asked: 1.0,
+            changed: false,
+            held: false,
             smooth: SmoothSolver::default(),
             linear: LinearSolver::default(),
             effort: Effort::default(),
@@ -165,36 +193,30 @@ where
         &self.costs
     }
 
-    /// Takes one more element from the course.
+    /// Takes one more part of the path.
     fn pull(&mut self) {
-        let element = match self.course.next() {
-            Some(Ok(element)) => Arc::new(element),
-            Some(Err(error)) => {
-                self.after = Some(After::Error(LimitError::Upstream(error)));
-                return;
-            }
-            None => {
-                self.after = Some(After::End);
-                return;
-            }
+        self.after = match self.take_next() {
+            Some(Returned::Part(part)) => self.add(&part),
+            Some(Returned::Pause(element)) => Some(After::Pause(element)),
+            Some(Returned::Error(error)) => Some(After::Error(error)),
+            Some(Returned::Hold) => Some(After::Hold),
+            None => Some(After::End),
         };
-        if element.length() <= 0.0 {
-            self.after = Some(After::Pause(element));
-            return;
-        }
+    }
+
+    /// Adds the cells of a part; what follows, if the path stops there.
+    fn add(&mut self, part: &Part) -> Option<After<E>> {
+        let Part { element, from, to } = part;
         let known = self.cells.len();
-        match self.sampler.cells(&element, 0.0, &self.near, &mut self.cells) {
+        match self.sampler.cells(element, *from..*to, &self.near, &mut self.cells) {
             Ok(()) => self.join(known),
             Err(error) => {
                 self.cells.truncate(known);
                 let place = element.place();
-                self.after = Some(After::Error(LimitError::Kinematics { place, error }));
-                return;
+                return Some(After::Error(LimitError::Kinematics { place, error }));
             }
         }
-        if element.stops_at_end() {
-            self.after = Some(After::Path);
-        }
+        (part.ends() && element.stops_at_end()).then_some(After::Path)
     }
 
     /// Bounds the velocity at the joint before the cell `index`.
@@ -211,7 +233,6 @@ where
 
     /// Pulls elements until `horizon` s of the path are known, or a stop.
     fn fill(&mut self, horizon: f64) {
-        self.cells.append(&mut self.beyond);
         let mut check = 16;
         while self.after.is_none() {
             if self.cells.len() >= check {
@@ -227,22 +248,36 @@ where
 
     /// Whether the path stops at the end of the window.
     fn stops(&self) -> bool {
-        self.after.is_some() && self.beyond.is_empty()
+        self.after.is_some()
     }
 
-    /// Plans the cells at hand.
+    /// Plans what comes next.
     fn plan(&mut self) {
-        let mut horizon = self.options.horizon;
+        if std::mem::take(&mut self.changed) {
+            self.replan();
+            if !self.ready.is_empty() || self.held {
+                return;
+            }
+        }
+        match self.plan_window(self.options.horizon, false) {
+            Ok(()) | Err(NoWindow::Slower) => {}
+            Err(NoWindow::Kinematics(error)) => {
+                let place = self.rest_instead();
+                self.ready.push_back(Err(LimitError::Kinematics { place, error }));
+            }
+            Err(NoWindow::NotSolved(error)) => self.fall_back(error),
+        }
+        self.pass_stop();
+    }
+
+    /// Plans a window of about `horizon` s and commits what can be. `exactly`: it has to begin as fast as the path is.
+    fn plan_window(&mut self, mut horizon: f64, exactly: bool) -> Result<(), NoWindow> {
         loop {
             self.fill(horizon);
             if self.cells.is_empty() {
-                break;
+                return Ok(());
             }
-            if let Err(error) = self.cut_off(horizon).and_then(|()| self.refine()) {
-                let place = self.rest_instead();
-                self.ready.push_back(Err(LimitError::Kinematics { place, error }));
-                break;
-            }
+            self.cut_off(horizon).and_then(|()| self.refine()).map_err(NoWindow::Kinematics)?;
             let grid = grid(&self.sampler, &self.cells);
             if self.safe(&grid).0 == 0 {
                 // All that is known is within braking distance.
@@ -250,24 +285,46 @@ where
                 self.coarsen(self.kept.len().saturating_sub(1));
                 continue;
             }
-            match self.solve_verified() {
-                Ok(stretches) => self.commit(&stretches),
-                Err(error) => self.fall_back(error),
+            let stretches = self.solve_verified().map_err(NoWindow::NotSolved)?;
+            if (exactly || self.jerk_limited)
+                && stretches.iter().any(|stretch| !stretch.duration().is_finite())
+            {
+                // It would have to go backwards in between.
+                return Err(NoWindow::NotSolved(NOT_SOLVED));
             }
-            break;
+            if exactly && !self.begins_with(&stretches) {
+                return Err(NoWindow::Slower);
+            }
+            self.commit(&stretches);
+            return Ok(());
         }
+    }
+
+    /// Goes on to what follows the cells, once there are none left.
+    fn pass_stop(&mut self) {
         if self.cells.is_empty()
-            && self.beyond.is_empty()
             && let Some(after) = self.after.take()
         {
             match after {
                 After::Path => {}
                 After::Pause(element) => self.ready.push_back(Ok(Planned::Pause(element))),
                 After::Error(error) => self.ready.push_back(Err(error)),
+                After::Hold => self.held = true,
                 After::End => self.over = true,
             }
         }
     }
+}
+
+/// A profile that cannot be followed.
+const NOT_SOLVED: NotSolved = NotSolved { status: SolverStatus::Unsolved, iterations: 0 };
+
+/// Why there is no plan for a window.
+enum NoWindow {
+    Kinematics(KinematicsError),
+    NotSolved(NotSolved),
+    /// It begins slower than the path is.
+    Slower,
 }
 
 impl<I, E, A> Iterator for Planner<I, E, A>
@@ -279,6 +336,9 @@ where
 
     fn next(&mut self) -> Option<Self::Item> {
         while self.ready.is_empty() && !self.over {
+            if self.held {
+                return self.hold();
+            }
             self.plan();
         }
         self.ready.pop_front()

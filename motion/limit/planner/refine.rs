@@ -76,10 +76,13 @@ where
             self.sampler.parts(cell, &[0.5])?
         };
         let behind = parts.split_off(parts.len().min(2));
-        self.beyond = self.cells.split_off(index + 1);
-        self.beyond.splice(..0, behind);
+        let mut beyond = self.cells.split_off(index + 1);
+        beyond.splice(..0, behind);
         self.cells.truncate(index);
         self.cells.append(&mut parts);
+        if !beyond.is_empty() {
+            self.return_beyond(&beyond);
+        }
         Ok(())
     }
 

@@ -22,6 +22,8 @@ const SHORT: f64 = 2e-5;
 /// the profile more freedom, which it may use to exceed limits somewhere else.
 const ROUNDS: u32 = 12;
 const HALVING: u32 = 6;
+/// Nor are there to be so many times more of them.
+const MOST_CELLS: usize = 4;
 
 /// Cells in which jerks differ by more than this part of their limits are cut in half.
 const VARIES: f64 = 0.12;
@@ -61,7 +63,12 @@ where
         let mut guess = self.first_guess();
         let (mut profile, mut broken) = self.settle(&mut guess)?;
         let mut round = 0;
+        let most = MOST_CELLS * self.cells.len();
         loop {
+            if self.cells.len() > most {
+                // Shorter cells have not helped so far.
+                round = round.max(HALVING);
+            }
             let stretches = stretches(&grid(&self.sampler, &self.cells), &profile);
             if self.is_last(round, &stretches) {
                 return Ok(stretches);

@@ -1,0 +1,77 @@
+//! The velocity along the path that the program asks for, under the override.
+
+use super::course::CourseElement;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// How exactly solvers keep bounds.
+const EXACT: f64 = 4e-4;
+
+/// The override, and where it cannot be kept yet because the path has to brake first.
+#[derive(Clone, Debug)]
+pub(super) struct Feeds {
+    factor: f64,
+    braking: Vec<Braking>,
+}
+
+impl Default for Feeds {
+    fn default() -> Self {
+        Self::new(1.0)
+    }
+}
+
+/// u̇² on an element while braking.
+#[derive(Clone, Debug)]
+struct Braking {
+    element: Arc<CourseElement>,
+    /// At some places, m: what braking comes to, and what more is allowed. Linear in between.
+    bounds: Vec<(f64, [f64; 2])>,
+}
+
+impl Feeds {
+    /// Every programmed velocity times `factor`.
+    pub(super) fn new(factor: f64) -> Self {
+        Self { factor, braking: Vec::new() }
+    }
+
+    /// Up to a u̇² in any case, and more where that is above what is programmed, on a part of `element`: both at its two ends. Parts
+    /// come in their order along the path.
+    pub(super) fn brake(
+        &mut self,
+        element: &Arc<CourseElement>,
+        part: Range<f64>,
+        [start, end]: [[f64; 2]; 2],
+    ) {
+        let end = (part.end, end);
+        match self.braking.last_mut() {
+            Some(last) if Arc::ptr_eq(&last.element, element) => last.bounds.push(end),
+            _ => {
+                let bounds = vec![(part.start, start), end];
+                self.braking.push(Braking { element: Arc::clone(element), bounds });
+            }
+        }
+    }
+
+    /// The bound on u̇² at `s` of `element`, where `v2` is what is programmed.
+    pub(super) fn bound(&self, element: &CourseElement, s: f64, v2: f64) -> f64 {
+        let v2 = self.factor * self.factor * v2;
+        let here = self
+            .braking
+            .iter()
+            .find(|braking| std::ptr::eq(Arc::as_ptr(&braking.element), element));
+        let braking = here.and_then(|braking| {
+            let index = braking.bounds.partition_point(|(at, _)| *at < s).max(1);
+            let [(from, start), (to, end), ..] = braking.bounds.get(index - 1..)? else {
+                return None;
+            };
+            let part = ((s - from) / (to - from)).max(0.0);
+            let [b, more] = [0, 1].map(|i: usize| {
+                let ends = [start.get(i), end.get(i)].map(|end| end.copied().unwrap_or_default());
+                ends[0] + part * (ends[1] - ends[0])
+            });
+            Some([b, more])
+        });
+        let braking = braking.map(|[b, more]| b * (1.0 + EXACT) + (b - v2).clamp(0.0, more));
+        braking.map_or(v2, |braking| v2.max(braking))
+    }
+}

@@ -1,0 +1,174 @@
+//! Override, feed hold and their end: planning anew from where the path is.
+
+use super::slowest::{Room, Slowest};
+use super::{Leg, NoWindow, Planned, Planner};
+use crate::limit::axis_path::AxisPath;
+use crate::limit::feeds::Feeds;
+use crate::limit::smooth::Beginning;
+use crate::limit::stretch::Stretch;
+use crate::prepare::CheckedElement;
+use std::sync::Arc;
+
+/// What is left to the plan about the slowest profile, to keep the limits between the nodes as well. The second is for plans so
+/// far that brake about as hard as they can, into a corner or a stop.
+const ROOMS: [Room; 3] = [
+    Room { tight: [1.005, 1.01], faster: 0.02, behind: 2e-3 },
+    Room { tight: [1.0, 1.0], faster: 0.05, behind: 0.01 },
+    Room { tight: [0.98, 0.96], faster: 0.15, behind: 0.05 },
+];
+/// Where no other is found a plan that is hardly faster than the slowest is gone on with, for at least this time, s.
+const HARDLY: f64 = 4e-3;
+/// The first window of a new plan is no longer than this, s: what follows has time.
+const HORIZON: f64 = 0.5;
+/// A profile may begin with a b that is smaller by this part.
+const SLOWER: f64 = 1e-5;
+/// A plan that comes to rest within this time, s, is not worth another.
+const SOON: f64 = 0.02;
+/// Nor is one of fewer legs.
+const FEW: usize = 4;
+/// Where no plan was found the path goes on as it was planned for about this time, s.
+const GO_ON: f64 = 0.1;
+
+impl<I, E, A> Planner<I, E, A>
+where
+    I: Iterator<Item = Result<CheckedElement, E>>,
+    A: AxisPath,
+{
+    /// The largest override.
+    pub const LARGEST_OVERRIDE: f64 = 2.0;
+
+    /// Multiplies all programmed velocities, those of rapids included, by `factor` in all that has not been handed out yet, or
+    /// has been taken back ([`Self::take_back`]): 0 to [`Self::LARGEST_OVERRIDE`], what is beyond counts as these, and no number
+    /// as 0. The limits of the axes stay as they are. Where programmed velocities do not count
+    /// ([`LimitOptions::feed`](crate::limit::LimitOptions::feed)) only 0 makes a difference.
+    ///
+    /// 0 is a feed hold: the path comes to rest as early as it can, after what is handed out, and then there is
+    /// [`Planned::Hold`] until another factor.
+    ///
+    /// Where the path is faster than the override allows it brakes along the slowest profile that the limits of the axes and
+    /// the programmed deceleration leave, and is faster than that by 1 % (up to 7 % where it bends) until it is slow enough.
+    ///
+    /// # How long it takes
+    /// This call itself plans nothing; the next item does. That is bounded by three slowest profiles of at most 10 solves over the way
+    /// of braking and three windows of half a second (250 cells at the usual step, which verification makes at most 8 times
+    /// more), however much is known of the path; after that nothing but the plan so far is handed out, and tried again
+    /// from 0.1 s later ([`Effort::not_replanned`](crate::limit::Effort)). Measured over some hundred changes in random programs, with
+    /// both cores of the machine busy: mostly 2 to 100 ms with limits of acceleration and 10 to 250 ms with limits of jerk; where
+    /// blends bend within micrometres and all attempts are needed, up to 1.5 s.
+    pub fn set_override(&mut self, factor: f64) {
+        self.asked = if factor.is_nan() { 0.0 } else { factor.clamp(0.0, Self::LARGEST_OVERRIDE) };
+        self.take_back([]);
+    }
+
+    /// The override asked for.
+    pub fn override_factor(&self) -> f64 {
+        self.asked
+    }
+
+    /// Whether the path rests, or will behind what was handed out, until an override lets it go on.
+    pub fn is_held(&self) -> bool {
+        self.held
+    }
+
+    /// Gives up all that was not handed out: nothing follows.
+    pub fn abandon(&mut self) {
+        self.unplan();
+        self.returned.clear();
+        self.ready.clear();
+        self.tail.clear();
+        self.held = false;
+        self.changed = false;
+        self.over = true;
+    }
+
+    /// Plans a window under the override asked for.
+    pub(super) fn replan(&mut self) {
+        if self.beginning != Beginning::Rest && self.rests_soon() {
+            self.go_on(usize::MAX);
+        }
+        if self.beginning == Beginning::Rest {
+            if self.asked > 0.0 {
+                self.sampler.feeds = Feeds::new(self.asked);
+            } else {
+                self.held = true;
+            }
+            return;
+        }
+        self.effort.replanned += 1;
+        let before = (self.sampler.feeds.clone(), self.effort.failed);
+        for room in ROOMS {
+            let Ok(slowest) = self.slowest(room.tight) else { continue };
+            if self.plan_above(&slowest, room).is_ok() {
+                self.pass_stop();
+                return;
+            }
+            self.unplan();
+            (self.sampler.feeds, self.effort.failed) = before.clone();
+            let near = slowest.near(&self.tail);
+            let legs = self.tail.iter().take(near);
+            if legs.map(|leg| leg.stretch.duration()).sum::<f64>() >= HARDLY {
+                self.changed = true;
+                self.go_on(near);
+                return;
+            }
+        }
+        self.effort.failed = before.1;
+        self.effort.not_replanned += 1;
+        self.changed = true;
+        let mut left = GO_ON;
+        let now = self.tail.iter().position(|leg| {
+            left -= leg.stretch.duration();
+            left <= 0.0
+        });
+        self.go_on(now.map_or(usize::MAX, |last| last + 1));
+    }
+
+    /// A window no slower than `slowest`.
+    fn plan_above(&mut self, slowest: &Slowest, room: Room) -> Result<(), NoWindow> {
+        if self.asked <= 0.0
+            && let Some((element, s)) = slowest.rest(room)
+        {
+            let element = Arc::clone(element);
+            self.hold_at(&element, s);
+        }
+        self.sampler.feeds = slowest.feeds(self.asked, room);
+        self.smooth.positive = true;
+        // To rest it is no further than braking takes.
+        let moving = self.asked > 0.0;
+        let horizon = if moving { self.options.horizon.min(HORIZON) } else { f64::INFINITY };
+        let planned = self.plan_window(horizon, true);
+        self.smooth.positive = false;
+        planned
+    }
+
+    /// Whether a profile begins as fast as the path is: without jerk limits the solver may lower the first velocity.
+    pub(super) fn begins_with(&self, stretches: &[Stretch]) -> bool {
+        let Beginning::Moving { b, .. } = self.beginning else { return true };
+        stretches.first().is_some_and(|first| first.at_position(0.0).0 >= b * (1.0 - SLOWER))
+    }
+
+    /// Whether the plan so far comes to rest so soon that nothing is gained by another.
+    fn rests_soon(&self) -> bool {
+        let left: f64 = self.tail.iter().map(|leg| leg.stretch.duration()).sum();
+        left < SOON || self.tail.len() < FEW
+    }
+
+    /// Hands out the first `legs` of the plan so far.
+    fn go_on(&mut self, legs: usize) {
+        let mut now = std::mem::take(&mut self.tail);
+        self.tail = now.split_off(legs.min(now.len()));
+        self.unplan();
+        if let Some(last) = now.last() {
+            self.skip_to(&last.element, last.from + last.stretch.length());
+        }
+        self.beginning = match self.tail.first() {
+            Some(Leg { stretch, start, .. }) => {
+                self.near = *start;
+                let (b, a) = stretch.at_position(0.0);
+                Beginning::Moving { b, a }
+            }
+            None => Beginning::Rest,
+        };
+        self.ready.extend(now.into_iter().map(|leg| Ok(Planned::Leg(leg))));
+    }
+}

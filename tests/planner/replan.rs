@@ -1,0 +1,350 @@
+//! Overrides, holds and their end while the path is under way.
+
+use super::machines::{BUILD_UP, Machine};
+use super::random::{Step, cases, exponential, settings, step, walk};
+use super::run::{Report, Settings, Watch};
+use nalgebra::Point3;
+use proptest::prelude::*;
+use std::collections::VecDeque;
+use std::f64::consts::PI;
+use std::num::NonZeroU32;
+use std::time::Instant;
+use twin_kinematics::MachineAxes;
+use twin_motion::Place;
+use twin_motion::interpolate::Status;
+use twin_motion::limit::{Ahead, Followed, Follower, KinematicPath, LimitError, Planned, Planner};
+use twin_motion::path::{ElementKind, PathElement, Shape};
+use twin_motion::prepare::{CheckError, CheckVelocities, CheckedElement};
+
+/// So much is planned ahead, s.
+const LOOKAHEAD: f64 = 0.5;
+/// A held path rests so long, s.
+const HELD: f64 = 0.02;
+/// Within this time, s, an acceleration that was under way goes on for a while.
+const BUILT_DOWN: f64 = 0.06;
+
+/// At a time, s, the override becomes this.
+type Change = (f64, f64);
+
+/// What there is to say about it beside the motion.
+#[derive(Debug, Default)]
+struct Replanned {
+    report: Report,
+    /// From the first leg planned anew to rest, s, and the way, m, per hold.
+    stops: Vec<[f64; 2]>,
+    /// The longest time for a plan to come after a change, and between others, s.
+    took: [f64; 2],
+}
+
+/// Follows `path` with these changes, each of which leaves what begins within `lead` s as it is.
+fn drive(path: &[PathElement], settings: &Settings, changes: &[Change], lead: f64) -> Replanned {
+    let checked =
+        CheckVelocities::new(path.iter().cloned().map(Ok::<_, CheckError>), settings.angle);
+    let mut planner =
+        Planner::new(checked, settings.machine.path(settings.jerk), settings.options());
+    let axes = settings.machine.path(settings.jerk);
+    let mut watch = Watch::new(&axes);
+    let mut result = Replanned::default();
+    let mut changes = changes.iter().copied().peekable();
+    let mut queue: VecDeque<Planned> = VecDeque::new();
+    let mut ended = false;
+    // When overrides begin to count.
+    let mut counts: VecDeque<Change> = VecDeque::new();
+    let mut way = 0.0;
+    let mut stop: Option<[f64; 2]> = None;
+    let mut fresh = false;
+    loop {
+        let takes = |item: &Planned| match item {
+            Planned::Leg(leg) => leg.stretch.duration(),
+            _ => 0.0,
+        };
+        while !ended && queue.iter().map(takes).sum::<f64>() < LOOKAHEAD {
+            #[expect(clippy::disallowed_methods, reason = "how long planning takes")]
+            let begun = Instant::now();
+            let next = planner.next();
+            let took = begun.elapsed().as_secs_f64();
+            let slot = &mut result.took[usize::from(!std::mem::take(&mut fresh))];
+            *slot = slot.max(took);
+            match next {
+                Some(Ok(Planned::Hold { .. })) => break,
+                Some(Ok(item)) => queue.push_back(item),
+                Some(Err(LimitError::Upstream(error))) => panic!("{error}"),
+                Some(Err(error)) => watch.report.errors.push(error.to_string()),
+                None => ended = true,
+            }
+        }
+        let now = watch.report.duration;
+        if let Some((_, factor)) = changes.next_if(|(time, _)| *time <= now) {
+            let mut begins = now;
+            let mut keep = 0;
+            while keep < queue.len() && begins < now + lead {
+                begins += takes(&queue[keep]);
+                keep += 1;
+            }
+            let back = queue.split_off(keep);
+            if back.is_empty() && ended {
+                continue;
+            }
+            planner.take_back(back.into_iter().map(Ok));
+            planner.set_override(factor);
+            counts.push_back((begins, factor));
+            (ended, fresh) = (false, true);
+            continue;
+        }
+        let Some(item) = queue.pop_front() else {
+            if ended {
+                break;
+            }
+            // Held.
+            assert!(planner.override_factor() <= 0.0 && planner.is_held());
+            if let Some([since, from]) = stop.take() {
+                result.stops.push([now - since, way - from]);
+            }
+            watch.wait(HELD);
+            if changes.peek().is_none_or(|(time, _)| *time > watch.report.duration) {
+                planner.set_override(1.0);
+                counts.push_back((watch.report.duration, 1.0));
+            }
+            continue;
+        };
+        while let Some((time, factor)) = counts.pop_front_if(|(time, _)| *time <= now + 1e-9) {
+            watch.factor = (factor, time + BUILT_DOWN);
+            stop = (factor == 0.0).then_some([now, way]);
+        }
+        match item {
+            Planned::Leg(leg) => {
+                watch.leg(&leg);
+                way += leg.stretch.length();
+            }
+            Planned::Pause(element) => {
+                watch.rest();
+                watch.report.lines.push(element.place().line);
+                watch.report.stops += 1;
+            }
+            Planned::Hold { .. } => unreachable!(),
+        }
+    }
+    watch.rest();
+    watch.report.effort = planner.effort();
+    result.report = watch.report;
+    result
+}
+
+fn line(length: f64, feed: f64) -> PathElement {
+    let start = Point3::new(0.02, 0.0, 0.0);
+    let shape = Shape::Line { start, end: Point3::new(0.02 + length, 0.0, 0.0) };
+    let made = PathElement::new(Place { line: 1, block: None }, ElementKind::Cut, shape);
+    PathElement { feed, acceleration: 20.0, deceleration: 20.0, ..made }
+}
+
+fn gantry(jerk: bool) -> Settings {
+    Settings { machine: Machine::Gantry3, jerk, tolerance: 1e-5, angle: PI, horizon: 1.5 }
+}
+
+/// From v to rest with acceleration and jerk limits: time and way of the three phases.
+fn braking(v: f64, a: f64, j: f64) -> [f64; 2] {
+    let (build_up, hold) =
+        if v * j >= a * a { (a / j, v / a - a / j) } else { ((v / j).sqrt(), 0.0) };
+    let time = 2.0 * build_up + hold;
+    // Symmetric about its middle.
+    [time, 0.5 * v * time]
+}
+
+#[test]
+fn a_hold_on_a_line_is_the_closed_form() {
+    for feed in [0.39, 0.1, 0.03, 0.004] {
+        for jerk in [true, false] {
+            let at = 0.3;
+            let done = drive(&[line(0.3, feed)], &gantry(jerk), &[(at, 0.0)], 0.05);
+            let j = if jerk { 3.0 / BUILD_UP } else { 1e12 };
+            let [time, way] = braking(feed, 3.0, j);
+            println!(
+                "{feed} m/s, jerk {jerk}: {:?}, at best {time} s {way} m; {:?} s; {:?}",
+                done.stops, done.took, done.report.effort
+            );
+            assert_eq!(done.stops.len(), 1);
+            let [took, went] = done.stops[0];
+            // At the faster end of a cell the solver leaves 4 % of the jerk limit.
+            assert!(took >= time * 0.999 && took <= time * 1.02 + 2e-3, "{took} instead of {time}");
+            assert!(went >= way * 0.999 && went <= way * 1.02, "{went} instead of {way}");
+            assert_eq!(done.report.effort.not_replanned, 0);
+        }
+    }
+}
+
+fn changes() -> impl Strategy<Value = Vec<Change>> {
+    let factor = prop_oneof![3 => Just(0.0), 4 => exponential(0.05..2.0), 2 => Just(1.0)];
+    prop::collection::vec((exponential(1e-3..0.3), factor), 1..12).prop_map(|mut changes| {
+        let mut time = 0.0;
+        for (at, _) in &mut changes {
+            time += *at;
+            *at = time;
+        }
+        changes
+    })
+}
+
+fn holds(
+    settings: Settings,
+    steps: &[Step],
+    changes: &[Change],
+    lead: f64,
+) -> Result<(), TestCaseError> {
+    let path = walk(steps, settings.machine);
+    let Replanned { report, took, .. } = drive(&path, &settings, changes, lead);
+    println!(
+        "{} changes, {:?}, jerk {}: {:.1} ms, {:.1} ms else; {:?}",
+        changes.len(),
+        settings.machine,
+        settings.jerk,
+        took[0] * 1e3,
+        took[1] * 1e3,
+        report.effort
+    );
+    prop_assert!(report.errors.is_empty(), "{:?}", report.errors);
+    let lines: Vec<u32> = path.iter().map(|element| element.place.line).collect();
+    prop_assert_eq!(&report.lines, &lines);
+    let limited = [
+        ("velocity", report.velocity, 1.001),
+        ("acceleration", report.acceleration, 1.001),
+        ("jerk", report.jerk, 1.05),
+        ("third difference", report.third_difference, 1.05),
+        // While it brakes it may be faster by what the slowest profile needs not to be the only one.
+        // Where no new plan was found the old one goes on for a while.
+        ("feed", report.feed, if report.effort.not_replanned == 0 { 1.08 } else { f64::INFINITY }),
+        ("path acceleration", report.path_acceleration, 1.02),
+        ("velocity step", report.velocity_step, if settings.jerk { 1e-6 } else { 5e-4 }),
+    ];
+    for (name, peak, most) in limited {
+        prop_assert!(peak.value <= most, "{name} {peak:?} on {settings:?}");
+    }
+    if settings.jerk {
+        prop_assert!(report.acceleration_step.value <= 1e-5, "{:?}", report.acceleration_step);
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(cases(16))]
+
+    #[test]
+    fn limits_of_jerk_are_kept_through_changes(settings in settings(), steps in prop::collection::vec(step(), 1..25), changes in changes(), lead in 0.0..0.2) {
+        holds(settings, &steps, &changes, lead)?;
+    }
+
+    #[test]
+    fn limits_of_acceleration_are_kept_through_changes(settings in settings(), steps in prop::collection::vec(step(), 1..25), changes in changes(), lead in 0.0..0.2) {
+        holds(Settings { jerk: false, ..settings }, &steps, &changes, lead)?;
+    }
+}
+
+/// A line with an M function in its middle, a switch, and a way back.
+fn with_m_function() -> Vec<PathElement> {
+    let at = |x: f64, y: f64| Point3::new(x, y, 0.0);
+    let element = |line, kind, start, end| {
+        let place = Place { line, block: None };
+        let made = PathElement::new(place, kind, Shape::Line { start, end });
+        PathElement { feed: 0.1, acceleration: 20.0, deceleration: 20.0, ..made }
+    };
+    vec![
+        element(1, ElementKind::Cut, at(0.02, 0.0), at(0.06, 0.0)),
+        element(2, ElementKind::MFunction { number: 7 }, at(0.06, 0.0), at(0.06, 0.0)),
+        element(3, ElementKind::Cut, at(0.06, 0.0), at(0.06, 0.05)),
+    ]
+}
+
+/// Set-points with what is done to the follower at some of them; the last, and how many.
+fn follow(ahead: Ahead, mut act: impl FnMut(usize, &mut Following)) -> Vec<Followed> {
+    let checked = CheckVelocities::new(with_m_function().into_iter().map(Ok::<_, CheckError>), PI);
+    let settings = gantry(true);
+    let planner = Planner::new(
+        Box::new(checked) as Upstream,
+        settings.machine.path(true),
+        settings.options(),
+    );
+    let cycle = NonZeroU32::new(1_000_000).unwrap();
+    let mut follower = Follower::new(planner, cycle).with_ahead(ahead).with_acknowledgement();
+    let mut all: Vec<Followed> = Vec::new();
+    while let Some(followed) = follower.next() {
+        all.push(followed.unwrap());
+        act(all.len(), &mut follower);
+        assert!(all.len() < 20_000, "no end");
+    }
+    let x: Vec<_> = all.iter().map(|followed| followed.tool.position).collect();
+    for four in x.windows(4) {
+        let jerk = (four[3] - four[2]) - 2.0 * (four[2] - four[1]) + (four[1] - four[0]);
+        assert!(jerk.norm() / 1e-9 <= 1.05 * 3.0 / BUILD_UP, "{four:?}");
+    }
+    all
+}
+
+type Upstream = Box<dyn Iterator<Item = Result<CheckedElement, CheckError>>>;
+type Following = Follower<Planner<Upstream, CheckError, KinematicPath<MachineAxes>>>;
+
+#[test]
+fn an_m_function_waits_to_be_acknowledged() {
+    for ahead in [Ahead::default(), Ahead::PLANNING_BESIDE] {
+        let mut shown = 0;
+        let all = follow(ahead, |_, follower| {
+            shown += 1;
+            // Nobody is listening before it is shown; the second call is one too many.
+            if shown % 1000 == 0 {
+                follower.acknowledge();
+                follower.acknowledge();
+            }
+        });
+        let waiting = all.iter().filter(|followed| followed.tool.m_function == Some(7)).count();
+        let first = all.iter().position(|followed| followed.tool.m_function == Some(7)).unwrap();
+        assert_eq!((first + waiting) % 1000, 0, "{first} {waiting}");
+        assert!(waiting > 100);
+        let last = all.last().unwrap();
+        assert_eq!(last.tool.status, Status::Finished);
+        assert!((last.tool.way - 0.09).abs() < 1e-12, "{}", last.tool.way);
+    }
+}
+
+#[test]
+fn a_held_follower_stays_and_goes_on() {
+    for ahead in [Ahead::default(), Ahead::PLANNING_BESIDE] {
+        let all = follow(ahead, |count, follower| match count {
+            200 => follower.set_override(0.0),
+            // Held; still held at rest.
+            700 => {
+                assert!(follower.is_held());
+                follower.set_override(0.0);
+            }
+            1000 => {
+                assert!(follower.is_held());
+                follower.set_override(0.5);
+            }
+            1050 => follower.set_override(2.0),
+            _ => follower.acknowledge(),
+        });
+        let rests = all[700].tool;
+        assert_eq!((rests.status, rests.m_function), (Status::Waiting, None));
+        assert!(rests.path_velocity <= 0.0);
+        assert_eq!(rests.position, all[999].tool.position);
+        assert_ne!(rests.position, all[1040].tool.position);
+        let last = all.last().unwrap();
+        assert_eq!(last.tool.position, Point3::new(0.06, 0.05, 0.0));
+        assert!((last.tool.way - 0.09).abs() < 1e-12, "{}", last.tool.way);
+        let most = all.iter().skip(1400).map(|followed| followed.tool.path_velocity);
+        let most = most.fold(0.0, f64::max);
+        assert!(most <= 0.2 * 1.001, "{most}");
+        assert_eq!(all.iter().filter(|followed| followed.tool.m_function.is_some()).count(), 1);
+    }
+}
+
+#[test]
+fn a_stop_leaves_the_rest_undone() {
+    let all = follow(Ahead::PLANNING_BESIDE, |count, follower| {
+        if count == 50 {
+            follower.stop();
+        }
+    });
+    let last = all.last().unwrap();
+    assert_eq!(last.tool.status, Status::Finished);
+    assert_eq!(last.element.place().line, 1);
+    assert!(last.tool.way < 0.039 && last.tool.way > 0.01, "{}", last.tool.way);
+    assert!((last.tool.position.x - 0.02 - last.tool.way).abs() < 1e-12);
+}
