@@ -34,9 +34,9 @@ enum Plan {
 }
 
 /// A run under way.
-pub(super) struct Run<'a, P> {
+pub(super) struct Run<'a, 'i, P> {
     machine: &'a Machine,
-    items: Planning<'a>,
+    items: Planning<'i>,
     transformer: Transformer<'a>,
     twin: P,
     twin_failed: bool,
@@ -65,11 +65,11 @@ pub(super) struct Run<'a, P> {
     m_call: Option<MCall>,
 }
 
-impl<'a, P: Plant<Error = PhysicsError>> Run<'a, P> {
+impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     /// Of `items` on `twin` and `hardware`, which stand at the start.
     pub(super) fn new(
         machine: &'a Machine,
-        items: Planning<'a>,
+        items: Planning<'i>,
         twin: P,
         hardware: Option<Hardware>,
         realtime: bool,
