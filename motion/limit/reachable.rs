@@ -6,7 +6,7 @@
 //! T-RO 34(3), 2018). Standing still is always allowed (b = 0, a = 0), so the sets are intervals from 0.
 //!
 //! A step is a linear program in the b at both ends of a cell. Mostly its optimum is where the b at the far end is the
-//! largest it can be, which one look at every row proves ([`Reach`]); the rest is for [`Plane`].
+//! largest it can be, which one look at every row proves (`Reach`); the rest is for `Plane`.
 
 use super::grid::{Grid, Row};
 use super::plane::{NOTHING, Plane};
