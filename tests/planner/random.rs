@@ -132,10 +132,8 @@ pub fn check(
         ("jerk", report.jerk, 1.05),
         ("third difference", report.third_difference, 1.05),
         ("feed", report.feed, 1.001),
-        // Within blends it may vary faster than it is looked at.
-        ("path acceleration", report.path_acceleration, 1.02),
-        // Without jerk limits a window may begin a little slower than the last one ended.
-        ("velocity step", report.velocity_step, if settings.jerk { 1e-6 } else { 5e-4 }),
+        ("path acceleration", report.path_acceleration, 1.001),
+        ("velocity step", report.velocity_step, 1e-6),
     ];
     for (name, peak, most) in limited {
         prop_assert!(peak.value <= most, "{name} {peak:?} on {settings:?}");

@@ -213,7 +213,7 @@ fn holds(
         // Where no new plan was found the old one goes on for a while.
         ("feed", report.feed, if report.effort.not_replanned == 0 { 1.08 } else { f64::INFINITY }),
         ("path acceleration", report.path_acceleration, 1.02),
-        ("velocity step", report.velocity_step, if settings.jerk { 1e-6 } else { 5e-4 }),
+        ("velocity step", report.velocity_step, 1e-6),
     ];
     for (name, peak, most) in limited {
         prop_assert!(peak.value <= most, "{name} {peak:?} on {settings:?}");
