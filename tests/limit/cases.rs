@@ -173,9 +173,9 @@ fn circles() -> Vec<Case> {
     ]
 }
 
-/// A SCARA whose arms both turn linearly with g(u) = u + w·sin(2πu)/(2π): one of them needs longest. The path's parameter is the
-/// less even the larger w is.
+/// A SCARA whose arms both turn linearly with g(u) = u + 0.4·sin(2πu)/(2π): one of them needs longest.
 fn scara_lines() -> Vec<Case> {
+    const EVEN: f64 = 0.4;
     // The first counts for velocity and jerk, the second for acceleration.
     let limits = vec![
         Limits { velocity: 4.2, acceleration: 30.0, jerk: 800.0 },
@@ -183,9 +183,9 @@ fn scara_lines() -> Vec<Case> {
     ];
     let starts = Vector2::new(-0.4, 0.7);
     let mut cases = Vec::new();
-    let ways: [(Vector2<f64>, f64, _); 2] =
-        [(Vector2::new(1.4, 1.5), 0.4, "long"), (Vector2::new(0.1, 0.11), 0.1, "short")];
-    for (way, uneven, name) in ways {
+    let ways: [(Vector2<f64>, _); 2] =
+        [(Vector2::new(1.4, 1.5), "long"), (Vector2::new(0.1, 0.11), "short")];
+    for (way, name) in ways {
         let along = |of: fn(&Limits) -> f64| {
             let axes = limits.iter().zip(way.iter());
             axes.map(|(limits, way)| of(limits) / way.abs()).fold(f64::INFINITY, f64::min)
@@ -205,11 +205,11 @@ fn scara_lines() -> Vec<Case> {
                 path: Box::new(move |nodes| {
                     Path::new(limits.clone(), nodes, |u| {
                         let turn = TAU * u;
-                        let g = u + uneven * turn.sin() / TAU;
+                        let g = u + EVEN * turn.sin() / TAU;
                         let rates = [
-                            1.0 + uneven * turn.cos(),
-                            -uneven * TAU * turn.sin(),
-                            -uneven * TAU * TAU * turn.cos(),
+                            1.0 + EVEN * turn.cos(),
+                            -EVEN * TAU * turn.sin(),
+                            -EVEN * TAU * TAU * turn.cos(),
                         ];
                         through_tool(&(starts + way * g), &rates.map(|rate| way * rate))
                     })

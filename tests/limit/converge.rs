@@ -7,14 +7,14 @@ use twin_motion::limit::{Beginning, SmoothSolver, Stretch};
 /// Cells to begin with, and rounds in which they are cut.
 const CELLS: usize = 400;
 const ROUNDS: u32 = 9;
-/// Cells that take no longer than twice the time, s, below which jerks cannot be told are not cut.
-const SHORT: f64 = 4.1e-5;
+/// Cells that take no longer than this, s, are not cut: some way above the time below which jerks cannot be told.
+const SHORT: f64 = 8e-5;
 /// Jerk and velocity may change by this part from cell to cell and within one.
 const CHANGE: f64 = 0.01;
 /// The path is left and met with constant jerk for at most so long, s, and half the time in which acceleration builds up.
 const LAUNCH: f64 = 0.02;
 /// Over that way the axes change their rates by at most this part.
-const EVEN: f64 = 1e-6;
+const EVEN: f64 = 1e-7;
 /// Each time about the solution before.
 const SOLVES: u32 = 6;
 
