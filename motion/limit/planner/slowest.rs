@@ -280,8 +280,8 @@ where
                 && let Ok(parts) = self.sampler.parts(&cell, &[0.5])
                 && parts.len() == 2
             {
-                guess.halve(halved.len());
-                old.halve(halved.len());
+                guess.cut(halved.len(), &[0.5]);
+                old.cut(halved.len(), &[0.5]);
                 caps.insert(halved.len(), caps.get(halved.len()).copied().unwrap_or_default());
                 halved.extend(parts);
             } else {
