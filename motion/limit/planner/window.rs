@@ -25,6 +25,8 @@ const HALVING: u32 = 6;
 /// Nor are there to be so many times more of them.
 const MOST_CELLS: usize = 4;
 
+/// A limit that was made tighter and is still exceeded is made so many times tighter.
+const AGAIN: i32 = 4;
 /// A change is felt for so many times the time in which acceleration builds up: mostly, and where between the ends of that
 /// there is no profile.
 const FELT: [f64; 2] = [2.0, 4.0];
@@ -75,12 +77,13 @@ where
             if self.is_last(round, &stretches) {
                 return Ok(stretches);
             }
+            if solves >= MOST_SOLVES {
+                guess.moved.clear();
+            }
             let mut changed = self.tighten(&stretches, round, &broken, Some(&mut guess));
             round += u32::from(!changed.is_empty());
-            if solves < MOST_SOLVES {
-                changed.append(&mut guess.moved);
-                changed.sort_unstable();
-            }
+            changed.append(&mut guess.moved);
+            changed.sort_unstable();
             if changed.is_empty() {
                 return Ok(stretches);
             }
@@ -250,6 +253,11 @@ where
                 cells.push(cell);
                 continue;
             }
+            if guess.as_ref().is_some_and(|guess| guess.has_moved(cells.len())) {
+                // It is solved again anyway.
+                cells.push(cell);
+                continue;
+            }
             // What was planned before stays on its nodes.
             let too_long = worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far);
             let rest = self.jerk_limited && (index == 0 || index == last);
@@ -277,7 +285,10 @@ where
                 } else if kind == JERK && !cell.dense {
                     cell.dense = true;
                 } else if let Some(tight) = cell.tight.get_mut(kind) {
-                    *tight *= (worst / (1.0 + 0.5 * (allowed - 1.0))).min(2.0);
+                    let factor = worst / (1.0 + 0.5 * (allowed - 1.0));
+                    // Between the ends of the cell it may be more than at the ends, where it did not help then.
+                    let again = if *tight > 1.0 { AGAIN } else { 1 };
+                    *tight *= factor.powi(again).min(2.0);
                 }
             }
             cells.push(cell);

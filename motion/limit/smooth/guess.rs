@@ -8,10 +8,11 @@ use crate::limit::grid::Constraint;
 /// The next guess is not below this part of the one before.
 const FLOOR: f64 = 0.05;
 /// Where b changes by more than this part, the tangents about it do, too: by the square of it.
-const MOVED: f64 = 0.15;
-/// With a row that was left out and is not kept those of so many cells before and behind are added: where the guess was no
-/// solution, whose cells take their time, and later.
-const AROUND: [usize; 2] = [3, 6];
+const MOVED: f64 = 0.1;
+/// With a row that was left out and is not kept those of so many cells before and behind are added; of twice as many each
+/// time that there are such rows again.
+const AROUND: usize = 3;
+pub(super) const MOST_AROUND: usize = 48;
 
 /// How well a guess is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,6 +39,8 @@ pub(in crate::limit) struct Guess {
     pub(in crate::limit) known: Known,
     /// Nodes at which the last solution was far from what it was about, so that the tangents there are not near the limits.
     pub(in crate::limit) moved: Vec<usize>,
+    /// Of how many cells around one whose row was left out and is not kept rows are added.
+    pub(super) around: usize,
     /// How exactly the next one is solved for, unless this is rough.
     pub(super) tolerance: f64,
 }
@@ -52,6 +55,7 @@ impl Guess {
             c,
             known: Known::Rough,
             moved: Vec::new(),
+            around: AROUND,
             tolerance: super::FINE,
         }
     }
@@ -90,6 +94,12 @@ impl Guess {
         }
     }
 
+    /// Whether one of the ends of the cell `index` has moved far.
+    pub(in crate::limit) fn has_moved(&self, index: usize) -> bool {
+        let node = self.moved.partition_point(|node| *node < index);
+        self.moved.get(node).is_some_and(|node| *node <= index + 1)
+    }
+
     /// With the solution about it in its place, and `broken` rows to be kept from now on.
     pub(super) fn follow(&mut self, b: &[f64], c: &[f64], Broken(broken): &Broken) {
         // A profile that all but rests says little about the next.
@@ -103,18 +113,19 @@ impl Guess {
         }
         self.c.clear();
         self.c.extend_from_slice(c);
-        let [rough, later] = AROUND;
-        let (known, around) = match self.known {
-            Known::Rough => (Known::Nearly, rough),
-            Known::Nearly | Known::Well => (Known::Well, later),
+        self.known = match self.known {
+            Known::Rough => Known::Nearly,
+            Known::Nearly | Known::Well => Known::Well,
         };
-        self.known = known;
         for origin in broken {
             // A solution that keeps the one row would yield to its likes in the cells around.
-            let from = origin.cell.saturating_sub(around);
-            for asked in self.asked.iter_mut().skip(from).take(2 * around + 1) {
+            let from = origin.cell.saturating_sub(self.around);
+            for asked in self.asked.iter_mut().skip(from).take(2 * self.around + 1) {
                 asked.add(origin);
             }
+        }
+        if !broken.is_empty() {
+            self.around = (2 * self.around).min(MOST_AROUND);
         }
     }
 }

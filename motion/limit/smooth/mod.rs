@@ -26,6 +26,7 @@
 
 mod guess;
 
+use guess::MOST_AROUND;
 pub(super) use guess::{Broken, Guess, Known};
 
 use super::convex::{NotSolved, Origin, Program};
@@ -124,7 +125,8 @@ impl SmoothSolver {
         guess: &[f64],
         solves: u32,
     ) -> Result<SmoothProfile, NotSolved> {
-        let mut guess = Guess { tolerance: EXACT, ..Guess::rough(guess.to_vec()) };
+        let mut guess = Guess::rough(guess.to_vec());
+        (guess.tolerance, guess.around) = (EXACT, MOST_AROUND);
         let mut iterations = 0;
         let mut solved = 0;
         loop {
@@ -133,6 +135,8 @@ impl SmoothSolver {
             let (mut profile, broken) =
                 self.solve_about(grid, cells.clone(), beginning, &mut guess, free)?;
             iterations += profile.iterations;
+            // Nobody looks at it afterwards: what may count stays in the program.
+            guess.known = Known::Nearly;
             if solved >= solves && (broken.0.is_empty() || solved >= solves + MORE) {
                 (profile.iterations, profile.solves) = (iterations, solved);
                 return Ok(profile);
