@@ -19,8 +19,9 @@ use nalgebra::Vector3;
 use twin_kinematics::{AxisVector, MAX_AXES};
 use twin_urdf::Model;
 
-use super::dynamics::{Dynamics, JointVector, at};
+use super::dynamics::at;
 use super::error::PhysicsError;
+use super::mechanism::Mechanism;
 use super::{checked, joint_vector};
 
 /// The drive of an axis as its efforts along a path see it; everything behind the gear.
@@ -57,9 +58,7 @@ impl AxisLoad {
 /// The equation of motion of a machine, to be asked along paths.
 #[derive(Clone, Debug)]
 pub struct PathDynamics {
-    /// Without gravity, so that it takes nothing from the digits of the rest.
-    weightless: Dynamics,
-    weighty: Dynamics,
+    mechanism: Mechanism,
     loads: Vec<AxisLoad>,
 }
 
@@ -67,8 +66,8 @@ impl PathDynamics {
     /// Of `model` under `gravity` (m/s², machine frame), with one of `loads` per machine axis.
     ///
     /// # Errors
-    /// [`PhysicsError`] if the model is no tree of links whose moving joints are the machine's axes, or if a number is out
-    /// of range.
+    /// [`PhysicsError`] if the model is neither a tree of links that the machine's axes move, each one joint or several
+    /// together, nor a tripod, or if a number is out of range.
     pub fn new(
         model: &Model,
         loads: &[AxisLoad],
@@ -80,16 +79,15 @@ impl PathDynamics {
             }
         }
         let armature = joint_vector(loads.iter().map(|load| load.armature));
-        let weighty = Dynamics::new(model, loads.len(), gravity, armature)?;
-        let weightless = Dynamics::new(model, loads.len(), Vector3::zeros(), armature)?;
-        Ok(Self { weightless, weighty, loads: loads.to_vec() })
+        let mechanism = Mechanism::new(model, loads.len(), gravity, armature)?;
+        Ok(Self { mechanism, loads: loads.to_vec() })
     }
 
     /// At `position` (m or rad), where the derivatives of the positions by the path parameter are `first` (q′) and
     /// `second` (q″).
     ///
     /// # Errors
-    /// [`PhysicsError::AxisCount`] and [`PhysicsError::Input`].
+    /// [`PhysicsError::AxisCount`], [`PhysicsError::Input`], and [`PhysicsError::Apart`] where no platform can be.
     pub fn at(
         &mut self,
         position: &AxisVector,
@@ -99,10 +97,8 @@ impl PathDynamics {
         let [position, first, second] =
             [position, first, second].map(|values| checked(values, self.loads.len(), 0));
         let (position, first, second) = (position?, first?, second?);
-        let zero = JointVector::zeros();
-        let inertia = self.weightless.inverse_dynamics(&position, &zero, &first);
-        let centrifugal = self.weightless.inverse_dynamics(&position, &first, &second);
-        let weight = self.weighty.inverse_dynamics(&position, &zero, &zero);
+        let [inertia, centrifugal, weight] =
+            self.mechanism.along_path(&position, &first, &second)?;
         let mut axes = [AxisEffort::NONE; MAX_AXES];
         for (axis, (slot, load)) in axes.iter_mut().zip(&self.loads).enumerate() {
             *slot = AxisEffort {
