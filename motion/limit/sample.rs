@@ -31,7 +31,7 @@ const NEAR: f64 = 1e-8;
 /// may accelerations by what the jerk limit does.
 const STEP_TIME: f64 = 1e-3;
 /// Rows along the path: the programmed acceleration and deceleration.
-const ALONG: usize = FIRST_FURTHER_ROW as usize;
+pub(super) const ALONG: usize = FIRST_FURTHER_ROW as usize;
 
 /// What is known at one place of an element.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ pub(super) struct Sample {
     /// What bounds u̇² at a joint, if this is one.
     transition: Cap,
     /// The programmed accelerations along the path.
-    along: [Row; ALONG],
+    pub(super) along: [Row; ALONG],
     /// What [`AxisPath::further`] gives.
     pub(super) further: [DragRow; MOST_FURTHER_ROWS],
     /// Drag is counted as it is at this u̇; for more at any other.
@@ -51,17 +51,6 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// All half planes, in the order of their numbers: with `further` ones behind those along the path.
-    fn rows(&self, further: usize) -> [Row; ALONG + MOST_FURTHER_ROWS] {
-        let mut rows = [Row::default(); ALONG + MOST_FURTHER_ROWS];
-        let (along, others) = rows.split_at_mut(ALONG);
-        along.copy_from_slice(&self.along);
-        for (row, further) in others.iter_mut().zip(&self.further).take(further) {
-            *row = further.tangent(self.reference);
-        }
-        rows
-    }
-
     /// The bound of u̇².
     pub(super) fn cap(&self) -> f64 {
         self.cap.v2

@@ -27,14 +27,18 @@
 //!
 //! Held against a derivation by others, checked against a model of 24 degrees of freedom with its loops closed.
 
-use nalgebra::{Matrix3, Matrix6, SMatrix, Vector3, Vector6};
-use twin_kinematics::tripod::{CalibratedTripod, Rod};
+use nalgebra::{Isometry3, Matrix3, Matrix6, SMatrix, Vector3, Vector6};
+use twin_kinematics::Transform;
+use twin_kinematics::tripod::{CalibratedTripod, Rod, Tripod, TripodDeviations, TripodDimensions};
 use twin_urdf::Model;
 
 use super::bodies::MassProperties;
 use super::dynamics::{Dynamics, JointVector, at};
 use super::error::PhysicsError;
 use super::linkage::{Linkage, RodBody};
+
+/// What counts as rounding, in parts of the length of a rod.
+const ROUNDING: f64 = 1e-13;
 
 /// A carriage.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +56,8 @@ pub(super) struct TripodDynamics {
     rods: [RodBody; 6],
     platform: MassProperties,
     kinematics: CalibratedTripod,
+    /// The same in closed form, if rods are parallel in pairs and towers a third of a turn apart: the platform stays level.
+    level: Option<Tripod>,
     /// Axes that have nothing to do with the tool.
     others: Option<Dynamics>,
 }
@@ -111,7 +117,8 @@ impl TripodDynamics {
             .map_err(|_no_such_tripod| unknown)?;
         let rotorless = JointVector::zeros();
         let others = others.map(|tree| Dynamics::of_tree(tree, axis_count, gravity, rotorless));
-        Ok(Self { gravity, armature, carriages, rods, platform, kinematics, others })
+        let level = level(&rods);
+        Ok(Self { gravity, armature, carriages, rods, platform, kinematics, level, others })
     }
 
     /// Where everything is with the axes at `position`.
@@ -120,7 +127,11 @@ impl TripodDynamics {
     /// [`PhysicsError::Apart`] where the rods do not meet, or do not hold the platform.
     pub(super) fn state(&self, position: &JointVector) -> Result<TripodState, PhysicsError> {
         let heights = self.of_carriages(position);
-        let platform = self.kinematics.platform(&heights).map_err(|_apart| PhysicsError::Apart)?;
+        let platform = match &self.level {
+            Some(level) => level.to_tool(&heights).map(Isometry3::from),
+            None => self.kinematics.platform(&heights),
+        };
+        let platform = platform.map_err(|_apart| PhysicsError::Apart)?;
         let rotation = platform.rotation.to_rotation_matrix();
         let (mut matrix, mut pulls) = (Matrix6::zeros(), SMatrix::<f64, 6, 3>::zeros());
         let rods = self.rods.map(|rod| {
@@ -223,6 +234,27 @@ impl TripodDynamics {
     fn of_carriages(&self, values: &JointVector) -> Vector3<f64> {
         self.carriages.map(|carriage| at(values, carriage.axis)).into()
     }
+}
+
+/// The tripod of level pairs that these are, if they are.
+fn level(rods: &[RodBody; 6]) -> Option<Tripod> {
+    let beyond = |rod: &RodBody| rod.upper - rod.lower;
+    let [first, ..] = rods;
+    let [x, y, z]: [f64; 3] = beyond(first).into();
+    let dimensions = TripodDimensions {
+        inner_radius: 0.0,
+        outer_radius: x.hypot(y),
+        rod_length: first.length,
+        rod_distance: 0.0,
+        rotation: y.atan2(x),
+    };
+    let tripod = Tripod::new(dimensions, [-z; 3]).ok()?;
+    let designed = dimensions.rods(&TripodDeviations::default()).ok()?;
+    let same = rods.iter().zip(&designed).all(|(rod, designed)| {
+        let apart = beyond(rod) - (designed.upper - designed.lower) - Vector3::z() * z;
+        apart.norm().max((rod.length - first.length).abs()) <= ROUNDING * first.length
+    });
+    same.then_some(tripod)
 }
 
 /// The value of a carriage, upwards.
