@@ -190,6 +190,7 @@ where
             let [acceleration, jerk] = tight.map(|tight| 1.0 + (tight - 1.0) * grown);
             cell.tight = [acceleration, jerk, 1.0];
             near = cell.end.position;
+            cell.take_tangents(&leg.stretch);
             cells.push(cell);
         }
         Ok((cells, floors))

@@ -1,6 +1,7 @@
 //! A profile over a window, verified between the places where limits are asked for.
 
 use super::Planner;
+use super::drag::MOST_TANGENTS;
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
 use crate::limit::grid::Grid;
@@ -45,11 +46,15 @@ where
         if self.jerk_limited {
             return self.solve_smooth();
         }
-        let mut round = 0;
+        let (mut round, mut tangents) = (0, 0);
         loop {
             let grid = grid(&self.sampler, &self.cells);
             self.effort.cells += grid.cells() as u64;
             let stretches = self.solve_linear(&grid);
+            if tangents < MOST_TANGENTS && !self.take_tangents(&stretches).is_empty() {
+                tangents += 1;
+                continue;
+            }
             if self.is_last(round, &stretches) {
                 return Ok(stretches);
             }
@@ -66,7 +71,7 @@ where
         self.subdivide(&mut guess);
         self.bend(&mut guess);
         let (mut profile, mut broken) = self.solve_whole(&mut guess)?;
-        let (mut round, mut solves) = (0, 2);
+        let (mut round, mut solves, mut tangents) = (0, 2, 0);
         let most = MOST_CELLS * self.cells.len();
         loop {
             if self.cells.len() > most {
@@ -74,6 +79,24 @@ where
                 round = round.max(HALVING);
             }
             let stretches = stretches(&grid(&self.sampler, &self.cells), &profile);
+            if tangents < MOST_TANGENTS {
+                let mut changed = self.take_tangents(&stretches);
+                if !changed.is_empty() {
+                    tangents += 1;
+                    let before = guess.clone();
+                    changed.append(&mut guess.moved);
+                    changed.sort_unstable();
+                    match self.solve_again(&mut guess, changed) {
+                        Ok(solved) => (profile, broken) = solved,
+                        Err(_failed) => {
+                            // What there is keeps the limits.
+                            self.effort.failed -= 1;
+                            (guess, tangents) = (before, MOST_TANGENTS);
+                        }
+                    }
+                    continue;
+                }
+            }
             if self.is_last(round, &stretches) {
                 return Ok(stretches);
             }
