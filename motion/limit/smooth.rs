@@ -213,7 +213,7 @@ impl Broken {
 /// Solves windows with limited jerk; keeps its memory from one to the next.
 #[derive(Debug, Default)]
 pub struct SmoothSolver {
-    program: Program,
+    pub(super) program: Program,
     knots: Vec<Knot>,
     /// Of the variables: c of every cell is a multiple of it.
     scale: Vec<f64>,

@@ -94,6 +94,7 @@ where
             let step = self.options.step.min(duration / 12.0);
             let count = self.cells.len();
             let mut refined = Vec::with_capacity(2 * count);
+            self.budget.looked(count);
             let mut cut = false;
             // Time since the path rested, and until it will.
             let mut since = if self.beginning == Beginning::Rest { 0.0 } else { f64::INFINITY };
@@ -130,6 +131,7 @@ where
                 cut |= !at.is_empty();
                 refined.extend(self.sampler.parts(&cell, &at)?);
             }
+            self.budget.sampled(refined.len().saturating_sub(count));
             self.cells = refined;
             if !cut {
                 break;

@@ -1,5 +1,6 @@
 //! Override, feed hold and their end: planning anew from where the path is.
 
+use super::budget::Budget;
 use super::slowest::{Room, Slowest};
 use super::{Leg, NoWindow, Planned, Planner};
 use crate::limit::axis_path::AxisPath;
@@ -26,14 +27,19 @@ const SLOWER: f64 = 1e-5;
 const SOON: f64 = 0.02;
 /// Nor is one of fewer legs.
 const FEW: usize = 4;
-/// Where no plan was found the path goes on as it was planned for about this time, s.
-const GO_ON: f64 = 0.1;
+/// Where no plan was found the path goes on as it was planned for about this time, s, and twice as long after every other such
+/// attempt, up to the second.
+const GO_ON: [f64; 2] = [0.1, 1.6];
 
 impl<I, E, A> Planner<I, E, A>
 where
     I: Iterator<Item = Result<CheckedElement, E>>,
     A: AxisPath,
 {
+    /// The most work that one attempt to plan anew takes, in cells times iterations of the solver (what else there is to do is counted
+    /// as some).
+    pub const MOST_WORK: u64 = 60_000;
+
     /// The largest override.
     pub const LARGEST_OVERRIDE: f64 = 2.0;
 
@@ -56,6 +62,7 @@ where
     /// both cores of the machine busy: mostly 2 to 100 ms with limits of acceleration and 10 to 250 ms with limits of jerk; where
     /// blends bend within micrometres and all attempts are needed, up to 1.5 s.
     pub fn set_override(&mut self, factor: f64) {
+        self.misses = 0;
         self.asked = if factor.is_nan() { 0.0 } else { factor.clamp(0.0, Self::LARGEST_OVERRIDE) };
         self.take_back([]);
     }
@@ -95,10 +102,19 @@ where
             return;
         }
         self.effort.replanned += 1;
+        self.budget = Budget::of(Self::MOST_WORK);
+        self.replan_moving();
+        let spent = std::mem::take(&mut self.budget).spent();
+        self.effort.replanning += spent;
+        self.effort.most_replanning = self.effort.most_replanning.max(spent);
+    }
+
+    fn replan_moving(&mut self) {
         let before = (self.sampler.feeds.clone(), self.effort.failed);
         for room in ROOMS {
             let Ok(slowest) = self.slowest(room.tight) else { continue };
             if self.plan_above(&slowest, room).is_ok() {
+                self.misses = 0;
                 self.pass_stop();
                 return;
             }
@@ -115,7 +131,9 @@ where
         self.effort.failed = before.1;
         self.effort.not_replanned += 1;
         self.changed = true;
-        let mut left = GO_ON;
+        let [least, most] = GO_ON;
+        let mut left = (least * f64::from(1_u32 << self.misses.min(8))).min(most);
+        self.misses += 1;
         let now = self.tail.iter().position(|leg| {
             left -= leg.stretch.duration();
             left <= 0.0

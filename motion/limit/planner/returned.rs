@@ -231,6 +231,13 @@ where
         }
     }
 
+    /// Drops a pause or an error that is next.
+    pub(super) fn skip_pause(&mut self) {
+        if let Some(Returned::Pause(_) | Returned::Error(_)) = self.returned.front() {
+            self.returned.pop_front();
+        }
+    }
+
     /// The path is to rest at `s` of `element`, which is to be planned.
     pub(super) fn hold_at(&mut self, element: &Arc<CourseElement>, s: f64) {
         let near = SAME_PLACE * element.length();

@@ -192,6 +192,7 @@ where
             near = cell.end.position;
             cells.push(cell);
         }
+        self.budget.sampled(cells.len());
         Ok((cells, floors))
     }
 
@@ -211,14 +212,21 @@ where
             self.effort.cells += grid.cells() as u64;
             let floors = caps.iter().zip(&old.c).map(|(cap, c)| cap.min(*c));
             self.smooth.floors = floors.map(|floor| (1.0 - EXACT) * floor.max(0.0)).collect();
-            let solved = {
-                let free = 1..grid.cells().saturating_sub(1);
-                self.smooth.solve_about(&grid, 0..grid.cells(), self.beginning, &mut guess, free)
+            let free = 1..grid.cells().saturating_sub(1);
+            self.smooth.program.most_iterations = match self.budget.iterations(free.len()) {
+                Ok(most) => Some(most),
+                Err(spent) => break Err(spent),
             };
+            let solved =
+                self.smooth.solve_about(&grid, 0..grid.cells(), self.beginning, &mut guess, free);
             let (profile, broken) = match solved {
                 Ok(solved) => solved,
-                Err(error) => break Err(error),
+                Err(error) => {
+                    self.budget.solved(grid.cells(), error.iterations + 1);
+                    break Err(error);
+                }
             };
+            self.budget.solved(grid.cells(), profile.iterations + 1);
             self.effort.iterations += u64::from(profile.iterations);
             solves += 1;
             let sum: f64 =
