@@ -266,9 +266,10 @@ impl Program {
         cones.extend(self.cones.iter().map(|_| SupportedConeT::SecondOrderConeT(4)));
         let mut right = self.right.clone();
         right.extend(self.cones.iter().flat_map(|_| [1.0, 0.0, 0.0, 0.0]));
+        let most = self.most_iterations.unwrap_or(MOST_ITERATIONS).min(MOST_ITERATIONS);
         let settings = DefaultSettings {
             verbose: false,
-            max_iter: self.most_iterations.unwrap_or(MOST_ITERATIONS).min(MOST_ITERATIONS),
+            max_iter: most,
             max_step_fraction: 0.995,
             tol_gap_abs: tolerance,
             tol_gap_rel: tolerance,
@@ -291,8 +292,10 @@ impl Program {
         let solution = solver.solution;
         let iterations = solution.iterations;
         match solution.status {
+            // One that was cut short is not as good as it could be.
             SolverStatus::Solved | SolverStatus::AlmostSolved
-                if solution.x.iter().all(|value| value.is_finite()) =>
+                if (solution.status == SolverStatus::Solved || iterations < most)
+                    && solution.x.iter().all(|value| value.is_finite()) =>
             {
                 let rows = self.origins.iter().zip(&solution.z).zip(&self.right);
                 let of_rows =

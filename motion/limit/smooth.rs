@@ -40,6 +40,9 @@ const LEAST: f64 = 1e-3;
 /// Where b changes by more than this part, the tangents about it do, too: by the square of it.
 const MOVED: f64 = 0.15;
 
+/// What need not be slow weighs so much where something else is to be.
+const BESIDE: f64 = 1e-3;
+
 /// How exactly a guess, a profile that is looked at afterwards, and one that is not, are solved for.
 const ROUGH: f64 = 1e-5;
 const FINE: f64 = 1e-6;
@@ -453,8 +456,13 @@ impl SmoothSolver {
         free: &Range<usize>,
     ) {
         let total: f64 = cells.clone().map(|cell| grid.length(cell)).sum();
+        // Behind the last floor the path is only to come to rest, somehow: that is not to be bought with velocity before.
+        let behind = self.floors.iter().rposition(|floor| *floor > 0.0);
+        let first = guess.first().copied().unwrap_or_default();
         let knots = self.knots.iter().zip(guess).zip(cells.clone()).enumerate().skip(1);
         for (index, ((knot, guess), cell)) in knots {
+            let counts = behind.is_none_or(|behind| index <= behind);
+            let guess = if counts { *guess } else { first.max(*guess) / BESIDE };
             let weight = 0.5 * (grid.length(cell - 1) + grid.length(cell)) / (total * guess);
             for (part, of) in knot.b.into_iter().zip([index - 1, index]) {
                 let scale = self.scale.get(of).copied().unwrap_or_default();

@@ -4,6 +4,7 @@ use super::returned::rests;
 use super::{Leg, LimitError, Planned, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::course::CourseElement;
+use crate::limit::feeds::Feeds;
 use crate::limit::smooth::Beginning;
 use crate::prepare::CheckedElement;
 use std::collections::VecDeque;
@@ -134,6 +135,10 @@ where
         let back = self.record.split_off(kept.min(self.record.len()));
         self.planner.take_back(back);
         self.planner.pass(&passed);
+        if !passed.is_empty() {
+            // What the override was when that was planned nobody knows any more.
+            self.planner.sampler.feeds = Feeds::new(f64::INFINITY);
+        }
         self.planner.begin_with(old);
         self.record.extend(passed);
         self.planner.set_override(factor);

@@ -89,6 +89,9 @@ where
     /// Cuts cells that take too long, but not those that are kept.
     pub(super) fn refine(&mut self) -> Result<(), KinematicsError> {
         for _ in 0..12 {
+            if self.budget.is_spent() {
+                break;
+            }
             let grid = grid(&self.sampler, &self.cells);
             let (b, duration) = self.estimate(&grid);
             let step = self.options.step.min(duration / 12.0);

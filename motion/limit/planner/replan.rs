@@ -1,7 +1,7 @@
 //! Override, feed hold and their end: planning anew from where the path is.
 
 use super::budget::Budget;
-use super::slowest::{Room, Slowest};
+use super::slowest::{Look, Room, Slowest};
 use super::{Leg, NoWindow, Planned, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::feeds::Feeds;
@@ -20,7 +20,7 @@ const ROOMS: [Room; 3] = [
 /// Where no other is found a plan that is hardly faster than the slowest is gone on with, for at least this time, s.
 const HARDLY: f64 = 4e-3;
 /// The first window of a new plan is no longer than this, s: what follows has time.
-const HORIZON: f64 = 0.5;
+const HORIZON: f64 = 0.3;
 /// A profile may begin with a b that is smaller by this part.
 const SLOWER: f64 = 1e-5;
 /// A plan that comes to rest within this time, s, is not worth another.
@@ -111,8 +111,24 @@ where
 
     fn replan_moving(&mut self) {
         let before = (self.sampler.feeds.clone(), self.effort.failed);
-        for room in ROOMS {
-            let Ok(slowest) = self.slowest(room.tight) else { continue };
+        // What was slow enough is slow enough.
+        if let Some(raised) = before.0.raised(self.asked) {
+            self.sampler.feeds = raised;
+            if self.plan_on().is_ok() {
+                self.misses = 0;
+                self.pass_stop();
+                return;
+            }
+            self.unplan();
+            (self.sampler.feeds, self.effort.failed) = before.clone();
+        }
+        // Where the whole of the plan so far is not needed to find one, that is soon found.
+        let tries = [Look::Short, Look::Long].into_iter();
+        for (look, room) in tries.flat_map(|look| ROOMS.map(|room| (look, room))) {
+            if self.budget.is_spent() {
+                break;
+            }
+            let Ok(slowest) = self.slowest(room.tight, look) else { continue };
             if self.plan_above(&slowest, room).is_ok() {
                 self.misses = 0;
                 self.pass_stop();
@@ -150,6 +166,14 @@ where
             self.hold_at(&element, s);
         }
         self.sampler.feeds = slowest.feeds(self.asked, room);
+        for (element, s) in self.sampler.feeds.kinks() {
+            self.split_at(&element, s);
+        }
+        self.plan_on()
+    }
+
+    /// A window from where the path is.
+    fn plan_on(&mut self) -> Result<(), NoWindow> {
         self.smooth.positive = true;
         // To rest it is no further than braking takes.
         let moving = self.asked > 0.0;
