@@ -41,9 +41,7 @@ pub use grid::{
 };
 pub use linear::{LinearProfile, LinearSolver};
 pub use options::LimitOptions;
-pub use planner::{
-    Behind, Effort, Leg, LimitError, Piece, Pieces, Planned, Planner, Request,
-};
+pub use planner::{Behind, Effort, Leg, LimitError, Piece, Pieces, Planned, Planner, Request};
 pub use smooth::{Beginning, SmoothProfile, SmoothSolver};
 pub use spliced::{Arrival, Lead, Spliced};
 pub use stretch::{Law, Progress, Stretch};

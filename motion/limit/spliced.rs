@@ -66,6 +66,8 @@ pub struct Spliced<E> {
     requests: u64,
     /// Where the plan that was asked for last is to begin.
     asked: Option<u64>,
+    /// Where the one began that came last.
+    begins: u64,
     late: u64,
 }
 
@@ -85,6 +87,7 @@ impl<E: Clone> Spliced<E> {
             factor: 1.0,
             requests: 0,
             asked: None,
+            begins: 0,
             late: 0,
         }
     }
@@ -177,6 +180,7 @@ impl<E: Clone> Spliced<E> {
         self.passed.clear();
         if self.asked.take().is_some() {
             self.current = self.lead.first;
+            self.begins = first;
         }
         Arrival::Spliced
     }
@@ -248,6 +252,12 @@ impl<E: Clone> Spliced<E> {
     /// Items below this number will not be asked back.
     pub fn needs(&self) -> u64 {
         self.fork.min(self.next)
+    }
+
+    /// Whether what is executed is of the plan that was asked for last.
+    pub fn follows(&self) -> bool {
+        let rests = self.queue.is_empty() && !matches!(self.behind, Behind::More);
+        self.asked.is_none() && (self.next > self.begins || rests)
     }
 
     /// How many plans have come too late.

@@ -2,6 +2,7 @@
 
 use super::braking::braking;
 use super::history::History;
+use super::overrides::{OverrideAt, Overrides};
 use super::{Answer, DriveSample, Ending, Observer, Stopped, TwinCycle};
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
@@ -55,6 +56,7 @@ pub(super) struct Run<'a, 'i, P> {
     /// What comes behind them.
     plan: Plan,
     stopped: Option<Stopped>,
+    overrides: Overrides,
     /// How often the user has interrupted.
     interrupts: u32,
     /// Where they leave it.
@@ -89,10 +91,27 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             planned: VecDeque::new(),
             plan: Plan::GoesOn,
             stopped: None,
+            overrides: Overrides::new(&[]),
             interrupts: 0,
             off_path: None,
             executed: None,
             m_call: None,
+        }
+    }
+
+    /// With overrides to come.
+    pub(super) fn with_overrides(self, overrides: &[OverrideAt]) -> Self {
+        Self { overrides: Overrides::new(overrides), ..self }
+    }
+
+    /// Obeys the user, who wants another override.
+    pub(super) fn heed_override(&mut self, observer: &mut dyn Observer) {
+        if let Some(factor) = observer.new_override()
+            && self.plan == Plan::GoesOn
+            && self.stopped.is_none()
+        {
+            let time_ns = self.clock.map_or(self.executed_ns(), |clock| clock.now_ns());
+            self.overrides.ask(OverrideAt { time_ns, factor }, &mut self.items);
         }
     }
 
@@ -143,7 +162,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             Answer::Nobody => {
                 let MCall { number, place, .. } = call;
                 self.stopped = Some(Stopped::Unacknowledged { number, place });
-                self.stop();
+                self.items.request_stop();
             }
         }
     }
@@ -174,9 +193,11 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     /// What has come of it.
     pub(super) fn ending(self) -> Ending {
         let executed_ns = self.executed_ns();
-        let Self { comparison, stopped, off_path, hardware, .. } = self;
+        let late_plans = self.items.late_plans();
+        let Self { comparison, stopped, off_path, hardware, overrides, .. } = self;
         let left_on = hardware.map(|hardware| hardware.left_on().to_vec()).unwrap_or_default();
-        Ending { comparison, executed_ns, stopped, off_path, left_on }
+        let overrides = overrides.into_changes();
+        Ending { comparison, executed_ns, stopped, off_path, overrides, late_plans, left_on }
     }
 
     /// Obeys the user, who has interrupted so many times.
@@ -187,7 +208,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                 // What is planned to its end goes to its end.
                 if self.plan == Plan::GoesOn && self.stopped.is_none() {
                     self.stopped = Some(Stopped::Interrupted(self.place()));
-                    self.stop();
+                    self.items.request_stop();
                 }
                 continue;
             }
@@ -197,13 +218,6 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             } else if let Some(hardware) = &mut self.hardware {
                 hardware.stop();
             }
-        }
-    }
-
-    /// On the path, if the planning is able to.
-    fn stop(&mut self) {
-        if !self.items.request_stop() {
-            self.brake();
         }
     }
 
@@ -249,9 +263,15 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             && (paced || !self.waits_for_word())
             && self.planned.back().is_none_or(|last| last.time_ns <= until_ns)
         {
+            if self.stopped.is_none() {
+                let last = self.planned.back().or(self.executed.as_ref());
+                let next_ns = last.map_or(0, |last| last.time_ns + self.machine.cycle_ns);
+                self.overrides.pursue(next_ns, &mut self.items);
+            }
             let Poll::Ready(item) = self.items.poll(waits) else { break };
             match item {
                 Some(ProgramItem::Setpoint(tool)) => {
+                    self.overrides.see(tool.time_ns, &self.items);
                     let call = self.items.m_call();
                     match self.transformer.axes(&tool, call) {
                         Ok(setpoint) => {

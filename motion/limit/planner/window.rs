@@ -165,7 +165,8 @@ where
     ) -> Result<(SmoothProfile, Broken), NotSolved> {
         self.effort.cells += free.len() as u64;
         self.smooth.program.most_iterations = Some(self.budget.iterations(free.len())?);
-        let solved = self.smooth.solve_about(grid, 0..grid.cells(), self.beginning, guess, free.clone());
+        let solved =
+            self.smooth.solve_about(grid, 0..grid.cells(), self.beginning, guess, free.clone());
         let taken = match &solved {
             Ok((profile, _)) => profile.iterations,
             Err(error) => error.iterations,
