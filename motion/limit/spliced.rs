@@ -111,7 +111,7 @@ impl<E: Clone> Spliced<E> {
     fn ask(&mut self) -> Request<E> {
         let mut left = self.current;
         let queued = self.queue.iter().take_while(|item| {
-            let on = left > 0.0;
+            let on = left > 0.0 && !self.waits_before(item);
             left -= takes(item);
             on
         });
@@ -187,6 +187,14 @@ impl<E: Clone> Spliced<E> {
 
     /// What is executed next; none at the end. Where nothing is planned any further and the path rests it is [`Planned::Hold`].
     pub fn take(&mut self) -> Option<Result<Planned, LimitError<E>>> {
+        let waits = self.queue.front().filter(|next| self.waits_before(next));
+        if let Some(Ok(next)) = waits {
+            let (element, at) = match next {
+                Planned::Leg(leg) => (&leg.element, leg.from),
+                Planned::Pause(element) | Planned::Hold { element, .. } => (element, 0.0),
+            };
+            return Some(Ok(Planned::Hold { element: Arc::clone(element), at }));
+        }
         let item = match self.queue.pop_front() {
             Some(item) => item,
             None => match self.rest.pop_front() {
@@ -207,6 +215,16 @@ impl<E: Clone> Spliced<E> {
             Ok(Planned::Hold { .. }) | Err(_) => {}
         }
         Some(item)
+    }
+
+    /// Whether the path is held and rests before an item: it does not begin what it would have to brake from.
+    fn waits_before(&self, item: &Result<Planned, LimitError<E>>) -> bool {
+        self.factor <= 0.0
+            && match item {
+                Ok(Planned::Leg(leg)) => leg.begins_at_rest(),
+                Ok(_) => true,
+                Err(_) => false,
+            }
     }
 
     fn at_rest(&self) -> Option<Result<Planned, LimitError<E>>> {

@@ -80,7 +80,7 @@ fn limits_of_the_axes_hold_across_changes_of_the_override() {
             let others = ending.overrides.iter().filter(|change| change.follows_ns.is_some());
             for change in others {
                 let delay = seconds(change.follows_ns.unwrap() - change.asked.time_ns);
-                assert!(delay > 0.0 && delay <= LEAD + ITEM, "{change:?}");
+                assert!((0.0..=LEAD + ITEM).contains(&delay), "{change:?}");
             }
             // 150 mm/s and half of it take 0.1 s at 1000 mm/s² to change, and some for the jerk.
             let near = |[least, most]: [f64; 2], v: f64| least > 0.995 * v && most < 1.001 * v;

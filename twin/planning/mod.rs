@@ -158,6 +158,11 @@ impl<'m> Planning<'m> {
         }
     }
 
+    /// Whether it brakes as hard as the axes allow.
+    pub(crate) fn is_within_axes(&self) -> bool {
+        matches!(self.0, Plan::Axes(_))
+    }
+
     /// Whether the last set-point follows what was asked for last.
     pub(crate) fn follows_override(&self) -> bool {
         match &self.0 {

@@ -1,6 +1,6 @@
 //! A run under way, in rounds: plan, simulate what is due, listen to the drives.
 
-use super::braking::braking;
+use super::braking::{braking, resting};
 use super::history::History;
 use super::overrides::{OverrideAt, Overrides};
 use super::{Answer, DriveSample, Ending, Observer, Stopped, TwinCycle};
@@ -294,13 +294,32 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                     }
                 }
                 Some(ProgramItem::Io(error)) => self.lose_plan(Stopped::Read(error)),
-                None => self.plan = Plan::Ends,
+                None => {
+                    self.plan = Plan::Ends;
+                    self.settle_stop();
+                }
             }
         }
         if self.plan != Plan::GoesOn
             && let Some(hardware) = &mut self.hardware
         {
             hardware.finish(self.stopped.is_some());
+        }
+    }
+
+    /// What brakes as hard as the axes allow is followed to rest.
+    fn settle_stop(&mut self) {
+        if self.stopped.is_none() || !self.items.is_within_axes() {
+            return;
+        }
+        let Some(last) = self.planned.back().or(self.executed.as_ref()).copied() else { return };
+        for setpoint in resting(self.machine, &last) {
+            self.planned.push_back(setpoint);
+            if let Some(hardware) = &mut self.hardware
+                && let Err(source) = hardware.command(&setpoint)
+            {
+                return self.lose_drives(source);
+            }
         }
     }
 

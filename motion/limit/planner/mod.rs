@@ -46,6 +46,11 @@ pub struct Leg {
 }
 
 impl Leg {
+    /// Whether the path rests at its beginning.
+    pub fn begins_at_rest(&self) -> bool {
+        returned::rests(self.stretch.at_position(0.0).0)
+    }
+
     /// Whether the path rests at its end.
     pub fn ends_at_rest(&self) -> bool {
         returned::rests(self.stretch.at_position(self.stretch.length()).0)
@@ -114,7 +119,7 @@ pub struct Effort {
     pub not_replanned: u64,
     /// Work spent on that, in cells times iterations of Clarabel, and the most that one attempt took.
     pub replanning: u64,
-    /// The most that one attempt took of it: [`Planner::MOST_WORK`] at most.
+    /// The most that one attempt took of it: less than twice [`Planner::MOST_WORK`].
     pub most_replanning: u64,
 }
 

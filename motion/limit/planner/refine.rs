@@ -110,7 +110,8 @@ where
                 left -= takes;
                 // A profile with limited jerk has to have a choice.
                 let few = self.jerk_limited && count < FEWEST;
-                if index + 1 < self.kept.len() || takes <= 1.6 * fine && !few {
+                let fine_enough = takes <= 1.6 * fine && !few || self.budget.is_spent();
+                if index + 1 < self.kept.len() || fine_enough {
                     refined.push(cell);
                     continue;
                 }
@@ -132,9 +133,9 @@ where
                     at.push(0.5);
                 }
                 cut |= !at.is_empty();
+                self.budget.sampled(at.len() + 1);
                 refined.extend(self.sampler.parts(&cell, &at)?);
             }
-            self.budget.sampled(refined.len().saturating_sub(count));
             self.cells = refined;
             if !cut {
                 break;
