@@ -72,9 +72,9 @@ fn limits_of_the_axes_hold_across_changes_of_the_override() {
         assert_within_limits(&machine, cycles, 0);
         assert_on_helices(cycles);
         assert!((recorder.last().wanted.tool - end).norm() < 1e-9);
-        assert_eq!(ending.overrides.len(), CHANGES.len());
         assert_eq!(ending.late_plans, 0);
         if slow {
+            assert_eq!(ending.overrides.len(), CHANGES.len());
             // One change comes before the path has followed the one before it.
             assert_eq!(ending.overrides[3].follows_ns, None);
             let others = ending.overrides.iter().filter(|change| change.follows_ns.is_some());

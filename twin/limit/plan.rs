@@ -114,7 +114,7 @@ pub enum ProfileItem {
 pub struct Profile<'m> {
     pub(super) machine: &'m Machine,
     pub(super) axes: MachinePath<'m>,
-    follower: Follower<Planner<Prepared, Halt, MachinePath<'m>>>,
+    pub(super) follower: Follower<Planner<Prepared, Halt, MachinePath<'m>>>,
     pub(super) rules: LimitRules,
     near: AxisVector,
     found: Findings,
