@@ -45,6 +45,21 @@ fn what_is_too_fast_for_an_axis_runs_within_its_limits() {
 }
 
 #[test]
+fn an_override_from_the_start_scales_what_is_programmed() {
+    let desk = Desk::new();
+    desk.write("lines.cnc", LINES);
+    // 75 mm/s, and 200 mm/s, which is all that Z can do and now also what it is asked for.
+    let expected: f64 =
+        [(40.0, 75.0), (60.0, 200.0)].iter().map(|(length, v)| length / v + v / 2000.0).sum();
+    let more = ["--drives", "none", "--override", "50%"];
+    let done = desk.twin(&[&["run", "lines.cnc"][..], &RUN, &more].concat());
+    done.ended(0, "");
+    let report = desk.read("r.json");
+    assert_eq!(report["executed_s"], report["duration_s"]);
+    assert!((number(&report["executed_s"]) - expected).abs() < 2e-3, "{report:#} {expected}");
+}
+
+#[test]
 fn what_says_nothing_within_the_limits_of_the_axes_is_refused() {
     let desk = Desk::new();
     desk.write("lines.cnc", LINES);

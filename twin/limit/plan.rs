@@ -93,7 +93,7 @@ where
 }
 
 /// No profile was found from `place` on.
-pub(crate) fn not_solved(place: Place, error: &NotSolved) -> Finding {
+pub(crate) fn not_solved(place: Place, error: NotSolved) -> Finding {
     let message = format!("no profile was found within the limits: {error}");
     Finding::error(Rule::FeedReduced, place, message)
 }
@@ -301,7 +301,7 @@ impl Iterator for Profile<'_> {
                 ProfileItem::Finding(unreachable(place, &error))
             }
             Err(LimitError::NotSolved { place, error }) => {
-                ProfileItem::Finding(not_solved(place, &error))
+                ProfileItem::Finding(not_solved(place, error))
             }
         })
     }

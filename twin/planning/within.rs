@@ -220,6 +220,6 @@ fn fault(error: LimitError<Fault>) -> ProgramItem {
             Halt::Finding(finding) => diagnostic((**finding).clone()),
         },
         LimitError::Kinematics { place, error } => diagnostic(unreachable(place, &error)),
-        LimitError::NotSolved { place, error } => diagnostic(not_solved(place, &error)),
+        LimitError::NotSolved { place, error } => diagnostic(not_solved(place, error)),
     }
 }

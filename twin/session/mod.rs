@@ -2,6 +2,7 @@
 
 mod braking;
 mod history;
+mod m_calls;
 mod overrides;
 mod run;
 

@@ -3,12 +3,12 @@
 use super::braking::{braking, resting};
 use super::history::History;
 use super::overrides::{OverrideAt, Overrides};
-use super::{Answer, DriveSample, Ending, Observer, Stopped, TwinCycle};
+use super::{DriveSample, Ending, Observer, Stopped, TwinCycle};
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
 use crate::finding::{Finding, Severity};
 use crate::hardware::{Hardware, HardwareError};
-use crate::m_function::{MCall, MFunction};
+use crate::m_function::MCall;
 use crate::machine::Machine;
 use crate::physics::PhysicsError;
 use crate::planning::Planning;
@@ -36,12 +36,12 @@ enum Plan {
 
 /// A run under way.
 pub(super) struct Run<'a, 'i, P> {
-    machine: &'a Machine,
-    items: Planning<'i>,
+    pub(super) machine: &'a Machine,
+    pub(super) items: Planning<'i>,
     transformer: Transformer<'a>,
     twin: P,
     twin_failed: bool,
-    hardware: Option<Hardware>,
+    pub(super) hardware: Option<Hardware>,
     /// Whether time passes by itself.
     realtime: bool,
     /// What set-points are due by, if that is the wall clock.
@@ -55,7 +55,7 @@ pub(super) struct Run<'a, 'i, P> {
     planned: VecDeque<AxisSetpoint>,
     /// What comes behind them.
     plan: Plan,
-    stopped: Option<Stopped>,
+    pub(super) stopped: Option<Stopped>,
     overrides: Overrides,
     /// How often the user has interrupted.
     interrupts: u32,
@@ -64,7 +64,7 @@ pub(super) struct Run<'a, 'i, P> {
     /// The last set-point that was executed.
     executed: Option<AxisSetpoint>,
     /// The M function executed last.
-    m_call: Option<MCall>,
+    pub(super) m_call: Option<MCall>,
 }
 
 impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
@@ -112,58 +112,6 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         {
             let time_ns = self.clock.map_or(self.executed_ns(), |clock| clock.now_ns());
             self.overrides.ask(OverrideAt { time_ns, factor }, &mut self.items);
-        }
-    }
-
-    /// Whether the plan goes on only when an M function is acknowledged. A stop does not wait for that.
-    pub(super) fn waits_for_word(&self) -> bool {
-        self.stopped.is_none() && self.items.waits_for_word()
-    }
-
-    /// Takes notice of an M function that is executed now.
-    fn begin_m_function(&mut self, call: MCall, observer: &mut dyn Observer) {
-        if self.m_call.is_some_and(|last| last.index == call.index) {
-            return;
-        }
-        self.m_call = Some(call);
-        let switched = self.switches(call.number);
-        if let (Some(function), Some(hardware)) = (switched, &mut self.hardware) {
-            hardware.switch(&function.outputs_on, &function.outputs_off);
-        }
-        observer.m_function(&call, self.items.waits_for_word() && switched.is_none());
-    }
-
-    /// What the M function switches on the drives, if there are any.
-    fn switches(&self, number: u16) -> Option<&'a MFunction> {
-        self.hardware.as_ref()?;
-        self.machine.m_functions.iter().find(|function| function.number == number)
-    }
-
-    /// Lets the path go on if the M function at which it stands is done: the drives have switched what it switches and
-    /// its time is over, or the user says so.
-    pub(super) fn acknowledge(&mut self, observer: &mut dyn Observer) {
-        // First it has to be executed: the plan is ahead.
-        let Some(call) = self.m_call.filter(|call| self.items.m_call() == Some(*call)) else {
-            return;
-        };
-        if !self.waits_for_word() {
-            return;
-        }
-        if let Some(function) = self.switches(call.number) {
-            let switched = self.hardware.as_ref().is_none_or(Hardware::has_switched);
-            if switched && self.executed_ns() - call.since_ns >= function.time_ns {
-                self.items.acknowledge();
-            }
-            return;
-        }
-        match observer.answer() {
-            Answer::NotYet => {}
-            Answer::Done => self.items.acknowledge(),
-            Answer::Nobody => {
-                let MCall { number, place, .. } = call;
-                self.stopped = Some(Stopped::Unacknowledged { number, place });
-                self.items.request_stop();
-            }
         }
     }
 

@@ -4,6 +4,7 @@ mod interrupt;
 mod keys;
 mod prompt;
 mod summary;
+mod watcher;
 
 use super::options::{
     self, AcknowledgeOption, DEFAULT_ADDRESS, MachineOption, ReadOptions, plans_without_inputs,
@@ -14,16 +15,14 @@ use crate::check::{CheckOptions, Outcome};
 use crate::finding;
 use crate::hardware::Hardware;
 use crate::limit::Limits;
-use crate::m_function::MCall;
 use crate::machine::Machine;
 use crate::picture::Picture;
 use crate::program::ProgramFile;
 use crate::report::seconds;
-use crate::session::{Answer, DriveSample, Ending, Observer, OverrideAt, Session, TwinCycle};
+use crate::session::{Ending, OverrideAt, Session};
 use crate::simulated::Simulated;
 use indicatif::ProgressBar;
 pub(super) use interrupt::Interrupt;
-use keys::Keys;
 use prompt::Prompt;
 use std::io;
 use std::net::SocketAddr;
@@ -33,6 +32,7 @@ use summary::{DriveSamples, Report, summary};
 use twin_drives::interpcnc::emulator::EmulatedBoard;
 use twin_kinematics::AxisVector;
 use twin_viz::{Playback, SceneOptions};
+use watcher::{Watcher, open_keys};
 
 /// Part of each axis's largest velocity with which the drives approach the start of the program.
 const APPROACH: f64 = 0.25;
@@ -353,81 +353,5 @@ fn approach(mut hardware: Hardware, interrupt: &Interrupt) -> Result<Hardware, F
             return Ok(hardware);
         }
         std::thread::sleep(Duration::from_millis(2));
-    }
-}
-
-/// Shows a run while it goes on.
-struct Watcher<'a, 'm> {
-    picture: &'a mut Picture<'m>,
-    bar: &'a ProgressBar,
-    last_shown_ns: i64,
-    samples: DriveSamples,
-    prompt: Prompt,
-    /// Where there is a terminal.
-    keys: Option<Keys>,
-}
-
-/// Without them the run goes on.
-fn open_keys(program: &ProgramFile) -> Option<Keys> {
-    match Keys::open(program.settings().inputs.override_factor.factor()) {
-        Ok(keys) => {
-            if keys.is_some() {
-                eprintln!("{}", keys::HELP);
-            }
-            keys
-        }
-        Err(error) => {
-            eprintln!("note: the terminal gives no single keys ({error}): the override stays");
-            None
-        }
-    }
-}
-
-impl Observer for Watcher<'_, '_> {
-    fn twin(&mut self, cycle: &TwinCycle<'_>) {
-        self.picture.twin(cycle);
-        let time_ns = cycle.setpoint.time_ns;
-        if time_ns.saturating_sub(self.last_shown_ns) >= 100_000_000 {
-            self.last_shown_ns = time_ns;
-            self.bar.set_position(u64::try_from(time_ns / 1_000_000).unwrap_or(0));
-            let error = (cycle.twin.tool - cycle.wanted.tool).norm() * 1e3;
-            self.bar.set_message(format!("{}  twin {error:.3} mm off", cycle.setpoint.place));
-        }
-    }
-
-    fn m_function(&mut self, call: &MCall, asked: bool) {
-        let MCall { number, place, .. } = call;
-        if asked {
-            self.bar.suspend(|| eprintln!("M{number} at {place}: press Enter when it is done"));
-            if let Some(keys) = &mut self.keys {
-                keys.ask();
-            } else if let Err(error) = self.prompt.ask() {
-                self.bar.suspend(|| eprintln!("standard input cannot be read: {error}"));
-            }
-        }
-        self.bar.set_message(format!("{place}  M{number}"));
-    }
-
-    fn answer(&mut self) -> Answer {
-        match &mut self.keys {
-            Some(keys) => keys.answer(),
-            None => self.prompt.answer(),
-        }
-    }
-
-    fn new_override(&mut self) -> Option<f64> {
-        let factor = self.keys.as_mut()?.new_override()?;
-        let text = if factor > 0.0 {
-            format!("override {:.0} %", factor * 100.0)
-        } else {
-            "the path is held".to_owned()
-        };
-        self.bar.suspend(|| eprintln!("{text}"));
-        Some(factor)
-    }
-
-    fn drives(&mut self, sample: &DriveSample<'_>) {
-        self.samples.include(sample.time_ns);
-        self.picture.drives(sample);
     }
 }

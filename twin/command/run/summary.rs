@@ -77,7 +77,7 @@ pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) 
                 )?;
             }
             None => {
-                writeln!(out, "{what} asked for at {asked_s:.3} s; the path did not come to that")?
+                writeln!(out, "{what} asked for at {asked_s:.3} s; the path did not come to that")?;
             }
         }
     }
