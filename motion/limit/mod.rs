@@ -28,6 +28,7 @@ pub mod reachable;
 mod rows;
 mod sample;
 mod smooth;
+mod spliced;
 mod stretch;
 
 pub use ahead::{Ahead, Replan};
@@ -42,6 +43,7 @@ pub use grid::{
 };
 pub use linear::{LinearProfile, LinearSolver};
 pub use options::LimitOptions;
-pub use planner::{Effort, Leg, LimitError, Planned, Planner};
+pub use planner::{Behind, Effort, Leg, LimitError, Piece, Pieces, Planned, Planner, Request};
 pub use smooth::{Beginning, SmoothProfile, SmoothSolver};
+pub use spliced::{Arrival, Lead, Spliced};
 pub use stretch::{Law, Progress, Stretch};

@@ -95,7 +95,8 @@ fn what_is_wrong_stays_wrong() {
     let [finding] = &findings[..] else { panic!("{findings:#?}") };
     assert_eq!((&finding["rule"], &finding["line"]), (&"axis-position".into(), &3.into()));
     let arguments = ["check", "lines.cnc", "-m", "machine.toml", "--limits", "axes"];
-    desk.twin(&[&arguments[..], &["--override", "0.5"]].concat()).ended(2, "--limits softmotion");
+    desk.twin(&[&arguments[..], &["--profile", "sigmoid"]].concat())
+        .ended(2, "--limits softmotion");
     let cutter = root().join("machines/gantry_cutter3.toml").display().to_string();
     desk.twin(&["check", "lines.cnc", "-m", &cutter, "--limits", "axes"])
         .ended(2, "machines yet whose tool turns with the path");

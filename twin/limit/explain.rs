@@ -122,10 +122,12 @@ impl Profile<'_> {
                     consider(part, Binding::Centripetal);
                 }
                 if self.rules.feed {
-                    consider(v / transition.velocity, Binding::EndVelocity);
+                    let factor = self.follower.plan().override_factor();
+                    consider(v / (factor * transition.velocity), Binding::EndVelocity);
                 }
             }
         }
+        let wanted = self.follower.plan().override_factor() * element.feed();
         let mut rows = [DragRow::default(); MOST_FURTHER_ROWS];
         let cap = torque.map_or(Cap::NONE, |torque| self.axes.rows(torque, &mut rows));
         for (index, row) in rows.iter().take(self.axes.further_rows()).enumerate() {
@@ -138,7 +140,7 @@ impl Profile<'_> {
             consider(v / cap.v2.sqrt(), effort);
         }
         if self.rules.feed {
-            consider(sample.path_velocity / element.feed(), Binding::Feed);
+            consider(sample.path_velocity / wanted, Binding::Feed);
         }
         if self.rules.path_acceleration {
             let along = sample.path_acceleration;

@@ -34,6 +34,7 @@ pub use json::LimitReport;
 pub use machine_path::{AxisRules, MachinePath, MachinePathError};
 pub use picture::{Picture, PictureError};
 pub use plan::{LimitFailure, LimitRules, Profile, ProfileItem};
+pub(crate) use plan::{not_solved, planner};
 pub use sample::ProfileSample;
 pub use summary::{BindingShare, Change, LimitSummary, Limits, LineLoss, Summing, Windows};
 pub use text::write_summary;

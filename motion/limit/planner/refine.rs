@@ -100,11 +100,15 @@ where
     pub(super) fn refine(&mut self) -> Result<(), KinematicsError> {
         let step = if self.jerk_limited { COARSE * self.options.step } else { self.options.step };
         for _ in 0..12 {
+            if self.budget.is_spent() {
+                break;
+            }
             let grid = grid(&self.sampler, &self.cells);
             let (b, duration) = self.estimate(&grid);
             let step = step.min(duration / FEWEST_STEPS);
             let count = self.cells.len();
             let mut refined = Vec::with_capacity(2 * count);
+            self.budget.looked(count);
             let mut cut = false;
             // Time since the path rested, and until it will.
             let mut since = if self.beginning == Beginning::Rest { 0.0 } else { f64::INFINITY };
@@ -117,7 +121,8 @@ where
                 left -= takes;
                 // A profile with limited jerk has to have a choice.
                 let few = self.jerk_limited && count < FEWEST;
-                if index + 1 < self.kept.len() || takes <= TOO_LONG * fine && !few {
+                let fine_enough = takes <= TOO_LONG * fine && !few || self.budget.is_spent();
+                if index + 1 < self.kept.len() || fine_enough {
                     refined.push(cell);
                     continue;
                 }
@@ -139,6 +144,7 @@ where
                     at.push(0.5);
                 }
                 cut |= !at.is_empty();
+                self.budget.sampled(at.len() + 1);
                 refined.extend(self.sampler.parts(&cell, &at)?);
             }
             self.cells = refined;
@@ -176,6 +182,7 @@ where
                 && let Ok(parts) = self.sampler.parts(&cell, &at)
                 && parts.len() == at.len() + 1
             {
+                self.budget.sampled(parts.len());
                 guess.cut(place, &at);
                 cells.extend(parts);
             } else {
@@ -202,6 +209,7 @@ where
                 && let Ok(parts) = self.sampler.parts(&cell, &[0.5])
                 && parts.len() == 2
             {
+                self.budget.sampled(parts.len());
                 guess.cut(place, &[0.5]);
                 cells.extend(parts);
             } else {

@@ -1,7 +1,7 @@
 //! A profile over a window, verified between the places where limits are asked for.
 
-use super::Planner;
 use super::drag::MOST_TANGENTS;
+use super::{NOT_SOLVED, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
 use crate::limit::grid::Grid;
@@ -48,6 +48,9 @@ where
         }
         let (mut round, mut tangents) = (0, 0);
         loop {
+            if self.budget.is_spent() {
+                return Err(NOT_SOLVED);
+            }
             let grid = grid(&self.sampler, &self.cells);
             self.effort.cells += grid.cells() as u64;
             let stretches = self.solve_linear(&grid);
@@ -83,15 +86,15 @@ where
                 let mut changed = self.take_tangents(&stretches);
                 if !changed.is_empty() {
                     tangents += 1;
-                    let before = guess.clone();
+                    let before = (guess.clone(), self.effort.failed);
                     changed.append(&mut guess.moved);
                     changed.sort_unstable();
                     match self.solve_again(&mut guess, changed) {
                         Ok(solved) => (profile, broken) = solved,
                         Err(_failed) => {
                             // What there is keeps the limits.
-                            self.effort.failed -= 1;
-                            (guess, tangents) = (before, MOST_TANGENTS);
+                            (guess, self.effort.failed) = before;
+                            tangents = MOST_TANGENTS;
                         }
                     }
                     continue;
@@ -150,9 +153,10 @@ where
             }
             let (mut result, mut failed) = (None, Vec::new());
             for part in parts {
+                let failed_before = self.effort.failed;
                 let Ok((profile, broken)) = self.solve_part(&grid, guess, part.clone()) else {
                     // Between given ends there may be none.
-                    self.effort.failed -= 1;
+                    self.effort.failed = failed_before;
                     failed.extend(changed.iter().filter(|cell| part.contains(cell)));
                     continue;
                 };
@@ -179,10 +183,17 @@ where
         free: Range<usize>,
     ) -> Result<(SmoothProfile, Broken), NotSolved> {
         self.effort.cells += free.len() as u64;
-        let solved = self.smooth.solve_about(grid, 0..grid.cells(), self.beginning, guess, free);
-        let (profile, broken) = solved.inspect_err(|_| self.effort.failed += 1)?;
-        self.effort.iterations += u64::from(profile.iterations);
-        Ok((profile, broken))
+        self.smooth.program.most_iterations = Some(self.budget.iterations(free.len())?);
+        let solved =
+            self.smooth.solve_about(grid, 0..grid.cells(), self.beginning, guess, free.clone());
+        let taken = match &solved {
+            Ok((profile, _)) => profile.iterations,
+            Err(error) => error.iterations,
+        };
+        self.budget.solved(grid.cells(), 1);
+        self.budget.solved(free.len(), taken);
+        self.effort.iterations += u64::from(taken);
+        solved.inspect_err(|_| self.effort.failed += 1)
     }
 
     /// Parts of the window around these cells, as far as a change there makes itself `felt`, in times in which acceleration
@@ -237,9 +248,13 @@ where
             Beginning::Rest => 0.0,
             Beginning::Moving { b, .. } => b,
         };
+        self.budget.looked(grid.cells());
+        let most = self.budget.iterations(grid.cells());
+        self.linear.program.most_iterations = Some(most.unwrap_or_default().max(1));
         let b = match self.linear.solve(grid, cells.clone(), start, 0.0) {
             Ok(profile) => {
                 self.effort.iterations += u64::from(profile.iterations);
+                self.budget.solved(grid.cells(), profile.iterations);
                 self.gains = profile.gains;
                 profile.b
             }
@@ -266,6 +281,7 @@ where
         mut guess: Option<&mut Guess>,
     ) -> Vec<usize> {
         let fresh = self.kept.len().saturating_sub(1);
+        self.budget.looked(self.cells.len());
         let mut cells = Vec::with_capacity(self.cells.len());
         let mut changed = Vec::new();
         let known = std::mem::take(&mut self.cells);

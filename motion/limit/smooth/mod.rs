@@ -38,6 +38,9 @@ use std::ops::Range;
 /// A c that is to be positive is at least this part of the guess.
 const LEAST: f64 = 1e-3;
 
+/// What need not be slow weighs so much where something else is to be.
+const BESIDE: f64 = 1e-3;
+
 /// How exactly a guess, a profile that is looked at afterwards, and one that is not, are solved for.
 const ROUGH: f64 = 1e-5;
 const FINE: f64 = 1e-6;
@@ -99,7 +102,7 @@ struct Knot {
 /// Solves windows with limited jerk; keeps its memory from one to the next.
 #[derive(Debug, Default)]
 pub struct SmoothSolver {
-    program: Program,
+    pub(super) program: Program,
     knots: Vec<Knot>,
     /// Of the variables: c of every cell is a multiple of it.
     scale: Vec<f64>,
@@ -343,8 +346,13 @@ impl SmoothSolver {
         free: &Range<usize>,
     ) {
         let total: f64 = cells.clone().map(|cell| grid.length(cell)).sum();
+        // Behind the last floor the path is only to come to rest, somehow: that is not to be bought with velocity before.
+        let behind = self.floors.iter().rposition(|floor| *floor > 0.0);
+        let first = guess.first().copied().unwrap_or_default();
         let knots = self.knots.iter().zip(guess).zip(cells.clone()).enumerate().skip(1);
         for (index, ((knot, guess), cell)) in knots {
+            let counts = behind.is_none_or(|behind| index <= behind);
+            let guess = if counts { *guess } else { first.max(*guess) / BESIDE };
             let weight = 0.5 * (grid.length(cell - 1) + grid.length(cell)) / (total * guess);
             for (part, of) in knot.b.into_iter().zip([index - 1, index]) {
                 let scale = self.scale.get(of).copied().unwrap_or_default();
