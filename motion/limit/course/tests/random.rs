@@ -127,6 +127,7 @@ fn options() -> impl Strategy<Value = CourseOptions> {
         tolerance: 10_f64.powf(space),
         extra_tolerance: 1e3 * 10_f64.powf(extra),
         order: if velocity { Order::Velocity } else { Order::Acceleration },
+        turning: false,
     })
 }
 
