@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use std::sync::Arc;
 use std::time::Instant;
 use twin_kinematics::AxisVector;
-use twin_motion::limit::course::{CourseElement, CourseOptions};
+use twin_motion::limit::course::{CourseElement, CourseOptions, Order};
 use twin_motion::limit::{
     AxisLimits, AxisPath, AxisPoint, Effort, Leg, LimitError, LimitOptions, Planned, Planner,
 };
@@ -31,7 +31,12 @@ pub struct Settings {
 
 impl Settings {
     pub fn options(&self) -> LimitOptions {
-        let options = LimitOptions::new(CourseOptions::new(self.tolerance));
+        let mut course = CourseOptions::new(self.tolerance);
+        if self.machine.turns() {
+            course.turning = true;
+            course.order = if self.jerk { Order::Jerk } else { Order::Acceleration };
+        }
+        let options = LimitOptions::new(course);
         LimitOptions { horizon: self.horizon, ..options }
     }
 }
@@ -152,7 +157,7 @@ impl<'m, A: AxisPath> Watch<'m, A> {
             let end = element.length();
             assert!(joined || (s - end).abs() <= 1e-9 * end, "line {line}: left at {s} of {end}");
         }
-        if !joined {
+        if !joined && !leg.element.is_turn() {
             self.report.lines.push(line);
         }
         if stop {
@@ -191,10 +196,15 @@ impl<'m, A: AxisPath> Watch<'m, A> {
                 report.jerk.raise(jerk.abs() / limit, line, time);
             }
         }
+        self.differ(position, line, time);
+        if leg.element.is_turn() {
+            return;
+        }
         let point = leg.element.at(s);
         let norm = point.first.norm();
         // Where only extra axes move the parameter is the way.
         let speed = if norm > 0.0 { norm } else { 1.0 };
+        let report = &mut self.report;
         let (factor, from) = self.factor;
         if factor >= 1.0 && from == 0.0 || factor > 0.0 && time > from && a >= 0.0 {
             report.feed.raise(speed * v / (factor * leg.element.feed()), line, time);
@@ -203,7 +213,6 @@ impl<'m, A: AxisPath> Watch<'m, A> {
         let limit =
             if along > 0.0 { leg.element.acceleration() } else { leg.element.deceleration() };
         report.path_acceleration.raise(along.abs() / limit, line, time);
-        self.differ(position, line, time);
     }
 
     fn differ(&mut self, position: AxisVector, line: u32, time: f64) {
