@@ -11,6 +11,8 @@ mod csv;
 mod curve_tests;
 #[cfg(test)]
 mod effort_tests;
+#[cfg(test)]
+mod turning_tests;
 mod explain;
 mod feeds;
 mod json;

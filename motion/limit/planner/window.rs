@@ -161,7 +161,9 @@ where
     ) -> Result<(SmoothProfile, Broken), NotSolved> {
         self.effort.cells += free.len() as u64;
         let solved = self.smooth.solve_about(grid, 0..grid.cells(), self.beginning, guess, free);
-        let (profile, broken) = solved.inspect_err(|_| self.effort.failed += 1)?;
+        let (profile, broken) = solved.inspect_err(|e| {self.effort.failed += 1;
+            eprintln!("FAILED {e:?} cells {} lines {:?} beginning {:?} length {} tight {:?}", grid.cells(), self.cells.iter().map(|c| c.element.place().line).collect::<std::collections::BTreeSet<_>>(), self.beginning, self.cells.iter().map(|c| c.length()).sum::<f64>(), self.cells.iter().map(|c| c.tight[1]).fold(0.0, f64::max));
+            })?;
         self.effort.iterations += u64::from(profile.iterations);
         Ok((profile, broken))
     }

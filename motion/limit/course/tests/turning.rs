@@ -86,12 +86,12 @@ fn corners_are_turned_at_rest() {
 #[test]
 fn rounded_corners_need_no_turn() {
     for turn in [0.02, 1.0, 2.8] {
-        assert_eq!(turns(&course(corner(turn, [0.1, 0.1]), turning(1e-5))), []);
+        assert_eq!(turns(&course(corner(turn, [0.1, 0.1]), turning(1e-5))), Vec::<f64>::new());
         let exact = course(corner(turn, [0.1, 0.1]), turning(0.0));
         let [found] = turns(&exact)[..] else { panic!("{exact:?}") };
         assert!((found - turn).abs() < 1e-12 && exact[0].stops_at_end());
     }
-    assert_eq!(turns(&stopping(corner(0.0, [0.1, 0.1]), turning(1e-5))), []);
+    assert_eq!(turns(&stopping(corner(0.0, [0.1, 0.1]), turning(1e-5))), Vec::<f64>::new());
 }
 
 /// Straight down, along +y, up, a pause, along −x: as it was on the way down and up.
