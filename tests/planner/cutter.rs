@@ -132,6 +132,9 @@ fn settings_of_any_kind() -> impl Strategy<Value = Settings> {
 proptest! {
     #![proptest_config(cases(12))]
 
+}
+proptest! {
+    #![proptest_config(cases(std::env::var("CASES").map_or(12, |c| c.parse().unwrap())))]
     #[test]
     fn debug_many(
         settings in settings_of_any_kind(),
@@ -144,6 +147,9 @@ proptest! {
         if report.effort.failed > 0 { println!("   {:?} {:?}", settings.tolerance, path.iter().map(|e| (e.place.line, format!("{:?}", e.shape).chars().take(6).collect::<String>(), e.length())).collect::<Vec<_>>()); }
     }
 
+}
+proptest! {
+    #![proptest_config(cases(12))]
     #[test]
     fn limits_of_jerk_are_kept(
         settings in settings_of_any_kind(),

@@ -203,11 +203,16 @@ fn holds(
     );
     prop_assert!(report.errors.is_empty(), "{:?}", report.errors);
     let lines: Vec<u32> = path.iter().map(|element| element.place.line).collect();
-    prop_assert_eq!(&report.lines, &lines);
+    let mut visited = report.lines.clone();
+    if settings.machine.turns() {
+        visited.dedup();
+    }
+    prop_assert_eq!(&visited, &lines);
     let limited = [
         ("velocity", report.velocity, 1.001),
         ("acceleration", report.acceleration, 1.001),
         ("jerk", report.jerk, 1.05),
+        ("brief jerk", report.brief_jerk, if settings.machine.turns() { 1.5 } else { 1.05 }),
         ("third difference", report.third_difference, 1.05),
         // While it brakes it may be faster by what the slowest profile needs not to be the only one.
         // Where no new plan was found the old one goes on for a while.
@@ -222,6 +227,15 @@ fn holds(
         prop_assert!(report.acceleration_step.value <= 1e-5, "{:?}", report.acceleration_step);
     }
     Ok(())
+}
+
+proptest! {
+    #![proptest_config(cases(8))]
+
+    #[test]
+    fn limits_of_a_knife_are_kept_through_changes(settings in settings(), steps in prop::collection::vec(step(), 1..16), changes in changes(), lead in 0.0..0.2) {
+        holds(Settings { machine: Machine::Cutter, ..settings }, &steps, &changes, lead)?;
+    }
 }
 
 proptest! {

@@ -14,6 +14,8 @@ use twin_motion::prepare::{CheckError, CheckVelocities};
 
 /// Servo cycle, s.
 const CYCLE: f64 = 1e-3;
+/// In legs that take less time, s, a jerk makes no difference.
+const BRIEF: f64 = 2e-5;
 /// The root of what is left of u̇² by rounding, m/s.
 const AT_REST: f64 = 1e-7;
 
@@ -66,6 +68,8 @@ pub struct Report {
     pub velocity: Peak,
     pub acceleration: Peak,
     pub jerk: Peak,
+    /// That in legs of less than 20 µs, beside the others.
+    pub brief_jerk: Peak,
     /// From differences of positions.
     pub third_difference: Peak,
     /// Part of F.
@@ -193,7 +197,9 @@ impl<'m, A: AxisPath> Watch<'m, A> {
             report.acceleration.raise(acceleration.abs() / limits.acceleration, line, time);
             if let Some(limit) = limits.jerk {
                 let jerk = d1 * j + 3.0 * d2 * v * a + d3 * v * v * v;
-                report.jerk.raise(jerk.abs() / limit, line, time);
+                let brief = leg.stretch.duration() < BRIEF;
+                let peak = if brief { &mut report.brief_jerk } else { &mut report.jerk };
+                peak.raise(jerk.abs() / limit, line, time);
             }
         }
         self.differ(position, line, time);

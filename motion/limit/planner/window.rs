@@ -3,7 +3,7 @@
 use super::Planner;
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
-use crate::limit::grid::Grid;
+use crate::limit::grid::{Cap, CapSource, End, Grid};
 use crate::limit::reachable;
 use crate::limit::sample::{Cell, grid};
 use crate::limit::smooth::{Beginning, Broken, Guess, SmoothProfile};
@@ -29,6 +29,9 @@ const MOST_CELLS: usize = 4;
 const VARIES: f64 = 0.12;
 /// A change is felt for so many times the time in which acceleration builds up.
 const FELT: f64 = 4.0;
+/// A careful guess has at most so many times the u̇² at which jerks let the path be gone through at constant velocity; the next
+/// if there is no profile about it.
+const SHARP: [f64; 3] = [1.5, 0.3, 6.0];
 /// A profile far from what it is about is solved about again, so often at most.
 const MOST_SOLVES: u32 = 20;
 
@@ -60,7 +63,22 @@ where
     }
 
     fn solve_smooth(&mut self) -> Result<Vec<Stretch>, NotSolved> {
-        let mut guess = self.first_guess();
+        if !self.options.course.turning {
+            return self.solve_smooth_about(self.first_guess());
+        }
+        // A profile about one that is much too fast may be impossible.
+        let [first, then @ ..] = SHARP;
+        let mut solved = self.solve_smooth_about(self.careful_guess(first));
+        for part in then {
+            if solved.is_err() {
+                self.effort.failed -= 1;
+                solved = self.solve_smooth_about(self.careful_guess(part));
+            }
+        }
+        solved
+    }
+
+    fn solve_smooth_about(&mut self, mut guess: Guess) -> Result<Vec<Stretch>, NotSolved> {
         let (mut profile, mut broken) = self.settle(&mut guess)?;
         let mut round = 0;
         let most = MOST_CELLS * self.cells.len();
@@ -206,6 +224,23 @@ where
         Guess::rough(guess)
     }
 
+    /// The same where the path bends so sharply that jerks limit even a constant velocity.
+    fn careful_guess(&self, part: f64) -> Guess {
+        let mut grid = grid(&self.sampler, &self.cells);
+        for node in self.kept.len()..grid.cells() {
+            let ends = [(node, End::Start), (node.saturating_sub(1), End::Finish)];
+            let rows = ends.into_iter().flat_map(|(cell, end)| grid.jerks(cell, end));
+            let sharpest = rows.fold(0.0, |most: f64, row| most.max(row.third.abs()));
+            let v2 = part * sharpest.powf(-2.0 / 3.0);
+            grid.cap_at(node, Cap { v2, source: CapSource::Nothing });
+        }
+        let mut guess = self.estimate(&grid).0;
+        for (guess, kept) in guess.iter_mut().zip(&self.kept) {
+            *guess = *kept;
+        }
+        Guess::rough(guess)
+    }
+
     /// Cuts cells in half in which jerks would differ too much from place to place.
     fn bend(&mut self, grid: &Grid, guess: &mut Guess) {
         let fresh = self.kept.len().saturating_sub(1);
@@ -318,7 +353,8 @@ where
         let mut worst = [0.0_f64; 3];
         let limits = self.sampler.axes().limits();
         // What jerk limits have smoothed is not so far from the places where it is known.
-        let eighths = (0..=8_u8).step_by(if self.jerk_limited { 2 } else { 1 });
+        let smooth = self.jerk_limited && !self.options.course.turning;
+        let eighths = (0..=8_u8).step_by(if smooth { 2 } else { 1 });
         for eighth in eighths {
             let u = 0.125 * f64::from(eighth) * cell.length();
             let sample = match eighth {
