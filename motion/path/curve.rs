@@ -161,13 +161,13 @@ impl<P: Planar> Curve<P> {
             let (stretch, turn) = (second.re, second.im);
             let bend = turn / speed;
             let bend_rate = (log_second.im - turn * stretch) / speed / speed;
-            let bend_second = (log_third.im - 3.0 * log_second.im * stretch
-                - turn * log_second.re
+            let bend_second = (log_third.im - 3.0 * log_second.im * stretch - turn * log_second.re
                 + 2.0 * turn * stretch * stretch)
                 / speed
                 / speed
                 / speed;
-            let planar = across * (bend_second - bend * bend * bend) - along * (3.0 * bend * bend_rate);
+            let planar =
+                across * (bend_second - bend * bend * bend) - along * (3.0 * bend * bend_rate);
             return planar * level.powi(4);
         }
         Vector2::zeros()

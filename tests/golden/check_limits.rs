@@ -107,7 +107,8 @@ fn a_knife_turns_in_time() {
     let at_once = desk.twin(&arguments);
     assert!(at_once.ended(1, "").stdout.contains("axis-velocity"), "{}", at_once.stdout);
     desk.write("corner.cnc", "% c\nN10 G92 X0 Y0 Z20\nN20 G1 X50 F50 E2000 E-2000\nN30 G1 Y50\n");
-    let done = desk.twin(&["check", "corner.cnc", "-m", &cutter, "--format", "json", "--limits", "axes"]);
+    let done =
+        desk.twin(&["check", "corner.cnc", "-m", &cutter, "--format", "json", "--limits", "axes"]);
     let report: Value = serde_json::from_str(&done.ended(0, "").stdout).expect("an object");
     // R: 1080 deg/s are reached with 20000 deg/s² after 54 ms.
     let expected = 2.0 * (50.0 / 50.0 + 50.0 / 2000.0) + 90.0 / 1080.0 + 1080.0 / 20000.0;

@@ -110,7 +110,9 @@ impl Machine {
     /// A box within reach, m: least and largest corner.
     pub fn room(self) -> [Vector3<f64>; 2] {
         match self {
-            Self::Gantry3 | Self::Cutter => [Vector3::new(0.0, -0.2, -0.05), Vector3::new(0.6, 0.4, 0.1)],
+            Self::Gantry3 | Self::Cutter => {
+                [Vector3::new(0.0, -0.2, -0.05), Vector3::new(0.6, 0.4, 0.1)]
+            }
             Self::Scara2 => [Vector3::new(0.18, -0.12, -0.05), Vector3::new(0.38, 0.12, 0.1)],
             Self::Tripod => [Vector3::new(-0.12, -0.12, 0.0), Vector3::new(0.12, 0.12, 0.12)],
         }
@@ -119,7 +121,8 @@ impl Machine {
     /// Whether every axis stays within its range at a point, m.
     pub fn reaches(self, point: &Vector3<f64>) -> bool {
         let pose = Pose::at(point.x, point.y, point.z);
-        let Ok(axes) = self.kinematics().inverse(&pose, &AxisVector::zeros(self.axes().len())) else {
+        let Ok(axes) = self.kinematics().inverse(&pose, &AxisVector::zeros(self.axes().len()))
+        else {
             return false;
         };
         axes.iter().zip(self.axes()).all(|(at, (_, [min, max]))| (min..=max).contains(at))

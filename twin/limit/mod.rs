@@ -11,8 +11,6 @@ mod csv;
 mod curve_tests;
 #[cfg(test)]
 mod effort_tests;
-#[cfg(test)]
-mod turning_tests;
 mod explain;
 mod feeds;
 mod json;
@@ -25,6 +23,8 @@ mod summary;
 #[cfg(test)]
 mod tests;
 mod text;
+#[cfg(test)]
+mod turning_tests;
 mod watch;
 
 pub use binding::{Binding, Quantity};

@@ -63,7 +63,8 @@ fn within_limits(machine: &Machine, found: &Limited) {
 }
 
 fn peak(found: &Limited, of: impl Fn(&ProfileSample) -> &AxisVector) -> f64 {
-    let values = found.samples.iter().map(|sample| of(sample).iter().copied().nth(R).unwrap().abs());
+    let values =
+        found.samples.iter().map(|sample| of(sample).iter().copied().nth(R).unwrap().abs());
     values.fold(0.0, f64::max)
 }
 
@@ -103,12 +104,16 @@ fn a_knife_turns_at_a_corner() {
             assert!(sample.place.line == 4 && sample.path_velocity.abs() <= 0.0);
             assert!((sample.way - 0.05).abs() < 1e-12);
         }
-        let held = turning.iter().filter(|sample| {
-            matches!(sample.binding, Some(Binding::Axis { axis: R, .. }))
-        });
+        let held = turning
+            .iter()
+            .filter(|sample| matches!(sample.binding, Some(Binding::Axis { axis: R, .. })));
         assert!(held.count() * 10 > turning.len() * 8);
         // The feed of the line is what its lines allow.
-        assert!(found.lines.iter().all(|line| (line.feed - 0.05).abs() < 1e-12), "{:?}", found.lines);
+        assert!(
+            found.lines.iter().all(|line| (line.feed - 0.05).abs() < 1e-12),
+            "{:?}",
+            found.lines
+        );
     }
 }
 

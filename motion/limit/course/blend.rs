@@ -49,8 +49,7 @@ impl Blend {
                     let [first, second] = [end.first, end.second].map(SVector::from);
                     [SVector::from(end.position) - start, first * scale, second * (scale * scale)]
                 });
-                let third =
-                    [from, to].map(|end| SVector::from(end.third) * scale * scale * scale);
+                let third = [from, to].map(|end| SVector::from(end.third) * scale * scale * scale);
                 let thirds = (order == Order::Jerk).then_some(third);
                 Some(Hermite::between(start, ends, thirds)?)
             }

@@ -115,9 +115,7 @@ pub(super) fn widest(
                 (trial.deviation / deviation).ln() / (half_width / width).ln()
             })
             .filter(|power| power.is_finite())
-            .unwrap_or_else(|| {
-                expected.iter().map(|e| e.power(half_width)).fold(highest, f64::min)
-            })
+            .unwrap_or_else(|| expected.iter().map(|e| e.power(half_width)).fold(highest, f64::min))
             .clamp(1.0, highest);
         last = Some([half_width, trial.deviation]);
         let by = (AIM / trial.deviation).powf(power.recip());
@@ -209,10 +207,8 @@ impl Expected {
             let square = width * width;
             let beyond =
                 (tangent + curvature * width + rate * square + circle * bent) * width - tolerance;
-            let slope = tangent
-                + 2.0 * curvature * width
-                + 3.0 * rate * square
-                + power * circle * bent;
+            let slope =
+                tangent + 2.0 * curvature * width + 3.0 * rate * square + power * circle * bent;
             if !(beyond > 0.0 && slope > 0.0) {
                 break;
             }
@@ -230,8 +226,7 @@ impl Expected {
             self.rate * width * width,
             self.circle * width.powi(self.power - 1),
         ];
-        let power =
-            (one + 2.0 * two + 3.0 * three + most * last) / (one + two + three + last);
+        let power = (one + 2.0 * two + 3.0 * three + most * last) / (one + two + three + last);
         if power.is_finite() { power } else { most }
     }
 }

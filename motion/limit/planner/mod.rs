@@ -4,6 +4,7 @@
 //! it. Of a window that does not end at a stop, only the part is committed that this makeshift end has no influence on.
 
 mod commit;
+mod guess;
 mod refine;
 mod replan;
 mod returned;

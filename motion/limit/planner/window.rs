@@ -1,9 +1,10 @@
 //! A profile over a window, verified between the places where limits are asked for.
 
 use super::Planner;
+use super::guess::SLOWER;
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
-use crate::limit::grid::{Cap, CapSource, End, Grid};
+use crate::limit::grid::Grid;
 use crate::limit::reachable;
 use crate::limit::sample::{Cell, grid};
 use crate::limit::smooth::{Beginning, Broken, Guess, SmoothProfile};
@@ -29,9 +30,6 @@ const MOST_CELLS: usize = 4;
 const VARIES: f64 = 0.12;
 /// A change is felt for so many times the time in which acceleration builds up.
 const FELT: f64 = 4.0;
-/// A careful guess has at most so many times the u̇² at which jerks let the path be gone through at constant velocity; the next
-/// if there is no profile about it.
-const SHARP: [f64; 3] = [1.5, 0.3, 6.0];
 /// A profile far from what it is about is solved about again, so often at most.
 const MOST_SOLVES: u32 = 20;
 
@@ -63,16 +61,14 @@ where
     }
 
     fn solve_smooth(&mut self) -> Result<Vec<Stretch>, NotSolved> {
-        if !self.options.course.turning {
-            return self.solve_smooth_about(self.first_guess());
-        }
-        // A profile about one that is much too fast may be impossible.
-        let [first, then @ ..] = SHARP;
-        let mut solved = self.solve_smooth_about(self.careful_guess(first));
-        for part in then {
-            if solved.is_err() {
-                self.effort.failed -= 1;
-                solved = self.solve_smooth_about(self.careful_guess(part));
+        let mut solved = self.solve_smooth_about(self.first_guess());
+        if self.options.course.turning {
+            // In sharp corners a profile about one that is much too fast may be impossible.
+            for part in SLOWER {
+                if solved.is_err() {
+                    self.effort.failed -= 1;
+                    solved = self.solve_smooth_about(self.slower_guess(part));
+                }
             }
         }
         solved
@@ -179,9 +175,20 @@ where
     ) -> Result<(SmoothProfile, Broken), NotSolved> {
         self.effort.cells += free.len() as u64;
         let solved = self.smooth.solve_about(grid, 0..grid.cells(), self.beginning, guess, free);
-        let (profile, broken) = solved.inspect_err(|e| {self.effort.failed += 1;
-            eprintln!("FAILED {e:?} cells {} lines {:?} beginning {:?} length {} tight {:?}", grid.cells(), self.cells.iter().map(|c| c.element.place().line).collect::<std::collections::BTreeSet<_>>(), self.beginning, self.cells.iter().map(|c| c.length()).sum::<f64>(), self.cells.iter().map(|c| c.tight[1]).fold(0.0, f64::max));
-            })?;
+        let (profile, broken) = solved.inspect_err(|e| {
+            self.effort.failed += 1;
+            eprintln!(
+                "FAILED {e:?} cells {} lines {:?} beginning {:?} length {} tight {:?}",
+                grid.cells(),
+                self.cells
+                    .iter()
+                    .map(|c| c.element.place().line)
+                    .collect::<std::collections::BTreeSet<_>>(),
+                self.beginning,
+                self.cells.iter().map(|c| c.length()).sum::<f64>(),
+                self.cells.iter().map(|c| c.tight[1]).fold(0.0, f64::max)
+            );
+        })?;
         self.effort.iterations += u64::from(profile.iterations);
         Ok((profile, broken))
     }
@@ -213,32 +220,6 @@ where
             }
         }
         parts
-    }
-
-    /// What a window with limited jerk is solved about at first.
-    fn first_guess(&self) -> Guess {
-        let mut guess = self.estimate(&grid(&self.sampler, &self.cells)).0;
-        for (guess, kept) in guess.iter_mut().zip(&self.kept) {
-            *guess = *kept;
-        }
-        Guess::rough(guess)
-    }
-
-    /// The same where the path bends so sharply that jerks limit even a constant velocity.
-    fn careful_guess(&self, part: f64) -> Guess {
-        let mut grid = grid(&self.sampler, &self.cells);
-        for node in self.kept.len()..grid.cells() {
-            let ends = [(node, End::Start), (node.saturating_sub(1), End::Finish)];
-            let rows = ends.into_iter().flat_map(|(cell, end)| grid.jerks(cell, end));
-            let sharpest = rows.fold(0.0, |most: f64, row| most.max(row.third.abs()));
-            let v2 = part * sharpest.powf(-2.0 / 3.0);
-            grid.cap_at(node, Cap { v2, source: CapSource::Nothing });
-        }
-        let mut guess = self.estimate(&grid).0;
-        for (guess, kept) in guess.iter_mut().zip(&self.kept) {
-            *guess = *kept;
-        }
-        Guess::rough(guess)
     }
 
     /// Cuts cells in half in which jerks would differ too much from place to place.

@@ -41,7 +41,8 @@ fn nobody_asks() {
 #[test]
 fn on_circles_the_direction_turns_evenly() {
     for (sweep, rise) in [(5.0, 0.0), (-3.0, 0.0), (4.0, 0.03)] {
-        let course = course(vec![arc(Plane::Xy, [0.02, 0.0, 0.1], [0.0, 0.0], sweep, rise)], turning(1e-5));
+        let course =
+            course(vec![arc(Plane::Xy, [0.02, 0.0, 0.1], [0.0, 0.0], sweep, rise)], turning(1e-5));
         let [element] = &course[..] else { panic!("{course:?}") };
         let rate = sweep / element.length();
         for part in [0.0, 0.2, 0.9, 1.0] {
@@ -97,7 +98,8 @@ fn rounded_corners_need_no_turn() {
 /// Straight down, along +y, up, a pause, along −x: as it was on the way down and up.
 #[test]
 fn straight_up_or_down_it_stays() {
-    let points = [[0.1, 0.0, 0.1], [0.1, 0.0, 0.0], [0.1, 0.1, 0.0], [0.1, 0.1, 0.1], [0.0, 0.1, 0.1]];
+    let points =
+        [[0.1, 0.0, 0.1], [0.1, 0.0, 0.0], [0.1, 0.1, 0.0], [0.1, 0.1, 0.1], [0.0, 0.1, 0.1]];
     let mut path: Vec<_> = points.windows(2).map(|pair| line(pair[0], pair[1])).collect();
     path.insert(3, element(ElementKind::Dwell { time_ns: 1 }, line(points[3], points[3]).shape));
     for course in [stopping(path.clone(), turning(1e-5)), course(path, turning(1e-5))] {
@@ -117,7 +119,8 @@ fn straight_up_or_down_it_stays() {
 /// Down one steep slope and up the next: in space hardly a corner, seen from above a reversal.
 #[test]
 fn what_folds_seen_from_above_stops() {
-    let path = vec![line([0.0, 0.0, 0.0], [0.01, 0.0, 0.1]), line([0.01, 0.0, 0.1], [0.0, 0.0, 0.2])];
+    let path =
+        vec![line([0.0, 0.0, 0.0], [0.01, 0.0, 0.1]), line([0.01, 0.0, 0.1], [0.0, 0.0, 0.2])];
     let [turn] = turns(&course(path, turning(1e-5)))[..] else { panic!("one turn") };
     assert!((turn - PI).abs() < 1e-9);
 }
@@ -151,7 +154,8 @@ fn turns_behind_errors() {
     path.insert(1, Err(Error::Upstream(3)));
     let checked = CheckVelocities::new(path.into_iter(), PI);
     let found: Vec<_> = Course::new(checked, turning(1e-5)).collect();
-    let kinds: Vec<_> = found.iter().map(|next| next.as_ref().map(CourseElement::is_turn)).collect();
+    let kinds: Vec<_> =
+        found.iter().map(|next| next.as_ref().map(CourseElement::is_turn)).collect();
     assert_eq!(kinds, [Ok(false), Err(&Error::Upstream(3)), Ok(true), Ok(false)]);
 }
 
