@@ -65,8 +65,8 @@ fn turns_on_the_spot_take_their_time() {
         let found = report.duration - planned(&polyline(&points[1..]), &settings).duration - line;
         let expected = turning(turn);
         println!("{turn}: {found} {expected} s, {:?}", report.effort);
-        // The edge is 2 mm beside R: the other axes hardly have to give anything for it.
-        assert!((found / expected - 1.0).abs() < 2e-3, "{turn}: {found} {expected}");
+        // The edge is 2 mm beside R: what the other axes have to give for that is within their limits.
+        assert!((found / expected - 1.0).abs() < 5e-4, "{turn}: {found} {expected}");
     }
 }
 
@@ -130,26 +130,8 @@ fn settings_of_any_kind() -> impl Strategy<Value = Settings> {
 }
 
 proptest! {
-    #![proptest_config(cases(12))]
+    #![proptest_config(cases(40))]
 
-}
-proptest! {
-    #![proptest_config(cases(std::env::var("CASES").map_or(12, |c| c.parse().unwrap())))]
-    #[test]
-    fn debug_many(
-        settings in settings_of_any_kind(),
-        steps in prop::collection::vec(step(), 1..20),
-    ) {
-        let path = walk(&steps, settings.machine);
-        let report = run(path.iter().cloned(), &settings, settings.options());
-        println!("CASE failed {} exceeded {} windows {} jerk {:.3} 3rd {:.3} a {:.4} v {:.4} check {:?}", report.effort.failed, report.effort.exceeded, report.effort.windows,
-            report.jerk.value, report.third_difference.value, report.acceleration.value, report.velocity.value, check(&report, &path, &settings).map_err(|e| e.to_string().chars().take(150).collect::<String>()));
-        if report.effort.failed > 0 { println!("   {:?} {:?}", settings.tolerance, path.iter().map(|e| (e.place.line, format!("{:?}", e.shape).chars().take(6).collect::<String>(), e.length())).collect::<Vec<_>>()); }
-    }
-
-}
-proptest! {
-    #![proptest_config(cases(12))]
     #[test]
     fn limits_of_jerk_are_kept(
         settings in settings_of_any_kind(),

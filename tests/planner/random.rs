@@ -136,7 +136,7 @@ pub fn check(
         ("velocity", report.velocity, 1.001),
         ("acceleration", report.acceleration, 1.001),
         ("jerk", report.jerk, 1.05),
-        ("brief jerk", report.brief_jerk, if settings.machine.turns() { 1.5 } else { 1.05 }),
+        ("brief jerk", report.brief_jerk, if settings.machine.turns() { 3.0 } else { 1.05 }),
         ("third difference", report.third_difference, 1.05),
         ("feed", report.feed, 1.001),
         ("path acceleration", report.path_acceleration, 1.001),

@@ -212,7 +212,7 @@ fn holds(
         ("velocity", report.velocity, 1.001),
         ("acceleration", report.acceleration, 1.001),
         ("jerk", report.jerk, 1.05),
-        ("brief jerk", report.brief_jerk, if settings.machine.turns() { 1.5 } else { 1.05 }),
+        ("brief jerk", report.brief_jerk, if settings.machine.turns() { 3.0 } else { 1.05 }),
         ("third difference", report.third_difference, 1.05),
         // While it brakes it may be faster by what the slowest profile needs not to be the only one.
         // Where no new plan was found the old one goes on for a while.

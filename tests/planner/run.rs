@@ -14,7 +14,7 @@ use twin_motion::prepare::{CheckError, CheckVelocities};
 
 /// Servo cycle, s.
 const CYCLE: f64 = 1e-3;
-/// In legs that take less time, s, a jerk makes no difference.
+/// In legs that take less time, s, a jerk limit lets the acceleration change by a thousandth of its limit.
 const BRIEF: f64 = 2e-5;
 /// The root of what is left of u̇² by rounding, m/s.
 const AT_REST: f64 = 1e-7;

@@ -9,19 +9,28 @@
 
 use super::joint::{SLOWEST, Steps};
 use super::{CourseElement, CoursePoint};
-use crate::interpolate::heading::direction;
+use crate::interpolate::heading;
 use crate::path::{Plane, Shape};
 use crate::prepare::CheckedElement;
 use nalgebra::Vector2;
 use std::f64::consts::{PI, TAU};
 use twin_kinematics::direction_rates;
 
+/// A tangent whose horizontal part is no longer than this goes straight up or down: steeper than a micrometre per metre.
+const UPRIGHT: f64 = 1e-6;
 /// Directions that differ by no more than this, rad, are the same.
 const SAME: f64 = 1e-8;
 /// A place on an arc is found by so many halvings.
 const HALVINGS: u32 = 60;
+/// Places within this part of the length from the ends of an arc are there; between them and the ends it is upright.
+const AT_ENDS: f64 = 1e-7;
 /// An arc goes straight up or down at no more places: twice per turn.
 const MOST_PLACES: u32 = 64;
+
+/// The angle of a tangent seen from above, rad; none where it goes straight up or down.
+fn direction(tangent: Vector2<f64>) -> Option<f64> {
+    heading::direction(tangent).filter(|_| tangent.norm() > UPRIGHT)
+}
 
 /// The direction of the path seen from above and its derivatives by the parameter of the course.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -113,7 +122,7 @@ fn turning_round(element: &CheckedElement) -> Option<f64> {
     let slope = |s: f64| element.shape.at(s).tangent.xy();
     let part = arc.sweep().abs() / length;
     let step = PI / 8.0 / part;
-    let near = 1e-9 * length;
+    let near = AT_ENDS * length;
     let across = arc.plane().normal().xy();
     let along = |s: f64| {
         let slope = slope(s);

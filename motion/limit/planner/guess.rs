@@ -8,7 +8,7 @@ use crate::limit::smooth::{Beginning, Guess};
 use crate::prepare::CheckedElement;
 
 /// If there is no profile about the first guess, others have so much of its u̇².
-pub(super) const SLOWER: [f64; 2] = [0.2, 0.02];
+pub(super) const SLOWER: [f64; 4] = [0.2, 0.02, 0.6, 2e-3];
 /// Or, where the path does not begin at rest, times this of that at which jerks let it be gone through at constant velocity.
 const SHARP: f64 = 7.5;
 

@@ -65,10 +65,12 @@ where
         if self.options.course.turning {
             // In sharp corners a profile about one that is much too fast may be impossible.
             for part in SLOWER {
-                if solved.is_err() {
-                    self.effort.failed -= 1;
-                    solved = self.solve_smooth_about(self.slower_guess(part));
+                match &solved {
+                    Ok(stretches) if can_be_followed(stretches) => return solved,
+                    Ok(_) => {}
+                    Err(_impossible) => self.effort.failed -= 1,
                 }
+                solved = self.solve_smooth_about(self.slower_guess(part));
             }
         }
         solved
@@ -175,20 +177,7 @@ where
     ) -> Result<(SmoothProfile, Broken), NotSolved> {
         self.effort.cells += free.len() as u64;
         let solved = self.smooth.solve_about(grid, 0..grid.cells(), self.beginning, guess, free);
-        let (profile, broken) = solved.inspect_err(|e| {
-            self.effort.failed += 1;
-            eprintln!(
-                "FAILED {e:?} cells {} lines {:?} beginning {:?} length {} tight {:?}",
-                grid.cells(),
-                self.cells
-                    .iter()
-                    .map(|c| c.element.place().line)
-                    .collect::<std::collections::BTreeSet<_>>(),
-                self.beginning,
-                self.cells.iter().map(|c| c.length()).sum::<f64>(),
-                self.cells.iter().map(|c| c.tight[1]).fold(0.0, f64::max)
-            );
-        })?;
+        let (profile, broken) = solved.inspect_err(|_| self.effort.failed += 1)?;
         self.effort.iterations += u64::from(profile.iterations);
         Ok((profile, broken))
     }
@@ -361,6 +350,11 @@ where
         }
         worst
     }
+}
+
+/// Whether a profile does not have to go backwards in between.
+pub(super) fn can_be_followed(stretches: &[Stretch]) -> bool {
+    stretches.iter().all(|stretch| stretch.duration().is_finite())
 }
 
 /// Whether something in a cell is more than it may be.
