@@ -130,7 +130,7 @@ fn settings_of_any_kind() -> impl Strategy<Value = Settings> {
 }
 
 proptest! {
-    #![proptest_config(cases(40))]
+    #![proptest_config(cases(24))]
 
     #[test]
     fn limits_of_jerk_are_kept(
