@@ -137,7 +137,7 @@ fn a_knife_limits_the_feed_on_a_circle() {
 #[test]
 fn set_points_turn_as_planned() {
     let machine = cutter();
-    let text = "% all\nN10 G92 X0 Y0 Z20\nN20 G0 X20 Y10\nN30 G1 Z0 F30 E2000 E-2000\nN40 G1 X60 Y10 F100\n\
+    let text = "% all\nN10 G92 X0 Y0 Z20 F150 E2000 E-2000\nN20 G0 X20 Y10\nN30 G1 Z0 F30\nN40 G1 X60 Y10 F100\n\
                 N50 G3 X60 Y40 I0 J15\nN60 G1 X30\nN70 G5 X20 Y50\nN80 G5 X0 Y30\nN90 G1 Z20\nN100 G0 X0 Y0\n";
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("program.cnc");

@@ -41,7 +41,9 @@ where
         }
         let mut guess = self.estimate(&grid).0;
         if self.beginning == Beginning::Rest {
-            guess.iter_mut().for_each(|b| *b *= part);
+            for b in &mut guess {
+                *b *= part;
+            }
         }
         for (guess, kept) in guess.iter_mut().zip(&self.kept) {
             *guess = *kept;

@@ -59,7 +59,7 @@ fn on_circles_the_direction_turns_evenly() {
 
 #[test]
 fn corners_are_turned_at_rest() {
-    for turn in [0.02, 1.0, -2.0, 3.0, PI, -3.14] {
+    for turn in [0.02, 1.0, -2.0, 3.0, PI, -3.1] {
         let mut path = corner(turn, [0.1, 0.1]);
         path[1].place = Place { line: 7, block: None };
         let path: Vec<_> = path.into_iter().map(|line| with_p(line, 5.0, 5.0)).collect();
@@ -106,9 +106,9 @@ fn straight_up_or_down_it_stays() {
         let along = |index: usize| bearing(&course[index], 0.5 * course[index].length()).along;
         // Down, along, up, the pause, the turn, back.
         assert_eq!(course.len(), 6);
-        for index in 0..4 {
+        for (index, element) in course.iter().enumerate().take(4) {
             assert!((along(index) - FRAC_PI_2).abs() < 1e-12);
-            assert!(course[index].tail().is_none() && course[index].stops_at_end());
+            assert!(element.tail().is_none() && element.stops_at_end());
         }
         let [turn] = turns(&course)[..] else { panic!("{course:?}") };
         assert!((turn - FRAC_PI_2).abs() < 1e-12 && course[4].is_turn());
