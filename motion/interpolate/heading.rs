@@ -92,7 +92,11 @@ impl Bearing {
 
 fn angle(point: &PathPoint, backwards: bool) -> Option<f64> {
     let ahead = point.tangent.xy();
-    let programmed = if backwards { -ahead } else { ahead };
+    direction(if backwards { -ahead } else { ahead })
+}
+
+/// The angle of a tangent seen from above, rad, 0 = +x, −π to π; none where it goes straight up or down.
+pub(crate) fn direction(tangent: Vector2<f64>) -> Option<f64> {
     // Without −0: it is on the other side of the cut along −x.
-    (ahead.norm() > UPRIGHT).then(|| (programmed.y + 0.0).atan2(programmed.x))
+    (tangent.norm() > UPRIGHT).then(|| (tangent.y + 0.0).atan2(tangent.x))
 }

@@ -15,7 +15,7 @@ mod braking;
 mod by_position;
 mod control;
 mod error;
-mod heading;
+pub(crate) mod heading;
 mod inputs;
 pub(crate) mod instant;
 mod interpolator;

@@ -52,7 +52,8 @@ pub trait AxisPath {
     }
 }
 
-/// Kinematics without work frame, direction and additional axes.
+/// Kinematics without work frame and additional axes. The direction of the tool is that of the path where the course knows it
+/// ([`CourseOptions::turning`](super::course::CourseOptions::turning)), else 0.
 #[derive(Debug)]
 pub struct KinematicPath<K> {
     kinematics: K,
@@ -82,16 +83,18 @@ impl<K: Kinematics> AxisPath for KinematicPath<K> {
         s: f64,
         near: &AxisVector,
     ) -> Result<AxisPoint, KinematicsError> {
-        let CoursePoint { position, first, second, third, .. } = element.at(s);
+        let point = element.at(s);
+        let bearing = element.bearing(s, &point).unwrap_or_default();
+        let CoursePoint { position, first, second, third, .. } = point;
         // With the parameter in the place of time, derivatives by time are those by the parameter.
         let tool = ToolMotion {
-            pose: Pose { position, direction: 0.0 },
+            pose: Pose { position, direction: bearing.along },
             velocity: first,
             acceleration: second,
-            direction_velocity: 0.0,
-            direction_acceleration: 0.0,
+            direction_velocity: bearing.first,
+            direction_acceleration: bearing.second,
         };
-        let jerk = ToolJerk { linear: third, direction: 0.0 };
+        let jerk = ToolJerk { linear: third, direction: bearing.third };
         axis_point(&self.kinematics, &tool, &jerk, near)
     }
 }

@@ -1,7 +1,7 @@
 //! Set-points along the planned motion, one per cycle.
 
 use super::ahead::{Ahead, Replan};
-use super::course::CourseElement;
+use super::course::{Bearing, CourseElement};
 use super::planner::{Leg, LimitError, Planned};
 use super::stretch::Progress;
 use crate::interpolate::instant::Instant;
@@ -9,6 +9,7 @@ use crate::interpolate::switches::SwitchBoard;
 use crate::interpolate::{ExtraMotion, Heading, Status, ToolSetpoint};
 use crate::path::{ElementKind, ExtraPoint, PathPoint};
 use std::collections::{BTreeMap, VecDeque};
+use std::f64::consts::{PI, TAU};
 use std::num::NonZeroU32;
 use std::sync::Arc;
 
@@ -170,7 +171,7 @@ where
             && !Arc::ptr_eq(passed, element)
         {
             self.board.pass_all(passed.element().switches(), count);
-            self.way += passed.length();
+            self.way += passed.element().path_length();
             self.switching = None;
         }
         if self.switching.is_none() {
@@ -203,7 +204,12 @@ where
         };
         // Where there is no direction it stays as it was.
         let still = Heading { rate: 0.0, acceleration: 0.0, ..self.heading };
-        self.heading = Heading::at(&path, [velocity, acceleration], false).unwrap_or(still);
+        self.heading = match element.bearing(s, &point) {
+            Some(bearing) => heading(&bearing, [velocity, acceleration]),
+            None => Heading::at(&path, [velocity, acceleration], false).unwrap_or(still),
+        };
+        let (way, path_velocity) =
+            if element.is_turn() { (0.0, 0.0) } else { (s, velocity * speed(&path)) };
         let time_ns = self.now_ns;
         self.now_ns = self.now_ns.saturating_add(self.cycle_ns);
         let path_element = element.element();
@@ -223,8 +229,8 @@ where
             position: point.position,
             velocity: point.first * velocity,
             acceleration: point.second * (velocity * velocity) + point.first * acceleration,
-            path_velocity: velocity * speed(&path),
-            way: self.way + s,
+            path_velocity,
+            way: self.way + way,
             heading: self.heading,
             extra: point.extra.map(|extra| extra_motion(&extra, &progress)).unwrap_or_default(),
         };
@@ -236,6 +242,15 @@ where
 fn speed(point: &PathPoint) -> f64 {
     let speed = point.tangent.norm();
     if speed > 0.0 { speed } else { 1.0 }
+}
+
+/// How the direction of the path moves with a velocity and acceleration of the parameter.
+fn heading(bearing: &Bearing, [velocity, acceleration]: [f64; 2]) -> Heading {
+    let Bearing { along, first, second, .. } = *bearing;
+    // A turn may go on beyond half a turn.
+    let along = if along.abs() > PI { (along + PI).rem_euclid(TAU) - PI } else { along };
+    let rate = first * velocity;
+    Heading { along, rate, acceleration: second * (velocity * velocity) + first * acceleration }
 }
 
 fn extra_motion(extra: &ExtraPoint, progress: &Progress) -> ExtraMotion {

@@ -260,6 +260,9 @@ impl<A: AxisPath> Sampler<A> {
         // Where only extra axes move the parameter itself is the way.
         let (scale, bend) =
             if speed > 0.0 { (speed, point.first.dot(&point.second) / speed) } else { (1.0, 0.0) };
+        // The program says nothing of how fast the tool turns at rest.
+        let [feed, path_acceleration] =
+            [feed, path_acceleration].map(|limited| limited && !element.is_turn());
         let cap = if feed {
             let v2 = self.feeds.bound(element, s, (element.feed() / scale).powi(2));
             Cap { v2, source: CapSource::Feed }

@@ -152,4 +152,16 @@ impl Arc {
             (outward * (3.0 * widening) + around * (radius * turn)) * (-turn * turn);
         PathPoint { position, tangent, curvature, curvature_rate }
     }
+
+    /// The fourth derivative of the position at `s` m from the start, 1/m³.
+    pub(super) fn fourth(&self, s: f64) -> Vector3<f64> {
+        let (sin, cos) = (self.start_angle + s / self.length * self.sweep).sin_cos();
+        let outward = self.plane.join([cos, sin, 0.0]);
+        let around = self.plane.join([-sin, cos, 0.0]);
+        let growth = self.end_radius - self.radius;
+        let radius = self.radius + s / self.length * growth;
+        let turn = self.sweep / self.length;
+        let widening = growth / self.length;
+        (outward * (radius * turn) - around * (4.0 * widening)) * (turn * turn * turn)
+    }
 }

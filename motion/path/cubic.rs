@@ -33,6 +33,10 @@ impl Planar for Form {
         let ([_, _, _, x], [_, _, _, y]) = (self.x, self.y);
         Vector2::new(6.0 * x, 6.0 * y)
     }
+
+    fn fourth(&self, _: f64) -> Vector2<f64> {
+        Vector2::zeros()
+    }
 }
 
 impl Cubic {
@@ -106,6 +110,10 @@ impl Cubic {
 
     pub(super) fn at(&self, s: f64) -> PathPoint {
         self.curve.at(s)
+    }
+
+    pub(super) fn fourth(&self, s: f64) -> Vector2<f64> {
+        self.curve.fourth(s)
     }
 
     /// The part between two path lengths, from `start` to `end`.

@@ -1,7 +1,7 @@
 //! Planar curves that are given by a parameter and travelled by length: what ellipses and cubics have in common.
 
 use super::PathPoint;
-use nalgebra::{Point2, Point3, Vector2, Vector3};
+use nalgebra::{Complex, Point2, Point3, Vector2, Vector3};
 use std::fmt;
 
 /// Points and weights of ten-point Gauss–Legendre quadrature on −1 to 1; the other half mirrors them.
@@ -34,6 +34,9 @@ pub(super) trait Planar {
 
     /// Third derivative with respect to t, m.
     fn third(&self, t: f64) -> Vector2<f64>;
+
+    /// Fourth derivative with respect to t, m.
+    fn fourth(&self, t: f64) -> Vector2<f64>;
 
     /// Speed with respect to t, m.
     fn speed(&self, t: f64) -> f64 {
@@ -132,6 +135,44 @@ impl<P: Planar> Curve<P> {
         }
     }
 
+    /// The fourth derivative of X and Y at `s` m from the start, 1/m³.
+    ///
+    /// With the direction θ, the curvature κ = dθ/ds and its derivatives by planar length that of the position is
+    /// (κ″ − κ³) across the path and −3·κ·κ′ along it. The derivatives of the logarithm of p′ = v·e^{iθ} by t are
+    /// v̇/v + i·θ̇ and so on, and κ = θ̇/v.
+    pub(super) fn fourth(&self, s: f64) -> Vector2<f64> {
+        if self.length <= 0.0 {
+            return Vector2::zeros();
+        }
+        let level = self.planar / self.length;
+        let t = self.parameter(s);
+        let (_, first, second) = self.form.at(t);
+        let speed = first.norm();
+        if !stands(speed, &second) {
+            let along = first / speed;
+            let across = Vector2::new(-along.y, along.x);
+            let part = |vector: Vector2<f64>| {
+                Complex::new(along.dot(&vector), across.dot(&vector)) / speed
+            };
+            let [second, third, fourth] =
+                [second, self.form.third(t), self.form.fourth(t)].map(part);
+            let log_second = third - second * second;
+            let log_third = fourth - third * second * 3.0 + second * second * second * 2.0;
+            let (stretch, turn) = (second.re, second.im);
+            let bend = turn / speed;
+            let bend_rate = (log_second.im - turn * stretch) / speed / speed;
+            let bend_second = (log_third.im - 3.0 * log_second.im * stretch - turn * log_second.re
+                + 2.0 * turn * stretch * stretch)
+                / speed
+                / speed
+                / speed;
+            let planar =
+                across * (bend_second - bend * bend * bend) - along * (3.0 * bend * bend_rate);
+            return planar * level.powi(4);
+        }
+        Vector2::zeros()
+    }
+
     /// The parameter at `s` m from the start.
     pub(super) fn parameter(&self, s: f64) -> f64 {
         if s <= 0.0 || self.length <= 0.0 {
@@ -197,7 +238,7 @@ fn frame<P: Planar>(
     second: Vector2<f64>,
 ) -> [Vector2<f64>; 3] {
     let speed = first.norm();
-    if speed > 1e-9 * second.norm() && speed > 0.0 {
+    if !stands(speed, &second) {
         let direction = first / speed;
         let across = |vector: Vector2<f64>| vector - direction * direction.dot(&vector);
         let bend = across(second) / (speed * speed);
@@ -210,6 +251,11 @@ fn frame<P: Planar>(
     let beside = if t < 0.5 { t + 1e-6 } else { t - 1e-6 };
     let direction = form.at(beside).1.try_normalize(0.0).unwrap_or_default();
     [direction, Vector2::zeros(), Vector2::zeros()]
+}
+
+/// Whether a curve stands still where it has this speed and second derivative by its parameter, m.
+fn stands(speed: f64, second: &Vector2<f64>) -> bool {
+    !(speed > 1e-9 * second.norm() && speed > 0.0)
 }
 
 /// Length of `form` between two parameters, by one panel.
@@ -262,6 +308,10 @@ mod tests {
 
         fn third(&self, _: f64) -> Vector2<f64> {
             Vector2::new(0.6, 0.8) * (2.0 * self.0)
+        }
+
+        fn fourth(&self, _: f64) -> Vector2<f64> {
+            Vector2::zeros()
         }
     }
 

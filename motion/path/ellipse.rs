@@ -54,6 +54,15 @@ impl Planar for Form {
         let size = self.size + t * self.growth;
         (around * size + outward * (3.0 * self.growth)) * (-self.sweep * self.sweep)
     }
+
+    fn fourth(&self, t: f64) -> Vector2<f64> {
+        let (sin, cos) = (self.start_angle + t * self.sweep).sin_cos();
+        let outward = self.major * cos + self.minor * sin;
+        let around = (self.minor * cos - self.major * sin) * self.sweep;
+        let size = self.size + t * self.growth;
+        let square = self.sweep * self.sweep;
+        (outward * (size * square) - around * (4.0 * self.growth)) * square
+    }
 }
 
 /// Why no ellipse fits the words of a block (manual 3.2.5).
@@ -187,6 +196,10 @@ impl Ellipse {
 
     pub(super) fn at(&self, s: f64) -> PathPoint {
         self.curve.at(s)
+    }
+
+    pub(super) fn fourth(&self, s: f64) -> Vector2<f64> {
+        self.curve.fourth(s)
     }
 
     /// The part between two path lengths, from `start` to `end`.

@@ -1,7 +1,7 @@
 //! Geometry of a path element: position and derivatives over path length.
 
 use super::{Arc, Cubic, Ellipse};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Vector2, Vector3};
 
 /// Geometry of an element. Parametrised by the path length `s` in m from its start.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,6 +62,17 @@ impl Shape {
             Self::Arc(arc) => arc.at(s),
             Self::Ellipse(ellipse) => ellipse.at(s),
             Self::Cubic(cubic) => cubic.at(s),
+        }
+    }
+
+    /// Fourth derivative of X and Y at `s` m from the start, 1/m³: what the third one of the direction seen from above
+    /// needs beside [`Self::at`]. Zero on a line and where a curve stands still.
+    pub fn fourth_at(&self, s: f64) -> Vector2<f64> {
+        match self {
+            Self::Arc(arc) if arc.length() > 0.0 => arc.fourth(s).xy(),
+            Self::Line { .. } | Self::Arc(_) => Vector2::zeros(),
+            Self::Ellipse(ellipse) => ellipse.fourth(s),
+            Self::Cubic(cubic) => cubic.fourth(s),
         }
     }
 

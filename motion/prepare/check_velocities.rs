@@ -1,7 +1,7 @@
 //! Velocities at the transitions between elements (`SMC_CheckVelocities`, manual 3.2 and 6.2.7).
 
 use crate::Place;
-use crate::path::{ElementKind, PathElement};
+use crate::path::{Details, ElementKind, ExtraAxes, Marks, PathElement, Shape};
 use nalgebra::SVector;
 use std::f64::consts::PI;
 use std::fmt;
@@ -193,6 +193,37 @@ impl CheckedElement {
     fn stopping(mut self) -> Self {
         self.element.end_velocity = 0.0;
         self
+    }
+
+    /// Its start, as something without length at which the path rests.
+    pub(crate) fn start_at_rest(&self) -> Self {
+        let at = self.start();
+        let mut element = PathElement {
+            shape: Shape::Line { start: at, end: at },
+            end_velocity: 0.0,
+            marks: Marks::default(),
+            details: None,
+            ..self.element.clone()
+        };
+        if let Some(extra) = self.extra_at(0.0) {
+            let extra = Some(ExtraAxes { start: extra.position, end: extra.position });
+            element.details = Some(Box::new(Details { extra, ..Details::default() }));
+        }
+        Self { element, length: 0.0, in_space: false }
+    }
+
+    /// Cut in two where both parts have a length, m from its start; as it is if there is no such place.
+    pub(crate) fn split(self, at: f64) -> (Self, Option<Self>) {
+        let Ok([first, mut second]) = self.element.split(at / self.length) else {
+            return (self, None);
+        };
+        second.end_velocity = self.element.end_velocity;
+        let first = PathElement { end_velocity: first.feed, ..first };
+        let [first, second] = [first, second].map(|element| {
+            let length = element.length();
+            Self { element, length, in_space: self.in_space }
+        });
+        (first, Some(second))
     }
 
     /// Length of the path to travel, m; 0 for a jump, which has none.

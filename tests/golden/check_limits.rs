@@ -97,9 +97,26 @@ fn what_is_wrong_stays_wrong() {
     let arguments = ["check", "lines.cnc", "-m", "machine.toml", "--limits", "axes"];
     desk.twin(&[&arguments[..], &["--profile", "sigmoid"]].concat())
         .ended(2, "--limits softmotion");
+}
+
+/// At corners a knife would have to turn at once; within the limits of the axes it takes its time.
+#[test]
+fn a_knife_turns_in_time() {
+    let desk = desk();
     let cutter = root().join("machines/gantry_cutter3.toml").display().to_string();
-    desk.twin(&["check", "lines.cnc", "-m", &cutter, "--limits", "axes"])
-        .ended(2, "machines yet whose tool turns with the path");
+    let arguments = ["check", "lines.cnc", "-m", &cutter, "--format", "json"];
+    let at_once = desk.twin(&arguments);
+    assert!(at_once.ended(1, "").stdout.contains("axis-velocity"), "{}", at_once.stdout);
+    desk.write("corner.cnc", "% c\nN10 G92 X0 Y0 Z20\nN20 G1 X50 F50 E2000 E-2000\nN30 G1 Y50\n");
+    let done =
+        desk.twin(&["check", "corner.cnc", "-m", &cutter, "--format", "json", "--limits", "axes"]);
+    let report: Value = serde_json::from_str(&done.ended(0, "").stdout).expect("an object");
+    // R: 1080 deg/s are reached with 20000 deg/s² after 54 ms.
+    let expected = 2.0 * (50.0 / 50.0 + 50.0 / 2000.0) + 90.0 / 1080.0 + 1080.0 / 20000.0;
+    assert!((number(&report["duration_s"]) - expected).abs() < 2e-3, "{report:#}");
+    let peak = &report["peak"]["R"]["velocity"];
+    assert!(number(&peak["value"]) <= 1081.0 && number(&peak["value"]) > 1075.0, "{peak}");
+    assert_eq!(peak["line"], 4, "{peak}");
 }
 
 /// What is shipped is fit within the limits of the axes, on the machines it is for.

@@ -1,6 +1,7 @@
 //! `twin run --limits axes` as a process: what has been checked within the limits of the axes is what moves.
 
 use crate::process::{Desk, number};
+use crate::root;
 
 /// 40 mm of X at 150 mm/s, then 60 mm of Z, which does 200 mm/s and is asked for twice of that.
 const LINES: &str = "\
@@ -42,6 +43,20 @@ fn what_is_too_fast_for_an_axis_runs_within_its_limits() {
     for key in ["duration_s", "length_mm", "peak", "findings"] {
         assert_eq!(checked[key], desk.read("r.json")[key], "{key}");
     }
+}
+
+/// Two lines of 50 mm at F50 and E2000, and between them a quarter of a turn of the knife: 1080 deg/s, 20000 deg/s².
+#[test]
+fn a_knife_turns_where_the_path_rests() {
+    let desk = Desk::new();
+    desk.write("corner.cnc", "% c\nN10 G92 X0 Y0 Z20\nN20 G1 X50 F50 E2000 E-2000\nN30 G1 Y50\n");
+    let cutter = root().join("machines/gantry_cutter3.toml").display().to_string();
+    let arguments = ["run", "corner.cnc", "-m", &cutter, "--drives", "none", "--report", "r.json"];
+    desk.twin(&[&arguments[..], &["--limits", "axes"]].concat()).ended(0, "");
+    let report = desk.read("r.json");
+    assert_eq!(report["completed"], true);
+    let expected = 2.0 * (50.0 / 50.0 + 50.0 / 2000.0) + 90.0 / 1080.0 + 1080.0 / 20000.0;
+    assert!((number(&report["executed_s"]) - expected).abs() < 2e-3, "{report:#}");
 }
 
 #[test]

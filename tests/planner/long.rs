@@ -71,6 +71,7 @@ fn check(report: &Report, count: usize) {
     assert_eq!(report.lines.len(), count);
     assert!(report.acceleration.value <= 1.001, "{:?}", report.acceleration);
     assert!(report.jerk.value <= 1.05, "{:?}", report.jerk);
+    assert!(report.brief_jerk.value <= 1.05, "{:?}", report.brief_jerk);
     assert!(report.third_difference.value <= 1.05, "{:?}", report.third_difference);
 }
 

@@ -1,7 +1,8 @@
-//! The machines: dimensions and axis limits of `machines/gantry3.toml`, `scara2.toml` and `tripod.toml`, without tool.
+//! The machines: dimensions and axis limits of `machines/gantry3.toml`, `scara2.toml` and `tripod.toml`, without tool, and of
+//! `gantry_cutter3.toml` with the edge of its knife, which turns with the path.
 
 use nalgebra::Vector3;
-use twin_kinematics::gantry::Gantry3;
+use twin_kinematics::gantry::{Gantry3, GantryCutter3, Sense};
 use twin_kinematics::scara::{Elbow, Scara2};
 use twin_kinematics::tripod::{Tripod, TripodDimensions};
 use twin_kinematics::{AxisSource, AxisVector, Coordinate, Kinematics, MachineAxes, Pose};
@@ -15,9 +16,11 @@ pub enum Machine {
     Gantry3,
     Scara2,
     Tripod,
+    Cutter,
 }
 
 impl Machine {
+    /// Those whose tool does not turn.
     pub const ALL: [Self; 3] = [Self::Gantry3, Self::Scara2, Self::Tripod];
 
     pub fn name(self) -> &'static str {
@@ -25,6 +28,7 @@ impl Machine {
             Self::Gantry3 => "gantry3",
             Self::Scara2 => "scara2",
             Self::Tripod => "tripod",
+            Self::Cutter => "cutter",
         }
     }
 
@@ -53,15 +57,25 @@ impl Machine {
                 let tripod = Tripod::new(dimensions, [0.0; 3]).unwrap();
                 (Box::new(tripod), [0, 1, 2].map(AxisSource::Transform).to_vec())
             }
+            Self::Cutter => (
+                Box::new(GantryCutter3::new([0.0; 4], Sense::CounterClockwise).unwrap()),
+                [0, 1, 2, 3].map(AxisSource::Transform).to_vec(),
+            ),
         };
-        MachineAxes::new(transform, sources, Vector3::zeros()).unwrap()
+        let edge = if self.turns() { Vector3::new(-0.002, 0.0, 0.0) } else { Vector3::zeros() };
+        MachineAxes::new(transform, sources, edge).unwrap()
+    }
+
+    /// Whether the tool turns with the path.
+    pub fn turns(self) -> bool {
+        self == Self::Cutter
     }
 
     /// Velocity and acceleration per axis, and the least and largest position, SI.
-    fn axes(self) -> [([f64; 2], [f64; 2]); 3] {
+    fn axes(self) -> Vec<([f64; 2], [f64; 2])> {
         let turn = f64::to_radians;
-        match self {
-            Self::Gantry3 => [
+        let three = match self {
+            Self::Gantry3 | Self::Cutter => [
                 ([0.4, 3.0], [-0.05, 0.65]),
                 ([0.4, 3.0], [-0.25, 0.45]),
                 ([0.2, 2.0], [-0.06, 0.12]),
@@ -72,27 +86,33 @@ impl Machine {
                 ([0.3, 3.0], [-0.06, 0.14]),
             ],
             Self::Tripod => [([0.5, 8.0], [0.24, 0.56]); 3],
-        }
+        };
+        let endless = [f64::NEG_INFINITY, f64::INFINITY];
+        let fourth = self.turns().then_some(([turn(1080.0), turn(20000.0)], endless));
+        three.into_iter().chain(fourth).collect()
     }
 
     pub fn limits(self, jerk: bool) -> Vec<AxisLimits> {
-        let limits = self.axes().map(|([velocity, acceleration], _)| AxisLimits {
+        let limits = self.axes().into_iter().map(|([velocity, acceleration], _)| AxisLimits {
             velocity,
             acceleration,
             jerk: jerk.then_some(acceleration / BUILD_UP),
         });
-        limits.to_vec()
+        limits.collect()
     }
 
     /// What the planner is given.
     pub fn path(self, jerk: bool) -> KinematicPath<MachineAxes> {
-        KinematicPath::new(self.kinematics(), self.limits(jerk), AxisVector::zeros(3))
+        let home = AxisVector::zeros(self.axes().len());
+        KinematicPath::new(self.kinematics(), self.limits(jerk), home)
     }
 
     /// A box within reach, m: least and largest corner.
     pub fn room(self) -> [Vector3<f64>; 2] {
         match self {
-            Self::Gantry3 => [Vector3::new(0.0, -0.2, -0.05), Vector3::new(0.6, 0.4, 0.1)],
+            Self::Gantry3 | Self::Cutter => {
+                [Vector3::new(0.0, -0.2, -0.05), Vector3::new(0.6, 0.4, 0.1)]
+            }
             Self::Scara2 => [Vector3::new(0.18, -0.12, -0.05), Vector3::new(0.38, 0.12, 0.1)],
             Self::Tripod => [Vector3::new(-0.12, -0.12, 0.0), Vector3::new(0.12, 0.12, 0.12)],
         }
@@ -101,7 +121,8 @@ impl Machine {
     /// Whether every axis stays within its range at a point, m.
     pub fn reaches(self, point: &Vector3<f64>) -> bool {
         let pose = Pose::at(point.x, point.y, point.z);
-        let Ok(axes) = self.kinematics().inverse(&pose, &AxisVector::zeros(3)) else {
+        let Ok(axes) = self.kinematics().inverse(&pose, &AxisVector::zeros(self.axes().len()))
+        else {
             return false;
         };
         axes.iter().zip(self.axes()).all(|(at, (_, [min, max]))| (min..=max).contains(at))

@@ -14,6 +14,7 @@
 
 mod chunks;
 mod corpus;
+mod cutter;
 mod long;
 mod machines;
 mod random;

@@ -238,6 +238,15 @@ fn what_is_asked_for_is_what_the_path_comes_to() {
 }
 
 proptest! {
+    #![proptest_config(cases(8))]
+
+    #[test]
+    fn limits_of_a_knife_are_kept_through_changes(settings in settings(), steps in prop::collection::vec(step(), 1..16), changes in changes(), lead in 0.0..0.2) {
+        holds(Settings { machine: Machine::Cutter, ..settings }, &steps, &changes, lead)?;
+    }
+}
+
+proptest! {
     #![proptest_config(cases(16))]
 
     #[test]

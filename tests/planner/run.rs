@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use std::sync::Arc;
 use std::time::Instant;
 use twin_kinematics::AxisVector;
-use twin_motion::limit::course::{CourseElement, CourseOptions};
+use twin_motion::limit::course::{CourseElement, CourseOptions, Order};
 use twin_motion::limit::{
     AxisLimits, AxisPath, AxisPoint, Effort, Leg, LimitError, LimitOptions, Planned, Planner,
 };
@@ -14,6 +14,8 @@ use twin_motion::prepare::{CheckError, CheckVelocities};
 
 /// Servo cycle, s.
 const CYCLE: f64 = 1e-3;
+/// In legs that take less time, s, a jerk limit lets the acceleration change by a thousandth of its limit.
+const BRIEF: f64 = 2e-5;
 /// The root of what is left of u̇² by rounding, m/s.
 const AT_REST: f64 = 1e-7;
 
@@ -31,7 +33,12 @@ pub struct Settings {
 
 impl Settings {
     pub fn options(&self) -> LimitOptions {
-        let options = LimitOptions::new(CourseOptions::new(self.tolerance));
+        let mut course = CourseOptions::new(self.tolerance);
+        if self.machine.turns() {
+            course.turning = true;
+            course.order = if self.jerk { Order::Jerk } else { Order::Acceleration };
+        }
+        let options = LimitOptions::new(course);
         LimitOptions { horizon: self.horizon, ..options }
     }
 }
@@ -61,6 +68,8 @@ pub struct Report {
     pub velocity: Peak,
     pub acceleration: Peak,
     pub jerk: Peak,
+    /// That in legs of less than 20 µs, beside the others.
+    pub brief_jerk: Peak,
     /// From differences of positions.
     pub third_difference: Peak,
     /// Part of F.
@@ -152,7 +161,7 @@ impl<'m, A: AxisPath> Watch<'m, A> {
             let end = element.length();
             assert!(joined || (s - end).abs() <= 1e-9 * end, "line {line}: left at {s} of {end}");
         }
-        if !joined {
+        if !joined && !leg.element.is_turn() {
             self.report.lines.push(line);
         }
         if stop {
@@ -188,13 +197,20 @@ impl<'m, A: AxisPath> Watch<'m, A> {
             report.acceleration.raise(acceleration.abs() / limits.acceleration, line, time);
             if let Some(limit) = limits.jerk {
                 let jerk = d1 * j + 3.0 * d2 * v * a + d3 * v * v * v;
-                report.jerk.raise(jerk.abs() / limit, line, time);
+                let brief = leg.stretch.duration() < BRIEF;
+                let peak = if brief { &mut report.brief_jerk } else { &mut report.jerk };
+                peak.raise(jerk.abs() / limit, line, time);
             }
+        }
+        self.differ(position, line, time);
+        if leg.element.is_turn() {
+            return;
         }
         let point = leg.element.at(s);
         let norm = point.first.norm();
         // Where only extra axes move the parameter is the way.
         let speed = if norm > 0.0 { norm } else { 1.0 };
+        let report = &mut self.report;
         let (factor, from) = self.factor;
         if factor >= 1.0 && from == 0.0 || factor > 0.0 && time > from && a >= 0.0 {
             report.feed.raise(speed * v / (factor * leg.element.feed()), line, time);
@@ -203,7 +219,6 @@ impl<'m, A: AxisPath> Watch<'m, A> {
         let limit =
             if along > 0.0 { leg.element.acceleration() } else { leg.element.deceleration() };
         report.path_acceleration.raise(along.abs() / limit, line, time);
-        self.differ(position, line, time);
     }
 
     fn differ(&mut self, position: AxisVector, line: u32, time: f64) {

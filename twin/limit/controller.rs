@@ -1,7 +1,7 @@
 //! A program as the controller itself plans it (`SMC_CheckVelocities`, `SMC_LimitCircularVelocities`, `SMC_Interpolator`):
 //! no axis is asked what it can give. For comparison.
 
-use super::machine_path::{AxisRules, MachinePath, MachinePathError, efforts, overloaded};
+use super::machine_path::{AxisRules, MachinePath, efforts, overloaded};
 use super::watch::Watch;
 use super::{Binding, LimitFailure, ProfileItem, ProfileSample};
 use crate::m_function::Acknowledgement;
@@ -21,8 +21,8 @@ const AT_FEED: f64 = 0.98;
 pub struct ControllerProfile<'m> {
     setpoints: Setpoints,
     transformer: Transformer<'m>,
-    /// What the motors have to give; not known of machines whose tool turns with the path.
-    axes: Option<MachinePath<'m>>,
+    /// What the motors have to give.
+    axes: MachinePath<'m>,
     /// Override.
     factor: f64,
     before: Option<ProfileSample>,
@@ -36,15 +36,10 @@ impl<'m> ControllerProfile<'m> {
     /// # Errors
     /// If it cannot be opened, or the masses of the machine make no sense.
     pub fn new(program: &ProgramFile, machine: &'m Machine) -> Result<Self, LimitFailure> {
-        let axes = match MachinePath::new(machine, AxisRules::default()) {
-            Ok(axes) => Some(axes),
-            Err(MachinePathError::TurnsWithPath) => None,
-            Err(error) => return Err(error.into()),
-        };
         Ok(Self {
             setpoints: program.open(machine, Acknowledgement::default())?,
             transformer: Transformer::new(machine),
-            axes,
+            axes: MachinePath::new(machine, AxisRules::default())?,
             factor: program.settings().inputs.override_factor.factor(),
             before: None,
             watch: Watch::new(machine),
@@ -70,9 +65,7 @@ impl<'m> ControllerProfile<'m> {
         let axes = setpoint.axes;
         self.watch.positions(tool.place, &axes.position);
         // Time in the place of the path's parameter.
-        let known = self.axes.as_ref();
-        let torque = known
-            .and_then(|known| known.torque(&axes.position, &axes.velocity, &axes.acceleration));
+        let torque = self.axes.torque(&axes.position, &axes.velocity, &axes.acceleration);
         if let Some(torque) = &torque {
             self.watch.motors(tool.place, overloaded(torque));
         }

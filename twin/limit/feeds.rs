@@ -71,7 +71,7 @@ impl Profile<'_> {
         followed: &Followed,
     ) {
         let Followed { element, progress, .. } = followed;
-        if !element.element().kind.is_motion() {
+        if !element.element().kind.is_motion() || element.is_turn() {
             return;
         }
         let s = progress.position;

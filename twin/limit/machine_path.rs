@@ -4,7 +4,7 @@ use crate::machine::{DirectionRule, Machine};
 use crate::physics::{AxisEffort, EffortRow, PathDynamics, PhysicsError, TorqueAlongPath};
 use std::cell::RefCell;
 use twin_kinematics::{AxisSource, AxisVector, KinematicsError, Pose, ToolJerk, ToolMotion};
-use twin_motion::limit::course::{CourseElement, CoursePoint};
+use twin_motion::limit::course::{Bearing, CourseElement, CoursePoint};
 use twin_motion::limit::{
     AxisLimits, AxisPath, AxisPoint, Cap, CapSource, DragRow, Rates, Row, axis_point,
 };
@@ -33,12 +33,6 @@ impl Default for AxisRules {
 /// Why feed limiting is not for a machine.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MachinePathError {
-    /// The direction of the tool follows the path, so that it would have to jump at corners.
-    #[error(
-        "feed limiting does not know machines yet whose tool turns with the path (`direction` in [kinematics]); \
-         it is for tools that do not turn, keep their direction, or are turned by an additional axis"
-    )]
-    TurnsWithPath,
     /// Motors are limited, but the masses they move make no sense.
     #[error("the torques of the motors cannot be reckoned: {0}")]
     Physics(#[from] PhysicsError),
@@ -64,9 +58,6 @@ impl<'m> MachinePath<'m> {
     /// # Errors
     /// [`MachinePathError`].
     pub fn new(machine: &'m Machine, rules: AxisRules) -> Result<Self, MachinePathError> {
-        if let DirectionRule::Path(..) = machine.direction {
-            return Err(MachinePathError::TurnsWithPath);
-        }
         let limits = machine.axis_limits().into_iter().map(|limit| AxisLimits {
             velocity: if rules.velocity { limit.velocity.value } else { f64::INFINITY },
             acceleration: if rules.acceleration { limit.acceleration } else { f64::INFINITY },
@@ -128,9 +119,15 @@ impl<'m> MachinePath<'m> {
         speeds.fold((f64::INFINITY, 0), |least, one| if one.0 < least.0 { one } else { least })
     }
 
-    /// The direction of the tool with three derivatives, rad in the work frame.
-    fn direction(&self, extra: Option<&ExtraPoint>) -> [f64; 4] {
-        match (self.machine.direction, extra) {
+    /// The direction of the tool with three derivatives at `s` of `element`, where the course is at `point`, rad in the work
+    /// frame.
+    fn direction(&self, element: &CourseElement, s: f64, point: &CoursePoint) -> [f64; 4] {
+        match (self.machine.direction, &point.extra) {
+            (DirectionRule::Path(to_path, angle), _) => {
+                let bearing = element.bearing(s, point).unwrap_or_default();
+                let Bearing { along, first, second, third } = bearing;
+                [along + to_path.offset() + angle, first, second, third]
+            }
             (DirectionRule::Additional(number, angle), Some(extra)) => {
                 let mut direction = of(extra, number).map(f64::to_radians);
                 direction[0] += angle;
@@ -139,7 +136,6 @@ impl<'m> MachinePath<'m> {
             (DirectionRule::Fixed(angle) | DirectionRule::Additional(_, angle), _) => {
                 [angle, 0.0, 0.0, 0.0]
             }
-            (DirectionRule::Path(..), _) => [self.machine.direction.at_start(), 0.0, 0.0, 0.0],
         }
     }
 
@@ -212,9 +208,10 @@ impl AxisPath for MachinePath<'_> {
         s: f64,
         near: &AxisVector,
     ) -> Result<AxisPoint, KinematicsError> {
-        let CoursePoint { position, first, second, third, extra } = element.at(s);
+        let point = element.at(s);
         let [direction, direction_velocity, direction_acceleration, direction_jerk] =
-            self.direction(extra.as_ref());
+            self.direction(element, s, &point);
+        let CoursePoint { position, first, second, third, extra } = point;
         // The parameter in the place of time.
         let work = ToolMotion {
             pose: Pose { position, direction },

@@ -25,6 +25,8 @@ mod summary;
 #[cfg(test)]
 mod tests;
 mod text;
+#[cfg(test)]
+mod turning_tests;
 mod watch;
 
 pub use binding::{Binding, Quantity};

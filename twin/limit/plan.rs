@@ -7,7 +7,7 @@ use super::{Change, ProfileSample};
 use crate::check::unreachable;
 use crate::finding::{Finding, Rule};
 use crate::m_function::Acknowledgement;
-use crate::machine::Machine;
+use crate::machine::{DirectionRule, Machine};
 use crate::program::{Findings, Halt, Prepared, ProgramFile};
 use std::io;
 use std::num::NonZeroU32;
@@ -77,9 +77,14 @@ where
     let axes = MachinePath::new(machine, rules.axes)?;
     let limits = &machine.path_limits;
     let mut course = CourseOptions::new(limits.blend_tolerance);
-    if axes.limits().iter().all(|axis| axis.jerk.is_none()) {
-        course.order = Order::Velocity;
-    }
+    course.turning = matches!(machine.direction, DirectionRule::Path(..));
+    let jerk_limited = axes.limits().iter().any(|axis| axis.jerk.is_some());
+    // The direction of the path is a derivative already.
+    course.order = match (jerk_limited, course.turning) {
+        (false, false) => Order::Velocity,
+        (true, false) | (false, true) => Order::Acceleration,
+        (true, true) => Order::Jerk,
+    };
     let options = LimitOptions {
         feed: rules.feed,
         path_acceleration: rules.path_acceleration,
@@ -245,7 +250,7 @@ impl<'m> Profile<'m> {
             feed: if element.element().kind.is_motion() { tool.feed } else { 0.0 },
             path_velocity: tool.path_velocity,
             path_acceleration: tool.acceleration.dot(&along),
-            path_jerk: j,
+            path_jerk: if element.is_turn() { 0.0 } else { j },
             position: point.position,
             velocity: of(&|d1, _, _| d1 * v),
             acceleration: of(&|d1, d2, _| d1 * a + d2 * v * v),

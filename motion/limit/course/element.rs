@@ -1,14 +1,17 @@
 //! Elements of the course.
 
-use super::{Blend, Joint};
+use super::turn::Held;
+use super::{Bearing, Blend, Joint};
 use crate::Place;
 use crate::path::{ElementKind, ExtraPoint};
 use crate::prepare::{CheckedElement, curvature};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Vector2, Vector3};
 use std::sync::Arc;
 
 /// Places nearer to each other than this part of the length are one.
 const SAME_PLACE: f64 = 1e-9;
+/// The parameter of a turn, m per degree: as that of an additional axis.
+const PER_DEGREE: f64 = 1e-3;
 
 /// How the programmed path goes from one element into the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +29,9 @@ impl Transition {
 
 /// A path element with what replaces it at its ends.
 ///
-/// The parameter s is the path length of the original element, 0 to [`Self::length`], everywhere.
+/// The parameter s is the path length of the original element, 0 to [`Self::length`], everywhere. Where the tool turns with
+/// the path there are also turns at rest, [`Self::is_turn`], which replace nothing: the original of such an element is the
+/// place where the path rests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CourseElement {
     element: CheckedElement,
@@ -35,13 +40,46 @@ pub struct CourseElement {
     joint: Joint,
     /// At its start and its end.
     transitions: [Transition; 2],
+    /// Where the tool turns with the path.
+    held: Option<Held>,
 }
 
 impl CourseElement {
     /// As it is, with a stop at its end.
     pub(super) fn new(element: CheckedElement) -> Self {
         let transitions = [Transition::NONE; 2];
-        Self { element, head: None, tail: None, joint: Joint::STOP, transitions }
+        Self { element, head: None, tail: None, joint: Joint::STOP, transitions, held: None }
+    }
+
+    /// The direction of the path counts.
+    pub(super) fn hold(&mut self, held: Held) {
+        self.held = Some(held);
+    }
+
+    /// Ends in a stop.
+    pub(super) fn stop(&mut self) {
+        self.joint.stop = true;
+    }
+
+    /// Whether the path rests here, and only its direction turns. The parameter is a thousandth of the angle in degrees then.
+    pub fn is_turn(&self) -> bool {
+        self.turned_by() != 0.0
+    }
+
+    fn turned_by(&self) -> f64 {
+        self.held.map_or(0.0, |held| held.turn)
+    }
+
+    /// The direction of the path seen from above at `s`, where the course is at `point`; none unless
+    /// [`CourseOptions::turning`](super::CourseOptions::turning). Where the path has none it stays as it was; before the
+    /// first, it is the first.
+    pub fn bearing(&self, s: f64, point: &CoursePoint) -> Option<Bearing> {
+        let Held { along, turn } = self.held?;
+        if turn != 0.0 {
+            let first = turn / self.length();
+            return Some(Bearing { first, ..Bearing::resting(along + first * s) });
+        }
+        Some(Bearing::at(point, self.fourth(s)).unwrap_or(Bearing::resting(along)))
     }
 
     /// Begins with the second half of `blend`.
@@ -104,7 +142,8 @@ impl CourseElement {
 
     /// Length of the original path, m; 0 for what is no motion.
     pub fn length(&self) -> f64 {
-        self.element.path_length()
+        let turn = self.turned_by();
+        if turn == 0.0 { self.element.path_length() } else { turn.abs().to_degrees() * PER_DEGREE }
     }
 
     /// Where the blend with the element before ends, m.
@@ -130,6 +169,16 @@ impl CourseElement {
             (Some(blend), _) if s <= blend.half_width() => blend.at(s),
             (_, Some(blend)) if s >= self.tail_start() => blend.at(s - length),
             _ => CoursePoint::of(&self.element, s),
+        }
+    }
+
+    /// The fourth derivative of X and Y at `s`.
+    fn fourth(&self, s: f64) -> Vector2<f64> {
+        let length = self.length();
+        match (&self.head, &self.tail) {
+            (Some(blend), _) if s <= blend.half_width() => blend.fourth(s),
+            (_, Some(blend)) if s >= self.tail_start() => blend.fourth(s - length),
+            _ => self.element.shape.fourth_at(s),
         }
     }
 

@@ -26,6 +26,8 @@ pub struct Joint {
     pub tangent_jump: f64,
     /// Length of the step of the second derivative in space, 1/m.
     pub curvature_jump: f64,
+    /// Length of the step of the third derivative in space, 1/m²; 0 but with [`Order::Jerk`].
+    pub curvature_rate_jump: f64,
     /// The largest step of the first derivative of an extra axis, u/m.
     pub extra_slope_jump: f64,
     /// The largest step of the second derivative of an extra axis, u/m².
@@ -39,6 +41,7 @@ impl Joint {
         angle: 0.0,
         tangent_jump: 0.0,
         curvature_jump: 0.0,
+        curvature_rate_jump: 0.0,
         extra_slope_jump: 0.0,
         extra_curvature_jump: 0.0,
     };
@@ -50,8 +53,9 @@ pub(super) struct Steps {
     pub(super) before: CoursePoint,
     pub(super) after: CoursePoint,
     joint: Joint,
-    /// Whether each derivative (first, second) of space and of the extra axes has a step that is not rounding.
-    space: [bool; 2],
+    /// Whether each derivative (first, second, third) of space and (first, second) of the extra axes has a step that is not
+    /// rounding. The third is looked at with [`Order::Jerk`].
+    space: [bool; 3],
     extra: [bool; 2],
     apart: bool,
     folds: bool,
@@ -60,7 +64,7 @@ pub(super) struct Steps {
 }
 
 impl Steps {
-    pub(super) fn between(from: &CheckedElement, to: &CheckedElement) -> Self {
+    pub(super) fn between(from: &CheckedElement, to: &CheckedElement, order: Order) -> Self {
         let mut before = CoursePoint::of(from, from.path_length());
         let mut after = CoursePoint::of(to, 0.0);
         before.extra = before.extra.or(after.extra.map(resting));
@@ -77,9 +81,15 @@ impl Steps {
         let curvature_jump = (after.second - before.second).norm();
         let speed = before.first.norm().max(after.first.norm());
         let bend = before.second.norm().max(after.second.norm());
+        let bend_rate = before.third.norm().max(after.third.norm());
+        let curvature_rate_jump = (after.third - before.third).norm();
         let space = [
             tangent_jump > SAME * speed + rounding / shorter,
             curvature_jump > SAME * (bend + speed / shorter) + rounding / shorter / shorter,
+            order == Order::Jerk
+                && curvature_rate_jump
+                    > SAME * (bend_rate + (bend + speed / shorter) / shorter)
+                        + rounding / shorter / shorter / shorter,
         ];
 
         let [a, b] = [&before, &after].map(|side| side.extra.unwrap_or_default());
@@ -113,6 +123,7 @@ impl Steps {
             angle: kept(space[0] || extra[0], angle),
             tangent_jump: kept(space[0], tangent_jump),
             curvature_jump: kept(space[1], curvature_jump),
+            curvature_rate_jump: kept(space[2], curvature_rate_jump),
             extra_slope_jump: kept(extra[0], extra_slope_jump),
             extra_curvature_jump: kept(extra[1], extra_curvature_jump),
         };
@@ -148,8 +159,10 @@ impl Steps {
         let derivatives = match order {
             Order::Velocity => 1,
             Order::Acceleration => 2,
+            Order::Jerk => 3,
         };
-        self.space.iter().zip(self.extra).take(derivatives).any(|(space, extra)| *space || extra)
+        let extra = self.extra.into_iter().chain(std::iter::once(false));
+        self.space.iter().zip(extra).take(derivatives).any(|(space, extra)| *space || extra)
     }
 
     /// Whether an extra axis has a step of any kind.

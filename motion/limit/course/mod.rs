@@ -2,7 +2,7 @@
 //!
 //! An axis that follows x(s(t)) has the velocity x′·ṡ and the acceleration x″·ṡ² + x′·s̈: where x′ steps the velocity
 //! does at every feed, and where x″ steps (line to arc) the acceleration does. [`Course`] replaces the path about such
-//! joints by a [`Blend`], a quintic within a tolerance, and keeps the parameter: s is the length of the original
+//! joints by a [`Blend`], a polynomial within a tolerance, and keeps the parameter: s is the length of the original
 //! element everywhere, so that switches, blocks and the way are attributed as before.
 
 mod blend;
@@ -10,18 +10,24 @@ mod element;
 mod joint;
 #[cfg(test)]
 mod tests;
+mod turn;
 mod width;
 
 pub use blend::Blend;
 pub use element::{CourseElement, CoursePoint, Transition};
 pub use joint::Joint;
+pub use turn::Bearing;
 
 use crate::prepare::{CheckedElement, curvature};
 use joint::Steps;
+use std::collections::VecDeque;
 use std::sync::Arc;
+use turn::Held;
 
 /// Velocities that differ by no more than this part of them are the same.
 const SAME_FEED: f64 = 1e-9;
+/// So many elements are looked at for the first direction of the path.
+const LOOK_AHEAD: usize = 256;
 
 /// Which steps are blended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -31,6 +37,9 @@ pub enum Order {
     /// Those of the second derivative, too: joints of lines and arcs. What planning with jerk limits needs.
     #[default]
     Acceleration,
+    /// Those of the third derivative in space, too: what planning with jerk limits needs of a machine whose tool turns with
+    /// the path, since its direction is a derivative already. Blends are septics.
+    Jerk,
 }
 
 /// How far the course may be off the path, and what for.
@@ -43,13 +52,17 @@ pub struct CourseOptions {
     pub extra_tolerance: f64,
     /// Which steps are blended.
     pub order: Order,
+    /// The tool turns with the path: where the direction of the path seen from above steps the path stops, and the course has
+    /// a turn at rest ([`CourseElement::is_turn`]) before it goes on. [`CourseElement::bearing`] tells the direction.
+    pub turning: bool,
 }
 
 impl CourseOptions {
     /// Blends within `tolerance`, m, all steps up to the second derivative; with the same number in mm as the tolerance
     /// of the extra axes in u.
     pub fn new(tolerance: f64) -> Self {
-        Self { tolerance, extra_tolerance: tolerance * 1e3, order: Order::default() }
+        let (extra_tolerance, order) = (tolerance * 1e3, Order::default());
+        Self { tolerance, extra_tolerance, order, turning: false }
     }
 
     /// Whether a blend of these steps would be off the path at all while nothing may be.
@@ -74,6 +87,9 @@ impl CourseOptions {
 ///
 /// What is left is told by [`CourseElement::joint`].
 ///
+/// With [`CourseOptions::turning`] the path also stops where its direction steps and no blend leads on, where it seen from
+/// above folds back, and where it begins or ends to go straight up or down; arcs that stand upright are cut there.
+///
 /// One element is held back, since its end depends on the next; errors from upstream come in their place.
 #[derive(Debug)]
 pub struct Course<I, E> {
@@ -81,8 +97,14 @@ pub struct Course<I, E> {
     options: CourseOptions,
     /// The newest element, its end not yet joined to anything.
     held: Option<CourseElement>,
+    /// What comes before that: a turn.
+    turn: Option<CourseElement>,
     /// An error that comes after the element just handed out.
     failure: Option<E>,
+    /// What was taken from upstream ahead of its time.
+    ahead: VecDeque<Result<CheckedElement, E>>,
+    /// The direction at the end of the newest element, if the tool turns with the path and there is one.
+    bearing: Option<f64>,
     ended: bool,
 }
 
@@ -92,7 +114,71 @@ where
 {
     /// The course along the elements of `upstream`.
     pub fn new(upstream: I, options: CourseOptions) -> Self {
-        Self { upstream, options, held: None, failure: None, ended: false }
+        Self {
+            upstream,
+            options,
+            held: None,
+            turn: None,
+            failure: None,
+            ahead: VecDeque::new(),
+            bearing: None,
+            ended: false,
+        }
+    }
+
+    fn pull(&mut self) -> Option<Result<CheckedElement, E>> {
+        if !self.options.turning {
+            return self.upstream.next();
+        }
+        if self.bearing.is_none() {
+            let known = self.look_ahead();
+            self.bearing = Some(known.unwrap_or_default());
+        }
+        if self.ahead.is_empty() {
+            self.take_one();
+        }
+        self.ahead.pop_front()
+    }
+
+    /// Takes one more element from upstream, in parts if need be; its direction, if it has one.
+    fn take_one(&mut self) -> Option<Result<Option<f64>, ()>> {
+        Some(match self.upstream.next()? {
+            Ok(element) => {
+                let known = self.ahead.len();
+                self.ahead.extend(turn::cut_upright(element).map(Ok));
+                let mut new = self.ahead.range(known..).filter_map(|part| part.as_ref().ok());
+                Ok(new.find_map(|part| turn::directions(part).map(|[first, _]| first)))
+            }
+            Err(error) => {
+                self.ahead.push_back(Err(error));
+                Err(())
+            }
+        })
+    }
+
+    /// The first direction of the path, as far as it is known.
+    fn look_ahead(&mut self) -> Option<f64> {
+        for _ in 0..LOOK_AHEAD {
+            match self.take_one()? {
+                Ok(None) => {}
+                Ok(known) => return known,
+                Err(()) => return None,
+            }
+        }
+        None
+    }
+
+    /// `element`, which comes next, and the turn that has to come before it, unless a blend leads into it.
+    fn turned(&mut self, element: CheckedElement) -> (CourseElement, Option<CourseElement>) {
+        let mut next = CourseElement::new(element);
+        let Some(bearing) = self.bearing else { return (next, None) };
+        let directions = turn::directions(next.element());
+        let [start, end] = directions.unwrap_or([bearing; 2]);
+        next.hold(Held { along: start, turn: 0.0 });
+        self.bearing = Some(end);
+        let turn = turn::turn_between(bearing, start);
+        let turn = turn.map(|turn| CourseElement::turn(next.element(), bearing, turn));
+        (next, turn)
     }
 }
 
@@ -106,17 +192,28 @@ where
         if let Some(error) = self.failure.take() {
             return Some(Err(error));
         }
+        if let Some(turn) = self.turn.take() {
+            return Some(Ok(turn));
+        }
         while !self.ended {
-            match self.upstream.next() {
+            match self.pull() {
                 Some(Ok(next)) => {
-                    let mut next = CourseElement::new(next);
-                    match self.held.take() {
+                    let (mut next, turn) = self.turned(next);
+                    let element = self.held.take().map(|mut element| {
+                        join(&mut element, &mut next, &self.options, turn.is_some());
+                        element
+                    });
+                    self.held = Some(next);
+                    match element {
                         Some(mut element) => {
-                            join(&mut element, &mut next, &self.options);
-                            self.held = Some(next);
+                            if turn.is_some() && element.tail().is_none() {
+                                element.stop();
+                                self.turn = turn;
+                            }
                             return Some(Ok(element));
                         }
-                        None => self.held = Some(next),
+                        None if turn.is_some() => return turn.map(Ok),
+                        None => {}
                     }
                 }
                 Some(Err(error)) => match self.held.take() {
@@ -133,8 +230,13 @@ where
     }
 }
 
-/// Leads the course from `element`, which ends in a stop so far, into `next`.
-fn join(element: &mut CourseElement, next: &mut CourseElement, options: &CourseOptions) {
+/// Leads the course from `element`, which ends in a stop so far, into `next`. `turns`: its direction seen from above turns.
+fn join(
+    element: &mut CourseElement,
+    next: &mut CourseElement,
+    options: &CourseOptions,
+    turns: bool,
+) {
     let (from, to) = (element.element(), next.element());
     if from.end_velocity <= 0.0 || !from.has_path() || !to.has_path() {
         return;
@@ -147,12 +249,12 @@ fn join(element: &mut CourseElement, next: &mut CourseElement, options: &CourseO
         f64::INFINITY
     };
     let transition = Transition { curvature_jump: jump.norm(), velocity };
-    let steps = Steps::between(from, to);
+    let steps = Steps::between(from, to, options.order);
     let left = if steps.apart() {
         Joint { stop: true, ..steps.joint() }
     } else if !steps.to_blend(options.order) || options.forbid(&steps) {
         steps.joint()
-    } else if steps.folds() {
+    } else if steps.folds() || options.turning && turn::turns_at_once(&steps, turns) {
         Joint { stop: true, ..steps.joint() }
     } else {
         match width::widest(from, to, &steps, options) {

@@ -1,7 +1,7 @@
 //! How wide a blend may be.
 
 use super::joint::{SLOWEST, Steps};
-use super::{Blend, CourseOptions, CoursePoint};
+use super::{Blend, CourseOptions, CoursePoint, Order};
 use crate::path::ExtraPoint;
 use crate::prepare::CheckedElement;
 use nalgebra::{SVector, Vector3};
@@ -13,15 +13,45 @@ const NARROWEST: f64 = 1e-15;
 /// Nor than so many times what the coordinates may be off.
 const DIGITS: f64 = 1e3;
 
-/// Largest deviation for each half width d of a blend of two lines, for a step of the first derivative of 1: 3/16, in
-/// the middle. For lines that turn by θ the step is 2·sin(θ/2).
-const OF_TANGENT: f64 = 3.0 / 16.0;
-/// The same for a step of the second derivative of 1, by d²: a quarter of the largest
-/// 3x/8 + 3x³/4 − x⁵/8 − x², which is at x = 0.27.
-const OF_CURVATURE: f64 = 0.010_74;
-/// The same for a circle of curvature 1, by d⁶: the interpolation error of the sixth derivative, 1/6!.
-const OF_CIRCLE: f64 = 1.0 / 720.0;
-/// Curvatures beyond this one (1/m) count as it; sixth powers stay finite.
+/// How far blends are off the path, for each half width d.
+#[derive(Clone, Copy, Debug)]
+struct Form {
+    /// For a step of the first derivative of 1, by d: of two lines, in the middle. For lines that turn by θ the step is
+    /// 2·sin(θ/2).
+    tangent: f64,
+    /// For a step of the second derivative of 1, by d².
+    curvature: f64,
+    /// For a step of the third derivative of 1, by d³.
+    rate: f64,
+    /// For a circle of curvature 1, by d to the [`Self::power`]: the interpolation error.
+    circle: f64,
+    power: i32,
+}
+
+/// Quintics. The second is a quarter of the largest 3x/8 + 3x³/4 − x⁵/8 − x², which is at x = 0.27, the last 1/6!.
+const QUINTIC: Form = Form {
+    tangent: 3.0 / 16.0,
+    curvature: 0.010_74,
+    // Such steps stay.
+    rate: 0.0,
+    circle: 1.0 / 720.0,
+    power: 6,
+};
+/// Septics. The second is at x = ±0.23, the third in the middle, the last 1/8!.
+const SEPTIC: Form = Form {
+    tangent: 5.0 / 32.0,
+    curvature: 0.007_55,
+    rate: 1.0 / 192.0,
+    circle: 1.0 / 40_320.0,
+    power: 8,
+};
+
+impl Form {
+    fn of(order: Order) -> &'static Self {
+        if order == Order::Jerk { &SEPTIC } else { &QUINTIC }
+    }
+}
+/// Curvatures beyond this one (1/m) count as it; their powers stay finite.
 const SHARPEST: f64 = 1e30;
 
 /// Deviations that are found are within the tolerance by this part of it, at most and at least aimed at.
@@ -62,10 +92,12 @@ pub(super) fn widest(
     if most < least {
         return Err(NoBlend::TooShort);
     }
+    let form = Form::of(options.order);
     let expected = [
-        Expected::in_space(steps, AIM * options.tolerance, most),
-        Expected::of_extra_axes(steps, AIM * options.extra_tolerance, most),
+        Expected::in_space(steps, form, AIM * options.tolerance, most),
+        Expected::of_extra_axes(steps, form, AIM * options.extra_tolerance, most),
     ];
+    let highest = f64::from(form.power);
     let first = expected.iter().fold(most, |width, expected| width.min(expected.width));
     let mut half_width = first.max(least);
     let mut good: Option<(f64, Blend)> = None;
@@ -83,8 +115,8 @@ pub(super) fn widest(
                 (trial.deviation / deviation).ln() / (half_width / width).ln()
             })
             .filter(|power| power.is_finite())
-            .unwrap_or_else(|| expected.iter().map(|e| e.power(half_width)).fold(6.0, f64::min))
-            .clamp(1.0, 6.0);
+            .unwrap_or_else(|| expected.iter().map(|e| e.power(half_width)).fold(highest, f64::min))
+            .clamp(1.0, highest);
         last = Some([half_width, trial.deviation]);
         let by = (AIM / trial.deviation).powf(power.recip());
         let fits = trial.fits();
@@ -121,56 +153,81 @@ pub(super) fn widest(
     }
 }
 
-/// The deviation in powers of the half width d: `tangent`·d + `curvature`·d² + `circle`·d⁶, and the `width` at which it
-/// is as large as allowed.
+/// The deviation in powers of the half width d: `tangent`·d + `curvature`·d² + `rate`·d³ + `circle`·dⁿ, and the `width` at
+/// which it is as large as allowed.
 #[derive(Clone, Copy, Debug)]
 struct Expected {
     tangent: f64,
     curvature: f64,
+    rate: f64,
     circle: f64,
+    /// n.
+    power: i32,
     width: f64,
 }
 
 impl Expected {
-    fn in_space(steps: &Steps, tolerance: f64, most: f64) -> Self {
+    fn in_space(steps: &Steps, form: &Form, tolerance: f64, most: f64) -> Self {
         let joint = steps.joint();
         let bend = steps.before.second.norm().max(steps.after.second.norm()).min(SHARPEST);
-        Self::new([joint.tangent_jump, joint.curvature_jump, bend.powi(5)], tolerance, most)
+        let jumps = [joint.tangent_jump, joint.curvature_jump, joint.curvature_rate_jump];
+        Self::new(form, jumps, bend.powi(form.power - 1), tolerance, most)
     }
 
-    fn of_extra_axes(steps: &Steps, tolerance: f64, most: f64) -> Self {
+    fn of_extra_axes(steps: &Steps, form: &Form, tolerance: f64, most: f64) -> Self {
         let joint = steps.joint();
         let jumps = [joint.extra_slope_jump, joint.extra_curvature_jump, 0.0];
-        Self::new(jumps, tolerance.max(rounding(steps)), most)
+        Self::new(form, jumps, 0.0, tolerance.max(rounding(steps)), most)
     }
 
-    fn new([tangent, curvature, circle]: [f64; 3], tolerance: f64, most: f64) -> Self {
-        let [tangent, curvature, circle] =
-            [tangent * OF_TANGENT, curvature * OF_CURVATURE, circle * OF_CIRCLE];
-        // Each term alone: at most three times the tolerance, and from above Newton's method comes down to it.
+    fn new(
+        form: &Form,
+        [tangent, curvature, rate]: [f64; 3],
+        circle: f64,
+        tolerance: f64,
+        most: f64,
+    ) -> Self {
+        let [tangent, curvature, rate, circle] = [
+            tangent * form.tangent,
+            curvature * form.curvature,
+            rate * form.rate,
+            circle * form.circle,
+        ];
+        let power = f64::from(form.power);
+        // Each term alone: at most four times the tolerance, and from above Newton's method comes down to it.
         let alone = [
             tolerance / tangent,
             (tolerance / curvature).sqrt(),
-            (tolerance / circle).powf(1.0 / 6.0),
+            (tolerance / rate).cbrt(),
+            (tolerance / circle).powf(power.recip()),
         ];
         let mut width = alone.into_iter().fold(most, f64::min);
         for _ in 0..3 {
-            let d5 = width.powi(5);
-            let beyond = (tangent + curvature * width + circle * d5) * width - tolerance;
-            let slope = tangent + 2.0 * curvature * width + 6.0 * circle * d5;
+            let bent = width.powi(form.power - 1);
+            let square = width * width;
+            let beyond =
+                (tangent + curvature * width + rate * square + circle * bent) * width - tolerance;
+            let slope =
+                tangent + 2.0 * curvature * width + 3.0 * rate * square + power * circle * bent;
             if !(beyond > 0.0 && slope > 0.0) {
                 break;
             }
             width -= beyond / slope;
         }
-        Self { tangent, curvature, circle, width }
+        Self { tangent, curvature, rate, circle, power: form.power, width }
     }
 
-    /// The power of the width by which the deviation grows there; 6 if there is none.
+    /// The power of the width by which the deviation grows there; n if there is none.
     fn power(&self, width: f64) -> f64 {
-        let [one, two, six] = [self.tangent, self.curvature * width, self.circle * width.powi(5)];
-        let power = (one + 2.0 * two + 6.0 * six) / (one + two + six);
-        if power.is_finite() { power } else { 6.0 }
+        let most = f64::from(self.power);
+        let [one, two, three, last] = [
+            self.tangent,
+            self.curvature * width,
+            self.rate * width * width,
+            self.circle * width.powi(self.power - 1),
+        ];
+        let power = (one + 2.0 * two + 3.0 * three + most * last) / (one + two + three + last);
+        if power.is_finite() { power } else { most }
     }
 }
 
@@ -204,7 +261,8 @@ impl Trial {
         let start = completed(CoursePoint::of(from, length - half_width), &steps.before);
         let end = completed(CoursePoint::of(to, half_width), &steps.after);
         let none = Self { blend: None, deviation: f64::INFINITY, folds: false, coarse: false };
-        let Some(blend) = Blend::new(half_width, steps.after.position, &start, &end) else {
+        let Some(blend) = Blend::new(half_width, steps.after.position, &start, &end, options.order)
+        else {
             return none;
         };
         let mut check = Check {

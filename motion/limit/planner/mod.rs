@@ -6,6 +6,7 @@
 mod budget;
 mod commit;
 mod drag;
+mod guess;
 mod pieces;
 mod refine;
 mod replan;
@@ -323,10 +324,7 @@ where
                 continue;
             }
             let stretches = self.solve_verified().map_err(NoWindow::NotSolved)?;
-            if (exactly || self.jerk_limited)
-                && stretches.iter().any(|stretch| !stretch.duration().is_finite())
-            {
-                // It would have to go backwards in between.
+            if (exactly || self.jerk_limited) && !window::can_be_followed(&stretches) {
                 return Err(NoWindow::NotSolved(NOT_SOLVED));
             }
             if exactly && !self.begins_with(&stretches) {

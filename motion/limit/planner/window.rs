@@ -1,6 +1,7 @@
 //! A profile over a window, verified between the places where limits are asked for.
 
 use super::drag::MOST_TANGENTS;
+use super::guess::SLOWER;
 use super::{NOT_SOLVED, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
@@ -69,7 +70,23 @@ where
     }
 
     fn solve_smooth(&mut self) -> Result<Vec<Stretch>, NotSolved> {
-        let mut guess = self.first_guess();
+        let failed = self.effort.failed;
+        let mut solved = self.solve_smooth_about(self.first_guess());
+        if self.options.course.turning {
+            // In sharp corners a profile about one that is much too fast may be impossible.
+            for part in SLOWER {
+                match &solved {
+                    Ok(stretches) if can_be_followed(stretches) => return solved,
+                    Ok(_) => {}
+                    Err(_impossible) => self.effort.failed = failed,
+                }
+                solved = self.solve_smooth_about(self.slower_guess(part));
+            }
+        }
+        solved
+    }
+
+    fn solve_smooth_about(&mut self, mut guess: Guess) -> Result<Vec<Stretch>, NotSolved> {
         self.solve_whole(&mut guess)?;
         self.subdivide(&mut guess);
         self.bend(&mut guess);
@@ -232,15 +249,6 @@ where
         parts
     }
 
-    /// What a window with limited jerk is solved about at first.
-    fn first_guess(&self) -> Guess {
-        let mut guess = self.estimate(&grid(&self.sampler, &self.cells)).0;
-        for (guess, kept) in guess.iter_mut().zip(&self.kept) {
-            *guess = *kept;
-        }
-        Guess::rough(guess)
-    }
-
     /// How each cell is gone through where no jerk is limited.
     fn solve_linear(&mut self, grid: &Grid) -> Vec<Stretch> {
         let cells = 0..grid.cells();
@@ -341,7 +349,8 @@ where
         let mut worst = [0.0_f64; 3];
         let limits = self.sampler.axes().limits();
         // What jerk limits have smoothed is not so far from the places where it is known.
-        let eighths = (0..=8_u8).step_by(if self.jerk_limited { 2 } else { 1 });
+        let smooth = self.jerk_limited && !self.options.course.turning;
+        let eighths = (0..=8_u8).step_by(if smooth { 2 } else { 1 });
         for eighth in eighths {
             let u = 0.125 * f64::from(eighth) * cell.length();
             let sample = match eighth {
@@ -367,6 +376,11 @@ where
         }
         worst
     }
+}
+
+/// Whether a profile does not have to go backwards in between.
+pub(super) fn can_be_followed(stretches: &[Stretch]) -> bool {
+    stretches.iter().all(|stretch| stretch.duration().is_finite())
 }
 
 /// Whether something in a cell is more than it may be.

@@ -24,6 +24,7 @@ fn assert_by_differences(name: &str, shape: &Shape) {
     let whole = (5..96).map(|part| shape.at(f64::from(part) * 1e-2 * length).curvature_rate.norm());
     let most = whole.fold(0.0, f64::max);
     assert!(most > 0.0, "{name}");
+    assert_fourth(name, shape);
     for part in 5..96 {
         let s = f64::from(part) * 1e-2 * length;
         let expected = difference(|s| shape.at(s), s, 2e-3 * length);
@@ -32,11 +33,34 @@ fn assert_by_differences(name: &str, shape: &Shape) {
     }
 }
 
+/// The fourth derivative of X and Y, by differences of the third.
+#[track_caller]
+fn assert_fourth(name: &str, shape: &Shape) {
+    let length = shape.length();
+    let whole = (5..96).map(|part| shape.fourth_at(f64::from(part) * 1e-2 * length).norm());
+    let most = whole.fold(0.0, f64::max);
+    assert!(most > 0.0, "{name}");
+    for part in 5..96 {
+        let s = f64::from(part) * 1e-2 * length;
+        let h = 2e-3 * length;
+        let mut expected = Vector3::zeros();
+        for (weight, step) in WEIGHTS.iter().zip(1..) {
+            let by = h * f64::from(step);
+            let [right, left] = [s + by, s - by].map(|s| shape.at(s).curvature_rate);
+            expected += (right - left) * (*weight / h);
+        }
+        let found = shape.fourth_at(s);
+        let off = (found - expected.xy()).norm();
+        assert!(off < 1e-7 * most, "{name} at {part} %: {found} {expected}");
+    }
+}
+
 #[test]
 fn none_on_lines() {
     let shape = line([1.0, 2.0, 3.0], [4.0, -5.0, 6.0]);
     for part in [0.0, 0.3, 1.0] {
         assert_eq!(shape.at(part * shape.length()).curvature_rate, Vector3::zeros());
+        assert_eq!(shape.fourth_at(part * shape.length()), Vector2::zeros());
     }
 }
 

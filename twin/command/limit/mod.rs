@@ -223,24 +223,17 @@ impl<'a> Job<'a> {
         (LimitSummary { changes, ..summary }, limits)
     }
 
-    /// The summary of the controller's own profile, beside that within the limits of the axes, where there is one.
+    /// The summary of the controller's own profile, beside that within the limits of the axes.
     fn by_controller(&mut self) -> Result<LimitSummary, Failure> {
-        let mut lines = BTreeMap::new();
-        let mut duration_under_axes_s = None;
         let mut axes = Job::new(self.machine, self.program)?;
-        match Profile::new(self.program, self.machine, LimitRules::default()) {
-            Ok(mut profile) => {
-                axes.follow(&mut profile, Profile::bytes_read, &mut Outputs::default())?;
-                let (summary, limits) = axes.within_axes(profile);
-                duration_under_axes_s = Some(summary.duration_s);
-                lines = by_line(&limits);
-            }
-            // Of a machine that cannot be planned for there is nothing to compare with.
-            Err(LimitFailure::Machine(_)) => {}
-            Err(failure) => return Err(failed(self.program, failure)),
-        }
+        let profile = Profile::new(self.program, self.machine, LimitRules::default());
+        let mut profile = profile.map_err(|failure| failed(self.program, failure))?;
+        axes.follow(&mut profile, Profile::bytes_read, &mut Outputs::default())?;
+        let (within_axes, limits) = axes.within_axes(profile);
+        let lines = by_line(&limits);
         let summing = std::mem::take(&mut self.summing);
         let summary = summing.finish(Windows::default(), |line| lines.get(&line).copied());
+        let duration_under_axes_s = Some(within_axes.duration_s);
         Ok(LimitSummary { limits: Limits::Softmotion, duration_under_axes_s, ..summary })
     }
 }

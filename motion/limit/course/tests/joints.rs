@@ -31,6 +31,39 @@ fn corner_in_closed_form() {
     }
 }
 
+/// As [`corner_in_closed_form`], with 10w³ − 15w⁴ + 6w⁵: its integral is w⁴·(5/2 − 3w + w²).
+#[test]
+fn corner_of_a_septic_in_closed_form() {
+    for turn in [0.01, 0.3, FRAC_PI_2, 2.0, 2.9] {
+        let [along, away] = turned(turn);
+        let options = CourseOptions { order: Order::Jerk, ..within(1e-4) };
+        let course = course(corner(turn, [0.1, 0.2]), options);
+        let blend = course[0].tail().unwrap();
+        let d = blend.half_width();
+        let off = 0.3125 * d * (0.5 * turn).sin();
+        assert!(off <= 1e-4 && (off > 0.9e-4 || d > 0.05 - 1e-15), "{off}");
+        for part in 0..=20 {
+            let w = f64::from(part) / 20.0;
+            let found = blend.at((2.0 * w - 1.0) * d);
+            let step = away - along;
+            let weight = w * w * w * (10.0 - w * (15.0 - 6.0 * w));
+            let integral = w.powi(4) * (2.5 - w * (3.0 - w)) * 2.0 * d;
+            let start = course[0].element().end() - along * d;
+            let position = start + along * (2.0 * d * w) + step * integral;
+            assert!((found.position - position).norm() < 1e-15);
+            assert!((found.first - (along + step * weight)).norm() < 1e-12);
+            let left = 1.0 - w;
+            let second = step * (30.0 * (w * left).powi(2) / (2.0 * d));
+            assert!((found.second - second).norm() < 1e-11 / d);
+            let third = step * (60.0 * w * left * (left - w) / (4.0 * d * d));
+            assert!((found.third - third).norm() < 1e-10 / (d * d));
+            let fourth = step * (60.0 * (1.0 - 6.0 * w * left) / (8.0 * d * d * d));
+            let found = blend.fourth((2.0 * w - 1.0) * d);
+            assert!((found - fourth.xy()).norm() < 1e-9 / (d * d * d));
+        }
+    }
+}
+
 /// 0.375·d·sin(θ/2) in the middle, and nearly the whole tolerance there where the lines are long enough.
 #[test]
 fn width_of_a_corner() {

@@ -5,6 +5,7 @@
 mod joints;
 mod random;
 mod stream;
+mod turning;
 
 use super::{Blend, Course, CourseElement, CourseOptions, CoursePoint, Joint, Order};
 use crate::Place;

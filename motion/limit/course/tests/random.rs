@@ -116,17 +116,19 @@ fn walk(steps: Vec<Step>, origin: f64) -> Vec<PathElement> {
     path
 }
 
-fn path() -> impl Strategy<Value = Vec<PathElement>> {
+pub(super) fn path() -> impl Strategy<Value = Vec<PathElement>> {
     let origin = prop_oneof![Just(0.0), -2.0..2.0];
     (prop::collection::vec(step(), 2..8), origin).prop_map(|(steps, origin)| walk(steps, origin))
 }
 
-fn options() -> impl Strategy<Value = CourseOptions> {
+pub(super) fn options() -> impl Strategy<Value = CourseOptions> {
     let exponent = || -7.0..-2.0;
-    (exponent(), exponent(), any::<bool>()).prop_map(|(space, extra, velocity)| CourseOptions {
+    let order = prop_oneof![Just(Order::Velocity), Just(Order::Acceleration), Just(Order::Jerk)];
+    (exponent(), exponent(), order).prop_map(|(space, extra, order)| CourseOptions {
         tolerance: 10_f64.powf(space),
         extra_tolerance: 1e3 * 10_f64.powf(extra),
-        order: if velocity { Order::Velocity } else { Order::Acceleration },
+        order,
+        turning: false,
     })
 }
 
@@ -158,11 +160,12 @@ fn same(a: &CoursePoint, b: &CoursePoint, width: f64, order: usize) -> Result<()
 }
 
 /// Weights of the central difference of eighth order.
-const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
+pub(super) const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
 
 proptest! {
     /// One value on either side of every joint that is blended and at both ends of every blend, up to the second
-    /// derivative; in the middle of a blend the third as well. What is not blended has no step but what it says.
+    /// derivative, or the third if that is asked for; in the middle of a blend the third in any case. What is not blended has
+    /// no step but what it says.
     #[test]
     fn twice_continuously_differentiable(path in path(), options in options()) {
         let course = course(path, options);
@@ -172,8 +175,9 @@ proptest! {
             if let Some(blend) = a.tail() {
                 let d = blend.half_width();
                 same(&before, &after, d, 3)?;
-                same(&a.at(a.length() - d), &original(a, a.length() - d), d, 2)?;
-                same(&b.at(d), &original(b, d), d, 2)?;
+                let order = if options.order == Order::Jerk { 3 } else { 2 };
+                same(&a.at(a.length() - d), &original(a, a.length() - d), d, order)?;
+                same(&b.at(d), &original(b, d), d, order)?;
                 prop_assert_eq!(a.joint(), Joint::default());
                 // From beside, not by the formulas of the blend: the third derivative times the distance at most.
                 for (element, s) in [(a, a.length() - d), (b, d)] {
@@ -192,9 +196,10 @@ proptest! {
                 prop_assert!(said(joint.extra_slope_jump, extra[1], 1e-6 / shorter));
                 let bend = before.second.norm().max(after.second.norm()) + 1.0 / shorter;
                 prop_assert!(said(joint.curvature_jump, space[2], 1e-8 * bend));
-                if options.order == Order::Acceleration {
+                if options.order != Order::Velocity {
                     prop_assert!(joint.curvature_jump == 0.0, "{joint:?}");
                 }
+                prop_assert!(joint.curvature_rate_jump == 0.0, "{joint:?}");
                 prop_assert!(joint.tangent_jump == 0.0 && joint.extra_slope_jump == 0.0);
             }
         }
@@ -242,7 +247,7 @@ proptest! {
             };
             let wide = 1.1 * d;
             let ends = [beside(-wide), beside(wide)];
-            let wider = Blend::new(wide, b.at(0.0).position, &ends[0], &ends[1]).unwrap();
+            let wider = Blend::new(wide, b.at(0.0).position, &ends[0], &ends[1], options.order).unwrap();
             let [mut used, mut beyond] = [0.0_f64; 2];
             let (mut bend, mut slowest, mut last) = (0.0, f64::INFINITY, None::<Vector3<f64>>);
             for part in 0..=400 {
@@ -263,7 +268,7 @@ proptest! {
         }
     }
 
-    /// Each derivative is that of the one before, by differences that are exact for a quintic.
+    /// Each derivative is that of the one before, by differences that are exact for a polynomial of its degree.
     #[test]
     fn derivatives_are_differences(path in path(), options in options(), part in -0.9..0.9) {
         let course = course(path, options);
@@ -274,12 +279,14 @@ proptest! {
             let here = blend.at(way);
             let mut found = [Vector3::zeros(); 3];
             let mut found_u = [SVector::<f64, 5>::zeros(); 3];
+            let mut fourth = Vector3::zeros();
             for (weight, step) in WEIGHTS.iter().zip(1..) {
                 let by = h * f64::from(step);
                 let [right, left] = [way + by, way - by].map(|way| blend.at(way));
                 let [of, off] = [&right, &left].map(|p| [p.position.coords, p.first, p.second]);
                 let [of_u, off_u] = [right, left].map(|p| p.extra.unwrap_or_default())
                     .map(|p| [p.position, p.first, p.second].map(SVector::from));
+                fourth += (right.third - left.third) * (weight / h);
                 for order in 0..3 {
                     found[order] += (of[order] - off[order]) * (weight / h);
                     found_u[order] += (of_u[order] - off_u[order]) * (weight / h);
@@ -290,6 +297,9 @@ proptest! {
             let [first, second, third] = found_u.map(Into::into);
             let extra = here.extra.map(|at| crate::path::ExtraPoint { first, second, third, ..at });
             same(&here, &CoursePoint { extra, ..differences }, 0.003 * d, 3)?;
+            let size = here.first.norm() + (here.second.norm() + here.third.norm() * d) * d + 1.0;
+            let off = (blend.fourth(way) - fourth.xy()).norm();
+            prop_assert!(off <= 1e-8 * (size / d / d / d + fourth.norm()), "{off} of {}", fourth.norm());
         }
     }
 }

@@ -1,0 +1,53 @@
+//! What a window with limited jerk is solved about at first.
+
+use super::Planner;
+use crate::limit::axis_path::AxisPath;
+use crate::limit::grid::{Cap, CapSource, End};
+use crate::limit::sample::grid;
+use crate::limit::smooth::{Beginning, Guess};
+use crate::prepare::CheckedElement;
+
+/// If there is no profile about the first guess, others have so much of its u̇².
+pub(super) const SLOWER: [f64; 4] = [0.2, 0.02, 0.6, 2e-3];
+/// Or, where the path does not begin at rest, times this of that at which jerks let it be gone through at constant velocity.
+const SHARP: f64 = 7.5;
+
+impl<I, E, A> Planner<I, E, A>
+where
+    I: Iterator<Item = Result<CheckedElement, E>>,
+    A: AxisPath,
+{
+    /// What a window with limited jerk is solved about at first.
+    pub(super) fn first_guess(&self) -> Guess {
+        let mut guess = self.estimate(&grid(&self.sampler, &self.cells)).0;
+        for (guess, kept) in guess.iter_mut().zip(&self.kept) {
+            *guess = *kept;
+        }
+        Guess::rough(guess)
+    }
+
+    /// A slower one. What is known of its beginning stays.
+    pub(super) fn slower_guess(&self, part: f64) -> Guess {
+        let mut grid = grid(&self.sampler, &self.cells);
+        if self.beginning != Beginning::Rest {
+            // Where the path bends so sharply that jerks limit even a constant velocity.
+            for node in self.kept.len()..grid.cells() {
+                let ends = [(node, End::Start), (node.saturating_sub(1), End::Finish)];
+                let rows = ends.into_iter().flat_map(|(cell, end)| grid.jerks(cell, end));
+                let sharpest = rows.fold(0.0, |most: f64, row| most.max(row.third.abs()));
+                let v2 = SHARP * part * sharpest.powf(-2.0 / 3.0);
+                grid.cap_at(node, Cap { v2, source: CapSource::Nothing });
+            }
+        }
+        let mut guess = self.estimate(&grid).0;
+        if self.beginning == Beginning::Rest {
+            for b in &mut guess {
+                *b *= part;
+            }
+        }
+        for (guess, kept) in guess.iter_mut().zip(&self.kept) {
+            *guess = *kept;
+        }
+        Guess::rough(guess)
+    }
+}
