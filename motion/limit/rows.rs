@@ -15,7 +15,7 @@ pub(super) const SCREEN_JERK: [f64; 2] = [0.5, 0.7];
 /// The least c, as a part of the guess of b around it.
 const LEAST: f64 = 0.02;
 /// Cells that take less time, s, are too short to tell a jerk: their coefficients would drown in rounding.
-const LEAST_TIME: f64 = 2e-5;
+pub(super) const LEAST_TIME: f64 = 2e-5;
 /// Where the velocity varies within a cell, so does the jerk: at its ends it may be larger than in its middle, by this
 /// part of the limit.
 const AT_ENDS: f64 = 0.04;

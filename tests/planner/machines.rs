@@ -86,7 +86,12 @@ impl Machine {
 
     /// What the planner is given.
     pub fn path(self, jerk: bool) -> KinematicPath<MachineAxes> {
-        KinematicPath::new(self.kinematics(), self.limits(jerk), AxisVector::zeros(3))
+        self.path_within(self.limits(jerk))
+    }
+
+    /// The same with other limits.
+    pub fn path_within(self, limits: Vec<AxisLimits>) -> KinematicPath<MachineAxes> {
+        KinematicPath::new(self.kinematics(), limits, AxisVector::zeros(3))
     }
 
     /// A box within reach, m: least and largest corner.

@@ -19,3 +19,4 @@ mod machines;
 mod random;
 mod replan;
 mod run;
+mod short;

@@ -4,6 +4,7 @@ use super::Planner;
 use crate::limit::axis_path::AxisPath;
 use crate::limit::grid::Grid;
 use crate::limit::reachable;
+use crate::limit::rows::LEAST_TIME;
 use crate::limit::sample::grid;
 use crate::limit::smooth::Beginning;
 use crate::prepare::CheckedElement;
@@ -12,6 +13,8 @@ use twin_kinematics::KinematicsError;
 /// Within this time, s, after the path rested, or before it will, steps are shorter in proportion: there the velocity changes
 /// fast.
 const GRADE: f64 = 0.06;
+/// Cells that take no more than this, s, are not cut for the sake of time: a few cuts more, and their jerks could not be told.
+pub(super) const SHORTEST: f64 = 4.0 * LEAST_TIME;
 /// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
 /// constant.
 const LAUNCH: f64 = 8e-3;
@@ -102,6 +105,7 @@ where
                 let pair = b.get(index..index + 2).unwrap_or_default();
                 let takes = time(pair, cell.length(), self.jerk_limited);
                 let fine = step * (since.min(left) / GRADE).clamp(0.125, 1.0);
+                let fine = fine.max(SHORTEST);
                 since += takes;
                 left -= takes;
                 // A profile with limited jerk has to have a choice.

@@ -1,10 +1,12 @@
 //! A profile over a window, verified between the places where limits are asked for.
 
 use super::Planner;
+use super::refine::SHORTEST;
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
 use crate::limit::grid::Grid;
 use crate::limit::reachable;
+use crate::limit::rows::LEAST_TIME;
 use crate::limit::sample::{Cell, grid};
 use crate::limit::smooth::{Beginning, Broken, Guess, SmoothProfile};
 use crate::limit::stretch::Stretch;
@@ -16,8 +18,6 @@ use std::ops::Range;
 const ALLOWED: [[f64; 2]; 3] = [[1.0005, 1.01], [1.045, 1.2], [1.0005, 1.01]];
 /// Where the jerk is in what [`Planner::worst`] gives.
 const JERK: usize = 1;
-/// Cells that take less time, s, are too short to tell a jerk.
-const SHORT: f64 = 2e-5;
 /// Windows are solved again at most so often, and cells cut in half at most in so many of these rounds: a shorter cell gives
 /// the profile more freedom, which it may use to exceed limits somewhere else.
 const ROUNDS: u32 = 12;
@@ -215,7 +215,7 @@ where
             if !rest
                 && index >= fresh
                 && let Some(motion) = guess.motion(place, grid.length(index))
-                && motion.duration > 4.0 * SHORT
+                && motion.duration > SHORTEST
                 && grid.varies(index, &motion.ends) > VARIES
                 && let Ok(parts) = self.sampler.parts(&cell, &[0.5])
                 && parts.len() == 2
@@ -279,7 +279,7 @@ where
             let too_long = worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far);
             let rest = self.jerk_limited && (index == 0 || index == last);
             let halve = round < HALVING && index >= fresh && too_long && !rest;
-            if halve && stretch.duration() > 4.0 * SHORT {
+            if halve && stretch.duration() > SHORTEST {
                 cell.tight = [1.0; 3];
                 if let Ok(parts) = self.sampler.parts(&cell, &[0.5])
                     && parts.len() == 2
@@ -337,7 +337,7 @@ where
                 *worst = worst.max(excess);
             }
         }
-        if stretch.duration() < SHORT {
+        if stretch.duration() < LEAST_TIME {
             worst[JERK] = 0.0;
         }
         worst
