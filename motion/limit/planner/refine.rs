@@ -2,7 +2,7 @@
 
 use super::Planner;
 use crate::limit::axis_path::AxisPath;
-use crate::limit::grid::Grid;
+use crate::limit::grid::{Cap, CapSource, Grid};
 use crate::limit::reachable;
 use crate::limit::rows::LEAST_TIME;
 use crate::limit::sample::grid;
@@ -20,6 +20,9 @@ pub(super) const SHORTEST: f64 = 4.0 * LEAST_TIME;
 const LAUNCH: f64 = 8e-3;
 /// A path that takes less than so many horizons is planned in one window.
 const BEYOND: f64 = 1.5;
+/// A first profile may be faster by this part, in u̇², than what keeps the jerk limits at constant velocity: not much more can be won
+/// by speeding up and slowing down.
+const BEND_ROOM: f64 = 2.0;
 /// Between stops there are at least so many cells.
 const FEWEST: usize = 4;
 
@@ -37,6 +40,9 @@ where
         };
         let mut b = reachable::fastest(grid, cells.clone(), start, 0.0);
         if self.jerk_limited {
+            if let Some(slower) = slow_in_bends(grid, &b) {
+                b = reachable::fastest(&slower, cells.clone(), start, 0.0);
+            }
             if self.beginning == Beginning::Rest {
                 soften(&mut b, grid.nodes(), grid.jerk_start(0));
             }
@@ -141,6 +147,23 @@ where
         }
         Ok(())
     }
+}
+
+/// The grid with bounds on the velocity where `b` is so large that the bends alone ask for much more jerk than there is; none if
+/// it is so nowhere.
+fn slow_in_bends(grid: &Grid, b: &[f64]) -> Option<Grid> {
+    let mut slower = None;
+    for cell in 0..grid.cells() {
+        let v2 = BEND_ROOM * grid.jerk_bound(cell);
+        // Where the window begins it is as fast as it is.
+        for node in [cell, cell + 1] {
+            if node > 0 && b.get(node).is_some_and(|b| *b > v2) {
+                let slower = slower.get_or_insert_with(|| grid.clone());
+                slower.cap_at(node, Cap { v2, source: CapSource::Nothing });
+            }
+        }
+    }
+    slower
 }
 
 /// Lowers `b` from rest at the first node on to what the jerk allows, u being the parameter of the nodes.
