@@ -97,7 +97,7 @@ fn place(elements: &[PathElement], machine: Machine) -> Option<Vec<PathElement>>
 
 fn row(name: &str, machine: Machine, report: &Report) {
     println!(
-        "{name:44} {:8} {:9.2} {:7.4} {:7.4} {:7.4} {:7.4} {:7.4} {:7.4} {:3} {:6} {:6.1} {:7.0}",
+        "{name:44} {:8} {:9.2} {:7.4} {:7.4} {:7.4} {:7.4} {:7.4} {:7.4} {:3} {:4} {:6} {:6.1} {:7.0}",
         machine.name(),
         report.duration,
         report.velocity.value,
@@ -107,6 +107,7 @@ fn row(name: &str, machine: Machine, report: &Report) {
         report.feed.value,
         report.path_acceleration.value,
         report.effort.failed,
+        report.effort.exceeded,
         report.effort.committed,
         report.effort.cells as f64 / report.effort.committed as f64,
         report.points_per_second(),
@@ -118,7 +119,7 @@ fn look_at_all(jerk: bool) {
     let count = std::env::var("TWIN_CORPUS_FULL").ok();
     let most = count.map_or(FEW, |count| (count.parse().unwrap_or(usize::MAX), f64::INFINITY));
     println!(
-        "{:44} {:8} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>3} {:>6} {:>6} {:>7}",
+        "{:44} {:8} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>3} {:>4} {:>6} {:>6} {:>7}",
         "program",
         "machine",
         "s",
@@ -129,6 +130,7 @@ fn look_at_all(jerk: bool) {
         "F",
         "E",
         "bad",
+        "over",
         "cells",
         "times",
         "cells/s"

@@ -20,3 +20,4 @@ mod random;
 mod replan;
 mod run;
 mod short;
+mod some;
