@@ -12,6 +12,9 @@ use twin_motion::path::{Arc, ElementKind, PathElement, Plane, Shape};
 /// The arm's first joint alone has a jerk limit.
 fn limits() -> Vec<AxisLimits> {
     let mut limits = Machine::Scara2.limits(true);
+    if std::env::var("ALL").is_ok() {
+        return limits;
+    }
     for axis in &mut limits[1..] {
         axis.jerk = None;
     }
@@ -46,18 +49,39 @@ fn look(name: &str, path: Vec<PathElement>, free: bool) -> Report {
     let options = LimitOptions::new(CourseOptions::new(1e-5));
     let options = LimitOptions { feed: !free, path_acceleration: !free, ..options };
     let report = run_on(axes, path.into_iter(), PI, options, 1e-3);
-    println!("{name} free {free} T {:.4} v {:.4} a {:.4} j {:.4} 3rd {:.4} {:?} took {:.3}", report.duration, report.velocity.value, report.acceleration.value, report.jerk.value, report.third_difference.value, report.effort, report.took);
+    println!(
+        "{name} free {free} T {:.4} v {:.4} a {:.4} j {:.4} 3rd {:.4} {:?} took {:.3}",
+        report.duration,
+        report.velocity.value,
+        report.acceleration.value,
+        report.jerk.value,
+        report.third_difference.value,
+        report.effort,
+        report.took
+    );
     report
 }
 
 #[test]
 fn one_axis_alone() {
+    if let Ok(n) = std::env::var("N") {
+        look("lissajous", lissajous(n.parse().unwrap()), true);
+        return;
+    }
     for free in [false, true] {
         look("circle", circle(), free);
         for count in [36, 200, 1000] {
             look(&format!("lissajous {count}"), lissajous(count), free);
         }
-        look("meander", super::long::meander().take(60).enumerate().map(super::long::cut).collect(), free);
-        look("teeth", super::long::teeth().take(40).enumerate().map(super::long::cut).collect(), free);
+        look(
+            "meander",
+            super::long::meander().take(60).enumerate().map(super::long::cut).collect(),
+            free,
+        );
+        look(
+            "teeth",
+            super::long::teeth().take(40).enumerate().map(super::long::cut).collect(),
+            free,
+        );
     }
 }

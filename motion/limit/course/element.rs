@@ -108,7 +108,7 @@ impl CourseElement {
     }
 
     /// Where the blend with the element before ends, m.
-    fn head_end(&self) -> f64 {
+    pub(super) fn head_end(&self) -> f64 {
         self.head.as_ref().map_or(0.0, |blend| blend.half_width())
     }
 

@@ -155,7 +155,7 @@ fn join(element: &mut CourseElement, next: &mut CourseElement, options: &CourseO
     } else if steps.folds() {
         Joint { stop: true, ..steps.joint() }
     } else {
-        match width::widest(from, to, &steps, options) {
+        match width::widest(from, to, element.head_end(), &steps, options) {
             Ok(blend) => {
                 let blend = Arc::new(blend);
                 element.lead_out(Arc::clone(&blend));

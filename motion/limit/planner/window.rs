@@ -276,7 +276,10 @@ where
                 continue;
             }
             // What was planned before stays on its nodes.
-            let too_long = worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far);
+            // A jerk that is not limited at the ends yet will be, however far it is exceeded: halves would leave as much freedom.
+            let mut far = worst.iter().zip(ALLOWED).map(|(worst, [_, far])| *worst > far);
+            let too_long =
+                (0..).zip(&mut far).any(|(kind, far)| far && (kind != JERK || cell.dense));
             let rest = self.jerk_limited && (index == 0 || index == last);
             let halve = round < HALVING && index >= fresh && too_long && !rest;
             if halve && stretch.duration() > SHORTEST {
