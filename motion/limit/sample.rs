@@ -135,10 +135,8 @@ impl<A: AxisPath> Sampler<A> {
         let mut last = part.start;
         // What is left between two blends that nearly meet is not worth a cell.
         let sliver = tail - head < SLIVER * head.min(element.length() - tail);
-        for to in element
-            .breaks()
-            .filter(|at| *at > part.start && !(sliver && *at >= tail && *at < element.length()))
-        {
+        let left_out = |at: f64| sliver && at > head && at >= tail && at < element.length();
+        for to in element.breaks().filter(|at| *at > part.start && !left_out(*at)) {
             let to = to.min(part.end);
             if to <= last {
                 break;
