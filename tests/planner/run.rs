@@ -193,7 +193,6 @@ impl<'m, A: AxisPath> Watch<'m, A> {
                 let jerk = d1 * j + 3.0 * d2 * v * a + d3 * v * v * v;
                 if std::env::var("DBG").is_ok() && jerk.abs() > 1.05 * limit {
                     eprintln!(
-                        "HIGH {} line {line} at {} of {} dur {} from {:e} to {:e} of {:e} head {:?} tail {:?} terms {:e} {:e} {:e}",
                         jerk / limit,
                         progress.position / leg.stretch.length(),
                         leg.stretch.length(),

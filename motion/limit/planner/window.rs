@@ -20,7 +20,7 @@ const ALLOWED: [[f64; 2]; 3] = [[1.0005, 1.01], [1.045, 1.2], [1.0005, 1.01]];
 const JERK: usize = 1;
 /// Windows are solved again at most so often, and cells cut in half at most in so many of these rounds: a shorter cell gives
 /// the profile more freedom, which it may use to exceed limits somewhere else.
-const ROUNDS: u32 = 12;
+const ROUNDS: u32 = 16;
 const HALVING: u32 = 6;
 /// Nor are there to be so many times more of them.
 const MOST_CELLS: usize = 4;
@@ -276,14 +276,14 @@ where
                 continue;
             }
             // What was planned before stays on its nodes.
-            // A jerk that is not limited at the ends yet will be, however far it is exceeded: halves would leave as much freedom.
-            let mut far = worst.iter().zip(ALLOWED).map(|(worst, [_, far])| *worst > far);
-            let too_long =
-                (0..).zip(&mut far).any(|(kind, far)| far && (kind != JERK || cell.dense));
+            let too_long = worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far);
             let rest = self.jerk_limited && (index == 0 || index == last);
             let halve = round < HALVING && index >= fresh && too_long && !rest;
             if halve && stretch.duration() > SHORTEST {
                 cell.tight = [1.0; 3];
+                // Halves with jerks limited in their middles alone would have as much freedom at their ends.
+                let [_, jerk, _] = worst;
+                cell.dense |= jerk > ALLOWED[JERK][1];
                 if let Ok(parts) = self.sampler.parts(&cell, &[0.5])
                     && parts.len() == 2
                 {
