@@ -191,22 +191,6 @@ impl<'m, A: AxisPath> Watch<'m, A> {
             report.acceleration.raise(acceleration.abs() / limits.acceleration, line, time);
             if let Some(limit) = limits.jerk {
                 let jerk = d1 * j + 3.0 * d2 * v * a + d3 * v * v * v;
-                if std::env::var("DBG").is_ok() && jerk.abs() > 1.05 * limit {
-                    eprintln!(
-                        jerk / limit,
-                        progress.position / leg.stretch.length(),
-                        leg.stretch.length(),
-                        leg.stretch.duration(),
-                        leg.from,
-                        leg.from + leg.stretch.length(),
-                        leg.element.length(),
-                        leg.element.head().map(|b| b.half_width()),
-                        leg.element.tail().map(|b| leg.element.length() - b.half_width()),
-                        d1 * j / limit,
-                        3.0 * d2 * v * a / limit,
-                        d3 * v * v * v / limit
-                    );
-                }
                 report.jerk.raise(jerk.abs() / limit, line, time);
             }
         }

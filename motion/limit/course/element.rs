@@ -8,7 +8,7 @@ use nalgebra::{Point3, Vector3};
 use std::sync::Arc;
 
 /// Places nearer to each other than this part of the length are one.
-const SAME_PLACE: f64 = 1e-9;
+pub(super) const SAME_PLACE: f64 = 1e-9;
 
 /// How the programmed path goes from one element into the next.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,5 +1,6 @@
 //! How wide a blend may be.
 
+use super::element::SAME_PLACE;
 use super::joint::{SLOWEST, Steps};
 use super::{Blend, CourseOptions, CoursePoint};
 use crate::path::ExtraPoint;
@@ -8,8 +9,6 @@ use nalgebra::{SVector, Vector3};
 
 /// The part of an element that each of its two blends may take.
 const SHARE: f64 = 0.5;
-/// And that the first of them may take if it then meets the one before.
-const MOST_SHARE: f64 = 0.55;
 /// Between two blends there is nothing, or more than this part of the narrower one: in less the third derivative would come and go
 /// within microseconds.
 const SLIVER: f64 = 0.06;
@@ -53,10 +52,10 @@ pub(super) enum NoBlend {
     TooShort,
 }
 
-/// The widest blend between two elements, of which the first begins with one that reaches to `head`, m: at most what that has left,
-/// and about half of the second; and if it is narrower than that, the tolerance is used up to a tenth, or one that is wider by a
-/// tenth is not within it, folds, or lets the path bend by about 2 rad beside it. It is a little narrower where next to nothing
-/// would be left between the two.
+/// The widest blend between two elements, of which the first begins with one that reaches to `head`, m: at most half of
+/// either, and if it is narrower than that, the tolerance is used up to a tenth, or one that is wider by a tenth is not
+/// within it, folds, or lets the path bend by about 2 rad beside it. It is a little narrower where next to nothing would be
+/// left between the two.
 pub(super) fn widest(
     from: &CheckedElement,
     to: &CheckedElement,
@@ -64,11 +63,10 @@ pub(super) fn widest(
     steps: &Steps,
     options: &CourseOptions,
 ) -> Result<Blend, NoBlend> {
-    let free = from.path_length() - head;
-    let blend = widest_within(most(from, to, head), from, to, steps, options)?;
-    let width = blend.half_width();
+    let blend = widest_alone(from, to, steps, options)?;
+    let (width, free) = (blend.half_width(), from.path_length() - head);
     let between = SLIVER * width.min(head);
-    if free > width && free - width < between {
+    if free - width > SAME_PLACE * from.path_length() && free - width < between {
         let trial = Trial::new(from, to, steps, options, free - between);
         if let (true, Some(narrower)) = (trial.fits(), trial.blend) {
             return Ok(narrower);
@@ -77,25 +75,14 @@ pub(super) fn widest(
     Ok(blend)
 }
 
-/// How wide a blend may be at most. It meets the one before where that leaves about half of the next element or less.
-fn most(from: &CheckedElement, to: &CheckedElement, head: f64) -> f64 {
-    let (length, next) = (from.path_length(), to.path_length());
-    let free = length - head;
-    if head > 0.0 && free <= MOST_SHARE * next {
-        free
-    } else {
-        SHARE * if head > 0.0 { next } else { next.min(length) }
-    }
-}
-
-/// The same, at most so wide.
-fn widest_within(
-    most: f64,
+/// The same, whatever is before.
+fn widest_alone(
     from: &CheckedElement,
     to: &CheckedElement,
     steps: &Steps,
     options: &CourseOptions,
 ) -> Result<Blend, NoBlend> {
+    let most = SHARE * from.path_length().min(to.path_length());
     let least = NARROWEST.max(DIGITS * steps.blur);
     if most < least {
         return Err(NoBlend::TooShort);
