@@ -13,8 +13,6 @@ use twin_motion::path::{Arc, ElementKind, PathElement, Plane, Shape};
 /// The arm's first joint alone has a jerk limit.
 fn limits() -> Vec<AxisLimits> {
     let mut limits = Machine::Scara2.limits(true);
-        return limits;
-    }
     for axis in &mut limits[1..] {
         axis.jerk = None;
     }

@@ -4,6 +4,7 @@
 //! it. Of a window that does not end at a stop, only the part is committed that this makeshift end has no influence on.
 
 mod commit;
+mod drag;
 mod refine;
 mod replan;
 mod returned;
@@ -278,6 +279,10 @@ where
                 return Ok(());
             }
             self.cut_off(horizon).and_then(|()| self.refine()).map_err(NoWindow::Kinematics)?;
+            if exactly {
+                // Else the motors may not be able to go on as they do.
+                self.take_tangents_of_plan();
+            }
             let grid = grid(&self.sampler, &self.cells);
             if self.safe(&grid).0 == 0 {
                 // All that is known is within braking distance.
