@@ -144,8 +144,16 @@ impl Program {
         self.spare.iter().filter(|row| row.is_broken(x)).map(|row| row.origin)
     }
 
+    /// Whether `x` does not keep a spare row that bounds a velocity from below.
+    pub(super) fn goes_backwards(&self, x: &[f64]) -> bool {
+        let below = |row: &&Spare| {
+            !row.origin.upper && matches!(row.origin.constraint, Constraint::Velocity(_))
+        };
+        self.spare.iter().filter(below).any(|row| row.is_broken(x))
+    }
+
     /// Adds the spare rows that `x` does not keep; how many.
-    fn add_broken(&mut self, x: &[f64]) -> usize {
+    pub(super) fn add_broken(&mut self, x: &[f64]) -> usize {
         let before = self.rows();
         let (broken, spare): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.spare).into_iter().partition(|row| row.is_broken(x));

@@ -8,10 +8,10 @@ use std::ops::Range;
 
 /// Cones, and rows of cells at rest, less active than this at the guess are left out.
 const FAR: f64 = 0.5;
-/// The least c, as a part of the guess of b around it.
+/// The least c, as a part of the smaller guess of b beside it.
 const LEAST: f64 = 0.02;
 /// Cells that take less time, s, are too short to tell a jerk: their coefficients would drown in rounding.
-const LEAST_TIME: f64 = 2e-5;
+pub(super) const LEAST_TIME: f64 = 2e-5;
 /// Where the velocity varies within a cell, so does the jerk: at its ends it may be larger than in its middle, by this
 /// part of the limit.
 const AT_ENDS: f64 = 0.04;
@@ -176,17 +176,20 @@ impl Writer<'_> {
 
     /// b stays positive all through the cell, where the values at its ends alone do not see to it.
     pub(super) fn add_least(&mut self) {
+        let ends = self.guess.iter().copied().fold(f64::INFINITY, f64::min);
         if let Some(variable) = self.index.checked_sub(self.free.start)
             && self.free.contains(&self.index)
+            && let Some((c, scale)) = self.middles.get(self.index).zip(self.scale.get(self.index))
         {
+            // Of the slower end: where the path slows down to next to nothing, c is not far from nothing as well.
+            let least = LEAST * ends.min(*scale) / scale;
             let constraint = Constraint::Velocity(CapSource::Nothing);
             let origin = Origin { upper: false, ..self.origin(constraint, 0.0) };
             let entries = [(variable, -1.0), (0, 0.0), (0, 0.0)];
-            let seems = self.middles.get(self.index).zip(self.scale.get(self.index));
-            if seems.is_some_and(|(c, scale)| *c < 2.0 * LEAST * scale) {
-                self.program.add_row(&entries, -LEAST, origin);
+            if *c < 2.0 * least * scale {
+                self.program.add_row(&entries, -least, origin);
             } else {
-                self.program.add_spare(entries, -LEAST, origin);
+                self.program.add_spare(entries, -least, origin);
             }
         }
     }

@@ -17,6 +17,8 @@ use twin_kinematics::{AxisVector, KinematicsError};
 /// A span between breaks is cut at least into so many cells; one of a blend, which bends all the way, into more.
 const LEAST: u32 = 2;
 const LEAST_OF_BLEND: u32 = 3;
+/// A span between two blends that is shorter than this part of them is one cell.
+const LITTLE: f64 = 0.3;
 /// Rates half-way through a cell may differ from the mean of those at its ends by this part of the largest.
 const SMOOTH: [f64; 2] = [0.02, 0.1];
 /// Between two blends there is nothing if it is shorter than this part of them.
@@ -141,16 +143,20 @@ impl<A: AxisPath> Sampler<A> {
         let mut last = part.start;
         // What is left between two blends that nearly meet is not worth a cell.
         let sliver = tail - head < SLIVER * head.min(element.length() - tail);
-        for to in element
-            .breaks()
-            .filter(|at| *at > part.start && !(sliver && *at >= tail && *at < element.length()))
-        {
+        let left_out = |at: f64| sliver && at > head && at >= tail && at < element.length();
+        for to in element.breaks().filter(|at| *at > part.start && !left_out(*at)) {
             let to = to.min(part.end);
             if to <= last {
                 break;
             }
             let middle = last.midpoint(to);
-            let least = if middle < head || middle > tail { LEAST_OF_BLEND } else { LEAST };
+            let least = if middle < head || middle > tail {
+                LEAST_OF_BLEND
+            } else if to - last < LITTLE * head.min(element.length() - tail) {
+                1
+            } else {
+                LEAST
+            };
             let step = (to - last) / f64::from(least);
             for index in 0..least {
                 let begin = last + step * f64::from(index);

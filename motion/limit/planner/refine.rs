@@ -1,10 +1,10 @@
 //! The grid of a window: where the profile is free to bend.
 
 use super::Planner;
-use super::window::SHORT;
 use crate::limit::axis_path::AxisPath;
-use crate::limit::grid::Grid;
+use crate::limit::grid::{Cap, CapSource, Grid};
 use crate::limit::reachable;
+use crate::limit::rows::LEAST_TIME;
 use crate::limit::sample::grid;
 use crate::limit::smooth::{Beginning, Guess};
 use crate::prepare::CheckedElement;
@@ -13,6 +13,8 @@ use twin_kinematics::KinematicsError;
 /// Within this time, s, after the path rested, or before it will, steps are shorter in proportion: there the velocity changes
 /// fast.
 const GRADE: f64 = 0.06;
+/// Cells that take no more than this, s, are not cut for the sake of time: a few cuts more, and their jerks could not be told.
+pub(super) const SHORTEST: f64 = 4.0 * LEAST_TIME;
 /// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
 /// constant.
 const LAUNCH: f64 = 8e-3;
@@ -24,6 +26,9 @@ const FEWEST_STEPS: f64 = 12.0;
 const TOO_LONG: f64 = 1.6;
 /// A path that takes less than so many horizons is planned in one window.
 const BEYOND: f64 = 1.5;
+/// A first profile may be faster by this part, in u̇², than what keeps the jerk limits at constant velocity: not much more can be won
+/// by speeding up and slowing down.
+const BEND_ROOM: f64 = 2.0;
 /// Between stops there are at least so many cells.
 const FEWEST: usize = 4;
 /// Cells in which jerks differ by more than this part of their limits are cut in half.
@@ -43,6 +48,9 @@ where
         };
         let mut b = reachable::fastest(grid, cells.clone(), start, 0.0);
         if self.jerk_limited {
+            if let Some(slower) = slow_in_bends(grid, &b) {
+                b = reachable::fastest(&slower, cells.clone(), start, 0.0);
+            }
             if self.beginning == Beginning::Rest {
                 soften(&mut b, grid.nodes(), grid.jerk_start(0));
             }
@@ -204,7 +212,7 @@ where
             if !rest
                 && index >= fresh
                 && let Some(motion) = guess.motion(place, grid.length(index))
-                && motion.duration > 4.0 * SHORT
+                && motion.duration > SHORTEST
                 && grid.varies(index, &motion.ends) > VARIES
                 && let Ok(parts) = self.sampler.parts(&cell, &[0.5])
                 && parts.len() == 2
@@ -218,6 +226,23 @@ where
         }
         self.cells = cells;
     }
+}
+
+/// The grid with bounds on the velocity where `b` is so large that the bends alone ask for much more jerk than there is; none if
+/// it is so nowhere.
+fn slow_in_bends(grid: &Grid, b: &[f64]) -> Option<Grid> {
+    let mut slower = None;
+    for cell in 0..grid.cells() {
+        let v2 = BEND_ROOM * grid.jerk_bound(cell);
+        // Where the window begins it is as fast as it is.
+        for node in [cell, cell + 1] {
+            if node > 0 && b.get(node).is_some_and(|b| *b > v2) {
+                let slower = slower.get_or_insert_with(|| grid.clone());
+                slower.cap_at(node, Cap { v2, source: CapSource::Nothing });
+            }
+        }
+    }
+    slower
 }
 
 /// Lowers `b` from rest at the first node on to what the jerk allows, u being the parameter of the nodes.
@@ -266,7 +291,7 @@ fn rest_cuts(length: f64, rest: [bool; 2], limits: [[f64; 2]; 2], time: f64) -> 
 
 /// The step so long, s, after the path rested, or before it will.
 fn graded(step: f64, from_rest: f64) -> f64 {
-    step * (from_rest / GRADE).clamp(0.125, 1.0)
+    (step * (from_rest / GRADE).clamp(0.125, 1.0)).max(SHORTEST)
 }
 
 /// Where to cut a cell that takes `takes` into parts of about `step`, as parts of its length.

@@ -2,11 +2,13 @@
 
 use super::drag::MOST_TANGENTS;
 use super::guess::SLOWER;
+use super::refine::SHORTEST;
 use super::{NOT_SOLVED, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
 use crate::limit::grid::Grid;
 use crate::limit::reachable;
+use crate::limit::rows::LEAST_TIME;
 use crate::limit::sample::{Cell, grid};
 use crate::limit::smooth::{Beginning, Broken, Guess, SmoothProfile};
 use crate::limit::stretch::Stretch;
@@ -18,11 +20,9 @@ use std::ops::Range;
 const ALLOWED: [[f64; 2]; 3] = [[1.0005, 1.01], [1.045, 1.2], [1.0005, 1.01]];
 /// Where the jerk is in what [`Planner::worst`] gives.
 const JERK: usize = 1;
-/// Cells that take less time, s, are too short to tell a jerk.
-pub(super) const SHORT: f64 = 2e-5;
 /// Windows are solved again at most so often, and cells cut in half at most in so many of these rounds: a shorter cell gives
 /// the profile more freedom, which it may use to exceed limits somewhere else.
-const ROUNDS: u32 = 12;
+const ROUNDS: u32 = 16;
 const HALVING: u32 = 6;
 /// Nor are there to be so many times more of them.
 const MOST_CELLS: usize = 4;
@@ -309,8 +309,11 @@ where
             let too_long = worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far);
             let rest = self.jerk_limited && (index == 0 || index == last);
             let halve = round < HALVING && index >= fresh && too_long && !rest;
-            if halve && stretch.duration() > 4.0 * SHORT {
+            if halve && stretch.duration() > SHORTEST {
                 cell.tight = [1.0; 3];
+                // Halves with jerks limited in their middles alone would have as much freedom at their ends.
+                let [_, jerk, _] = worst;
+                cell.dense |= jerk > ALLOWED[JERK][1];
                 if let Ok(parts) = self.sampler.parts(&cell, &[0.5])
                     && parts.len() == 2
                 {
@@ -371,7 +374,7 @@ where
                 *worst = worst.max(excess);
             }
         }
-        if stretch.duration() < SHORT {
+        if stretch.duration() < LEAST_TIME {
             worst[JERK] = 0.0;
         }
         worst

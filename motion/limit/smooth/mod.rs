@@ -169,7 +169,15 @@ impl SmoothSolver {
         self.build(grid, &cells, beginning, guess, &free);
         // What is only the guess for another need not be exact.
         let rough = guess.known == Known::Rough;
-        let answer = self.program.solve(if rough { ROUGH } else { guess.tolerance })?;
+        let tolerance = if rough { ROUGH } else { guess.tolerance };
+        let mut answer = self.program.solve(tolerance)?;
+        // A profile that would go backwards is no guess for another.
+        while self.program.goes_backwards(&answer.x) {
+            self.program.add_broken(&answer.x);
+            let iterations = answer.iterations;
+            answer = self.program.solve(tolerance)?;
+            answer.iterations += iterations;
+        }
         let broken = Broken(self.program.broken(&answer.x).collect());
         let mut c = guess.c.clone();
         let solved = self.scale.iter().skip(free.start).zip(&answer.x);
