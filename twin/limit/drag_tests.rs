@@ -110,8 +110,8 @@ fn motors_of_a_belt_share_what_they_move() {
     for (way, moved, motors) in [
         ("X40", 6.7 / 2.0 + 1.0, &[MOTOR_A, MOTOR_B][..]),
         ("Y40", 2.7 / 2.0 + 1.0, &[MOTOR_A, MOTOR_B]),
-        ("X40 Y40", (6.7 + 2.7) / 2.0 + 2.0, &[MOTOR_A]),
-        ("X40 Y-40", (6.7 + 2.7) / 2.0 + 2.0, &[MOTOR_B]),
+        ("X40 Y40", 6.7 / 2.0 + 2.7 / 2.0 + 2.0, &[MOTOR_A]),
+        ("X40 Y-40", 6.7 / 2.0 + 2.7 / 2.0 + 2.0, &[MOTOR_B]),
     ] {
         let text = format!("% belt\nN10 G92 X0 Y0 Z10 F600 E90000 E-90000\nN20 G1 {way}\n");
         let found = limited(&machine, &text, LimitRules::default());
