@@ -332,8 +332,7 @@ fn what_is_no_tripod_is_said() {
     assert_eq!(found(&flat), Err(PhysicsError::UnevenRod { link: rod }));
 }
 
-/// A rod longer by a nanometre is no longer the closed form's, but moves a thousandth of a thousandth otherwise. How long either
-/// takes is told.
+/// With a rod longer by a nanometre the platform is found in another way, and the forces are nearly the same.
 #[test]
 fn level_and_tilting_platforms_are_one_machine() {
     let mut deviations = TripodDeviations::default();
@@ -342,11 +341,6 @@ fn level_and_tilting_platforms_are_one_machine() {
     let AxisMotion { position, velocity, acceleration } = circle(0.2);
     let found = models.map(|model| {
         let mut dynamics = PathDynamics::new(&model, &[FREE; 3], down()).unwrap();
-        let start = std::time::SystemTime::now();
-        for _ in 0..1000 {
-            dynamics.at(&position, &velocity, &acceleration).unwrap();
-        }
-        println!("{:.2} µs each", start.elapsed().unwrap().as_secs_f64() * 1e3);
         dynamics.at(&position, &velocity, &acceleration).unwrap()
     });
     let [level, tilting] = found;
