@@ -70,6 +70,7 @@ where
                     Ok(_) => {}
                     Err(_impossible) => self.effort.failed -= 1,
                 }
+                self.loosen();
                 solved = self.solve_smooth_about(self.slower_guess(part));
             }
         }
