@@ -7,6 +7,8 @@ use crate::limit::sample::grid;
 use crate::limit::smooth::{Beginning, Guess};
 use crate::prepare::CheckedElement;
 
+/// So much more room each time for acceleration, jerk and velocity: limits are looked at again between the nodes.
+const ROOM: [f64; 3] = [1e-4, 0.01, 1e-6];
 /// If there is no profile about the first guess, others have so much of its u̇².
 pub(super) const SLOWER: [f64; 4] = [0.2, 0.02, 0.6, 2e-3];
 /// Or, where the path does not begin at rest, times this of that at which jerks let it be gone through at constant velocity.
@@ -24,6 +26,16 @@ where
             *guess = *kept;
         }
         Guess::rough(guess)
+    }
+
+    /// Leaves what was planned before a little more room: from where and as fast as the path is there may be no other plan.
+    pub(super) fn loosen(&mut self) {
+        let fresh = self.kept.len().saturating_sub(1);
+        for cell in self.cells.iter_mut().take(fresh) {
+            for (tight, room) in cell.tight.iter_mut().zip(ROOM) {
+                *tight /= 1.0 + room;
+            }
+        }
     }
 
     /// A slower one. What is known of its beginning stays.

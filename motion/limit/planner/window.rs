@@ -80,6 +80,7 @@ where
                     Ok(_) => {}
                     Err(_impossible) => self.effort.failed = failed,
                 }
+                self.loosen();
                 solved = self.solve_smooth_about(self.slower_guess(part));
             }
         }
