@@ -27,6 +27,8 @@ const HALVING: u32 = 6;
 /// Nor are there to be so many times more of them.
 const MOST_CELLS: usize = 4;
 
+/// Cells of fewer times the shortest are not cut often any more.
+const FEW_CUTS: f64 = 4.0;
 /// A limit that was made tighter and is still exceeded is made so many times tighter.
 const AGAIN: i32 = 4;
 /// A change is felt for so many times the time in which acceleration builds up: mostly, and where between the ends of that
@@ -312,9 +314,10 @@ where
             let halve = round < HALVING && index >= fresh && too_long && !rest;
             if halve && stretch.duration() > SHORTEST {
                 cell.tight = [1.0; 3];
-                // Halves with jerks limited in their middles alone would have as much freedom at their ends.
+                // Halves with jerks limited in their middles alone would have as much freedom at their ends, and these cannot be
+                // cut much further.
                 let [_, jerk, _] = worst;
-                cell.dense |= jerk > ALLOWED[JERK][1];
+                cell.dense |= jerk > ALLOWED[JERK][1] && stretch.duration() < FEW_CUTS * SHORTEST;
                 if let Ok(parts) = self.sampler.parts(&cell, &[0.5])
                     && parts.len() == 2
                 {
