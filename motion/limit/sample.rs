@@ -6,6 +6,7 @@ use super::drag::DragRow;
 use super::feeds::Feeds;
 use super::grid::{AxisLimits, Cap, CapSource, CellEnd, Disc, FIRST_FURTHER_ROW, Grid, Rates, Row};
 use super::options::LimitOptions;
+use super::rows::LEAST_TIME;
 use super::stretch::Stretch;
 use crate::path::ElementKind;
 use crate::prepare::CircularLimits;
@@ -19,6 +20,8 @@ const LEAST: u32 = 2;
 const LEAST_OF_BLEND: u32 = 3;
 /// A span between two blends that is shorter than this part of them is one cell.
 const LITTLE: f64 = 0.3;
+/// And so is one that takes no longer than this, s, at its feed: in shorter cells jerks could not be told.
+const SHORTEST: f64 = 3.0 * LEAST_TIME;
 /// Rates half-way through a cell may differ from the mean of those at its ends by this part of the largest.
 const SMOOTH: [f64; 2] = [0.02, 0.1];
 /// Between two blends there is nothing if it is shorter than this part of them.
@@ -150,7 +153,9 @@ impl<A: AxisPath> Sampler<A> {
                 break;
             }
             let middle = last.midpoint(to);
-            let least = if middle < head || middle > tail {
+            let least = if to - last < SHORTEST * element.feed() {
+                1
+            } else if middle < head || middle > tail {
                 LEAST_OF_BLEND
             } else if to - last < LITTLE * head.min(element.length() - tail) {
                 1

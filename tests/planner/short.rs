@@ -61,12 +61,13 @@ fn interrupted(machine: Machine, length: f64, angle: f64, count: u32) -> Vec<Pat
     (0..count).map(step).collect()
 }
 
-/// Every millisecond the limits are kept, and no window fails, however much slower the path has to be there.
+/// Every millisecond the limits are kept, and no window fails, however much slower the path has to be there. Turns are such as can
+/// be written: 0.1 µm in a centimetre is more than 1e-5 rad.
 #[test]
 fn what_is_very_short_is_passed_within_the_limits() {
     for machine in Machine::ALL {
         for length in [1e-7, 1e-6, 1e-5, 1e-4] {
-            for angle in [0.0, 1e-6, 1e-4, 1e-2, 0.1] {
+            for angle in [0.0, 1e-4, 1e-2, 0.1] {
                 let settings =
                     Settings { machine, jerk: true, tolerance: 1e-6, angle: 3.0, horizon: 1.5 };
                 let path = interrupted(machine, length, angle, 8);
