@@ -6,6 +6,7 @@ use crate::finding::Finding;
 use crate::machine::{Axis, Machine};
 use crate::number::significant;
 use crate::program::ProgramFile;
+use crate::session::OverrideChange;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use twin_motion::Place;
 
@@ -57,12 +58,38 @@ pub struct RunReport {
     pub stopped_because: Option<String>,
     /// Time of the last set-point that was sent, s.
     pub executed_s: f64,
+    /// How the override changed while the program ran.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub override_changes: Vec<OverrideChangeReport>,
     /// How often the drives were heard of, if there were any.
     pub drive_samples: Option<DriveSamplesReport>,
     /// Errors of the tool tip.
     pub tool_error_mm: ComparisonReport,
     /// Errors per axis, in the axis's unit.
     pub axis_error: PerAxis<AxisErrorReport>,
+}
+
+/// A change of the override.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub struct OverrideChangeReport {
+    /// When it was asked for, s since the start of the program.
+    pub asked_s: f64,
+    /// What was asked for, %; 0 is a feed hold.
+    pub override_percent: f64,
+    /// How long after that the path began to follow, s; null if it never did.
+    pub followed_after_s: Option<f64>,
+}
+
+impl OverrideChangeReport {
+    /// Of a change during a run.
+    pub fn new(change: &OverrideChange) -> Self {
+        let OverrideChange { asked, follows_ns } = change;
+        Self {
+            asked_s: seconds(asked.time_ns),
+            override_percent: rounded(asked.factor * 100.0),
+            followed_after_s: follows_ns.map(|follows_ns| seconds(follows_ns - asked.time_ns)),
+        }
+    }
 }
 
 /// How often the drives were heard of.

@@ -156,6 +156,11 @@ where
         self
     }
 
+    /// The override in effect.
+    pub fn override_factor(&self) -> Override {
+        self.scale
+    }
+
     /// Sets the inputs for the cycles to come.
     pub fn set_inputs(&mut self, inputs: Inputs) {
         self.inputs = inputs;

@@ -109,10 +109,13 @@ where
         }
     }
 
-    /// As an override of 0, and then the path ends where it rests.
+    /// As an override of 0, and then the path ends where it rests. A pause that is under way ends at the next set-point.
     pub fn stop(&mut self) {
         self.set_override(0.0);
         self.stopping = true;
+        if let Some(Current::Still { until_ns, .. }) = &mut self.current {
+            *until_ns = (*until_ns).min(self.now_ns);
+        }
     }
 
     /// Whether the path is held.

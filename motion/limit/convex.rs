@@ -23,6 +23,8 @@ pub(super) struct Program {
     cones: Vec<(Cone, Origin)>,
     /// Rows that are left out as long as a solution keeps them.
     spare: Vec<Spare>,
+    /// How many iterations a solution may take, if that is less than it does at most.
+    pub(super) most_iterations: Option<u32>,
 }
 
 /// A row that is left out.
@@ -64,6 +66,9 @@ pub(super) struct Origin {
 const KEPT: f64 = 1e-5;
 /// One of a jerk, which is allowed more between the places where it is limited, to within this.
 const KEPT_JERK: f64 = 2e-3;
+
+/// Where there is an answer it takes less than a third of these iterations.
+const MOST_ITERATIONS: u32 = 100;
 
 /// Less is rounding of the solver.
 const NO_GAIN: f64 = 1e-9;
@@ -139,8 +144,16 @@ impl Program {
         self.spare.iter().filter(|row| row.is_broken(x)).map(|row| row.origin)
     }
 
+    /// Whether `x` does not keep a spare row that bounds a velocity from below.
+    pub(super) fn goes_backwards(&self, x: &[f64]) -> bool {
+        let below = |row: &&Spare| {
+            !row.origin.upper && matches!(row.origin.constraint, Constraint::Velocity(_))
+        };
+        self.spare.iter().filter(below).any(|row| row.is_broken(x))
+    }
+
     /// Adds the spare rows that `x` does not keep; how many.
-    fn add_broken(&mut self, x: &[f64]) -> usize {
+    pub(super) fn add_broken(&mut self, x: &[f64]) -> usize {
         let before = self.rows();
         let (broken, spare): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.spare).into_iter().partition(|row| row.is_broken(x));
@@ -160,6 +173,9 @@ impl Program {
         loop {
             let mut answer = self.solve(tolerance)?;
             iterations += answer.iterations;
+            if let Some(most) = &mut self.most_iterations {
+                *most = most.saturating_sub(answer.iterations).max(1);
+            }
             if self.add_broken(&answer.x) == 0 {
                 answer.iterations = iterations;
                 return Ok(answer);
@@ -258,9 +274,10 @@ impl Program {
         cones.extend(self.cones.iter().map(|_| SupportedConeT::SecondOrderConeT(4)));
         let mut right = self.right.clone();
         right.extend(self.cones.iter().flat_map(|_| [1.0, 0.0, 0.0, 0.0]));
+        let most = self.most_iterations.unwrap_or(MOST_ITERATIONS).min(MOST_ITERATIONS);
         let settings = DefaultSettings {
             verbose: false,
-            max_iter: 100,
+            max_iter: most,
             max_step_fraction: 0.995,
             tol_gap_abs: tolerance,
             tol_gap_rel: tolerance,
@@ -283,8 +300,10 @@ impl Program {
         let solution = solver.solution;
         let iterations = solution.iterations;
         match solution.status {
+            // One that was cut short is not as good as it could be.
             SolverStatus::Solved | SolverStatus::AlmostSolved
-                if solution.x.iter().all(|value| value.is_finite()) =>
+                if (solution.status == SolverStatus::Solved || iterations < most)
+                    && solution.x.iter().all(|value| value.is_finite()) =>
             {
                 let rows = self.origins.iter().zip(&solution.z).zip(&self.right);
                 let of_rows =

@@ -34,6 +34,11 @@ impl Feeds {
         Self { factor, braking: Vec::new() }
     }
 
+    /// The same with another factor, and no less where the path brakes; if it is no smaller.
+    pub(super) fn raised(&self, factor: f64) -> Option<Self> {
+        (factor >= self.factor).then(|| Self { factor, ..self.clone() })
+    }
+
     /// Up to a u̇² in any case, and more where that is above what is programmed, on a part of `element`: both at its two ends. Parts
     /// come in their order along the path.
     pub(super) fn brake(
@@ -50,6 +55,24 @@ impl Feeds {
                 self.braking.push(Braking { element: Arc::clone(element), bounds });
             }
         }
+    }
+
+    /// Where what braking comes to falls below what is programmed, or rises above it: there the bound has a kink.
+    pub(super) fn kinks(&self) -> Vec<(Arc<CourseElement>, f64)> {
+        let mut kinks = Vec::new();
+        for Braking { element, bounds } in &self.braking {
+            for pair in bounds.windows(2) {
+                let [(from, [start, _]), (to, [end, _])] = pair else { continue };
+                let scale = element.at(from.midpoint(*to)).first.norm();
+                let feed = self.factor * element.feed() / if scale > 0.0 { scale } else { 1.0 };
+                let v2 = feed * feed / (1.0 + EXACT);
+                if (*start > v2) != (*end > v2) {
+                    let part = (start - v2) / (start - end);
+                    kinks.push((Arc::clone(element), from + part * (to - from)));
+                }
+            }
+        }
+        kinks
     }
 
     /// The bound on u̇² at `s` of `element`, where `v2` is what is programmed.

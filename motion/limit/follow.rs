@@ -110,6 +110,11 @@ where
         &self.plan
     }
 
+    /// The plan.
+    pub fn plan_mut(&mut self) -> &mut P {
+        &mut self.plan
+    }
+
     /// When the path came to rest, s since its start.
     pub fn duration(&self) -> f64 {
         self.reached.seconds()
@@ -133,12 +138,12 @@ where
                 Current::Still { from_ns: self.now_ns, until_ns }
             }
             Planned::Hold { element, at } => {
+                if self.last.is_none() {
+                    self.enter(&element, at);
+                }
                 if std::mem::take(&mut self.stopping) {
                     self.plan.abandon();
                     return Ok(false);
-                }
-                if self.last.is_none() {
-                    self.enter(&element, at);
                 }
                 Current::Held { until_ns: self.now_ns.saturating_add(self.cycle_ns) }
             }

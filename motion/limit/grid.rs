@@ -436,6 +436,15 @@ impl Grid {
         starts.zip(ends).zip(middles).fold(0.0, most)
     }
 
+    /// The largest u̇² at which a cell keeps the jerk limits at its ends and in its middle without ü.
+    pub(super) fn jerk_bound(&self, cell: usize) -> f64 {
+        let places =
+            [self.jerks(cell, End::Start), self.middle_jerks(cell), self.jerks(cell, End::Finish)];
+        let most =
+            places.iter().copied().flatten().fold(0.0, |most: f64, row| most.max(row.third.abs()));
+        most.powf(-2.0 / 3.0)
+    }
+
     /// The disc of the tool tip at an end of a cell.
     pub(super) fn disc(&self, cell: usize, end: End) -> Option<&Disc> {
         self.discs.get(2 * cell + end as usize)?.as_ref()

@@ -14,6 +14,7 @@ mod asked;
 mod axis_path;
 mod convex;
 pub mod course;
+mod drag;
 pub mod emergency;
 mod feeds;
 mod follow;
@@ -27,11 +28,13 @@ pub mod reachable;
 mod rows;
 mod sample;
 mod smooth;
+mod spliced;
 mod stretch;
 
 pub use ahead::{Ahead, Replan};
 pub use axis_path::{AxisPath, AxisPoint, KinematicPath, MOST_FURTHER_ROWS, axis_point};
 pub use convex::NotSolved;
+pub use drag::DragRow;
 pub use follow::{Followed, Follower, MTimes};
 pub use gain::Gain;
 pub use grid::{
@@ -40,6 +43,7 @@ pub use grid::{
 };
 pub use linear::{LinearProfile, LinearSolver};
 pub use options::LimitOptions;
-pub use planner::{Effort, Leg, LimitError, Planned, Planner};
+pub use planner::{Behind, Effort, Leg, LimitError, Piece, Pieces, Planned, Planner, Request};
 pub use smooth::{Beginning, SmoothProfile, SmoothSolver};
+pub use spliced::{Arrival, Lead, Spliced};
 pub use stretch::{Law, Progress, Stretch};

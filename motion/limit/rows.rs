@@ -3,19 +3,15 @@
 use super::asked::Asked;
 use super::convex::{Origin, Program};
 use super::grid::{CapSource, Constraint, End, Grid, JerkRow, Row, number};
-
+use super::smooth::Known;
 use std::ops::Range;
 
-/// Rows less active than this at the guess are left out at first.
-const SCREEN: f64 = 0.5;
-/// Bounds on the velocity less active than this, too.
-const SCREEN_CAP: f64 = 0.2;
-/// Jerk rows less active than this at the guess, the first time and later; without jerk they are active by a third.
-pub(super) const SCREEN_JERK: [f64; 2] = [0.5, 0.7];
-/// The least c, as a part of the guess of b around it.
+/// Cones, and rows of cells at rest, less active than this at the guess are left out.
+const FAR: f64 = 0.5;
+/// The least c, as a part of the smaller guess of b beside it.
 const LEAST: f64 = 0.02;
 /// Cells that take less time, s, are too short to tell a jerk: their coefficients would drown in rounding.
-const LEAST_TIME: f64 = 2e-5;
+pub(super) const LEAST_TIME: f64 = 2e-5;
 /// Where the velocity varies within a cell, so does the jerk: at its ends it may be larger than in its middle, by this
 /// part of the limit.
 const AT_ENDS: f64 = 0.04;
@@ -23,6 +19,29 @@ const AT_ENDS: f64 = 0.04;
 const SLOWER: f64 = 0.3;
 /// Where a row of a jerk limit is active, so much of it is the jerk: the rest is the tangent.
 const JERK_SHARE: f64 = 2.0 / 3.0;
+
+/// Rows less active than this at the guess are left out at first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Screen {
+    /// Those of accelerations and of velocities between cells.
+    other: f64,
+    /// Those of velocities in cells.
+    cap: f64,
+    /// Those of jerks: without jerk they are active by a third.
+    jerk: f64,
+}
+
+impl Screen {
+    /// About a guess that is known so well.
+    pub(super) fn about(known: Known) -> Self {
+        let (other, cap, jerk) = match known {
+            Known::Rough => (0.5, 0.2, 0.5),
+            Known::Nearly => (0.5, 0.5, 0.75),
+            Known::Well => (0.9, 0.5, 0.9),
+        };
+        Self { other, cap, jerk }
+    }
+}
 
 /// b, a and γ around a cell as parts of the c of the cell before, of it and of the one after.
 #[derive(Clone, Copy, Debug)]
@@ -93,8 +112,8 @@ pub(super) struct Writer<'s> {
     pub(super) asked: Asked,
     /// Cells whose c are variables; the others are given.
     pub(super) free: &'s Range<usize>,
-    /// Jerk rows less active than this at the guess are left out at first.
-    pub(super) screen: f64,
+    /// What is left out at first.
+    pub(super) screen: Screen,
     /// Whether no row is left out that could count, but those of velocities.
     pub(super) all: bool,
     /// The cell.
@@ -151,23 +170,26 @@ impl Writer<'_> {
         let source = from.min(to).source;
         if here.is_finite() {
             let origin = self.origin(Constraint::Velocity(source), source.share());
-            self.add([0.0, 1.0, 0.0], here, SCREEN_CAP, origin);
+            self.add([0.0, 1.0, 0.0], here, self.screen.cap, origin);
         }
     }
 
     /// b stays positive all through the cell, where the values at its ends alone do not see to it.
     pub(super) fn add_least(&mut self) {
+        let ends = self.guess.iter().copied().fold(f64::INFINITY, f64::min);
         if let Some(variable) = self.index.checked_sub(self.free.start)
             && self.free.contains(&self.index)
+            && let Some((c, scale)) = self.middles.get(self.index).zip(self.scale.get(self.index))
         {
+            // Of the slower end: where the path slows down to next to nothing, c is not far from nothing as well.
+            let least = LEAST * ends.min(*scale) / scale;
             let constraint = Constraint::Velocity(CapSource::Nothing);
             let origin = Origin { upper: false, ..self.origin(constraint, 0.0) };
             let entries = [(variable, -1.0), (0, 0.0), (0, 0.0)];
-            let seems = self.middles.get(self.index).zip(self.scale.get(self.index));
-            if seems.is_some_and(|(c, scale)| *c < 2.0 * LEAST * scale) {
-                self.program.add_row(&entries, -LEAST, origin);
+            if *c < 2.0 * least * scale {
+                self.program.add_row(&entries, -least, origin);
             } else {
-                self.program.add_spare(entries, -LEAST, origin);
+                self.program.add_spare(entries, -least, origin);
             }
         }
     }
@@ -190,7 +212,7 @@ impl Writer<'_> {
             let mean = beside.map(|[from, to]| 0.5 * (from.v2 + to.v2));
             if cap.v2 < mean[0].max(mean[1]) * (1.0 - 1e-6) {
                 let origin = self.origin(Constraint::Velocity(cap.source), cap.source.share());
-                self.add(place.b, cap.v2, SCREEN, origin);
+                self.add(place.b, cap.v2, self.screen.other, origin);
             }
         }
         let (axes, further) = grid.rows(cell, end);
@@ -205,15 +227,15 @@ impl Writer<'_> {
             }
             let origin = self.origin(Constraint::AxisAcceleration(number(axis)), 1.0);
             let line = place.acceleration(row);
-            self.add(line, 1.0, SCREEN, origin);
-            self.add(line.map(|x| -x), 1.0, SCREEN, Origin { upper: false, ..origin });
+            self.add(line, 1.0, self.screen.other, origin);
+            self.add(line.map(|x| -x), 1.0, self.screen.other, Origin { upper: false, ..origin });
         }
         for (index, row) in further.iter().enumerate() {
             if said_further.get(index).is_some_and(|said| said.is_about(row)) {
                 continue;
             }
             let origin = self.origin(Constraint::Further(number(index)), 1.0);
-            self.add(place.acceleration(row), 1.0, SCREEN, origin);
+            self.add(place.acceleration(row), 1.0, self.screen.other, origin);
         }
         if let Some(disc) = grid.disc(cell, end) {
             let lines =
@@ -226,7 +248,7 @@ impl Writer<'_> {
                 square += sum * sum;
             }
             // Cones cost more than rows; one far from its limit at the guess is left out.
-            if square > SCREEN * SCREEN {
+            if square > FAR * FAR {
                 let origin = self.origin(Constraint::ToolAcceleration, 1.0);
                 self.program.add_cone(cone, origin);
             }
@@ -252,7 +274,7 @@ impl Writer<'_> {
                         let entries = [(cell - self.free.start, scale / most), (0, 0.0), (0, 0.0)];
                         let constraint = Constraint::AxisJerk(number(axis));
                         let origin = self.origin(constraint, JERK_SHARE);
-                        if scale > SCREEN * most {
+                        if scale > FAR * most {
                             self.program.add_row(&entries, 1.0, origin);
                         } else {
                             self.program.add_spare(entries, 1.0, origin);
@@ -302,6 +324,6 @@ impl Writer<'_> {
         for (entry, b) in entries.iter_mut().zip(b) {
             *entry += of_b * b;
         }
-        self.add(entries, 1.0, self.screen, origin);
+        self.add(entries, 1.0, self.screen.jerk, origin);
     }
 }

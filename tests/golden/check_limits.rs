@@ -95,7 +95,8 @@ fn what_is_wrong_stays_wrong() {
     let [finding] = &findings[..] else { panic!("{findings:#?}") };
     assert_eq!((&finding["rule"], &finding["line"]), (&"axis-position".into(), &3.into()));
     let arguments = ["check", "lines.cnc", "-m", "machine.toml", "--limits", "axes"];
-    desk.twin(&[&arguments[..], &["--override", "0.5"]].concat()).ended(2, "--limits softmotion");
+    desk.twin(&[&arguments[..], &["--profile", "sigmoid"]].concat())
+        .ended(2, "--limits softmotion");
 }
 
 /// At corners a knife would have to turn at once; within the limits of the axes it takes its time.

@@ -459,7 +459,7 @@ fn wrong_use_is_status_2() {
     let neither = ["--without", "axis-acceleration", "--without", "path-acceleration"];
     limit(&desk, &neither).ended(2, "nothing limits how fast the path speeds up");
     limit(&desk, &["--without", "gravity"]).ended(2, "gravity");
-    limit(&desk, &["--override", "0.5"]).ended(2, "--limits softmotion");
+    limit(&desk, &["--profile", "sigmoid"]).ended(2, "--limits softmotion");
     let softmotion = ["--limits", "softmotion"];
     limit(&desk, &[&softmotion[..], &["--without", "feed"]].concat()).ended(2, "--without is for");
     limit(&desk, &[&softmotion[..], &["--feasible", "slower.cnc"]].concat())

@@ -1,5 +1,5 @@
 //! The stages of motion hold their windows, never the program: the most that is on the heap is the same for a program
-//! three hundred times as long.
+//! three hundred times as long; where the feed is limited by the axes, which takes its time, eight times as long.
 //!
 //! One test alone, since what is counted is all of the process.
 
@@ -7,21 +7,30 @@
     clippy::expect_used,
     clippy::unwrap_used,
     unreachable_pub,
-    reason = "a test fails where it cannot be set up; the modules are shared with the benchmarks"
+    reason = "a test fails where it cannot be set up; the modules are shared with other tests"
 )]
 
 #[path = "../benches/contour.rs"]
 mod contour;
 #[allow(dead_code, reason = "another test counts how often, this one how much")]
 mod counter;
+#[allow(dead_code, reason = "programs are not placed here")]
+#[path = "../planner/machines.rs"]
+mod machines;
 #[path = "../benches/pipeline.rs"]
 mod pipeline;
 
 use contour::{Contour, Dialect, din66025_options, rs274_options};
+use machines::Machine;
+use nalgebra::Point3;
 use pipeline::{Failure, count, elements, plan, prepare, sample};
+use std::f64::consts::TAU;
 use std::io::BufReader;
 use std::num::NonZeroUsize;
-use twin_motion::path::{Marks, PathElement};
+use twin_motion::Place;
+use twin_motion::limit::course::CourseOptions;
+use twin_motion::limit::{LimitOptions, Planned, Planner};
+use twin_motion::path::{ElementKind, Marks, PathElement, Shape};
 use twin_motion::prepare::{
     CheckVelocities, CircularLimits, Notices, Preparation, Rounding, ToolRadiusOptions,
 };
@@ -32,6 +41,11 @@ const MANY: u32 = 300_000;
 
 /// Heap that may come and go with the test's own thread, bytes.
 const SLACK: usize = 4096;
+
+/// Where the feed is limited by the axes: rounds of so many lines, and a dwell after each, so that all are planned alike.
+const ROUND: u32 = 600;
+/// The first leaves behind what the solvers keep: from the second on all are alike.
+const ROUNDS: [u32; 2] = [2, 16];
 
 /// A program of so many lines.
 type Run = fn(u32);
@@ -84,6 +98,37 @@ fn rounded(lines: u32) {
     prepared(lines, Marks::ROUNDING, &preparation);
 }
 
+/// A circle of short lines, over and over.
+fn circles(rounds: u32) -> impl Iterator<Item = PathElement> {
+    let at = |index: u32| {
+        let angle = TAU * f64::from(index % ROUND) / f64::from(ROUND);
+        Point3::new(0.3 + 0.04 * angle.cos(), 0.04 * angle.sin(), 0.02)
+    };
+    let place = |index: u32| Place { line: index + 1, block: None };
+    (0..rounds * ROUND).flat_map(move |index| {
+        let shape = Shape::Line { start: at(index), end: at(index + 1) };
+        let line = PathElement::new(place(index), ElementKind::Cut, shape);
+        let line = PathElement { feed: 0.06, acceleration: 0.8, deceleration: 0.8, ..line };
+        let still = Shape::Line { start: at(index + 1), end: at(index + 1) };
+        let dwell = ElementKind::Dwell { time_ns: 10_000_000 };
+        let dwell = PathElement::new(place(index), dwell, still);
+        [Some(line), (index % ROUND == ROUND - 1).then_some(dwell)].into_iter().flatten()
+    })
+}
+
+/// Within the limits of the axes, which may be such of jerk.
+fn limited(rounds: u32, jerk: bool) {
+    let options = LimitOptions::new(CourseOptions::new(1e-5));
+    let path = prepare(circles(rounds).map(Ok));
+    let mut planner = Planner::new(path, Machine::Scara2.path(jerk), options);
+    let mut pauses = 0;
+    for planned in &mut planner {
+        pauses += u32::from(matches!(planned.unwrap(), Planned::Pause(_)));
+    }
+    assert_eq!(pauses, rounds);
+    assert!(planner.effort().windows >= u64::from(2 * rounds), "{:?}", planner.effort());
+}
+
 #[test]
 fn long_programs_take_no_more_memory_than_short_ones() {
     let runs: [(&str, u32, Run); 4] = [
@@ -101,5 +146,10 @@ fn long_programs_take_no_more_memory_than_short_ones() {
         let many = counter::most_during(|| run(MANY));
         println!("{name}: {few} bytes for {short} lines, {many} bytes for {MANY}");
         assert!(many <= few + SLACK, "{name}: {many} bytes instead of {few}");
+    }
+    for jerk in [false, true] {
+        let [few, many] = ROUNDS.map(|rounds| counter::most_during(|| limited(rounds, jerk)));
+        println!("jerks limited: {jerk}: {few} bytes and {many} bytes for {ROUNDS:?} rounds");
+        assert!(many <= few + SLACK, "jerks limited: {jerk}: {many} bytes instead of {few}");
     }
 }

@@ -1,7 +1,8 @@
 //! Programs that other people's CAM systems and hands have written, placed on every machine by a work offset.
 //!
 //! What rotary axes do alone is left out: these machines have none. Of every program its beginning, or all if
-//! `TWIN_CORPUS_FULL` is set; to a number: so many elements at most.
+//! `TWIN_CORPUS_FULL` is set; to a number: so many elements at most. `TWIN_CORPUS_ONLY` names a program, or a part of its name,
+//! and with a colon the machine as well: `flower:tripod`.
 
 use super::machines::Machine;
 use super::run::{Report, Settings, run};
@@ -29,6 +30,13 @@ fn programs() -> Vec<(String, PathBuf)> {
         (name, path)
     });
     names.collect()
+}
+
+/// Whether a program is to be looked at on a machine.
+fn is_wanted(name: &str, machine: Machine) -> bool {
+    let only = std::env::var("TWIN_CORPUS_ONLY").unwrap_or_default();
+    let (program, on) = only.split_once(':').unwrap_or((&only, ""));
+    name.contains(program) && (on.is_empty() || on == machine.name())
 }
 
 /// The elements of a program in which nothing is wrong.
@@ -89,7 +97,7 @@ fn place(elements: &[PathElement], machine: Machine) -> Option<Vec<PathElement>>
 
 fn row(name: &str, machine: Machine, report: &Report) {
     println!(
-        "{name:44} {:8} {:9.2} {:7.4} {:7.4} {:7.4} {:7.4} {:7.4} {:7.4} {:3} {:6} {:6.1} {:7.0}",
+        "{name:44} {:8} {:9.2} {:7.4} {:7.4} {:7.4} {:7.4} {:7.4} {:7.4} {:3} {:4} {:6} {:6.1} {:7.0}",
         machine.name(),
         report.duration,
         report.velocity.value,
@@ -99,18 +107,19 @@ fn row(name: &str, machine: Machine, report: &Report) {
         report.feed.value,
         report.path_acceleration.value,
         report.effort.failed,
+        report.effort.exceeded,
         report.effort.committed,
         report.effort.cells as f64 / report.effort.committed as f64,
         report.points_per_second(),
     );
 }
 
-#[test]
-fn every_program_that_fits_keeps_the_limits() {
+/// Plans every program on every machine, and looks at every millisecond.
+fn look_at_all(jerk: bool) {
     let count = std::env::var("TWIN_CORPUS_FULL").ok();
     let most = count.map_or(FEW, |count| (count.parse().unwrap_or(usize::MAX), f64::INFINITY));
     println!(
-        "{:44} {:8} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>3} {:>6} {:>6} {:>7}",
+        "{:44} {:8} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>3} {:>4} {:>6} {:>6} {:>7}",
         "program",
         "machine",
         "s",
@@ -121,21 +130,28 @@ fn every_program_that_fits_keeps_the_limits() {
         "F",
         "E",
         "bad",
+        "over",
         "cells",
         "times",
         "cells/s"
     );
     let mut wrong = Vec::new();
     for (name, path) in programs() {
+        let machines = Machine::ALL.into_iter().chain([Machine::Cutter]);
+        let machines = machines.filter(|machine| is_wanted(&name, *machine));
+        let machines: Vec<Machine> = machines.collect();
+        if machines.is_empty() {
+            continue;
+        }
         let Some(elements) = decode(&path, most) else { continue };
-        for machine in Machine::ALL.into_iter().chain([Machine::Cutter]) {
+        for machine in machines {
             let Some(elements) = place(&elements, machine) else {
                 println!("{name:44} {:8} does not fit", machine.name());
                 continue;
             };
             let settings = Settings {
                 machine,
-                jerk: true,
+                jerk,
                 tolerance: 1e-6,
                 angle: 2_f64.to_radians(),
                 horizon: 1.5,
@@ -150,6 +166,16 @@ fn every_program_that_fits_keeps_the_limits() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:?}");
+}
+
+#[test]
+fn every_program_that_fits_keeps_the_limits() {
+    look_at_all(true);
+}
+
+#[test]
+fn every_program_that_fits_keeps_the_limits_without_those_of_jerks() {
+    look_at_all(false);
 }
 
 /// A program at the edge of the room still fits, one that is larger does not.

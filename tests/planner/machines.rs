@@ -103,8 +103,13 @@ impl Machine {
 
     /// What the planner is given.
     pub fn path(self, jerk: bool) -> KinematicPath<MachineAxes> {
+        self.path_within(self.limits(jerk))
+    }
+
+    /// The same with other limits.
+    pub fn path_within(self, limits: Vec<AxisLimits>) -> KinematicPath<MachineAxes> {
         let home = AxisVector::zeros(self.axes().len());
-        KinematicPath::new(self.kinematics(), self.limits(jerk), home)
+        KinematicPath::new(self.kinematics(), limits, home)
     }
 
     /// A box within reach, m: least and largest corner.

@@ -20,3 +20,6 @@ mod machines;
 mod random;
 mod replan;
 mod run;
+mod short;
+mod some;
+mod splice;

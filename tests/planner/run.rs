@@ -99,6 +99,8 @@ impl Report {
 /// Follows the legs in equal cycles.
 pub struct Watch<'m, A> {
     axes: &'m A,
+    /// s.
+    cycle: f64,
     limits: Vec<AxisLimits>,
     near: AxisVector,
     /// Positions of the last three cycles, the latest first.
@@ -114,6 +116,7 @@ pub struct Watch<'m, A> {
 impl<'m, A: AxisPath> Watch<'m, A> {
     pub fn new(axes: &'m A) -> Self {
         Self {
+            cycle: CYCLE,
             limits: axes.limits().to_vec(),
             near: axes.home(),
             axes,
@@ -134,7 +137,7 @@ impl<'m, A: AxisPath> Watch<'m, A> {
             }
         }
         self.report.duration += time;
-        self.cycles = (self.report.duration / CYCLE).ceil() as u64;
+        self.cycles = (self.report.duration / self.cycle).ceil() as u64;
     }
 
     pub fn leg(&mut self, leg: &Leg) {
@@ -172,8 +175,8 @@ impl<'m, A: AxisPath> Watch<'m, A> {
         self.report.acceleration_step.raise((a - a0).abs(), line, start);
         let end = start + stretch.duration();
         assert!(end.is_finite() && end >= start, "line {line}: {stretch:?}");
-        while CYCLE * (self.cycles as f64) <= end {
-            let time = CYCLE * (self.cycles as f64);
+        while self.cycle * (self.cycles as f64) <= end {
+            let time = self.cycle * (self.cycles as f64);
             self.sample(leg, line, time, time - start);
             self.cycles += 1;
         }
@@ -226,7 +229,7 @@ impl<'m, A: AxisPath> Watch<'m, A> {
         for (axis, limits) in self.limits.iter().enumerate() {
             let Some(limit) = limits.jerk else { continue };
             let third = position[axis] - 3.0 * p1[axis] + 3.0 * p2[axis] - p3[axis];
-            let value = third.abs() / CYCLE.powi(3) / limit;
+            let value = third.abs() / self.cycle.powi(3) / limit;
             self.report.third_difference.raise(value, line, time);
         }
         self.before = [position, p1, p2];
@@ -254,10 +257,21 @@ pub fn run(
     settings: &Settings,
     options: LimitOptions,
 ) -> Report {
-    let checked = CheckVelocities::new(path.map(Ok::<_, CheckError>), settings.angle);
-    let mut planner = Planner::new(checked, settings.machine.path(settings.jerk), options);
-    let axes = settings.machine.path(settings.jerk);
-    let mut watch = Watch::new(&axes);
+    let Settings { machine, jerk, angle, .. } = *settings;
+    run_on([machine.path(jerk), machine.path(jerk)], path, angle, options, CYCLE)
+}
+
+/// Plans `path` on a machine, of which there are two, and looks at it every `cycle` s.
+pub fn run_on<A: AxisPath>(
+    [axes, watched]: [A; 2],
+    path: impl Iterator<Item = PathElement>,
+    angle: f64,
+    options: LimitOptions,
+    cycle: f64,
+) -> Report {
+    let checked = CheckVelocities::new(path.map(Ok::<_, CheckError>), angle);
+    let mut planner = Planner::new(checked, axes, options);
+    let mut watch = Watch { cycle, ..Watch::new(&watched) };
     loop {
         #[expect(clippy::disallowed_methods, reason = "how long planning takes")]
         let begun = Instant::now();

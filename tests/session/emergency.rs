@@ -14,7 +14,7 @@ use twin::settings::ReadSettings;
 use twin_kinematics::AxisVector;
 
 /// The SCARA with jerks that are limited: 60000°/s³ in A and B, 100 m/s³ in Z.
-fn scara() -> Machine {
+pub(crate) fn scara() -> Machine {
     let text = SCARA2
         .replace("# max_jerk_deg_per_s3 = 60000.0 ", "max_jerk_deg_per_s3 = 60000.0 ")
         .replace(
@@ -31,7 +31,7 @@ fn scara() -> Machine {
 }
 
 /// Helices of 30 mm radius and 3 mm pitch on the SCARA at 150 mm/s.
-const HELICES: &str = "% helices\nN10 F150 E1000 E-1000\nN20 G2 X300 Y0 I30 J0 Z23\n\
+pub(crate) const HELICES: &str = "% helices\nN10 F150 E1000 E-1000\nN20 G2 X300 Y0 I30 J0 Z23\n\
                        N30 G2 I30 J0 Z26\nN40 G2 I30 J0 Z29\nN50 G2 I30 J0 Z32\n";
 
 /// Looks no farther ahead than two elements.
@@ -42,7 +42,7 @@ fn short_sighted(text: &str) -> Program {
 
 /// From the cycle `first` on, divided differences of the positions alone stay within the limits of every axis.
 #[track_caller]
-fn assert_within_limits(machine: &Machine, cycles: &[Cycle], first: usize) {
+pub(crate) fn assert_within_limits(machine: &Machine, cycles: &[Cycle], first: usize) {
     let dt = machine.cycle_ns as f64 * 1e-9;
     for (index, axis) in machine.axes.iter().enumerate() {
         let positions = cycles[first.saturating_sub(3)..].iter();

@@ -45,8 +45,16 @@ fn run(
     let acknowledge = Acknowledge::Auto;
     let Program { file: program, limits, .. } = program;
     let limits = *limits;
-    let session =
-        Session { machine, program, twin, hardware, limits, acknowledge, realtime: false };
+    let session = Session {
+        machine,
+        program,
+        twin,
+        hardware,
+        limits,
+        acknowledge,
+        overrides: &[],
+        realtime: false,
+    };
     let ending = session.run(&mut recorder, &|| interrupts.get()).unwrap();
     let recorder = recorder.ended();
     Outcome { ending, recorder, board: board.into_inner().map(|board| board.stop().unwrap()) }

@@ -18,6 +18,7 @@
 mod emergency;
 mod emulated;
 mod m_functions;
+mod overrides;
 mod puppet;
 mod recorder;
 mod simulated;
@@ -30,7 +31,7 @@ use twin::limit::Limits;
 use twin::m_function::Acknowledge;
 use twin::machine::Machine;
 use twin::program::{Dialect, ProgramFile};
-use twin::session::{Ending, Session};
+use twin::session::{Ending, OverrideAt, Session};
 use twin::settings::ReadSettings;
 use twin::simulated::Simulated;
 use twin_kinematics::AxisVector;
@@ -57,6 +58,7 @@ fn portal() -> Machine {
 struct Program {
     file: ProgramFile,
     limits: Limits,
+    overrides: Vec<OverrideAt>,
     _folder: TempDir,
 }
 
@@ -70,12 +72,18 @@ impl Program {
         let path = folder.path().join("program.cnc");
         std::fs::write(&path, text).unwrap();
         let file = ProgramFile::new(&path, Some(Dialect::Din66025), settings).unwrap();
-        Self { file, limits: Limits::Softmotion, _folder: folder }
+        Self { file, limits: Limits::Softmotion, overrides: Vec::new(), _folder: folder }
     }
 
     /// Planned within the limits of the axes.
     fn within_axes(self) -> Self {
         Self { limits: Limits::Axes, ..self }
+    }
+
+    /// With overrides like `2s=50%`.
+    fn with_overrides(self, overrides: &[&str]) -> Self {
+        let overrides = overrides.iter().map(|text| text.parse().unwrap()).collect();
+        Self { overrides, ..self }
     }
 
     /// Checks it as every run is checked.
@@ -128,6 +136,7 @@ fn simulate_from(
         hardware: None,
         limits: program.limits,
         acknowledge,
+        overrides: &program.overrides,
         realtime: false,
     };
     session.run(recorder, interrupts).unwrap()

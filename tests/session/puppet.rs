@@ -202,6 +202,7 @@ fn run_both(
         hardware: Some(hardware),
         limits: program.limits,
         acknowledge: Acknowledge::Auto,
+        overrides: &program.overrides,
         realtime: false,
     };
     session.run(recorder, interrupts).unwrap()

@@ -128,6 +128,7 @@ fn what_was_not_checked_is_not_run() {
             hardware: None,
             limits: Limits::Softmotion,
             acknowledge: Acknowledge::Auto,
+            overrides: &[],
             realtime: false,
         };
         session.run(&mut Recorder::new(), &|| 0)
@@ -178,6 +179,7 @@ fn in_real_time_a_run_takes_no_less_than_its_time() {
         hardware: None,
         limits: Limits::Softmotion,
         acknowledge,
+        overrides: &[],
         realtime: true,
     };
     let clock = Clock::start();

@@ -4,6 +4,7 @@ use super::Failure;
 use crate::m_function::Acknowledge;
 use crate::machine::{Machine, tool_table_problem};
 use crate::program::{Dialect, ProgramFile};
+use crate::session::{MOST_OVERRIDE, override_factor};
 use crate::settings::{self, ReadSettings};
 use std::fs::File;
 use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs};
@@ -59,7 +60,7 @@ pub(super) struct ReadOptions {
     #[arg(long, value_name = "COUNT", default_value_t = DEFAULT_WINDOW)]
     look_ahead: NonZeroUsize,
 
-    /// Factor on all programmed velocities, 0.01 at least (dOverride)
+    /// Factor on all programmed velocities, like 0.5 or 50%; 0.01 at least (dOverride)
     #[arg(long = "override", value_name = "FACTOR", default_value = "1", hide_default_value = true, value_parser = factor)]
     factor: Override,
 
@@ -84,7 +85,7 @@ enum Profile {
 }
 
 fn factor(text: &str) -> Result<Override, String> {
-    let factor = text.parse().ok().ok_or_else(|| format!("`{text}` is no number"))?;
+    let factor = override_factor(text).ok_or_else(|| format!("`{text}` is no number"))?;
     Override::new(factor).map_err(|error| error.to_string())
 }
 
@@ -183,16 +184,17 @@ fn tools(path: &Path, unit: LengthUnit) -> Result<ToolTable, Failure> {
     table.map_err(|error| Failure::Usage(tool_table_problem(path, &error)))
 }
 
-/// Plans within the limits of the axes have no override and no profile.
+/// Plans within the limits of the axes have no profile, and no override above the largest.
 pub(super) fn plans_without_inputs(program: &ProgramFile) -> Result<(), Failure> {
-    if program.settings().inputs == Inputs::default() {
+    let Inputs { override_factor, mode, .. } = program.settings().inputs;
+    let message = if mode != VelocityMode::default() {
+        "--profile is for the controller's own planning (--limits softmotion), not for that within the limits of the axes"
+    } else if override_factor.factor() > MOST_OVERRIDE {
+        "within the limits of the axes --override is 2 at most"
+    } else {
         return Ok(());
-    }
-    Err(Failure::Usage(
-        "--override and --profile are for the controller's own planning (--limits softmotion), not for that within the limits \
-         of the axes"
-            .to_owned(),
-    ))
+    };
+    Err(Failure::Usage(message.to_owned()))
 }
 
 /// The failure to read a program.

@@ -10,6 +10,8 @@ mod csv;
 #[cfg(test)]
 mod curve_tests;
 #[cfg(test)]
+mod drag_tests;
+#[cfg(test)]
 mod effort_tests;
 mod explain;
 mod feeds;
@@ -34,6 +36,7 @@ pub use json::LimitReport;
 pub use machine_path::{AxisRules, MachinePath, MachinePathError};
 pub use picture::{Picture, PictureError};
 pub use plan::{LimitFailure, LimitRules, Profile, ProfileItem};
+pub(crate) use plan::{not_solved, planner};
 pub use sample::ProfileSample;
 pub use summary::{BindingShare, Change, LimitSummary, Limits, LineLoss, Summing, Windows};
 pub use text::write_summary;

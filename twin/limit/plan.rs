@@ -13,11 +13,13 @@ use std::io;
 use std::num::NonZeroU32;
 use std::sync::Arc;
 use twin_kinematics::AxisVector;
+use twin_motion::Place;
 use twin_motion::interpolate::{DEFAULT_CYCLE_NS, ToolSetpoint};
 use twin_motion::limit::course::{CourseElement, CourseOptions, Order};
 use twin_motion::limit::{
-    AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, Planner, Rates,
+    AxisPath, Effort, Followed, Follower, LimitError, LimitOptions, NotSolved, Planner, Rates,
 };
+use twin_motion::prepare::CheckedElement;
 use twin_motion::refeed::LineLimit;
 
 /// What is limited.
@@ -59,6 +61,48 @@ pub enum LimitFailure {
     Machine(#[from] MachinePathError),
 }
 
+/// Plans `path` on `machine` with the override `factor`.
+///
+/// # Errors
+/// If the machine is of a kind that cannot be planned for.
+pub(crate) fn planner<I, E>(
+    path: I,
+    machine: &Machine,
+    rules: LimitRules,
+    factor: f64,
+) -> Result<Planner<I, E, MachinePath<'_>>, MachinePathError>
+where
+    I: Iterator<Item = Result<CheckedElement, E>>,
+{
+    let axes = MachinePath::new(machine, rules.axes)?;
+    let limits = &machine.path_limits;
+    let mut course = CourseOptions::new(limits.blend_tolerance);
+    course.turning = matches!(machine.direction, DirectionRule::Path(..));
+    let jerk_limited = axes.limits().iter().any(|axis| axis.jerk.is_some());
+    // The direction of the path is a derivative already.
+    course.order = match (jerk_limited, course.turning) {
+        (false, false) => Order::Velocity,
+        (true, false) | (false, true) => Order::Acceleration,
+        (true, true) => Order::Jerk,
+    };
+    let options = LimitOptions {
+        feed: rules.feed,
+        path_acceleration: rules.path_acceleration,
+        tool_acceleration: limits.tool_acceleration.filter(|_| rules.tool_acceleration),
+        centripetal: rules.centripetal(machine),
+        ..LimitOptions::new(course)
+    };
+    let mut planner = Planner::new(path, axes, options);
+    planner.set_override(factor);
+    Ok(planner)
+}
+
+/// No profile was found from `place` on.
+pub(crate) fn not_solved(place: Place, error: NotSolved) -> Finding {
+    let message = format!("no profile was found within the limits: {error}");
+    Finding::error(Rule::FeedReduced, place, message)
+}
+
 /// What comes out of [`Profile`].
 #[derive(Debug)]
 pub enum ProfileItem {
@@ -75,7 +119,7 @@ pub enum ProfileItem {
 pub struct Profile<'m> {
     pub(super) machine: &'m Machine,
     pub(super) axes: MachinePath<'m>,
-    follower: Follower<Planner<Prepared, Halt, MachinePath<'m>>>,
+    pub(super) follower: Follower<Planner<Prepared, Halt, MachinePath<'m>>>,
     pub(super) rules: LimitRules,
     near: AxisVector,
     found: Findings,
@@ -103,25 +147,9 @@ impl<'m> Profile<'m> {
     ) -> Result<Self, LimitFailure> {
         let (path, found) = program.path_for_limits(&machine.conditions)?;
         let axes = MachinePath::new(machine, rules.axes)?;
-        let limits = &machine.path_limits;
-        let mut course = CourseOptions::new(limits.blend_tolerance);
-        course.turning = matches!(machine.direction, DirectionRule::Path(..));
-        let jerk_limited = axes.limits().iter().any(|axis| axis.jerk.is_some());
-        // The direction of the path is a derivative already.
-        course.order = match (jerk_limited, course.turning) {
-            (false, false) => Order::Velocity,
-            (true, false) | (false, true) => Order::Acceleration,
-            (true, true) => Order::Jerk,
-        };
-        let options = LimitOptions {
-            feed: rules.feed,
-            path_acceleration: rules.path_acceleration,
-            tool_acceleration: limits.tool_acceleration.filter(|_| rules.tool_acceleration),
-            centripetal: rules.centripetal(machine),
-            ..LimitOptions::new(course)
-        };
         let near = axes.home();
-        let planner = Planner::new(path, MachinePath::new(machine, rules.axes)?, options);
+        let factor = program.settings().inputs.override_factor.factor();
+        let planner = planner(path, machine, rules, factor)?;
         let cycle = u32::try_from(machine.cycle_ns).ok().and_then(NonZeroU32::new);
         let follower = Follower::new(planner, cycle.unwrap_or(DEFAULT_CYCLE_NS));
         Ok(Self {
@@ -242,7 +270,7 @@ impl<'m> Profile<'m> {
         if self.entered {
             self.element = Some(Arc::clone(element));
         }
-        sample.binding = self.binding(&sample, first, torque.as_ref(), followed);
+        sample.binding = self.binding(&sample, torque.as_ref(), followed);
         self.include(&point.rates, torque.as_ref(), followed);
         ProfileItem::Sample(Box::new(sample))
     }
@@ -278,8 +306,7 @@ impl Iterator for Profile<'_> {
                 ProfileItem::Finding(unreachable(place, &error))
             }
             Err(LimitError::NotSolved { place, error }) => {
-                let message = format!("no profile was found within the limits: {error}");
-                ProfileItem::Finding(Finding::error(Rule::FeedReduced, place, message))
+                ProfileItem::Finding(not_solved(place, error))
             }
         })
     }

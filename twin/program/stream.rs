@@ -8,7 +8,7 @@ use std::cell::RefCell;
 use std::io;
 use std::rc::Rc;
 use std::task::Poll;
-use twin_motion::interpolate::{Inputs, Interpolator, LookAhead, ToolSetpoint};
+use twin_motion::interpolate::{Inputs, Interpolator, LookAhead, Override, ToolSetpoint};
 use twin_motion::path::PathElement;
 use twin_motion::prepare::{CheckVelocities, Notices, PreparedPath};
 
@@ -201,6 +201,23 @@ impl Setpoints {
     /// Override, stops and single step from the next set-point on. M functions are acknowledged elsewhere.
     pub fn set_inputs(&mut self, inputs: Inputs) {
         self.inputs = inputs;
+    }
+
+    /// Multiplies programmed velocities by `factor` from the end of a ramp that is under way on; less than the least of
+    /// [`Override`] holds the path.
+    pub fn set_override(&mut self, factor: f64) {
+        match Override::new(factor) {
+            Ok(factor) => {
+                self.inputs.override_factor = factor;
+                self.inputs.slow_stop = false;
+            }
+            Err(_moves_nothing) => self.inputs.slow_stop = true,
+        }
+    }
+
+    /// Whether the override that was asked for last is in effect.
+    pub fn follows_override(&self) -> bool {
+        self.inputs.slow_stop || self.interpolator.override_factor() == self.inputs.override_factor
     }
 
     /// Brakes along the path and ends.

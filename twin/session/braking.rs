@@ -41,6 +41,20 @@ pub(super) fn braking<'m>(
     }))
 }
 
+/// The set-points behind `from`, where all axes rest, until what follows them rests as well.
+pub(super) fn resting(
+    machine: &Machine,
+    from: &AxisSetpoint,
+) -> impl Iterator<Item = AxisSetpoint> + use<> {
+    let (cycle_ns, until) = (machine.cycle_ns, settling(machine));
+    let (from, mut after_ns) = (AxisSetpoint { m_call: None, ..*from }, 0);
+    std::iter::from_fn(move || {
+        after_ns += cycle_ns;
+        (seconds(after_ns) <= until)
+            .then(|| AxisSetpoint { time_ns: from.time_ns + after_ns, ..from })
+    })
+}
+
 /// How long the simulated machine takes to come to rest behind its set-points, s.
 fn settling(machine: &Machine) -> f64 {
     let bandwidths = machine.axes.iter().map(|axis| axis.simulated.bandwidth_hz);

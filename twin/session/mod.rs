@@ -2,6 +2,8 @@
 
 mod braking;
 mod history;
+mod m_calls;
+mod overrides;
 mod run;
 
 use crate::clock::Clock;
@@ -15,6 +17,9 @@ use crate::planning::Planning;
 use crate::plant::Plant;
 use crate::program::ProgramFile;
 use crate::setpoint::AxisSetpoint;
+pub use overrides::{
+    LEAST_OVERRIDE, MOST_OVERRIDE, OverrideAt, OverrideAtError, OverrideChange, override_factor,
+};
 use run::Run;
 use std::time::Duration;
 use twin_kinematics::KinematicsError;
@@ -59,6 +64,10 @@ pub trait Observer {
     fn m_function(&mut self, call: &MCall, asked: bool);
     /// What the user says to the M function at which the path stands.
     fn answer(&mut self) -> Answer;
+    /// The override that the user wants from now on, if that is another than before; 0 is a feed hold.
+    fn new_override(&mut self) -> Option<f64> {
+        None
+    }
 }
 
 /// What a user says to an M function.
@@ -83,6 +92,10 @@ pub struct Ending {
     pub stopped: Option<Stopped>,
     /// Where the axes left the path to come to rest, each at its own limits.
     pub off_path: Option<Place>,
+    /// How the override changed.
+    pub overrides: Vec<OverrideChange>,
+    /// How often the path went on as it was planned before because a new plan came too late.
+    pub late_plans: u64,
     /// Outputs of the drives that are perhaps still on although the run has ended early.
     pub left_on: Vec<u8>,
 }
@@ -91,7 +104,15 @@ impl Ending {
     /// The ending of a run that never began.
     pub fn nothing(machine: &Machine) -> Self {
         let comparison = Comparison::new(machine.axes.len());
-        Self { comparison, executed_ns: 0, stopped: None, off_path: None, left_on: Vec::new() }
+        Self {
+            comparison,
+            executed_ns: 0,
+            stopped: None,
+            off_path: None,
+            overrides: Vec::new(),
+            late_plans: 0,
+            left_on: Vec::new(),
+        }
     }
 
     /// Why it did not go to the end of the program, and how it came to rest, in words.
@@ -175,14 +196,17 @@ pub struct Session<'a, P> {
     pub limits: Limits,
     /// Who acknowledges M functions that the machine file knows nothing of.
     pub acknowledge: Acknowledge,
+    /// How the override changes, beside what the user asks for meanwhile ([`Observer::new_override`]). A change is asked for before
+    /// the first set-point that is not earlier.
+    pub overrides: &'a [OverrideAt],
     /// In step with the wall clock; with drives it always is.
     pub realtime: bool,
 }
 
 impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
-    /// Runs the program to its end, or until `interrupts` counts one, and brings everything to rest: on the path with the first
-    /// if the planning is able to, else, and with the second, every axis at its own acceleration and jerk; the next one
-    /// leaves the drives to the ramps of their devices.
+    /// Runs the program to its end, or until `interrupts` counts one, and brings everything to rest: on the path with the
+    /// first, within the limits that it is planned with; with the second every axis at its own acceleration and jerk; the next
+    /// one leaves the drives to the ramps of their devices.
     ///
     /// # Errors
     /// If the program cannot be opened, or the machine is none whose axes a path can be planned for.
@@ -195,9 +219,15 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
         let rules = Acknowledgement::for_run(self.machine, self.acknowledge, outputs);
         std::thread::scope(|scope| {
             let Self { machine, program, limits, .. } = self;
-            let items = Planning::ahead(scope, machine, program, limits, rules)?;
+            let paced = self.is_paced();
+            let items = Planning::for_run(scope, machine, program, limits, rules, paced)?;
             Ok(self.follow(items, observer, interrupts))
         })
+    }
+
+    /// Whether time passes by itself.
+    fn is_paced(&self) -> bool {
+        self.realtime || self.hardware.is_some()
     }
 
     fn follow(
@@ -206,9 +236,10 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
         observer: &mut dyn Observer,
         interrupts: &dyn Fn() -> u32,
     ) -> Ending {
-        let paced = self.realtime || self.hardware.is_some();
+        let paced = self.is_paced();
         let ahead_ns = if self.hardware.is_some() { HORIZON_NS } else { 0 };
-        let mut run = Run::new(self.machine, items, self.twin, self.hardware, self.realtime);
+        let mut run = Run::new(self.machine, items, self.twin, self.hardware, self.realtime)
+            .with_overrides(self.overrides);
         // Drives that begin to follow find a plan.
         run.heed(interrupts());
         run.plan(ahead_ns);
@@ -217,6 +248,7 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
         while run.goes_on() {
             let now_ns = if paced { clock.now_ns() } else { run.executed_ns() + BATCH_NS };
             run.heed(interrupts());
+            run.heed_override(observer);
             // Time that nobody has waited for shall not pass.
             let waits = !paced && run.waits_for_word();
             if !waits {

@@ -1,13 +1,14 @@
 //! A run under way, in rounds: plan, simulate what is due, listen to the drives.
 
-use super::braking::braking;
+use super::braking::{braking, resting};
 use super::history::History;
-use super::{Answer, DriveSample, Ending, Observer, Stopped, TwinCycle};
+use super::overrides::{OverrideAt, Overrides};
+use super::{DriveSample, Ending, Observer, Stopped, TwinCycle};
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
 use crate::finding::{Finding, Severity};
 use crate::hardware::{Hardware, HardwareError};
-use crate::m_function::{MCall, MFunction};
+use crate::m_function::MCall;
 use crate::machine::Machine;
 use crate::physics::PhysicsError;
 use crate::planning::Planning;
@@ -35,12 +36,12 @@ enum Plan {
 
 /// A run under way.
 pub(super) struct Run<'a, 'i, P> {
-    machine: &'a Machine,
-    items: Planning<'i>,
+    pub(super) machine: &'a Machine,
+    pub(super) items: Planning<'i>,
     transformer: Transformer<'a>,
     twin: P,
     twin_failed: bool,
-    hardware: Option<Hardware>,
+    pub(super) hardware: Option<Hardware>,
     /// Whether time passes by itself.
     realtime: bool,
     /// What set-points are due by, if that is the wall clock.
@@ -54,7 +55,8 @@ pub(super) struct Run<'a, 'i, P> {
     planned: VecDeque<AxisSetpoint>,
     /// What comes behind them.
     plan: Plan,
-    stopped: Option<Stopped>,
+    pub(super) stopped: Option<Stopped>,
+    overrides: Overrides,
     /// How often the user has interrupted.
     interrupts: u32,
     /// Where they leave it.
@@ -62,7 +64,7 @@ pub(super) struct Run<'a, 'i, P> {
     /// The last set-point that was executed.
     executed: Option<AxisSetpoint>,
     /// The M function executed last.
-    m_call: Option<MCall>,
+    pub(super) m_call: Option<MCall>,
 }
 
 impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
@@ -89,6 +91,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             planned: VecDeque::new(),
             plan: Plan::GoesOn,
             stopped: None,
+            overrides: Overrides::new(&[]),
             interrupts: 0,
             off_path: None,
             executed: None,
@@ -96,55 +99,19 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
-    /// Whether the plan goes on only when an M function is acknowledged. A stop does not wait for that.
-    pub(super) fn waits_for_word(&self) -> bool {
-        self.stopped.is_none() && self.items.waits_for_word()
+    /// With overrides to come.
+    pub(super) fn with_overrides(self, overrides: &[OverrideAt]) -> Self {
+        Self { overrides: Overrides::new(overrides), ..self }
     }
 
-    /// Takes notice of an M function that is executed now.
-    fn begin_m_function(&mut self, call: MCall, observer: &mut dyn Observer) {
-        if self.m_call.is_some_and(|last| last.index == call.index) {
-            return;
-        }
-        self.m_call = Some(call);
-        let switched = self.switches(call.number);
-        if let (Some(function), Some(hardware)) = (switched, &mut self.hardware) {
-            hardware.switch(&function.outputs_on, &function.outputs_off);
-        }
-        observer.m_function(&call, self.items.waits_for_word() && switched.is_none());
-    }
-
-    /// What the M function switches on the drives, if there are any.
-    fn switches(&self, number: u16) -> Option<&'a MFunction> {
-        self.hardware.as_ref()?;
-        self.machine.m_functions.iter().find(|function| function.number == number)
-    }
-
-    /// Lets the path go on if the M function at which it stands is done: the drives have switched what it switches and
-    /// its time is over, or the user says so.
-    pub(super) fn acknowledge(&mut self, observer: &mut dyn Observer) {
-        // First it has to be executed: the plan is ahead.
-        let Some(call) = self.m_call.filter(|call| self.items.m_call() == Some(*call)) else {
-            return;
-        };
-        if !self.waits_for_word() {
-            return;
-        }
-        if let Some(function) = self.switches(call.number) {
-            let switched = self.hardware.as_ref().is_none_or(Hardware::has_switched);
-            if switched && self.executed_ns() - call.since_ns >= function.time_ns {
-                self.items.acknowledge();
-            }
-            return;
-        }
-        match observer.answer() {
-            Answer::NotYet => {}
-            Answer::Done => self.items.acknowledge(),
-            Answer::Nobody => {
-                let MCall { number, place, .. } = call;
-                self.stopped = Some(Stopped::Unacknowledged { number, place });
-                self.stop();
-            }
+    /// Obeys the user, who wants another override.
+    pub(super) fn heed_override(&mut self, observer: &mut dyn Observer) {
+        if let Some(factor) = observer.new_override()
+            && self.plan == Plan::GoesOn
+            && self.stopped.is_none()
+        {
+            let time_ns = self.clock.map_or(self.executed_ns(), |clock| clock.now_ns());
+            self.overrides.ask(OverrideAt { time_ns, factor }, &mut self.items);
         }
     }
 
@@ -174,9 +141,11 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     /// What has come of it.
     pub(super) fn ending(self) -> Ending {
         let executed_ns = self.executed_ns();
-        let Self { comparison, stopped, off_path, hardware, .. } = self;
+        let late_plans = self.items.late_plans();
+        let Self { comparison, stopped, off_path, hardware, overrides, .. } = self;
         let left_on = hardware.map(|hardware| hardware.left_on().to_vec()).unwrap_or_default();
-        Ending { comparison, executed_ns, stopped, off_path, left_on }
+        let overrides = overrides.into_changes();
+        Ending { comparison, executed_ns, stopped, off_path, overrides, late_plans, left_on }
     }
 
     /// Obeys the user, who has interrupted so many times.
@@ -187,7 +156,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                 // What is planned to its end goes to its end.
                 if self.plan == Plan::GoesOn && self.stopped.is_none() {
                     self.stopped = Some(Stopped::Interrupted(self.place()));
-                    self.stop();
+                    self.items.request_stop();
                 }
                 continue;
             }
@@ -197,13 +166,6 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             } else if let Some(hardware) = &mut self.hardware {
                 hardware.stop();
             }
-        }
-    }
-
-    /// On the path, if the planning is able to.
-    fn stop(&mut self) {
-        if !self.items.request_stop() {
-            self.brake();
         }
     }
 
@@ -249,9 +211,15 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             && (paced || !self.waits_for_word())
             && self.planned.back().is_none_or(|last| last.time_ns <= until_ns)
         {
+            if self.stopped.is_none() {
+                let last = self.planned.back().or(self.executed.as_ref());
+                let next_ns = last.map_or(0, |last| last.time_ns + self.machine.cycle_ns);
+                self.overrides.pursue(next_ns, &mut self.items);
+            }
             let Poll::Ready(item) = self.items.poll(waits) else { break };
             match item {
                 Some(ProgramItem::Setpoint(tool)) => {
+                    self.overrides.see(tool.time_ns, &self.items);
                     let call = self.items.m_call();
                     match self.transformer.axes(&tool, call) {
                         Ok(setpoint) => {
@@ -274,13 +242,32 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                     }
                 }
                 Some(ProgramItem::Io(error)) => self.lose_plan(Stopped::Read(error)),
-                None => self.plan = Plan::Ends,
+                None => {
+                    self.plan = Plan::Ends;
+                    self.settle_stop();
+                }
             }
         }
         if self.plan != Plan::GoesOn
             && let Some(hardware) = &mut self.hardware
         {
             hardware.finish(self.stopped.is_some());
+        }
+    }
+
+    /// What brakes as hard as the axes allow is followed to rest.
+    fn settle_stop(&mut self) {
+        if self.stopped.is_none() || !self.items.is_within_axes() {
+            return;
+        }
+        let Some(last) = self.planned.back().or(self.executed.as_ref()).copied() else { return };
+        for setpoint in resting(self.machine, &last) {
+            self.planned.push_back(setpoint);
+            if let Some(hardware) = &mut self.hardware
+                && let Err(source) = hardware.command(&setpoint)
+            {
+                return self.lose_drives(source);
+            }
         }
     }
 

@@ -9,7 +9,7 @@ use nalgebra::{Point3, Vector2, Vector3};
 use std::sync::Arc;
 
 /// Places nearer to each other than this part of the length are one.
-const SAME_PLACE: f64 = 1e-9;
+pub(super) const SAME_PLACE: f64 = 1e-9;
 /// The parameter of a turn, m per degree: as that of an additional axis.
 const PER_DEGREE: f64 = 1e-3;
 
@@ -147,7 +147,7 @@ impl CourseElement {
     }
 
     /// Where the blend with the element before ends, m.
-    fn head_end(&self) -> f64 {
+    pub(super) fn head_end(&self) -> f64 {
         self.head.as_ref().map_or(0.0, |blend| blend.half_width())
     }
 

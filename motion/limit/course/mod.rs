@@ -257,7 +257,7 @@ fn join(
     } else if steps.folds() || options.turning && turn::turns_at_once(&steps, turns) {
         Joint { stop: true, ..steps.joint() }
     } else {
-        match width::widest(from, to, &steps, options) {
+        match width::widest(from, to, element.head_end(), &steps, options) {
             Ok(blend) => {
                 let blend = Arc::new(blend);
                 element.lead_out(Arc::clone(&blend));

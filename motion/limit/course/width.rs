@@ -1,5 +1,6 @@
 //! How wide a blend may be.
 
+use super::element::SAME_PLACE;
 use super::joint::{SLOWEST, Steps};
 use super::{Blend, CourseOptions, CoursePoint, Order};
 use crate::path::ExtraPoint;
@@ -8,6 +9,9 @@ use nalgebra::{SVector, Vector3};
 
 /// The part of an element that each of its two blends may take.
 const SHARE: f64 = 0.5;
+/// Between two blends there is nothing, or more than this part of the narrower one: in less the third derivative would come and go
+/// within microseconds.
+const SLIVER: f64 = 0.06;
 /// No blend is narrower on either side, m.
 const NARROWEST: f64 = 1e-15;
 /// Nor than so many times what the coordinates may be off.
@@ -78,10 +82,31 @@ pub(super) enum NoBlend {
     TooShort,
 }
 
-/// The widest blend between two elements: at most half of either, and if it is narrower than that, the tolerance is
-/// used up to a tenth, or one that is wider by a tenth is not within it, folds, or lets the path bend by about 2 rad
-/// beside it.
+/// The widest blend between two elements, of which the first begins with one that reaches to `head`, m: at most half of
+/// either, and if it is narrower than that, the tolerance is used up to a tenth, or one that is wider by a tenth is not
+/// within it, folds, or lets the path bend by about 2 rad beside it. It is a little narrower where next to nothing would be
+/// left between the two.
 pub(super) fn widest(
+    from: &CheckedElement,
+    to: &CheckedElement,
+    head: f64,
+    steps: &Steps,
+    options: &CourseOptions,
+) -> Result<Blend, NoBlend> {
+    let blend = widest_alone(from, to, steps, options)?;
+    let (width, free) = (blend.half_width(), from.path_length() - head);
+    let between = SLIVER * width.min(head);
+    if free - width > SAME_PLACE * from.path_length() && free - width < between {
+        let trial = Trial::new(from, to, steps, options, free - between);
+        if let (true, Some(narrower)) = (trial.fits(), trial.blend) {
+            return Ok(narrower);
+        }
+    }
+    Ok(blend)
+}
+
+/// The same, whatever is before.
+fn widest_alone(
     from: &CheckedElement,
     to: &CheckedElement,
     steps: &Steps,

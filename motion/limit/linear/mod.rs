@@ -58,7 +58,7 @@ pub struct LinearProfile {
 /// Solves windows with limited acceleration; keeps its memory from one to the next.
 #[derive(Debug, Default)]
 pub struct LinearSolver {
-    program: Program,
+    pub(super) program: Program,
     /// What is given in rows.
     beside: Vec<Beside>,
 }

@@ -3,8 +3,11 @@
 //! A window begins where the last one was left and ends at rest: at a stop of the path, or at the end of what is known of
 //! it. Of a window that does not end at a stop, only the part is committed that this makeshift end has no influence on.
 
+mod budget;
 mod commit;
+mod drag;
 mod guess;
+mod pieces;
 mod refine;
 mod replan;
 mod returned;
@@ -23,7 +26,9 @@ use super::smooth::{Beginning, SmoothSolver};
 use super::stretch::Stretch;
 use crate::Place;
 use crate::prepare::CheckedElement;
+use budget::Budget;
 use clarabel::solver::SolverStatus;
+pub use pieces::{Behind, Piece, Pieces, Request};
 use returned::{Part, Returned};
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -40,6 +45,18 @@ pub struct Leg {
     pub stretch: Stretch,
     /// Where the axes are at its start, m or rad.
     pub start: AxisVector,
+}
+
+impl Leg {
+    /// Whether the path rests at its beginning.
+    pub fn begins_at_rest(&self) -> bool {
+        returned::rests(self.stretch.at_position(0.0).0)
+    }
+
+    /// Whether the path rests at its end.
+    pub fn ends_at_rest(&self) -> bool {
+        returned::rests(self.stretch.at_position(self.stretch.length()).0)
+    }
 }
 
 /// What comes next along the course.
@@ -102,6 +119,10 @@ pub struct Effort {
     pub replanned: u64,
     /// How often no such plan was found: the path then goes on for a moment as it was planned, and the next try is from there.
     pub not_replanned: u64,
+    /// Work spent on that, in cells times iterations of Clarabel, and the most that one attempt took.
+    pub replanning: u64,
+    /// The most that one attempt took of it: less than twice [`Planner::MOST_WORK`].
+    pub most_replanning: u64,
 }
 
 /// Plans the motion along the elements of `upstream` on a machine: an iterator of [`Planned`].
@@ -132,6 +153,10 @@ pub struct Planner<I, E, A> {
     smooth: SmoothSolver,
     linear: LinearSolver,
     effort: Effort,
+    /// What is left of the work that this attempt may take.
+    budget: Budget,
+    /// Attempts to plan anew, since the last that was not in vain.
+    misses: u32,
     /// What limits cost in the window that is being planned, and in all that was committed.
     gains: Vec<Gain>,
     costs: BTreeMap<Constraint, f64>,
@@ -177,6 +202,8 @@ where
             smooth: SmoothSolver::default(),
             linear: LinearSolver::default(),
             effort: Effort::default(),
+            budget: Budget::default(),
+            misses: 0,
             gains: Vec::new(),
             costs: BTreeMap::new(),
             over: false,
@@ -210,7 +237,10 @@ where
         let Part { element, from, to } = part;
         let known = self.cells.len();
         match self.sampler.cells(element, *from..*to, &self.near, &mut self.cells) {
-            Ok(()) => self.join(known),
+            Ok(()) => {
+                self.budget.sampled(self.cells.len().saturating_sub(known));
+                self.join(known);
+            }
             Err(error) => {
                 self.cells.truncate(known);
                 let place = element.place();
@@ -235,7 +265,7 @@ where
     /// Pulls elements until `horizon` s of the path are known, or a stop.
     fn fill(&mut self, horizon: f64) {
         let mut check = 16;
-        while self.after.is_none() {
+        while self.after.is_none() && !self.budget.is_spent() {
             if self.cells.len() >= check {
                 let grid = grid(&self.sampler, &self.cells);
                 if self.estimate(&grid).1 >= horizon {
@@ -274,11 +304,18 @@ where
     /// Plans a window of about `horizon` s and commits what can be. `exactly`: it has to begin as fast as the path is.
     fn plan_window(&mut self, mut horizon: f64, exactly: bool) -> Result<(), NoWindow> {
         loop {
+            if self.budget.is_spent() {
+                return Err(NoWindow::NotSolved(NOT_SOLVED));
+            }
             self.fill(horizon);
             if self.cells.is_empty() {
                 return Ok(());
             }
             self.cut_off(horizon).and_then(|()| self.refine()).map_err(NoWindow::Kinematics)?;
+            if exactly {
+                // Else the motors may not be able to go on as they do.
+                self.take_tangents_of_plan();
+            }
             let grid = grid(&self.sampler, &self.cells);
             if self.safe(&grid).0 == 0 {
                 // All that is known is within braking distance.

@@ -231,22 +231,35 @@ where
         }
     }
 
+    /// Drops a pause or an error that is next.
+    pub(super) fn skip_pause(&mut self) {
+        if let Some(Returned::Pause(_) | Returned::Error(_)) = self.returned.front() {
+            self.returned.pop_front();
+        }
+    }
+
     /// The path is to rest at `s` of `element`, which is to be planned.
     pub(super) fn hold_at(&mut self, element: &Arc<CourseElement>, s: f64) {
+        if let Some(behind) = self.split_at(element, s) {
+            self.returned.insert(behind, Returned::Hold);
+        }
+    }
+
+    /// Parts what is to be planned at `s` of `element`, which it is a part of; what is behind.
+    pub(super) fn split_at(&mut self, element: &Arc<CourseElement>, s: f64) -> Option<usize> {
         let near = SAME_PLACE * element.length();
         let place = self.returned.iter().position(|returned| {
             matches!(returned, Returned::Part(part)
                 if Arc::ptr_eq(&part.element, element) && part.to >= s - near)
         });
-        let Some(index) = place else { return };
-        let mut behind = self.returned.split_off(index + 1);
-        if let Some(Returned::Part(part)) = self.returned.back_mut()
+        let index = place?;
+        if let Some(Returned::Part(part)) = self.returned.get_mut(index)
             && part.to > s + near
         {
-            behind.push_front(Returned::Part(Part { from: s, ..part.clone() }));
+            let behind = Part { from: s, ..part.clone() };
             part.to = s;
+            self.returned.insert(index + 1, Returned::Part(behind));
         }
-        self.returned.push_back(Returned::Hold);
-        self.returned.append(&mut behind);
+        Some(index + 1)
     }
 }

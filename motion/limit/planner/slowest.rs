@@ -38,6 +38,15 @@ const LANDING: f64 = 2.0 / 3.0;
 /// Where the path is to rest it may be faster than the slowest profile by this part of the first b.
 const LAST: f64 = 1e-3;
 
+/// How much of the plan so far is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Look {
+    /// As much as braking takes, roughly.
+    Short,
+    /// More, as long as that is not enough, up to all of it.
+    Long,
+}
+
 /// What the slowest profile leaves for the one that is followed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Room {
@@ -111,8 +120,9 @@ where
 {
     /// The slowest profile from the beginning on, along the plan so far. `tight`: by how much tighter accelerations and jerks
     /// are limited.
-    pub(super) fn slowest(&mut self, tight: [f64; 2]) -> Result<Slowest, NotSolved> {
+    pub(super) fn slowest(&mut self, tight: [f64; 2], far: Look) -> Result<Slowest, NotSolved> {
         let mut look = LOOK;
+        let mut longer = 1.0;
         loop {
             let feeds = std::mem::replace(&mut self.sampler.feeds, Feeds::new(ANY));
             let cells = self.old_cells(look, tight);
@@ -133,7 +143,11 @@ where
             }
             let build_up = self.build_up();
             let enough = rest * (1.0 + FURTHER) + 2.0 * build_up * self.start().sqrt();
-            let count = grid.nodes().iter().position(|u| *u > enough);
+            let enough = longer * enough;
+            let slow = grid.nodes().iter().position(|u| *u > enough);
+            // Down to what the override allows, and the same way again to rest.
+            let ways = if self.asked > 0.0 { 2.0 } else { 1.0 };
+            let count = grid.nodes().iter().position(|u| *u > ways * enough);
             if count.is_none() && !all {
                 look *= 2.0;
                 continue;
@@ -142,9 +156,15 @@ where
             if let Some(count) = count {
                 let mut some = cells.clone();
                 some.truncate(count);
-                if let Ok(slowest) = self.slowest_smooth(some, floors.clone()) {
-                    return Ok(slowest);
+                let slow = slow.filter(|_| self.asked > 0.0).unwrap_or_default();
+                let floors = floors.iter().enumerate().take(count);
+                let floors = floors.map(|(cell, floor)| if cell < slow { *floor } else { 0.0 });
+                let slowest = self.slowest_smooth(some, floors.collect());
+                if slowest.is_ok() || far == Look::Short {
+                    return slowest;
                 }
+                longer *= 2.0;
+                continue;
             }
             if all {
                 return self.slowest_smooth(cells, floors);
@@ -177,6 +197,10 @@ where
             if at > look {
                 break;
             }
+            if self.budget.is_spent() {
+                return Err(NOT_SOLVED);
+            }
+            self.budget.sampled(1);
             let part = leg.from..leg.from + leg.stretch.length();
             let middle = part.start.midpoint(part.end);
             let cell = self.sampler.cell(&leg.element, part, &near);
@@ -190,6 +214,7 @@ where
             let [acceleration, jerk] = tight.map(|tight| 1.0 + (tight - 1.0) * grown);
             cell.tight = [acceleration, jerk, 1.0];
             near = cell.end.position;
+            cell.take_tangents(&leg.stretch);
             cells.push(cell);
         }
         Ok((cells, floors))
@@ -211,14 +236,21 @@ where
             self.effort.cells += grid.cells() as u64;
             let floors = caps.iter().zip(&old.c).map(|(cap, c)| cap.min(*c));
             self.smooth.floors = floors.map(|floor| (1.0 - EXACT) * floor.max(0.0)).collect();
-            let solved = {
-                let free = 1..grid.cells().saturating_sub(1);
-                self.smooth.solve_about(&grid, 0..grid.cells(), self.beginning, &mut guess, free)
+            let free = 1..grid.cells().saturating_sub(1);
+            self.smooth.program.most_iterations = match self.budget.iterations(free.len()) {
+                Ok(most) => Some(most),
+                Err(spent) => break Err(spent),
             };
+            let solved =
+                self.smooth.solve_about(&grid, 0..grid.cells(), self.beginning, &mut guess, free);
             let (profile, broken) = match solved {
                 Ok(solved) => solved,
-                Err(error) => break Err(error),
+                Err(error) => {
+                    self.budget.solved(grid.cells(), error.iterations + 1);
+                    break Err(error);
+                }
             };
+            self.budget.solved(grid.cells(), profile.iterations + 1);
             self.effort.iterations += u64::from(profile.iterations);
             solves += 1;
             let sum: f64 =
@@ -280,8 +312,8 @@ where
                 && let Ok(parts) = self.sampler.parts(&cell, &[0.5])
                 && parts.len() == 2
             {
-                guess.halve(halved.len());
-                old.halve(halved.len());
+                guess.cut(halved.len(), &[0.5]);
+                old.cut(halved.len(), &[0.5]);
                 caps.insert(halved.len(), caps.get(halved.len()).copied().unwrap_or_default());
                 halved.extend(parts);
             } else {

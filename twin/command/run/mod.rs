@@ -1,8 +1,10 @@
 //! `twin run`: the program on the simulated machine and on the drives at once.
 
 mod interrupt;
+mod keys;
 mod prompt;
 mod summary;
+mod watcher;
 
 use super::options::{
     self, AcknowledgeOption, DEFAULT_ADDRESS, MachineOption, ReadOptions, plans_without_inputs,
@@ -13,12 +15,11 @@ use crate::check::{CheckOptions, Outcome};
 use crate::finding;
 use crate::hardware::Hardware;
 use crate::limit::Limits;
-use crate::m_function::MCall;
 use crate::machine::Machine;
 use crate::picture::Picture;
 use crate::program::ProgramFile;
 use crate::report::seconds;
-use crate::session::{Answer, DriveSample, Ending, Observer, Session, TwinCycle};
+use crate::session::{Ending, OverrideAt, Session};
 use crate::simulated::Simulated;
 use indicatif::ProgressBar;
 pub(super) use interrupt::Interrupt;
@@ -31,6 +32,7 @@ use summary::{DriveSamples, Report, summary};
 use twin_drives::interpcnc::emulator::EmulatedBoard;
 use twin_kinematics::AxisVector;
 use twin_viz::{Playback, SceneOptions};
+use watcher::{Watcher, open_keys};
 
 /// Part of each axis's largest velocity with which the drives approach the start of the program.
 const APPROACH: f64 = 0.25;
@@ -39,7 +41,12 @@ const APPROACH: f64 = 0.25;
 ///
 /// The whole program is checked first, and nothing moves if it is not fit for the machine. Without drives the run
 /// goes as fast as it can; with drives it is in step with the wall clock. Ctrl-C brakes on the path and still
-/// writes recording and report; a second one, and with --limits axes the first, brakes every axis at its own limits.
+/// writes recording and report; a second one brakes every axis at its own limits.
+///
+/// In step with the wall clock (with drives, or --realtime) and on a terminal the keys + and - change the override by
+/// 10 %, and space holds the path and lets it go on. What is asked for counts from 0.1 s later on, with --limits axes;
+/// if planning takes longer, the path goes on as planned until there is a new plan, and a hold is over at the end of what is
+/// planned at the latest, 1 to 3 s ahead.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The program
@@ -58,6 +65,11 @@ pub(super) struct Arguments {
     /// `twin check`, the controller's own unless told otherwise: what moves is what was checked, and what the controller does
     #[arg(long, value_enum, default_value = "softmotion")]
     limits: Limits,
+
+    /// Change the override while the program runs: 2s=50%,3.5s=0,5s=100% holds the path from 3.5 s to 5 s; may be given several
+    /// times
+    #[arg(long, value_name = "TIME=FACTOR", value_delimiter = ',')]
+    override_at: Vec<OverrideAt>,
 
     /// Drives to run in parallel to the simulated machine
     #[arg(long, value_enum, default_value = "emulated")]
@@ -214,13 +226,17 @@ fn perform<'m>(
     let acknowledge = arguments.m_functions.acknowledge;
     let realtime = arguments.realtime;
     let limits = arguments.limits;
-    let session = Session { machine, program, twin, hardware, limits, acknowledge, realtime };
+    let overrides = &arguments.override_at;
+    let paced = realtime || hardware.is_some();
+    let session =
+        Session { machine, program, twin, hardware, limits, acknowledge, overrides, realtime };
     let mut watcher = Watcher {
         picture: &mut picture,
         bar: &bar,
         last_shown_ns: i64::MIN,
         samples: DriveSamples::default(),
         prompt: Prompt::default(),
+        keys: if paced { open_keys(program) } else { None },
     };
     let clock = crate::clock::Clock::start();
     let ending = session
@@ -228,6 +244,7 @@ fn perform<'m>(
         .map_err(|failure| Failure::check(program, failure.into()))?;
     let took = seconds(clock.now_ns());
     let samples = watcher.samples;
+    drop(watcher.keys.take());
     bar.finish_and_clear();
     drop(board);
     let shown = picture.finish().map_err(Failure::from);
@@ -242,6 +259,12 @@ impl Arguments {
                 "--drives real is not there yet: homing and the start-up checks that must come before a real axis \
                  moves are missing; --drives emulated runs the same driver against an emulated board"
                     .to_owned(),
+            ));
+        }
+        let last = self.override_at.iter().max_by_key(|change| change.time_ns);
+        if last.is_some_and(|last| last.factor <= 0.0) {
+            return Err(Failure::Usage(
+                "the last of --override-at is 0: the path would be held for ever".to_owned(),
             ));
         }
         if self.tolerance.is_some_and(|tolerance| tolerance.is_nan() || tolerance <= 0.0) {
@@ -330,47 +353,5 @@ fn approach(mut hardware: Hardware, interrupt: &Interrupt) -> Result<Hardware, F
             return Ok(hardware);
         }
         std::thread::sleep(Duration::from_millis(2));
-    }
-}
-
-/// Shows a run while it goes on.
-struct Watcher<'a, 'm> {
-    picture: &'a mut Picture<'m>,
-    bar: &'a ProgressBar,
-    last_shown_ns: i64,
-    samples: DriveSamples,
-    prompt: Prompt,
-}
-
-impl Observer for Watcher<'_, '_> {
-    fn twin(&mut self, cycle: &TwinCycle<'_>) {
-        self.picture.twin(cycle);
-        let time_ns = cycle.setpoint.time_ns;
-        if time_ns.saturating_sub(self.last_shown_ns) >= 100_000_000 {
-            self.last_shown_ns = time_ns;
-            self.bar.set_position(u64::try_from(time_ns / 1_000_000).unwrap_or(0));
-            let error = (cycle.twin.tool - cycle.wanted.tool).norm() * 1e3;
-            self.bar.set_message(format!("{}  twin {error:.3} mm off", cycle.setpoint.place));
-        }
-    }
-
-    fn m_function(&mut self, call: &MCall, asked: bool) {
-        let MCall { number, place, .. } = call;
-        if asked {
-            self.bar.suspend(|| eprintln!("M{number} at {place}: press Enter when it is done"));
-            if let Err(error) = self.prompt.ask() {
-                self.bar.suspend(|| eprintln!("standard input cannot be read: {error}"));
-            }
-        }
-        self.bar.set_message(format!("{place}  M{number}"));
-    }
-
-    fn answer(&mut self) -> Answer {
-        self.prompt.answer()
-    }
-
-    fn drives(&mut self, sample: &DriveSample<'_>) {
-        self.samples.include(sample.time_ns);
-        self.picture.drives(sample);
     }
 }

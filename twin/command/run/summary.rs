@@ -7,7 +7,8 @@ use crate::compare::{Comparison, ErrorStatistics, Statistics};
 use crate::machine::Machine;
 use crate::program::ProgramFile;
 use crate::report::{
-    AxisErrorReport, CheckReport, ComparisonReport, DriveSamplesReport, PerAxis, RunReport, seconds,
+    AxisErrorReport, CheckReport, ComparisonReport, DriveSamplesReport, OverrideChangeReport,
+    PerAxis, RunReport, seconds,
 };
 use crate::session::Ending;
 use std::io::{self, Write};
@@ -60,6 +61,33 @@ pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) 
     let executed = seconds(ending.executed_ns);
     let ratio = if *took > 0.0 { executed / took } else { 0.0 };
     writeln!(out, "ran {executed:.3} s of program in {took:.3} s ({ratio:.1} × real time)")?;
+    for change in &ending.overrides {
+        let OverrideChangeReport { asked_s, override_percent, followed_after_s } =
+            OverrideChangeReport::new(change);
+        let what = if override_percent > 0.0 {
+            format!("override {override_percent:.0} %")
+        } else {
+            "feed hold".to_owned()
+        };
+        match followed_after_s {
+            Some(after) => {
+                writeln!(
+                    out,
+                    "{what} asked for at {asked_s:.3} s; the path followed {after:.3} s later"
+                )?;
+            }
+            None => {
+                writeln!(out, "{what} asked for at {asked_s:.3} s; the path did not come to that")?;
+            }
+        }
+    }
+    if ending.late_plans > 0 {
+        writeln!(
+            out,
+            "note: {} times a plan came too late and the path went on as it was planned before",
+            ending.late_plans
+        )?;
+    }
     if samples.count > 0 {
         writeln!(
             out,
@@ -127,6 +155,7 @@ impl Report<'_> {
             completed: stopped_because.is_none(),
             stopped_because,
             executed_s: seconds(ending.executed_ns),
+            override_changes: ending.overrides.iter().map(OverrideChangeReport::new).collect(),
             drive_samples: (samples.count > 0).then(|| samples.report()),
             tool_error_mm: ComparisonReport::new(tool, 1e3),
             axis_error: PerAxis(

@@ -1,0 +1,221 @@
+//! Plans that come late, or not at all: the old one goes on, and every plan that is executed ends at rest.
+
+use super::machines::Machine;
+use super::random::{Step, cases, exponential, limits_hold, settings, step, walk};
+use super::run::{Settings, Watch};
+use proptest::prelude::*;
+use std::collections::VecDeque;
+use twin_motion::limit::{
+    Arrival, KinematicPath, Lead, LimitError, Piece, Pieces, Planned, Planner, Request, Spliced,
+};
+use twin_motion::path::PathElement;
+use twin_motion::prepare::{CheckError, CheckVelocities};
+
+/// A held path rests so long, s.
+const HELD: f64 = 0.02;
+
+type Wrong = String;
+
+/// At a time, s, the override becomes this.
+type Change = (f64, f64);
+
+/// How long the side that plans takes for a piece, s, one after the other and then again.
+#[derive(Clone, Debug)]
+struct Pace(Vec<f64>);
+
+#[derive(Debug, Default)]
+struct Executed {
+    report: super::run::Report,
+    late: u64,
+    /// From each change to when the path followed or rested for good, s.
+    delays: Vec<f64>,
+    /// The longest plan that there ever was ahead, s.
+    ahead: f64,
+    work: u64,
+}
+
+/// Executes `path` while it is planned at this pace, with these changes.
+fn execute(path: &[PathElement], settings: &Settings, changes: &[Change], pace: &Pace) -> Executed {
+    let checked =
+        CheckVelocities::new(path.iter().cloned().map(Ok::<_, CheckError>), settings.angle)
+            .map(|next| next.map_err(|error| -> Wrong { error.to_string() }));
+    let planner = Planner::new(checked, settings.machine.path(settings.jerk), settings.options());
+    let mut pieces = Pieces::new(planner);
+    let axes = settings.machine.path(settings.jerk);
+    let mut watch = Watch::new(&axes);
+    let mut result = Executed::default();
+    let mut spliced: Spliced<Wrong> = Spliced::new(Lead::default());
+    let mut changes: VecDeque<Change> = changes.iter().copied().collect();
+    let mut paces = pace.0.iter().copied().cycle();
+    // What is on its way, and when it is there.
+    let mut underway: Option<(f64, Piece<Wrong>)> = None;
+    let mut request: Option<Request<Wrong>> = None;
+    let mut pending: Option<(f64, f64)> = None;
+    let mut held = 0;
+    // At first there is time.
+    spliced.receive(pieces.next_piece());
+    loop {
+        let now = watch.report.duration;
+        if let Some((_, factor)) = changes.pop_front_if(|(time, _)| *time <= now) {
+            request = Some(spliced.set_override(factor));
+            pending = Some((now, factor));
+            held = 0;
+        }
+        // The other side: one piece after the other.
+        loop {
+            if let Some((_, piece)) = underway.take_if(|(there, _)| *there <= now) {
+                if spliced.receive(piece) == Arrival::Late {
+                    request = Some(spliced.ask_again());
+                }
+                result.ahead = result.ahead.max(spliced.ahead());
+            }
+            if underway.is_some() || !(request.is_some() || spliced.wants_more()) {
+                break;
+            }
+            if let Some(request) = request.take() {
+                pieces.obey(request);
+            }
+            if pieces.is_resting() {
+                break;
+            }
+            pieces.forget(spliced.needs());
+            underway = Some((now + paces.next().unwrap(), pieces.next_piece()));
+        }
+        if spliced.is_starving() && request.is_none() {
+            request = Some(spliced.ask_again());
+        }
+        if let Some((since, factor)) = pending.filter(|_| spliced.follows()) {
+            result.delays.push(now - since);
+            watch.factor = (factor, f64::INFINITY);
+            pending = None;
+        }
+        match spliced.take() {
+            Some(Ok(Planned::Leg(leg))) => watch.leg(&leg),
+            Some(Ok(Planned::Pause(element))) => {
+                watch.rest();
+                watch.report.lines.push(element.place().line);
+                watch.report.stops += 1;
+            }
+            Some(Ok(Planned::Hold { .. })) => {
+                watch.wait(HELD);
+                held += 1;
+                assert!(held < 10_000, "it rests for ever");
+                // Let go on if nothing else does.
+                if held > 5 && changes.is_empty() && underway.is_none() && request.is_none() {
+                    changes.push_back((0.0, 1.0));
+                }
+            }
+            Some(Err(LimitError::Upstream(error))) => panic!("{error}"),
+            Some(Err(error)) => watch.report.errors.push(error.to_string()),
+            None => break,
+        }
+    }
+    watch.rest();
+    watch.report.effort = pieces.planner().effort();
+    result.report = watch.report;
+    result.late = spliced.late();
+    result.work = result.report.effort.most_replanning;
+    result
+}
+
+fn spliced(
+    settings: Settings,
+    steps: &[Step],
+    changes: &[Change],
+    pace: &Pace,
+) -> Result<(), TestCaseError> {
+    let path = walk(steps, settings.machine);
+    let executed = execute(&path, &settings, changes, pace);
+    let Executed { report, late, delays, ahead, work } = &executed;
+    println!("{} changes, {late} late, delays {delays:?}, {ahead} s ahead, {work}", changes.len());
+    limits_hold(report, &path, &settings, 1.02)?;
+    let most = Planner::<
+        std::iter::Empty<_>,
+        CheckError,
+        KinematicPath<twin_kinematics::MachineAxes>,
+    >::MOST_WORK;
+    prop_assert!(*work < 2 * most, "{work}");
+    Ok(())
+}
+
+fn changes() -> impl Strategy<Value = Vec<Change>> {
+    let factor = prop_oneof![2 => Just(0.0), 2 => exponential(1e-2..0.05), 4 => exponential(0.05..2.0), 2 => Just(1.0)];
+    prop::collection::vec((exponential(1e-2..0.5), factor), 1..8).prop_map(|mut changes| {
+        let mut time = 0.0;
+        for (at, _) in &mut changes {
+            time += *at;
+            *at = time;
+        }
+        changes
+    })
+}
+
+/// From at once to longer than any lead.
+fn pace() -> impl Strategy<Value = Pace> {
+    let time = prop_oneof![3 => Just(0.0), 3 => exponential(1e-2..0.2), 2 => exponential(0.1..3.0)];
+    prop::collection::vec(time, 1..6).prop_map(Pace)
+}
+
+proptest! {
+    #![proptest_config(cases(12))]
+
+    #[test]
+    fn jerks_are_limited_whenever_plans_come(settings in settings(), steps in prop::collection::vec(step(), 1..20), changes in changes(), pace in pace()) {
+        spliced(settings, &steps, &changes, &pace)?;
+    }
+
+    #[test]
+    fn accelerations_are_limited_whenever_plans_come(settings in settings(), steps in prop::collection::vec(step(), 1..20), changes in changes(), pace in pace()) {
+        spliced(Settings { jerk: false, ..settings }, &steps, &changes, &pace)?;
+    }
+}
+
+/// A line of 0.5 m at 0.1 m/s.
+fn long_line() -> (Vec<PathElement>, Settings) {
+    let tolerance = 1e-5;
+    let settings = Settings {
+        machine: Machine::Gantry3,
+        jerk: true,
+        tolerance,
+        angle: std::f64::consts::PI,
+        horizon: 1.5,
+    };
+    (vec![super::replan::line(0.5, 0.1)], settings)
+}
+
+#[test]
+fn an_override_counts_after_the_lead_where_planning_is_fast_enough() {
+    let (path, settings) = long_line();
+    let pace = Pace(vec![0.03]);
+    let changes = [(0.5, 0.5), (1.0, 0.0), (1.5, 1.0), (2.0, 0.1), (2.5, 2.0)];
+    let Executed { late, delays, report, .. } = execute(&path, &settings, &changes, &pace);
+    assert_eq!((late, report.errors.len()), (0, 0));
+    assert_eq!(delays.len(), changes.len());
+    // The item that is under way, and one that begins just within the lead.
+    assert!(delays.iter().all(|delay| *delay <= 0.1 + 0.01), "{delays:?}");
+}
+
+#[test]
+fn the_lead_is_doubled_until_the_plan_is_in_time() {
+    let (path, settings) = long_line();
+    // Longer than 0.2 s, shorter than 0.4 s.
+    let pace = Pace(vec![0.3]);
+    let Executed { late, delays, .. } = execute(&path, &settings, &[(1.0, 0.5)], &pace);
+    assert_eq!(late, 2);
+    // A piece that was under way is waited for at first.
+    assert!(delays[0] <= 4.0 * 0.3 + 0.4 + 0.02 && delays[0] > 0.6, "{delays:?}");
+}
+
+#[test]
+fn a_hold_is_over_at_the_end_of_what_is_planned_at_the_latest() {
+    let (path, settings) = long_line();
+    // No plan comes in time any more.
+    let pace = Pace(vec![0.0, 0.0, 0.0, 60.0]);
+    let Executed { report, ahead, .. } = execute(&path, &settings, &[(1.0, 0.0)], &pace);
+    assert!(report.errors.is_empty());
+    // A window of one and a half horizons, and what is to be ahead before another is planned.
+    assert!(ahead < 1.5 * 1.5 + 1.0, "{ahead} s");
+    // The wait for the plan is a rest, not a motion.
+    assert!(report.velocity.value <= 1.001 && report.third_difference.value <= 1.05, "{report:?}");
+    assert!(report.duration > 60.0);
+}

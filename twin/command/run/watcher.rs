@@ -1,0 +1,86 @@
+//! Watches a run, shows it, and passes on what the user wants.
+
+use super::keys::{self, Keys};
+use super::prompt::Prompt;
+use super::summary::DriveSamples;
+use crate::m_function::MCall;
+use crate::picture::Picture;
+use crate::program::ProgramFile;
+use crate::session::{Answer, DriveSample, Observer, TwinCycle};
+use indicatif::ProgressBar;
+
+/// Shows a run while it goes on.
+pub(super) struct Watcher<'a, 'm> {
+    pub(super) picture: &'a mut Picture<'m>,
+    pub(super) bar: &'a ProgressBar,
+    pub(super) last_shown_ns: i64,
+    pub(super) samples: DriveSamples,
+    pub(super) prompt: Prompt,
+    /// Where there is a terminal.
+    pub(super) keys: Option<Keys>,
+}
+
+/// Without them the run goes on.
+pub(super) fn open_keys(program: &ProgramFile) -> Option<Keys> {
+    match Keys::open(program.settings().inputs.override_factor.factor()) {
+        Ok(keys) => {
+            if keys.is_some() {
+                eprintln!("{}", keys::HELP);
+            }
+            keys
+        }
+        Err(error) => {
+            eprintln!("note: the terminal gives no single keys ({error}): the override stays");
+            None
+        }
+    }
+}
+
+impl Observer for Watcher<'_, '_> {
+    fn twin(&mut self, cycle: &TwinCycle<'_>) {
+        self.picture.twin(cycle);
+        let time_ns = cycle.setpoint.time_ns;
+        if time_ns.saturating_sub(self.last_shown_ns) >= 100_000_000 {
+            self.last_shown_ns = time_ns;
+            self.bar.set_position(u64::try_from(time_ns / 1_000_000).unwrap_or(0));
+            let error = (cycle.twin.tool - cycle.wanted.tool).norm() * 1e3;
+            self.bar.set_message(format!("{}  twin {error:.3} mm off", cycle.setpoint.place));
+        }
+    }
+
+    fn m_function(&mut self, call: &MCall, asked: bool) {
+        let MCall { number, place, .. } = call;
+        if asked {
+            self.bar.suspend(|| eprintln!("M{number} at {place}: press Enter when it is done"));
+            if let Some(keys) = &mut self.keys {
+                keys.ask();
+            } else if let Err(error) = self.prompt.ask() {
+                self.bar.suspend(|| eprintln!("standard input cannot be read: {error}"));
+            }
+        }
+        self.bar.set_message(format!("{place}  M{number}"));
+    }
+
+    fn answer(&mut self) -> Answer {
+        match &mut self.keys {
+            Some(keys) => keys.answer(),
+            None => self.prompt.answer(),
+        }
+    }
+
+    fn new_override(&mut self) -> Option<f64> {
+        let factor = self.keys.as_mut()?.new_override()?;
+        let text = if factor > 0.0 {
+            format!("override {:.0} %", factor * 100.0)
+        } else {
+            "the path is held".to_owned()
+        };
+        self.bar.suspend(|| eprintln!("{text}"));
+        Some(factor)
+    }
+
+    fn drives(&mut self, sample: &DriveSample<'_>) {
+        self.samples.include(sample.time_ns);
+        self.picture.drives(sample);
+    }
+}

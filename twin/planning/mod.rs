@@ -1,0 +1,192 @@
+//! The set-points of a program, by whatever planning: the same for a check and for a run, so that what is run is what was
+//! checked.
+
+mod beside;
+mod within;
+
+use crate::limit::{LimitFailure, Limits};
+use crate::m_function::{Acknowledgement, MCall};
+use crate::machine::Machine;
+use crate::program::{Findings, ProgramFile, ProgramItem, Setpoints};
+use beside::Beside;
+use std::task::Poll;
+use std::thread::Scope;
+use within::WithinAxes;
+
+/// The set-points of a program, as the controller itself plans them or within the limits of the axes.
+#[derive(Debug)]
+pub(crate) struct Planning<'m>(Plan<'m>);
+
+#[derive(Debug)]
+enum Plan<'m> {
+    Controller(Box<Setpoints>),
+    Axes(Box<WithinAxes<'m>>),
+}
+
+impl<'m> Planning<'m> {
+    /// The program `program` on `machine`, with M functions acknowledged as `rules` say.
+    ///
+    /// # Errors
+    /// If it cannot be opened, or the machine is none whose axes a path can be planned for.
+    pub(crate) fn new(
+        machine: &'m Machine,
+        program: &ProgramFile,
+        limits: Limits,
+        rules: Acknowledgement,
+    ) -> Result<Self, LimitFailure> {
+        Ok(match limits {
+            Limits::Softmotion => Self(Plan::Controller(Box::new(program.open(machine, rules)?))),
+            Limits::Axes => {
+                Self(Plan::Axes(Box::new(WithinAxes::for_check(machine, program, rules)?)))
+            }
+        })
+    }
+
+    /// As [`Self::new`], for a run, in which the override may change. Where it is `paced`, so that nobody can wait while a window
+    /// of the path is planned, that is done in a thread of `scope`, ahead. It ends when the planning is dropped.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and if no thread can be had.
+    pub(crate) fn for_run<'scope>(
+        scope: &'scope Scope<'scope, '_>,
+        machine: &'m Machine,
+        program: &'scope ProgramFile,
+        limits: Limits,
+        rules: Acknowledgement,
+        paced: bool,
+    ) -> Result<Self, LimitFailure>
+    where
+        'm: 'scope,
+    {
+        if limits == Limits::Softmotion {
+            return Self::new(machine, program, limits, rules);
+        }
+        let plan = if paced {
+            Beside::thread(scope, machine, program)?
+        } else {
+            Beside::here(machine, program)?
+        };
+        Ok(Self(Plan::Axes(Box::new(WithinAxes::for_run(machine, plan, rules)))))
+    }
+
+    /// What comes next; with `waits`, or where no thread is ahead, it is there when this returns.
+    pub(crate) fn poll(&mut self, waits: bool) -> Poll<Option<ProgramItem>> {
+        match &mut self.0 {
+            Plan::Controller(setpoints) => Poll::Ready(setpoints.next()),
+            Plan::Axes(within) => within.poll(waits),
+        }
+    }
+
+    /// What is known of the file; nothing of it in a run within the limits of the axes.
+    fn file(&self) -> Option<&Findings> {
+        match &self.0 {
+            Plan::Axes(within) => within.file(),
+            Plan::Controller(_) => None,
+        }
+    }
+
+    /// Bytes of the file read so far.
+    pub(crate) fn bytes_read(&self) -> u64 {
+        match &self.0 {
+            Plan::Controller(setpoints) => setpoints.bytes_read(),
+            Plan::Axes(_) => self.file().map_or(0, Findings::bytes_read),
+        }
+    }
+
+    /// Path elements decoded so far.
+    pub(crate) fn elements(&self) -> u64 {
+        match &self.0 {
+            Plan::Controller(setpoints) => setpoints.elements(),
+            Plan::Axes(_) => self.file().map_or(0, Findings::elements),
+        }
+    }
+
+    /// Length of the path decoded so far, m.
+    pub(crate) fn length(&self) -> f64 {
+        match &self.0 {
+            Plan::Controller(setpoints) => setpoints.length(),
+            Plan::Axes(_) => self.file().map_or(0.0, Findings::length),
+        }
+    }
+
+    /// Diagnostics of the text that were left out because there are too many.
+    pub(crate) fn left_out(&self) -> u64 {
+        match &self.0 {
+            Plan::Controller(setpoints) => setpoints.left_out(),
+            Plan::Axes(_) => self.file().map_or(0, Findings::left_out),
+        }
+    }
+
+    /// The M function at which the last set-point stands.
+    pub(crate) fn m_call(&self) -> Option<MCall> {
+        match &self.0 {
+            Plan::Controller(setpoints) => setpoints.m_call(),
+            Plan::Axes(within) => within.m_call(),
+        }
+    }
+
+    /// Whether the path goes on only when [`Self::acknowledge`] is called.
+    pub(crate) fn waits_for_word(&self) -> bool {
+        match &self.0 {
+            Plan::Controller(setpoints) => setpoints.waits_for_word(),
+            Plan::Axes(within) => within.waits_for_word(),
+        }
+    }
+
+    /// The M function is done; the path goes on with the next set-point.
+    pub(crate) fn acknowledge(&mut self) {
+        match &mut self.0 {
+            Plan::Controller(setpoints) => setpoints.acknowledge(),
+            Plan::Axes(within) => within.acknowledge(),
+        }
+    }
+
+    /// Asks for set-points that brake along the path and end.
+    pub(crate) fn request_stop(&mut self) {
+        match &mut self.0 {
+            Plan::Controller(setpoints) => setpoints.request_stop(),
+            Plan::Axes(within) => within.request_stop(),
+        }
+    }
+
+    /// Multiplies programmed velocities by `factor` from the next set-point on that can be had so; below
+    /// [`LEAST_OVERRIDE`](crate::session::LEAST_OVERRIDE) the path is held.
+    pub(crate) fn set_override(&mut self, factor: f64) {
+        match &mut self.0 {
+            Plan::Controller(setpoints) => setpoints.set_override(factor),
+            Plan::Axes(within) => within.set_override(factor),
+        }
+    }
+
+    /// Whether it brakes as hard as the axes allow.
+    pub(crate) fn is_within_axes(&self) -> bool {
+        matches!(self.0, Plan::Axes(_))
+    }
+
+    /// Whether the last set-point follows what was asked for last.
+    pub(crate) fn follows_override(&self) -> bool {
+        match &self.0 {
+            Plan::Controller(setpoints) => setpoints.follows_override(),
+            Plan::Axes(within) => within.follows_override(),
+        }
+    }
+
+    /// Plans that have come too late so far, so that the path went on as planned before.
+    pub(crate) fn late_plans(&self) -> u64 {
+        match &self.0 {
+            Plan::Controller(_) => 0,
+            Plan::Axes(within) => within.late_plans(),
+        }
+    }
+}
+
+impl Iterator for Planning<'_> {
+    type Item = ProgramItem;
+
+    fn next(&mut self) -> Option<ProgramItem> {
+        match self.poll(true) {
+            Poll::Ready(next) => next,
+            Poll::Pending => None,
+        }
+    }
+}

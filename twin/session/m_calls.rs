@@ -1,0 +1,62 @@
+//! M functions of a run under way: what they switch, and who says that they are done.
+
+use super::run::Run;
+use super::{Answer, Observer, Stopped};
+use crate::hardware::Hardware;
+use crate::m_function::{MCall, MFunction};
+use crate::physics::PhysicsError;
+use crate::plant::Plant;
+
+impl<'a, P: Plant<Error = PhysicsError>> Run<'a, '_, P> {
+    /// Whether the plan goes on only when an M function is acknowledged. A stop does not wait for that.
+    pub(super) fn waits_for_word(&self) -> bool {
+        self.stopped.is_none() && self.items.waits_for_word()
+    }
+
+    /// Takes notice of an M function that is executed now.
+    pub(super) fn begin_m_function(&mut self, call: MCall, observer: &mut dyn Observer) {
+        if self.m_call.is_some_and(|last| last.index == call.index) {
+            return;
+        }
+        self.m_call = Some(call);
+        let switched = self.switches(call.number);
+        if let (Some(function), Some(hardware)) = (switched, &mut self.hardware) {
+            hardware.switch(&function.outputs_on, &function.outputs_off);
+        }
+        observer.m_function(&call, self.items.waits_for_word() && switched.is_none());
+    }
+
+    /// What the M function switches on the drives, if there are any.
+    fn switches(&self, number: u16) -> Option<&'a MFunction> {
+        self.hardware.as_ref()?;
+        self.machine.m_functions.iter().find(|function| function.number == number)
+    }
+
+    /// Lets the path go on if the M function at which it stands is done: the drives have switched what it switches and
+    /// its time is over, or the user says so.
+    pub(super) fn acknowledge(&mut self, observer: &mut dyn Observer) {
+        // First it has to be executed: the plan is ahead.
+        let Some(call) = self.m_call.filter(|call| self.items.m_call() == Some(*call)) else {
+            return;
+        };
+        if !self.waits_for_word() {
+            return;
+        }
+        if let Some(function) = self.switches(call.number) {
+            let switched = self.hardware.as_ref().is_none_or(Hardware::has_switched);
+            if switched && self.executed_ns() - call.since_ns >= function.time_ns {
+                self.items.acknowledge();
+            }
+            return;
+        }
+        match observer.answer() {
+            Answer::NotYet => {}
+            Answer::Done => self.items.acknowledge(),
+            Answer::Nobody => {
+                let MCall { number, place, .. } = call;
+                self.stopped = Some(Stopped::Unacknowledged { number, place });
+                self.items.request_stop();
+            }
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! The override while a program runs: what is asked for, and when the path follows.
+
+use crate::planning::Planning;
+use std::collections::VecDeque;
+use std::str::FromStr;
+use std::time::Duration;
+use twin_motion::interpolate::Override;
+
+/// The least override that moves anything; less is a feed hold.
+pub const LEAST_OVERRIDE: f64 = Override::LEAST;
+/// The largest override.
+pub const MOST_OVERRIDE: f64 = 2.0;
+
+/// An override from a time on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OverrideAt {
+    /// When it is asked for, ns since the start of the program.
+    pub time_ns: i64,
+    /// Factor on all programmed velocities; 0 is a feed hold.
+    pub factor: f64,
+}
+
+/// What is no override at a time.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{0}` is no time with an override, like 2s=50% or 500ms=0; overrides go from 1% to 200%, and 0 is a feed hold"
+)]
+pub struct OverrideAtError(String);
+
+impl FromStr for OverrideAt {
+    type Err = OverrideAtError;
+
+    fn from_str(text: &str) -> Result<Self, OverrideAtError> {
+        let wrong = || OverrideAtError(text.to_owned());
+        let (time, factor) = text.split_once('=').ok_or_else(wrong)?;
+        let time: Option<Duration> = humantime::parse_duration(time.trim()).ok();
+        let time_ns =
+            time.and_then(|time| i64::try_from(time.as_nanos()).ok()).ok_or_else(wrong)?;
+        let factor = override_factor(factor.trim()).ok_or_else(wrong)?;
+        if factor != 0.0 && !(LEAST_OVERRIDE..=MOST_OVERRIDE).contains(&factor) {
+            return Err(wrong());
+        }
+        Ok(Self { time_ns, factor })
+    }
+}
+
+/// A factor, or a number of per cent with its sign.
+pub fn override_factor(text: &str) -> Option<f64> {
+    match text.strip_suffix('%') {
+        Some(percent) => percent.trim_end().parse::<f64>().ok().map(|percent| percent / 100.0),
+        None => text.parse().ok(),
+    }
+}
+
+/// A change of the override during a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OverrideChange {
+    /// What was asked for.
+    pub asked: OverrideAt,
+    /// From when on the path has followed it, ns since the start of the program; before, it goes on as it was planned. None if it
+    /// never did: the program was over, or something else was asked for first.
+    pub follows_ns: Option<i64>,
+}
+
+/// What is asked for, and what has become of it.
+#[derive(Debug)]
+pub(super) struct Overrides {
+    schedule: VecDeque<OverrideAt>,
+    changes: Vec<OverrideChange>,
+}
+
+impl Overrides {
+    /// With these to come, in their order.
+    pub(super) fn new(schedule: &[OverrideAt]) -> Self {
+        let mut schedule = schedule.to_vec();
+        schedule.sort_by_key(|change| change.time_ns);
+        Self { schedule: schedule.into(), changes: Vec::new() }
+    }
+
+    /// Asks `items` for what is due before the set-point at `time_ns`.
+    pub(super) fn pursue(&mut self, time_ns: i64, items: &mut Planning<'_>) {
+        while let Some(due) = self.schedule.pop_front_if(|next| next.time_ns <= time_ns) {
+            self.ask(due, items);
+        }
+    }
+
+    /// Asks `items` for an override.
+    pub(super) fn ask(&mut self, asked: OverrideAt, items: &mut Planning<'_>) {
+        items.set_override(asked.factor);
+        self.changes.push(OverrideChange { asked, follows_ns: None });
+    }
+
+    /// Takes notice of a set-point of `items`.
+    pub(super) fn see(&mut self, time_ns: i64, items: &Planning<'_>) {
+        if let Some(last) = self.changes.last_mut()
+            && last.follows_ns.is_none()
+            && items.follows_override()
+        {
+            last.follows_ns = Some(time_ns);
+        }
+    }
+
+    /// What was asked for.
+    pub(super) fn into_changes(self) -> Vec<OverrideChange> {
+        self.changes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn overrides_at_times() {
+        for (text, time_ns, factor) in [
+            ("2s=0.5", 2_000_000_000, 0.5),
+            ("2s=50%", 2_000_000_000, 0.5),
+            ("0s = 200 %", 0, 2.0),
+            ("1500ms=0", 1_500_000_000, 0.0),
+            ("1m 1s=1", 61_000_000_000, 1.0),
+        ] {
+            assert_eq!(text.parse(), Ok(OverrideAt { time_ns, factor }), "{text}");
+        }
+        for text in
+            ["", "2s", "2=1", "2s=", "2s=x", "2s=NaN", "2s=-1", "2s=0.001", "2s=50", "2s=201%"]
+        {
+            assert_eq!(text.parse::<OverrideAt>(), Err(OverrideAtError(text.to_owned())));
+        }
+    }
+}
