@@ -38,7 +38,7 @@ fn by_differences(machine: &Machine, samples: &[ProfileSample]) -> [f64; 3] {
     for four in samples.windows(4) {
         let [a, b, c, d] = [0, 1, 2, 3].map(|index| four[index].position);
         for (axis, limit) in limits.iter().enumerate() {
-            let of = |vector: &AxisVector| vector.iter().copied().nth(axis).unwrap();
+            let of = |vector: &AxisVector| vector[axis];
             let [a, b, c, d] = [&a, &b, &c, &d].map(of);
             let jerk = limit.jerk.unwrap_or(f64::INFINITY);
             let found = [
@@ -63,8 +63,7 @@ fn within_limits(machine: &Machine, found: &Limited) {
 }
 
 fn peak(found: &Limited, of: impl Fn(&ProfileSample) -> &AxisVector) -> f64 {
-    let values =
-        found.samples.iter().map(|sample| of(sample).iter().copied().nth(R).unwrap().abs());
+    let values = found.samples.iter().map(|sample| of(sample)[R].abs());
     values.fold(0.0, f64::max)
 }
 
@@ -93,11 +92,11 @@ fn a_knife_turns_at_a_corner() {
         let expected = 2.0 * one + rest_to_rest(turn.abs());
         assert!((found.duration - expected).abs() < 1e-3, "{turn}: {} {expected}", found.duration);
         let last = found.samples.last().unwrap().position;
-        assert!((last.iter().copied().nth(R).unwrap() - turn).abs() < 1e-9);
+        assert!((last[R] - turn).abs() < 1e-9);
         let turning: Vec<_> = found
             .samples
             .iter()
-            .filter(|sample| sample.velocity.iter().nth(R).unwrap().abs() > 1e-6)
+            .filter(|sample| sample.velocity.get(R).unwrap().abs() > 1e-6)
             .collect();
         assert!(turning.len() > 130);
         for sample in &turning {
