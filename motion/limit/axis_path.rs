@@ -1,7 +1,8 @@
 //! From points of the course to the axes.
 
 use super::course::{CourseElement, CoursePoint};
-use super::grid::{AxisLimits, Cap, Rates, Row};
+use super::drag::DragRow;
+use super::grid::{AxisLimits, Cap, Rates};
 use twin_kinematics::{
     AxisVector, Kinematics, KinematicsError, MAX_AXES, Pose, ToolJerk, ToolMotion,
 };
@@ -37,16 +38,16 @@ pub trait AxisPath {
         near: &AxisVector,
     ) -> Result<AxisPoint, KinematicsError>;
 
-    /// How many half planes [`Self::further`] gives, at every place as many: at most [`MOST_FURTHER_ROWS`].
+    /// How many rows [`Self::further`] gives, at every place as many: at most [`MOST_FURTHER_ROWS`].
     fn further_rows(&self) -> usize {
         0
     }
 
     /// What limits the motion at `point` beside velocities, accelerations and jerks of the axes, like the torques of
-    /// motors: half planes, written into `rows` where they are not those that hold always ([`Row::default`]), and a bound
-    /// on u̇². `v2` bounds u̇² there anyway: half planes that have to be bent straight may be exact there.
-    fn further(&self, point: &AxisPoint, v2: f64, rows: &mut [Row]) -> Cap {
-        let _ = (point, v2, rows);
+    /// motors: rows, written into `rows` where they are not those that hold always ([`DragRow::default`]), and a bound
+    /// on u̇².
+    fn further(&self, point: &AxisPoint, rows: &mut [DragRow]) -> Cap {
+        let _ = (point, rows);
         Cap::NONE
     }
 }

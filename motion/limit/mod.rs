@@ -14,6 +14,7 @@ mod asked;
 mod axis_path;
 mod convex;
 pub mod course;
+mod drag;
 pub mod emergency;
 mod feeds;
 mod follow;
@@ -33,6 +34,7 @@ mod stretch;
 pub use ahead::{Ahead, Replan};
 pub use axis_path::{AxisPath, AxisPoint, KinematicPath, MOST_FURTHER_ROWS, axis_point};
 pub use convex::NotSolved;
+pub use drag::DragRow;
 pub use follow::{Followed, Follower, MTimes};
 pub use gain::Gain;
 pub use grid::{

@@ -21,8 +21,6 @@ pub struct LimitOptions {
     pub step: f64,
     /// Time that is planned at once, s, where the path does not stop before.
     pub horizon: f64,
-    /// Solves per window at most; each after the first is about the solution before.
-    pub solves: u32,
 }
 
 impl LimitOptions {
@@ -36,7 +34,6 @@ impl LimitOptions {
             centripetal: CircularLimits::default(),
             step: 2e-3,
             horizon: 1.5,
-            solves: 2,
         }
     }
 }

@@ -3,15 +3,11 @@
 use super::asked::Asked;
 use super::convex::{Origin, Program};
 use super::grid::{CapSource, Constraint, End, Grid, JerkRow, Row, number};
-
+use super::smooth::Known;
 use std::ops::Range;
 
-/// Rows less active than this at the guess are left out at first.
-const SCREEN: f64 = 0.5;
-/// Bounds on the velocity less active than this, too.
-const SCREEN_CAP: f64 = 0.2;
-/// Jerk rows less active than this at the guess, the first time and later; without jerk they are active by a third.
-pub(super) const SCREEN_JERK: [f64; 2] = [0.5, 0.7];
+/// Cones, and rows of cells at rest, less active than this at the guess are left out.
+const FAR: f64 = 0.5;
 /// The least c, as a part of the guess of b around it.
 const LEAST: f64 = 0.02;
 /// Cells that take less time, s, are too short to tell a jerk: their coefficients would drown in rounding.
@@ -23,6 +19,29 @@ const AT_ENDS: f64 = 0.04;
 const SLOWER: f64 = 0.3;
 /// Where a row of a jerk limit is active, so much of it is the jerk: the rest is the tangent.
 const JERK_SHARE: f64 = 2.0 / 3.0;
+
+/// Rows less active than this at the guess are left out at first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Screen {
+    /// Those of accelerations and of velocities between cells.
+    other: f64,
+    /// Those of velocities in cells.
+    cap: f64,
+    /// Those of jerks: without jerk they are active by a third.
+    jerk: f64,
+}
+
+impl Screen {
+    /// About a guess that is known so well.
+    pub(super) fn about(known: Known) -> Self {
+        let (other, cap, jerk) = match known {
+            Known::Rough => (0.5, 0.2, 0.5),
+            Known::Nearly => (0.5, 0.5, 0.75),
+            Known::Well => (0.9, 0.5, 0.9),
+        };
+        Self { other, cap, jerk }
+    }
+}
 
 /// b, a and γ around a cell as parts of the c of the cell before, of it and of the one after.
 #[derive(Clone, Copy, Debug)]
@@ -93,8 +112,8 @@ pub(super) struct Writer<'s> {
     pub(super) asked: Asked,
     /// Cells whose c are variables; the others are given.
     pub(super) free: &'s Range<usize>,
-    /// Jerk rows less active than this at the guess are left out at first.
-    pub(super) screen: f64,
+    /// What is left out at first.
+    pub(super) screen: Screen,
     /// Whether no row is left out that could count, but those of velocities.
     pub(super) all: bool,
     /// The cell.
@@ -151,7 +170,7 @@ impl Writer<'_> {
         let source = from.min(to).source;
         if here.is_finite() {
             let origin = self.origin(Constraint::Velocity(source), source.share());
-            self.add([0.0, 1.0, 0.0], here, SCREEN_CAP, origin);
+            self.add([0.0, 1.0, 0.0], here, self.screen.cap, origin);
         }
     }
 
@@ -190,7 +209,7 @@ impl Writer<'_> {
             let mean = beside.map(|[from, to]| 0.5 * (from.v2 + to.v2));
             if cap.v2 < mean[0].max(mean[1]) * (1.0 - 1e-6) {
                 let origin = self.origin(Constraint::Velocity(cap.source), cap.source.share());
-                self.add(place.b, cap.v2, SCREEN, origin);
+                self.add(place.b, cap.v2, self.screen.other, origin);
             }
         }
         let (axes, further) = grid.rows(cell, end);
@@ -205,15 +224,15 @@ impl Writer<'_> {
             }
             let origin = self.origin(Constraint::AxisAcceleration(number(axis)), 1.0);
             let line = place.acceleration(row);
-            self.add(line, 1.0, SCREEN, origin);
-            self.add(line.map(|x| -x), 1.0, SCREEN, Origin { upper: false, ..origin });
+            self.add(line, 1.0, self.screen.other, origin);
+            self.add(line.map(|x| -x), 1.0, self.screen.other, Origin { upper: false, ..origin });
         }
         for (index, row) in further.iter().enumerate() {
             if said_further.get(index).is_some_and(|said| said.is_about(row)) {
                 continue;
             }
             let origin = self.origin(Constraint::Further(number(index)), 1.0);
-            self.add(place.acceleration(row), 1.0, SCREEN, origin);
+            self.add(place.acceleration(row), 1.0, self.screen.other, origin);
         }
         if let Some(disc) = grid.disc(cell, end) {
             let lines =
@@ -226,7 +245,7 @@ impl Writer<'_> {
                 square += sum * sum;
             }
             // Cones cost more than rows; one far from its limit at the guess is left out.
-            if square > SCREEN * SCREEN {
+            if square > FAR * FAR {
                 let origin = self.origin(Constraint::ToolAcceleration, 1.0);
                 self.program.add_cone(cone, origin);
             }
@@ -252,7 +271,7 @@ impl Writer<'_> {
                         let entries = [(cell - self.free.start, scale / most), (0, 0.0), (0, 0.0)];
                         let constraint = Constraint::AxisJerk(number(axis));
                         let origin = self.origin(constraint, JERK_SHARE);
-                        if scale > SCREEN * most {
+                        if scale > FAR * most {
                             self.program.add_row(&entries, 1.0, origin);
                         } else {
                             self.program.add_spare(entries, 1.0, origin);
@@ -302,6 +321,6 @@ impl Writer<'_> {
         for (entry, b) in entries.iter_mut().zip(b) {
             *entry += of_b * b;
         }
-        self.add(entries, 1.0, self.screen, origin);
+        self.add(entries, 1.0, self.screen.jerk, origin);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::axis_path::{AxisPath, AxisPoint, MOST_FURTHER_ROWS};
 use super::course::{CourseElement, Transition};
+use super::drag::DragRow;
 use super::feeds::Feeds;
 use super::grid::{AxisLimits, Cap, CapSource, CellEnd, Disc, FIRST_FURTHER_ROW, Grid, Rates, Row};
 use super::options::LimitOptions;
@@ -30,7 +31,7 @@ const NEAR: f64 = 1e-8;
 /// may accelerations by what the jerk limit does.
 const STEP_TIME: f64 = 1e-3;
 /// Rows along the path: the programmed acceleration and deceleration.
-const ALONG: usize = FIRST_FURTHER_ROW as usize;
+pub(super) const ALONG: usize = FIRST_FURTHER_ROW as usize;
 
 /// What is known at one place of an element.
 #[derive(Clone, Copy, Debug)]
@@ -40,8 +41,12 @@ pub(super) struct Sample {
     cap: Cap,
     /// What bounds u̇² at a joint, if this is one.
     transition: Cap,
-    /// The programmed accelerations along the path, then what [`AxisPath::further`] gives.
-    rows: [Row; ALONG + MOST_FURTHER_ROWS],
+    /// The programmed accelerations along the path.
+    pub(super) along: [Row; ALONG],
+    /// What [`AxisPath::further`] gives.
+    pub(super) further: [DragRow; MOST_FURTHER_ROWS],
+    /// Drag is counted as it is at this u̇; for more at any other.
+    pub(super) reference: f64,
     disc: Option<Disc>,
 }
 
@@ -58,9 +63,10 @@ impl Sample {
         let (v, jerk) = (b.sqrt(), stretch.jerk_at(u));
         let Rates { first, second, third } = &self.rates;
         let axes = first.iter().zip(second.iter()).zip(third.iter()).zip(limits);
-        let along = self.rows.iter().map(|row| row.a * a + row.b * b);
+        let along = self.along.iter().map(|row| row.a * a + row.b * b);
+        let further = self.further.iter().map(|row| row.part(a, v));
         let cap = self.cap.min(self.transition);
-        let mut worst = [along.fold(0.0, f64::max), 0.0, v / cap.v2.sqrt()];
+        let mut worst = [along.chain(further).fold(0.0, f64::max), 0.0, v / cap.v2.sqrt()];
         if let Some(Disc { a: first, b: second }) = &self.disc {
             let square: f64 =
                 first.iter().zip(second).map(|(d1, d2)| (d1 * a + d2 * b).powi(2)).sum();
@@ -262,20 +268,27 @@ impl<A: AxisPath> Sampler<A> {
         };
         let cap = cap.min(self.on_curve(element, s));
         let transition = self.transition(element, s);
-        let mut rows = [Row::default(); ALONG + MOST_FURTHER_ROWS];
+        let mut along = [Row::default(); ALONG];
         if path_acceleration {
             let limits = [element.acceleration(), -element.deceleration()];
-            for (row, limit) in rows.iter_mut().zip(limits) {
+            for (row, limit) in along.iter_mut().zip(limits) {
                 *row = Row { a: scale / limit, b: bend / limit };
             }
         }
-        let further = rows.get_mut(ALONG..).unwrap_or_default();
-        let cap = cap.min(self.axes.further(&AxisPoint { position, rates }, cap.v2, further));
+        let mut further = [DragRow::default(); MOST_FURTHER_ROWS];
+        let mut reference = f64::INFINITY;
+        if self.axes.further_rows() > 0 {
+            // The largest velocity that is possible here.
+            let limits = self.axes.limits().iter().zip(rates.first.iter());
+            let axes = limits.map(|(limits, first)| limits.velocity / first.abs());
+            reference = axes.fold(cap.v2.sqrt(), f64::min);
+        }
+        let cap = cap.min(self.axes.further(&AxisPoint { position, rates }, &mut further));
         let disc = tool_acceleration.map(|limit| {
             let part = |v: &Vector3<f64>| (v / limit).into();
             Disc { a: part(&point.first), b: part(&point.second) }
         });
-        Ok(Sample { position, rates, cap, transition, rows, disc })
+        Ok(Sample { position, rates, cap, transition, along, further, reference, disc })
     }
 
     /// The bound of the acceleration towards the centre of a curve: that of the programmed path, also where it is rounded.
@@ -359,15 +372,19 @@ fn is_smooth(cell: &Cell) -> bool {
 
 /// The grid of `cells`.
 pub(super) fn grid<A: AxisPath>(sampler: &Sampler<A>, cells: &[Cell]) -> Grid {
-    let extra = ALONG + sampler.axes.further_rows().min(MOST_FURTHER_ROWS);
+    let further = sampler.axes.further_rows().min(MOST_FURTHER_ROWS);
+    let extra = ALONG + further;
     let mut grid = Grid::new(sampler.axes.limits().to_vec(), extra, 0.0);
     for cell in cells {
-        let [start, end] = [&cell.start, &cell.end].map(|sample| CellEnd {
+        let rows = [&cell.start, &cell.end].map(|sample| sample.rows(further));
+        let end = |sample: &Sample, rows| CellEnd {
             rates: sample.rates,
             cap: sample.cap,
-            rows: sample.rows.get(..extra).unwrap_or_default(),
+            rows,
             disc: sample.disc,
-        });
+        };
+        let [of_start, of_end] = rows.each_ref().map(|rows| rows.get(..extra).unwrap_or_default());
+        let (start, end) = (end(&cell.start, of_start), end(&cell.end, of_end));
         grid.push(cell.length(), &start, &end);
         grid.bend_last(&cell.middle.rates);
         grid.cap_last(cell.joint);

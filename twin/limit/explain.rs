@@ -8,7 +8,7 @@ use crate::report::seconds;
 use twin_kinematics::AxisVector;
 use twin_motion::limit::course::CourseElement;
 use twin_motion::limit::{
-    AxisPath, Cap, CapSource, Constraint, FIRST_FURTHER_ROW, Followed, MOST_FURTHER_ROWS, Row,
+    AxisPath, Cap, CapSource, Constraint, DragRow, FIRST_FURTHER_ROW, Followed, MOST_FURTHER_ROWS,
 };
 
 use twin_motion::path::ElementKind;
@@ -79,12 +79,11 @@ impl Profile<'_> {
         })
     }
 
-    /// The limit that the motion is nearest to, if it is at one; `first` derivatives of the axes and what their motors have
-    /// to give by the parameter of the path.
+    /// The limit that the motion is nearest to, if it is at one; `torque` is what the motors have to give by the parameter of
+    /// the path.
     pub(super) fn binding(
         &self,
         sample: &ProfileSample,
-        first: &AxisVector,
         torque: Option<&TorqueAlongPath>,
         followed: &Followed,
     ) -> Option<Binding> {
@@ -128,21 +127,19 @@ impl Profile<'_> {
                 }
             }
         }
-        // As the planner sees them.
-        let wanted = self.follower.plan().override_factor() * element.feed();
-        let feed = if self.rules.feed { wanted * wanted } else { f64::INFINITY };
-        let mut rows = [Row::default(); MOST_FURTHER_ROWS];
-        let cap = torque.map_or(Cap::NONE, |torque| self.axes.rows(torque, first, feed, &mut rows));
+        let mut rows = [DragRow::default(); MOST_FURTHER_ROWS];
+        let cap = torque.map_or(Cap::NONE, |torque| self.axes.rows(torque, &mut rows));
         for (index, row) in rows.iter().take(self.axes.further_rows()).enumerate() {
             let Some(axis) = self.axes.motor(index) else { continue };
             let effort = Binding::Axis { axis, quantity: Quantity::Effort };
-            consider(row.a * a + row.b * v * v, effort);
+            consider(row.part(a, v), effort);
         }
         if let CapSource::Motor(axis) = cap.source {
             let effort = Binding::Axis { axis: usize::from(axis), quantity: Quantity::Effort };
             consider(v / cap.v2.sqrt(), effort);
         }
         if self.rules.feed {
+            let wanted = self.follower.plan().override_factor() * element.feed();
             consider(sample.path_velocity / wanted, Binding::Feed);
         }
         if self.rules.path_acceleration {

@@ -1,11 +1,13 @@
 //! A machine as feed limiting sees it.
 
 use crate::machine::{DirectionRule, Machine};
-use crate::physics::{AxisEffort, PathDynamics, PhysicsError, TorqueAlongPath};
+use crate::physics::{AxisEffort, EffortRow, PathDynamics, PhysicsError, TorqueAlongPath};
 use std::cell::RefCell;
 use twin_kinematics::{AxisSource, AxisVector, KinematicsError, Pose, ToolJerk, ToolMotion};
 use twin_motion::limit::course::{CourseElement, CoursePoint};
-use twin_motion::limit::{AxisLimits, AxisPath, AxisPoint, Cap, CapSource, Rates, Row, axis_point};
+use twin_motion::limit::{
+    AxisLimits, AxisPath, AxisPoint, Cap, CapSource, DragRow, Rates, Row, axis_point,
+};
 use twin_motion::path::ExtraPoint;
 
 /// What can be limited at the axes; everything unless something is switched off.
@@ -50,7 +52,7 @@ const LEAST_SPARE: f64 = 1e-6;
 pub struct MachinePath<'m> {
     machine: &'m Machine,
     limits: Vec<AxisLimits>,
-    /// What the motors have to give; none if the machine file limits none of them, or physics does not know the machine.
+    /// What the motors have to give; none if the machine file limits none of them.
     dynamics: Option<RefCell<PathDynamics>>,
     /// The axes whose motors are limited.
     motors: Vec<usize>,
@@ -100,27 +102,17 @@ impl<'m> MachinePath<'m> {
     }
 
     /// As [`AxisPath::further`], where `torque` is known.
-    pub(super) fn rows(
-        &self,
-        torque: &TorqueAlongPath,
-        first: &AxisVector,
-        v2: f64,
-        rows: &mut [Row],
-    ) -> Cap {
+    pub(super) fn rows(&self, torque: &TorqueAlongPath, rows: &mut [DragRow]) -> Cap {
         if self.motors.is_empty() {
             return Cap::NONE;
-        }
-        let mut fastest = v2.sqrt();
-        for (first, limits) in first.iter().zip(&self.limits) {
-            fastest = fastest.min(limits.velocity / first.abs());
         }
         let mut cap = Cap::NONE;
         for ((axis, effort), slots) in torque.limited().zip(rows.chunks_mut(2)) {
             if !holds(effort) {
                 continue;
             }
-            for (slot, row) in slots.iter_mut().zip(effort.rows(axis, fastest)) {
-                *slot = Row { a: row.acceleration / row.limit, b: row.speed_v2 / row.limit };
+            for (slot, row) in slots.iter_mut().zip(effort.rows(axis)) {
+                *slot = row.into();
             }
             let source = CapSource::Motor(u8::try_from(axis).unwrap_or(u8::MAX));
             cap = cap.min(Cap { v2: effort.largest_speed().powi(2), source });
@@ -187,6 +179,13 @@ pub(super) fn overloaded(torque: &TorqueAlongPath) -> impl Iterator<Item = (usiz
     overloaded.map(|(axis, effort)| (axis, effort.weight.abs() + effort.dry))
 }
 
+impl From<EffortRow> for DragRow {
+    fn from(row: EffortRow) -> Self {
+        let [a, b, drag] = [row.acceleration, row.speed_v2, row.speed].map(|part| part / row.limit);
+        Self { row: Row { a, b }, drag }
+    }
+}
+
 /// Whether the motor holds the axis and has something left to move it.
 fn holds(effort: &AxisEffort) -> bool {
     effort.limit - effort.weight.abs() - effort.dry >= LEAST_SPARE * effort.limit
@@ -239,15 +238,13 @@ impl AxisPath for MachinePath<'_> {
         2 * self.motors.len()
     }
 
-    /// The limits of the motors. Viscous friction, which grows with the velocity alone, is exact at the largest velocity
-    /// that is possible here, and counted for more than it is below that. A motor that cannot even hold its axis limits
-    /// nothing: no plan would help it.
-    fn further(&self, point: &AxisPoint, v2: f64, rows: &mut [Row]) -> Cap {
+    /// The limits of the motors. A motor that cannot even hold its axis limits nothing: no plan would help it.
+    fn further(&self, point: &AxisPoint, rows: &mut [DragRow]) -> Cap {
         if self.motors.is_empty() {
             return Cap::NONE;
         }
         let Rates { first, second, .. } = &point.rates;
         let torque = self.torque(&point.position, first, second);
-        torque.map_or(Cap::NONE, |torque| self.rows(&torque, first, v2, rows))
+        torque.map_or(Cap::NONE, |torque| self.rows(&torque, rows))
     }
 }

@@ -10,6 +10,8 @@ mod csv;
 #[cfg(test)]
 mod curve_tests;
 #[cfg(test)]
+mod drag_tests;
+#[cfg(test)]
 mod effort_tests;
 mod explain;
 mod feeds;

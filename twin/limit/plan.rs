@@ -265,7 +265,7 @@ impl<'m> Profile<'m> {
         if self.entered {
             self.element = Some(Arc::clone(element));
         }
-        sample.binding = self.binding(&sample, first, torque.as_ref(), followed);
+        sample.binding = self.binding(&sample, torque.as_ref(), followed);
         self.include(&point.rates, torque.as_ref(), followed);
         ProfileItem::Sample(Box::new(sample))
     }

@@ -134,8 +134,7 @@ impl Machine {
     }
 
     /// The efforts of the axes along paths, with the masses, frictions and effort limits of the simulated machine.
-    /// `None` if no axis has a `max_torque_nm` or `max_force_n`, and for machines that cannot be simulated yet: those
-    /// with closed loops (tripods) or axes that move a joint together (H belts).
+    /// `None` if no axis has a `max_torque_nm` or `max_force_n`.
     ///
     /// # Errors
     /// [`PhysicsError`] if the model is none that physics can have.
@@ -154,11 +153,7 @@ impl Machine {
         if loads.iter().all(|load| load.effort_limit.is_infinite()) {
             return Ok(None);
         }
-        match PathDynamics::new(&self.model, &loads, self.gravity) {
-            Ok(dynamics) => Ok(Some(dynamics)),
-            Err(PhysicsError::ClosedLoops { .. } | PhysicsError::CoupledJoint { .. }) => Ok(None),
-            Err(error) => Err(error),
-        }
+        PathDynamics::new(&self.model, &loads, self.gravity).map(Some)
     }
 }
 

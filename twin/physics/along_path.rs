@@ -9,9 +9,7 @@
 //!
 //! Friction is treated so that the result is never optimistic:
 //!
-//! - Viscous friction d·q′·ṡ is counted where the motor has to overcome it, and not where it helps to brake. It grows
-//!   with ṡ and not with ṡ², so that it is bounded by a tangent of the root: ṡ ≤ ½·(r + ṡ²/r), exact at the reference
-//!   speed r.
+//! - Viscous friction d·q′·ṡ is counted where the motor has to overcome it, and not where it helps to brake.
 //! - Dry friction ±f has the sign of the velocity, which may change anywhere between two points of a plan, and any value
 //!   in between at rest: all of it is counted against both limits, everywhere.
 
@@ -19,8 +17,9 @@ use nalgebra::Vector3;
 use twin_kinematics::{AxisVector, MAX_AXES};
 use twin_urdf::Model;
 
-use super::dynamics::{Dynamics, JointVector, at};
+use super::dynamics::at;
 use super::error::PhysicsError;
+use super::mechanism::Mechanism;
 use super::{checked, joint_vector};
 
 /// The drive of an axis as its efforts along a path see it; everything behind the gear.
@@ -57,9 +56,7 @@ impl AxisLoad {
 /// The equation of motion of a machine, to be asked along paths.
 #[derive(Clone, Debug)]
 pub struct PathDynamics {
-    /// Without gravity, so that it takes nothing from the digits of the rest.
-    weightless: Dynamics,
-    weighty: Dynamics,
+    mechanism: Mechanism,
     loads: Vec<AxisLoad>,
 }
 
@@ -67,8 +64,8 @@ impl PathDynamics {
     /// Of `model` under `gravity` (m/s², machine frame), with one of `loads` per machine axis.
     ///
     /// # Errors
-    /// [`PhysicsError`] if the model is no tree of links whose moving joints are the machine's axes, or if a number is out
-    /// of range.
+    /// [`PhysicsError`] if the model is neither a tree of links that the machine's axes move, each one joint or several
+    /// together, nor a tripod, or if a number is out of range.
     pub fn new(
         model: &Model,
         loads: &[AxisLoad],
@@ -80,16 +77,15 @@ impl PathDynamics {
             }
         }
         let armature = joint_vector(loads.iter().map(|load| load.armature));
-        let weighty = Dynamics::new(model, loads.len(), gravity, armature)?;
-        let weightless = Dynamics::new(model, loads.len(), Vector3::zeros(), armature)?;
-        Ok(Self { weightless, weighty, loads: loads.to_vec() })
+        let mechanism = Mechanism::new(model, loads.len(), gravity, armature)?;
+        Ok(Self { mechanism, loads: loads.to_vec() })
     }
 
     /// At `position` (m or rad), where the derivatives of the positions by the path parameter are `first` (q′) and
     /// `second` (q″).
     ///
     /// # Errors
-    /// [`PhysicsError::AxisCount`] and [`PhysicsError::Input`].
+    /// [`PhysicsError::AxisCount`], [`PhysicsError::Input`], and [`PhysicsError::Apart`] where no platform can be.
     pub fn at(
         &mut self,
         position: &AxisVector,
@@ -99,10 +95,8 @@ impl PathDynamics {
         let [position, first, second] =
             [position, first, second].map(|values| checked(values, self.loads.len(), 0));
         let (position, first, second) = (position?, first?, second?);
-        let zero = JointVector::zeros();
-        let inertia = self.weightless.inverse_dynamics(&position, &zero, &first);
-        let centrifugal = self.weightless.inverse_dynamics(&position, &first, &second);
-        let weight = self.weighty.inverse_dynamics(&position, &zero, &zero);
+        let [inertia, centrifugal, weight] =
+            self.mechanism.along_path(&position, &first, &second)?;
         let mut axes = [AxisEffort::NONE; MAX_AXES];
         for (axis, (slot, load)) in axes.iter_mut().zip(&self.loads).enumerate() {
             *slot = AxisEffort {
@@ -119,7 +113,7 @@ impl PathDynamics {
     }
 }
 
-/// The half plane `acceleration`·s̈ + `speed_v2`·ṡ² ≤ `limit`.
+/// The bound `acceleration`·s̈ + `speed_v2`·ṡ² + `speed`·ṡ ≤ `limit`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EffortRow {
     /// The axis whose motor it is.
@@ -128,6 +122,8 @@ pub struct EffortRow {
     pub acceleration: f64,
     /// Coefficient of ṡ².
     pub speed_v2: f64,
+    /// Coefficient of ṡ, at least 0.
+    pub speed: f64,
     /// What is left of the motor's effort, N or Nm; below 0 where weight and dry friction alone exceed it.
     pub limit: f64,
 }
@@ -210,23 +206,18 @@ impl AxisEffort {
         speeds.fold(f64::INFINITY, f64::min)
     }
 
-    /// The limits of the motor upwards and downwards, exact at the reference speed r (ṡ, as of the plan before) as far as
-    /// friction is concerned, and on the safe side elsewhere. A reference that is no number above 0 counts as 1, one
-    /// above [`Self::largest_speed`] as that.
+    /// The limits of the motor upwards and downwards.
     ///
     /// At an override k, rows and limits are those of k²·(m·s̈ + c·ṡ²) + k·d·q′·ṡ + g ± f at the largest k.
-    pub fn rows(&self, axis: usize, reference: f64) -> [EffortRow; 2] {
-        let most = self.largest_speed();
-        let usable = reference > 0.0 && reference.is_finite();
-        let reference = if usable { reference } else { 1.0 };
-        let reference = if most > 0.0 { reference.min(most) } else { reference };
+    pub fn rows(&self, axis: usize) -> [EffortRow; 2] {
         let [up, down] = self.spare();
         let [drag_up, drag_down] = self.drag();
         let row = |sign: f64, spare: f64, drag: f64| EffortRow {
             axis,
             acceleration: sign * self.inertia,
-            speed_v2: sign * self.centrifugal + 0.5 * self.left * drag / reference,
-            limit: self.left * (self.left * spare - 0.5 * drag * reference),
+            speed_v2: sign * self.centrifugal,
+            speed: self.left * drag,
+            limit: self.left * self.left * spare,
         };
         [row(1.0, up, drag_up), row(-1.0, down, drag_down)]
     }
@@ -251,8 +242,8 @@ impl TorqueAlongPath {
     }
 
     /// Two rows per limited axis: [`AxisEffort::rows`].
-    pub fn rows(&self, reference: f64) -> impl Iterator<Item = EffortRow> {
-        self.limited().flat_map(move |(axis, effort)| effort.rows(axis, reference))
+    pub fn rows(&self) -> impl Iterator<Item = EffortRow> {
+        self.limited().flat_map(|(axis, effort)| effort.rows(axis))
     }
 
     /// The smallest [`AxisEffort::largest_speed`] and its axis; `None` if no motor limits the speed alone.

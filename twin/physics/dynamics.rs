@@ -8,14 +8,15 @@
 //! Newton–Euler with zero acceleration); `M` is summed from the bodies' Jacobians and has the reflected rotor inertia
 //! on its diagonal.
 //!
-//! Joint `i` here is machine axis `i`, whatever the order of the joints in the model.
+//! Joint `i` here is machine axis `i`, whatever the order of the joints in the model. Where two motors on one belt move two
+//! joints together, joint positions are G·q with a constant G, efforts of the joints become Gᵀ·effort at the motors, and
+//! the inertia Gᵀ·M·G; rotors turn with the motors. Positions, velocities and efforts are those of the axes, always.
 
-use nalgebra::{
-    Isometry3, Matrix3, Point3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3,
-};
+use nalgebra::{Isometry3, Matrix3, SMatrix, SVector, Translation3, UnitQuaternion, Vector3};
 use twin_kinematics::MAX_AXES;
-use twin_urdf::{JointDrive, JointKind, Model};
+use twin_urdf::Model;
 
+use super::bodies::{Motion, Tree};
 use super::error::PhysicsError;
 
 /// One value per axis; axes the machine does not have are 0.
@@ -52,37 +53,6 @@ impl Twist {
     }
 }
 
-/// How a body moves against its parent.
-#[derive(Clone, Copy, Debug)]
-enum Motion {
-    Fixed,
-    Revolute(usize, nalgebra::Unit<Vector3<f64>>),
-    Prismatic(usize, nalgebra::Unit<Vector3<f64>>),
-}
-
-impl Motion {
-    fn axis(&self) -> Option<usize> {
-        match self {
-            Self::Fixed => None,
-            Self::Revolute(axis, _) | Self::Prismatic(axis, _) => Some(*axis),
-        }
-    }
-}
-
-/// A link with its joint; what does not change.
-#[derive(Clone, Debug)]
-struct Body {
-    /// `None`: the base.
-    parent: Option<usize>,
-    origin: Isometry3<f64>,
-    motion: Motion,
-    /// Axes that move this body, base side first.
-    moved_by: Vec<usize>,
-    mass: f64,
-    center: Point3<f64>,
-    inertia: Matrix3<f64>,
-}
-
 /// A link at one instant.
 #[derive(Clone, Copy, Debug)]
 struct BodyState {
@@ -114,10 +84,10 @@ impl BodyState {
 pub(super) struct Dynamics {
     axis_count: usize,
     gravity: Vector3<f64>,
-    bodies: Vec<Body>,
+    tree: Tree,
     /// Reflected rotor inertia per axis.
     armature: JointVector,
-    /// Workspace: the bodies at the last evaluation, in the order of `bodies`.
+    /// Workspace: the bodies at the last evaluation, in the order of the tree.
     states: Vec<BodyState>,
     /// Workspace: the joint columns at the last evaluation.
     columns: [Twist; MAX_AXES],
@@ -141,14 +111,22 @@ impl Dynamics {
         if !gravity.iter().all(|value| value.is_finite()) {
             return Err(PhysicsError::Input { time_ns: 0 });
         }
-        let bodies = bodies(model, axis_count)?;
-        if let Some(axis) = (0..axis_count)
-            .find(|axis| !bodies.iter().any(|body| body.motion.axis() == Some(*axis)))
-        {
+        let tree = Tree::new(model, axis_count)?;
+        if let Some(axis) = (0..axis_count).find(|axis| !tree.moves_with(*axis)) {
             return Err(PhysicsError::AxisWithoutJoint { axis });
         }
-        let states = Vec::with_capacity(bodies.len());
-        Ok(Self { axis_count, gravity, bodies, armature, states, columns: [Twist::ZERO; MAX_AXES] })
+        Ok(Self::of_tree(tree, axis_count, gravity, armature))
+    }
+
+    /// The same of checked bodies, which need not move with every axis.
+    pub(super) fn of_tree(
+        tree: Tree,
+        axis_count: usize,
+        gravity: Vector3<f64>,
+        armature: JointVector,
+    ) -> Self {
+        let states = Vec::with_capacity(tree.bodies.len());
+        Self { axis_count, gravity, tree, armature, states, columns: [Twist::ZERO; MAX_AXES] }
     }
 
     pub(super) fn axis_count(&self) -> usize {
@@ -163,15 +141,17 @@ impl Dynamics {
         acceleration: &JointVector,
     ) -> JointVector {
         self.evaluate(position, velocity, acceleration);
-        let mut effort = self.armature.component_mul(acceleration);
-        for (body, state) in self.bodies.iter().zip(&self.states) {
+        let rotors = self.armature.component_mul(acceleration);
+        let coupling = self.tree.coupling.as_ref();
+        let mut effort = if coupling.is_none() { rotors } else { JointVector::zeros() };
+        for (body, state) in self.tree.bodies.iter().zip(&self.states) {
             let angular_velocity = state.velocity.angular;
             let angular_acceleration = state.acceleration.angular;
             let center_velocity = state.velocity.linear + angular_velocity.cross(&state.center);
             let center_acceleration = state.acceleration.linear
                 + angular_acceleration.cross(&state.center)
                 + angular_velocity.cross(&center_velocity);
-            let force = center_acceleration * body.mass;
+            let force = center_acceleration * body.mass.mass;
             let torque = state.inertia * angular_acceleration
                 + angular_velocity.cross(&(state.inertia * angular_velocity))
                 + state.center.cross(&force);
@@ -181,19 +161,21 @@ impl Dynamics {
                 }
             }
         }
-        effort
+        coupling.map_or(effort, |coupling| coupling.tr_mul(&effort) + rotors)
     }
 
     /// The joint-space inertia at the last evaluated position; the identity where the machine has no axis.
     fn inertia(&self) -> JointMatrix {
-        let mut inertia = JointMatrix::from_diagonal(&self.armature);
+        let mut rotors = JointMatrix::from_diagonal(&self.armature);
         for axis in self.axis_count..MAX_AXES {
-            add(&mut inertia, axis, axis, 1.0);
+            add(&mut rotors, axis, axis, 1.0);
         }
-        for (body, state) in self.bodies.iter().zip(&self.states) {
+        let coupling = self.tree.coupling.as_ref();
+        let mut inertia = if coupling.is_none() { rotors } else { JointMatrix::zeros() };
+        for (body, state) in self.tree.bodies.iter().zip(&self.states) {
             for (count, (row, column)) in moving(&body.moved_by, &self.columns).enumerate() {
                 let center_velocity =
-                    (column.linear + column.angular.cross(&state.center)) * body.mass;
+                    (column.linear + column.angular.cross(&state.center)) * body.mass.mass;
                 let momentum = state.inertia * column.angular;
                 for (other_row, other) in moving(&body.moved_by, &self.columns).take(count + 1) {
                     let other_velocity = other.linear + other.angular.cross(&state.center);
@@ -205,7 +187,7 @@ impl Dynamics {
                 }
             }
         }
-        inertia
+        coupling.map_or(inertia, |coupling| coupling.tr_mul(&(inertia * coupling)) + rotors)
     }
 
     /// The inertia that each axis feels at `position` while the others stand still, kg or kg·m².
@@ -245,17 +227,34 @@ impl Dynamics {
     pub(super) fn energy(&mut self, position: &JointVector, velocity: &JointVector) -> (f64, f64) {
         self.evaluate(position, velocity, &JointVector::zeros());
         let kinetic = 0.5 * (velocity.transpose() * self.inertia() * velocity).x;
-        let potential = self.bodies.iter().zip(&self.states);
+        let potential = self.tree.bodies.iter().zip(&self.states);
         (
             kinetic,
             -potential
-                .map(|(body, state)| body.mass * self.gravity.dot(&state.center))
+                .map(|(body, state)| body.mass.mass * self.gravity.dot(&state.center))
                 .sum::<f64>(),
         )
     }
 
-    /// Fills the workspace with the bodies at the given joint motion.
+    /// Fills the workspace with the bodies at the given motion of the axes.
     fn evaluate(
+        &mut self,
+        position: &JointVector,
+        velocity: &JointVector,
+        acceleration: &JointVector,
+    ) {
+        match &self.tree.coupling {
+            Some(coupling) => {
+                let [position, velocity, acceleration] =
+                    [position, velocity, acceleration].map(|values| coupling * values);
+                self.evaluate_joints(&position, &velocity, &acceleration);
+            }
+            None => self.evaluate_joints(position, velocity, acceleration),
+        }
+    }
+
+    /// The same of the joints.
+    fn evaluate_joints(
         &mut self,
         position: &JointVector,
         velocity: &JointVector,
@@ -264,7 +263,7 @@ impl Dynamics {
         let mut base = BodyState::BASE;
         base.acceleration.linear = -self.gravity;
         self.states.clear();
-        for body in &self.bodies {
+        for body in &self.tree.bodies {
             let parent =
                 body.parent.and_then(|parent| self.states.get(parent)).copied().unwrap_or(base);
             let joint = parent.pose * body.origin;
@@ -302,8 +301,8 @@ impl Dynamics {
                 }
             }
             let rotation = state.pose.rotation.to_rotation_matrix();
-            state.center = (state.pose * body.center).coords;
-            state.inertia = rotation * body.inertia * rotation.inverse();
+            state.center = (state.pose * body.mass.center).coords;
+            state.inertia = rotation * body.mass.inertia * rotation.inverse();
             self.states.push(state);
         }
     }
@@ -340,71 +339,10 @@ fn add(matrix: &mut JointMatrix, row: usize, column: usize, value: f64) {
     }
 }
 
-/// The axes of `moved_by` with their columns.
+/// The joints of `moved_by` with their columns.
 fn moving<'a>(
     moved_by: &'a [usize],
     columns: &'a [Twist; MAX_AXES],
 ) -> impl Iterator<Item = (usize, &'a Twist)> {
     moved_by.iter().filter_map(|axis| columns.get(*axis).map(|column| (*axis, column)))
-}
-
-/// The links of `model` behind the base, checked.
-fn bodies(model: &Model, axis_count: usize) -> Result<Vec<Body>, PhysicsError> {
-    if !model.loops.is_empty() {
-        return Err(PhysicsError::ClosedLoops { loops: model.loops.len() });
-    }
-    let mut bodies: Vec<Body> = Vec::with_capacity(model.joints.len());
-    let mut moved = [false; MAX_AXES];
-    for (index, joint) in model.joints.iter().enumerate() {
-        let not_a_tree =
-            PhysicsError::NotATree { joint: index, parent: joint.parent, child: joint.child };
-        if joint.child != index + 1 || joint.parent > index {
-            return Err(not_a_tree);
-        }
-        let link = model.links.get(joint.child).ok_or(not_a_tree)?;
-        let motion = match (joint.kind, &joint.drive) {
-            (_, JointDrive::Combination(_) | JointDrive::Passive { .. }) => {
-                return Err(PhysicsError::CoupledJoint { joint: index });
-            }
-            (JointKind::Fixed, JointDrive::Fixed) => Motion::Fixed,
-            (JointKind::Revolute, JointDrive::Axis(axis)) if *axis < axis_count => {
-                Motion::Revolute(*axis, joint.axis)
-            }
-            (JointKind::Prismatic, JointDrive::Axis(axis)) if *axis < axis_count => {
-                Motion::Prismatic(*axis, joint.axis)
-            }
-            _ => return Err(PhysicsError::JointAxis { joint: index }),
-        };
-        if let Some((axis, moved)) =
-            motion.axis().and_then(|axis| Some((axis, moved.get_mut(axis)?)))
-        {
-            if *moved {
-                return Err(PhysicsError::AxisMovesTwoJoints { joint: index, axis });
-            }
-            *moved = true;
-        }
-        let parent = joint.parent.checked_sub(1);
-        let mut moved_by = parent
-            .and_then(|parent| bodies.get(parent))
-            .map_or_else(Vec::new, |p| p.moved_by.clone());
-        moved_by.extend(motion.axis());
-        let (mass, center, inertia) =
-            link.inertial.map_or((0.0, Point3::origin(), Matrix3::zeros()), |inertial| {
-                (inertial.mass, inertial.center, inertial.inertia)
-            });
-        let possible = mass.is_finite()
-            && mass >= 0.0
-            && center.iter().chain(inertia.iter()).all(|value| value.is_finite())
-            && (inertia - inertia.transpose()).amax() <= 1e-9 * inertia.amax()
-            && inertia.symmetric_eigenvalues().min() >= -1e-9 * inertia.amax();
-        if !possible {
-            return Err(PhysicsError::MassProperties { link: joint.child, mass });
-        }
-        bodies.push(Body { parent, origin: joint.origin, motion, moved_by, mass, center, inertia });
-    }
-    if model.links.len() != bodies.len() + 1 {
-        let joint = model.joints.len();
-        return Err(PhysicsError::NotATree { joint, parent: 0, child: joint + 1 });
-    }
-    Ok(bodies)
 }

@@ -55,6 +55,22 @@ pub enum PhysicsError {
         /// How many.
         loops: usize,
     },
+    /// Links that go round in a circle, and are no tripod: three carriages that slide upwards, two rods on each of them by
+    /// two joints that turn, a platform on all of these.
+    #[error("its links make {loops} closed loops, which are not those of a tripod")]
+    UnknownMechanism {
+        /// How many.
+        loops: usize,
+    },
+    /// A rod whose mass is not the same all around it.
+    #[error("link {link} is a rod whose mass is not the same all around it")]
+    UnevenRod {
+        /// The link.
+        link: usize,
+    },
+    /// Rods that do not meet, or do not hold the platform.
+    #[error("the rods of the platform do not meet there, or do not hold it")]
+    Apart,
     /// The links are not ordered as a tree: `joints[i].child == i + 1` and parents first.
     #[error(
         "joint {joint} joins parent link {parent} and child link {child}, out of the order of a tree"

@@ -20,12 +20,16 @@
 //! Two runs with the same inputs give the same bits.
 
 mod along_path;
+mod bodies;
 mod drive;
 mod dynamics;
 mod error;
 mod integrate;
+mod linkage;
 mod maths;
+mod mechanism;
 mod setpoint;
+mod tripod;
 mod world;
 
 #[cfg(test)]
@@ -39,6 +43,7 @@ pub use along_path::{AxisEffort, AxisLoad, EffortRow, PathDynamics, TorqueAlongP
 pub use drive::{AxisDriveParameters, EffortFeedForward};
 pub use error::PhysicsError;
 
+use bodies::check_serial;
 use drive::{AxisDrive, DriveInput};
 use dynamics::{Dynamics, JointVector, at};
 use integrate::{Friction, JointState};
@@ -109,6 +114,7 @@ impl PhysicsMachine {
         let per_axis =
             |value: fn(&AxisDriveParameters) -> f64| joint_vector(drives.iter().map(value));
         let armature = per_axis(|drive| drive.armature);
+        check_serial(model)?;
         let mut dynamics = Dynamics::new(model, drives.len(), gravity, armature)?;
         let setpoint = AxisMotion::at_rest(*initial);
         let joints = JointState {
@@ -304,6 +310,7 @@ impl PhysicsMachine {
 /// Those of [`PhysicsMachine::new`] that concern the model, and [`PhysicsError::Input`].
 pub fn axis_inertia(model: &Model, position: &AxisVector) -> Result<AxisVector, PhysicsError> {
     let axes = position.len();
+    check_serial(model)?;
     let mut dynamics = Dynamics::new(model, axes, Vector3::zeros(), JointVector::zeros())?;
     Ok(axis_vector(&dynamics.effective_inertia(&checked(position, axes, 0)?), axes))
 }

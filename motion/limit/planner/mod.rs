@@ -5,6 +5,7 @@
 
 mod budget;
 mod commit;
+mod drag;
 mod pieces;
 mod refine;
 mod replan;
@@ -15,6 +16,7 @@ mod window;
 use super::axis_path::AxisPath;
 use super::convex::NotSolved;
 use super::course::{Course, CourseElement};
+use super::feeds::Feeds;
 use super::gain::Gain;
 use super::grid::Constraint;
 use super::linear::LinearSolver;
@@ -310,6 +312,10 @@ where
                 return Ok(());
             }
             self.cut_off(horizon).and_then(|()| self.refine()).map_err(NoWindow::Kinematics)?;
+            if exactly {
+                // Else the motors may not be able to go on as they do.
+                self.take_tangents_of_plan();
+            }
             let grid = grid(&self.sampler, &self.cells);
             if self.safe(&grid).0 == 0 {
                 // All that is known is within braking distance.
@@ -341,6 +347,7 @@ where
                 After::Path => {}
                 After::Pause(element) => self.ready.push_back(Ok(Planned::Pause(element))),
                 After::Error(error) => self.ready.push_back(Err(error)),
+                After::Hold if self.asked > 0.0 => self.sampler.feeds = Feeds::new(self.asked),
                 After::Hold => self.held = true,
                 After::End => self.over = true,
             }

@@ -1,11 +1,12 @@
 //! The grid of a window: where the profile is free to bend.
 
 use super::Planner;
+use super::window::SHORT;
 use crate::limit::axis_path::AxisPath;
 use crate::limit::grid::Grid;
 use crate::limit::reachable;
 use crate::limit::sample::grid;
-use crate::limit::smooth::Beginning;
+use crate::limit::smooth::{Beginning, Guess};
 use crate::prepare::CheckedElement;
 use twin_kinematics::KinematicsError;
 
@@ -15,10 +16,18 @@ const GRADE: f64 = 0.06;
 /// The first and last cell of a path between stops take so long, s, and at most a quarter of the whole: there the jerk is
 /// constant.
 const LAUNCH: f64 = 8e-3;
+/// Steps of the grid that is first solved on where jerks are limited, in steps of the one that counts.
+const COARSE: f64 = 4.0;
+/// Between stops there are at least so many steps.
+const FEWEST_STEPS: f64 = 12.0;
+/// Cells that take more steps are cut.
+const TOO_LONG: f64 = 1.6;
 /// A path that takes less than so many horizons is planned in one window.
 const BEYOND: f64 = 1.5;
 /// Between stops there are at least so many cells.
 const FEWEST: usize = 4;
+/// Cells in which jerks differ by more than this part of their limits are cut in half.
+const VARIES: f64 = 0.12;
 
 impl<I, E, A> Planner<I, E, A>
 where
@@ -86,15 +95,17 @@ where
         Ok(())
     }
 
-    /// Cuts cells that take too long, but not those that are kept.
+    /// Cuts cells that take too long, but not those that are kept. Where jerks are limited this is only the grid of a first,
+    /// rough solution, which is then cut by how long its cells take ([`Self::subdivide`]).
     pub(super) fn refine(&mut self) -> Result<(), KinematicsError> {
+        let step = if self.jerk_limited { COARSE * self.options.step } else { self.options.step };
         for _ in 0..12 {
             if self.budget.is_spent() {
                 break;
             }
             let grid = grid(&self.sampler, &self.cells);
             let (b, duration) = self.estimate(&grid);
-            let step = self.options.step.min(duration / 12.0);
+            let step = step.min(duration / FEWEST_STEPS);
             let count = self.cells.len();
             let mut refined = Vec::with_capacity(2 * count);
             self.budget.looked(count);
@@ -105,12 +116,12 @@ where
             for (index, cell) in std::mem::take(&mut self.cells).into_iter().enumerate() {
                 let pair = b.get(index..index + 2).unwrap_or_default();
                 let takes = time(pair, cell.length(), self.jerk_limited);
-                let fine = step * (since.min(left) / GRADE).clamp(0.125, 1.0);
+                let fine = graded(step, since.min(left));
                 since += takes;
                 left -= takes;
                 // A profile with limited jerk has to have a choice.
                 let few = self.jerk_limited && count < FEWEST;
-                let fine_enough = takes <= 1.6 * fine && !few || self.budget.is_spent();
+                let fine_enough = takes <= TOO_LONG * fine && !few || self.budget.is_spent();
                 if index + 1 < self.kept.len() || fine_enough {
                     refined.push(cell);
                     continue;
@@ -142,6 +153,69 @@ where
             }
         }
         Ok(())
+    }
+
+    /// Cuts cells that take too long at `guess`, but not those that are kept, nor those that begin or end at rest.
+    pub(super) fn subdivide(&mut self, guess: &mut Guess) {
+        let times = self.cells.iter().enumerate().map(|(index, cell)| {
+            let motion = guess.motion(index, cell.length());
+            motion.map_or(0.0, |motion| motion.duration)
+        });
+        let times: Vec<f64> = times.collect();
+        let duration: f64 = times.iter().sum();
+        let step = self.options.step.min(duration / FEWEST_STEPS);
+        let mut since = if self.beginning == Beginning::Rest { 0.0 } else { f64::INFINITY };
+        let mut left = if self.stops() { duration } else { f64::INFINITY };
+        let inner = self.kept.len().max(2) - 1..self.cells.len().saturating_sub(1);
+        let mut cells = Vec::with_capacity(self.cells.len());
+        for ((index, cell), takes) in
+            std::mem::take(&mut self.cells).into_iter().enumerate().zip(times)
+        {
+            let fine = graded(step, since.min(left));
+            since += takes;
+            left -= takes;
+            let place = cells.len();
+            let pair = guess.b.get(place..place + 2).unwrap_or_default();
+            if inner.contains(&index)
+                && takes > TOO_LONG * fine
+                && let at = cuts(pair, takes, fine)
+                && let Ok(parts) = self.sampler.parts(&cell, &at)
+                && parts.len() == at.len() + 1
+            {
+                guess.cut(place, &at);
+                self.budget.sampled(parts.len());
+                cells.extend(parts);
+            } else {
+                cells.push(cell);
+            }
+        }
+        self.cells = cells;
+    }
+
+    /// Cuts cells in half in which jerks would differ too much from place to place.
+    pub(super) fn bend(&mut self, guess: &mut Guess) {
+        let grid = grid(&self.sampler, &self.cells);
+        let fresh = self.kept.len().saturating_sub(1);
+        let mut cells = Vec::with_capacity(self.cells.len());
+        let last = grid.cells().saturating_sub(1);
+        for (index, cell) in std::mem::take(&mut self.cells).into_iter().enumerate() {
+            let place = cells.len();
+            let rest = index == last || index == 0;
+            if !rest
+                && index >= fresh
+                && let Some(motion) = guess.motion(place, grid.length(index))
+                && motion.duration > 4.0 * SHORT
+                && grid.varies(index, &motion.ends) > VARIES
+                && let Ok(parts) = self.sampler.parts(&cell, &[0.5])
+                && parts.len() == 2
+            {
+                guess.cut(place, &[0.5]);
+                cells.extend(parts);
+            } else {
+                cells.push(cell);
+            }
+        }
+        self.cells = cells;
     }
 }
 
@@ -187,6 +261,11 @@ fn rest_cuts(length: f64, rest: [bool; 2], limits: [[f64; 2]; 2], time: f64) -> 
         [false, true] if last < 0.8 => vec![1.0 - last],
         _ => Vec::new(),
     }
+}
+
+/// The step so long, s, after the path rested, or before it will.
+fn graded(step: f64, from_rest: f64) -> f64 {
+    step * (from_rest / GRADE).clamp(0.125, 1.0)
 }
 
 /// Where to cut a cell that takes `takes` into parts of about `step`, as parts of its length.

@@ -214,6 +214,7 @@ where
             let [acceleration, jerk] = tight.map(|tight| 1.0 + (tight - 1.0) * grown);
             cell.tight = [acceleration, jerk, 1.0];
             near = cell.end.position;
+            cell.take_tangents(&leg.stretch);
             cells.push(cell);
         }
         Ok((cells, floors))
@@ -311,8 +312,8 @@ where
                 && let Ok(parts) = self.sampler.parts(&cell, &[0.5])
                 && parts.len() == 2
             {
-                guess.halve(halved.len());
-                old.halve(halved.len());
+                guess.cut(halved.len(), &[0.5]);
+                old.cut(halved.len(), &[0.5]);
                 caps.insert(halved.len(), caps.get(halved.len()).copied().unwrap_or_default());
                 halved.extend(parts);
             } else {

@@ -1,5 +1,6 @@
 //! A profile over a window, verified between the places where limits are asked for.
 
+use super::drag::MOST_TANGENTS;
 use super::{NOT_SOLVED, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
@@ -17,7 +18,7 @@ const ALLOWED: [[f64; 2]; 3] = [[1.0005, 1.01], [1.045, 1.2], [1.0005, 1.01]];
 /// Where the jerk is in what [`Planner::worst`] gives.
 const JERK: usize = 1;
 /// Cells that take less time, s, are too short to tell a jerk.
-const SHORT: f64 = 2e-5;
+pub(super) const SHORT: f64 = 2e-5;
 /// Windows are solved again at most so often, and cells cut in half at most in so many of these rounds: a shorter cell gives
 /// the profile more freedom, which it may use to exceed limits somewhere else.
 const ROUNDS: u32 = 12;
@@ -25,10 +26,11 @@ const HALVING: u32 = 6;
 /// Nor are there to be so many times more of them.
 const MOST_CELLS: usize = 4;
 
-/// Cells in which jerks differ by more than this part of their limits are cut in half.
-const VARIES: f64 = 0.12;
-/// A change is felt for so many times the time in which acceleration builds up.
-const FELT: f64 = 4.0;
+/// A limit that was made tighter and is still exceeded is made so many times tighter.
+const AGAIN: i32 = 4;
+/// A change is felt for so many times the time in which acceleration builds up: mostly, and where between the ends of that
+/// there is no profile.
+const FELT: [f64; 2] = [2.0, 4.0];
 /// A profile far from what it is about is solved about again, so often at most.
 const MOST_SOLVES: u32 = 20;
 
@@ -44,7 +46,7 @@ where
         if self.jerk_limited {
             return self.solve_smooth();
         }
-        let mut round = 0;
+        let (mut round, mut tangents) = (0, 0);
         loop {
             if self.budget.is_spent() {
                 return Err(NOT_SOLVED);
@@ -52,6 +54,10 @@ where
             let grid = grid(&self.sampler, &self.cells);
             self.effort.cells += grid.cells() as u64;
             let stretches = self.solve_linear(&grid);
+            if tangents < MOST_TANGENTS && !self.take_tangents(&stretches).is_empty() {
+                tangents += 1;
+                continue;
+            }
             if self.is_last(round, &stretches) {
                 return Ok(stretches);
             }
@@ -64,8 +70,11 @@ where
 
     fn solve_smooth(&mut self) -> Result<Vec<Stretch>, NotSolved> {
         let mut guess = self.first_guess();
-        let (mut profile, mut broken) = self.settle(&mut guess)?;
-        let mut round = 0;
+        self.solve_whole(&mut guess)?;
+        self.subdivide(&mut guess);
+        self.bend(&mut guess);
+        let (mut profile, mut broken) = self.solve_whole(&mut guess)?;
+        let (mut round, mut solves, mut tangents) = (0, 2, 0);
         let most = MOST_CELLS * self.cells.len();
         loop {
             if self.cells.len() > most {
@@ -73,15 +82,39 @@ where
                 round = round.max(HALVING);
             }
             let stretches = stretches(&grid(&self.sampler, &self.cells), &profile);
+            if tangents < MOST_TANGENTS {
+                let mut changed = self.take_tangents(&stretches);
+                if !changed.is_empty() {
+                    tangents += 1;
+                    let before = guess.clone();
+                    changed.append(&mut guess.moved);
+                    changed.sort_unstable();
+                    match self.solve_again(&mut guess, changed) {
+                        Ok(solved) => (profile, broken) = solved,
+                        Err(_failed) => {
+                            // What there is keeps the limits.
+                            self.effort.failed -= 1;
+                            (guess, tangents) = (before, MOST_TANGENTS);
+                        }
+                    }
+                    continue;
+                }
+            }
             if self.is_last(round, &stretches) {
                 return Ok(stretches);
             }
-            let changed = self.tighten(&stretches, round, &broken, Some(&mut guess));
+            if solves >= MOST_SOLVES {
+                guess.moved.clear();
+            }
+            let mut changed = self.tighten(&stretches, round, &broken, Some(&mut guess));
+            round += u32::from(!changed.is_empty());
+            changed.append(&mut guess.moved);
+            changed.sort_unstable();
             if changed.is_empty() {
                 return Ok(stretches);
             }
-            (profile, broken) = self.solve_again(&mut guess, &changed)?;
-            round += 1;
+            (profile, broken) = self.solve_again(&mut guess, changed)?;
+            solves += 1;
         }
     }
 
@@ -97,48 +130,34 @@ where
         true
     }
 
-    /// Solves about the solution before until that makes no difference any more.
-    fn settle(&mut self, guess: &mut Guess) -> Result<(SmoothProfile, Broken), NotSolved> {
-        let mut solves = 0;
-        loop {
-            let grid = grid(&self.sampler, &self.cells);
-            let whole = 1..grid.cells().saturating_sub(1);
-            let mut solved = self.solve_part(&grid, guess, whole)?;
-            solves += 1;
-            if solves >= self.options.solves {
-                self.gains.clone_from(&solved.0.gains);
-                while !guess.moved.is_empty() && solves < MOST_SOLVES {
-                    let moved = std::mem::take(&mut guess.moved);
-                    solved = self.solve_again(guess, &moved)?;
-                    solves += 1;
-                }
-                return Ok(solved);
-            }
-            if solves == 1 {
-                self.bend(&grid, guess);
-            }
-        }
+    /// Solves about `guess`, with all cells free.
+    fn solve_whole(&mut self, guess: &mut Guess) -> Result<(SmoothProfile, Broken), NotSolved> {
+        let grid = grid(&self.sampler, &self.cells);
+        let (profile, broken) = self.solve_part(&grid, guess, 1..grid.cells().saturating_sub(1))?;
+        self.gains.clone_from(&profile.gains);
+        Ok((profile, broken))
     }
 
-    /// Solves again about `guess` around cells that have `changed`.
+    /// Solves again about `guess` around cells that have `changed`, in their order.
     fn solve_again(
         &mut self,
         guess: &mut Guess,
-        changed: &[usize],
+        mut changed: Vec<usize>,
     ) -> Result<(SmoothProfile, Broken), NotSolved> {
         let grid = grid(&self.sampler, &self.cells);
-        let parts = self.around(&grid, guess, changed);
-        let whole = 1..grid.cells().saturating_sub(1);
-        let mut all_broken = Broken::default();
-        let (mut result, mut moved) = (None, Vec::new());
-        if 2 * parts.iter().map(Range::len).sum::<usize>() < whole.len() {
+        let (mut all_broken, mut moved) = (Broken::default(), Vec::new());
+        for felt in FELT {
+            let parts = self.around(&grid, guess, &changed, felt);
+            if 2 * parts.iter().map(Range::len).sum::<usize>() >= grid.cells() {
+                break;
+            }
+            let (mut result, mut failed) = (None, Vec::new());
             for part in parts {
-                let failed = self.effort.failed;
                 let Ok((profile, broken)) = self.solve_part(&grid, guess, part.clone()) else {
                     // Between given ends there may be none.
-                    self.effort.failed = failed;
-                    result = None;
-                    break;
+                    self.effort.failed -= 1;
+                    failed.extend(changed.iter().filter(|cell| part.contains(cell)));
+                    continue;
                 };
                 self.gains.retain(|gain| !part.contains(&gain.cell));
                 self.gains.extend_from_slice(&profile.gains);
@@ -146,14 +165,13 @@ where
                 moved.append(&mut guess.moved);
                 result = Some(profile);
             }
+            if let Some(profile) = result.filter(|_| failed.is_empty()) {
+                guess.moved = moved;
+                return Ok((profile, all_broken));
+            }
+            changed = failed;
         }
-        if let Some(profile) = result {
-            guess.moved = moved;
-            return Ok((profile, all_broken));
-        }
-        let (profile, broken) = self.solve_part(&grid, guess, whole)?;
-        self.gains.clone_from(&profile.gains);
-        Ok((profile, broken))
+        self.solve_whole(guess)
     }
 
     /// Solves once about `guess`, with the cells `free` of all.
@@ -164,7 +182,9 @@ where
         free: Range<usize>,
     ) -> Result<(SmoothProfile, Broken), NotSolved> {
         self.effort.cells += free.len() as u64;
-        self.smooth.program.most_iterations = Some(self.budget.iterations(free.len())?);
+        let most = self.budget.iterations(free.len());
+        let most = most.inspect_err(|_| self.effort.failed += 1)?;
+        self.smooth.program.most_iterations = Some(most);
         let solved =
             self.smooth.solve_about(grid, 0..grid.cells(), self.beginning, guess, free.clone());
         let taken = match &solved {
@@ -177,9 +197,16 @@ where
         solved.inspect_err(|_| self.effort.failed += 1)
     }
 
-    /// Parts of the window around these cells, as far as a change there makes itself felt.
-    fn around(&self, grid: &Grid, guess: &Guess, changed: &[usize]) -> Vec<Range<usize>> {
-        let time = FELT * self.build_up();
+    /// Parts of the window around these cells, as far as a change there makes itself `felt`, in times in which acceleration
+    /// builds up.
+    fn around(
+        &self,
+        grid: &Grid,
+        guess: &Guess,
+        changed: &[usize],
+        felt: f64,
+    ) -> Vec<Range<usize>> {
+        let time = felt * self.build_up();
         let takes = |cell: usize| {
             let motion = guess.motion(cell, grid.length(cell));
             motion.map_or(f64::INFINITY, |motion| motion.duration)
@@ -213,31 +240,6 @@ where
             *guess = *kept;
         }
         Guess::rough(guess)
-    }
-
-    /// Cuts cells in half in which jerks would differ too much from place to place.
-    fn bend(&mut self, grid: &Grid, guess: &mut Guess) {
-        let fresh = self.kept.len().saturating_sub(1);
-        let mut cells = Vec::with_capacity(self.cells.len());
-        let last = grid.cells().saturating_sub(1);
-        for (index, cell) in std::mem::take(&mut self.cells).into_iter().enumerate() {
-            let place = cells.len();
-            let rest = index == last || index == 0;
-            if !rest
-                && index >= fresh
-                && let Some(motion) = guess.motion(place, grid.length(index))
-                && motion.duration > 4.0 * SHORT
-                && grid.varies(index, &motion.ends) > VARIES
-                && let Ok(parts) = self.sampler.parts(&cell, &[0.5])
-                && parts.len() == 2
-            {
-                guess.halve(place);
-                cells.extend(parts);
-            } else {
-                cells.push(cell);
-            }
-        }
-        self.cells = cells;
     }
 
     /// How each cell is gone through where no jerk is limited.
@@ -291,6 +293,11 @@ where
                 cells.push(cell);
                 continue;
             }
+            if guess.as_ref().is_some_and(|guess| guess.has_moved(cells.len())) {
+                // It is solved again anyway.
+                cells.push(cell);
+                continue;
+            }
             // What was planned before stays on its nodes.
             let too_long = worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far);
             let rest = self.jerk_limited && (index == 0 || index == last);
@@ -301,7 +308,7 @@ where
                     && parts.len() == 2
                 {
                     if let Some(guess) = guess.as_deref_mut() {
-                        guess.halve(cells.len());
+                        guess.cut(cells.len(), &[0.5]);
                     }
                     changed.extend([cells.len(), cells.len() + 1]);
                     cells.extend(parts);
@@ -318,7 +325,10 @@ where
                 } else if kind == JERK && !cell.dense {
                     cell.dense = true;
                 } else if let Some(tight) = cell.tight.get_mut(kind) {
-                    *tight *= (worst / (1.0 + 0.5 * (allowed - 1.0))).min(2.0);
+                    let factor = worst / (1.0 + 0.5 * (allowed - 1.0));
+                    // Between the ends of the cell it may be more than at the ends, where it did not help then.
+                    let again = if *tight > 1.0 { AGAIN } else { 1 };
+                    *tight *= factor.powi(again).min(2.0);
                 }
             }
             cells.push(cell);

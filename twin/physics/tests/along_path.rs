@@ -6,8 +6,9 @@ use proptest::prelude::*;
 
 use super::scara::{FEED_FORWARD, circle, scara};
 use super::*;
+use twin_motion::limit::DragRow;
 
-const FREE: AxisLoad = AxisLoad {
+pub(super) const FREE: AxisLoad = AxisLoad {
     effort_limit: f64::INFINITY,
     coulomb_friction: 0.0,
     viscous_friction: 0.0,
@@ -79,12 +80,12 @@ fn a_lift_and_its_rotor() {
     let most = (100.0 - 3.0 * G - 4.0) / 15.0;
     let (speed, limiting) = torque.largest_speed().unwrap();
     assert!((speed - most).abs() < 1e-12 && limiting == 0);
-    assert_eq!((torque.overloaded(), torque.rows(1.0).count()), (None, 2));
+    assert_eq!((torque.overloaded(), torque.rows().count()), (None, 2));
     let weak = AxisLoad { effort_limit: 33.0, ..load };
     let mut dynamics = PathDynamics::new(&lift(3.0), &[weak], down()).unwrap();
     let torque = dynamics.at(&axes([0.2]), &axes([0.5]), &axes([0.0])).unwrap();
     assert_eq!((torque.overloaded(), torque.largest_speed()), (Some(0), Some((0.0, 0))));
-    assert!(torque.rows(1.0).any(|row| row.limit < 0.0));
+    assert!(torque.rows().any(|row| row.limit < 0.0));
 }
 
 #[test]
@@ -93,7 +94,7 @@ fn only_motors_with_limits_have_rows() {
     let mut dynamics = PathDynamics::new(&crooked(), &[FREE, limited, FREE], down()).unwrap();
     let zero = axes([0.0; 3]);
     let torque = dynamics.at(&zero, &axes([1.0; 3]), &zero).unwrap();
-    assert!(torque.rows(0.5).map(|row| row.axis).eq([1, 1]));
+    assert!(torque.rows().map(|row| row.axis).eq([1, 1]));
     assert_eq!(torque.largest_speed(), None);
     let wrong = AxisLoad { viscous_friction: -1.0, ..FREE };
     let error = PathDynamics::new(&crooked(), &[FREE, wrong, FREE], down()).unwrap_err();
@@ -157,11 +158,11 @@ proptest! {
         prop_assert!(axis.holds());
         let most = torque.largest_speed().map_or(10.0, |(speed, _)| speed.min(10.0));
         let mut speed = motion.1 * most;
-        let rows: Vec<_> = torque.rows(reference).collect();
+        let rows: Vec<_> = torque.rows().map(|row| DragRow::from(row).tangent(reference)).collect();
         // The fastest there is room for, and an acceleration within it: rest is always possible.
         let bounds = |speed: f64| rows.iter().fold([f64::NEG_INFINITY, f64::INFINITY], |[low, high], row| {
-            let bound = (row.limit - row.speed_v2 * speed * speed) / row.acceleration;
-            if row.acceleration > 0.0 { [low, high.min(bound)] } else { [low.max(bound), high] }
+            let bound = (1.0 - row.b * speed * speed) / row.a;
+            if row.a > 0.0 { [low, high.min(bound)] } else { [low.max(bound), high] }
         });
         prop_assert!(bounds(0.0)[0] < 0.0 && bounds(0.0)[1] > 0.0);
         while bounds(speed)[0] > bounds(speed)[1] {
@@ -191,8 +192,9 @@ proptest! {
         let mut dynamics = PathDynamics::new(&lift(4.0), &[load], down()).unwrap();
         let torque = dynamics.at(&axes([0.0]), &axes([first]), &axes([second])).unwrap();
         let speed = part * torque.largest_speed().unwrap().0;
-        let [up, _] = torque.axes()[0].rows(0, speed);
-        let acceleration = (up.limit - up.speed_v2 * speed * speed) / up.acceleration;
+        let [up, _] = torque.axes()[0].rows(0);
+        let tangent = DragRow::from(up).tangent(speed);
+        let acceleration = (1.0 - tangent.b * speed * speed) / tangent.a;
         let effort = torque.axes()[0].effort(acceleration, speed) + 5.0;
         prop_assert!((effort - 100.0).abs() < 1e-9, "{effort} N");
         // Newton: what is accelerated is the mass alone.

@@ -3,6 +3,7 @@
 mod along_path;
 mod closed_forms;
 mod drives;
+mod parallel;
 mod rapier;
 mod scara;
 mod trees;

@@ -24,21 +24,19 @@
 //! limit, and solving again about it is never worse. The duration Σ wₖ/√bₖ, wₖ half the length of the two cells beside
 //! a node, is taken to second order about b̄. Variables are cᵢ/c̄ᵢ.
 
-use super::asked::Asked;
+mod guess;
+
+use guess::MOST_AROUND;
+pub(super) use guess::{Broken, Guess, Known};
+
 use super::convex::{NotSolved, Origin, Program};
 use super::gain::{Gain, gains};
 use super::grid::{CapSource, Constraint, End, Grid};
-use super::rows::{Around, Place, SCREEN_JERK, Writer};
+use super::rows::{Around, Place, Screen, Writer};
 use std::ops::Range;
-
-/// The next guess is not below this part of the one before.
-const FLOOR: f64 = 0.05;
 
 /// A c that is to be positive is at least this part of the guess.
 const LEAST: f64 = 1e-3;
-
-/// Where b changes by more than this part, the tangents about it do, too: by the square of it.
-const MOVED: f64 = 0.15;
 
 /// What need not be slow weighs so much where something else is to be.
 const BESIDE: f64 = 1e-3;
@@ -48,8 +46,6 @@ const ROUGH: f64 = 1e-5;
 const FINE: f64 = 1e-6;
 const EXACT: f64 = 1e-9;
 
-/// With a row that was left out and is not kept those of so many cells before and behind are added.
-const AROUND: usize = 12;
 /// Rows that were left out are looked for at most so often.
 const MORE: u32 = 10;
 
@@ -103,116 +99,6 @@ struct Knot {
     a: [f64; 2],
 }
 
-/// What a window is solved about.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Guess {
-    /// b at the nodes, positive at all inner ones.
-    pub(super) b: Vec<f64>,
-    /// c in the cells.
-    pub(super) c: Vec<f64>,
-    /// Rows that are to be in the program, whether or not they seem to count, per cell.
-    pub(super) asked: Vec<Asked>,
-    /// Whether it is no solution of the program yet.
-    pub(super) rough: bool,
-    /// Nodes at which the last solution was far from what it was about, so that the tangents there are not near the limits.
-    pub(super) moved: Vec<usize>,
-    /// How exactly the next one is solved for, if this is one.
-    tolerance: f64,
-}
-
-impl Guess {
-    /// Of b alone.
-    pub(super) fn rough(b: Vec<f64>) -> Self {
-        let c: Vec<f64> = pairs(&b).map(|(from, to)| from.midpoint(to)).collect();
-        Self {
-            asked: vec![Asked::default(); c.len()],
-            b,
-            c,
-            rough: true,
-            moved: Vec::new(),
-            tolerance: FINE,
-        }
-    }
-
-    /// What happens in the cell `index` of the length `h`.
-    pub(super) fn motion(&self, index: usize, h: f64) -> Option<CellMotion> {
-        let (from, to, c) = (*self.b.get(index)?, *self.b.get(index + 1)?, *self.c.get(index)?);
-        let gamma = (from - 2.0 * c + to) / (h * h);
-        let middle = 0.5 * c + 0.25 * (from + to);
-        let ends = [
-            [from, (c - from) / h, gamma],
-            [middle.max(0.5 * from.min(to)), 0.5 * (to - from) / h, gamma],
-            [to, (to - c) / h, gamma],
-        ];
-        Some(CellMotion { duration: 2.0 * h / (from.sqrt() + to.sqrt()), ends })
-    }
-
-    /// Fitted to a grid on which the cell `index` is two.
-    pub(super) fn halve(&mut self, index: usize) {
-        let ends = (self.b.get(index), self.b.get(index + 1), self.c.get(index));
-        let (Some(&from), Some(&to), Some(&c)) = ends else { return };
-        let [before, after] = [c.midpoint(from), c.midpoint(to)];
-        self.b.insert(index + 1, before.midpoint(after).max(FLOOR * from.max(to)));
-        self.c.splice(index..=index, [before, after]);
-        self.asked.insert(index, self.asked.get(index).copied().unwrap_or_default());
-    }
-
-    /// With the solution about it in its place, and `broken` rows to be kept from now on.
-    fn follow(&mut self, b: &[f64], c: &[f64], Broken(broken): &Broken) {
-        // A profile that all but rests says little about the next.
-        self.moved.clear();
-        for (node, (guess, b)) in self.b.iter_mut().zip(b).enumerate() {
-            let next = b.max(FLOOR * *guess);
-            if (next - *guess).abs() > MOVED * *guess {
-                self.moved.push(node);
-            }
-            *guess = next;
-        }
-        self.c.clear();
-        self.c.extend_from_slice(c);
-        self.rough = false;
-        for origin in broken {
-            // A solution that keeps the one row would yield to its likes in the cells around.
-            let from = origin.cell.saturating_sub(AROUND);
-            for asked in self.asked.iter_mut().skip(from).take(2 * AROUND + 1) {
-                asked.add(origin);
-            }
-        }
-    }
-}
-
-/// About what happens in a cell.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct CellMotion {
-    /// s.
-    pub(super) duration: f64,
-    /// b, a and γ at its start, in its middle and at its end.
-    pub(super) ends: [[f64; 3]; 3],
-}
-
-/// Rows that were left out and are not kept.
-#[derive(Debug, Default)]
-pub(super) struct Broken(Vec<Origin>);
-
-impl Broken {
-    /// Whether there are none.
-    pub(super) fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
-    /// Adds those of cells further on.
-    pub(super) fn extend(&mut self, Self(other): Self) {
-        self.0.extend(other);
-    }
-
-    /// Whether one of them limits a jerk in this cell.
-    pub(super) fn jerk(&self, cell: usize) -> bool {
-        let near = self.0.iter().skip(self.0.partition_point(|origin| origin.cell < cell));
-        near.take_while(|origin| origin.cell == cell)
-            .any(|origin| matches!(origin.constraint, Constraint::AxisJerk(_)))
-    }
-}
-
 /// Solves windows with limited jerk; keeps its memory from one to the next.
 #[derive(Debug, Default)]
 pub struct SmoothSolver {
@@ -242,7 +128,8 @@ impl SmoothSolver {
         guess: &[f64],
         solves: u32,
     ) -> Result<SmoothProfile, NotSolved> {
-        let mut guess = Guess { tolerance: EXACT, ..Guess::rough(guess.to_vec()) };
+        let mut guess = Guess::rough(guess.to_vec());
+        (guess.tolerance, guess.around) = (EXACT, MOST_AROUND);
         let mut iterations = 0;
         let mut solved = 0;
         loop {
@@ -251,6 +138,8 @@ impl SmoothSolver {
             let (mut profile, broken) =
                 self.solve_about(grid, cells.clone(), beginning, &mut guess, free)?;
             iterations += profile.iterations;
+            // Nobody looks at it afterwards: what may count stays in the program.
+            guess.known = Known::Nearly;
             if solved >= solves && (broken.0.is_empty() || solved >= solves + MORE) {
                 (profile.iterations, profile.solves) = (iterations, solved);
                 return Ok(profile);
@@ -279,7 +168,8 @@ impl SmoothSolver {
         }
         self.build(grid, &cells, beginning, guess, &free);
         // What is only the guess for another need not be exact.
-        let answer = self.program.solve(if guess.rough { ROUGH } else { guess.tolerance })?;
+        let rough = guess.known == Known::Rough;
+        let answer = self.program.solve(if rough { ROUGH } else { guess.tolerance })?;
         let broken = Broken(self.program.broken(&answer.x).collect());
         let mut c = guess.c.clone();
         let solved = self.scale.iter().skip(free.start).zip(&answer.x);
@@ -370,7 +260,7 @@ impl SmoothSolver {
         if self.positive || self.aim == Aim::Slowest {
             self.add_floors(free);
         }
-        let screen = if guess.rough { SCREEN_JERK[0] } else { SCREEN_JERK[1] };
+        let screen = Screen::about(guess.known);
         // What is free in one cell counts in its neighbours, too.
         let touched = free.start.saturating_sub(1)..(free.end + 1).min(count);
         for (index, cell) in cells.clone().enumerate().skip(touched.start).take(touched.len()) {

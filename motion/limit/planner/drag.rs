@@ -1,0 +1,82 @@
+//! Drag on the axes, exact where it counts: tangents to it are taken where the motion is.
+
+use super::Planner;
+use crate::limit::axis_path::AxisPath;
+use crate::limit::drag::DragRow;
+use crate::limit::sample::{Cell, Sample};
+use crate::limit::stretch::Stretch;
+use crate::prepare::CheckedElement;
+use std::sync::Arc;
+
+/// Drag may be counted for too much by this part of a limit.
+const SURPLUS: f64 = 1e-4;
+/// A row this near to its limit holds the motion back.
+const HOLDS: f64 = 0.99;
+/// Tangents are taken again at most so often in a window.
+pub(super) const MOST_TANGENTS: u32 = 12;
+
+impl<I, E, A> Planner<I, E, A>
+where
+    I: Iterator<Item = Result<CheckedElement, E>>,
+    A: AxisPath,
+{
+    /// Where drag holds the motion back and is counted for too much, it is counted as it is at the velocity there from now on:
+    /// of all motions that allows the one at hand, and faster ones. The numbers of these cells.
+    pub(super) fn take_tangents(&mut self, stretches: &[Stretch]) -> Vec<usize> {
+        let rows = self.sampler.axes().further_rows();
+        if rows == 0 {
+            return Vec::new();
+        }
+        let mut changed = Vec::new();
+        for (index, (cell, stretch)) in self.cells.iter_mut().zip(stretches).enumerate() {
+            let tight = cell.tight.first().copied().unwrap_or(1.0);
+            let ends = [(&mut cell.start, 0.0), (&mut cell.end, stretch.length())];
+            let taken = ends.map(|(end, u)| {
+                let (b, a) = stretch.at_position(u);
+                let velocity = b.sqrt();
+                let surplus = |row: &DragRow| {
+                    let surplus = row.surplus(velocity, end.reference);
+                    surplus > SURPLUS && (row.part(a, velocity) + surplus) * tight >= HOLDS
+                };
+                let exact = !end.further.iter().take(rows).any(surplus);
+                if !exact {
+                    end.reference = velocity;
+                }
+                !exact
+            });
+            if taken != [false; 2] {
+                changed.push(index);
+            }
+        }
+        changed
+    }
+
+    /// Counts drag as it is at the velocities of the plan so far, as far as the cells go along that.
+    pub(super) fn take_tangents_of_plan(&mut self) {
+        if self.sampler.axes().further_rows() == 0 {
+            return;
+        }
+        let mut legs = self.tail.iter();
+        let Some(mut leg) = legs.next() else { return };
+        for cell in &mut self.cells {
+            let middle = cell.from.midpoint(cell.to);
+            while !Arc::ptr_eq(&leg.element, &cell.element)
+                || middle > leg.from + leg.stretch.length()
+            {
+                let Some(next) = legs.next() else { return };
+                leg = next;
+            }
+            let velocity = |s: f64| leg.stretch.at_position((s - leg.from).max(0.0)).0.sqrt();
+            (cell.start.reference, cell.end.reference) = (velocity(cell.from), velocity(cell.to));
+        }
+    }
+}
+
+impl Cell {
+    /// Counts drag as it is at the velocities of `stretch`.
+    pub(super) fn take_tangents(&mut self, stretch: &Stretch) {
+        let take = |end: &mut Sample, u: f64| end.reference = stretch.at_position(u).0.sqrt();
+        take(&mut self.start, 0.0);
+        take(&mut self.end, stretch.length());
+    }
+}

@@ -1,0 +1,176 @@
+//! The links of a model as bodies on moving joints, checked.
+
+use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
+use twin_kinematics::MAX_AXES;
+use twin_urdf::{JointDrive, JointKind, Link, Model};
+
+use super::dynamics::JointMatrix;
+use super::error::PhysicsError;
+
+/// How a body moves against its parent: with the joint of this number.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Motion {
+    Fixed,
+    Revolute(usize, Unit<Vector3<f64>>),
+    Prismatic(usize, Unit<Vector3<f64>>),
+}
+
+impl Motion {
+    pub(super) fn joint(&self) -> Option<usize> {
+        match self {
+            Self::Fixed => None,
+            Self::Revolute(joint, _) | Self::Prismatic(joint, _) => Some(*joint),
+        }
+    }
+}
+
+/// Mass, centre of mass (m) and inertia about it (kg·m²) of a link, in its frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MassProperties {
+    pub(super) mass: f64,
+    pub(super) center: Point3<f64>,
+    pub(super) inertia: Matrix3<f64>,
+}
+
+impl MassProperties {
+    /// Of the link `index`, none if it has none.
+    ///
+    /// # Errors
+    /// [`PhysicsError::MassProperties`] if no body can have them.
+    pub(super) fn of(index: usize, link: &Link) -> Result<Self, PhysicsError> {
+        let found = link.inertial.map_or(
+            Self { mass: 0.0, center: Point3::origin(), inertia: Matrix3::zeros() },
+            |given| Self { mass: given.mass, center: given.center, inertia: given.inertia },
+        );
+        let Self { mass, center, inertia } = found;
+        let possible = mass.is_finite()
+            && mass >= 0.0
+            && center.iter().chain(inertia.iter()).all(|value| value.is_finite())
+            && (inertia - inertia.transpose()).amax() <= 1e-9 * inertia.amax()
+            && inertia.symmetric_eigenvalues().min() >= -1e-9 * inertia.amax();
+        if possible { Ok(found) } else { Err(PhysicsError::MassProperties { link: index, mass }) }
+    }
+}
+
+/// A link with its joint; what does not change.
+#[derive(Clone, Debug)]
+pub(super) struct Body {
+    /// `None`: the base.
+    pub(super) parent: Option<usize>,
+    pub(super) origin: Isometry3<f64>,
+    pub(super) motion: Motion,
+    /// Joints that move this body, base side first.
+    pub(super) moved_by: Vec<usize>,
+    pub(super) mass: MassProperties,
+}
+
+/// The links of a model behind the base. Joints have the numbers of the axes that move them, unless axes are coupled.
+#[derive(Clone, Debug)]
+pub(super) struct Tree {
+    pub(super) bodies: Vec<Body>,
+    /// How the joints (rows) move with the axes (columns), where an axis moves more joints than one.
+    pub(super) coupling: Option<JointMatrix>,
+}
+
+impl Tree {
+    /// The links of `model`, which are a tree, moved by the axes `0..axis_count`.
+    ///
+    /// # Errors
+    /// Whatever makes the model something else.
+    pub(super) fn new(model: &Model, axis_count: usize) -> Result<Self, PhysicsError> {
+        if !model.loops.is_empty() {
+            return Err(PhysicsError::ClosedLoops { loops: model.loops.len() });
+        }
+        let coupled =
+            model.joints.iter().any(|joint| matches!(joint.drive, JointDrive::Combination(_)));
+        let mut coupling = JointMatrix::zeros();
+        let mut count = 0;
+        let mut bodies: Vec<Body> = Vec::with_capacity(model.joints.len());
+        let mut moved = [false; MAX_AXES];
+        for (index, joint) in model.joints.iter().enumerate() {
+            let not_a_tree =
+                PhysicsError::NotATree { joint: index, parent: joint.parent, child: joint.child };
+            if joint.child != index + 1 || joint.parent > index {
+                return Err(not_a_tree);
+            }
+            let link = model.links.get(joint.child).ok_or(not_a_tree)?;
+            let wrong = PhysicsError::JointAxis { joint: index };
+            let own = if coupled { count } else { joint.drive.axis().unwrap_or_default() };
+            let motion = match (joint.kind, &joint.drive) {
+                (_, JointDrive::Passive { .. }) => {
+                    return Err(PhysicsError::CoupledJoint { joint: index });
+                }
+                (JointKind::Fixed, JointDrive::Fixed) => Motion::Fixed,
+                (JointKind::Revolute, JointDrive::Axis(_) | JointDrive::Combination(_)) => {
+                    Motion::Revolute(own, joint.axis)
+                }
+                (JointKind::Prismatic, JointDrive::Axis(_) | JointDrive::Combination(_)) => {
+                    Motion::Prismatic(own, joint.axis)
+                }
+                _ => return Err(wrong),
+            };
+            if motion.joint().is_some() {
+                count += 1;
+                if coupled && count > MAX_AXES {
+                    return Err(PhysicsError::AxisNumber { given: count });
+                }
+            }
+            match &joint.drive {
+                JointDrive::Axis(axis) => {
+                    let slot = moved.get_mut(*axis).filter(|_| *axis < axis_count).ok_or(wrong)?;
+                    if *slot {
+                        let axis = *axis;
+                        return Err(PhysicsError::AxisMovesTwoJoints { joint: index, axis });
+                    }
+                    *slot = true;
+                    if let Some(entry) = coupling.get_mut((own, *axis)) {
+                        *entry = 1.0;
+                    }
+                }
+                JointDrive::Combination(parts) => {
+                    for (axis, factor) in parts {
+                        let entry = coupling.get_mut((own, *axis));
+                        let possible = *axis < axis_count && factor.is_finite();
+                        *entry.filter(|_| possible).ok_or(wrong)? += factor;
+                    }
+                }
+                JointDrive::Fixed | JointDrive::Passive { .. } => {}
+            }
+            let parent = joint.parent.checked_sub(1);
+            let mut moved_by = parent
+                .and_then(|parent| bodies.get(parent))
+                .map_or_else(Vec::new, |parent| parent.moved_by.clone());
+            moved_by.extend(motion.joint());
+            let mass = MassProperties::of(joint.child, link)?;
+            bodies.push(Body { parent, origin: joint.origin, motion, moved_by, mass });
+        }
+        if model.links.len() != bodies.len() + 1 {
+            let joint = model.joints.len();
+            return Err(PhysicsError::NotATree { joint, parent: 0, child: joint + 1 });
+        }
+        Ok(Self { bodies, coupling: coupled.then_some(coupling) })
+    }
+
+    /// Whether anything moves with `axis`.
+    pub(super) fn moves_with(&self, axis: usize) -> bool {
+        match &self.coupling {
+            Some(coupling) => (0..MAX_AXES)
+                .any(|joint| coupling.get((joint, axis)).is_some_and(|factor| *factor != 0.0)),
+            None => self.bodies.iter().any(|body| body.motion.joint() == Some(axis)),
+        }
+    }
+}
+
+/// Whether every joint of `model` is an axis of its own or fixed, and no link goes round in a circle: all that is simulated.
+///
+/// # Errors
+/// [`PhysicsError::ClosedLoops`] and [`PhysicsError::CoupledJoint`].
+pub(super) fn check_serial(model: &Model) -> Result<(), PhysicsError> {
+    if !model.loops.is_empty() {
+        return Err(PhysicsError::ClosedLoops { loops: model.loops.len() });
+    }
+    let coupled = model.joints.iter().position(|joint| {
+        matches!(joint.drive, JointDrive::Combination(_) | JointDrive::Passive { .. })
+    });
+    coupled.map_or(Ok(()), |joint| Err(PhysicsError::CoupledJoint { joint }))
+}

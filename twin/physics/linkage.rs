@@ -1,0 +1,219 @@
+//! What of a model with closed loops is a tripod.
+
+use nalgebra::{Matrix3, Point3, Vector3};
+use twin_urdf::{Joint, JointDrive, JointKind, Loop, Model};
+
+use super::bodies::{MassProperties, Tree};
+use super::error::PhysicsError;
+use super::tripod::Carriage;
+
+/// What counts as rounding, in parts of a length, of an inertia, or of 1.
+const ROUNDING: f64 = 1e-9;
+
+/// A rod, with what its motion takes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RodBody {
+    /// 0 to 2.
+    pub(super) carriage: usize,
+    /// Its upper end with its carriage at 0, machine frame.
+    pub(super) upper: Point3<f64>,
+    /// Its lower end in the frame of the platform.
+    pub(super) lower: Point3<f64>,
+    pub(super) length: f64,
+    /// m₁₁, m₁₂ and m₂₂, kg.
+    pub(super) masses: [f64; 3],
+    /// What of its mass hangs on its upper and on its lower end, kg.
+    pub(super) shares: [f64; 2],
+}
+
+/// The parts of a tripod.
+pub(super) struct Linkage {
+    pub(super) carriages: [Carriage; 3],
+    /// Two of each carriage, in their order.
+    pub(super) rods: [RodBody; 6],
+    pub(super) platform: MassProperties,
+    /// Links that have nothing to do with it.
+    pub(super) others: Option<Tree>,
+}
+
+/// A rod as the model has it.
+struct Hanging<'m> {
+    slide: &'m Joint,
+    /// By which it swings first; its place is that of the upper end.
+    swing: &'m Joint,
+    link: usize,
+    /// Its lower end in its own frame, and in that of the platform.
+    ends: [Point3<f64>; 2],
+}
+
+impl Linkage {
+    /// The tripod that `model` is: carriages that slide upwards with an axis each, rods on them by two passive joints in one
+    /// point, the platform on the first of them by three, held to the others by [loops](Model::loops).
+    ///
+    /// # Errors
+    /// [`PhysicsError::UnknownMechanism`] if it is something else, [`PhysicsError::UnevenRod`],
+    /// [`PhysicsError::MassProperties`], and what makes links beside it no tree.
+    pub(super) fn of(model: &Model, axis_count: usize) -> Result<Self, PhysicsError> {
+        let unknown = PhysicsError::UnknownMechanism { loops: model.loops.len() };
+        let hanging = hanging(model).ok_or(unknown)?;
+        let mut carriages: Vec<(Carriage, usize)> = Vec::new();
+        let mut rods = Vec::with_capacity(hanging.len());
+        for rod in &hanging {
+            let known = carriages.iter().position(|(_, link)| *link == rod.slide.child);
+            let carriage = known.unwrap_or(carriages.len());
+            if known.is_none() {
+                let axis = rod.slide.drive.axis().filter(|axis| *axis < axis_count);
+                let link = model.links.get(rod.slide.child).ok_or(unknown)?;
+                let MassProperties { mass, .. } = MassProperties::of(rod.slide.child, link)?;
+                carriages.push((Carriage { axis: axis.ok_or(unknown)?, mass }, rod.slide.child));
+            }
+            rods.push(rod.body(model, carriage)?);
+        }
+        rods.sort_by_key(|rod| rod.carriage);
+        let platform = platform(model).ok_or(unknown)?;
+        let link = model.links.get(platform).ok_or(unknown)?;
+        let carriages: Vec<Carriage> =
+            carriages.into_iter().map(|(carriage, _)| carriage).collect();
+        Ok(Self {
+            carriages: carriages.try_into().map_err(|_other| unknown)?,
+            rods: rods.try_into().map_err(|_other| unknown)?,
+            platform: MassProperties::of(platform, link)?,
+            others: others(model, axis_count)?,
+        })
+    }
+}
+
+impl Hanging<'_> {
+    fn body(&self, model: &Model, carriage: usize) -> Result<RodBody, PhysicsError> {
+        let unknown = PhysicsError::UnknownMechanism { loops: model.loops.len() };
+        let link = model.links.get(self.link).ok_or(unknown)?;
+        let MassProperties { mass, center, inertia } = MassProperties::of(self.link, link)?;
+        let [end, lower] = self.ends;
+        let length = end.coords.norm();
+        let along = end.coords / length;
+        let part = center.coords.dot(&along) / length;
+        let about = along.dot(&(inertia * along));
+        let across = 0.5 * (inertia.trace() - about);
+        let turned = along * along.transpose();
+        let even = (Matrix3::identity() - turned) * across + turned * about;
+        if (center.coords - end.coords * part).norm() > ROUNDING * length
+            || (inertia - even).amax() > ROUNDING * inertia.amax()
+        {
+            return Err(PhysicsError::UnevenRod { link: self.link });
+        }
+        let turning = across / (length * length);
+        let (above, below) = (1.0 - part, part);
+        let upper = self.slide.origin * Point3::from(self.swing.origin.translation.vector);
+        Ok(RodBody {
+            carriage,
+            upper,
+            lower,
+            length,
+            masses: [
+                mass * above * above + turning,
+                mass * above * below - turning,
+                mass * below * below + turning,
+            ],
+            shares: [mass * above, mass * below],
+        })
+    }
+}
+
+/// The joints from the base to `link`.
+fn chain(model: &Model, mut link: usize) -> Vec<&Joint> {
+    let mut chain = Vec::new();
+    while let Some(joint) = link.checked_sub(1).and_then(|index| model.joints.get(index)) {
+        chain.push(joint);
+        // A parent has a smaller index than its child, so this ends.
+        if joint.child != link || joint.parent >= link {
+            break;
+        }
+        link = joint.parent;
+    }
+    chain.reverse();
+    chain
+}
+
+/// The link that all loops close at.
+fn platform(model: &Model) -> Option<usize> {
+    let [Loop { links: [_, platform], .. }, ..] = model.loops.as_slice() else { return None };
+    let same = model.loops.iter().all(|closing| closing.links[1] == *platform);
+    same.then_some(*platform)
+}
+
+/// All rods: first that which carries the platform. `None` if the model is no tripod.
+fn hanging(model: &Model) -> Option<Vec<Hanging<'_>>> {
+    let platform = platform(model)?;
+    let in_place = |joint: &&Joint| joint.origin.translation.vector.norm() <= ROUNDING;
+    let turns = |joint: &&Joint| {
+        joint.kind == JointKind::Revolute && matches!(joint.drive, JointDrive::Passive { .. })
+    };
+    let on_carrier = chain(model, platform);
+    let (upper, on_rod) = on_carrier.split_at_checked(3)?;
+    let [.., carrier] = upper else { return None };
+    let (ball, fixed) = on_rod.split_at_checked(3)?;
+    let [first, further @ ..] = ball else { return None };
+    let free = ball.iter().all(turns) && further.iter().all(in_place);
+    let to_platform = match fixed {
+        [] => nalgebra::Isometry3::identity(),
+        [joint] if joint.kind == JointKind::Fixed => joint.origin,
+        _ => return None,
+    };
+    if !free {
+        return None;
+    }
+    // Where the ball is, seen from the platform.
+    let ball = to_platform.inverse() * Point3::origin();
+    let ends = [Point3::from(first.origin.translation.vector), ball];
+    let others = model.loops.iter().map(|closing| (closing.links[0], closing.points));
+    let rods = std::iter::once((carrier.child, ends)).chain(others);
+    rods.map(|(link, ends)| {
+        let chain = chain(model, link);
+        let [slide, swing, tilt] = chain.as_slice() else { return None };
+        let upwards = slide.origin.rotation * slide.axis.into_inner() - Vector3::z();
+        let slides = slide.kind == JointKind::Prismatic
+            && slide.parent == 0
+            && slide.drive.axis().is_some()
+            && upwards.norm() <= ROUNDING;
+        let hangs = turns(swing)
+            && turns(tilt)
+            && in_place(tilt)
+            && swing.axis.dot(&tilt.axis).abs() <= ROUNDING;
+        let massless = model.links.get(swing.child)?.inertial.is_none();
+        (slides && hangs && massless).then_some(Hanging { slide, swing, link, ends })
+    })
+    .collect()
+}
+
+/// The links on other axes than those of the tripod's carriages.
+fn others(model: &Model, axis_count: usize) -> Result<Option<Tree>, PhysicsError> {
+    let mut within = vec![false; model.links.len()];
+    for closing in &model.loops {
+        for link in closing.links {
+            for joint in chain(model, link) {
+                if let Some(slot) = within.get_mut(joint.child) {
+                    *slot = true;
+                }
+            }
+        }
+    }
+    let mut rest =
+        Model { links: Vec::new(), joints: Vec::new(), loops: Vec::new(), ..model.clone() };
+    rest.links.extend(model.links.first().cloned());
+    let mut numbers = vec![0; model.links.len()];
+    for joint in &model.joints {
+        if within.get(joint.child).copied().unwrap_or_default() {
+            continue;
+        }
+        let child = rest.links.len();
+        let parent = numbers.get(joint.parent).copied().unwrap_or_default();
+        if let (Some(link), Some(number)) =
+            (model.links.get(joint.child), numbers.get_mut(joint.child))
+        {
+            *number = child;
+            rest.links.push(link.clone());
+            rest.joints.push(Joint { parent, child, ..joint.clone() });
+        }
+    }
+    if rest.joints.is_empty() { Ok(None) } else { Tree::new(&rest, axis_count).map(Some) }
+}

@@ -1,0 +1,290 @@
+//! The equation of motion of a tripod: three carriages, six rods, a platform.
+//!
+//! ```text
+//! effort = rotors + carriages + what the rods pull at their upper ends + Jᵀ·(platform and what the rods pull at it)
+//! ```
+//!
+//! **Rods.** A rod hangs in ball joints, is the same all around and does not spin about itself: nothing ever turns it that
+//! way. Its kinetic energy is then ½·(m₁₁·u̇² + 2·m₁₂·u̇·l̇ + m₂₂·l̇²) of the velocities u̇, l̇ of its ends, with constant
+//!
+//! ```text
+//! m₂₂ = m·c² + I/L²      m₁₂ = m·c·(1 − c) − I/L²      m₁₁ = m·(1 − c)² + I/L²
+//! ```
+//!
+//! m its mass, c how far its centre of mass is along it (as a part of the length L), I its inertia across it about that. So it
+//! is, exactly, a force m₁₁·ü + m₁₂·l̈ − (1 − c)·m·g at its upper end and m₁₂·ü + m₂₂·l̈ − c·m·g at its lower end.
+//!
+//! **Closed loops.** With s a rod from its upper to its lower end, r its lower end from the reference point of the platform
+//! and ω the angular velocity of the platform, no rod changes its length:
+//!
+//! ```text
+//! s·(ṗ + ω×r) = sz·q̇      s·(p̈ + α×r) = sz·q̈ − ṡ·ṡ − s·(ω×(ω×r))
+//! ```
+//!
+//! six equations with one matrix A for the motion (ω, ṗ) of the platform: J = A⁻¹·D, D the sz of every rod in the column of
+//! its carriage. By virtual power the wrench of everything on the platform is felt at the carriages as Jᵀ times it. All rods
+//! are told apart, so that platforms that tilt because nothing was made to measure are no other case.
+//!
+//! Held against a derivation by others, checked against a model of 24 degrees of freedom with its loops closed.
+
+use nalgebra::{Isometry3, Matrix3, Matrix6, SMatrix, Vector3, Vector6};
+use twin_kinematics::Transform;
+use twin_kinematics::tripod::{CalibratedTripod, Rod, Tripod, TripodDeviations, TripodDimensions};
+use twin_urdf::Model;
+
+use super::bodies::MassProperties;
+use super::dynamics::{Dynamics, JointVector, at};
+use super::error::PhysicsError;
+use super::linkage::{Linkage, RodBody};
+
+/// What counts as rounding, in parts of the length of a rod.
+const ROUNDING: f64 = 1e-13;
+
+/// A carriage.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Carriage {
+    pub(super) axis: usize,
+    pub(super) mass: f64,
+}
+
+/// The equation of motion of one tripod, additional axes beside it included.
+#[derive(Clone, Debug)]
+pub(super) struct TripodDynamics {
+    gravity: Vector3<f64>,
+    armature: JointVector,
+    carriages: [Carriage; 3],
+    rods: [RodBody; 6],
+    platform: MassProperties,
+    kinematics: CalibratedTripod,
+    /// The same in closed form, if rods are parallel in pairs and towers a third of a turn apart: the platform stays level.
+    level: Option<Tripod>,
+    /// Axes that have nothing to do with the tool.
+    others: Option<Dynamics>,
+}
+
+/// A tripod at one place, and what follows from that alone.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TripodState {
+    /// Every rod: from its upper to its lower end, and its lower end from the reference point of the platform.
+    rods: [[Vector3<f64>; 2]; 6],
+    /// A⁻¹: columns are rods, rows the turn and the shift of the platform.
+    inverse: Matrix6<f64>,
+    /// J.
+    jacobian: SMatrix<f64, 6, 3>,
+    /// Centre of mass of the platform from its reference point, and inertia about it, machine frame.
+    center: Vector3<f64>,
+    inertia: Matrix3<f64>,
+}
+
+/// Turn and shift of the platform: a velocity or an acceleration.
+#[derive(Clone, Copy, Debug)]
+struct Twist {
+    turn: Vector3<f64>,
+    shift: Vector3<f64>,
+}
+
+impl From<Vector6<f64>> for Twist {
+    fn from(values: Vector6<f64>) -> Self {
+        Self {
+            turn: values.fixed_rows::<3>(0).into_owned(),
+            shift: values.fixed_rows::<3>(3).into_owned(),
+        }
+    }
+}
+
+impl TripodDynamics {
+    /// Of `model`, the loops of which are those of a tripod, with the axes `0..axis_count` under `gravity` (m/s²,
+    /// machine frame), and with `armature` (kg) added to what each moves.
+    ///
+    /// # Errors
+    /// [`PhysicsError::UnknownMechanism`] if it is none, [`PhysicsError::UnevenRod`], [`PhysicsError::MassProperties`], and
+    /// what makes further links no tree.
+    pub(super) fn new(
+        model: &Model,
+        axis_count: usize,
+        gravity: Vector3<f64>,
+        armature: JointVector,
+    ) -> Result<Self, PhysicsError> {
+        let Linkage { carriages, rods, platform, others } = Linkage::of(model, axis_count)?;
+        let unknown = PhysicsError::UnknownMechanism { loops: model.loops.len() };
+        let of_rod = |rod: &RodBody| Rod {
+            carriage: rod.carriage,
+            upper: rod.upper,
+            lower: rod.lower,
+            length: rod.length,
+        };
+        let kinematics = CalibratedTripod::new(rods.each_ref().map(of_rod), [0.0; 3])
+            .map_err(|_no_such_tripod| unknown)?;
+        let rotorless = JointVector::zeros();
+        let others = others.map(|tree| Dynamics::of_tree(tree, axis_count, gravity, rotorless));
+        let level = level(&rods);
+        Ok(Self { gravity, armature, carriages, rods, platform, kinematics, level, others })
+    }
+
+    /// Where everything is with the axes at `position`.
+    ///
+    /// # Errors
+    /// [`PhysicsError::Apart`] where the rods do not meet, or do not hold the platform.
+    pub(super) fn state(&self, position: &JointVector) -> Result<TripodState, PhysicsError> {
+        let heights = self.of_carriages(position);
+        let platform = match &self.level {
+            Some(level) => level.to_tool(&heights).map(Isometry3::from),
+            None => self.kinematics.platform(&heights),
+        };
+        let platform = platform.map_err(|_apart| PhysicsError::Apart)?;
+        let rotation = platform.rotation.to_rotation_matrix();
+        let (mut matrix, mut pulls) = (Matrix6::zeros(), SMatrix::<f64, 6, 3>::zeros());
+        let rods = self.rods.map(|rod| {
+            let r = rotation * rod.lower.coords;
+            let mut upper = rod.upper.coords;
+            upper.z += heights.get(rod.carriage).copied().unwrap_or_default();
+            [platform.translation.vector + r - upper, r]
+        });
+        let rows = matrix.row_iter_mut().zip(pulls.row_iter_mut());
+        for ((mut row, mut pull), ([s, r], rod)) in rows.zip(rods.iter().zip(&self.rods)) {
+            let turn = r.cross(s);
+            for (entry, value) in row.iter_mut().zip(turn.iter().chain(s.iter())) {
+                *entry = *value;
+            }
+            if let Some(entry) = pull.get_mut(rod.carriage) {
+                *entry = s.z;
+            }
+        }
+        let inverse = matrix.try_inverse().ok_or(PhysicsError::Apart)?;
+        let jacobian = inverse * pulls;
+        if !jacobian.iter().all(|value| value.is_finite()) {
+            return Err(PhysicsError::Apart);
+        }
+        let center = rotation * self.platform.center.coords;
+        let inertia = rotation * self.platform.inertia * rotation.inverse();
+        Ok(TripodState { rods, inverse, jacobian, center, inertia })
+    }
+
+    /// The efforts that give the axes `acceleration` while they move with `velocity`, with or without their weight.
+    pub(super) fn efforts(
+        &self,
+        state: &TripodState,
+        velocity: &JointVector,
+        acceleration: &JointVector,
+        weighs: bool,
+    ) -> JointVector {
+        let gravity = if weighs { self.gravity } else { Vector3::zeros() };
+        let [rates, changes] = [velocity, acceleration].map(|values| self.of_carriages(values));
+        let Twist { turn: omega, shift } = Twist::from(state.jacobian * rates);
+        let mut bends = Vector6::zeros();
+        for ((bend, [s, r]), rod) in bends.iter_mut().zip(&state.rods).zip(&self.rods) {
+            let swing = omega.cross(r);
+            let closing = shift + swing - up(&rates, rod.carriage);
+            *bend = -closing.norm_squared() - s.dot(&omega.cross(&swing));
+        }
+        let change = Twist::from(state.jacobian * changes + state.inverse * bends);
+        let Twist { turn: alpha, shift: acceleration_of_platform } = change;
+        let accelerated = |from: &Vector3<f64>| {
+            acceleration_of_platform + alpha.cross(from) + omega.cross(&omega.cross(from))
+        };
+
+        let MassProperties { mass, .. } = self.platform;
+        let mut force = (accelerated(&state.center) - gravity) * mass;
+        let mut torque = state.inertia * alpha
+            + omega.cross(&(state.inertia * omega))
+            + state.center.cross(&force);
+        let mut pulls = Vector3::zeros();
+        for ((pull, carriage), change) in pulls.iter_mut().zip(&self.carriages).zip(&changes) {
+            *pull = carriage.mass * (change - gravity.z);
+        }
+        for (rod, [_, r]) in self.rods.iter().zip(&state.rods) {
+            let (upper, lower) = (up(&changes, rod.carriage), accelerated(r));
+            let [m11, m12, m22] = rod.masses;
+            let [weight_above, weight_below] = rod.shares;
+            let below = upper * m12 + lower * m22 - gravity * weight_below;
+            force += below;
+            torque += r.cross(&below);
+            if let Some(pull) = pulls.get_mut(rod.carriage) {
+                *pull += m11 * upper.z + m12 * lower.z - gravity.z * weight_above;
+            }
+        }
+        let mut wrench = Vector6::zeros();
+        for (entry, value) in wrench.iter_mut().zip(torque.iter().chain(force.iter())) {
+            *entry = *value;
+        }
+        pulls += state.jacobian.tr_mul(&wrench);
+        let mut efforts = self.armature.component_mul(acceleration);
+        for (carriage, pull) in self.carriages.iter().zip(&pulls) {
+            if let Some(effort) = efforts.get_mut(carriage.axis) {
+                *effort += pull;
+            }
+        }
+        efforts
+    }
+
+    /// The efforts that axes beside the tripod add to [`Self::efforts`]; none of them feels where another is.
+    pub(super) fn beside(
+        &mut self,
+        position: &JointVector,
+        velocity: &JointVector,
+        acceleration: &JointVector,
+    ) -> JointVector {
+        let others = self.others.as_mut();
+        others.map_or_else(JointVector::zeros, |others| {
+            others.inverse_dynamics(position, velocity, acceleration)
+        })
+    }
+
+    /// The values of the carriages.
+    fn of_carriages(&self, values: &JointVector) -> Vector3<f64> {
+        self.carriages.map(|carriage| at(values, carriage.axis)).into()
+    }
+}
+
+/// The tripod of level pairs that these are, if they are.
+fn level(rods: &[RodBody; 6]) -> Option<Tripod> {
+    let beyond = |rod: &RodBody| rod.upper - rod.lower;
+    let [first, ..] = rods;
+    let [x, y, z]: [f64; 3] = beyond(first).into();
+    let dimensions = TripodDimensions {
+        inner_radius: 0.0,
+        outer_radius: x.hypot(y),
+        rod_length: first.length,
+        rod_distance: 0.0,
+        rotation: y.atan2(x),
+    };
+    let tripod = Tripod::new(dimensions, [-z; 3]).ok()?;
+    let designed = dimensions.rods(&TripodDeviations::default()).ok()?;
+    let same = rods.iter().zip(&designed).all(|(rod, designed)| {
+        let apart = beyond(rod) - (designed.upper - designed.lower) - Vector3::z() * z;
+        apart.norm().max((rod.length - first.length).abs()) <= ROUNDING * first.length
+    });
+    same.then_some(tripod)
+}
+
+/// The value of a carriage, upwards.
+fn up(values: &Vector3<f64>, carriage: usize) -> Vector3<f64> {
+    Vector3::z() * values.get(carriage).copied().unwrap_or_default()
+}
+
+#[cfg(test)]
+impl TripodDynamics {
+    /// The accelerations of the axes under `effort`.
+    pub(super) fn acceleration(
+        &self,
+        position: &JointVector,
+        velocity: &JointVector,
+        effort: &JointVector,
+    ) -> Option<JointVector> {
+        let state = self.state(position).ok()?;
+        let zero = JointVector::zeros();
+        let bias = self.efforts(&state, velocity, &zero, true);
+        let mut inertia = Matrix3::zeros();
+        for (carriage, mut column) in self.carriages.iter().zip(inertia.column_iter_mut()) {
+            let mut unit = zero;
+            *unit.get_mut(carriage.axis)? = 1.0;
+            column.copy_from(&self.of_carriages(&self.efforts(&state, &zero, &unit, false)));
+        }
+        let found = inertia.cholesky()?.solve(&self.of_carriages(&(effort - bias)));
+        let mut result = zero;
+        for (carriage, value) in self.carriages.iter().zip(&found) {
+            *result.get_mut(carriage.axis)? = *value;
+        }
+        Some(result)
+    }
+}
