@@ -192,6 +192,7 @@ where
             {
                 self.budget.sampled(parts.len());
                 guess.cut(place, &at);
+                self.budget.sampled(parts.len());
                 cells.extend(parts);
             } else {
                 cells.push(cell);

@@ -22,6 +22,8 @@ const ROOMS: [Room; 3] = [
 const HARDLY: f64 = 0.02;
 /// The first window of a new plan is no longer than this, s: what follows has time.
 const HORIZON: f64 = 0.3;
+/// An override below this is come to by way of rest: braking to next to nothing and no further leaves little to choose.
+const NEARLY_REST: f64 = 0.03;
 /// A profile may begin with a b that is smaller by this part.
 const SLOWER: f64 = 1e-5;
 /// A plan that comes to rest within this time, s, is not worth another.
@@ -54,6 +56,7 @@ where
     ///
     /// Where the path is faster than the override allows it brakes along the slowest profile that the limits of the axes and
     /// the programmed deceleration leave, and is faster than that by 1 % (up to 7 % where it bends) until it is slow enough.
+    /// To less than 3 % it brakes to rest, and goes on from there.
     ///
     /// # How long it takes
     /// This call itself plans nothing; the next item does, with less than twice [`Self::MOST_WORK`], however much is known of the
@@ -109,7 +112,16 @@ where
         }
         self.effort.replanned += 1;
         self.budget = Budget::of(Self::MOST_WORK);
+        let asked = self.asked;
+        let first = self.sampler.feeds.raised(asked).is_none();
+        if first && asked < NEARLY_REST {
+            self.asked = 0.0;
+        }
         self.replan_moving();
+        self.asked = asked;
+        if asked > 0.0 && std::mem::take(&mut self.held) {
+            self.sampler.feeds = Feeds::new(asked);
+        }
         let spent = std::mem::take(&mut self.budget).spent();
         self.effort.replanning += spent;
         self.effort.most_replanning = self.effort.most_replanning.max(spent);

@@ -220,12 +220,15 @@ where
     pub(super) fn skip_to(&mut self, element: &Arc<CourseElement>, s: f64) {
         while let Some(Returned::Part(part)) = self.returned.front_mut() {
             let own = Arc::ptr_eq(&part.element, element);
-            if own && part.to > s + SAME_PLACE * element.length() {
+            let near = SAME_PLACE * element.length();
+            if own && part.to > s + near {
                 part.from = s;
                 return;
             }
+            // An element may be in several parts.
+            let reached = own && part.to >= s - near;
             self.returned.pop_front();
-            if own {
+            if reached {
                 return;
             }
         }

@@ -86,7 +86,7 @@ impl Guess {
         let finishes = at.iter().copied().chain(std::iter::once(1.0));
         self.c.splice(index..=index, starts.zip(finishes).map(|(u, v)| between(u, v)));
         let inner = at.iter().map(|u| between(*u, *u).max(least));
-        self.b.splice(index + 1..index + 1, inner);
+        self.b.splice((index + 1)..=index, inner);
         let asked = self.asked.get(index).copied().unwrap_or_default();
         self.asked.splice(index..index, at.iter().map(|_| asked));
         for node in self.moved.iter_mut().filter(|node| **node > index) {
