@@ -93,7 +93,16 @@ where
         self.solve_whole(&mut guess)?;
         self.subdivide(&mut guess);
         self.bend(&mut guess);
-        let (mut profile, mut broken) = self.solve_whole(&mut guess)?;
+        let failed = self.effort.failed;
+        let mut solved = self.solve_whole(&mut guess);
+        if solved.is_err() && !self.budget.is_spent() {
+            // About what a coarse grid allows there may be nothing on this one.
+            self.effort.failed = failed;
+            guess = self.first_guess();
+            self.solve_whole(&mut guess)?;
+            solved = self.solve_whole(&mut guess);
+        }
+        let (mut profile, mut broken) = solved?;
         let (mut round, mut solves, mut tangents) = (0, 2, 0);
         let most = MOST_CELLS * self.cells.len();
         loop {
