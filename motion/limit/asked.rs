@@ -8,6 +8,9 @@ use super::grid::Constraint;
 pub(super) struct Asked(u64);
 
 impl Asked {
+    /// All of them.
+    pub(super) const ALL: Self = Self(u64::MAX);
+
     /// Adds the limit that a row comes from.
     pub(super) fn add(&mut self, origin: &Origin) {
         self.0 |= bit(origin);

@@ -96,9 +96,10 @@ where
         let failed = self.effort.failed;
         let mut solved = self.solve_whole(&mut guess);
         if solved.is_err() && !self.budget.is_spent() {
-            // About what a coarse grid allows there may be nothing on this one.
+            // About what a coarse grid allows, or what does not keep all limits, there may be nothing on this one.
             self.effort.failed = failed;
             guess = self.first_guess();
+            guess.ask_all();
             self.solve_whole(&mut guess)?;
             solved = self.solve_whole(&mut guess);
         }

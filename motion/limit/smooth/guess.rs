@@ -94,6 +94,11 @@ impl Guess {
         }
     }
 
+    /// No row is left out any more: a solution about this keeps all limits, so that there is one about that as well.
+    pub(in crate::limit) fn ask_all(&mut self) {
+        self.asked.fill(Asked::ALL);
+    }
+
     /// Whether one of the ends of the cell `index` has moved far.
     pub(in crate::limit) fn has_moved(&self, index: usize) -> bool {
         let node = self.moved.partition_point(|node| *node < index);
