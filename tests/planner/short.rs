@@ -53,7 +53,7 @@ fn interrupted(machine: Machine, length: f64, angle: f64, count: u32) -> Vec<Pat
         let turned = 0.5 * angle * f64::from(index % 4);
         let turned = if index % 4 == 3 { 0.5 * angle } else { turned };
         at += Vector3::new(turned.cos(), turned.sin(), 0.0)
-            * if index % 2 == 0 { 0.01 } else { length };
+            * if index.is_multiple_of(2) { 0.01 } else { length };
         let place = Place { line: index + 1, block: None };
         let made = PathElement::new(place, ElementKind::Cut, Shape::Line { start, end: at });
         PathElement { feed: 0.2, acceleration: 20.0, deceleration: 20.0, ..made }
