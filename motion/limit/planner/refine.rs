@@ -106,7 +106,9 @@ where
     /// Cuts cells that take too long, but not those that are kept. Where jerks are limited this is only the grid of a first,
     /// rough solution, which is then cut by how long its cells take ([`Self::subdivide`]).
     pub(super) fn refine(&mut self) -> Result<(), KinematicsError> {
-        let step = if self.jerk_limited { COARSE * self.options.step } else { self.options.step };
+        // Little is to choose where the path has to brake nearly as hard as it can: there the grid is fine from the beginning.
+        let coarse = self.jerk_limited && !self.smooth.positive;
+        let step = if coarse { COARSE * self.options.step } else { self.options.step };
         for _ in 0..12 {
             if self.budget.is_spent() {
                 break;
