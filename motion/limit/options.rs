@@ -32,7 +32,7 @@ impl LimitOptions {
             path_acceleration: true,
             tool_acceleration: None,
             centripetal: CircularLimits::default(),
-            step: 2e-3,
+            step: 1.25e-3,
             horizon: 1.5,
         }
     }

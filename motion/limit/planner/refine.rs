@@ -29,6 +29,8 @@ const BEYOND: f64 = 1.5;
 /// A first profile may be faster by this part, in u̇², than what keeps the jerk limits at constant velocity: not much more can be won
 /// by speeding up and slowing down.
 const BEND_ROOM: f64 = 2.0;
+/// The path does not rest where b is more than this part of what it is a node before.
+const NO_REST: f64 = 1e-6;
 /// Between stops there are at least so many cells.
 const FEWEST: usize = 4;
 /// Cells in which jerks differ by more than this part of their limits are cut in half.
@@ -51,6 +53,7 @@ where
             if let Some(slower) = slow_in_bends(grid, &b) {
                 b = reachable::fastest(&slower, cells.clone(), start, 0.0);
             }
+            go_on(grid, &mut b);
             if self.beginning == Beginning::Rest {
                 soften(&mut b, grid.nodes(), grid.jerk_start(0));
             }
@@ -228,6 +231,23 @@ where
             }
         }
         self.cells = cells;
+    }
+}
+
+/// Lets a profile go on that all but rests on the way. In a cell in which an axis nearly turns round two passes may be as fast
+/// as possible at its start and then have to stop at its end, where being slower before would be better.
+fn go_on(grid: &Grid, b: &mut [f64]) {
+    for node in 2..b.len().saturating_sub(1) {
+        let (Some(before), Some(here)) = (b.get(node - 1), b.get(node)) else { continue };
+        if *here > NO_REST * before {
+            continue;
+        }
+        let bends = grid.jerk_bound(node - 1).min(grid.jerk_bound(node));
+        let from = bends.min(0.5 * before);
+        let onwards = reachable::fastest(grid, node..grid.cells(), from, 0.0);
+        for (b, onwards) in b.iter_mut().skip(node).zip(onwards) {
+            *b = b.max(onwards);
+        }
     }
 }
 

@@ -40,7 +40,7 @@ pub struct Method {
 /// Cells per window at first.
 const WINDOW: usize = 500;
 /// Time between the nodes of the planner, s.
-const STEP: f64 = 2e-3;
+const STEP: f64 = 1.25e-3;
 
 const WHOLE: &str = "Clarabel, one window";
 
