@@ -1,7 +1,7 @@
 //! The solvers of `motion/limit` on paths whose least time is known in closed form.
 
 use crate::cases::{Case, all};
-use crate::solvers::{grid, linear, linear_windows, passes, planned};
+use crate::solvers::{Fineness, grid, linear, linear_windows, passes, planned};
 
 fn without_jerk() -> impl Iterator<Item = Case> {
     all().into_iter().filter(|case| !case.jerk)
@@ -44,20 +44,20 @@ fn clarabel_finds_the_profile_of_the_two_passes() {
 }
 
 /// How much longer than the least time the planner of whole programs takes for a case from rest to rest.
-pub fn planner_error(case: &Case, step: f64) -> f64 {
+pub fn planner_error(case: &Case, fineness: Fineness) -> f64 {
     let path = case.path(2);
     let rates = |s: f64| (case.path)(vec![s]).rates.swap_remove(0);
-    let found = planned(&path.limits, case.jerk, (case.end, path.feed), rates, step);
+    let found = planned(&path.limits, case.jerk, (case.end, path.feed), rates, fineness);
     let (duration, effort) = found.expect("a profile");
     assert_eq!(effort.failed, 0, "{}", case.name);
     duration / case.duration - 1.0
 }
 
-/// With nodes 1.25 ms apart the planner errs by what a cell may at both ends of the path, and never to the fast side.
+/// On its grid the planner errs by what a cell may at both ends of the path, and never to the fast side.
 #[test]
 fn planner_is_near_the_closed_forms_without_jerk() {
     for case in without_jerk().filter(Case::rests) {
-        let error = planner_error(&case, 1.25e-3);
+        let error = planner_error(&case, Fineness::ordinary());
         println!("{:50} {error:+.1e}", case.name);
         assert!(error > -1e-6, "{}: {error:e}", case.name);
         assert!(error * case.duration < 3e-3, "{}: {error:e}", case.name);
@@ -68,7 +68,8 @@ fn planner_is_near_the_closed_forms_without_jerk() {
 #[test]
 fn planner_comes_to_the_closed_forms_with_jerk() {
     for case in all().into_iter().filter(|case| case.jerk && case.rests()) {
-        let [coarse, fine] = [1.25e-3, 6.25e-4].map(|step| planner_error(&case, step));
+        let [coarse, fine] =
+            [1.0, 2.0].map(|times| planner_error(&case, Fineness::ordinary().finer(times)));
         println!("{:50} {coarse:+.1e} {fine:+.1e}", case.name);
         assert!(fine > -1e-6 && fine < coarse, "{}: {coarse:e} {fine:e}", case.name);
         assert!(coarse * case.duration < 2e-3, "{}: {coarse:e}", case.name);

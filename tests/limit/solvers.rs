@@ -153,14 +153,41 @@ impl<F: Fn(f64) -> crate::path::Rates> AxisPath for Given<F> {
     }
 }
 
-/// What the planner of whole programs makes of a path from rest to rest on a grid of its own, whose nodes are `step`
-/// apart, s: how long it takes, s, and what that took; none where there is no profile. The feed limits it if it is finite.
+/// How exactly the planner of whole programs plans.
+#[derive(Clone, Copy, Debug)]
+pub struct Fineness {
+    /// Between nodes, s.
+    pub step: f64,
+    /// Of a window, s.
+    pub horizon: f64,
+}
+
+impl Fineness {
+    /// As programs are planned.
+    pub fn ordinary() -> Self {
+        let LimitOptions { step, horizon, .. } = LimitOptions::new(CourseOptions::new(0.0));
+        Self { step, horizon }
+    }
+
+    /// With nodes so many times closer to each other.
+    pub fn finer(self, times: f64) -> Self {
+        Self { step: self.step / times, ..self }
+    }
+
+    /// Everything in one window.
+    pub fn whole(self) -> Self {
+        Self { horizon: 1e3, ..self }
+    }
+}
+
+/// What the planner of whole programs makes of a path from rest to rest on a grid of its own: how long it takes, s, and what
+/// that took; none where there is no profile. The feed limits it if it is finite.
 pub fn planned(
     limits: &[crate::path::Limits],
     jerk: bool,
     (end, feed): (f64, f64),
     rates: impl Fn(f64) -> crate::path::Rates,
-    step: f64,
+    Fineness { step, horizon }: Fineness,
 ) -> Option<(f64, Effort)> {
     let limits = limits.iter().map(|limits| AxisLimits {
         velocity: limits.velocity,
@@ -180,6 +207,7 @@ pub fn planned(
         feed: feed.is_finite(),
         path_acceleration: false,
         step,
+        horizon,
         ..LimitOptions::new(CourseOptions::new(0.0))
     };
     let mut planner = Planner::new(path, axes, options);

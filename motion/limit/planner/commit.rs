@@ -8,7 +8,6 @@ use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
 use crate::limit::grid::Grid;
 use crate::limit::reachable;
-use crate::limit::sample::grid;
 use crate::limit::smooth::Beginning;
 use crate::limit::stretch::Stretch;
 use crate::prepare::CheckedElement;
@@ -96,9 +95,8 @@ where
         place
     }
 
-    /// Hands out the first `end` cells, keeps those up to `free` and prepares the rest for the next window.
-    pub(super) fn commit(&mut self, stretches: &[Stretch]) {
-        let (end, free) = self.safe(&grid(&self.sampler, &self.cells));
+    /// Hands out the first `end` cells, some, keeps those up to `free` and prepares the rest for the next window.
+    pub(super) fn commit(&mut self, stretches: &[Stretch], (end, free): (usize, usize)) {
         let legs = self.cells.iter().zip(stretches).map(|(cell, stretch)| Leg {
             element: Arc::clone(&cell.element),
             from: cell.from,

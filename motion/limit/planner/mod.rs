@@ -316,8 +316,8 @@ where
                 // Else the motors may not be able to go on as they do.
                 self.take_tangents_of_plan();
             }
-            let grid = grid(&self.sampler, &self.cells);
-            if self.safe(&grid).0 == 0 {
+            let (safe, _) = self.safe(&grid(&self.sampler, &self.cells));
+            if safe == 0 {
                 // All that is known is within braking distance.
                 horizon *= 2.0;
                 self.coarsen(self.kept.len().saturating_sub(1));
@@ -330,7 +330,14 @@ where
             if exactly && !self.begins_with(&stretches) {
                 return Err(NoWindow::Slower);
             }
-            self.commit(&stretches);
+            let safe = self.safe(&grid(&self.sampler, &self.cells));
+            if safe.0 == 0 {
+                // In shorter cells the path may have to brake earlier.
+                horizon *= 2.0;
+                self.coarsen(self.kept.len().saturating_sub(1));
+                continue;
+            }
+            self.commit(&stretches, safe);
             return Ok(());
         }
     }

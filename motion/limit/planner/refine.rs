@@ -49,11 +49,13 @@ where
             Beginning::Moving { b, .. } => b,
         };
         let mut b = reachable::fastest(grid, cells.clone(), start, 0.0);
+        if self.jerk_limited
+            && let Some(slower) = slow_in_bends(grid, &b)
+        {
+            b = reachable::fastest(&slower, cells.clone(), start, 0.0);
+        }
+        go_on(grid, &mut b);
         if self.jerk_limited {
-            if let Some(slower) = slow_in_bends(grid, &b) {
-                b = reachable::fastest(&slower, cells.clone(), start, 0.0);
-            }
-            go_on(grid, &mut b);
             if self.beginning == Beginning::Rest {
                 soften(&mut b, grid.nodes(), grid.jerk_start(0));
             }
@@ -321,7 +323,8 @@ fn graded(step: f64, from_rest: f64) -> f64 {
 fn cuts(pair: &[f64], takes: f64, step: f64) -> Vec<f64> {
     let [from, to] = pair else { return Vec::new() };
     let parts = (takes / step).round().clamp(2.0, 8.0);
-    let (v0, v1) = (from.sqrt(), to.sqrt());
+    // Evenly where nothing moves.
+    let (v0, v1) = if from + to > 0.0 { (from.sqrt(), to.sqrt()) } else { (1.0, 1.0) };
     let mut at = Vec::new();
     let mut index = 1.0;
     while index < parts {

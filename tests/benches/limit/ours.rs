@@ -1,7 +1,7 @@
 //! What `motion/limit` is asked for.
 
 use crate::path::{Path, Rates};
-use crate::solvers::{grid, linear_profile, linear_windows, passes, planned};
+use crate::solvers::{Fineness, grid, linear_profile, linear_windows, passes, planned};
 use twin_motion::limit::Grid;
 
 /// A path on a grid, and between its nodes.
@@ -39,8 +39,8 @@ pub struct Method {
 
 /// Cells per window at first.
 const WINDOW: usize = 500;
-/// Time between the nodes of the planner, s.
-const STEP: f64 = 1.25e-3;
+/// So many times finer the grid of the planner is taken to lead to the least time.
+const FINER: f64 = 4.0;
 
 const WHOLE: &str = "Clarabel, one window";
 
@@ -93,11 +93,21 @@ fn on_grid(problem: &Problem<'_>, solve: fn(&Path) -> Option<Vec<f64>>) -> Optio
     Some(Found { duration, cells: problem.path.cells(), failed: 0, left: None })
 }
 
+/// The least time with limited jerk, s: what the planner comes to on a much finer grid with all of the path in one window.
+pub fn least_time(problem: &Problem<'_>) -> Option<f64> {
+    let Problem { path, rates, .. } = problem;
+    let extent = (path.nodes[path.cells()], path.feed);
+    let fineness = Fineness::ordinary().finer(FINER).whole();
+    let (duration, effort) = planned(&path.limits, true, extent, rates, fineness)?;
+    (effort.failed == 0).then_some(duration)
+}
+
 /// On a grid of its own, for which it asks for the rates of the axes where it likes.
 fn by_planner(problem: &Problem<'_>, jerk: bool) -> Option<Found> {
     let Problem { path, rates, .. } = problem;
     let extent = (path.nodes[path.cells()], path.feed);
-    let (duration, effort) = planned(&path.limits, jerk, extent, rates, STEP)?;
+    let fineness = Fineness::ordinary();
+    let (duration, effort) = planned(&path.limits, jerk, extent, rates, fineness)?;
     let cells = usize::try_from(effort.committed).ok()?;
     Some(Found { duration, cells, failed: effort.failed, left: None })
 }
