@@ -225,3 +225,47 @@ proptest! {
         }
     }
 }
+
+/// Lines of any length with blends between them, which have to be known twice as far as their horizon once cells are cut: what is
+/// planned begins where the last window ended.
+#[test]
+fn nothing_is_lost_where_cells_become_shorter() {
+    let step = |form, straight_on, length, direction, feed, accelerations| Step {
+        form,
+        straight_on,
+        length,
+        direction,
+        feed,
+        accelerations,
+    };
+    let steps = [
+        step(Form::Line, false, 0.002984, [-0.6479, -0.9123, -0.2609], 0.01662, [5.248, 1.81]),
+        step(Form::Line, false, 0.0005346, [0.7787, 0.1237, 0.1458], 0.01028, [0.2315, 1.093]),
+        step(Form::Line, false, 1.897e-05, [0.9141, 0.1477, 0.1866], 0.01355, [1.584, 2.144]),
+        step(Form::Line, true, 0.0004331, [0.9733, -0.695, -0.1304], 0.1724, [2.931, 0.5947]),
+        step(Form::Line, false, 0.002351, [-0.8269, -0.1303, 0.2161], 0.1333, [0.2357, 0.4277]),
+        step(Form::Line, false, 0.004794, [0.3459, -0.5854, -0.2659], 0.4208, [3.955, 1.081]),
+        step(Form::Line, false, 0.03855, [-0.2522, -0.5893, 0.1863], 0.3241, [0.9262, 0.2121]),
+        step(Form::Line, false, 5.494e-05, [-0.7047, -0.7511, 0.0], 0.005352, [0.3234, 0.7808]),
+        step(
+            Form::Arc { plane: Plane::Xy, sweep: -5.584, rise: 0.0 },
+            true,
+            0.007226,
+            [0.423, -0.3567, 0.0],
+            0.2707,
+            [3.195, 0.2604],
+        ),
+        step(Form::Line, true, 1.051e-05, [0.198, 0.7363, -0.01225], 0.1687, [11.34, 6.879]),
+    ];
+    let path = walk(&steps, Machine::Gantry3);
+    let settings = Settings {
+        machine: Machine::Gantry3,
+        jerk: true,
+        tolerance: 9.186e-05,
+        angle: PI,
+        horizon: 0.6,
+    };
+    let report = run(path.iter().cloned(), &settings, settings.options());
+    assert_eq!(report.lines, (1..=10).collect::<Vec<u32>>());
+    check(&report, &path, &settings).expect("limits that are kept");
+}
