@@ -154,7 +154,7 @@ pub fn limits_hold(
         ("velocity step", report.velocity_step, 1e-6),
     ];
     for (name, peak, most) in limited {
-        prop_assert!(peak.value <= most, "{name} {peak:?} on {settings:?}");
+        prop_assert!(peak.value <= most, "{name} {peak:?} on {settings:?}, {:?}", report.effort);
     }
     if settings.jerk {
         prop_assert!(report.acceleration_step.value <= 1e-5, "{:?}", report.acceleration_step);

@@ -6,6 +6,7 @@
 mod budget;
 mod commit;
 mod drag;
+mod even;
 mod guess;
 mod pieces;
 mod refine;

@@ -1,6 +1,7 @@
 //! A profile over a window, verified between the places where limits are asked for.
 
 use super::drag::MOST_TANGENTS;
+use super::even::MOST_CUTS;
 use super::guess::SLOWER;
 use super::refine::SHORTEST;
 use super::{NOT_SOLVED, Planner};
@@ -49,7 +50,7 @@ where
         if self.jerk_limited {
             return self.solve_smooth();
         }
-        let (mut round, mut tangents) = (0, 0);
+        let (mut round, mut tangents, mut cuts) = (0, 0, 0);
         loop {
             if self.budget.is_spent() {
                 return Err(NOT_SOLVED);
@@ -57,6 +58,10 @@ where
             let grid = grid(&self.sampler, &self.cells);
             self.effort.cells += grid.cells() as u64;
             let stretches = self.solve_linear(&grid);
+            if cuts < MOST_CUTS && self.even_out(&stretches) {
+                cuts += 1;
+                continue;
+            }
             if tangents < MOST_TANGENTS && !self.take_tangents(&stretches).is_empty() {
                 tangents += 1;
                 continue;
@@ -318,10 +323,11 @@ where
                 cells.push(cell);
                 continue;
             }
-            // What was planned before stays on its nodes.
+            // What was planned before with limited jerk stays on its nodes: on others there may be no such plan.
+            let free = index >= fresh || !self.jerk_limited;
             let too_long = worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far);
             let rest = self.jerk_limited && (index == 0 || index == last);
-            let halve = round < HALVING && index >= fresh && too_long && !rest;
+            let halve = round < HALVING && free && too_long && !rest;
             if halve && stretch.duration() > SHORTEST {
                 cell.tight = [1.0; 3];
                 // Halves with jerks limited in their middles alone would have as much freedom at their ends, and these cannot be
@@ -335,6 +341,9 @@ where
                         guess.cut(cells.len(), &[0.5]);
                     }
                     changed.extend([cells.len(), cells.len() + 1]);
+                    if index < fresh {
+                        self.keep_within(cells.len(), stretch, &[0.5]);
+                    }
                     cells.extend(parts);
                     continue;
                 }
@@ -368,6 +377,7 @@ where
         // What jerk limits have smoothed is not so far from the places where it is known.
         let smooth = self.jerk_limited && !self.options.course.turning;
         let eighths = (0..=8_u8).step_by(if smooth { 2 } else { 1 });
+        let mut before: [Option<f64>; 2] = [None; 2];
         for eighth in eighths {
             let u = 0.125 * f64::from(eighth) * cell.length();
             let sample = match eighth {
@@ -387,6 +397,15 @@ where
             for (worst, excess) in worst.iter_mut().zip(excess) {
                 *worst = worst.max(excess);
             }
+            let [now, ..] = excess;
+            if let [Some(earlier), Some(last)] = before
+                && !smooth
+            {
+                // A parabola through the three is not higher than this.
+                let bend = (2.0 * last - earlier - now).max(0.0);
+                worst[0] = worst[0].max(earlier.max(last).max(now) + 0.125 * bend);
+            }
+            before = [before[1], Some(now)];
         }
         if stretch.duration() < LEAST_TIME {
             worst[JERK] = 0.0;
