@@ -28,6 +28,19 @@ where
         Guess::rough(guess)
     }
 
+    /// How tightly what was planned before is limited.
+    pub(super) fn asked_of_kept(&self) -> Vec<([f64; 3], bool)> {
+        let fresh = self.kept.len().saturating_sub(1);
+        self.cells.iter().take(fresh).map(|cell| (cell.tight, cell.dense)).collect()
+    }
+
+    /// Limits it as tightly as it was.
+    pub(super) fn ask_of_kept(&mut self, asked: &[([f64; 3], bool)]) {
+        for (cell, asked) in self.cells.iter_mut().zip(asked) {
+            (cell.tight, cell.dense) = *asked;
+        }
+    }
+
     /// Leaves what was planned before a little more room: from where and as fast as the path is there may be no other plan.
     pub(super) fn loosen(&mut self) {
         let fresh = self.kept.len().saturating_sub(1);

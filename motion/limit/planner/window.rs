@@ -69,7 +69,7 @@ where
             if self.is_last(round, &stretches) {
                 return Ok(stretches);
             }
-            if self.tighten(&stretches, round, &Broken::default(), None).is_empty() {
+            if self.tighten(&stretches, (0, round), &Broken::default(), None).is_empty() {
                 return Ok(stretches);
             }
             round += 1;
@@ -78,6 +78,7 @@ where
 
     fn solve_smooth(&mut self) -> Result<Vec<Stretch>, NotSolved> {
         let failed = self.effort.failed;
+        let asked = self.asked_of_kept();
         let mut solved = self.solve_smooth_about(self.first_guess());
         if self.options.course.turning {
             // In sharp corners a profile about one that is much too fast may be impossible.
@@ -87,6 +88,7 @@ where
                     Ok(_) => {}
                     Err(_impossible) => self.effort.failed = failed,
                 }
+                self.ask_of_kept(&asked);
                 self.loosen();
                 solved = self.solve_smooth_about(self.slower_guess(part));
             }
@@ -109,6 +111,9 @@ where
             solved = self.solve_whole(&mut guess);
         }
         let (mut profile, mut broken) = solved?;
+        let asked = self.asked_of_kept();
+        // From here on limits are made tighter.
+        let mut first = 0;
         let (mut round, mut solves, mut tangents) = (0, 2, 0);
         let most = MOST_CELLS * self.cells.len();
         loop {
@@ -141,28 +146,46 @@ where
             if solves >= MOST_SOLVES {
                 guess.moved.clear();
             }
-            let mut changed = self.tighten(&stretches, round, &broken, Some(&mut guess));
+            let mut changed = self.tighten(&stretches, (first, round), &broken, Some(&mut guess));
             round += u32::from(!changed.is_empty());
             changed.append(&mut guess.moved);
             changed.sort_unstable();
             if changed.is_empty() {
+                if first > 0 {
+                    self.count_exceeded(&stretches);
+                }
                 return Ok(stretches);
             }
-            (profile, broken) = self.solve_again(&mut guess, changed)?;
+            let failed = self.effort.failed;
+            let mut solved = self.solve_again(&mut guess, changed);
+            if solved.is_err() && first < asked.len() && !self.budget.is_spent() {
+                // With tighter limits there may be no way on from where the window begins. With those there were the plan so far
+                // is one.
+                self.effort.failed = failed;
+                self.ask_of_kept(&asked);
+                first = asked.len();
+                guess.ask_all();
+                solved = self.solve_whole(&mut guess);
+            }
+            (profile, broken) = solved?;
             solves += 1;
         }
     }
 
     /// Whether there will be no further round; counts what is still exceeded then.
     fn is_last(&mut self, round: u32, stretches: &[Stretch]) -> bool {
-        if round < ROUNDS {
-            return false;
+        if round >= ROUNDS {
+            self.count_exceeded(stretches);
         }
+        round >= ROUNDS
+    }
+
+    /// Counts the window if something in it is more than it may be.
+    fn count_exceeded(&mut self, stretches: &[Stretch]) {
         let mut cells = self.cells.iter().zip(stretches);
         if cells.any(|(cell, stretch)| exceeds(self.worst(cell, stretch))) {
             self.effort.exceeded += 1;
         }
-        true
     }
 
     /// Solves about `guess`, with all cells free.
@@ -298,11 +321,11 @@ where
 
     /// Looks between the places where limits were asked for. Where they are exceeded, limits are made tighter, or asked for at
     /// more places, and in the first rounds cells are cut in half where they are exceeded by much. Those cells, by their new
-    /// numbers; `guess` is fitted to the new ones.
+    /// numbers; `guess` is fitted to the new ones. Cells before `first` stay as they are.
     fn tighten(
         &mut self,
         stretches: &[Stretch],
-        round: u32,
+        (first, round): (usize, u32),
         broken: &Broken,
         mut guess: Option<&mut Guess>,
     ) -> Vec<usize> {
@@ -314,7 +337,7 @@ where
         let last = known.len().saturating_sub(1);
         for (index, (mut cell, stretch)) in known.into_iter().zip(stretches).enumerate() {
             let worst = self.worst(&cell, stretch);
-            if !exceeds(worst) {
+            if index < first || !exceeds(worst) {
                 cells.push(cell);
                 continue;
             }
