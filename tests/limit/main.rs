@@ -14,9 +14,17 @@ mod cases;
 mod circle;
 #[cfg(test)]
 mod converge;
+#[cfg(test)]
+#[path = "../benches/limit/curves.rs"]
+mod curves;
 mod differences;
 #[cfg(test)]
 mod golden;
+#[cfg(test)]
+mod least;
+#[cfg(test)]
+#[path = "../benches/limit/machines.rs"]
+mod machines;
 mod path;
 mod planners;
 mod programs;

@@ -33,6 +33,8 @@ pub struct Method {
     pub same: bool,
     /// The method that does the same in one window over the whole path.
     pub whole: Option<&'static str>,
+    /// Whether jerk is limited.
+    pub jerk: bool,
     /// From rest to rest.
     pub run: fn(&Problem<'_>) -> Option<Found>,
 }
@@ -50,6 +52,7 @@ pub const METHODS: [Method; 6] = [
         name: "two passes, grid given",
         same: true,
         whole: None,
+        jerk: false,
         run: |problem| {
             let duration = problem.path.duration(&passes(problem.grid, [0.0; 2]));
             Some(Found { duration, cells: problem.path.cells(), failed: 0, left: None })
@@ -59,12 +62,14 @@ pub const METHODS: [Method; 6] = [
         name: "two passes",
         same: true,
         whole: None,
+        jerk: false,
         run: |problem| on_grid(problem, |path| Some(passes(&grid(path, false), [0.0; 2]))),
     },
     Method {
         name: WHOLE,
         same: true,
         whole: None,
+        jerk: false,
         run: |problem| {
             let profile = linear_profile(&grid(problem.path, false), [0.0; 2])?;
             let duration = problem.path.duration(&profile.b);
@@ -76,13 +81,21 @@ pub const METHODS: [Method; 6] = [
         name: "Clarabel, windows",
         same: true,
         whole: Some(WHOLE),
+        jerk: false,
         run: |problem| on_grid(problem, |path| linear_windows(&grid(path, false), WINDOW)),
     },
-    Method { name: "planner", same: false, whole: None, run: |problem| by_planner(problem, false) },
+    Method {
+        name: "planner",
+        same: false,
+        whole: None,
+        jerk: false,
+        run: |problem| by_planner(problem, false),
+    },
     Method {
         name: "planner with jerk",
         same: false,
         whole: None,
+        jerk: true,
         run: |problem| by_planner(problem, true),
     },
 ];

@@ -1,6 +1,6 @@
 //! Times and durations, side by side.
 
-use crate::ours::{Found, METHODS, Problem};
+use crate::ours::{Found, METHODS, Problem, least_time};
 use crate::path::as_float;
 use crate::peer::{Answer, Peer};
 use std::time::{Duration, Instant};
@@ -17,6 +17,8 @@ pub struct Row {
     peer: Option<Measured>,
     /// As [`METHODS`].
     ours: Vec<Measured>,
+    /// With limited jerk, s.
+    least: Option<f64>,
 }
 
 /// One planner on it.
@@ -61,7 +63,7 @@ impl Row {
             failed: found.map_or(0, |found| found.failed),
             left: found.and_then(|found| Some(as_float(found.left?) / as_float(found.cells))),
         });
-        Self { name, cells, peer, ours: ours.collect() }
+        Self { name, cells, peer, ours: ours.collect(), least: least_time(problem) }
     }
 
     pub fn print(&self) {
@@ -143,6 +145,14 @@ pub fn summary(rows: &[Row]) {
             });
             let loss = losses.fold(f64::NEG_INFINITY, f64::max);
             println!("  windows lose at most {loss:.1e} against one over the whole path");
+        }
+        if method.jerk {
+            let losses =
+                rows.iter().filter_map(|row| Some(row.ours[index].duration? / row.least? - 1.0));
+            let loss = losses.fold(f64::NEG_INFINITY, f64::max);
+            println!(
+                "  at most {loss:.1e} longer than on grids four times as fine, each in one window"
+            );
         }
     }
     let theirs = rows.iter().filter_map(|row| row.peer);
