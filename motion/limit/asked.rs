@@ -1,7 +1,7 @@
 //! Which rows of a cell are to be in a convex program, whether or not they seem to count.
 
+use super::bound::Constraint;
 use super::convex::Origin;
-use super::grid::Constraint;
 
 /// A set of the limits of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

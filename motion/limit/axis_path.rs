@@ -1,8 +1,8 @@
 //! From points of the course to the axes.
 
+use super::bound::{AxisLimits, Cap, Rates};
 use super::course::{CourseElement, CoursePoint};
 use super::drag::DragRow;
-use super::grid::{AxisLimits, Cap, Rates};
 use twin_kinematics::{
     AxisVector, Kinematics, KinematicsError, MAX_AXES, Pose, ToolJerk, ToolMotion,
 };

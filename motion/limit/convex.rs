@@ -1,6 +1,6 @@
 //! Convex programs for Clarabel: min ½·xᵀ·P·x + qᵀ·x with A·x ≤ 1, P tridiagonal, rows of a few neighbours, cones.
 
-use super::grid::Constraint;
+use super::bound::Constraint;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 

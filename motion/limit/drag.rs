@@ -1,8 +1,8 @@
 //! Half planes that bend with the velocity: what drags on an axis grows with u̇, not with u̇².
 
 use super::axis_path::MOST_FURTHER_ROWS;
-use super::grid::Row;
-use super::sample::{ALONG, Sample};
+use super::bound::Row;
+use super::cell::{ALONG, Sample};
 
 /// Where drag is that of a velocity below this part of the largest that it leaves possible, it counts as that.
 const LEAST: f64 = 1e-4;

@@ -1,7 +1,7 @@
 //! What limits cost: from the multipliers of the convex programs.
 
+use super::bound::Constraint;
 use super::convex::Origin;
-use super::grid::Constraint;
 
 /// What one limit costs in one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -12,6 +12,8 @@
 mod ahead;
 mod asked;
 mod axis_path;
+mod bound;
+mod cell;
 mod convex;
 pub mod course;
 mod drag;
@@ -33,14 +35,14 @@ mod stretch;
 
 pub use ahead::{Ahead, Replan};
 pub use axis_path::{AxisPath, AxisPoint, KinematicPath, MOST_FURTHER_ROWS, axis_point};
+pub use bound::{
+    AxisLimits, Cap, CapSource, Constraint, Disc, FIRST_FURTHER_ROW, JerkRow, Rates, Row,
+};
 pub use convex::NotSolved;
 pub use drag::DragRow;
 pub use follow::{Followed, Follower, MTimes};
 pub use gain::Gain;
-pub use grid::{
-    AxisLimits, Cap, CapSource, CellEnd, Constraint, Disc, FIRST_FURTHER_ROW, Grid, JerkRow, Rates,
-    Row,
-};
+pub use grid::{CellEnd, Grid};
 pub use linear::{LinearProfile, LinearSolver};
 pub use options::LimitOptions;
 pub use planner::{Behind, Effort, Leg, LimitError, Piece, Pieces, Planned, Planner, Request};

@@ -1,6 +1,7 @@
 //! The limits of one cell in the plane of the b at its two ends: any half planes and discs, exactly and with care.
 
-use super::grid::{Disc, End, Grid, Row};
+use super::bound::{Disc, Row};
+use super::grid::{End, Grid};
 
 /// Stands for infinity where products with it must stay numbers.
 const HUGE: f64 = 1e280;

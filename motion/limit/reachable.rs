@@ -8,7 +8,8 @@
 //! A step is a linear program in the b at both ends of a cell. Mostly its optimum is where the b at the far end is the
 //! largest it can be, which one look at every row proves (`Reach`); the rest is for `Plane`.
 
-use super::grid::{Grid, Row};
+use super::bound::Row;
+use super::grid::Grid;
 use super::plane::{NOTHING, Plane};
 use std::ops::Range;
 

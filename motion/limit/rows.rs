@@ -1,8 +1,9 @@
 //! The limits of a cell as rows of the convex program.
 
 use super::asked::Asked;
+use super::bound::{CapSource, Constraint, JerkRow, Row, number};
 use super::convex::{Origin, Program};
-use super::grid::{CapSource, Constraint, End, Grid, JerkRow, Row, number};
+use super::grid::{End, Grid};
 use super::smooth::Known;
 use std::ops::Range;
 

@@ -1,13 +1,14 @@
 //! Elements of the course as cells with what limits the motion in them.
 
 use super::axis_path::{AxisPath, AxisPoint, MOST_FURTHER_ROWS};
+use super::bound::{Cap, CapSource, Disc, Row};
+use super::cell::{ALONG, Cell, Sample};
 use super::course::{CourseElement, Transition};
 use super::drag::DragRow;
 use super::feeds::Feeds;
-use super::grid::{AxisLimits, Cap, CapSource, CellEnd, Disc, FIRST_FURTHER_ROW, Grid, Rates, Row};
+use super::grid::{CellEnd, Grid};
 use super::options::LimitOptions;
 use super::rows::LEAST_TIME;
-use super::stretch::Stretch;
 use crate::path::ElementKind;
 use crate::prepare::CircularLimits;
 use nalgebra::Vector3;
@@ -35,84 +36,6 @@ const NEAR: f64 = 1e-8;
 /// Velocities may step by what the acceleration limit changes them in this time, s, where a joint is not rounded; so
 /// may accelerations by what the jerk limit does.
 const STEP_TIME: f64 = 1e-3;
-/// Rows along the path: the programmed acceleration and deceleration.
-pub(super) const ALONG: usize = FIRST_FURTHER_ROW as usize;
-
-/// What is known at one place of an element.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sample {
-    pub(super) position: AxisVector,
-    pub(super) rates: Rates,
-    cap: Cap,
-    /// What bounds u̇² at a joint, if this is one.
-    transition: Cap,
-    /// The programmed accelerations along the path.
-    pub(super) along: [Row; ALONG],
-    /// What [`AxisPath::further`] gives.
-    pub(super) further: [DragRow; MOST_FURTHER_ROWS],
-    /// Drag is counted as it is at this u̇; for more at any other.
-    pub(super) reference: f64,
-    disc: Option<Disc>,
-}
-
-impl Sample {
-    /// The bound of u̇².
-    pub(super) fn cap(&self) -> f64 {
-        self.cap.v2
-    }
-
-    /// The largest acceleration, jerk and velocity, of any axis and along the path, where the motion is that of `stretch` at
-    /// `u`, each as a part of the limit.
-    pub(super) fn excess(&self, limits: &[AxisLimits], stretch: &Stretch, u: f64) -> [f64; 3] {
-        let (b, a) = stretch.at_position(u);
-        let (v, jerk) = (b.sqrt(), stretch.jerk_at(u));
-        let Rates { first, second, third } = &self.rates;
-        let axes = first.iter().zip(second.iter()).zip(third.iter()).zip(limits);
-        let along = self.along.iter().map(|row| row.a * a + row.b * b);
-        let further = self.further.iter().map(|row| row.part(a, v));
-        let cap = self.cap.min(self.transition);
-        let mut worst = [along.chain(further).fold(0.0, f64::max), 0.0, v / cap.v2.sqrt()];
-        if let Some(Disc { a: first, b: second }) = &self.disc {
-            let square: f64 =
-                first.iter().zip(second).map(|(d1, d2)| (d1 * a + d2 * b).powi(2)).sum();
-            worst[0] = worst[0].max(square.sqrt());
-        }
-        for (((d1, d2), d3), limits) in axes {
-            let acceleration = d1 * a + d2 * b;
-            worst[0] = worst[0].max(acceleration.abs() / limits.acceleration);
-            worst[2] = worst[2].max((d1 * v).abs() / limits.velocity);
-            if let Some(limit) = limits.jerk {
-                let jerk = d1 * jerk + 3.0 * d2 * a * v + d3 * b * v;
-                worst[1] = worst[1].max(jerk.abs() / limit);
-            }
-        }
-        worst
-    }
-}
-
-/// A part of an element.
-#[derive(Clone, Debug)]
-pub(super) struct Cell {
-    pub(super) element: Arc<CourseElement>,
-    pub(super) from: f64,
-    pub(super) to: f64,
-    pub(super) start: Sample,
-    pub(super) end: Sample,
-    pub(super) middle: Sample,
-    /// What bounds u̇² at its end: a joint that is not rounded.
-    pub(super) joint: Cap,
-    /// By how much acceleration, jerk and velocity are limited more tightly than they are, because between the places where
-    /// limits are asked for they were exceeded.
-    pub(super) tight: [f64; 3],
-    /// Whether jerks are limited at its ends as well, because they were exceeded there.
-    pub(super) dense: bool,
-}
-
-impl Cell {
-    pub(super) fn length(&self) -> f64 {
-        self.to - self.from
-    }
-}
 
 /// Turns elements into cells on a machine.
 #[derive(Debug)]

@@ -6,6 +6,7 @@
 //! element everywhere, so that switches, blocks and the way are attributed as before.
 
 mod blend;
+mod deviation;
 mod element;
 mod joint;
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! How wide a blend may be.
 
+use super::deviation::{Check, completed};
 use super::element::SAME_PLACE;
 use super::joint::{SLOWEST, Steps};
 use super::{Blend, CourseOptions, CoursePoint, Order};
-use crate::path::ExtraPoint;
 use crate::prepare::CheckedElement;
-use nalgebra::{SVector, Vector3};
+use nalgebra::SVector;
 
 /// The part of an element that each of its two blends may take.
 const SHARE: f64 = 0.5;
@@ -69,9 +69,6 @@ const MOST_TRIALS: u32 = 100;
 const PATIENCE: u32 = 3;
 /// Deviations are looked at in so many intervals on each side.
 const INTERVALS: u8 = 8;
-/// Over each of them the first derivative of the original path changes by no more than this, so that a cubic between
-/// their ends says what is inside.
-const BEND: f64 = 0.3;
 
 /// Why a joint is not blended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -319,90 +316,4 @@ impl Trial {
     fn fits(&self) -> bool {
         self.blend.is_some() && self.deviation <= 1.0 && !self.folds && !self.coarse
     }
-}
-
-/// With the extra axes where they are at the joint, if the element does not know them.
-fn completed(mut point: CoursePoint, joint: &CoursePoint) -> CoursePoint {
-    point.extra = point.extra.or(joint.extra);
-    point
-}
-
-/// Compares blend and path.
-struct Check<'a> {
-    blend: &'a Blend,
-    tolerance: f64,
-    extra_tolerance: f64,
-    /// Largest so far, as a part of the tolerance.
-    deviation: f64,
-    /// Lowest speed of the blend and of the path so far, in space or else of the extra axes.
-    slowest: [f64; 2],
-    coarse: bool,
-}
-
-/// Deviation and its derivative, in space and of the extra axes, and the derivative of the path.
-struct Deviation {
-    way: f64,
-    space: [Vector3<f64>; 2],
-    extra: [SVector<f64, 5>; 2],
-    original: Vector3<f64>,
-}
-
-impl Check<'_> {
-    /// Goes along the points of the path on one side of the joint.
-    fn side(&mut self, points: impl Iterator<Item = (f64, CoursePoint)>) {
-        let mut last: Option<Deviation> = None;
-        for (way, point) in points {
-            let here = self.deviation(way, &point);
-            if let Some(last) = &last {
-                self.interval(last, &here);
-            }
-            last = Some(here);
-        }
-    }
-
-    fn deviation(&mut self, way: f64, point: &CoursePoint) -> Deviation {
-        let blended = self.blend.at(way);
-        let [new, old] = [blended.extra, point.extra].map(Option::<ExtraPoint>::unwrap_or_default);
-        let speeds = if point.first == Vector3::zeros() && blended.first == Vector3::zeros() {
-            [new, old].map(|extra| SVector::from(extra.first).norm())
-        } else {
-            [blended.first.norm(), point.first.norm()]
-        };
-        for (slowest, speed) in self.slowest.iter_mut().zip(speeds) {
-            *slowest = slowest.min(speed);
-        }
-        Deviation {
-            way,
-            space: [blended.position - point.position, blended.first - point.first],
-            extra: [
-                SVector::from(new.position) - SVector::from(old.position),
-                SVector::from(new.first) - SVector::from(old.first),
-            ],
-            original: point.first,
-        }
-    }
-
-    /// Bounds the deviation between two points by the Bézier points of the cubic that has its values and derivatives:
-    /// no point of the cubic is outside of their hull.
-    fn interval(&mut self, from: &Deviation, to: &Deviation) {
-        let third = (to.way - from.way) / 3.0;
-        let space = hull(from.space, to.space, third).map(|point| point.norm() / self.tolerance);
-        let extra = hull(from.extra, to.extra, third).map(|u| u.amax() / self.extra_tolerance);
-        for part in space.into_iter().chain(extra) {
-            // Zero divided by a tolerance of zero is no deviation; of what is no number the blend is rid already.
-            if part > self.deviation {
-                self.deviation = part;
-            }
-        }
-        self.coarse |= (to.original - from.original).norm() > BEND;
-    }
-}
-
-fn hull<const N: usize>(
-    from: [SVector<f64, N>; 2],
-    to: [SVector<f64, N>; 2],
-    third: f64,
-) -> [SVector<f64, N>; 4] {
-    let ([from, leaving], [to, arriving]) = (from, to);
-    [from, from + leaving * third, to - arriving * third, to]
 }

@@ -14,8 +14,9 @@
 
 use super::CAPPED;
 use super::scaled::{Active, Scaled};
+use crate::limit::bound::Constraint;
 use crate::limit::gain::Gain;
-use crate::limit::grid::{Constraint, Grid};
+use crate::limit::grid::Grid;
 use std::ops::Range;
 
 /// A row that is less active holds nothing.

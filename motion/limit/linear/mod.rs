@@ -21,9 +21,10 @@ mod scaled;
 #[cfg(test)]
 mod tests;
 
+use super::bound::Constraint;
 use super::convex::{NotSolved, Origin, Program};
 use super::gain::{Gain, gains};
-use super::grid::{Constraint, Grid};
+use super::grid::Grid;
 use super::reachable;
 use chain::Chain;
 use presolve::Presolved;

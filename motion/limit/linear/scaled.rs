@@ -1,6 +1,7 @@
 //! The limits of one cell in the b at its two ends, as parts of given ones.
 
-use crate::limit::grid::{Constraint, Disc, End, Grid, Row, number};
+use crate::limit::bound::{Constraint, Disc, Row, number};
+use crate::limit::grid::{End, Grid};
 
 use super::presolve::TIGHT;
 

@@ -4,7 +4,8 @@
 use super::presolve::Presolved;
 use super::scaled::Scaled;
 use super::{LinearProfile, LinearSolver};
-use crate::limit::grid::{AxisLimits, Cap, CapSource, CellEnd, Constraint, Disc, Grid, Rates, Row};
+use crate::limit::bound::{AxisLimits, Cap, CapSource, Constraint, Disc, Rates, Row};
+use crate::limit::grid::{CellEnd, Grid};
 use crate::limit::reachable;
 use proptest::prelude::*;
 use std::collections::BTreeMap;

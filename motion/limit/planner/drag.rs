@@ -2,8 +2,8 @@
 
 use super::Planner;
 use crate::limit::axis_path::AxisPath;
+use crate::limit::cell::{Cell, Sample};
 use crate::limit::drag::DragRow;
-use crate::limit::sample::{Cell, Sample};
 use crate::limit::stretch::Stretch;
 use crate::prepare::CheckedElement;
 use std::sync::Arc;

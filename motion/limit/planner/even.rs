@@ -3,8 +3,8 @@
 use super::Planner;
 use super::refine::SHORTEST;
 use crate::limit::axis_path::AxisPath;
-use crate::limit::grid::AxisLimits;
-use crate::limit::sample::{Cell, Sample};
+use crate::limit::bound::AxisLimits;
+use crate::limit::cell::{Cell, Sample};
 use crate::limit::stretch::Stretch;
 use crate::prepare::CheckedElement;
 

@@ -2,7 +2,8 @@
 
 use super::Planner;
 use crate::limit::axis_path::AxisPath;
-use crate::limit::grid::{Cap, CapSource, End};
+use crate::limit::bound::{Cap, CapSource};
+use crate::limit::grid::End;
 use crate::limit::sample::grid;
 use crate::limit::smooth::{Beginning, Guess};
 use crate::prepare::CheckedElement;

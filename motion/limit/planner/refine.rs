@@ -2,7 +2,8 @@
 
 use super::Planner;
 use crate::limit::axis_path::AxisPath;
-use crate::limit::grid::{Cap, CapSource, Grid};
+use crate::limit::bound::{Cap, CapSource};
+use crate::limit::grid::Grid;
 use crate::limit::reachable;
 use crate::limit::rows::LEAST_TIME;
 use crate::limit::sample::grid;

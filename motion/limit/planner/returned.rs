@@ -2,8 +2,8 @@
 
 use super::{After, Leg, LimitError, Planned, Planner};
 use crate::limit::axis_path::AxisPath;
+use crate::limit::cell::Cell;
 use crate::limit::course::CourseElement;
-use crate::limit::sample::Cell;
 use crate::limit::smooth::Beginning;
 use crate::prepare::CheckedElement;
 use std::collections::VecDeque;

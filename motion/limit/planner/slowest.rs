@@ -3,12 +3,13 @@
 use super::refine::time;
 use super::{Leg, NOT_SOLVED, Planner};
 use crate::limit::axis_path::AxisPath;
+use crate::limit::cell::Cell;
 use crate::limit::convex::NotSolved;
 use crate::limit::course::CourseElement;
 use crate::limit::feeds::Feeds;
 use crate::limit::grid::Grid;
 use crate::limit::reachable;
-use crate::limit::sample::{Cell, grid};
+use crate::limit::sample::grid;
 use crate::limit::smooth::{Aim, Beginning, Guess};
 use crate::limit::stretch::{Law, Stretch};
 use crate::prepare::CheckedElement;

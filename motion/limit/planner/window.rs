@@ -3,35 +3,23 @@
 use super::drag::MOST_TANGENTS;
 use super::even::MOST_CUTS;
 use super::guess::SLOWER;
-use super::refine::SHORTEST;
+use super::verify::{HALVING, exceeds};
 use super::{NOT_SOLVED, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
 use crate::limit::grid::Grid;
 use crate::limit::reachable;
-use crate::limit::rows::LEAST_TIME;
-use crate::limit::sample::{Cell, grid};
+use crate::limit::sample::grid;
 use crate::limit::smooth::{Beginning, Broken, Guess, SmoothProfile};
 use crate::limit::stretch::Stretch;
 use crate::prepare::CheckedElement;
 use std::ops::Range;
 
-/// Acceleration, jerk and velocity between the places where limits are asked for may be so much of the limit; a cell in which
-/// they are more than the second number is too long.
-const ALLOWED: [[f64; 2]; 3] = [[1.0005, 1.01], [1.045, 1.2], [1.0005, 1.01]];
-/// Where the jerk is in what [`Planner::worst`] gives.
-const JERK: usize = 1;
-/// Windows are solved again at most so often, and cells cut in half at most in so many of these rounds: a shorter cell gives
-/// the profile more freedom, which it may use to exceed limits somewhere else.
+/// Windows are solved again at most so often.
 const ROUNDS: u32 = 16;
-const HALVING: u32 = 6;
 /// Nor are there to be so many times more of them.
 const MOST_CELLS: usize = 4;
 
-/// Cells of fewer times the shortest are not cut often any more.
-const FEW_CUTS: f64 = 4.0;
-/// A limit that was made tighter and is still exceeded is made so many times tighter.
-const AGAIN: i32 = 4;
 /// A change is felt for so many times the time in which acceleration builds up: mostly, and where between the ends of that
 /// there is no profile.
 const FELT: [f64; 2] = [2.0, 4.0];
@@ -318,133 +306,11 @@ where
             .map(|(cell, (from, to))| Stretch::uniform(grid.length(cell), *from, *to))
             .collect()
     }
-
-    /// Looks between the places where limits were asked for. Where they are exceeded, limits are made tighter, or asked for at
-    /// more places, and in the first rounds cells are cut in half where they are exceeded by much. Those cells, by their new
-    /// numbers; `guess` is fitted to the new ones. Cells before `first` stay as they are.
-    fn tighten(
-        &mut self,
-        stretches: &[Stretch],
-        (first, round): (usize, u32),
-        broken: &Broken,
-        mut guess: Option<&mut Guess>,
-    ) -> Vec<usize> {
-        let fresh = self.kept.len().saturating_sub(1);
-        self.budget.looked(self.cells.len());
-        let mut cells = Vec::with_capacity(self.cells.len());
-        let mut changed = Vec::new();
-        let known = std::mem::take(&mut self.cells);
-        let last = known.len().saturating_sub(1);
-        for (index, (mut cell, stretch)) in known.into_iter().zip(stretches).enumerate() {
-            let worst = self.worst(&cell, stretch);
-            if index < first || !exceeds(worst) {
-                cells.push(cell);
-                continue;
-            }
-            if guess.as_ref().is_some_and(|guess| guess.has_moved(cells.len())) {
-                // It is solved again anyway.
-                cells.push(cell);
-                continue;
-            }
-            // What was planned before with limited jerk stays on its nodes: on others there may be no such plan.
-            let free = index >= fresh || !self.jerk_limited;
-            let too_long = worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far);
-            let rest = self.jerk_limited && (index == 0 || index == last);
-            let halve = round < HALVING && free && too_long && !rest;
-            if halve && stretch.duration() > SHORTEST {
-                cell.tight = [1.0; 3];
-                // Halves with jerks limited in their middles alone would have as much freedom at their ends, and these cannot be
-                // cut much further.
-                let [_, jerk, _] = worst;
-                cell.dense |= jerk > ALLOWED[JERK][1] && stretch.duration() < FEW_CUTS * SHORTEST;
-                if let Ok(parts) = self.sampler.parts(&cell, &[0.5])
-                    && parts.len() == 2
-                {
-                    if let Some(guess) = guess.as_deref_mut() {
-                        guess.cut(cells.len(), &[0.5]);
-                    }
-                    changed.extend([cells.len(), cells.len() + 1]);
-                    if index < fresh {
-                        self.keep_within(cells.len(), stretch, &[0.5]);
-                    }
-                    cells.extend(parts);
-                    continue;
-                }
-            }
-            changed.push(cells.len());
-            for (kind, (worst, [allowed, _])) in worst.into_iter().zip(ALLOWED).enumerate() {
-                if worst <= allowed {
-                    continue;
-                }
-                if kind == JERK && broken.jerk(index) {
-                    // A row of it was left out, and will not be the next time.
-                } else if kind == JERK && !cell.dense {
-                    cell.dense = true;
-                } else if let Some(tight) = cell.tight.get_mut(kind) {
-                    let factor = worst / (1.0 + 0.5 * (allowed - 1.0));
-                    // Between the ends of the cell it may be more than at the ends, where it did not help then.
-                    let again = if *tight > 1.0 { AGAIN } else { 1 };
-                    *tight *= factor.powi(again).min(2.0);
-                }
-            }
-            cells.push(cell);
-        }
-        self.cells = cells;
-        changed
-    }
-
-    /// The largest acceleration, jerk and velocity in a cell as parts of the limits.
-    fn worst(&self, cell: &Cell, stretch: &Stretch) -> [f64; 3] {
-        let mut worst = [0.0_f64; 3];
-        let limits = self.sampler.axes().limits();
-        // What jerk limits have smoothed is not so far from the places where it is known.
-        let smooth = self.jerk_limited && !self.options.course.turning;
-        let eighths = (0..=8_u8).step_by(if smooth { 2 } else { 1 });
-        let mut before: [Option<f64>; 2] = [None; 2];
-        for eighth in eighths {
-            let u = 0.125 * f64::from(eighth) * cell.length();
-            let sample = match eighth {
-                0 => cell.start,
-                4 => cell.middle,
-                8 => cell.end,
-                _ => {
-                    let s = cell.from + u;
-                    let Ok(sample) = self.sampler.sample(&cell.element, s, &cell.start.position)
-                    else {
-                        continue;
-                    };
-                    sample
-                }
-            };
-            let excess = sample.excess(limits, stretch, u);
-            for (worst, excess) in worst.iter_mut().zip(excess) {
-                *worst = worst.max(excess);
-            }
-            let [now, ..] = excess;
-            if let [Some(earlier), Some(last)] = before
-                && !smooth
-            {
-                // A parabola through the three is not higher than this.
-                let bend = (2.0 * last - earlier - now).max(0.0);
-                worst[0] = worst[0].max(earlier.max(last).max(now) + 0.125 * bend);
-            }
-            before = [before[1], Some(now)];
-        }
-        if stretch.duration() < LEAST_TIME {
-            worst[JERK] = 0.0;
-        }
-        worst
-    }
 }
 
 /// Whether a profile does not have to go backwards in between.
 pub(super) fn can_be_followed(stretches: &[Stretch]) -> bool {
     stretches.iter().all(|stretch| stretch.duration().is_finite())
-}
-
-/// Whether something in a cell is more than it may be.
-fn exceeds(worst: [f64; 3]) -> bool {
-    worst.iter().zip(ALLOWED).any(|(worst, [allowed, _])| *worst > allowed)
 }
 
 /// How each cell is gone through.

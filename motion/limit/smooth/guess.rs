@@ -2,8 +2,8 @@
 
 use super::pairs;
 use crate::limit::asked::Asked;
+use crate::limit::bound::Constraint;
 use crate::limit::convex::Origin;
-use crate::limit::grid::Constraint;
 
 /// The next guess is not below this part of the one before.
 const FLOOR: f64 = 0.05;
