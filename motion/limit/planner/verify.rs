@@ -129,9 +129,7 @@ where
                 *worst = worst.max(excess);
             }
             let [now, ..] = excess;
-            if let [Some(earlier), Some(last)] = before
-                && !smooth
-            {
+            if let [Some(earlier), Some(last)] = before {
                 // A parabola through the three is not higher than this.
                 let bend = (2.0 * last - earlier - now).max(0.0);
                 worst[0] = worst[0].max(earlier.max(last).max(now) + 0.125 * bend);
