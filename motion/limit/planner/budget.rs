@@ -3,8 +3,6 @@
 use super::NOT_SOLVED;
 use crate::limit::convex::NotSolved;
 
-/// Iterations that a solve takes at most where there is no budget.
-const MOST_ITERATIONS: u32 = 100;
 /// A solve that is left with fewer would come to nothing.
 const FEWEST_ITERATIONS: u32 = 5;
 /// What it takes to sample a cell and to look at one, as iterations of the solver over it.
@@ -57,14 +55,14 @@ impl Budget {
         self.left == Some(0)
     }
 
-    /// How many iterations a solve over so many cells may take.
+    /// How many iterations solves over so many cells may take; `None`: as many as they need.
     ///
     /// # Errors
     /// If that is too few.
-    pub(super) fn iterations(&self, cells: usize) -> Result<u32, NotSolved> {
-        let Some(left) = self.left else { return Ok(MOST_ITERATIONS) };
+    pub(super) fn iterations(&self, cells: usize) -> Result<Option<u32>, NotSolved> {
+        let Some(left) = self.left else { return Ok(None) };
         let left = left / (cells as u64).max(1);
-        let left = u32::try_from(left).unwrap_or(u32::MAX).min(MOST_ITERATIONS);
-        if left < FEWEST_ITERATIONS { Err(NOT_SOLVED) } else { Ok(left) }
+        let left = u32::try_from(left).unwrap_or(u32::MAX);
+        if left < FEWEST_ITERATIONS { Err(NOT_SOLVED) } else { Ok(Some(left)) }
     }
 }

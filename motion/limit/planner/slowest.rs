@@ -239,7 +239,7 @@ where
             self.smooth.floors = floors.map(|floor| (1.0 - EXACT) * floor.max(0.0)).collect();
             let free = 1..grid.cells().saturating_sub(1);
             self.smooth.program.most_iterations = match self.budget.iterations(free.len()) {
-                Ok(most) => Some(most),
+                Ok(most) => most,
                 Err(spent) => break Err(spent),
             };
             let solved =

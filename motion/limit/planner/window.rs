@@ -229,7 +229,7 @@ where
         free: Range<usize>,
     ) -> Result<(SmoothProfile, Broken), NotSolved> {
         self.effort.cells += free.len() as u64;
-        self.smooth.program.most_iterations = Some(self.budget.iterations(free.len())?);
+        self.smooth.program.most_iterations = self.budget.iterations(free.len())?;
         let solved =
             self.smooth.solve_about(grid, 0..grid.cells(), self.beginning, guess, free.clone());
         let taken = match &solved {
@@ -286,8 +286,9 @@ where
             Beginning::Moving { b, .. } => b,
         };
         self.budget.looked(grid.cells());
+        // Without any left the two passes will do.
         let most = self.budget.iterations(grid.cells());
-        self.linear.program.most_iterations = Some(most.unwrap_or_default().max(1));
+        self.linear.program.most_iterations = most.unwrap_or(Some(1));
         let b = match self.linear.solve(grid, cells.clone(), start, 0.0) {
             Ok(profile) => {
                 self.effort.iterations += u64::from(profile.iterations);
