@@ -62,10 +62,9 @@ where
     /// This call itself plans nothing; the next item does, with less than twice [`Self::MOST_WORK`], however much is known of the
     /// path. Where that is not enough, nothing but the plan so far is handed out for 0.1 s of the path (twice
     /// as much after every other attempt, up to 1.6 s), and tried again from there
-    /// ([`Effort::not_replanned`](crate::limit::Effort)). A unit of work is 0.7 to 1.5 µs of an ordinary core of 2024 that has
-    /// nothing else to do, and up to 6 µs where other programs want it. Measured over 166 attempts in random programs: half of
-    /// them within 11 ms, 19 of 20 within 0.09 s and all within 0.2 s with both cores of the machine overbooked, within 0.08 s
-    /// where there was nothing else to do.
+    /// ([`Effort::not_replanned`](crate::limit::Effort)). A unit of work is 1 to 3 µs of a core of 2024 that other programs want
+    /// as well. Measured over 920 changes on three machines (`cargo bench -p twin-motion --bench replan`) with both cores
+    /// overbooked: half of them within 31 ms, 19 of 20 within 0.12 s and all within 0.2 s; 27 were tried again later.
     ///
     /// Who cannot wait for that executes the plan by [`Pieces`](crate::limit::Pieces) and
     /// [`Spliced`](crate::limit::Spliced): what is executed then ends at rest at any time, and a new plan takes its place only if
