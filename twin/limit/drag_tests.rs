@@ -74,10 +74,10 @@ fn friction_takes_what_it_takes_at_every_speed() {
         let expected = least(0.0);
         let found = limited(&machine(""), &text, LimitRules::default());
         println!("{length} mm: {:.6} s, {expected:.6} s", found.duration);
-        // The acceleration is that of the velocity at the end of a cell of at most 3.2 ms: Euler's method backwards, which has a
+        // The acceleration is that of the velocity at the end of a cell of at most 2 ms: Euler's method backwards, which has a
         // time constant longer by half of that.
         assert!(found.duration > expected * (1.0 - 1e-4), "{}", found.duration);
-        assert!(found.duration < least(1.6e-3) * (1.0 + 1e-4), "{}", found.duration);
+        assert!(found.duration < least(1e-3) * (1.0 + 1e-4), "{}", found.duration);
         // Friction of the largest velocity all the way would take a good part more.
         near(found.duration, expected, 2e-3);
         let most = used(&machine(""), &found);
