@@ -46,8 +46,12 @@ impl Spare {
     }
 }
 
-/// The three rows of the cone |rows·x| ≤ 1.
-pub(super) type Cone = [[(usize, f64); 3]; 3];
+/// The cone |rows·x + given| ≤ 1.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Cone {
+    pub(super) rows: [[(usize, f64); 3]; 3],
+    pub(super) given: [f64; 3],
+}
 
 /// Where a row comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -164,6 +168,13 @@ impl Program {
         self.rows() - before
     }
 
+    /// Leaves so many iterations less for what follows, where they are counted.
+    pub(super) fn count_down(&mut self, iterations: u32) {
+        if let Some(most) = &mut self.most_iterations {
+            *most = most.saturating_sub(iterations).max(1);
+        }
+    }
+
     /// Solves it, with as many of the spare rows as are needed.
     ///
     /// # Errors
@@ -173,9 +184,7 @@ impl Program {
         loop {
             let mut answer = self.solve(tolerance)?;
             iterations += answer.iterations;
-            if let Some(most) = &mut self.most_iterations {
-                *most = most.saturating_sub(answer.iterations).max(1);
-            }
+            self.count_down(answer.iterations);
             if self.add_broken(&answer.x) == 0 {
                 answer.iterations = iterations;
                 return Ok(answer);
@@ -183,9 +192,9 @@ impl Program {
         }
     }
 
-    /// Adds |three rows| ≤ 1.
-    pub(super) fn add_cone(&mut self, rows: Cone, origin: Origin) {
-        self.cones.push((rows, origin));
+    /// Adds a cone.
+    pub(super) fn add_cone(&mut self, cone: Cone, origin: Origin) {
+        self.cones.push((cone, origin));
     }
 
     /// Number of rows.
@@ -219,7 +228,7 @@ impl Program {
         let plain = self.ends.len();
         let rows = self.entries_by_row().chain(self.cones.iter().enumerate().flat_map(
             |(index, (cone, _))| {
-                cone.iter().zip(1..).flat_map(move |(row, offset)| {
+                cone.rows.iter().zip(1..).flat_map(move |(row, offset)| {
                     let row_index = plain + 4 * index + offset;
                     let entries = row.iter().filter(|(_, value)| *value != 0.0);
                     // A cone holds right side minus row.
@@ -273,7 +282,10 @@ impl Program {
         let mut cones = vec![SupportedConeT::NonnegativeConeT(plain)];
         cones.extend(self.cones.iter().map(|_| SupportedConeT::SecondOrderConeT(4)));
         let mut right = self.right.clone();
-        right.extend(self.cones.iter().flat_map(|_| [1.0, 0.0, 0.0, 0.0]));
+        right.extend(self.cones.iter().flat_map(|(cone, _)| {
+            let [x, y, z] = cone.given;
+            [1.0, -x, -y, -z]
+        }));
         let most = self.most_iterations.unwrap_or(MOST_ITERATIONS).min(MOST_ITERATIONS);
         let settings = DefaultSettings {
             verbose: false,

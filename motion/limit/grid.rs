@@ -157,6 +157,11 @@ impl Grid {
             row.a *= acceleration;
             row.b *= acceleration;
         }
+        let ends = 2 * self.cells();
+        let discs = self.discs.iter_mut().skip(ends.saturating_sub(2)).flatten();
+        for part in discs.flat_map(|disc| disc.a.iter_mut().chain(&mut disc.b)) {
+            *part *= acceleration;
+        }
         let axes = self.limits.len();
         let ends = self.jerks.iter_mut().rev().take(2 * axes);
         for row in ends.chain(self.middles.iter_mut().rev().take(axes)) {

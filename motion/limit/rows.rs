@@ -2,7 +2,7 @@
 
 use super::asked::Asked;
 use super::bound::{CapSource, Constraint, JerkRow, Row, number};
-use super::convex::{Origin, Program};
+use super::convex::{Cone, Origin, Program};
 use super::grid::{End, Grid};
 use super::smooth::Known;
 use std::ops::Range;
@@ -241,15 +241,16 @@ impl Writer<'_> {
         if let Some(disc) = grid.disc(cell, end) {
             let lines =
                 disc.a.iter().zip(disc.b).map(|(a, b)| place.acceleration(&Row { a: *a, b }));
-            let mut cone = [[(0, 0.0); 3]; 3];
+            let mut cone = Cone::default();
             let mut square = 0.0;
-            for (slot, line) in cone.iter_mut().zip(lines) {
-                let (entries, _, sum) = self.entries(line);
-                *slot = entries;
+            for ((row, given), line) in cone.rows.iter_mut().zip(&mut cone.given).zip(lines) {
+                let (entries, of_given, sum) = self.entries(line);
+                (*row, *given) = (entries, of_given);
                 square += sum * sum;
             }
             // Cones cost more than rows; one far from its limit at the guess is left out.
-            if square > FAR * FAR {
+            let free = cone.rows.iter().flatten().any(|(_, value)| *value != 0.0);
+            if free && square > FAR * FAR {
                 let origin = self.origin(Constraint::ToolAcceleration, 1.0);
                 self.program.add_cone(cone, origin);
             }

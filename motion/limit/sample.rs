@@ -324,7 +324,8 @@ pub(super) fn grid<A: AxisPath>(sampler: &Sampler<A>, cells: &[Cell]) -> Grid {
         let (start, end) = (end(&cell.start, of_start), end(&cell.end, of_end));
         grid.push(cell.length(), &start, &end);
         grid.bend_last(&cell.middle.rates);
-        grid.cap_last(cell.joint);
+        let [.., velocity] = cell.tight;
+        grid.cap_last(Cap { v2: cell.joint.v2 / (velocity * velocity), ..cell.joint });
         grid.tighten_last(cell.tight);
         if cell.dense {
             grid.make_last_dense();

@@ -23,3 +23,4 @@ mod run;
 mod short;
 mod some;
 mod splice;
+mod tool;

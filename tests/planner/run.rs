@@ -76,6 +76,8 @@ pub struct Report {
     pub feed: Peak,
     /// Part of E+ or E−.
     pub path_acceleration: Peak,
+    /// Of the tool tip, m/s².
+    pub tool_acceleration: Peak,
     /// Step of the velocity and of the acceleration of the parameter from leg to leg, m/s and m/s².
     pub velocity_step: Peak,
     pub acceleration_step: Peak,
@@ -218,6 +220,8 @@ impl<'m, A: AxisPath> Watch<'m, A> {
         if factor >= 1.0 && from == 0.0 || factor > 0.0 && time > from && a >= 0.0 {
             report.feed.raise(speed * v / (factor * leg.element.feed()), line, time);
         }
+        let tool = point.first * a + point.second * (v * v);
+        report.tool_acceleration.raise(tool.norm(), line, time);
         let along = speed * a + point.first.dot(&point.second) / speed * v * v;
         let limit =
             if along > 0.0 { leg.element.acceleration() } else { leg.element.deceleration() };

@@ -22,7 +22,7 @@ mod scaled;
 mod tests;
 
 use super::bound::Constraint;
-use super::convex::{NotSolved, Origin, Program};
+use super::convex::{Cone, NotSolved, Origin, Program};
 use super::gain::{Gain, gains};
 use super::grid::Grid;
 use super::reachable;
@@ -235,8 +235,8 @@ impl LinearSolver {
             let constraint = Constraint::ToolAcceleration;
             if let [Some(first), Some(second)] = nodes.variables {
                 let [p, r] = vectors;
-                let mut cone = [[(0, 0.0); 3]; 3];
-                for (line, (p, r)) in cone.iter_mut().zip(p.into_iter().zip(r)) {
+                let mut cone = Cone::default();
+                for (line, (p, r)) in cone.rows.iter_mut().zip(p.into_iter().zip(r)) {
                     *line = [(first, p), (second, r), (0, 0.0)];
                 }
                 let origin = Origin { cell: nodes.first, constraint, upper: true, share: 1.0 };

@@ -7,7 +7,7 @@ use crate::limit::convex::NotSolved;
 const FEWEST_ITERATIONS: u32 = 5;
 /// What it takes to sample a cell and to look at one, as iterations of the solver over it.
 const SAMPLING: u64 = 3;
-const LOOKING: u64 = 1;
+const LOOKING: u64 = 2;
 
 /// The work that is left, in cells times iterations of the solver: a measure of time that is the same on every computer.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,7 +1,6 @@
 //! What of a window is committed, and what becomes of the rest.
 
 use super::refine::time;
-use super::returned::{Part, parts};
 use super::{Leg, LimitError, Planned, Planner};
 use crate::Place;
 use crate::limit::axis_path::AxisPath;
@@ -64,24 +63,14 @@ where
             return;
         };
         let (element, at) = (Arc::clone(&last.element), last.from + last.stretch.length());
+        let near = last.start;
         self.ready.extend(tail.into_iter().map(|leg| Ok(Planned::Leg(leg))));
+        self.unplan();
+        self.skip_to(&element, at);
+        self.near = near;
         self.beginning = Beginning::Rest;
-        self.kept.clear();
-        let behind = self
-            .cells
-            .iter()
-            .position(|cell| Arc::ptr_eq(&cell.element, &element) && cell.to > at * (1.0 + 1e-12));
-        let behind = behind.or_else(|| {
-            let last = self.cells.iter().rposition(|cell| Arc::ptr_eq(&cell.element, &element));
-            last.map(|index| index + 1)
-        });
-        self.cells.drain(..behind.unwrap_or(0).min(self.cells.len()));
-        if let Some(first) = self.cells.first_mut()
-            && Arc::ptr_eq(&first.element, &element)
-        {
-            first.from = at;
-        }
-        self.coarsen(0);
+        // It was to be held further on, if at all.
+        self.held = self.asked <= 0.0;
     }
 
     /// Gives up the cells at hand and begins again from rest behind them; the place where they began.
@@ -136,13 +125,17 @@ where
     pub(super) fn coarsen(&mut self, index: usize) {
         let fine = self.cells.split_off(index.min(self.cells.len()));
         let mut near = fine.first().map_or(self.near, |cell| cell.start.position);
-        for Part { element, from, to } in parts(&fine) {
+        for part in fine.chunk_by(|one, next| Arc::ptr_eq(&one.element, &next.element)) {
+            let ([first, ..], [.., last]) = (part, part) else { continue };
             let known = self.cells.len();
-            // What could be sampled before can be sampled again.
-            if self.sampler.cells(&element, from..to, &near, &mut self.cells).is_ok() {
-                self.join(known);
-                near = self.near;
+            let range = first.from..last.to;
+            if self.sampler.cells(&first.element, range, &near, &mut self.cells).is_err() {
+                // What cannot be sampled at other places stays as it is.
+                self.cells.truncate(known);
+                self.cells.extend_from_slice(part);
             }
+            self.join(known);
+            near = self.near;
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::limit::sample::grid;
 use crate::limit::smooth::{Beginning, Guess};
 use crate::prepare::CheckedElement;
 
-/// So much more room each time for acceleration, jerk and velocity: limits are looked at again between the nodes.
+/// So much more room for acceleration, jerk and velocity: limits are looked at again between the nodes.
 const ROOM: [f64; 3] = [1e-4, 0.01, 1e-6];
 /// If there is no profile about the first guess, others have so much of its u̇².
 pub(super) const SLOWER: [f64; 4] = [0.2, 0.02, 0.6, 2e-3];

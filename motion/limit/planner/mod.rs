@@ -295,8 +295,8 @@ where
         }
         match self.plan_window(self.options.horizon, false) {
             Ok(()) | Err(NoWindow::Slower) => {}
-            Err(NoWindow::Kinematics(error)) => {
-                let place = self.rest_instead();
+            Err(NoWindow::Kinematics(place, error)) => {
+                self.rest_instead();
                 self.ready.push_back(Err(LimitError::Kinematics { place, error }));
             }
             Err(NoWindow::NotSolved(error)) => self.fall_back(error),
@@ -312,9 +312,11 @@ where
             }
             self.fill(horizon);
             if self.cells.is_empty() {
-                return Ok(());
+                // What would have to come next cannot: there is only the plan so far.
+                let moving = self.beginning != Beginning::Rest;
+                return if moving { Err(NoWindow::NotSolved(NOT_SOLVED)) } else { Ok(()) };
             }
-            self.cut_off(horizon).and_then(|()| self.refine()).map_err(NoWindow::Kinematics)?;
+            self.cut_off(horizon).and_then(|()| self.refine())?;
             if exactly {
                 // Else the motors may not be able to go on as they do.
                 self.take_tangents_of_plan();
@@ -328,6 +330,7 @@ where
             }
             let stretches = self.solve_verified().map_err(NoWindow::NotSolved)?;
             if (exactly || self.jerk_limited) && !window::can_be_followed(&stretches) {
+                self.effort.failed += 1;
                 return Err(NoWindow::NotSolved(NOT_SOLVED));
             }
             if exactly && !self.begins_with(&stretches) {
@@ -366,7 +369,8 @@ const NOT_SOLVED: NotSolved = NotSolved { status: SolverStatus::Unsolved, iterat
 
 /// Why there is no plan for a window.
 enum NoWindow {
-    Kinematics(KinematicsError),
+    /// An element cannot be followed.
+    Kinematics(Place, KinematicsError),
     NotSolved(NotSolved),
     /// It begins slower than the path is.
     Slower,

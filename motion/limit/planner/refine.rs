@@ -1,6 +1,6 @@
 //! The grid of a window: where the profile is free to bend.
 
-use super::Planner;
+use super::{NoWindow, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::bound::{Cap, CapSource};
 use crate::limit::grid::Grid;
@@ -9,7 +9,6 @@ use crate::limit::rows::LEAST_TIME;
 use crate::limit::sample::grid;
 use crate::limit::smooth::{Beginning, Guess};
 use crate::prepare::CheckedElement;
-use twin_kinematics::KinematicsError;
 
 /// Within this time, s, after the path rested, or before it will, steps are shorter in proportion: there the velocity changes
 /// fast.
@@ -72,7 +71,7 @@ where
     }
 
     /// Leaves what is more than `horizon` s ahead for the next window.
-    pub(super) fn cut_off(&mut self, horizon: f64) -> Result<(), KinematicsError> {
+    pub(super) fn cut_off(&mut self, horizon: f64) -> Result<(), NoWindow> {
         let (b, duration) = self.estimate(&grid(&self.sampler, &self.cells));
         if duration < BEYOND * horizon {
             return Ok(());
@@ -93,11 +92,13 @@ where
         let Some(cell) = self.cells.get(index) else { return Ok(()) };
         let part = 1.0 + left / takes;
         // A window of one cell would begin and end at rest all the way.
-        let mut parts = if takes > 0.1 * horizon && part > 0.1 && part < 0.9 {
-            self.sampler.parts(cell, &[0.5 * part, part])?
+        let at = if takes > 0.1 * horizon && part > 0.1 && part < 0.9 {
+            vec![0.5 * part, part]
         } else {
-            self.sampler.parts(cell, &[0.5])?
+            vec![0.5]
         };
+        let parts = self.sampler.parts(cell, &at);
+        let mut parts = parts.map_err(|error| NoWindow::Kinematics(cell.element.place(), error))?;
         let behind = parts.split_off(parts.len().min(2));
         let mut beyond = self.cells.split_off(index + 1);
         beyond.splice(..0, behind);
@@ -111,7 +112,7 @@ where
 
     /// Cuts cells that take too long, but not those that are kept. Where jerks are limited this is only the grid of a first,
     /// rough solution, which is then cut by how long its cells take ([`Self::subdivide`]).
-    pub(super) fn refine(&mut self) -> Result<(), KinematicsError> {
+    pub(super) fn refine(&mut self) -> Result<(), NoWindow> {
         // Little is to choose where the path has to brake nearly as hard as it can: there the grid is fine from the beginning.
         let coarse = self.jerk_limited && !self.smooth.positive;
         let step = if coarse { COARSE * self.options.step } else { self.options.step };
@@ -129,7 +130,8 @@ where
             // Time since the path rested, and until it will.
             let mut since = if self.beginning == Beginning::Rest { 0.0 } else { f64::INFINITY };
             let mut left = if self.stops() { duration } else { f64::INFINITY };
-            for (index, cell) in std::mem::take(&mut self.cells).into_iter().enumerate() {
+            let mut known = std::mem::take(&mut self.cells).into_iter().enumerate();
+            while let Some((index, cell)) = known.next() {
                 let pair = b.get(index..index + 2).unwrap_or_default();
                 let takes = time(pair, cell.length(), self.jerk_limited);
                 let fine = graded(step, since.min(left));
@@ -161,7 +163,17 @@ where
                 }
                 cut |= !at.is_empty();
                 self.budget.sampled(at.len() + 1);
-                refined.extend(self.sampler.parts(&cell, &at)?);
+                match self.sampler.parts(&cell, &at) {
+                    Ok(parts) => refined.extend(parts),
+                    Err(error) => {
+                        // Nothing of the path is lost.
+                        let place = cell.element.place();
+                        refined.push(cell);
+                        refined.extend(known.map(|(_, cell)| cell));
+                        self.cells = refined;
+                        return Err(NoWindow::Kinematics(place, error));
+                    }
+                }
             }
             self.cells = refined;
             if !cut {
@@ -200,7 +212,6 @@ where
             {
                 self.budget.sampled(parts.len());
                 guess.cut(place, &at);
-                self.budget.sampled(parts.len());
                 cells.extend(parts);
             } else {
                 cells.push(cell);

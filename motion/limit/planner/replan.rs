@@ -102,6 +102,8 @@ where
             self.go_on(usize::MAX);
         }
         if self.beginning == Beginning::Rest {
+            // The plan so far is that under the last override.
+            self.tail.clear();
             if self.asked > 0.0 {
                 self.sampler.feeds = Feeds::new(self.asked);
             } else {

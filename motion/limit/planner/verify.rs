@@ -56,7 +56,7 @@ where
             }
             // What was planned before with limited jerk stays on its nodes: on others there may be no such plan.
             let free = index >= fresh || !self.jerk_limited;
-            let too_long = worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far);
+            let too_long = is_too_long(worst);
             let rest = self.jerk_limited && (index == 0 || index == last);
             let halve = round < HALVING && free && too_long && !rest;
             if halve && stretch.duration() > SHORTEST {
@@ -68,6 +68,7 @@ where
                 if let Ok(parts) = self.sampler.parts(&cell, &[0.5])
                     && parts.len() == 2
                 {
+                    self.budget.sampled(parts.len());
                     if let Some(guess) = guess.as_deref_mut() {
                         guess.cut(cells.len(), &[0.5]);
                     }
@@ -141,6 +142,11 @@ where
         }
         worst
     }
+}
+
+/// Whether something in a cell is so much more than it may be that the cell is too long.
+pub(super) fn is_too_long(worst: [f64; 3]) -> bool {
+    worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far)
 }
 
 /// Whether something in a cell is more than it may be.

@@ -3,7 +3,7 @@
 use super::drag::MOST_TANGENTS;
 use super::even::MOST_CUTS;
 use super::guess::SLOWER;
-use super::verify::{HALVING, exceeds};
+use super::verify::{HALVING, exceeds, is_too_long};
 use super::{NOT_SOLVED, Planner};
 use crate::limit::axis_path::AxisPath;
 use crate::limit::convex::NotSolved;
@@ -17,7 +17,7 @@ use std::ops::Range;
 
 /// Windows are solved again at most so often.
 const ROUNDS: u32 = 16;
-/// Nor are there to be so many times more of them.
+/// Cells are not cut any more once there are so many times more of them.
 const MOST_CELLS: usize = 4;
 
 /// A change is felt for so many times the time in which acceleration builds up: mostly, and where between the ends of that
@@ -68,18 +68,19 @@ where
         let failed = self.effort.failed;
         let asked = self.asked_of_kept();
         let mut solved = self.solve_smooth_about(self.first_guess());
-        if self.options.course.turning {
-            // In sharp corners a profile about one that is much too fast may be impossible.
-            for part in SLOWER {
-                match &solved {
-                    Ok(stretches) if can_be_followed(stretches) => return solved,
-                    Ok(_) => {}
-                    Err(_impossible) => self.effort.failed = failed,
-                }
-                self.ask_of_kept(&asked);
-                self.loosen();
-                solved = self.solve_smooth_about(self.slower_guess(part));
+        // In sharp corners a profile about one that is much too fast may be impossible. Where work is counted there are other
+        // ways, but for tools that turn.
+        let more = self.options.course.turning || !self.smooth.positive;
+        for part in SLOWER.into_iter().filter(|_| more) {
+            match &solved {
+                Ok(stretches) if can_be_followed(stretches) => return solved,
+                Err(_unknown) if self.budget.is_spent() => return solved,
+                Ok(_) => {}
+                Err(_impossible) => self.effort.failed = failed,
             }
+            self.ask_of_kept(&asked);
+            self.loosen();
+            solved = self.solve_smooth_about(self.slower_guess(part));
         }
         solved
     }
@@ -134,6 +135,7 @@ where
             if solves >= MOST_SOLVES {
                 guess.moved.clear();
             }
+            let known = (self.cells.clone(), self.kept.clone());
             let mut changed = self.tighten(&stretches, (first, round), &broken, Some(&mut guess));
             round += u32::from(!changed.is_empty());
             changed.append(&mut guess.moved);
@@ -155,7 +157,19 @@ where
                 guess.ask_all();
                 solved = self.solve_whole(&mut guess);
             }
-            (profile, broken) = solved?;
+            (profile, broken) = match solved {
+                Ok(solved) => solved,
+                Err(error) => {
+                    // That which exceeds them by a little between the places where they are asked for is better than none.
+                    (self.cells, self.kept) = known;
+                    if !self.are_nearly_kept(&stretches) {
+                        return Err(error);
+                    }
+                    self.effort.failed = failed;
+                    self.count_exceeded(&stretches);
+                    return Ok(stretches);
+                }
+            };
             solves += 1;
         }
     }
@@ -166,6 +180,12 @@ where
             self.count_exceeded(stretches);
         }
         round >= ROUNDS
+    }
+
+    /// Whether nothing is so much more than it may be that cells are too long.
+    fn are_nearly_kept(&self, stretches: &[Stretch]) -> bool {
+        let mut cells = self.cells.iter().zip(stretches);
+        cells.all(|(cell, stretch)| !is_too_long(self.worst(cell, stretch)))
     }
 
     /// Counts the window if something in it is more than it may be.

@@ -176,6 +176,7 @@ impl SmoothSolver {
         // A profile that would go backwards is no guess for another.
         while self.program.goes_backwards(&answer.x) {
             self.program.add_broken(&answer.x);
+            self.program.count_down(answer.iterations);
             let iterations = answer.iterations;
             answer = self.program.solve(tolerance)?;
             answer.iterations += iterations;

@@ -1,0 +1,65 @@
+//! The acceleration of the tool tip.
+
+use super::machines::Machine;
+use super::random::{cases, check, exponential, settings, step, walk};
+use super::run::{Settings, run};
+use nalgebra::Point3;
+use proptest::prelude::*;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use twin_motion::Place;
+use twin_motion::limit::LimitOptions;
+use twin_motion::path::{Arc, ElementKind, PathElement, Plane, Shape};
+
+/// Once around, faster than the tool may go on the circle, in several windows and in one.
+#[test]
+fn circles_are_as_fast_as_the_tool_may_be_accelerated() {
+    const RADIUS: f64 = 0.02;
+    const LIMIT: f64 = 0.5;
+    for machine in Machine::ALL {
+        let [min, max] = machine.room();
+        let center = Point3::from(0.5 * (min + max));
+        let start = Point3::new(center.x + RADIUS, center.y, center.z);
+        let arc = Arc::in_plane(Plane::Xy, start, start, center, TAU);
+        let place = Place { line: 1, block: None };
+        let made = PathElement::new(place, ElementKind::Cut, Shape::Arc(arc));
+        let path = [PathElement { feed: 0.15, acceleration: 20.0, deceleration: 20.0, ..made }];
+        // v̇² + (v²/r)² = a²: to √(a·r) it takes √(r/a)·∫dx/√(1 − x⁴), on π/4 of the radius.
+        let steady = (TAU - FRAC_PI_2) * RADIUS / (LIMIT * RADIUS).sqrt();
+        let least = steady + 2.0 * 1.311_028_777 * (RADIUS / LIMIT).sqrt();
+        for (jerk, horizon) in [(false, 0.6), (true, 0.6), (true, 1e3)] {
+            let settings = Settings { machine, jerk, tolerance: 1e-6, angle: PI, horizon };
+            let options = LimitOptions { tool_acceleration: Some(LIMIT), ..settings.options() };
+            let report = run(path.iter().cloned(), &settings, options);
+            check(&report, &path, &settings).expect("limits that are kept");
+            let (peak, duration) = (report.tool_acceleration.value / LIMIT, report.duration);
+            println!(
+                "{machine:?}, jerk {jerk}, {horizon} s: {peak:.5}, {duration:.5} s, {least:.5} s"
+            );
+            assert!(peak <= 1.001, "{peak}");
+            // With limited jerk it takes longer by about the time in which accelerations come and go.
+            let later = if jerk { 0.03 } else { 2e-4 * least };
+            assert!(duration > least * (1.0 - 1e-6), "{duration}");
+            assert!(duration < least + later, "{duration}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(cases(8))]
+
+    #[test]
+    fn limits_of_the_tool_are_kept(
+        settings in settings(),
+        jerk in any::<bool>(),
+        limit in exponential(0.2..5.0),
+        steps in prop::collection::vec(step(), 1..20),
+    ) {
+        let settings = Settings { jerk, ..settings };
+        let path = walk(&steps, settings.machine);
+        let options = LimitOptions { tool_acceleration: Some(limit), ..settings.options() };
+        let report = run(path.iter().cloned(), &settings, options);
+        check(&report, &path, &settings)?;
+        let peak = report.tool_acceleration;
+        prop_assert!(peak.value <= 1.001 * limit, "{peak:?} of {limit} on {settings:?}, {:?}", report.effort);
+    }
+}
