@@ -147,6 +147,12 @@ pub fn sort(findings: &mut [Finding]) {
     });
 }
 
+/// A program in which nothing moves.
+pub(crate) fn nothing_moves() -> Finding {
+    let message = "the program has no block that moves anything".to_owned();
+    Finding::error(Rule::Syntax, Place { line: 1, block: None }, message)
+}
+
 /// True if any finding makes the program unfit for the machine.
 pub fn unfit(findings: &[Finding]) -> bool {
     findings.iter().any(|finding| finding.severity == Severity::Error)

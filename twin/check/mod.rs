@@ -9,7 +9,7 @@ mod sentence;
 mod tests;
 
 use crate::compare::Comparison;
-use crate::finding::{self, Finding, Rule};
+use crate::finding::{self, Finding};
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
 use crate::machine::{DirectionRule, Machine};
@@ -104,9 +104,7 @@ pub fn check(
         });
     }
     if items.elements() == 0 && !checker.findings.any_error() {
-        let message = "the program has no block that moves anything".to_owned();
-        let place = Place { line: 1, block: None };
-        checker.findings.add(None, Finding::error(Rule::Syntax, place, message));
+        checker.findings.add(None, finding::nothing_moves());
     }
     let mut outcome = checker.finish();
     outcome.findings_left_out += items.left_out();

@@ -23,6 +23,10 @@ pub(super) struct MachineOption {
 }
 
 impl MachineOption {
+    pub(super) fn path(&self) -> &Path {
+        &self.machine
+    }
+
     pub(super) fn load(&self) -> Result<Machine, Failure> {
         Ok(Machine::load(&self.machine)?)
     }
@@ -191,6 +195,8 @@ pub(super) fn plans_without_inputs(program: &ProgramFile) -> Result<(), Failure>
         "--profile is for the controller's own planning (--limits softmotion), not for that within the limits of the axes"
     } else if override_factor.factor() > MOST_OVERRIDE {
         "within the limits of the axes --override is 2 at most"
+    } else if program.settings().look_ahead != DEFAULT_WINDOW {
+        "--look-ahead is for the controller's own planning (--limits softmotion), not for that within the limits of the axes"
     } else {
         return Ok(());
     };

@@ -125,7 +125,11 @@ impl Iterator for ControllerProfile<'_> {
             if let Some(finding) = self.watch.take() {
                 return Some(ProfileItem::Finding(finding));
             }
-            match self.setpoints.next()? {
+            let Some(next) = self.setpoints.next() else {
+                self.watch.finish();
+                return self.watch.take().map(ProfileItem::Finding);
+            };
+            match next {
                 ProgramItem::Setpoint(tool) => {
                     if let Some(sample) = self.sample(&tool) {
                         return Some(ProfileItem::Sample(Box::new(sample)));

@@ -200,11 +200,11 @@ impl<'m> Profile<'m> {
     pub fn changes(&self) -> Vec<Change> {
         let mut changes: Vec<Change> = Vec::new();
         for (constraint, time) in self.follower.plan().costs() {
-            let binding = self.binding_of(*constraint);
-            let gain_s = time * Change::RAISED;
-            match changes.iter_mut().find(|change| Some(change.binding) == binding) {
+            let Some(binding) = self.binding_of(*constraint) else { continue };
+            let gain_s = binding.gain(*time, Change::RAISED);
+            match changes.iter_mut().find(|change| change.binding == binding) {
                 Some(change) => change.gain_s += gain_s,
-                None => changes.extend(binding.map(|binding| Change { binding, gain_s })),
+                None => changes.push(Change { binding, gain_s }),
             }
         }
         changes.sort_by(|one, other| other.gain_s.total_cmp(&one.gain_s));
@@ -296,6 +296,7 @@ impl Iterator for Profile<'_> {
                 let line = self.line.take();
                 self.leave_line(line);
             }
+            self.watch.finish();
             return self.found.take().or_else(|| self.watch.take()).map(ProfileItem::Finding);
         };
         Some(match next {

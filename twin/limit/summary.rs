@@ -48,6 +48,8 @@ pub struct LimitSummary {
     pub limited_by: Vec<BindingShare>,
     /// The lines that lose most time, the worst first.
     pub lines: Vec<LineLoss>,
+    /// The override at the start: the part of the programmed feed that is asked for.
+    pub override_factor: f64,
     /// What raising one limit would gain, the most first.
     pub changes: Vec<Change>,
     /// How the convex solver did.
@@ -148,8 +150,13 @@ pub struct Summing {
 impl Summing {
     /// Nothing yet.
     pub fn new(axes: usize) -> Self {
+        Self::under(axes, 1.0)
+    }
+
+    /// The same under an override, of which the programmed feed is a part.
+    pub fn under(axes: usize, factor: f64) -> Self {
         let peaks = vec![AxisPeak::default(); axes];
-        let summary = LimitSummary { peaks, ..LimitSummary::default() };
+        let summary = LimitSummary { peaks, override_factor: factor, ..LimitSummary::default() };
         Self { summary, ..Self::default() }
     }
 
@@ -180,7 +187,8 @@ impl Summing {
         let time_s = seconds(now.time_ns - before.time_ns);
         let way = now.way - before.way;
         // Where the path stands nothing is lost that a feed would win.
-        let by_feed_s = if before.feed > 0.0 { way / before.feed } else { time_s };
+        let feed = before.feed * self.summary.override_factor;
+        let by_feed_s = if feed > 0.0 { way / feed } else { time_s };
         let lost_s = time_s - by_feed_s;
         self.summary.duration_by_feed_s += by_feed_s;
         let binding = before.binding;

@@ -167,6 +167,7 @@ fn waiting_loses_nothing() {
         LimitSummary {
             peaks: vec![crate::report::AxisPeak::default(); 3],
             windows: Windows { count: 3, failed: 1, exceeded: 2 },
+            override_factor: 1.0,
             ..LimitSummary::default()
         }
     );

@@ -31,12 +31,17 @@ pub fn write_summary(
     let LimitSummary { duration_s, duration_by_feed_s: by_feed_s, .. } = *summary;
     write!(
         out,
-        "{} ({}) on {}: {:.1} mm in {duration_s:.3} s; with the programmed feed alone {by_feed_s:.3} s",
+        "{} ({}) on {}: {:.1} mm in {duration_s:.3} s; with ",
         program.path().display(),
         program.dialect().name(),
         machine.name,
         summary.length * 1e3,
     )?;
+    let percent = 100.0 * summary.override_factor;
+    if (percent - 100.0).abs() > 1e-9 {
+        write!(out, "{} % of ", significant(percent, 4))?;
+    }
+    write!(out, "the programmed feed alone {by_feed_s:.3} s")?;
     if by_feed_s > 0.0 {
         write!(out, " ({:+.1} %)", (duration_s / by_feed_s - 1.0) * 100.0)?;
     }

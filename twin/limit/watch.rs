@@ -11,9 +11,9 @@ use twin_motion::Place;
 #[derive(Debug)]
 pub(super) struct Watch<'m> {
     axes: &'m [Axis],
-    /// The line on which each axis was last found beyond its software limits, …
-    beyond: Vec<Option<u32>>,
-    /// … on which each motor was last found too weak to hold its axis, …
+    /// The place, on the line at hand, that takes each axis farthest beyond its software limits; the line on which …
+    beyond: Vec<Option<(Place, f64)>>,
+    /// … each motor was last found too weak to hold its axis, …
     overloaded: Vec<Option<u32>>,
     /// … and on which the tool was last found out of reach.
     unreached: Option<u32>,
@@ -26,7 +26,7 @@ impl<'m> Watch<'m> {
         let none = vec![None; machine.axes.len()];
         Self {
             axes: &machine.axes,
-            beyond: none.clone(),
+            beyond: vec![None; machine.axes.len()],
             overloaded: none,
             unreached: None,
             found: VecDeque::new(),
@@ -45,13 +45,28 @@ impl<'m> Watch<'m> {
 
     /// Looks at the axes.
     pub(super) fn positions(&mut self, place: Place, positions: &AxisVector) {
-        for ((axis, position), told) in self.axes.iter().zip(positions.iter()).zip(&mut self.beyond)
+        for ((axis, position), worst) in
+            self.axes.iter().zip(positions.iter()).zip(&mut self.beyond)
         {
-            if *told != Some(place.line)
-                && let Some(finding) = beyond_position(axis, place, *position)
+            let [low, high] = axis.position_limits;
+            let far = |position: f64| (position - position.clamp(low, high)).abs();
+            if let Some((at, _)) = worst
+                && at.line != place.line
+                && let Some((at, position)) = worst.take()
             {
-                *told = Some(place.line);
-                self.found.push_back(finding);
+                self.found.extend(beyond_position(axis, at, position));
+            }
+            if low <= high && far(*position) > worst.map_or(0.0, |(_, position)| far(position)) {
+                *worst = Some((place, *position));
+            }
+        }
+    }
+
+    /// Nothing follows.
+    pub(super) fn finish(&mut self) {
+        for (axis, worst) in self.axes.iter().zip(&mut self.beyond) {
+            if let Some((at, position)) = worst.take() {
+                self.found.extend(beyond_position(axis, at, position));
             }
         }
     }

@@ -10,22 +10,35 @@ use std::path::Path;
 use twin_motion::refeed::{LineLimit, Refed, RefeedError, Unrepaired};
 use twin_motion::{din66025, rs274};
 
-/// A program is not written over itself, and only programs have F words.
-pub(super) fn check_target(program: &ProgramFile, target: &Path) -> Result<(), Failure> {
+/// A program is not written over itself or over one of the `others`, and only programs have F words.
+pub(super) fn check_target<'p>(
+    program: &ProgramFile,
+    target: &Path,
+    others: impl Iterator<Item = &'p Path>,
+) -> Result<(), Failure> {
     match program.dialect() {
         Dialect::Din66025 | Dialect::Rs274 => {}
         Dialect::Queue | Dialect::Dxf => {
             return Err(Failure::Usage(format!("{} has no F words", program.path().display())));
         }
     }
-    let same = |path: &Path| std::fs::canonicalize(path).ok();
-    if same(target).is_some_and(|target| Some(target) == same(program.path())) {
-        return Err(Failure::Usage(format!(
-            "--feasible {}: this is the program itself; name another file",
-            target.display()
-        )));
-    }
-    Ok(())
+    let known = |path: &Path| std::fs::canonicalize(path).ok();
+    let is_target = |path: &Path| {
+        path == target || known(target).is_some_and(|target| Some(target) == known(path))
+    };
+    let wrong = if is_target(program.path()) {
+        "this is the program itself"
+    } else if others.into_iter().any(is_target) {
+        "something else is read from or written to it"
+    } else {
+        let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if folder.is_some_and(|folder| !folder.is_dir()) {
+            let source = io::Error::from(io::ErrorKind::NotFound);
+            return Err(unwritable(target, source));
+        }
+        return Ok(());
+    };
+    Err(Failure::Usage(format!("--feasible {}: {wrong}; name another file", target.display())))
 }
 
 pub(super) fn write(
@@ -55,13 +68,22 @@ pub(super) fn write(
     Ok(refed)
 }
 
+/// What is not fit for the machine is not made so by other feeds.
+pub(super) fn tell_none(target: &Path) -> io::Result<()> {
+    writeln!(
+        io::stderr().lock(),
+        "{}: not written; no feed makes the program fit for the machine",
+        target.display()
+    )
+}
+
 /// What became of the F words.
 pub(super) fn tell(refed: &Refed, target: &Path) -> io::Result<()> {
     let mut out = io::stderr().lock();
     let Refed { lines, changed, lowered, .. } = refed;
     writeln!(
         out,
-        "{}: {lowered} of {lines} lines are slower than programmed, F changed in {changed}",
+        "{}: {lowered} of {lines} lines are slower than programmed, F changed in {changed}; for --limits axes",
         target.display()
     )?;
     let left = refed.unrepaired.len() as u64 + refed.unrepaired_left_out;

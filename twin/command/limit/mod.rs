@@ -136,7 +136,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let program = arguments.read.program(&arguments.program, machine.conditions.rs274.units)?;
     arguments.check_for(&program)?;
     if let Some(target) = &arguments.feasible {
-        feasible::check_target(&program, target)?;
+        let others = arguments.output.iter().map(PathBuf::as_path);
+        feasible::check_target(&program, target, others.chain([arguments.machine.path()]))?;
     }
     let mut outputs = Outputs::new(&machine, &arguments.output)?;
     let mut job = Job::new(&machine, &program)?;
@@ -156,9 +157,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     };
     outputs.finish(&program, &machine)?;
     let mut findings = job.findings;
+    if summary.length <= 0.0 && findings.is_empty() {
+        findings.push(finding::nothing_moves());
+    }
     finding::sort(&mut findings);
     report(arguments, &machine, &program, &summary, &findings).map_err(Failure::Stdio)?;
-    if let Some(target) = &arguments.feasible {
+    if let Some(target) = &arguments.feasible
+        && finding::unfit(&findings)
+    {
+        feasible::tell_none(target).map_err(Failure::Stdio)?;
+    } else if let Some(target) = &arguments.feasible {
         let refed = feasible::write(&program, &machine, limits, target)?;
         feasible::tell(&refed, target).map_err(Failure::Stdio)?;
     }
@@ -178,7 +186,8 @@ struct Job<'a> {
 impl<'a> Job<'a> {
     fn new(machine: &'a Machine, program: &'a ProgramFile) -> Result<Self, Failure> {
         let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
-        let summing = Summing::new(machine.axes.len());
+        let factor = program.settings().inputs.override_factor.factor();
+        let summing = Summing::under(machine.axes.len(), factor);
         Ok(Self { machine, program, bytes, summing, findings: Vec::new() })
     }
 
@@ -261,6 +270,12 @@ fn report(
         }
         Format::Human => {
             show::findings(program, findings);
+            if finding::unfit(findings) {
+                writeln!(
+                    out,
+                    "NOT fit for the machine: what could not be planned is missing below"
+                )?;
+            }
             write_summary(&mut out, machine, program, summary)
         }
     }
