@@ -445,6 +445,44 @@ fn a_knife_turns_round() {
     assert!((number(&report["duration_s"]) - least_time()).abs() < 0.2, "{report:#}");
 }
 
+/// Beyond a software limit it is the farthest point of the line that counts, and no program with other feeds is written.
+#[test]
+fn a_program_that_is_not_fit_is_called_so() {
+    let desk = desk();
+    desk.write("lines.cnc", "% far\nN10 G92 X300 Y100 Z60 F100 E2000 E-2000\nN20 G1 X900\n");
+    let done = limit(&desk, &["--feasible", "slower.cnc"]);
+    done.ended(1, "axis X at 900.000 mm is above its software limit of 650.000 mm");
+    done.ended(1, "slower.cnc: not written");
+    assert!(done.stdout.starts_with("NOT fit for the machine"), "{}", done.stdout);
+    assert!(!desk.path("slower.cnc").exists());
+    desk.write("lines.cnc", "% nothing\n");
+    limit(&desk, &[]).ended(1, "no block that moves anything");
+}
+
+/// What is compared is half the programmed feed as well.
+#[test]
+fn an_override_is_compared_with_its_part_of_the_feed() {
+    let desk = desk();
+    let report = limit(&desk, &["--override", "50%", "--format", "json"]);
+    let by_feed = 2.0 * 40.0 / 75.0 + 2.0 * 60.0 / 200.0 + 2000.0_f64.sqrt() / 50.0;
+    let found = number(&json(&report)["duration_by_feed_s"]);
+    assert!((found / by_feed - 1.0).abs() < 1e-2, "{found} s, not {by_feed} s");
+    let done = limit(&desk, &["--override", "50%"]);
+    assert!(done.stdout.contains("; with 50 % of the programmed feed alone "), "{}", done.stdout);
+}
+
+/// What is read from or written to is not written over.
+#[test]
+fn feasible_programs_are_files_of_their_own() {
+    let desk = desk();
+    limit(&desk, &[]).ended(0, "");
+    let before = std::fs::read(desk.path("machine.toml")).expect("a machine file");
+    let known = "something else is read from or written to it";
+    limit(&desk, &["--feasible", "machine.toml"]).ended(2, known);
+    limit(&desk, &["--feasible", "same.csv", "-o", "same.csv"]).ended(2, known);
+    assert_eq!(std::fs::read(desk.path("machine.toml")).expect("it"), before);
+}
+
 #[test]
 fn wrong_use_is_status_2() {
     let desk = desk();
@@ -460,6 +498,7 @@ fn wrong_use_is_status_2() {
     limit(&desk, &neither).ended(2, "nothing limits how fast the path speeds up");
     limit(&desk, &["--without", "gravity"]).ended(2, "gravity");
     limit(&desk, &["--profile", "sigmoid"]).ended(2, "--limits softmotion");
+    limit(&desk, &["--look-ahead", "3"]).ended(2, "--limits softmotion");
     let softmotion = ["--limits", "softmotion"];
     limit(&desk, &[&softmotion[..], &["--without", "feed"]].concat()).ended(2, "--without is for");
     limit(&desk, &[&softmotion[..], &["--feasible", "slower.cnc"]].concat())
