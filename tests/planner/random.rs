@@ -48,18 +48,24 @@ pub fn step() -> impl Strategy<Value = Step> {
     let direction = prop_oneof![2 => flat, 1 => [-1.0..1.0, -1.0..1.0, -0.5..0.5]];
     let accelerations = [exponential(0.2..20.0), exponential(0.2..20.0)];
     (form, any::<bool>(), length, direction, exponential(5e-3..0.5), accelerations).prop_map(
-        |(form, straight_on, length, direction, feed, accelerations)| Step {
-            form,
-            straight_on,
-            length,
-            direction,
-            feed,
-            accelerations,
+        |(form, straight_on, length, direction, feed, accelerations)| {
+            Step::new(form, straight_on, length, direction, feed, accelerations)
         },
     )
 }
 
 impl Step {
+    fn new(
+        form: Form,
+        straight_on: bool,
+        length: f64,
+        direction: [f64; 3],
+        feed: f64,
+        accelerations: [f64; 2],
+    ) -> Self {
+        Self { form, straight_on, length, direction, feed, accelerations }
+    }
+
     /// From `at`, where the path arrives in the direction `along`.
     fn element(&self, at: Point3<f64>, along: Option<Vector3<f64>>) -> Option<PathElement> {
         let along = along.filter(|_| self.straight_on);
@@ -232,14 +238,7 @@ proptest! {
 /// planned begins where the last window ended.
 #[test]
 fn nothing_is_lost_where_cells_become_shorter() {
-    let step = |form, straight_on, length, direction, feed, accelerations| Step {
-        form,
-        straight_on,
-        length,
-        direction,
-        feed,
-        accelerations,
-    };
+    let step = Step::new;
     let steps = [
         step(Form::Line, false, 2.984e-3, [-0.6479, -0.9123, -0.2609], 0.01662, [5.248, 1.81]),
         step(Form::Line, false, 5.346e-4, [0.7787, 0.1237, 0.1458], 0.01028, [0.2315, 1.093]),

@@ -112,12 +112,7 @@ where
         let kept = self.tail.iter().take(free - end);
         self.kept.extend(kept.map(|leg| leg.stretch.at_position(leg.stretch.length()).0));
         self.cells.drain(..end);
-        for cell in self.cells.iter_mut().take(free - end) {
-            // The plan so far shall not be the only one.
-            for (tight, room) in cell.tight.iter_mut().zip(ROOM) {
-                *tight /= 1.0 + room;
-            }
-        }
+        self.loosen(free - end, ROOM);
         self.coarsen(free - end);
     }
 

@@ -9,7 +9,7 @@ use crate::limit::smooth::{Beginning, Guess};
 use crate::prepare::CheckedElement;
 
 /// So much more room for acceleration, jerk and velocity: limits are looked at again between the nodes.
-const ROOM: [f64; 3] = [1e-4, 0.01, 1e-6];
+pub(super) const ROOM: [f64; 3] = [1e-4, 0.01, 1e-6];
 /// If there is no profile about the first guess, others have so much of its u̇².
 pub(super) const SLOWER: [f64; 4] = [0.2, 0.02, 0.6, 2e-3];
 /// Or, where the path does not begin at rest, times this of that at which jerks let it be gone through at constant velocity.
@@ -42,11 +42,11 @@ where
         }
     }
 
-    /// Leaves what was planned before a little more room: from where and as fast as the path is there may be no other plan.
-    pub(super) fn loosen(&mut self) {
-        let fresh = self.kept.len().saturating_sub(1);
-        for cell in self.cells.iter_mut().take(fresh) {
-            for (tight, room) in cell.tight.iter_mut().zip(ROOM) {
+    /// Leaves the first `cells`, which were planned before, a little more room: from where and as fast as the path is there may be
+    /// no other plan.
+    pub(super) fn loosen(&mut self, cells: usize, room: [f64; 3]) {
+        for cell in self.cells.iter_mut().take(cells) {
+            for (tight, room) in cell.tight.iter_mut().zip(room) {
                 *tight /= 1.0 + room;
             }
         }

@@ -253,7 +253,7 @@ where
 fn go_on(grid: &Grid, b: &mut [f64]) {
     for node in 2..b.len().saturating_sub(1) {
         let (Some(before), Some(here)) = (b.get(node - 1), b.get(node)) else { continue };
-        if *here > NO_REST * before {
+        if *before <= 0.0 || *here > NO_REST * before {
             continue;
         }
         let bends = grid.jerk_bound(node - 1).min(grid.jerk_bound(node));

@@ -2,7 +2,7 @@
 
 use super::drag::MOST_TANGENTS;
 use super::even::MOST_CUTS;
-use super::guess::SLOWER;
+use super::guess::{ROOM, SLOWER};
 use super::verify::{HALVING, exceeds, is_too_long};
 use super::{NOT_SOLVED, Planner};
 use crate::limit::axis_path::AxisPath;
@@ -79,7 +79,7 @@ where
                 Err(_impossible) => self.effort.failed = failed,
             }
             self.ask_of_kept(&asked);
-            self.loosen();
+            self.loosen(asked.len(), ROOM);
             solved = self.solve_smooth_about(self.slower_guess(part));
         }
         solved
@@ -135,7 +135,7 @@ where
             if solves >= MOST_SOLVES {
                 guess.moved.clear();
             }
-            let known = (self.cells.clone(), self.kept.clone());
+            let known = self.cells.clone();
             let mut changed = self.tighten(&stretches, (first, round), &broken, Some(&mut guess));
             round += u32::from(!changed.is_empty());
             changed.append(&mut guess.moved);
@@ -161,7 +161,7 @@ where
                 Ok(solved) => solved,
                 Err(error) => {
                     // That which exceeds them by a little between the places where they are asked for is better than none.
-                    (self.cells, self.kept) = known;
+                    self.cells = known;
                     if !self.are_nearly_kept(&stretches) {
                         return Err(error);
                     }

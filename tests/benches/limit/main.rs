@@ -31,7 +31,7 @@ mod table;
 
 use curves::Curve;
 use machines::{Machine, all, long};
-use ours::Problem;
+use ours::{Problem, least_time};
 use peer::Peer;
 use table::Row;
 
@@ -58,20 +58,28 @@ fn main() {
     let mut rows = Vec::new();
     for machine in &machines {
         for curve in &machine.curves {
+            let least = least_time(machine, curve);
             for cells in CELLS {
-                rows.push(measured(machine, curve, cells, peer.as_mut()));
+                rows.push(measured(machine, curve, cells, least, peer.as_mut()));
             }
         }
     }
-    rows.push(measured(&machine, &curve, LONG, peer.as_mut()));
+    let least = least_time(&machine, &curve);
+    rows.push(measured(&machine, &curve, LONG, least, peer.as_mut()));
     table::summary(&rows);
 }
 
-fn measured(machine: &Machine, curve: &Curve, cells: usize, peer: Option<&mut Peer>) -> Row {
+fn measured(
+    machine: &Machine,
+    curve: &Curve,
+    cells: usize,
+    least: Option<f64>,
+    peer: Option<&mut Peer>,
+) -> Row {
     let (path, rates) = (machine.path(curve, cells), machine.rates(curve));
     let grid = solvers::grid(&path, false);
     let problem = Problem { path: &path, grid: &grid, rates: &rates };
-    let row = Row::measured(format!("{} {}", machine.name, curve.name), &problem, peer);
+    let row = Row::measured(format!("{} {}", machine.name, curve.name), &problem, least, peer);
     row.print();
     row
 }

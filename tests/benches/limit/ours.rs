@@ -1,5 +1,7 @@
 //! What `motion/limit` is asked for.
 
+use crate::curves::Curve;
+use crate::machines::Machine;
 use crate::path::{Path, Rates};
 use crate::solvers::{Fineness, grid, linear_profile, linear_windows, passes, planned};
 use twin_motion::limit::Grid;
@@ -107,8 +109,8 @@ fn on_grid(problem: &Problem<'_>, solve: fn(&Path) -> Option<Vec<f64>>) -> Optio
 }
 
 /// The least time with limited jerk, s: what the planner comes to on a much finer grid with all of the path in one window.
-pub fn least_time(problem: &Problem<'_>) -> Option<f64> {
-    let Problem { path, rates, .. } = problem;
+pub fn least_time(machine: &Machine, curve: &Curve) -> Option<f64> {
+    let (path, rates) = (machine.path(curve, 10), machine.rates(curve));
     let extent = (path.nodes[path.cells()], path.feed);
     let fineness = Fineness::ordinary().finer(FINER).whole();
     let (duration, effort) = planned(&path.limits, true, extent, rates, fineness)?;

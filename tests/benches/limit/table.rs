@@ -1,6 +1,6 @@
 //! Times and durations, side by side.
 
-use crate::ours::{Found, METHODS, Problem, least_time};
+use crate::ours::{Found, METHODS, Problem};
 use crate::path::as_float;
 use crate::peer::{Answer, Peer};
 use std::time::{Duration, Instant};
@@ -35,8 +35,13 @@ struct Measured {
 }
 
 impl Row {
-    /// Every planner in turn, so that all see the same machine.
-    pub fn measured(name: String, problem: &Problem<'_>, mut peer: Option<&mut Peer>) -> Self {
+    /// Every planner in turn (the least time with limited jerk is given), so that all see the same machine.
+    pub fn measured(
+        name: String,
+        problem: &Problem<'_>,
+        least: Option<f64>,
+        mut peer: Option<&mut Peer>,
+    ) -> Self {
         let cells = problem.path.cells();
         let mut ours: Vec<(Option<Found>, Duration)> = vec![(None, Duration::MAX); METHODS.len()];
         let mut theirs: Option<(Answer, f64)> = None;
@@ -63,7 +68,7 @@ impl Row {
             failed: found.map_or(0, |found| found.failed),
             left: found.and_then(|found| Some(as_float(found.left?) / as_float(found.cells))),
         });
-        Self { name, cells, peer, ours: ours.collect(), least: least_time(problem) }
+        Self { name, cells, peer, ours: ours.collect(), least }
     }
 
     pub fn print(&self) {
