@@ -18,7 +18,7 @@ const MARGIN: f64 = 4.0;
 /// And at least so long, s: where cells further on have become shorter they may ask for a little earlier braking.
 const LEAST_MARGIN: f64 = 0.06;
 /// What was planned before is planned again with so much more room.
-const ROOM: [f64; 3] = [3e-4, 2e-3, 1e-6];
+pub(super) const ROOM: [f64; 3] = [3e-4, 2e-3, 1e-6];
 
 impl<I, E, A> Planner<I, E, A>
 where

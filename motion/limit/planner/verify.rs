@@ -1,6 +1,7 @@
 //! Whether a profile keeps the limits between the places where they were asked for, and what to do where it does not.
 
 use super::Planner;
+use super::commit::ROOM;
 use super::refine::SHORTEST;
 use crate::limit::axis_path::AxisPath;
 use crate::limit::cell::Cell;
@@ -45,7 +46,14 @@ where
         let last = known.len().saturating_sub(1);
         for (index, (mut cell, stretch)) in known.into_iter().zip(stretches).enumerate() {
             let worst = self.worst(&cell, stretch);
-            if index < first || !exceeds(worst) {
+            let kept = index < fresh;
+            if index < first || !exceeds(worst, kept) {
+                cells.push(cell);
+                continue;
+            }
+            if broken.has(index) {
+                // Limits that were left out will be kept the next time. How much is exceeded then is another question.
+                changed.push(cells.len());
                 cells.push(cell);
                 continue;
             }
@@ -55,7 +63,7 @@ where
                 continue;
             }
             // What was planned before with limited jerk stays on its nodes: on others there may be no such plan.
-            let free = index >= fresh || !self.jerk_limited;
+            let free = !kept || !self.jerk_limited;
             let too_long = is_too_long(worst);
             let rest = self.jerk_limited && (index == 0 || index == last);
             let halve = round < HALVING && free && too_long && !rest;
@@ -73,7 +81,7 @@ where
                         guess.cut(cells.len(), &[0.5]);
                     }
                     changed.extend([cells.len(), cells.len() + 1]);
-                    if index < fresh {
+                    if kept {
                         self.keep_within(cells.len(), stretch, &[0.5]);
                     }
                     cells.extend(parts);
@@ -81,13 +89,11 @@ where
                 }
             }
             changed.push(cells.len());
-            for (kind, (worst, [allowed, _])) in worst.into_iter().zip(ALLOWED).enumerate() {
+            for (kind, (worst, allowed)) in worst.into_iter().zip(allowed(kept)).enumerate() {
                 if worst <= allowed {
                     continue;
                 }
-                if kind == JERK && broken.jerk(index) {
-                    // A row of it was left out, and will not be the next time.
-                } else if kind == JERK && !cell.dense {
+                if kind == JERK && !cell.dense {
                     cell.dense = true;
                 } else if let Some(tight) = cell.tight.get_mut(kind) {
                     let factor = worst / (1.0 + 0.5 * (allowed - 1.0));
@@ -149,7 +155,18 @@ pub(super) fn is_too_long(worst: [f64; 3]) -> bool {
     worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far)
 }
 
-/// Whether something in a cell is more than it may be.
-pub(super) fn exceeds(worst: [f64; 3]) -> bool {
-    worst.iter().zip(ALLOWED).any(|(worst, [allowed, _])| *worst > allowed)
+/// Whether something in a cell is more than it may be. What was planned before, and `kept`, was planned with less room.
+pub(super) fn exceeds(worst: [f64; 3], kept: bool) -> bool {
+    worst.iter().zip(allowed(kept)).any(|(worst, allowed)| *worst > allowed)
+}
+
+/// So much may be between the places where limits are asked for, as a part of the limits.
+fn allowed(kept: bool) -> [f64; 3] {
+    let mut allowed = ALLOWED.map(|[allowed, _]| allowed);
+    if kept {
+        for (allowed, room) in allowed.iter_mut().zip(ROOM) {
+            *allowed *= 1.0 + room;
+        }
+    }
+    allowed
 }

@@ -190,8 +190,9 @@ where
 
     /// Counts the window if something in it is more than it may be.
     fn count_exceeded(&mut self, stretches: &[Stretch]) {
-        let mut cells = self.cells.iter().zip(stretches);
-        if cells.any(|(cell, stretch)| exceeds(self.worst(cell, stretch))) {
+        let fresh = self.kept.len().saturating_sub(1);
+        let mut cells = self.cells.iter().zip(stretches).enumerate();
+        if cells.any(|(index, (cell, stretch))| exceeds(self.worst(cell, stretch), index < fresh)) {
             self.effort.exceeded += 1;
         }
     }

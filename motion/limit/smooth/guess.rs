@@ -2,7 +2,6 @@
 
 use super::pairs;
 use crate::limit::asked::Asked;
-use crate::limit::bound::Constraint;
 use crate::limit::convex::Origin;
 
 /// The next guess is not below this part of the one before.
@@ -160,10 +159,9 @@ impl Broken {
         self.0.sort_by_key(|origin| origin.cell);
     }
 
-    /// Whether one of them limits a jerk in this cell.
-    pub(in crate::limit) fn jerk(&self, cell: usize) -> bool {
-        let near = self.0.iter().skip(self.0.partition_point(|origin| origin.cell < cell));
-        near.take_while(|origin| origin.cell == cell)
-            .any(|origin| matches!(origin.constraint, Constraint::AxisJerk(_)))
+    /// Whether one of them is of this cell.
+    pub(in crate::limit) fn has(&self, cell: usize) -> bool {
+        let near = self.0.partition_point(|origin| origin.cell < cell);
+        self.0.get(near).is_some_and(|origin| origin.cell == cell)
     }
 }
