@@ -69,9 +69,9 @@ pub(super) struct Cell {
     pub(super) element: Arc<CourseElement>,
     pub(super) from: f64,
     pub(super) to: f64,
-    pub(super) start: Sample,
-    pub(super) end: Sample,
-    pub(super) middle: Sample,
+    pub(super) start: Arc<Sample>,
+    pub(super) end: Arc<Sample>,
+    pub(super) middle: Arc<Sample>,
     /// What bounds u̇² at its end: a joint that is not rounded.
     pub(super) joint: Cap,
     /// By how much acceleration, jerk and velocity are limited more tightly than they are, because between the places where

@@ -118,12 +118,13 @@ impl<A: AxisPath> Sampler<A> {
         near: &AxisVector,
     ) -> Result<Cell, KinematicsError> {
         let inside = INSIDE * (to - from);
-        let start = self.sample(element, from + inside, near)?;
-        let end = self.sample(element, to - inside, &start.position)?;
+        let start = Arc::new(self.sample(element, from + inside, near)?);
+        let end = Arc::new(self.sample(element, to - inside, &start.position)?);
+        let middle = Arc::clone(&start);
         let element = Arc::clone(element);
         let joint = Cap::NONE;
         let tight = [1.0; 3];
-        Ok(Cell { element, from, to, start, end, middle: start, joint, tight, dense: false })
+        Ok(Cell { element, from, to, start, end, middle, joint, tight, dense: false })
     }
 
     /// Adds `cell`, in halves if its ends do not tell enough of it.
@@ -146,7 +147,7 @@ impl<A: AxisPath> Sampler<A> {
 
     fn look_half_way(&self, cell: &mut Cell) -> Result<(), KinematicsError> {
         let at = cell.from.midpoint(cell.to);
-        cell.middle = self.sample(&cell.element, at, &cell.start.position)?;
+        cell.middle = Arc::new(self.sample(&cell.element, at, &cell.start.position)?);
         Ok(())
     }
 
@@ -171,8 +172,9 @@ impl<A: AxisPath> Sampler<A> {
             if cut <= rest.from || cut >= rest.to {
                 continue;
             }
-            let sample = self.sample(&cell.element, cut, &rest.start.position)?;
-            let first = Cell { to: cut, end: sample, joint: Cap::NONE, ..rest.clone() };
+            let sample = Arc::new(self.sample(&cell.element, cut, &rest.start.position)?);
+            let first =
+                Cell { to: cut, end: Arc::clone(&sample), joint: Cap::NONE, ..rest.clone() };
             rest = Cell { from: cut, start: sample, ..rest };
             parts.push(first);
         }

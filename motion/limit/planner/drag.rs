@@ -40,7 +40,7 @@ where
                 };
                 let exact = !end.further.iter().take(rows).any(surplus);
                 if !exact {
-                    end.reference = velocity;
+                    Arc::make_mut(end).reference = velocity;
                 }
                 !exact
             });
@@ -67,7 +67,8 @@ where
                 leg = next;
             }
             let velocity = |s: f64| leg.stretch.at_position((s - leg.from).max(0.0)).0.sqrt();
-            (cell.start.reference, cell.end.reference) = (velocity(cell.from), velocity(cell.to));
+            Arc::make_mut(&mut cell.start).reference = velocity(cell.from);
+            Arc::make_mut(&mut cell.end).reference = velocity(cell.to);
         }
     }
 }
@@ -75,7 +76,9 @@ where
 impl Cell {
     /// Counts drag as it is at the velocities of `stretch`.
     pub(super) fn take_tangents(&mut self, stretch: &Stretch) {
-        let take = |end: &mut Sample, u: f64| end.reference = stretch.at_position(u).0.sqrt();
+        let take = |end: &mut Arc<Sample>, u: f64| {
+            Arc::make_mut(end).reference = stretch.at_position(u).0.sqrt();
+        };
         take(&mut self.start, 0.0);
         take(&mut self.end, stretch.length());
     }

@@ -118,17 +118,19 @@ where
         let mut before: [Option<f64>; 2] = [None; 2];
         for eighth in eighths {
             let u = 0.125 * f64::from(eighth) * cell.length();
+            let between;
             let sample = match eighth {
-                0 => cell.start,
-                4 => cell.middle,
-                8 => cell.end,
+                0 => &cell.start,
+                4 => &cell.middle,
+                8 => &cell.end,
                 _ => {
                     let s = cell.from + u;
                     let Ok(sample) = self.sampler.sample(&cell.element, s, &cell.start.position)
                     else {
                         continue;
                     };
-                    sample
+                    between = sample;
+                    &between
                 }
             };
             let excess = sample.excess(limits, stretch, u);
