@@ -12,6 +12,7 @@ mod pieces;
 mod refine;
 mod replan;
 mod returned;
+mod slowed;
 mod slowest;
 mod verify;
 mod window;

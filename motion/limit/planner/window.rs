@@ -82,6 +82,15 @@ where
             self.loosen(asked.len(), ROOM);
             solved = self.solve_smooth_about(self.slower_guess(part));
         }
+        let followed = solved.as_ref().is_ok_and(|stretches| can_be_followed(stretches));
+        if !followed
+            && !self.budget.is_spent()
+            && let Some(slowed) = self.slowed()
+        {
+            self.effort.failed = failed + 1;
+            self.gains.clear();
+            return Ok(slowed);
+        }
         solved
     }
 
@@ -336,7 +345,7 @@ pub(super) fn can_be_followed(stretches: &[Stretch]) -> bool {
 }
 
 /// How each cell is gone through.
-fn stretches(grid: &Grid, profile: &SmoothProfile) -> Vec<Stretch> {
+pub(super) fn stretches(grid: &Grid, profile: &SmoothProfile) -> Vec<Stretch> {
     let last = grid.cells().saturating_sub(1);
     let ends = profile.b.iter().zip(profile.b.iter().skip(1)).zip(&profile.a);
     let stretch = |(cell, ((from, to), a)): (usize, ((&f64, &f64), &f64))| {

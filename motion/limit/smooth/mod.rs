@@ -94,6 +94,15 @@ pub struct SmoothProfile {
     pub gains: Vec<Gain>,
 }
 
+impl SmoothProfile {
+    /// With `part` of u̇² and of ü everywhere.
+    pub(super) fn scale(&mut self, part: f64) {
+        for value in self.b.iter_mut().chain(&mut self.a) {
+            *value *= part;
+        }
+    }
+}
+
 /// The b (or a) of a node as a part of the c of the cell before and of the cell after.
 #[derive(Clone, Copy, Debug, Default)]
 struct Knot {
@@ -199,6 +208,19 @@ impl SmoothSolver {
             gains: gains(&answer.gains),
         };
         Ok((profile, broken))
+    }
+
+    /// The profile over `grid` that has these c, which nothing was solved for.
+    pub(super) fn profile(
+        &mut self,
+        grid: &Grid,
+        beginning: Beginning,
+        c: &[f64],
+    ) -> SmoothProfile {
+        let cells = 0..grid.cells();
+        self.set_knots(grid, &cells, beginning);
+        let (b, a) = self.values(&cells, beginning, c);
+        SmoothProfile { beginning, b, a, iterations: 0, solves: 0, rows: 0, gains: Vec::new() }
     }
 
     fn set_knots(&mut self, grid: &Grid, cells: &Range<usize>, beginning: Beginning) {

@@ -1,0 +1,193 @@
+//! A profile with limited jerk where Clarabel finds none.
+
+use super::Planner;
+use super::guess::SLOWER;
+use super::verify::exceeds;
+use super::window::{can_be_followed, stretches};
+use crate::limit::axis_path::AxisPath;
+use crate::limit::sample::grid;
+use crate::limit::smooth::Beginning;
+use crate::limit::stretch::Stretch;
+use crate::prepare::CheckedElement;
+
+/// Profiles are smoothed over so many cells before they are slowed down.
+const SMOOTHED: [usize; 4] = [0, 4, 16, 64];
+/// It is looked so often how much slower they have to be: all but drag of motors is known after the first.
+const LOOKS: u32 = 8;
+
+impl<I, E, A> Planner<I, E, A>
+where
+    I: Iterator<Item = Result<CheckedElement, E>>,
+    A: AxisPath,
+{
+    /// From rest to rest, within all limits: with u̇ k times what it is on any profile with a continuous ü accelerations are k² times
+    /// what they are and jerks k³ times. The fastest of some that are rough otherwise; none if the window does not begin at rest.
+    pub(super) fn slowed(&mut self) -> Option<Vec<Stretch>> {
+        if self.beginning != Beginning::Rest {
+            return None;
+        }
+        let guesses = SLOWER.map(|part| self.slower_guess(part).c);
+        let mut fastest: Option<(f64, Vec<Stretch>)> = None;
+        for mut c in guesses.into_iter().chain([self.first_guess().c]) {
+            let mut passes = 0;
+            for wanted in SMOOTHED {
+                while passes < wanted {
+                    smooth(&mut c);
+                    passes += 1;
+                }
+                let Some(slowed) = self.slow_down(&c) else { continue };
+                let duration = slowed.iter().map(Stretch::duration).sum();
+                if fastest.as_ref().is_none_or(|(least, _)| duration < *least) {
+                    fastest = Some((duration, slowed));
+                }
+            }
+        }
+        fastest.map(|(_, stretches)| stretches)
+    }
+
+    /// The profile of these c, as fast as the limits let it be.
+    fn slow_down(&mut self, c: &[f64]) -> Option<Vec<Stretch>> {
+        let grid = grid(&self.sampler, &self.cells);
+        let mut profile = self.smooth.profile(&grid, self.beginning, c);
+        for _ in 0..LOOKS {
+            let found = stretches(&grid, &profile);
+            if !can_be_followed(&found) {
+                return None;
+            }
+            let worst =
+                self.cells.iter().zip(&found).map(|(cell, stretch)| self.worst(cell, stretch));
+            let [acceleration, jerk, velocity] =
+                worst.fold([0.0; 3], |[a, j, v]: [f64; 3], [more_a, more_j, more_v]| {
+                    [a.max(more_a), j.max(more_j), v.max(more_v)]
+                });
+            let b = acceleration.recip().min(jerk.powf(-2.0 / 3.0)).min(velocity.powi(-2));
+            if !(b.is_finite() && b > 0.0) {
+                return None;
+            }
+            profile.scale(b);
+            let slower = stretches(&grid, &profile);
+            let mut cells = self.cells.iter().zip(&slower);
+            if !cells.any(|(cell, stretch)| exceeds(self.worst(cell, stretch), false)) {
+                return Some(slower);
+            }
+        }
+        None
+    }
+}
+
+/// Every value the geometric mean of itself and its neighbours.
+fn smooth(values: &mut [f64]) {
+    let known: Vec<f64> = values.iter().map(|value| value.ln()).collect();
+    let around = known.iter().zip(known.iter().skip(1)).zip(known.iter().skip(2));
+    for (value, ((before, here), after)) in values.iter_mut().skip(1).zip(around) {
+        *value = ((before + here + after) / 3.0).exp();
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::expect_used, clippy::panic, reason = "tests")]
+mod tests {
+    use crate::Place;
+    use crate::limit::course::CourseOptions;
+    use crate::limit::smooth::Aim;
+    use crate::limit::{AxisLimits, AxisPath, KinematicPath, Leg, LimitOptions, Planned, Planner};
+    use crate::path::{ElementKind, PathElement, Shape};
+    use crate::prepare::{CheckError, CheckVelocities};
+    use nalgebra::Point3;
+    use std::f64::consts::PI;
+    use twin_kinematics::AxisVector;
+    use twin_kinematics::gantry::Gantry2;
+
+    const LIMITS: AxisLimits = AxisLimits { velocity: 0.4, acceleration: 3.0, jerk: Some(60.0) };
+
+    /// Along these points, m. Where Clarabel is to find nothing it is asked for more than there is.
+    fn planned(points: &[[f64; 2]], feed: f64, solvable: bool) -> (Vec<Leg>, u64, u64) {
+        let pairs = points.windows(2).zip(1..);
+        let elements = pairs.map(|(pair, line)| {
+            let [start, end] = [pair[0], pair[1]].map(|[x, y]| Point3::new(x, y, 0.0));
+            let place = Place { line, block: None };
+            let made = PathElement::new(place, ElementKind::Cut, Shape::Line { start, end });
+            Ok::<_, CheckError>(PathElement {
+                feed,
+                acceleration: 20.0,
+                deceleration: 20.0,
+                ..made
+            })
+        });
+        let axes = KinematicPath::new(
+            Gantry2::new([0.0; 2]).expect("a gantry"),
+            vec![LIMITS; 2],
+            AxisVector::zeros(2),
+        );
+        let options = LimitOptions::new(CourseOptions::new(1e-4));
+        let mut planner = Planner::new(CheckVelocities::new(elements, PI), axes, options);
+        if !solvable {
+            planner.smooth.aim = Aim::Slowest;
+            planner.smooth.floors = vec![1e9; 100_000];
+        }
+        let legs = planner.by_ref().map(|planned| match planned {
+            Ok(Planned::Leg(leg)) => leg,
+            other => panic!("{other:?}"),
+        });
+        let legs = legs.collect();
+        (legs, planner.effort().failed, planner.effort().windows)
+    }
+
+    fn duration(legs: &[Leg]) -> f64 {
+        legs.iter().map(|leg| leg.stretch.duration()).sum()
+    }
+
+    /// All of the path, from rest to rest, with no step of u̇ or ü, and no axis beyond its limits.
+    fn check(legs: &[Leg], length: f64) {
+        let axes = KinematicPath::new(
+            Gantry2::new([0.0; 2]).expect("a gantry"),
+            vec![LIMITS; 2],
+            AxisVector::zeros(2),
+        );
+        let gone: f64 = legs.iter().map(|leg| leg.stretch.length()).sum();
+        assert!((gone - length).abs() <= 1e-9, "{gone} of {length}");
+        let mut last = (0.0, 0.0);
+        for leg in legs {
+            let begins = leg.stretch.at_position(0.0);
+            assert!((begins.0.sqrt() - last.0).abs() <= 1e-9, "{begins:?} after {last:?}");
+            assert!((begins.1 - last.1).abs() <= 1e-6, "{begins:?} after {last:?}");
+            let (b, a) = leg.stretch.at_position(leg.stretch.length());
+            last = (b.sqrt(), a);
+            // Between the ends, where the third derivative of the path has a step.
+            for part in 0..10_u8 {
+                let u = leg.stretch.length() * (f64::from(part) + 0.5) / 10.0;
+                let point = axes.axes(&leg.element, leg.from + u, &leg.start).expect("reached");
+                let (b, a) = leg.stretch.at_position(u);
+                let (v, jerk) = (b.sqrt(), leg.stretch.jerk_at(u));
+                let rates = &point.rates;
+                let axes = rates.first.iter().zip(rates.second.iter()).zip(rates.third.iter());
+                for ((first, second), third) in axes {
+                    assert!((first * v).abs() <= 1.001 * LIMITS.velocity);
+                    assert!((first * a + second * b).abs() <= 1.001 * LIMITS.acceleration);
+                    let jerk = first * jerk + 3.0 * second * a * v + third * b * v;
+                    assert!(jerk.abs() <= 1.05 * 60.0, "{jerk} in {leg:?}");
+                }
+            }
+        }
+        assert!(last.0 <= 1e-6, "{last:?}");
+    }
+
+    #[test]
+    fn without_clarabel_the_path_is_gone_within_the_limits() {
+        let teeth: Vec<[f64; 2]> = (0..24_u8)
+            .map(|tooth| [0.01 * f64::from(tooth), 0.02 * f64::from(tooth % 2)])
+            .collect();
+        for points in [vec![[0.0, 0.0], [0.3, 0.1]], teeth] {
+            let length =
+                points.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum();
+            let (legs, failed, windows) = planned(&points, 0.3, false);
+            check(&legs, length);
+            assert!(failed > 0 && failed == windows, "{failed} of {windows}");
+            let (fastest, none, _) = planned(&points, 0.3, true);
+            check(&fastest, length);
+            assert_eq!(none, 0);
+            let longer = duration(&legs) / duration(&fastest);
+            assert!((1.0..3.0).contains(&longer), "{longer}");
+        }
+    }
+}
