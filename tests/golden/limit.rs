@@ -410,7 +410,9 @@ fn the_controllers_own_planning_is_compared() {
     // √(60 · 2000) mm/s.
     let most = rows.most("Z_velocity_mm_per_s");
     assert!(most <= 346.42 && most > 343.0, "{most}");
-    is_well_formed(&std::fs::read_to_string(desk.path("own.svg")).expect("it was written"));
+    let picture = std::fs::read_to_string(desk.path("own.svg")).expect("it was written");
+    is_well_formed(&picture);
+    assert!(picture.contains("as its controller plans it"));
 
     let done = limit(&desk, &softmotion);
     let text = &done.ended(0, "").stdout;

@@ -155,7 +155,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             (job.by_controller()?, Vec::new())
         }
     };
-    outputs.finish(&program, &machine)?;
+    outputs.finish(&program, &machine, arguments.limits)?;
     let mut findings = job.findings;
     if summary.length <= 0.0 && findings.is_empty() {
         findings.push(finding::nothing_moves());

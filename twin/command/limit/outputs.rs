@@ -1,7 +1,7 @@
 //! Profiles in files.
 
 use super::{Failure, unwritable};
-use crate::limit::{Picture, ProfileCsv, ProfileSample};
+use crate::limit::{Limits, Picture, ProfileCsv, ProfileSample};
 use crate::machine::Machine;
 use crate::program::ProgramFile;
 use std::fs::File;
@@ -55,7 +55,12 @@ impl<'m> Outputs<'m> {
         Ok(())
     }
 
-    pub(super) fn finish(self, program: &ProgramFile, machine: &Machine) -> Result<(), Failure> {
+    pub(super) fn finish(
+        self,
+        program: &ProgramFile,
+        machine: &Machine,
+        limits: Limits,
+    ) -> Result<(), Failure> {
         for (path, table) in self.tables {
             table
                 .finish()
@@ -64,9 +69,12 @@ impl<'m> Outputs<'m> {
         }
         if let Some(picture) = self.picture {
             let name = program.path().display().to_string();
-            let text = picture
-                .draw(&name, &machine.name)
-                .map_err(|error| Failure::Usage(error.to_string()))?;
+            let machine = match limits {
+                Limits::Axes => machine.name.clone(),
+                Limits::Softmotion => format!("{} as its controller plans it", machine.name),
+            };
+            let text =
+                picture.draw(&name, &machine).map_err(|error| Failure::Usage(error.to_string()))?;
             for path in self.pictures {
                 std::fs::write(path, &text).map_err(|source| unwritable(path, source))?;
             }
