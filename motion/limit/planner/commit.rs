@@ -18,7 +18,7 @@ const MARGIN: f64 = 4.0;
 /// And at least so long, s: where cells further on have become shorter they may ask for a little earlier braking.
 const LEAST_MARGIN: f64 = 0.06;
 /// What was planned before is planned again with so much more room.
-pub(super) const ROOM: [f64; 3] = [3e-4, 2e-3, 1e-6];
+pub(super) const KEPT_ROOM: [f64; 3] = [3e-4, 2e-3, 1e-6];
 
 impl<I, E, A> Planner<I, E, A>
 where
@@ -112,7 +112,7 @@ where
         let kept = self.tail.iter().take(free - end);
         self.kept.extend(kept.map(|leg| leg.stretch.at_position(leg.stretch.length()).0));
         self.cells.drain(..end);
-        self.loosen(free - end, ROOM);
+        self.loosen(free - end, KEPT_ROOM);
         self.coarsen(free - end);
     }
 

@@ -1,7 +1,6 @@
 //! A profile with limited jerk where Clarabel finds none.
 
 use super::Planner;
-use super::guess::SLOWER;
 use super::verify::exceeds;
 use super::window::{can_be_followed, stretches};
 use crate::limit::axis_path::AxisPath;
@@ -10,10 +9,12 @@ use crate::limit::smooth::Beginning;
 use crate::limit::stretch::Stretch;
 use crate::prepare::CheckedElement;
 
-/// Profiles are smoothed over so many cells before they are slowed down.
-const SMOOTHED: [usize; 4] = [0, 4, 16, 64];
-/// It is looked so often how much slower they have to be: all but drag of motors is known after the first.
+/// So often every value of the first guess is made a mean of its neighbours before it is slowed down.
+const SMOOTHED: [usize; 6] = [0, 16, 64, 256, 1024, 4096];
+/// It is looked so often how much slower it has to be: all but drag of motors is known after the first.
 const LOOKS: u32 = 8;
+/// A profile that all but rests on the way would be smoothed to rest around there: c is this part of the largest at least.
+const LEAST: f64 = 1e-6;
 
 impl<I, E, A> Planner<I, E, A>
 where
@@ -21,28 +22,37 @@ where
     A: AxisPath,
 {
     /// From rest to rest, within all limits: with u̇ k times what it is on any profile with a continuous ü accelerations are k² times
-    /// what they are and jerks k³ times. The fastest of some that are rough otherwise; none if the window does not begin at rest.
+    /// what they are and jerks k³ times. The fastest that comes of the first guess; none if the window does not begin at rest.
     pub(super) fn slowed(&mut self) -> Option<Vec<Stretch>> {
         if self.beginning != Beginning::Rest {
             return None;
         }
-        let guesses = SLOWER.map(|part| self.slower_guess(part).c);
+        let mut guess = self.first_guess();
+        self.subdivide(&mut guess);
+        self.bend(&mut guess);
+        let largest = guess.c.iter().copied().fold(0.0, f64::max);
+        let mut logs: Vec<f64> = guess.c.iter().map(|c| c.max(LEAST * largest).ln()).collect();
         let mut fastest: Option<(f64, Vec<Stretch>)> = None;
-        for mut c in guesses.into_iter().chain([self.first_guess().c]) {
-            let mut passes = 0;
-            for wanted in SMOOTHED {
-                while passes < wanted {
-                    smooth(&mut c);
-                    passes += 1;
-                }
-                let Some(slowed) = self.slow_down(&c) else { continue };
-                let duration = slowed.iter().map(Stretch::duration).sum();
-                if fastest.as_ref().is_none_or(|(least, _)| duration < *least) {
-                    fastest = Some((duration, slowed));
-                }
+        let mut passes = 0;
+        for wanted in SMOOTHED {
+            while passes < wanted {
+                smooth(&mut logs);
+                passes += 1;
+            }
+            let c: Vec<f64> = logs.iter().map(|log| log.exp()).collect();
+            let Some(slowed) = self.slow_down(&c) else { continue };
+            let duration = slowed.iter().map(Stretch::duration).sum();
+            if fastest.as_ref().is_none_or(|(least, _)| duration < *least) {
+                fastest = Some((duration, slowed));
             }
         }
-        fastest.map(|(_, stretches)| stretches)
+        let (_, slowed) = fastest?;
+        // What was asked for in vain is not asked for any more: the next window begins as this one is left.
+        for (cell, stretch) in self.cells.iter_mut().zip(&slowed) {
+            (cell.tight, cell.dense) = ([1.0; 3], false);
+            cell.take_tangents(stretch);
+        }
+        Some(slowed)
     }
 
     /// The profile of these c, as fast as the limits let it be.
@@ -54,33 +64,39 @@ where
             if !can_be_followed(&found) {
                 return None;
             }
-            let worst =
-                self.cells.iter().zip(&found).map(|(cell, stretch)| self.worst(cell, stretch));
-            let [acceleration, jerk, velocity] =
-                worst.fold([0.0; 3], |[a, j, v]: [f64; 3], [more_a, more_j, more_v]| {
-                    [a.max(more_a), j.max(more_j), v.max(more_v)]
-                });
+            let [acceleration, jerk, velocity] = self.worst_of(&found);
             let b = acceleration.recip().min(jerk.powf(-2.0 / 3.0)).min(velocity.powi(-2));
             if !(b.is_finite() && b > 0.0) {
                 return None;
             }
             profile.scale(b);
             let slower = stretches(&grid, &profile);
-            let mut cells = self.cells.iter().zip(&slower);
-            if !cells.any(|(cell, stretch)| exceeds(self.worst(cell, stretch), false)) {
+            if !exceeds(self.worst_of(&slower), false) {
                 return Some(slower);
             }
         }
         None
     }
+
+    /// The largest acceleration, jerk and velocity, as parts of the limits, those at joints included.
+    fn worst_of(&self, stretches: &[Stretch]) -> [f64; 3] {
+        let cells = self.cells.iter().zip(stretches);
+        cells.fold([0.0; 3], |[a, j, v]: [f64; 3], (cell, stretch)| {
+            let [acceleration, jerk, velocity] = self.worst(cell, stretch);
+            let (b, _) = stretch.at_position(stretch.length());
+            let joint = (b / cell.joint.v2).sqrt();
+            [a.max(acceleration), j.max(jerk), v.max(velocity).max(joint)]
+        })
+    }
 }
 
-/// Every value the geometric mean of itself and its neighbours.
+/// Every value, but the first and the last, the mean of itself and its neighbours.
 fn smooth(values: &mut [f64]) {
-    let known: Vec<f64> = values.iter().map(|value| value.ln()).collect();
-    let around = known.iter().zip(known.iter().skip(1)).zip(known.iter().skip(2));
-    for (value, ((before, here), after)) in values.iter_mut().skip(1).zip(around) {
-        *value = ((before + here + after) / 3.0).exp();
+    let Some(mut before) = values.first().copied() else { return };
+    for index in 1..values.len().saturating_sub(1) {
+        let Some([here, after]) = values.get_mut(index..index + 2) else { return };
+        let mean = (before + *here + *after) / 3.0;
+        before = std::mem::replace(here, mean);
     }
 }
 
@@ -100,15 +116,15 @@ mod tests {
 
     const LIMITS: AxisLimits = AxisLimits { velocity: 0.4, acceleration: 3.0, jerk: Some(60.0) };
 
-    /// Along these points, m. Where Clarabel is to find nothing it is asked for more than there is.
-    fn planned(points: &[[f64; 2]], feed: f64, solvable: bool) -> (Vec<Leg>, u64, u64) {
+    /// Along these points, m, rounded within a tolerance, m. Where Clarabel is to find nothing it is asked for more than there is.
+    fn planned(points: &[[f64; 2]], tolerance: f64, solvable: bool) -> (Vec<Leg>, u64, u64) {
         let pairs = points.windows(2).zip(1..);
         let elements = pairs.map(|(pair, line)| {
             let [start, end] = [pair[0], pair[1]].map(|[x, y]| Point3::new(x, y, 0.0));
             let place = Place { line, block: None };
             let made = PathElement::new(place, ElementKind::Cut, Shape::Line { start, end });
             Ok::<_, CheckError>(PathElement {
-                feed,
+                feed: 0.3,
                 acceleration: 20.0,
                 deceleration: 20.0,
                 ..made
@@ -119,7 +135,7 @@ mod tests {
             vec![LIMITS; 2],
             AxisVector::zeros(2),
         );
-        let options = LimitOptions::new(CourseOptions::new(1e-4));
+        let options = LimitOptions::new(CourseOptions::new(tolerance));
         let mut planner = Planner::new(CheckVelocities::new(elements, PI), axes, options);
         if !solvable {
             planner.smooth.aim = Aim::Slowest;
@@ -180,14 +196,29 @@ mod tests {
         for points in [vec![[0.0, 0.0], [0.3, 0.1]], teeth] {
             let length =
                 points.windows(2).map(|p| (p[1][0] - p[0][0]).hypot(p[1][1] - p[0][1])).sum();
-            let (legs, failed, windows) = planned(&points, 0.3, false);
+            let (legs, failed, windows) = planned(&points, 1e-4, false);
             check(&legs, length);
             assert!(failed > 0 && failed == windows, "{failed} of {windows}");
-            let (fastest, none, _) = planned(&points, 0.3, true);
+            let (fastest, none, _) = planned(&points, 1e-4, true);
             check(&fastest, length);
             assert_eq!(none, 0);
             let longer = duration(&legs) / duration(&fastest);
             assert!((1.0..3.0).contains(&longer), "{longer}");
+        }
+    }
+
+    /// One degree that is not rounded: an axis takes the step of its velocity within a cycle of 1 ms.
+    #[test]
+    fn kinks_are_passed_slowly_enough() {
+        let turn = 1_f64.to_radians();
+        let points = [[0.0, 0.0], [0.2, 0.0], [0.2 + 0.2 * turn.cos(), 0.2 * turn.sin()]];
+        for solvable in [false, true] {
+            let (legs, _, _) = planned(&points, 0.0, solvable);
+            let pair =
+                legs.windows(2).find(|pair| pair[0].element.place() != pair[1].element.place());
+            let (b, _) = pair.expect("two lines")[1].stretch.at_position(0.0);
+            let step = b.sqrt() * turn.sin();
+            assert!(step <= 1.0001e-3 * LIMITS.acceleration, "{step} m/s, solvable: {solvable}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Whether a profile keeps the limits between the places where they were asked for, and what to do where it does not.
 
 use super::Planner;
-use super::commit::ROOM;
+use super::commit::KEPT_ROOM;
 use super::refine::SHORTEST;
 use crate::limit::axis_path::AxisPath;
 use crate::limit::cell::Cell;
@@ -51,14 +51,16 @@ where
                 cells.push(cell);
                 continue;
             }
-            if broken.has(index) {
+            // Accelerations at a node are asked for in the cell before it.
+            if broken.has(index) || index.checked_sub(1).is_some_and(|before| broken.has(before)) {
                 // Limits that were left out will be kept the next time. How much is exceeded then is another question.
                 changed.push(cells.len());
                 cells.push(cell);
                 continue;
             }
-            if guess.as_ref().is_some_and(|guess| guess.has_moved(cells.len())) {
-                // It is solved again anyway.
+            let moved = guess.as_ref().is_some_and(|guess| guess.has_moved(cells.len()));
+            if moved && round < HALVING {
+                // It is solved again anyway, unless that goes to and fro.
                 cells.push(cell);
                 continue;
             }
@@ -139,9 +141,7 @@ where
             }
             let [now, ..] = excess;
             if let [Some(earlier), Some(last)] = before {
-                // A parabola through the three is not higher than this.
-                let bend = (2.0 * last - earlier - now).max(0.0);
-                worst[0] = worst[0].max(earlier.max(last).max(now) + 0.125 * bend);
+                worst[0] = worst[0].max(highest(earlier, last, now));
             }
             before = [before[1], Some(now)];
         }
@@ -152,12 +152,20 @@ where
     }
 }
 
+/// The highest point of a parabola through three values at equal distances, between the first and the last.
+fn highest(before: f64, here: f64, after: f64) -> f64 {
+    let slope = 0.5 * (after - before);
+    let bend = 2.0 * here - before - after;
+    if slope.abs() < bend { here + 0.5 * slope * slope / bend } else { before.max(after) }
+}
+
 /// Whether something in a cell is so much more than it may be that the cell is too long.
 pub(super) fn is_too_long(worst: [f64; 3]) -> bool {
     worst.iter().zip(ALLOWED).any(|(worst, [_, far])| *worst > far)
 }
 
-/// Whether something in a cell is more than it may be. What was planned before, and `kept`, was planned with less room.
+/// Whether something in a cell is more than it may be. What was planned before, and `kept`, has the room that it
+/// is planned again with.
 pub(super) fn exceeds(worst: [f64; 3], kept: bool) -> bool {
     worst.iter().zip(allowed(kept)).any(|(worst, allowed)| *worst > allowed)
 }
@@ -166,7 +174,7 @@ pub(super) fn exceeds(worst: [f64; 3], kept: bool) -> bool {
 fn allowed(kept: bool) -> [f64; 3] {
     let mut allowed = ALLOWED.map(|[allowed, _]| allowed);
     if kept {
-        for (allowed, room) in allowed.iter_mut().zip(ROOM) {
+        for (allowed, room) in allowed.iter_mut().zip(KEPT_ROOM) {
             *allowed *= 1.0 + room;
         }
     }
