@@ -37,6 +37,8 @@ pub struct CheckVelocities<I, E> {
     /// An error that comes after the element just handed out.
     failure: Option<E>,
     ended: bool,
+    /// Whether rapids, M functions and dwells are stops.
+    stops: bool,
 }
 
 impl<I, E> CheckVelocities<I, E>
@@ -53,11 +55,26 @@ where
             held: None,
             failure: None,
             ended: false,
+            stops: true,
         }
     }
 
+    /// The same with no stop that is not in the shape of the path: rapids are passed like cuts, turns by any angle, M functions
+    /// and dwells are left out. For comparison: what stops cost.
+    #[must_use]
+    pub fn without_stops(self) -> Self {
+        Self { turns: Turns::up_to(PI), stops: false, ..self }
+    }
+
     fn pull(&mut self) -> Option<Result<CheckedElement, E>> {
-        match self.upstream.next()? {
+        let stops = self.stops;
+        let counts = |element: &Result<PathElement, E>| {
+            let waits = |element: &PathElement| {
+                matches!(element.kind, ElementKind::MFunction { .. } | ElementKind::Dwell { .. })
+            };
+            stops || !element.as_ref().is_ok_and(waits)
+        };
+        match self.upstream.by_ref().find(counts)? {
             Ok(element) => Some(CheckedElement::new(element).map_err(E::from)),
             Err(error) => Some(Err(error)),
         }
@@ -80,7 +97,7 @@ where
                 Some(Ok(next)) => match &mut self.held {
                     Some(element) => {
                         element.element.end_velocity =
-                            transition_velocity(element, &next, self.turns);
+                            transition_velocity(element, &next, self.turns, self.stops);
                         return Some(Ok(std::mem::replace(element, next)));
                     }
                     None => self.held = Some(next),
@@ -100,8 +117,16 @@ where
 }
 
 /// The largest velocity from `element` into `next`, m/s.
-fn transition_velocity(element: &CheckedElement, next: &CheckedElement, turns: Turns) -> f64 {
-    let cuts = |element: &CheckedElement| element.kind == ElementKind::Cut && element.has_path();
+fn transition_velocity(
+    element: &CheckedElement,
+    next: &CheckedElement,
+    turns: Turns,
+    stops: bool,
+) -> f64 {
+    let cuts = |element: &CheckedElement| {
+        let kind = element.kind;
+        (kind == ElementKind::Cut || kind == ElementKind::Rapid && !stops) && element.has_path()
+    };
     if !cuts(element) || !cuts(next) {
         return 0.0;
     }

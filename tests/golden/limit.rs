@@ -233,6 +233,65 @@ fn limits_of_an_axis_can_be_left_out() {
     }
 }
 
+/// Beside those of the axes: drives, headroom, stops.
+#[test]
+fn drives_headroom_and_stops_can_be_left_out() {
+    let desk = desk();
+    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("it is there");
+    let x = "[[axes]]\nname = \"X\"\n";
+    assert!(machine.contains(x));
+    let more = "headroom_percent = 20\nmax_motor_rpm = 90.0\nmotor_turns_per_mm = 0.01\n";
+    desk.write("machine.toml", &machine.replacen(x, &format!("{x}{more}"), 1));
+    desk.write("x.cnc", "% x\nN10 G92 X0 Y0 Z0 F600 E9000 E-9000\nN20 G1 X50\nN30 M7\nN40 X100\n");
+    let duration = |options: &[&str]| {
+        let arguments = ["limit", "x.cnc", "-m", "machine.toml", "--format", "json"];
+        number(&json(desk.twin(&[&arguments, options].concat()).ended(0, ""))["duration_s"])
+    };
+    let [no_drives, no_headroom, no_stops] =
+        ["drive-speed", "headroom", "stops"].map(|limit| ["--without", limit]);
+    // 90 rpm are 150 mm/s; X itself has 400 mm/s and 3000 mm/s². 50 mm at a time, or 100 mm at once.
+    let line = |length: f64, velocity: f64, left: f64| {
+        let (v, a) = (velocity * left, 3000.0 * left * left);
+        length / v + v / a
+    };
+    let expected = [
+        (vec![], 2.0 * line(50.0, 150.0, 0.8)),
+        (no_headroom.to_vec(), 2.0 * line(50.0, 150.0, 1.0)),
+        (no_stops.to_vec(), line(100.0, 150.0, 0.8)),
+        ([no_stops, no_headroom].concat(), line(100.0, 150.0, 1.0)),
+        ([no_stops, no_headroom, no_drives].concat(), line(100.0, 400.0, 1.0)),
+    ];
+    for (options, expected) in expected {
+        let found = duration(&options);
+        assert!((found - expected).abs() < 4e-3, "{options:?}: {found} s, not {expected} s");
+    }
+}
+
+#[test]
+fn every_line_tells_what_holds_it_back() {
+    let desk = desk();
+    let report = json(limit(&desk, &["--lines", "all.csv", "--format", "json"]).ended(0, ""));
+    let rows = Rows::read(&desk, "all.csv");
+    let sum = |column: &str| rows.column(column).iter().sum::<f64>();
+    assert!((sum("time_s") - number(&report["duration_s"])).abs() < 1e-6);
+    let lost = number(&report["duration_s"]) - number(&report["duration_by_feed_s"]);
+    assert!((sum("lost_s") - lost).abs() < 1e-6);
+    // The rows of a line stand together, and in all they are what the report has for it.
+    let lines = rows.column("line");
+    assert!(lines.is_sorted());
+    for loss in report["slowest_lines"].as_array().expect("lines") {
+        let of = |column: &str| -> f64 {
+            let cells = rows.column(column).into_iter().zip(&lines);
+            cells
+                .filter(|(_, line)| (**line - number(&loss["line"])).abs() < 0.5)
+                .map(|(cell, _)| cell)
+                .sum()
+        };
+        assert!((of("time_s") - number(&loss["time_s"])).abs() < 1e-6, "{loss}");
+        assert!((of("lost_s") - number(&loss["lost_s"])).abs() < 1e-6, "{loss}");
+    }
+}
+
 /// X moves 33.3 kg (machines/gantry3.toml): with 100 N, 20 N of them friction, 50 mm from rest to rest take 2·√(L·m/F).
 #[test]
 fn a_motor_is_named_and_shown_where_it_holds_back() {
@@ -316,7 +375,7 @@ fn velocities_of_a_prepared_queue_are_kept() {
 #[test]
 fn a_feasible_program_is_the_same_but_for_its_feeds() {
     let desk = desk();
-    limit(&desk, &["--feasible", "slower.cnc"]).ended(0, "2 of 7 lines are slower than programmed");
+    limit(&desk, &["--feasible", "slower.cnc"]).ended(0, "F is too fast on 2 of 7 lines");
     let written = std::fs::read_to_string(desk.path("slower.cnc")).expect("it was written");
     let without_feeds = |text: &str| {
         let words = text.split(' ').map(|word| {
@@ -353,7 +412,7 @@ fn a_feasible_program_is_the_same_but_for_its_feeds() {
     desk.twin(&["check", "slower.cnc", "-m", "machine.toml"]).ended(0, "");
     // What can be followed already is not touched, byte for byte.
     let again = ["limit", "slower.cnc", "-m", "machine.toml", "--feasible", "again.cnc"];
-    desk.twin(&again).ended(0, "0 of 7 lines are slower");
+    desk.twin(&again).ended(0, "too fast on 0 of 7 lines");
     assert_eq!(std::fs::read_to_string(desk.path("again.cnc")).expect("it was written"), written);
 }
 
@@ -482,6 +541,23 @@ fn feasible_programs_are_files_of_their_own() {
     let known = "something else is read from or written to it";
     limit(&desk, &["--feasible", "machine.toml"]).ended(2, known);
     limit(&desk, &["--feasible", "same.csv", "-o", "same.csv"]).ended(2, known);
+    limit(&desk, &["-o", "same.csv", "-o", "./same.csv"]).ended(2, "name another file");
+    limit(&desk, &["-o", "same.svg", "--lines", "same.svg"]).ended(2, known);
+    desk.write("lines.csv", LINES);
+    for option in ["-o", "--lines"] {
+        let itself = ["limit", "lines.csv", "--dialect", "din66025", "-m", "machine.toml"];
+        desk.twin(&[&itself, &[option, "lines.csv"][..]].concat()).ended(2, "this is the program");
+    }
+    assert_eq!(std::fs::read_to_string(desk.path("lines.csv")).expect("it is there"), LINES);
+    // What fails leaves what there was.
+    desk.write("old.csv", "kept");
+    desk.twin(&["limit", "none.cnc", "-m", "machine.toml", "-o", "old.csv"]).ended(2, "none.cnc");
+    assert_eq!(std::fs::read_to_string(desk.path("old.csv")).expect("it is there"), "kept");
+    // A hard link to the program becomes a file of its own.
+    std::fs::hard_link(desk.path("lines.cnc"), desk.path("link.cnc")).expect("linked");
+    limit(&desk, &["--feasible", "link.cnc"]).ended(0, "");
+    assert_eq!(std::fs::read_to_string(desk.path("lines.cnc")).expect("it is there"), LINES);
+    assert_ne!(std::fs::read_to_string(desk.path("link.cnc")).expect("it is there"), LINES);
     assert_eq!(std::fs::read(desk.path("machine.toml")).expect("it"), before);
 }
 

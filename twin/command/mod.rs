@@ -11,6 +11,7 @@ mod run;
 mod show;
 mod underline;
 mod view;
+mod whole;
 
 use crate::check::CheckFailure;
 use crate::machine::MachineFileError;

@@ -1,5 +1,6 @@
 //! What feed limiting has to say about a program.
 
+use super::lines::{LineShare, LineShares};
 use super::losses::Losses;
 use super::{Binding, ProfileSample};
 use crate::report::{AxisPeak, seconds};
@@ -48,6 +49,8 @@ pub struct LimitSummary {
     pub limited_by: Vec<BindingShare>,
     /// The lines that lose most time, the worst first.
     pub lines: Vec<LineLoss>,
+    /// Every line and what holds it back, if that was asked for.
+    pub every_line: Vec<LineShare>,
     /// The override at the start: the part of the programmed feed that is asked for.
     pub override_factor: f64,
     /// What raising one limit would gain, the most first.
@@ -140,6 +143,8 @@ pub struct Summing {
     summary: LimitSummary,
     shares: BTreeMap<Option<Binding>, BindingShare>,
     losses: Losses,
+    /// If every line was asked for.
+    lines: Option<LineShares>,
     /// The piece of a line under one limit that is being gone through.
     piece: Option<LineLoss>,
     before: Option<ProfileSample>,
@@ -158,6 +163,12 @@ impl Summing {
         let peaks = vec![AxisPeak::default(); axes];
         let summary = LimitSummary { peaks, override_factor: factor, ..LimitSummary::default() };
         Self { summary, ..Self::default() }
+    }
+
+    /// With every line in the summary, not only those that lose most.
+    #[must_use]
+    pub fn with_every_line(self) -> Self {
+        Self { lines: Some(LineShares::default()), ..self }
     }
 
     /// Takes the next sample.
@@ -196,6 +207,16 @@ impl Summing {
         let share = self.shares.entry(binding).or_insert(nothing);
         share.time_s += time_s;
         share.lost_s += lost_s;
+        if let Some(lines) = &mut self.lines {
+            lines.include(LineShare {
+                place: before.place,
+                programmed: before.feed,
+                allowed: None,
+                binding,
+                time_s,
+                lost_s,
+            });
+        }
         let piece = LineLoss {
             place: before.place,
             programmed: before.feed,
@@ -241,6 +262,7 @@ impl Summing {
         for line in &mut summary.lines {
             line.allowed = allowed(line.place.line).or(line.allowed);
         }
+        summary.every_line = self.lines.map_or_else(Vec::new, |lines| lines.finish(&allowed));
         summary.windows = windows;
         summary
     }

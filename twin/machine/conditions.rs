@@ -31,6 +31,8 @@ pub struct ProgramConditions {
     pub start_additional: ExtraPosition,
     /// Turns of the path up to this angle are passed without a stop, rad.
     pub angle_tolerance: f64,
+    /// Whether there are stops at all: rapids, sharper turns, M functions and dwells. Only comparisons do without.
+    pub stops: bool,
     /// What preparation adds to what programs ask for.
     pub preparation: PreparationInputs,
     /// What an RS274 program finds, in the work frame; its start is that above.
@@ -103,6 +105,7 @@ impl Default for ProgramConditions {
             start: [0.0; 3],
             start_additional: ExtraPosition::default(),
             angle_tolerance: ANGLE_TOLERANCE,
+            stops: true,
             preparation: PreparationInputs::default(),
             rs274,
         }
@@ -128,7 +131,7 @@ pub(super) fn read(root: &Section<'_>, file: &Path) -> ProgramConditions {
         ..read_rs274(&root.section("rs274"), file, &defaults.rs274)
     };
     let preparation = read_preparation(&root.section("preparation"));
-    ProgramConditions { start, start_additional, angle_tolerance, preparation, rs274 }
+    ProgramConditions { start, start_additional, angle_tolerance, stops: true, preparation, rs274 }
 }
 
 fn read_preparation(section: &Section<'_>) -> PreparationInputs {

@@ -274,7 +274,7 @@ impl ProgramFile {
         let prepared = preparation
             .check(decoded, conditions.angle_tolerance, notices)
             .map_err(|error| io::Error::other(error.to_string()))?;
-        Ok((prepared, ledger))
+        Ok((if conditions.stops { prepared } else { prepared.without_stops() }, ledger))
     }
 
     /// What the program's G41 to G61 ask for; without what cannot be combined, and that.

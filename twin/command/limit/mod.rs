@@ -4,18 +4,21 @@ mod feasible;
 mod outputs;
 
 use super::options::{MachineOption, ReadOptions, plans_without_inputs, unreadable};
+use super::whole::{self, WholeFile, unwritable};
 use super::{Failure, Status, show};
 use crate::finding::{self, Finding};
 use crate::limit::{
     AxisRules, ControllerProfile, LimitFailure, LimitReport, LimitRules, LimitSummary, Limits,
-    Profile, ProfileItem, Summing, Windows, write_summary,
+    Profile, ProfileItem, Summing, Windows, write_lines, write_summary,
 };
 use crate::machine::Machine;
-use crate::program::ProgramFile;
+use crate::program::{Dialect, ProgramFile};
+use indicatif::ProgressBar;
 use outputs::Outputs;
 use std::collections::BTreeMap;
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Write};
+use std::path::PathBuf;
 use twin_motion::refeed::LineLimit;
 
 /// Plan a program as fast as all limits of the machine allow: which limit holds it back, where, and what it costs
@@ -44,6 +47,11 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "FILE")]
     feasible: Option<PathBuf>,
 
+    /// Write a table with a row per line of the program: what it takes and loses, the largest feed it allows, and what holds
+    /// it back most
+    #[arg(long, value_name = "FILE.csv")]
+    lines: Option<PathBuf>,
+
     /// Whose limits the path is planned with: those of the axes, or, for comparison, the controller's own (transition
     /// velocities, limits on curves and interpolator as in the manual), which know no axes
     #[arg(long, value_enum, default_value = "axes")]
@@ -62,6 +70,7 @@ const AFTER_HELP: &str = "\
 Examples:
   twin limit examples/plate.cnc --machine machines/scara2.toml
   twin limit examples/plate.cnc --machine machines/scara2.toml -o profile.svg -o profile.csv
+  twin limit examples/plate.cnc --machine machines/scara2.toml --lines lines.csv
   twin limit examples/plate.cnc --machine machines/scara2.toml --feasible slower.cnc
   twin limit examples/plate.cnc --machine machines/scara2.toml --limits softmotion";
 
@@ -90,6 +99,12 @@ enum Limit {
     ToolAcceleration,
     /// The acceleration towards the centre of curves, and its jumps ([preparation] of the machine file)
     Centripetal,
+    /// Step frequencies of the drives and speeds of the motors
+    DriveSpeed,
+    /// What is kept back for the override (`headroom_percent` of the machine file)
+    Headroom,
+    /// Stops: rapids (G0), sharp corners, M functions and dwells
+    Stops,
 }
 
 impl Arguments {
@@ -106,8 +121,53 @@ impl Arguments {
         Err(Failure::Usage(wrong.to_owned()))
     }
 
+    fn has(&self, limit: Limit) -> bool {
+        !self.without.contains(&limit)
+    }
+
+    /// The machine, without what of it is switched off.
+    fn machine(&self) -> Result<Machine, Failure> {
+        let mut machine = self.machine.load()?;
+        for axis in &mut machine.axes {
+            if !self.has(Limit::DriveSpeed) {
+                axis.velocity_limits.step_frequency = None;
+                axis.velocity_limits.motor_speed = None;
+            }
+            if !self.has(Limit::Headroom) {
+                axis.headroom = 0.0;
+            }
+        }
+        machine.conditions.stops = self.has(Limit::Stops);
+        Ok(machine)
+    }
+
+    /// Nothing is written over what is read, and nothing twice.
+    fn check_targets(&self, program: &ProgramFile) -> Result<(), Failure> {
+        if self.feasible.is_some() {
+            feasible::check_dialect(program)?;
+        }
+        let feasible = self.feasible.iter().map(|path| ("--feasible", path));
+        let lines = self.lines.iter().map(|path| ("--lines", path));
+        let outputs = self.output.iter().map(|path| ("--output", path));
+        let mut used = vec![self.machine.path()];
+        for (option, path) in outputs.chain(lines).chain(feasible) {
+            let wrong = if whole::is_same(path, program.path()) {
+                "this is the program itself"
+            } else if used.iter().any(|used| whole::is_same(path, used)) {
+                "something else is read from or written to it"
+            } else {
+                whole::check(path).map_err(|source| unwritable(path, source))?;
+                used.push(path);
+                continue;
+            };
+            let message = format!("{option} {}: {wrong}; name another file", path.display());
+            return Err(Failure::Usage(message));
+        }
+        Ok(())
+    }
+
     fn rules(&self) -> Result<LimitRules, Failure> {
-        let with = |limit| !self.without.contains(&limit);
+        let with = |limit| self.has(limit);
         let axes = AxisRules {
             velocity: with(Limit::AxisVelocity),
             acceleration: with(Limit::AxisAcceleration),
@@ -132,15 +192,15 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    let machine = arguments.machine.load()?;
+    let machine = arguments.machine()?;
     let program = arguments.read.program(&arguments.program, machine.conditions.rs274.units)?;
     arguments.check_for(&program)?;
-    if let Some(target) = &arguments.feasible {
-        let others = arguments.output.iter().map(PathBuf::as_path);
-        feasible::check_target(&program, target, others.chain([arguments.machine.path()]))?;
-    }
+    arguments.check_targets(&program)?;
     let mut outputs = Outputs::new(&machine, &arguments.output)?;
     let mut job = Job::new(&machine, &program)?;
+    if arguments.lines.is_some() {
+        job.summing = std::mem::take(&mut job.summing).with_every_line();
+    }
     let (summary, limits) = match arguments.limits {
         Limits::Axes => {
             let profile = Profile::new(&program, &machine, arguments.rules()?);
@@ -156,8 +216,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         }
     };
     outputs.finish(&program, &machine, arguments.limits)?;
+    if let Some(path) = &arguments.lines {
+        let mut file = WholeFile::create(path)?;
+        let written = write_lines(&mut file, &machine.axes, &summary.every_line);
+        written.map_err(|error| unwritable(path, error.into()))?;
+        file.finish()?;
+    }
     let mut findings = job.findings;
-    if summary.length <= 0.0 && findings.is_empty() {
+    if summary.length <= 0.0 && !finding::unfit(&findings) {
         findings.push(finding::nothing_moves());
     }
     finding::sort(&mut findings);
@@ -173,22 +239,50 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     Ok(if finding::unfit(&findings) { Status::Unfit } else { Status::Fit })
 }
 
+/// What there is to do. A short program is read at once and planned for long: its lines tell more than its bytes.
+#[derive(Clone, Copy)]
+enum Progress {
+    Lines(u64),
+    Bytes(u64),
+}
+
+impl Progress {
+    fn of(program: &ProgramFile) -> io::Result<Self> {
+        match program.dialect() {
+            Dialect::Din66025 | Dialect::Rs274 => {
+                let lines = BufReader::new(File::open(program.path())?).split(b'\n');
+                let count = lines.map(|line| line.map(|_| 1)).sum::<io::Result<u64>>()?;
+                Ok(Self::Lines(count))
+            }
+            Dialect::Queue | Dialect::Dxf => Ok(Self::Bytes(program.size()?)),
+        }
+    }
+
+    fn bar(self) -> ProgressBar {
+        match self {
+            Self::Lines(lines) => show::progress(lines, "{msg} {bar:30} line {pos} of {len}"),
+            Self::Bytes(bytes) => show::progress(bytes, "{msg} {bar:30} {percent:>3} %"),
+        }
+    }
+}
+
 /// A program that is being planned.
 struct Job<'a> {
     machine: &'a Machine,
     program: &'a ProgramFile,
-    /// Bytes of the program.
-    bytes: u64,
+    /// How far planning has come.
+    progress: Progress,
     summing: Summing,
     findings: Vec<Finding>,
 }
 
 impl<'a> Job<'a> {
     fn new(machine: &'a Machine, program: &'a ProgramFile) -> Result<Self, Failure> {
-        let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
+        let progress =
+            Progress::of(program).map_err(|source| unreadable(program.path(), source))?;
         let factor = program.settings().inputs.override_factor.factor();
         let summing = Summing::under(machine.axes.len(), factor);
-        Ok(Self { machine, program, bytes, summing, findings: Vec::new() })
+        Ok(Self { machine, program, progress, summing, findings: Vec::new() })
     }
 
     /// Takes all of a profile, of which `read` tells how many bytes of the program it has read.
@@ -198,12 +292,13 @@ impl<'a> Job<'a> {
         read: fn(&P) -> u64,
         outputs: &mut Outputs<'_>,
     ) -> Result<(), Failure> {
-        let bar = show::progress(self.bytes, "{msg} {bar:30} {percent:>3} % {bytes_per_sec}");
+        let bar = self.progress.bar();
         bar.set_message(self.program.path().display().to_string());
-        let mut countdown = 0u32;
+        let (mut line, mut countdown) = (0, 0u32);
         while let Some(item) = profile.next() {
             match item {
                 ProfileItem::Sample(sample) => {
+                    line = line.max(sample.place.line.into());
                     self.summing.include(&sample);
                     outputs.include(&sample)?;
                 }
@@ -211,7 +306,10 @@ impl<'a> Job<'a> {
                 ProfileItem::Io(source) => return Err(unreadable(self.program.path(), source)),
             }
             countdown = countdown.checked_sub(1).unwrap_or_else(|| {
-                bar.set_position(read(profile));
+                bar.set_position(match self.progress {
+                    Progress::Lines(_) => line,
+                    Progress::Bytes(_) => read(profile),
+                });
                 1000
             });
         }
@@ -271,10 +369,7 @@ fn report(
         Format::Human => {
             show::findings(program, findings);
             if finding::unfit(findings) {
-                writeln!(
-                    out,
-                    "NOT fit for the machine: what could not be planned is missing below"
-                )?;
+                writeln!(out, "NOT fit for the machine; what follows is of what can be planned")?;
             }
             write_summary(&mut out, machine, program, summary)
         }
@@ -289,8 +384,4 @@ fn by_line(limits: &[LineLimit]) -> BTreeMap<u32, f64> {
         *feed = feed.min(limit.feed);
     }
     lines
-}
-
-fn unwritable(path: &Path, source: io::Error) -> Failure {
-    Failure::Write { path: path.display().to_string(), source }
 }

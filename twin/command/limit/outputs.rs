@@ -1,17 +1,16 @@
 //! Profiles in files.
 
-use super::{Failure, unwritable};
+use super::Failure;
+use crate::command::whole::{self, WholeFile, unwritable};
 use crate::limit::{Limits, Picture, ProfileCsv, ProfileSample};
 use crate::machine::Machine;
 use crate::program::ProgramFile;
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// The files a profile is written to.
 #[derive(Default)]
 pub(super) struct Outputs<'m> {
-    tables: Vec<(&'m Path, ProfileCsv<'m, BufWriter<File>>)>,
+    tables: Vec<(&'m Path, ProfileCsv<'m, WholeFile>)>,
     pictures: Vec<&'m Path>,
     picture: Option<Picture<'m>>,
 }
@@ -24,8 +23,8 @@ impl<'m> Outputs<'m> {
             let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
             match ending.as_deref() {
                 Some("csv") => {
-                    let file = File::create(path).map_err(|source| unwritable(path, source))?;
-                    let table = ProfileCsv::new(BufWriter::new(file), &machine.axes, efforts);
+                    let file = WholeFile::create(path)?;
+                    let table = ProfileCsv::new(file, &machine.axes, efforts);
                     outputs
                         .tables
                         .push((path, table.map_err(|error| unwritable(path, error.into()))?));
@@ -62,10 +61,7 @@ impl<'m> Outputs<'m> {
         limits: Limits,
     ) -> Result<(), Failure> {
         for (path, table) in self.tables {
-            table
-                .finish()
-                .and_then(|mut out| out.flush())
-                .map_err(|source| unwritable(path, source))?;
+            table.finish().map_err(|source| unwritable(path, source))?.finish()?;
         }
         if let Some(picture) = self.picture {
             let name = program.path().display().to_string();
@@ -76,7 +72,7 @@ impl<'m> Outputs<'m> {
             let text =
                 picture.draw(&name, &machine).map_err(|error| Failure::Usage(error.to_string()))?;
             for path in self.pictures {
-                std::fs::write(path, &text).map_err(|source| unwritable(path, source))?;
+                whole::write(path, text.as_bytes())?;
             }
         }
         Ok(())

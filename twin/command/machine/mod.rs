@@ -4,7 +4,7 @@ mod json;
 mod text;
 
 use super::options::{self, DEFAULT_ADDRESS};
-use super::{Failure, Status, run};
+use super::{Failure, Status, run, whole};
 use crate::machine::Machine;
 use crate::workspace::{Example, Section, View, Workspace, WorkspaceError, picture};
 use std::io::{self, Write};
@@ -129,8 +129,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     };
     if let Some(path) = &arguments.svg {
         let text = picture(&facts.workspace, section, facts.example.as_ref())?;
-        std::fs::write(path, text)
-            .map_err(|source| Failure::Write { path: path.display().to_string(), source })?;
+        whole::write(path, text.as_bytes())?;
     }
     let viewer = show(arguments, &facts, section)?;
     match arguments.format {

@@ -2,10 +2,10 @@
 
 use super::Format;
 use crate::command::Failure;
+use crate::command::whole::{WholeFile, unwritable};
 use std::fs;
 use std::io::{self, BufWriter, IsTerminal, Stdout, Write};
 use std::path::{Path, PathBuf};
-use tempfile::NamedTempFile;
 
 /// Where output goes.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ impl Target {
             )),
             (Some(path), false) => Ok(Self::File(path.to_owned())),
             (Some(path), true) => {
-                fs::create_dir_all(path).map_err(|source| failure(path, source))?;
+                fs::create_dir_all(path).map_err(|source| unwritable(path, source))?;
                 Ok(Self::Folder(path.to_owned()))
             }
         }
@@ -59,18 +59,7 @@ impl Target {
                 folder.join(format!("{number:03}-{name}.{}", format.ending()))
             }
         };
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-            let message = format!("there is no folder {}", folder.display());
-            return Err(failure(&path, io::Error::new(io::ErrorKind::NotFound, message)));
-        }
-        if path.is_dir() {
-            let error = io::Error::new(io::ErrorKind::IsADirectory, "it is a folder");
-            return Err(failure(&path, error));
-        }
-        let temporary = NamedTempFile::new_in(folder.unwrap_or_else(|| Path::new(".")));
-        let temporary = temporary.map_err(|source| failure(&path, source))?;
-        Ok(File::Named { file: BufWriter::with_capacity(1 << 16, temporary), path })
+        Ok(File::Named(WholeFile::create(&path)?))
     }
 }
 
@@ -78,14 +67,14 @@ impl Target {
 #[derive(Debug)]
 pub(super) enum File {
     Stdout(BufWriter<Stdout>),
-    Named { file: BufWriter<NamedTempFile>, path: PathBuf },
+    Named(WholeFile),
 }
 
 impl File {
     /// A failure to write, with the name of what cannot be written.
     pub(super) fn named(&self, failed: Failure) -> Failure {
         match (self, failed) {
-            (Self::Named { path, .. }, Failure::Stdio(source)) => failure(path, source),
+            (Self::Named(file), Failure::Stdio(source)) => unwritable(file.path(), source),
             (_, failed) => failed,
         }
     }
@@ -94,44 +83,23 @@ impl File {
     pub(super) fn finish(self) -> Result<(), Failure> {
         match self {
             Self::Stdout(mut out) => out.flush().map_err(Failure::Stdio),
-            Self::Named { file, path } => {
-                let named = file.into_inner().map_err(io::IntoInnerError::into_error);
-                let named = named.and_then(|file| readable(&file).map(|()| file));
-                let named = named.and_then(|file| file.persist(&path).map_err(|error| error.error));
-                named.map(|_| ()).map_err(|source| failure(&path, source))
-            }
+            Self::Named(file) => file.finish(),
         }
     }
-}
-
-/// Temporary files are their owner's alone; this one has become an ordinary file.
-#[cfg(unix)]
-fn readable(file: &NamedTempFile) -> io::Result<()> {
-    use std::os::unix::fs::PermissionsExt;
-    file.as_file().set_permissions(fs::Permissions::from_mode(0o644))
-}
-
-#[cfg(not(unix))]
-fn readable(_file: &NamedTempFile) -> io::Result<()> {
-    Ok(())
 }
 
 impl Write for File {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
             Self::Stdout(out) => out.write(bytes),
-            Self::Named { file, .. } => file.write(bytes),
+            Self::Named(file) => file.write(bytes),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match self {
             Self::Stdout(out) => out.flush(),
-            Self::Named { file, .. } => file.flush(),
+            Self::Named(file) => file.flush(),
         }
     }
-}
-
-fn failure(path: &Path, source: io::Error) -> Failure {
-    Failure::Write { path: path.display().to_string(), source }
 }

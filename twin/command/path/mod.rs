@@ -11,7 +11,7 @@ mod setpoints;
 mod svg;
 
 use super::options::{ReadOptions, unreadable};
-use super::{Failure, Status, show};
+use super::{Failure, Status, show, whole};
 use crate::finding::{self, Finding};
 use crate::machine::{Machine, ProgramConditions};
 use crate::program::{Dialect, ElementItem, Elements, ProgramFile};
@@ -183,7 +183,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     for note in &notes {
         eprintln!("{}: {note}", source.display());
     }
-    if arguments.output.as_deref().is_some_and(|output| same_file(output, source)) {
+    if arguments.output.as_deref().is_some_and(|output| whole::is_same(output, source)) {
         let message = format!("{} would be replaced by what is made of it", source.display());
         return Err(Failure::Usage(message));
     }
@@ -234,12 +234,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         status = Status::Unfit;
     }
     Ok(status)
-}
-
-/// Whether both are there and the same.
-fn same_file(one: &Path, other: &Path) -> bool {
-    let real = |path: &Path| path.canonicalize().ok();
-    real(one).is_some_and(|path| Some(path) == real(other))
 }
 
 impl Job<'_> {

@@ -2,6 +2,7 @@
 
 use super::Done;
 use crate::check::Outcome;
+use crate::command::whole::{WholeFile, unwritable};
 use crate::command::{Failure, show};
 use crate::compare::{Comparison, ErrorStatistics, Statistics};
 use crate::machine::Machine;
@@ -164,8 +165,9 @@ impl Report<'_> {
                     .collect(),
             ),
         };
-        write_json(path, &report)
-            .map_err(|source| Failure::Write { path: path.display().to_string(), source })
+        let mut file = WholeFile::create(path)?;
+        write_json(&mut file, &report).map_err(|source| unwritable(path, source))?;
+        file.finish()
     }
 
     /// Writes that a run came to nothing, and why.
@@ -174,9 +176,7 @@ impl Report<'_> {
     }
 }
 
-fn write_json(path: &Path, report: &RunReport) -> io::Result<()> {
-    let mut file = io::BufWriter::new(std::fs::File::create(path)?);
-    serde_json::to_writer_pretty(&mut file, report)?;
-    writeln!(file)?;
-    file.flush()
+fn write_json(file: &mut WholeFile, report: &RunReport) -> io::Result<()> {
+    serde_json::to_writer_pretty(&mut *file, report)?;
+    writeln!(file)
 }

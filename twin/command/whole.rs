@@ -1,0 +1,158 @@
+//! Files that take their names when they are whole.
+
+use super::Failure;
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// A file that is written beside its name and takes it when it is whole: what has the name already stays until then. Devices and
+/// pipes are written to as they are.
+#[derive(Debug)]
+pub(super) struct WholeFile {
+    out: BufWriter<Out>,
+    path: PathBuf,
+}
+
+#[derive(Debug)]
+enum Out {
+    Beside(NamedTempFile),
+    Device(File),
+}
+
+impl WholeFile {
+    /// Begins the file `path`.
+    ///
+    /// # Errors
+    /// [`Failure::Write`] with its name.
+    pub(super) fn create(path: &Path) -> Result<Self, Failure> {
+        Self::begin(path).map_err(|source| unwritable(path, source))
+    }
+
+    fn begin(path: &Path) -> io::Result<Self> {
+        check(path)?;
+        // What a link leads to is replaced, not the link.
+        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let device = fs::metadata(&path).is_ok_and(|known| !known.is_file());
+        let out = if device {
+            Out::Device(File::options().write(true).open(&path)?)
+        } else {
+            let mut name = OsString::from(".");
+            name.push(path.file_name().unwrap_or_default());
+            name.push(".");
+            let mut beside = tempfile::Builder::new();
+            let beside = beside.prefix(&name).suffix(".part");
+            Out::Beside(beside.tempfile_in(folder_of(&path).unwrap_or(Path::new(".")))?)
+        };
+        Ok(Self { out: BufWriter::with_capacity(1 << 16, out), path })
+    }
+
+    /// Its name.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// [`Failure::Write`] with its name.
+    pub(super) fn finish(self) -> Result<(), Failure> {
+        let Self { out, path } = self;
+        let named = out.into_inner().map_err(io::IntoInnerError::into_error);
+        let named = named.and_then(|out| match out {
+            Out::Beside(file) => {
+                readable(&file)?;
+                file.persist(&path).map(|_| ()).map_err(|error| error.error)
+            }
+            Out::Device(_) => Ok(()),
+        });
+        named.map_err(|source| unwritable(&path, source))
+    }
+}
+
+impl Write for WholeFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.out.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
+}
+
+impl Write for Out {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match self {
+            Self::Beside(file) => file.write(bytes),
+            Self::Device(file) => file.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self {
+            Self::Beside(file) => file.flush(),
+            Self::Device(file) => file.flush(),
+        }
+    }
+}
+
+fn folder_of(path: &Path) -> Option<&Path> {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty())
+}
+
+/// Whether a file can have this name: for those that are written after long work.
+///
+/// # Errors
+/// If not.
+pub(super) fn check(path: &Path) -> io::Result<()> {
+    if let Some(folder) = folder_of(path).filter(|folder| !folder.is_dir()) {
+        let message = format!("there is no folder {}", folder.display());
+        return Err(io::Error::new(io::ErrorKind::NotFound, message));
+    }
+    match fs::metadata(path) {
+        Ok(known) if known.is_dir() => {
+            Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder"))
+        }
+        Ok(known) if known.permissions().readonly() => {
+            Err(io::Error::from(io::ErrorKind::PermissionDenied))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes a whole file.
+///
+/// # Errors
+/// [`Failure::Write`] with its name.
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let mut file = WholeFile::create(path)?;
+    file.write_all(bytes).map_err(|source| unwritable(path, source))?;
+    file.finish()
+}
+
+/// Whether both names are of one file, which need not be there yet.
+pub(super) fn is_same(one: &Path, other: &Path) -> bool {
+    let real = |path: &Path| {
+        let folder = folder_of(path).unwrap_or(Path::new("."));
+        let new = || Some(fs::canonicalize(folder).ok()?.join(path.file_name()?));
+        fs::canonicalize(path).ok().or_else(new)
+    };
+    one == other || real(one).is_some_and(|path| Some(path) == real(other))
+}
+
+pub(super) fn unwritable(path: &Path, source: io::Error) -> Failure {
+    Failure::Write { path: path.display().to_string(), source }
+}
+
+/// Temporary files are their owner's alone; this one has become an ordinary file.
+#[cfg(unix)]
+fn readable(file: &NamedTempFile) -> io::Result<()> {
+    use std::os::unix::fs::PermissionsExt;
+    file.as_file().set_permissions(fs::Permissions::from_mode(0o644))
+}
+
+#[cfg(not(unix))]
+fn readable(_file: &NamedTempFile) -> io::Result<()> {
+    Ok(())
+}
