@@ -561,6 +561,22 @@ fn feasible_programs_are_files_of_their_own() {
     assert_eq!(std::fs::read(desk.path("machine.toml")).expect("it"), before);
 }
 
+/// What `check` finds at the corners of a knife's path is in the comparison.
+#[test]
+fn a_knife_turns_at_once_in_the_controllers_own_planning() {
+    let desk = Desk::new();
+    let [program, machine] = ["examples/contour.cnc", "machines/gantry_cutter3.toml"]
+        .map(|name| root().join(name).display().to_string());
+    let with = |command: &str, more: &[&str]| {
+        let arguments = [command, &program, "-m", &machine, "--format", "json"];
+        json(&desk.twin(&[&arguments, more].concat()))
+    };
+    let (checked, own) = (with("check", &[]), with("limit", &["--limits", "softmotion"]));
+    let largest = |report: &Value| number(&report["peak"]["R"]["velocity"]["value"]);
+    assert!(largest(&checked) > 2.0 * number(&checked["peak"]["R"]["velocity"]["limit"]));
+    assert!((largest(&own) - largest(&checked)).abs() < 1e-6 * largest(&checked), "{own}");
+}
+
 #[test]
 fn wrong_use_is_status_2() {
     let desk = desk();

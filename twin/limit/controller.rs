@@ -9,8 +9,9 @@ use crate::machine::Machine;
 use crate::program::{ProgramFile, ProgramItem, Setpoints};
 use crate::report::seconds;
 use crate::setpoint::Transformer;
-use twin_kinematics::AxisVector;
+use twin_kinematics::{AxisMotion, AxisVector};
 use twin_motion::interpolate::{Status, ToolSetpoint};
+use twin_motion::limit::AxisPath as _;
 
 /// The part of the programmed velocity from which on it counts as reached.
 const AT_FEED: f64 = 0.98;
@@ -91,7 +92,7 @@ impl<'m> ControllerProfile<'m> {
             path_acceleration,
             path_jerk,
             position: axes.position,
-            velocity: axes.velocity,
+            velocity: self.velocity(tool, &axes),
             acceleration: axes.acceleration,
             jerk,
             effort,
@@ -99,6 +100,22 @@ impl<'m> ControllerProfile<'m> {
         };
         self.before = Some(sample);
         Some(sample)
+    }
+
+    /// Of the axes. A tool that turns with the path turns at once at a corner, and a jump of the set-point (G92) has no velocity of
+    /// its own either: as in `twin check` the difference between cycles shows them.
+    fn velocity(&self, tool: &ToolSetpoint, axes: &AxisMotion) -> AxisVector {
+        let Some(before) = &self.before else { return axes.velocity };
+        let at_rest = tool.path_velocity <= 0.0 && before.path_velocity <= 0.0;
+        let positions = axes.position.iter().zip(before.position.iter());
+        let velocities = axes.velocity.iter().zip(before.velocity.iter());
+        let limits = self.axes.limits().iter().map(|limits| limits.velocity);
+        let velocities = positions.zip(velocities).zip(limits);
+        AxisVector::from_values(velocities.map(|(((to, from), (now, before)), most)| {
+            let stepped = (to - from) / self.cycle;
+            let told = now.abs() > most || before.abs() > most;
+            if at_rest || (stepped.abs() > most && !told) { stepped } else { *now }
+        }))
     }
 
     /// What the controller holds the path back for.

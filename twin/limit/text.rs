@@ -228,7 +228,13 @@ pub(super) fn percent(share: f64) -> String {
     format!("{:.1} %", share * 100.0)
 }
 
-/// Four digits, for people; more where they are before the point.
+/// Four digits, for people; more where they are before the point, none for rounding errors.
 pub(super) fn digits(value: f64) -> String {
-    if value.abs() >= 1e4 { format!("{value:.0}") } else { significant(value, 4) }
+    if value.abs() < 1e-9 {
+        "0".to_owned()
+    } else if value.abs() >= 1e4 {
+        format!("{value:.0}")
+    } else {
+        significant(value, 4)
+    }
 }
