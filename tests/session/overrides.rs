@@ -203,8 +203,9 @@ fn beside_the_wall_clock_limits_hold_whenever_plans_come() {
     assert_within_limits(&machine, &recorder.cycles, 0);
     assert_on_helices(&recorder.cycles);
     assert!((recorder.last().wanted.tool - nalgebra::point![0.3, 0.0, 0.032]).norm() < 1e-9);
-    // The last one at least has been followed.
-    assert!(ending.overrides.last().unwrap().follows_ns.is_some());
+    // Where plans were late, on a busy computer, the path may be over before one for the last override is there.
+    let followed = ending.overrides.last().unwrap().follows_ns.is_some();
+    assert!(followed || ending.late_plans > 0);
 }
 
 #[test]
