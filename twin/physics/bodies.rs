@@ -72,6 +72,15 @@ pub(super) struct Tree {
     pub(super) coupling: Option<JointMatrix>,
 }
 
+/// How joints move with axes, both ways. Joints that are not there move with axes that are not there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Coupling {
+    /// Positions of the joints from those of the axes.
+    pub(super) to_joints: JointMatrix,
+    /// And back.
+    pub(super) to_axes: JointMatrix,
+}
+
 impl Tree {
     /// The links of `model`, which are a tree, moved by the axes `0..axis_count`.
     ///
@@ -151,6 +160,27 @@ impl Tree {
         Ok(Self { bodies, coupling: coupled.then_some(coupling) })
     }
 
+    /// How its joints move with the axes `0..axis_count`, if not each with one of its own.
+    ///
+    /// # Errors
+    /// [`PhysicsError::CoupledJoint`] if the axes do not tell where every joint is, or the joints where every axis is.
+    pub(super) fn coupling(&self, axis_count: usize) -> Result<Option<Coupling>, PhysicsError> {
+        let Some(mut to_joints) = self.coupling else { return Ok(None) };
+        let moving = self.bodies.iter().position(|body| body.motion.joint().is_some());
+        let uneven = PhysicsError::CoupledJoint { joint: moving.unwrap_or_default() };
+        let joints = self.bodies.iter().filter(|body| body.motion.joint().is_some()).count();
+        if joints != axis_count {
+            return Err(uneven);
+        }
+        for beyond in axis_count..MAX_AXES {
+            if let Some(entry) = to_joints.get_mut((beyond, beyond)) {
+                *entry = 1.0;
+            }
+        }
+        let to_axes = to_joints.try_inverse().ok_or(uneven)?;
+        Ok(Some(Coupling { to_joints, to_axes }))
+    }
+
     /// Whether anything moves with `axis`.
     pub(super) fn moves_with(&self, axis: usize) -> bool {
         match &self.coupling {
@@ -159,18 +189,4 @@ impl Tree {
             None => self.bodies.iter().any(|body| body.motion.joint() == Some(axis)),
         }
     }
-}
-
-/// Whether every joint of `model` is an axis of its own or fixed, and no link goes round in a circle: all that is simulated.
-///
-/// # Errors
-/// [`PhysicsError::ClosedLoops`] and [`PhysicsError::CoupledJoint`].
-pub(super) fn check_serial(model: &Model) -> Result<(), PhysicsError> {
-    if !model.loops.is_empty() {
-        return Err(PhysicsError::ClosedLoops { loops: model.loops.len() });
-    }
-    let coupled = model.joints.iter().position(|joint| {
-        matches!(joint.drive, JointDrive::Combination(_) | JointDrive::Passive { .. })
-    });
-    coupled.map_or(Ok(()), |joint| Err(PhysicsError::CoupledJoint { joint }))
 }

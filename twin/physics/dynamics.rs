@@ -190,10 +190,15 @@ impl Dynamics {
         coupling.map_or(inertia, |coupling| coupling.tr_mul(&(inertia * coupling)) + rotors)
     }
 
-    /// The inertia that each axis feels at `position` while the others stand still, kg or kg·m².
-    pub(super) fn effective_inertia(&mut self, position: &JointVector) -> JointVector {
+    /// The same at `position`.
+    pub(super) fn inertia_at(&mut self, position: &JointVector) -> JointMatrix {
         self.evaluate(position, &JointVector::zeros(), &JointVector::zeros());
-        self.inertia().diagonal()
+        self.inertia()
+    }
+
+    /// The links.
+    pub(super) fn tree(&self) -> &Tree {
+        &self.tree
     }
 
     /// The joint accelerations that `effort` gives; `None` if some axis moves no inertia.
@@ -205,12 +210,6 @@ impl Dynamics {
     ) -> Option<JointVector> {
         let bias = self.inverse_dynamics(position, velocity, &JointVector::zeros());
         solve(self.axis_count, &self.inertia(), &(effort - bias))
-    }
-
-    /// The inverse of the joint-space inertia at `position`; `None` if some axis moves no inertia.
-    pub(super) fn mobility(&mut self, position: &JointVector) -> Option<JointMatrix> {
-        self.evaluate(position, &JointVector::zeros(), &JointVector::zeros());
-        Some(self.inertia().cholesky()?.inverse())
     }
 
     /// Poses of the links in the machine frame, the base (link 0) first.
@@ -309,7 +308,11 @@ impl Dynamics {
 }
 
 /// `inertia⁻¹·effort` for the first `axis_count` axes, by a factorisation no larger than they need.
-fn solve(axis_count: usize, inertia: &JointMatrix, effort: &JointVector) -> Option<JointVector> {
+pub(super) fn solve(
+    axis_count: usize,
+    inertia: &JointMatrix,
+    effort: &JointVector,
+) -> Option<JointVector> {
     fn first<const N: usize>(inertia: &JointMatrix, effort: &JointVector) -> Option<JointVector> {
         let mut solution = effort.fixed_rows::<N>(0).into_owned();
         inertia.fixed_view::<N, N>(0, 0).into_owned().cholesky()?.solve_mut(&mut solution);

@@ -39,18 +39,15 @@ pub enum PhysicsError {
         /// The joint.
         joint: usize,
     },
-    /// A joint that several axes move, or none: a belt between two motors, a rod between carriage and platform.
-    #[error(
-        "joint {joint} is moved by several axes, as by an H belt, which is not simulated yet; `twin check` without `--physics` does the rest"
-    )]
+    /// A joint of a tree that no axis moves, or several axes in such a way that where they are does not tell where all joints are,
+    /// or the other way round.
+    #[error("joint {joint} is moved by no axis, or by axes that do not belong to it one to one")]
     CoupledJoint {
         /// The joint.
         joint: usize,
     },
     /// Links that go round in a circle.
-    #[error(
-        "its links make {loops} closed loops, as a tripod's rods do, which is not simulated yet; `twin check` without `--physics` does the rest"
-    )]
+    #[error("its links make {loops} closed loops where they have to be a tree")]
     ClosedLoops {
         /// How many.
         loops: usize,

@@ -1,12 +1,13 @@
 //! Joint motion over one control period, the motor efforts held.
 //!
-//! Classical Runge–Kutta of fourth order on [`Dynamics`]. Viscous friction is part of the right-hand side. Dry
+//! Classical Runge–Kutta of fourth order on [`Equation`]. Viscous friction is part of the right-hand side. Dry
 //! (Coulomb) friction has a jump where an axis stops, so its force is settled before the step, as Moreau and
 //! Stewart–Trinkle do: of all forces within ±c, those that stop as much motion as they can by the end of the
 //! step (projected Gauss–Seidel on the velocities an explicit step predicts). An axis that slides gets exactly ±c,
 //! one that stands still gets what holds it and does not creep.
 
-use super::dynamics::{Dynamics, JointVector, at};
+use super::dynamics::{JointVector, at};
+use super::equation::Equation;
 
 /// Positions and velocities of all axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,18 +34,19 @@ pub(super) struct Friction {
 /// Sweeps of the friction solver; it converges in one or two unless several axes stick against each other.
 const MAX_FRICTION_SWEEPS: usize = 100;
 
-/// The state after `dt` (s) with the motor efforts `effort` held; `None` if some axis moves no inertia.
+/// The state after `dt` (s) with the motor efforts `effort` held; `None` if some axis
+/// moves no inertia, or where the machine cannot be.
 pub(super) fn advance(
-    dynamics: &mut Dynamics,
+    equation: &mut Equation,
     state: &JointState,
     effort: &JointVector,
     friction: &Friction,
     dt: f64,
 ) -> Option<JointState> {
-    let effort = effort + dry_friction(dynamics, state, effort, friction, dt)?;
+    let effort = effort + dry_friction(equation, state, effort, friction, dt)?;
     let mut slope = |position: JointVector, velocity: JointVector| {
         let moving = effort - friction.viscous.component_mul(&velocity);
-        Some((velocity, dynamics.acceleration(&position, &velocity, &moving)?))
+        Some((velocity, equation.acceleration(&position, &velocity, &moving)?))
     };
     let JointState { position, velocity } = *state;
     let half = 0.5 * dt;
@@ -60,7 +62,7 @@ pub(super) fn advance(
 
 /// The dry friction forces over the next `dt`.
 fn dry_friction(
-    dynamics: &mut Dynamics,
+    equation: &mut Equation,
     state: &JointState,
     effort: &JointVector,
     friction: &Friction,
@@ -72,8 +74,8 @@ fn dry_friction(
     }
     let moving = effort - friction.viscous.component_mul(&state.velocity);
     let mut velocity =
-        state.velocity + dynamics.acceleration(&state.position, &state.velocity, &moving)? * dt;
-    let mobility = dynamics.mobility(&state.position)? * dt;
+        state.velocity + equation.acceleration(&state.position, &state.velocity, &moving)? * dt;
+    let mobility = equation.mobility(&state.position)? * dt;
     let diagonal = mobility.diagonal();
     for _ in 0..MAX_FRICTION_SWEEPS {
         let mut change = 0.0_f64;
@@ -82,7 +84,7 @@ fn dry_friction(
             .zip(diagonal.iter())
             .zip(force.iter_mut().zip(friction.coulomb.iter()));
         for (axis, ((column, mobility), (force, limit))) in
-            axes.enumerate().take(dynamics.axis_count())
+            axes.enumerate().take(equation.axis_count())
         {
             let wanted = (*force - at(&velocity, axis) / mobility).clamp(-limit, *limit);
             let difference = wanted - *force;

@@ -16,6 +16,9 @@
 //! 4. One step of rapier.
 //! 5. Its joint positions are the new q, and v = v₁ + (its velocity − v*): what contact did comes back.
 //!
+//! Links that go round in circles, as those of a tripod, have an equation of motion of their own (`tripod`); their bodies are put
+//! where they are.
+//!
 //! The state is rapier's after every cycle; [`PhysicsMachine::link_poses`] reads the bodies.
 //! Two runs with the same inputs give the same bits.
 
@@ -23,6 +26,7 @@ mod along_path;
 mod bodies;
 mod drive;
 mod dynamics;
+mod equation;
 mod error;
 mod integrate;
 mod linkage;
@@ -43,9 +47,9 @@ pub use along_path::{AxisEffort, AxisLoad, EffortRow, PathDynamics, TorqueAlongP
 pub use drive::{AxisDriveParameters, EffortFeedForward};
 pub use error::PhysicsError;
 
-use bodies::check_serial;
 use drive::{AxisDrive, DriveInput};
-use dynamics::{Dynamics, JointVector, at};
+use dynamics::{JointVector, at};
+use equation::Equation;
 use integrate::{Friction, JointState};
 use setpoint::Setpoint;
 use world::RapierWorld;
@@ -71,7 +75,7 @@ pub struct AxisState {
 /// A machine with its drives.
 #[derive(Debug)]
 pub struct PhysicsMachine {
-    dynamics: Dynamics,
+    equation: Equation,
     friction: Friction,
     world: RapierWorld,
     drives: Vec<AxisDrive>,
@@ -114,22 +118,22 @@ impl PhysicsMachine {
         let per_axis =
             |value: fn(&AxisDriveParameters) -> f64| joint_vector(drives.iter().map(value));
         let armature = per_axis(|drive| drive.armature);
-        check_serial(model)?;
-        let mut dynamics = Dynamics::new(model, drives.len(), gravity, armature)?;
+        let mut equation = Equation::new(model, drives.len(), gravity, armature)?;
         let setpoint = AxisMotion::at_rest(*initial);
         let joints = JointState {
             position: checked(initial, drives.len(), 0)?,
             velocity: JointVector::zeros(),
         };
 
-        let inertia = dynamics.effective_inertia(&joints.position);
+        let inertia = equation.inertia(&joints.position).ok_or(PhysicsError::Apart)?.diagonal();
         if let Some((axis, inertia)) =
             inertia.iter().copied().take(drives.len()).enumerate().find(|(_, i)| *i <= 0.0)
         {
             return Err(PhysicsError::NoInertia { axis, inertia });
         }
         let zero = JointVector::zeros();
-        let holding = dynamics.inverse_dynamics(&joints.position, &zero, &zero);
+        let holding = equation.inverse_dynamics(&joints.position, &zero, &zero);
+        let holding = holding.ok_or(PhysicsError::Apart)?;
         let enabled = drives.iter().zip(holding.iter()).map(|(parameters, holding)| {
             let fed_forward = match parameters.effort_feed_forward {
                 EffortFeedForward::Dynamics(part) => part * holding,
@@ -144,14 +148,16 @@ impl PhysicsMachine {
             effort: axis_vector(&holding, drives.len()),
             saturated: [false; MAX_AXES],
         };
+        let at_rest = &joints.position;
+        let world = RapierWorld::new(model, &equation, gravity, &armature, at_rest, (cycle, 1))?;
         Ok(Self {
             friction: Friction {
                 coulomb: per_axis(|drive| drive.coulomb_friction),
                 viscous: per_axis(|drive| drive.viscous_friction),
             },
-            world: RapierWorld::new(model, gravity, &armature, &joints.position, cycle, 1)?,
+            world,
             drives: enabled.collect(),
-            dynamics,
+            equation,
             joints,
             setpoint,
             state,
@@ -182,7 +188,7 @@ impl PhysicsMachine {
             let now = from.towards(&to, phase, self.cycle);
             // What is fed forward is held for the period: take it from its middle.
             let ahead = from.towards(&to, phase + 0.5 / f64::from(CONTROL_PERIODS), self.cycle);
-            let effort = self.control(&joints, &now, &ahead, period, &mut saturated);
+            let effort = self.control(&joints, &now, &ahead, period, &mut saturated)?;
             joints = self.integrate(&joints, &effort, period)?;
             mean_effort += effort / f64::from(CONTROL_PERIODS);
         }
@@ -228,12 +234,14 @@ impl PhysicsMachine {
         ahead: &Setpoint,
         period: f64,
         saturated: &mut [bool; MAX_AXES],
-    ) -> JointVector {
+    ) -> Result<JointVector, PhysicsError> {
         let dynamic = |drive: &AxisDrive| {
             matches!(drive.parameters.effort_feed_forward, EffortFeedForward::Dynamics(_))
         };
         let whole_machine = if self.drives.iter().any(dynamic) {
-            self.dynamics.inverse_dynamics(&ahead.position, &ahead.velocity, &ahead.acceleration)
+            let Setpoint { position, velocity, acceleration } = ahead;
+            let efforts = self.equation.inverse_dynamics(position, velocity, acceleration);
+            efforts.ok_or(PhysicsError::Apart)?
         } else {
             JointVector::zeros()
         };
@@ -256,7 +264,7 @@ impl PhysicsMachine {
                 *saturated |= output.saturated;
                 output.effort
             });
-        joint_vector(efforts)
+        Ok(joint_vector(efforts))
     }
 
     fn integrate(
@@ -265,7 +273,7 @@ impl PhysicsMachine {
         effort: &JointVector,
         dt: f64,
     ) -> Result<JointState, PhysicsError> {
-        integrate::advance(&mut self.dynamics, joints, effort, &self.friction, dt)
+        integrate::advance(&mut self.equation, joints, effort, &self.friction, dt)
             .filter(JointState::is_finite)
             .ok_or(PhysicsError::Diverged { time_ns: self.state.time_ns })
     }
@@ -278,16 +286,14 @@ impl PhysicsMachine {
         saturated: [bool; MAX_AXES],
     ) -> Result<AxisState, PhysicsError> {
         let mean_velocity = (next.position - self.joints.position) / self.cycle;
-        let bias = self.dynamics.inverse_dynamics(
-            &self.joints.position,
+        let zero = JointVector::zeros();
+        let bias = self.equation.inverse_dynamics(&self.joints.position, &mean_velocity, &zero);
+        let (position, faster) = self.world.advance(
+            &next.position,
             &mean_velocity,
-            &JointVector::zeros(),
-        );
-        self.world.set_velocity(&mean_velocity);
-        self.world.apply_effort(&bias);
-        self.world.step();
-        let (position, velocity) = self.world.joint_motion();
-        self.joints = JointState { position, velocity: next.velocity + (velocity - mean_velocity) };
+            &bias.ok_or(PhysicsError::Apart)?,
+        )?;
+        self.joints = JointState { position, velocity: next.velocity + faster };
         if !self.joints.is_finite() {
             return Err(PhysicsError::Diverged { time_ns: self.state.time_ns });
         }
@@ -310,9 +316,9 @@ impl PhysicsMachine {
 /// Those of [`PhysicsMachine::new`] that concern the model, and [`PhysicsError::Input`].
 pub fn axis_inertia(model: &Model, position: &AxisVector) -> Result<AxisVector, PhysicsError> {
     let axes = position.len();
-    check_serial(model)?;
-    let mut dynamics = Dynamics::new(model, axes, Vector3::zeros(), JointVector::zeros())?;
-    Ok(axis_vector(&dynamics.effective_inertia(&checked(position, axes, 0)?), axes))
+    let mut equation = Equation::new(model, axes, Vector3::zeros(), JointVector::zeros())?;
+    let inertia = equation.inertia(&checked(position, axes, 0)?).ok_or(PhysicsError::Apart)?;
+    Ok(axis_vector(&inertia.diagonal(), axes))
 }
 
 /// The efforts (N or Nm) that hold `model` at `position` against `gravity` (m/s²).
@@ -326,7 +332,7 @@ pub fn holding_effort(
     position: &AxisVector,
 ) -> Result<AxisVector, PhysicsError> {
     let axes = position.len();
-    let mut dynamics = Dynamics::new(model, axes, gravity, JointVector::zeros())?;
+    let mut dynamics = dynamics::Dynamics::new(model, axes, gravity, JointVector::zeros())?;
     let zero = JointVector::zeros();
     Ok(axis_vector(&dynamics.inverse_dynamics(&checked(position, axes, 0)?, &zero, &zero), axes))
 }
@@ -344,7 +350,8 @@ pub fn motion_effort(
     motion: &AxisMotion,
 ) -> Result<AxisVector, PhysicsError> {
     let axes = armature.len();
-    let mut dynamics = Dynamics::new(model, axes, gravity, joint_vector(armature.iter().copied()))?;
+    let armature = joint_vector(armature.iter().copied());
+    let mut dynamics = dynamics::Dynamics::new(model, axes, gravity, armature)?;
     let of = |values: &AxisVector| checked(values, axes, 0);
     let effort = dynamics.inverse_dynamics(
         &of(&motion.position)?,

@@ -28,12 +28,12 @@
 //! Held against a derivation by others, checked against a model of 24 degrees of freedom with its loops closed.
 
 use nalgebra::{Isometry3, Matrix3, Matrix6, SMatrix, Vector3, Vector6};
-use twin_kinematics::Transform;
 use twin_kinematics::tripod::{CalibratedTripod, Rod, Tripod, TripodDeviations, TripodDimensions};
+use twin_kinematics::{MAX_AXES, Transform};
 use twin_urdf::Model;
 
 use super::bodies::MassProperties;
-use super::dynamics::{Dynamics, JointVector, at};
+use super::dynamics::{Dynamics, JointMatrix, JointVector, at, solve};
 use super::error::PhysicsError;
 use super::linkage::{Linkage, RodBody};
 
@@ -50,6 +50,7 @@ pub(super) struct Carriage {
 /// The equation of motion of one tripod, additional axes beside it included.
 #[derive(Clone, Debug)]
 pub(super) struct TripodDynamics {
+    axis_count: usize,
     gravity: Vector3<f64>,
     armature: JointVector,
     carriages: [Carriage; 3],
@@ -118,7 +119,17 @@ impl TripodDynamics {
         let rotorless = JointVector::zeros();
         let others = others.map(|tree| Dynamics::of_tree(tree, axis_count, gravity, rotorless));
         let level = level(&rods);
-        Ok(Self { gravity, armature, carriages, rods, platform, kinematics, level, others })
+        Ok(Self {
+            axis_count,
+            gravity,
+            armature,
+            carriages,
+            rods,
+            platform,
+            kinematics,
+            level,
+            others,
+        })
     }
 
     /// Where everything is with the axes at `position`.
@@ -230,6 +241,71 @@ impl TripodDynamics {
         })
     }
 
+    pub(super) fn axis_count(&self) -> usize {
+        self.axis_count
+    }
+
+    /// The efforts that give the axes `acceleration`; `None` where the rods do not meet.
+    pub(super) fn inverse_dynamics(
+        &mut self,
+        position: &JointVector,
+        velocity: &JointVector,
+        acceleration: &JointVector,
+    ) -> Option<JointVector> {
+        let state = self.state(position).ok()?;
+        let beside = self.beside(position, velocity, acceleration);
+        Some(self.efforts(&state, velocity, acceleration, true) + beside)
+    }
+
+    /// The accelerations of the axes under `effort`; `None` where the rods do not meet, or if some axis moves no inertia.
+    pub(super) fn acceleration(
+        &mut self,
+        position: &JointVector,
+        velocity: &JointVector,
+        effort: &JointVector,
+    ) -> Option<JointVector> {
+        let state = self.state(position).ok()?;
+        let zero = JointVector::zeros();
+        let bias =
+            self.efforts(&state, velocity, &zero, true) + self.beside(position, velocity, &zero);
+        solve(self.axis_count, &self.inertia_of(&state, position), &(effort - bias))
+    }
+
+    /// The inertia that the axes feel at `position`; `None` where the rods do not meet.
+    pub(super) fn inertia(&mut self, position: &JointVector) -> Option<JointMatrix> {
+        let state = self.state(position).ok()?;
+        Some(self.inertia_of(&state, position))
+    }
+
+    /// The same where everything is known to be.
+    fn inertia_of(&mut self, state: &TripodState, position: &JointVector) -> JointMatrix {
+        let zero = JointVector::zeros();
+        let mut inertia = JointMatrix::from_diagonal(&self.armature);
+        for axis in self.axis_count..MAX_AXES {
+            if let Some(entry) = inertia.get_mut((axis, axis)) {
+                *entry = 1.0;
+            }
+        }
+        for Carriage { axis, .. } in self.carriages {
+            let mut unit = zero;
+            if let Some(entry) = unit.get_mut(axis) {
+                *entry = 1.0;
+            }
+            let efforts = self.efforts(state, &zero, &unit, false);
+            if axis < MAX_AXES {
+                inertia.column_mut(axis).copy_from(&efforts);
+            }
+        }
+        if let Some(others) = &mut self.others {
+            // Where there is no axis it has 1 on the diagonal, too.
+            let beside = others.inertia_at(position);
+            let axes = self.axis_count.min(MAX_AXES);
+            let mut block = inertia.view_mut((0, 0), (axes, axes));
+            block += beside.view((0, 0), (axes, axes));
+        }
+        inertia
+    }
+
     /// The values of the carriages.
     fn of_carriages(&self, values: &JointVector) -> Vector3<f64> {
         self.carriages.map(|carriage| at(values, carriage.axis)).into()
@@ -260,31 +336,4 @@ fn level(rods: &[RodBody; 6]) -> Option<Tripod> {
 /// The value of a carriage, upwards.
 fn up(values: &Vector3<f64>, carriage: usize) -> Vector3<f64> {
     Vector3::z() * values.get(carriage).copied().unwrap_or_default()
-}
-
-#[cfg(test)]
-impl TripodDynamics {
-    /// The accelerations of the axes under `effort`.
-    pub(super) fn acceleration(
-        &self,
-        position: &JointVector,
-        velocity: &JointVector,
-        effort: &JointVector,
-    ) -> Option<JointVector> {
-        let state = self.state(position).ok()?;
-        let zero = JointVector::zeros();
-        let bias = self.efforts(&state, velocity, &zero, true);
-        let mut inertia = Matrix3::zeros();
-        for (carriage, mut column) in self.carriages.iter().zip(inertia.column_iter_mut()) {
-            let mut unit = zero;
-            *unit.get_mut(carriage.axis)? = 1.0;
-            column.copy_from(&self.of_carriages(&self.efforts(&state, &zero, &unit, false)));
-        }
-        let found = inertia.cholesky()?.solve(&self.of_carriages(&(effort - bias)));
-        let mut result = zero;
-        for (carriage, value) in self.carriages.iter().zip(&found) {
-            *result.get_mut(carriage.axis)? = *value;
-        }
-        Some(result)
-    }
 }

@@ -2,6 +2,7 @@
 
 mod along_path;
 mod closed_forms;
+mod coupled;
 mod drives;
 mod parallel;
 mod rapier;
@@ -11,6 +12,7 @@ mod trees;
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use twin_urdf::{Inertial, Joint, JointDrive, JointKind, Link, Loop, Tip};
 
+use super::dynamics::Dynamics;
 use super::*;
 
 /// One cycle, ns.

@@ -13,13 +13,13 @@ use super::along_path::FREE;
 use super::tripod::TripodDynamics;
 use super::*;
 
-const NAMES: [&str; 3] = ["A", "B", "C"];
+pub(super) const NAMES: [&str; 3] = ["A", "B", "C"];
 
 /// Half the distance of two rods.
 const HALF: f64 = 0.03;
 
 /// The reference's: the middles of rod pairs on circles of 0.25 m and 0.05 m.
-fn rings() -> Rings {
+pub(super) fn rings() -> Rings {
     Rings {
         inner_radius: HALF.hypot(0.05),
         outer_radius: HALF.hypot(0.25),
@@ -42,7 +42,7 @@ fn generated(deviations: &TripodDeviations) -> Model {
 }
 
 /// The reference's: rods are lines.
-fn thin() -> Model {
+pub(super) fn thin() -> Model {
     let mut model = generated(&TripodDeviations::default());
     for link in model.links.iter_mut().filter(|link| link.name.starts_with("rod")) {
         if link.inertial.is_some() {
@@ -56,7 +56,7 @@ fn thin() -> Model {
 }
 
 /// The axes on the reference's circle of 60 mm at 0.3 m/s, z = 0.01·sin(2t).
-fn circle(t: f64) -> AxisMotion {
+pub(super) fn circle(t: f64) -> AxisMotion {
     let ((s5, c5), (s2, c2)) = ((5.0 * t).sin_cos(), (2.0 * t).sin_cos());
     let tool = ToolMotion {
         pose: Pose { position: Point3::new(0.06 * c5, 0.06 * s5, 0.01 * s2), direction: 0.0 },
@@ -70,7 +70,7 @@ fn circle(t: f64) -> AxisMotion {
 }
 
 /// The rows of the peer's file, if it is there (`TWIN_SHARED` or beside the workspace).
-fn reference<const N: usize>(columns: [&str; N]) -> Option<Vec<[f64; N]>> {
+pub(super) fn reference<const N: usize>(columns: [&str; N]) -> Option<Vec<[f64; N]>> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
     let shared = std::env::var_os("TWIN_SHARED").map_or(beside, PathBuf::from);
     let Ok(mut file) = csv::Reader::from_path(shared.join("reference/tripod_circle.csv")) else {
@@ -116,7 +116,7 @@ fn the_motion_under_a_controller_is_that_of_the_peer() {
         "v_set2", "v_set3",
     ];
     let Some(rows) = reference(columns) else { return };
-    let dynamics = TripodDynamics::new(&thin(), 3, down(), JointVector::zeros()).unwrap();
+    let mut dynamics = TripodDynamics::new(&thin(), 3, down(), JointVector::zeros()).unwrap();
     let tripod = Tripod::new(rings(), [0.0; 3]).unwrap();
     let w = std::f64::consts::TAU * 15.0;
     let (kp, kd) = (2.5 * w * w, 5.0 * w);
@@ -130,7 +130,7 @@ fn the_motion_under_a_controller_is_that_of_the_peer() {
         let force = joints([*f1, *f2, *f3])
             + (joints([*q1, *q2, *q3]) - q) * kp
             + (joints([*v1, *v2, *v3]) - v) * kd;
-        let slope =
+        let mut slope =
             |q: JointVector, v: JointVector| (v, dynamics.acceleration(&q, &v, &force).unwrap());
         for _ in 0..5 {
             let dt = 2e-4;

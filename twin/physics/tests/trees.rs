@@ -87,7 +87,9 @@ proptest! {
         let count = case.position.len();
         let [q, v] = [case.position, case.velocity].map(|values| joint_vector(values.iter().copied()));
         let mut dynamics = Dynamics::new(&case.model, count, down(), JointVector::zeros()).unwrap();
-        let mut world = RapierWorld::new(&case.model, down(), &JointVector::zeros(), &q, 1e-3, 1).unwrap();
+        let zero = JointVector::zeros();
+        let equation = Equation::new(&case.model, count, down(), zero).unwrap();
+        let mut world = RapierWorld::new(&case.model, &equation, down(), &zero, &q, (1e-3, 1)).unwrap();
         world.set_velocity(&v);
         world.apply_effort(&dynamics.inverse_dynamics(&q, &v, &JointVector::zeros()));
         world.step();

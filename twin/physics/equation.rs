@@ -1,0 +1,91 @@
+//! The equation of motion of a simulated machine of any kind, in the positions of its axes.
+
+use nalgebra::Vector3;
+use twin_urdf::Model;
+
+use super::bodies::Tree;
+use super::dynamics::{Dynamics, JointMatrix, JointVector};
+use super::error::PhysicsError;
+use super::tripod::TripodDynamics;
+
+/// Links that are a tree, whatever moves their joints, or a tripod.
+#[derive(Clone, Debug)]
+pub(super) enum Equation {
+    Tree(Box<Dynamics>),
+    Tripod(Box<TripodDynamics>),
+}
+
+impl Equation {
+    /// Of `model` with the axes `0..axis_count` under `gravity` (m/s², machine frame), with `armature` (kg or kg·m²) added
+    /// to what each axis moves.
+    ///
+    /// # Errors
+    /// Whatever makes the model something else.
+    pub(super) fn new(
+        model: &Model,
+        axis_count: usize,
+        gravity: Vector3<f64>,
+        armature: JointVector,
+    ) -> Result<Self, PhysicsError> {
+        if model.loops.is_empty() {
+            let tree = Dynamics::new(model, axis_count, gravity, armature)?;
+            return Ok(Self::Tree(Box::new(tree)));
+        }
+        let tripod = TripodDynamics::new(model, axis_count, gravity, armature)?;
+        Ok(Self::Tripod(Box::new(tripod)))
+    }
+
+    pub(super) fn axis_count(&self) -> usize {
+        match self {
+            Self::Tree(tree) => tree.axis_count(),
+            Self::Tripod(tripod) => tripod.axis_count(),
+        }
+    }
+
+    /// The links, if they are a tree.
+    pub(super) fn tree(&self) -> Option<&Tree> {
+        match self {
+            Self::Tree(tree) => Some(tree.tree()),
+            Self::Tripod(_) => None,
+        }
+    }
+
+    /// The efforts that give the axes `acceleration` at `position` and `velocity`; `None` where the machine cannot be.
+    pub(super) fn inverse_dynamics(
+        &mut self,
+        position: &JointVector,
+        velocity: &JointVector,
+        acceleration: &JointVector,
+    ) -> Option<JointVector> {
+        match self {
+            Self::Tree(tree) => Some(tree.inverse_dynamics(position, velocity, acceleration)),
+            Self::Tripod(tripod) => tripod.inverse_dynamics(position, velocity, acceleration),
+        }
+    }
+
+    /// The accelerations of the axes that `effort` gives; `None` where the machine cannot be, or if some axis moves no inertia.
+    pub(super) fn acceleration(
+        &mut self,
+        position: &JointVector,
+        velocity: &JointVector,
+        effort: &JointVector,
+    ) -> Option<JointVector> {
+        match self {
+            Self::Tree(tree) => tree.acceleration(position, velocity, effort),
+            Self::Tripod(tripod) => tripod.acceleration(position, velocity, effort),
+        }
+    }
+
+    /// The inertia at `position`: efforts per accelerations. 1 on the diagonal where the machine has no axis.
+    pub(super) fn inertia(&mut self, position: &JointVector) -> Option<JointMatrix> {
+        match self {
+            Self::Tree(tree) => Some(tree.inertia_at(position)),
+            Self::Tripod(tripod) => tripod.inertia(position),
+        }
+    }
+
+    /// The inverse of that; `None` if some axis moves no inertia, too.
+    pub(super) fn mobility(&mut self, position: &JointVector) -> Option<JointMatrix> {
+        Some(self.inertia(position)?.cholesky()?.inverse())
+    }
+}
