@@ -164,7 +164,10 @@ impl Tree {
     ///
     /// # Errors
     /// [`PhysicsError::CoupledJoint`] if the axes do not tell where every joint is, or the joints where every axis is.
-    pub(super) fn coupling(&self, axis_count: usize) -> Result<Option<Coupling>, PhysicsError> {
+    pub(super) fn coupling(
+        &self,
+        axis_count: usize,
+    ) -> Result<Option<Box<Coupling>>, PhysicsError> {
         let Some(mut to_joints) = self.coupling else { return Ok(None) };
         let moving = self.bodies.iter().position(|body| body.motion.joint().is_some());
         let uneven = PhysicsError::CoupledJoint { joint: moving.unwrap_or_default() };
@@ -178,7 +181,7 @@ impl Tree {
             }
         }
         let to_axes = to_joints.try_inverse().ok_or(uneven)?;
-        Ok(Some(Coupling { to_joints, to_axes }))
+        Ok(Some(Box::new(Coupling { to_joints, to_axes })))
     }
 
     /// Whether anything moves with `axis`.

@@ -62,7 +62,7 @@ struct Multibody {
     index: MultibodyIndex,
     joints: Vec<MovingJoint>,
     /// If joints do not each move with an axis of their own.
-    coupling: Option<Coupling>,
+    coupling: Option<Box<Coupling>>,
 }
 
 /// Where bodies are that rapier does not join.
@@ -111,12 +111,11 @@ impl RapierWorld {
         for (_, body) in result.world.bodies.iter_mut() {
             body.recompute_mass_properties_from_colliders(&no_colliders);
         }
-        match equation.tree() {
-            Some(tree) => result.place(tree, armature, position),
-            None => {
-                result.follow(position)?;
-                result.step();
-            }
+        if let Some(tree) = equation.tree() {
+            result.place(tree, armature, position);
+        } else {
+            result.follow(position)?;
+            result.step();
         }
         Ok(result)
     }
@@ -124,7 +123,7 @@ impl RapierWorld {
     fn joined(
         mut world: PhysicsWorld,
         model: &Model,
-        coupling: Option<Coupling>,
+        coupling: Option<Box<Coupling>>,
     ) -> Result<Self, PhysicsError> {
         let mut links = vec![world.insert_body(RigidBodyBuilder::fixed())];
         let mut multibody = None;
@@ -337,17 +336,17 @@ impl RapierWorld {
 impl Multibody {
     /// Positions or velocities of the joints from those of the axes.
     fn to_joints(&self, axes: &JointVector) -> JointVector {
-        self.coupling.map_or(*axes, |coupling| coupling.to_joints * axes)
+        self.coupling.as_ref().map_or(*axes, |coupling| coupling.to_joints * axes)
     }
 
     /// And back.
     fn to_axes(&self, joints: &JointVector) -> JointVector {
-        self.coupling.map_or(*joints, |coupling| coupling.to_axes * joints)
+        self.coupling.as_ref().map_or(*joints, |coupling| coupling.to_axes * joints)
     }
 
     /// What efforts of the axes are at the joints.
     fn to_joint_efforts(&self, efforts: &JointVector) -> JointVector {
-        self.coupling.map_or(*efforts, |coupling| coupling.to_axes.tr_mul(efforts))
+        self.coupling.as_ref().map_or(*efforts, |coupling| coupling.to_axes.tr_mul(efforts))
     }
 }
 
