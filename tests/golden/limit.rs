@@ -265,6 +265,29 @@ fn drives_headroom_and_stops_can_be_left_out() {
         let found = duration(&options);
         assert!((found - expected).abs() < 4e-3, "{options:?}: {found} s, not {expected} s");
     }
+    // What is left out is no limit in the report either.
+    let limit = |options: &[&str]| {
+        let arguments = ["limit", "x.cnc", "-m", "machine.toml", "--format", "json"];
+        let report = json(desk.twin(&[&arguments, options].concat()).ended(0, ""));
+        number(&report["peak"]["X"]["velocity"]["limit"])
+    };
+    assert!((limit(&[]) - 150.0).abs() < 1e-9 && (limit(&no_drives) - 400.0).abs() < 1e-9);
+}
+
+/// A pipe can be read only once.
+#[cfg(unix)]
+#[test]
+fn a_program_may_come_through_a_pipe() {
+    let desk = desk();
+    let known = json(limit(&desk, &["--format", "json"]).ended(0, ""));
+    let pipe = desk.path("pipe.cnc");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo");
+    assert!(made.success());
+    let writer = std::thread::spawn(move || std::fs::write(pipe, LINES));
+    let piped = desk.twin(&["limit", "pipe.cnc", "-m", "machine.toml", "--format", "json"]);
+    let piped = json(piped.ended(0, ""));
+    writer.join().expect("written").expect("written");
+    assert_eq!(piped["duration_s"], known["duration_s"]);
 }
 
 #[test]
@@ -539,6 +562,9 @@ fn feasible_programs_are_files_of_their_own() {
     limit(&desk, &[]).ended(0, "");
     let before = std::fs::read(desk.path("machine.toml")).expect("a machine file");
     let known = "something else is read from or written to it";
+    desk.write("variables.toml", "g_f = 40\n");
+    let variables = ["--variables", "variables.toml", "--lines", "variables.toml"];
+    limit(&desk, &variables).ended(2, known);
     limit(&desk, &["--feasible", "machine.toml"]).ended(2, known);
     limit(&desk, &["--feasible", "same.csv", "-o", "same.csv"]).ended(2, known);
     limit(&desk, &["-o", "same.csv", "-o", "./same.csv"]).ended(2, "name another file");

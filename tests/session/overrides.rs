@@ -181,7 +181,9 @@ fn a_stop_does_not_wait_for_an_m_function() {
 #[test]
 fn beside_the_wall_clock_limits_hold_whenever_plans_come() {
     let machine = scara();
-    let text = HELICES.replace("F150 E1000 E-1000", "F900 E9000 E-9000");
+    let helix = |number: u32| format!("N{number}0 G2 I30 J0 Z{}\n", 17 + 3 * number);
+    let further: String = (6..18).map(helix).collect();
+    let text = HELICES.replace("F150 E1000 E-1000", "F900 E9000 E-9000") + &further;
     let program = Program::new(&text).within_axes();
     let program =
         program.with_overrides(&["0.3s=30%", "0.5s=0", "0.9s=80%", "1.0s=1", "1.3s=5%", "1.6s=2"]);
@@ -202,10 +204,9 @@ fn beside_the_wall_clock_limits_hold_whenever_plans_come() {
     assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
     assert_within_limits(&machine, &recorder.cycles, 0);
     assert_on_helices(&recorder.cycles);
-    assert!((recorder.last().wanted.tool - nalgebra::point![0.3, 0.0, 0.032]).norm() < 1e-9);
-    // Where plans were late, on a busy computer, the path may be over before one for the last override is there.
-    let followed = ending.overrides.last().unwrap().follows_ns.is_some();
-    assert!(followed || ending.late_plans > 0);
+    assert!((recorder.last().wanted.tool - nalgebra::point![0.3, 0.0, 0.068]).norm() < 1e-9);
+    // The last one at least has been followed: the lead grows until a plan is in time, and there is path enough for that.
+    assert!(ending.overrides.last().unwrap().follows_ns.is_some());
 }
 
 #[test]

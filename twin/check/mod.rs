@@ -237,14 +237,13 @@ impl<'m> Checker<'m> {
             }
 
             let Some(before) = before else { continue };
-            // A jump of the set-point (G92, or the direction of the tool at a corner) has no velocity of its own: the
-            // difference between cycles shows it. It belongs to the block of the cycle in which it happens, which the
+            // What only the difference between cycles shows belongs to the block of the cycle in which it happens, which the
             // set-point before began.
             let stepped = (now.position - before.position) / cycle;
             let at_rest = now.path_velocity <= 0.0 && before.path_velocity <= 0.0;
             let most = faster * axis.max_velocity;
             let told = exceeds(now.velocity, most) || exceeds(before.velocity, most);
-            if at_rest || (exceeds(stepped, most) && !told) {
+            if is_hidden(stepped, [now.velocity, before.velocity], at_rest, most) {
                 peak.velocity.include(stepped, before.place);
                 if exceeds(stepped, most) {
                     report(sentence::too_fast(axis, before.place, stepped));
@@ -366,6 +365,14 @@ impl Instant {
     fn on_element<'b>(&self, before: Option<&'b Self>) -> Option<&'b Self> {
         before.filter(|before| before.path_velocity > 0.0 && before.place == self.place)
     }
+}
+
+/// Whether the velocity `stepped`, by the difference of two cycles, is told by nothing else. A jump of the set-point (G92, or the
+/// direction of the tool at a corner) has no velocity of its own: neither of the `velocities` then is beyond `most`, or the path
+/// rests at both ends.
+pub(crate) fn is_hidden(stepped: f64, velocities: [f64; 2], at_rest: bool, most: f64) -> bool {
+    let told = velocities.into_iter().any(|velocity| exceeds(velocity, most));
+    at_rest || (exceeds(stepped, most) && !told)
 }
 
 fn exceeds(value: f64, limit: f64) -> bool {

@@ -113,6 +113,11 @@ pub(super) struct AcknowledgeOption {
 }
 
 impl ReadOptions {
+    /// The file with variables, if there is one.
+    pub(super) fn variables_file(&self) -> Option<&Path> {
+        self.variables_file.as_deref()
+    }
+
     /// The program at `path`; `unit` is that of a tool table.
     pub(super) fn program(&self, path: &Path, unit: LengthUnit) -> Result<ProgramFile, Failure> {
         let settings = self.settings(unit)?;

@@ -12,6 +12,8 @@ use tempfile::NamedTempFile;
 #[derive(Debug)]
 pub(super) struct WholeFile {
     out: BufWriter<Out>,
+    /// As it was given.
+    name: PathBuf,
     path: PathBuf,
 }
 
@@ -30,27 +32,27 @@ impl WholeFile {
         Self::begin(path).map_err(|source| unwritable(path, source))
     }
 
-    fn begin(path: &Path) -> io::Result<Self> {
-        check(path)?;
+    fn begin(name: &Path) -> io::Result<Self> {
+        check(name)?;
         // What a link leads to is replaced, not the link.
-        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        let path = fs::canonicalize(name).unwrap_or_else(|_| name.to_owned());
         let device = fs::metadata(&path).is_ok_and(|known| !known.is_file());
         let out = if device {
             Out::Device(File::options().write(true).open(&path)?)
         } else {
-            let mut name = OsString::from(".");
-            name.push(path.file_name().unwrap_or_default());
-            name.push(".");
+            let mut prefix = OsString::from(".");
+            prefix.push(path.file_name().unwrap_or_default());
+            prefix.push(".");
             let mut beside = tempfile::Builder::new();
-            let beside = beside.prefix(&name).suffix(".part");
+            let beside = beside.prefix(&prefix).suffix(".part");
             Out::Beside(beside.tempfile_in(folder_of(&path).unwrap_or(Path::new(".")))?)
         };
-        Ok(Self { out: BufWriter::with_capacity(1 << 16, out), path })
+        Ok(Self { out: BufWriter::with_capacity(1 << 16, out), name: name.to_owned(), path })
     }
 
-    /// Its name.
-    pub(super) fn path(&self) -> &Path {
-        &self.path
+    /// Its name, as it was given.
+    pub(super) fn name(&self) -> &Path {
+        &self.name
     }
 
     /// Gives the file its name.
@@ -58,16 +60,16 @@ impl WholeFile {
     /// # Errors
     /// [`Failure::Write`] with its name.
     pub(super) fn finish(self) -> Result<(), Failure> {
-        let Self { out, path } = self;
+        let Self { out, name, path } = self;
         let named = out.into_inner().map_err(io::IntoInnerError::into_error);
         let named = named.and_then(|out| match out {
             Out::Beside(file) => {
-                readable(&file)?;
+                permit(&file, &path)?;
                 file.persist(&path).map(|_| ()).map_err(|error| error.error)
             }
             Out::Device(_) => Ok(()),
         });
-        named.map_err(|source| unwritable(&path, source))
+        named.map_err(|source| unwritable(&name, source))
     }
 }
 
@@ -145,7 +147,15 @@ pub(super) fn unwritable(path: &Path, source: io::Error) -> Failure {
     Failure::Write { path: path.display().to_string(), source }
 }
 
-/// Temporary files are their owner's alone; this one has become an ordinary file.
+/// Temporary files are their owner's alone; this one is an ordinary file now, or may be read by whom the one it takes the place of
+/// could be.
+fn permit(file: &NamedTempFile, path: &Path) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(known) => file.as_file().set_permissions(known.permissions()),
+        Err(_new) => readable(file),
+    }
+}
+
 #[cfg(unix)]
 fn readable(file: &NamedTempFile) -> io::Result<()> {
     use std::os::unix::fs::PermissionsExt;

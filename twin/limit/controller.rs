@@ -4,6 +4,7 @@
 use super::machine_path::{AxisRules, MachinePath, efforts, overloaded};
 use super::watch::Watch;
 use super::{Binding, LimitFailure, ProfileItem, ProfileSample};
+use crate::check::is_hidden;
 use crate::m_function::Acknowledgement;
 use crate::machine::Machine;
 use crate::program::{ProgramFile, ProgramItem, Setpoints};
@@ -11,7 +12,6 @@ use crate::report::seconds;
 use crate::setpoint::Transformer;
 use twin_kinematics::{AxisMotion, AxisVector};
 use twin_motion::interpolate::{Status, ToolSetpoint};
-use twin_motion::limit::AxisPath as _;
 
 /// The part of the programmed velocity from which on it counts as reached.
 const AT_FEED: f64 = 0.98;
@@ -27,6 +27,9 @@ pub struct ControllerProfile<'m> {
     /// Override.
     factor: f64,
     before: Option<ProfileSample>,
+    /// Velocities of the axes then, without what positions alone tell.
+    told: AxisVector,
+    machine: &'m Machine,
     watch: Watch<'m>,
     cycle: f64,
 }
@@ -43,6 +46,8 @@ impl<'m> ControllerProfile<'m> {
             axes: MachinePath::new(machine, AxisRules::default())?,
             factor: program.settings().inputs.override_factor.factor(),
             before: None,
+            told: AxisVector::zeros(machine.axes.len()),
+            machine,
             watch: Watch::new(machine),
             cycle: seconds(machine.cycle_ns),
         })
@@ -99,22 +104,21 @@ impl<'m> ControllerProfile<'m> {
             binding: self.binding(tool),
         };
         self.before = Some(sample);
+        self.told = axes.velocity;
         Some(sample)
     }
 
-    /// Of the axes. A tool that turns with the path turns at once at a corner, and a jump of the set-point (G92) has no velocity of
-    /// its own either: as in `twin check` the difference between cycles shows them.
+    /// Of the axes, with what only the difference between cycles shows, as in `twin check`.
     fn velocity(&self, tool: &ToolSetpoint, axes: &AxisMotion) -> AxisVector {
         let Some(before) = &self.before else { return axes.velocity };
         let at_rest = tool.path_velocity <= 0.0 && before.path_velocity <= 0.0;
         let positions = axes.position.iter().zip(before.position.iter());
-        let velocities = axes.velocity.iter().zip(before.velocity.iter());
-        let limits = self.axes.limits().iter().map(|limits| limits.velocity);
-        let velocities = positions.zip(velocities).zip(limits);
-        AxisVector::from_values(velocities.map(|(((to, from), (now, before)), most)| {
+        let velocities = axes.velocity.iter().zip(self.told.iter());
+        let moved = positions.zip(velocities).zip(&self.machine.axes);
+        AxisVector::from_values(moved.map(|(((to, from), (now, before)), axis)| {
             let stepped = (to - from) / self.cycle;
-            let told = now.abs() > most || before.abs() > most;
-            if at_rest || (stepped.abs() > most && !told) { stepped } else { *now }
+            let hidden = is_hidden(stepped, [*now, *before], at_rest, axis.max_velocity);
+            if hidden { stepped } else { *now }
         }))
     }
 

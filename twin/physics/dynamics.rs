@@ -166,10 +166,7 @@ impl Dynamics {
 
     /// The joint-space inertia at the last evaluated position; the identity where the machine has no axis.
     fn inertia(&self) -> JointMatrix {
-        let mut rotors = JointMatrix::from_diagonal(&self.armature);
-        for axis in self.axis_count..MAX_AXES {
-            add(&mut rotors, axis, axis, 1.0);
-        }
+        let rotors = inertia_of_rotors(&self.armature, self.axis_count);
         let coupling = self.tree.coupling.as_ref();
         let mut inertia = if coupling.is_none() { rotors } else { JointMatrix::zeros() };
         for (body, state) in self.tree.bodies.iter().zip(&self.states) {
@@ -305,6 +302,15 @@ impl Dynamics {
             self.states.push(state);
         }
     }
+}
+
+/// What rotors alone have of the inertia: `armature` on the diagonal, and 1 where the machine has no axis.
+pub(super) fn inertia_of_rotors(armature: &JointVector, axis_count: usize) -> JointMatrix {
+    let mut rotors = JointMatrix::from_diagonal(armature);
+    for axis in axis_count..MAX_AXES {
+        add(&mut rotors, axis, axis, 1.0);
+    }
+    rotors
 }
 
 /// `inertia⁻¹·effort` for the first `axis_count` axes, by a factorisation no larger than they need.

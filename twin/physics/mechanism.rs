@@ -1,9 +1,10 @@
-//! The equation of motion of a machine of any kind.
+//! What motors give along a path of a machine of any kind.
 
 use nalgebra::Vector3;
 use twin_urdf::Model;
 
 use super::dynamics::{Dynamics, JointVector};
+use super::equation::Equation;
 use super::error::PhysicsError;
 use super::tripod::TripodDynamics;
 
@@ -30,13 +31,13 @@ impl Mechanism {
         gravity: Vector3<f64>,
         armature: JointVector,
     ) -> Result<Self, PhysicsError> {
-        if model.loops.is_empty() {
-            let dynamics =
-                |gravity| Dynamics::new(model, axis_count, gravity, armature).map(Box::new);
-            return Ok(Self::Tree([dynamics(Vector3::zeros())?, dynamics(gravity)?]));
-        }
-        let tripod = TripodDynamics::new(model, axis_count, gravity, armature)?;
-        Ok(Self::Tripod(Box::new(tripod)))
+        Ok(match Equation::new(model, axis_count, gravity, armature)? {
+            Equation::Tree(weighty) => {
+                let weightless = Dynamics::new(model, axis_count, Vector3::zeros(), armature)?;
+                Self::Tree([Box::new(weightless), weighty])
+            }
+            Equation::Tripod(tripod) => Self::Tripod(tripod),
+        })
     }
 
     /// With the axes at `position`, q′ = `first` and q″ = `second`.

@@ -33,7 +33,7 @@ use twin_kinematics::{MAX_AXES, Transform};
 use twin_urdf::Model;
 
 use super::bodies::MassProperties;
-use super::dynamics::{Dynamics, JointMatrix, JointVector, at, solve};
+use super::dynamics::{Dynamics, JointMatrix, JointVector, at, inertia_of_rotors, solve};
 use super::error::PhysicsError;
 use super::linkage::{Linkage, RodBody};
 
@@ -280,12 +280,7 @@ impl TripodDynamics {
     /// The same where everything is known to be.
     fn inertia_of(&mut self, state: &TripodState, position: &JointVector) -> JointMatrix {
         let zero = JointVector::zeros();
-        let mut inertia = JointMatrix::from_diagonal(&self.armature);
-        for axis in self.axis_count..MAX_AXES {
-            if let Some(entry) = inertia.get_mut((axis, axis)) {
-                *entry = 1.0;
-            }
-        }
+        let mut inertia = inertia_of_rotors(&self.armature, self.axis_count);
         for Carriage { axis, .. } in self.carriages {
             let mut unit = zero;
             if let Some(entry) = unit.get_mut(axis) {

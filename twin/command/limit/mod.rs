@@ -18,7 +18,7 @@ use outputs::Outputs;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use twin_motion::refeed::LineLimit;
 
 /// Plan a program as fast as all limits of the machine allow: which limit holds it back, where, and what it costs
@@ -133,6 +133,7 @@ impl Arguments {
             if !self.has(Limit::DriveSpeed) {
                 axis.velocity_limits.step_frequency = None;
                 axis.velocity_limits.motor_speed = None;
+                axis.max_velocity = axis.velocity_limit().value;
             }
             if !self.has(Limit::Headroom) {
                 axis.headroom = 0.0;
@@ -150,7 +151,8 @@ impl Arguments {
         let feasible = self.feasible.iter().map(|path| ("--feasible", path));
         let lines = self.lines.iter().map(|path| ("--lines", path));
         let outputs = self.output.iter().map(|path| ("--output", path));
-        let mut used = vec![self.machine.path()];
+        let mut used: Vec<&Path> = vec![self.machine.path()];
+        used.extend(self.read.variables_file());
         for (option, path) in outputs.chain(lines).chain(feasible) {
             let wrong = if whole::is_same(path, program.path()) {
                 "this is the program itself"
@@ -250,12 +252,13 @@ enum Progress {
 impl Progress {
     fn of(program: &ProgramFile) -> io::Result<Self> {
         match program.dialect() {
-            Dialect::Din66025 | Dialect::Rs274 => {
+            // What can be read only once is not read for its lines.
+            Dialect::Din66025 | Dialect::Rs274 if program.is_repeatable() => {
                 let lines = BufReader::new(File::open(program.path())?).split(b'\n');
                 let count = lines.map(|line| line.map(|_| 1)).sum::<io::Result<u64>>()?;
                 Ok(Self::Lines(count))
             }
-            Dialect::Queue | Dialect::Dxf => Ok(Self::Bytes(program.size()?)),
+            _ => Ok(Self::Bytes(program.size()?)),
         }
     }
 

@@ -74,7 +74,7 @@ impl File {
     /// A failure to write, with the name of what cannot be written.
     pub(super) fn named(&self, failed: Failure) -> Failure {
         match (self, failed) {
-            (Self::Named(file), Failure::Stdio(source)) => unwritable(file.path(), source),
+            (Self::Named(file), Failure::Stdio(source)) => unwritable(file.name(), source),
             (_, failed) => failed,
         }
     }
