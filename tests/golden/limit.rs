@@ -283,7 +283,8 @@ fn a_program_may_come_through_a_pipe() {
     let pipe = desk.path("pipe.cnc");
     let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo");
     assert!(made.success());
-    let writer = std::thread::spawn(move || std::fs::write(pipe, LINES));
+    let writer = std::thread::Builder::new().name("pipe".to_owned());
+    let writer = writer.spawn(move || std::fs::write(pipe, LINES)).expect("a thread");
     let piped = desk.twin(&["limit", "pipe.cnc", "-m", "machine.toml", "--format", "json"]);
     let piped = json(piped.ended(0, ""));
     writer.join().expect("written").expect("written");
