@@ -1,7 +1,10 @@
 //! The simulated machine as a plant.
 
 use crate::machine::Machine;
-use crate::physics::{AxisDriveParameters, PhysicsError, PhysicsMachine, axis_inertia};
+use crate::physics::{
+    AxisDriveParameters, FrictionParameters, PhysicsError, PhysicsMachine, ServoParameters,
+    axis_inertia,
+};
 use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::AxisSetpoint;
 use twin_kinematics::AxisVector;
@@ -28,15 +31,15 @@ impl Simulated {
             .map(|(axis, inertia)| {
                 let simulated = &axis.simulated;
                 let inertia = inertia + simulated.armature;
+                let servo =
+                    ServoParameters::tuned(inertia, simulated.bandwidth_hz, simulated.effort_limit);
                 AxisDriveParameters {
-                    coulomb_friction: simulated.coulomb_friction,
-                    viscous_friction: simulated.viscous_friction,
+                    friction: FrictionParameters::new(
+                        simulated.coulomb_friction,
+                        simulated.viscous_friction,
+                    ),
                     armature: simulated.armature,
-                    ..AxisDriveParameters::tuned(
-                        inertia,
-                        simulated.bandwidth_hz,
-                        simulated.effort_limit,
-                    )
+                    ..AxisDriveParameters::servo(servo)
                 }
             })
             .collect();

@@ -3,7 +3,7 @@
 use super::drives::{counts, steps_per_s};
 use super::limits::{DriveLimits, VelocityLimits, read_headroom};
 use super::section::Section;
-use crate::physics::AxisDriveParameters;
+use crate::physics::ServoParameters;
 use std::ops::Range;
 
 /// Farthest position of an axis, degrees or mm.
@@ -273,7 +273,7 @@ fn read_simulated(section: &Section<'_>, kind: AxisKind) -> SimulatedAxis {
         effort_limit: section.number(effort, 1e-3..=1e7).unwrap_or(f64::INFINITY),
         bandwidth_hz: section
             .number("velocity_loop_bandwidth_hz", 1.0..=250.0)
-            .unwrap_or(AxisDriveParameters::DEFAULT_BANDWIDTH_HZ),
+            .unwrap_or(ServoParameters::DEFAULT_BANDWIDTH_HZ),
         coulomb_friction: section.number(coulomb, 0.0..=1e6).unwrap_or(0.0),
         viscous_friction: section.number(viscous, 0.0..=1e6).unwrap_or(0.0),
         armature: section.number(armature, 0.0..=1e6).unwrap_or(0.0),

@@ -64,7 +64,8 @@ fn a_pendulum_swings_in_its_period() {
     let mut machine =
         PhysicsMachine::new(&model, &[SLACK], down(), &axes([amplitude]), CYCLE_NS).unwrap();
     let mut dynamics = Dynamics::new(&model, 1, down(), JointVector::zeros()).unwrap();
-    let (kinetic, potential) = dynamics.energy(&machine.joints.position, &machine.joints.velocity);
+    let (kinetic, potential) =
+        dynamics.energy(&machine.joints.axes.position, &machine.joints.axes.velocity);
     let start = kinetic + potential;
 
     // It hangs straight down after a quarter, three quarters, five quarters ... of its period.
@@ -87,13 +88,14 @@ fn a_pendulum_swings_in_its_period() {
             "crossing {half_period} at {time} s instead of {expected} s"
         );
     }
-    let (kinetic, potential) = dynamics.energy(&machine.joints.position, &machine.joints.velocity);
+    let (kinetic, potential) =
+        dynamics.energy(&machine.joints.axes.position, &machine.joints.axes.velocity);
     assert!(((kinetic + potential - start) / start).abs() < 1e-10);
 }
 
 #[test]
 fn dry_friction_holds_and_brakes() {
-    let drive = AxisDriveParameters { coulomb_friction: 4.0, ..SLACK };
+    let drive = rough(4.0, 0.0);
     let model = chain([(
         JointKind::Prismatic,
         Vector3::x(),
@@ -117,13 +119,19 @@ fn dry_friction_holds_and_brakes() {
 /// Axes that pull at each other stick together: nothing creeps, however long gravity works.
 #[test]
 fn coupled_axes_stick() {
-    let drive = AxisDriveParameters { coulomb_friction: 60.0, ..SLACK };
+    let drive = rough(60.0, 0.0);
     let start = axes([0.3, 0.1, -0.5]);
     let holding = holding_effort(&crooked(), down(), &start).unwrap();
     assert!(holding.iter().any(|effort| effort.abs() > 10.0), "{holding:?}");
     assert!(holding.iter().all(|effort| effort.abs() < 50.0), "{holding:?}");
-    let mut machine =
-        PhysicsMachine::new(&crooked(), &[drive; 3], down(), &start, CYCLE_NS).unwrap();
+    let mut machine = PhysicsMachine::new(
+        &crooked(),
+        &[drive.clone(), drive.clone(), drive],
+        down(),
+        &start,
+        CYCLE_NS,
+    )
+    .unwrap();
     let state = run(&mut machine, &axes([0.0; 3]), 1000);
     for (now, start) in state.position.iter().zip(start.iter()) {
         assert!((now - start).abs() < 1e-12, "{state:?}");
@@ -133,7 +141,7 @@ fn coupled_axes_stick() {
 /// Viscous friction: velocity approaches F/c as 1 − exp(−c·t/m).
 #[test]
 fn viscous_friction_ends_the_acceleration() {
-    let drive = AxisDriveParameters { viscous_friction: 30.0, ..SLACK };
+    let drive = rough(0.0, 30.0);
     let mut machine =
         PhysicsMachine::new(&lift(2.0), &[drive], Vector3::zeros(), &axes([0.0]), CYCLE_NS)
             .unwrap();
@@ -165,7 +173,7 @@ fn a_crooked_chain_keeps_its_energy() {
     machine.start_moving(joints([1.0, -0.4, PI]));
     let energy = |dynamics: &mut Dynamics, machine: &PhysicsMachine| {
         let (kinetic, potential) =
-            dynamics.energy(&machine.joints.position, &machine.joints.velocity);
+            dynamics.energy(&machine.joints.axes.position, &machine.joints.axes.velocity);
         kinetic + potential
     };
     let start = energy(&mut dynamics, &machine);

@@ -37,7 +37,7 @@ fn a_tripod_under_a_controller_moves_as_the_peer_does() {
     let [_, x, y, z, ..] = rows[0];
     let to_tip = tip - Point3::new(x, y, z);
     for [_, x, y, z, f1, f2, f3, q1, q2, q3, v1, v2, v3] in &rows {
-        let (q, v) = (machine.joints.position, machine.joints.velocity);
+        let (q, v) = (machine.joints.axes.position, machine.joints.axes.velocity);
         let place = Kinematics::forward(&tripod, &axis_vector(&q, 3)).unwrap().position;
         worst = worst.max((place - Point3::new(*x, *y, *z)).norm());
         let bodies = tip_of_bodies(&machine, &model);

@@ -1,27 +1,28 @@
 //! Drives on the machine, and what the machine refuses.
 
+use super::super::drive::MotorAtWork;
 use super::*;
 
 /// Drives for a gantry, tuned by rule.
-fn tuned(limit: f64) -> [AxisDriveParameters; 3] {
-    [20.0, 8.0, 3.0].map(|mass| {
-        AxisDriveParameters::tuned(mass, AxisDriveParameters::DEFAULT_BANDWIDTH_HZ, limit)
-    })
+fn tuned(limit: f64) -> [ServoParameters; 3] {
+    [20.0, 8.0, 3.0]
+        .map(|mass| ServoParameters::tuned(mass, ServoParameters::DEFAULT_BANDWIDTH_HZ, limit))
 }
 
-fn machine(drives: &[AxisDriveParameters]) -> PhysicsMachine {
-    PhysicsMachine::new(&gantry(), drives, down(), &axes([0.1, 0.2, 0.3]), CYCLE_NS).unwrap()
+fn machine(drives: &[ServoParameters]) -> PhysicsMachine {
+    let drives: Vec<_> = drives.iter().cloned().map(AxisDriveParameters::servo).collect();
+    PhysicsMachine::new(&gantry(), &drives, down(), &axes([0.1, 0.2, 0.3]), CYCLE_NS).unwrap()
 }
 
 /// A vertical axis neither sags nor jumps when the drives are enabled, and its drive carries the weight.
 #[test]
 fn enabled_drives_hold_the_machine() {
-    let with_dynamics = tuned(500.0).map(|drive| AxisDriveParameters {
+    let with_dynamics = tuned(500.0).map(|drive| ServoParameters {
         effort_feed_forward: EffortFeedForward::Dynamics(0.7),
         ..drive
     });
     let without_integral =
-        tuned(500.0).map(|drive| AxisDriveParameters { integral_time: f64::INFINITY, ..drive });
+        tuned(500.0).map(|drive| ServoParameters { integral_time: f64::INFINITY, ..drive });
     for drives in [tuned(500.0), with_dynamics, without_integral] {
         let mut machine = machine(&drives);
         let rest = AxisMotion::at_rest(axes([0.1, 0.2, 0.3]));
@@ -78,17 +79,21 @@ fn the_effort_limit_is_kept() {
 /// can again it comes back without shooting past.
 #[test]
 fn the_integral_does_not_wind_up() {
-    let drive = AxisDriveParameters::tuned(3.0, 50.0, 32.0);
+    let drive = super::tuned(3.0, 50.0, 32.0);
     let mut machine =
         PhysicsMachine::new(&lift(3.0), &[drive], down(), &axes([0.0]), CYCLE_NS).unwrap();
     let rest = AxisMotion::at_rest(axes([0.0]));
+    let limit = |machine: &mut PhysicsMachine, limit: f64| {
+        let MotorAtWork::Servo(servo) = &mut machine.drives[0].motor else { panic!("a servo") };
+        servo.parameters.effort_limit = limit;
+    };
     // It weighs 29.4 N.
-    machine.drives[0].parameters.effort_limit = 17.0;
+    limit(&mut machine, 17.0);
     for _ in 0..60 {
         assert!(machine.step(&rest).unwrap().saturated[0]);
     }
     assert!(machine.axis_state().position[0] < -5e-4, "{:?}", machine.axis_state());
-    machine.drives[0].parameters.effort_limit = 320.0;
+    limit(&mut machine, 320.0);
     let mut highest = f64::NEG_INFINITY;
     for _ in 0..1000 {
         highest = highest.max(machine.step(&rest).unwrap().position[0]);
@@ -101,7 +106,7 @@ fn the_integral_does_not_wind_up() {
 /// follows v/Kv behind.
 #[test]
 fn the_following_error_is_that_of_the_loop() {
-    let lagging = tuned(500.0).map(|drive| AxisDriveParameters {
+    let lagging = tuned(500.0).map(|drive| ServoParameters {
         velocity_feed_forward: 0.0,
         effort_feed_forward: EffortFeedForward::None,
         integral_time: f64::INFINITY,
@@ -162,7 +167,10 @@ fn what_cannot_be_simulated_is_refused() {
         build(&model, &[SLACK; 3], &axes([0.0; 2]), CYCLE_NS),
         Err(PhysicsError::AxisCount { given: 2, expected: 3 })
     );
-    let wrong = AxisDriveParameters { velocity_feed_forward: 1.5, ..SLACK };
+    let wrong = AxisDriveParameters::servo(ServoParameters {
+        velocity_feed_forward: 1.5,
+        ..ServoParameters::SLACK
+    });
     assert_eq!(
         build(&model, &[SLACK, wrong, SLACK], &start, CYCLE_NS),
         Err(PhysicsError::DriveParameter {
@@ -227,9 +235,12 @@ fn what_cannot_be_simulated_is_refused() {
 
 #[test]
 fn a_loop_that_is_unstable_is_reported() {
-    let wild =
-        AxisDriveParameters { velocity_gain: 1e9, position_gain: 1e4, ..tuned(f64::INFINITY)[0] };
-    let mut machine = machine(&[wild; 3]);
+    let wild = tuned(f64::INFINITY).map(|drive| ServoParameters {
+        velocity_gain: 1e9,
+        position_gain: 1e4,
+        ..drive
+    });
+    let mut machine = machine(&wild);
     let target = AxisMotion::at_rest(axes([0.2, 0.2, 0.3]));
     let mut last = Ok(*machine.axis_state());
     for _ in 0..2000 {

@@ -4,15 +4,20 @@ mod along_path;
 mod closed_forms;
 mod coupled;
 mod drives;
+mod elastic;
+mod motors;
 mod parallel;
 mod rapier;
 mod scara;
 mod trees;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
+use twin_kinematics::{AxisMotion, MAX_AXES};
 use twin_urdf::{Inertial, Joint, JointDrive, JointKind, Link, Loop, Tip};
 
 use super::dynamics::Dynamics;
+use super::integrate::JointState;
+use super::world::RapierWorld;
 use super::*;
 
 /// One cycle, ns.
@@ -34,17 +39,17 @@ fn joints<const N: usize>(values: [f64; N]) -> JointVector {
 }
 
 /// A drive that does nothing by itself.
-const SLACK: AxisDriveParameters = AxisDriveParameters {
-    position_gain: 0.0,
-    velocity_gain: 0.0,
-    integral_time: f64::INFINITY,
-    velocity_feed_forward: 0.0,
-    effort_feed_forward: EffortFeedForward::None,
-    effort_limit: f64::INFINITY,
-    coulomb_friction: 0.0,
-    viscous_friction: 0.0,
-    armature: 0.0,
-};
+const SLACK: AxisDriveParameters = AxisDriveParameters::SLACK;
+
+/// A servo drive tuned by rule.
+fn tuned(inertia: f64, bandwidth_hz: f64, effort_limit: f64) -> AxisDriveParameters {
+    AxisDriveParameters::servo(ServoParameters::tuned(inertia, bandwidth_hz, effort_limit))
+}
+
+/// A drive that does nothing by itself, on an axis with friction.
+fn rough(coulomb: f64, viscous: f64) -> AxisDriveParameters {
+    AxisDriveParameters { friction: FrictionParameters::new(coulomb, viscous), ..SLACK }
+}
 
 /// A uniform box of `mass` kg with edges `size` m: the closed form of its inertia.
 fn uniform_box(mass: f64, center: [f64; 3], size: [f64; 3]) -> Inertial {
@@ -138,7 +143,8 @@ fn crooked() -> Model {
 impl PhysicsMachine {
     /// Makes the machine move, as if it had been moving before.
     fn start_moving(&mut self, velocity: JointVector) {
-        self.joints.velocity = velocity;
+        self.joints.axes.velocity = velocity;
+        self.joints.motors.velocity = velocity;
         self.setpoint.velocity = axis_vector(&velocity, self.drives.len());
     }
 }

@@ -31,7 +31,7 @@ fn the_bodies_are_where_the_model_says() {
         );
         let poses = machine.link_poses();
         assert!(distance(&poses, &model.link_poses(&state.position)) < 1e-13);
-        assert!(distance(&poses, &links.link_poses(&machine.joints.position)) < 1e-13);
+        assert!(distance(&poses, &links.link_poses(&machine.joints.axes.position)) < 1e-13);
     }
 }
 
@@ -54,8 +54,7 @@ fn a_generated_scara_runs() {
     assert!((holding[0] - inertia[0] * G).abs() < 1e-9, "the quill carries itself: {holding:?}");
     assert!(holding[1].abs() < 1e-12 && holding[2].abs() < 1e-12, "{holding:?}");
 
-    let drives: Vec<_> =
-        inertia.iter().map(|inertia| AxisDriveParameters::tuned(*inertia, 50.0, 200.0)).collect();
+    let drives: Vec<_> = inertia.iter().map(|inertia| tuned(*inertia, 50.0, 200.0)).collect();
     let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
     let target = axes([0.021, 0.39, 1.02]);
     for _ in 0..1000 {
@@ -108,7 +107,7 @@ fn rapier_alone_converges_to_the_same_motion() {
             world.apply_effort(&effort);
             world.step();
         }
-        (world.joint_motion().0 - machine.joints.position).amax()
+        (world.joint_motion().0 - machine.joints.axes.position).amax()
     });
     for pair in errors.windows(2) {
         assert!((3.0..5.0).contains(&(pair[0] / pair[1])), "{errors:?}");
@@ -120,12 +119,11 @@ fn rapier_alone_converges_to_the_same_motion() {
 #[test]
 fn two_runs_give_the_same_bits() {
     let run = || {
-        let drives = [AxisDriveParameters {
-            coulomb_friction: 0.3,
-            viscous_friction: 0.5,
+        let drives = [1.0; 3].map(|inertia| AxisDriveParameters {
+            friction: FrictionParameters::new(0.3, 0.5),
             armature: 0.05,
-            ..AxisDriveParameters::tuned(1.0, 40.0, 30.0)
-        }; 3];
+            ..tuned(inertia, 40.0, 30.0)
+        });
         let mut machine =
             PhysicsMachine::new(&crooked(), &drives, down(), &axes([0.0; 3]), CYCLE_NS).unwrap();
         for cycle in 0..500 {

@@ -197,21 +197,21 @@ fn the_closed_loop_is_pinocchios() {
     let mut compared = 0;
     for cycle in 0..5000 {
         let [q, v, _] = circle(f64::from(cycle) * 1e-3);
-        let JointState { position, velocity } = machine.joints;
+        let JointState { position, velocity } = machine.joints.axes;
         let effort = feed_forward(&mut dynamics, cycle)
             + kp.component_mul(&(q - position))
             + kd.component_mul(&(v - velocity));
         machine.step_with_efforts(&axis_vector(&effort, 3)).unwrap();
         for (_, q, v) in CLOSED_LOOP.iter().filter(|(at, ..)| *at == cycle + 1) {
-            worst = worst.max((tip(&machine.joints.position) - tip(&joints(*q))).norm());
-            assert!((machine.joints.velocity - joints(*v)).amax() < 1e-10, "cycle {cycle}");
+            worst = worst.max((tip(&machine.joints.axes.position) - tip(&joints(*q))).norm());
+            assert!((machine.joints.axes.velocity - joints(*v)).amax() < 1e-10, "cycle {cycle}");
             compared += 1;
         }
     }
     assert_eq!(compared, CLOSED_LOOP.len());
     assert!(worst < 1e-12, "the tip is {worst} m off");
     // It went somewhere: the circle is 5 / (2π/5) ≈ 4 turns.
-    assert!((tip(&machine.joints.position) - tip(&start)).norm() > 0.005);
+    assert!((tip(&machine.joints.axes.position) - tip(&start)).norm() > 0.005);
 }
 
 /// Without torque errors only grow; kinetic energy and angular momentum (which the peer keeps) must stay.
@@ -228,22 +228,22 @@ fn the_free_motion_is_pinocchios() {
     )
     .unwrap();
     machine.start_moving(joints([3.0, -2.0, 0.0]));
-    let (energy, _) = dynamics.energy(&machine.joints.position, &machine.joints.velocity);
+    let (energy, _) = dynamics.energy(&machine.joints.axes.position, &machine.joints.axes.velocity);
     let mut compared = 0;
     for cycle in 1..=5000 {
         machine.step_with_efforts(&axes([0.0; 3])).unwrap();
         for (_, q, v) in FREE.iter().filter(|(at, ..)| *at == cycle) {
-            let error = (machine.joints.position - joints([q[0], q[1], 0.0])).amax();
+            let error = (machine.joints.axes.position - joints([q[0], q[1], 0.0])).amax();
             assert!(error < 1e-9, "cycle {cycle}: {error} rad off");
             assert!(
-                (machine.joints.velocity - joints([v[0], v[1], 0.0])).amax() < 1e-8,
+                (machine.joints.axes.velocity - joints([v[0], v[1], 0.0])).amax() < 1e-8,
                 "cycle {cycle}"
             );
             compared += 1;
         }
     }
     assert_eq!(compared, FREE.len());
-    let (now, _) = dynamics.energy(&machine.joints.position, &machine.joints.velocity);
+    let (now, _) = dynamics.energy(&machine.joints.axes.position, &machine.joints.axes.velocity);
     assert!((now / energy - 1.0).abs() < 1e-10, "energy went from {energy} J to {now} J");
 }
 
@@ -257,9 +257,7 @@ fn the_drives_follow_the_circle() {
     let drives: Vec<_> = inertia
         .iter()
         .zip(limits)
-        .map(|(inertia, limit)| {
-            AxisDriveParameters::tuned(*inertia, AxisDriveParameters::DEFAULT_BANDWIDTH_HZ, limit)
-        })
+        .map(|(inertia, limit)| tuned(*inertia, ServoParameters::DEFAULT_BANDWIDTH_HZ, limit))
         .collect();
     let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
     machine.start_moving(circle(0.0)[1]);
@@ -289,9 +287,11 @@ fn dynamic_feed_forward_leaves_micrometres() {
     let inertia = axis_inertia(&model, &start).unwrap();
     let drives: Vec<_> = inertia
         .iter()
-        .map(|inertia| AxisDriveParameters {
-            effort_feed_forward: EffortFeedForward::Dynamics(1.0),
-            ..AxisDriveParameters::tuned(*inertia, 50.0, 100.0)
+        .map(|inertia| {
+            AxisDriveParameters::servo(ServoParameters {
+                effort_feed_forward: EffortFeedForward::Dynamics(1.0),
+                ..ServoParameters::tuned(*inertia, 50.0, 100.0)
+            })
         })
         .collect();
     let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();

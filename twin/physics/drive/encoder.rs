@@ -1,0 +1,33 @@
+//! What a drive knows of where its axis is.
+
+/// Which end of the transmission an encoder sits on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EncoderSide {
+    /// On the motor: blind to what the transmission gives.
+    Motor,
+    /// On the axis: a scale, or an encoder behind the gear.
+    Axis,
+}
+
+/// The encoder of an axis. The velocity loop takes the motor's velocity in any case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EncoderParameters {
+    /// Where the position is measured.
+    pub side: EncoderSide,
+    /// One increment, m or rad at the axis; 0 for an ideal one. Encoders of motors have 10³ to 10⁷ increments a turn.
+    pub resolution: f64,
+}
+
+impl EncoderParameters {
+    /// On the motor, with any number of increments.
+    pub const IDEAL: Self = Self { side: EncoderSide::Motor, resolution: 0.0 };
+
+    /// `position` in whole increments, m or rad.
+    pub(super) fn measured(&self, position: f64) -> f64 {
+        if self.resolution > 0.0 {
+            (position / self.resolution).round() * self.resolution
+        } else {
+            position
+        }
+    }
+}

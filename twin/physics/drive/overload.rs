@@ -1,0 +1,51 @@
+//! How warm a motor gets: I²t.
+
+/// What a motor bears for ever, and how long it takes to warm up.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OverloadParameters {
+    /// The effort it can give for ever, N or Nm at the axis.
+    pub continuous_effort: f64,
+    /// Thermal time constant, s; windings have 10 to 60 s.
+    pub time_constant: f64,
+}
+
+impl OverloadParameters {
+    /// The fields with their names and ranges.
+    pub(super) fn ranges(&self) -> [(&'static str, f64, f64, f64); 2] {
+        [
+            ("continuous effort", self.continuous_effort, f64::MIN_POSITIVE, f64::MAX),
+            ("thermal time constant", self.time_constant, f64::MIN_POSITIVE, f64::MAX),
+        ]
+    }
+}
+
+/// The losses of a motor, smoothed as its winding does: 1 is what it bears for ever.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct Overload {
+    parameters: OverloadParameters,
+    warmth: f64,
+    warned: bool,
+}
+
+impl Overload {
+    /// Of a motor that has always given `effort`, if it can.
+    pub(super) fn new(parameters: OverloadParameters, effort: f64) -> Self {
+        let warmth = (effort / parameters.continuous_effort).powi(2).min(1.0);
+        Self { parameters, warmth, warned: false }
+    }
+
+    /// After `dt` s with `effort`. True when it gets too warm, once until it has cooled down to 90 %.
+    pub(in crate::physics) fn advance(&mut self, effort: f64, dt: f64) -> bool {
+        let losses = (effort / self.parameters.continuous_effort).powi(2);
+        self.warmth = losses + (self.warmth - losses) * (-dt / self.parameters.time_constant).exp();
+        let too_warm = self.warmth > 1.0;
+        let warns = too_warm && !self.warned;
+        self.warned = too_warm || (self.warned && self.warmth > 0.9);
+        warns
+    }
+
+    /// 1 is what it bears for ever.
+    pub(in crate::physics) fn warmth(&self) -> f64 {
+        self.warmth
+    }
+}

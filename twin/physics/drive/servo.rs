@@ -1,0 +1,246 @@
+//! A servo drive: a cascade of loops for position, velocity and current.
+//!
+//! ```text
+//! v_cmd  = ff_v·v_set + Kv·(q_set − q)                                                        every position period
+//! effort = gain·(v_cmd − v) + ∫ gain/Tn·(v_cmd − v) dt + feed-forward + balance, limited      every velocity period
+//! motor  = effort, `delay` velocity periods later, by a current loop of first order           at all times
+//! ```
+//!
+//! While the effort is limited the integral only moves towards zero error (no wind-up). `balance` is the effort that
+//! holds the axis against gravity where the drive is enabled, the start value a real drive gets before it lets go
+//! of the brake. A current loop that is tuned by cancelling the motor's electrical pole closes to a first-order lag.
+
+use super::super::integrate::Stage;
+use super::curve::EffortCurve;
+use super::encoder::{EncoderParameters, EncoderSide};
+
+/// Most velocity periods from measuring to the current set-point.
+pub const MAX_DELAY: usize = 8;
+
+/// Parameters of a servo drive. Efforts in N or Nm, lengths in m or rad, everything at the axis (behind the gear).
+#[derive(Clone, Debug, PartialEq)]
+pub struct ServoParameters {
+    /// Position loop gain Kv, 1/s; machine tools have 15 to 150.
+    pub position_gain: f64,
+    /// Velocity loop gain, N·s/m or Nm·s/rad.
+    pub velocity_gain: f64,
+    /// Reset time Tn of the velocity loop, s; infinite for none. Usually 5 to 50 ms.
+    pub integral_time: f64,
+    /// Part of the set-point's velocity that is fed forward, 0 to 1.
+    pub velocity_feed_forward: f64,
+    /// What is fed forward to the effort.
+    pub effort_feed_forward: EffortFeedForward,
+    /// Largest force or torque, N or Nm; infinite for no limit.
+    pub effort_limit: f64,
+    /// What is left of it at speed.
+    pub effort_curve: EffortCurve,
+    /// Bandwidth of the current loop, rad/s; infinite if it is there at once. Usually 500 to 3000 Hz.
+    pub current_bandwidth: f64,
+    /// Passes of the position loop per cycle.
+    pub position_passes: u8,
+    /// Passes of the velocity loop per cycle, a multiple of those of the position loop.
+    pub velocity_passes: u8,
+    /// Velocity periods from measuring to the current set-point, 0 to [`MAX_DELAY`]; digital drives have 1 or 2.
+    pub delay: u8,
+    /// What it knows of where the axis is.
+    pub encoder: EncoderParameters,
+}
+
+/// What a drive knows ahead of the effort a motion takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum EffortFeedForward {
+    /// Nothing.
+    None,
+    /// The set-point's acceleration times this inertia, kg or kg·m².
+    Inertia(f64),
+    /// This part (0 to 1) of the inverse dynamics of the whole machine at the set-point, gravity and coupling of
+    /// the axes included.
+    Dynamics(f64),
+}
+
+impl ServoParameters {
+    /// Bandwidth of the velocity loop, Hz, for drives of which nothing is known: low for a modern servo drive, reached
+    /// by any.
+    pub const DEFAULT_BANDWIDTH_HZ: f64 = 50.0;
+
+    /// Passes of both loops per cycle where nothing is known: 4 kHz at a cycle of 1 ms.
+    pub const DEFAULT_PASSES: u8 = 4;
+
+    /// Does nothing by itself.
+    pub const SLACK: Self = Self {
+        position_gain: 0.0,
+        velocity_gain: 0.0,
+        integral_time: f64::INFINITY,
+        velocity_feed_forward: 0.0,
+        effort_feed_forward: EffortFeedForward::None,
+        effort_limit: f64::INFINITY,
+        effort_curve: EffortCurve::UNLIMITED,
+        current_bandwidth: f64::INFINITY,
+        position_passes: Self::DEFAULT_PASSES,
+        velocity_passes: Self::DEFAULT_PASSES,
+        delay: 0,
+        encoder: EncoderParameters::IDEAL,
+    };
+
+    /// A drive tuned by the usual rules for an axis that moves `inertia` (kg or kg·m², rotor included): velocity gain
+    /// `inertia·ω` for a velocity loop of `bandwidth_hz` (ω = 2π·bandwidth), position gain ω/4 and reset time 4/ω
+    /// (symmetrical optimum), full velocity and inertia feed-forward.
+    pub fn tuned(inertia: f64, bandwidth_hz: f64, effort_limit: f64) -> Self {
+        let bandwidth = bandwidth_hz * std::f64::consts::TAU;
+        Self {
+            position_gain: 0.25 * bandwidth,
+            velocity_gain: inertia * bandwidth,
+            integral_time: 4.0 / bandwidth,
+            velocity_feed_forward: 1.0,
+            effort_feed_forward: EffortFeedForward::Inertia(inertia),
+            effort_limit,
+            ..Self::SLACK
+        }
+    }
+
+    /// The fields with their names and ranges.
+    pub(super) fn ranges(&self) -> [(&'static str, f64, f64, f64); 11] {
+        let (feed_forward, most) = match self.effort_feed_forward {
+            EffortFeedForward::None => (0.0, 0.0),
+            EffortFeedForward::Inertia(inertia) => (inertia, f64::MAX),
+            EffortFeedForward::Dynamics(part) => (part, 1.0),
+        };
+        let passes = f64::from(self.velocity_passes);
+        // Of velocity periods, 0 where it is a whole number.
+        let uneven = f64::from(self.velocity_passes % self.position_passes.max(1));
+        [
+            ("position_gain", self.position_gain, 0.0, f64::MAX),
+            ("velocity_gain", self.velocity_gain, 0.0, f64::MAX),
+            ("integral_time", self.integral_time, f64::MIN_POSITIVE, f64::INFINITY),
+            ("velocity_feed_forward", self.velocity_feed_forward, 0.0, 1.0),
+            ("effort_feed_forward", feed_forward, 0.0, most),
+            ("effort_limit", self.effort_limit, 0.0, f64::INFINITY),
+            ("current_bandwidth", self.current_bandwidth, f64::MIN_POSITIVE, f64::INFINITY),
+            ("position_passes", f64::from(self.position_passes), 1.0, passes),
+            ("velocity_passes", if uneven > 0.0 { f64::NAN } else { passes }, 1.0, 64.0),
+            ("delay", f64::from(self.delay), 0.0, 8.0),
+            ("encoder resolution", self.encoder.resolution, 0.0, f64::MAX),
+        ]
+    }
+}
+
+/// Set-point and state of one axis as its drive sees it.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::physics) struct DriveInput {
+    pub(in crate::physics) position_setpoint: f64,
+    pub(in crate::physics) velocity_setpoint: f64,
+    /// Feed-forward, N or Nm.
+    pub(in crate::physics) effort: f64,
+    /// Of the axis.
+    pub(in crate::physics) position: f64,
+    pub(in crate::physics) motor_position: f64,
+    pub(in crate::physics) motor_velocity: f64,
+}
+
+/// A servo drive at work.
+#[derive(Clone, Debug)]
+pub(in crate::physics) struct ServoDrive {
+    pub(in crate::physics) parameters: ServoParameters,
+    /// Effort of the integral action, with the balance it was started from.
+    integral: f64,
+    /// Output of the position loop.
+    velocity_command: f64,
+    /// The motor's position at the last pass, in increments of its encoder.
+    measured: Option<f64>,
+    /// Outputs that are under way, the next to come first.
+    delayed: [f64; MAX_DELAY],
+    /// What the current loop shall have.
+    target: f64,
+    /// What it has.
+    effort: f64,
+    /// The same in the middle and at the end of the step.
+    course: [f64; 2],
+}
+
+impl ServoDrive {
+    /// A drive that is enabled with the effort `holding`, of which `fed_forward` is fed forward.
+    pub(super) fn enabled(parameters: ServoParameters, holding: f64, fed_forward: f64) -> Self {
+        Self {
+            parameters,
+            integral: holding - fed_forward,
+            velocity_command: 0.0,
+            measured: None,
+            delayed: [holding; MAX_DELAY],
+            target: holding,
+            effort: holding,
+            course: [holding; 2],
+        }
+    }
+
+    /// One pass of the velocity loop, and of the position loop if it is due; `period` is that of the velocity loop, s.
+    /// True where the effort is limited.
+    pub(in crate::physics) fn control(
+        &mut self,
+        input: &DriveInput,
+        positions: bool,
+        period: f64,
+    ) -> bool {
+        let parameters = &self.parameters;
+        let EncoderParameters { side, resolution } = parameters.encoder;
+        if positions {
+            let position = match side {
+                EncoderSide::Motor => input.motor_position,
+                EncoderSide::Axis => input.position,
+            };
+            let error = input.position_setpoint - parameters.encoder.measured(position);
+            self.velocity_command = parameters.velocity_feed_forward * input.velocity_setpoint
+                + parameters.position_gain * error;
+        }
+        let velocity = if resolution > 0.0 {
+            let now = parameters.encoder.measured(input.motor_position);
+            let before = self.measured.replace(now);
+            before.map_or(0.0, |before| (now - before) / period)
+        } else {
+            input.motor_velocity
+        };
+        let proportional = parameters.velocity_gain * (self.velocity_command - velocity);
+        let wanted = proportional + self.integral + input.effort;
+        let most = parameters.effort_limit.min(parameters.effort_curve.at(input.motor_velocity));
+        let effort = wanted.clamp(-most, most);
+        let excess = wanted - effort;
+        let saturated = excess.abs() > 0.0;
+        // Not further into the limit.
+        if !saturated || proportional * excess < 0.0 {
+            self.integral += proportional * (period / parameters.integral_time);
+        }
+        self.target = match usize::from(parameters.delay).checked_sub(1) {
+            None => effort,
+            Some(last) => {
+                let next = self.delayed[0];
+                self.delayed.rotate_left(1);
+                if let Some(slot) = self.delayed.get_mut(last) {
+                    *slot = effort;
+                }
+                next
+            }
+        };
+        saturated
+    }
+
+    /// Lets the current loop go on for `dt` (s).
+    pub(in crate::physics) fn begin_step(&mut self, dt: f64) {
+        let [_, before] = self.course;
+        self.effort = before;
+        let left = |dt: f64| (-self.parameters.current_bandwidth * dt).exp();
+        let after = |dt: f64| self.target + (before - self.target) * left(dt);
+        self.course = [after(0.5 * dt), after(dt)];
+        if self.parameters.current_bandwidth.is_infinite() {
+            self.effort = self.target;
+        }
+    }
+
+    /// What the motor gives in the step.
+    pub(super) fn effort(&self, stage: Stage) -> f64 {
+        let [middle, end] = self.course;
+        match stage {
+            Stage::Start => self.effort,
+            Stage::Middle => middle,
+            Stage::End => end,
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! A step motor: a magnetic spring between the field, which steps, and the rotor.
+//!
+//! ```text
+//! δ = (field − rotor) / full step        effort = T(ω)·sin(π/2·δ) + detent·sin(2π·rotor/full step) + D·(ω_field − ω)
+//! ```
+//!
+//! T is the pull-out torque at the speed of the rotor: the most a load can be at that speed. It is reached with the rotor one full
+//! step behind; two behind, effort turns round and the rotor falls to the next place where the field would hold it, four full
+//! steps away: the steps in between are lost for good. Damping is what chopper drives and back-EMF take out of the swing about the
+//! field; it costs no torque in step. Acarnley, *Stepping Motors: a guide to theory and practice*, 2002, chapters 2 to 4.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use super::super::integrate::Stage;
+use super::curve::EffortCurve;
+
+/// Full steps in which the field is back where it was.
+const PERIOD: f64 = 4.0;
+
+/// Parameters of a step motor and its power stage, everything at the axis (behind the gear).
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepperParameters {
+    /// One full step, m or rad; most motors have 200 in a turn.
+    pub full_step: f64,
+    /// Microsteps per full step, 1 to 1024.
+    pub microsteps: u16,
+    /// Pull-out torque by speed, the holding torque at 0; N or Nm.
+    pub pull_out: EffortCurve,
+    /// Detent torque of the rotor without current, N or Nm; hybrid motors have 2 to 10 % of the holding torque.
+    pub detent: f64,
+    /// Damping ratio of the swing about the field; 0.05 to 0.3.
+    pub damping_ratio: f64,
+}
+
+impl StepperParameters {
+    /// The stiffness of the magnetic spring at `speed` (m/s or rad/s), N/m or Nm/rad.
+    pub(in crate::physics) fn stiffness(&self, speed: f64) -> f64 {
+        self.pull_out.at(speed) * FRAC_PI_2 / self.full_step
+    }
+
+    /// The fields with their names and ranges.
+    pub(super) fn ranges(&self) -> [(&'static str, f64, f64, f64); 5] {
+        [
+            ("full_step", self.full_step, f64::MIN_POSITIVE, f64::MAX),
+            ("microsteps", f64::from(self.microsteps), 1.0, 1024.0),
+            ("holding torque", self.pull_out.at(0.0), f64::MIN_POSITIVE, f64::MAX),
+            ("detent", self.detent, 0.0, f64::MAX),
+            ("damping_ratio", self.damping_ratio, 0.0, 10.0),
+        ]
+    }
+}
+
+/// Where the field of a motor shall be at one instant.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::physics) struct FieldSetpoint {
+    pub(in crate::physics) position: f64,
+    pub(in crate::physics) velocity: f64,
+}
+
+/// A step motor at work.
+#[derive(Clone, Debug)]
+pub(in crate::physics) struct StepperDrive {
+    pub(in crate::physics) parameters: StepperParameters,
+    /// N·s/m or Nm·s/rad.
+    damping: f64,
+    /// The field at start, middle and end of the step.
+    field: [FieldSetpoint; 3],
+    /// Set-point at which the motor was homed; microsteps count from there.
+    zero: f64,
+    /// From the set-point to the field, m or rad: what held the load where it was homed, less steps that never came.
+    offset: f64,
+    /// Full steps of pulses that will not reach the motor.
+    missing: f64,
+    /// Full steps that have not, upwards, and have not been told.
+    missed: f64,
+    /// Where pulses led to last, m or rad.
+    commanded: f64,
+    /// Turns of the field, four full steps each, that the rotor has fallen behind.
+    behind: i64,
+}
+
+impl StepperDrive {
+    /// Enabled and homed with the rotor at `position`, moving `inertia` (kg or kg·m²), and the field where the motor gives
+    /// `holding`, or as much of it as it can.
+    pub(super) fn enabled(
+        parameters: StepperParameters,
+        inertia: f64,
+        position: f64,
+        holding: f64,
+    ) -> Self {
+        let damping = 2.0 * parameters.damping_ratio * (parameters.stiffness(0.0) * inertia).sqrt();
+        let mut motor = Self {
+            damping,
+            field: [FieldSetpoint { position, velocity: 0.0 }; 3],
+            zero: position,
+            offset: 0.0,
+            missing: 0.0,
+            missed: 0.0,
+            commanded: position,
+            behind: 0,
+            parameters,
+        };
+        let part = (holding + motor.detent(position)) / motor.parameters.pull_out.at(0.0);
+        motor.offset = motor.parameters.full_step * part.clamp(-1.0, 1.0).asin() / FRAC_PI_2;
+        motor
+    }
+
+    /// Sets the course of the field for the next step.
+    pub(in crate::physics) fn begin_step(&mut self, setpoints: [FieldSetpoint; 3]) {
+        let microstep = self.parameters.full_step / f64::from(self.parameters.microsteps);
+        self.field = setpoints.map(|setpoint| {
+            let steps = ((setpoint.position - self.zero) / microstep).round();
+            let commanded = self.zero + steps * microstep;
+            let pulses = (commanded - std::mem::replace(&mut self.commanded, commanded))
+                / self.parameters.full_step;
+            let missed = pulses.clamp(-self.missing, self.missing);
+            self.missing -= missed.abs();
+            self.missed += missed;
+            self.offset -= missed * self.parameters.full_step;
+            FieldSetpoint { position: commanded + self.offset, ..setpoint }
+        });
+    }
+
+    /// How far the field is ahead of the rotor, in full steps.
+    pub(in crate::physics) fn load_angle(&self, rotor: f64) -> f64 {
+        let [.., end] = self.field;
+        (end.position - rotor) / self.parameters.full_step
+    }
+
+    /// The full steps lost since it was asked last: more than 0 where the rotor fell behind a field that moves upwards.
+    pub(in crate::physics) fn lost(&mut self, rotor: f64) -> i64 {
+        let turns = (self.load_angle(rotor) / PERIOD).round();
+        // A rotor that runs away for good is not counted for ever.
+        #[expect(clippy::cast_possible_truncation, reason = "within what is just said")]
+        let behind = turns.clamp(-1e15, 1e15) as i64;
+        let before = std::mem::replace(&mut self.behind, behind);
+        // Told when they are whole, but for what rounding leaves.
+        let missed = (self.missed * (1.0 + 1e-9)).trunc();
+        self.missed -= missed;
+        #[expect(clippy::cast_possible_truncation, reason = "no more than have been taken out")]
+        let missed = missed as i64;
+        (behind - before) * 4 + missed
+    }
+
+    /// Takes the next so many full steps out of the pulse train, whichever way they go.
+    pub(in crate::physics) fn drop_steps(&mut self, full_steps: f64) {
+        self.missing += full_steps;
+    }
+
+    /// What the rotor feels at `position` and `velocity`.
+    pub(super) fn effort(&self, stage: Stage, position: f64, velocity: f64) -> f64 {
+        let [start, middle, end] = &self.field;
+        let field = match stage {
+            Stage::Start => start,
+            Stage::Middle => middle,
+            Stage::End => end,
+        };
+        let full_step = self.parameters.full_step;
+        let angle = FRAC_PI_2 * (field.position - position) / full_step;
+        self.parameters.pull_out.at(velocity) * angle.sin()
+            + self.damping * (field.velocity - velocity)
+            - self.detent(position)
+    }
+
+    /// What the rotor feels without current.
+    pub(super) fn detent(&self, position: f64) -> f64 {
+        if self.parameters.detent <= 0.0 {
+            return 0.0;
+        }
+        self.parameters.detent * (TAU * position / self.parameters.full_step).sin()
+    }
+}

@@ -1,0 +1,34 @@
+//! Switches along an axis.
+
+/// Where the switches of an axis are, m or rad.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SwitchParameters {
+    /// The lower limit switch: on at and below.
+    pub lower: Option<f64>,
+    /// The upper limit switch: on at and above.
+    pub upper: Option<f64>,
+    /// The home switch: on in between.
+    pub home: Option<[f64; 2]>,
+}
+
+/// Which switches are on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SwitchStates {
+    /// The lower limit switch.
+    pub lower: bool,
+    /// The upper limit switch.
+    pub upper: bool,
+    /// The home switch.
+    pub home: bool,
+}
+
+impl SwitchParameters {
+    /// Which are on with the axis at `position`.
+    pub(in crate::physics) fn at(&self, position: f64) -> SwitchStates {
+        SwitchStates {
+            lower: self.lower.is_some_and(|lower| position <= lower),
+            upper: self.upper.is_some_and(|upper| position >= upper),
+            home: self.home.is_some_and(|[from, to]| (from..=to).contains(&position)),
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! Things that go wrong on purpose.
+
+use super::drive::MotorAtWork;
+use super::friction::FrictionParameters;
+use super::machine::PhysicsMachine;
+
+/// What a jammed axis holds: more than any motor gives, N or Nm.
+const JAMMED: f64 = 1e9;
+
+/// A fault of one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Fault {
+    /// The axis does not move any more, whatever pushes it.
+    Jam,
+    /// The next so many full steps of the pulse train do not reach the step motor. A servo motor has none to lose.
+    LostSteps(f64),
+    /// The belt, or whatever gives way, has this part of its stiffness and damping left, and this much more play (m or rad).
+    /// A rigid transmission has nothing to loosen.
+    LooseBelt {
+        /// Above 0, usually below 1.
+        stiffness: f64,
+        /// m or rad, not below 0.
+        backlash: f64,
+    },
+    /// The drive has no power any more; its brake, if there is one, closes.
+    PowerLoss,
+}
+
+impl PhysicsMachine {
+    /// From now on `axis` has this fault too. False if it cannot have it: there is no such axis, or nothing in it to fail so.
+    pub fn fail(&mut self, axis: usize, fault: Fault) -> bool {
+        let parts = self.drives.get_mut(axis).zip(self.trains.get_mut(axis));
+        let Some((drive, train)) = parts else { return false };
+        match fault {
+            Fault::Jam => {
+                train.friction = train.friction.and(&FrictionParameters::new(JAMMED, 0.0));
+            }
+            Fault::PowerLoss => {
+                drive.dead_for.get_or_insert(0.0);
+            }
+            Fault::LostSteps(full_steps) => {
+                let MotorAtWork::Stepper(stepper) = &mut drive.motor else { return false };
+                if !(0.0..=1e9).contains(&full_steps) {
+                    return false;
+                }
+                stepper.drop_steps(full_steps);
+            }
+            Fault::LooseBelt { stiffness, backlash } => {
+                let Some(elastic) = &mut train.elastic else { return false };
+                if !(stiffness > 0.0
+                    && stiffness.is_finite()
+                    && (0.0..=f64::MAX).contains(&backlash))
+                {
+                    return false;
+                }
+                let transmission = &mut elastic.transmission;
+                transmission.stiffness *= stiffness;
+                transmission.damping *= stiffness;
+                transmission.backlash += backlash;
+            }
+        }
+        true
+    }
+
+    /// Frees a jammed axis.
+    pub fn free(&mut self, axis: usize) {
+        if let Some(train) = self.trains.get_mut(axis) {
+            let friction = &mut train.friction;
+            for dry in [&mut friction.coulomb, &mut friction.breakaway] {
+                if *dry >= JAMMED {
+                    *dry -= JAMMED;
+                }
+            }
+        }
+    }
+}

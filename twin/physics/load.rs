@@ -1,0 +1,73 @@
+//! What an axis has asked of its motor: forces, powers, energy.
+
+/// What a motor has given since the machine was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotorLoad {
+    /// For how long, s.
+    pub duration: f64,
+    /// Largest effort, N or Nm.
+    pub peak_effort: f64,
+    /// Root of the mean square of the effort, N or Nm.
+    pub rms_effort: f64,
+    /// Largest mechanical power, driving or braking, W.
+    pub peak_power: f64,
+    /// Root of the mean square of the power, W.
+    pub rms_power: f64,
+    /// Energy given to the axis, J.
+    pub driving_energy: f64,
+    /// Energy taken back while braking, J.
+    pub braking_energy: f64,
+    /// Largest losses of the winding against those it bears for ever, smoothed with its thermal time constant (I²t); 1 is what
+    /// it bears. `None` where that is not known.
+    pub peak_warmth: Option<f64>,
+}
+
+/// Sums of one axis.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LoadSums {
+    duration: f64,
+    peak_effort: f64,
+    effort_v2: f64,
+    peak_power: f64,
+    power_v2: f64,
+    driving: f64,
+    braking: f64,
+    warmth: Option<f64>,
+}
+
+impl LoadSums {
+    /// Of `dt` s with the mean `effort` at the mean `velocity`.
+    pub(super) fn add(&mut self, effort: f64, velocity: f64, dt: f64) {
+        let power = effort * velocity;
+        self.duration += dt;
+        self.peak_effort = self.peak_effort.max(effort.abs());
+        self.effort_v2 += effort * effort * dt;
+        self.peak_power = self.peak_power.max(power.abs());
+        self.power_v2 += power * power * dt;
+        if power > 0.0 {
+            self.driving += power * dt;
+        } else {
+            self.braking -= power * dt;
+        }
+    }
+
+    /// The winding is that warm now.
+    pub(super) fn see_warmth(&mut self, warmth: f64) {
+        self.warmth = Some(self.warmth.map_or(warmth, |most| most.max(warmth)));
+    }
+
+    /// What they say.
+    pub(super) fn load(&self) -> MotorLoad {
+        let rms = |sum: f64| if self.duration > 0.0 { (sum / self.duration).sqrt() } else { 0.0 };
+        MotorLoad {
+            duration: self.duration,
+            peak_effort: self.peak_effort,
+            rms_effort: rms(self.effort_v2),
+            peak_power: self.peak_power,
+            rms_power: rms(self.power_v2),
+            driving_energy: self.driving,
+            braking_energy: self.braking,
+            peak_warmth: self.warmth,
+        }
+    }
+}

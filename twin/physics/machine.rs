@@ -1,0 +1,273 @@
+//! The machine: what it is made of, and what it says of itself.
+
+use nalgebra::{Isometry3, Vector3};
+use twin_kinematics::{AxisMotion, AxisVector, MAX_AXES};
+use twin_urdf::Model;
+
+use super::drive::{
+    AxisDrive, AxisDriveParameters, EffortFeedForward, Motor, MotorAtWork, SwitchStates,
+};
+use super::dynamics::{JointVector, at};
+use super::equation::Equation;
+use super::error::PhysicsError;
+use super::event::PhysicsEvent;
+use super::integrate::{Elastic, JointState, MachineState, Train};
+use super::load::{LoadSums, MotorLoad};
+use super::world::RapierWorld;
+use super::{axis_vector, checked, joint_vector};
+
+/// What the axes of the machine do at the end of a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisState {
+    /// Since the machine was made, ns.
+    pub time_ns: i64,
+    /// m or rad.
+    pub position: AxisVector,
+    /// m/s or rad/s.
+    pub velocity: AxisVector,
+    /// Motor force or torque, mean over the cycle, N or Nm.
+    pub effort: AxisVector,
+    /// True where the drive was at its effort limit at some time in the cycle; in axis order.
+    pub saturated: [bool; MAX_AXES],
+}
+
+/// A machine with its drives.
+#[derive(Debug)]
+pub struct PhysicsMachine {
+    pub(super) equation: Equation,
+    pub(super) trains: [Train; MAX_AXES],
+    pub(super) world: RapierWorld,
+    pub(super) drives: Vec<AxisDrive>,
+    pub(super) joints: MachineState,
+    /// How far motors were ahead of their axes when they were homed.
+    pub(super) homed: JointVector,
+    pub(super) loads: [LoadSums; MAX_AXES],
+    pub(super) events: Vec<PhysicsEvent>,
+    /// At the end of the last cycle.
+    pub(super) setpoint: AxisMotion,
+    pub(super) state: AxisState,
+    pub(super) cycle_ns: i64,
+    /// s.
+    pub(super) cycle: f64,
+    /// Steps of the equation of motion in a cycle.
+    pub(super) steps: u32,
+}
+
+impl PhysicsMachine {
+    /// The machine `model` at rest at `initial` (m or rad, machine-file order) with its drives enabled, one of
+    /// `drives` per machine axis, under `gravity` (m/s², machine frame), stepping `cycle_ns` at a time.
+    ///
+    /// The drives start with the effort that holds the machine against gravity, and are homed so, so that nothing sags.
+    ///
+    /// # Errors
+    /// [`PhysicsError`] if the model is no tree of links whose moving joints are the machine's axes, if an axis
+    /// moves no inertia, or if a number is out of range.
+    pub fn new(
+        model: &Model,
+        drives: &[AxisDriveParameters],
+        gravity: Vector3<f64>,
+        initial: &AxisVector,
+        cycle_ns: i64,
+    ) -> Result<Self, PhysicsError> {
+        let cycle_time = PhysicsError::CycleTime { cycle_ns };
+        let cycle = u32::try_from(cycle_ns)
+            .ok()
+            .filter(|ns| (1_000..=1_000_000_000).contains(ns))
+            .map(|ns| f64::from(ns) * 1e-9)
+            .ok_or(cycle_time)?;
+        for (axis, drive) in drives.iter().enumerate() {
+            if let Some((parameter, value)) = drive.out_of_range() {
+                return Err(PhysicsError::DriveParameter { axis, parameter, value });
+            }
+        }
+        let is_rigid = |drive: &AxisDriveParameters| drive.transmission.is_none();
+        let armature = joint_vector(
+            drives.iter().map(|drive| if is_rigid(drive) { drive.armature } else { 0.0 }),
+        );
+        let mut equation = Equation::new(model, drives.len(), gravity, armature)?;
+        let position = checked(initial, drives.len(), 0)?;
+
+        let inertia = equation.inertia(&position).ok_or(PhysicsError::Apart)?.diagonal();
+        if let Some((axis, inertia)) =
+            inertia.iter().copied().take(drives.len()).enumerate().find(|(_, i)| *i <= 0.0)
+        {
+            return Err(PhysicsError::NoInertia { axis, inertia });
+        }
+        let zero = JointVector::zeros();
+        let holding = equation.inverse_dynamics(&position, &zero, &zero);
+        let holding = holding.ok_or(PhysicsError::Apart)?;
+        let motor_inertia = joint_vector(
+            drives
+                .iter()
+                .zip(&inertia)
+                .map(|(drive, inertia)| if is_rigid(drive) { *inertia } else { drive.armature }),
+        );
+        let twist = drives.iter().zip(holding.iter()).map(|(drive, holding)| {
+            drive.transmission.map_or(0.0, |elastic| elastic.twist(*holding))
+        });
+        let homed = joint_vector(twist);
+        let motors = position + homed;
+        let at_work = drives.iter().zip(&holding).zip(motor_inertia.iter().zip(&motors));
+        let at_work = at_work.map(|((parameters, holding), (inertia, position))| {
+            let fed_forward = match &parameters.motor {
+                Motor::Servo(servo) => match servo.effort_feed_forward {
+                    EffortFeedForward::Dynamics(part) => part * holding,
+                    EffortFeedForward::None | EffortFeedForward::Inertia(_) => 0.0,
+                },
+                Motor::Stepper(_) => 0.0,
+            };
+            AxisDrive::enabled(parameters, *holding, fed_forward, *inertia, *position)
+        });
+        let at_work: Vec<_> = at_work.collect();
+        let mut trains = [Train::NONE; MAX_AXES];
+        for (train, drive) in trains.iter_mut().zip(drives) {
+            *train = train_of(drive);
+        }
+        let state = AxisState {
+            time_ns: 0,
+            position: *initial,
+            velocity: AxisMotion::at_rest(*initial).velocity,
+            effort: axis_vector(&holding, drives.len()),
+            saturated: [false; MAX_AXES],
+        };
+        let world = RapierWorld::new(model, &equation, gravity, &armature, &position, (cycle, 1))?;
+        let steps = steps_per_cycle(drives, &inertia, cycle);
+        Ok(Self {
+            trains,
+            world,
+            drives: at_work,
+            equation,
+            joints: MachineState {
+                axes: JointState::at_rest(position),
+                motors: JointState::at_rest(motors),
+            },
+            homed,
+            loads: [LoadSums::default(); MAX_AXES],
+            events: Vec::new(),
+            setpoint: AxisMotion::at_rest(*initial),
+            state,
+            cycle_ns,
+            cycle,
+            steps,
+        })
+    }
+
+    /// The same with the equation of motion taken in steps of at most `longest` s, however fast that goes.
+    #[must_use]
+    pub fn with_steps_of(mut self, longest: f64) -> Self {
+        let mut factor = 1_u32;
+        while self.cycle / f64::from(self.steps * factor) > longest * (1.0 + 1e-9)
+            && factor < 1 << 20
+        {
+            factor += 1;
+        }
+        self.steps *= factor;
+        self
+    }
+
+    /// The axes at the end of the last cycle.
+    pub fn axis_state(&self) -> &AxisState {
+        &self.state
+    }
+
+    /// The set-point at the end of the last cycle.
+    pub fn setpoint(&self) -> &AxisMotion {
+        &self.setpoint
+    }
+
+    /// Where the motors are, as far as they have turned since they were homed, m or rad at the axes. Without elastic
+    /// transmissions that is where the axes are.
+    pub fn motor_position(&self) -> AxisVector {
+        axis_vector(&(self.joints.motors.position - self.homed), self.drives.len())
+    }
+
+    /// What the motor of `axis` has given so far.
+    pub fn motor_load(&self, axis: usize) -> MotorLoad {
+        self.loads.get(axis).map(LoadSums::load).unwrap_or_default()
+    }
+
+    /// How far the field of the step motor of `axis` is ahead of its rotor, in full steps; `None` of other motors.
+    pub fn load_angle(&self, axis: usize) -> Option<f64> {
+        match &self.drives.get(axis)?.motor {
+            MotorAtWork::Stepper(stepper) => {
+                Some(stepper.load_angle(at(&self.joints.motors.position, axis)))
+            }
+            MotorAtWork::Servo(_) => None,
+        }
+    }
+
+    /// The switches of `axis`.
+    pub fn switches(&self, axis: usize) -> SwitchStates {
+        self.drives.get(axis).map(|drive| drive.switched).unwrap_or_default()
+    }
+
+    /// Takes what has happened since it was asked last.
+    pub fn take_events(&mut self) -> Vec<PhysicsEvent> {
+        std::mem::take(&mut self.events)
+    }
+
+    /// Poses of the links in the machine frame, in the order of [`Model::links`], as rapier's bodies have them.
+    pub fn link_poses(&self) -> Vec<Isometry3<f64>> {
+        self.world.link_poses()
+    }
+}
+
+/// What is between a motor and its axis.
+fn train_of(drive: &AxisDriveParameters) -> Train {
+    match drive.transmission {
+        None => Train { friction: drive.friction.and(&drive.motor_friction), elastic: None },
+        Some(transmission) => Train {
+            friction: drive.friction,
+            elastic: Some(Elastic {
+                transmission,
+                inertia: drive.armature,
+                friction: drive.motor_friction,
+            }),
+        },
+    }
+}
+
+/// Longest step with springs, s.
+const ELASTIC_STEP: f64 = 125e-6;
+
+/// Part of a radian that the fastest spring may swing in a step.
+const SWING: f64 = 0.25;
+
+/// Most steps in a cycle that springs may ask for.
+const MOST_STEPS: u32 = 256;
+
+/// How many steps of the equation of motion a cycle has: every drive's loops are due at their beginning, and springs are slow
+/// against them.
+fn steps_per_cycle(drives: &[AxisDriveParameters], inertia: &JointVector, cycle: f64) -> u32 {
+    let passes = drives.iter().map(|drive| match &drive.motor {
+        Motor::Servo(servo) => u32::from(servo.velocity_passes),
+        Motor::Stepper(_) => 1,
+    });
+    let passes = passes.fold(1, least_common_multiple);
+    let longest = drives.iter().zip(inertia).filter_map(|(drive, inertia)| {
+        let spring = drive.transmission.map(|elastic| elastic.resonance(drive.armature, *inertia));
+        let field = match &drive.motor {
+            Motor::Stepper(stepper) => {
+                let moved = if drive.transmission.is_some() { drive.armature } else { *inertia };
+                Some((stepper.stiffness(0.0) / moved).sqrt())
+            }
+            Motor::Servo(_) => None,
+        };
+        let fastest = spring.into_iter().chain(field).reduce(f64::max)?;
+        Some((SWING / fastest).min(ELASTIC_STEP))
+    });
+    let longest = longest.fold(cycle, f64::min);
+    let mut steps = passes;
+    while cycle / f64::from(steps) > longest * (1.0 + 1e-9) && steps + passes <= MOST_STEPS {
+        steps += passes;
+    }
+    steps
+}
+
+fn least_common_multiple(one: u32, other: u32) -> u32 {
+    let (mut a, mut b) = (one, other);
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    one / a * other
+}

@@ -1,0 +1,272 @@
+//! One cycle of the machine, in steps.
+
+use twin_kinematics::{AxisMotion, AxisVector, MAX_AXES};
+
+use super::drive::{AxisDrive, DriveInput, EffortFeedForward, FieldSetpoint, MotorAtWork};
+use super::dynamics::{JointVector, at};
+use super::error::PhysicsError;
+use super::event::{EventKind, PhysicsEvent, Side};
+use super::integrate::{self, JointState, MachineState, Motors, Stage};
+use super::machine::{AxisState, PhysicsMachine};
+use super::setpoint::Setpoint;
+use super::{axis_vector, checked};
+
+impl PhysicsMachine {
+    /// Advances one cycle, at the end of which the axes should be at `setpoint`, and returns what they did.
+    ///
+    /// The drives interpolate from the set-point before to this one (cubic in position, linear in acceleration), as
+    /// drives do that are given a set-point per bus cycle, so the position to compare `setpoint` with is the one
+    /// returned.
+    ///
+    /// # Errors
+    /// [`PhysicsError::AxisCount`], [`PhysicsError::Input`] if `setpoint` is not finite, and
+    /// [`PhysicsError::Diverged`].
+    pub fn step(&mut self, setpoint: &AxisMotion) -> Result<AxisState, PhysicsError> {
+        let [from, to] = [&self.setpoint, setpoint]
+            .map(|motion| Setpoint::new(motion, self.drives.len(), self.state.time_ns));
+        let course = Course { from: from?, to: to?, cycle: self.cycle, steps: self.steps };
+        let mut joints = self.joints;
+        let mut mean_effort = JointVector::zeros();
+        let mut saturated = [false; MAX_AXES];
+        let dt = self.cycle / f64::from(self.steps);
+        let diverged = PhysicsError::Diverged { time_ns: self.state.time_ns };
+        for step in 0..self.steps {
+            self.control(&joints, &course, step, &mut saturated)?;
+            for (axis, drive) in self.drives.iter_mut().enumerate() {
+                drive.begin_step(&course, step, axis, at(&self.homed, axis), dt);
+            }
+            let (next, effort) = integrate::advance(
+                &mut self.equation,
+                &self.trains,
+                &joints,
+                self.drives.as_slice(),
+                dt,
+            )
+            .filter(|(state, _)| state.is_finite())
+            .ok_or(diverged)?;
+            let velocity = (next.motors.position - joints.motors.position) / dt;
+            joints = next;
+            mean_effort += effort / f64::from(self.steps);
+            self.record(&joints, &effort, &velocity, dt);
+        }
+        self.setpoint = *setpoint;
+        self.finish_cycle(&joints, &mean_effort, saturated)
+    }
+
+    /// Advances one cycle with the given motor efforts (N or Nm), the drives switched off; limits are not applied.
+    ///
+    /// # Errors
+    /// Those of [`Self::step`].
+    pub fn step_with_efforts(&mut self, effort: &AxisVector) -> Result<AxisState, PhysicsError> {
+        let effort = checked(effort, self.drives.len(), self.state.time_ns)?;
+        let mut joints = self.joints;
+        let diverged = PhysicsError::Diverged { time_ns: self.state.time_ns };
+        let Self { equation, trains, .. } = self;
+        for _ in 0..self.steps {
+            let dt = self.cycle / f64::from(self.steps);
+            (joints, _) = integrate::advance(equation, trains, &joints, &Held(effort), dt)
+                .filter(|(state, _)| state.is_finite())
+                .ok_or(diverged)?;
+        }
+        self.finish_cycle(&joints, &effort, [false; MAX_AXES])
+    }
+
+    /// The passes of all loops that are due at the beginning of `step`.
+    fn control(
+        &mut self,
+        joints: &MachineState,
+        course: &Course,
+        step: u32,
+        saturated: &mut [bool; MAX_AXES],
+    ) -> Result<(), PhysicsError> {
+        let now = course.at(f64::from(step));
+        // What is fed forward, by the loops' periods in steps.
+        let mut whole_machine: Option<(u32, JointVector)> = None;
+        for (axis, (drive, saturated)) in self.drives.iter_mut().zip(saturated).enumerate() {
+            let MotorAtWork::Servo(servo) = &mut drive.motor else { continue };
+            let [every, positions_every] =
+                [servo.parameters.velocity_passes, servo.parameters.position_passes]
+                    .map(|passes| (course.steps / u32::from(passes)).max(1));
+            if step % every != 0 {
+                continue;
+            }
+            // What is fed forward is held for the period: take it from its middle.
+            let ahead = course.at(f64::from(step) + 0.5 * f64::from(every));
+            let effort = match servo.parameters.effort_feed_forward {
+                EffortFeedForward::None => 0.0,
+                EffortFeedForward::Inertia(inertia) => inertia * at(&ahead.acceleration, axis),
+                EffortFeedForward::Dynamics(part) => {
+                    let known = whole_machine.filter(|(period, _)| *period == every);
+                    let efforts = if let Some((_, efforts)) = known {
+                        efforts
+                    } else {
+                        let Setpoint { position, velocity, acceleration } = &ahead;
+                        let efforts =
+                            self.equation.inverse_dynamics(position, velocity, acceleration);
+                        efforts.ok_or(PhysicsError::Apart)?
+                    };
+                    whole_machine = Some((every, efforts));
+                    part * at(&efforts, axis)
+                }
+            };
+            let input = DriveInput {
+                position_setpoint: at(&now.position, axis),
+                velocity_setpoint: at(&now.velocity, axis),
+                effort,
+                position: at(&joints.axes.position, axis),
+                motor_position: at(&joints.motors.position, axis) - at(&self.homed, axis),
+                motor_velocity: at(&joints.motors.velocity, axis),
+            };
+            let period = course.cycle * f64::from(every) / f64::from(course.steps);
+            *saturated |= servo.control(&input, step % positions_every == 0, period);
+        }
+        Ok(())
+    }
+}
+
+impl PhysicsMachine {
+    /// Notes what the motors did in a step of `dt` s that ended at `joints`.
+    fn record(
+        &mut self,
+        joints: &MachineState,
+        effort: &JointVector,
+        velocity: &JointVector,
+        dt: f64,
+    ) {
+        let time_ns = self.state.time_ns.saturating_add(self.cycle_ns);
+        let trains = self.trains.iter_mut().zip(&mut self.loads);
+        for (axis, (drive, (train, load))) in self.drives.iter_mut().zip(trains).enumerate() {
+            let effort = at(effort, axis);
+            load.add(effort, at(velocity, axis), dt);
+            let mut happens = |kind| self.events.push(PhysicsEvent { time_ns, axis, kind });
+            if let Some(overload) = &mut drive.overload {
+                if overload.advance(effort, dt) {
+                    happens(EventKind::Overload);
+                }
+                load.see_warmth(overload.warmth());
+            }
+            if let MotorAtWork::Stepper(stepper) = &mut drive.motor {
+                let lost = stepper.lost(at(&joints.motors.position, axis));
+                if lost != 0 && drive.dead_for.is_none() {
+                    happens(EventKind::LostSteps(lost));
+                }
+            }
+            if drive.advance_brake(dt) {
+                train.brake(drive.braking());
+                happens(EventKind::BrakeClosed);
+            }
+        }
+    }
+
+    /// Steps 2 to 5 of the module's docs: takes rapier's bodies to `next`.
+    fn finish_cycle(
+        &mut self,
+        next: &MachineState,
+        effort: &JointVector,
+        saturated: [bool; MAX_AXES],
+    ) -> Result<AxisState, PhysicsError> {
+        let before = &self.joints.axes.position;
+        let mean_velocity = (next.axes.position - before) / self.cycle;
+        let zero = JointVector::zeros();
+        let bias = self.equation.inverse_dynamics(before, &mean_velocity, &zero);
+        let (position, faster) = self.world.advance(
+            &next.axes.position,
+            &mean_velocity,
+            &bias.ok_or(PhysicsError::Apart)?,
+        )?;
+        let axes = JointState { position, velocity: next.axes.velocity + faster };
+        self.joints = MachineState { axes, motors: axes };
+        for (axis, train) in self.trains.iter().enumerate() {
+            if train.elastic.is_some() {
+                let motors = &mut self.joints.motors;
+                let slots = motors.position.get_mut(axis).zip(motors.velocity.get_mut(axis));
+                if let Some((position, velocity)) = slots {
+                    *position = at(&next.motors.position, axis);
+                    *velocity = at(&next.motors.velocity, axis);
+                }
+            }
+        }
+        if !self.joints.is_finite() {
+            return Err(PhysicsError::Diverged { time_ns: self.state.time_ns });
+        }
+        let axes = self.drives.len();
+        let time_ns = self.state.time_ns.saturating_add(self.cycle_ns);
+        for (axis, (drive, position)) in self.drives.iter_mut().zip(&position).enumerate() {
+            let now = drive.switches.at(*position);
+            let before = std::mem::replace(&mut drive.switched, now);
+            for (side, before, now) in
+                [(Side::Lower, before.lower, now.lower), (Side::Upper, before.upper, now.upper)]
+            {
+                if now && !before {
+                    let kind = EventKind::LimitSwitch(side);
+                    self.events.push(PhysicsEvent { time_ns, axis, kind });
+                }
+            }
+        }
+        self.state = AxisState {
+            time_ns,
+            position: axis_vector(&self.joints.axes.position, axes),
+            velocity: axis_vector(&self.joints.axes.velocity, axes),
+            effort: axis_vector(effort, axes),
+            saturated,
+        };
+        Ok(self.state)
+    }
+}
+
+/// The way of the set-points through a cycle.
+struct Course {
+    from: Setpoint,
+    to: Setpoint,
+    /// s.
+    cycle: f64,
+    steps: u32,
+}
+
+impl Course {
+    /// After so many steps.
+    fn at(&self, steps: f64) -> Setpoint {
+        self.from.towards(&self.to, steps / f64::from(self.steps), self.cycle)
+    }
+
+    /// The field of a step motor that was `homed` ahead of its axis.
+    fn field(&self, steps: f64, axis: usize, homed: f64) -> FieldSetpoint {
+        let setpoint = self.at(steps);
+        FieldSetpoint {
+            position: at(&setpoint.position, axis) + homed,
+            velocity: at(&setpoint.velocity, axis),
+        }
+    }
+}
+
+impl AxisDrive {
+    /// What the motor does in the next step of `dt` s, the `step`th of the course.
+    fn begin_step(&mut self, course: &Course, step: u32, axis: usize, homed: f64, dt: f64) {
+        match &mut self.motor {
+            MotorAtWork::Servo(servo) => servo.begin_step(dt),
+            MotorAtWork::Stepper(stepper) => {
+                let step = f64::from(step);
+                let field = [step, step + 0.5, step + 1.0];
+                stepper.begin_step(field.map(|steps| course.field(steps, axis, homed)));
+            }
+        }
+    }
+
+    /// Without power for `dt` s more. True when the brake closes.
+    fn advance_brake(&mut self, dt: f64) -> bool {
+        let before = self.braking();
+        if let Some(dead_for) = &mut self.dead_for {
+            *dead_for += dt;
+        }
+        before <= 0.0 && self.braking() > 0.0
+    }
+}
+
+/// Motors that give the same whatever happens.
+struct Held(JointVector);
+
+impl Motors for Held {
+    fn efforts(&self, _stage: Stage, _motors: &JointState) -> JointVector {
+        self.0
+    }
+}

@@ -1,0 +1,66 @@
+//! Gears, belts and screws that give way: a spring with play between motor and axis.
+
+/// The part of the play over which damping sets in.
+const ONSET: f64 = 0.1;
+
+/// A transmission that is not rigid, everything at the axis (behind the gear).
+///
+/// ```text
+/// twist = motor − axis      effort = k·(twist ∓ backlash/2) + d·(rate of twist)      none within the backlash
+/// ```
+///
+/// Teeth push and do not pull: with backlash, damping never turns the sign, and sets in over the first tenth of the play.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ElasticTransmission {
+    /// k: N/m or Nm/rad. Belts of machines have 10⁴ to 10⁶ N/m, ball screws 10⁷ to 10⁸ N/m, harmonic gears 10⁴ Nm/rad.
+    pub stiffness: f64,
+    /// d: N·s/m or Nm·s/rad.
+    pub damping: f64,
+    /// Whole play at reversal, m or rad.
+    pub backlash: f64,
+}
+
+impl ElasticTransmission {
+    /// With the damping ratio `ratio` (0.01 to 0.1 for metal, 0.05 to 0.2 for belts) between the inertias of motor and axis.
+    pub fn damped(stiffness: f64, ratio: f64, backlash: f64, motor: f64, axis: f64) -> Self {
+        let reduced = motor * axis / (motor + axis);
+        Self { stiffness, damping: 2.0 * ratio * (stiffness * reduced).sqrt(), backlash }
+    }
+
+    /// What the axis feels of a motor that is `twist` (m or rad) ahead and gets ahead by `rate`.
+    pub(super) fn effort(&self, twist: f64, rate: f64) -> f64 {
+        let Self { stiffness, damping, backlash } = *self;
+        if backlash <= 0.0 {
+            return stiffness * twist + damping * rate;
+        }
+        let wound = twist - twist.clamp(-0.5 * backlash, 0.5 * backlash);
+        if wound == 0.0 {
+            return 0.0;
+        }
+        let engaged = (wound.abs() / (ONSET * backlash)).min(1.0);
+        let effort = stiffness * wound + damping * engaged * rate;
+        if effort * wound > 0.0 { effort } else { 0.0 }
+    }
+
+    /// How far the motor is ahead where the axis feels `effort` at rest.
+    pub(super) fn twist(&self, effort: f64) -> f64 {
+        if effort == 0.0 {
+            return 0.0;
+        }
+        effort / self.stiffness + 0.5 * self.backlash.copysign(effort)
+    }
+
+    /// The angular frequency of its resonance between inertias, rad/s.
+    pub(super) fn resonance(&self, motor: f64, axis: f64) -> f64 {
+        (self.stiffness * (motor + axis) / (motor * axis)).sqrt()
+    }
+
+    /// The fields with their names and ranges.
+    pub(super) fn ranges(&self) -> [(&'static str, f64, f64, f64); 3] {
+        [
+            ("stiffness", self.stiffness, f64::MIN_POSITIVE, f64::MAX),
+            ("damping", self.damping, 0.0, f64::MAX),
+            ("backlash", self.backlash, 0.0, f64::MAX),
+        ]
+    }
+}
