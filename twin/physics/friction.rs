@@ -80,17 +80,6 @@ pub(super) enum DryFriction {
 }
 
 impl DryFriction {
-    /// Opposing `velocity`; not known at rest.
-    pub(super) fn opposing(velocity: f64, friction: &FrictionParameters) -> Option<Self> {
-        if !friction.is_dry() {
-            Some(Self::None)
-        } else if velocity.abs() <= REST {
-            None
-        } else {
-            Some(Self::Slides(velocity.signum()))
-        }
-    }
-
     /// From the force that stops as much motion as `most` can.
     pub(super) fn of_force(force: f64, most: f64) -> Self {
         if most <= 0.0 {
@@ -99,15 +88,6 @@ impl DryFriction {
             Self::Sticks(force)
         } else {
             Self::Slides(-force.signum())
-        }
-    }
-
-    /// Whether a part that slides does so still at `velocity`.
-    pub(super) fn lasts(self, velocity: f64) -> bool {
-        match self {
-            Self::None => true,
-            Self::Slides(direction) => velocity * direction > 0.0,
-            Self::Sticks(_) => false,
         }
     }
 

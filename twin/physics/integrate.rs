@@ -1,21 +1,22 @@
 //! Motion over one short step: joints by the equation of motion, rotors behind elastic transmissions beside it.
 //!
-//! Classical Runge–Kutta of fourth order. Motors, springs and viscous friction are part of the right-hand side. Dry
-//! friction has a jump where an axis stops, so what it does is settled before the step, as Moreau and Stewart–Trinkle do:
-//! an axis that slides all through the step is opposed all through it; if some axis stands or turns round, of all forces
-//! within ± the dry friction those are taken that stop as much motion as they can by the end of the step (projected
-//! Gauss–Seidel on the velocities an explicit step predicts). An axis that stands still gets what holds it; what is left of its
-//! motion at the end of the step, because forces have changed on the way, is taken from it, so that it does not creep.
+//! Classical Runge–Kutta of fourth order. Motors, springs and friction are part of the right-hand side. Dry friction jumps where
+//! something stops, so a step ends there and another one takes the rest of the time: whatever moves is opposed as long as it moves,
+//! and what stands is held or breaks away as `settle` says.
 
 use twin_kinematics::MAX_AXES;
 
-use super::dynamics::{JointMatrix, JointVector, at};
+use super::dynamics::{JointVector, at};
 use super::equation::Equation;
-use super::friction::{DryFriction, FrictionParameters, REST};
+use super::friction::FrictionParameters;
+use super::settle::{Dry, Settled};
 use super::transmission::ElasticTransmission;
 
-/// Sweeps of the friction solver; it converges in one or two unless several axes stick against each other.
-const MAX_FRICTION_SWEEPS: usize = 100;
+/// How often something may stop in one step; beyond that, what goes on is as it would be without.
+const MOST_STOPS: usize = 16;
+
+/// Corrections of the time at which something stops.
+const CORRECTIONS: usize = 2;
 
 /// Positions and velocities of all axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,11 +72,27 @@ impl MachineState {
 }
 
 /// When in a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stage {
     Start,
     Middle,
     End,
+    /// At this part of it.
+    At(f64),
+}
+
+impl Stage {
+    fn new(part: f64) -> Self {
+        if part <= 0.0 {
+            Self::Start
+        } else if part >= 1.0 {
+            Self::End
+        } else if (part - 0.5).abs() <= f64::EPSILON {
+            Self::Middle
+        } else {
+            Self::At(part)
+        }
+    }
 }
 
 /// What moves the axes.
@@ -115,24 +132,25 @@ impl Train {
     }
 }
 
-/// What dry friction does in a step, on both sides.
-#[derive(Clone, Copy, Debug)]
-struct Dry {
-    axes: [DryFriction; MAX_AXES],
-    motors: [DryFriction; MAX_AXES],
-}
-
-impl Dry {
-    const NONE: Self =
-        Self { axes: [DryFriction::None; MAX_AXES], motors: [DryFriction::None; MAX_AXES] };
-}
-
 /// A machine in a step.
-struct Step<'a, M: ?Sized> {
-    equation: &'a mut Equation,
-    trains: &'a [Train; MAX_AXES],
+pub(super) struct Step<'a, M: ?Sized> {
+    pub(super) equation: &'a mut Equation,
+    pub(super) trains: &'a [Train; MAX_AXES],
     motors: &'a M,
-    elastic: bool,
+    /// Whether there are springs.
+    pub(super) elastic: bool,
+    /// Whether there is dry friction.
+    pub(super) dry: bool,
+    /// s.
+    dt: f64,
+}
+
+/// Where a part of a step ends.
+pub(super) struct Arrival {
+    pub(super) state: MachineState,
+    effort: JointVector,
+    /// How everything changed at its beginning.
+    pub(super) first: MachineState,
 }
 
 /// The state after `dt` (s), and the mean efforts of the motors on the way; `None` if some axis moves no inertia, or where the
@@ -145,38 +163,70 @@ pub(super) fn advance(
     dt: f64,
 ) -> Option<(MachineState, JointVector)> {
     let elastic = trains.iter().any(|train| train.elastic.is_some());
-    let mut step = Step { equation, trains, motors, elastic };
-    let sliding = step.sliding(state);
-    let mut dry = sliding.unwrap_or(Dry::NONE);
-    let mut mobility = None;
-    let (mut first, mut effort) = step.slope(Stage::Start, state, &dry)?;
-    if sliding.is_none() || !step.slides_on(&state.moved(&first, dt), &dry) {
-        if sliding.is_some() {
-            (first, _) = step.slope(Stage::Start, state, &Dry::NONE)?;
+    let is_dry = |train: &Train| {
+        train.friction.is_dry() || train.elastic.is_some_and(|elastic| elastic.friction.is_dry())
+    };
+    let dry = trains.iter().any(is_dry);
+    let mut step = Step { equation, trains, motors, elastic, dry, dt };
+    let (mut state, mut from) = (*state, 0.0);
+    let mut effort = JointVector::zeros();
+    for stops in 0..=MOST_STOPS {
+        let settled = step.settle(&state, Stage::new(from), (1.0 - from) * dt)?;
+        let mut until = 1.0;
+        let mut arrival = step.take(&state, &settled, from, until)?;
+        if stops < MOST_STOPS
+            && let Some((stop, part)) = settled.first_stop(&state, &arrival, (until - from) * dt)
+        {
+            until = from + part * (until - from);
+            arrival = step.take(&state, &settled, from, until)?;
+            for _ in 0..CORRECTIONS {
+                let late = stop.velocity(&arrival.state) / stop.velocity(&arrival.first);
+                until = (until - late / dt).clamp(from, 1.0);
+                arrival = step.take(&state, &settled, from, until)?;
+            }
+            stop.stop(&mut arrival.state);
         }
-        (dry, mobility) = step.settle(state, &first, dt)?;
-        (first, effort) = step.slope(Stage::Start, state, &dry)?;
+        effort += arrival.effort * (until - from);
+        (state, from) = (arrival.state, until);
+        if from >= 1.0 {
+            break;
+        }
     }
-    let half = 0.5 * dt;
-    let (second, effort_2) = step.slope(Stage::Middle, &state.moved(&first, half), &dry)?;
-    let (third, effort_3) = step.slope(Stage::Middle, &state.moved(&second, half), &dry)?;
-    let (fourth, effort_4) = step.slope(Stage::End, &state.moved(&third, dt), &dry)?;
-    let slopes = [&first, &second, &third, &fourth];
-    let mut axes = state.axes.moved(&JointState::mean(slopes.map(|slope| &slope.axes)), dt);
-    if let Some(mobility) = &mobility {
-        step.stand_still(&state.axes, &mut axes, &dry.axes, mobility, dt);
+    if !elastic {
+        state.motors = state.axes;
     }
-    let mut next = MachineState { axes, motors: axes };
-    if elastic {
-        let motors = state.motors.moved(&JointState::mean(slopes.map(|slope| &slope.motors)), dt);
-        next.motors = step.motors_of(&axes, &motors);
-        step.stop_motors(&state.motors, &mut next.motors, &dry.motors, dt);
-    }
-    let effort = (effort + (effort_2 + effort_3) * 2.0 + effort_4) / 6.0;
-    Some((next, effort))
+    Some((state, effort))
 }
 
 impl<M: Motors + ?Sized> Step<'_, M> {
+    /// From `state` through the part of the step between `from` and `until`.
+    fn take(
+        &mut self,
+        state: &MachineState,
+        settled: &Settled,
+        from: f64,
+        until: f64,
+    ) -> Option<Arrival> {
+        let dt = (until - from) * self.dt;
+        let half = 0.5 * dt;
+        let [start, middle, end] = [from, 0.5 * (from + until), until].map(Stage::new);
+        let dry = &settled.dry;
+        let (first, effort) = self.slope(start, state, dry)?;
+        let (second, effort_2) = self.slope(middle, &state.moved(&first, half), dry)?;
+        let (third, effort_3) = self.slope(middle, &state.moved(&second, half), dry)?;
+        let (fourth, effort_4) = self.slope(end, &state.moved(&third, dt), dry)?;
+        let slopes = [&first, &second, &third, &fourth];
+        let mut next = *state;
+        next.axes = state.axes.moved(&JointState::mean(slopes.map(|slope| &slope.axes)), dt);
+        if self.elastic {
+            let mean = JointState::mean(slopes.map(|slope| &slope.motors));
+            next.motors = self.motors_of(&next.axes, &state.motors.moved(&mean, dt));
+        }
+        settled.stand_still(self.trains, state, &mut next, dt);
+        let effort = (effort + (effort_2 + effort_3) * 2.0 + effort_4) / 6.0;
+        Some(Arrival { state: next, effort, first })
+    }
+
     /// `motors` where there are elastic transmissions, and the axes elsewhere.
     fn motors_of(&self, axes: &JointState, motors: &JointState) -> JointState {
         let mut result = *axes;
@@ -191,7 +241,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
     }
 
     /// How everything changes at `state`, and the efforts of the motors.
-    fn slope(
+    pub(super) fn slope(
         &mut self,
         stage: Stage,
         state: &MachineState,
@@ -223,144 +273,5 @@ impl<M: Motors + ?Sized> Step<'_, M> {
             motors: JointState { position: motors.velocity, velocity: faster },
         };
         Some((slope, effort))
-    }
-
-    /// Dry friction if everything goes on sliding as it does; `None` where something stands.
-    fn sliding(&self, state: &MachineState) -> Option<Dry> {
-        let mut dry = Dry::NONE;
-        let rows = dry.axes.iter_mut().zip(&mut dry.motors).zip(self.trains);
-        for (axis, ((on_axis, on_motor), train)) in rows.enumerate() {
-            *on_axis = DryFriction::opposing(at(&state.axes.velocity, axis), &train.friction)?;
-            if let Some(elastic) = &train.elastic {
-                let velocity = at(&state.motors.velocity, axis);
-                *on_motor = DryFriction::opposing(velocity, &elastic.friction)?;
-            }
-        }
-        Some(dry)
-    }
-
-    /// Whether everything slides still at `next` as it did.
-    fn slides_on(&self, next: &MachineState, dry: &Dry) -> bool {
-        let on = |dry: &[DryFriction; MAX_AXES], velocity: &JointVector| {
-            dry.iter().zip(velocity.iter()).all(|(dry, velocity)| dry.lasts(*velocity))
-        };
-        on(&dry.axes, &next.axes.velocity) && on(&dry.motors, &next.motors.velocity)
-    }
-
-    /// Takes what is left of their motion from axes that stick, as far as friction can; others feel it by `mobility`.
-    fn stand_still(
-        &self,
-        before: &JointState,
-        axes: &mut JointState,
-        dry: &[DryFriction; MAX_AXES],
-        mobility: &JointMatrix,
-        dt: f64,
-    ) {
-        for (axis, (dry, train)) in dry.iter().zip(self.trains).enumerate() {
-            let DryFriction::Sticks(force) = *dry else { continue };
-            let most = train.friction.dry(0.0);
-            let left = at(&axes.velocity, axis);
-            let own = mobility.get((axis, axis)).copied().unwrap_or(1.0) * dt;
-            let wanted = (force - left / own).clamp(-most, most);
-            let slower = mobility.column(axis) * ((wanted - force) * dt);
-            axes.velocity += slower;
-            // What a force that changes evenly has done by now.
-            axes.position += slower * (dt / 3.0);
-            if wanted.abs() < most && at(&before.velocity, axis).abs() <= REST {
-                let slots = axes.position.get_mut(axis).zip(axes.velocity.get_mut(axis));
-                if let Some((position, velocity)) = slots {
-                    (*position, *velocity) = (at(&before.position, axis), 0.0);
-                }
-            }
-        }
-    }
-
-    /// The same of motors behind springs, which do not feel each other.
-    fn stop_motors(
-        &self,
-        before: &JointState,
-        motors: &mut JointState,
-        dry: &[DryFriction; MAX_AXES],
-        dt: f64,
-    ) {
-        let states = motors.position.iter_mut().zip(motors.velocity.iter_mut());
-        let rows = states.zip(dry.iter().zip(self.trains)).enumerate();
-        for (axis, ((position, velocity), (dry, train))) in rows {
-            let (DryFriction::Sticks(force), Some(elastic)) = (*dry, &train.elastic) else {
-                continue;
-            };
-            let most = elastic.friction.dry(0.0);
-            let wanted = (force - *velocity * elastic.inertia / dt).clamp(-most, most);
-            let slower = (wanted - force) * dt / elastic.inertia;
-            *velocity += slower;
-            *position += slower * (dt / 3.0);
-            if wanted.abs() < most && at(&before.velocity, axis).abs() <= REST {
-                (*position, *velocity) = (at(&before.position, axis), 0.0);
-            }
-        }
-    }
-
-    /// Dry friction over the next `dt`, where without any the state changes by `free`; and the mobility, if it took it.
-    fn settle(
-        &mut self,
-        state: &MachineState,
-        free: &MachineState,
-        dt: f64,
-    ) -> Option<(Dry, Option<JointMatrix>)> {
-        let mut dry = Dry::NONE;
-        let mut mobility = None;
-        let limits = self.trains.iter().zip(state.axes.velocity.iter());
-        let limits =
-            super::joint_vector(limits.map(|(train, velocity)| train.friction.dry(*velocity)));
-        if limits.amax() > 0.0 {
-            let velocity = state.axes.velocity + free.axes.velocity * dt;
-            let here = self.equation.mobility(&state.axes.position)?;
-            let forces = self.hold(velocity, &limits, &(here * dt));
-            mobility = Some(here);
-            for ((dry, force), most) in dry.axes.iter_mut().zip(&forces).zip(&limits) {
-                *dry = DryFriction::of_force(*force, *most);
-            }
-        }
-        for (axis, (dry, train)) in dry.motors.iter_mut().zip(self.trains).enumerate() {
-            let Some(elastic) = &train.elastic else { continue };
-            let velocity = at(&state.motors.velocity, axis);
-            let most = elastic.friction.dry(velocity);
-            let free = velocity + at(&free.motors.velocity, axis) * dt;
-            let force = (-free * elastic.inertia / dt).clamp(-most, most);
-            *dry = DryFriction::of_force(force, most);
-        }
-        Some((dry, mobility))
-    }
-
-    /// The forces within ± `limits` that leave least of `velocity`, which the axes have at the end of a step without them;
-    /// `mobility` is what forces add to it by then.
-    fn hold(
-        &self,
-        mut velocity: JointVector,
-        limits: &JointVector,
-        mobility: &JointMatrix,
-    ) -> JointVector {
-        let mut force = JointVector::zeros();
-        let diagonal = mobility.diagonal();
-        for _ in 0..MAX_FRICTION_SWEEPS {
-            let mut change = 0.0_f64;
-            let axes = mobility
-                .column_iter()
-                .zip(diagonal.iter())
-                .zip(force.iter_mut().zip(limits.iter()));
-            for (axis, ((column, mobility), (force, limit))) in
-                axes.enumerate().take(self.equation.axis_count())
-            {
-                let wanted = (*force - at(&velocity, axis) / mobility).clamp(-limit, *limit);
-                let difference = wanted - *force;
-                *force = wanted;
-                velocity += column * difference;
-                change = change.max(difference.abs());
-            }
-            if change <= 1e-14 * force.amax() {
-                break;
-            }
-        }
-        force
     }
 }

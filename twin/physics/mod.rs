@@ -38,6 +38,7 @@ mod machine;
 mod maths;
 mod mechanism;
 mod setpoint;
+mod settle;
 mod stepping;
 mod transmission;
 mod tripod;

@@ -155,6 +155,8 @@ pub(in crate::physics) struct ServoDrive {
     effort: f64,
     /// The same in the middle and at the end of the step.
     course: [f64; 2],
+    /// How much the current loop changes in the step, in its time constants.
+    changes: f64,
 }
 
 impl ServoDrive {
@@ -169,6 +171,7 @@ impl ServoDrive {
             target: holding,
             effort: holding,
             course: [holding; 2],
+            changes: 0.0,
         }
     }
 
@@ -226,12 +229,16 @@ impl ServoDrive {
     pub(in crate::physics) fn begin_step(&mut self, dt: f64) {
         let [_, before] = self.course;
         self.effort = before;
-        let left = |dt: f64| (-self.parameters.current_bandwidth * dt).exp();
-        let after = |dt: f64| self.target + (before - self.target) * left(dt);
-        self.course = [after(0.5 * dt), after(dt)];
         if self.parameters.current_bandwidth.is_infinite() {
             self.effort = self.target;
         }
+        self.changes = self.parameters.current_bandwidth * dt;
+        self.course = [self.after(0.5), self.after(1.0)];
+    }
+
+    /// What it has after this part of the step.
+    fn after(&self, part: f64) -> f64 {
+        self.target + (self.effort - self.target) * (-self.changes * part).exp()
     }
 
     /// What the motor gives in the step.
@@ -241,6 +248,7 @@ impl ServoDrive {
             Stage::Start => self.effort,
             Stage::Middle => middle,
             Stage::End => end,
+            Stage::At(part) => self.after(part),
         }
     }
 }

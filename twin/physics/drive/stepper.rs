@@ -150,10 +150,16 @@ impl StepperDrive {
     /// What the rotor feels at `position` and `velocity`.
     pub(super) fn effort(&self, stage: Stage, position: f64, velocity: f64) -> f64 {
         let [start, middle, end] = &self.field;
+        let between = |one: &FieldSetpoint, other: &FieldSetpoint, part: f64| FieldSetpoint {
+            position: one.position + (other.position - one.position) * part,
+            velocity: one.velocity + (other.velocity - one.velocity) * part,
+        };
         let field = match stage {
-            Stage::Start => start,
-            Stage::Middle => middle,
-            Stage::End => end,
+            Stage::Start => *start,
+            Stage::Middle => *middle,
+            Stage::End => *end,
+            Stage::At(part) if part < 0.5 => between(start, middle, 2.0 * part),
+            Stage::At(part) => between(middle, end, 2.0 * part - 1.0),
         };
         let full_step = self.parameters.full_step;
         let angle = FRAC_PI_2 * (field.position - position) / full_step;

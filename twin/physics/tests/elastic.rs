@@ -258,3 +258,66 @@ fn a_loose_belt_is_softer() {
     assert!(!rigid.fail(0, Fault::LostSteps(4.0)));
     assert!(!rigid.fail(1, Fault::Jam));
 }
+
+/// Elastic drives with play and friction on both sides of it, on the circle of the reference, against steps of a microsecond.
+#[test]
+fn elastic_drives_follow_as_with_steps_of_a_microsecond() {
+    let model = super::scara::scara();
+    let [start, velocity, _] = super::scara::circle(0.0);
+    let start = axis_vector(&start, 3);
+    let inertia = axis_inertia(&model, &start).unwrap();
+    // Gears of 100:1 and a belt, at the axes.
+    let armature = [0.6, 0.2, 3.0];
+    let stiffness = [2e4, 8e3, 1e6];
+    let backlash = [100e-6, 100e-6, 20e-6];
+    let dry = [4.0, 2.0, 10.0];
+    let drives: Vec<_> = (0..3)
+        .map(|axis| {
+            let moved = inertia[axis] + armature[axis];
+            let servo = ServoParameters {
+                current_bandwidth: TAU * 800.0,
+                delay: 1,
+                ..ServoParameters::tuned(moved, 30.0, f64::INFINITY)
+            };
+            AxisDriveParameters {
+                armature: armature[axis],
+                friction: FrictionParameters {
+                    breakaway: 1.3 * dry[axis],
+                    stribeck_velocity: 0.01,
+                    ..FrictionParameters::new(dry[axis], 0.5 * dry[axis])
+                },
+                motor_friction: FrictionParameters::new(0.5 * dry[axis], 0.2 * dry[axis]),
+                transmission: Some(ElasticTransmission::damped(
+                    stiffness[axis],
+                    0.05,
+                    backlash[axis],
+                    armature[axis],
+                    inertia[axis],
+                )),
+                ..AxisDriveParameters::servo(servo)
+            }
+        })
+        .collect();
+    let run = |longest: Option<f64>| {
+        let mut machine = PhysicsMachine::new(&model, &drives, down(), &start, CYCLE_NS).unwrap();
+        if let Some(longest) = longest {
+            machine = machine.with_steps_of(longest);
+        }
+        println!("{} steps", machine.steps);
+        machine.start_moving(velocity);
+        let mut tips = Vec::new();
+        for cycle in 1..=2000 {
+            let [position, velocity, acceleration] =
+                super::scara::circle(f64::from(cycle) * 1e-3).map(|v| axis_vector(&v, 3));
+            machine.step(&AxisMotion { position, velocity, acceleration }).unwrap();
+            tips.push(super::scara::tip(&machine.joints.axes.position));
+        }
+        tips
+    };
+    let (own, fine) = (run(None), run(Some(1e-6)));
+    let worst = own.iter().zip(&fine).map(|(own, fine)| (own - fine).norm()).fold(0.0, f64::max);
+    println!("{worst:e} m");
+    let set = super::scara::tip(&super::scara::circle(2.0)[0]);
+    assert!((fine[1999] - set).norm() > 1e-6, "no such drive is that good");
+    assert!(worst <= 0.02e-6, "{worst} m");
+}

@@ -62,7 +62,7 @@ pub(super) fn circle(t: f64) -> [JointVector; 3] {
     ]
 }
 
-fn tip(q: &JointVector) -> Vector3<f64> {
+pub(super) fn tip(q: &JointVector) -> Vector3<f64> {
     let (s1, c1) = q[0].sin_cos();
     let (s12, c12) = (q[0] + q[1]).sin_cos();
     Vector3::new(0.4 * c1 + 0.3 * c12, 0.4 * s1 + 0.3 * s12, q[2] - 0.12)
