@@ -1,10 +1,7 @@
 //! The simulated machine as a plant.
 
 use crate::machine::Machine;
-use crate::physics::{
-    AxisDriveParameters, FrictionParameters, PhysicsError, PhysicsMachine, ServoParameters,
-    axis_inertia,
-};
+use crate::physics::{PhysicsError, PhysicsMachine, axis_inertia};
 use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::AxisSetpoint;
 use twin_kinematics::AxisVector;
@@ -28,20 +25,7 @@ impl Simulated {
             .axes
             .iter()
             .zip(inertia.iter())
-            .map(|(axis, inertia)| {
-                let simulated = &axis.simulated;
-                let inertia = inertia + simulated.armature;
-                let servo =
-                    ServoParameters::tuned(inertia, simulated.bandwidth_hz, simulated.effort_limit);
-                AxisDriveParameters {
-                    friction: FrictionParameters::new(
-                        simulated.coulomb_friction,
-                        simulated.viscous_friction,
-                    ),
-                    armature: simulated.armature,
-                    ..AxisDriveParameters::servo(servo)
-                }
-            })
+            .map(|(axis, inertia)| axis.simulated.drive(*inertia))
             .collect();
         let physics =
             PhysicsMachine::new(&machine.model, &drives, machine.gravity, start, machine.cycle_ns)?;

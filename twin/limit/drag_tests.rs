@@ -26,7 +26,7 @@ fn used(machine: &Machine, found: &Limited) -> Vec<f64> {
         let motors = torque.axes().iter().zip(&machine.axes).zip(&mut most).enumerate();
         for (index, ((effort, axis), most)) in motors {
             let v = sample.velocity[index];
-            let dry = if v == 0.0 { 0.0 } else { axis.simulated.coulomb_friction.copysign(v) };
+            let dry = if v == 0.0 { 0.0 } else { axis.simulated.dry_friction().copysign(v) };
             let effort = effort.effort(0.0, 1.0) + dry;
             let told = sample.effort.unwrap()[index];
             assert!((effort - told).abs() < 1e-9, "{}: {effort} and {told}", axis.name);

@@ -3,7 +3,7 @@
 use super::drives::{counts, steps_per_s};
 use super::limits::{DriveLimits, VelocityLimits, read_headroom};
 use super::section::Section;
-use crate::physics::ServoParameters;
+use super::simulated::{self, SimulatedAxis};
 use std::ops::Range;
 
 /// Farthest position of an axis, degrees or mm.
@@ -102,21 +102,6 @@ pub struct Axis {
     pub drive: Option<AxisDrive>,
 }
 
-/// `[axes.physics]`: the servo drive that moves the axis of the simulated machine. SI, at the axis (behind the gear).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SimulatedAxis {
-    /// Largest force or torque, N or Nm.
-    pub effort_limit: f64,
-    /// Bandwidth of the velocity loop, Hz.
-    pub bandwidth_hz: f64,
-    /// Dry friction, N or Nm.
-    pub coulomb_friction: f64,
-    /// Friction proportional to velocity, N·s/m or Nm·s/rad.
-    pub viscous_friction: f64,
-    /// Rotor and gear inertia as felt at the axis, kg or kg·m².
-    pub armature: f64,
-}
-
 /// The drive an axis hangs on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisDrive {
@@ -201,7 +186,12 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
     let drive_limits = DriveLimits::read(section, unit);
     let headroom = read_headroom(section);
     let max_following_error = section.number(&format!("max_following_error_{unit}"), 1e-6..=1e4);
-    let simulated = read_simulated(&section.section("physics"), kind);
+    let simulated = simulated::read(
+        &section.section("physics"),
+        kind,
+        max_velocity.map(|velocity| velocity * kind.scale()),
+        drive_limits.motor_turns.map(|turns| turns / kind.scale()),
+    );
     let drive = read_drive(section, unit, devices);
     let (min, max) = if limited {
         (position_min?, position_max?)
@@ -255,31 +245,6 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
         role_span: section.span_of(if section.has("role") { "role" } else { "name" }),
         driven: section.has("drive"),
     })
-}
-
-fn read_simulated(section: &Section<'_>, kind: AxisKind) -> SimulatedAxis {
-    let (effort, coulomb, viscous, armature) = match kind {
-        AxisKind::Rotary => (
-            "max_torque_nm",
-            "coulomb_friction_nm",
-            "viscous_friction_nm_s_per_rad",
-            "rotor_inertia_kg_m2",
-        ),
-        AxisKind::Linear => {
-            ("max_force_n", "coulomb_friction_n", "viscous_friction_n_s_per_m", "rotor_inertia_kg")
-        }
-    };
-    let simulated = SimulatedAxis {
-        effort_limit: section.number(effort, 1e-3..=1e7).unwrap_or(f64::INFINITY),
-        bandwidth_hz: section
-            .number("velocity_loop_bandwidth_hz", 1.0..=250.0)
-            .unwrap_or(ServoParameters::DEFAULT_BANDWIDTH_HZ),
-        coulomb_friction: section.number(coulomb, 0.0..=1e6).unwrap_or(0.0),
-        viscous_friction: section.number(viscous, 0.0..=1e6).unwrap_or(0.0),
-        armature: section.number(armature, 0.0..=1e6).unwrap_or(0.0),
-    };
-    section.check_unknown();
-    simulated
 }
 
 fn read_drive(section: &Section<'_>, unit: &str, devices: &[String]) -> Option<AxisDrive> {

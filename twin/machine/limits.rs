@@ -144,8 +144,8 @@ impl Machine {
             .iter()
             .map(|axis| AxisLoad {
                 effort_limit: axis.simulated.effort_limit,
-                coulomb_friction: axis.simulated.coulomb_friction,
-                viscous_friction: axis.simulated.viscous_friction,
+                coulomb_friction: axis.simulated.dry_friction(),
+                viscous_friction: axis.simulated.viscous_friction(),
                 armature: axis.simulated.armature,
                 headroom: axis.headroom,
             })
@@ -164,6 +164,8 @@ pub(super) struct DriveLimits {
     pub(super) step_frequency_hz: Option<f64>,
     /// Velocity of the axis at the largest speed of the motor, deg/s or mm/s.
     motor_speed: Option<f64>,
+    /// Turns of the motor per degree or mm, if that is said.
+    pub(super) motor_turns: Option<f64>,
 }
 
 impl DriveLimits {
@@ -183,7 +185,8 @@ impl DriveLimits {
             [Some(rpm), Some(turns)] => Some(rpm / 60.0 / turns),
             _ => None,
         };
-        Self { step_frequency_hz: frequency.map(|khz| khz * 1e3), motor_speed }
+        let [_, motor_turns] = values;
+        Self { step_frequency_hz: frequency.map(|khz| khz * 1e3), motor_speed, motor_turns }
     }
 
     /// With the velocity of the axis itself and, with a drive, its increments per unit: all in deg/s or mm/s.

@@ -10,17 +10,21 @@ mod limits;
 mod m_functions;
 mod problem;
 mod section;
+mod simulated;
 #[cfg(test)]
 mod tests;
 mod tool;
 
-pub use axis::{Axis, AxisDrive, AxisKind, IncrementRatio, SimulatedAxis};
+pub use axis::{Axis, AxisDrive, AxisKind, IncrementRatio};
 pub(crate) use conditions::said as tool_table_problem;
 pub use conditions::{PreparationInputs, ProgramConditions};
 pub use direction::DirectionRule;
 pub use drives::{DeviceEntry, Parity};
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
 pub use problem::{MachineFileError, Problem};
+pub use simulated::{
+    FeedForward, SimulatedAxis, SimulatedMotor, SimulatedServo, SimulatedTransmission,
+};
 
 use crate::m_function::MFunction;
 use axis::AxisEntry;

@@ -212,6 +212,31 @@ impl<'a> Section<'a> {
         range: RangeInclusive<f64>,
     ) -> Option<[f64; N]> {
         let value = self.value(key)?;
+        self.checked_numbers(key, value, &range)
+    }
+
+    /// Pairs of numbers, each within `range`; `None` if there are none.
+    pub(super) fn pairs(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<[f64; 2]>> {
+        let value = self.value(key)?;
+        let Some(array) = value.get_ref().as_array() else {
+            self.wrong_type(key, value, "an array of pairs of numbers");
+            return None;
+        };
+        let pairs: Vec<_> =
+            array.iter().map(|item| self.checked_numbers(key, item, range)).collect();
+        if pairs.is_empty() {
+            self.complaints.add(value.span(), format!("`{key}` is empty"), None);
+            return None;
+        }
+        pairs.into_iter().collect()
+    }
+
+    fn checked_numbers<const N: usize>(
+        &self,
+        key: &str,
+        value: &Spanned<DeValue<'_>>,
+        range: &RangeInclusive<f64>,
+    ) -> Option<[f64; N]> {
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, &format!("an array of {N} numbers"));
             return None;
@@ -225,7 +250,7 @@ impl<'a> Section<'a> {
         let mut numbers = [0.0; N];
         let mut complete = true;
         for (slot, item) in numbers.iter_mut().zip(array.iter()) {
-            match self.checked_number(key, item, &range) {
+            match self.checked_number(key, item, range) {
                 Some(number) => *slot = number,
                 None => complete = false,
             }

@@ -5,6 +5,7 @@
 mod kinds;
 mod limits;
 mod programs;
+mod simulated;
 
 use super::{Axis, AxisKind, Machine, MachineFileError, Parity, Problem};
 use proptest::prelude::*;
@@ -157,8 +158,8 @@ fn values_are_si_inside() {
     near(z.max_acceleration, 3.0);
     near(z.max_following_error.unwrap(), 0.5e-3);
     // Forces and torques are SI already.
-    assert_eq!((a.simulated.effort_limit, a.simulated.coulomb_friction), (120.0, 1.5));
-    assert_eq!((z.simulated.effort_limit, z.simulated.viscous_friction), (400.0, 20.0));
+    assert_eq!((a.simulated.effort_limit, a.simulated.dry_friction()), (120.0, 1.5));
+    assert_eq!((z.simulated.effort_limit, z.simulated.viscous_friction()), (400.0, 20.0));
     near(a.from_si(std::f64::consts::PI), 180.0);
     near(z.to_si(z.from_si(0.123)), 0.123);
 
