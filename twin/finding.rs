@@ -38,6 +38,12 @@ pub enum Rule {
     SwitchLost,
     /// An axis that the simulated machine cannot keep on its set-point.
     FollowingError,
+    /// A step motor of the simulated machine that lost steps.
+    LostSteps,
+    /// A motor of the simulated machine that gave more than it bears for ever, for too long.
+    MotorOverload,
+    /// An axis of the simulated machine that ran on a limit switch.
+    LimitSwitch,
 }
 
 impl Rule {
@@ -59,6 +65,9 @@ impl Rule {
             Self::LoopCut => "loop-cut",
             Self::SwitchLost => "switch-lost",
             Self::FollowingError => "following-error",
+            Self::LostSteps => "lost-steps",
+            Self::MotorOverload => "motor-overload",
+            Self::LimitSwitch => "limit-switch",
         }
     }
 }

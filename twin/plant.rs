@@ -1,7 +1,9 @@
 //! What set-points can be sent to: a simulated machine or drives.
 
+use crate::physics::{EventKind, MotorLoad};
 use crate::setpoint::AxisSetpoint;
 use twin_kinematics::AxisVector;
+use twin_motion::Place;
 
 /// Where the axes were found at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -10,6 +12,28 @@ pub struct AxisFeedback {
     pub time_ns: i64,
     /// m or rad, machine-file order.
     pub position: AxisVector,
+}
+
+/// Something that happened beside the motion, and the block at which it did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Happening {
+    /// The block in which the set-point was.
+    pub place: Place,
+    /// The axis, in machine-file order.
+    pub axis: usize,
+    /// What it was; what happened to an axis more than once in a line is one, with all steps that were lost.
+    pub kind: EventKind,
+}
+
+/// What a plant tells of a whole run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlantRecord {
+    /// What happened, in the order of lines.
+    pub happenings: Vec<Happening>,
+    /// How often more happened than is kept.
+    pub left_out: u64,
+    /// What the motors gave, in machine-file order; none where it is not known.
+    pub loads: Vec<MotorLoad>,
 }
 
 /// Something whose axes follow set-points.
@@ -30,4 +54,9 @@ pub trait Plant {
     /// # Errors
     /// As [`Self::command`].
     fn feedback(&mut self) -> Result<Option<AxisFeedback>, Self::Error>;
+
+    /// What it has to tell of the run so far.
+    fn record(&self) -> PlantRecord {
+        PlantRecord::default()
+    }
 }

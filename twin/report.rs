@@ -5,6 +5,7 @@ use crate::compare::{ErrorStatistics, Statistics};
 use crate::finding::Finding;
 use crate::machine::{Axis, Machine};
 use crate::number::significant;
+use crate::physics::MotorLoad;
 use crate::program::ProgramFile;
 use crate::session::OverrideChange;
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -20,6 +21,9 @@ pub struct CheckReport {
     length_mm: f64,
     duration_s: f64,
     peak: PerAxis<AxisPeakReport>,
+    /// With physics.
+    #[serde(skip_serializing_if = "PerAxis::is_empty")]
+    motor_load: PerAxis<MotorLoadReport>,
     findings: Vec<Finding>,
     findings_left_out: u64,
 }
@@ -38,6 +42,14 @@ impl CheckReport {
             peak: PerAxis(
                 peaks
                     .map(|(axis, peak)| (axis.name.clone(), AxisPeakReport::new(axis, peak)))
+                    .collect(),
+            ),
+            motor_load: PerAxis(
+                machine
+                    .axes
+                    .iter()
+                    .zip(&outcome.loads)
+                    .map(|(axis, load)| (axis.name.clone(), MotorLoadReport::new(axis, load)))
                     .collect(),
             ),
             findings: outcome.findings.clone(),
@@ -157,6 +169,12 @@ impl AxisErrorReport {
 #[derive(Clone, Debug)]
 pub struct PerAxis<T>(pub Vec<(String, T)>);
 
+impl<T> PerAxis<T> {
+    fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
 impl<T: Serialize> Serialize for PerAxis<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(self.0.len()))?;
@@ -274,6 +292,47 @@ impl AxisPeakReport {
                 unit: axis.kind.effort_unit(),
                 peak: plain(effort.value, axis.effort_limit(), effort),
             }),
+        }
+    }
+}
+
+/// What the motor of one axis gave in the simulated machine, at the axis.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct MotorLoadReport {
+    effort_unit: &'static str,
+    peak_effort: f64,
+    rms_effort: f64,
+    /// Largest effort the motor has, if that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effort_limit: Option<f64>,
+    /// Largest effort against that, %.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    utilisation_percent: Option<f64>,
+    peak_power_w: f64,
+    rms_power_w: f64,
+    driving_energy_j: f64,
+    braking_energy_j: f64,
+    /// Largest losses of the winding, smoothed by its thermal time constant, against those it bears for ever, %.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    warmth_percent: Option<f64>,
+}
+
+impl MotorLoadReport {
+    /// For one axis.
+    pub fn new(axis: &Axis, load: &MotorLoad) -> Self {
+        Self {
+            effort_unit: axis.kind.effort_unit(),
+            peak_effort: rounded(load.peak_effort),
+            rms_effort: rounded(load.rms_effort),
+            effort_limit: axis.effort_limit().map(rounded),
+            utilisation_percent: axis
+                .effort_limit()
+                .map(|limit| rounded(load.peak_effort / limit * 100.0)),
+            peak_power_w: rounded(load.peak_power),
+            rms_power_w: rounded(load.rms_power),
+            driving_energy_j: rounded(load.driving_energy),
+            braking_energy_j: rounded(load.braking_energy),
+            warmth_percent: load.peak_warmth.map(|warmth| rounded(warmth * 100.0)),
         }
     }
 }

@@ -1,10 +1,15 @@
 //! The simulated machine as a plant.
 
 use crate::machine::Machine;
-use crate::physics::{PhysicsError, PhysicsMachine, axis_inertia};
-use crate::plant::{AxisFeedback, Plant};
+use crate::physics::{EventKind, PhysicsError, PhysicsEvent, PhysicsMachine, axis_inertia};
+use crate::plant::{AxisFeedback, Happening, Plant, PlantRecord};
 use crate::setpoint::AxisSetpoint;
+use std::collections::BTreeMap;
 use twin_kinematics::AxisVector;
+use twin_motion::Place;
+
+/// Happenings that are kept: what goes on in every line of a long program is told as well by its first thousand.
+const MOST_HAPPENINGS: usize = 1000;
 
 /// Simulates one cycle per set-point, at once; what it gives back is where the axes are at the set-point's time.
 #[derive(Debug)]
@@ -12,6 +17,14 @@ pub struct Simulated {
     physics: PhysicsMachine,
     begun: bool,
     arrived: Option<AxisFeedback>,
+    happened: Happened,
+}
+
+/// What happened, by line, axis and kind.
+#[derive(Debug, Default)]
+struct Happened {
+    kept: BTreeMap<(u32, usize, u8), Happening>,
+    left_out: u64,
 }
 
 impl Simulated {
@@ -29,7 +42,36 @@ impl Simulated {
             .collect();
         let physics =
             PhysicsMachine::new(&machine.model, &drives, machine.gravity, start, machine.cycle_ns)?;
-        Ok(Self { physics, begun: false, arrived: None })
+        Ok(Self { physics, begun: false, arrived: None, happened: Happened::default() })
+    }
+
+    /// The machine itself.
+    pub fn physics(&self) -> &PhysicsMachine {
+        &self.physics
+    }
+}
+
+impl Happened {
+    fn add(&mut self, place: Place, event: PhysicsEvent) {
+        let PhysicsEvent { axis, kind, .. } = event;
+        let number = match kind {
+            EventKind::LostSteps(_) => 0,
+            EventKind::Overload => 1,
+            EventKind::LimitSwitch(_) => 2,
+            EventKind::BrakeClosed => 3,
+        };
+        let key = (place.line, axis, number);
+        if let Some(before) = self.kept.get_mut(&key) {
+            if let (EventKind::LostSteps(before), EventKind::LostSteps(more)) =
+                (&mut before.kind, kind)
+            {
+                *before = before.saturating_add(more);
+            }
+        } else if self.kept.len() < MOST_HAPPENINGS {
+            self.kept.insert(key, Happening { place, axis, kind });
+        } else {
+            self.left_out += 1;
+        }
     }
 }
 
@@ -45,10 +87,26 @@ impl Plant for Simulated {
         };
         self.begun = true;
         self.arrived = Some(AxisFeedback { time_ns: setpoint.time_ns, position });
-        Ok(())
+        let mut switch = None;
+        for event in self.physics.take_events() {
+            self.happened.add(setpoint.place, event);
+            if let EventKind::LimitSwitch(side) = event.kind {
+                switch.get_or_insert(PhysicsError::LimitSwitch { axis: event.axis, side });
+            }
+        }
+        switch.map_or(Ok(()), Err)
     }
 
     fn feedback(&mut self) -> Result<Option<AxisFeedback>, PhysicsError> {
         Ok(self.arrived.take())
+    }
+
+    fn record(&self) -> PlantRecord {
+        let axes = self.physics.setpoint().position.len();
+        PlantRecord {
+            happenings: self.happened.kept.values().copied().collect(),
+            left_out: self.happened.left_out,
+            loads: (0..axes).map(|axis| self.physics.motor_load(axis)).collect(),
+        }
     }
 }

@@ -15,6 +15,7 @@ mod check_limits;
 mod compare;
 mod limit;
 mod machine;
+mod motors;
 mod path;
 mod process;
 mod run_limits;

@@ -178,6 +178,9 @@ fn is_check(report: &Value, program: &str, more: &[&str]) {
 const RUN_KEYS: [&str; 6] =
     ["completed", "stopped_because", "executed_s", "drive_samples", "tool_error_mm", "axis_error"];
 
+/// The key that a simulated machine adds.
+const MOTOR_LOAD: &str = "motor_load";
+
 #[test]
 fn ctrl_c_stops_a_run_with_drives_and_leaves_report_and_recording() {
     let desk = Desk::new();
@@ -198,7 +201,7 @@ fn ctrl_c_stops_a_run_with_drives_and_leaves_report_and_recording() {
     );
     done.ended(2, "stopped by the user at line 2 (N10)");
     let report = desk.read("r.json");
-    is_check(&report, "circles.cnc", &RUN_KEYS);
+    is_check(&report, "circles.cnc", &[&RUN_KEYS[..], &[MOTOR_LOAD]].concat());
     assert_eq!(report["completed"], false);
     assert!(report["stopped_because"].as_str().expect("a reason").contains("stopped by the user"));
     let (executed, duration) = (number(&report["executed_s"]), number(&report["duration_s"]));
@@ -239,7 +242,7 @@ fn a_run_reports_errors_of_twin_and_drives() {
         done.ended(0, "short.cnc is read as din66025");
         assert!(done.stdout.contains("fit for the machine") && done.stdout.contains("tool, twin"));
         let report = desk.read("r.json");
-        is_check(&report, "short.cnc", &RUN_KEYS);
+        is_check(&report, "short.cnc", &[&RUN_KEYS[..], &[MOTOR_LOAD]].concat());
         assert_eq!(
             (&report["completed"], &report["stopped_because"]),
             (&true.into(), &Value::Null)
@@ -405,7 +408,7 @@ fn findings_carry_what_the_contract_promises() {
         desk.twin(&["check", "wrong.cnc", "-m", "machine.toml", "--format", "json", "--physics"]);
     done.ended(1, "");
     let report: Value = serde_json::from_str(&done.stdout).expect("one object");
-    is_check(&report, "wrong.cnc", &[]);
+    is_check(&report, "wrong.cnc", &[MOTOR_LOAD]);
     has_keys(&report["peak"]["X"]["following_error"], &["value", "limit", "line", "block"]);
     let found = report["findings"].as_array().expect("a list");
     let of = |rule: &str| {

@@ -13,9 +13,9 @@ use crate::finding::{self, Finding};
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
 use crate::machine::{DirectionRule, Machine};
-use crate::physics::PhysicsError;
+use crate::physics::{MotorLoad, PhysicsError};
 use crate::planning::Planning;
-use crate::plant::Plant;
+use crate::plant::{Plant, PlantRecord};
 use crate::program::{ProgramFile, ProgramItem};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
@@ -53,6 +53,8 @@ pub struct Outcome {
     pub findings_left_out: u64,
     /// Where the axes are at the first set-point, m or rad.
     pub start: Option<AxisVector>,
+    /// What the motors of the simulated machine gave, machine-file order; none if it was not simulated.
+    pub loads: Vec<MotorLoad>,
 }
 
 /// What the simulated machine did in a run, where an axis was farther from its set-points than its machine file allows.
@@ -64,6 +66,11 @@ pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Findi
         Some(sentence::too_far(axis, place, error, limit))
     });
     beyond.collect()
+}
+
+/// What happened to the simulated machine in a run.
+pub fn happenings(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
+    record.happenings.iter().filter_map(|one| sentence::happened(machine, one)).collect()
 }
 
 /// Checks a whole program. `progress` is told the bytes read so far.
@@ -106,7 +113,16 @@ pub fn check(
     if items.elements() == 0 && !checker.findings.any_error() {
         checker.findings.add(None, finding::nothing_moves());
     }
+    let record = rehearsal.and_then(|rehearsal| Some(rehearsal.twin?.record()));
+    let record = record.unwrap_or_default();
+    for happening in &record.happenings {
+        if let Some(finding) = sentence::happened(machine, happening) {
+            checker.findings.add(Some(happening.axis), finding);
+        }
+    }
     let mut outcome = checker.finish();
+    outcome.findings_left_out += record.left_out;
+    outcome.loads = record.loads;
     outcome.findings_left_out += items.left_out();
     outcome.elements = items.elements();
     outcome.length = items.length();
@@ -143,6 +159,10 @@ impl Rehearsal<'_> {
             // A machine that can be built and cannot do what is asked of it: the program is wrong, not the command.
             Err(error) => {
                 self.lost = true;
+                // That is told with what happened.
+                if matches!(error, PhysicsError::LimitSwitch { .. }) {
+                    return Ok(());
+                }
                 checker.findings.add(None, sentence::lost(setpoint.place, &error));
             }
         }
@@ -300,6 +320,7 @@ impl<'m> Checker<'m> {
             findings,
             findings_left_out,
             start: self.start,
+            loads: Vec::new(),
         }
     }
 }

@@ -2,8 +2,9 @@
 
 use super::ROUNDING;
 use crate::finding::{Finding, Rule, Severity};
-use crate::machine::{Axis, AxisKind, VelocitySource};
-use crate::physics::PhysicsError;
+use crate::machine::{Axis, AxisKind, Machine, VelocitySource};
+use crate::physics::{EventKind, PhysicsError};
+use crate::plant::Happening;
 use std::collections::BTreeSet;
 use twin_kinematics::KinematicsError;
 use twin_motion::Place;
@@ -96,6 +97,40 @@ pub(super) fn too_jerky(axis: &Axis, place: Place, jerk: f64, limit: f64) -> Fin
 pub(super) fn too_far(axis: &Axis, place: Place, error: f64, limit: f64) -> Finding {
     let quantity = Quantity { name: "following error", units: ["deg", "mm"] };
     too_much(axis, Rule::FollowingError, &quantity, place, error, limit)
+}
+
+/// Something that happened to the simulated machine; `None` if it is none of the program's business.
+pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Finding> {
+    let Happening { place, axis, kind } = *happening;
+    let axis = machine.axes.get(axis)?;
+    let name = &axis.name;
+    let mut finding = match kind {
+        EventKind::LostSteps(steps) => {
+            let message = format!(
+                "axis {name}: the step motor lost {} full steps, {} the field",
+                steps.abs(),
+                if steps > 0 { "behind" } else { "ahead of" }
+            );
+            Finding::error(Rule::LostSteps, place, message)
+        }
+        EventKind::Overload => {
+            let overload = axis.simulated.overload?;
+            let (unit, what) = (axis.kind.effort_unit(), axis.kind.effort_name());
+            let message = format!(
+                "axis {name}: the motor gets too warm; it bears a {what} of {:.2} {unit} for ever",
+                overload.continuous_effort
+            );
+            let finding = Finding::error(Rule::MotorOverload, place, message);
+            Finding { severity: Severity::Warning, ..finding }
+        }
+        EventKind::LimitSwitch(side) => {
+            let message = format!("axis {name}: ran on its {side} limit switch");
+            Finding::error(Rule::LimitSwitch, place, message)
+        }
+        EventKind::BrakeClosed => return None,
+    };
+    finding.axis = Some(name.clone());
+    Some(finding)
 }
 
 /// The simulated machine has run away from its set-points.

@@ -173,6 +173,9 @@ pub(super) fn summary(
     if outcome.peaks.iter().any(|peak| peak.position.is_some()) {
         writeln!(out, "{}", show::peaks(machine, &outcome.peaks))?;
     }
+    if !outcome.loads.is_empty() {
+        writeln!(out, "{}", show::loads(machine, &outcome.loads))?;
+    }
     let count =
         |severity| outcome.findings.iter().filter(|finding| finding.severity == severity).count();
     let errors = count(finding::Severity::Error);

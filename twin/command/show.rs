@@ -3,6 +3,7 @@
 use super::underline;
 use crate::finding::{Finding, Severity};
 use crate::machine::{Axis, Machine};
+use crate::physics::MotorLoad;
 use crate::program::{Dialect, ProgramFile};
 use crate::report::{AxisPeak, Peak};
 pub(super) use crate::table::table;
@@ -273,6 +274,40 @@ pub(super) fn peaks(machine: &Machine, peaks: &[AxisPeak]) -> Table {
             let error = peak.following_error.unwrap_or_default();
             row.push(Cell::new(format!("{:.4} {unit}", axis.from_si(error.value))));
             row.push(line(&error));
+        }
+        table.add_row(row.into_iter().enumerate().map(|(column, cell)| {
+            if column == 0 { cell } else { cell.set_alignment(CellAlignment::Right) }
+        }));
+    }
+    table
+}
+
+/// The table of what motors gave in the simulated machine.
+pub(super) fn loads(machine: &Machine, loads: &[MotorLoad]) -> Table {
+    let mut table = table();
+    let knows_warmth = loads.iter().any(|load| load.peak_warmth.is_some());
+    let mut header = vec!["motor", "peak", "limit", "rms", "peak power", "rms power", "energy"];
+    if knows_warmth {
+        header.push("I²t");
+    }
+    table.set_header(header);
+    for (axis, load) in machine.axes.iter().zip(loads) {
+        let unit = axis.kind.effort_unit();
+        let limit = axis.effort_limit();
+        let peak = format!("{:.1} {unit}", load.peak_effort);
+        let mut row = vec![
+            Cell::new(&axis.name),
+            against(peak, load.peak_effort, limit.unwrap_or(f64::INFINITY)),
+            Cell::new(limit.map_or("–".to_owned(), |limit| format!("{limit:.1}"))),
+            Cell::new(format!("{:.1} {unit}", load.rms_effort)),
+            Cell::new(format!("{:.1} W", load.peak_power)),
+            Cell::new(format!("{:.1} W", load.rms_power)),
+            Cell::new(format!("{:.1} J", load.driving_energy)),
+        ];
+        if knows_warmth {
+            row.push(load.peak_warmth.map_or(Cell::new("–"), |warmth| {
+                against(format!("{:.0} %", warmth * 100.0), warmth, 1.0)
+            }));
         }
         table.add_row(row.into_iter().enumerate().map(|(column, cell)| {
             if column == 0 { cell } else { cell.set_alignment(CellAlignment::Right) }

@@ -1,5 +1,7 @@
 //! What the physics machine refuses, and why.
 
+use super::event::Side;
+
 /// A machine that cannot be simulated, or an input it cannot follow. Axes and joints are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum PhysicsError {
@@ -117,6 +119,14 @@ pub enum PhysicsError {
     Input {
         /// Start of the cycle, ns.
         time_ns: i64,
+    },
+    /// An axis ran on a limit switch.
+    #[error("axis {axis} ran on its {side} limit switch")]
+    LimitSwitch {
+        /// The axis.
+        axis: usize,
+        /// Which switch.
+        side: Side,
     },
     /// The motion became infinite: the drive parameters make the loop unstable.
     #[error("the motion of the machine diverged at {time_ns} ns")]

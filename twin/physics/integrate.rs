@@ -181,6 +181,9 @@ pub(super) fn advance(
             arrival = step.take(&state, &settled, from, until)?;
             for _ in 0..CORRECTIONS {
                 let late = stop.velocity(&arrival.state) / stop.velocity(&arrival.first);
+                if !late.is_finite() {
+                    break;
+                }
                 until = (until - late / dt).clamp(from, 1.0);
                 arrival = step.take(&state, &settled, from, until)?;
             }

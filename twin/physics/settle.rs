@@ -190,6 +190,10 @@ impl Settled {
         state: &mut MachineState,
         dt: f64,
     ) {
+        // In no time there is no motion.
+        if dt <= 0.0 {
+            return;
+        }
         for (axis, train) in trains.iter().enumerate() {
             if let (Some(DryFriction::Sticks(force)), Some(mobility)) =
                 (self.dry.axes.get(axis), &self.mobility)

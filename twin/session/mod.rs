@@ -14,7 +14,7 @@ use crate::m_function::{Acknowledge, Acknowledgement, MCall};
 use crate::machine::Machine;
 use crate::physics::PhysicsError;
 use crate::planning::Planning;
-use crate::plant::Plant;
+use crate::plant::{Plant, PlantRecord};
 use crate::program::ProgramFile;
 use crate::setpoint::AxisSetpoint;
 pub use overrides::{
@@ -86,6 +86,8 @@ pub enum Answer {
 pub struct Ending {
     /// Errors of twin and drives.
     pub comparison: Comparison,
+    /// What the simulated machine has to tell.
+    pub record: PlantRecord,
     /// Time of the last set-point that was executed, ns.
     pub executed_ns: i64,
     /// Why it did not go to the end of the program.
@@ -106,6 +108,7 @@ impl Ending {
         let comparison = Comparison::new(machine.axes.len());
         Self {
             comparison,
+            record: PlantRecord::default(),
             executed_ns: 0,
             stopped: None,
             off_path: None,

@@ -142,10 +142,20 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     pub(super) fn ending(self) -> Ending {
         let executed_ns = self.executed_ns();
         let late_plans = self.items.late_plans();
+        let record = self.twin.record();
         let Self { comparison, stopped, off_path, hardware, overrides, .. } = self;
         let left_on = hardware.map(|hardware| hardware.left_on().to_vec()).unwrap_or_default();
         let overrides = overrides.into_changes();
-        Ending { comparison, executed_ns, stopped, off_path, overrides, late_plans, left_on }
+        Ending {
+            comparison,
+            record,
+            executed_ns,
+            stopped,
+            off_path,
+            overrides,
+            late_plans,
+            left_on,
+        }
     }
 
     /// Obeys the user, who has interrupted so many times.

@@ -147,7 +147,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         }
     };
     // What only a run shows.
-    let behind = crate::check::following_errors(&machine, &done.ending.comparison);
+    let mut behind = crate::check::following_errors(&machine, &done.ending.comparison);
+    behind.extend(crate::check::happenings(&machine, &done.ending.record));
+    outcome.loads.clone_from(&done.ending.record.loads);
     show::findings(&program, &behind);
     outcome.findings.extend(behind);
     finding::sort(&mut outcome.findings);

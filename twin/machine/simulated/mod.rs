@@ -182,11 +182,15 @@ pub(super) fn read(
     transmission.check_unknown();
 
     let motors = Motors { section, kind, shaft, max_velocity };
-    let motor = motors.read();
+    let mut motor = motors.read();
+    let most = most.unwrap_or(f64::INFINITY);
+    if let SimulatedMotor::Servo(servo) = &mut motor.motor {
+        servo.parameters.effort_limit = servo.parameters.effort_limit.min(most);
+    }
     let at_shaft = gear.unwrap_or(0.0) + motor.inertia.unwrap_or(0.0);
     let armature = armature + shaft.map_or(0.0, |shaft| shaft.inertia(at_shaft));
     let simulated = SimulatedAxis {
-        effort_limit: most.unwrap_or(f64::INFINITY).min(motor.effort_limit),
+        effort_limit: most.min(motor.effort_limit),
         bandwidth_hz,
         friction: FrictionParameters {
             coulomb,

@@ -153,6 +153,11 @@ fn what_is_not_said_is_ideal() {
         "max_motor_rpm = 3000\nmotor_turns_per_mm = 0.1\n[axes.physics.servo]\npeak_torque_nm = 1\n",
     );
     near(known.effort_limit, 100.0 * TAU);
+    // What an axis may have at most binds plan and drive.
+    let (_, limited) = with("[axes.physics]\nmax_force_n = 50\n");
+    let Motor::Servo(drive) = limited.drive(10.0).motor else { panic!("a servo drive") };
+    near(limited.effort_limit, 50.0);
+    near(drive.effort_limit, 50.0);
 }
 
 #[test]

@@ -1,13 +1,14 @@
 //! A step motor: a magnetic spring between the field, which steps, and the rotor.
 //!
 //! ```text
-//! δ = (field − rotor) / full step        effort = T(ω)·sin(π/2·δ) + detent·sin(2π·rotor/full step) + D·(ω_field − ω)
+//! δ = (field − rotor) / full step
+//! effort = T(ω)·(sin(π/2·δ) + d·(ω_field − ω)·cos(π/2·δ)), within ± T(ω), − detent·sin(2π·rotor/full step)
 //! ```
 //!
 //! T is the pull-out torque at the speed of the rotor: the most a load can be at that speed. It is reached with the rotor one full
 //! step behind; two behind, effort turns round and the rotor falls to the next place where the field would hold it, four full
-//! steps away: the steps in between are lost for good. Damping is what chopper drives and back-EMF take out of the swing about the
-//! field; it costs no torque in step. Acarnley, *Stepping Motors: a guide to theory and practice*, 2002, chapters 2 to 4.
+//! steps away: the steps in between are lost for good. Damping (d) is what chopper drives and back-EMF take out of the swing about
+//! the field; it costs no torque in step, and out of step it does not help on average. Acarnley, *Stepping Motors: a guide to theory and practice*, 2002, chapters 2 to 4.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -61,7 +62,7 @@ pub(in crate::physics) struct FieldSetpoint {
 #[derive(Clone, Debug)]
 pub(in crate::physics) struct StepperDrive {
     pub(in crate::physics) parameters: StepperParameters,
-    /// N·s/m or Nm·s/rad.
+    /// d, s/m or s/rad.
     damping: f64,
     /// The field at start, middle and end of the step.
     field: [FieldSetpoint; 3],
@@ -88,7 +89,8 @@ impl StepperDrive {
         position: f64,
         holding: f64,
     ) -> Self {
-        let damping = 2.0 * parameters.damping_ratio * (parameters.stiffness(0.0) * inertia).sqrt();
+        let critical = 2.0 * (parameters.stiffness(0.0) * inertia).sqrt();
+        let damping = parameters.damping_ratio * critical / parameters.pull_out.at(0.0);
         let mut motor = Self {
             damping,
             field: [FieldSetpoint { position, velocity: 0.0 }; 3],
@@ -162,10 +164,9 @@ impl StepperDrive {
             Stage::At(part) => between(middle, end, 2.0 * part - 1.0),
         };
         let full_step = self.parameters.full_step;
-        let angle = FRAC_PI_2 * (field.position - position) / full_step;
-        self.parameters.pull_out.at(velocity) * angle.sin()
-            + self.damping * (field.velocity - velocity)
-            - self.detent(position)
+        let (sin, cos) = (FRAC_PI_2 * (field.position - position) / full_step).sin_cos();
+        let part = sin + self.damping * (field.velocity - velocity) * cos;
+        self.parameters.pull_out.at(velocity) * part.clamp(-1.0, 1.0) - self.detent(position)
     }
 
     /// What the rotor feels without current.

@@ -1,0 +1,108 @@
+//! What motors of the simulated machine do, told by `twin check --physics` as a process.
+
+use crate::process::{Desk, Done, number};
+use crate::root;
+use serde_json::Value;
+
+/// Z comes down slowly, then fast.
+const DOWN: &str = "\
+% down
+N10 G92 X100 Y0 Z60 F20 E400 E-400
+N20 G1 Z50
+N30 G1 Z0 F140 E1400 E-1400
+";
+
+/// The shipped machine with `edits` in its file.
+fn desk(edits: &[(&str, &str)]) -> Desk {
+    let desk = Desk::new();
+    let mut machine = std::fs::read_to_string(root().join("machines/gantry3_motors.toml"))
+        .expect("it is shipped");
+    for (from, to) in edits {
+        assert!(machine.contains(from), "{from}");
+        machine = machine.replace(from, to);
+    }
+    desk.write("motors.toml", &machine);
+    desk.write("down.cnc", DOWN);
+    desk
+}
+
+fn check(desk: &Desk, format: &str) -> Done {
+    desk.twin(&["check", "down.cnc", "-m", "motors.toml", "--physics", "--format", format])
+}
+
+fn json(desk: &Desk, status: i32) -> Value {
+    let done = check(desk, "json");
+    let text = &done.ended(status, "").stdout;
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+#[test]
+fn the_shipped_motors_do_it() {
+    let desk = desk(&[]);
+    let report = json(&desk, 0);
+    let z = &report["motor_load"]["Z"];
+    assert_eq!(z["effort_unit"], "N");
+    // It carries 3.3 kg, and the limit is what is left at 150 mm/s, 1800 turns a minute.
+    assert!(number(&z["rms_effort"]) > 20.0, "{z}");
+    let limit = 0.55 * std::f64::consts::TAU / 0.005;
+    assert!((number(&z["effort_limit"]) - limit).abs() < 1e-6 * limit, "{z}");
+    let percent = number(&z["utilisation_percent"]);
+    assert!((percent - number(&z["peak_effort"]) / limit * 100.0).abs() < 1e-6, "{z}");
+    // Going down, the motor brakes more than it drives.
+    assert!(number(&z["braking_energy_j"]) > 0.0, "{z}");
+    assert!(number(&report["motor_load"]["X"]["warmth_percent"]) < 1.0, "{report:#}");
+    let done = check(&desk, "human");
+    done.ended(0, "");
+    assert!(done.stdout.contains("peak power"), "{}", done.stdout);
+}
+
+/// A step motor too weak for the fast line loses steps there, and is told so on that line alone.
+#[test]
+fn lost_steps_have_a_line() {
+    let desk = desk(&[(
+        "[300.0, 1.7], [1200.0, 0.8], [2400.0, 0.3]",
+        "[300.0, 0.6], [1200.0, 0.1], [2400.0, 0.04]",
+    )]);
+    let report = json(&desk, 1);
+    let findings = report["findings"].as_array().expect("a list");
+    let lost: Vec<_> = findings.iter().filter(|one| one["rule"] == "lost-steps").collect();
+    let [lost] = &lost[..] else { panic!("{findings:#?}") };
+    assert_eq!((&lost["line"], &lost["block"]), (&4.into(), &30.into()), "{lost}");
+    assert_eq!((&lost["axis"], &lost["severity"]), (&"Z".into(), &"error".into()), "{lost}");
+    let message = lost["message"].as_str().expect("a text");
+    assert!(message.contains("full steps"), "{message}");
+}
+
+#[test]
+fn a_limit_switch_stops_the_machine() {
+    let desk = desk(&[(
+        "[axes.physics.brake]",
+        "[axes.physics.switches]\nlower_mm = 70.0\n[axes.physics.brake]",
+    )]);
+    let report = json(&desk, 1);
+    let findings = report["findings"].as_array().expect("a list");
+    let [switch] = &findings[..] else { panic!("{findings:#?}") };
+    assert_eq!((&switch["rule"], &switch["line"]), (&"limit-switch".into(), &4.into()), "{switch}");
+    assert!(switch["message"].as_str().is_some_and(|text| text.contains("lower limit switch")));
+    // And in a run: the path is left, and the reason is told.
+    let run = desk.twin(&["run", "down.cnc", "-m", "motors.toml", "--drives", "none"]);
+    assert_eq!(run.status, Some(2), "{}", run.stderr);
+    assert!(run.stderr.contains("limit switch"), "{}", run.stderr);
+}
+
+#[test]
+fn a_motor_that_gets_too_warm_is_a_warning() {
+    let desk = desk(&[(
+        "friction_nm = 0.02 ",
+        "friction_nm = 0.02\ncontinuous_torque_nm = 0.02\nthermal_time_constant_s = 0.5 ",
+    )]);
+    let report = json(&desk, 0);
+    let findings = report["findings"].as_array().expect("a list");
+    assert!(
+        findings.iter().any(|one| {
+            one["rule"] == "motor-overload" && one["severity"] == "warning" && one["axis"] == "Z"
+        }),
+        "{findings:#?}"
+    );
+    assert!(number(&report["motor_load"]["Z"]["warmth_percent"]) > 100.0);
+}
