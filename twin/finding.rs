@@ -44,6 +44,8 @@ pub enum Rule {
     MotorOverload,
     /// An axis of the simulated machine that ran on a limit switch.
     LimitSwitch,
+    /// A fault of the simulated machine that was asked for.
+    Fault,
 }
 
 impl Rule {
@@ -68,6 +70,7 @@ impl Rule {
             Self::LostSteps => "lost-steps",
             Self::MotorOverload => "motor-overload",
             Self::LimitSwitch => "limit-switch",
+            Self::Fault => "fault",
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The simulated machine as a plant.
 
-use crate::machine::Machine;
-use crate::physics::{EventKind, PhysicsError, PhysicsEvent, PhysicsMachine, axis_inertia};
+use crate::machine::{FaultAt, FaultKind, FaultStart, Machine, Scenario};
+use crate::physics::{EventKind, Fault, PhysicsError, PhysicsEvent, PhysicsMachine, axis_inertia};
 use crate::plant::{AxisFeedback, Happening, Plant, PlantRecord};
 use crate::setpoint::AxisSetpoint;
 use std::collections::BTreeMap;
@@ -18,6 +18,10 @@ pub struct Simulated {
     begun: bool,
     arrived: Option<AxisFeedback>,
     happened: Happened,
+    /// Faults that have not begun.
+    faults: Vec<FaultAt>,
+    /// Axes that are jammed until then, ns.
+    jammed: Vec<(usize, i64)>,
 }
 
 /// What happened, by line, axis and kind.
@@ -42,12 +46,66 @@ impl Simulated {
             .collect();
         let physics =
             PhysicsMachine::new(&machine.model, &drives, machine.gravity, start, machine.cycle_ns)?;
-        Ok(Self { physics, begun: false, arrived: None, happened: Happened::default() })
+        Ok(Self {
+            physics,
+            begun: false,
+            arrived: None,
+            happened: Happened::default(),
+            faults: Vec::new(),
+            jammed: Vec::new(),
+        })
+    }
+
+    /// The same with faults to come, and the noise of a seed.
+    #[must_use]
+    pub fn in_scenario(self, scenario: &Scenario) -> Self {
+        let physics = self.physics.with_seed(scenario.seed);
+        Self { physics, faults: scenario.faults.clone(), ..self }
     }
 
     /// The machine itself.
     pub fn physics(&self) -> &PhysicsMachine {
         &self.physics
+    }
+}
+
+impl Simulated {
+    /// Lets faults begin and end that are due at `setpoint`.
+    fn fail(&mut self, setpoint: &AxisSetpoint) {
+        let physics = &mut self.physics;
+        self.jammed.retain(|(axis, until_ns)| {
+            let lasts = setpoint.time_ns < *until_ns;
+            if !lasts {
+                physics.free(*axis);
+            }
+            lasts
+        });
+        let axes = physics.setpoint().position.len();
+        let jammed = &mut self.jammed;
+        self.faults.retain(|fault| {
+            let due = match fault.start {
+                FaultStart::Time(time_ns) => setpoint.time_ns >= time_ns,
+                FaultStart::Line(line) => setpoint.place.line == line,
+            };
+            if !due {
+                return true;
+            }
+            let kind = match fault.kind {
+                FaultKind::Jam(_) => Fault::Jam,
+                FaultKind::LostSteps(steps) => Fault::LostSteps(steps),
+                FaultKind::LooseBelt { stiffness, backlash } => {
+                    Fault::LooseBelt { stiffness, backlash }
+                }
+                FaultKind::PowerLoss => Fault::PowerLoss,
+            };
+            for axis in fault.axis.map_or(0..axes, |axis| axis..axis.saturating_add(1)) {
+                physics.fail(axis, kind);
+                if let FaultKind::Jam(Some(for_ns)) = fault.kind {
+                    jammed.push((axis, setpoint.time_ns.saturating_add(for_ns)));
+                }
+            }
+            false
+        });
     }
 }
 
@@ -59,6 +117,7 @@ impl Happened {
             EventKind::Overload => 1,
             EventKind::LimitSwitch(_) => 2,
             EventKind::BrakeClosed => 3,
+            EventKind::Failed(_) => 4,
         };
         let key = (place.line, axis, number);
         if let Some(before) = self.kept.get_mut(&key) {
@@ -79,6 +138,7 @@ impl Plant for Simulated {
     type Error = PhysicsError;
 
     fn command(&mut self, setpoint: &AxisSetpoint) -> Result<(), PhysicsError> {
+        self.fail(setpoint);
         // The machine stands at the first set-point: it is where the others start from.
         let position = if self.begun {
             self.physics.step(&setpoint.axes)?.position

@@ -106,3 +106,59 @@ fn a_motor_that_gets_too_warm_is_a_warning() {
     );
     assert!(number(&report["motor_load"]["Z"]["warmth_percent"]) > 100.0);
 }
+
+/// A scenario: what goes wrong, from which line on, and what comes of it; the same in a check and in a run.
+#[test]
+fn faults_on_purpose_have_lines() {
+    let desk = desk(&[]);
+    let fault = |kind: &str| {
+        desk.write("faults.toml", &format!("[[faults]]\nkind = {kind}\nat_line = 4\n"))
+    };
+    let told = |desk: &Desk, rule: &str, line: u32| {
+        let check = ["check", "down.cnc", "-m", "motors.toml", "--physics", "--format", "json"];
+        let done = desk.twin(&[&check[..], &["--faults", "faults.toml"]].concat());
+        let report: Value = serde_json::from_str(&done.stdout).expect("a report");
+        let findings = report["findings"].as_array().expect("a list").clone();
+        let fits = |one: &&Value| one["rule"] == rule && one["line"] == line && one["axis"] == "Z";
+        assert!(findings.iter().any(|one| fits(&one)), "no {rule}: {findings:#?}");
+        done
+    };
+    fault("\"lost_steps\"\naxis = \"Z\"\nsteps = 12");
+    let done = told(&desk, "lost-steps", 4);
+    assert!(done.stdout.contains("lost 12 full steps"), "{}", done.stdout);
+    told(&desk, "fault", 4);
+    // 40 mm on a screw of 5 mm, 200 steps a turn, against an axis that jams on the way.
+    fault("\"jam\"\naxis = \"Z\"");
+    told(&desk, "lost-steps", 4);
+    told(&desk, "following-error", 4);
+    fault("\"power_loss\"");
+    told(&desk, "fault", 4);
+
+    let run =
+        ["run", "down.cnc", "-m", "motors.toml", "--drives", "none", "--faults", "faults.toml"];
+    let done = desk.twin(&run);
+    assert!(done.stderr.contains("its drive has no power any more"), "{}", done.stderr);
+    let refused = desk.twin(&["check", "down.cnc", "-m", "motors.toml", "--faults", "faults.toml"]);
+    assert_eq!(refused.status, Some(2));
+    assert!(
+        refused.stderr.contains("--faults says nothing without --physics"),
+        "{}",
+        refused.stderr
+    );
+    desk.write("faults.toml", "[[faults]]\nkind = \"jamm\"\naxis = \"Z\"\nat_s = 1\n");
+    let refused = desk.twin(&run);
+    assert_eq!(refused.status, Some(2));
+    assert!(refused.stderr.contains("did you mean \"jam\""), "{}", refused.stderr);
+}
+
+/// Noise: the same seed, the same run.
+#[test]
+fn a_seed_makes_the_noise() {
+    let desk = desk(&[("force_n = 0.5 ", "force_n = 20.0 ")]);
+    let run = |seed: &str| {
+        let check = ["check", "down.cnc", "-m", "motors.toml", "--physics", "--format", "json"];
+        desk.twin(&[&check[..], &["--seed", seed]].concat()).stdout
+    };
+    assert_eq!(run("7"), run("7"));
+    assert_ne!(run("7"), run("8"));
+}

@@ -12,7 +12,7 @@ use crate::compare::Comparison;
 use crate::finding::{self, Finding};
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
-use crate::machine::{DirectionRule, Machine};
+use crate::machine::{DirectionRule, Machine, Scenario};
 use crate::physics::{MotorLoad, PhysicsError};
 use crate::planning::Planning;
 use crate::plant::{Plant, PlantRecord};
@@ -84,13 +84,13 @@ pub fn check(
     options: CheckOptions,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Outcome, CheckFailure> {
-    let CheckOptions { limits, physics, acknowledge } = options;
+    let CheckOptions { limits, physics, scenario, acknowledge } = options;
     let slack = match limits {
         Limits::Softmotion => CONTROLLER,
         Limits::Axes => WITHIN_AXES,
     };
     let mut checker = Checker::new(machine, slack);
-    let mut rehearsal = physics.then_some(Rehearsal { machine, twin: None, lost: false });
+    let mut rehearsal = physics.then_some(Rehearsal { machine, scenario, twin: None, lost: false });
     let rules = Acknowledgement::for_check(machine, acknowledge);
     let mut items = Planning::new(machine, program, limits, rules)?;
     let mut countdown = 0u32;
@@ -133,6 +133,7 @@ pub fn check(
 #[derive(Debug)]
 struct Rehearsal<'m> {
     machine: &'m Machine,
+    scenario: Scenario,
     /// From the first set-point on.
     twin: Option<Simulated>,
     /// It has run away from its set-points.
@@ -151,7 +152,10 @@ impl Rehearsal<'_> {
         }
         let twin = match &mut self.twin {
             Some(twin) => twin,
-            None => self.twin.insert(Simulated::new(self.machine, &setpoint.axes.position)?),
+            None => {
+                let twin = Simulated::new(self.machine, &setpoint.axes.position)?;
+                self.twin.insert(twin.in_scenario(&self.scenario))
+            }
         };
         match twin.command(setpoint).and_then(|()| twin.feedback()) {
             Ok(Some(feedback)) => checker.following(setpoint, &feedback.position),

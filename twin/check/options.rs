@@ -2,6 +2,7 @@
 
 use crate::limit::{LimitFailure, Limits, MachinePathError};
 use crate::m_function::Acknowledge;
+use crate::machine::Scenario;
 use crate::physics::PhysicsError;
 use std::io;
 
@@ -29,12 +30,14 @@ impl From<LimitFailure> for CheckFailure {
 }
 
 /// How a program is checked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct CheckOptions {
     /// Whose limits the path is planned with.
     pub limits: Limits,
     /// Also on the simulated machine.
     pub physics: bool,
+    /// What goes wrong on the simulated machine.
+    pub scenario: Scenario,
     /// Who acknowledges M functions.
     pub acknowledge: Acknowledge,
 }
@@ -42,6 +45,11 @@ pub struct CheckOptions {
 impl Default for CheckOptions {
     /// What a run needs to know before it moves anything.
     fn default() -> Self {
-        Self { limits: Limits::Softmotion, physics: false, acknowledge: Acknowledge::Auto }
+        Self {
+            limits: Limits::Softmotion,
+            physics: false,
+            scenario: Scenario::default(),
+            acknowledge: Acknowledge::Auto,
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::ROUNDING;
 use crate::finding::{Finding, Rule, Severity};
 use crate::machine::{Axis, AxisKind, Machine, VelocitySource};
-use crate::physics::{EventKind, PhysicsError};
+use crate::physics::{EventKind, Fault, PhysicsError};
 use crate::plant::Happening;
 use std::collections::BTreeSet;
 use twin_kinematics::KinematicsError;
@@ -126,6 +126,23 @@ pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Findi
         EventKind::LimitSwitch(side) => {
             let message = format!("axis {name}: ran on its {side} limit switch");
             Finding::error(Rule::LimitSwitch, place, message)
+        }
+        EventKind::Failed(fault) => {
+            let what = match fault {
+                Fault::Jam => "it jams".to_owned(),
+                Fault::LostSteps(steps) => {
+                    format!("{steps} full steps of its pulse train are left out")
+                }
+                Fault::LooseBelt { stiffness, backlash } => format!(
+                    "its belt has {:.0} % of its stiffness left and {:.3} {} more play",
+                    stiffness * 100.0,
+                    axis.from_si(backlash),
+                    axis.unit()
+                ),
+                Fault::PowerLoss => "its drive has no power any more".to_owned(),
+            };
+            let message = format!("axis {name}: {what}, as the scenario says");
+            Finding { severity: Severity::Note, ..Finding::error(Rule::Fault, place, message) }
         }
         EventKind::BrakeClosed => return None,
     };

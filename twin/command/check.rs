@@ -1,13 +1,14 @@
 //! `twin check`: is the program fit for the machine?
 
 use super::options::{
-    AcknowledgeOption, MachineOption, ReadOptions, plans_without_inputs, unreadable,
+    AcknowledgeOption, MachineOption, ReadOptions, SimulationOptions, plans_without_inputs,
+    unreadable,
 };
 use super::{Failure, Status, show};
 use crate::check::{self, CheckOptions, Outcome};
 use crate::finding;
 use crate::limit::Limits;
-use crate::machine::Machine;
+use crate::machine::{Machine, Scenario};
 use crate::program::ProgramFile;
 use crate::report::{CheckReport, seconds};
 use indicatif::MultiProgress;
@@ -46,6 +47,9 @@ pub(super) struct Arguments {
     /// Also run each program on the simulated machine and report following errors
     #[arg(long)]
     physics: bool,
+
+    #[command(flatten)]
+    simulation: SimulationOptions,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -56,6 +60,10 @@ enum Format {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let machine = arguments.machine.load()?;
+    let scenario = arguments.simulation.scenario(&machine)?;
+    if !arguments.physics {
+        arguments.simulation.without_physics()?;
+    }
     let programs: Vec<_> = {
         let unit = machine.conditions.rs274.units;
         arguments.programs.iter().map(|path| arguments.read.program(path, unit)).collect()
@@ -76,7 +84,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
                         }
                         continue;
                     };
-                    let outcome = one(&machine, program, arguments, &bars);
+                    let outcome = one(&machine, program, arguments, &scenario, &bars);
                     if let Ok(mut slot) = slot.lock() {
                         *slot = Some(outcome);
                     }
@@ -111,6 +119,7 @@ fn one(
     machine: &Machine,
     program: &ProgramFile,
     arguments: &Arguments,
+    scenario: &Scenario,
     bars: &MultiProgress,
 ) -> Result<Outcome, Failure> {
     if arguments.limits == Limits::Axes {
@@ -125,6 +134,7 @@ fn one(
         CheckOptions {
             limits: arguments.limits,
             physics: arguments.physics,
+            scenario: scenario.clone(),
             acknowledge: arguments.m_functions.acknowledge,
         },
         &mut |read| bar.set_position(read),

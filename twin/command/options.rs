@@ -2,7 +2,7 @@
 
 use super::Failure;
 use crate::m_function::Acknowledge;
-use crate::machine::{Machine, tool_table_problem};
+use crate::machine::{Machine, Scenario, tool_table_problem};
 use crate::program::{Dialect, ProgramFile};
 use crate::session::{MOST_OVERRIDE, override_factor};
 use crate::settings::{self, ReadSettings};
@@ -29,6 +29,40 @@ impl MachineOption {
 
     pub(super) fn load(&self) -> Result<Machine, Failure> {
         Ok(Machine::load(&self.machine)?)
+    }
+}
+
+/// What happens to the simulated machine.
+#[derive(Clone, Debug, clap::Args)]
+pub(super) struct SimulationOptions {
+    /// Let things go wrong on the simulated machine, as a scenario file (TOML) says: axes that jam, lost steps, loose belts, power
+    /// losses, each at a time or a line of the program
+    #[arg(long, value_name = "FILE.toml")]
+    faults: Option<PathBuf>,
+
+    /// Seed of the noise of encoders and axes ([axes.physics.noise] in the machine file): the same seed, the same run [default: 0]
+    #[arg(long, value_name = "NUMBER")]
+    seed: Option<u64>,
+}
+
+impl SimulationOptions {
+    pub(super) fn scenario(&self, machine: &Machine) -> Result<Scenario, Failure> {
+        let scenario = match &self.faults {
+            Some(path) => Scenario::load(path, machine)?,
+            None => Scenario::default(),
+        };
+        Ok(Scenario { seed: self.seed.unwrap_or(0), ..scenario })
+    }
+
+    /// Refuses what says nothing where nothing is simulated.
+    pub(super) fn without_physics(&self) -> Result<(), Failure> {
+        let given = [("--faults", self.faults.is_some()), ("--seed", self.seed.is_some())];
+        match given.into_iter().find(|(_, given)| *given) {
+            Some((name, _)) => {
+                Err(Failure::Usage(format!("{name} says nothing without --physics")))
+            }
+            None => Ok(()),
+        }
     }
 }
 

@@ -9,6 +9,7 @@ mod geometry;
 mod limits;
 mod m_functions;
 mod problem;
+mod scenario;
 mod section;
 mod simulated;
 #[cfg(test)]
@@ -22,6 +23,7 @@ pub use direction::DirectionRule;
 pub use drives::{DeviceEntry, Parity};
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
 pub use problem::{MachineFileError, Problem};
+pub use scenario::{FaultAt, FaultKind, FaultStart, Scenario};
 pub use simulated::{
     FeedForward, SimulatedAxis, SimulatedMotor, SimulatedServo, SimulatedTransmission,
 };
@@ -29,9 +31,8 @@ pub use simulated::{
 use crate::m_function::MFunction;
 use axis::AxisEntry;
 use nalgebra::{Point3, Vector3};
-use section::{Complaints, Section};
+use section::Section;
 use std::path::{Path, PathBuf};
-use toml::de::DeTable;
 use tool::Tool;
 use twin_kinematics::{AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
 use twin_urdf::Model;
@@ -82,14 +83,10 @@ impl Machine {
     /// # Errors
     /// With everything that is wrong with it.
     pub fn load(path: &Path) -> Result<Self, MachineFileError> {
-        let text = std::fs::read(path)
-            .and_then(|bytes| {
-                String::from_utf8(bytes).map_err(|error| {
-                    std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())
-                })
-            })
-            .map_err(|source| MachineFileError::Read { path: path.to_owned(), source })?;
+        let what = "machine file";
+        let text = problem::read_text(what, path)?;
         Self::parse(path, &text).map_err(|problems| MachineFileError::Content {
+            what,
             path: path.to_owned(),
             text,
             problems,
@@ -101,22 +98,8 @@ impl Machine {
     /// # Errors
     /// With everything that is wrong with it, in file order.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Vec<Problem>> {
-        let table = DeTable::parse(text).map_err(|error| {
-            vec![Problem {
-                span: error.span().unwrap_or(0..0),
-                message: error.message().to_owned(),
-                help: None,
-            }]
-        })?;
-        let complaints = Complaints::default();
-        let machine = read(path, &Section::root(&table, &complaints));
-        let problems = complaints.into_list();
-        match machine {
-            Some(machine) if problems.is_empty() => {
-                Ok(Self { dimensions: dimensions(text), ..machine })
-            }
-            _ => Err(problems),
-        }
+        let machine = section::parse(text, |root| read(path, root))?;
+        Ok(Self { dimensions: dimensions(text), ..machine })
     }
 
     /// Height of the tool tip above the machine frame's origin with every linear axis at 0, m.

@@ -1,9 +1,9 @@
-//! What can be wrong with a machine file.
+//! What can be wrong with a machine file, and with others of its kind.
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode};
 use std::fmt;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// One thing wrong, and where in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,20 +16,24 @@ pub struct Problem {
     pub help: Option<String>,
 }
 
-/// Why a machine file cannot be used.
+/// Why a machine file, or a scenario for one, cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum MachineFileError {
     /// The file cannot be read.
-    #[error("cannot read machine file {}: {source}", path.display())]
+    #[error("cannot read {what} {}: {source}", path.display())]
     Read {
+        /// "machine file" or "scenario".
+        what: &'static str,
         /// The file.
         path: PathBuf,
         /// Why.
         source: std::io::Error,
     },
-    /// The file is not what a machine file must be.
-    #[error("machine file {} has {} problem(s)", path.display(), problems.len())]
+    /// The file is not what it must be.
+    #[error("{what} {} has {} problem(s)", path.display(), problems.len())]
     Content {
+        /// As above.
+        what: &'static str,
         /// The file.
         path: PathBuf,
         /// Its text.
@@ -44,7 +48,7 @@ impl MachineFileError {
     pub fn reports(self) -> Vec<miette::Report> {
         match self {
             Self::Read { .. } => vec![miette::Report::msg(self.to_string())],
-            Self::Content { path, text, problems } => problems
+            Self::Content { path, text, problems, .. } => problems
                 .into_iter()
                 .map(|problem| {
                     let source = NamedSource::new(path.display().to_string(), text.clone());
@@ -87,4 +91,14 @@ impl Diagnostic for Shown {
         let label = LabeledSpan::new_with_span(Some("here".to_owned()), self.problem.span.clone());
         Some(Box::new(std::iter::once(label)))
     }
+}
+
+/// The text of a file.
+pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
+    let text = std::fs::read(path).and_then(|bytes| {
+        String::from_utf8(bytes).map_err(|error| {
+            std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())
+        })
+    });
+    text.map_err(|source| MachineFileError::Read { what, path: path.to_owned(), source })
 }

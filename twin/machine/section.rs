@@ -24,6 +24,24 @@ impl Complaints {
     }
 }
 
+/// What `read` makes of the text of a file.
+///
+/// # Errors
+/// With everything that is wrong with it, in file order.
+pub(super) fn parse<T>(
+    text: &str,
+    read: impl FnOnce(&Section<'_>) -> Option<T>,
+) -> Result<T, Vec<Problem>> {
+    let table = DeTable::parse(text).map_err(|error| {
+        let span = error.span().unwrap_or(0..0);
+        vec![Problem { span, message: error.message().to_owned(), help: None }]
+    })?;
+    let complaints = Complaints::default();
+    let result = read(&Section::root(&table, &complaints));
+    let problems = complaints.into_list();
+    result.filter(|_| problems.is_empty()).ok_or(problems)
+}
+
 /// One table of the file. Remembers which keys were asked for: the others are unknown keys.
 #[derive(Debug)]
 pub(super) struct Section<'a> {

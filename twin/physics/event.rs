@@ -1,5 +1,7 @@
 //! What happens to a machine beside its motion.
 
+use super::fault::Fault;
+
 /// Something that happened in the simulated machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PhysicsEvent {
@@ -23,6 +25,8 @@ pub enum EventKind {
     LimitSwitch(Side),
     /// Without power the brake has closed.
     BrakeClosed,
+    /// A fault has begun that was asked for.
+    Failed(Fault),
 }
 
 /// An end of an axis.

@@ -1,6 +1,7 @@
 //! Things that go wrong on purpose.
 
 use super::drive::MotorAtWork;
+use super::event::{EventKind, PhysicsEvent};
 use super::friction::FrictionParameters;
 use super::machine::PhysicsMachine;
 
@@ -59,6 +60,8 @@ impl PhysicsMachine {
                 transmission.backlash += backlash;
             }
         }
+        let (time_ns, kind) = (self.state.time_ns, EventKind::Failed(fault));
+        self.events.push(PhysicsEvent { time_ns, axis, kind });
         true
     }
 

@@ -137,6 +137,8 @@ pub(super) struct Step<'a, M: ?Sized> {
     pub(super) equation: &'a mut Equation,
     pub(super) trains: &'a [Train; MAX_AXES],
     motors: &'a M,
+    /// What else pushes the axes, N or Nm.
+    disturbance: &'a JointVector,
     /// Whether there are springs.
     pub(super) elastic: bool,
     /// Whether there is dry friction.
@@ -153,13 +155,13 @@ pub(super) struct Arrival {
     pub(super) first: MachineState,
 }
 
-/// The state after `dt` (s), and the mean efforts of the motors on the way; `None` if some axis moves no inertia, or where the
+/// The state after `dt` (s) with `motors` at work and a `disturbance` of the axes, and the mean efforts of the motors on the way; `None` if some axis moves no inertia, or where the
 /// machine cannot be.
 pub(super) fn advance(
     equation: &mut Equation,
     trains: &[Train; MAX_AXES],
     state: &MachineState,
-    motors: &(impl Motors + ?Sized),
+    (motors, disturbance): (&(impl Motors + ?Sized), &JointVector),
     dt: f64,
 ) -> Option<(MachineState, JointVector)> {
     let elastic = trains.iter().any(|train| train.elastic.is_some());
@@ -167,7 +169,7 @@ pub(super) fn advance(
         train.friction.is_dry() || train.elastic.is_some_and(|elastic| elastic.friction.is_dry())
     };
     let dry = trains.iter().any(is_dry);
-    let mut step = Step { equation, trains, motors, elastic, dry, dt };
+    let mut step = Step { equation, trains, motors, disturbance, elastic, dry, dt };
     let (mut state, mut from) = (*state, 0.0);
     let mut effort = JointVector::zeros();
     for stops in 0..=MOST_STOPS {
@@ -270,6 +272,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
             }
             *at_axis += dry.force(velocity, &train.friction);
         }
+        at_axes += self.disturbance;
         let acceleration = self.equation.acceleration(&axes.position, &axes.velocity, &at_axes)?;
         let slope = MachineState {
             axes: JointState { position: axes.velocity, velocity: acceleration },

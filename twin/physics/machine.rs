@@ -107,8 +107,9 @@ impl PhysicsMachine {
         });
         let homed = joint_vector(twist);
         let motors = position + homed;
-        let at_work = drives.iter().zip(&holding).zip(motor_inertia.iter().zip(&motors));
-        let at_work = at_work.map(|((parameters, holding), (inertia, position))| {
+        let at_work =
+            drives.iter().zip(&holding).zip(motor_inertia.iter().zip(&motors)).enumerate();
+        let at_work = at_work.map(|(axis, ((parameters, holding), (inertia, position)))| {
             let fed_forward = match &parameters.motor {
                 Motor::Servo(servo) => match servo.effort_feed_forward {
                     EffortFeedForward::Dynamics(part) => part * holding,
@@ -116,7 +117,7 @@ impl PhysicsMachine {
                 },
                 Motor::Stepper(_) => 0.0,
             };
-            AxisDrive::enabled(parameters, *holding, fed_forward, *inertia, *position)
+            AxisDrive::enabled(parameters, *holding, fed_forward, *inertia, (axis, *position))
         });
         let at_work: Vec<_> = at_work.collect();
         let mut trains = [Train::NONE; MAX_AXES];
@@ -162,6 +163,15 @@ impl PhysicsMachine {
             factor += 1;
         }
         self.steps *= factor;
+        self
+    }
+
+    /// The same with noise from another seed; it is 0 otherwise.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        for (axis, drive) in self.drives.iter_mut().enumerate() {
+            drive.noise.reseed(seed, axis);
+        }
         self
     }
 

@@ -37,6 +37,7 @@ mod load;
 mod machine;
 mod maths;
 mod mechanism;
+mod noise;
 mod setpoint;
 mod settle;
 mod stepping;
@@ -63,6 +64,7 @@ pub use fault::Fault;
 pub use friction::FrictionParameters;
 pub use load::MotorLoad;
 pub use machine::{AxisState, PhysicsMachine};
+pub use noise::NoiseParameters;
 pub use transmission::ElasticTransmission;
 
 use dynamics::JointVector;

@@ -9,7 +9,7 @@ use super::event::{EventKind, PhysicsEvent, Side};
 use super::integrate::{self, JointState, MachineState, Motors, Stage};
 use super::machine::{AxisState, PhysicsMachine};
 use super::setpoint::Setpoint;
-use super::{axis_vector, checked};
+use super::{axis_vector, checked, joint_vector};
 
 impl PhysicsMachine {
     /// Advances one cycle, at the end of which the axes should be at `setpoint`, and returns what they did.
@@ -28,6 +28,7 @@ impl PhysicsMachine {
         let mut joints = self.joints;
         let mut mean_effort = JointVector::zeros();
         let mut saturated = [false; MAX_AXES];
+        let disturbance = joint_vector(self.drives.iter_mut().map(|drive| drive.noise.effort()));
         let dt = self.cycle / f64::from(self.steps);
         let diverged = PhysicsError::Diverged { time_ns: self.state.time_ns };
         for step in 0..self.steps {
@@ -39,7 +40,7 @@ impl PhysicsMachine {
                 &mut self.equation,
                 &self.trains,
                 &joints,
-                self.drives.as_slice(),
+                (self.drives.as_slice(), &disturbance),
                 dt,
             )
             .filter(|(state, _)| state.is_finite())
@@ -64,9 +65,15 @@ impl PhysicsMachine {
         let Self { equation, trains, .. } = self;
         for _ in 0..self.steps {
             let dt = self.cycle / f64::from(self.steps);
-            (joints, _) = integrate::advance(equation, trains, &joints, &Held(effort), dt)
-                .filter(|(state, _)| state.is_finite())
-                .ok_or(diverged)?;
+            (joints, _) = integrate::advance(
+                equation,
+                trains,
+                &joints,
+                (&Held(effort), &JointVector::zeros()),
+                dt,
+            )
+            .filter(|(state, _)| state.is_finite())
+            .ok_or(diverged)?;
         }
         self.finish_cycle(&joints, &effort, [false; MAX_AXES])
     }
@@ -109,12 +116,13 @@ impl PhysicsMachine {
                     part * at(&efforts, axis)
                 }
             };
+            let noise = drive.noise.position();
             let input = DriveInput {
                 position_setpoint: at(&now.position, axis),
                 velocity_setpoint: at(&now.velocity, axis),
                 effort,
-                position: at(&joints.axes.position, axis),
-                motor_position: at(&joints.motors.position, axis) - at(&self.homed, axis),
+                position: at(&joints.axes.position, axis) + noise,
+                motor_position: at(&joints.motors.position, axis) - at(&self.homed, axis) + noise,
                 motor_velocity: at(&joints.motors.velocity, axis),
             };
             let period = course.cycle * f64::from(every) / f64::from(course.steps);

@@ -7,8 +7,8 @@ mod summary;
 mod watcher;
 
 use super::options::{
-    self, AcknowledgeOption, DEFAULT_ADDRESS, MachineOption, ReadOptions, plans_without_inputs,
-    unreadable,
+    self, AcknowledgeOption, DEFAULT_ADDRESS, MachineOption, ReadOptions, SimulationOptions,
+    plans_without_inputs, unreadable,
 };
 use super::{Failure, Status, check, show};
 use crate::check::{CheckOptions, Outcome};
@@ -94,6 +94,9 @@ pub(super) struct Arguments {
     /// Exit with status 1 if the tool of twin or drives is farther than this from its set-point
     #[arg(long, value_name = "MM", allow_hyphen_values = true)]
     tolerance: Option<f64>,
+
+    #[command(flatten)]
+    simulation: SimulationOptions,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -216,7 +219,8 @@ fn perform<'m>(
     if arguments.drives == Drives::Emulated && !emulated {
         eprintln!("{} names no drives; the simulated machine runs alone", machine.path.display());
     }
-    let twin = Simulated::new(machine, start)?;
+    let scenario = arguments.simulation.scenario(machine)?;
+    let twin = Simulated::new(machine, start)?.in_scenario(&scenario);
     let drives = if emulated { Some(connect(machine, start, &interrupt)?) } else { None };
     // The board lives until the drives have come to rest.
     let (hardware, board) = drives.unzip();
@@ -315,7 +319,8 @@ fn check_first(
 ) -> Result<Outcome, Failure> {
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
     let acknowledge = arguments.m_functions.acknowledge;
-    let options = CheckOptions { limits: arguments.limits, physics: false, acknowledge };
+    let limits = arguments.limits;
+    let options = CheckOptions { limits, acknowledge, ..CheckOptions::default() };
     let bar = show::progress(bytes, "checking {bar:30} {percent:>3} % {bytes_per_sec}");
     let outcome = crate::check::check(machine, program, options, &mut |read| {
         bar.set_position(read);

@@ -7,8 +7,8 @@ use super::axis::AxisKind;
 use super::section::Section;
 use crate::physics::{
     AxisDriveParameters, BrakeParameters, EffortFeedForward, ElasticTransmission,
-    FrictionParameters, Motor, OverloadParameters, ServoParameters, StepperParameters,
-    SwitchParameters,
+    FrictionParameters, Motor, NoiseParameters, OverloadParameters, ServoParameters,
+    StepperParameters, SwitchParameters,
 };
 use motor::Motors;
 use shaft::{elastic, needs_shaft, shaft};
@@ -36,6 +36,8 @@ pub struct SimulatedAxis {
     pub overload: Option<OverloadParameters>,
     /// Limit and home switches.
     pub switches: SwitchParameters,
+    /// Noise of encoder and axis.
+    pub noise: NoiseParameters,
 }
 
 /// A motor with its drive.
@@ -106,7 +108,13 @@ impl SimulatedAxis {
             brake: self.brake,
             overload: self.overload,
             switches: self.switches,
+            noise: self.noise,
         }
+    }
+
+    /// Whether it has a step motor.
+    pub fn steps(&self) -> bool {
+        matches!(self.motor, SimulatedMotor::Stepper(_))
     }
 
     /// Dry friction of axis and motor while it moves, N or Nm.
@@ -205,6 +213,7 @@ pub(super) fn read(
         brake: motors.brake(),
         overload: motor.overload,
         switches: switches(section, kind),
+        noise: noise(section, kind, effort),
     };
     if simulated.transmission.is_some() && armature <= 0.0 {
         section.complain(
@@ -214,6 +223,17 @@ pub(super) fn read(
     }
     section.check_unknown();
     simulated
+}
+
+fn noise(section: &Section<'_>, kind: AxisKind, effort: &str) -> NoiseParameters {
+    let section = section.section("noise");
+    let position = section.number(&format!("encoder_{}", kind.unit()), 0.0..=1e3);
+    let effort = section.number(&format!("{}_{effort}", kind.effort_name()), 0.0..=1e6);
+    section.check_unknown();
+    NoiseParameters {
+        position: position.unwrap_or(0.0) * kind.scale(),
+        effort: effort.unwrap_or(0.0),
+    }
 }
 
 fn switches(section: &Section<'_>, kind: AxisKind) -> SwitchParameters {

@@ -5,6 +5,7 @@
 mod kinds;
 mod limits;
 mod programs;
+mod scenario;
 mod simulated;
 
 use super::{Axis, AxisKind, Machine, MachineFileError, Parity, Problem};
@@ -580,6 +581,7 @@ fn a_file_that_cannot_be_read_says_so() {
 fn survives(text: &str) {
     if let Err(problems) = parse(text) {
         let error = MachineFileError::Content {
+            what: "machine file",
             path: "machine.toml".into(),
             text: text.to_owned(),
             problems,

@@ -21,6 +21,7 @@ use super::dynamics::JointVector;
 use super::friction::FrictionParameters;
 use super::integrate::{JointState, Motors, Stage};
 use super::joint_vector;
+use super::noise::{Noise, NoiseParameters};
 use super::transmission::ElasticTransmission;
 use overload::Overload;
 
@@ -43,6 +44,8 @@ pub struct AxisDriveParameters {
     pub overload: Option<OverloadParameters>,
     /// Switches along the axis.
     pub switches: SwitchParameters,
+    /// Noise of encoder and axis.
+    pub noise: NoiseParameters,
 }
 
 /// What moves an axis.
@@ -74,6 +77,7 @@ impl AxisDriveParameters {
         brake: None,
         overload: None,
         switches: SwitchParameters { lower: None, upper: None, home: None },
+        noise: NoiseParameters { position: 0.0, effort: 0.0 },
     };
 
     /// A rigid servo axis without friction.
@@ -107,6 +111,7 @@ impl AxisDriveParameters {
             .or_else(|| outside(self.motor_friction.ranges()))
             .or_else(|| self.transmission.and_then(|elastic| outside(elastic.ranges())))
             .or_else(|| self.brake.and_then(brake))
+            .or_else(|| outside(self.noise.ranges()))
             .or_else(|| self.overload.and_then(|overload| outside(overload.ranges())))
     }
 }
@@ -119,6 +124,7 @@ pub(super) struct AxisDrive {
     pub(super) overload: Option<Overload>,
     pub(super) switches: SwitchParameters,
     pub(super) switched: SwitchStates,
+    pub(super) noise: Noise,
     /// For how long there has been no power, s; `None` with power.
     pub(super) dead_for: Option<f64>,
 }
@@ -138,7 +144,7 @@ impl AxisDrive {
         holding: f64,
         fed_forward: f64,
         inertia: f64,
-        position: f64,
+        (axis, position): (usize, f64),
     ) -> Self {
         let motor = match &parameters.motor {
             Motor::Servo(servo) => MotorAtWork::Servo(Box::new(ServoDrive::enabled(
@@ -154,9 +160,10 @@ impl AxisDrive {
             ))),
         };
         let overload = parameters.overload.map(|overload| Overload::new(overload, holding));
+        let noise = Noise::new(parameters.noise, 0, axis);
         let switches = parameters.switches;
         let switched = switches.at(position);
-        Self { motor, brake: parameters.brake, overload, switches, switched, dead_for: None }
+        Self { motor, brake: parameters.brake, overload, switches, switched, noise, dead_for: None }
     }
 
     /// What its brake holds now.

@@ -143,6 +143,8 @@ fn a_brake_catches_a_lift() {
     let mut machine = machine(&lift(3.0), drive);
     machine.step(&at_rest(0.0)).unwrap();
     assert!(machine.fail(0, Fault::PowerLoss));
+    let begun = machine.take_events();
+    assert_eq!(begun[0].kind, EventKind::Failed(Fault::PowerLoss));
     let mut closed = None;
     for cycle in 0..500 {
         machine.step(&at_rest(0.0)).unwrap();
@@ -320,4 +322,39 @@ fn elastic_drives_follow_as_with_steps_of_a_microsecond() {
     let set = super::scara::tip(&super::scara::circle(2.0)[0]);
     assert!((fine[1999] - set).norm() > 1e-6, "no such drive is that good");
     assert!(worst <= 0.02e-6, "{worst} m");
+}
+
+/// Noise is what its seed makes it: the same twice, another with another seed, as strong as asked for, and none where none is.
+#[test]
+fn noise_is_reproducible() {
+    let noise = NoiseParameters { position: 2e-6, effort: 3.0 };
+    let run = |seed, noise| {
+        let drive = AxisDriveParameters { noise, ..super::tuned(2.0, 30.0, f64::INFINITY) };
+        let mut machine = machine(&slide(2.0), drive).with_seed(seed);
+        let mut sum = 0.0;
+        for _ in 0..2000 {
+            let state = machine.step(&at_rest(0.0)).unwrap();
+            sum += state.position[0] * state.position[0];
+        }
+        (machine.axis_state().position[0].to_bits(), (sum / 2000.0_f64).sqrt())
+    };
+    let (one, spread) = run(1, noise);
+    assert_eq!(run(1, noise).0, one);
+    assert_ne!(run(2, noise).0, one);
+    assert!((1e-7..1e-4).contains(&spread), "{spread}");
+    assert!(run(1, NoiseParameters::default()).1 < 1e-15);
+    // White forces alone on a free mass: after n cycles of T its velocity has the variance n·(F·T/m)².
+    let free = |seed| {
+        let drive =
+            AxisDriveParameters { noise: NoiseParameters { position: 0.0, effort: 3.0 }, ..SLACK };
+        let mut machine = machine(&slide(2.0), drive).with_seed(seed);
+        for _ in 0..100 {
+            machine.step(&at_rest(0.0)).unwrap();
+        }
+        machine.axis_state().velocity[0]
+    };
+    let variance = (0..400).map(|seed| free(seed).powi(2)).sum::<f64>() / 400.0;
+    let expected = 100.0 * (3.0 * 1e-3 / 2.0_f64).powi(2);
+    // Of 400 squares of normal numbers the mean is within 5·√(2/400) of what it should be.
+    assert!((variance / expected - 1.0).abs() < 0.36, "{variance}, not {expected}");
 }
