@@ -28,11 +28,19 @@ mod drive;
 mod dynamics;
 mod equation;
 mod error;
+mod folded;
 mod integrate;
+mod level;
+mod linear;
 mod linkage;
 mod maths;
 mod mechanism;
+mod multibody;
+mod passive;
+mod posed;
 mod setpoint;
+mod solids;
+mod spatial;
 mod tripod;
 mod world;
 
@@ -200,7 +208,6 @@ impl PhysicsMachine {
     ///
     /// # Errors
     /// Those of [`Self::step`].
-    #[cfg(test)]
     pub fn step_with_efforts(&mut self, effort: &AxisVector) -> Result<AxisState, PhysicsError> {
         let effort = checked(effort, self.drives.len(), self.state.time_ns)?;
         let mut joints = self.joints;
@@ -208,6 +215,12 @@ impl PhysicsMachine {
             joints = self.integrate(&joints, &effort, self.cycle / f64::from(CONTROL_PERIODS))?;
         }
         self.finish_cycle(&joints, &effort, [false; MAX_AXES])
+    }
+
+    /// Gives the links of a machine at rest their solids as what they touch with, beside the ground, a slab whose top is at z =
+    /// `ground` (m, machine frame).
+    pub fn insert_solids(&mut self, ground: f64) {
+        self.world.insert_solids(ground);
     }
 
     /// The axes at the end of the last cycle.

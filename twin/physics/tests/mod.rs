@@ -4,15 +4,18 @@ mod along_path;
 mod closed_forms;
 mod coupled;
 mod drives;
+mod level;
 mod parallel;
 mod rapier;
 mod scara;
 mod trees;
+mod unfolded;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use twin_urdf::{Inertial, Joint, JointDrive, JointKind, Link, Loop, Tip};
 
 use super::dynamics::Dynamics;
+use unfolded::Unfolded;
 use super::*;
 
 /// One cycle, ns.

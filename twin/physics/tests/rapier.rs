@@ -19,7 +19,7 @@ fn the_bodies_are_where_the_model_says() {
     {
         let mut machine =
             PhysicsMachine::new(&model, &[SLACK; 3], down(), &start, CYCLE_NS).unwrap();
-        let mut links = Dynamics::new(&model, 3, down(), JointVector::zeros()).unwrap();
+        let mut links = Unfolded::new(&model, 3, down(), JointVector::zeros());
         assert!(distance(&machine.link_poses(), &model.link_poses(&start)) < 1e-14);
         for _ in 0..300 {
             machine.step_with_efforts(&axes([5.0, 3.0, -0.2])).unwrap();
