@@ -257,8 +257,9 @@ impl Folded {
             };
             set(&mut self.inertia, body.joint, body.joint, own + body.armature);
             let (mut above, mut there) = (body, state);
-            while let Some((below, next)) =
-                above.parent.and_then(|parent| Some((self.bodies.get(parent)?, before.get(parent)?)))
+            while let Some((below, next)) = above
+                .parent
+                .and_then(|parent| Some((self.bodies.get(parent)?, before.get(parent)?)))
             {
                 momentum = above.outward(there, &momentum);
                 angular = above.outward(there, &angular) + there.offset.cross(&momentum);

@@ -116,11 +116,9 @@ impl LevelTripod {
         for rod in rods {
             let [upper, both, lower] = rod.masses;
             let [weight_above, weight_below] = rod.shares;
-            for (sum, part) in [
-                (&mut carried, upper),
-                (&mut shared, both),
-                (&mut above, weight_above),
-            ] {
+            for (sum, part) in
+                [(&mut carried, upper), (&mut shared, both), (&mut above, weight_above)]
+            {
                 if let Some(sum) = sum.get_mut(rod.carriage) {
                     *sum += part;
                 }
@@ -259,8 +257,8 @@ impl LevelTripod {
     ) -> Option<Vector3<f64>> {
         let bend = place.bend(&place.shift(&self.of_carriages(velocity)));
         let (above, below) = self.hanging;
-        let pulls = self.of_carriages(effort) + above * self.gravity.z
-            - self.carried.component_mul(&bend);
+        let pulls =
+            self.of_carriages(effort) + above * self.gravity.z - self.carried.component_mul(&bend);
         let mut force = place.matrix.tr_mul(&pulls) + self.gravity * below;
         force.z -= self.shared.dot(&bend);
         Some(place.rates(&solve(inertia, &force)?) + bend)

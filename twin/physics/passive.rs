@@ -145,7 +145,8 @@ impl Ball {
         let last = to_third * third.axis.into_inner();
         let axes = [first.axis.into_inner(), to_second * second.axis.into_inner()];
         let [_, b] = axes;
-        let fixed = fixed.first().map_or_else(UnitQuaternion::identity, |joint| joint.origin.rotation);
+        let fixed =
+            fixed.first().map_or_else(UnitQuaternion::identity, |joint| joint.origin.rotation);
         Some(Self {
             rod: tilt.origin.rotation,
             frame: first.origin.rotation,

@@ -146,7 +146,11 @@ impl Motion {
 
     /// Of a body that turns with ω = `omega` and α = `alpha`.
     #[inline]
-    pub(super) fn new(acceleration: Vector3<f64>, omega: &Vector3<f64>, alpha: &Vector3<f64>) -> Self {
+    pub(super) fn new(
+        acceleration: Vector3<f64>,
+        omega: &Vector3<f64>,
+        alpha: &Vector3<f64>,
+    ) -> Self {
         let (x, y, z) = (omega.x, omega.y, omega.z);
         let (xx, yy, zz) = (x * x, y * y, z * z);
         let (xy, xz, yz) = (x * y, x * z, y * z);

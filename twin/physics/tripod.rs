@@ -125,7 +125,8 @@ impl TripodDynamics {
         let closed = level.and_then(|_| {
             let axes = carriages.map(|carriage| carriage.axis);
             let [a, b, c] = axes;
-            let apart = a != b && b != c && c != a && (axis_count == axes.len() || others.is_some());
+            let apart =
+                a != b && b != c && c != a && (axis_count == axes.len() || others.is_some());
             let parts = (&carriages, &rods, &platform);
             let others = others.clone().map(|tree| {
                 let mut rotors = armature;

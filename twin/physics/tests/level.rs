@@ -20,7 +20,10 @@ fn uneven(rods: [Rod; 6], masses: [f64; 5]) -> Model {
         ..TripodDimensions::new("tripod", joints, rods)
     };
     let mut model = dimensions.model().unwrap();
-    let mut rods = model.links.iter_mut().filter(|link| link.name.starts_with("rod") && link.inertial.is_some());
+    let mut rods = model
+        .links
+        .iter_mut()
+        .filter(|link| link.name.starts_with("rod") && link.inertial.is_some());
     let body = rods.nth(3).unwrap().inertial.as_mut().unwrap();
     body.mass *= lighter;
     body.center.z *= further;

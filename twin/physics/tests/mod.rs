@@ -15,8 +15,8 @@ use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use twin_urdf::{Inertial, Joint, JointDrive, JointKind, Link, Loop, Tip};
 
 use super::dynamics::Dynamics;
-use unfolded::Unfolded;
 use super::*;
+use unfolded::Unfolded;
 
 /// One cycle, ns.
 const CYCLE_NS: i64 = 1_000_000;

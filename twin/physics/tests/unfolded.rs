@@ -111,7 +111,9 @@ impl Unfolded {
         let rotors = self.armature.component_mul(acceleration);
         let coupling = self.tree.coupling.as_ref();
         let mut effort = if coupling.is_none() { rotors } else { JointVector::zeros() };
-        for ((body, state), moved_by) in self.tree.bodies.iter().zip(&self.states).zip(&self.moved_by) {
+        for ((body, state), moved_by) in
+            self.tree.bodies.iter().zip(&self.states).zip(&self.moved_by)
+        {
             let angular_velocity = state.velocity.angular;
             let angular_acceleration = state.acceleration.angular;
             let center_velocity = state.velocity.linear + angular_velocity.cross(&state.center);
@@ -139,7 +141,9 @@ impl Unfolded {
         }
         let coupling = self.tree.coupling.as_ref();
         let mut inertia = if coupling.is_none() { rotors } else { JointMatrix::zeros() };
-        for ((body, state), moved_by) in self.tree.bodies.iter().zip(&self.states).zip(&self.moved_by) {
+        for ((body, state), moved_by) in
+            self.tree.bodies.iter().zip(&self.states).zip(&self.moved_by)
+        {
             for (count, (row, column)) in moving(moved_by, &self.columns).enumerate() {
                 let center_velocity =
                     (column.linear + column.angular.cross(&state.center)) * body.mass.mass;
@@ -283,13 +287,15 @@ struct Case {
 fn cases() -> impl Strategy<Value = Case> {
     let direction = prop_oneof![
         prop::array::uniform3(-1.0..1.0_f64).prop_map(|[x, y, z]| Vector3::new(x, y, z + 1.5)),
-        (0..3_usize, prop::sample::select(vec![1.0, -1.0])).prop_map(|(axis, sign)| Vector3::ith(axis, sign)),
+        (0..3_usize, prop::sample::select(vec![1.0, -1.0]))
+            .prop_map(|(axis, sign)| Vector3::ith(axis, sign)),
     ];
     let frame = prop_oneof![
         prop::array::uniform6(-1.0..1.0_f64),
         prop::array::uniform3(-1.0..1.0_f64).prop_map(|[x, y, z]| [x, y, z, 0.0, 0.0, 0.0]),
     ];
-    let mass = (0.5..5.0_f64, prop::array::uniform3(-0.3..0.3_f64), prop::array::uniform3(0.05..0.4_f64));
+    let mass =
+        (0.5..5.0_f64, prop::array::uniform3(-0.3..0.3_f64), prop::array::uniform3(0.05..0.4_f64));
     let link = (
         (any::<bool>(), prop::bool::weighted(0.3)),
         direction,
@@ -301,7 +307,9 @@ fn cases() -> impl Strategy<Value = Case> {
     (prop::collection::vec(link, 1..=MAX_AXES), 0..MAX_AXES).prop_map(|(links, shift)| {
         let count = links.len();
         let mut model = chain([]);
-        for (index, ((revolute, carries), direction, frame, mass, _, parent)) in links.iter().enumerate() {
+        for (index, ((revolute, carries), direction, frame, mass, _, parent)) in
+            links.iter().enumerate()
+        {
             let [x, y, z, a, b, c] = *frame;
             let origin = Isometry3::new(Vector3::new(x, y, z), Vector3::new(a, b, c) * 2.0);
             let (mass, center, size) = *mass;
@@ -355,7 +363,8 @@ proptest! {
         let inertia = unfolded.inertia_at(&q);
         let difference = (dynamics.inertia_at(&q) - inertia).amax();
         prop_assert!(difference < 1e-13 * inertia.amax(), "{difference} of {inertia}");
-        prop_assert_eq!(dynamics.inertia_at(&q), dynamics.inertia_at(&q).transpose());
+        let uneven = dynamics.inertia_at(&q) - dynamics.inertia_at(&q).transpose();
+        prop_assert!(uneven.amax() < 1e-15 * inertia.amax(), "{uneven}");
 
         let (found, mobility) = dynamics.acceleration_and_mobility(&q, &v, &effort).unwrap();
         prop_assert_eq!(dynamics.acceleration(&q, &v, &effort), Some(found));
