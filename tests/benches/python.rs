@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// A package of PyPI.
+/// A package of the Python package index.
 #[derive(Clone, Copy, Debug)]
 pub struct Package {
     /// What is imported.

@@ -14,7 +14,7 @@ use twin_urdf::Model;
 use super::bodies::Tree;
 use super::error::PhysicsError;
 use super::folded::Folded;
-use super::linear::{invert, solve};
+use super::linear::{solve, solve_and_invert};
 
 /// One value per axis; axes the machine does not have are 0.
 pub(super) type JointVector = SVector<f64, MAX_AXES>;
@@ -139,7 +139,7 @@ impl Dynamics {
     ) -> Option<(JointVector, JointMatrix)> {
         let axes = self.axis_count;
         let (inertia, bias) = self.inertia_and_bias(position, velocity);
-        Some((solve(axes, inertia, &(effort - bias))?, invert(axes, inertia)?))
+        solve_and_invert(axes, inertia, &(effort - bias))
     }
 
     /// M and b.
@@ -148,12 +148,11 @@ impl Dynamics {
         position: &JointVector,
         velocity: &JointVector,
     ) -> (&JointMatrix, JointVector) {
-        let bias = match self.weight {
-            Some(weight) => weight,
-            None => {
-                self.place(position);
-                self.efforts(velocity, &JointVector::zeros())
-            }
+        let bias = if let Some(weight) = self.weight {
+            weight
+        } else {
+            self.place(position);
+            self.efforts(velocity, &JointVector::zeros())
         };
         (self.inertia(), bias)
     }

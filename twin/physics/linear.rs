@@ -23,52 +23,40 @@ pub(super) fn solve(
     }
 }
 
-/// `inertia⁻¹` of the first `axis_count` axes, with 1 on the diagonal for others; `None` where `inertia` is not positive definite.
-pub(super) fn invert(axis_count: usize, inertia: &JointMatrix) -> Option<JointMatrix> {
+/// [`solve`], and `inertia⁻¹` of the first `axis_count` axes with 1 on the diagonal for others.
+#[inline]
+pub(super) fn solve_and_invert(
+    axis_count: usize,
+    inertia: &JointMatrix,
+    effort: &JointVector,
+) -> Option<(JointVector, JointMatrix)> {
     match axis_count {
-        1 => invert_first::<1>(inertia),
-        2 => invert_first::<2>(inertia),
-        3 => invert_first::<3>(inertia),
-        4 => invert_first::<4>(inertia),
-        5 => invert_first::<5>(inertia),
-        6 => invert_first::<6>(inertia),
-        _ => invert_first::<MAX_AXES>(inertia),
+        1 => both_first::<1>(inertia, effort),
+        2 => both_first::<2>(inertia, effort),
+        3 => both_first::<3>(inertia, effort),
+        4 => both_first::<4>(inertia, effort),
+        5 => both_first::<5>(inertia, effort),
+        6 => both_first::<6>(inertia, effort),
+        _ => both_first::<MAX_AXES>(inertia, effort),
     }
 }
 
 fn solve_first<const N: usize>(inertia: &JointMatrix, effort: &JointVector) -> Option<JointVector> {
-    let mut solution = [0.0; N];
-    for (entry, effort) in solution.iter_mut().zip(effort) {
-        *entry = *effort;
-    }
-    Factors::<N>::of(inertia)?.solve(&mut solution);
-    let mut result = JointVector::zeros();
-    for (entry, value) in result.iter_mut().zip(solution) {
-        *entry = value;
-    }
-    Some(result)
+    Some(Factors::<N>::of(inertia)?.solution(effort))
 }
 
-fn invert_first<const N: usize>(inertia: &JointMatrix) -> Option<JointMatrix> {
+fn both_first<const N: usize>(
+    inertia: &JointMatrix,
+    effort: &JointVector,
+) -> Option<(JointVector, JointMatrix)> {
     let factors = Factors::<N>::of(inertia)?;
-    let mut result = JointMatrix::identity();
-    for (index, mut column) in result.column_iter_mut().enumerate().take(N) {
-        let mut unit = [0.0; N];
-        if let Some(entry) = unit.get_mut(index) {
-            *entry = 1.0;
-        }
-        factors.solve(&mut unit);
-        for (entry, value) in column.iter_mut().zip(unit) {
-            *entry = value;
-        }
-    }
-    Some(result)
+    Some((factors.solution(effort), factors.inverse()))
 }
 
 /// L below its diagonal, and D⁻¹.
 struct Factors<const N: usize> {
     lower: [[f64; N]; N],
-    inverse: [f64; N],
+    pivots: [f64; N],
 }
 
 #[expect(clippy::indexing_slicing, reason = "every index is below N, and N not above MAX_AXES")]
@@ -76,7 +64,7 @@ impl<const N: usize> Factors<N> {
     /// Of the first N rows and columns; only what is on and below the diagonal is read.
     #[inline]
     fn of(matrix: &JointMatrix) -> Option<Self> {
-        let (mut lower, mut inverse, mut diagonal) = ([[0.0; N]; N], [0.0; N], [0.0; N]);
+        let (mut lower, mut pivots, mut diagonal) = ([[0.0; N]; N], [0.0; N], [0.0; N]);
         for row in 0..N {
             let mut pivot = matrix[(row, row)];
             for column in 0..row {
@@ -85,7 +73,7 @@ impl<const N: usize> Factors<N> {
                 for before in 0..column {
                     product -= lower[row][before] * diagonal[before] * lower[column][before];
                 }
-                let entry = product * inverse[column];
+                let entry = product * pivots[column];
                 lower[row][column] = entry;
                 pivot -= product * entry;
             }
@@ -94,9 +82,9 @@ impl<const N: usize> Factors<N> {
                 return None;
             }
             diagonal[row] = pivot;
-            inverse[row] = 1.0 / pivot;
+            pivots[row] = 1.0 / pivot;
         }
-        Some(Self { lower, inverse })
+        Some(Self { lower, pivots })
     }
 
     #[inline]
@@ -107,10 +95,38 @@ impl<const N: usize> Factors<N> {
             }
         }
         for row in (0..N).rev() {
-            values[row] *= self.inverse[row];
+            values[row] *= self.pivots[row];
             for below in row + 1..N {
                 values[row] -= self.lower[below][row] * values[below];
             }
         }
+    }
+
+    #[inline]
+    fn solution(&self, effort: &JointVector) -> JointVector {
+        let mut values = [0.0; N];
+        for (value, effort) in values.iter_mut().zip(effort) {
+            *value = *effort;
+        }
+        self.solve(&mut values);
+        let mut result = JointVector::zeros();
+        for (entry, value) in result.iter_mut().zip(values) {
+            *entry = value;
+        }
+        result
+    }
+
+    #[inline]
+    fn inverse(&self) -> JointMatrix {
+        let mut result = JointMatrix::identity();
+        for column in 0..N {
+            let mut unit = [0.0; N];
+            unit[column] = 1.0;
+            self.solve(&mut unit);
+            for row in 0..N {
+                result[(row, column)] = unit[row];
+            }
+        }
+        result
     }
 }

@@ -21,7 +21,7 @@ pub(super) struct Posed {
 /// How the passive joints are found.
 #[derive(Debug)]
 enum Passive {
-    Closed(PassiveJoints),
+    Closed(Box<PassiveJoints>),
     /// By an iteration, where they are not at right angles.
     Sought(Box<JointPositions>),
 }
@@ -29,7 +29,7 @@ enum Passive {
 impl Posed {
     pub(super) fn new(model: &Model, tripod: &TripodDynamics) -> Self {
         let passive = match PassiveJoints::of(model) {
-            Some(joints) => Passive::Closed(joints),
+            Some(joints) => Passive::Closed(Box::new(joints)),
             None => Passive::Sought(Box::new(JointPositions::at_rest(model))),
         };
         let positions = vec![0.0; model.joints.len()];

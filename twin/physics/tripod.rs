@@ -36,7 +36,7 @@ use super::bodies::MassProperties;
 use super::dynamics::{Dynamics, JointMatrix, JointVector, at};
 use super::error::PhysicsError;
 use super::level::LevelTripod;
-use super::linear::{invert, solve};
+use super::linear::{solve, solve_and_invert};
 use super::linkage::{Linkage, RodBody};
 
 /// What counts as rounding, in parts of the length of a rod.
@@ -326,8 +326,7 @@ impl TripodDynamics {
             return closed.acceleration_and_mobility(position, velocity, effort);
         }
         let (inertia, bias) = self.inertia_and_bias(position, velocity)?;
-        let found = solve(self.axis_count, &inertia, &(effort - bias))?;
-        Some((found, invert(self.axis_count, &inertia)?))
+        solve_and_invert(self.axis_count, &inertia, &(effort - bias))
     }
 
     /// The inertia, and the efforts without which the axes would not keep their velocity.

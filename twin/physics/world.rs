@@ -10,7 +10,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 use rapier3d_f64::dynamics::{RigidBodyBuilder, RigidBodyHandle};
-use rapier3d_f64::geometry::ColliderSet;
+use rapier3d_f64::geometry::{ColliderSet, ContactPair};
 use rapier3d_f64::pipeline::PhysicsWorld;
 use twin_urdf::Model;
 
@@ -139,7 +139,7 @@ impl RapierWorld {
 
     /// Whether anything is so near to something that contact may change the motion in the next step.
     fn touches(&self) -> bool {
-        self.world.narrow_phase.contact_pairs().any(|pair| pair.has_any_active_contact())
+        self.world.narrow_phase.contact_pairs().any(ContactPair::has_any_active_contact)
     }
 
     /// Puts the bodies where the machine is with its axes at `position`, and looks what they touch there.

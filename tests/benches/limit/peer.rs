@@ -6,11 +6,8 @@ use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 
-const TOPPRA: Package = Package {
-    name: "toppra",
-    requirement: "toppra==0.6.*",
-    variable: "TWIN_TOPPRA_PYTHON",
-};
+const TOPPRA: Package =
+    Package { name: "toppra", requirement: "toppra==0.6.*", variable: "TWIN_TOPPRA_PYTHON" };
 
 /// A running peer.
 pub struct Peer {

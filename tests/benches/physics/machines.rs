@@ -15,6 +15,8 @@ use twin_urdf::{
 
 /// Periods of the controller, of 1 ms.
 const PERIODS: u32 = 2_000;
+/// s.
+pub const PERIOD: f64 = 1e-3;
 const PERIOD_NS: i64 = 1_000_000;
 /// Top of the ground, m.
 const GROUND: f64 = -0.5;
@@ -31,6 +33,9 @@ pub struct Set {
     pub effort: [f64; 3],
 }
 
+/// The tip of the tool (m, machine frame) with the axes somewhere.
+type TipOfTool = Box<dyn Fn(&AxisVector) -> Point3<f64>>;
+
 /// A machine and what it does.
 pub struct Task {
     pub name: &'static str,
@@ -43,7 +48,7 @@ pub struct Task {
     pub kp: [f64; 3],
     pub kd: [f64; 3],
     model: Model,
-    tip: Box<dyn Fn(&AxisVector) -> Point3<f64>>,
+    tip: TipOfTool,
 }
 
 /// Every drive off.
@@ -80,12 +85,17 @@ impl Task {
         let mut dynamics =
             PathDynamics::new(&model, &[FREE; 3], GRAVITY).expect("a machine that moves");
         let set = (0..PERIODS).map(|period| {
-            let t = f64::from(period) * 1e-3;
-            let (now, ahead) = (motion(t), motion(t + 0.5e-3));
+            let t = f64::from(period) * PERIOD;
+            let (now, ahead) = (motion(t), motion(t + 0.5 * PERIOD));
             let AxisMotion { position, velocity, acceleration } = ahead;
             let efforts = dynamics.at(&position, &velocity, &acceleration).expect("within reach");
-            let efforts = AxisVector::from_values(efforts.axes().iter().map(|axis| axis.effort(0.0, 1.0)));
-            Set { position: three(&now.position), velocity: three(&now.velocity), effort: three(&efforts) }
+            let efforts =
+                AxisVector::from_values(efforts.axes().iter().map(|axis| axis.effort(0.0, 1.0)));
+            Set {
+                position: three(&now.position),
+                velocity: three(&now.velocity),
+                effort: three(&efforts),
+            }
         });
         let set: Vec<Set> = set.collect();
         let start = set[0].position;
@@ -103,11 +113,6 @@ impl Task {
         }
     }
 
-    /// s.
-    pub fn period(&self) -> f64 {
-        1e-3
-    }
-
     /// The machine at rest, with collisions, with so many cycles per period.
     pub fn machine(&self, cycles: i64) -> PhysicsMachine {
         let start = AxisVector::from_values(self.start);
@@ -121,11 +126,11 @@ impl Task {
     /// One period of `machine` under the controller.
     pub fn advance(&self, machine: &mut PhysicsMachine, set: &Set, cycles: i64) {
         let state = machine.axis_state();
-        let mut efforts = set.effort;
-        for axis in 0..3 {
-            efforts[axis] += self.kp[axis] * (set.position[axis] - state.position[axis])
-                + self.kd[axis] * (set.velocity[axis] - state.velocity[axis]);
-        }
+        let efforts = [0, 1, 2].map(|axis| {
+            set.effort[axis]
+                + self.kp[axis] * (set.position[axis] - state.position[axis])
+                + self.kd[axis] * (set.velocity[axis] - state.velocity[axis])
+        });
         let efforts = AxisVector::from_values(efforts);
         for _ in 0..cycles {
             machine.step_with_efforts(&efforts).expect("a machine that moves");
@@ -144,7 +149,8 @@ impl Task {
 
     /// How far the tip gets from where it should be after the first tenth, m.
     pub fn following_error(&self, tips: &[Point3<f64>]) -> f64 {
-        let wanted = self.set.iter().skip(1).map(|set| (self.tip)(&AxisVector::from_values(set.position)));
+        let wanted =
+            self.set.iter().skip(1).map(|set| (self.tip)(&AxisVector::from_values(set.position)));
         let errors = tips.iter().zip(wanted).map(|(tip, wanted)| (tip - wanted).norm());
         errors.skip(self.set.len() / 10).fold(0.0, f64::max)
     }
@@ -212,7 +218,8 @@ fn circle(radius: f64, rate: f64, (height, frequency): (f64, f64), t: f64) -> [V
     let (up, along) = (frequency * t).sin_cos();
     [
         Vector3::new(radius * cos, radius * sin, height * up),
-        Vector3::new(-radius * sin, radius * cos, 0.0) * rate + Vector3::z() * (height * frequency * along),
+        Vector3::new(-radius * sin, radius * cos, 0.0) * rate
+            + Vector3::z() * (height * frequency * along),
         Vector3::new(-radius * cos, -radius * sin, 0.0) * (rate * rate)
             - Vector3::z() * (height * frequency * frequency * up),
     ]
@@ -326,7 +333,8 @@ fn tripod() -> Task {
                 (SolidShape::Cylinder { radius: 0.07, length: 0.01 }, [0.0; 3])
             }
             _ if link.inertial.is_some() => {
-                let inertia = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0)) * (0.1 * 0.16 / 12.0);
+                let inertia =
+                    Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0)) * (0.1 * 0.16 / 12.0);
                 let center = Point3::new(0.0, 0.0, -0.2);
                 link.inertial = Some(Inertial { mass: 0.1, center, inertia });
                 (SolidShape::Cylinder { radius: 0.004, length: 0.4 }, [0.0, 0.0, -0.2])
@@ -345,13 +353,10 @@ fn tripod() -> Task {
             direction_velocity: 0.0,
             direction_acceleration: 0.0,
         };
-        Kinematics::inverse_motion(&tripod, &tool, &AxisVector::from_values([0.0; 3])).expect("within reach")
+        Kinematics::inverse_motion(&tripod, &tool, &AxisVector::from_values([0.0; 3]))
+            .expect("within reach")
     };
-    Task::new(
-        ("tripod, rigid", "mujoco_tripod.xml", axes),
-        model,
-        [2.5; 3],
-        motion,
-        move |axes| Kinematics::forward(&tripod, axes).expect("within reach").position,
-    )
+    Task::new(("tripod, rigid", "mujoco_tripod.xml", axes), model, [2.5; 3], motion, move |axes| {
+        Kinematics::forward(&tripod, axes).expect("within reach").position
+    })
 }

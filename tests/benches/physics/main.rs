@@ -62,7 +62,7 @@ fn measured(task: &Task, mut peer: Option<&mut Peer>) -> Row {
         ours.push(timed(task));
         theirs.extend(peer.as_deref_mut().map(Peer::again));
     }
-    Row { name: task.name, ours, error, theirs, peer_error, period: task.period() }
+    Row { name: task.name, ours, error, theirs, peer_error }
 }
 
 /// s per period.

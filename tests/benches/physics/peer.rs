@@ -1,17 +1,14 @@
 //! MuJoCo, asked to move the same machines in a process of its own (`tests/peers/mujoco_machines.py`).
 
-use crate::machines::Task;
+use crate::machines::{PERIOD, Task};
 use crate::python::Package;
 use nalgebra::Point3;
 use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 
-const MUJOCO: Package = Package {
-    name: "mujoco",
-    requirement: "mujoco==4.0.*",
-    variable: "TWIN_MUJOCO_PYTHON",
-};
+const MUJOCO: Package =
+    Package { name: "mujoco", requirement: "mujoco==4.0.*", variable: "TWIN_MUJOCO_PYTHON" };
 
 /// A running peer.
 pub struct Peer {
@@ -39,7 +36,7 @@ impl Peer {
             "axes": task.axes,
             "position": task.start,
             "tool": task.tool.coords.as_slice(),
-            "period": task.period(),
+            "period": PERIOD,
             "set": set.collect::<Vec<_>>(),
             "kp": task.kp,
             "kd": task.kd,

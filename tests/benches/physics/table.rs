@@ -1,5 +1,7 @@
 //! Times and errors, side by side.
 
+use crate::machines::PERIOD;
+
 /// A machine.
 pub struct Row {
     pub name: &'static str,
@@ -9,8 +11,6 @@ pub struct Row {
     pub error: f64,
     pub theirs: Vec<f64>,
     pub peer_error: Option<f64>,
-    /// s.
-    pub period: f64,
 }
 
 /// What the columns are.
@@ -31,7 +31,7 @@ impl Row {
             (micro(self.theirs.iter().copied()), spread(ratios, 2))
         };
         let error = |error: f64| format!("{:.1e}", error * 1e6);
-        let fast = spread(self.ours.iter().map(|ours| self.period / ours), 0);
+        let fast = spread(self.ours.iter().map(|ours| PERIOD / ours), 0);
         println!(
             "{:16}{:^24}{:>9} |{:^26}{:>9} |{:^20} | {fast}",
             self.name,

@@ -10,14 +10,14 @@ use super::tripod::TripodDynamics;
 use super::*;
 
 /// The tripod that `rods` are, with parts of different masses, which is no matter for the platform.
-fn uneven(rods: [Rod; 6], masses: [f64; 5]) -> Model {
+fn uneven(rods: &[Rod; 6], masses: [f64; 5]) -> Model {
     let joints = [2, 0, 1].map(|axis| MachineJoint::new(NAMES[axis], axis, [0.25, 0.45]));
     let [carriage, rod, platform, lighter, further] = masses;
     let dimensions = TripodDimensions {
         carriage_mass: Some(carriage),
         rod_mass: Some(rod),
         platform_mass: Some(platform),
-        ..TripodDimensions::new("tripod", joints, rods)
+        ..TripodDimensions::new("tripod", joints, *rods)
     };
     let mut model = dimensions.model().unwrap();
     let mut rods = model
@@ -50,7 +50,7 @@ proptest! {
         rotors in prop::array::uniform3(0.0..3.0_f64),
         sideways in prop::array::uniform2(-5.0..5.0_f64),
     ) {
-        let model = uneven(rings().rods(&TripodDeviations::default()).unwrap(), masses);
+        let model = uneven(&rings().rods(&TripodDeviations::default()).unwrap(), masses);
         let gravity = Vector3::new(sideways[0], sideways[1], -G);
         let mut closed = TripodDynamics::new(&model, 3, gravity, joints(rotors)).unwrap();
         prop_assert!(closed.is_closed());
