@@ -11,15 +11,17 @@
 //!
 //! 1. The drives (`drive`) run their loops [`CONTROL_PERIODS`] times, and the equation of motion
 //!    (`dynamics`, `integrate`) takes the joints from q, v to q₁, v₁.
-//! 2. rapier's multibody gets the velocity v* = (q₁ − q)/T, which takes it exactly there,
-//! 3. and the bias efforts b(q, v*), so that nothing but contact can change that velocity.
-//! 4. One step of rapier.
-//! 5. Its joint positions are the new q, and v = v₁ + (its velocity − v*): what contact did comes back.
+//! 2. If nothing is near to anything that it may touch, rapier's bodies are put where q₁ is, and rapier looks what is near there: q₁ and v₁
+//!    are the new q and v. Otherwise
+//! 3. rapier's multibody gets the velocity v* = (q₁ − q)/T, which takes it exactly there,
+//! 4. and the bias efforts b(q, v*), so that nothing but contact can change that velocity.
+//! 5. One step of rapier.
+//! 6. Its joint positions are the new q, and v = v₁ + (its velocity − v*): what contact did comes back.
 //!
 //! Links that go round in circles, as those of a tripod, have an equation of motion of their own (`tripod`); their bodies are put
 //! where they are.
 //!
-//! The state is rapier's after every cycle; [`PhysicsMachine::link_poses`] reads the bodies.
+//! [`PhysicsMachine::link_poses`] reads the bodies.
 //! Two runs with the same inputs give the same bits.
 
 mod along_path;
@@ -291,7 +293,7 @@ impl PhysicsMachine {
             .ok_or(PhysicsError::Diverged { time_ns: self.state.time_ns })
     }
 
-    /// Steps 2 to 5 of the module's docs: takes rapier's bodies to `next`.
+    /// Steps 2 to 6 of the module's docs: takes rapier's bodies to `next`.
     fn finish_cycle(
         &mut self,
         next: &JointState,
