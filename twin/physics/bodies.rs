@@ -59,8 +59,6 @@ pub(super) struct Body {
     pub(super) parent: Option<usize>,
     pub(super) origin: Isometry3<f64>,
     pub(super) motion: Motion,
-    /// Joints that move this body, base side first.
-    pub(super) moved_by: Vec<usize>,
     pub(super) mass: MassProperties,
 }
 
@@ -146,12 +144,8 @@ impl Tree {
                 JointDrive::Fixed | JointDrive::Passive { .. } => {}
             }
             let parent = joint.parent.checked_sub(1);
-            let mut moved_by = parent
-                .and_then(|parent| bodies.get(parent))
-                .map_or_else(Vec::new, |parent| parent.moved_by.clone());
-            moved_by.extend(motion.joint());
             let mass = MassProperties::of(joint.child, link)?;
-            bodies.push(Body { parent, origin: joint.origin, motion, moved_by, mass });
+            bodies.push(Body { parent, origin: joint.origin, motion, mass });
         }
         if model.links.len() != bodies.len() + 1 {
             let joint = model.joints.len();

@@ -3,7 +3,6 @@
 use nalgebra::Vector3;
 use twin_urdf::Model;
 
-use super::bodies::Tree;
 use super::dynamics::{Dynamics, JointMatrix, JointVector};
 use super::error::PhysicsError;
 use super::tripod::TripodDynamics;
@@ -39,14 +38,6 @@ impl Equation {
         match self {
             Self::Tree(tree) => tree.axis_count(),
             Self::Tripod(tripod) => tripod.axis_count(),
-        }
-    }
-
-    /// The links, if they are a tree.
-    pub(super) fn tree(&self) -> Option<&Tree> {
-        match self {
-            Self::Tree(tree) => Some(tree.tree()),
-            Self::Tripod(_) => None,
         }
     }
 
@@ -86,6 +77,20 @@ impl Equation {
 
     /// The inverse of that; `None` if some axis moves no inertia, too.
     pub(super) fn mobility(&mut self, position: &JointVector) -> Option<JointMatrix> {
-        Some(self.inertia(position)?.cholesky()?.inverse())
+        let zero = JointVector::zeros();
+        Some(self.acceleration_and_mobility(position, &zero, &zero)?.1)
+    }
+
+    /// [`Self::acceleration`] and [`Self::mobility`] for hardly more than the first alone.
+    pub(super) fn acceleration_and_mobility(
+        &mut self,
+        position: &JointVector,
+        velocity: &JointVector,
+        effort: &JointVector,
+    ) -> Option<(JointVector, JointMatrix)> {
+        match self {
+            Self::Tree(tree) => tree.acceleration_and_mobility(position, velocity, effort),
+            Self::Tripod(tripod) => tripod.acceleration_and_mobility(position, velocity, effort),
+        }
     }
 }

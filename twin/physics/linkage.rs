@@ -37,13 +37,14 @@ pub(super) struct Linkage {
 }
 
 /// A rod as the model has it.
-struct Hanging<'m> {
-    slide: &'m Joint,
+pub(super) struct Hanging<'m> {
+    pub(super) slide: &'m Joint,
     /// By which it swings first; its place is that of the upper end.
-    swing: &'m Joint,
-    link: usize,
+    pub(super) swing: &'m Joint,
+    /// By which it swings then; its child is the rod.
+    pub(super) tilt: &'m Joint,
     /// Its lower end in its own frame, and in that of the platform.
-    ends: [Point3<f64>; 2],
+    pub(super) ends: [Point3<f64>; 2],
 }
 
 impl Linkage {
@@ -86,8 +87,9 @@ impl Linkage {
 impl Hanging<'_> {
     fn body(&self, model: &Model, carriage: usize) -> Result<RodBody, PhysicsError> {
         let unknown = PhysicsError::UnknownMechanism { loops: model.loops.len() };
-        let link = model.links.get(self.link).ok_or(unknown)?;
-        let MassProperties { mass, center, inertia } = MassProperties::of(self.link, link)?;
+        let number = self.tilt.child;
+        let link = model.links.get(number).ok_or(unknown)?;
+        let MassProperties { mass, center, inertia } = MassProperties::of(number, link)?;
         let [end, lower] = self.ends;
         let length = end.coords.norm();
         let along = end.coords / length;
@@ -99,7 +101,7 @@ impl Hanging<'_> {
         if (center.coords - end.coords * part).norm() > ROUNDING * length
             || (inertia - even).amax() > ROUNDING * inertia.amax()
         {
-            return Err(PhysicsError::UnevenRod { link: self.link });
+            return Err(PhysicsError::UnevenRod { link: number });
         }
         let turning = across / (length * length);
         let (above, below) = (1.0 - part, part);
@@ -120,7 +122,7 @@ impl Hanging<'_> {
 }
 
 /// The joints from the base to `link`.
-fn chain(model: &Model, mut link: usize) -> Vec<&Joint> {
+pub(super) fn chain(model: &Model, mut link: usize) -> Vec<&Joint> {
     let mut chain = Vec::new();
     while let Some(joint) = link.checked_sub(1).and_then(|index| model.joints.get(index)) {
         chain.push(joint);
@@ -135,14 +137,14 @@ fn chain(model: &Model, mut link: usize) -> Vec<&Joint> {
 }
 
 /// The link that all loops close at.
-fn platform(model: &Model) -> Option<usize> {
+pub(super) fn platform(model: &Model) -> Option<usize> {
     let [Loop { links: [_, platform], .. }, ..] = model.loops.as_slice() else { return None };
     let same = model.loops.iter().all(|closing| closing.links[1] == *platform);
     same.then_some(*platform)
 }
 
 /// All rods: first that which carries the platform. `None` if the model is no tripod.
-fn hanging(model: &Model) -> Option<Vec<Hanging<'_>>> {
+pub(super) fn hanging(model: &Model) -> Option<Vec<Hanging<'_>>> {
     let platform = platform(model)?;
     let in_place = |joint: &&Joint| joint.origin.translation.vector.norm() <= ROUNDING;
     let turns = |joint: &&Joint| {
@@ -180,7 +182,7 @@ fn hanging(model: &Model) -> Option<Vec<Hanging<'_>>> {
             && in_place(tilt)
             && swing.axis.dot(&tilt.axis).abs() <= ROUNDING;
         let massless = model.links.get(swing.child)?.inertial.is_none();
-        (slides && hangs && massless).then_some(Hanging { slide, swing, link, ends })
+        (slides && hangs && massless).then_some(Hanging { slide, swing, tilt, ends })
     })
     .collect()
 }

@@ -166,6 +166,12 @@ impl PhysicsMachine {
         self
     }
 
+    /// Gives the links of a machine at rest their solids as what they touch with, beside the ground, a slab whose top is at z =
+    /// `ground` (m, machine frame).
+    pub fn insert_solids(&mut self, ground: f64) {
+        self.world.insert_solids(ground);
+    }
+
     /// The same with noise from another seed; it is 0 otherwise.
     #[must_use]
     pub fn with_seed(mut self, seed: u64) -> Self {

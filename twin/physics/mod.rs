@@ -11,15 +11,17 @@
 //!
 //! 1. In short steps (`stepping`) the drives (`drive`) run their loops when they are due, and the equation of motion
 //!    (`dynamics`, `integrate`) takes the joints, and rotors behind springs (`transmission`), from q, v to q₁, v₁.
-//! 2. rapier's multibody gets the velocity v* = (q₁ − q)/T, which takes it exactly there,
-//! 3. and the bias efforts b(q, v*), so that nothing but contact can change that velocity.
-//! 4. One step of rapier.
-//! 5. Its joint positions are the new q, and v = v₁ + (its velocity − v*): what contact did comes back.
+//! 2. If nothing is near to anything that it may touch, rapier's bodies are put where q₁ is, and rapier looks what is near there: q₁
+//!    and v₁ are the new q and v. Otherwise
+//! 3. rapier's multibody gets the velocity v* = (q₁ − q)/T, which takes it exactly there,
+//! 4. and the bias efforts b(q, v*), so that nothing but contact can change that velocity.
+//! 5. One step of rapier.
+//! 6. Its joint positions are the new q, and v = v₁ + (its velocity − v*): what contact did comes back.
 //!
 //! Links that go round in circles, as those of a tripod, have an equation of motion of their own (`tripod`); their bodies are put
 //! where they are.
 //!
-//! The state is rapier's after every cycle; [`PhysicsMachine::link_poses`] reads the bodies.
+//! [`PhysicsMachine::link_poses`] reads the bodies.
 //! Two runs with the same inputs give the same bits.
 
 mod along_path;
@@ -30,16 +32,24 @@ mod equation;
 mod error;
 mod event;
 mod fault;
+mod folded;
 mod friction;
 mod integrate;
+mod level;
+mod linear;
 mod linkage;
 mod load;
 mod machine;
 mod maths;
 mod mechanism;
+mod multibody;
 mod noise;
+mod passive;
+mod posed;
 mod setpoint;
 mod settle;
+mod solids;
+mod spatial;
 mod stepping;
 mod transmission;
 mod tripod;

@@ -166,7 +166,7 @@ impl PhysicsMachine {
         }
     }
 
-    /// Steps 2 to 5 of the module's docs: takes rapier's bodies to `next`.
+    /// Steps 2 to 6 of the module's docs: takes rapier's bodies to `next`.
     fn finish_cycle(
         &mut self,
         next: &MachineState,

@@ -33,8 +33,10 @@ use twin_kinematics::{MAX_AXES, Transform};
 use twin_urdf::Model;
 
 use super::bodies::MassProperties;
-use super::dynamics::{Dynamics, JointMatrix, JointVector, at, inertia_of_rotors, solve};
+use super::dynamics::{Dynamics, JointMatrix, JointVector, at};
 use super::error::PhysicsError;
+use super::level::LevelTripod;
+use super::linear::{solve, solve_and_invert};
 use super::linkage::{Linkage, RodBody};
 
 /// What counts as rounding, in parts of the length of a rod.
@@ -59,6 +61,8 @@ pub(super) struct TripodDynamics {
     kinematics: CalibratedTripod,
     /// The same in closed form, if rods are parallel in pairs and towers a third of a turn apart: the platform stays level.
     level: Option<Tripod>,
+    /// All of it in closed form, if moreover every carriage has an axis of its own.
+    closed: Option<LevelTripod>,
     /// Axes that have nothing to do with the tool.
     others: Option<Dynamics>,
 }
@@ -117,8 +121,25 @@ impl TripodDynamics {
         let kinematics = CalibratedTripod::new(rods.each_ref().map(of_rod), [0.0; 3])
             .map_err(|_no_such_tripod| unknown)?;
         let rotorless = JointVector::zeros();
-        let others = others.map(|tree| Dynamics::of_tree(tree, axis_count, gravity, rotorless));
         let level = level(&rods);
+        let closed = level.and_then(|_| {
+            let axes = carriages.map(|carriage| carriage.axis);
+            let [a, b, c] = axes;
+            let apart =
+                a != b && b != c && c != a && (axis_count == axes.len() || others.is_some());
+            let parts = (&carriages, &rods, &platform);
+            let others = others.clone().map(|tree| {
+                let mut rotors = armature;
+                for axis in axes {
+                    if let Some(entry) = rotors.get_mut(axis) {
+                        *entry = 1.0;
+                    }
+                }
+                Dynamics::of_tree(tree, axis_count, gravity, rotors)
+            });
+            apart.then(|| LevelTripod::new(gravity, &armature, parts, others))
+        });
+        let others = others.map(|tree| Dynamics::of_tree(tree, axis_count, gravity, rotorless));
         Ok(Self {
             axis_count,
             gravity,
@@ -128,8 +149,33 @@ impl TripodDynamics {
             platform,
             kinematics,
             level,
+            closed,
             others,
         })
+    }
+
+    /// All rods told apart, whatever they are.
+    #[cfg(test)]
+    pub(super) fn tell_rods_apart(&mut self) {
+        (self.level, self.closed) = (None, None);
+    }
+
+    #[cfg(test)]
+    pub(super) fn is_closed(&self) -> bool {
+        self.closed.is_some()
+    }
+
+    /// Pose of the platform in the machine frame with the axes at `position`.
+    ///
+    /// # Errors
+    /// [`PhysicsError::Apart`] where the rods do not meet.
+    pub(super) fn platform(&self, position: &JointVector) -> Result<Isometry3<f64>, PhysicsError> {
+        let heights = self.of_carriages(position);
+        let platform = match &self.level {
+            Some(level) => level.to_tool(&heights).map(Isometry3::from),
+            None => self.kinematics.platform(&heights),
+        };
+        platform.map_err(|_apart| PhysicsError::Apart)
     }
 
     /// Where everything is with the axes at `position`.
@@ -137,12 +183,7 @@ impl TripodDynamics {
     /// # Errors
     /// [`PhysicsError::Apart`] where the rods do not meet, or do not hold the platform.
     pub(super) fn state(&self, position: &JointVector) -> Result<TripodState, PhysicsError> {
-        let heights = self.of_carriages(position);
-        let platform = match &self.level {
-            Some(level) => level.to_tool(&heights).map(Isometry3::from),
-            None => self.kinematics.platform(&heights),
-        };
-        let platform = platform.map_err(|_apart| PhysicsError::Apart)?;
+        let (heights, platform) = (self.of_carriages(position), self.platform(position)?);
         let rotation = platform.rotation.to_rotation_matrix();
         let (mut matrix, mut pulls) = (Matrix6::zeros(), SMatrix::<f64, 6, 3>::zeros());
         let rods = self.rods.map(|rod| {
@@ -252,6 +293,9 @@ impl TripodDynamics {
         velocity: &JointVector,
         acceleration: &JointVector,
     ) -> Option<JointVector> {
+        if let Some(closed) = &mut self.closed {
+            return closed.inverse_dynamics(position, velocity, acceleration);
+        }
         let state = self.state(position).ok()?;
         let beside = self.beside(position, velocity, acceleration);
         Some(self.efforts(&state, velocity, acceleration, true) + beside)
@@ -264,11 +308,38 @@ impl TripodDynamics {
         velocity: &JointVector,
         effort: &JointVector,
     ) -> Option<JointVector> {
+        if let Some(closed) = &mut self.closed {
+            return closed.acceleration(position, velocity, effort);
+        }
+        let (inertia, bias) = self.inertia_and_bias(position, velocity)?;
+        solve(self.axis_count, &inertia, &(effort - bias))
+    }
+
+    /// The same, and the inverse of the inertia, with 1 on its diagonal where the machine has no axis.
+    pub(super) fn acceleration_and_mobility(
+        &mut self,
+        position: &JointVector,
+        velocity: &JointVector,
+        effort: &JointVector,
+    ) -> Option<(JointVector, JointMatrix)> {
+        if let Some(closed) = &mut self.closed {
+            return closed.acceleration_and_mobility(position, velocity, effort);
+        }
+        let (inertia, bias) = self.inertia_and_bias(position, velocity)?;
+        solve_and_invert(self.axis_count, &inertia, &(effort - bias))
+    }
+
+    /// The inertia, and the efforts without which the axes would not keep their velocity.
+    fn inertia_and_bias(
+        &mut self,
+        position: &JointVector,
+        velocity: &JointVector,
+    ) -> Option<(JointMatrix, JointVector)> {
         let state = self.state(position).ok()?;
         let zero = JointVector::zeros();
         let bias =
             self.efforts(&state, velocity, &zero, true) + self.beside(position, velocity, &zero);
-        solve(self.axis_count, &self.inertia_of(&state, position), &(effort - bias))
+        Some((self.inertia_of(&state, position), bias))
     }
 
     /// The inertia that the axes feel at `position`; `None` where the rods do not meet.
@@ -280,7 +351,12 @@ impl TripodDynamics {
     /// The same where everything is known to be.
     fn inertia_of(&mut self, state: &TripodState, position: &JointVector) -> JointMatrix {
         let zero = JointVector::zeros();
-        let mut inertia = inertia_of_rotors(&self.armature, self.axis_count);
+        let mut inertia = JointMatrix::from_diagonal(&self.armature);
+        for axis in self.axis_count..MAX_AXES {
+            if let Some(entry) = inertia.get_mut((axis, axis)) {
+                *entry = 1.0;
+            }
+        }
         for Carriage { axis, .. } in self.carriages {
             let mut unit = zero;
             if let Some(entry) = unit.get_mut(axis) {

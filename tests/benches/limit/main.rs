@@ -25,6 +25,8 @@ mod ours;
 #[path = "../../limit/path.rs"]
 mod path;
 mod peer;
+#[path = "../python.rs"]
+mod python;
 #[path = "../../limit/solvers.rs"]
 mod solvers;
 mod table;

@@ -1,15 +1,13 @@
 //! toppra, asked for the same paths in a process of its own (`tests/peers/toppra_seidel.py`).
 
 use crate::path::Path as AxisPath;
+use crate::python::Package;
 use serde_json::{Value, json};
-use std::env;
-use std::ffi::OsString;
 use std::io::{BufRead, BufReader, Write};
-use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 
-/// The version that the numbers are about.
-const PACKAGE: &str = "toppra==0.6.*";
+const TOPPRA: Package =
+    Package { name: "toppra", requirement: "toppra==0.6.*", variable: "TWIN_TOPPRA_PYTHON" };
 
 /// A running peer.
 pub struct Peer {
@@ -32,17 +30,8 @@ pub struct Answer {
 impl Peer {
     /// None, with a line that says why, where there is no toppra.
     pub fn start() -> Option<Self> {
-        let Some(python) = interpreter() else {
-            println!("peer, toppra: skipped, there is no Python that has it (TWIN_TOPPRA_PYTHON)");
-            return None;
-        };
-        let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/peers/toppra_seidel.py");
-        let mut command = Command::new(&python);
-        command.arg(script).stdin(Stdio::piped()).stdout(Stdio::piped());
-        // One thread, as ours.
-        for variable in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"] {
-            command.env(variable, "1");
-        }
+        let mut command = TOPPRA.script("toppra_seidel.py")?;
+        command.stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut child = command.spawn().expect("the peer starts");
         let requests = child.stdin.take();
         let answers = BufReader::new(child.stdout.take().expect("a pipe"));
@@ -94,39 +83,4 @@ impl Drop for Peer {
             println!("peer, toppra: {error}");
         }
     }
-}
-
-/// A Python that has toppra: the one named by `TWIN_TOPPRA_PYTHON`, the usual one, or one in a virtual environment of
-/// its own below `target`, made here if it is not there yet.
-fn interpreter() -> Option<OsString> {
-    if let Some(python) = env::var_os("TWIN_TOPPRA_PYTHON") {
-        assert!(has_toppra(&python), "TWIN_TOPPRA_PYTHON has no toppra");
-        return Some(python);
-    }
-    let usual = OsString::from("python3");
-    if has_toppra(&usual) {
-        return Some(usual);
-    }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
-    let folder = target.join("toppra-venv");
-    let python = folder.join("bin").join("python").into_os_string();
-    if !has_toppra(&python) {
-        println!("peer, toppra: {PACKAGE} is installed in {}", folder.display());
-        let made = runs(Command::new(&usual).args(["-m", "venv"]).arg(&folder));
-        let install = ["-m", "pip", "install", "--quiet", PACKAGE];
-        if !made || !runs(Command::new(&python).args(install)) {
-            return None;
-        }
-    }
-    has_toppra(&python).then_some(python)
-}
-
-fn has_toppra(python: &OsString) -> bool {
-    runs(Command::new(python).args(["-c", "import toppra"]))
-}
-
-fn runs(command: &mut Command) -> bool {
-    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    command.status().is_ok_and(|status| status.success())
 }

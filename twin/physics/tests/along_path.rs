@@ -124,7 +124,7 @@ proptest! {
         let torque = dynamics.at(&axes(position), &axes(first), &axes(second)).unwrap();
         let power: f64 = torque.axes().iter().zip(first)
             .map(|(axis, first)| axis.effort(acceleration, speed) * first * speed).sum();
-        let mut energies = Dynamics::new(&crooked(), 3, down(), JointVector::zeros()).unwrap();
+        let mut energies = Unfolded::new(&crooked(), 3, down(), JointVector::zeros());
         let [position, first, second] = [position, first, second].map(joints);
         let mut energy = |t: f64| {
             let (s, rate) = (t * (speed + 0.5 * t * acceleration), speed + t * acceleration);

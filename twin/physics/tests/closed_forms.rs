@@ -63,7 +63,7 @@ fn a_pendulum_swings_in_its_period() {
     assert!((axis_inertia(&model, &axes([0.3])).unwrap()[0] - about_pivot).abs() < 1e-14);
     let mut machine =
         PhysicsMachine::new(&model, &[SLACK], down(), &axes([amplitude]), CYCLE_NS).unwrap();
-    let mut dynamics = Dynamics::new(&model, 1, down(), JointVector::zeros()).unwrap();
+    let mut dynamics = Unfolded::new(&model, 1, down(), JointVector::zeros());
     let (kinetic, potential) =
         dynamics.energy(&machine.joints.axes.position, &machine.joints.axes.velocity);
     let start = kinetic + potential;
@@ -166,12 +166,12 @@ fn each_axis_of_a_gantry_moves_what_it_carries() {
 #[test]
 fn a_crooked_chain_keeps_its_energy() {
     let model = crooked();
-    let mut dynamics = Dynamics::new(&model, 3, down(), JointVector::zeros()).unwrap();
+    let mut dynamics = Unfolded::new(&model, 3, down(), JointVector::zeros());
     let mut machine =
         PhysicsMachine::new(&model, &[SLACK; 3], down(), &axes([0.3, 0.1, -0.5]), CYCLE_NS)
             .unwrap();
     machine.start_moving(joints([1.0, -0.4, PI]));
-    let energy = |dynamics: &mut Dynamics, machine: &PhysicsMachine| {
+    let energy = |dynamics: &mut Unfolded, machine: &PhysicsMachine| {
         let (kinetic, potential) =
             dynamics.energy(&machine.joints.axes.position, &machine.joints.axes.velocity);
         kinetic + potential

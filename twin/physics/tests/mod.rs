@@ -5,11 +5,13 @@ mod closed_forms;
 mod coupled;
 mod drives;
 mod elastic;
+mod level;
 mod motors;
 mod parallel;
 mod rapier;
 mod scara;
 mod trees;
+mod unfolded;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use twin_kinematics::{AxisMotion, MAX_AXES};
@@ -19,6 +21,7 @@ use super::dynamics::Dynamics;
 use super::integrate::JointState;
 use super::world::RapierWorld;
 use super::*;
+use unfolded::Unfolded;
 
 /// One cycle, ns.
 const CYCLE_NS: i64 = 1_000_000;

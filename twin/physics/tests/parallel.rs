@@ -29,7 +29,7 @@ pub(super) fn rings() -> Rings {
     }
 }
 
-fn generated(deviations: &TripodDeviations) -> Model {
+pub(super) fn generated(deviations: &TripodDeviations) -> Model {
     let rods = rings().rods(deviations).unwrap();
     let joints = [0, 1, 2].map(|axis| MachineJoint::new(NAMES[axis], axis, [0.25, 0.45]));
     let dimensions = TripodDimensions {

@@ -1,6 +1,6 @@
 //! rapier's bodies against our own equation of motion: two formulations of the same machine.
 
-use twin_urdf::{MachineJoint, ScaraDimensions};
+use twin_urdf::{MachineJoint, ScaraDimensions, Solid, SolidShape};
 
 use super::*;
 
@@ -19,7 +19,7 @@ fn the_bodies_are_where_the_model_says() {
     {
         let mut machine =
             PhysicsMachine::new(&model, &[SLACK; 3], down(), &start, CYCLE_NS).unwrap();
-        let mut links = Dynamics::new(&model, 3, down(), JointVector::zeros()).unwrap();
+        let mut links = Unfolded::new(&model, 3, down(), JointVector::zeros());
         assert!(distance(&machine.link_poses(), &model.link_poses(&start)) < 1e-14);
         for _ in 0..300 {
             machine.step_with_efforts(&axes([5.0, 3.0, -0.2])).unwrap();
@@ -114,6 +114,74 @@ fn rapier_alone_converges_to_the_same_motion() {
     }
     assert!(errors[3] < 1e-4, "{errors:?}");
     assert!((machine.axis_state().position[0] - start[0]).abs() > 0.01);
+}
+
+/// A slide falls as if there were no ground until it is nearer than rapier looks ahead (2 mm); then it stands on it, and it can be lifted
+/// off again, exactly.
+#[test]
+fn a_slide_falls_to_the_ground_and_no_further() {
+    let mut model = lift(3.0);
+    model.links[1].solids.push(Solid {
+        shape: SolidShape::Box { size: Vector3::new(0.1, 0.1, 0.1) },
+        origin: Isometry3::translation(0.02, -0.01, 0.05),
+        color: [1.0; 4],
+    });
+    let mut machine =
+        PhysicsMachine::new(&model, &[SLACK], down(), &axes([0.1]), CYCLE_NS).unwrap();
+    machine.insert_solids(0.0);
+    let mut stood = 0;
+    for cycle in 1..=1000 {
+        let state = machine.step_with_efforts(&axes([0.0])).unwrap();
+        let t = f64::from(cycle) * 1e-3;
+        let free = 0.1 - 0.5 * G * t * t;
+        if free > 0.005 {
+            assert!((state.position[0] - free).abs() < 1e-12, "{t} s: {state:?}");
+        }
+        assert!(state.position[0] > -2e-3, "{t} s: {state:?}");
+        stood += u32::from(state.position[0].abs() < 2e-3);
+    }
+    let state = *machine.axis_state();
+    assert!(stood > 800 && state.position[0].abs() < 1e-4, "{stood} cycles, {state:?}");
+    // 2 m/s² upwards.
+    let lifting = axes([3.0 * (G + 2.0)]);
+    for _ in 0..100 {
+        machine.step_with_efforts(&lifting).unwrap();
+    }
+    let off = *machine.axis_state();
+    assert!(off.position[0] > 5e-3, "{off:?}");
+    for _ in 0..200 {
+        machine.step_with_efforts(&lifting).unwrap();
+    }
+    let state = *machine.axis_state();
+    let expected = off.position[0] + off.velocity[0] * 0.2 + 0.5 * 2.0 * 0.2 * 0.2;
+    assert!((state.position[0] - expected).abs() < 1e-12, "{state:?}, not {expected} m");
+}
+
+/// What is far from everything moves as if it could touch nothing, to the bit.
+#[test]
+fn solids_that_touch_nothing_change_nothing() {
+    let mut model = crooked();
+    for link in &mut model.links {
+        link.solids.push(Solid {
+            shape: SolidShape::Sphere { radius: 0.02 },
+            origin: Isometry3::identity(),
+            color: [1.0; 4],
+        });
+    }
+    let [with, without] = [true, false].map(|solids| {
+        let mut machine =
+            PhysicsMachine::new(&model, &[SLACK; 3], down(), &axes([0.7, -0.1, 2.0]), CYCLE_NS)
+                .unwrap();
+        if solids {
+            machine.insert_solids(-20.0);
+        }
+        for _ in 0..300 {
+            machine.step_with_efforts(&axes([5.0, 3.0, -0.2])).unwrap();
+        }
+        *machine.axis_state()
+    });
+    assert_eq!(with, without);
+    assert!((with.position[0] - 0.7).abs() > 0.01, "{with:?}");
 }
 
 #[test]

@@ -218,7 +218,7 @@ fn the_closed_loop_is_pinocchios() {
 #[test]
 fn the_free_motion_is_pinocchios() {
     let model = scara();
-    let mut dynamics = Dynamics::new(&model, 3, Vector3::zeros(), JointVector::zeros()).unwrap();
+    let mut dynamics = Unfolded::new(&model, 3, Vector3::zeros(), JointVector::zeros());
     let mut machine = PhysicsMachine::new(
         &model,
         &[SLACK; 3],

@@ -72,8 +72,9 @@ proptest! {
         let mut dynamics = Dynamics::new(&case.model, count, down(), JointVector::zeros()).unwrap();
         let power = dynamics.inverse_dynamics(&q, &v, &a).dot(&v);
         let h = 1e-4;
+        let mut unfolded = Unfolded::new(&case.model, count, down(), JointVector::zeros());
         let mut energy = |t: f64| {
-            let (kinetic, potential) = dynamics.energy(&(q + v * t + a * (0.5 * t * t)), &(v + a * t));
+            let (kinetic, potential) = unfolded.energy(&(q + v * t + a * (0.5 * t * t)), &(v + a * t));
             kinetic + potential
         };
         let rate = (energy(h) - energy(-h)) / (2.0 * h);
