@@ -32,7 +32,7 @@ pub struct AxisState {
 }
 
 /// A machine with its drives.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PhysicsMachine {
     pub(super) equation: Equation,
     pub(super) trains: [Train; MAX_AXES],

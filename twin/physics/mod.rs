@@ -48,6 +48,7 @@ mod passive;
 mod posed;
 mod setpoint;
 mod settle;
+mod snapshot;
 mod solids;
 mod spatial;
 mod stepping;
@@ -75,6 +76,7 @@ pub use friction::FrictionParameters;
 pub use load::MotorLoad;
 pub use machine::{AxisState, PhysicsMachine};
 pub use noise::NoiseParameters;
+pub use snapshot::Snapshot;
 pub use transmission::ElasticTransmission;
 
 use dynamics::JointVector;

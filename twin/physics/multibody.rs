@@ -39,7 +39,7 @@ struct MovingJoint {
 }
 
 /// The joints of a tree.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Multibody {
     index: MultibodyIndex,
     joints: Vec<MovingJoint>,

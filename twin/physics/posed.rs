@@ -10,7 +10,7 @@ use super::passive::PassiveJoints;
 use super::tripod::TripodDynamics;
 
 /// The joints of a tripod.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Posed {
     tripod: Box<TripodDynamics>,
     /// m or rad, one per joint.
@@ -19,7 +19,7 @@ pub(super) struct Posed {
 }
 
 /// How the passive joints are found.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Passive {
     Closed(Box<PassiveJoints>),
     /// By an iteration, where they are not at right angles.

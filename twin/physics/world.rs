@@ -35,12 +35,39 @@ pub(super) struct RapierWorld {
 }
 
 /// What moves the bodies.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Joined {
     /// Joints of rapier.
     Tree(Box<Multibody>),
     /// The machine itself.
     Posed(Box<Posed>),
+}
+
+/// What goes on from one step to the next is copied; what a step needs for itself alone is made anew.
+impl Clone for RapierWorld {
+    fn clone(&self) -> Self {
+        let world = PhysicsWorld {
+            gravity: self.world.gravity,
+            integration_parameters: self.world.integration_parameters,
+            islands: self.world.islands.clone(),
+            broad_phase: self.world.broad_phase.clone(),
+            narrow_phase: self.world.narrow_phase.clone(),
+            bodies: self.world.bodies.clone(),
+            colliders: self.world.colliders.clone(),
+            impulse_joints: self.world.impulse_joints.clone(),
+            multibody_joints: self.world.multibody_joints.clone(),
+            soft_bodies: self.world.soft_bodies.clone(),
+            ..PhysicsWorld::default()
+        };
+        Self {
+            world,
+            model: self.model.clone(),
+            axis_count: self.axis_count,
+            links: self.links.clone(),
+            poses: self.poses.clone(),
+            joined: self.joined.clone(),
+        }
+    }
 }
 
 impl std::fmt::Debug for RapierWorld {

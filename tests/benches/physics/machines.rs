@@ -3,7 +3,9 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
-use twin::physics::{AxisDriveParameters, AxisLoad, PathDynamics, PhysicsMachine};
+use twin::physics::{
+    AxisDriveParameters, AxisLoad, Motor, PathDynamics, PhysicsMachine, ServoParameters,
+};
 use twin_kinematics::tripod::{Tripod, TripodDeviations, TripodDimensions as Rings};
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
 use twin_urdf::{
@@ -49,8 +51,15 @@ pub struct Task {
     tip: TipOfTool,
 }
 
-/// Every drive off.
-const OFF: AxisDriveParameters = AxisDriveParameters::SLACK;
+/// Every drive off; nothing of it has to run more often than the controller, so that a step is a period.
+const OFF: AxisDriveParameters = AxisDriveParameters {
+    motor: Motor::Servo(ServoParameters {
+        position_passes: 1,
+        velocity_passes: 1,
+        ..ServoParameters::SLACK
+    }),
+    ..AxisDriveParameters::SLACK
+};
 
 /// No drive at all.
 const FREE: AxisLoad = AxisLoad {

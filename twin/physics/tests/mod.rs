@@ -10,6 +10,7 @@ mod motors;
 mod parallel;
 mod rapier;
 mod scara;
+mod snapshots;
 mod trees;
 mod unfolded;
 

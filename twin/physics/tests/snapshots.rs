@@ -1,0 +1,155 @@
+//! Machines that go back to where they were, and what becomes of machines that everything happens to.
+
+use rand::{Rng, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use super::*;
+
+/// Motors of every kind, with noise, on a gantry.
+fn motors() -> [AxisDriveParameters; 3] {
+    let spring = ElasticTransmission::damped(2e6, 0.05, 1e-5, 8.0, 20.0);
+    let noise = NoiseParameters { position: 1e-7, effort: 0.5 };
+    [
+        AxisDriveParameters {
+            armature: 8.0,
+            transmission: Some(spring),
+            friction: FrictionParameters {
+                breakaway: 12.0,
+                stribeck_velocity: 2e-3,
+                ..FrictionParameters::new(8.0, 20.0)
+            },
+            motor_friction: FrictionParameters::new(2.0, 1.0),
+            overload: Some(OverloadParameters { continuous_effort: 100.0, time_constant: 1.0 }),
+            noise,
+            ..AxisDriveParameters::servo(ServoParameters {
+                current_bandwidth: 5000.0,
+                delay: 1,
+                encoder: EncoderParameters { side: EncoderSide::Axis, resolution: 1e-6 },
+                ..ServoParameters::tuned(28.0, 30.0, 800.0)
+            })
+        },
+        AxisDriveParameters {
+            friction: FrictionParameters::new(5.0, 10.0),
+            noise,
+            ..super::tuned(8.0, 40.0, 300.0)
+        },
+        AxisDriveParameters {
+            armature: 40.0,
+            friction: FrictionParameters::new(4.0, 20.0),
+            brake: Some(BrakeParameters { effort: 300.0, closing_time: 0.03 }),
+            motor: Motor::Stepper(StepperParameters {
+                full_step: 25e-6,
+                microsteps: 16,
+                pull_out: EffortCurve::new(vec![[0.0, 500.0], [0.1, 200.0]]).unwrap(),
+                detent: 20.0,
+                damping_ratio: 0.1,
+            }),
+            ..SLACK
+        },
+    ]
+}
+
+fn machine() -> PhysicsMachine {
+    PhysicsMachine::new(&gantry(), &motors(), down(), &axes([0.0; 3]), CYCLE_NS)
+        .unwrap()
+        .with_seed(3)
+}
+
+/// Back and forth.
+fn course(cycle: u32) -> AxisMotion {
+    let t = f64::from(cycle) * 1e-3;
+    let (sin, cos) = (3.0 * t).sin_cos();
+    let [a, b, c] = [0.05, 0.1, 0.01];
+    AxisMotion {
+        position: axes([a * sin, b * sin, c * sin]),
+        velocity: axes([3.0 * a * cos, 3.0 * b * cos, 3.0 * c * cos]),
+        acceleration: axes([-9.0 * a * sin, -9.0 * b * sin, -9.0 * c * sin]),
+    }
+}
+
+fn bits(machine: &mut PhysicsMachine) -> (Vec<u64>, String) {
+    let state = machine.axis_state();
+    let values = state.position.iter().chain(state.velocity.iter()).chain(state.effort.iter());
+    let values: Vec<_> = values.map(|value| value.to_bits()).collect();
+    (values, format!("{:?}{:?}", machine.link_poses(), machine.take_events()))
+}
+
+#[test]
+fn a_snapshot_goes_on_with_the_same_bits() {
+    let mut one = machine();
+    for cycle in 1..=400 {
+        one.step(&course(cycle)).unwrap();
+        if cycle == 300 {
+            assert!(one.fail(0, Fault::LooseBelt { stiffness: 0.3, backlash: 1e-5 }));
+        }
+    }
+    let snapshot = one.snapshot();
+    assert_eq!(snapshot.time_ns(), 400 * CYCLE_NS);
+    let go_on = |machine: &mut PhysicsMachine| {
+        for cycle in 401..=800 {
+            machine.step(&course(cycle)).unwrap();
+        }
+        bits(machine)
+    };
+    let first = go_on(&mut one);
+    // Back again, in the machine itself and in another one.
+    one.restore(&snapshot);
+    assert_eq!(one.axis_state().time_ns, 400 * CYCLE_NS);
+    assert_eq!(go_on(&mut one), first);
+    let mut other = machine();
+    other.restore(&snapshot);
+    assert_eq!(go_on(&mut other), first);
+    // All over again.
+    let mut again = machine();
+    for cycle in 1..=400 {
+        again.step(&course(cycle)).unwrap();
+        if cycle == 300 {
+            again.fail(0, Fault::LooseBelt { stiffness: 0.3, backlash: 1e-5 });
+        }
+    }
+    assert_eq!(go_on(&mut again), first);
+}
+
+/// Random set-points, some of them jumps, and every fault at any time: everything stays finite, and no faster than what the
+/// motors and a fall can make of it.
+#[test]
+fn nothing_explodes() {
+    let steps = if std::env::var_os("TWIN_PHYSICS_FULL").is_some() { 1_000_000 } else { 30_000 };
+    let mut random = ChaCha8Rng::seed_from_u64(11);
+    let mut uniform = |low: f64, high: f64| random.random_range(low..high);
+    let mut machine = machine();
+    let fresh = machine.snapshot();
+    let (mut target, mut most, mut faults) = ([0.0; 3], 0.0_f64, 0);
+    for cycle in 0..steps {
+        if cycle % 5_000 == 4_999 {
+            machine.restore(&fresh);
+            target = [0.0; 3];
+        }
+        for target in &mut target {
+            *target +=
+                if uniform(0.0, 1.0) < 0.001 { uniform(-0.1, 0.1) } else { uniform(-1e-4, 1e-4) };
+            *target = target.clamp(-0.5, 0.5);
+        }
+        if uniform(0.0, 1.0) < 0.002 {
+            let axis = uniform(0.0, 2.999) as usize;
+            let fault = match uniform(0.0, 3.999) as u8 {
+                0 => Fault::Jam,
+                1 => Fault::LostSteps(uniform(1.0, 50.0)),
+                2 => {
+                    Fault::LooseBelt { stiffness: uniform(0.1, 1.0), backlash: uniform(0.0, 1e-4) }
+                }
+                _ => Fault::PowerLoss,
+            };
+            faults += u32::from(machine.fail(axis, fault));
+            machine.free(uniform(0.0, 2.999) as usize);
+        }
+        let state = machine.step(&AxisMotion::at_rest(axes(target))).unwrap();
+        assert!(state.position.is_finite() && state.velocity.is_finite(), "{state:?}");
+        most = state.velocity.iter().fold(most, |most, velocity| most.max(velocity.abs()));
+        machine.take_events();
+    }
+    println!("{steps} steps, {faults} faults, at most {most} m/s");
+    assert!(faults > 20, "{faults}");
+    // 800 N on 28 kg for the way of a metre, or a fall of 5 s.
+    assert!(most < 50.0, "{most} m/s");
+}
