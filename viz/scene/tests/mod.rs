@@ -14,7 +14,7 @@ use crate::frame::{AxisUnit, MoveKind};
 use read::Read;
 
 pub(crate) fn machine() -> Model {
-    let link = |name: &str, solids| Link { name: name.to_owned(), inertial: None, solids };
+    let link = |name: &str, solids| Link::new(name, None, solids);
     let solid = |shape| Solid {
         shape,
         origin: Isometry3::translation(0.0, 0.0, 0.01),
@@ -32,18 +32,14 @@ pub(crate) fn machine() -> Model {
                 ],
             ),
         ],
-        joints: vec![Joint {
-            name: "A".to_owned(),
-            kind: JointKind::Revolute,
-            parent: 0,
-            child: 1,
-            origin: Isometry3::identity(),
-            axis: Vector3::z_axis(),
-            drive: JointDrive::Axis(0),
-            position_limits: None,
-            velocity_limit: None,
-            effort_limit: None,
-        }],
+        joints: vec![Joint::new(
+            "A",
+            JointKind::Revolute,
+            [0, 1],
+            Isometry3::identity(),
+            Vector3::z_axis(),
+            JointDrive::Axis(0),
+        )],
         loops: Vec::new(),
         tip: Tip { link: 1, point: Point3::new(0.4, 0.0, 0.0) },
     }
