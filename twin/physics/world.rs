@@ -103,7 +103,9 @@ impl RapierWorld {
         world.integration_parameters.dt = dt;
         world.integration_parameters.num_solver_iterations = iterations;
         let axis_count = equation.axis_count();
-        let mut result = match equation.tree() {
+        // What holds joints that mimic others no joint of rapier says: their bodies are put where they are.
+        let tree = equation.tree().filter(|tree| tree.followers == 0);
+        let mut result = match tree {
             Some(tree) => Self::joined(world, model, tree.coupling(axis_count)?)?,
             None => Self::posed(world, model, axis_count),
         };
@@ -111,7 +113,7 @@ impl RapierWorld {
         for (_, body) in result.world.bodies.iter_mut() {
             body.recompute_mass_properties_from_colliders(&no_colliders);
         }
-        if let Some(tree) = equation.tree() {
+        if let Some(tree) = tree {
             result.place(tree, armature, position);
         } else {
             result.follow(position)?;

@@ -191,7 +191,8 @@ fn meshes_are_found() {
 /// A refusal, or a mesh of which every triangle has its corners.
 fn answered(bytes: &[u8], name: &str) -> Result<(), TestCaseError> {
     if let Ok(mesh) = parse(bytes, name) {
-        let corners = mesh.corners(&Vector3::repeat(1.0)).flatten();
+        let scale = Vector3::repeat(1.0);
+        let corners = mesh.corners(&scale).flatten();
         let finite = corners.filter(|corner| corner.iter().all(|value| value.is_finite()));
         prop_assert_eq!(finite.count(), 3 * mesh.triangles().len());
     }

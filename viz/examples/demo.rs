@@ -185,8 +185,7 @@ fn machine() -> Model {
         origin: Isometry3::translation(0.0, 0.0, z),
         color,
     };
-    let inertial =
-        Inertial { mass: 1.0, center: Point3::origin(), inertia: Matrix3::identity() };
+    let inertial = Inertial { mass: 1.0, center: Point3::origin(), inertia: Matrix3::identity() };
     let link = |name: &str, solids| Link::new(name, Some(inertial), solids);
     let joint = |name: &str, kind, parent, x, z, axis: usize| {
         let origin = Isometry3::translation(x, 0.0, z);
