@@ -189,5 +189,5 @@ fn triangles(solid: &Solid, mesh: &Mesh, scale: &Vector3<f64>) -> rerun::Mesh3D 
     }
     rerun::Mesh3D::new(corners)
         .with_vertex_normals(normals)
-        .with_albedo_factor(units::color(&solid.color))
+        .with_albedo_factor(units::color(&solid.color).0)
 }
