@@ -18,6 +18,7 @@ mod machine;
 mod path;
 mod process;
 mod run_limits;
+mod urdf;
 
 use serde::Deserialize;
 use std::collections::BTreeMap;

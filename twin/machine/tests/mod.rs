@@ -5,6 +5,7 @@
 mod kinds;
 mod limits;
 mod programs;
+mod urdf;
 
 use super::{Axis, AxisKind, Machine, MachineFileError, Parity, Problem};
 use proptest::prelude::*;

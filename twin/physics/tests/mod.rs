@@ -4,6 +4,7 @@ mod along_path;
 mod closed_forms;
 mod coupled;
 mod drives;
+mod mimic;
 mod parallel;
 mod rapier;
 mod scara;

@@ -230,9 +230,10 @@ impl Source {
                 section.complain_at(key, message);
             }
         };
+        let shown = |value: f64| agree::rounded(entry.axis.from_si(value));
         if let Some(limits) = joint.usable_limits() {
-            let [lower, upper] = limits.map(|limit| axis.from_si(limit));
-            let [min, max] = axis.position_limits.map(|limit| axis.from_si(limit));
+            let [lower, upper] = limits.map(shown);
+            let [min, max] = axis.position_limits.map(shown);
             let why = if joint.position_limits == Some(limits) {
                 "<limit>"
             } else {
@@ -268,7 +269,7 @@ impl Source {
             }
         }
         if let Some(limit) = joint.velocity_limit {
-            let (velocity, limit) = (axis.from_si(axis.max_velocity), axis.from_si(limit));
+            let (velocity, limit) = (shown(axis.max_velocity), shown(limit));
             if velocity > limit * (1.0 + SAME_LIMIT) {
                 complain(
                     &format!("max_velocity_{unit}_per_s"),
