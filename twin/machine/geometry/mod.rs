@@ -21,7 +21,7 @@ use std::path::Path;
 use twin_kinematics::MachineAxes;
 use twin_motion::path::EXTRA_AXES;
 use twin_urdf::{MachineJoint, Model, UrdfWarning};
-use urdf::Source;
+use urdf::{Given, Source};
 
 /// What follows from `[kinematics]`, `[body]`, `[tool]` and the axes.
 pub(super) struct Geometry {
@@ -66,13 +66,15 @@ pub(super) fn read(
     let design = design::read(&kinematics, kind);
     let direction = DirectionRule::read(&kinematics, kind.turns_tool(), kind.name);
     let length_scale = kinematics.number("length_scale_mm", LENGTH_MM);
-    let source = Source::read(&body, file.path);
-    let parts = if source.is_some() { None } else { Some(Body::read(&body, kind)) };
+    body.accept("urdf");
+    let is_urdf = body.has("urdf");
+    let source = if is_urdf { Source::read(&body, file.path) } else { None };
+    let parts = if is_urdf { None } else { Some(Body::read(&body, kind)) };
     kinematics.check_unknown();
     body.check_unknown();
 
     let axes = axes?;
-    if source.is_none() {
+    if !is_urdf {
         for entry in axes.iter().filter(|entry| entry.joint.given) {
             let message = "joints are named of a URDF, and [body] has no `urdf`".to_owned();
             root.complain_over(&entry.joint.span, message);
@@ -88,20 +90,16 @@ pub(super) fn read(
     let machine_axes = MachineAxes::new(transform, sources.clone(), tool.tip)
         .and_then(|machine_axes| machine_axes.with_periods(&periods));
     let machine_axes = machine_axes.map_err(|error| kinematics.complain(error.to_string())).ok()?;
-    let built = match source {
-        Some(source) => {
-            let machine =
-                urdf::Given { root, body: &body, kind, design: &design, axes, tool, sources };
-            source?.build(&machine, &machine_axes)?
-        }
-        None => {
-            let build = |joint: &dyn Fn(&str) -> Option<MachineJoint>| {
-                parts?.model(&design, file.name, joint, tool)
-            };
-            let model = model(&kinematics, axes, build)?;
-            let axes = axes.iter().map(|entry| entry.axis.clone()).collect();
-            Built { model, axes, warnings: Vec::new() }
-        }
+    let built = if let Some(parts) = parts {
+        let build = |joint: &dyn Fn(&str) -> Option<MachineJoint>| {
+            parts.model(&design, file.name, joint, tool)
+        };
+        let model = model(&kinematics, axes, build)?;
+        let axes = axes.iter().map(|entry| entry.axis.clone()).collect();
+        Built { model, axes, warnings: Vec::new() }
+    } else {
+        let given = Given { root, body: &body, kind, design: &design, axes, tool, sources };
+        source?.build(&given, &machine_axes)?
     };
     let Built { model, axes, warnings } = built;
     let (kind, kinematics) = (kind.name, machine_axes);

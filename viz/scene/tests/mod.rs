@@ -283,16 +283,19 @@ fn meshes_and_capsules_are_logged_in_mm() {
     // The normal of the side below: down.
     let normals = rerun::Mesh3D::descriptor_vertex_normals();
     let normals = read.statics::<components::Vector3D>(entity, &normals);
-    assert_eq!(normals[0].0.0, [0.0, 0.0, -1.0]);
+    let down = normals.iter().take(1).map(|normal| normal.0.0).collect::<Vec<_>>();
+    assert_eq!(down, [[0.0, 0.0, -1.0]]);
     let factor = rerun::Mesh3D::descriptor_albedo_factor();
     let factor = read.statics::<components::AlbedoFactor>(entity, &factor);
     assert_eq!(factor[0].0.to_array(), [255, 0, 0, 255]);
     let entity = "machine/arm 1/capsules";
     let translations = rerun::Capsules3D::descriptor_translations();
     let translations = read.statics::<components::Translation3D>(entity, &translations);
-    assert_eq!(translations[0].0.0, [0.0, 0.0, 350.0]);
+    let below = translations.iter().map(|place| place.0.0).collect::<Vec<_>>();
+    assert_eq!(below, [[0.0, 0.0, 350.0]]);
     let lengths = rerun::Capsules3D::descriptor_lengths();
-    assert_eq!(read.statics::<components::Length>(entity, &lengths)[0].0.0, 300.0);
+    let lengths = read.statics::<components::Length>(entity, &lengths);
+    assert_eq!(lengths.iter().map(|length| length.0.0).collect::<Vec<_>>(), [300.0]);
 }
 
 #[test]

@@ -32,23 +32,17 @@ impl Masses {
         let named = body.section("links");
         let mut complete = true;
         for (name, mass) in &self.links {
-            match model.links.iter_mut().find(|link| link.name == *name) {
-                Some(link) => {
-                    link.inertial = Some(match link.inertial {
-                        // As it is distributed there.
-                        Some(given) => twin_urdf::Inertial {
-                            mass: *mass,
-                            inertia: given.inertia * (mass / given.mass),
-                            ..given
-                        },
-                        None => link.uniform_of(*mass),
-                    });
-                }
-                None => {
-                    complete = false;
-                    named.complain_at(name, format!("the URDF has no link {name}"));
-                }
-            }
+            let Some(link) = model.links.iter_mut().find(|link| link.name == *name) else {
+                complete = false;
+                named.complain_at(name, format!("the URDF has no link {name}"));
+                continue;
+            };
+            // As it is distributed there.
+            let given = link.inertial.map(|given| {
+                let inertia = given.inertia * (mass / given.mass);
+                twin_urdf::Inertial { mass: *mass, inertia, ..given }
+            });
+            link.inertial = Some(given.unwrap_or_else(|| link.uniform_of(*mass)));
         }
         let moves = moving_links(model);
         let lacking = model.links.iter_mut().zip(moves);

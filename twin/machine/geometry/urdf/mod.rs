@@ -51,12 +51,8 @@ pub(super) struct Given<'a> {
 }
 
 impl Source {
-    /// Reads the keys; `None`: the file has no `urdf`, `Some(None)`: it has one, and something is wrong with it.
-    pub(super) fn read(body: &Section<'_>, file: &Path) -> Option<Option<Self>> {
-        body.accept("urdf");
-        if !body.has("urdf") {
-            return None;
-        }
+    /// Reads the keys of a file that has `urdf`; `None`: something is wrong with that.
+    pub(super) fn read(body: &Section<'_>, file: &Path) -> Option<Self> {
         let folder = file.parent().unwrap_or_else(|| Path::new(""));
         let path = body.text("urdf").map(|name| folder.join(name));
         let tip_link = body.text("tip_link").map(str::to_owned);
@@ -79,8 +75,8 @@ impl Source {
         let held = held.collect();
         let masses = Masses::read(body);
         let right_angle_tolerance = right_angles.to_radians();
-        Some(path.map(|path| Self {
-            path,
+        Some(Self {
+            path: path?,
             options: UrdfOptions { packages, tip_link, right_angle_tolerance },
             base: Isometry3::from_parts(
                 Translation3::from(Vector3::from(base) * 1e-3),
@@ -89,7 +85,7 @@ impl Source {
             tolerance: tolerance * 1e-3,
             held,
             masses,
-        }))
+        })
     }
 
     /// The machine: the file's links and joints, moved by the axes, with the tool. Complains about all that does not fit.
@@ -174,12 +170,11 @@ impl Source {
         let mut positions = Vec::with_capacity(self.held.len());
         let mut complete = true;
         for (name, position) in &self.held {
-            match model.joints.iter().find(|joint| joint.name == *name) {
-                Some(joint) => positions.push((name.clone(), position * axis_kind(joint).scale())),
-                None => {
-                    complete = false;
-                    held.complain_at(name, format!("{} has no joint {name}", self.path.display()));
-                }
+            if let Some(joint) = model.joints.iter().find(|joint| joint.name == *name) {
+                positions.push((name.clone(), position * axis_kind(joint).scale()));
+            } else {
+                complete = false;
+                held.complain_at(name, format!("{} has no joint {name}", self.path.display()));
             }
         }
         complete.then_some(positions)
