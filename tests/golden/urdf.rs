@@ -5,13 +5,13 @@ use crate::root;
 use std::env;
 use std::path::PathBuf;
 
-/// The program of the tutorial's SCARA: its length is 1 m × what Pythagoras says, and an arc of a quarter of 50 mm.
+/// The program of the tutorial's SCARA: three lines, and clockwise three quarters of a circle of 50 mm.
 const PROGRAM: &str = include_str!("../data/urdf_scara/program.cnc");
 
-/// 70.71 + 78.54 + 155.24 + 71.41 mm, from the numbers of [`PROGRAM`].
+/// 70.71 + 235.62 + 155.24 + 71.41 mm, from the numbers of [`PROGRAM`].
 fn length_mm() -> f64 {
     let line = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
-    let arc = std::f64::consts::FRAC_PI_2 * 50.0;
+    let arc = 3.0 * std::f64::consts::FRAC_PI_2 * 50.0;
     line([0.0, 50.0, 50.0]) + arc + line([0.0, 150.0, 40.0]) + line([50.0, 50.0, 10.0])
 }
 
