@@ -10,7 +10,7 @@ use twin_urdf::Model;
 const PLACES: u32 = 64;
 /// Where a flange that turns is looked at beside its tool, m.
 const BESIDE: f64 = 0.1;
-/// As far as an axis without limits is looked at, turns or mm, rad or m.
+/// As far as an axis without limits is looked at, rad or m.
 const FAR: f64 = 10.0;
 
 /// The largest difference, and where it is.
