@@ -1,86 +1,8 @@
-//! What is refused, and why.
+//! URDF that is refused, and why.
 
-use std::fmt;
-
-/// Dimensions from which no machine can be built.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum DimensionError {
-    /// A length, a section or a mass.
-    #[error("{what} is {value}; it must be a finite number above 0")]
-    NotPositive {
-        /// Which dimension.
-        what: &'static str,
-        /// Its value, m or kg.
-        value: f64,
-    },
-    /// A measure that may be absent.
-    #[error("{what} is {value}; it must be a finite number, 0 or above")]
-    Negative {
-        /// Which dimension.
-        what: &'static str,
-        /// Its value, m or kg.
-        value: f64,
-    },
-    /// A limit or an offset.
-    #[error("{what} is not a finite number")]
-    NotFinite {
-        /// Which dimension.
-        what: &'static str,
-    },
-    /// Position limits of which the lower is not below the upper.
-    #[error(
-        "joint {joint} can move from {lower} to {upper}; the lower limit must be below the upper one"
-    )]
-    Limits {
-        /// The joint.
-        joint: String,
-        /// m or rad.
-        lower: f64,
-        /// m or rad.
-        upper: f64,
-    },
-    /// A rod of a tripod that is shorter than what it has to bridge.
-    #[error(
-        "rod {} of {:.3} mm is too short for its joints and the {:.3} mm between its ends as seen from above",
-        rod + 1, length * 1e3, reach * 1e3
-    )]
-    Rod {
-        /// Which, from 0.
-        rod: usize,
-        /// Its length, m.
-        length: f64,
-        /// Between its ends with the platform in the middle, as seen from above, m.
-        reach: f64,
-    },
-    /// Rods of a tripod that are not two for each carriage.
-    #[error("the rods hang on the carriages {carriages:?}; each of 0, 1 and 2 has two of them")]
-    RodsOfCarriages {
-        /// The carriage of each rod.
-        carriages: [usize; 6],
-    },
-    /// Rods of a tripod that do not meet their platform.
-    #[error(
-        "the rods do not meet the platform with every axis in the middle of its travel; {gap} m are left open"
-    )]
-    RodsApart {
-        /// m.
-        gap: f64,
-    },
-    /// A belt that does not lead from two motors to two coordinates.
-    #[error(
-        "the factors {factors:?} of the belt are not ±0.5 each, or both coordinates move alike"
-    )]
-    Belt {
-        /// What the motors (columns) contribute to x and y (rows).
-        factors: [[f64; 2]; 2],
-    },
-    /// Two joints with one name, or moved by one machine axis.
-    #[error("joints {} and {} have the same name or the same machine axis", joints[0], joints[1])]
-    JointTwice {
-        /// Their names.
-        joints: [String; 2],
-    },
-}
+use crate::MeshError;
+use std::path::{Path, PathBuf};
+use std::{fmt, io};
 
 /// A link or a joint, as errors name it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -100,12 +22,168 @@ impl fmt::Display for Part {
     }
 }
 
+/// URDF that cannot be used: where, and why.
+#[derive(Debug)]
+pub struct UrdfFileError {
+    /// The file; empty if the text came from somewhere else.
+    pub path: PathBuf,
+    /// From 1.
+    pub line: u32,
+    /// What is wrong there.
+    pub error: Box<UrdfError>,
+}
+
+impl fmt::Display for UrdfFileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}", Place { path: &self.path, line: self.line }, self.error)
+    }
+}
+
+impl std::error::Error for UrdfFileError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        self.error.source()
+    }
+}
+
+/// `file:line`, or `line N` of a text without a file.
+pub(crate) struct Place<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) line: u32,
+}
+
+impl fmt::Display for Place<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.path.as_os_str().is_empty() {
+            write!(f, "line {}", self.line)
+        } else {
+            write!(f, "{}:{}", self.path.display(), self.line)
+        }
+    }
+}
+
 /// URDF that cannot be read as a [`Model`](crate::Model), or a model that cannot be written as URDF.
 #[derive(Debug, thiserror::Error)]
 pub enum UrdfError {
+    /// The file cannot be read.
+    #[error("cannot be read: {source}")]
+    Read {
+        /// Why.
+        source: io::Error,
+    },
+    /// The text is no XML.
+    #[error("not URDF: {source}")]
+    Xml {
+        /// Why.
+        source: roxmltree::Error,
+    },
     /// The text is no URDF.
     #[error("not URDF: {0}")]
     Text(#[source] urdf_rs::UrdfError),
+    /// The text is URDF only when a macro processor has been over it.
+    #[error(
+        "this is xacro, of which URDF is made: run `xacro IN.urdf.xacro > OUT.urdf` and take what it writes"
+    )]
+    Xacro,
+    /// Not `<robot>`.
+    #[error("not URDF: the text is a <{found}>, not a <robot>")]
+    Root {
+        /// What it is.
+        found: String,
+    },
+    /// Elements within elements beyond anything that URDF has.
+    #[error("not URDF: elements are within each other {depth} deep")]
+    Deep {
+        /// How deep.
+        depth: usize,
+    },
+    /// An element without something it needs.
+    #[error("{}<{element}> has no {what}", of(part.as_ref()))]
+    Lacks {
+        /// Whose, if it belongs to a link or a joint.
+        part: Option<Part>,
+        /// The element.
+        element: String,
+        /// An attribute or an element in it.
+        what: String,
+    },
+    /// An element that is there more often than it may.
+    #[error("{}<{element}> has more than one {what}", of(part.as_ref()))]
+    TooMany {
+        /// Whose, if it belongs to a link or a joint.
+        part: Option<Part>,
+        /// The element.
+        element: String,
+        /// An element in it.
+        what: String,
+    },
+    /// An attribute that is not what it has to be.
+    #[error("{}{attribute} of <{element}> is \"{value}\"; expected {expected}", of(part.as_ref()))]
+    Attribute {
+        /// Whose, if it belongs to a link or a joint.
+        part: Option<Part>,
+        /// The element.
+        element: String,
+        /// The attribute.
+        attribute: &'static str,
+        /// What it is.
+        value: String,
+        /// What it should be.
+        expected: &'static str,
+    },
+    /// Roll, pitch and yaw say something else than the quaternion beside them.
+    #[error(
+        "{part}: rpy and {} of an <origin> are {angle} rad apart; take one of them out",
+        crate::QUATERNION
+    )]
+    Orientation {
+        /// Whose.
+        part: Part,
+        /// Between them.
+        angle: f64,
+    },
+    /// A mesh file that is nowhere.
+    #[error("link {link}: there is no mesh {file}; looked at {}", list(places))]
+    NoMesh {
+        /// The link.
+        link: String,
+        /// As the text names it.
+        file: String,
+        /// Where it was looked for.
+        places: Vec<PathBuf>,
+    },
+    /// A mesh file that cannot be used.
+    #[error("link {link}: mesh {}: {error}", path.display())]
+    Mesh {
+        /// The link.
+        link: String,
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        error: MeshError,
+    },
+    /// A joint that mimics one that is not there.
+    #[error("joint {joint} mimics {leader}, which is no joint")]
+    NoLeader {
+        /// The joint.
+        joint: String,
+        /// Which it mimics.
+        leader: String,
+    },
+    /// A joint that mimics one that does not move, or that does not move itself.
+    #[error("joint {joint} mimics {leader}; a fixed joint neither mimics nor is mimicked")]
+    MimicFixed {
+        /// The joint.
+        joint: String,
+        /// Which it mimics.
+        leader: String,
+    },
+    /// Joints that mimic each other.
+    #[error("joint {joint} mimics itself, by way of others or directly")]
+    MimicCircle {
+        /// One of them.
+        joint: String,
+    },
     /// Something that URDF has and this program has not.
     #[error("{part}: {what} is not supported yet")]
     Unsupported {
@@ -154,6 +232,24 @@ pub enum UrdfError {
         /// One of the joints.
         joint: String,
     },
+    /// `<twin>` speaks of a joint that is not there, or that nothing can move.
+    #[error("<twin>: there is no joint {joint} that moves and mimics no other")]
+    NoDrivenJoint {
+        /// The joint.
+        joint: String,
+    },
+    /// `<twin>` speaks of a link that is not there.
+    #[error("<twin>: there is no link {link}")]
+    NoLoopLink {
+        /// The link.
+        link: String,
+    },
+    /// A loop that is not of two points.
+    #[error("<twin>: a loop has two points, not {points}")]
+    LoopPoints {
+        /// How many it has.
+        points: usize,
+    },
     /// The links and joints of a model are not in order.
     #[error("joint {joint}: a model's joint i moves link i + 1, and parents come before children")]
     Order {
@@ -174,6 +270,12 @@ pub enum UrdfError {
         crate::TIP_NAME
     )]
     NoTip,
+    /// The link that is said to be where the tool tip is is not there.
+    #[error("there is no link {link}, of which tip_link speaks")]
+    NoTipLink {
+        /// Its name.
+        link: String,
+    },
     /// The link that marks the tool tip is more than a mark.
     #[error(
         "link {} marks the tool tip: it has neither body nor mass, hangs on a fixed joint and carries nothing",
@@ -188,6 +290,16 @@ pub enum UrdfError {
         /// What.
         what: &'static str,
     },
+    /// A measure that may be 0.
+    #[error("{part}: {what} is {value}; it must be 0 or above")]
+    Negative {
+        /// Whose.
+        part: Part,
+        /// What.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
     /// A measure or a mass.
     #[error("{part}: {what} is {value}; it must be above 0")]
     NotPositive {
@@ -197,22 +309,6 @@ pub enum UrdfError {
         what: &'static str,
         /// m, kg or kg·m².
         value: f64,
-    },
-    /// What is seen and what collides differ.
-    #[error(
-        "link {link}: its collision geometry differs from its visual geometry, which is not supported yet"
-    )]
-    CollisionDiffers {
-        /// The link.
-        link: String,
-    },
-    /// A material without a colour.
-    #[error("link {link}: no colour is given for material \"{material}\"")]
-    NoColor {
-        /// The link.
-        link: String,
-        /// Name of the material.
-        material: String,
     },
     /// The axis of a joint that moves has no direction.
     #[error("joint {joint}: its axis is 0 0 0")]
@@ -250,4 +346,14 @@ pub enum UrdfError {
         /// The axis.
         axis: String,
     },
+}
+
+/// "link slide: ", or nothing.
+fn of(part: Option<&Part>) -> String {
+    part.map_or_else(String::new, |part| format!("{part}: "))
+}
+
+fn list(paths: &[PathBuf]) -> String {
+    let paths: Vec<_> = paths.iter().map(|path| path.display().to_string()).collect();
+    paths.join(", ")
 }

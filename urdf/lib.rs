@@ -4,26 +4,37 @@
 //! [`TripodDimensions`]) or read from URDF ([`Model::from_urdf`]), and written as URDF ([`Model::to_urdf`]).
 //! [`Model::link_poses`] says where its links are; where they go round in circles, [`JointPositions`] closes them.
 
+mod bind;
 mod error;
 mod generate;
 mod inertial;
-mod load;
 mod loops;
+mod mesh;
 mod model;
 mod pose;
+mod read;
 #[cfg(test)]
 mod tests;
-mod to_urdf;
+mod write;
 
-pub use error::{DimensionError, Part, UrdfError};
+pub use bind::{AxisJoint, BindError};
+pub use error::{Part, UrdfError, UrdfFileError};
 pub use generate::{
-    GantryDimensions, HBelt, MachineJoint, PlaneDrive, RotaryTool, ScaraDimensions, ScaraHand,
-    TripodDimensions,
+    DimensionError, GantryDimensions, HBelt, MachineJoint, PlaneDrive, RotaryTool, ScaraDimensions,
+    ScaraHand, TripodDimensions,
 };
 pub use loops::{JointPositions, LoopError};
+pub use mesh::{Mesh, MeshError};
 pub use model::{
-    Inertial, Joint, JointDrive, JointKind, Link, Loop, Model, Solid, SolidShape, Tip,
+    Calibration, Inertial, Joint, JointDetails, JointDrive, JointKind, Link, Loop, Model,
+    SafetyController, Solid, SolidShape, Tip,
 };
+pub use pose::Following;
+pub use read::{Loaded, UrdfNote, UrdfOptions, UrdfWarning};
 
 /// Name of the link that marks the tool tip in URDF text, and of the joint that fixes it.
 pub const TIP_NAME: &str = "tool_tip";
+
+/// Attribute of `<origin>` for orientations that roll, pitch and yaw do not give back to the last digit: w, x, y, z. Other
+/// readers of URDF pass over it.
+pub const QUATERNION: &str = "quaternion_wxyz";

@@ -1,6 +1,8 @@
 //! Links and joints of a machine, with everything physics and pictures need.
 
+use crate::Mesh;
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
+use std::sync::Arc;
 
 /// A tree of links, joined by joints. Link 0 is the base, fixed in the machine frame; every other link is the child
 /// of exactly one joint, and joints are ordered so that a parent comes before its children. Machines whose links go round
@@ -44,8 +46,22 @@ pub struct Link {
     pub name: String,
     /// Mass and inertia; `None` for the base or a massless frame.
     pub inertial: Option<Inertial>,
-    /// What it looks like; also its collision geometry.
+    /// What it looks like.
     pub solids: Vec<Solid>,
+    /// What it touches others with, where that is not what it looks like; empty: it is. Colours mean nothing here.
+    pub collision: Vec<Solid>,
+}
+
+impl Link {
+    /// A link that touches others with what it looks like.
+    pub fn new(name: impl Into<String>, inertial: Option<Inertial>, solids: Vec<Solid>) -> Self {
+        Self { name: name.into(), inertial, solids, collision: Vec::new() }
+    }
+
+    /// What it touches others with.
+    pub fn collision_solids(&self) -> &[Solid] {
+        if self.collision.is_empty() { &self.solids } else { &self.collision }
+    }
 }
 
 /// Mass properties of a link.
@@ -90,6 +106,20 @@ pub enum SolidShape {
         /// Radius.
         radius: f64,
     },
+    /// About the z axis: a cylinder between two half spheres.
+    Capsule {
+        /// Radius.
+        radius: f64,
+        /// Length along z between the centres of the half spheres.
+        length: f64,
+    },
+    /// Triangles from a file.
+    Mesh {
+        /// What the file has.
+        mesh: Arc<Mesh>,
+        /// What its coordinates are multiplied by to be m; below 0 mirrors.
+        scale: Vector3<f64>,
+    },
 }
 
 /// A joint: moves its child link along or about [`Joint::axis`].
@@ -115,6 +145,83 @@ pub struct Joint {
     pub velocity_limit: Option<f64>,
     /// N or Nm.
     pub effort_limit: Option<f64>,
+    /// What else URDF says of it.
+    pub details: JointDetails,
+}
+
+/// What URDF says of a joint beside how it moves and how far.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct JointDetails {
+    /// Friction proportional to velocity, N·s/m or Nm·s/rad.
+    pub damping: f64,
+    /// Dry friction, N or Nm.
+    pub friction: f64,
+    /// Limits that keep the joint away from its own.
+    pub safety: Option<SafetyController>,
+    /// Where its reference switch is.
+    pub calibration: Option<Calibration>,
+    /// Limits of acceleration, deceleration and jerk (m/s², m/s³; rad alike), since URDF 1.2.
+    pub motion_limits: [Option<f64>; 3],
+}
+
+/// `<safety_controller>`: within the soft limits a controller leaves a joint alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SafetyController {
+    /// Lower and upper position, m or rad; as URDF has it, two zeros if the file does not say them.
+    pub soft_limits: [f64; 2],
+    /// Velocity limit per distance from a soft limit, 1/s.
+    pub k_position: f64,
+    /// Effort limit per distance from the velocity limit, N·s/m or Nm·s/rad.
+    pub k_velocity: f64,
+}
+
+/// `<calibration>`: where the edges of a reference switch are, m or rad. It is kept, and nothing here follows from it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Calibration {
+    /// Moving up.
+    pub rising: Option<f64>,
+    /// Moving down.
+    pub falling: Option<f64>,
+}
+
+impl Joint {
+    /// A joint without limits.
+    pub fn new(
+        name: impl Into<String>,
+        kind: JointKind,
+        links: [usize; 2],
+        origin: Isometry3<f64>,
+        axis: Unit<Vector3<f64>>,
+        drive: JointDrive,
+    ) -> Self {
+        let [parent, child] = links;
+        Self {
+            name: name.into(),
+            kind,
+            parent,
+            child,
+            origin,
+            axis,
+            drive,
+            position_limits: None,
+            velocity_limit: None,
+            effort_limit: None,
+            details: JointDetails::default(),
+        }
+    }
+
+    /// Lower and upper position that may be used (m or rad): the limits, narrowed by those of a
+    /// [safety controller](SafetyController) that has any.
+    pub fn usable_limits(&self) -> Option<[f64; 2]> {
+        let soft = self.details.safety.map(|safety| safety.soft_limits);
+        let soft = soft.filter(|[lower, upper]| lower < upper);
+        match (self.position_limits, soft) {
+            (Some([lower, upper]), Some([soft_lower, soft_upper])) => {
+                Some([lower.max(soft_lower), upper.min(soft_upper)])
+            }
+            (limits, soft) => limits.or(soft),
+        }
+    }
 }
 
 /// How a joint moves.
@@ -142,6 +249,15 @@ pub enum JointDrive {
         /// Where it stands with every driven joint in the middle of its limits (at 0 without): where to begin looking.
         rest: f64,
     },
+    /// It is that of another joint times `multiplier`, and `offset` more (`<mimic>`).
+    Mimic {
+        /// Index into [`Model::joints`].
+        joint: usize,
+        /// m or rad per m or rad of the other joint.
+        multiplier: f64,
+        /// m or rad.
+        offset: f64,
+    },
 }
 
 impl JointDrive {
@@ -149,7 +265,7 @@ impl JointDrive {
     pub const fn axis(&self) -> Option<usize> {
         match self {
             Self::Axis(axis) => Some(*axis),
-            Self::Fixed | Self::Combination(_) | Self::Passive { .. } => None,
+            Self::Fixed | Self::Combination(_) | Self::Passive { .. } | Self::Mimic { .. } => None,
         }
     }
 }

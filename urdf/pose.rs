@@ -5,15 +5,34 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
 
 impl JointDrive {
     /// The position that this drive gives its joint with the machine's axes at `axes` (m or rad, machine-file order). An
-    /// axis beyond their end stands at 0, a passive joint at rest.
-    pub fn position(&self, axes: &[f64]) -> f64 {
+    /// axis beyond their end stands at 0, a passive joint at rest; what a joint that mimics another does
+    /// [`Model::joint_position`] says.
+    fn position(&self, axes: &[f64]) -> f64 {
         let at = |axis: usize| axes.get(axis).copied().unwrap_or_default();
         match self {
-            Self::Fixed => 0.0,
+            Self::Fixed | Self::Mimic { .. } => 0.0,
             Self::Axis(axis) => at(*axis),
             Self::Combination(parts) => parts.iter().map(|(axis, factor)| factor * at(*axis)).sum(),
             Self::Passive { rest } => *rest,
         }
+    }
+}
+
+/// A joint whose position is `multiplier` times that of the joint `leader`, which mimics none, and `offset` more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Following {
+    /// Index into [`Model::joints`]; the joint itself, if it mimics none.
+    pub leader: usize,
+    /// m or rad per m or rad of the leader.
+    pub multiplier: f64,
+    /// m or rad.
+    pub offset: f64,
+}
+
+impl Following {
+    /// The position with the leader at `position`.
+    pub(crate) fn position(&self, position: f64) -> f64 {
+        self.multiplier * position + self.offset
     }
 }
 
@@ -33,6 +52,36 @@ impl Joint {
 }
 
 impl Model {
+    /// Whom the joint `index` follows in the end, where joints mimic joints that mimic others. `None` if there is no such
+    /// joint, or if they go round in a circle.
+    pub fn following(&self, index: usize) -> Option<Following> {
+        let mut found = Following { leader: index, multiplier: 1.0, offset: 0.0 };
+        for _ in 0..=self.joints.len() {
+            let JointDrive::Mimic { joint, multiplier, offset } =
+                self.joints.get(found.leader)?.drive
+            else {
+                return Some(found);
+            };
+            found.offset += found.multiplier * offset;
+            found.multiplier *= multiplier;
+            found.leader = joint;
+        }
+        None
+    }
+
+    /// The position of the joint `index` (m or rad) with the machine's axes at `axes` (m or rad, machine-file order). An
+    /// axis beyond their end stands at 0, a passive joint at rest.
+    pub fn joint_position(&self, index: usize, axes: &[f64]) -> f64 {
+        match self.joints.get(index).map(|joint| &joint.drive) {
+            Some(JointDrive::Mimic { .. }) => self.following(index).map_or(0.0, |following| {
+                let leader = self.joints.get(following.leader);
+                following.position(leader.map_or(0.0, |leader| leader.drive.position(axes)))
+            }),
+            Some(drive) => drive.position(axes),
+            None => 0.0,
+        }
+    }
+
     /// The joints that move, with their indices.
     pub fn moving_joints(&self) -> impl Iterator<Item = (usize, &Joint)> {
         self.joints.iter().enumerate().filter(|(_, joint)| joint.kind != JointKind::Fixed)
@@ -70,7 +119,7 @@ impl Model {
     /// the machine has just been, keep [`JointPositions`].
     pub fn link_poses_into(&self, axes: &[f64], poses: &mut [Isometry3<f64>]) {
         if self.loops.is_empty() {
-            self.place_links(|_, joint| joint.drive.position(axes), poses);
+            self.place_links(|index, _| self.joint_position(index, axes), poses);
         } else {
             self.link_poses_at(self.nearest(axes).values(), poses);
         }
@@ -86,7 +135,7 @@ impl Model {
     /// that cannot be closed the same holds as for [`Self::link_poses_into`].
     pub fn tip_position(&self, axes: &[f64]) -> Point3<f64> {
         if self.loops.is_empty() {
-            self.tip_with(|_, joint| joint.drive.position(axes))
+            self.tip_with(|index, _| self.joint_position(index, axes))
         } else {
             let positions = self.nearest(axes);
             self.tip_with(|index, _| positions.values().get(index).copied().unwrap_or_default())

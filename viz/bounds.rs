@@ -1,7 +1,7 @@
 //! How large the scene is, to place the camera.
 
 use nalgebra::{Isometry3, Point3};
-use twin_urdf::{Solid, SolidShape};
+use twin_urdf::Solid;
 
 /// An axis-aligned box that grows, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,18 +21,13 @@ impl Bounds {
 
     /// Takes in a solid by the corners of the box around it.
     pub(crate) fn add_solid(&mut self, machine_from_link: &Isometry3<f64>, solid: &Solid) {
-        let half = match solid.shape {
-            SolidShape::Box { size } => size / 2.0,
-            SolidShape::Cylinder { radius, length } => [radius, radius, length / 2.0].into(),
-            SolidShape::Sphere { radius } => [radius; 3].into(),
-        };
+        let [low, high] = solid.shape.bounds();
         let machine_from_solid = machine_from_link * solid.origin;
         for corner in 0..8_u8 {
-            let side = |bit: u8, half: f64| if corner & bit == 0 { -half } else { half };
-            self.add(
-                &(machine_from_solid
-                    * Point3::new(side(1, half.x), side(2, half.y), side(4, half.z))),
-            );
+            let side = |bit: u8, low: f64, high: f64| if corner & bit == 0 { low } else { high };
+            let [x, y, z] =
+                [side(1, low.x, high.x), side(2, low.y, high.y), side(4, low.z, high.z)];
+            self.add(&(machine_from_solid * Point3::new(x, y, z)));
         }
     }
 
@@ -50,6 +45,7 @@ impl Bounds {
 #[cfg(test)]
 mod tests {
     use nalgebra::Vector3;
+    use twin_urdf::SolidShape;
 
     use super::*;
 

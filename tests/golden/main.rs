@@ -19,6 +19,7 @@ mod motors;
 mod path;
 mod process;
 mod run_limits;
+mod urdf;
 
 use serde::Deserialize;
 use std::collections::BTreeMap;

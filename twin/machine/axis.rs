@@ -153,6 +153,41 @@ pub(super) struct AxisEntry {
     pub(super) role_span: Range<usize>,
     /// Whether it names a drive, right or wrong.
     pub(super) driven: bool,
+    /// The joint of a URDF that it moves.
+    pub(super) joint: JointEntry,
+}
+
+/// `joint`, `joint_sense` and `joint_offset` of an axis.
+#[derive(Clone, Debug)]
+pub(super) struct JointEntry {
+    /// Its name, if the file says it; else that of the axis.
+    pub(super) name: Option<String>,
+    /// The joint moves backwards when the axis moves forwards.
+    pub(super) reversed: bool,
+    /// Position of the joint with the axis at 0, m or rad.
+    pub(super) offset: f64,
+    /// Where the file says any of it; where the axis is, if it does not.
+    pub(super) span: Range<usize>,
+    /// Whether it says any of it.
+    pub(super) given: bool,
+}
+
+impl JointEntry {
+    fn read(section: &Section<'_>, kind: AxisKind) -> Self {
+        let offset_key = format!("joint_offset_{}", kind.unit());
+        let name = section.text("joint").map(str::to_owned);
+        let sense = section.choice("joint_sense", &[("same", false), ("opposite", true)]);
+        let offset = section.number(&offset_key, -MOST..=MOST);
+        let keys = ["joint", "joint_sense", &offset_key];
+        let said = keys.into_iter().find(|key| section.has(key));
+        Self {
+            name,
+            reversed: sense.unwrap_or(false),
+            offset: offset.unwrap_or(0.0) * kind.scale(),
+            span: section.span_of(said.unwrap_or("name")),
+            given: said.is_some(),
+        }
+    }
 }
 
 /// Reads one `[[axes]]` table. `devices` are the names of `[[drives]]`.
@@ -193,6 +228,7 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
         drive_limits.motor_turns.map(|turns| turns / kind.scale()),
     );
     let drive = read_drive(section, unit, devices);
+    let joint = JointEntry::read(section, kind);
     let (min, max) = if limited {
         (position_min?, position_max?)
     } else {
@@ -244,6 +280,7 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
         role: role?.to_owned(),
         role_span: section.span_of(if section.has("role") { "role" } else { "name" }),
         driven: section.has("drive"),
+        joint,
     })
 }
 

@@ -35,7 +35,7 @@ use section::Section;
 use std::path::{Path, PathBuf};
 use tool::Tool;
 use twin_kinematics::{AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
-use twin_urdf::Model;
+use twin_urdf::{JointKind, Model, UrdfWarning};
 
 /// One set-point per millisecond.
 const CYCLE_NS: i64 = 1_000_000;
@@ -63,6 +63,8 @@ pub struct Machine {
     pub axes: Vec<Axis>,
     /// Links and joints, for physics and pictures.
     pub model: Model,
+    /// What of a URDF that the file points to is not as it is written there.
+    pub urdf_warnings: Vec<UrdfWarning>,
     /// The devices on the wires.
     pub drives: Vec<DeviceEntry>,
     /// What M functions switch.
@@ -110,7 +112,17 @@ impl Machine {
 
     /// Mass of everything that the axes move, kg.
     pub fn moving_mass(&self) -> f64 {
-        self.model.links.iter().filter_map(|link| link.inertial).map(|body| body.mass).sum()
+        // A parent comes before its children.
+        let mut moves = vec![false; self.model.links.len()];
+        for joint in &self.model.joints {
+            let moved = joint.kind != JointKind::Fixed
+                || moves.get(joint.parent).copied().unwrap_or_default();
+            if let Some(slot) = moves.get_mut(joint.child) {
+                *slot = moved;
+            }
+        }
+        let moving = self.model.links.iter().zip(moves).filter(|(_, moves)| *moves);
+        moving.filter_map(|(link, _)| link.inertial).map(|body| body.mass).sum()
     }
 
     /// Every axis in the middle of its software limits: where to begin looking for rotary axes among the turns that
@@ -168,7 +180,8 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         environment.numbers::<3>("gravity_m_per_s2", -100.0..=100.0).unwrap_or([0.0, 0.0, -9.81]);
     environment.finish();
 
-    let geometry = geometry::read(root, name.unwrap_or_default(), axes.as_deref(), &mounted);
+    let file = geometry::File { path, name: name.unwrap_or_default() };
+    let geometry = geometry::read(root, file, axes.as_deref(), &mounted);
     root.check_unknown();
 
     let geometry = geometry?;
@@ -182,7 +195,8 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         direction: geometry.direction,
         length_scale: geometry.length_scale,
         frame: frame?,
-        axes: axes?.into_iter().map(|entry| entry.axis).collect(),
+        axes: geometry.axes,
+        urdf_warnings: geometry.warnings,
         drives: devices.into_iter().collect::<Option<_>>()?,
         gravity: Vector3::from(gravity),
         conditions,

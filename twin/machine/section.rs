@@ -76,6 +76,17 @@ impl<'a> Section<'a> {
         self.complaints.add(self.span_of(key), message, None);
     }
 
+    /// Complains about the value of `key`, with what would be right.
+    pub(super) fn complain_with_help(&self, key: &str, message: String, help: Option<String>) {
+        self.complaints.add(self.span_of(key), message, help);
+    }
+
+    /// The keys that are there, none of which is unknown then.
+    pub(super) fn keys(&self) -> Vec<&'a str> {
+        self.accept_all();
+        self.table.into_iter().flatten().map(|(key, _)| key.get_ref().as_ref()).collect()
+    }
+
     /// Complains about a place known from before.
     pub(super) fn complain_over(&self, span: &Range<usize>, message: String) {
         self.complaints.add(span.clone(), message, None);

@@ -68,6 +68,8 @@ pub(super) struct Tree {
     pub(super) bodies: Vec<Body>,
     /// How the joints (rows) move with the axes (columns), where an axis moves more joints than one.
     pub(super) coupling: Option<JointMatrix>,
+    /// How many joints mimic others.
+    pub(super) followers: usize,
 }
 
 /// How joints move with axes, both ways. Joints that are not there move with axes that are not there.
@@ -88,8 +90,9 @@ impl Tree {
         if !model.loops.is_empty() {
             return Err(PhysicsError::ClosedLoops { loops: model.loops.len() });
         }
-        let coupled =
-            model.joints.iter().any(|joint| matches!(joint.drive, JointDrive::Combination(_)));
+        let coupled = model.joints.iter().any(|joint| {
+            matches!(joint.drive, JointDrive::Combination(_) | JointDrive::Mimic { .. })
+        });
         let mut coupling = JointMatrix::zeros();
         let mut count = 0;
         let mut bodies: Vec<Body> = Vec::with_capacity(model.joints.len());
@@ -102,8 +105,12 @@ impl Tree {
             }
             let link = model.links.get(joint.child).ok_or(not_a_tree)?;
             let wrong = PhysicsError::JointAxis { joint: index };
+            let following =
+                model.following(index).ok_or(PhysicsError::CoupledJoint { joint: index })?;
+            let drive =
+                model.joints.get(following.leader).map_or(&joint.drive, |leader| &leader.drive);
             let own = if coupled { count } else { joint.drive.axis().unwrap_or_default() };
-            let motion = match (joint.kind, &joint.drive) {
+            let motion = match (joint.kind, drive) {
                 (_, JointDrive::Passive { .. }) => {
                     return Err(PhysicsError::CoupledJoint { joint: index });
                 }
@@ -122,8 +129,8 @@ impl Tree {
                     return Err(PhysicsError::AxisNumber { given: count });
                 }
             }
-            match &joint.drive {
-                JointDrive::Axis(axis) => {
+            match drive {
+                JointDrive::Axis(axis) if following.leader == index => {
                     let slot = moved.get_mut(*axis).filter(|_| *axis < axis_count).ok_or(wrong)?;
                     if *slot {
                         let axis = *axis;
@@ -137,21 +144,35 @@ impl Tree {
                 JointDrive::Combination(parts) => {
                     for (axis, factor) in parts {
                         let entry = coupling.get_mut((own, *axis));
+                        let factor = following.multiplier * factor;
                         let possible = *axis < axis_count && factor.is_finite();
                         *entry.filter(|_| possible).ok_or(wrong)? += factor;
                     }
                 }
-                JointDrive::Fixed | JointDrive::Passive { .. } => {}
+                JointDrive::Axis(axis) => {
+                    let entry = coupling.get_mut((own, *axis));
+                    let possible = *axis < axis_count && following.multiplier.is_finite();
+                    *entry.filter(|_| possible).ok_or(wrong)? += following.multiplier;
+                }
+                JointDrive::Fixed | JointDrive::Passive { .. } | JointDrive::Mimic { .. } => {}
             }
+            // Where a joint stands that follows another, with that at 0, is where it begins.
+            let origin = match joint.drive {
+                JointDrive::Mimic { .. } => joint.transform(following.offset),
+                _ => joint.origin,
+            };
             let parent = joint.parent.checked_sub(1);
             let mass = MassProperties::of(joint.child, link)?;
-            bodies.push(Body { parent, origin: joint.origin, motion, mass });
+            bodies.push(Body { parent, origin, motion, mass });
         }
         if model.links.len() != bodies.len() + 1 {
             let joint = model.joints.len();
             return Err(PhysicsError::NotATree { joint, parent: 0, child: joint + 1 });
         }
-        Ok(Self { bodies, coupling: coupled.then_some(coupling) })
+        let followers = model.joints.iter();
+        let followers = followers.filter(|joint| matches!(joint.drive, JointDrive::Mimic { .. }));
+        let followers = followers.count();
+        Ok(Self { bodies, coupling: coupled.then_some(coupling), followers })
     }
 
     /// How its joints move with the axes `0..axis_count`, if not each with one of its own.

@@ -91,7 +91,10 @@ pub enum PhysicsError {
         mass: f64,
     },
     /// Nothing with mass hangs on the axis: a force would accelerate it without bound.
-    #[error("axis {axis} moves {inertia} kg or kg·m²: no mass and no rotor inertia")]
+    #[error(
+        "axis {axis} (from 0) moves {inertia} kg or kg·m²: no mass and no rotor inertia; links of a URDF without <inertial> get \
+         their mass from [body] density_kg_per_m3 or [body.links.NAME] mass_kg"
+    )]
     NoInertia {
         /// The axis.
         axis: usize,

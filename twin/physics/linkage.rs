@@ -217,5 +217,12 @@ fn others(model: &Model, axis_count: usize) -> Result<Option<Tree>, PhysicsError
             rest.joints.push(Joint { parent, child, ..joint.clone() });
         }
     }
+    // Joint i moves link i + 1, before and after.
+    for (index, joint) in rest.joints.iter_mut().enumerate() {
+        if let JointDrive::Mimic { joint: leader, .. } = &mut joint.drive {
+            let number = numbers.get(*leader + 1).and_then(|number| number.checked_sub(1));
+            *leader = number.ok_or(PhysicsError::CoupledJoint { joint: index })?;
+        }
+    }
     if rest.joints.is_empty() { Ok(None) } else { Tree::new(&rest, axis_count).map(Some) }
 }

@@ -1,4 +1,4 @@
-//! Where the links of a machine are whose links go round in circles: rapier closes loops to a fraction of a micrometre only, and at ten
+//! Where the links of a machine are whose links go round in circles, or mimic others: rapier closes loops to a fraction of a micrometre only, and at ten
 //! times the cost.
 
 use nalgebra::Isometry3;
@@ -9,10 +9,10 @@ use super::error::PhysicsError;
 use super::passive::PassiveJoints;
 use super::tripod::TripodDynamics;
 
-/// The joints of a tripod.
+/// The joints of a machine that rapier does not join.
 #[derive(Clone, Debug)]
 pub(super) struct Posed {
-    tripod: Box<TripodDynamics>,
+    axis_count: usize,
     /// m or rad, one per joint.
     positions: Vec<f64>,
     passive: Passive,
@@ -21,19 +21,25 @@ pub(super) struct Posed {
 /// How the passive joints are found.
 #[derive(Clone, Debug)]
 enum Passive {
-    Closed(Box<PassiveJoints>),
+    /// There are none: a tree.
+    None,
+    Closed(Box<PassiveJoints>, Box<TripodDynamics>),
     /// By an iteration, where they are not at right angles.
     Sought(Box<JointPositions>),
 }
 
 impl Posed {
-    pub(super) fn new(model: &Model, tripod: &TripodDynamics) -> Self {
+    pub(super) fn of_tree(axis_count: usize) -> Self {
+        Self { axis_count, positions: Vec::new(), passive: Passive::None }
+    }
+
+    pub(super) fn of_tripod(model: &Model, tripod: &TripodDynamics) -> Self {
         let passive = match PassiveJoints::of(model) {
-            Some(joints) => Passive::Closed(Box::new(joints)),
+            Some(joints) => Passive::Closed(Box::new(joints), Box::new(tripod.clone())),
             None => Passive::Sought(Box::new(JointPositions::at_rest(model))),
         };
         let positions = vec![0.0; model.joints.len()];
-        Self { tripod: Box::new(tripod.clone()), positions, passive }
+        Self { axis_count: tripod.axis_count(), positions, passive }
     }
 
     /// Fills `poses` with those of the links of `model` in the machine frame, the axes at `position`.
@@ -47,13 +53,15 @@ impl Posed {
         poses: &mut [Isometry3<f64>],
     ) -> Result<(), PhysicsError> {
         let axes = position.as_slice();
-        let axes = axes.get(..self.tripod.axis_count()).unwrap_or(axes);
+        let axes = axes.get(..self.axis_count).unwrap_or(axes);
         match &mut self.passive {
-            Passive::Closed(passive) => {
-                let platform = self.tripod.platform(position)?;
-                for (value, joint) in self.positions.iter_mut().zip(&model.joints) {
+            Passive::None => model.link_poses_into(axes, poses),
+            Passive::Closed(passive, tripod) => {
+                let platform = tripod.platform(position)?;
+                let joints = self.positions.iter_mut().zip(&model.joints).enumerate();
+                for (index, (value, joint)) in joints {
                     if !matches!(joint.drive, JointDrive::Passive { .. }) {
-                        *value = joint.drive.position(axes);
+                        *value = model.joint_position(index, axes);
                     }
                 }
                 passive.follow(axes, &platform, &mut self.positions);

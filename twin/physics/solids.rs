@@ -46,7 +46,7 @@ pub(super) fn insert(
     // Bodies that are put where they are do not look for fixed ones by themselves.
     let types = ActiveCollisionTypes::default() | ActiveCollisionTypes::KINEMATIC_FIXED;
     for (link, body) in model.links.iter().zip(links) {
-        for solid in &link.solids {
+        for solid in link.collision_solids() {
             let collider = collider(solid).collision_groups(groups).active_collision_types(types);
             world.insert_collider(collider, *body);
         }
@@ -60,17 +60,31 @@ pub(super) fn insert(
 /// Without mass, in the frame of its link.
 fn collider(solid: &Solid) -> ColliderBuilder {
     let mut pose = solid.origin;
-    let shape = match solid.shape {
+    let about_y = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2);
+    let shape = match &solid.shape {
         SolidShape::Box { size } => {
             let half = size * 0.5;
             ColliderBuilder::cuboid(half.x, half.y, half.z)
         }
         SolidShape::Cylinder { radius, length } => {
             // rapier's are about y.
-            pose *= UnitQuaternion::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2);
-            ColliderBuilder::cylinder(0.5 * length, radius)
+            pose *= about_y;
+            ColliderBuilder::cylinder(0.5 * length, *radius)
         }
-        SolidShape::Sphere { radius } => ColliderBuilder::ball(radius),
+        SolidShape::Capsule { radius, length } => {
+            pose *= about_y;
+            ColliderBuilder::capsule_y(0.5 * length, *radius)
+        }
+        SolidShape::Sphere { radius } => ColliderBuilder::ball(*radius),
+        // In convex parts: contact with triangles costs a hundred times as much.
+        SolidShape::Mesh { mesh, scale } => {
+            let vertices: Vec<_> = mesh
+                .vertices()
+                .iter()
+                .map(|vertex| maths::vector_to_rapier(&vertex.coords.component_mul(scale)))
+                .collect();
+            ColliderBuilder::convex_decomposition(&vertices, mesh.triangles())
+        }
     };
     shape.position(maths::pose_to_rapier(&pose)).density(0.0)
 }

@@ -100,7 +100,7 @@ impl RapierWorld {
         world.integration_parameters.num_solver_iterations = iterations;
         let axis_count = equation.axis_count();
         let (joined, links) = match equation {
-            Equation::Tree(dynamics) => {
+            Equation::Tree(dynamics) if dynamics.tree().followers == 0 => {
                 let tree = dynamics.tree();
                 let coupling = tree.coupling(axis_count)?;
                 let (mut multibody, links) = Multibody::join(&mut world, model, coupling)?;
@@ -109,15 +109,14 @@ impl RapierWorld {
                 let links = links.into_iter().map(Some).collect();
                 (Joined::Tree(Box::new(multibody)), links)
             }
+            // What holds joints that mimic others no joint of rapier says: their bodies are put where they are, too.
+            Equation::Tree(_) => {
+                let posed = Posed::of_tree(axis_count);
+                (Joined::Posed(Box::new(posed)), posed_bodies(&mut world, model))
+            }
             Equation::Tripod(tripod) => {
-                let mut insert = |kind| world.insert_body(kind);
-                let links = model.links.iter().enumerate().map(|(index, link)| match index {
-                    0 => Some(insert(RigidBodyBuilder::fixed())),
-                    _ if link.solids.is_empty() => None,
-                    _ => Some(insert(RigidBodyBuilder::kinematic_position_based())),
-                });
-                let links = links.collect();
-                (Joined::Posed(Box::new(Posed::new(model, tripod))), links)
+                let posed = Posed::of_tripod(model, tripod);
+                (Joined::Posed(Box::new(posed)), posed_bodies(&mut world, model))
             }
         };
         let poses = vec![Isometry3::identity(); model.links.len()];
@@ -205,6 +204,16 @@ impl RapierWorld {
         });
         poses.collect()
     }
+}
+
+/// A body for every link that could touch something.
+fn posed_bodies(world: &mut PhysicsWorld, model: &Model) -> Vec<Option<RigidBodyHandle>> {
+    let links = model.links.iter().enumerate().map(|(index, link)| match index {
+        0 => Some(world.insert_body(RigidBodyBuilder::fixed())),
+        _ if link.solids.is_empty() => None,
+        _ => Some(world.insert_body(RigidBodyBuilder::kinematic_position_based())),
+    });
+    links.collect()
 }
 
 /// rapier knows them of the first step on.

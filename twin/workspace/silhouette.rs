@@ -39,6 +39,19 @@ fn outline(solid: &Solid, pose: &Isometry3<f64>, plane: &Plane) -> Vec<Point2<f6
                 .map(|(sin, cos)| center + nalgebra::Vector2::new(cos, sin) * *radius)
                 .collect();
         }
+        SolidShape::Capsule { radius, length } => {
+            // From any side two circles and what is between them.
+            let ends = [-length / 2.0, length / 2.0]
+                .map(|z| plane.project(&(machine_from_solid * Point3::new(0.0, 0.0, z))));
+            let circles = around.flat_map(|(sin, cos)| {
+                ends.map(|end| end + nalgebra::Vector2::new(cos, sin) * *radius)
+            });
+            return hull(circles.collect());
+        }
+        SolidShape::Mesh { mesh, scale } => {
+            let scaled = |vertex: &Point3<f64>| Point3::from(vertex.coords.component_mul(scale));
+            mesh.vertices().iter().map(scaled).collect()
+        }
     };
     hull(points.iter().map(|point| plane.project(&(machine_from_solid * point))).collect())
 }

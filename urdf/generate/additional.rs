@@ -37,11 +37,7 @@ impl Model {
         let [x, y] = PLACE;
         let origin = Isometry3::translation(x, y + SPACING * f64::from(number), half);
         self.joints.push(joint.joint(kind, axis, 0, child, origin));
-        self.links.push(Link {
-            name: format!("{}_table", joint.name),
-            inertial: Some(inertial),
-            solids: vec![solid],
-        });
+        self.links.push(Link::new(format!("{}_table", joint.name), Some(inertial), vec![solid]));
     }
 }
 

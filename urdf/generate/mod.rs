@@ -6,16 +6,18 @@
 //! that a box cannot have (the quill runs through its arm or carriage).
 
 mod additional;
+mod error;
 mod gantry;
 mod scara;
 mod tool;
 mod tripod;
 
+pub use error::DimensionError;
 pub use gantry::{GantryDimensions, HBelt, PlaneDrive, RotaryTool};
 pub use scara::{ScaraDimensions, ScaraHand};
 pub use tripod::TripodDimensions;
 
-use crate::{DimensionError, Joint, JointDrive, JointKind, Solid, SolidShape};
+use crate::{Joint, JointDrive, JointKind, Solid, SolidShape};
 use nalgebra::{Isometry3, Translation3, Unit, Vector3};
 
 /// A joint of a generated machine: the axis that moves it, and its limits.
@@ -102,16 +104,10 @@ impl Driven {
     ) -> Joint {
         let Self { name, drive, position_limits, velocity_limit, effort_limit } = self;
         Joint {
-            name,
-            kind,
-            parent,
-            child,
-            origin,
-            axis,
-            drive,
             position_limits,
             velocity_limit,
             effort_limit,
+            ..Joint::new(name, kind, [parent, child], origin, axis, drive)
         }
     }
 }

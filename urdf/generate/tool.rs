@@ -1,8 +1,8 @@
 //! What a flange carries: a tool below it or beside it.
 
 use super::{check_not_negative, cuboid, paint, placed, upright};
-use crate::{DimensionError, Inertial, Solid};
-use nalgebra::{Isometry3, Vector3};
+use crate::{DimensionError, Inertial, Model, Solid};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 /// Height of the arm that carries a tool beside the axis, m: less than what is kept clear above the highest flange.
 const BRACKET: f64 = 0.012;
@@ -18,6 +18,44 @@ pub(super) struct Tool {
     pub(super) mass: f64,
     /// It cuts along x of the flange: a knife, not a mill.
     pub(super) blade: bool,
+}
+
+impl Model {
+    /// Puts a tool on the link where the tip is: `tip` (m) from there in the frame of the flange, whose place in that link is
+    /// `link_from_flange`, of `mass` (kg).
+    ///
+    /// # Errors
+    /// [`DimensionError`] if the tip is above the flange, or a number is none.
+    pub fn mount_tool(
+        &mut self,
+        link_from_flange: &Isometry3<f64>,
+        tip: &Vector3<f64>,
+        mass: f64,
+    ) -> Result<(), DimensionError> {
+        Tool::check(tip, mass)?;
+        let length = 0.0 - tip.z;
+        let tool =
+            Tool { tip: *tip, radius: (length / 10.0).clamp(1e-3, 8e-3), mass, blade: false };
+        self.tip.point = link_from_flange * Point3::from(*tip);
+        let Some(link) = self.links.get_mut(self.tip.link) else { return Ok(()) };
+        let solids: Vec<_> =
+            tool.solids().into_iter().map(|solid| placed(solid, link_from_flange)).collect();
+        if !link.collision.is_empty() {
+            link.collision.extend(solids.iter().cloned());
+        }
+        link.solids.extend(solids);
+        if mass > 0.0 {
+            let own = if tool.length() > 0.0 {
+                placed(tool.body(), link_from_flange).uniform(mass)
+            } else {
+                let center = self.tip.point;
+                Inertial { mass, center, inertia: nalgebra::Matrix3::zeros() }
+            };
+            let parts: Vec<_> = link.inertial.into_iter().chain([own]).collect();
+            link.inertial = Inertial::union(&parts);
+        }
+        Ok(())
+    }
 }
 
 impl Tool {

@@ -15,7 +15,7 @@
 mod workspace;
 
 use crate::{Joint, JointDrive, JointKind, Model};
-use workspace::{Gaps, Workspace};
+use workspace::{Followers, Gaps, Workspace};
 
 /// Gaps of this size, relative to the size of the machine, are closed: some fifty rounding errors.
 const CLOSED: f64 = 1e-14;
@@ -84,8 +84,11 @@ impl JointPositions {
             }
             _ => 0.0,
         };
-        let values: Vec<_> = model.joints.iter().map(at_rest).collect();
-        Self { residual: 0.0, steps: 0, space: Workspace::new(model, passive, &values), values }
+        let mut values: Vec<_> = model.joints.iter().map(at_rest).collect();
+        let followers = Followers::new(model);
+        followers.follow(&mut values);
+        let space = Workspace::new(model, passive, followers, &values);
+        Self { residual: 0.0, steps: 0, space, values }
     }
 
     /// Takes over `positions`, one per joint, to look for passive joints from there.
@@ -128,8 +131,8 @@ impl JointPositions {
     /// [`LoopError::Open`], with the joints where the gaps are about smallest, and [`LoopError::NotFinite`], with every
     /// joint where it was. The next call begins where the loops were closed last.
     pub fn follow(&mut self, model: &Model, axes: &[f64]) -> Result<(), LoopError> {
-        for (target, joint) in self.space.target.iter_mut().zip(&model.joints) {
-            *target = joint.drive.position(axes);
+        for (index, target) in self.space.target.iter_mut().enumerate() {
+            *target = model.joint_position(index, axes);
         }
         if !self.space.target.iter().all(|value| value.is_finite()) {
             return Err(LoopError::NotFinite);
@@ -186,6 +189,7 @@ impl JointPositions {
                 *value = if part < 1.0 { start + (target - start) * part } else { *target };
             }
         }
+        self.space.followers.follow(&mut self.values);
     }
 
     /// How far any joint has moved since the start of this part: rad, or parts of the machine's size.

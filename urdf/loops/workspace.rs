@@ -1,16 +1,49 @@
 //! The numbers of the iteration that closes loops: gaps, their derivatives, steps.
 
-use crate::{JointKind, Loop, Model};
+use crate::{Following, Joint, JointDrive, JointKind, Loop, Model};
 use nalgebra::{Cholesky, DMatrix, DVector, Isometry3, Point3, Vector3};
 
 /// No joint turns further (rad) in one step of the iteration.
 const LARGEST_TURN: f64 = 0.5;
+
+/// The joints that mimic others, each with whom it follows in the end.
+#[derive(Clone, Debug)]
+pub(super) struct Followers {
+    list: Vec<(usize, Following)>,
+}
+
+impl Followers {
+    pub(super) fn new(model: &Model) -> Self {
+        let mimics = |(index, joint): (usize, &Joint)| match joint.drive {
+            JointDrive::Mimic { .. } => Some((index, model.following(index)?)),
+            _ => None,
+        };
+        Self { list: model.joints.iter().enumerate().filter_map(mimics).collect() }
+    }
+
+    /// Puts them where those that they follow are.
+    pub(super) fn follow(&self, values: &mut [f64]) {
+        for (index, following) in &self.list {
+            let leader = values.get(following.leader).copied().unwrap_or_default();
+            if let Some(value) = values.get_mut(*index) {
+                *value = following.position(leader);
+            }
+        }
+    }
+
+    /// The joint that the joint `index` moves with, itself perhaps, and how far it moves for 1 of that.
+    fn leader(&self, index: usize) -> (usize, f64) {
+        let found = self.list.iter().find(|(follower, _)| *follower == index);
+        found.map_or((index, 1.0), |(_, following)| (following.leader, following.multiplier))
+    }
+}
 
 /// What the iteration needs, allocated once.
 #[derive(Clone, Debug)]
 pub(super) struct Workspace {
     /// Indices of the passive joints, in the order of the columns.
     pub(super) passive: Vec<usize>,
+    pub(super) followers: Followers,
     pub(super) poses: Vec<Isometry3<f64>>,
     /// Joint positions: at rest; where the loops were closed last; of the step being tried; where the motion starts and
     /// ends; before the part under way.
@@ -52,10 +85,16 @@ impl Gaps {
 
 impl Workspace {
     /// For the joints of `model`, which stand at `values`; those with the indices `passive` are to be found.
-    pub(super) fn new(model: &Model, passive: Vec<usize>, values: &[f64]) -> Self {
+    pub(super) fn new(
+        model: &Model,
+        passive: Vec<usize>,
+        followers: Followers,
+        values: &[f64],
+    ) -> Self {
         let (rows, columns) = (3 * model.loops.len(), passive.len());
         Self {
             passive,
+            followers,
             poses: vec![Isometry3::identity(); model.links.len()],
             trial: values.to_vec(),
             rest: values.to_vec(),
@@ -141,7 +180,8 @@ impl Workspace {
             link.checked_sub(1).and_then(|index| Some((index, model.joints.get(index)?)))
         {
             // Turning about an axis or sliding along it leaves the axis where it is: the frame of the child will do.
-            let column = self.passive.binary_search(&index).ok().zip(self.poses.get(joint.child));
+            let (leader, multiplier) = self.followers.leader(index);
+            let column = self.passive.binary_search(&leader).ok().zip(self.poses.get(joint.child));
             if let Some((column, pose)) = column {
                 let axis = pose.rotation * joint.axis.into_inner();
                 let motion = match joint.kind {
@@ -151,7 +191,7 @@ impl Workspace {
                 };
                 for (row, value) in (row..).zip(motion.iter()) {
                     if let Some(slot) = self.jacobian.get_mut((row, column)) {
-                        *slot += sign * value;
+                        *slot += sign * multiplier * value;
                     }
                 }
             }
@@ -198,5 +238,6 @@ impl Workspace {
                 *value -= scale * step;
             }
         }
+        self.followers.follow(&mut self.trial);
     }
 }

@@ -1,6 +1,28 @@
-use crate::{Inertial, Solid, SolidShape};
+use crate::{Inertial, Link, Mesh, Solid, SolidShape};
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
+
+/// Of the octahedron.
+const MIDDLE: [f64; 3] = [0.2, -0.1, 0.1];
+
+/// Corners 1 from its middle along every axis.
+fn octahedron() -> Arc<Mesh> {
+    let [x, y, z] = MIDDLE;
+    let corner = |i: usize, side: f64| {
+        let mut corner = Point3::new(x, y, z);
+        corner[i] += side;
+        corner
+    };
+    let vertices = (0..6).map(|i| corner(i / 2, if i % 2 == 0 { 1.0 } else { -1.0 })).collect();
+    // Seen from outside, +x, +y, +z go round counter-clockwise; with an odd number of them mirrored, the other way.
+    let triangles = (0..8_u32).map(|side| {
+        let of = |axis: u32| 2 * axis + (side >> axis & 1);
+        let (one, other) = if side.count_ones() % 2 == 0 { (1, 2) } else { (2, 1) };
+        [of(0), of(one), of(other)]
+    });
+    Arc::new(Mesh::new("octahedron.stl", vertices, triangles.collect()).unwrap())
+}
 
 /// Mass properties of `solid` (mass 1) summed over many small cubes of the link frame.
 fn summed(solid: &Solid, reach: f64) -> Inertial {
@@ -9,12 +31,20 @@ fn summed(solid: &Solid, reach: f64) -> Inertial {
     let at = |i: i32| -reach + (f64::from(i) + 0.5) * step;
     let inside = |point: &Point3<f64>| {
         let p = solid.origin.inverse() * point;
-        match solid.shape {
+        match &solid.shape {
             SolidShape::Box { size } => (0..3).all(|i| p[i].abs() <= size[i] / 2.0),
             SolidShape::Cylinder { radius, length } => {
-                p.xy().coords.norm() <= radius && p.z.abs() <= length / 2.0
+                p.xy().coords.norm() <= *radius && p.z.abs() <= length / 2.0
             }
-            SolidShape::Sphere { radius } => p.coords.norm() <= radius,
+            SolidShape::Sphere { radius } => p.coords.norm() <= *radius,
+            SolidShape::Capsule { radius, length } => {
+                let beyond = (p.z.abs() - length / 2.0).max(0.0);
+                p.xy().coords.norm().hypot(beyond) <= *radius
+            }
+            // The mesh below: an octahedron of scaled size.
+            SolidShape::Mesh { scale, .. } => {
+                (0..3).map(|i| (p[i] / scale[i] - MIDDLE[i]).abs()).sum::<f64>() <= 1.0
+            }
         }
     };
     let range = || 0..STEPS;
@@ -38,9 +68,14 @@ fn shapes_agree_with_a_sum_over_their_volume() {
         SolidShape::Box { size: Vector3::new(0.9, 0.6, 0.4) },
         SolidShape::Cylinder { radius: 0.35, length: 0.8 },
         SolidShape::Sphere { radius: 0.45 },
+        SolidShape::Capsule { radius: 0.25, length: 0.5 },
+        SolidShape::Mesh { mesh: octahedron(), scale: Vector3::new(0.6, 0.4, 0.5) },
+        SolidShape::Mesh { mesh: octahedron(), scale: Vector3::new(0.6, -0.4, 0.5) },
     ];
     for shape in shapes {
         let solid = Solid { shape, origin, color: [1.0; 4] };
+        let [low, high] = solid.shape.bounds();
+        assert!((0..3).all(|i| low[i] < high[i]), "{low} {high}");
         let (found, expected) = (solid.uniform(1.0), summed(&solid, 1.0));
         assert!((found.center - expected.center).norm() < 2e-3, "{found:?} {expected:?}");
         assert!((found.inertia - expected.inertia).norm() < 2e-3, "{found:?} {expected:?}");
@@ -82,4 +117,52 @@ fn a_union_is_the_whole() {
 fn a_thin_long_cylinder_is_a_rod() {
     let rod = Inertial::uniform_cylinder(1.0, 1e-9, PI, Point3::origin());
     assert!((rod.inertia.m11 - PI * PI / 12.0).abs() < 1e-15);
+}
+
+#[test]
+fn volumes_are_closed_forms() {
+    let close = |shape: &SolidShape, expected: f64| {
+        let found = shape.volume().unwrap();
+        assert!((found - expected).abs() < 1e-12 * expected, "{shape:?}: {found} {expected}");
+    };
+    close(&SolidShape::Box { size: Vector3::new(2.0, 3.0, 0.5) }, 3.0);
+    close(&SolidShape::Cylinder { radius: 2.0, length: 0.5 }, 2.0 * PI);
+    close(&SolidShape::Sphere { radius: 3.0 }, 36.0 * PI);
+    close(&SolidShape::Capsule { radius: 3.0, length: 2.0 }, 36.0 * PI + 18.0 * PI);
+    // Eight corners of a cube's eighth, 1/6 each.
+    let scale = Vector3::new(0.1, -0.2, 0.3);
+    close(&SolidShape::Mesh { mesh: octahedron(), scale }, 8.0 / 6.0 * 0.006);
+    let open = octahedron();
+    let open = Mesh::new("open", open.vertices().to_vec(), open.triangles()[1..].to_vec()).unwrap();
+    let open = SolidShape::Mesh { mesh: Arc::new(open), scale };
+    assert_eq!(open.volume(), None);
+}
+
+#[test]
+fn links_weigh_what_their_solids_do() {
+    let solid = |size: [f64; 3], x: f64| Solid {
+        shape: SolidShape::Box { size: Vector3::from(size) },
+        origin: Isometry3::translation(x, 0.0, 0.0),
+        color: [1.0; 4],
+    };
+    // Two bars of one section, 0.1 and 0.3 m long, end to end.
+    let bars = vec![solid([0.1, 0.02, 0.02], 0.05), solid([0.3, 0.02, 0.02], 0.25)];
+    let whole = Inertial::uniform_box(
+        0.4 * 0.02 * 0.02 * 2700.0,
+        Vector3::new(0.4, 0.02, 0.02),
+        Point3::new(0.2, 0.0, 0.0),
+    );
+    let link = Link::new("bars", None, bars);
+    let found = link.uniform_at(2700.0).unwrap();
+    let same = |one: &Inertial, other: &Inertial| {
+        (one.mass - other.mass).abs() < 1e-12
+            && (one.center - other.center).norm() < 1e-12
+            && (one.inertia - other.inertia).norm() < 1e-12
+    };
+    assert!(same(&found, &whole), "{found:?} {whole:?}");
+    assert!(same(&link.uniform_of(whole.mass), &whole));
+    let nothing = Link::new("frame", None, Vec::new());
+    assert_eq!(nothing.uniform_at(2700.0), None);
+    let point = nothing.uniform_of(0.2);
+    assert_eq!((point.mass, point.center, point.inertia.norm()), (0.2, Point3::origin(), 0.0));
 }

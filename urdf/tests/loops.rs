@@ -1,8 +1,9 @@
 use super::seeded;
-use crate::{Joint, JointDrive, JointKind, Link, Loop, LoopError, Model, Tip};
+use crate::{Joint, JointDrive, JointKind, Link, Loop, LoopError, Model, Tip, UrdfOptions};
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::PI;
+use std::path::Path;
 
 /// A link of no body behind a joint of `parent`.
 fn add(
@@ -15,26 +16,17 @@ fn add(
 ) -> usize {
     let child = model.links.len();
     let name = format!("part{child}");
-    model.links.push(Link { name: name.clone(), inertial: None, solids: Vec::new() });
-    model.joints.push(Joint {
-        name,
-        kind,
-        parent,
-        child,
-        origin: Isometry3::from(Vector3::from(origin)),
-        axis: Unit::new_normalize(Vector3::from(axis)),
-        drive,
-        position_limits: None,
-        velocity_limit: None,
-        effort_limit: None,
-    });
+    model.links.push(Link::new(name.clone(), None, Vec::new()));
+    let origin = Isometry3::from(Vector3::from(origin));
+    let axis = Unit::new_normalize(Vector3::from(axis));
+    model.joints.push(Joint::new(name, kind, [parent, child], origin, axis, drive));
     child
 }
 
 fn base() -> Model {
     Model {
         name: "linkage".to_owned(),
-        links: vec![Link { name: "base".to_owned(), inertial: None, solids: Vec::new() }],
+        links: vec![Link::new("base", None, Vec::new())],
         joints: Vec::new(),
         loops: Vec::new(),
         tip: Tip { link: 0, point: Point3::origin() },
@@ -150,29 +142,40 @@ fn joints_that_axes_share() {
     assert_eq!((found.residual(), found.steps()), (0.0, 0));
 }
 
-/// What URDF cannot say is in a comment; what is read again are joints of their own.
+/// What URDF cannot say is in an element of its own, and read again.
 #[test]
-fn couplings_are_written_as_a_comment() {
+fn couplings_come_back() {
     let mut model = slider_crank(0.3, 0.5);
-    model.joints[0].drive = JointDrive::Combination(vec![(0, 0.5), (1, -0.5)]);
+    model.joints[0].drive = JointDrive::Combination(vec![(0, 0.5), (1, -0.1)]);
     model.joints[0].name = "a --> b".to_owned();
     model.links[2].name = "rod---".to_owned();
     let text = model.to_urdf().unwrap();
-    let comment = &text[text.find("<!--").unwrap() + 4..text.find("-->").unwrap()];
-    assert!(!comment.contains("--"), "{text}");
+    let beyond = &text[text.find("<twin>").unwrap()..text.find("</twin>").unwrap()];
     for said in [
-        "position of joint a - -> b = 0.5 * axis 0 + -0.5 * axis 1",
-        "joint part2 is passive; near 0\n",
-        "joint part3 is passive; near 0.8\n",
-        "point 0.5 0 0 of link rod- - - = point 0 0 0 of link part3",
+        "<drive joint=\"a --&gt; b\">",
+        "<part axis=\"1\" factor=\"-0.1\"/>",
+        "<passive joint=\"part3\" rest=\"0.8\"/>",
+        "<loop from=\"rod---\" to=\"part3\">",
     ] {
-        assert!(comment.contains(said), "{said}: {text}");
+        assert!(beyond.contains(said), "{said}: {text}");
     }
-    let read = Model::from_urdf(&text, &["a --> b", "part2", "part3"]).unwrap();
-    for (index, joint) in model.joints.iter_mut().enumerate() {
-        joint.drive = JointDrive::Axis(index);
-    }
-    model.loops.clear();
-    assert_eq!(read, model);
-    assert!(!model.to_urdf().unwrap().contains("<!--"));
+    let read = Model::read_urdf(&text, Path::new(""), &UrdfOptions::default()).unwrap();
+    assert_eq!((read.model, read.warnings), (model.clone(), Vec::new()));
+    assert_eq!(Model::from_urdf(&text, &["a", "b"]).unwrap(), model);
+    assert!(Model::from_urdf(&text, &["a", "b", "c"]).is_err(), "nothing moves with c");
+
+    let refused = |from: &str, to: &str, expected: &str| {
+        let text = text.replacen(from, to, 1);
+        let refusal = Model::read_urdf(&text, Path::new("m.urdf"), &UrdfOptions::default());
+        let refusal = refusal.unwrap_err();
+        let line = text.lines().nth(usize::try_from(refusal.line).unwrap() - 1).unwrap();
+        assert!(line.contains(to) || line.contains("<loop"), "{refusal}: {line}");
+        assert!(refusal.to_string().ends_with(expected), "{refusal}");
+    };
+    let no_joint = "<twin>: there is no joint other that moves and mimics no other";
+    refused("<passive joint=\"part3\"", "<passive joint=\"other\"", no_joint);
+    refused("from=\"rod---\"", "from=\"other\"", "<twin>: there is no link other");
+    refused("rest=\"0.8\"", "rest=\"inf\"", "joint part3: its rest is not a finite number");
+    refused("axis=\"1\"", "axis=\"-1\"", "expected a whole number from 0 to 255");
+    refused("<point ", "<pint ", "<twin>: a loop has two points, not 1");
 }

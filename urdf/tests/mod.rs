@@ -1,6 +1,11 @@
+mod bind;
 mod generated;
+mod hostile;
 mod inertial;
+mod lines;
 mod loops;
+mod meshes;
+mod mimic;
 mod read;
 mod refused;
 mod round_trip;
@@ -16,6 +21,12 @@ fn seeded() -> ProptestConfig {
         failure_persistence: None,
         ..ProptestConfig::default()
     }
+}
+
+/// URDF text without what only we read.
+fn plain(text: &str) -> String {
+    let (from, to) = (text.find("<twin>").unwrap(), text.find("</twin>").unwrap());
+    text[..from].to_owned() + &text[to + "</twin>".len()..]
 }
 
 /// The SCARA of the SoftMotion vectors, with a quill and a tool.

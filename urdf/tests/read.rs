@@ -84,12 +84,13 @@ fn a_robot_in_any_order() {
 fn moving_joints_and_axes_belong_together() {
     let refusal = |axes: &[&str]| Model::from_urdf(TEXT, axes).unwrap_err();
     let error = refusal(&["Z"]);
-    assert!(matches!(&error, UrdfError::NoAxis { joint } if joint == "C"), "{error}");
-    assert_eq!(error.to_string(), "joint C moves, but no axis of the machine is called C");
+    assert!(matches!(&*error.error, UrdfError::NoAxis { joint } if joint == "C"), "{error}");
+    let message = "line 11: joint C moves, but no axis of the machine is called C";
+    assert_eq!(error.to_string(), message);
     let error = refusal(&["Z", "C", "A"]);
-    assert!(matches!(&error, UrdfError::NoJoint { axis } if axis == "A"), "{error}");
+    assert!(matches!(&*error.error, UrdfError::NoJoint { axis } if axis == "A"), "{error}");
     // A fixed joint moves no axis, whatever its name.
-    assert!(matches!(refusal(&["Z", "C", "tool"]), UrdfError::NoJoint { .. }));
+    assert!(matches!(*refusal(&["Z", "C", "tool"]).error, UrdfError::NoJoint { .. }));
 }
 
 /// In version 1.2 an absent limit is no limit, and 0 is 0.

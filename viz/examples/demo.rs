@@ -185,26 +185,12 @@ fn machine() -> Model {
         origin: Isometry3::translation(0.0, 0.0, z),
         color,
     };
-    let link = |name: &str, solids| Link {
-        name: name.to_owned(),
-        inertial: Some(Inertial {
-            mass: 1.0,
-            center: Point3::origin(),
-            inertia: Matrix3::identity(),
-        }),
-        solids,
-    };
-    let joint = |name: &str, kind, parent, x, z, axis: usize| Joint {
-        name: name.to_owned(),
-        kind,
-        parent,
-        child: parent + 1,
-        origin: Isometry3::translation(x, 0.0, z),
-        axis: Vector3::z_axis(),
-        drive: JointDrive::Axis(axis),
-        position_limits: None,
-        velocity_limit: None,
-        effort_limit: None,
+    let inertial = Inertial { mass: 1.0, center: Point3::origin(), inertia: Matrix3::identity() };
+    let link = |name: &str, solids| Link::new(name, Some(inertial), solids);
+    let joint = |name: &str, kind, parent, x, z, axis: usize| {
+        let origin = Isometry3::translation(x, 0.0, z);
+        let drive = JointDrive::Axis(axis);
+        Joint::new(name, kind, [parent, parent + 1], origin, Vector3::z_axis(), drive)
     };
     let (grey, blue, light) =
         ([0.35, 0.37, 0.4, 1.0], [0.3, 0.42, 0.55, 1.0], [0.5, 0.6, 0.7, 1.0]);

@@ -3,9 +3,7 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
-use twin::physics::{
-    AxisDriveParameters, AxisLoad, Motor, PathDynamics, PhysicsMachine, ServoParameters,
-};
+use twin::physics::{AxisDriveParameters, AxisLoad, PathDynamics, PhysicsMachine, ServoParameters};
 use twin_kinematics::tripod::{Tripod, TripodDeviations, TripodDimensions as Rings};
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
 use twin_urdf::{
@@ -52,14 +50,13 @@ pub struct Task {
 }
 
 /// Every drive off; nothing of it has to run more often than the controller, so that a step is a period.
-const OFF: AxisDriveParameters = AxisDriveParameters {
-    motor: Motor::Servo(ServoParameters {
+fn off() -> AxisDriveParameters {
+    AxisDriveParameters::servo(ServoParameters {
         position_passes: 1,
         velocity_passes: 1,
         ..ServoParameters::SLACK
-    }),
-    ..AxisDriveParameters::SLACK
-};
+    })
+}
 
 /// No drive at all.
 const FREE: AxisLoad = AxisLoad {
@@ -114,7 +111,8 @@ impl Task {
     pub fn machine(&self, cycles: i64) -> PhysicsMachine {
         let start = AxisVector::from_values(self.start);
         let cycle = PERIOD_NS / cycles;
-        let machine = PhysicsMachine::new(&self.model, &[OFF; 3], GRAVITY, &start, cycle);
+        let machine =
+            PhysicsMachine::new(&self.model, &[(); 3].map(|()| off()), GRAVITY, &start, cycle);
         let mut machine = machine.expect("a machine");
         machine.insert_solids(GROUND);
         machine
@@ -176,29 +174,22 @@ fn boxed(
     let [x, y, z] = size.map(|edge| edge * edge);
     let inertia = Matrix3::from_diagonal(&Vector3::new(y + z, x + z, x + y)) * (mass / 12.0);
     let shape = SolidShape::Box { size: Vector3::from(size) };
-    let link = Link {
-        name: format!("link{axis}"),
-        inertial: Some(Inertial { mass, center: Point3::from(center), inertia }),
-        solids: vec![solid(shape, center)],
-    };
+    let inertial = Inertial { mass, center: Point3::from(center), inertia };
+    let link = Link::new(format!("link{axis}"), Some(inertial), vec![solid(shape, center)]);
     let [x, y, z] = origin;
-    let joint = Joint {
-        name: format!("joint{axis}"),
+    let joint = Joint::new(
+        format!("joint{axis}"),
         kind,
-        parent: axis,
-        child: axis + 1,
-        origin: Isometry3::translation(x, y, z),
-        axis: Unit::new_unchecked(direction),
-        drive: JointDrive::Axis(axis),
-        position_limits: None,
-        velocity_limit: None,
-        effort_limit: None,
-    };
+        [axis, axis + 1],
+        Isometry3::translation(x, y, z),
+        Unit::new_unchecked(direction),
+        JointDrive::Axis(axis),
+    );
     (joint, link)
 }
 
 fn chain(name: &str, parts: [(Joint, Link); 3], tip: [f64; 3]) -> Model {
-    let base = Link { name: "base".into(), inertial: None, solids: Vec::new() };
+    let base = Link::new("base", None, Vec::new());
     let (joints, links): (Vec<_>, Vec<_>) = parts.into_iter().unzip();
     Model {
         name: name.into(),

@@ -62,6 +62,9 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     writeln!(out, "{table}")?;
     let mass = machine.moving_mass();
     writeln!(out, "moving mass {mass:.2} kg in {} links", machine.model.links.len())?;
+    for warning in &machine.urdf_warnings {
+        writeln!(out, "warning: {warning}")?;
+    }
     for device in &machine.drives {
         let port = device.port.as_deref().unwrap_or("no port given");
         writeln!(

@@ -1,22 +1,27 @@
 //! `[kinematics]` and `[body]`: how the axes move the tool, and what moves with them.
+//!
+//! What moves is built from dimensions (`model`), or it is that of a URDF (`urdf`).
 
 mod design;
 mod kind;
 mod model;
 mod sources;
+mod urdf;
 
 pub(super) use sources::additional;
 
-use super::axis::{AxisEntry, AxisKind};
+use super::axis::{Axis, AxisEntry, AxisKind};
 use super::direction::DirectionRule;
 use super::section::Section;
 use super::tool::Tool;
 use design::LENGTH_MM;
 use kind::{KINDS, Kind};
 use model::Body;
+use std::path::Path;
 use twin_kinematics::MachineAxes;
 use twin_motion::path::EXTRA_AXES;
-use twin_urdf::{MachineJoint, Model};
+use twin_urdf::{MachineJoint, Model, UrdfWarning};
+use urdf::{Given, Source};
 
 /// What follows from `[kinematics]`, `[body]`, `[tool]` and the axes.
 pub(super) struct Geometry {
@@ -26,12 +31,23 @@ pub(super) struct Geometry {
     /// What a radian counts in measures of singularity, m.
     pub(super) length_scale: f64,
     pub(super) model: Model,
+    /// The axes, with what a URDF says of their friction.
+    pub(super) axes: Vec<Axis>,
+    pub(super) warnings: Vec<UrdfWarning>,
+}
+
+/// The machine file.
+#[derive(Clone, Copy)]
+pub(super) struct File<'a> {
+    pub(super) path: &'a Path,
+    /// Of the machine.
+    pub(super) name: &'a str,
 }
 
 /// Reads the sections. `axes` are `None` if any of them is wrong; the sections are read all the same.
 pub(super) fn read(
     root: &Section<'_>,
-    name: &str,
+    file: File<'_>,
     axes: Option<&[AxisEntry]>,
     tool: &Tool,
 ) -> Option<Geometry> {
@@ -50,24 +66,51 @@ pub(super) fn read(
     let design = design::read(&kinematics, kind);
     let direction = DirectionRule::read(&kinematics, kind.turns_tool(), kind.name);
     let length_scale = kinematics.number("length_scale_mm", LENGTH_MM);
-    let parts = Body::read(&body, kind);
+    body.accept("urdf");
+    let is_urdf = body.has("urdf");
+    let source = if is_urdf { Source::read(&body, file.path) } else { None };
+    let parts = if is_urdf { None } else { Some(Body::read(&body, kind)) };
     kinematics.check_unknown();
-    body.finish();
+    body.check_unknown();
 
     let axes = axes?;
+    if !is_urdf {
+        for entry in axes.iter().filter(|entry| entry.joint.given) {
+            let message = "joints are named of a URDF, and [body] has no `urdf`".to_owned();
+            root.complain_over(&entry.joint.span, message);
+        }
+    }
     let sources = sources::sources(root, kind, axes)?;
     let design = design?;
     let transform = design.transform();
     let transform = transform.map_err(|error| kinematics.complain(error.to_string())).ok()?;
     let length_scale =
         length_scale.map_or_else(|| transform.characteristic_length(), |length| length * 1e-3);
-    let model = model(&kinematics, axes, |joint| parts.model(&design, name, joint, tool))?;
     let periods: Vec<_> = axes.iter().map(|entry| entry.axis.period).collect();
-    let machine_axes = MachineAxes::new(transform, sources, tool.tip)
+    let machine_axes = MachineAxes::new(transform, sources.clone(), tool.tip)
         .and_then(|machine_axes| machine_axes.with_periods(&periods));
     let machine_axes = machine_axes.map_err(|error| kinematics.complain(error.to_string())).ok()?;
-    let kind = kind.name;
-    Some(Geometry { kind, kinematics: machine_axes, direction, length_scale, model })
+    let built = if let Some(parts) = parts {
+        let build = |joint: &dyn Fn(&str) -> Option<MachineJoint>| {
+            parts.model(&design, file.name, joint, tool)
+        };
+        let model = model(&kinematics, axes, build)?;
+        let axes = axes.iter().map(|entry| entry.axis.clone()).collect();
+        Built { model, axes, warnings: Vec::new() }
+    } else {
+        let given = Given { root, body: &body, kind, design: &design, axes, tool, sources };
+        source?.build(&given, &machine_axes)?
+    };
+    let Built { model, axes, warnings } = built;
+    let (kind, kinematics) = (kind.name, machine_axes);
+    Some(Geometry { kind, kinematics, direction, length_scale, model, axes, warnings })
+}
+
+/// What moves.
+struct Built {
+    model: Model,
+    axes: Vec<Axis>,
+    warnings: Vec<UrdfWarning>,
 }
 
 /// The links and joints that `build` makes, and those of additional axes.

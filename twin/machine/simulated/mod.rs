@@ -112,6 +112,14 @@ impl SimulatedAxis {
         }
     }
 
+    /// Keeps its efforts within `limit`, N or Nm.
+    pub(super) fn limit_effort(&mut self, limit: f64) {
+        self.effort_limit = self.effort_limit.min(limit);
+        if let SimulatedMotor::Servo(servo) = &mut self.motor {
+            servo.parameters.effort_limit = servo.parameters.effort_limit.min(limit);
+        }
+    }
+
     /// Whether it has a step motor.
     pub fn steps(&self) -> bool {
         matches!(self.motor, SimulatedMotor::Stepper(_))
@@ -190,15 +198,11 @@ pub(super) fn read(
     transmission.check_unknown();
 
     let motors = Motors { section, kind, shaft, max_velocity };
-    let mut motor = motors.read();
-    let most = most.unwrap_or(f64::INFINITY);
-    if let SimulatedMotor::Servo(servo) = &mut motor.motor {
-        servo.parameters.effort_limit = servo.parameters.effort_limit.min(most);
-    }
+    let motor = motors.read();
     let at_shaft = gear.unwrap_or(0.0) + motor.inertia.unwrap_or(0.0);
     let armature = armature + shaft.map_or(0.0, |shaft| shaft.inertia(at_shaft));
-    let simulated = SimulatedAxis {
-        effort_limit: most.min(motor.effort_limit),
+    let mut simulated = SimulatedAxis {
+        effort_limit: motor.effort_limit,
         bandwidth_hz,
         friction: FrictionParameters {
             coulomb,
@@ -215,6 +219,9 @@ pub(super) fn read(
         switches: switches(section, kind),
         noise: noise(section, kind, effort),
     };
+    if let Some(most) = most {
+        simulated.limit_effort(most);
+    }
     if simulated.transmission.is_some() && armature <= 0.0 {
         section.complain(
             "a transmission that gives way needs the inertia of its motor: `rotor_inertia_kg_m2` in [servo] or [stepper]"

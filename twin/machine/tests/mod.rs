@@ -7,6 +7,7 @@ mod limits;
 mod programs;
 mod scenario;
 mod simulated;
+mod urdf;
 
 use super::{Axis, AxisKind, Machine, MachineFileError, Parity, Problem};
 use proptest::prelude::*;

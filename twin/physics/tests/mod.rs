@@ -6,6 +6,7 @@ mod coupled;
 mod drives;
 mod elastic;
 mod level;
+mod mimic;
 mod motors;
 mod parallel;
 mod rapier;
@@ -67,7 +68,7 @@ type ChainLink = (JointKind, Vector3<f64>, Isometry3<f64>, Option<Inertial>);
 
 /// A chain of links behind the base, joint `i` moved by machine axis `i`; the tip at the origin of the last link.
 fn chain<const N: usize>(links: [ChainLink; N]) -> Model {
-    let link = |name: String, inertial| Link { name, inertial, solids: Vec::new() };
+    let link = |name: String, inertial| Link::new(name, inertial, Vec::new());
     let mut model = Model {
         name: "chain".into(),
         links: vec![link("base".into(), None)],
@@ -81,18 +82,8 @@ fn chain<const N: usize>(links: [ChainLink; N]) -> Model {
         let drive = if moves { JointDrive::Axis(axis_count) } else { JointDrive::Fixed };
         axis_count += usize::from(moves);
         model.links.push(link(format!("link{index}"), inertial));
-        model.joints.push(Joint {
-            name: format!("joint{index}"),
-            kind,
-            parent: index,
-            child: index + 1,
-            origin,
-            axis: Unit::new_normalize(axis),
-            drive,
-            position_limits: None,
-            velocity_limit: None,
-            effort_limit: None,
-        });
+        let (name, axis) = (format!("joint{index}"), Unit::new_normalize(axis));
+        model.joints.push(Joint::new(name, kind, [index, index + 1], origin, axis, drive));
     }
     model
 }

@@ -177,7 +177,7 @@ impl GantryDimensions {
             },
         ];
         let mut links = vec![
-            Link { name: "base".to_owned(), inertial: None, solids: gantry.base() },
+            Link::new("base", None, gantry.base()),
             gantry.bridge(),
             gantry.carriage(),
             gantry.quill(),

@@ -114,7 +114,7 @@ impl Gantry {
             let low = [back - overhang, left, bottom - self.truck()];
             solids.push(cuboid(low, [front + overhang, right, bottom], paint::GRAPHITE));
         }
-        Link { name: "bridge".to_owned(), inertial, solids }
+        Link::new("bridge", inertial, solids)
     }
 
     /// In a frame that moves along x and y with the flange.
@@ -137,7 +137,7 @@ impl Gantry {
             0.25 * self.beam[0],
             paint::GRAPHITE,
         );
-        Link { name: "carriage".to_owned(), inertial, solids: vec![plate, saddle, motor] }
+        Link::new("carriage", inertial, vec![plate, saddle, motor])
     }
 
     /// The quill, in the frame of the flange. It carries the tool unless a head turns below it.
@@ -147,11 +147,7 @@ impl Gantry {
         let quill = cuboid([-half, -half, bottom], [half, half, self.quill_length], paint::STEEL);
         let inertial = quill.uniform(self.quill_mass);
         if self.head.is_some() {
-            return Link {
-                name: "quill".to_owned(),
-                inertial: Some(inertial),
-                solids: vec![quill],
-            };
+            return Link::new("quill", Some(inertial), vec![quill]);
         }
         self.with_tool("quill", quill, inertial)
     }
@@ -169,7 +165,7 @@ impl Gantry {
         let mut solids = vec![solid];
         solids.extend(self.tool.solids());
         let inertial = Inertial::union(&[inertial, self.tool.inertial()]);
-        Link { name: name.to_owned(), inertial, solids }
+        Link::new(name, inertial, solids)
     }
 }
 

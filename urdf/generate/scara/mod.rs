@@ -183,7 +183,7 @@ impl ScaraDimensions {
         let [shoulder, elbow] = &self.arm_joints;
         let shoulder_origin = origin(self.offsets[0], 0.0, first);
         let elbow_origin = origin(self.offsets[1], self.arms[0], second - first);
-        let part = |name: &str, inertial, solids| Link { name: name.to_owned(), inertial, solids };
+        let part = |name: &str, inertial, solids| Link::new(name, inertial, solids);
         let mut links = vec![
             part("base", None, scara.base()),
             part("arm1", Some(scara.first.inertial()), scara.first.beam(paint::IVORY)),

@@ -70,7 +70,7 @@ impl Scara {
             parts.push(self.tool.inertial());
             solids.extend(self.tool.solids());
         }
-        Link { name: "quill".to_owned(), inertial: Inertial::union(&parts), solids }
+        Link::new("quill", Inertial::union(&parts), solids)
     }
 
     /// The hand with the tool; x is along it and z = 0 at its lower side, on the axis of the quill.
@@ -81,7 +81,7 @@ impl Scara {
         let tool = self.tool.inertial();
         let tool = Inertial { center: flange * tool.center, ..tool };
         let inertial = Inertial::union(&[hand.inertial(), tool]);
-        Link { name: "hand".to_owned(), inertial, solids }
+        Link::new("hand", inertial, solids)
     }
 }
 

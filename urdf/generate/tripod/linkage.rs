@@ -152,6 +152,6 @@ fn add_passive(
     let child = model.links.len();
     let driven = Driven::new(name, JointDrive::Passive { rest: 0.0 });
     model.joints.push(driven.joint(JointKind::Revolute, axis, parent, child, origin));
-    model.links.push(Link { name: name.to_owned(), inertial: None, solids: Vec::new() });
+    model.links.push(Link::new(name, None, Vec::new()));
     child
 }

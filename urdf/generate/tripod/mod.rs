@@ -112,7 +112,7 @@ impl TripodDimensions {
         let tripod = self.complete()?;
         let mut model = Model {
             name: self.name.clone(),
-            links: vec![Link { name: "base".to_owned(), inertial: None, solids: tripod.base() }],
+            links: vec![Link::new("base", None, tripod.base())],
             joints: Vec::new(),
             loops: Vec::new(),
             tip: Tip { link: 0, point: self.tool.into() },

@@ -123,7 +123,7 @@ impl Tripod {
             solids.push(ball(end, radius));
         }
         let name = format!("carriage{}", carriage + 1);
-        Link { name, inertial: Some(inertial), solids }
+        Link::new(name, Some(inertial), solids)
     }
 
     /// A rod between its balls, in the frame of its upper end.
@@ -132,7 +132,7 @@ impl Tripod {
         let tube = upright(0.0, 0.0, heights, self.rod_radius, paint::GRAPHITE);
         let volume = std::f64::consts::PI * self.rod_radius.powi(2) * rod.length;
         let inertial = tube.uniform(self.rod_mass.unwrap_or(ROD_DENSITY * volume));
-        Link { name: format!("rod{number}"), inertial: Some(inertial), solids: vec![tube] }
+        Link::new(format!("rod{number}"), Some(inertial), vec![tube])
     }
 
     /// The platform with the lower joints of the rods and the tool, in the frame of its reference point.
@@ -157,6 +157,6 @@ impl Tripod {
             solids.push(ball(lower, radius));
         }
         solids.extend(self.tool.solids());
-        Link { name: "platform".to_owned(), inertial, solids }
+        Link::new("platform", inertial, solids)
     }
 }

@@ -1,8 +1,8 @@
 //! Machines from their dimensions, against the closed forms of their transforms.
 
-mod gantry;
+pub(super) mod gantry;
 mod scara3;
-mod tripod;
+pub(super) mod tripod;
 
 use super::{gantry, scara, seeded};
 use crate::{
@@ -21,16 +21,17 @@ fn around(pose: &Isometry3<f64>, solid: &crate::Solid) -> [Point3<f64>; 2] {
     let pose = pose * solid.origin;
     let matrix = pose.rotation.to_rotation_matrix();
     let upright = (matrix.matrix()[(2, 2)].abs() - 1.0).abs() < 1e-12;
-    let half = match solid.shape {
+    let half = match &solid.shape {
         SolidShape::Box { size } => matrix.matrix().abs() * size / 2.0,
         // However it is turned about its own axis.
         SolidShape::Cylinder { radius, length } if upright => {
-            Vector3::new(radius, radius, length / 2.0)
+            Vector3::new(*radius, *radius, length / 2.0)
         }
         SolidShape::Cylinder { radius, length } => {
-            matrix.matrix().abs() * Vector3::new(radius, radius, length / 2.0)
+            matrix.matrix().abs() * Vector3::new(*radius, *radius, length / 2.0)
         }
-        SolidShape::Sphere { radius } => Vector3::repeat(radius),
+        SolidShape::Sphere { radius } => Vector3::repeat(*radius),
+        SolidShape::Capsule { .. } | SolidShape::Mesh { .. } => panic!("not generated"),
     };
     let center = Point3::from(pose.translation.vector);
     [center - half, center + half]

@@ -7,14 +7,14 @@ use std::path::Path;
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
 use rerun::components;
-use twin_urdf::{Joint, JointDrive, JointKind, Link, Solid, SolidShape, Tip};
+use twin_urdf::{Joint, JointDrive, JointKind, Link, Mesh, Solid, SolidShape, Tip};
 
 use super::*;
 use crate::frame::{AxisUnit, MoveKind};
 use read::Read;
 
 pub(crate) fn machine() -> Model {
-    let link = |name: &str, solids| Link { name: name.to_owned(), inertial: None, solids };
+    let link = |name: &str, solids| Link::new(name, None, solids);
     let solid = |shape| Solid {
         shape,
         origin: Isometry3::translation(0.0, 0.0, 0.01),
@@ -32,18 +32,14 @@ pub(crate) fn machine() -> Model {
                 ],
             ),
         ],
-        joints: vec![Joint {
-            name: "A".to_owned(),
-            kind: JointKind::Revolute,
-            parent: 0,
-            child: 1,
-            origin: Isometry3::identity(),
-            axis: Vector3::z_axis(),
-            drive: JointDrive::Axis(0),
-            position_limits: None,
-            velocity_limit: None,
-            effort_limit: None,
-        }],
+        joints: vec![Joint::new(
+            "A",
+            JointKind::Revolute,
+            [0, 1],
+            Isometry3::identity(),
+            Vector3::z_axis(),
+            JointDrive::Axis(0),
+        )],
         loops: Vec::new(),
         tip: Tip { link: 1, point: Point3::new(0.4, 0.0, 0.0) },
     }
@@ -57,8 +53,12 @@ fn axes() -> Vec<Axis> {
 }
 
 fn open(options: &SceneOptions) -> Result<Scene, VizError> {
+    open_with(options, &machine())
+}
+
+fn open_with(options: &SceneOptions, machine: &Model) -> Result<Scene, VizError> {
     let setup = Setup {
-        machine: &machine(),
+        machine,
         home: &[Isometry3::identity(); 2],
         axes: &axes(),
         program: Program { name: "part.cnc", text: "%\nN10 G0 X10\nN20 G1 X20 F5\n" },
@@ -123,6 +123,17 @@ fn record(milliseconds: u32, has_drives: bool) -> Read {
         log_ms(&mut scene, ms, has_drives).unwrap();
     }
     scene.finish().unwrap();
+    Read::new(&path)
+}
+
+/// The recording of a machine that `change` has made another.
+fn record_with(change: impl FnOnce(&mut Model)) -> Read {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.rrd");
+    let mut machine = machine();
+    change(&mut machine);
+    let options = SceneOptions { record: Some(path.clone()), ..SceneOptions::default() };
+    open_with(&options, &machine).unwrap().finish().unwrap();
     Read::new(&path)
 }
 
@@ -243,6 +254,48 @@ fn solids_are_logged_once_in_mm() {
         &rerun::Ellipsoids3D::descriptor_half_sizes(),
     );
     assert_eq!(spheres.iter().map(|size| size.0.0).collect::<Vec<_>>(), [[30.0; 3]]);
+}
+
+/// A mesh in mm, in the frame of its link, seen from outside; a capsule from its lower end.
+#[test]
+fn meshes_and_capsules_are_logged_in_mm() {
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let triangles = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    let mesh = Mesh::new("corner.stl", corners.map(Point3::from).into(), triangles).unwrap();
+    let scale = Vector3::new(0.1, -0.2, 0.3);
+    let read = record_with(|machine| {
+        let shape = SolidShape::Mesh { mesh: mesh.into(), scale };
+        let origin = Isometry3::translation(0.0, 0.0, 0.5);
+        machine.links[0].solids.push(Solid { shape, origin, color: [1.0, 0.0, 0.0, 1.0] });
+        let shape = SolidShape::Capsule { radius: 0.02, length: 0.3 };
+        machine.links[1].solids.push(Solid { shape, origin, color: [1.0; 4] });
+    });
+    let entity = "machine/base/mesh1";
+    let positions = rerun::Mesh3D::descriptor_vertex_positions();
+    let found = read.statics::<components::Position3D>(entity, &positions);
+    let places: Vec<[f32; 3]> = found.iter().map(|place| place.0.0).collect();
+    assert_eq!(places.len(), 12);
+    let expected =
+        [[0.0, 0.0, 500.0], [100.0, 0.0, 500.0], [0.0, -200.0, 500.0], [0.0, 0.0, 800.0]];
+    for place in &places {
+        assert!(expected.contains(place), "{place:?}");
+    }
+    // The normal of the side below: down.
+    let normals = rerun::Mesh3D::descriptor_vertex_normals();
+    let normals = read.statics::<components::Vector3D>(entity, &normals);
+    let down = normals.iter().take(1).map(|normal| normal.0.0).collect::<Vec<_>>();
+    assert_eq!(down, [[0.0, 0.0, -1.0]]);
+    let factor = rerun::Mesh3D::descriptor_albedo_factor();
+    let factor = read.statics::<components::AlbedoFactor>(entity, &factor);
+    assert_eq!(factor[0].0.to_array(), [255, 0, 0, 255]);
+    let entity = "machine/arm 1/capsules";
+    let translations = rerun::Capsules3D::descriptor_translations();
+    let translations = read.statics::<components::Translation3D>(entity, &translations);
+    let below = translations.iter().map(|place| place.0.0).collect::<Vec<_>>();
+    assert_eq!(below, [[0.0, 0.0, 350.0]]);
+    let lengths = rerun::Capsules3D::descriptor_lengths();
+    let lengths = read.statics::<components::Length>(entity, &lengths);
+    assert_eq!(lengths.iter().map(|length| length.0.0).collect::<Vec<_>>(), [300.0]);
 }
 
 #[test]

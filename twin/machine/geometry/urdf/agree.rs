@@ -1,0 +1,152 @@
+//! Whether the chain of joints and the transform are the same machine.
+
+use super::{Given, Source, fit};
+use crate::machine::axis::AxisEntry;
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use twin_kinematics::{AxisVector, Kinematics, MachineAxes};
+use twin_urdf::Model;
+
+/// Places beside those where every axis is at an end or in the middle.
+const PLACES: u32 = 64;
+/// Where a flange that turns is looked at beside its tool, m.
+const BESIDE: f64 = 0.1;
+/// As far as an axis without limits is looked at, rad or m.
+const FAR: f64 = 10.0;
+
+/// The largest difference, and where it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Difference {
+    /// m.
+    pub(super) length: f64,
+    axes: AxisVector,
+    transform: Point3<f64>,
+    chain: Point3<f64>,
+}
+
+/// The flange of the transform in the link that carries it: z up, and x as the transform has it, taken with every axis in
+/// the middle of its travel.
+pub(super) fn flange(given: &Given<'_>, machine: &MachineAxes, model: &Model) -> Isometry3<f64> {
+    let middle = AxisVector::from_values(given.axes.iter().map(|entry| {
+        let [low, high] = range(entry);
+        low.midpoint(high)
+    }));
+    let direction = match beside(given, machine, &middle) {
+        Some(direction) => direction.y.atan2(direction.x),
+        None => 0.0,
+    };
+    let machine_from_flange = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), direction);
+    let poses = model.link_poses(&middle);
+    let machine_from_link = poses.get(model.tip.link).map(|pose| pose.rotation).unwrap_or_default();
+    let link_from_flange = machine_from_link.inverse() * machine_from_flange;
+    Isometry3::from_parts(nalgebra::Translation3::identity(), link_from_flange)
+}
+
+/// Where x of the flange points, machine frame: from the tip of the tool to that of one that is [`BESIDE`] it.
+fn beside(given: &Given<'_>, machine: &MachineAxes, axes: &AxisVector) -> Option<Vector3<f64>> {
+    let tool = given.tool.tip + Vector3::x() * BESIDE;
+    let other = given.design.transform().ok()?;
+    let other = MachineAxes::new(other, given.sources.clone(), tool).ok()?;
+    Some(other.forward(axes).ok()?.position - machine.forward(axes).ok()?.position)
+}
+
+/// Complains if the tips are further apart anywhere than the file allows.
+pub(super) fn check(
+    source: &Source,
+    given: &Given<'_>,
+    machine: &MachineAxes,
+    model: &Model,
+    flange: &Isometry3<f64>,
+) -> Option<()> {
+    let mut worst = largest(given.axes, |axes| {
+        Some((machine.forward(axes).ok()?.position, model.tip_position(axes)))
+    });
+    let mut what = "the tool tip";
+    if given.kind.turns_tool() && worst.is_none_or(|worst| worst.length <= source.tolerance) {
+        // Whether the tool turns alike.
+        let along = flange * Vector3::x() * BESIDE;
+        worst = largest(given.axes, |axes| {
+            let transform = machine.forward(axes).ok()?.position + beside(given, machine, axes)?;
+            let poses = model.link_poses(axes);
+            let turned = poses.get(model.tip.link)?.rotation * along;
+            Some((transform, model.tip_position(axes) + turned))
+        });
+        what = "a point 100 mm beside the tool tip";
+    }
+    let Some(worst) = worst.filter(|worst| worst.length > source.tolerance) else {
+        return Some(());
+    };
+    let places: Vec<_> = given
+        .axes
+        .iter()
+        .zip(worst.axes.iter())
+        .map(|(entry, position)| {
+            let axis = &entry.axis;
+            format!("{} {} {}", axis.name, rounded(axis.from_si(*position)), axis.unit())
+        })
+        .collect();
+    let mm = |point: &Point3<f64>| {
+        let [x, y, z] = [point.x, point.y, point.z].map(|value| rounded(value * 1e3));
+        format!("X{x} Y{y} Z{z}")
+    };
+    let message = format!(
+        "{} and [kinematics] are up to {} mm apart ({} mm are allowed): with {} {what} is at {} by the URDF and at {} by the \
+         transform",
+        source.path.display(),
+        rounded(worst.length * 1e3),
+        rounded(source.tolerance * 1e3),
+        places.join(", "),
+        mm(&worst.chain),
+        mm(&worst.transform),
+    );
+    let help = fit::advice(source, given, model, &worst);
+    given.body.complain_with_help("urdf", message, help);
+    None
+}
+
+/// The largest difference between the two points that `points` gives, over the travel of all axes.
+pub(super) fn largest(
+    axes: &[AxisEntry],
+    points: impl Fn(&AxisVector) -> Option<(Point3<f64>, Point3<f64>)>,
+) -> Option<Difference> {
+    let mut worst: Option<Difference> = None;
+    for place in places(axes) {
+        let Some((transform, chain)) = points(&place) else { continue };
+        let length = (transform - chain).norm();
+        // What is not a number is no agreement.
+        if worst.is_none_or(|worst| length.is_nan() || length > worst.length) {
+            worst = Some(Difference { length, axes: place, transform, chain });
+        }
+    }
+    worst
+}
+
+/// How far an axis goes, m or rad.
+fn range(entry: &AxisEntry) -> [f64; 2] {
+    let [low, high] = entry.axis.position_limits;
+    if entry.axis.limited { [low, high] } else { [low.max(-FAR), high.min(FAR)] }
+}
+
+/// All combinations of both ends and the middle of every axis, and places in between.
+fn places(axes: &[AxisEntry]) -> impl Iterator<Item = AxisVector> {
+    let count = axes.iter().fold(1_u32, |count, _| 3 * count);
+    let at = move |parts: &dyn Fn(u32) -> f64| {
+        AxisVector::from_values((0..).zip(axes).map(|(number, entry)| {
+            let [low, high] = range(entry);
+            low + (high - low) * parts(number)
+        }))
+    };
+    let corners = move |corner: u32| at(&|number| f64::from(corner / 3_u32.pow(number) % 3) / 2.0);
+    // A lattice (Roberts 2018): steps by powers of a number that no fractions come near.
+    let between = move |place: u32| {
+        at(&|number| {
+            (f64::from(place) * 0.811_732_5_f64.powi(1 + i32::try_from(number).unwrap_or(0)))
+                .fract()
+        })
+    };
+    (0..count).map(corners).chain((1..=PLACES).map(between))
+}
+
+/// With six digits behind the point at most.
+pub(super) fn rounded(value: f64) -> f64 {
+    (value * 1e6).round() / 1e6 + 0.0
+}

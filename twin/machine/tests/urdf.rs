@@ -1,0 +1,448 @@
+//! Machine files that point to a URDF.
+
+use super::Problem;
+use crate::machine::{Machine, MachineFileError};
+use crate::physics::{AxisDriveParameters, PhysicsError, PhysicsMachine, ServoParameters};
+use crate::plant::Plant;
+use crate::setpoint::AxisSetpoint;
+use crate::simulated::Simulated;
+use nalgebra::{Point3, Vector3};
+use std::f64::consts::{PI, TAU};
+use std::fs;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_motion::Place;
+use twin_urdf::{JointKind, SolidShape, UrdfNote};
+
+fn workspace() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
+
+fn tutorial() -> Machine {
+    let path = workspace().join("tests/data/urdf_scara/machine.toml");
+    Machine::load(&path).unwrap_or_else(|error| panic!("{error:?}"))
+}
+
+/// The MELFA RH-6CRH6020 of the corpus, if it is there (`TWIN_SHARED` or beside the workspace), with `body` and `axis` for
+/// more keys.
+fn melfa(folder: &TempDir) -> Option<Machine> {
+    let beside = workspace().join("../shared");
+    let shared = std::env::var_os("TWIN_SHARED").map_or(beside, PathBuf::from);
+    let urdf = shared.join("corpus/urdf/melfa_rh6crh6020_scara/rh6crh6020.urdf");
+    if !urdf.is_file() {
+        println!("skipped: no rh6crh6020.urdf (TWIN_SHARED, ../shared)");
+        return None;
+    }
+    let axis = |name: &str,
+                joint: u8,
+                kind: &str,
+                [min, max]: [f64; 2],
+                [v, a]: [f64; 2],
+                physics: &str| {
+        let unit = if kind == "rotary" { "deg" } else { "mm" };
+        format!(
+            "[[axes]]\nname = \"{name}\"\njoint = \"rh6crh6020_joint_{joint}\"\nkind = \"{kind}\"\nposition_min_{unit} = {min:?}\n\
+             position_max_{unit} = {max:?}\nmax_velocity_{unit}_per_s = {v:?}\nmax_acceleration_{unit}_per_s2 = {a:?}\n\
+             [axes.physics]\n{physics}\n"
+        )
+    };
+    // Lengths, limits and velocities are those of the maker's URDF; its effort of 1 Nm is a placeholder.
+    let text = [
+        "name = \"melfa\"\n[kinematics]\nkind = \"scara3\"\narm_lengths_mm = [325.0, 275.0, 0.0]\n[body]\n".to_owned(),
+        format!("urdf = {:?}\n", urdf.display().to_string()),
+        "tip_link = \"rh6crh6020_default_tcp\"\ndensity_kg_per_m3 = 2700.0\n".to_owned(),
+        "[tool]\nlength_mm = 80.0\noffset_mm = [10.0, 5.0]\nmass_kg = 0.5\n".to_owned(),
+        axis("A", 1, "rotary", [-132.0, 132.0], [420.0, 2000.0], "max_torque_nm = 300.0"),
+        axis("B", 2, "rotary", [-150.0, 150.0], [720.0, 4000.0], "max_torque_nm = 100.0"),
+        axis("C", 4, "rotary", [-360.0, 360.0], [2500.0, 20000.0], "max_torque_nm = 10.0"),
+        axis("Z", 3, "linear", [-51.0, 149.0], [1100.0, 8000.0], "max_force_n = 500.0"),
+    ];
+    let path = folder.path().join("melfa.toml");
+    fs::write(&path, text.concat()).unwrap();
+    Some(Machine::load(&path).unwrap_or_else(|error| panic!("{error:?}")))
+}
+
+/// The problems of the tutorial's machine file with a change in it, the file named by its last part only.
+fn changed(changes: &[(&str, &str)]) -> Vec<Problem> {
+    let folder = TempDir::new().unwrap();
+    let data = workspace().join("tests/data/urdf_scara");
+    let mut text = fs::read_to_string(data.join("machine.toml")).unwrap();
+    for (from, to) in changes {
+        assert!(text.contains(from), "{from}");
+        text = text.replacen(from, to, 1);
+    }
+    let path = folder.path().join("machine.toml");
+    fs::copy(data.join("scara.urdf"), folder.path().join("scara.urdf")).unwrap();
+    fs::write(&path, &text).unwrap();
+    match Machine::load(&path) {
+        Ok(_) => Vec::new(),
+        Err(MachineFileError::Content { problems, .. }) => problems,
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn messages(changes: &[(&str, &str)]) -> String {
+    let problems = changed(changes);
+    let said = problems
+        .into_iter()
+        .map(|problem| format!("{} {}", problem.message, problem.help.unwrap_or_default()));
+    said.collect::<Vec<_>>().join("\n")
+}
+
+/// Every number is in the URDF.
+#[test]
+fn the_tutorial_is_read() {
+    let machine = tutorial();
+    let [a, b, z] = &machine.axes[..] else { panic!() };
+    for axis in [a, b] {
+        assert_eq!((axis.simulated.viscous_friction(), axis.simulated.dry_friction()), (0.2, 0.1));
+        assert_eq!(axis.simulated.effort_limit, 1000.0);
+    }
+    assert_eq!((z.simulated.viscous_friction(), z.simulated.dry_friction()), (0.4, 5.0));
+    // Of its ten links, the base and what stands on it do not move.
+    let masses = [0.5, 0.5, 0.5, 0.5, 0.5, 0.2];
+    assert!((machine.moving_mass() - masses.iter().sum::<f64>()).abs() < 1e-12);
+    let undefined = |note: &UrdfNote| matches!(note, UrdfNote::NoColor { .. });
+    let said: Vec<_> = machine.urdf_warnings.iter().map(|warning| &warning.note).collect();
+    assert_eq!(said.iter().filter(|note| undefined(note)).count(), 7, "{said:?}");
+    let right = |note: &UrdfNote| matches!(note, UrdfNote::RightAngle { given, .. } if (PI - given - 1.59e-3).abs() < 1e-5);
+    assert!(said.iter().any(|note| right(note)), "{said:?}");
+    let moving: Vec<_> =
+        machine.model.moving_joints().map(|(_, joint)| joint.name.as_str()).collect();
+    assert_eq!(moving, ["joint1", "joint2", "joint3"]);
+}
+
+/// Forward kinematics of transform, chain and bodies at every step of `motion`, which must move the tip by `far` at least.
+fn agree(machine: &Machine, motion: impl Fn(f64, usize, [f64; 2]) -> [f64; 3], far: f64) {
+    let count = machine.axes.len();
+    let at = |time: f64| {
+        let mut result = [[0.0; 8]; 3];
+        for (index, axis) in machine.axes.iter().enumerate() {
+            for (row, value) in result.iter_mut().zip(motion(time, index, axis.position_limits)) {
+                row[index] = value;
+            }
+        }
+        let [position, velocity, acceleration] =
+            result.map(|row| AxisVector::from_values(row.into_iter().take(count)));
+        AxisMotion { position, velocity, acceleration }
+    };
+    let start = at(0.0).position;
+    let drives: Vec<_> = crate::physics::axis_inertia(&machine.model, &start)
+        .unwrap()
+        .iter()
+        .map(|inertia| {
+            AxisDriveParameters::servo(ServoParameters::tuned(*inertia, 50.0, f64::INFINITY))
+        })
+        .collect();
+    let mut physics =
+        PhysicsMachine::new(&machine.model, &drives, machine.gravity, &start, machine.cycle_ns)
+            .unwrap();
+    let first = machine.kinematics.forward(&start).unwrap().position;
+    let mut farthest: f64 = 0.0;
+    for step in 1..=1000 {
+        let state = physics.step(&at(f64::from(step) * 1e-3)).unwrap();
+        let pose = machine.kinematics.forward(&state.position).unwrap();
+        let chain = machine.model.tip_position(&state.position);
+        let bodies = physics.link_poses()[machine.model.tip.link] * machine.model.tip.point;
+        for (name, tip) in [("chain", chain), ("bodies", bodies)] {
+            let error = (tip - pose.position).norm();
+            assert!(error < 1e-10, "{name} at step {step}: {error}");
+        }
+        farthest = farthest.max((pose.position - first).norm());
+    }
+    assert!(farthest > far, "{farthest}");
+}
+
+/// Every axis over a part of its travel, each at its own pace.
+fn swing(time: f64, index: usize, [low, high]: [f64; 2]) -> [f64; 3] {
+    let pace = TAU * (0.3 + 0.1 * f64::from(u8::try_from(index).unwrap()));
+    let (sin, cos) = (pace * time).sin_cos();
+    let (middle, half) = (low.midpoint(high), 0.2 * (high - low));
+    [middle - half * cos, half * pace * sin, half * pace * pace * cos]
+}
+
+#[test]
+fn transform_chain_and_bodies_agree() {
+    agree(&tutorial(), swing, 0.3);
+    let folder = TempDir::new().unwrap();
+    if let Some(machine) = melfa(&folder) {
+        agree(&machine, swing, 0.3);
+    }
+    let shipped = Machine::load(&workspace().join("machines/scara2_urdf.toml")).unwrap();
+    agree(&shipped, swing, 0.2);
+}
+
+/// The tool goes along a straight line and back: it is where it was sent at every millisecond, to within what drives leave.
+fn line(machine: &Machine, from: [f64; 3], to: [f64; 3]) {
+    let (from, to) = (Point3::from(from), Point3::from(to));
+    let axes = |time: f64| {
+        let part = 0.5 - 0.5 * (PI * time).cos();
+        let pose = Pose { position: from + (to - from) * part, direction: 0.0 };
+        let axes = machine.kinematics.inverse(&pose, &machine.middle());
+        (axes.unwrap_or_else(|error| panic!("{error} at {part}")), pose.position)
+    };
+    let mut twin = Simulated::new(machine, &axes(0.0).0).unwrap();
+    let mut reached: f64 = 0.0;
+    for step in 0..=2000_u32 {
+        let time = f64::from(step) * 1e-3;
+        let [before, (now, target), after] = [time - 1e-4, time, time + 1e-4].map(axes);
+        let [before, after] = [before.0, after.0];
+        let of = |value: &dyn Fn(usize) -> f64| {
+            AxisVector::from_values((0..machine.axes.len()).map(value))
+        };
+        let motion = AxisMotion {
+            position: now,
+            velocity: of(&|i| (after[i] - before[i]) / 2e-4),
+            acceleration: of(&|i| (after[i] - 2.0 * now[i] + before[i]) / 1e-8),
+        };
+        let setpoint = AxisSetpoint {
+            time_ns: i64::from(step) * 1_000_000,
+            place: Place::default(),
+            axes: motion,
+            tool: ToolMotion::at_rest(Pose { position: target, direction: 0.0 }),
+            m_call: None,
+            path_velocity: 0.0,
+            feed: None,
+        };
+        twin.command(&setpoint).unwrap();
+        let position = twin.feedback().unwrap().unwrap().position;
+        let tip = machine.kinematics.forward(&position).unwrap().position;
+        assert!((tip - target).norm() < 1e-3, "{step}: {tip} {target}");
+        reached = reached.max((tip - from).norm());
+    }
+    assert!((reached - (to - from).norm()).abs() < 1e-3, "{reached}");
+}
+
+/// The volumes are those of the meshes; the drawing of the maker says that the arms weigh some kilograms.
+#[test]
+fn the_melfa_is_read() {
+    let folder = TempDir::new().unwrap();
+    let Some(machine) = melfa(&folder) else { return };
+    let meshes = machine.model.links.iter().flat_map(|link| &link.solids);
+    let meshes = meshes.filter(|solid| matches!(solid.shape, SolidShape::Mesh { .. }));
+    assert_eq!(meshes.count(), 4);
+    let mass = |name: &str| {
+        machine
+            .model
+            .links
+            .iter()
+            .find(|link| link.name == name)
+            .unwrap()
+            .inertial
+            .map(|body| body.mass)
+    };
+    assert_eq!(mass("rh6crh6020_base"), None, "it does not move");
+    assert!(mass("rh6crh6020_no1arm").is_some_and(|mass| (2.0..20.0).contains(&mass)));
+    assert_eq!(mass("rh6crh6020_shaft_z"), None, "a frame");
+    assert!((mass("rh6crh6020_default_tcp").unwrap() - 0.5).abs() < 1e-12, "the tool");
+}
+
+#[test]
+fn what_differs_is_said_with_what_would_fit() {
+    let said = messages(&[("425.0, 345.0", "420.0, 350.0")]);
+    assert!(said.contains("are up to ") && said.contains("(0.001 mm are allowed)"), "{said}");
+    assert!(said.ends_with("these dimensions would fit: arm_lengths_mm = [425, 345]"), "{said}");
+    // Arms 5 mm too short and too long: with the elbow at θ they differ by 5·|1 − e^iθ| mm, at most at its end.
+    let expected = 5.0 * 2.0 * (89.9_f64.to_radians() / 2.0).sin();
+    assert!(said.contains(&format!("up to {} mm", (expected * 1e6).round() / 1e6)), "{said}");
+    let said = messages(&[("-440.0]", "-430.0]")]);
+    assert!(said.ends_with("these dimensions would fit: base_mm = [0, 0, -440]"), "{said}");
+    assert!(said.contains("up to 10 mm"), "{said}");
+    let said = messages(&[("right_angle_tolerance_deg = 0.1", "")]);
+    assert!(said.contains("joint prismatic32link2 is 0.091252° off a right angle"), "{said}");
+    // Half a millimetre and more is what that makes at the end of the quill.
+    assert!(said.contains("up to 0.652988 mm"), "{said}");
+    assert_eq!(messages(&[("right_angle_tolerance_deg = 0.1", "tolerance_mm = 0.7")]), "");
+}
+
+#[test]
+fn axes_and_joints_that_do_not_fit_are_named() {
+    for (from, to, expected) in [
+        (
+            "\"joint1\"",
+            "\"joint9\"",
+            "there is no joint joint9; those that move are joint1, joint2, joint3",
+        ),
+        ("\"joint1\"", "\"joint2\"", "joint joint2 has an axis already"),
+        ("\"joint1\"", "\"base2world\"", "joint base2world is fixed"),
+        (
+            "joint = \"joint1\"",
+            "",
+            "there is no joint A; those that move are joint1, joint2, joint3",
+        ),
+        (
+            "tip_link = \"tool0\"",
+            "tip_link = \"tool1\"",
+            "scara.urdf:2: there is no link tool1, of which tip_link speaks",
+        ),
+        ("tip_link = \"tool0\"", "", "scara.urdf:2: there is no link tool_tip"),
+        ("\"scara.urdf\"", "\"other.urdf\"", "other.urdf:1: cannot be read: "),
+        (
+            "tip_link",
+            "arm_masses_kg = [1.0, 2.0]\ntip_link",
+            "unknown key `arm_masses_kg` in [body]",
+        ),
+        ("urdf = \"scara.urdf\"", "", "joints are named of a URDF, and [body] has no `urdf`"),
+        (
+            "[program]",
+            "[body.held_joints]\njoint7 = 0.0\n[program]",
+            "scara.urdf has no joint joint7",
+        ),
+        ("[program]", "[body.links.link9]\nmass_kg = 1.0\n[program]", "the URDF has no link link9"),
+        ("[program]", "[body.links.link1]\nweight = 1.0\n[program]", "unknown key `weight`"),
+        (
+            "kind = \"rotary\"\njoint = \"joint1\"",
+            "kind = \"rotary\"\njoint = \"joint3\"",
+            "is rotary; joint joint3 slides",
+        ),
+        (
+            "joint_sense = \"opposite\"",
+            "joint_sense = \"opposite\"\njoint_offset_deg = 1.0",
+            "did you mean `joint_offset_mm`?",
+        ),
+    ] {
+        let said = messages(&[(from, to)]);
+        assert!(said.contains(expected), "{to}: {said}");
+    }
+    // A joint that nothing moves: the third axis is away.
+    let path = workspace().join("tests/data/urdf_scara/machine.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    let (before, _) = text.split_once("[[axes]]\nname = \"Z\"").unwrap();
+    let refuse = |text: &str| Machine::parse(&path, text).unwrap_err().remove(0);
+    let problem = refuse(before);
+    assert!(problem.message.ends_with("no axis moves joint3, and nothing holds it"), "{problem:?}");
+    let held = |at: f64| {
+        before.replace("[program]", &format!("[body.held_joints]\njoint3 = {at:?}\n[program]"))
+    };
+    let problem = refuse(&held(301.0));
+    assert!(problem.message.contains("joint joint3 is held at 0.301"), "{problem:?}");
+    // Held 50 mm down it is a machine in a plane, 50 mm below; a start and a tool above it would be out of it.
+    let flat = held(50.0).replace("-440.0]", "-390.0]").replace(", -50.0]", ", 0.0]");
+    let machine = Machine::parse(&path, &flat).unwrap();
+    assert_eq!(machine.model.moving_joints().count(), 2);
+    let held = machine.model.joints.iter().find(|joint| joint.name == "joint3").unwrap();
+    assert_eq!(held.kind, JointKind::Fixed);
+}
+
+/// A URDF is a tree of joints with one axis each.
+#[test]
+fn machines_that_are_no_tree_have_no_urdf() {
+    for (text, expected) in [
+        (include_str!("../../../machines/gantry_h2.toml"), "two motors move each coordinate"),
+        (include_str!("../../../machines/tripod.toml"), "the rods of a tripod go round in loops"),
+    ] {
+        let (before, body) = text.split_once("\n[body]\n").unwrap();
+        let (_, after) = body.split_once("\n[").unwrap();
+        let text = format!("{before}\n[body]\nurdf = \"scara.urdf\"\n\n[{after}");
+        let problems = Machine::parse(Path::new("machine.toml"), &text).unwrap_err();
+        assert_eq!(problems.len(), 1, "{problems:?}");
+        assert!(problems[0].message.contains(expected), "{problems:?}");
+    }
+}
+
+#[test]
+fn limits_of_joints_bind() {
+    let said = messages(&[("= -89.9", "= -91.0"), ("= 28.0", "= 29.0")]);
+    let [velocity, position] =
+        ["axis \"A\" makes 29", "axis \"A\" goes to -91 deg; joint joint1 of "];
+    assert!(said.contains(velocity) && said.contains(position), "{said}");
+    // 1.57 rad and 0.5 rad/s.
+    assert!(said.contains("ends at -89.954374 deg (<limit>)"), "{said}");
+    assert!(said.contains("joint joint1 of ") && said.contains("makes 28.64789 deg/s"), "{said}");
+    let said = messages(&[("position_max_mm = 0.0", "position_max_mm = 1.0")]);
+    assert!(said.contains("axis \"Z\" goes to 1 mm; joint joint3 of "), "{said}");
+
+    // A safety controller binds too, and says that it is it.
+    let folder = TempDir::new().unwrap();
+    let data = workspace().join("tests/data/urdf_scara");
+    let urdf = fs::read_to_string(data.join("scara.urdf")).unwrap();
+    let safe = urdf.replacen(
+        "<dynamics",
+        "<safety_controller k_velocity=\"1\" soft_lower_limit=\"-1.5\" soft_upper_limit=\"1.5\"/><dynamics",
+        1,
+    );
+    fs::write(folder.path().join("scara.urdf"), safe).unwrap();
+    let path = folder.path().join("machine.toml");
+    fs::copy(data.join("machine.toml"), &path).unwrap();
+    let Err(MachineFileError::Content { problems, .. }) = Machine::load(&path) else { panic!() };
+    let [low, high] = &problems[..] else { panic!("{problems:?}") };
+    assert!(low.message.ends_with("ends at -85.943669 deg (<safety_controller>)"), "{low:?}");
+    assert!(high.message.contains("goes to 89.9 deg"), "{high:?}");
+}
+
+/// Links without mass are no matter until something is to be simulated; then a density or a mass helps.
+#[test]
+fn mass_where_the_urdf_has_none() {
+    let folder = TempDir::new().unwrap();
+    let data = workspace().join("tests/data/urdf_scara");
+    let urdf = fs::read_to_string(data.join("scara.urdf")).unwrap();
+    let mut light = String::new();
+    for (number, part) in urdf.split("<inertial>").enumerate() {
+        light += if number == 0 { part } else { part.split_once("</inertial>").unwrap().1 };
+    }
+    fs::write(folder.path().join("scara.urdf"), light).unwrap();
+    let text = fs::read_to_string(data.join("machine.toml")).unwrap();
+    let path = folder.path().join("machine.toml");
+    let load = |more: &str| {
+        let text = text.replace("[program]", &format!("{more}\n[program]"));
+        Machine::parse(&path, &text).unwrap_or_else(|error| panic!("{error:?}"))
+    };
+    let machine = load("");
+    assert_eq!(machine.moving_mass(), 0.0);
+    let refusal = Simulated::new(&machine, &machine.middle()).unwrap_err();
+    assert!(matches!(refusal, PhysicsError::NoInertia { axis: 0, .. }), "{refusal}");
+    assert!(refusal.to_string().contains("density_kg_per_m3"), "{refusal}");
+
+    // Two columns, two bars, a drum and the quill, by their volumes.
+    let cylinder = |radius: f64, length: f64| PI * radius * radius * length;
+    let volumes = [
+        cylinder(0.05, 0.45),
+        0.1 * 0.1 * 0.425,
+        cylinder(0.05, 0.2),
+        0.1 * 0.1 * 0.345,
+        cylinder(0.07, 0.15),
+        cylinder(0.03, 0.5),
+    ];
+    let machine = load("density_kg_per_m3 = 1000.0");
+    let expected = 1000.0 * volumes.iter().sum::<f64>();
+    assert!(
+        (machine.moving_mass() - expected).abs() < 1e-9,
+        "{} {expected}",
+        machine.moving_mass()
+    );
+    Simulated::new(&machine, &machine.middle()).unwrap();
+    let machine = load("density_kg_per_m3 = 1000.0\n[body.links.link3]\nmass_kg = 3.0");
+    let quill = machine.model.links.iter().find(|link| link.name == "link3").unwrap();
+    let inertial = quill.inertial.unwrap();
+    assert!((inertial.mass - 3.0).abs() < 1e-12);
+    let across = 3.0 * (3.0 * 0.03 * 0.03 + 0.5 * 0.5) / 12.0;
+    assert!((inertial.inertia.m11 - across).abs() < 1e-12, "{inertial:?}");
+    assert!((inertial.center - Point3::new(0.0, 0.0, -0.25)).norm() < 1e-12);
+}
+
+/// The quill turns down, its link's frame is upside down, and the tool still hangs down from the flange, along the last arm.
+#[test]
+fn a_tool_hangs_the_way_the_transform_has_it() {
+    let path = workspace().join("tests/data/urdf_scara/machine.toml");
+    let text = fs::read_to_string(&path).unwrap();
+    let tool = "[tool]\nlength_mm = 60.0\noffset_mm = [20.0, 7.0]\nmass_kg = 0.3\n[program]";
+    let machine = Machine::parse(&path, &text.replace("[program]", tool)).unwrap();
+    let tip = machine.model.tip_position(&[0.0, PI / 2.0, -0.1]);
+    let expected = Point3::new(0.425 - 0.007, 0.345 + 0.02, -0.16);
+    assert!((tip - expected).norm() < 1e-12, "{tip}");
+    let light = tutorial().moving_mass();
+    assert!((machine.moving_mass() - light - 0.3).abs() < 1e-12);
+    let solids = &machine.model.links[machine.model.tip.link].solids;
+    assert_eq!(solids.len(), 2);
+    assert!(machine.model.tip.point.z > 0.0, "{:?}", Vector3::from(machine.model.tip.point.coords));
+}
+
+#[test]
+fn programs_are_followed() {
+    line(&tutorial(), [0.6, 0.2, -0.05], [0.55, 0.3, -0.1]);
+    let folder = TempDir::new().unwrap();
+    if let Some(machine) = melfa(&folder) {
+        line(&machine, [0.4, 0.1, 0.0], [0.3, 0.3, -0.05]);
+    }
+}
