@@ -112,7 +112,7 @@ fn a_motor_that_gets_too_warm_is_a_warning() {
 fn faults_on_purpose_have_lines() {
     let desk = desk(&[]);
     let fault = |kind: &str| {
-        desk.write("faults.toml", &format!("[[faults]]\nkind = {kind}\nat_line = 4\n"))
+        desk.write("faults.toml", &format!("[[faults]]\nkind = {kind}\nat_line = 4\n"));
     };
     let told = |desk: &Desk, rule: &str, line: u32| {
         let check = ["check", "down.cnc", "-m", "motors.toml", "--physics", "--format", "json"];

@@ -150,13 +150,11 @@ impl Rehearsal<'_> {
         if self.lost {
             return Ok(());
         }
-        let twin = match &mut self.twin {
-            Some(twin) => twin,
-            None => {
-                let twin = Simulated::new(self.machine, &setpoint.axes.position)?;
-                self.twin.insert(twin.in_scenario(&self.scenario))
-            }
-        };
+        if self.twin.is_none() {
+            let twin = Simulated::new(self.machine, &setpoint.axes.position)?;
+            self.twin = Some(twin.in_scenario(&self.scenario));
+        }
+        let Some(twin) = &mut self.twin else { return Ok(()) };
         match twin.command(setpoint).and_then(|()| twin.feedback()) {
             Ok(Some(feedback)) => checker.following(setpoint, &feedback.position),
             Ok(None) => {}

@@ -94,7 +94,7 @@ impl PhysicsMachine {
             let [every, positions_every] =
                 [servo.parameters.velocity_passes, servo.parameters.position_passes]
                     .map(|passes| (course.steps / u32::from(passes)).max(1));
-            if step % every != 0 {
+            if !step.is_multiple_of(every) {
                 continue;
             }
             // What is fed forward is held for the period: take it from its middle.
@@ -126,7 +126,7 @@ impl PhysicsMachine {
                 motor_velocity: at(&joints.motors.velocity, axis),
             };
             let period = course.cycle * f64::from(every) / f64::from(course.steps);
-            *saturated |= servo.control(&input, step % positions_every == 0, period);
+            *saturated |= servo.control(&input, step.is_multiple_of(positions_every), period);
         }
         Ok(())
     }

@@ -109,12 +109,12 @@ impl<'a> Motors<'_, 'a> {
         let peak = section.number("peak_torque_nm", TORQUE);
         let peak = peak.zip(shaft).map_or(f64::INFINITY, |(torque, shaft)| shaft.effort(torque));
         let curve = Self::curve(section, "torque_rpm_nm", shaft).unwrap_or_default();
-        let position_passes = self.passes(section, "position_loop_period_us");
-        let velocity_passes = self.passes(section, "velocity_loop_period_us");
+        let position_passes = Self::passes(section, "position_loop_period_us");
+        let velocity_passes = Self::passes(section, "velocity_loop_period_us");
         let velocity_passes = velocity_passes.or(position_passes);
         let velocity_passes = velocity_passes.unwrap_or(ServoParameters::DEFAULT_PASSES);
         let position_passes = position_passes.unwrap_or(velocity_passes);
-        if velocity_passes % position_passes != 0 {
+        if !velocity_passes.is_multiple_of(position_passes) {
             section.complain_at(
                 "position_loop_period_us",
                 "`position_loop_period_us` is no multiple of `velocity_loop_period_us`".to_owned(),
@@ -127,7 +127,7 @@ impl<'a> Motors<'_, 'a> {
                 .number("current_loop_bandwidth_hz", 10.0..=1e5)
                 .map_or(f64::INFINITY, |hz| hz * TAU),
             position_passes,
-            velocity_passes: if velocity_passes % position_passes == 0 {
+            velocity_passes: if velocity_passes.is_multiple_of(position_passes) {
                 velocity_passes
             } else {
                 position_passes
@@ -208,7 +208,7 @@ impl<'a> Motors<'_, 'a> {
     }
 
     /// Passes of a loop in a millisecond.
-    fn passes(&self, section: &Section<'a>, key: &str) -> Option<u8> {
+    fn passes(section: &Section<'a>, key: &str) -> Option<u8> {
         let period = section.number(key, 15.625..=1000.0)?;
         let passes = 1000.0 / period;
         if (passes - passes.round()).abs() > 1e-9 {

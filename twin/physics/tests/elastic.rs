@@ -18,20 +18,23 @@ fn at_rest(position: f64) -> AxisMotion {
     AxisMotion::at_rest(axes([position]))
 }
 
-fn spring(stiffness: f64, damping: f64, backlash: f64) -> Option<ElasticTransmission> {
-    Some(ElasticTransmission { stiffness, damping, backlash })
+fn spring(stiffness: f64, damping: f64, backlash: f64) -> ElasticTransmission {
+    ElasticTransmission { stiffness, damping, backlash }
 }
 
 /// Two masses on a spring, one of them pushed: the centre of mass goes as Newton says, and the masses swing about it with the
 /// frequency of the reduced mass.
 #[test]
 fn two_masses_on_a_spring_swing() {
-    let (motor, load, stiffness, force) = (2.0, 6.0, 1e5, 50.0);
-    let drive =
-        AxisDriveParameters { armature: motor, transmission: spring(stiffness, 0.0, 0.0), ..SLACK };
+    let (motor, load, stiffness, force) = (2.0_f64, 6.0, 1e5_f64, 50.0);
+    let drive = AxisDriveParameters {
+        armature: motor,
+        transmission: Some(spring(stiffness, 0.0, 0.0)),
+        ..SLACK
+    };
     let mut machine = machine(&slide(load), drive);
     let reduced = motor * load / (motor + load);
-    let w = (stiffness / reduced as f64).sqrt();
+    let w = (stiffness / reduced).sqrt();
     for cycle in 1..=200 {
         let state = machine.step_with_efforts(&axes([force])).unwrap();
         let t = f64::from(cycle) * 1e-3;
@@ -51,7 +54,7 @@ fn a_spring_is_wound_up_by_what_it_carries() {
     let servo = ServoParameters::tuned(5.0, 40.0, f64::INFINITY);
     let drive = AxisDriveParameters {
         armature: 2.0,
-        transmission: spring(2e5, 60.0, 30e-6),
+        transmission: Some(spring(2e5, 60.0, 30e-6)),
         ..AxisDriveParameters::servo(servo)
     };
     let mut machine = machine(&lift(3.0), drive);
@@ -76,7 +79,7 @@ fn play_shows_at_reversal() {
         let drive = AxisDriveParameters {
             armature: 2.0,
             friction: FrictionParameters::new(friction, 0.0),
-            transmission: spring(stiffness, 200.0, play),
+            transmission: Some(spring(stiffness, 200.0, play)),
             ..AxisDriveParameters::servo(servo)
         };
         let mut machine = machine(&slide(3.0), drive);
@@ -237,14 +240,14 @@ fn switches_are_hit() {
 /// A loose belt swings more slowly: by the root of its stiffness.
 #[test]
 fn a_loose_belt_is_softer() {
-    let (motor, load) = (2.0, 6.0);
+    let (motor, load) = (2.0_f64, 6.0);
     let drive =
-        AxisDriveParameters { armature: motor, transmission: spring(1e5, 0.0, 0.0), ..SLACK };
+        AxisDriveParameters { armature: motor, transmission: Some(spring(1e5, 0.0, 0.0)), ..SLACK };
     let mut machine = machine(&slide(load), drive);
     assert!(machine.fail(0, Fault::LooseBelt { stiffness: 0.25, backlash: 0.0 }));
-    let period = TAU / (0.25 * 1e5 * (motor + load) / (motor * load) as f64).sqrt();
+    let period = TAU / (0.25 * 1e5 * (motor + load) / (motor * load)).sqrt();
     let mut most = (0, 0.0);
-    for cycle in 1..=(period * 1e3) as u32 {
+    for cycle in (1..).take_while(|cycle| f64::from(*cycle) * 1e-3 <= period) {
         let state = machine.step_with_efforts(&axes([50.0])).unwrap();
         let twist = machine.motor_position()[0] - state.position[0];
         if twist > most.1 {

@@ -30,16 +30,12 @@ fn in_time(of: impl Fn(Complex<f64>) -> Complex<f64>, t: f64) -> f64 {
     }
     weights.extend(tail.into_iter().rev());
     let real = f64::from(terms) * 10.0_f64.ln() / 3.0;
-    let sum: f64 = weights
-        .iter()
-        .enumerate()
-        .map(|(k, weight)| {
-            let k = k as f64;
-            let s = Complex::new(real, PI * k) / t;
-            let sign = if (k as i64) % 2 == 0 { 1.0 } else { -1.0 };
-            sign * weight * of(s).re
-        })
-        .sum();
+    let values = (0_i32..).zip(&weights).map(|(k, weight)| {
+        let s = Complex::new(real, PI * f64::from(k)) / t;
+        let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+        sign * weight * of(s).re
+    });
+    let sum: f64 = values.sum();
     10.0_f64.powf(f64::from(terms) / 3.0) / t * sum
 }
 
@@ -122,10 +118,9 @@ fn stepper(pull_out: &[[f64; 2]]) -> AxisDriveParameters {
 }
 
 /// Moves at `speed` after a soft start of 0.2 s; tells all steps lost.
-fn lost_at(machine: &mut PhysicsMachine, speed: f64, seconds: f64) -> i64 {
+fn lost_at(machine: &mut PhysicsMachine, speed: f64, cycles: u32) -> i64 {
     let rise = 0.2;
     let w = PI / rise;
-    let cycles = (seconds * 1e3) as u32;
     let mut lost = 0;
     for cycle in 1..=cycles {
         let t = f64::from(cycle) * 1e-3;
@@ -197,7 +192,7 @@ fn a_step_motor_falls_out_of_step_at_its_pull_out_torque() {
                 ..stepper(&curve)
             };
             let mut machine = machine(&slide(1.0), drive);
-            let lost = lost_at(&mut machine, speed, 0.6);
+            let lost = lost_at(&mut machine, speed, 600);
             assert_eq!(lost > 0, falls, "{lost} steps lost at {speed} m/s, {part}");
         }
     }

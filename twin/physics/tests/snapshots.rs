@@ -116,7 +116,8 @@ fn a_snapshot_goes_on_with_the_same_bits() {
 fn nothing_explodes() {
     let steps = if std::env::var_os("TWIN_PHYSICS_FULL").is_some() { 1_000_000 } else { 30_000 };
     let mut random = ChaCha8Rng::seed_from_u64(11);
-    let mut uniform = |low: f64, high: f64| random.random_range(low..high);
+    let uniform =
+        |random: &mut ChaCha8Rng, low: f64, high: f64| -> f64 { random.random_range(low..high) };
     let mut machine = machine();
     let fresh = machine.snapshot();
     let (mut target, mut most, mut faults) = ([0.0; 3], 0.0_f64, 0);
@@ -126,22 +127,26 @@ fn nothing_explodes() {
             target = [0.0; 3];
         }
         for target in &mut target {
-            *target +=
-                if uniform(0.0, 1.0) < 0.001 { uniform(-0.1, 0.1) } else { uniform(-1e-4, 1e-4) };
+            *target += if uniform(&mut random, 0.0, 1.0) < 0.001 {
+                uniform(&mut random, -0.1, 0.1)
+            } else {
+                uniform(&mut random, -1e-4, 1e-4)
+            };
             *target = target.clamp(-0.5, 0.5);
         }
-        if uniform(0.0, 1.0) < 0.002 {
-            let axis = uniform(0.0, 2.999) as usize;
-            let fault = match uniform(0.0, 3.999) as u8 {
+        if uniform(&mut random, 0.0, 1.0) < 0.002 {
+            let axis = random.random_range(0..3);
+            let fault = match random.random_range(0..4) {
                 0 => Fault::Jam,
-                1 => Fault::LostSteps(uniform(1.0, 50.0)),
-                2 => {
-                    Fault::LooseBelt { stiffness: uniform(0.1, 1.0), backlash: uniform(0.0, 1e-4) }
-                }
+                1 => Fault::LostSteps(uniform(&mut random, 1.0, 50.0)),
+                2 => Fault::LooseBelt {
+                    stiffness: uniform(&mut random, 0.1, 1.0),
+                    backlash: uniform(&mut random, 0.0, 1e-4),
+                },
                 _ => Fault::PowerLoss,
             };
             faults += u32::from(machine.fail(axis, fault));
-            machine.free(uniform(0.0, 2.999) as usize);
+            machine.free(random.random_range(0..3));
         }
         let state = machine.step(&AxisMotion::at_rest(axes(target))).unwrap();
         assert!(state.position.is_finite() && state.velocity.is_finite(), "{state:?}");
