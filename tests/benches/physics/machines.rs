@@ -3,7 +3,10 @@
 
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
-use twin::physics::{AxisDriveParameters, AxisLoad, PathDynamics, PhysicsMachine, ServoParameters};
+use twin::physics::{
+    AxisDriveParameters, AxisLoad, ElasticTransmission, FrictionParameters, PathDynamics,
+    PhysicsMachine, ServoParameters,
+};
 use twin_kinematics::tripod::{Tripod, TripodDeviations, TripodDimensions as Rings};
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
 use twin_urdf::{
@@ -116,6 +119,56 @@ impl Task {
         let mut machine = machine.expect("a machine");
         machine.insert_solids(GROUND);
         machine
+    }
+
+    /// The machine at rest, with collisions, its axes behind springs with play and friction on both sides, under drives of its own.
+    pub fn elastic(&self, longest_step: f64) -> PhysicsMachine {
+        let start = AxisVector::from_values(self.start);
+        let drives = self.kd.map(|kd| {
+            let inertia = kd / (2.0 * BANDWIDTH);
+            // The motor is a third of it, and swings against the rest 60 times a second; friction is what slows down by 1 m/s².
+            let (motor, axis) = (inertia / 3.0, inertia);
+            let stiffness = (TAU * 60.0).powi(2) * motor * axis / (motor + axis);
+            AxisDriveParameters {
+                armature: motor,
+                friction: FrictionParameters {
+                    breakaway: 1.3 * inertia,
+                    stribeck_velocity: 0.01,
+                    ..FrictionParameters::new(inertia, inertia)
+                },
+                motor_friction: FrictionParameters::new(0.3 * inertia, 0.3 * inertia),
+                transmission: Some(ElasticTransmission::damped(stiffness, 0.05, 2e-5, motor, axis)),
+                ..AxisDriveParameters::servo(ServoParameters {
+                    current_bandwidth: TAU * 800.0,
+                    delay: 1,
+                    ..ServoParameters::tuned(motor + axis, 10.0, f64::INFINITY)
+                })
+            }
+        });
+        let machine = PhysicsMachine::new(&self.model, &drives, GRAVITY, &start, PERIOD_NS);
+        let mut machine = machine.expect("a machine").with_steps_of(longest_step);
+        machine.insert_solids(GROUND);
+        machine
+    }
+
+    /// One period of a machine with drives of its own.
+    pub fn follow(machine: &mut PhysicsMachine, set: &Set) {
+        let motion = AxisMotion {
+            position: AxisVector::from_values(set.position),
+            velocity: AxisVector::from_values(set.velocity),
+            acceleration: AxisVector::from_values([0.0; 3]),
+        };
+        machine.step(&motion).expect("a machine that moves");
+    }
+
+    /// Where the tip of the elastic machine's tool is after each period.
+    pub fn elastic_tips(&self, longest_step: f64) -> Vec<Point3<f64>> {
+        let mut machine = self.elastic(longest_step);
+        let tips = self.set.iter().map(|set| {
+            Self::follow(&mut machine, set);
+            (self.tip)(&machine.axis_state().position)
+        });
+        tips.collect()
     }
 
     /// One period of `machine` under the controller.

@@ -24,7 +24,7 @@ mod peer;
 mod python;
 mod table;
 
-use machines::Task;
+use machines::{PERIOD, Task};
 use nalgebra::Point3;
 use peer::Peer;
 use std::hint::black_box;
@@ -51,6 +51,20 @@ fn main() {
     for task in &tasks {
         measured(task, peer.as_mut()).print();
     }
+    for task in &tasks {
+        elastic(task).print();
+    }
+}
+
+/// With springs, play and friction between motors and axes, under the machine's own drives. Its error is against steps of 2 µs.
+fn elastic(task: &Task) -> Row {
+    let error = apart(&task.elastic_tips(PERIOD), &task.elastic_tips(2e-6));
+    let ours = (0..ROUNDS).map(|_| {
+        let mut machine = task.elastic(PERIOD);
+        per_period(task, || task.set.iter().for_each(|set| Task::follow(&mut machine, set)))
+    });
+    let name = format!("{}, elastic", task.name);
+    Row { name, ours: ours.collect(), error, theirs: Vec::new(), peer_error: None }
 }
 
 fn measured(task: &Task, mut peer: Option<&mut Peer>) -> Row {
@@ -62,20 +76,25 @@ fn measured(task: &Task, mut peer: Option<&mut Peer>) -> Row {
         ours.push(timed(task));
         theirs.extend(peer.as_deref_mut().map(Peer::again));
     }
-    Row { name: task.name, ours, error, theirs, peer_error }
+    Row { name: task.name.to_owned(), ours, error, theirs, peer_error }
 }
 
 /// s per period.
-#[expect(clippy::disallowed_methods, reason = "a benchmark is about time")]
 fn timed(task: &Task) -> f64 {
     let mut machine = task.machine(1);
-    let start = Instant::now();
-    for set in &task.set {
-        task.advance(&mut machine, set, 1);
-    }
-    let time = start.elapsed().as_secs_f64();
+    let time = per_period(task, || {
+        task.set.iter().for_each(|set| task.advance(&mut machine, set, 1));
+    });
     black_box(machine.axis_state());
-    time / f64::from(u32::try_from(task.set.len()).expect("a short run"))
+    time
+}
+
+/// s that `run` takes for each of the task's periods.
+#[expect(clippy::disallowed_methods, reason = "a benchmark is about time")]
+fn per_period(task: &Task, run: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    run();
+    start.elapsed().as_secs_f64() / f64::from(u32::try_from(task.set.len()).expect("a short run"))
 }
 
 /// The largest distance, m.

@@ -4,7 +4,7 @@ use crate::machines::PERIOD;
 
 /// A machine.
 pub struct Row {
-    pub name: &'static str,
+    pub name: String,
     /// s per period, by rounds.
     pub ours: Vec<f64>,
     /// Of the tip, m.
