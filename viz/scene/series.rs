@@ -48,7 +48,8 @@ impl Series {
         self.add(at, value.to_degrees());
     }
 
-    fn add(&mut self, at: At, shown: f64) {
+    /// Adds a number that is shown as it is.
+    pub(super) fn add(&mut self, at: At, shown: f64) {
         self.times_ns.push(at.time_ns);
         self.lines.push(i64::from(at.line));
         self.values.push(shown);
