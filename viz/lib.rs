@@ -16,7 +16,7 @@
 //! | `tool/{set-point,twin,drives}` | where the tool is | `time`, `line` |
 //! | `error/tool/{twin,drives,between}` | distance of the tool to the set-point, and between drives and twin, mm | `time`, `line` |
 //! | `error/axis_deg/<axis>/{twin,drives}`, `error/axis_mm/…` | axis position minus set-point | `time`, `line` |
-//! | `motor/force_n/<axis>/{twin,limit,limit_below}`, `motor/torque_nm/…` | what the motor gives, and the most it can give either way, at the axis | `time`, `line` |
+//! | `motor/force_n/<axis>/{twin,limit}`, `motor/torque_nm/…` | what the motor gives, and the most it could (in the legend until it is clicked at), at the axis | `time`, `line` |
 //! | `motor/{power_w,utilisation_percent,warmth_percent,load_angle_full_steps}/<axis>/twin` | mechanical power; effort against what the motor can give; I²t; field of a step motor against its rotor | `time`, `line` |
 //! | `speed/{set-point,programmed}` | along the path, mm/s | `time`, `line` |
 //! | `workspace/{section,lines,marks}` | a section through the workspace ([`show_workspace`]) | static |

@@ -158,7 +158,6 @@ fn a_recording_shows_the_motors() {
     // At rest it is the holding torque, 1.9 Nm on a screw of 5 mm.
     let holding = 1.9 * std::f64::consts::TAU / 0.005;
     assert!((most("motor/force_n/Z/limit") - holding).abs() < 1e-3 * holding);
-    assert!((most("motor/force_n/Z/limit_below") - holding).abs() < 1e-3 * holding);
     // It carries 3.3 kg.
     let holds = 3.3 * 9.80665 / holding * 100.0;
     let used = most("motor/utilisation_percent/Z/twin");

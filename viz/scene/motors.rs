@@ -88,8 +88,8 @@ impl MotorPlot {
 #[derive(Debug)]
 pub(super) struct MotorSeries {
     effort: Series,
-    /// Upwards and downwards: a motor can give the same both ways.
-    limits: [Series; 2],
+    /// The same up and down.
+    limit: Series,
     power: Series,
     utilisation: Series,
     warmth: Series,
@@ -104,19 +104,22 @@ impl MotorSeries {
         for (index, axis) in axes.iter().enumerate() {
             let before = axes.iter().take(index).filter(|before| before.unit == axis.unit).count();
             let name = rerun::EntityPath::from_single_string(axis.name.clone());
-            let line = |plot: MotorPlot, leaf: &str, what: &str, color| {
-                let entity = format!("{}{name}/{leaf}", plot.entity());
-                Series::new(entity, &format!("{} {what} ({})", axis.name, plot.unit()), color)
+            let twin = |plot: MotorPlot, index| {
+                let entity = format!("{}{name}/twin", plot.entity());
+                let label = format!("{} twin ({})", axis.name, plot.unit());
+                Series::new(entity, &label, palette::shade(palette::twin(), index))
             };
-            let twin =
-                |plot, index| line(plot, "twin", "twin", palette::shade(palette::twin(), index));
             let effort = MotorPlot::effort(axis.unit);
+            let entity = format!("{}{name}/limit", effort.entity());
+            // Legends are in the order of letters: limits come behind what is given.
+            let label = format!("limit of {} ({})", axis.name, effort.unit());
+            // Often so much more than what is given that nothing could be seen beside it.
             let limit =
-                |leaf, what| line(effort, leaf, what, palette::shade(palette::limit(), before));
+                Series::new(entity, &label, palette::shade(palette::limit(), before)).hidden();
             all.push(Self {
                 // Forces and torques have plots of their own, the others one for all axes.
                 effort: twin(effort, before),
-                limits: [limit("limit", "limit"), limit("limit_below", "limit below")],
+                limit,
                 power: twin(MotorPlot::Power, index),
                 utilisation: twin(MotorPlot::Utilisation, index),
                 warmth: twin(MotorPlot::Warmth, index),
@@ -129,11 +132,9 @@ impl MotorSeries {
     /// Adds what the motor does.
     pub(super) fn add(&mut self, at: At, motor: &MotorFrame) {
         let MotorFrame { effort, effort_limit, power, utilisation, warmth, load_angle } = *motor;
-        let [above, below] = &mut self.limits;
         for (series, value) in [
             (&mut self.effort, Some(effort)),
-            (above, effort_limit),
-            (below, effort_limit.map(|limit| -limit)),
+            (&mut self.limit, effort_limit),
             (&mut self.power, Some(power)),
             (&mut self.utilisation, utilisation.map(|part| part * 100.0)),
             (&mut self.warmth, warmth.map(|part| part * 100.0)),
@@ -147,8 +148,8 @@ impl MotorSeries {
 
     /// Sends what is held back.
     pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<(), VizError> {
-        let Self { effort, limits: [above, below], power, utilisation, warmth, load_angle } = self;
-        [effort, above, below, power, utilisation, warmth, load_angle]
+        let Self { effort, limit, power, utilisation, warmth, load_angle } = self;
+        [effort, limit, power, utilisation, warmth, load_angle]
             .into_iter()
             .try_for_each(|series| series.flush(stream))
     }
