@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::frame::MotorFrame;
+use rerun::external::re_sdk_types::blueprint::archetypes as layout;
 
 /// A rotary step motor that is watched for its warmth, and a linear servo of which nothing is known but what it gives.
 fn motors(ms: u32) -> [MotorFrame; 2] {
@@ -51,8 +52,8 @@ fn names_of_parts(read: &Read) -> Vec<String> {
     let mut names = Vec::new();
     for chunk in &read.blueprint {
         for component in [
-            rerun::blueprint::archetypes::ViewBlueprint::descriptor_display_name(),
-            rerun::blueprint::archetypes::ContainerBlueprint::descriptor_display_name(),
+            layout::ViewBlueprint::descriptor_display_name(),
+            layout::ContainerBlueprint::descriptor_display_name(),
         ] {
             let found = chunk.iter_component::<components::Name>(component.component);
             names.extend(found.into_iter().flat_map(|names| names.as_slice().to_vec()));
@@ -111,7 +112,7 @@ fn motors_are_named_with_their_units() {
             read.statics::<components::Name>(entity, &rerun::SeriesLines::descriptor_names());
         assert_eq!(names.iter().map(|name| name.0.as_str()).collect::<Vec<_>>(), [name]);
         // What motors can give is often so much more than they do that nothing could be seen beside it.
-        let visible = read.statics::<components::SeriesVisible>(
+        let visible = read.statics::<rerun::external::re_sdk_types::components::Visible>(
             entity,
             &rerun::SeriesLines::descriptor_visible_series(),
         );
