@@ -111,8 +111,7 @@ impl MotorSeries {
             };
             let effort = MotorPlot::effort(axis.unit);
             let entity = format!("{}{name}/limit", effort.entity());
-            // Legends are in the order of letters: limits come behind what is given.
-            let label = format!("limit of {} ({})", axis.name, effort.unit());
+            let label = format!("{} limit ({})", axis.name, effort.unit());
             // Often so much more than what is given that nothing could be seen beside it.
             let limit =
                 Series::new(entity, &label, palette::shade(palette::limit(), before)).hidden();

@@ -102,7 +102,7 @@ fn motors_are_named_with_their_units() {
     let read = record(3, |_| true);
     for (entity, name) in [
         ("motor/torque_nm/A/twin", "A twin (Nm)"),
-        ("motor/torque_nm/A/limit", "limit of A (Nm)"),
+        ("motor/torque_nm/A/limit", "A limit (Nm)"),
         ("motor/force_n/Z/twin", "Z twin (N)"),
         ("motor/power_w/Z/twin", "Z twin (W)"),
         ("motor/warmth_percent/A/twin", "A twin (%)"),
@@ -117,7 +117,7 @@ fn motors_are_named_with_their_units() {
             &rerun::SeriesLines::descriptor_visible_series(),
         );
         let [visible] = visible[..] else { panic!("{entity}: {visible:?}") };
-        assert_eq!(bool::from(visible.0), !entity.ends_with("limit"), "{entity}");
+        assert_eq!(visible.0.0, !entity.ends_with("limit"), "{entity}");
     }
 }
 
