@@ -2,6 +2,7 @@
 
 use crate::compare::Measured;
 use crate::machine::{AxisKind, Machine};
+use crate::physics::MotorState;
 use crate::program::{ElementItem, Elements, ProgramFile};
 use crate::session::{DriveSample, TwinCycle};
 use nalgebra::{Isometry3, Point3};
@@ -9,7 +10,7 @@ use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
 use twin_motion::path::{ElementKind, PathElement, Shape};
 use twin_viz::{
-    Axis, AxisUnit, Deviation, DrivesFrame, Frame, MoveKind, PathStrip, Program, Scene,
+    Axis, AxisUnit, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, PathStrip, Program, Scene,
     SceneOptions, Setup, Viewer, VizError,
 };
 
@@ -46,7 +47,7 @@ pub struct Picture<'m> {
 }
 
 /// One cycle of the twin as it is shown.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Instant {
     time_ns: i64,
     line: u32,
@@ -54,6 +55,8 @@ struct Instant {
     feed: Option<f64>,
     wanted: Measured,
     twin: Measured,
+    /// What the motors of the twin do.
+    motors: Vec<MotorFrame>,
 }
 
 impl<'m> Picture<'m> {
@@ -136,6 +139,7 @@ impl<'m> Picture<'m> {
             feed: cycle.setpoint.feed,
             wanted: *cycle.wanted,
             twin: *cycle.twin,
+            motors: cycle.motors.iter().map(motor_frame).collect(),
         });
         self.show_before(if self.has_drives { time_ns - PATIENCE_NS } else { i64::MAX });
     }
@@ -156,6 +160,8 @@ impl<'m> Picture<'m> {
             feed,
             wanted: *sample.wanted,
             twin: *sample.twin,
+            // Known of cycles only; those between the samples are shown.
+            motors: Vec::new(),
         };
         self.show(&instant, Some(sample.drives));
     }
@@ -175,8 +181,7 @@ impl<'m> Picture<'m> {
 
     /// Shows the waiting cycles before `time_ns`.
     fn show_before(&mut self, time_ns: i64) {
-        while let Some(next) = self.waiting.front().copied().filter(|next| next.time_ns < time_ns) {
-            self.waiting.pop_front();
+        while let Some(next) = self.waiting.pop_front_if(|next| next.time_ns < time_ns) {
             self.show(&next, None);
         }
     }
@@ -200,6 +205,7 @@ impl<'m> Picture<'m> {
                 tool_error: (twin.tool - wanted.tool).norm(),
                 axis_errors: &twin_errors,
             },
+            motors: &instant.motors,
             drives: drives.map(|drives| DrivesFrame {
                 deviation: Deviation {
                     tool: drives.tool,
@@ -245,6 +251,12 @@ fn show_path(
     }
     scene.programmed_path(&joined(strips))?;
     Ok(())
+}
+
+/// What a motor does, for the view.
+fn motor_frame(motor: &MotorState) -> MotorFrame {
+    let MotorState { effort, effort_limit, power, warmth, load_angle } = *motor;
+    MotorFrame { effort, effort_limit, power, utilisation: motor.utilisation(), warmth, load_angle }
 }
 
 fn differences(actual: &AxisVector, wanted: &AxisVector) -> AxisVector {

@@ -1,6 +1,6 @@
 //! What set-points can be sent to: a simulated machine or drives.
 
-use crate::physics::{EventKind, MotorLoad};
+use crate::physics::{EventKind, MotorLoad, MotorState};
 use crate::setpoint::AxisSetpoint;
 use twin_kinematics::AxisVector;
 use twin_motion::Place;
@@ -54,6 +54,11 @@ pub trait Plant {
     /// # Errors
     /// As [`Self::command`].
     fn feedback(&mut self) -> Result<Option<AxisFeedback>, Self::Error>;
+
+    /// What its motors did in the cycle of the last set-point, in machine-file order; none where it is not known.
+    fn motors(&self) -> &[MotorState] {
+        &[]
+    }
 
     /// What it has to tell of the run so far.
     fn record(&self) -> PlantRecord {

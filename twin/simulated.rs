@@ -1,7 +1,9 @@
 //! The simulated machine as a plant.
 
 use crate::machine::{FaultAt, FaultKind, FaultStart, Machine, Scenario};
-use crate::physics::{EventKind, Fault, PhysicsError, PhysicsEvent, PhysicsMachine, axis_inertia};
+use crate::physics::{
+    EventKind, Fault, MotorState, PhysicsError, PhysicsEvent, PhysicsMachine, axis_inertia,
+};
 use crate::plant::{AxisFeedback, Happening, Plant, PlantRecord};
 use crate::setpoint::AxisSetpoint;
 use std::collections::BTreeMap;
@@ -17,6 +19,8 @@ pub struct Simulated {
     physics: PhysicsMachine,
     begun: bool,
     arrived: Option<AxisFeedback>,
+    /// In the last cycle.
+    motors: Vec<MotorState>,
     happened: Happened,
     /// Faults that have not begun.
     faults: Vec<FaultAt>,
@@ -50,6 +54,7 @@ impl Simulated {
             physics,
             begun: false,
             arrived: None,
+            motors: Vec::with_capacity(machine.axes.len()),
             happened: Happened::default(),
             faults: Vec::new(),
             jammed: Vec::new(),
@@ -147,6 +152,8 @@ impl Plant for Simulated {
         };
         self.begun = true;
         self.arrived = Some(AxisFeedback { time_ns: setpoint.time_ns, position });
+        self.motors.clear();
+        self.motors.extend((0..position.len()).map(|axis| self.physics.motor_state(axis)));
         let mut switch = None;
         for event in self.physics.take_events() {
             self.happened.add(setpoint.place, event);
@@ -159,6 +166,10 @@ impl Plant for Simulated {
 
     fn feedback(&mut self) -> Result<Option<AxisFeedback>, PhysicsError> {
         Ok(self.arrived.take())
+    }
+
+    fn motors(&self) -> &[MotorState] {
+        &self.motors
     }
 
     fn record(&self) -> PlantRecord {

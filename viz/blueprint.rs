@@ -1,7 +1,8 @@
 //! The layout of the page: what is where, so that nobody has to arrange anything to see the comparison.
 //!
 //! Left, large: the machine with the programmed path and the trails; below it the surroundings of the tool, much
-//! enlarged, the program and the names. Right: tool error, axis errors, speed. A layout is a small recording of its
+//! enlarged, the program and the names. Right: tool error, axis errors, speed; in a tab behind them, where it is known, what
+//! the motors do. A layout is a small recording of its
 //! own, which rerun calls a blueprint; its Rust interface does not reach cameras and time ranges, so the blueprint's
 //! archetypes are logged here one by one.
 
@@ -14,6 +15,7 @@ use rerun::{AsComponents, RecordingStream, RecordingStreamBuilder, components, d
 use crate::bounds::Bounds;
 use crate::error::VizError;
 use crate::frame::{Axis, AxisUnit};
+use crate::scene::motors::MotorPlot;
 use crate::scene::{Playback, TIME};
 use crate::units::{f32_of, mm, mm_f32, point_mm, vector_mm};
 
@@ -32,6 +34,8 @@ const CLOSER: f64 = 0.88;
 pub(crate) struct Layout {
     /// The axes, which may need one plot for degrees and one for mm.
     pub(crate) axes: Vec<Axis>,
+    /// What is known of the motors; nothing where they are not known.
+    pub(crate) motors: Vec<MotorPlot>,
     /// Height of what the close-up shows, m.
     pub(crate) close_up: f64,
 }
@@ -154,8 +158,22 @@ impl Page {
         }
         plots.push(self.plot("Speed along the path (mm/s)", "speed")?);
         shares.push(0.75);
-        let right = self.column(&plots, &shares)?;
+        let errors = self.column(&plots, &shares)?;
+        let right = self.beside_motors(errors, &layout.motors)?;
         self.row(&[left, right], &[3.0, 2.0])
+    }
+
+    /// The errors, and in a tab behind them what the motors do, if anything is known of them.
+    fn beside_motors(&mut self, errors: Part, motors: &[MotorPlot]) -> Result<Part, VizError> {
+        if motors.is_empty() {
+            return Ok(errors);
+        }
+        let mut plots = Vec::with_capacity(motors.len());
+        for plot in motors {
+            plots.push(self.plot(plot.title(), plot.entity())?);
+        }
+        let motors = self.column(&plots, &vec![1.0; plots.len()])?;
+        self.tabs(&[(errors, "Errors and speed"), (motors, "Motors")])
     }
 
     fn panels(&self, playback: Playback) -> Result<(), VizError> {
@@ -289,6 +307,20 @@ impl Page {
         let column = layout::ContainerBlueprint::new(parts::ContainerKind::Vertical)
             .with_row_shares(shares.iter().copied().map(parts::RowShare::from));
         self.container(&column, parts)
+    }
+
+    /// One behind the other, the first in front, with their names.
+    fn tabs(&mut self, parts: &[(Part, &str)]) -> Result<Part, VizError> {
+        for (part, name) in parts {
+            let named = layout::ContainerBlueprint::update_fields().with_display_name(*name);
+            self.stream.log(part.path(), &named)?;
+        }
+        let parts: Vec<_> = parts.iter().map(|(part, _)| *part).collect();
+        let mut tabs = layout::ContainerBlueprint::new(parts::ContainerKind::Tabs);
+        if let Some(first) = parts.first() {
+            tabs = tabs.with_active_tab(first.path().as_str());
+        }
+        self.container(&tabs, &parts)
     }
 
     fn container(

@@ -72,6 +72,15 @@ pub enum VizError {
         found: usize,
     },
 
+    /// A frame tells of another number of motors than there are axes.
+    #[error("the machine has {expected} axes, the frame {found} motors")]
+    MotorCount {
+        /// Axes of the machine.
+        expected: usize,
+        /// Motors in the frame.
+        found: usize,
+    },
+
     /// The address cannot be listened on: it is taken by another program, or is not this computer's.
     #[error("cannot serve the viewer at {address}: {source}")]
     Bind {

@@ -66,8 +66,27 @@ pub struct Frame<'a> {
     pub link_poses: &'a [Isometry3<f64>],
     /// The twin against the set-point.
     pub twin: Deviation<'a>,
+    /// What the motors of the twin do, in the order of the axes; none where that is not known for this instant.
+    pub motors: &'a [MotorFrame],
     /// What came back from the drives, if there are any and they have answered for this instant.
     pub drives: Option<DrivesFrame<'a>>,
+}
+
+/// What a motor does; efforts at the axis (behind the gear).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotorFrame {
+    /// Force or torque, N (of linear axes) or Nm (of rotary ones).
+    pub effort: f64,
+    /// The largest it could give at its speed, N or Nm, either way; `None` if that is not known.
+    pub effort_limit: Option<f64>,
+    /// Mechanical power, W; less than 0 while it brakes.
+    pub power: f64,
+    /// How much of what it could give it gives, shown in %: 1 is all. `None` if that is not known.
+    pub utilisation: Option<f64>,
+    /// Smoothed losses of its winding (I²t), shown in %: 1 is what it bears for ever. `None` if that is not known.
+    pub warmth: Option<f64>,
+    /// How far the field of a step motor is ahead of its rotor, full steps; `None` of other motors.
+    pub load_angle: Option<f64>,
 }
 
 /// How far something is from the set-point.

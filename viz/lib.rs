@@ -16,6 +16,8 @@
 //! | `tool/{set-point,twin,drives}` | where the tool is | `time`, `line` |
 //! | `error/tool/{twin,drives,between}` | distance of the tool to the set-point, and between drives and twin, mm | `time`, `line` |
 //! | `error/axis_deg/<axis>/{twin,drives}`, `error/axis_mm/…` | axis position minus set-point | `time`, `line` |
+//! | `motor/force_n/<axis>/{twin,limit}`, `motor/torque_nm/…` | what the motor gives, and the most it could (in the legend until it is clicked at), at the axis | `time`, `line` |
+//! | `motor/{power_w,utilisation_percent,warmth_percent,load_angle_full_steps}/<axis>/twin` | mechanical power; effort against what the motor can give; I²t; field of a step motor against its rotor | `time`, `line` |
 //! | `speed/{set-point,programmed}` | along the path, mm/s | `time`, `line` |
 //! | `workspace/{section,lines,marks}` | a section through the workspace ([`show_workspace`]) | static |
 //! | `program/here`, `about` | lines around the current one; names and colours | `time`, `line`; static |
@@ -33,7 +35,9 @@ mod units;
 mod workspace;
 
 pub use error::VizError;
-pub use frame::{Axis, AxisUnit, Deviation, DrivesFrame, Frame, MoveKind, PathStrip, Program};
+pub use frame::{
+    Axis, AxisUnit, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, PathStrip, Program,
+};
 pub use scene::{Playback, Scene, SceneOptions, Setup};
 pub use server::{DEFAULT_ADDRESS, Viewer, view_recording};
 pub use workspace::{Mark, SheetLine, WorkspaceView, show_workspace};

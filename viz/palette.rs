@@ -30,6 +30,11 @@ pub(crate) fn cut() -> Color {
     Color::from_rgb(190, 196, 204)
 }
 
+/// What cannot be exceeded: light grey, as what is programmed.
+pub(crate) fn limit() -> Color {
+    cut()
+}
+
 /// Programmed rapids: yellow, drawn thin.
 pub(crate) fn rapid() -> Color {
     Color::from_rgb(240, 228, 66)

@@ -169,7 +169,7 @@ mod tests {
         let labels = read.statics::<components::Text>("workspace/marks", &labels);
         assert_eq!(labels, ["start".into()]);
         assert!(read.of("machine/arm\\ 1/cylinders").next().is_some());
-        assert!(read.has_blueprint);
+        assert!(!read.blueprint.is_empty());
         assert_eq!(read.activations, 1);
     }
 

@@ -2,6 +2,8 @@
 
 use crate::process::{Desk, Done, number};
 use crate::root;
+use rerun::external::re_log_encoding::Decoder;
+use rerun::log::{Chunk, LogMsg};
 use serde_json::Value;
 
 /// Z comes down slowly, then fast.
@@ -105,6 +107,73 @@ fn a_motor_that_gets_too_warm_is_a_warning() {
         "{findings:#?}"
     );
     assert!(number(&report["motor_load"]["Z"]["warmth_percent"]) > 100.0);
+}
+
+/// Values of an entity in a recording, in the order of time.
+fn recorded(desk: &Desk, entity: &str) -> Vec<f64> {
+    let file = std::fs::File::open(desk.path("r.rrd")).expect("a recording");
+    let mut rows = Vec::new();
+    for message in Decoder::<LogMsg>::decode_eager(std::io::BufReader::new(file)).expect("one") {
+        let LogMsg::ArrowMsg(store, message) = message.expect("a message") else { continue };
+        let chunk = Chunk::from_arrow_msg(&message).expect("a chunk");
+        if !store.is_recording() || *chunk.entity_path() != rerun::EntityPath::from(entity) {
+            continue;
+        }
+        let scalars = rerun::Scalars::descriptor_scalars().component;
+        let times = chunk.iter_component_indices("time".into(), scalars);
+        let times: Vec<_> = times.map(|(time, _)| time.as_i64()).collect();
+        let values = chunk.iter_component::<rerun::components::Scalar>(scalars);
+        rows.extend(times.into_iter().zip(values.into_iter().map(|value| value.as_slice()[0].0.0)));
+    }
+    rows.sort_by_key(|(time, _)| *time);
+    rows.into_iter().map(|(_, value)| value).collect()
+}
+
+/// What the motors do is in the recording of a run, as often as the errors are, and agrees with its report.
+#[test]
+fn a_recording_shows_the_motors() {
+    let desk = desk(&[]);
+    let aslant = DOWN.replace("G1 Z50", "G1 X120 Z50").replace("G1 Z0", "G1 X0 Z0");
+    desk.write("aslant.cnc", &aslant);
+    let run = ["run", "aslant.cnc", "-m", "motors.toml", "--drives", "none"];
+    let out = ["--record", "r.rrd", "--report", "r.json"];
+    desk.twin(&[&run[..], &out].concat()).ended(0, "");
+    let report = desk.read("r.json");
+    let errors = recorded(&desk, "error/axis_mm/Z/twin");
+    assert!(errors.len() > 200, "{}", errors.len());
+    let most = |entity: &str| {
+        let values = recorded(&desk, entity);
+        assert_eq!(values.len(), errors.len(), "{entity}");
+        values.into_iter().fold(0.0_f64, |most, value| most.max(value.abs()))
+    };
+    let load = &report["motor_load"];
+    for (entity, axis, reported) in [
+        ("motor/force_n/X/twin", "X", "peak_effort"),
+        ("motor/force_n/Z/twin", "Z", "peak_effort"),
+        ("motor/power_w/X/twin", "X", "peak_power_w"),
+        ("motor/warmth_percent/X/twin", "X", "warmth_percent"),
+    ] {
+        // Every fourth cycle is shown, and the mean of each. (The power of a step motor swings faster than that.)
+        let (shown, told) = (most(entity), number(&load[axis][reported]));
+        assert!(shown > 0.5 * told && shown <= told * (1.0 + 1e-9), "{entity}: {shown}, {told}");
+    }
+    // At rest it is the holding torque, 1.9 Nm on a screw of 5 mm.
+    let holding = 1.9 * std::f64::consts::TAU / 0.005;
+    assert!((most("motor/force_n/Z/limit") - holding).abs() < 1e-3 * holding);
+    // It carries 3.3 kg.
+    let holds = 3.3 * 9.80665 / holding * 100.0;
+    let used = most("motor/utilisation_percent/Z/twin");
+    assert!(used > holds && used < 100.0, "{used} %");
+    let angle = most("motor/load_angle_full_steps/Z/twin");
+    assert!(angle > 0.001 && angle < 1.0, "{angle} full steps");
+    // X has no step motor, and Z is not watched for its warmth.
+    for entity in [
+        "motor/load_angle_full_steps/X/twin",
+        "motor/warmth_percent/Z/twin",
+        "motor/torque_nm/X/twin",
+    ] {
+        assert!(recorded(&desk, entity).is_empty(), "{entity}");
+    }
 }
 
 /// A scenario: what goes wrong, from which line on, and what comes of it; the same in a check and in a run.

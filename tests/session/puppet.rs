@@ -224,6 +224,8 @@ fn samples_are_compared_with_what_was_wanted_at_their_time() {
     assert!(max < 2.5e-6, "{max} m");
     assert_eq!(tool.twin.maximum().unwrap().0, 0.0);
     assert!(recorder.heard.len() > 20);
+    // An ideal machine has no motors.
+    assert!(recorder.motors.iter().all(Vec::is_empty));
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use twin::compare::Measured;
 use twin::m_function::MCall;
+use twin::physics::MotorState;
 use twin::session::{Answer, DriveSample, Observer, TwinCycle};
 use twin_kinematics::AxisMotion;
 
@@ -28,6 +29,8 @@ pub(crate) struct Heard {
 /// Remembers everything, and does something of the test's at every cycle.
 pub(crate) struct Recorder<'a> {
     pub(crate) cycles: Vec<Cycle>,
+    /// What the motors did in every cycle; nothing of machines that do not tell.
+    pub(crate) motors: Vec<Vec<MotorState>>,
     pub(crate) heard: Vec<Heard>,
     /// M functions, and whether it was asked about them.
     pub(crate) m_functions: Vec<(MCall, bool)>,
@@ -45,6 +48,7 @@ impl<'a> Recorder<'a> {
     pub(crate) fn with(each: impl FnMut(i64) + 'a) -> Self {
         Self {
             cycles: Vec::new(),
+            motors: Vec::new(),
             heard: Vec::new(),
             m_functions: Vec::new(),
             answers: VecDeque::new(),
@@ -54,8 +58,8 @@ impl<'a> Recorder<'a> {
 
     /// What it remembers, without what it did.
     pub(crate) fn ended(self) -> Recorder<'static> {
-        let Self { cycles, heard, m_functions, answers, .. } = self;
-        Recorder { cycles, heard, m_functions, answers, each: Box::new(|_| {}) }
+        let Self { cycles, motors, heard, m_functions, answers, .. } = self;
+        Recorder { cycles, motors, heard, m_functions, answers, each: Box::new(|_| {}) }
     }
 
     pub(crate) fn last(&self) -> &Cycle {
@@ -83,6 +87,7 @@ impl Observer for Recorder<'_> {
             wanted: *cycle.wanted,
             twin: *cycle.twin,
         });
+        self.motors.push(cycle.motors.to_vec());
         (self.each)(cycle.setpoint.time_ns);
     }
 

@@ -36,6 +36,35 @@ fn the_same_run_gives_the_same_numbers_to_the_last_bit() {
     assert_eq!(tools(&seen), tools(&seen_again));
 }
 
+/// Cycle by cycle the motors are told of as the record sums them up.
+#[test]
+fn what_motors_do_is_told_in_every_cycle() {
+    let machine = machine(include_str!("../../machines/gantry3_motors.toml"));
+    let text = "% short\nN10 G92 X0 Y0 Z20 F100 E600 E-600\nN20 G1 X20 Y15\nN30 G1 X0 Z12\n";
+    let mut recorder = Recorder::new();
+    let ending = simulate(&machine, &Program::new(text), &mut recorder, &|| 0);
+    assert!(ending.stopped.is_none(), "{:?}", ending.stopped);
+    assert_eq!(recorder.motors.len(), recorder.cycles.len());
+    for (axis, load) in ending.record.loads.iter().enumerate() {
+        let motors: Vec<_> = recorder.motors.iter().map(|motors| motors[axis]).collect();
+        // The machine stands at the first set-point; the others have a cycle each.
+        let energy: f64 = motors[1..].iter().map(|motor| motor.power * 1e-3).sum();
+        let wanted = load.driving_energy - load.braking_energy;
+        assert!(wanted.abs() > 1e-6, "{load:?}");
+        assert!((energy - wanted).abs() < 1e-9, "axis {axis}: {energy} J, not {wanted} J");
+        let peak = motors.iter().map(|motor| motor.effort.abs()).fold(0.0, f64::max);
+        // The mean of a cycle is below the peak within it, and not by much.
+        assert!(peak <= load.peak_effort && peak > 0.5 * load.peak_effort, "{peak} N, {load:?}");
+        let used = motors.iter().filter_map(|motor| motor.utilisation()).fold(0.0, f64::max);
+        assert!(used > 0.001 && used < 1.0, "axis {axis}: {used}");
+        let warmth = motors.iter().filter_map(|motor| motor.warmth).reduce(f64::max);
+        assert!(warmth <= load.peak_warmth && warmth.is_some() == load.peak_warmth.is_some());
+        // Z alone has a step motor.
+        assert!(motors.iter().all(|motor| motor.load_angle.is_some() == (axis == 2)));
+    }
+    assert_eq!(ending.record.loads.len(), 3);
+}
+
 #[test]
 fn the_simulated_machine_follows_closely_and_not_exactly() {
     let machine = machine(SCARA2);

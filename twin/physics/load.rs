@@ -22,6 +22,30 @@ pub struct MotorLoad {
     pub peak_warmth: Option<f64>,
 }
 
+/// What a motor does in a cycle; efforts at the axis (behind the gear).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotorState {
+    /// Force or torque, mean over the cycle, N or Nm.
+    pub effort: f64,
+    /// The largest it could give at the speed it has at the end of the cycle, N or Nm; `None` without a limit.
+    pub effort_limit: Option<f64>,
+    /// Mechanical power, mean over the cycle, W; less than 0 while it brakes.
+    pub power: f64,
+    /// Losses of the winding against those it bears for ever, smoothed with its thermal time constant (I²t), at the end of the
+    /// cycle; 1 is what it bears. `None` where that is not known.
+    pub warmth: Option<f64>,
+    /// How far the field of a step motor is ahead of its rotor at the end of the cycle, full steps; `None` of other motors.
+    pub load_angle: Option<f64>,
+}
+
+impl MotorState {
+    /// How much of what it could give it gives: 1 is all. `None` without a limit, or where the limit leaves nothing to give.
+    pub fn utilisation(&self) -> Option<f64> {
+        let limit = self.effort_limit.filter(|limit| *limit > 0.0)?;
+        Some(self.effort.abs() / limit)
+    }
+}
+
 /// Sums of one axis.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LoadSums {

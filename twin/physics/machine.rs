@@ -12,7 +12,7 @@ use super::equation::Equation;
 use super::error::PhysicsError;
 use super::event::PhysicsEvent;
 use super::integrate::{Elastic, JointState, MachineState, Train};
-use super::load::{LoadSums, MotorLoad};
+use super::load::{LoadSums, MotorLoad, MotorState};
 use super::world::RapierWorld;
 use super::{axis_vector, checked, joint_vector};
 
@@ -27,6 +27,8 @@ pub struct AxisState {
     pub velocity: AxisVector,
     /// Motor force or torque, mean over the cycle, N or Nm.
     pub effort: AxisVector,
+    /// Mechanical power of the motors, mean over the cycle, W.
+    pub power: AxisVector,
     /// True where the drive was at its effort limit at some time in the cycle; in axis order.
     pub saturated: [bool; MAX_AXES],
 }
@@ -129,6 +131,7 @@ impl PhysicsMachine {
             position: *initial,
             velocity: AxisMotion::at_rest(*initial).velocity,
             effort: axis_vector(&holding, drives.len()),
+            power: axis_vector(&zero, drives.len()),
             saturated: [false; MAX_AXES],
         };
         let world = RapierWorld::new(model, &equation, gravity, &armature, &position, (cycle, 1))?;
@@ -200,6 +203,19 @@ impl PhysicsMachine {
     /// What the motor of `axis` has given so far.
     pub fn motor_load(&self, axis: usize) -> MotorLoad {
         self.loads.get(axis).map(LoadSums::load).unwrap_or_default()
+    }
+
+    /// What the motor of `axis` did in the last cycle; nothing if there is no such axis.
+    pub fn motor_state(&self, axis: usize) -> MotorState {
+        let Some(drive) = self.drives.get(axis) else { return MotorState::default() };
+        let of = |values: &AxisVector| values.iter().nth(axis).copied().unwrap_or_default();
+        MotorState {
+            effort: of(&self.state.effort),
+            effort_limit: drive.effort_limit(at(&self.joints.motors.velocity, axis)),
+            power: of(&self.state.power),
+            warmth: drive.overload.as_ref().map(|overload| overload.warmth()),
+            load_angle: self.load_angle(axis),
+        }
     }
 
     /// How far the field of the step motor of `axis` is ahead of its rotor, in full steps; `None` of other motors.

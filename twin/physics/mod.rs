@@ -73,7 +73,7 @@ pub use error::PhysicsError;
 pub use event::{EventKind, PhysicsEvent, Side};
 pub use fault::Fault;
 pub use friction::FrictionParameters;
-pub use load::MotorLoad;
+pub use load::{MotorLoad, MotorState};
 pub use machine::{AxisState, PhysicsMachine};
 pub use noise::NoiseParameters;
 pub use snapshot::Snapshot;

@@ -27,6 +27,7 @@ impl PhysicsMachine {
         let course = Course { from: from?, to: to?, cycle: self.cycle, steps: self.steps };
         let mut joints = self.joints;
         let mut mean_effort = JointVector::zeros();
+        let mut mean_power = JointVector::zeros();
         let mut saturated = [false; MAX_AXES];
         let disturbance = joint_vector(self.drives.iter_mut().map(|drive| drive.noise.effort()));
         let dt = self.cycle / f64::from(self.steps);
@@ -48,10 +49,11 @@ impl PhysicsMachine {
             let velocity = (next.motors.position - joints.motors.position) / dt;
             joints = next;
             mean_effort += effort / f64::from(self.steps);
+            mean_power += effort.component_mul(&velocity) / f64::from(self.steps);
             self.record(&joints, &effort, &velocity, dt);
         }
         self.setpoint = *setpoint;
-        self.finish_cycle(&joints, &mean_effort, saturated)
+        self.finish_cycle(&joints, [&mean_effort, &mean_power], saturated)
     }
 
     /// Advances one cycle with the given motor efforts (N or Nm), the drives switched off; limits are not applied.
@@ -75,7 +77,9 @@ impl PhysicsMachine {
             .filter(|(state, _)| state.is_finite())
             .ok_or(diverged)?;
         }
-        self.finish_cycle(&joints, &effort, [false; MAX_AXES])
+        let velocity = (joints.motors.position - self.joints.motors.position) / self.cycle;
+        let power = effort.component_mul(&velocity);
+        self.finish_cycle(&joints, [&effort, &power], [false; MAX_AXES])
     }
 
     /// The passes of all loops that are due at the beginning of `step`.
@@ -170,7 +174,7 @@ impl PhysicsMachine {
     fn finish_cycle(
         &mut self,
         next: &MachineState,
-        effort: &JointVector,
+        [effort, power]: [&JointVector; 2],
         saturated: [bool; MAX_AXES],
     ) -> Result<AxisState, PhysicsError> {
         let before = &self.joints.axes.position;
@@ -216,6 +220,7 @@ impl PhysicsMachine {
             position: axis_vector(&self.joints.axes.position, axes),
             velocity: axis_vector(&self.joints.axes.velocity, axes),
             effort: axis_vector(effort, axes),
+            power: axis_vector(power, axes),
             saturated,
         };
         Ok(self.state)

@@ -12,7 +12,7 @@ use crate::hardware::{HORIZON_NS, Hardware, HardwareError};
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledge, Acknowledgement, MCall};
 use crate::machine::Machine;
-use crate::physics::PhysicsError;
+use crate::physics::{MotorState, PhysicsError};
 use crate::planning::Planning;
 use crate::plant::{Plant, PlantRecord};
 use crate::program::ProgramFile;
@@ -37,6 +37,8 @@ pub struct TwinCycle<'a> {
     pub wanted: &'a Measured,
     /// Where the simulated machine is.
     pub twin: &'a Measured,
+    /// What its motors did in the cycle, in machine-file order; none where it is not known.
+    pub motors: &'a [MotorState],
 }
 
 /// One sample of the drives.

@@ -305,7 +305,9 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             };
             if let Some((wanted, twin)) = self.history.push(self.machine, &setpoint, &feedback) {
                 self.comparison.twin(&wanted, &twin, setpoint.place);
-                observer.twin(&TwinCycle { setpoint: &setpoint, wanted: &wanted, twin: &twin });
+                let motors = self.twin.motors();
+                let (wanted, twin) = (&wanted, &twin);
+                observer.twin(&TwinCycle { setpoint: &setpoint, wanted, twin, motors });
             }
         }
     }

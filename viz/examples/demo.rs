@@ -96,6 +96,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 tool_error: (twin - setpoint).norm(),
                 axis_errors: &errors(&twin),
             },
+            motors: &[],
             drives: Some(DrivesFrame {
                 deviation: Deviation {
                     tool: drives,

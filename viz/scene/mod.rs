@@ -3,6 +3,7 @@
 pub(crate) mod destination;
 mod due;
 pub(crate) mod machine;
+pub(crate) mod motors;
 mod program;
 mod series;
 mod track;
@@ -32,6 +33,7 @@ use crate::server::Viewer;
 use destination::Destination;
 use due::Due;
 use machine::Machine;
+use motors::{MotorPlot, MotorSeries};
 use program::Excerpt;
 use series::{AxisSeries, Series};
 use track::ToolTrack;
@@ -123,6 +125,7 @@ pub struct Scene {
     strips_logged: usize,
     machine: Machine,
     axes: Vec<AxisSeries>,
+    motors: Vec<MotorSeries>,
     excerpt: Excerpt,
     pose_due: Due,
     series_due: Due,
@@ -174,7 +177,7 @@ impl Scene {
         let drives = error("drives", "drives to set-point", palette::drives());
         // The page must know the machine and the names before the first values.
         stream.flush_async().map_err(|source| VizError::Write { path: path.clone(), source })?;
-        let layout = Layout { axes: setup.axes.to_vec(), close_up: CLOSE_UP };
+        let layout = Layout { axes: setup.axes.to_vec(), motors: Vec::new(), close_up: CLOSE_UP };
         Ok(Self {
             stream,
             path,
@@ -186,6 +189,7 @@ impl Scene {
             strips_logged: 0,
             machine,
             axes: AxisSeries::all(setup.axes),
+            motors: MotorSeries::all(setup.axes),
             excerpt: Excerpt::new(setup.program.text),
             pose_due: Due::every(POSE_INTERVAL_NS),
             series_due: Due::every(options.playback.series_ns()),
@@ -225,10 +229,15 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// [`VizError::LinkCount`] and [`VizError::AxisCount`] if the frame does not fit the machine; [`VizError::Log`]
-    /// and [`VizError::Encode`] if rerun refuses it.
+    /// [`VizError::LinkCount`], [`VizError::AxisCount`] and [`VizError::MotorCount`] if the frame does not fit the
+    /// machine; [`VizError::Log`] and [`VizError::Encode`] if rerun refuses it.
     pub fn frame(&mut self, frame: &Frame<'_>) -> Result<(), VizError> {
         self.fits(frame)?;
+        if self.layout.motors.is_empty() && !frame.motors.is_empty() {
+            // The first frame need not know of them: then the page gets room for them now.
+            self.layout.motors = MotorPlot::of(&self.layout.axes, frame.motors);
+            self.has_layout = false;
+        }
         self.lay_out()?;
         let at = At { time_ns: frame.time_ns, line: frame.line };
         at.set(&self.stream);
@@ -254,6 +263,9 @@ impl Scene {
             let of = |deviation: &Deviation<'_>| deviation.axis_errors.get(index).copied();
             let drives = frame.drives.as_ref().and_then(|drives| of(&drives.deviation));
             axis.add(at, of(&frame.twin), drives);
+        }
+        for (series, motor) in self.motors.iter_mut().zip(frame.motors) {
+            series.add(at, motor);
         }
         self.excerpt.log(&self.stream, frame.line)?;
         if self.series_due.take(frame.time_ns) {
@@ -293,7 +305,8 @@ impl Scene {
         for series in [&mut self.between, &mut self.path_speed, &mut self.programmed_speed] {
             series.flush(&self.stream)?;
         }
-        self.axes.iter_mut().try_for_each(|axis| axis.flush(&self.stream))
+        self.axes.iter_mut().try_for_each(|axis| axis.flush(&self.stream))?;
+        self.motors.iter_mut().try_for_each(|motor| motor.flush(&self.stream))
     }
 
     /// Sends what rerun holds back of everything else.
@@ -310,6 +323,12 @@ impl Scene {
                 found: frame.link_poses.len(),
             });
         }
+        if !frame.motors.is_empty() && frame.motors.len() != self.axes.len() {
+            return Err(VizError::MotorCount {
+                expected: self.axes.len(),
+                found: frame.motors.len(),
+            });
+        }
         let deviations = [Some(&frame.twin), frame.drives.as_ref().map(|drives| &drives.deviation)];
         match deviations
             .into_iter()
@@ -324,7 +343,7 @@ impl Scene {
         }
     }
 
-    /// Sends the layout, once, when the extent of machine and path is known.
+    /// Sends the layout, where it has not been sent as it is, when the extent of machine and path is known.
     fn lay_out(&mut self) -> Result<(), VizError> {
         if !self.has_layout {
             self.has_layout = true;

@@ -18,6 +18,7 @@ pub(super) struct Series {
     label: String,
     color: rerun::Color,
     is_named: bool,
+    is_hidden: bool,
     times_ns: Vec<i64>,
     lines: Vec<i64>,
     values: Vec<f64>,
@@ -32,10 +33,16 @@ impl Series {
             label,
             color,
             is_named: false,
+            is_hidden: false,
             times_ns: Vec::new(),
             lines: Vec::new(),
             values: Vec::new(),
         }
+    }
+
+    /// The same, of which only the legend is seen until it is clicked at.
+    pub(super) fn hidden(self) -> Self {
+        Self { is_hidden: true, ..self }
     }
 
     /// Adds a length in m or a speed in m/s, shown in mm or mm/s.
@@ -48,7 +55,8 @@ impl Series {
         self.add(at, value.to_degrees());
     }
 
-    fn add(&mut self, at: At, shown: f64) {
+    /// Adds a number that is shown as it is.
+    pub(super) fn add(&mut self, at: At, shown: f64) {
         self.times_ns.push(at.time_ns);
         self.lines.push(i64::from(at.line));
         self.values.push(shown);
@@ -64,7 +72,8 @@ impl Series {
             let looks = SeriesLines::new()
                 .with_names([self.label.as_str()])
                 .with_colors([self.color])
-                .with_widths([LINE_WIDTH]);
+                .with_widths([LINE_WIDTH])
+                .with_visible_series([!self.is_hidden]);
             // Columns without a time are static. They are sent at once: the name must not come after the values.
             stream.send_columns(self.entity.as_str(), [], looks.columns_of_unit_batches()?)?;
         }

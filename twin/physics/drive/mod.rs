@@ -166,6 +166,15 @@ impl AxisDrive {
         Self { motor, brake: parameters.brake, overload, switches, switched, noise, dead_for: None }
     }
 
+    /// The most that its motor can give at `velocity` (m/s or rad/s), N or Nm; `None` without a limit.
+    pub(super) fn effort_limit(&self, velocity: f64) -> Option<f64> {
+        let most = match &self.motor {
+            MotorAtWork::Servo(servo) => servo.parameters.most_effort(velocity),
+            MotorAtWork::Stepper(stepper) => stepper.parameters.pull_out.at(velocity),
+        };
+        most.is_finite().then_some(most)
+    }
+
     /// What its brake holds now.
     pub(super) fn braking(&self) -> f64 {
         let closed =

@@ -98,6 +98,11 @@ impl ServoParameters {
         }
     }
 
+    /// The largest force or torque at `velocity` (m/s or rad/s), N or Nm; infinite for no limit.
+    pub(super) fn most_effort(&self, velocity: f64) -> f64 {
+        self.effort_limit.min(self.effort_curve.at(velocity))
+    }
+
     /// The fields with their names and ranges.
     pub(super) fn ranges(&self) -> [(&'static str, f64, f64, f64); 11] {
         let (feed_forward, most) = match self.effort_feed_forward {
@@ -203,7 +208,7 @@ impl ServoDrive {
         };
         let proportional = parameters.velocity_gain * (self.velocity_command - velocity);
         let wanted = proportional + self.integral + input.effort;
-        let most = parameters.effort_limit.min(parameters.effort_curve.at(input.motor_velocity));
+        let most = parameters.most_effort(input.motor_velocity);
         let effort = wanted.clamp(-most, most);
         let excess = wanted - effort;
         let saturated = excess.abs() > 0.0;

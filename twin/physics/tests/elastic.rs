@@ -213,6 +213,13 @@ fn overload_and_loads_add_up() {
     let way = machine.axis_state().position[0];
     assert!((load.driving_energy - 20.0 * way).abs() < 1e-3 * load.driving_energy, "{load:?}");
     assert!((load.peak_warmth.unwrap() - 4.0 * (1.0 - f64::exp(-0.75))).abs() < 0.01, "{load:?}");
+    // The same of the last cycle alone.
+    let state = machine.motor_state(0);
+    assert!((state.effort - 20.0).abs() < 1e-9, "{state:?}");
+    assert!((state.power - 20.0 * velocity).abs() < 1e-3, "{state:?}");
+    assert_eq!((state.effort_limit, state.utilisation()), (Some(20.0), Some(1.0)), "{state:?}");
+    assert_eq!((state.warmth, state.load_angle), (load.peak_warmth, None), "{state:?}");
+    assert_eq!(machine.motor_state(1), MotorState::default());
 }
 
 /// Switches tell where the axis is.

@@ -164,7 +164,54 @@ fn a_step_motor_holds_by_its_load_angle() {
         let angle = (weight / holding).asin() / FRAC_PI_2;
         assert!((machine.load_angle(0).unwrap() - angle).abs() < 1e-9);
         assert!((state.effort[0] - weight).abs() < 1e-6, "{state:?}");
+        let motor = machine.motor_state(0);
+        assert_eq!((motor.effort, motor.power), (state.effort[0], state.power[0]));
+        assert_eq!((motor.effort_limit, motor.warmth), (Some(holding), None));
+        assert_eq!(motor.load_angle, machine.load_angle(0));
+        assert!((motor.utilisation().unwrap() - weight / holding).abs() < 1e-6, "{motor:?}");
     }
+}
+
+/// What a motor can give is what is left at the speed it has; its power is the energy it gives, and less than 0 while it brakes.
+#[test]
+fn a_motor_has_less_to_give_at_speed() {
+    let servo = ServoParameters {
+        effort_curve: EffortCurve::new(vec![[0.0, 40.0], [1.0, 10.0]]).unwrap(),
+        ..ServoParameters::tuned(2.0, 40.0, 30.0)
+    };
+    let mut machine = machine(&slide(2.0), AxisDriveParameters::servo(servo));
+    let (mut energy, mut braked) = (0.0, false);
+    for cycle in 1..=1000 {
+        // 50 mm and back.
+        let phase = TAU * f64::from(cycle) * 1e-3;
+        let motion = AxisMotion {
+            position: axes([0.025 * (1.0 - phase.cos())]),
+            velocity: axes([0.025 * TAU * phase.sin()]),
+            acceleration: axes([0.025 * TAU * TAU * phase.cos()]),
+        };
+        machine.step(&motion).unwrap();
+        let state = machine.motor_state(0);
+        energy += state.power * 1e-3;
+        braked |= state.power < 0.0;
+        let left = (40.0 - 30.0 * machine.axis_state().velocity[0].abs()).min(30.0);
+        assert!((state.effort_limit.unwrap() - left).abs() < 1e-9, "{state:?}, not {left}");
+        assert_eq!(state.utilisation(), Some(state.effort.abs() / left));
+    }
+    let load = machine.motor_load(0);
+    assert!(braked && load.driving_energy > 1e-3, "{load:?}");
+    let wanted = load.driving_energy - load.braking_energy;
+    assert!((energy - wanted).abs() < 1e-12, "{energy} J, not {wanted} J");
+}
+
+/// Nothing is said of how much of nothing is given, nor of how much of what has no limit.
+#[test]
+fn without_a_limit_there_is_no_utilisation() {
+    let of = |effort_limit| MotorState { effort: 3.0, effort_limit, ..MotorState::default() };
+    assert_eq!(of(Some(4.0)).utilisation(), Some(0.75));
+    assert_eq!(of(Some(0.0)).utilisation(), None);
+    assert_eq!(of(None).utilisation(), None);
+    let unlimited = super::tuned(2.0, 50.0, f64::INFINITY);
+    assert_eq!(machine(&slide(2.0), unlimited).motor_state(0).effort_limit, None);
 }
 
 /// Microsteps: the rotor goes where the nearest microstep is.

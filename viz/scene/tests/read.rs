@@ -11,25 +11,28 @@ use crate::scene::{LINE, TIME};
 /// What a recording holds.
 pub(crate) struct Read {
     pub(crate) chunks: Vec<Chunk>,
-    pub(crate) has_blueprint: bool,
+    /// The layouts.
+    pub(crate) blueprint: Vec<Chunk>,
     pub(crate) activations: usize,
 }
 
 impl Read {
     pub(crate) fn new(path: &Path) -> Self {
         let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
-        let (mut chunks, mut has_blueprint, mut activations) = (Vec::new(), false, 0);
+        let (mut chunks, mut blueprint, mut activations) = (Vec::new(), Vec::new(), 0);
         for message in Decoder::<LogMsg>::decode_eager(file).unwrap() {
             match message.unwrap() {
                 LogMsg::ArrowMsg(store, message) if store.is_recording() => {
                     chunks.push(Chunk::from_arrow_msg(&message).unwrap());
                 }
-                LogMsg::ArrowMsg(..) => has_blueprint = true,
+                LogMsg::ArrowMsg(_, message) => {
+                    blueprint.push(Chunk::from_arrow_msg(&message).unwrap());
+                }
                 LogMsg::BlueprintActivationCommand(_) => activations += 1,
                 LogMsg::SetStoreInfo(_) => {}
             }
         }
-        Self { chunks, has_blueprint, activations }
+        Self { chunks, blueprint, activations }
     }
 
     pub(crate) fn of<'a>(&'a self, entity: &'a str) -> impl Iterator<Item = &'a Chunk> {

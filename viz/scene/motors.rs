@@ -1,0 +1,155 @@
+//! What the motors do, over time.
+
+use rerun::RecordingStream;
+
+use super::At;
+use super::series::Series;
+use crate::error::VizError;
+use crate::frame::{Axis, AxisUnit, MotorFrame};
+use crate::palette;
+
+/// A quantity of motors, with a plot of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MotorPlot {
+    /// Of linear axes, N.
+    Force,
+    /// Of rotary axes, Nm.
+    Torque,
+    /// Effort against what the motor can give at its speed, %.
+    Utilisation,
+    /// Mechanical, W.
+    Power,
+    /// Smoothed losses of the winding against those it bears (I²t), %.
+    Warmth,
+    /// From the field of a step motor to its rotor, full steps.
+    LoadAngle,
+}
+
+impl MotorPlot {
+    /// The plots of motors of which `motors` is known, one per axis, the one looked at first on top.
+    pub(crate) fn of(axes: &[Axis], motors: &[MotorFrame]) -> Vec<Self> {
+        let has = |unit| axes.iter().zip(motors).any(|(axis, _)| axis.unit == unit);
+        let know = |known: fn(&MotorFrame) -> bool| motors.iter().any(known);
+        let plots = [
+            (has(AxisUnit::Linear), Self::Force),
+            (has(AxisUnit::Rotary), Self::Torque),
+            (know(|motor| motor.utilisation.is_some()), Self::Utilisation),
+            (!motors.is_empty(), Self::Power),
+            (know(|motor| motor.warmth.is_some()), Self::Warmth),
+            (know(|motor| motor.load_angle.is_some()), Self::LoadAngle),
+        ];
+        plots.into_iter().filter_map(|(shown, plot)| shown.then_some(plot)).collect()
+    }
+
+    /// The effort of such an axis.
+    fn effort(unit: AxisUnit) -> Self {
+        match unit {
+            AxisUnit::Rotary => Self::Torque,
+            AxisUnit::Linear => Self::Force,
+        }
+    }
+
+    /// Where its series are.
+    pub(crate) fn entity(self) -> &'static str {
+        match self {
+            Self::Force => "motor/force_n",
+            Self::Torque => "motor/torque_nm",
+            Self::Utilisation => "motor/utilisation_percent",
+            Self::Power => "motor/power_w",
+            Self::Warmth => "motor/warmth_percent",
+            Self::LoadAngle => "motor/load_angle_full_steps",
+        }
+    }
+
+    /// What is written above it.
+    pub(crate) fn title(self) -> &'static str {
+        match self {
+            Self::Force => "Motor forces at the axes (N)",
+            Self::Torque => "Motor torques at the axes (Nm)",
+            Self::Utilisation => "Motor utilisation (% of what it can give at its speed)",
+            Self::Power => "Mechanical power (W)",
+            Self::Warmth => "Warmth of the windings, I²t (%)",
+            Self::LoadAngle => "Load angle of step motors (full steps)",
+        }
+    }
+
+    fn unit(self) -> &'static str {
+        match self {
+            Self::Force => "N",
+            Self::Torque => "Nm",
+            Self::Utilisation | Self::Warmth => "%",
+            Self::Power => "W",
+            Self::LoadAngle => "full steps",
+        }
+    }
+}
+
+/// The series of the motor of one axis.
+#[derive(Debug)]
+pub(super) struct MotorSeries {
+    effort: Series,
+    /// The same up and down.
+    limit: Series,
+    power: Series,
+    utilisation: Series,
+    warmth: Series,
+    load_angle: Series,
+}
+
+impl MotorSeries {
+    /// One per axis, below `motor/<quantity>_<unit>`. All are the twin's and green; axes of one plot differ in brightness as
+    /// they do among the errors. What a motor can give is grey, as is what the program asks for.
+    pub(super) fn all(axes: &[Axis]) -> Vec<Self> {
+        let mut all = Vec::with_capacity(axes.len());
+        for (index, axis) in axes.iter().enumerate() {
+            let before = axes.iter().take(index).filter(|before| before.unit == axis.unit).count();
+            let name = rerun::EntityPath::from_single_string(axis.name.clone());
+            let twin = |plot: MotorPlot, index| {
+                let entity = format!("{}{name}/twin", plot.entity());
+                let label = format!("{} twin ({})", axis.name, plot.unit());
+                Series::new(entity, &label, palette::shade(palette::twin(), index))
+            };
+            let effort = MotorPlot::effort(axis.unit);
+            let entity = format!("{}{name}/limit", effort.entity());
+            let label = format!("{} limit ({})", axis.name, effort.unit());
+            // Often so much more than what is given that nothing could be seen beside it.
+            let limit =
+                Series::new(entity, &label, palette::shade(palette::limit(), before)).hidden();
+            all.push(Self {
+                // Forces and torques have plots of their own, the others one for all axes.
+                effort: twin(effort, before),
+                limit,
+                power: twin(MotorPlot::Power, index),
+                utilisation: twin(MotorPlot::Utilisation, index),
+                warmth: twin(MotorPlot::Warmth, index),
+                load_angle: twin(MotorPlot::LoadAngle, index),
+            });
+        }
+        all
+    }
+
+    /// Adds what the motor does.
+    pub(super) fn add(&mut self, at: At, motor: &MotorFrame) {
+        let MotorFrame { effort, effort_limit, power, utilisation, warmth, load_angle } = *motor;
+        for (series, value) in [
+            (&mut self.effort, Some(effort)),
+            (&mut self.limit, effort_limit),
+            (&mut self.power, Some(power)),
+            (&mut self.utilisation, utilisation.map(|part| part * 100.0)),
+            (&mut self.warmth, warmth.map(|part| part * 100.0)),
+            (&mut self.load_angle, load_angle),
+        ] {
+            if let Some(value) = value {
+                series.add(at, value);
+            }
+        }
+    }
+
+    /// Sends what is held back.
+    pub(super) fn flush(&mut self, stream: &RecordingStream) -> Result<(), VizError> {
+        let Self { effort, limit, power, utilisation, warmth, load_angle } = self;
+        [effort, limit, power, utilisation, warmth, load_angle]
+            .into_iter()
+            .try_for_each(|series| series.flush(stream))
+    }
+}

@@ -1,0 +1,174 @@
+//! Motors, read back.
+
+use super::*;
+use crate::frame::MotorFrame;
+use rerun::external::re_sdk_types::blueprint::archetypes as layout;
+
+/// A rotary step motor that is watched for its warmth, and a linear servo of which nothing is known but what it gives.
+fn motors(ms: u32) -> [MotorFrame; 2] {
+    let ms = f64::from(ms);
+    let stepper = MotorFrame {
+        effort: -2.0 * ms,
+        effort_limit: Some(80.0 - ms),
+        power: -3.0 * ms,
+        utilisation: Some(ms * 1e-2),
+        warmth: Some(0.5 + ms * 1e-3),
+        load_angle: Some(ms * -1e-2),
+    };
+    [stepper, MotorFrame { effort: 7.5, power: 0.25, ..MotorFrame::default() }]
+}
+
+/// Frames one ms apart; every one that `has_motors` tells of them.
+fn record(milliseconds: u32, has_motors: impl Fn(u32) -> bool) -> Read {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("motors.rrd");
+    let mut scene = open_file(&path);
+    for ms in 0..milliseconds {
+        let motors = motors(ms);
+        let motors = if has_motors(ms) { &motors[..] } else { &[] };
+        log_motors(&mut scene, ms, motors).unwrap();
+    }
+    scene.finish().unwrap();
+    Read::new(&path)
+}
+
+fn log_motors(scene: &mut Scene, ms: u32, motors: &[MotorFrame]) -> Result<(), VizError> {
+    let still = Deviation { tool: Point3::origin(), tool_error: 0.0, axis_errors: &[0.0; 2] };
+    scene.frame(&Frame {
+        time_ns: i64::from(ms) * 1_000_000,
+        line: 1 + ms / 10,
+        setpoint: Point3::origin(),
+        path_speed: 0.0,
+        programmed_speed: None,
+        link_poses: &[Isometry3::identity(); 2],
+        twin: still,
+        motors,
+        drives: None,
+    })
+}
+
+/// Names of the views and containers of the layout.
+fn names_of_parts(read: &Read) -> Vec<String> {
+    let mut names = Vec::new();
+    for chunk in &read.blueprint {
+        for component in [
+            layout::ViewBlueprint::descriptor_display_name(),
+            layout::ContainerBlueprint::descriptor_display_name(),
+        ] {
+            let found = chunk.iter_component::<components::Name>(component.component);
+            names.extend(found.into_iter().flat_map(|names| names.as_slice().to_vec()));
+        }
+    }
+    names.into_iter().map(|name| name.0.as_str().to_owned()).collect()
+}
+
+#[test]
+fn what_motors_do_comes_back_at_its_time_and_line() {
+    type Of = fn(f64) -> f64;
+    let read = record(25, |_| true);
+    let series: [(&str, Of); 10] = [
+        ("motor/torque_nm/A/twin", |ms| -2.0 * ms),
+        ("motor/torque_nm/A/limit", |ms| 80.0 - ms),
+        ("motor/power_w/A/twin", |ms| -3.0 * ms),
+        ("motor/utilisation_percent/A/twin", |ms| ms),
+        ("motor/warmth_percent/A/twin", |ms| 50.0 + 0.1 * ms),
+        ("motor/load_angle_full_steps/A/twin", |ms| -1e-2 * ms),
+        ("motor/force_n/Z/twin", |_| 7.5),
+        ("motor/power_w/Z/twin", |_| 0.25),
+        ("error/axis_deg/A/twin", |_| 0.0),
+        ("error/axis_mm/Z/twin", |_| 0.0),
+    ];
+    for (entity, wanted) in &series {
+        let rows = read.scalars(entity);
+        assert_eq!(rows.len(), 25, "{entity}");
+        for (ms, (time_ns, line, value)) in (0_u32..).zip(rows) {
+            assert_eq!((time_ns, line), (i64::from(ms) * 1_000_000, i64::from(1 + ms / 10)));
+            assert_near(value, wanted(f64::from(ms)));
+        }
+    }
+    // What is not known is not there.
+    let mut found: Vec<_> =
+        read.chunks.iter().map(|chunk| chunk.entity_path().to_string()).collect();
+    found.retain(|path| path.starts_with("/motor"));
+    found.sort();
+    found.dedup();
+    let mut wanted: Vec<_> = series[..8].iter().map(|(entity, _)| format!("/{entity}")).collect();
+    wanted.sort();
+    assert_eq!(found, wanted);
+}
+
+#[test]
+fn motors_are_named_with_their_units() {
+    let read = record(3, |_| true);
+    for (entity, name) in [
+        ("motor/torque_nm/A/twin", "A twin (Nm)"),
+        ("motor/torque_nm/A/limit", "A limit (Nm)"),
+        ("motor/force_n/Z/twin", "Z twin (N)"),
+        ("motor/power_w/Z/twin", "Z twin (W)"),
+        ("motor/warmth_percent/A/twin", "A twin (%)"),
+        ("motor/load_angle_full_steps/A/twin", "A twin (full steps)"),
+    ] {
+        let names =
+            read.statics::<components::Name>(entity, &rerun::SeriesLines::descriptor_names());
+        assert_eq!(names.iter().map(|name| name.0.as_str()).collect::<Vec<_>>(), [name]);
+        // What motors can give is often so much more than they do that nothing could be seen beside it.
+        let visible = read.statics::<rerun::external::re_sdk_types::components::Visible>(
+            entity,
+            &rerun::SeriesLines::descriptor_visible_series(),
+        );
+        let [visible] = visible[..] else { panic!("{entity}: {visible:?}") };
+        assert_eq!(visible.0.0, !entity.ends_with("limit"), "{entity}");
+    }
+}
+
+#[test]
+fn motors_have_a_tab_with_what_is_known_of_them() {
+    let parts = names_of_parts(&record(1, |_| true));
+    let has = |part: &str| parts.iter().any(|name| name.starts_with(part));
+    for part in [
+        "Errors and speed",
+        "Motors",
+        "Motor forces at the axes (N)",
+        "Motor torques at the axes (Nm)",
+        "Mechanical power (W)",
+        "Motor utilisation (%",
+        "Warmth of the windings",
+        "Load angle of step motors (full steps)",
+        "Tool error (mm)",
+    ] {
+        assert!(has(part), "no {part}: {parts:?}");
+    }
+    let servo = [MotorFrame::default(); 2];
+    let axes = [AxisUnit::Linear, AxisUnit::Linear].map(|unit| Axis { name: "X".to_owned(), unit });
+    assert_eq!(MotorPlot::of(&axes, &servo), [MotorPlot::Force, MotorPlot::Power]);
+    assert_eq!(MotorPlot::of(&axes, &[]), []);
+}
+
+#[test]
+fn where_motors_are_not_known_nothing_is_shown_of_them() {
+    let read = record(30, |_| false);
+    let of_motors =
+        |chunk: &&rerun::log::Chunk| chunk.entity_path().to_string().starts_with("/motor");
+    assert_eq!(read.chunks.iter().filter(of_motors).count(), 0);
+    let parts = names_of_parts(&read);
+    assert!(parts.iter().any(|name| name == "Tool error (mm)"), "{parts:?}");
+    assert!(!parts.iter().any(|name| name.contains("otor")), "{parts:?}");
+}
+
+#[test]
+fn motors_that_are_heard_of_late_get_their_tab_then() {
+    let read = record(30, |ms| ms >= 10 && ms % 5 == 0);
+    assert_eq!(read.activations, 2);
+    assert!(names_of_parts(&read).iter().any(|name| name == "Motors"));
+    let times: Vec<_> =
+        read.scalars("motor/power_w/A/twin").iter().map(|row| row.0 / 1_000_000).collect();
+    assert_eq!(times, [10, 15, 20, 25]);
+}
+
+#[test]
+fn motors_of_another_machine_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut scene = open_file(&folder.path().join("a.rrd"));
+    let error = log_motors(&mut scene, 0, &motors(0)[..1]).unwrap_err();
+    assert!(matches!(error, VizError::MotorCount { expected: 2, found: 1 }), "{error:?}");
+}
