@@ -6,6 +6,7 @@ use twin::clock::Clock;
 use twin::compare::ErrorStatistics;
 use twin::limit::{LimitFailure, Limits};
 use twin::m_function::Acknowledge;
+use twin::physics::MotorState;
 use twin::session::{Session, Stopped};
 use twin::simulated::Simulated;
 
@@ -55,7 +56,7 @@ fn what_motors_do_is_told_in_every_cycle() {
         let peak = motors.iter().map(|motor| motor.effort.abs()).fold(0.0, f64::max);
         // The mean of a cycle is below the peak within it, and not by much.
         assert!(peak <= load.peak_effort && peak > 0.5 * load.peak_effort, "{peak} N, {load:?}");
-        let used = motors.iter().filter_map(|motor| motor.utilisation()).fold(0.0, f64::max);
+        let used = motors.iter().filter_map(MotorState::utilisation).fold(0.0, f64::max);
         assert!(used > 0.001 && used < 1.0, "axis {axis}: {used}");
         let warmth = motors.iter().filter_map(|motor| motor.warmth).reduce(f64::max);
         assert!(warmth <= load.peak_warmth && warmth.is_some() == load.peak_warmth.is_some());

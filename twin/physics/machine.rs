@@ -208,12 +208,12 @@ impl PhysicsMachine {
     /// What the motor of `axis` did in the last cycle; nothing if there is no such axis.
     pub fn motor_state(&self, axis: usize) -> MotorState {
         let Some(drive) = self.drives.get(axis) else { return MotorState::default() };
-        let of = |values: &AxisVector| values.iter().nth(axis).copied().unwrap_or_default();
+        let of = |values: &AxisVector| values.get(axis).copied().unwrap_or_default();
         MotorState {
             effort: of(&self.state.effort),
             effort_limit: drive.effort_limit(at(&self.joints.motors.velocity, axis)),
             power: of(&self.state.power),
-            warmth: drive.overload.as_ref().map(|overload| overload.warmth()),
+            warmth: drive.warmth(),
             load_angle: self.load_angle(axis),
         }
     }

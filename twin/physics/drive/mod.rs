@@ -175,6 +175,11 @@ impl AxisDrive {
         most.is_finite().then_some(most)
     }
 
+    /// How warm the motor is; 1 is what it bears for ever. `None` where that is not known.
+    pub(super) fn warmth(&self) -> Option<f64> {
+        self.overload.as_ref().map(Overload::warmth)
+    }
+
     /// What its brake holds now.
     pub(super) fn braking(&self) -> f64 {
         let closed =
