@@ -121,7 +121,10 @@ impl PhysicsMachine {
             };
             AxisDrive::enabled(parameters, *holding, fed_forward, *inertia, (axis, *position))
         });
-        let at_work: Vec<_> = at_work.collect();
+        let mut at_work: Vec<_> = at_work.collect();
+        for (drive, position) in at_work.iter_mut().zip(&position) {
+            drive.switched = drive.switches.at(*position);
+        }
         let mut trains = [Train::NONE; MAX_AXES];
         for (train, drive) in trains.iter_mut().zip(drives) {
             *train = train_of(drive);

@@ -162,7 +162,7 @@ impl AxisDrive {
         let overload = parameters.overload.map(|overload| Overload::new(overload, holding));
         let noise = Noise::new(parameters.noise, 0, axis);
         let switches = parameters.switches;
-        let switched = switches.at(position);
+        let switched = SwitchStates::default();
         Self { motor, brake: parameters.brake, overload, switches, switched, noise, dead_for: None }
     }
 

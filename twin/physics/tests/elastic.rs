@@ -244,6 +244,21 @@ fn switches_are_hit() {
     assert_eq!((events[0].axis, events[0].kind), (0, EventKind::LimitSwitch(Side::Upper)));
 }
 
+/// A switch that is on from the start, where the axis is and not where the motor is ahead of it, is not hit.
+#[test]
+fn switches_are_along_the_axis() {
+    let drive = AxisDriveParameters {
+        armature: 2.0,
+        transmission: Some(spring(2e5, 60.0, 30e-6)),
+        switches: SwitchParameters { lower: Some(1e-6), ..SwitchParameters::default() },
+        ..super::tuned(5.0, 40.0, f64::INFINITY)
+    };
+    let mut machine = machine(&lift(3.0), drive);
+    assert!(machine.switches(0).lower);
+    machine.step(&at_rest(0.0)).unwrap();
+    assert_eq!(machine.take_events(), []);
+}
+
 /// A loose belt swings more slowly: by the root of its stiffness.
 #[test]
 fn a_loose_belt_is_softer() {
