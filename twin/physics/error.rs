@@ -1,6 +1,7 @@
 //! What the physics machine refuses, and why.
 
 use super::event::Side;
+use super::surroundings::Part;
 
 /// A machine that cannot be simulated, or an input it cannot follow. Axes and joints are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -130,6 +131,30 @@ pub enum PhysicsError {
         axis: usize,
         /// Which switch.
         side: Side,
+    },
+    /// A mesh without volume, which can touch nothing.
+    #[error("solid {solid} (from 0) of {part:?} is a mesh without volume")]
+    FlatMesh {
+        /// What it belongs to.
+        part: Part,
+        /// Its place among the solids of that.
+        solid: usize,
+    },
+    /// The machine is in something where it starts.
+    #[error("{:?} and {:?} are {:.3} mm in each other where the machine starts", parts[0], parts[1], depth * 1e3)]
+    Overlap {
+        /// What is in what.
+        parts: [Part; 2],
+        /// m.
+        depth: f64,
+    },
+    /// Parts of the machine touched each other, or something around it.
+    #[error("{:?} ran into {:?} with {force:.0} N", parts[0], parts[1])]
+    Collision {
+        /// What touched what.
+        parts: [Part; 2],
+        /// N.
+        force: f64,
     },
     /// The motion became infinite: the drive parameters make the loop unstable.
     #[error("the motion of the machine diverged at {time_ns} ns")]
