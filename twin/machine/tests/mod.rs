@@ -6,6 +6,7 @@ mod kinds;
 mod limits;
 mod programs;
 mod scenario;
+mod shipped;
 mod simulated;
 mod urdf;
 
@@ -58,6 +59,10 @@ drive_axis = "Z"
 increments = 3200
 per_mm = 5
 "#;
+
+fn workspace() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
 
 fn parse(text: &str) -> Result<Machine, Vec<Problem>> {
     Machine::parse(Path::new("machine.toml"), text)

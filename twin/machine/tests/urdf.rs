@@ -1,6 +1,6 @@
 //! Machine files that point to a URDF.
 
-use super::Problem;
+use super::{Problem, workspace};
 use crate::machine::{Machine, MachineFileError};
 use crate::physics::{AxisDriveParameters, PhysicsError, PhysicsMachine, ServoParameters};
 use crate::plant::Plant;
@@ -14,10 +14,6 @@ use tempfile::TempDir;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
 use twin_motion::Place;
 use twin_urdf::{JointKind, SolidShape, UrdfNote};
-
-fn workspace() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
-}
 
 fn tutorial() -> Machine {
     let path = workspace().join("tests/data/urdf_scara/machine.toml");
