@@ -10,6 +10,7 @@ mod mimic;
 mod motors;
 mod parallel;
 mod rapier;
+mod reference;
 mod scara;
 mod snapshots;
 mod trees;
