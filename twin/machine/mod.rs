@@ -9,6 +9,7 @@ mod geometry;
 mod limits;
 mod m_functions;
 mod problem;
+mod refusal;
 mod scenario;
 mod section;
 mod simulated;
@@ -23,6 +24,7 @@ pub use direction::DirectionRule;
 pub use drives::{DeviceEntry, Parity};
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
 pub use problem::{MachineFileError, Problem};
+pub use refusal::SimulationError;
 pub use scenario::{FaultAt, FaultKind, FaultStart, Scenario};
 pub use simulated::{
     FeedForward, SimulatedAxis, SimulatedMotor, SimulatedServo, SimulatedTransmission,

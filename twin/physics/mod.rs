@@ -69,7 +69,7 @@ pub use drive::{
     EncoderSide, MAX_DELAY, Motor, OverloadParameters, ServoParameters, StepperParameters,
     SwitchParameters, SwitchStates,
 };
-pub use error::PhysicsError;
+pub use error::{Part, PhysicsError};
 pub use event::{EventKind, PhysicsEvent, Side};
 pub use fault::Fault;
 pub use friction::FrictionParameters;

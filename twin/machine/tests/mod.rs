@@ -5,6 +5,7 @@
 mod kinds;
 mod limits;
 mod programs;
+mod refusal;
 mod scenario;
 mod shipped;
 mod simulated;

@@ -387,7 +387,8 @@ fn mass_where_the_urdf_has_none() {
     let machine = load("");
     assert_eq!(machine.moving_mass(), 0.0);
     let refusal = Simulated::new(&machine, &machine.middle()).unwrap_err();
-    assert!(matches!(refusal, PhysicsError::NoInertia { axis: 0, .. }), "{refusal}");
+    assert!(matches!(refusal.error, PhysicsError::NoInertia { axis: 0, .. }), "{refusal}");
+    assert!(refusal.to_string().starts_with("axis A moves 0 kg"), "{refusal}");
     assert!(refusal.to_string().contains("density_kg_per_m3"), "{refusal}");
 
     // Two columns, two bars, a drum and the quill, by their volumes.
