@@ -8,6 +8,7 @@ mod frame;
 mod geometry;
 mod limits;
 mod m_functions;
+mod payload;
 mod problem;
 mod refusal;
 mod scenario;
@@ -171,6 +172,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
     let axes: Option<Vec<_>> = entries.into_iter().collect::<Option<_>>().filter(|_| unique);
 
     let mounted = Tool::read(root);
+    let payload = payload::read(root, &mounted);
     let frame = frame::read(root);
 
     let conditions = conditions::read(root, path);
@@ -183,7 +185,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
     environment.finish();
 
     let file = geometry::File { path, name: name.unwrap_or_default() };
-    let geometry = geometry::read(root, file, axes.as_deref(), &mounted);
+    let geometry = geometry::read(root, file, axes.as_deref(), &mounted, payload.as_ref());
     root.check_unknown();
 
     let geometry = geometry?;

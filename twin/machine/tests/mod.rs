@@ -4,6 +4,7 @@
 
 mod kinds;
 mod limits;
+mod payload;
 mod programs;
 mod refusal;
 mod scenario;
