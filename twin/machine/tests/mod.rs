@@ -2,6 +2,7 @@
 
 #![expect(clippy::float_cmp, reason = "given in the file, rounded before, or to be exact")]
 
+mod belts;
 mod kinds;
 mod limits;
 mod payload;
