@@ -1,6 +1,6 @@
 //! The simulated machine as a plant.
 
-use crate::machine::{FaultAt, FaultKind, FaultStart, Machine, Scenario};
+use crate::machine::{FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError};
 use crate::physics::{
     EventKind, Fault, MotorState, PhysicsError, PhysicsEvent, PhysicsMachine, axis_inertia,
 };
@@ -40,7 +40,11 @@ impl Simulated {
     ///
     /// # Errors
     /// If the machine file describes no machine that physics can simulate.
-    pub fn new(machine: &Machine, start: &AxisVector) -> Result<Self, PhysicsError> {
+    pub fn new(machine: &Machine, start: &AxisVector) -> Result<Self, SimulationError> {
+        Self::built(machine, start).map_err(|error| SimulationError::of(machine, error))
+    }
+
+    fn built(machine: &Machine, start: &AxisVector) -> Result<Self, PhysicsError> {
         let inertia = axis_inertia(&machine.model, start)?;
         let drives: Vec<_> = machine
             .axes

@@ -89,7 +89,7 @@ fn a_limit_switch_stops_the_machine() {
     // And in a run: the path is left, and the reason is told.
     let run = desk.twin(&["run", "down.cnc", "-m", "motors.toml", "--drives", "none"]);
     assert_eq!(run.status, Some(2), "{}", run.stderr);
-    assert!(run.stderr.contains("limit switch"), "{}", run.stderr);
+    assert!(run.stderr.contains("axis Z ran on its lower limit switch"), "{}", run.stderr);
 }
 
 #[test]

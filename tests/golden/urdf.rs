@@ -51,6 +51,27 @@ fn a_scara_of_a_tutorial_runs_its_program() {
     desk.twin(&rrd).ended(0, "");
 }
 
+/// A URDF without masses cannot be simulated; the axis that moves nothing is named as the machine file names it.
+#[test]
+fn what_moves_nothing_is_named() {
+    let folder = root().join("tests/data/urdf_scara");
+    let text = |name: &str| std::fs::read_to_string(folder.join(name)).expect("it is there");
+    let mut light = String::new();
+    for (number, part) in text("scara.urdf").split("<inertial>").enumerate() {
+        let rest = part.split_once("</inertial>").map_or(part, |(_, rest)| rest);
+        light += if number == 0 { part } else { rest };
+    }
+    let desk = Desk::new();
+    desk.write("scara.urdf", &light);
+    desk.write(
+        "light.toml",
+        &text("machine.toml").replace("name = \"A\"", "name = \"shoulder\"\nrole = \"A\""),
+    );
+    desk.write("program.cnc", PROGRAM);
+    let done = desk.twin(&["check", "program.cnc", "--machine", "light.toml", "--physics"]);
+    done.ended(2, "axis shoulder moves 0 kg");
+}
+
 /// The MELFA of the corpus, if it is there (`TWIN_SHARED` or beside the workspace): a real machine with meshes.
 #[test]
 fn a_melfa_runs_a_program() {

@@ -12,7 +12,7 @@ use crate::compare::Comparison;
 use crate::finding::{self, Finding};
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
-use crate::machine::{DirectionRule, Machine, Scenario};
+use crate::machine::{DirectionRule, Machine, Scenario, SimulationError};
 use crate::physics::{MotorLoad, PhysicsError};
 use crate::planning::Planning;
 use crate::plant::{Plant, PlantRecord};
@@ -146,7 +146,7 @@ impl Rehearsal<'_> {
         &mut self,
         setpoint: &AxisSetpoint,
         checker: &mut Checker<'_>,
-    ) -> Result<(), PhysicsError> {
+    ) -> Result<(), SimulationError> {
         if self.lost {
             return Ok(());
         }
@@ -165,6 +165,7 @@ impl Rehearsal<'_> {
                 if matches!(error, PhysicsError::LimitSwitch { .. }) {
                     return Ok(());
                 }
+                let error = SimulationError::of(self.machine, error);
                 checker.findings.add(None, sentence::lost(setpoint.place, &error));
             }
         }

@@ -2,8 +2,7 @@
 
 use crate::limit::{LimitFailure, Limits, MachinePathError};
 use crate::m_function::Acknowledge;
-use crate::machine::Scenario;
-use crate::physics::PhysicsError;
+use crate::machine::{Scenario, SimulationError};
 use std::io;
 
 /// Why a program could not be checked.
@@ -14,7 +13,7 @@ pub enum CheckFailure {
     Read(#[from] io::Error),
     /// The simulated machine.
     #[error(transparent)]
-    Physics(#[from] PhysicsError),
+    Physics(#[from] SimulationError),
     /// The limits of the axes.
     #[error(transparent)]
     Limits(#[from] MachinePathError),

@@ -2,8 +2,8 @@
 
 use super::ROUNDING;
 use crate::finding::{Finding, Rule, Severity};
-use crate::machine::{Axis, AxisKind, Machine, VelocitySource};
-use crate::physics::{EventKind, Fault, PhysicsError};
+use crate::machine::{Axis, AxisKind, Machine, SimulationError, VelocitySource};
+use crate::physics::{EventKind, Fault};
 use crate::plant::Happening;
 use std::collections::BTreeSet;
 use twin_kinematics::KinematicsError;
@@ -151,7 +151,7 @@ pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Findi
 }
 
 /// The simulated machine has run away from its set-points.
-pub(super) fn lost(place: Place, error: &PhysicsError) -> Finding {
+pub(super) fn lost(place: Place, error: &SimulationError) -> Finding {
     let message = format!("the simulated machine cannot follow: {error}");
     Finding::error(Rule::FollowingError, place, message)
 }

@@ -118,7 +118,7 @@ pub(crate) enum Failure {
     Variables(#[from] crate::settings::VariablesError),
     /// The simulated machine.
     #[error("the simulated machine cannot be built: {0}")]
-    Physics(#[from] crate::physics::PhysicsError),
+    Physics(#[from] crate::machine::SimulationError),
     /// Emulated drives.
     #[error(transparent)]
     Connect(#[from] crate::emulated::ConnectError),

@@ -1,7 +1,7 @@
 //! A machine as feed limiting sees it.
 
-use crate::machine::{DirectionRule, Machine};
-use crate::physics::{AxisEffort, EffortRow, PathDynamics, PhysicsError, TorqueAlongPath};
+use crate::machine::{DirectionRule, Machine, SimulationError};
+use crate::physics::{AxisEffort, EffortRow, PathDynamics, TorqueAlongPath};
 use std::cell::RefCell;
 use twin_kinematics::{AxisSource, AxisVector, KinematicsError, Pose, ToolJerk, ToolMotion};
 use twin_motion::limit::course::{Bearing, CourseElement, CoursePoint};
@@ -31,11 +31,11 @@ impl Default for AxisRules {
 }
 
 /// Why feed limiting is not for a machine.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MachinePathError {
     /// Motors are limited, but the masses they move make no sense.
     #[error("the torques of the motors cannot be reckoned: {0}")]
-    Physics(#[from] PhysicsError),
+    Physics(#[from] SimulationError),
 }
 
 /// A motor counts as overloaded by weight and dry friction if these leave less than this part of its effort.

@@ -2,8 +2,8 @@
 
 use super::conditions::PreparationInputs;
 use super::section::Section;
-use super::{Axis, Machine};
-use crate::physics::{AxisLoad, PathDynamics, PhysicsError};
+use super::{Axis, Machine, SimulationError};
+use crate::physics::{AxisLoad, PathDynamics};
 use std::ops::RangeInclusive;
 use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
 
@@ -137,8 +137,8 @@ impl Machine {
     /// `None` if no axis has a `max_torque_nm` or `max_force_n`.
     ///
     /// # Errors
-    /// [`PhysicsError`] if the model is none that physics can have.
-    pub fn path_dynamics(&self) -> Result<Option<PathDynamics>, PhysicsError> {
+    /// [`SimulationError`] if the model is none that physics can have.
+    pub fn path_dynamics(&self) -> Result<Option<PathDynamics>, SimulationError> {
         let loads: Vec<_> = self
             .axes
             .iter()
@@ -153,7 +153,8 @@ impl Machine {
         if loads.iter().all(|load| load.effort_limit.is_infinite()) {
             return Ok(None);
         }
-        PathDynamics::new(&self.model, &loads, self.gravity).map(Some)
+        let dynamics = PathDynamics::new(&self.model, &loads, self.gravity);
+        dynamics.map(Some).map_err(|error| SimulationError::of(self, error))
     }
 }
 

@@ -8,7 +8,9 @@ mod frame;
 mod geometry;
 mod limits;
 mod m_functions;
+mod payload;
 mod problem;
+mod refusal;
 mod scenario;
 mod section;
 mod simulated;
@@ -23,6 +25,7 @@ pub use direction::DirectionRule;
 pub use drives::{DeviceEntry, Parity};
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
 pub use problem::{MachineFileError, Problem};
+pub use refusal::SimulationError;
 pub use scenario::{FaultAt, FaultKind, FaultStart, Scenario};
 pub use simulated::{
     FeedForward, SimulatedAxis, SimulatedMotor, SimulatedServo, SimulatedTransmission,
@@ -169,6 +172,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
     let axes: Option<Vec<_>> = entries.into_iter().collect::<Option<_>>().filter(|_| unique);
 
     let mounted = Tool::read(root);
+    let payload = payload::read(root, &mounted);
     let frame = frame::read(root);
 
     let conditions = conditions::read(root, path);
@@ -181,7 +185,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
     environment.finish();
 
     let file = geometry::File { path, name: name.unwrap_or_default() };
-    let geometry = geometry::read(root, file, axes.as_deref(), &mounted);
+    let geometry = geometry::read(root, file, axes.as_deref(), &mounted, payload.as_ref());
     root.check_unknown();
 
     let geometry = geometry?;

@@ -2,12 +2,39 @@
 
 use super::event::Side;
 use super::surroundings::Part;
+use std::fmt;
+use twin_kinematics::MAX_AXES;
 
-/// A machine that cannot be simulated, or an input it cannot follow. Axes and joints are counted from 0.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+/// What an error speaks of, counted from 0: axes in machine-file order, joints and links in that of the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// An axis.
+    Axis(usize),
+    /// Index into [`twin_urdf::Model::joints`].
+    Joint(usize),
+    /// Index into [`twin_urdf::Model::links`].
+    Link(usize),
+    /// Something that touches something.
+    Part(Part),
+}
+
+impl fmt::Display for Subject {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Axis(axis) => write!(f, "axis {axis}"),
+            Self::Joint(joint) => write!(f, "joint {joint}"),
+            Self::Link(link) | Self::Part(Part::Link(link)) => write!(f, "link {link}"),
+            Self::Part(Part::Tool) => f.write_str("the tool"),
+            Self::Part(Part::Obstacle(obstacle)) => write!(f, "obstacle {obstacle}"),
+        }
+    }
+}
+
+/// A machine that cannot be simulated, or an input it cannot follow. Axes, joints and links are counted from 0; whoever knows what
+/// they are called says so with [`Self::said`].
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PhysicsError {
     /// The number of values does not fit the number of axes.
-    #[error("{given} axis values given, the machine has {expected} axes")]
     AxisCount {
         /// Values given.
         given: usize,
@@ -15,19 +42,16 @@ pub enum PhysicsError {
         expected: usize,
     },
     /// More axes than [`twin_kinematics::MAX_AXES`], or none.
-    #[error("{given} axes, a machine has 1 to {}", twin_kinematics::MAX_AXES)]
     AxisNumber {
         /// Axes asked for.
         given: usize,
     },
     /// No joint is moved by this axis.
-    #[error("no joint of the model is moved by axis {axis}")]
     AxisWithoutJoint {
         /// The axis.
         axis: usize,
     },
     /// Two joints name the same axis.
-    #[error("joint {joint} is moved by axis {axis}, which moves another joint already")]
     AxisMovesTwoJoints {
         /// The second joint.
         joint: usize,
@@ -35,46 +59,35 @@ pub enum PhysicsError {
         axis: usize,
     },
     /// A joint that can move has no axis (or one the machine does not have), or a fixed one has an axis.
-    #[error(
-        "joint {joint} and its machine axis do not belong together (a joint that moves has one, a fixed one none)"
-    )]
     JointAxis {
         /// The joint.
         joint: usize,
     },
     /// A joint of a tree that no axis moves, or several axes in such a way that where they are does not tell where all joints are,
     /// or the other way round.
-    #[error("joint {joint} is moved by no axis, or by axes that do not belong to it one to one")]
     CoupledJoint {
         /// The joint.
         joint: usize,
     },
     /// Links that go round in a circle.
-    #[error("its links make {loops} closed loops where they have to be a tree")]
     ClosedLoops {
         /// How many.
         loops: usize,
     },
     /// Links that go round in a circle, and are no tripod: three carriages that slide upwards, two rods on each of them by
     /// two joints that turn, a platform on all of these.
-    #[error("its links make {loops} closed loops, which are not those of a tripod")]
     UnknownMechanism {
         /// How many.
         loops: usize,
     },
     /// A rod whose mass is not the same all around it.
-    #[error("link {link} is a rod whose mass is not the same all around it")]
     UnevenRod {
         /// The link.
         link: usize,
     },
     /// Rods that do not meet, or do not hold the platform.
-    #[error("the rods of the platform do not meet there, or do not hold it")]
     Apart,
     /// The links are not ordered as a tree: `joints[i].child == i + 1` and parents first.
-    #[error(
-        "joint {joint} joins parent link {parent} and child link {child}, out of the order of a tree"
-    )]
     NotATree {
         /// The joint.
         joint: usize,
@@ -84,7 +97,6 @@ pub enum PhysicsError {
         child: usize,
     },
     /// A mass or an inertia is negative or not finite, or the inertia is not symmetric.
-    #[error("link {link} of {mass} kg has mass properties no body can have")]
     MassProperties {
         /// The link.
         link: usize,
@@ -92,10 +104,6 @@ pub enum PhysicsError {
         mass: f64,
     },
     /// Nothing with mass hangs on the axis: a force would accelerate it without bound.
-    #[error(
-        "axis {axis} (from 0) moves {inertia} kg or kg·m²: no mass and no rotor inertia; links of a URDF without <inertial> get \
-         their mass from [body] density_kg_per_m3 or [body.links.NAME] mass_kg"
-    )]
     NoInertia {
         /// The axis.
         axis: usize,
@@ -103,7 +111,6 @@ pub enum PhysicsError {
         inertia: f64,
     },
     /// A drive parameter is out of range.
-    #[error("axis {axis}: {parameter} = {value} is out of range")]
     DriveParameter {
         /// The axis.
         axis: usize,
@@ -113,19 +120,16 @@ pub enum PhysicsError {
         value: f64,
     },
     /// The cycle time is not between 1 µs and 1 s.
-    #[error("a cycle of {cycle_ns} ns is not between 1 µs and 1 s")]
     CycleTime {
         /// The value given, ns.
         cycle_ns: i64,
     },
     /// Gravity, a set-point, an effort or a deceleration is infinite, not a number, or has the wrong sign.
-    #[error("an input at {time_ns} ns is not a number that the machine can follow")]
     Input {
         /// Start of the cycle, ns.
         time_ns: i64,
     },
     /// An axis ran on a limit switch.
-    #[error("axis {axis} ran on its {side} limit switch")]
     LimitSwitch {
         /// The axis.
         axis: usize,
@@ -133,7 +137,6 @@ pub enum PhysicsError {
         side: Side,
     },
     /// A mesh without volume, which can touch nothing.
-    #[error("solid {solid} (from 0) of {part:?} is a mesh without volume")]
     FlatMesh {
         /// What it belongs to.
         part: Part,
@@ -141,7 +144,6 @@ pub enum PhysicsError {
         solid: usize,
     },
     /// The machine is in something where it starts.
-    #[error("{:?} and {:?} are {:.3} mm in each other where the machine starts", parts[0], parts[1], depth * 1e3)]
     Overlap {
         /// What is in what.
         parts: [Part; 2],
@@ -149,7 +151,6 @@ pub enum PhysicsError {
         depth: f64,
     },
     /// Parts of the machine touched each other, or something around it.
-    #[error("{:?} ran into {:?} with {force:.0} N", parts[0], parts[1])]
     Collision {
         /// What touched what.
         parts: [Part; 2],
@@ -157,9 +158,138 @@ pub enum PhysicsError {
         force: f64,
     },
     /// The motion became infinite: the drive parameters make the loop unstable.
-    #[error("the motion of the machine diverged at {time_ns} ns")]
     Diverged {
         /// Start of the cycle, ns.
         time_ns: i64,
     },
 }
+
+impl PhysicsError {
+    /// What is wrong, with `name` for the axes, joints and links that it speaks of.
+    pub fn said(&self, name: impl Fn(Subject) -> String) -> String {
+        let axis = |axis| name(Subject::Axis(axis));
+        let joint = |joint| name(Subject::Joint(joint));
+        let link = |link| name(Subject::Link(link));
+        let part = |part| name(Subject::Part(part));
+        match *self {
+            Self::AxisCount { given, expected } => {
+                format!("{given} axis values given, the machine has {expected} axes")
+            }
+            Self::AxisNumber { given } => format!("{given} axes, a machine has 1 to {MAX_AXES}"),
+            Self::AxisWithoutJoint { axis: number } => {
+                format!("no joint of the model is moved by {}", axis(number))
+            }
+            Self::AxisMovesTwoJoints { joint: second, axis: number } => format!(
+                "{} is moved by {}, which moves another joint already",
+                joint(second),
+                axis(number)
+            ),
+            Self::JointAxis { joint: number } => format!(
+                "{} and its machine axis do not belong together (a joint that moves has one, a fixed one none)",
+                joint(number)
+            ),
+            Self::CoupledJoint { joint: number } => format!(
+                "{} is moved by no axis, or by axes that do not belong to it one to one",
+                joint(number)
+            ),
+            Self::ClosedLoops { loops } => {
+                format!("its links make {loops} closed loops where they have to be a tree")
+            }
+            Self::UnknownMechanism { loops } => {
+                format!("its links make {loops} closed loops, which are not those of a tripod")
+            }
+            Self::UnevenRod { link: rod } => {
+                format!("{} is a rod whose mass is not the same all around it", link(rod))
+            }
+            Self::Apart => {
+                "the rods of the platform do not meet there, or do not hold it".to_owned()
+            }
+            Self::NotATree { joint: number, parent, child } => format!(
+                "{} joins parent {} and child {}, out of the order of a tree",
+                joint(number),
+                link(parent),
+                link(child)
+            ),
+            Self::MassProperties { link: number, mass } => {
+                format!("{} of {mass} kg has mass properties no body can have", link(number))
+            }
+            Self::NoInertia { axis: number, inertia } => format!(
+                "{} moves {inertia} kg or kg·m²: no mass and no rotor inertia; links of a URDF without <inertial> get their mass \
+                 from [body] density_kg_per_m3 or [body.links.NAME] mass_kg",
+                axis(number)
+            ),
+            Self::DriveParameter { axis: number, parameter, value } => {
+                format!("{}: {parameter} = {value} is out of range", axis(number))
+            }
+            Self::CycleTime { cycle_ns } => {
+                format!("a cycle of {cycle_ns} ns is not between 1 µs and 1 s")
+            }
+            Self::Input { time_ns } => {
+                format!("an input at {time_ns} ns is not a number that the machine can follow")
+            }
+            Self::LimitSwitch { axis: number, side } => {
+                format!("{} ran on its {side} limit switch", axis(number))
+            }
+            Self::FlatMesh { part: owner, solid } => {
+                format!("solid {} of {} is a mesh without volume", solid + 1, part(owner))
+            }
+            Self::Overlap { parts: [one, other], depth } => format!(
+                "{} is {:.3} mm deep in {} where the machine starts",
+                part(one),
+                depth * 1e3,
+                part(other)
+            ),
+            Self::Collision { parts: [one, other], force } => {
+                format!("{} ran into {} with {force:.0} N", part(one), part(other))
+            }
+            Self::Diverged { time_ns } => {
+                format!("the motion of the machine diverged at {time_ns} ns")
+            }
+        }
+    }
+
+    /// The same of a model in which these joints and links are the joints and links with the numbers `joints` and `links`.
+    pub(super) fn renumbered(self, joints: &[usize], links: &[usize]) -> Self {
+        let joint_of = |joint: usize| joints.get(joint).copied().unwrap_or(joint);
+        let link_of = |link: usize| links.get(link).copied().unwrap_or(link);
+        match self {
+            Self::AxisMovesTwoJoints { joint, axis } => {
+                Self::AxisMovesTwoJoints { joint: joint_of(joint), axis }
+            }
+            Self::JointAxis { joint } => Self::JointAxis { joint: joint_of(joint) },
+            Self::CoupledJoint { joint } => Self::CoupledJoint { joint: joint_of(joint) },
+            Self::UnevenRod { link } => Self::UnevenRod { link: link_of(link) },
+            Self::NotATree { joint, parent, child } => Self::NotATree {
+                joint: joint_of(joint),
+                parent: link_of(parent),
+                child: link_of(child),
+            },
+            Self::MassProperties { link, mass } => {
+                Self::MassProperties { link: link_of(link), mass }
+            }
+            Self::AxisCount { .. }
+            | Self::AxisNumber { .. }
+            | Self::AxisWithoutJoint { .. }
+            | Self::ClosedLoops { .. }
+            | Self::UnknownMechanism { .. }
+            | Self::Apart
+            | Self::NoInertia { .. }
+            | Self::DriveParameter { .. }
+            | Self::CycleTime { .. }
+            | Self::Input { .. }
+            | Self::LimitSwitch { .. }
+            | Self::FlatMesh { .. }
+            | Self::Overlap { .. }
+            | Self::Collision { .. }
+            | Self::Diverged { .. } => self,
+        }
+    }
+}
+
+impl fmt::Display for PhysicsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.said(|part| part.to_string()))
+    }
+}
+
+impl std::error::Error for PhysicsError {}

@@ -203,7 +203,9 @@ fn others(model: &Model, axis_count: usize) -> Result<Option<Tree>, PhysicsError
         Model { links: Vec::new(), joints: Vec::new(), loops: Vec::new(), ..model.clone() };
     rest.links.extend(model.links.first().cloned());
     let mut numbers = vec![0; model.links.len()];
-    for joint in &model.joints {
+    // What they are in the whole model.
+    let (mut joints, mut links) = (Vec::new(), vec![0]);
+    for (index, joint) in model.joints.iter().enumerate() {
         if within.get(joint.child).copied().unwrap_or_default() {
             continue;
         }
@@ -215,14 +217,21 @@ fn others(model: &Model, axis_count: usize) -> Result<Option<Tree>, PhysicsError
             *number = child;
             rest.links.push(link.clone());
             rest.joints.push(Joint { parent, child, ..joint.clone() });
+            links.push(joint.child);
+            joints.push(index);
         }
     }
     // Joint i moves link i + 1, before and after.
     for (index, joint) in rest.joints.iter_mut().enumerate() {
         if let JointDrive::Mimic { joint: leader, .. } = &mut joint.drive {
             let number = numbers.get(*leader + 1).and_then(|number| number.checked_sub(1));
-            *leader = number.ok_or(PhysicsError::CoupledJoint { joint: index })?;
+            let coupled = PhysicsError::CoupledJoint { joint: index };
+            *leader = number.ok_or_else(|| coupled.renumbered(&joints, &links))?;
         }
     }
-    if rest.joints.is_empty() { Ok(None) } else { Tree::new(&rest, axis_count).map(Some) }
+    if rest.joints.is_empty() {
+        return Ok(None);
+    }
+    let tree = Tree::new(&rest, axis_count);
+    tree.map(Some).map_err(|error| error.renumbered(&joints, &links))
 }

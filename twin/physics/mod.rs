@@ -71,7 +71,7 @@ pub use drive::{
     EncoderSide, MAX_DELAY, Motor, OverloadParameters, ServoParameters, StepperParameters,
     SwitchParameters, SwitchStates,
 };
-pub use error::PhysicsError;
+pub use error::{PhysicsError, Subject};
 pub use event::{EventKind, PhysicsEvent, Side};
 pub use fault::Fault;
 pub use friction::FrictionParameters;

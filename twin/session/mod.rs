@@ -11,7 +11,7 @@ use crate::compare::{Comparison, Measured};
 use crate::hardware::{HORIZON_NS, Hardware, HardwareError};
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledge, Acknowledgement, MCall};
-use crate::machine::Machine;
+use crate::machine::{Machine, SimulationError};
 use crate::physics::{MotorState, PhysicsError};
 use crate::planning::Planning;
 use crate::plant::{Plant, PlantRecord};
@@ -152,7 +152,7 @@ pub enum Stopped {
         /// The block in which the set-point was.
         place: Place,
         /// Why.
-        source: PhysicsError,
+        source: SimulationError,
     },
     /// A set-point that the machine cannot reach, although the check let the program pass: the file has changed.
     #[error("{place}: {source}; has the program file changed since it was checked?")]

@@ -9,7 +9,7 @@ use crate::compare::{Comparison, Measured};
 use crate::finding::{Finding, Severity};
 use crate::hardware::{Hardware, HardwareError};
 use crate::m_function::MCall;
-use crate::machine::Machine;
+use crate::machine::{Machine, SimulationError};
 use crate::physics::PhysicsError;
 use crate::planning::Planning;
 use crate::plant::{AxisFeedback, Plant};
@@ -315,6 +315,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     /// Nothing to compare with any more: the drives brake, and that is the end.
     fn lose_twin(&mut self, source: PhysicsError) {
         self.twin_failed = true;
+        let source = SimulationError::of(self.machine, source);
         self.stopped.get_or_insert(Stopped::Twin { place: self.place(), source });
         self.brake();
     }

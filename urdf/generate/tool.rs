@@ -1,6 +1,7 @@
 //! What a flange carries: a tool below it or beside it.
 
-use super::{check_not_negative, cuboid, paint, placed, upright};
+use super::{check_not_negative, check_positive, cuboid, paint, placed, upright};
+use crate::inertial::turned;
 use crate::{DimensionError, Inertial, Model, Solid};
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -54,6 +55,33 @@ impl Model {
             let parts: Vec<_> = link.inertial.into_iter().chain([own]).collect();
             link.inertial = Inertial::union(&parts);
         }
+        Ok(())
+    }
+}
+
+impl Model {
+    /// Lets the link where the tip is carry `payload`, which is given in the frame of the flange, whose place in that link is
+    /// `link_from_flange`. It has mass and no shape.
+    ///
+    /// # Errors
+    /// [`DimensionError`] if its mass is not above 0, or a number is none.
+    pub fn mount_payload(
+        &mut self,
+        link_from_flange: &Isometry3<f64>,
+        payload: &Inertial,
+    ) -> Result<(), DimensionError> {
+        check_positive(&[("the mass of the payload", payload.mass)])?;
+        if !payload.center.iter().chain(&payload.inertia).all(|value| value.is_finite()) {
+            return Err(DimensionError::NotFinite { what: "the inertia of the payload" });
+        }
+        let Some(link) = self.links.get_mut(self.tip.link) else { return Ok(()) };
+        let carried = Inertial {
+            mass: payload.mass,
+            center: link_from_flange * payload.center,
+            inertia: turned(&payload.inertia, &link_from_flange.rotation),
+        };
+        let parts: Vec<_> = link.inertial.into_iter().chain([carried]).collect();
+        link.inertial = Inertial::union(&parts);
         Ok(())
     }
 }

@@ -1,5 +1,5 @@
-use crate::{Inertial, Link, Mesh, Solid, SolidShape};
-use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
+use crate::{DimensionError, Inertial, Link, Mesh, Solid, SolidShape};
+use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
@@ -165,4 +165,27 @@ fn links_weigh_what_their_solids_do() {
     assert_eq!(nothing.uniform_at(2700.0), None);
     let point = nothing.uniform_of(0.2);
     assert_eq!((point.mass, point.center, point.inertia.norm()), (0.2, Point3::origin(), 0.0));
+}
+
+/// A payload is given as seen from the flange, however the flange stands in its link.
+#[test]
+fn a_payload_becomes_a_part_of_the_link_that_carries_it() {
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::y_axis(), FRAC_PI_2);
+    let flange = Isometry3::from_parts(Translation3::new(0.1, 0.0, 0.0), turn);
+    let inertia = Matrix3::from_diagonal(&Vector3::new(0.01, 0.02, 0.03));
+    let payload = Inertial { mass: 2.0, center: Point3::new(0.0, 0.0, 0.5), inertia };
+    let mut model = super::gantry().model().unwrap();
+    let link = model.tip.link;
+    model.links[link].inertial = None;
+    model.mount_payload(&flange, &payload).unwrap();
+    // z of the flange is x of the link, and x of the flange is −z of it.
+    let carried = model.links[link].inertial.unwrap();
+    assert!((carried.center - Point3::new(0.6, 0.0, 0.0)).norm() < 1e-15, "{carried:?}");
+    let expected = Matrix3::from_diagonal(&Vector3::new(0.03, 0.02, 0.01));
+    assert!((carried.inertia - expected).norm() < 1e-15, "{carried:?}");
+    let refusal = |payload| model.clone().mount_payload(&flange, &payload).unwrap_err();
+    let light = refusal(Inertial { mass: 0.0, ..payload });
+    assert!(light.to_string().starts_with("the mass of the payload is 0"), "{light}");
+    let nowhere = refusal(Inertial { center: Point3::new(f64::NAN, 0.0, 0.0), ..payload });
+    assert_eq!(nowhere, DimensionError::NotFinite { what: "the inertia of the payload" });
 }

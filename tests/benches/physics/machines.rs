@@ -117,7 +117,9 @@ impl Task {
         let machine =
             PhysicsMachine::new(&self.model, &[(); 3].map(|()| off()), GRAVITY, &start, cycle);
         let mut machine = machine.expect("a machine");
-        machine.insert_surroundings(&Surroundings::floor(GROUND)).expect("nothing touches at the start");
+        machine
+            .insert_surroundings(&Surroundings::floor(GROUND))
+            .expect("nothing touches at the start");
         machine
     }
 
@@ -147,7 +149,9 @@ impl Task {
         });
         let machine = PhysicsMachine::new(&self.model, &drives, GRAVITY, &start, PERIOD_NS);
         let mut machine = machine.expect("a machine").with_steps_of(longest_step);
-        machine.insert_surroundings(&Surroundings::floor(GROUND)).expect("nothing touches at the start");
+        machine
+            .insert_surroundings(&Surroundings::floor(GROUND))
+            .expect("nothing touches at the start");
         machine
     }
 

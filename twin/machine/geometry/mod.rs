@@ -17,13 +17,14 @@ use super::tool::Tool;
 use design::LENGTH_MM;
 use kind::{KINDS, Kind};
 use model::Body;
+use nalgebra::{Isometry3, Translation3};
 use std::path::Path;
 use twin_kinematics::MachineAxes;
 use twin_motion::path::EXTRA_AXES;
-use twin_urdf::{MachineJoint, Model, UrdfWarning};
+use twin_urdf::{Inertial, MachineJoint, Model, UrdfWarning};
 use urdf::{Given, Source};
 
-/// What follows from `[kinematics]`, `[body]`, `[tool]` and the axes.
+/// What follows from `[kinematics]`, `[body]`, `[tool]`, `[payload]` and the axes.
 pub(super) struct Geometry {
     pub(super) kind: &'static str,
     pub(super) kinematics: MachineAxes,
@@ -50,6 +51,7 @@ pub(super) fn read(
     file: File<'_>,
     axes: Option<&[AxisEntry]>,
     tool: &Tool,
+    payload: Option<&Inertial>,
 ) -> Option<Geometry> {
     let kinematics = root.section("kinematics");
     let body = root.section("body");
@@ -94,16 +96,32 @@ pub(super) fn read(
         let build = |joint: &dyn Fn(&str) -> Option<MachineJoint>| {
             parts.model(&design, file.name, joint, tool)
         };
-        let model = model(&kinematics, axes, build)?;
+        let mut model = model(&kinematics, axes, build)?;
+        // Frames of flanges are not turned in their links.
+        let flange = Isometry3::from(Translation3::from(model.tip.point.coords - tool.tip));
+        mount(payload, &mut model, &flange, &body)?;
         let axes = axes.iter().map(|entry| entry.axis.clone()).collect();
         Built { model, axes, warnings: Vec::new() }
     } else {
-        let given = Given { root, body: &body, kind, design: &design, axes, tool, sources };
+        let given =
+            Given { root, body: &body, kind, design: &design, axes, tool, payload, sources };
         source?.build(&given, &machine_axes)?
     };
     let Built { model, axes, warnings } = built;
     let (kind, kinematics) = (kind.name, machine_axes);
     Some(Geometry { kind, kinematics, direction, length_scale, model, axes, warnings })
+}
+
+/// Lets `model` carry `payload` at its `flange`.
+fn mount(
+    payload: Option<&Inertial>,
+    model: &mut Model,
+    flange: &Isometry3<f64>,
+    body: &Section<'_>,
+) -> Option<()> {
+    let Some(payload) = payload else { return Some(()) };
+    let mounted = model.mount_payload(flange, payload);
+    mounted.map_err(|error| body.complain(error.to_string())).ok()
 }
 
 /// What moves.

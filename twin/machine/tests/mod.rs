@@ -2,10 +2,14 @@
 
 #![expect(clippy::float_cmp, reason = "given in the file, rounded before, or to be exact")]
 
+mod belts;
 mod kinds;
 mod limits;
+mod payload;
 mod programs;
+mod refusal;
 mod scenario;
+mod shipped;
 mod simulated;
 mod urdf;
 
@@ -58,6 +62,10 @@ drive_axis = "Z"
 increments = 3200
 per_mm = 5
 "#;
+
+fn workspace() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
+}
 
 fn parse(text: &str) -> Result<Machine, Vec<Problem>> {
     Machine::parse(Path::new("machine.toml"), text)

@@ -1,6 +1,6 @@
 //! Machine files that point to a URDF.
 
-use super::Problem;
+use super::{Problem, workspace};
 use crate::machine::{Machine, MachineFileError};
 use crate::physics::{AxisDriveParameters, PhysicsError, PhysicsMachine, ServoParameters};
 use crate::plant::Plant;
@@ -14,10 +14,6 @@ use tempfile::TempDir;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
 use twin_motion::Place;
 use twin_urdf::{JointKind, SolidShape, UrdfNote};
-
-fn workspace() -> &'static Path {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap()
-}
 
 fn tutorial() -> Machine {
     let path = workspace().join("tests/data/urdf_scara/machine.toml");
@@ -391,7 +387,8 @@ fn mass_where_the_urdf_has_none() {
     let machine = load("");
     assert_eq!(machine.moving_mass(), 0.0);
     let refusal = Simulated::new(&machine, &machine.middle()).unwrap_err();
-    assert!(matches!(refusal, PhysicsError::NoInertia { axis: 0, .. }), "{refusal}");
+    assert!(matches!(refusal.error, PhysicsError::NoInertia { axis: 0, .. }), "{refusal}");
+    assert!(refusal.to_string().starts_with("axis A moves 0 kg"), "{refusal}");
     assert!(refusal.to_string().contains("density_kg_per_m3"), "{refusal}");
 
     // Two columns, two bars, a drum and the quill, by their volumes.

@@ -11,6 +11,7 @@ mod motors;
 mod multibody;
 mod parallel;
 mod rapier;
+mod reference;
 mod scara;
 mod snapshots;
 mod touching;

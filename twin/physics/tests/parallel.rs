@@ -69,12 +69,17 @@ pub(super) fn circle(t: f64) -> AxisMotion {
     Kinematics::inverse_motion(&tripod, &tool, &axes([0.0; 3])).unwrap()
 }
 
-/// The rows of the peer's file, if it is there (`TWIN_SHARED` or beside the workspace).
+/// The rows of the peer's file, if it is there.
 pub(super) fn reference<const N: usize>(columns: [&str; N]) -> Option<Vec<[f64; N]>> {
+    rows_of("tripod_circle.csv", columns)
+}
+
+/// The rows of a file of `reference/`, if it is there (`TWIN_SHARED` or beside the workspace).
+pub(super) fn rows_of<const N: usize>(name: &str, columns: [&str; N]) -> Option<Vec<[f64; N]>> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared");
     let shared = std::env::var_os("TWIN_SHARED").map_or(beside, PathBuf::from);
-    let Ok(mut file) = csv::Reader::from_path(shared.join("reference/tripod_circle.csv")) else {
-        println!("skipped: no tripod_circle.csv (TWIN_SHARED, ../shared)");
+    let Ok(mut file) = csv::Reader::from_path(shared.join("reference").join(name)) else {
+        println!("skipped: no {name} (TWIN_SHARED, ../shared)");
         return None;
     };
     let header = file.headers().unwrap().clone();

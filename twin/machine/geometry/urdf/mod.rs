@@ -11,7 +11,7 @@ mod mass;
 
 use super::design::Design;
 use super::kind::{Family, Kind};
-use super::{Built, sources};
+use super::{Built, mount, sources};
 use crate::machine::axis::{Axis, AxisEntry, AxisKind};
 use crate::machine::section::Section;
 use crate::machine::tool::Tool;
@@ -20,7 +20,9 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use std::path::{Path, PathBuf};
 use twin_kinematics::{AxisSource, MachineAxes};
 use twin_motion::path::EXTRA_AXES;
-use twin_urdf::{AxisJoint, BindError, Joint, JointKind, Loaded, MachineJoint, Model, UrdfOptions};
+use twin_urdf::{
+    AxisJoint, BindError, Inertial, Joint, JointKind, Loaded, MachineJoint, Model, UrdfOptions,
+};
 
 /// Tool tips may be as far from each other, mm, unless the file says otherwise.
 const TOLERANCE_MM: f64 = 1e-3;
@@ -47,6 +49,7 @@ pub(super) struct Given<'a> {
     pub(super) design: &'a Design,
     pub(super) axes: &'a [AxisEntry],
     pub(super) tool: &'a Tool,
+    pub(super) payload: Option<&'a Inertial>,
     pub(super) sources: Vec<AxisSource>,
 }
 
@@ -160,6 +163,7 @@ impl Source {
             .mount_tool(&flange, &tool.tip, tool.mass)
             .map_err(|error| refuse(error.to_string()))
             .ok()?;
+        mount(given.payload, &mut model, &flange, body)?;
         agree::check(&self, given, machine, &model, &flange)?;
         Some(Built { model, axes, warnings })
     }

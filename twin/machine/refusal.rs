@@ -1,0 +1,44 @@
+//! What the simulated machine refuses, in the words of the machine file.
+
+use super::Machine;
+use crate::physics::{Part, PhysicsError, Subject};
+use std::fmt;
+
+/// A [`PhysicsError`] with the names of axes, joints and links in the place of their numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SimulationError {
+    /// The same, with numbers.
+    pub error: PhysicsError,
+    said: String,
+}
+
+impl SimulationError {
+    /// `error` as it is said of `machine`. What has no name keeps its number.
+    pub fn of(machine: &Machine, error: PhysicsError) -> Self {
+        let said = error.said(|subject| match subject {
+            Subject::Axis(index) => {
+                named("axis", subject, machine.axes.get(index).map(|axis| &axis.name))
+            }
+            Subject::Joint(index) => {
+                named("joint", subject, machine.model.joints.get(index).map(|joint| &joint.name))
+            }
+            Subject::Link(index) | Subject::Part(Part::Link(index)) => {
+                named("link", subject, machine.model.links.get(index).map(|link| &link.name))
+            }
+            Subject::Part(Part::Tool | Part::Obstacle(_)) => subject.to_string(),
+        });
+        Self { error, said }
+    }
+}
+
+fn named(what: &str, subject: Subject, name: Option<&String>) -> String {
+    name.map_or_else(|| subject.to_string(), |name| format!("{what} {name}"))
+}
+
+impl fmt::Display for SimulationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.said)
+    }
+}
+
+impl std::error::Error for SimulationError {}
