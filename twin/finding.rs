@@ -44,6 +44,8 @@ pub enum Rule {
     MotorOverload,
     /// An axis of the simulated machine that ran on a limit switch.
     LimitSwitch,
+    /// Something in the way of the machine, or of one of its links.
+    Collision,
     /// A fault of the simulated machine that was asked for.
     Fault,
 }
@@ -70,6 +72,7 @@ impl Rule {
             Self::LostSteps => "lost-steps",
             Self::MotorOverload => "motor-overload",
             Self::LimitSwitch => "limit-switch",
+            Self::Collision => "collision",
             Self::Fault => "fault",
         }
     }

@@ -1,6 +1,6 @@
 //! What set-points can be sent to: a simulated machine or drives.
 
-use crate::physics::{EventKind, MotorLoad, MotorState};
+use crate::physics::{EventKind, MotorLoad, MotorState, Part};
 use crate::setpoint::AxisSetpoint;
 use twin_kinematics::AxisVector;
 use twin_motion::Place;
@@ -25,11 +25,26 @@ pub struct Happening {
     pub kind: EventKind,
 }
 
+/// Something that was run into.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Blow {
+    /// The block in which the set-point was.
+    pub place: Place,
+    /// What ran into what.
+    pub parts: [Part; 2],
+    /// How fast they came towards each other, m/s.
+    pub speed: f64,
+    /// The largest force between them while the machine came to a stop, mean over a cycle, N.
+    pub force: f64,
+}
+
 /// What a plant tells of a whole run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlantRecord {
     /// What happened, in the order of lines.
     pub happenings: Vec<Happening>,
+    /// What was run into.
+    pub blows: Vec<Blow>,
     /// How often more happened than is kept.
     pub left_out: u64,
     /// What the motors gave, in machine-file order; none where it is not known.

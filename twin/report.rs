@@ -1,6 +1,6 @@
 //! The report as JSON: the shape is part of the command-line contract.
 
-use crate::check::Outcome;
+use crate::check::{BlockClearance, Outcome};
 use crate::compare::{ErrorStatistics, Statistics};
 use crate::finding::Finding;
 use crate::machine::{Axis, Machine};
@@ -24,6 +24,9 @@ pub struct CheckReport {
     /// With physics.
     #[serde(skip_serializing_if = "PerAxis::is_empty")]
     motor_load: PerAxis<MotorLoadReport>,
+    /// If the machine file says what is in the way.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    clearance: Option<ClearanceReport>,
     findings: Vec<Finding>,
     findings_left_out: u64,
 }
@@ -52,8 +55,33 @@ impl CheckReport {
                     .map(|(axis, load)| (axis.name.clone(), MotorLoadReport::new(axis, load)))
                     .collect(),
             ),
+            clearance: outcome.clearances.least.map(|least| ClearanceReport::new(machine, &least)),
             findings: outcome.findings.clone(),
             findings_left_out: outcome.findings_left_out,
+        }
+    }
+}
+
+/// What came nearest to what.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct ClearanceReport {
+    least_mm: f64,
+    between: [String; 2],
+    line: u32,
+    block: Option<u32>,
+    time_s: f64,
+}
+
+impl ClearanceReport {
+    /// Of the least of all.
+    fn new(machine: &Machine, least: &BlockClearance) -> Self {
+        let BlockClearance { place, time_ns, nearest } = least;
+        Self {
+            least_mm: rounded(nearest.distance * 1e3),
+            between: nearest.parts.map(|part| machine.part_name(part)),
+            line: place.line,
+            block: place.block,
+            time_s: seconds(*time_ns),
         }
     }
 }

@@ -2,16 +2,20 @@
 
 use crate::machine::{FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError};
 use crate::physics::{
-    EventKind, Fault, MotorState, PhysicsError, PhysicsEvent, PhysicsMachine, axis_inertia,
+    Collision, Contact, EventKind, Fault, MotorState, PhysicsError, PhysicsEvent, PhysicsMachine,
+    axis_inertia,
 };
-use crate::plant::{AxisFeedback, Happening, Plant, PlantRecord};
+use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord};
 use crate::setpoint::AxisSetpoint;
 use std::collections::BTreeMap;
-use twin_kinematics::AxisVector;
+use twin_kinematics::{AxisMotion, AxisVector};
 use twin_motion::Place;
 
 /// Happenings that are kept: what goes on in every line of a long program is told as well by its first thousand.
 const MOST_HAPPENINGS: usize = 1000;
+
+/// Cycles in which a blow has come to its largest force.
+const STOPPING: u32 = 20;
 
 /// Simulates one cycle per set-point, at once; what it gives back is where the axes are at the set-point's time.
 #[derive(Debug)]
@@ -32,6 +36,7 @@ pub struct Simulated {
 #[derive(Debug, Default)]
 struct Happened {
     kept: BTreeMap<(u32, usize, u8), Happening>,
+    blows: Vec<Blow>,
     left_out: u64,
 }
 
@@ -52,8 +57,11 @@ impl Simulated {
             .zip(inertia.iter())
             .map(|(axis, inertia)| axis.simulated.drive(*inertia))
             .collect();
-        let physics =
+        let mut physics =
             PhysicsMachine::new(&machine.model, &drives, machine.gravity, start, machine.cycle_ns)?;
+        if let Some(collision) = &machine.collision {
+            physics.insert_surroundings(&collision.surroundings)?;
+        }
         Ok(Self {
             physics,
             begun: false,
@@ -75,6 +83,36 @@ impl Simulated {
     /// The machine itself.
     pub fn physics(&self) -> &PhysicsMachine {
         &self.physics
+    }
+
+    /// Notes what was run into at `place`, having let the machine come to a stop, and says what it was.
+    fn run_into(&mut self, place: Place) -> Result<(), PhysicsError> {
+        let collisions = self.physics.take_collisions();
+        let mut blows: Vec<_> = collisions
+            .iter()
+            .map(|Collision { speed, contact: Contact { parts, force, .. }, .. }| Blow {
+                place,
+                parts: *parts,
+                speed: *speed,
+                force: *force,
+            })
+            .collect();
+        let Some(first) = blows.first().map(|blow| blow.parts) else { return Ok(()) };
+        // The drives hold where the machine is, as they do when they are told to stop at once.
+        let stop = AxisMotion::at_rest(self.physics.axis_state().position);
+        for _ in 0..STOPPING {
+            if self.physics.step(&stop).is_err() {
+                break;
+            }
+            for contact in self.physics.contacts() {
+                for blow in blows.iter_mut().filter(|blow| blow.parts == contact.parts) {
+                    blow.force = blow.force.max(contact.force);
+                }
+            }
+        }
+        let force = blows.iter().find(|blow| blow.parts == first).map_or(0.0, |blow| blow.force);
+        self.happened.blows.extend(blows);
+        Err(PhysicsError::Collision { parts: first, force })
     }
 }
 
@@ -165,6 +203,7 @@ impl Plant for Simulated {
                 switch.get_or_insert(PhysicsError::LimitSwitch { axis: event.axis, side });
             }
         }
+        self.run_into(setpoint.place)?;
         switch.map_or(Ok(()), Err)
     }
 
@@ -180,6 +219,7 @@ impl Plant for Simulated {
         let axes = self.physics.setpoint().position.len();
         PlantRecord {
             happenings: self.happened.kept.values().copied().collect(),
+            blows: self.happened.blows.clone(),
             left_out: self.happened.left_out,
             loads: (0..axes).map(|axis| self.physics.motor_load(axis)).collect(),
         }

@@ -21,7 +21,7 @@ pub use bind::{AxisJoint, BindError};
 pub use error::{Part, UrdfError, UrdfFileError};
 pub use generate::{
     DimensionError, GantryDimensions, HBelt, MachineJoint, PlaneDrive, RotaryTool, ScaraDimensions,
-    ScaraHand, TripodDimensions,
+    ScaraHand, ToolShape, TripodDimensions,
 };
 pub use loops::{JointPositions, LoopError};
 pub use mesh::{Mesh, MeshError};

@@ -4,29 +4,33 @@
 mod direction_tests;
 mod findings;
 mod options;
+mod rehearsal;
 mod sentence;
 #[cfg(test)]
 mod tests;
+mod way;
 
 use crate::compare::Comparison;
 use crate::finding::{self, Finding};
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
-use crate::machine::{DirectionRule, Machine, Scenario, SimulationError};
-use crate::physics::{MotorLoad, PhysicsError};
+use crate::machine::{DirectionRule, Machine};
+use crate::physics::MotorLoad;
 use crate::planning::Planning;
-use crate::plant::{Plant, PlantRecord};
+use crate::plant::PlantRecord;
 use crate::program::{ProgramFile, ProgramItem};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
-use crate::simulated::Simulated;
 use findings::Findings;
 pub use options::{CheckFailure, CheckOptions};
+use rehearsal::Rehearsal;
 pub(crate) use sentence::{beyond_position, unreachable};
 use twin_kinematics::{AxisSource, AxisVector, Kinematics};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
 use twin_motion::path::EXTRA_AXES;
+use way::Way;
+pub use way::{BlockClearance, Clearances};
 
 /// A value may exceed its limit by this fraction before it counts: rounding, not motion.
 const ROUNDING: f64 = 1e-9;
@@ -55,6 +59,8 @@ pub struct Outcome {
     pub start: Option<AxisVector>,
     /// What the motors of the simulated machine gave, machine-file order; none if it was not simulated.
     pub loads: Vec<MotorLoad>,
+    /// How near everything came to what is in the way; none if the machine file speaks of nothing.
+    pub clearances: Clearances,
 }
 
 /// What the simulated machine did in a run, where an axis was farther from its set-points than its machine file allows.
@@ -70,7 +76,9 @@ pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Findi
 
 /// What happened to the simulated machine in a run.
 pub fn happenings(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
-    record.happenings.iter().filter_map(|one| sentence::happened(machine, one)).collect()
+    let blows = record.blows.iter().map(|blow| sentence::ran_into(machine, blow));
+    let others = record.happenings.iter().filter_map(|one| sentence::happened(machine, one));
+    blows.chain(others).collect()
 }
 
 /// Checks a whole program. `progress` is told the bytes read so far.
@@ -90,7 +98,8 @@ pub fn check(
         Limits::Axes => WITHIN_AXES,
     };
     let mut checker = Checker::new(machine, slack);
-    let mut rehearsal = physics.then_some(Rehearsal { machine, scenario, twin: None, lost: false });
+    let mut rehearsal = physics.then(|| Rehearsal::new(machine, scenario));
+    let mut way = Way::new(machine)?;
     let rules = Acknowledgement::for_check(machine, acknowledge);
     let mut items = Planning::new(machine, program, limits, rules)?;
     let mut countdown = 0u32;
@@ -98,6 +107,9 @@ pub fn check(
         match item {
             ProgramItem::Setpoint(tool) => {
                 let Some(setpoint) = checker.setpoint(&tool) else { continue };
+                if let Some(way) = &mut way {
+                    way.look(machine, &setpoint, &mut checker.findings);
+                }
                 if let Some(rehearsal) = &mut rehearsal {
                     rehearsal.follow(&setpoint, &mut checker)?;
                 }
@@ -113,8 +125,10 @@ pub fn check(
     if items.elements() == 0 && !checker.findings.any_error() {
         checker.findings.add(None, finding::nothing_moves());
     }
-    let record = rehearsal.and_then(|rehearsal| Some(rehearsal.twin?.record()));
-    let record = record.unwrap_or_default();
+    let record = rehearsal.map(Rehearsal::into_record).unwrap_or_default();
+    for blow in &record.blows {
+        checker.findings.add(None, sentence::ran_into(machine, blow));
+    }
     for happening in &record.happenings {
         if let Some(finding) = sentence::happened(machine, happening) {
             checker.findings.add(Some(happening.axis), finding);
@@ -123,54 +137,11 @@ pub fn check(
     let mut outcome = checker.finish();
     outcome.findings_left_out += record.left_out;
     outcome.loads = record.loads;
+    outcome.clearances = way.map(Way::into_found).unwrap_or_default();
     outcome.findings_left_out += items.left_out();
     outcome.elements = items.elements();
     outcome.length = items.length();
     Ok(outcome)
-}
-
-/// The simulated machine on which a program is tried.
-#[derive(Debug)]
-struct Rehearsal<'m> {
-    machine: &'m Machine,
-    scenario: Scenario,
-    /// From the first set-point on.
-    twin: Option<Simulated>,
-    /// It has run away from its set-points.
-    lost: bool,
-}
-
-impl Rehearsal<'_> {
-    /// Takes the machine to `setpoint` and tells `checker` where it came.
-    fn follow(
-        &mut self,
-        setpoint: &AxisSetpoint,
-        checker: &mut Checker<'_>,
-    ) -> Result<(), SimulationError> {
-        if self.lost {
-            return Ok(());
-        }
-        if self.twin.is_none() {
-            let twin = Simulated::new(self.machine, &setpoint.axes.position)?;
-            self.twin = Some(twin.in_scenario(&self.scenario));
-        }
-        let Some(twin) = &mut self.twin else { return Ok(()) };
-        match twin.command(setpoint).and_then(|()| twin.feedback()) {
-            Ok(Some(feedback)) => checker.following(setpoint, &feedback.position),
-            Ok(None) => {}
-            // A machine that can be built and cannot do what is asked of it: the program is wrong, not the command.
-            Err(error) => {
-                self.lost = true;
-                // That is told with what happened.
-                if matches!(error, PhysicsError::LimitSwitch { .. }) {
-                    return Ok(());
-                }
-                let error = SimulationError::of(self.machine, error);
-                checker.findings.add(None, sentence::lost(setpoint.place, &error));
-            }
-        }
-        Ok(())
-    }
 }
 
 /// Looks at every set-point.
@@ -324,6 +295,7 @@ impl<'m> Checker<'m> {
             findings_left_out,
             start: self.start,
             loads: Vec::new(),
+            clearances: Clearances::default(),
         }
     }
 }

@@ -3,8 +3,8 @@
 use super::ROUNDING;
 use crate::finding::{Finding, Rule, Severity};
 use crate::machine::{Axis, AxisKind, Machine, SimulationError, VelocitySource};
-use crate::physics::{EventKind, Fault};
-use crate::plant::Happening;
+use crate::physics::{Clearance, EventKind, Fault};
+use crate::plant::{Blow, Happening};
 use std::collections::BTreeSet;
 use twin_kinematics::KinematicsError;
 use twin_motion::Place;
@@ -148,6 +148,47 @@ pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Findi
     };
     finding.axis = Some(name.clone());
     Some(finding)
+}
+
+/// Two parts in each other.
+pub(super) fn in_the_way(machine: &Machine, place: Place, found: &Clearance) -> Finding {
+    let [one, other] = found.parts.map(|part| machine.part_name(part));
+    let depth = -found.distance * 1e3;
+    let [x, y, z] = found.points[0].coords.into();
+    let message = format!(
+        "{one} is {depth:.3} mm deep in {other}, at X {:.3} Y {:.3} Z {:.3} mm of the machine",
+        x * 1e3,
+        y * 1e3,
+        z * 1e3
+    );
+    Finding::error(Rule::Collision, place, message).with_value(depth, 0.0, "mm")
+}
+
+/// Two parts nearer to each other than is wanted (m).
+pub(super) fn too_near(machine: &Machine, place: Place, found: &Clearance, wanted: f64) -> Finding {
+    let [one, other] = found.parts.map(|part| machine.part_name(part));
+    let (distance, wanted) = (found.distance * 1e3, wanted * 1e3);
+    let message =
+        format!("{one} comes as near as {distance:.3} mm to {other}; {wanted:.3} mm are wanted");
+    let finding = Finding::error(Rule::Collision, place, message);
+    Finding { severity: Severity::Warning, ..finding.with_value(distance, wanted, "mm") }
+}
+
+/// A blow in the simulated machine.
+pub(super) fn ran_into(machine: &Machine, blow: &Blow) -> Finding {
+    let Blow { place, parts, speed, force } = *blow;
+    let [one, other] = parts.map(|part| machine.part_name(part));
+    let message = format!(
+        "{one} ran into {other} with {:.1} mm/s in the simulated machine: {} until it stood",
+        speed * 1e3,
+        in_newtons(force)
+    );
+    Finding::error(Rule::Collision, place, message).with_value(force, 0.0, "N")
+}
+
+/// A force with as many digits as are worth something.
+fn in_newtons(force: f64) -> String {
+    if force < 1e3 { format!("{force:.0} N") } else { format!("{:.1} kN", force * 1e-3) }
 }
 
 /// The simulated machine has run away from its set-points.

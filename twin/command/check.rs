@@ -186,6 +186,9 @@ pub(super) fn summary(
     if !outcome.loads.is_empty() {
         writeln!(out, "{}", show::loads(machine, &outcome.loads))?;
     }
+    if let Some(least) = &outcome.clearances.least {
+        writeln!(out, "{}", show::clearance(machine, least))?;
+    }
     let count =
         |severity| outcome.findings.iter().filter(|finding| finding.severity == severity).count();
     let errors = count(finding::Severity::Error);

@@ -14,6 +14,7 @@ mod refusal;
 mod scenario;
 mod section;
 mod simulated;
+mod surroundings;
 #[cfg(test)]
 mod tests;
 mod tool;
@@ -30,6 +31,7 @@ pub use scenario::{FaultAt, FaultKind, FaultStart, Scenario};
 pub use simulated::{
     FeedForward, SimulatedAxis, SimulatedMotor, SimulatedServo, SimulatedTransmission,
 };
+pub use surroundings::Collision;
 
 use crate::m_function::MFunction;
 use axis::AxisEntry;
@@ -68,6 +70,8 @@ pub struct Machine {
     pub model: Model,
     /// What of a URDF that the file points to is not as it is written there.
     pub urdf_warnings: Vec<UrdfWarning>,
+    /// What may be in its way; `None`: nothing is looked for.
+    pub collision: Option<Collision>,
     /// The devices on the wires.
     pub drives: Vec<DeviceEntry>,
     /// What M functions switch.
@@ -186,10 +190,12 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
 
     let file = geometry::File { path, name: name.unwrap_or_default() };
     let geometry = geometry::read(root, file, axes.as_deref(), &mounted, payload.as_ref());
+    let collision = surroundings::read(root, path, frame.as_ref());
     root.check_unknown();
 
     let geometry = geometry?;
-    Some(Machine {
+    let collision = collision.map(|entries| entries.of(root, &geometry.model));
+    let mut machine = Machine {
         path: path.to_owned(),
         name: name?.to_owned(),
         kind: geometry.kind,
@@ -206,8 +212,13 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         conditions,
         path_limits,
         m_functions,
+        collision,
         cycle_ns: CYCLE_NS,
-    })
+    };
+    let checked = machine.leave_out_what_overlaps();
+    let said = |error| root.complain(SimulationError::of(&machine, error).to_string());
+    checked.map_err(said).ok()?;
+    Some(machine)
 }
 
 /// `[kinematics]` as it is written, without the kind.

@@ -1,7 +1,7 @@
 //! What the simulated machine refuses, in the words of the machine file.
 
 use super::Machine;
-use crate::physics::{Part, PhysicsError, Subject};
+use crate::physics::{PhysicsError, Subject};
 use std::fmt;
 
 /// A [`PhysicsError`] with the names of axes, joints and links in the place of their numbers.
@@ -22,10 +22,10 @@ impl SimulationError {
             Subject::Joint(index) => {
                 named("joint", subject, machine.model.joints.get(index).map(|joint| &joint.name))
             }
-            Subject::Link(index) | Subject::Part(Part::Link(index)) => {
+            Subject::Link(index) => {
                 named("link", subject, machine.model.links.get(index).map(|link| &link.name))
             }
-            Subject::Part(Part::Tool | Part::Obstacle(_)) => subject.to_string(),
+            Subject::Part(part) => machine.part_name(part),
         });
         Self { error, said }
     }

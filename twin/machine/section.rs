@@ -260,6 +260,39 @@ impl<'a> Section<'a> {
         pairs.into_iter().collect()
     }
 
+    /// `true` or `false`.
+    pub(super) fn flag(&self, key: &str) -> Option<bool> {
+        let value = self.value(key)?;
+        let flag = value.get_ref().as_bool();
+        if flag.is_none() {
+            self.wrong_type(key, value, "true or false");
+        }
+        flag
+    }
+
+    /// Pairs of names, each with its place in the file; none if the key is absent.
+    pub(super) fn pairs_of_names(&self, key: &str) -> Vec<([String; 2], Range<usize>)> {
+        let Some(value) = self.value(key) else { return Vec::new() };
+        let Some(array) = value.get_ref().as_array() else {
+            self.wrong_type(key, value, "an array of pairs of names");
+            return Vec::new();
+        };
+        let pair = |item: &Spanned<DeValue<'_>>| {
+            let pair = item.get_ref().as_array()?;
+            let names = pair.iter().map(|name| name.get_ref().as_str().map(str::to_owned));
+            let names: Option<Vec<_>> = names.collect();
+            Some((names?.try_into().ok()?, item.span()))
+        };
+        let mut pairs = Vec::new();
+        for item in array.iter() {
+            match pair(item) {
+                Some(pair) => pairs.push(pair),
+                None => self.wrong_type(key, item, "a pair of names"),
+            }
+        }
+        pairs
+    }
+
     fn checked_numbers<const N: usize>(
         &self,
         key: &str,

@@ -15,6 +15,7 @@ mod tripod;
 pub use error::DimensionError;
 pub use gantry::{GantryDimensions, HBelt, PlaneDrive, RotaryTool};
 pub use scara::{ScaraDimensions, ScaraHand};
+pub use tool::ToolShape;
 pub use tripod::TripodDimensions;
 
 use crate::{Joint, JointDrive, JointKind, Solid, SolidShape};

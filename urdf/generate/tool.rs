@@ -2,11 +2,14 @@
 
 use super::{check_not_negative, check_positive, cuboid, paint, placed, upright};
 use crate::inertial::turned;
-use crate::{DimensionError, Inertial, Model, Solid};
+use crate::{DimensionError, Inertial, Model, Solid, SolidShape};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 /// Height of the arm that carries a tool beside the axis, m: less than what is kept clear above the highest flange.
 const BRACKET: f64 = 0.012;
+
+/// How far the end of a tool may be from its tip, m.
+const ROUNDING: f64 = 1e-9;
 
 /// A tool in the frame of its flange.
 #[derive(Clone, Copy, Debug)]
@@ -83,6 +86,44 @@ impl Model {
         let parts: Vec<_> = link.inertial.into_iter().chain([carried]).collect();
         link.inertial = Inertial::union(&parts);
         Ok(())
+    }
+}
+
+/// What a tool looks like, and what holds it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ToolShape {
+    /// Diameter of the tool, m, if it is known.
+    pub diameter: Option<f64>,
+    /// Diameter and length (m) of what holds it, below the flange.
+    pub holder: Option<[f64; 2]>,
+}
+
+impl Model {
+    /// Gives the round tool that the model carries its diameter, and puts its holder above it, in the link where the tip is;
+    /// `link_from_flange` is the place of the flange in that link. False if it has no round tool to give a diameter to.
+    pub fn shape_tool(&mut self, link_from_flange: &Isometry3<f64>, shape: &ToolShape) -> bool {
+        let tip = self.tip.point;
+        let Some(link) = self.links.get_mut(self.tip.link) else { return false };
+        let mut shaped = shape.diameter.is_none();
+        for solid in link.solids.iter_mut().chain(&mut link.collision) {
+            let Solid { shape: SolidShape::Cylinder { radius, length }, origin, .. } = solid else {
+                continue;
+            };
+            let end = *origin * Point3::new(0.0, 0.0, -0.5 * *length);
+            if let Some(diameter) = shape.diameter.filter(|_| (end - tip).norm() <= ROUNDING) {
+                *radius = 0.5 * diameter;
+                shaped = true;
+            }
+        }
+        if let Some([diameter, length]) = shape.holder {
+            let holder = upright(0.0, 0.0, [-length, 0.0], 0.5 * diameter, paint::STEEL);
+            let holder = placed(holder, link_from_flange);
+            if !link.collision.is_empty() {
+                link.collision.push(holder.clone());
+            }
+            link.solids.push(holder);
+        }
+        shaped
     }
 }
 

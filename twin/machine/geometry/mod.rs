@@ -99,7 +99,7 @@ pub(super) fn read(
         let mut model = model(&kinematics, axes, build)?;
         // Frames of flanges are not turned in their links.
         let flange = Isometry3::from(Translation3::from(model.tip.point.coords - tool.tip));
-        mount(payload, &mut model, &flange, &body)?;
+        mount(payload, tool, &mut model, &flange, &body)?;
         let axes = axes.iter().map(|entry| entry.axis.clone()).collect();
         Built { model, axes, warnings: Vec::new() }
     } else {
@@ -112,13 +112,18 @@ pub(super) fn read(
     Some(Geometry { kind, kinematics, direction, length_scale, model, axes, warnings })
 }
 
-/// Lets `model` carry `payload` at its `flange`.
+/// Lets `model` carry `payload` at its `flange`, and gives its `tool` the shape it has.
 fn mount(
     payload: Option<&Inertial>,
+    tool: &Tool,
     model: &mut Model,
     flange: &Isometry3<f64>,
     body: &Section<'_>,
 ) -> Option<()> {
+    if !model.shape_tool(flange, &tool.shape) {
+        let message = "[tool] has a diameter_mm, and this machine has no round tool".to_owned();
+        body.complain(message);
+    }
     let Some(payload) = payload else { return Some(()) };
     let mounted = model.mount_payload(flange, payload);
     mounted.map_err(|error| body.complain(error.to_string())).ok()

@@ -163,7 +163,7 @@ impl Source {
             .mount_tool(&flange, &tool.tip, tool.mass)
             .map_err(|error| refuse(error.to_string()))
             .ok()?;
-        mount(given.payload, &mut model, &flange, body)?;
+        mount(given.payload, given.tool, &mut model, &flange, body)?;
         agree::check(&self, given, machine, &model, &flange)?;
         Some(Built { model, axes, warnings })
     }

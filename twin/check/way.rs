@@ -1,0 +1,88 @@
+//! What is in the way of the machine.
+
+use super::findings::Findings;
+use super::sentence;
+use crate::machine::{Machine, SimulationError};
+use crate::physics::{Clearance, ClearanceScan};
+use crate::setpoint::AxisSetpoint;
+use twin_motion::Place;
+
+/// Blocks that are kept: a picture of more shows no more.
+const MOST_BLOCKS: usize = 100_000;
+
+/// How deep parts may be in each other without that being told, m: what stands on something touches it.
+const TOUCHING: f64 = 1e-6;
+
+/// What came nearest to what in one block.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlockClearance {
+    /// The block.
+    pub place: Place,
+    /// When, ns since the start of the program.
+    pub time_ns: i64,
+    /// What, and how near.
+    pub nearest: Clearance,
+}
+
+/// How near everything came.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Clearances {
+    /// The least, block by block, in the order in which they were run through; the first hundred thousand.
+    pub blocks: Vec<BlockClearance>,
+    /// The least of all.
+    pub least: Option<BlockClearance>,
+}
+
+/// Looks at every set-point.
+#[derive(Debug)]
+pub(super) struct Way {
+    scan: ClearanceScan,
+    /// Nearer than this is told, m.
+    wanted: f64,
+    found: Clearances,
+}
+
+impl Way {
+    /// `None` if nothing is looked for.
+    pub(super) fn new(machine: &Machine) -> Result<Option<Self>, SimulationError> {
+        let scan = machine.clearance_scan();
+        let scan = scan.map_err(|error| SimulationError::of(machine, error))?;
+        let wanted = machine.collision.as_ref().map_or(0.0, |collision| collision.clearance);
+        Ok(scan.map(|scan| Self { scan, wanted, found: Clearances::default() }))
+    }
+
+    pub(super) fn look(
+        &mut self,
+        machine: &Machine,
+        setpoint: &AxisSetpoint,
+        findings: &mut Findings,
+    ) {
+        // Where no links can be there is another finding.
+        let Ok(Some(nearest)) = self.scan.nearest(&setpoint.axes.position) else { return };
+        let AxisSetpoint { place, time_ns, .. } = *setpoint;
+        let now = BlockClearance { place, time_ns, nearest };
+        let is_nearer = |than: &BlockClearance| nearest.distance < than.nearest.distance;
+        if self.found.least.as_ref().is_none_or(is_nearer) {
+            self.found.least = Some(now);
+        }
+        let room = self.found.blocks.len() < MOST_BLOCKS;
+        match self.found.blocks.last_mut() {
+            Some(block) if block.place == place => {
+                if is_nearer(block) {
+                    *block = now;
+                }
+            }
+            _ if room => self.found.blocks.push(now),
+            _ => {}
+        }
+        if nearest.distance < -TOUCHING {
+            findings.add(None, sentence::in_the_way(machine, place, &nearest));
+        } else if nearest.distance < self.wanted {
+            findings.add(None, sentence::too_near(machine, place, &nearest, self.wanted));
+        }
+    }
+
+    pub(super) fn into_found(self) -> Clearances {
+        self.found
+    }
+}

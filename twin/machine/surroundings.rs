@@ -1,0 +1,219 @@
+//! `[[obstacles]]` and `[collision]`: what is around the machine, and what may touch what.
+
+use super::Machine;
+use super::section::Section;
+use crate::physics::{ClearanceScan, Obstacle, ObstacleKind, Part, PhysicsError, Surroundings};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use std::ops::RangeInclusive;
+use std::path::Path;
+use std::sync::Arc;
+use twin_kinematics::WorkFrame;
+use twin_urdf::{Mesh, Model, Solid, SolidShape};
+
+/// mm; of bodies.
+const SIZE_MM: RangeInclusive<f64> = 1e-3..=100_000.0;
+/// mm; of places.
+const PLACE_MM: RangeInclusive<f64> = -1e5..=1e5;
+/// What a factor of a mesh's coordinates may be.
+const SCALE: RangeInclusive<f64> = 1e-6..=1e6;
+
+/// What is looked for in the way of a machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Collision {
+    /// What is around the machine, and which of all that may touch.
+    pub surroundings: Surroundings,
+    /// Nearer than this is worth a warning, m.
+    pub clearance: f64,
+}
+
+/// What the sections say, before it is known what the machine looks like.
+#[derive(Debug)]
+pub(super) struct Entries {
+    obstacles: Vec<Obstacle>,
+    among_links: bool,
+    /// By name, and where in the file.
+    left_out: Vec<([String; 2], std::ops::Range<usize>)>,
+    stiffness: f64,
+    clearance: f64,
+}
+
+/// Reads the sections; `None` if the file speaks of nothing that could be touched, or there is something wrong with what it says.
+pub(super) fn read(root: &Section<'_>, file: &Path, frame: Option<&WorkFrame>) -> Option<Entries> {
+    let given = root.has("obstacles") || root.has("collision");
+    let sections = root.sections("obstacles");
+    let obstacles: Vec<_> = sections.iter().map(|section| obstacle(section, file, frame)).collect();
+    for (section, one) in sections.iter().zip(&obstacles) {
+        let name = one.as_ref().map(|one| one.name.as_str());
+        let earlier = obstacles.iter().take_while(|other| !std::ptr::eq(*other, one)).flatten();
+        if name.is_some() && earlier.map(|other| Some(other.name.as_str())).any(|it| it == name) {
+            section.complain_at("name", "there is an obstacle of this name already".to_owned());
+        }
+    }
+    sections.into_iter().for_each(Section::finish);
+    let collision = root.section("collision");
+    let among_links = collision.flag("self_collision").unwrap_or(true);
+    let left_out = collision.pairs_of_names("leave_out");
+    let stiffness = collision.number("stiffness_n_per_mm", 1.0..=1e7).map(|value| value * 1e3);
+    let clearance = collision.number("clearance_mm", 0.0..=1000.0).unwrap_or_default() * 1e-3;
+    collision.finish();
+    given.then_some(())?;
+    Some(Entries {
+        obstacles: obstacles.into_iter().collect::<Option<_>>()?,
+        among_links,
+        left_out,
+        stiffness: stiffness.unwrap_or(Surroundings::STIFFNESS),
+        clearance,
+    })
+}
+
+/// One of `[[obstacles]]`.
+fn obstacle(section: &Section<'_>, file: &Path, frame: Option<&WorkFrame>) -> Option<Obstacle> {
+    let name = section.required_text("name");
+    let kinds = [
+        ("fixture", ObstacleKind::Fixture),
+        ("table", ObstacleKind::Fixture),
+        ("stock", ObstacleKind::Stock),
+    ];
+    let kind = section.choice("kind", &kinds).unwrap_or_default();
+    let in_work = section.choice("frame", &[("machine", false), ("work", true)]).unwrap_or(false);
+    let place = section.numbers::<3>("position_mm", PLACE_MM).unwrap_or_default();
+    let rotation = section.numbers::<3>("rotation_deg", -360.0..=360.0).unwrap_or_default();
+    let shape = shape(section, file);
+    let [roll, pitch, yaw] = rotation.map(f64::to_radians);
+    let mut origin = Isometry3::from_parts(
+        Translation3::from(Vector3::from(place) * 1e-3),
+        UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+    );
+    if in_work {
+        origin = frame?.machine_from_work() * origin;
+    }
+    let color = match kind {
+        ObstacleKind::Fixture => [0.55, 0.42, 0.36, 1.0],
+        ObstacleKind::Stock => [0.72, 0.66, 0.50, 0.6],
+    };
+    let solid = Solid { shape: shape?, origin, color };
+    Some(Obstacle { name: name?.to_owned(), kind, solids: vec![solid] })
+}
+
+#[derive(Clone, Copy)]
+enum Shape {
+    Box,
+    Cylinder,
+    Sphere,
+    Capsule,
+    Mesh,
+}
+
+fn shape(section: &Section<'_>, file: &Path) -> Option<SolidShape> {
+    let shapes = [
+        ("box", Shape::Box),
+        ("cylinder", Shape::Cylinder),
+        ("sphere", Shape::Sphere),
+        ("capsule", Shape::Capsule),
+        ("mesh", Shape::Mesh),
+    ];
+    let length = |key: &str| section.required_number(key, SIZE_MM).map(|value| value * 1e-3);
+    Some(match section.required_choice("shape", &shapes)? {
+        Shape::Box => {
+            let size = section.required_numbers::<3>("size_mm", SIZE_MM)?;
+            SolidShape::Box { size: Vector3::from(size) * 1e-3 }
+        }
+        Shape::Cylinder => {
+            let (radius, length) = (length("radius_mm"), length("length_mm"));
+            SolidShape::Cylinder { radius: radius?, length: length? }
+        }
+        Shape::Sphere => SolidShape::Sphere { radius: length("radius_mm")? },
+        Shape::Capsule => {
+            let (radius, length) = (length("radius_mm"), length("length_mm"));
+            SolidShape::Capsule { radius: radius?, length: length? }
+        }
+        Shape::Mesh => {
+            let name = section.required_text("file");
+            let scale = section.number("scale", SCALE).unwrap_or(1.0);
+            let name = name?;
+            let path = file.parent().unwrap_or_else(|| Path::new("")).join(name);
+            let mesh = Mesh::load(&path, name);
+            let mesh = mesh.map_err(|error| {
+                section.complain_at("file", format!("{}: {error}", path.display()));
+            });
+            // What drawings are in, as everything else here.
+            SolidShape::Mesh { mesh: Arc::new(mesh.ok()?), scale: Vector3::repeat(scale * 1e-3) }
+        }
+    })
+}
+
+impl Entries {
+    /// The same for the machine `model`, with what may be in each other because it is so where the machine is at rest.
+    pub(super) fn of(self, root: &Section<'_>, model: &Model) -> Collision {
+        let mut left_out = Vec::new();
+        for (names, span) in self.left_out {
+            let part = |name: &String| {
+                let link = model.links.iter().position(|link| link.name == *name);
+                let obstacle = self.obstacles.iter().position(|one| one.name == *name);
+                let tool = (name == "tool").then_some(Part::Tool);
+                tool.or(link.map(Part::Link)).or(obstacle.map(Part::Obstacle))
+            };
+            let [one, other] = names.each_ref().map(part);
+            if let Some(pair) = one.zip(other) {
+                left_out.push(pair.into());
+                continue;
+            }
+            let links = model.links.iter().map(|link| link.name.as_str());
+            let obstacles = self.obstacles.iter().map(|one| one.name.as_str());
+            let known: Vec<_> = ["tool"].into_iter().chain(links).chain(obstacles).collect();
+            for (name, _) in names.iter().zip([one, other]).filter(|(_, part)| part.is_none()) {
+                let message = format!(
+                    "`leave_out` names \"{name}\", which is neither a link nor an obstacle; there are {}",
+                    known.join(", ")
+                );
+                root.complain_over(&span, message);
+            }
+        }
+        let surroundings = Surroundings {
+            obstacles: self.obstacles,
+            among_links: self.among_links,
+            left_out,
+            stiffness: self.stiffness,
+        };
+        Collision { surroundings, clearance: self.clearance }
+    }
+}
+
+impl Machine {
+    /// Something that measures how far the machine is from everything in its way; `None` if its file says nothing of that.
+    ///
+    /// # Errors
+    /// [`PhysicsError`].
+    pub fn clearance_scan(&self) -> Result<Option<ClearanceScan>, PhysicsError> {
+        let Some(collision) = &self.collision else { return Ok(None) };
+        let scan = ClearanceScan::new(&self.model, self.axes.len(), &collision.surroundings)?;
+        Ok(Some(scan).filter(|scan| !scan.is_empty()))
+    }
+
+    /// Lets links be in each other that are so with every axis in the middle of its travel: solids are drawn with less care
+    /// than joints.
+    pub(super) fn leave_out_what_overlaps(&mut self) -> Result<(), PhysicsError> {
+        let Some(mut scan) = self.clearance_scan()? else { return Ok(()) };
+        // Where a tripod cannot be nothing overlaps.
+        let overlapping = scan.overlapping(&self.middle()).unwrap_or_default();
+        let Some(collision) = &mut self.collision else { return Ok(()) };
+        let among = overlapping
+            .into_iter()
+            .filter(|pair| !pair.iter().any(|part| matches!(part, Part::Obstacle(_))));
+        collision.surroundings.left_out.extend(among);
+        Ok(())
+    }
+
+    /// What `part` is called.
+    pub fn part_name(&self, part: Part) -> String {
+        let name = match (&self.collision, part) {
+            (_, Part::Tool) => "the tool",
+            (_, Part::Link(index)) => {
+                self.model.links.get(index).map_or("a link", |link| &link.name)
+            }
+            (Some(collision), part) => part.name(&self.model, &collision.surroundings),
+            (None, Part::Obstacle(_)) => "an obstacle",
+        };
+        name.to_owned()
+    }
+}
