@@ -1,7 +1,7 @@
 //! What the simulated machine refuses, in the words of the machine file.
 
 use super::Machine;
-use crate::physics::{Part, PhysicsError};
+use crate::physics::{Part, PhysicsError, Subject};
 use std::fmt;
 
 /// A [`PhysicsError`] with the names of axes, joints and links in the place of their numbers.
@@ -15,23 +15,24 @@ pub struct SimulationError {
 impl SimulationError {
     /// `error` as it is said of `machine`. What has no name keeps its number.
     pub fn of(machine: &Machine, error: PhysicsError) -> Self {
-        let said = error.said(|part| match part {
-            Part::Axis(index) => {
-                named("axis", part, machine.axes.get(index).map(|axis| &axis.name))
+        let said = error.said(|subject| match subject {
+            Subject::Axis(index) => {
+                named("axis", subject, machine.axes.get(index).map(|axis| &axis.name))
             }
-            Part::Joint(index) => {
-                named("joint", part, machine.model.joints.get(index).map(|joint| &joint.name))
+            Subject::Joint(index) => {
+                named("joint", subject, machine.model.joints.get(index).map(|joint| &joint.name))
             }
-            Part::Link(index) => {
-                named("link", part, machine.model.links.get(index).map(|link| &link.name))
+            Subject::Link(index) | Subject::Part(Part::Link(index)) => {
+                named("link", subject, machine.model.links.get(index).map(|link| &link.name))
             }
+            Subject::Part(Part::Tool | Part::Obstacle(_)) => subject.to_string(),
         });
         Self { error, said }
     }
 }
 
-fn named(what: &str, part: Part, name: Option<&String>) -> String {
-    name.map_or_else(|| part.to_string(), |name| format!("{what} {name}"))
+fn named(what: &str, subject: Subject, name: Option<&String>) -> String {
+    name.map_or_else(|| subject.to_string(), |name| format!("{what} {name}"))
 }
 
 impl fmt::Display for SimulationError {

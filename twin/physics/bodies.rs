@@ -72,15 +72,6 @@ pub(super) struct Tree {
     pub(super) followers: usize,
 }
 
-/// How joints move with axes, both ways. Joints that are not there move with axes that are not there.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Coupling {
-    /// Positions of the joints from those of the axes.
-    pub(super) to_joints: JointMatrix,
-    /// And back.
-    pub(super) to_axes: JointMatrix,
-}
-
 impl Tree {
     /// The links of `model`, which are a tree, moved by the axes `0..axis_count`.
     ///
@@ -175,28 +166,24 @@ impl Tree {
         Ok(Self { bodies, coupling: coupled.then_some(coupling), followers })
     }
 
-    /// How its joints move with the axes `0..axis_count`, if not each with one of its own.
+    /// That the axes `0..axis_count` tell where every joint is, and the joints where every axis is, unless joints mimic others.
     ///
     /// # Errors
-    /// [`PhysicsError::CoupledJoint`] if the axes do not tell where every joint is, or the joints where every axis is.
-    pub(super) fn coupling(
-        &self,
-        axis_count: usize,
-    ) -> Result<Option<Box<Coupling>>, PhysicsError> {
-        let Some(mut to_joints) = self.coupling else { return Ok(None) };
+    /// [`PhysicsError::CoupledJoint`].
+    pub(super) fn check_coupling(&self, axis_count: usize) -> Result<(), PhysicsError> {
+        let Some(mut to_joints) = self.coupling.filter(|_| self.followers == 0) else {
+            return Ok(());
+        };
         let moving = self.bodies.iter().position(|body| body.motion.joint().is_some());
         let uneven = PhysicsError::CoupledJoint { joint: moving.unwrap_or_default() };
         let joints = self.bodies.iter().filter(|body| body.motion.joint().is_some()).count();
-        if joints != axis_count {
-            return Err(uneven);
-        }
         for beyond in axis_count..MAX_AXES {
             if let Some(entry) = to_joints.get_mut((beyond, beyond)) {
                 *entry = 1.0;
             }
         }
-        let to_axes = to_joints.try_inverse().ok_or(uneven)?;
-        Ok(Some(Box::new(Coupling { to_joints, to_axes })))
+        let is_even = joints == axis_count && to_joints.try_inverse().is_some();
+        is_even.then_some(()).ok_or(uneven)
     }
 
     /// Whether anything moves with `axis`.

@@ -56,6 +56,7 @@ impl Dynamics {
             return Err(PhysicsError::Input { time_ns: 0 });
         }
         let tree = Tree::new(model, axis_count)?;
+        tree.check_coupling(axis_count)?;
         if let Some(axis) = (0..axis_count).find(|axis| !tree.moves_with(*axis)) {
             return Err(PhysicsError::AxisWithoutJoint { axis });
         }
@@ -92,6 +93,7 @@ impl Dynamics {
     }
 
     /// The links.
+    #[cfg(test)]
     pub(super) fn tree(&self) -> &Tree {
         &self.tree
     }

@@ -1,26 +1,31 @@
 //! What the physics machine refuses, and why.
 
 use super::event::Side;
+use super::surroundings::Part;
 use std::fmt;
 use twin_kinematics::MAX_AXES;
 
 /// What an error speaks of, counted from 0: axes in machine-file order, joints and links in that of the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum Subject {
     /// An axis.
     Axis(usize),
     /// Index into [`twin_urdf::Model::joints`].
     Joint(usize),
     /// Index into [`twin_urdf::Model::links`].
     Link(usize),
+    /// Something that touches something.
+    Part(Part),
 }
 
-impl fmt::Display for Part {
+impl fmt::Display for Subject {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Axis(axis) => write!(f, "axis {axis}"),
             Self::Joint(joint) => write!(f, "joint {joint}"),
-            Self::Link(link) => write!(f, "link {link}"),
+            Self::Link(link) | Self::Part(Part::Link(link)) => write!(f, "link {link}"),
+            Self::Part(Part::Tool) => f.write_str("the tool"),
+            Self::Part(Part::Obstacle(obstacle)) => write!(f, "obstacle {obstacle}"),
         }
     }
 }
@@ -131,6 +136,27 @@ pub enum PhysicsError {
         /// Which switch.
         side: Side,
     },
+    /// A mesh without volume, which can touch nothing.
+    FlatMesh {
+        /// What it belongs to.
+        part: Part,
+        /// Its place among the solids of that.
+        solid: usize,
+    },
+    /// The machine is in something where it starts.
+    Overlap {
+        /// What is in what.
+        parts: [Part; 2],
+        /// m.
+        depth: f64,
+    },
+    /// Parts of the machine touched each other, or something around it.
+    Collision {
+        /// What touched what.
+        parts: [Part; 2],
+        /// N.
+        force: f64,
+    },
     /// The motion became infinite: the drive parameters make the loop unstable.
     Diverged {
         /// Start of the cycle, ns.
@@ -140,10 +166,11 @@ pub enum PhysicsError {
 
 impl PhysicsError {
     /// What is wrong, with `name` for the axes, joints and links that it speaks of.
-    pub fn said(&self, name: impl Fn(Part) -> String) -> String {
-        let axis = |axis| name(Part::Axis(axis));
-        let joint = |joint| name(Part::Joint(joint));
-        let link = |link| name(Part::Link(link));
+    pub fn said(&self, name: impl Fn(Subject) -> String) -> String {
+        let axis = |axis| name(Subject::Axis(axis));
+        let joint = |joint| name(Subject::Joint(joint));
+        let link = |link| name(Subject::Link(link));
+        let part = |part| name(Subject::Part(part));
         match *self {
             Self::AxisCount { given, expected } => {
                 format!("{given} axis values given, the machine has {expected} axes")
@@ -203,6 +230,18 @@ impl PhysicsError {
             Self::LimitSwitch { axis: number, side } => {
                 format!("{} ran on its {side} limit switch", axis(number))
             }
+            Self::FlatMesh { part: owner, solid } => {
+                format!("solid {} of {} is a mesh without volume", solid + 1, part(owner))
+            }
+            Self::Overlap { parts: [one, other], depth } => format!(
+                "{} is {:.3} mm deep in {} where the machine starts",
+                part(one),
+                depth * 1e3,
+                part(other)
+            ),
+            Self::Collision { parts: [one, other], force } => {
+                format!("{} ran into {} with {force:.0} N", part(one), part(other))
+            }
             Self::Diverged { time_ns } => {
                 format!("the motion of the machine diverged at {time_ns} ns")
             }
@@ -239,6 +278,9 @@ impl PhysicsError {
             | Self::CycleTime { .. }
             | Self::Input { .. }
             | Self::LimitSwitch { .. }
+            | Self::FlatMesh { .. }
+            | Self::Overlap { .. }
+            | Self::Collision { .. }
             | Self::Diverged { .. } => self,
         }
     }

@@ -13,6 +13,7 @@ use super::error::PhysicsError;
 use super::event::PhysicsEvent;
 use super::integrate::{Elastic, JointState, MachineState, Train};
 use super::load::{LoadSums, MotorLoad, MotorState};
+use super::touch::Touch;
 use super::world::RapierWorld;
 use super::{axis_vector, checked, joint_vector};
 
@@ -45,6 +46,7 @@ pub struct PhysicsMachine {
     pub(super) homed: JointVector,
     pub(super) loads: [LoadSums; MAX_AXES],
     pub(super) events: Vec<PhysicsEvent>,
+    pub(super) touch: Touch,
     /// At the end of the last cycle.
     pub(super) setpoint: AxisMotion,
     pub(super) state: AxisState,
@@ -137,7 +139,7 @@ impl PhysicsMachine {
             power: axis_vector(&zero, drives.len()),
             saturated: [false; MAX_AXES],
         };
-        let world = RapierWorld::new(model, &equation, gravity, &armature, &position, (cycle, 1))?;
+        let world = RapierWorld::new(model, &equation, &position)?;
         let steps = steps_per_cycle(drives, &inertia, cycle);
         Ok(Self {
             trains,
@@ -151,6 +153,7 @@ impl PhysicsMachine {
             homed,
             loads: [LoadSums::default(); MAX_AXES],
             events: Vec::new(),
+            touch: Touch::default(),
             setpoint: AxisMotion::at_rest(*initial),
             state,
             cycle_ns,
@@ -170,12 +173,6 @@ impl PhysicsMachine {
         }
         self.steps *= factor;
         self
-    }
-
-    /// Gives the links of a machine at rest their solids as what they touch with, beside the ground, a slab whose top is at z =
-    /// `ground` (m, machine frame).
-    pub fn insert_solids(&mut self, ground: f64) {
-        self.world.insert_solids(ground);
     }
 
     /// The same with noise from another seed; it is 0 otherwise.

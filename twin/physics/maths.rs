@@ -3,12 +3,21 @@
 //! Every conversion copies components; nothing is normalised or rounded, so a value that goes there and back is the
 //! same to the bit.
 
-use nalgebra::{Isometry3, Matrix3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use rapier3d_f64::math::{Matrix, Pose, Rotation, Vector};
+#[cfg(test)]
+use nalgebra::Matrix3;
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+#[cfg(test)]
+use rapier3d_f64::math::Matrix;
+use rapier3d_f64::math::{Pose, Rotation, Vector};
 
 /// A direction, velocity or force.
 pub(super) fn vector_to_rapier(vector: &Vector3<f64>) -> Vector {
     Vector::new(vector.x, vector.y, vector.z)
+}
+
+/// And back.
+pub(super) fn vector_from_rapier(vector: Vector) -> Vector3<f64> {
+    Vector3::new(vector.x, vector.y, vector.z)
 }
 
 /// A place; rapier has one type for places and directions.
@@ -27,6 +36,7 @@ pub(super) fn pose_to_rapier(pose: &Isometry3<f64>) -> Pose {
 }
 
 /// An inertia tensor (both sides store columns).
+#[cfg(test)]
 pub(super) fn matrix_to_rapier(matrix: &Matrix3<f64>) -> Matrix {
     Matrix::from_cols(
         vector_to_rapier(&matrix.column(0).into_owned()),
@@ -43,6 +53,15 @@ pub(super) fn pose_from_rapier(pose: &Pose) -> Isometry3<f64> {
         Translation3::new(pose.translation.x, pose.translation.y, pose.translation.z),
         UnitQuaternion::new_unchecked(rotation),
     )
+}
+
+/// How far a point of a body goes at most that is within `radius` (m) of its origin, m.
+pub(super) fn way(from: &Isometry3<f64>, to: &Isometry3<f64>, radius: f64) -> f64 {
+    let shift = to.translation.vector - from.translation.vector;
+    // The chord of a turn, and less rounding near none than of an angle.
+    let turn = (to.rotation.coords - from.rotation.coords).norm();
+    let turn = turn.min((to.rotation.coords + from.rotation.coords).norm());
+    shift.norm() + std::f64::consts::PI * turn * radius
 }
 
 #[cfg(test)]

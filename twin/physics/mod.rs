@@ -6,26 +6,25 @@
 //!                             └──────────────── position, velocity ────────────────────┘
 //! ```
 //!
-//! Axes are integrated in joint space, where a micrometre is no matter of solver iterations; rapier owns the bodies and
-//! whatever they may touch. Both agree by construction. One cycle of length T (1 ms):
+//! Axes are integrated in joint space, where a micrometre is no matter of solver iterations; rapier owns the bodies and finds
+//! what they touch; what contact does is solved in joint space again, the same for chains and for links that go round in circles.
+//! One cycle of length T (1 ms):
 //!
-//! 1. In short steps (`stepping`) the drives (`drive`) run their loops when they are due, and the equation of motion
-//!    (`dynamics`, `integrate`) takes the joints, and rotors behind springs (`transmission`), from q, v to q₁, v₁.
-//! 2. If nothing is near to anything that it may touch, rapier's bodies are put where q₁ is, and rapier looks what is near there: q₁
-//!    and v₁ are the new q and v. Otherwise
-//! 3. rapier's multibody gets the velocity v* = (q₁ − q)/T, which takes it exactly there,
-//! 4. and the bias efforts b(q, v*), so that nothing but contact can change that velocity.
-//! 5. One step of rapier.
-//! 6. Its joint positions are the new q, and v = v₁ + (its velocity − v*): what contact did comes back.
-//!
-//! Links that go round in circles, as those of a tripod, have an equation of motion of their own (`tripod`); their bodies are put
-//! where they are.
+//! 1. rapier has looked what is near to what, as far as the machine may come in a cycle (`world`).
+//! 2. In short steps (`stepping`) the drives (`drive`) run their loops when they are due, and the equation of motion
+//!    (`dynamics`, `tripod`, `integrate`) takes the joints, and rotors behind springs (`transmission`), from q, v to q₁, v₁. What
+//!    pushed in the step before pushes on.
+//! 3. If something would be in something else at q₁, forces are found that keep it out, and where they leave the machine
+//!    (`touch`, `contact`).
+//! 4. rapier's bodies are put where the machine is after the last step.
 //!
 //! [`PhysicsMachine::link_poses`] reads the bodies.
 //! Two runs with the same inputs give the same bits.
 
 mod along_path;
 mod bodies;
+mod clearance;
+mod contact;
 mod drive;
 mod dynamics;
 mod equation;
@@ -42,8 +41,8 @@ mod load;
 mod machine;
 mod maths;
 mod mechanism;
-mod multibody;
 mod noise;
+mod pairs;
 mod passive;
 mod posed;
 mod setpoint;
@@ -52,6 +51,8 @@ mod snapshot;
 mod solids;
 mod spatial;
 mod stepping;
+mod surroundings;
+mod touch;
 mod transmission;
 mod tripod;
 mod world;
@@ -64,12 +65,13 @@ use twin_kinematics::AxisVector;
 use twin_urdf::Model;
 
 pub use along_path::{AxisEffort, AxisLoad, EffortRow, PathDynamics, TorqueAlongPath};
+pub use clearance::{Clearance, ClearanceScan};
 pub use drive::{
     AxisDriveParameters, BrakeParameters, EffortCurve, EffortFeedForward, EncoderParameters,
     EncoderSide, MAX_DELAY, Motor, OverloadParameters, ServoParameters, StepperParameters,
     SwitchParameters, SwitchStates,
 };
-pub use error::{Part, PhysicsError};
+pub use error::{PhysicsError, Subject};
 pub use event::{EventKind, PhysicsEvent, Side};
 pub use fault::Fault;
 pub use friction::FrictionParameters;
@@ -77,6 +79,8 @@ pub use load::{MotorLoad, MotorState};
 pub use machine::{AxisState, PhysicsMachine};
 pub use noise::NoiseParameters;
 pub use snapshot::Snapshot;
+pub use surroundings::{Obstacle, ObstacleKind, Part, Surroundings};
+pub use touch::{Collision, Contact};
 pub use transmission::ElasticTransmission;
 
 use dynamics::JointVector;

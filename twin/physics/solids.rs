@@ -1,90 +1,165 @@
-//! The solids of links as rapier's colliders: what they have no part in is the mass, which the model says.
+//! Solids as rapier's shapes. Meshes become convex parts: contact with triangles costs a hundred times as much, and has no inside.
 
-use rapier3d_f64::dynamics::RigidBodyHandle;
-use rapier3d_f64::geometry::{
-    ActiveCollisionTypes, ColliderBuilder, Group, InteractionGroups, InteractionTestMode,
-};
-use rapier3d_f64::pipeline::PhysicsWorld;
 use std::f64::consts::FRAC_PI_2;
 
-use nalgebra::{UnitQuaternion, Vector3};
-use twin_urdf::{Model, Solid, SolidShape};
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use rapier3d_f64::geometry::SharedShape;
+use rapier3d_f64::math::{Pose, Vector};
+use rapier3d_f64::parry::transformation::try_convex_hull;
+use rapier3d_f64::parry::transformation::vhacd::{VHACD, VHACDParameters};
+use rapier3d_f64::parry::transformation::voxelization::FillMode;
+use twin_urdf::{Link, Mesh, Model, Solid, SolidShape};
 
+use super::error::PhysicsError;
 use super::maths;
+use super::surroundings::{Part, Surroundings};
 
-/// What is around the machine.
-const SURROUNDINGS: Group = Group::GROUP_1;
-/// Links of the machine.
-const MACHINE: Group = Group::GROUP_2;
+/// How far a corner of a mesh may be outside of one of its faces for it to be convex, in parts of its size.
+const CONVEX: f64 = 1e-6;
 
-/// Half the edges of the slab that the ground is, m. A half-space would be near to everything, and looked at every cycle.
-const GROUND: Vector3<f64> = Vector3::new(5.0, 5.0, 0.5);
+/// How far the tool tip may be from the surface of the solid that is the tool, m.
+const AT_TIP: f64 = 1e-6;
 
-/// Which of the links are looked at against each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Among {
-    /// All that no joint joins.
-    Links,
-    /// None: links are only held against what is around the machine.
-    Nothing,
+/// How meshes are taken apart: into parts that go beyond their mesh by about a hundredth of its size at most, cutting anywhere.
+const FINE: VHACDParameters = VHACDParameters {
+    concavity: 1e-3,
+    alpha: 0.05,
+    beta: 0.05,
+    resolution: 100,
+    plane_downsampling: 1,
+    convex_hull_downsampling: 1,
+    fill_mode: FillMode::FloodFill { detect_cavities: false },
+    convex_hull_approximation: true,
+    max_convex_hulls: 256,
+};
+
+/// A shape where it is in the frame of what it belongs to.
+#[derive(Clone)]
+pub(super) struct Placed {
+    pub(super) shape: SharedShape,
+    pub(super) pose: Isometry3<f64>,
 }
 
-/// Gives `links`, the bodies of the links of `model`, their solids, and puts the ground under them: a slab whose top is at z = `ground`
-/// (m, machine frame).
-pub(super) fn insert(
-    world: &mut PhysicsWorld,
-    model: &Model,
-    links: &[Option<RigidBodyHandle>],
-    among: Among,
-    ground: f64,
-) {
-    let filter = match among {
-        Among::Links => SURROUNDINGS | MACHINE,
-        Among::Nothing => SURROUNDINGS,
-    };
-    let groups = InteractionGroups::new(MACHINE, filter, InteractionTestMode::And);
-    // Bodies that are put where they are do not look for fixed ones by themselves.
-    let types = ActiveCollisionTypes::default() | ActiveCollisionTypes::KINEMATIC_FIXED;
-    for (link, body) in model.links.iter().zip(links) {
-        for solid in link.collision_solids() {
-            let collider = collider(solid).collision_groups(groups).active_collision_types(types);
-            world.insert_collider(collider, *body);
-        }
+impl Placed {
+    /// How far any of it is from the origin at most, m.
+    pub(super) fn reach(&self) -> f64 {
+        let sphere = self.shape.compute_local_bounding_sphere();
+        let middle = maths::pose_to_rapier(&self.pose) * sphere.center;
+        middle.length() + sphere.radius
     }
-    let groups = InteractionGroups::new(SURROUNDINGS, MACHINE, InteractionTestMode::And);
-    let middle = maths::vector_to_rapier(&Vector3::new(0.0, 0.0, ground - GROUND.z));
-    let slab = ColliderBuilder::cuboid(GROUND.x, GROUND.y, GROUND.z).translation(middle);
-    world.insert_collider(slab.collision_groups(groups), None);
 }
 
-/// Without mass, in the frame of its link.
-fn collider(solid: &Solid) -> ColliderBuilder {
+impl std::fmt::Debug for Placed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Placed").field("pose", &self.pose).finish_non_exhaustive()
+    }
+}
+
+/// `solid` as something that can touch; `None` for a mesh without volume.
+pub(super) fn placed(solid: &Solid) -> Option<Placed> {
     let mut pose = solid.origin;
     let about_y = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2);
     let shape = match &solid.shape {
         SolidShape::Box { size } => {
             let half = size * 0.5;
-            ColliderBuilder::cuboid(half.x, half.y, half.z)
+            SharedShape::cuboid(half.x, half.y, half.z)
         }
         SolidShape::Cylinder { radius, length } => {
             // rapier's are about y.
             pose *= about_y;
-            ColliderBuilder::cylinder(0.5 * length, *radius)
+            SharedShape::cylinder(0.5 * length, *radius)
         }
         SolidShape::Capsule { radius, length } => {
             pose *= about_y;
-            ColliderBuilder::capsule_y(0.5 * length, *radius)
+            SharedShape::capsule_y(0.5 * length, *radius)
         }
-        SolidShape::Sphere { radius } => ColliderBuilder::ball(*radius),
-        // In convex parts: contact with triangles costs a hundred times as much.
-        SolidShape::Mesh { mesh, scale } => {
-            let vertices: Vec<_> = mesh
-                .vertices()
+        SolidShape::Sphere { radius } => SharedShape::ball(*radius),
+        SolidShape::Mesh { mesh, scale } => convex_parts(mesh, scale)?,
+    };
+    Some(Placed { shape, pose })
+}
+
+/// Which of the collision solids of the last link of `model` is the tool: the one the tip lies on.
+pub(super) fn tool(model: &Model) -> Option<usize> {
+    let tip = maths::point_to_rapier(&model.tip.point);
+    let solids = model.links.get(model.tip.link)?.collision_solids();
+    solids.iter().position(|solid| {
+        placed(solid).is_some_and(|Placed { shape, pose }| {
+            let nearest = shape.project_point(&maths::pose_to_rapier(&pose), tip, false);
+            (nearest.point - tip).length() <= AT_TIP
+        })
+    })
+}
+
+/// The mesh as one convex body, if it is one; as several otherwise.
+fn convex_parts(mesh: &Mesh, scale: &Vector3<f64>) -> Option<SharedShape> {
+    let vertices: Vec<Vector> = mesh
+        .vertices()
+        .iter()
+        .map(|vertex| maths::vector_to_rapier(&vertex.coords.component_mul(scale)))
+        .collect();
+    let whole = || hull(&vertices);
+    if is_convex(mesh, scale) {
+        return whole();
+    }
+    let [low, high] = mesh.bounds(scale);
+    if (high - low).min() <= CONVEX * (high - low).max() {
+        return whole();
+    }
+    let decomposition = VHACD::decompose(&FINE, &vertices, mesh.triangles(), true);
+    let parts = decomposition.compute_primitive_intersections(&vertices, mesh.triangles());
+    let parts: Vec<_> =
+        parts.iter().filter_map(|part| Some((Pose::IDENTITY, hull(part)?))).collect();
+    match parts.as_slice() {
+        [] => whole(),
+        [(_, only)] => Some(only.clone()),
+        _ => Some(SharedShape::compound(parts)),
+    }
+}
+
+/// `None` if the points have no volume.
+fn hull(points: &[Vector]) -> Option<SharedShape> {
+    let (vertices, faces) = try_convex_hull(points).ok()?;
+    let shape = SharedShape::convex_mesh(vertices, &faces)?;
+    let size = shape.compute_local_bounding_sphere().radius;
+    (shape.mass_properties(1.0).mass() > CONVEX * size.powi(3)).then_some(shape)
+}
+
+/// Whether no corner of the mesh is outside of one of its faces.
+fn is_convex(mesh: &Mesh, scale: &Vector3<f64>) -> bool {
+    let [low, high] = mesh.bounds(scale);
+    let slack = CONVEX * (high - low).norm();
+    mesh.corners(scale).all(|[a, b, c]| {
+        let normal = (b - a).cross(&(c - a));
+        normal.try_normalize(0.0).is_none_or(|normal| {
+            mesh.vertices()
                 .iter()
-                .map(|vertex| maths::vector_to_rapier(&vertex.coords.component_mul(scale)))
-                .collect();
-            ColliderBuilder::convex_decomposition(&vertices, mesh.triangles())
+                .all(|vertex| normal.dot(&(vertex.coords.component_mul(scale) - a.coords)) <= slack)
+        })
+    })
+}
+
+/// What `part` touches with, in the frame of its link; `tool` is which of the last link's solids is the tool.
+///
+/// # Errors
+/// [`PhysicsError::FlatMesh`].
+pub(super) fn of_part(
+    model: &Model,
+    surroundings: &Surroundings,
+    part: Part,
+    tool: Option<usize>,
+) -> Result<Vec<Placed>, PhysicsError> {
+    let of_link = |link: usize| model.links.get(link).map_or(&[][..], Link::collision_solids);
+    let (solids, is_tip): (&[Solid], bool) = match part {
+        Part::Link(link) => (of_link(link), link == model.tip.link),
+        Part::Tool => (of_link(model.tip.link), true),
+        Part::Obstacle(index) => {
+            let obstacle = surroundings.obstacles.get(index);
+            (obstacle.map_or(&[], |obstacle| obstacle.solids.as_slice()), false)
         }
     };
-    shape.position(maths::pose_to_rapier(&pose)).density(0.0)
+    let is_tool = |index| is_tip && Some(index) == tool;
+    let wanted = solids.iter().enumerate();
+    let wanted = wanted.filter(|(index, _)| is_tool(*index) == (part == Part::Tool));
+    wanted.map(|(solid, it)| placed(it).ok_or(PhysicsError::FlatMesh { part, solid })).collect()
 }

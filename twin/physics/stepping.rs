@@ -29,7 +29,8 @@ impl PhysicsMachine {
         let mut mean_effort = JointVector::zeros();
         let mut mean_power = JointVector::zeros();
         let mut saturated = [false; MAX_AXES];
-        let disturbance = joint_vector(self.drives.iter_mut().map(|drive| drive.noise.effort()));
+        let noise = joint_vector(self.drives.iter_mut().map(|drive| drive.noise.effort()));
+        self.begin_touching();
         let dt = self.cycle / f64::from(self.steps);
         let diverged = PhysicsError::Diverged { time_ns: self.state.time_ns };
         for step in 0..self.steps {
@@ -37,6 +38,7 @@ impl PhysicsMachine {
             for (axis, drive) in self.drives.iter_mut().enumerate() {
                 drive.begin_step(&course, step, axis, at(&self.homed, axis), dt);
             }
+            let disturbance = noise + self.touch.push;
             let (next, effort) = integrate::advance(
                 &mut self.equation,
                 &self.trains,
@@ -46,6 +48,7 @@ impl PhysicsMachine {
             )
             .filter(|(state, _)| state.is_finite())
             .ok_or(diverged)?;
+            let next = self.touched(&joints, &next, dt)?;
             let velocity = (next.motors.position - joints.motors.position) / dt;
             joints = next;
             mean_effort += effort / f64::from(self.steps);
@@ -64,18 +67,15 @@ impl PhysicsMachine {
         let effort = checked(effort, self.drives.len(), self.state.time_ns)?;
         let mut joints = self.joints;
         let diverged = PhysicsError::Diverged { time_ns: self.state.time_ns };
-        let Self { equation, trains, .. } = self;
+        self.begin_touching();
         for _ in 0..self.steps {
             let dt = self.cycle / f64::from(self.steps);
-            (joints, _) = integrate::advance(
-                equation,
-                trains,
-                &joints,
-                (&Held(effort), &JointVector::zeros()),
-                dt,
-            )
-            .filter(|(state, _)| state.is_finite())
-            .ok_or(diverged)?;
+            let Self { equation, trains, touch, .. } = self;
+            let motors = (&Held(effort), &touch.push);
+            let (next, _) = integrate::advance(equation, trains, &joints, motors, dt)
+                .filter(|(state, _)| state.is_finite())
+                .ok_or(diverged)?;
+            joints = self.touched(&joints, &next, dt)?;
         }
         let velocity = (joints.motors.position - self.joints.motors.position) / self.cycle;
         let power = effort.component_mul(&velocity);
@@ -170,37 +170,19 @@ impl PhysicsMachine {
         }
     }
 
-    /// Steps 2 to 6 of the module's docs: takes rapier's bodies to `next`.
+    /// The end of a cycle: the machine is at `next`.
     fn finish_cycle(
         &mut self,
         next: &MachineState,
         [effort, power]: [&JointVector; 2],
         saturated: [bool; MAX_AXES],
     ) -> Result<AxisState, PhysicsError> {
-        let before = &self.joints.axes.position;
-        let mean_velocity = (next.axes.position - before) / self.cycle;
-        let zero = JointVector::zeros();
-        let bias = self.equation.inverse_dynamics(before, &mean_velocity, &zero);
-        let (position, faster) = self.world.advance(
-            &next.axes.position,
-            &mean_velocity,
-            &bias.ok_or(PhysicsError::Apart)?,
-        )?;
-        let axes = JointState { position, velocity: next.axes.velocity + faster };
-        self.joints = MachineState { axes, motors: axes };
-        for (axis, train) in self.trains.iter().enumerate() {
-            if train.elastic.is_some() {
-                let motors = &mut self.joints.motors;
-                let slots = motors.position.get_mut(axis).zip(motors.velocity.get_mut(axis));
-                if let Some((position, velocity)) = slots {
-                    *position = at(&next.motors.position, axis);
-                    *velocity = at(&next.motors.velocity, axis);
-                }
-            }
-        }
+        self.joints = *next;
         if !self.joints.is_finite() {
             return Err(PhysicsError::Diverged { time_ns: self.state.time_ns });
         }
+        let position = self.joints.axes.position;
+        self.world.follow(&position)?;
         let axes = self.drives.len();
         let time_ns = self.state.time_ns.saturating_add(self.cycle_ns);
         for (axis, (drive, position)) in self.drives.iter_mut().zip(&position).enumerate() {

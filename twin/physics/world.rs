@@ -1,256 +1,293 @@
-//! The rapier world: the links of the machine, whatever they may touch, and what comes of it.
+//! The rapier world: the links of the machine and what is around it as bodies, and where these are near to each other.
 //!
-//! Links that are a tree are a multibody (`multibody`), those of a tripod bodies without joints (`posed`). As long as nothing touches,
-//! rapier has no part in the motion: its bodies are put where the machine is, and it only looks for contacts, those that are less than
-//! its prediction distance (2 mm) away included. From then on it makes whole steps until nothing touches.
+//! The machine is where its equation of motion says; every body is put there, and rapier looks what it is near to. What contact does to the
+//! motion is a matter of `contact`, in joint space: rapier's own solver closes loops to a fraction of a micrometre only,
+//! and lets 89 N press its bodies 50 to 150 µm into each other.
 //!
-//! Facts about rapier 0.36 that shape this file: a step of no duration applies changes and looks for contacts, and nothing else, and what it
-//! finds is there for the next step (the collision pipeline of its own would forget to tell the solver); mass properties and world
-//! centres of mass are stale until the first step, so they are computed here.
+//! Facts about rapier 0.36 that shape this file: its collision pipeline finds points of contact anew whenever a body was moved (the one of
+//! a whole step keeps old ones while little moves); boxes around bodies are widened by half of how far it looks, those of
+//! bodies that never move by what was asked for when they came.
 
-use nalgebra::{Isometry3, Vector3};
-use rapier3d_f64::dynamics::{RigidBodyBuilder, RigidBodyHandle};
-use rapier3d_f64::geometry::{ColliderSet, ContactPair};
-use rapier3d_f64::pipeline::PhysicsWorld;
+use nalgebra::{Isometry3, Point3, Vector3};
+use rapier3d_f64::dynamics::{IslandManager, RigidBodyBuilder, RigidBodyHandle, RigidBodySet};
+use rapier3d_f64::geometry::{
+    ActiveCollisionTypes, BroadPhaseBvh, ColliderBuilder, ColliderSet, NarrowPhase, SolverFlags,
+};
+use rapier3d_f64::pipeline::{ActiveHooks, CollisionPipeline, PairFilterContext, PhysicsHooks};
 use twin_urdf::Model;
 
 use super::dynamics::JointVector;
 use super::equation::Equation;
 use super::error::PhysicsError;
 use super::maths;
-use super::multibody::Multibody;
+use super::pairs::Pairs;
 use super::posed::Posed;
-use super::solids::{self, Among};
+use super::solids;
+use super::surroundings::{Part, Surroundings};
 
-/// The bodies and joints of the machine in rapier.
+/// How far is looked at least, m.
+const REACH: f64 = 4e-3;
+
+/// How much farther than the machine moves in a cycle is looked, as a factor of that.
+const AHEAD: f64 = 1.5;
+
+/// How deep things may be in each other where the machine starts, m: what stands on something touches it.
+const TOUCHING: f64 = 1e-6;
+
+/// The bodies of the machine in rapier.
+#[derive(Clone)]
 pub(super) struct RapierWorld {
-    world: PhysicsWorld,
+    bodies: RigidBodySet,
+    colliders: ColliderSet,
+    islands: IslandManager,
+    broad_phase: BroadPhaseBvh,
+    narrow_phase: NarrowPhase,
     model: Model,
-    axis_count: usize,
-    /// One per link of the model, the base first; none where it has nothing that could touch and rapier does not join it.
-    links: Vec<Option<RigidBodyHandle>>,
-    /// Workspace: where the links are.
+    /// One per link of the model, the base first.
+    links: Vec<RigidBodyHandle>,
+    /// How far what each link touches with is from its origin at most, m.
+    radii: Vec<f64>,
+    /// Where the links are.
     poses: Vec<Isometry3<f64>>,
-    joined: Joined,
-}
-
-/// What moves the bodies.
-#[derive(Clone, Debug)]
-enum Joined {
-    /// Joints of rapier.
-    Tree(Box<Multibody>),
-    /// The machine itself.
-    Posed(Box<Posed>),
-}
-
-/// What goes on from one step to the next is copied; what a step needs for itself alone is made anew.
-impl Clone for RapierWorld {
-    fn clone(&self) -> Self {
-        let world = PhysicsWorld {
-            gravity: self.world.gravity,
-            integration_parameters: self.world.integration_parameters,
-            islands: self.world.islands.clone(),
-            broad_phase: self.world.broad_phase.clone(),
-            narrow_phase: self.world.narrow_phase.clone(),
-            bodies: self.world.bodies.clone(),
-            colliders: self.world.colliders.clone(),
-            impulse_joints: self.world.impulse_joints.clone(),
-            multibody_joints: self.world.multibody_joints.clone(),
-            soft_bodies: self.world.soft_bodies.clone(),
-            ..PhysicsWorld::default()
-        };
-        Self {
-            world,
-            model: self.model.clone(),
-            axis_count: self.axis_count,
-            links: self.links.clone(),
-            poses: self.poses.clone(),
-            joined: self.joined.clone(),
-        }
-    }
+    /// Workspace: where they would be.
+    moved: Vec<Isometry3<f64>>,
+    posed: Posed,
+    /// If there is anything to touch.
+    pairs: Option<Pairs>,
+    /// How far was looked, m.
+    reach: f64,
 }
 
 impl std::fmt::Debug for RapierWorld {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("RapierWorld")
             .field("links", &self.links)
-            .field("joined", &self.joined)
+            .field("pairs", &self.pairs)
             .finish_non_exhaustive()
     }
 }
 
+/// Two points of two parts that are near to each other, or in each other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Near {
+    /// Numbers of the parts.
+    pub(super) parts: [usize; 2],
+    /// The links in whose frames the points are.
+    pub(super) links: [usize; 2],
+    /// Of each part, m.
+    pub(super) points: [Point3<f64>; 2],
+    /// From the first part to the second, machine frame.
+    pub(super) normal: Vector3<f64>,
+}
+
+impl Near {
+    /// How far they are apart along the normal with the links at `poses`, m; below 0: in each other.
+    pub(super) fn gap(&self, poses: &[Isometry3<f64>]) -> f64 {
+        let [first, second] = self.places(poses);
+        self.normal.dot(&(second - first))
+    }
+
+    /// Where the points are, m, machine frame.
+    pub(super) fn places(&self, poses: &[Isometry3<f64>]) -> [Point3<f64>; 2] {
+        let at =
+            |link: usize, point: &Point3<f64>| poses.get(link).map_or(*point, |pose| pose * point);
+        let ([one, other], [first, second]) = (self.links, &self.points);
+        [at(one, first), at(other, second)]
+    }
+}
+
 impl RapierWorld {
-    /// The machine at rest with its axes at `position`: joined, if its `equation` of motion is that of a tree, or bodies without
-    /// joints. `armature` is the reflected rotor inertia per axis, `dt` the step in s, `iterations` the solver's substeps per step.
+    /// The machine of `model` at rest with its axes at `position`.
     ///
     /// # Errors
-    /// [`PhysicsError::NotATree`] if rapier cannot join the links, [`PhysicsError::CoupledJoint`], and
     /// [`PhysicsError::Apart`].
     pub(super) fn new(
         model: &Model,
         equation: &Equation,
-        gravity: Vector3<f64>,
-        armature: &JointVector,
         position: &JointVector,
-        (dt, iterations): (f64, usize),
     ) -> Result<Self, PhysicsError> {
-        let mut world =
-            PhysicsWorld { gravity: maths::vector_to_rapier(&gravity), ..PhysicsWorld::default() };
-        world.integration_parameters.dt = dt;
-        world.integration_parameters.num_solver_iterations = iterations;
-        let axis_count = equation.axis_count();
-        let (joined, links) = match equation {
-            Equation::Tree(dynamics) if dynamics.tree().followers == 0 => {
-                let tree = dynamics.tree();
-                let coupling = tree.coupling(axis_count)?;
-                let (mut multibody, links) = Multibody::join(&mut world, model, coupling)?;
-                compute_masses(&mut world);
-                multibody.place(&mut world, tree, armature, position);
-                let links = links.into_iter().map(Some).collect();
-                (Joined::Tree(Box::new(multibody)), links)
-            }
-            // What holds joints that mimic others no joint of rapier says: their bodies are put where they are, too.
-            Equation::Tree(_) => {
-                let posed = Posed::of_tree(axis_count);
-                (Joined::Posed(Box::new(posed)), posed_bodies(&mut world, model))
-            }
-            Equation::Tripod(tripod) => {
-                let posed = Posed::of_tripod(model, tripod);
-                (Joined::Posed(Box::new(posed)), posed_bodies(&mut world, model))
-            }
+        let mut bodies = RigidBodySet::new();
+        let links = model.links.iter().enumerate().map(|(index, _)| {
+            bodies.insert(match index {
+                0 => RigidBodyBuilder::fixed(),
+                _ => RigidBodyBuilder::kinematic_position_based(),
+            })
+        });
+        let links: Vec<_> = links.collect();
+        let posed = match equation {
+            Equation::Tree(_) => Posed::of_tree(equation.axis_count()),
+            Equation::Tripod(tripod) => Posed::of_tripod(model, tripod),
         };
         let poses = vec![Isometry3::identity(); model.links.len()];
-        let mut result = Self { world, model: model.clone(), axis_count, links, poses, joined };
+        let mut result = Self {
+            bodies,
+            colliders: ColliderSet::new(),
+            islands: IslandManager::new(),
+            broad_phase: BroadPhaseBvh::new(),
+            narrow_phase: NarrowPhase::new(),
+            model: model.clone(),
+            radii: vec![0.0; links.len()],
+            links,
+            moved: poses.clone(),
+            poses,
+            posed,
+            pairs: None,
+            reach: REACH,
+        };
         result.follow(position)?;
         Ok(result)
     }
 
-    /// Gives the links their solids, against each other and against the ground, a slab whose top is at z =
-    /// `ground` (m, machine frame).
-    pub(super) fn insert_solids(&mut self, ground: f64) {
-        let among = match self.joined {
-            Joined::Tree(_) => Among::Links,
-            Joined::Posed(_) => Among::Nothing,
-        };
-        solids::insert(&mut self.world, &self.model, &self.links, among, ground);
+    /// Gives links and surroundings their solids.
+    ///
+    /// # Errors
+    /// [`PhysicsError::FlatMesh`] and [`PhysicsError::Overlap`].
+    pub(super) fn insert(&mut self, surroundings: &Surroundings) -> Result<(), PhysicsError> {
+        let tool = solids::tool(&self.model);
+        let pairs = Pairs::new(&self.model, surroundings, tool.is_some());
+        // Bodies that are put where they are do not look for each other by themselves.
+        let types =
+            ActiveCollisionTypes::KINEMATIC_FIXED | ActiveCollisionTypes::KINEMATIC_KINEMATIC;
+        for (number, (part, link)) in (0_u128..).zip(pairs.parts()) {
+            let Some(body) = self.links.get(*link) else { continue };
+            for placed in solids::of_part(&self.model, surroundings, *part, tool)? {
+                if let Some(radius) = self.radii.get_mut(*link) {
+                    *radius = placed.reach().max(*radius);
+                }
+                let collider = ColliderBuilder::new(placed.shape)
+                    .position(maths::pose_to_rapier(&placed.pose))
+                    .density(0.0)
+                    .user_data(number)
+                    .active_hooks(ActiveHooks::FILTER_CONTACT_PAIRS)
+                    .active_collision_types(types);
+                self.colliders.insert_with_parent(collider, *body, &mut self.bodies);
+            }
+        }
+        self.pairs = Some(pairs);
         self.look();
+        let mut near = Vec::new();
+        self.near(&mut near);
+        let depths = near.iter().map(|near| (near, -near.gap(&self.poses)));
+        let deepest = depths.max_by(|(_, one), (_, other)| one.total_cmp(other));
+        let overlap = deepest.filter(|(_, depth)| *depth > TOUCHING).and_then(|(near, depth)| {
+            let [one, other] = near.parts.map(|part| self.part(part));
+            let (one, other) = one.zip(other)?;
+            let parts = if one <= other { [one, other] } else { [other, one] };
+            Some(PhysicsError::Overlap { parts, depth })
+        });
+        overlap.map_or(Ok(()), Err)
     }
 
-    /// Takes the machine from where it is to `position` in the next step, and tells where its axes are then, and how much faster
-    /// than `velocity`, the mean on the way, they are by what they touched. `bias` are the efforts without which `velocity` would
-    /// change on the way.
+    /// What a part of this number is.
+    pub(super) fn part(&self, number: usize) -> Option<Part> {
+        self.pairs.as_ref()?.part(number)
+    }
+
+    /// Puts the bodies where the machine is with its axes at `position`, and looks what they are near to there.
     ///
     /// # Errors
     /// [`PhysicsError::Apart`].
-    pub(super) fn advance(
-        &mut self,
-        position: &JointVector,
-        velocity: &JointVector,
-        bias: &JointVector,
-    ) -> Result<(JointVector, JointVector), PhysicsError> {
-        let joined = match &self.joined {
-            Joined::Tree(joined) if self.touches() => joined,
-            _ => {
-                self.follow(position)?;
-                return Ok((*position, JointVector::zeros()));
-            }
-        };
-        let velocity = joined.to_joints(velocity);
-        joined.set_velocity(&mut self.world, &velocity);
-        joined.apply_effort(&mut self.world, &joined.to_joint_efforts(bias));
-        self.world.step();
-        let (position, after) = joined.motion(&self.world);
-        Ok((joined.to_axes(&position), joined.to_axes(&(after - velocity))))
-    }
-
-    /// Whether anything is so near to something that contact may change the motion in the next step.
-    fn touches(&self) -> bool {
-        self.world.narrow_phase.contact_pairs().any(ContactPair::has_any_active_contact)
-    }
-
-    /// Puts the bodies where the machine is with its axes at `position`, and looks what they touch there.
-    fn follow(&mut self, position: &JointVector) -> Result<(), PhysicsError> {
-        match &mut self.joined {
-            Joined::Tree(joined) => {
-                joined.jump(&mut self.world, position);
-                let axes = position.as_slice();
-                let axes = axes.get(..self.axis_count).unwrap_or(axes);
-                self.model.link_poses_into(axes, &mut self.poses);
-            }
-            Joined::Posed(posed) => posed.poses(&self.model, position, &mut self.poses)?,
-        }
+    pub(super) fn follow(&mut self, position: &JointVector) -> Result<(), PhysicsError> {
+        self.posed.poses(&self.model, position, &mut self.moved)?;
+        let ways = self.poses.iter().zip(&self.moved).zip(&self.radii);
+        let way = ways.map(|((from, to), radius)| maths::way(from, to, *radius));
+        let way = way.fold(0.0, f64::max);
+        // Two parts may come towards each other.
+        self.reach = (2.0 * AHEAD * way + 0.5 * REACH).max(REACH);
+        std::mem::swap(&mut self.poses, &mut self.moved);
         for (link, pose) in self.links.iter().zip(&self.poses).skip(1) {
-            if let Some(body) = link.and_then(|link| self.world.bodies.get_mut(link)) {
+            if let Some(body) = self.bodies.get_mut(*link) {
                 body.set_position(maths::pose_to_rapier(pose), false);
             }
         }
-        self.look();
+        if self.pairs.is_some() {
+            self.look();
+        }
         Ok(())
     }
 
-    /// A step of no duration.
+    /// Where the links would be with the axes at `position`.
+    ///
+    /// # Errors
+    /// [`PhysicsError::Apart`].
+    pub(super) fn poses_at(
+        &mut self,
+        position: &JointVector,
+    ) -> Result<&[Isometry3<f64>], PhysicsError> {
+        self.posed.poses(&self.model, position, &mut self.moved)?;
+        Ok(&self.moved)
+    }
+
+    /// Fills `found` with what is near to what.
+    pub(super) fn near(&self, found: &mut Vec<Near>) {
+        found.clear();
+        let Some(pairs) = &self.pairs else { return };
+        for pair in self.narrow_phase.contact_pairs() {
+            let sides = [pair.collider1, pair.collider2].map(|side| self.colliders.get(side));
+            let [Some(one), Some(other)] = sides else { continue };
+            let side = |collider: &rapier3d_f64::geometry::Collider| {
+                let number = usize::try_from(collider.user_data).ok()?;
+                Some((number, pairs.parts().get(number)?.1))
+            };
+            let Some(((one_part, one_link), (other_part, other_link))) = side(one).zip(side(other))
+            else {
+                continue;
+            };
+            for manifold in pair.manifolds() {
+                let place = |collider: &rapier3d_f64::geometry::Collider, part: Option<_>| {
+                    let within = collider.position_wrt_parent().copied().unwrap_or_default();
+                    part.map_or(within, |part| within * part)
+                };
+                let here = place(one, manifold.subshape_pos1().copied());
+                let there = place(other, manifold.subshape_pos2().copied());
+                let Some(pose) = self.poses.get(one_link) else { continue };
+                let normal = maths::vector_from_rapier(here.rotation * manifold.local_n1);
+                for point in &manifold.points {
+                    found.push(Near {
+                        parts: [one_part, other_part],
+                        links: [one_link, other_link],
+                        points: [here * point.local_p1, there * point.local_p2]
+                            .map(|point| maths::vector_from_rapier(point).into()),
+                        normal: pose.rotation * normal,
+                    });
+                }
+            }
+        }
+    }
+
     fn look(&mut self) {
-        let dt = std::mem::take(&mut self.world.integration_parameters.dt);
-        self.world.step();
-        self.world.integration_parameters.dt = dt;
+        let Some(pairs) = &self.pairs else { return };
+        CollisionPipeline::new().step(
+            self.reach,
+            &mut self.islands,
+            &mut self.broad_phase,
+            &mut self.narrow_phase,
+            &mut self.bodies,
+            &mut self.colliders,
+            pairs,
+            &(),
+        );
     }
 
-    /// Poses of the links in the machine frame, the base first.
+    /// Where the links are, the base first.
+    pub(super) fn poses(&self) -> &[Isometry3<f64>] {
+        &self.poses
+    }
+
+    /// Poses of the links in the machine frame as rapier's bodies have them, the base first.
     pub(super) fn link_poses(&self) -> Vec<Isometry3<f64>> {
-        let links = self.links.iter().zip(&self.poses);
-        let poses = links.map(|(link, pose)| {
-            let body = link.and_then(|link| self.world.bodies.get(link));
-            body.map_or(*pose, |body| maths::pose_from_rapier(body.position()))
-        });
-        poses.collect()
+        let poses = self.links.iter().filter_map(|link| self.bodies.get(*link));
+        poses.map(|body| maths::pose_from_rapier(body.position())).collect()
     }
 }
 
-/// A body for every link that could touch something.
-fn posed_bodies(world: &mut PhysicsWorld, model: &Model) -> Vec<Option<RigidBodyHandle>> {
-    let links = model.links.iter().enumerate().map(|(index, link)| match index {
-        0 => Some(world.insert_body(RigidBodyBuilder::fixed())),
-        _ if link.solids.is_empty() => None,
-        _ => Some(world.insert_body(RigidBodyBuilder::kinematic_position_based())),
-    });
-    links.collect()
-}
-
-/// rapier knows them of the first step on.
-fn compute_masses(world: &mut PhysicsWorld) {
-    let no_colliders = ColliderSet::new();
-    for (_, body) in world.bodies.iter_mut() {
-        body.recompute_mass_properties_from_colliders(&no_colliders);
-    }
-}
-
-/// rapier's own joints, which tests look at.
-#[cfg(test)]
-impl RapierWorld {
-    /// Positions and velocities of the joints.
-    pub(super) fn joint_motion(&self) -> (JointVector, JointVector) {
-        match &self.joined {
-            Joined::Tree(joined) => joined.motion(&self.world),
-            Joined::Posed(_) => (JointVector::zeros(), JointVector::zeros()),
-        }
-    }
-
-    /// Makes the joints move with `velocity` at the start of the next step.
-    pub(super) fn set_velocity(&mut self, velocity: &JointVector) {
-        if let Joined::Tree(joined) = &self.joined {
-            joined.set_velocity(&mut self.world, velocity);
-        }
-    }
-
-    /// Applies `effort` during the next step.
-    pub(super) fn apply_effort(&mut self, effort: &JointVector) {
-        if let Joined::Tree(joined) = &self.joined {
-            joined.apply_effort(&mut self.world, effort);
-        }
-    }
-
-    /// One step of rapier.
-    pub(super) fn step(&mut self) {
-        self.world.step();
+/// Bodies that are all put where they are would have no contact but for this.
+impl PhysicsHooks for Pairs {
+    fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
+        let sides = [context.collider1, context.collider2];
+        let number = |side| usize::try_from(context.colliders.get(side)?.user_data).ok();
+        let [one, other] = sides.map(number);
+        let (one, other) = one.zip(other)?;
+        self.may_touch(one, other).then(SolverFlags::empty)
     }
 }

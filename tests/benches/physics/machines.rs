@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, Unit, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use twin::physics::{
     AxisDriveParameters, AxisLoad, ElasticTransmission, FrictionParameters, PathDynamics,
-    PhysicsMachine, ServoParameters,
+    PhysicsMachine, ServoParameters, Surroundings,
 };
 use twin_kinematics::tripod::{Tripod, TripodDeviations, TripodDimensions as Rings};
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
@@ -117,7 +117,9 @@ impl Task {
         let machine =
             PhysicsMachine::new(&self.model, &[(); 3].map(|()| off()), GRAVITY, &start, cycle);
         let mut machine = machine.expect("a machine");
-        machine.insert_solids(GROUND);
+        machine
+            .insert_surroundings(&Surroundings::floor(GROUND))
+            .expect("nothing touches at the start");
         machine
     }
 
@@ -147,7 +149,9 @@ impl Task {
         });
         let machine = PhysicsMachine::new(&self.model, &drives, GRAVITY, &start, PERIOD_NS);
         let mut machine = machine.expect("a machine").with_steps_of(longest_step);
-        machine.insert_solids(GROUND);
+        machine
+            .insert_surroundings(&Surroundings::floor(GROUND))
+            .expect("nothing touches at the start");
         machine
     }
 

@@ -8,11 +8,13 @@ mod elastic;
 mod level;
 mod mimic;
 mod motors;
+mod multibody;
 mod parallel;
 mod rapier;
 mod reference;
 mod scara;
 mod snapshots;
+mod touching;
 mod trees;
 mod unfolded;
 
@@ -22,8 +24,8 @@ use twin_urdf::{Inertial, Joint, JointDrive, JointKind, Link, Loop, Tip};
 
 use super::dynamics::Dynamics;
 use super::integrate::JointState;
-use super::world::RapierWorld;
 use super::*;
+use multibody::RapierAlone;
 use unfolded::Unfolded;
 
 /// One cycle, ns.

@@ -75,11 +75,11 @@ fn rapier_adds_nothing_to_free_motion() {
     let mut dynamics = Dynamics::new(&model, 3, down(), JointVector::zeros()).unwrap();
     let zero = JointVector::zeros();
     let equation = Equation::new(&model, 3, down(), zero).unwrap();
-    let mut world = RapierWorld::new(&model, &equation, down(), &zero, &start, (1e-3, 1)).unwrap();
+    let mut world = RapierAlone::new(&model, &equation, down(), (&zero, &start), (1e-3, 1));
     world.set_velocity(&velocity);
     world.apply_effort(&dynamics.inverse_dynamics(&start, &velocity, &JointVector::zeros()));
     world.step();
-    let (position, kept) = world.joint_motion();
+    let (position, kept) = world.motion();
     assert!((kept - velocity).amax() < 1e-13, "{kept}");
     assert!((position - (start + velocity * 1e-3)).amax() < 1e-15, "{position}");
 }
@@ -101,13 +101,12 @@ fn rapier_alone_converges_to_the_same_motion() {
     let errors = [1, 4, 16, 64].map(|iterations| {
         let start = joint_vector(start.iter().copied());
         let mut world =
-            RapierWorld::new(&model, &equation, down(), &armature, &start, (1e-3, iterations))
-                .unwrap();
+            RapierAlone::new(&model, &equation, down(), (&armature, &start), (1e-3, iterations));
         for _ in 0..200 {
             world.apply_effort(&effort);
             world.step();
         }
-        (world.joint_motion().0 - machine.joints.axes.position).amax()
+        (world.motion().0 - machine.joints.axes.position).amax()
     });
     for pair in errors.windows(2) {
         assert!((3.0..5.0).contains(&(pair[0] / pair[1])), "{errors:?}");
@@ -128,7 +127,7 @@ fn a_slide_falls_to_the_ground_and_no_further() {
     });
     let mut machine =
         PhysicsMachine::new(&model, &[SLACK], down(), &axes([0.1]), CYCLE_NS).unwrap();
-    machine.insert_solids(0.0);
+    machine.insert_surroundings(&Surroundings::floor(0.0)).unwrap();
     let mut stood = 0;
     for cycle in 1..=1000 {
         let state = machine.step_with_efforts(&axes([0.0])).unwrap();
@@ -173,7 +172,7 @@ fn solids_that_touch_nothing_change_nothing() {
             PhysicsMachine::new(&model, &[SLACK; 3], down(), &axes([0.7, -0.1, 2.0]), CYCLE_NS)
                 .unwrap();
         if solids {
-            machine.insert_solids(-20.0);
+            machine.insert_surroundings(&Surroundings::floor(-20.0)).unwrap();
         }
         for _ in 0..300 {
             machine.step_with_efforts(&axes([5.0, 3.0, -0.2])).unwrap();

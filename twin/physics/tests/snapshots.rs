@@ -2,7 +2,9 @@
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use twin_urdf::SolidShape;
 
+use super::touching::{around, cuboid, solid, solid_gantry};
 use super::*;
 
 /// Motors of every kind, with noise, on a gantry.
@@ -49,10 +51,18 @@ fn motors() -> [AxisDriveParameters; 3] {
     ]
 }
 
-fn machine() -> PhysicsMachine {
-    PhysicsMachine::new(&gantry(), &motors(), down(), &axes([0.0; 3]), CYCLE_NS)
-        .unwrap()
-        .with_seed(3)
+/// Among things that it runs into.
+fn machine(surroundings: &Surroundings) -> PhysicsMachine {
+    let model = solid_gantry();
+    let machine = PhysicsMachine::new(&model, &motors(), down(), &axes([0.0; 3]), CYCLE_NS);
+    let mut machine = machine.unwrap().with_seed(3);
+    machine.insert_surroundings(surroundings).unwrap();
+    machine
+}
+
+/// A plate that the ball runs into after 90 mm.
+fn plate() -> Surroundings {
+    around([("plate", cuboid([0.12, -0.5, 0.0], [0.125, 0.5, 0.5]))])
 }
 
 /// Back and forth.
@@ -71,18 +81,21 @@ fn bits(machine: &mut PhysicsMachine) -> (Vec<u64>, String) {
     let state = machine.axis_state();
     let values = state.position.iter().chain(state.velocity.iter()).chain(state.effort.iter());
     let values: Vec<_> = values.map(|value| value.to_bits()).collect();
-    (values, format!("{:?}{:?}", machine.link_poses(), machine.take_events()))
+    let blows = machine.take_collisions();
+    let contacts = format!("{:?}{blows:?}", machine.contacts());
+    (values, format!("{:?}{:?}{contacts}", machine.link_poses(), machine.take_events()))
 }
 
 #[test]
 fn a_snapshot_goes_on_with_the_same_bits() {
-    let mut one = machine();
+    let mut one = machine(&plate());
     for cycle in 1..=400 {
         one.step(&course(cycle)).unwrap();
         if cycle == 300 {
             assert!(one.fail(0, Fault::LooseBelt { stiffness: 0.3, backlash: 1e-5 }));
         }
     }
+    assert!(!one.contacts().is_empty() || !one.take_collisions().is_empty());
     let snapshot = one.snapshot();
     assert_eq!(snapshot.time_ns(), 400 * CYCLE_NS);
     let go_on = |machine: &mut PhysicsMachine| {
@@ -96,11 +109,11 @@ fn a_snapshot_goes_on_with_the_same_bits() {
     one.restore(&snapshot);
     assert_eq!(one.axis_state().time_ns, 400 * CYCLE_NS);
     assert_eq!(go_on(&mut one), first);
-    let mut other = machine();
+    let mut other = machine(&plate());
     other.restore(&snapshot);
     assert_eq!(go_on(&mut other), first);
     // All over again.
-    let mut again = machine();
+    let mut again = machine(&plate());
     for cycle in 1..=400 {
         again.step(&course(cycle)).unwrap();
         if cycle == 300 {
@@ -118,9 +131,15 @@ fn nothing_explodes() {
     let mut random = ChaCha8Rng::seed_from_u64(11);
     let uniform =
         |random: &mut ChaCha8Rng, low: f64, high: f64| -> f64 { random.random_range(low..high) };
-    let mut machine = machine();
+    let surroundings = around([
+        ("plate", cuboid([0.3, -0.6, -0.5], [0.305, 0.6, 1.0])),
+        ("post", cuboid([-0.3, 0.1, -0.5], [-0.25, 0.15, 0.5])),
+        ("ball", solid(SolidShape::Sphere { radius: 0.1 }, [0.0, -0.3, 0.2])),
+        ("floor", cuboid([-5.0, -5.0, -1.0], [5.0, 5.0, -0.1])),
+    ]);
+    let mut machine = machine(&surroundings);
     let fresh = machine.snapshot();
-    let (mut target, mut most, mut faults) = ([0.0; 3], 0.0_f64, 0);
+    let (mut target, mut most, mut faults, mut blows) = ([0.0; 3], 0.0_f64, 0, 0);
     for cycle in 0..steps {
         if cycle % 5_000 == 4_999 {
             machine.restore(&fresh);
@@ -152,9 +171,14 @@ fn nothing_explodes() {
         assert!(state.position.is_finite() && state.velocity.is_finite(), "{state:?}");
         most = state.velocity.iter().fold(most, |most, velocity| most.max(velocity.abs()));
         machine.take_events();
+        blows += machine.take_collisions().len();
+        let [x, y, z] = [0.05 + state.position[0], state.position[1], 0.2 + state.position[2]];
+        // Not through the plate, nor far into the ball.
+        assert!(x + 0.03 < 0.3025 && z > -0.0725, "{state:?}");
+        assert!((x * x + (y + 0.3).powi(2) + (z - 0.2).powi(2)).sqrt() > 0.127, "{state:?}");
     }
-    println!("{steps} steps, {faults} faults, at most {most} m/s");
-    assert!(faults > 20, "{faults}");
+    println!("{steps} steps, {faults} faults, {blows} blows, at most {most} m/s");
+    assert!(faults > 20 && blows > 20, "{faults} faults, {blows} blows");
     // 800 N on 28 kg for the way of a metre, or a fall of 5 s.
     assert!(most < 50.0, "{most} m/s");
 }

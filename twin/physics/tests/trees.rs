@@ -90,11 +90,11 @@ proptest! {
         let mut dynamics = Dynamics::new(&case.model, count, down(), JointVector::zeros()).unwrap();
         let zero = JointVector::zeros();
         let equation = Equation::new(&case.model, count, down(), zero).unwrap();
-        let mut world = RapierWorld::new(&case.model, &equation, down(), &zero, &q, (1e-3, 1)).unwrap();
+        let mut world = RapierAlone::new(&case.model, &equation, down(), (&zero, &q), (1e-3, 1));
         world.set_velocity(&v);
         world.apply_effort(&dynamics.inverse_dynamics(&q, &v, &JointVector::zeros()));
         world.step();
-        let (position, velocity) = world.joint_motion();
+        let (position, velocity) = world.motion();
         prop_assert!((velocity - v).amax() < 1e-9, "{velocity} instead of {v}");
         prop_assert!((position - (q + v * 1e-3)).amax() < 1e-12);
     }

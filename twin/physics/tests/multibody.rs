@@ -1,4 +1,4 @@
-//! The links of a tree as one multibody of rapier, fixed at its base.
+//! The links of a tree as one multibody of rapier, fixed at its base: a witness that has its own equation of motion.
 //!
 //! Facts about rapier 0.36 that shape this file: it has no call for generalised forces, so an effort is applied as a
 //! pair of forces or torques on the two bodies of the joint (and stays until reset); angular joints get a damping of
@@ -9,18 +9,17 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use rapier3d_f64::dynamics::{
     GenericJointBuilder, JointAxesMask, MultibodyIndex, RigidBodyBuilder, RigidBodyHandle,
 };
+use rapier3d_f64::geometry::ColliderSet;
 use rapier3d_f64::parry::mass_properties::MassProperties;
 use rapier3d_f64::pipeline::PhysicsWorld;
 use twin_kinematics::MAX_AXES;
 use twin_urdf::{Joint, JointKind, Link, Model};
 
-use super::bodies::{Coupling, Tree};
-use super::dynamics::{JointVector, at};
-use super::error::PhysicsError;
-use super::maths;
-
-/// Generalised coordinates of a multibody with a joint per axis, those of a free root included.
-const MAX_COORDINATES: usize = MAX_AXES + 6;
+use super::super::bodies::Tree;
+use super::super::dynamics::{JointMatrix, JointVector, at};
+use super::super::equation::Equation;
+use super::super::maths;
+use super::PhysicsError;
 
 /// A joint that moves and where rapier keeps it.
 #[derive(Clone, Copy, Debug)]
@@ -38,13 +37,69 @@ struct MovingJoint {
     coordinate: usize,
 }
 
+/// A machine that rapier moves, with all its joints.
+pub(super) struct RapierAlone {
+    world: PhysicsWorld,
+    multibody: Multibody,
+}
+
+impl RapierAlone {
+    /// The machine at rest at `position`, with `armature` per axis, in steps of `dt` s with so many iterations of the solver.
+    pub(super) fn new(
+        model: &Model,
+        equation: &Equation,
+        gravity: Vector3<f64>,
+        (armature, position): (&JointVector, &JointVector),
+        (dt, iterations): (f64, usize),
+    ) -> Self {
+        let Equation::Tree(dynamics) = equation else { panic!("a tree") };
+        let mut world =
+            PhysicsWorld { gravity: maths::vector_to_rapier(&gravity), ..PhysicsWorld::default() };
+        world.integration_parameters.dt = dt;
+        world.integration_parameters.num_solver_iterations = iterations;
+        let coupling = dynamics.tree().coupling.map(|mut to_joints| {
+            for beyond in equation.axis_count()..MAX_AXES {
+                to_joints[(beyond, beyond)] = 1.0;
+            }
+            to_joints
+        });
+        let (mut multibody, _) = Multibody::join(&mut world, model, coupling).unwrap();
+        // rapier knows them of the first step on.
+        let no_colliders = ColliderSet::new();
+        for (_, body) in world.bodies.iter_mut() {
+            body.recompute_mass_properties_from_colliders(&no_colliders);
+        }
+        multibody.place(&mut world, dynamics.tree(), armature, position);
+        Self { world, multibody }
+    }
+
+    /// Positions and velocities of the joints.
+    pub(super) fn motion(&self) -> (JointVector, JointVector) {
+        self.multibody.motion(&self.world)
+    }
+
+    /// Makes the joints move with `velocity` at the start of the next step.
+    pub(super) fn set_velocity(&mut self, velocity: &JointVector) {
+        self.multibody.set_velocity(&mut self.world, velocity);
+    }
+
+    /// Applies `effort` from the next step on.
+    pub(super) fn apply_effort(&mut self, effort: &JointVector) {
+        self.multibody.apply_effort(&mut self.world, effort);
+    }
+
+    pub(super) fn step(&mut self) {
+        self.world.step();
+    }
+}
+
 /// The joints of a tree.
 #[derive(Clone, Debug)]
-pub(super) struct Multibody {
+struct Multibody {
     index: MultibodyIndex,
     joints: Vec<MovingJoint>,
     /// If joints do not each move with an axis of their own.
-    coupling: Option<Box<Coupling>>,
+    coupling: Option<JointMatrix>,
 }
 
 impl Multibody {
@@ -52,10 +107,10 @@ impl Multibody {
     ///
     /// # Errors
     /// [`PhysicsError::NotATree`] if rapier cannot, and [`PhysicsError::AxisNumber`].
-    pub(super) fn join(
+    fn join(
         world: &mut PhysicsWorld,
         model: &Model,
-        coupling: Option<Box<Coupling>>,
+        coupling: Option<JointMatrix>,
     ) -> Result<(Self, Vec<RigidBodyHandle>), PhysicsError> {
         let mut links = vec![world.insert_body(RigidBodyBuilder::fixed())];
         let mut multibody = None;
@@ -88,7 +143,7 @@ impl Multibody {
     }
 
     /// Finds the moving joints among rapier's generalised coordinates and moves them to `position`.
-    pub(super) fn place(
+    fn place(
         &mut self,
         world: &mut PhysicsWorld,
         tree: &Tree,
@@ -115,8 +170,8 @@ impl Multibody {
         let armature = match &self.coupling {
             None => *armature,
             Some(coupling) => {
-                let scaled = nalgebra::SMatrix::from_diagonal(armature) * coupling.to_axes;
-                coupling.to_axes.tr_mul(&scaled).diagonal()
+                let to_axes = coupling.try_inverse().unwrap();
+                to_axes.tr_mul(&(JointMatrix::from_diagonal(armature) * to_axes)).diagonal()
             }
         };
         let mut displacement = vec![0.0; multibody.ndofs()];
@@ -134,21 +189,8 @@ impl Multibody {
         multibody.update_rigid_bodies(bodies, true);
     }
 
-    /// Puts the joints where they are with the axes at `position`, all at once. The bodies stay where they are.
-    pub(super) fn jump(&self, world: &mut PhysicsWorld, position: &JointVector) {
-        let (position, (now, _)) = (self.to_joints(position), self.motion(world));
-        let Some(multibody) = world.multibody_joints.get_multibody_mut(self.index) else { return };
-        let mut displacement = [0.0; MAX_COORDINATES];
-        for joint in &self.joints {
-            if let Some(value) = displacement.get_mut(joint.coordinate) {
-                *value = at(&position, joint.number) - at(&now, joint.number);
-            }
-        }
-        multibody.apply_displacements(&displacement);
-    }
-
     /// Positions and velocities of the joints.
-    pub(super) fn motion(&self, world: &PhysicsWorld) -> (JointVector, JointVector) {
+    fn motion(&self, world: &PhysicsWorld) -> (JointVector, JointVector) {
         let mut position = JointVector::zeros();
         let mut velocity = JointVector::zeros();
         if let Some(multibody) = world.multibody_joints.get_multibody(self.index) {
@@ -166,7 +208,7 @@ impl Multibody {
     }
 
     /// Makes the joints move with `velocity` at the start of the next step.
-    pub(super) fn set_velocity(&self, world: &mut PhysicsWorld, velocity: &JointVector) {
+    fn set_velocity(&self, world: &mut PhysicsWorld, velocity: &JointVector) {
         if let Some(multibody) = world.multibody_joints.get_multibody_mut(self.index) {
             let mut velocities = multibody.generalized_velocity_mut();
             for joint in &self.joints {
@@ -178,7 +220,7 @@ impl Multibody {
     }
 
     /// Applies `effort` during the next step, as forces and torques on the two bodies of each joint, and nothing else.
-    pub(super) fn apply_effort(&self, world: &mut PhysicsWorld, effort: &JointVector) {
+    fn apply_effort(&self, world: &mut PhysicsWorld, effort: &JointVector) {
         let bodies = &mut world.bodies;
         for joint in &self.joints {
             for body in [joint.parent, joint.child] {
@@ -210,18 +252,8 @@ impl Multibody {
     }
 
     /// Positions or velocities of the joints from those of the axes.
-    pub(super) fn to_joints(&self, axes: &JointVector) -> JointVector {
-        self.coupling.as_ref().map_or(*axes, |coupling| coupling.to_joints * axes)
-    }
-
-    /// And back.
-    pub(super) fn to_axes(&self, joints: &JointVector) -> JointVector {
-        self.coupling.as_ref().map_or(*joints, |coupling| coupling.to_axes * joints)
-    }
-
-    /// What efforts of the axes are at the joints.
-    pub(super) fn to_joint_efforts(&self, efforts: &JointVector) -> JointVector {
-        self.coupling.as_ref().map_or(*efforts, |coupling| coupling.to_axes.tr_mul(efforts))
+    fn to_joints(&self, axes: &JointVector) -> JointVector {
+        self.coupling.as_ref().map_or(*axes, |coupling| coupling * axes)
     }
 }
 

@@ -1,0 +1,106 @@
+//! What is around a machine, and which of all that may touch.
+
+use nalgebra::{Isometry3, Vector3};
+use twin_urdf::{Model, Solid, SolidShape};
+
+/// Something that can touch something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Part {
+    /// A link, by its place in [`Model::links`], without the tool.
+    Link(usize),
+    /// The solid of the last link on which the tool tip lies.
+    Tool,
+    /// By its place in [`Surroundings::obstacles`].
+    Obstacle(usize),
+}
+
+impl Part {
+    /// What it is called.
+    pub fn name<'a>(self, model: &'a Model, surroundings: &'a Surroundings) -> &'a str {
+        let link = |index: usize| model.links.get(index).map(|link| link.name.as_str());
+        let obstacle = |index: usize| surroundings.obstacles.get(index);
+        match self {
+            Self::Link(index) => link(index).unwrap_or("link"),
+            Self::Tool => "tool",
+            Self::Obstacle(index) => obstacle(index).map_or("obstacle", |one| one.name.as_str()),
+        }
+    }
+}
+
+/// Something that does not move.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// What it is called where it is touched.
+    pub name: String,
+    /// Whether the tool may be in it.
+    pub kind: ObstacleKind,
+    /// What it is made of, machine frame.
+    pub solids: Vec<Solid>,
+}
+
+/// What the tool may do with an obstacle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ObstacleKind {
+    /// A fixture, a table, a wall: nothing may touch it.
+    #[default]
+    Fixture,
+    /// What is worked on: the tool cuts it, and nothing else may touch it. Cutting takes no force here.
+    Stock,
+}
+
+/// All that is around a machine.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surroundings {
+    /// What does not move.
+    pub obstacles: Vec<Obstacle>,
+    /// Whether links may touch each other. Links that a joint joins never do.
+    pub among_links: bool,
+    /// Pairs that are not looked at.
+    pub left_out: Vec<[Part; 2]>,
+    /// Force per depth at each point of contact, N/m.
+    pub stiffness: f64,
+}
+
+impl Default for Surroundings {
+    fn default() -> Self {
+        Self {
+            obstacles: Vec::new(),
+            among_links: true,
+            left_out: Vec::new(),
+            stiffness: Self::STIFFNESS,
+        }
+    }
+}
+
+impl Surroundings {
+    /// That of steel on steel where a tool holder meets a vice, some square millimetres, N/m.
+    pub const STIFFNESS: f64 = 1e8;
+
+    /// A floor whose top is at z = `top` (m, machine frame), 10 m square.
+    pub fn floor(top: f64) -> Self {
+        let size = Vector3::new(10.0, 10.0, 1.0);
+        let floor = Solid {
+            shape: SolidShape::Box { size },
+            origin: Isometry3::translation(0.0, 0.0, top - 0.5 * size.z),
+            color: [0.5, 0.5, 0.5, 1.0],
+        };
+        let floor =
+            Obstacle { name: "floor".into(), kind: ObstacleKind::Fixture, solids: vec![floor] };
+        Self { obstacles: vec![floor], ..Self::default() }
+    }
+
+    /// Whether the two may not touch, as far as that is not a matter of joints.
+    pub(super) fn leaves_out(&self, pair: [Part; 2]) -> bool {
+        let [one, other] = pair;
+        let stock = |part| match part {
+            Part::Obstacle(index) => {
+                self.obstacles.get(index).is_some_and(|it| it.kind == ObstacleKind::Stock)
+            }
+            Part::Link(_) | Part::Tool => false,
+        };
+        let cuts = |tool, work| tool == Part::Tool && stock(work);
+        cuts(one, other)
+            || cuts(other, one)
+            || self.left_out.iter().any(|left| *left == pair || *left == [other, one])
+    }
+}
