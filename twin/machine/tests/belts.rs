@@ -1,15 +1,16 @@
 //! H gantries as their machine files have them, with rotors that are not alike, belts that give way, and gravity from anywhere, beside
 //! equations of motion written for the one belt.
 //!
-//! Motors A and B on pulleys of radius r pull the belt by F = τ/r each. With A = x + y and B = x − y they move the bridge (with all
-//! that it carries, M) and the carriage (m) by
+//! Motors A and B on pulleys of radius r pull the belt; with A = x + y and B = x − y the forces F and G that it takes from them move the
+//! bridge (M, with all that it carries) and the carriage (m). At the belt of each motor, s, a rigid belt takes from its torque τ what is
+//! left by rotor J and friction c, and one that gives way what its spring k and damper d have, while the motor, p along the belt, goes by
+//! itself:
 //!
 //! ```text
-//! M·x″ = F_a + F_b + M·g_x,    m·y″ = F_a − F_b + m·g_y
+//! M·x″ = F + G + M·gx,    m·y″ = F − G + m·gy
+//! rigid:   F = τ/r − J/r²·s″ − c·s′
+//! elastic: F = k·(p − s) + d·(p′ − s′) − c·s′,    J/r²·p″ = τ/r − k·(p − s) − d·(p′ − s′)
 //! ```
-//!
-//! A rigid belt takes F_i = τ_i/r − J_i/r²·s_i″ − c_i·s_i′ from them (s the belt at A and B, J the rotors, c friction); one that gives way
-//! F_i = k·(p_i − s_i) + d·(p_i′ − s_i′) − c_i·s_i′, while the motors, p along the belt, go by J_i/r²·p_i″ = τ_i/r − k·(p_i − s_i) − d·(p_i′ − s_i′).
 
 use super::{edited, load};
 use crate::machine::Machine;

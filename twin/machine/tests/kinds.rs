@@ -4,9 +4,7 @@ use super::{edited, load, problems};
 use crate::machine::{DirectionRule, Machine};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use std::path::Path;
 use twin_kinematics::{AxisVector, Branch, Kinematics, KinematicsError, Pose, ToPath};
-use twin_urdf::{Model, UrdfOptions};
 
 const SHIPPED: [(&str, &str); 7] = [
     ("scara2", include_str!("../../../machines/scara2.toml")),
@@ -49,24 +47,6 @@ fn shipped_files_are_of_their_kind_and_can_stand_at_their_start() {
         for (axis, position) in machine.axes.iter().zip(axes.iter()) {
             let [low, high] = axis.position_limits;
             assert!((low..=high).contains(position), "{kind} {}: {position}", axis.name);
-        }
-    }
-}
-
-/// Every machine is a URDF: what moves has mass and solids, and it comes back to the last digit.
-#[test]
-fn shipped_machines_are_urdf() {
-    for (kind, text) in SHIPPED {
-        let model = load(text).model;
-        let written = model.to_urdf().unwrap();
-        let read = Model::read_urdf(&written, Path::new(""), &UrdfOptions::default()).unwrap();
-        assert_eq!((read.model, read.warnings), (model.clone(), Vec::new()), "{kind}");
-        for link in &model.links[1..] {
-            let Some(inertial) = link.inertial else {
-                assert!(link.solids.is_empty() && kind == "tripod", "{kind} {}", link.name);
-                continue;
-            };
-            assert!(inertial.mass > 0.0 && !link.solids.is_empty(), "{kind} {}", link.name);
         }
     }
 }

@@ -9,7 +9,7 @@ use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Vector3};
 use std::f64::consts::TAU;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
 use twin_motion::Place;
-use twin_urdf::{Joint, JointKind, JointPositions, Model, UrdfOptions};
+use twin_urdf::{Joint, JointKind, JointPositions, Loaded, Model, Solid, SolidShape, UrdfOptions};
 
 /// What forward kinematics may be apart, m.
 const SAME: f64 = 1e-10;
@@ -86,12 +86,17 @@ struct Read {
     joints: JointPositions,
 }
 
+/// The URDF of a machine, read again.
+fn read_again(machine: &Machine) -> Loaded {
+    let text = machine.model.to_urdf().unwrap();
+    let path = machine.path.with_extension("urdf");
+    let read = Model::read_urdf(&text, &path, &UrdfOptions::default());
+    read.unwrap_or_else(|error| panic!("{}: {error}", machine.name))
+}
+
 impl Read {
     fn of(machine: &Machine) -> Self {
-        let text = machine.model.to_urdf().unwrap();
-        let folder = machine.path.parent().unwrap();
-        let read = Model::read_urdf(&text, &folder.join("it.urdf"), &UrdfOptions::default());
-        let model = read.unwrap_or_else(|error| panic!("{}: {error}", machine.name)).model;
+        let model = read_again(machine).model;
         let joints = JointPositions::at_rest(&model);
         Self { model, joints }
     }
@@ -171,5 +176,166 @@ fn transform_chain_urdf_and_bodies_agree() {
             assert!(way > far, "{name}: {} made only {way} (m or rad)", axis.name);
         }
         assert!(!machine.model.links[machine.model.tip.link].solids.is_empty(), "{name}: no body");
+    }
+}
+
+/// Every machine is a URDF that comes back to the last digit, with a picture and a mass of everything that moves.
+#[test]
+fn every_machine_is_a_urdf() {
+    for machine in machines() {
+        let (name, model) = (&machine.name, &machine.model);
+        let read = read_again(&machine);
+        assert_eq!((&read.model, read.warnings.as_slice()), (model, [].as_slice()), "{name}");
+        let text = model.to_urdf().unwrap();
+        let solids: usize = model.links.iter().map(|link| link.solids.len()).sum();
+        assert_eq!(text.matches("<visual>").count(), solids, "{name}");
+        assert_eq!(text.matches("<collision>").count(), solids, "{name}");
+        let weighed = model.links.iter().filter(|link| link.inertial.is_some()).count();
+        assert_eq!(text.matches("<inertial>").count(), weighed, "{name}");
+        for link in &model.links[1..] {
+            // The crosses of ball joints are nothing but joints.
+            let is_frame = link.solids.is_empty() && machine.kind == "tripod";
+            assert!(link.inertial.is_some() || is_frame, "{name} {}", link.name);
+            assert!(!link.solids.is_empty() || link.inertial.is_none(), "{name} {}", link.name);
+        }
+    }
+}
+
+/// What moves is a body that can be: its mass above 0, its inertia symmetric, positive definite and no moment of it larger than the
+/// other two together, its centre of mass within the box around it.
+#[test]
+fn every_link_is_a_possible_body() {
+    for machine in machines() {
+        for link in &machine.model.links {
+            let Some(body) = link.inertial else { continue };
+            let told = format!("{} {}: {body:?}", machine.name, link.name);
+            let moments = body.inertia.symmetric_eigenvalues();
+            assert!(body.mass > 0.0 && moments.min() > 0.0, "{told}");
+            assert!((body.inertia - body.inertia.transpose()).amax() < 1e-15, "{told}");
+            assert!(2.0 * moments.max() <= moments.sum() * (1.0 + 1e-12), "{told}");
+            for way in [Vector3::x(), Vector3::y(), Vector3::z()] {
+                let reach = |way: Vector3<f64>| {
+                    let solids = link.solids.iter();
+                    let ends = solids.map(|solid| way.dot(&farthest(solid, &solid.origin, &way)));
+                    ends.fold(f64::NEG_INFINITY, f64::max)
+                };
+                let along = way.dot(&body.center.coords);
+                assert!(-reach(-way) <= along && along <= reach(way), "{told}");
+            }
+        }
+    }
+}
+
+/// The point of a solid at `pose` that is farthest along `way`.
+fn farthest(solid: &Solid, pose: &Isometry3<f64>, way: &Vector3<f64>) -> Vector3<f64> {
+    let own = pose.inverse_transform_vector(way);
+    let ball = |radius: f64| own.try_normalize(0.0).unwrap_or_default() * radius;
+    let up = |half: f64| Vector3::z() * half.copysign(own.z);
+    let point = match &solid.shape {
+        SolidShape::Box { size } => own.zip_map(size, |own, edge| (0.5 * edge).copysign(own)),
+        SolidShape::Cylinder { radius, length } => {
+            let across = Vector3::new(own.x, own.y, 0.0).try_normalize(0.0).unwrap_or_default();
+            across * *radius + up(0.5 * length)
+        }
+        SolidShape::Sphere { radius } => ball(*radius),
+        SolidShape::Capsule { radius, length } => ball(*radius) + up(0.5 * length),
+        SolidShape::Mesh { .. } => panic!("none is shipped"),
+    };
+    (pose * Point3::from(point)).coords
+}
+
+/// What touches does not meet: a rod ends on its ball. m.
+const TOUCHING: f64 = 1e-12;
+
+/// Whether a plane parts two solids: one at right angles to an edge of either or to one of each, which is all that boxes need, or that to
+/// which Gilbert's iteration leads, towards the least difference of a point of one and a point of the other (*An iterative procedure for
+/// computing the minimum of a quadratic form on a convex set*, 1966).
+fn are_parted(one: (&Solid, Isometry3<f64>), other: (&Solid, Isometry3<f64>)) -> bool {
+    // The least difference along a way from `other` to `one`.
+    let nearest =
+        |way: &Vector3<f64>| farthest(one.0, &one.1, &-way) - farthest(other.0, &other.1, way);
+    let parts = |way: Vector3<f64>| {
+        way.try_normalize(1e-9).is_some_and(|way| way.dot(&nearest(&way)) > -TOUCHING)
+    };
+    let edges =
+        |pose: &Isometry3<f64>| [Vector3::x(), Vector3::y(), Vector3::z()].map(|edge| pose * edge);
+    let (ones, others) = (edges(&one.1), edges(&other.1));
+    let crossed = ones.iter().flat_map(|one| others.map(|other| one.cross(&other)));
+    let ways: Vec<_> = ones.iter().chain(&others).copied().chain(crossed).collect();
+    if ways.iter().any(|way| parts(*way) || parts(-way)) {
+        return true;
+    }
+    let mut least = one.1.translation.vector - other.1.translation.vector;
+    for _ in 0..10_000 {
+        if parts(least) {
+            return true;
+        }
+        let nearest = nearest(&least);
+        let way = nearest - least;
+        if way.norm_squared() == 0.0 {
+            return false;
+        }
+        least += way * (-least.dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+    }
+    false
+}
+
+/// The links whose solids meet with the axes at `axes`.
+fn meeting(model: &Model, axes: &AxisVector) -> Vec<[String; 2]> {
+    let poses = model.link_poses(axes);
+    let placed = |link: usize| {
+        let solids = &model.links[link].solids;
+        solids.iter().map(|solid| (solid, poses[link] * solid.origin)).collect::<Vec<_>>()
+    };
+    let mut found = Vec::new();
+    for one in 0..model.links.len() {
+        for other in 0..one {
+            let (ones, others) = (placed(one), placed(other));
+            let parted = ones.iter().all(|a| others.iter().all(|b| are_parted(*a, *b)));
+            if !parted {
+                found.push([other, one].map(|link| model.links[link].name.clone()));
+            }
+        }
+    }
+    found
+}
+
+/// At the start, in the middle of all travels and beside that, solids of different links do not meet; but for quills of SCARAs, which go
+/// through a bore of the arm, as boxes have none.
+#[test]
+fn solids_of_different_links_do_not_meet() {
+    for machine in machines() {
+        let bored = machine.model.links.iter().any(|link| link.name == "arm2");
+        let expected: Vec<_> =
+            bored.then(|| ["arm2", "quill"].map(str::to_owned)).into_iter().collect();
+        let places = [
+            machine.start_axes().unwrap(),
+            swing(&machine, 0.0).position,
+            swing(&machine, 0.5).position,
+        ];
+        for axes in places {
+            assert_eq!(meeting(&machine.model, &axes), expected, "{} at {axes:?}", machine.name);
+        }
+    }
+}
+
+/// What meets would be noticed, and what nearly does not.
+#[test]
+fn solids_that_meet_are_noticed() {
+    let solid = |shape| Solid { shape, origin: Isometry3::identity(), color: [1.0; 4] };
+    let cube = solid(SolidShape::Box { size: Vector3::repeat(0.1) });
+    let rod = solid(SolidShape::Cylinder { radius: 0.01, length: 0.4 });
+    let ball = solid(SolidShape::Sphere { radius: 0.05 });
+    // A rod that leans over an edge of the cube by 45°: √2·50 mm and its radius from the middle.
+    let lean = nalgebra::UnitQuaternion::from_axis_angle(&Vector3::y_axis(), -TAU / 8.0);
+    let edge = 0.05 * 2.0_f64.sqrt() + 0.01;
+    for (gap, parted) in [(1e-4, true), (-1e-4, false)] {
+        let way = (edge + gap) / 2.0_f64.sqrt();
+        let pose = Isometry3::from_parts(nalgebra::Translation3::new(way, 0.0, way), lean);
+        assert_eq!(are_parted((&cube, Isometry3::identity()), (&rod, pose)), parted, "{gap}");
+        // A ball over a corner.
+        let way = 0.05 + (0.05 + gap) / 3.0_f64.sqrt();
+        let pose = Isometry3::translation(way, way, way);
+        assert_eq!(are_parted((&cube, Isometry3::identity()), (&ball, pose)), parted, "{gap}");
     }
 }
