@@ -285,6 +285,7 @@ impl<'m> Checker<'m> {
     fn finish(self) -> Outcome {
         let (mut findings, findings_left_out) = self.findings.into_list();
         sentence::leave_out_consequences(&mut findings);
+        sentence::leave_out_nearness(&mut findings);
         finding::sort(&mut findings);
         Outcome {
             elements: 0,

@@ -197,6 +197,19 @@ pub(super) fn lost(place: Place, error: &SimulationError) -> Finding {
     Finding::error(Rule::FollowingError, place, message)
 }
 
+/// What is run into was near before.
+pub(super) fn leave_out_nearness(findings: &mut Vec<Finding>) {
+    let is_collision = |finding: &&Finding| finding.rule == Rule::Collision;
+    let hits = findings.iter().filter(is_collision);
+    let hits = hits.filter(|finding| finding.severity == Severity::Error);
+    let hits: BTreeSet<_> = hits.map(|finding| finding.line).collect();
+    findings.retain(|finding| {
+        !(is_collision(&finding)
+            && finding.severity == Severity::Warning
+            && hits.contains(&finding.line))
+    });
+}
+
 /// On the way to a point that cannot be reached the axes are asked for the impossible, too; no feed would help.
 pub(super) fn leave_out_consequences(findings: &mut Vec<Finding>) {
     let unreachable: BTreeSet<_> = findings

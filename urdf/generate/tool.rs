@@ -2,7 +2,9 @@
 
 use super::{check_not_negative, check_positive, cuboid, paint, placed, upright};
 use crate::inertial::turned;
-use crate::{DimensionError, Inertial, Model, Solid, SolidShape};
+use crate::{
+    DimensionError, Inertial, Joint, JointDrive, JointKind, Link, Model, Solid, SolidShape,
+};
 use nalgebra::{Isometry3, Point3, Vector3};
 
 /// Height of the arm that carries a tool beside the axis, m: less than what is kept clear above the highest flange.
@@ -98,9 +100,14 @@ pub struct ToolShape {
     pub holder: Option<[f64; 2]>,
 }
 
+impl ToolShape {
+    /// The name of the link, and of the joint that fixes it.
+    pub const HOLDER: &str = "holder";
+}
+
 impl Model {
-    /// Gives the round tool that the model carries its diameter, and puts its holder above it, in the link where the tip is;
-    /// `link_from_flange` is the place of the flange in that link. False if it has no round tool to give a diameter to.
+    /// Gives the round tool that the model carries its diameter, and puts its holder above it, as a link of its own; `link_from_flange` is
+    /// the place of the flange in the link where the tip is. False if it has no round tool to give a diameter to.
     pub fn shape_tool(&mut self, link_from_flange: &Isometry3<f64>, shape: &ToolShape) -> bool {
         let tip = self.tip.point;
         let Some(link) = self.links.get_mut(self.tip.link) else { return false };
@@ -117,11 +124,11 @@ impl Model {
         }
         if let Some([diameter, length]) = shape.holder {
             let holder = upright(0.0, 0.0, [-length, 0.0], 0.5 * diameter, paint::STEEL);
-            let holder = placed(holder, link_from_flange);
-            if !link.collision.is_empty() {
-                link.collision.push(holder.clone());
-            }
-            link.solids.push(holder);
+            let (links, along) = ([self.tip.link, self.links.len()], Vector3::z_axis());
+            let fixed = (JointKind::Fixed, JointDrive::Fixed);
+            let (name, flange) = (ToolShape::HOLDER, *link_from_flange);
+            self.joints.push(Joint::new(name, fixed.0, links, flange, along, fixed.1));
+            self.links.push(Link::new(name, None, vec![holder]));
         }
         shaped
     }
