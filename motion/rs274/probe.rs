@@ -59,7 +59,8 @@ impl Surroundings {
 
 impl fmt::Debug for Surroundings {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("Surroundings").field(&self.target()).finish()
+        // To look around only for this would be too much.
+        f.debug_struct("Surroundings").finish_non_exhaustive()
     }
 }
 
