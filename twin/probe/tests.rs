@@ -158,6 +158,16 @@ fn lines_meet_planes() {
     }
 }
 
+/// Cannot be anywhere.
+#[derive(Debug)]
+struct Nowhere;
+
+impl Clearance for Nowhere {
+    fn at(&mut self, _: &Position) -> Option<f64> {
+        None
+    }
+}
+
 #[test]
 fn moves_that_do_not_trip() {
     let mut target = Approach::new(floor(0.0));
@@ -170,14 +180,6 @@ fn moves_that_do_not_trip() {
         (up, down, ProbeTrip::Release, Some(0.0)),
     ] {
         assert_eq!(target.trip(&path(from, to, trips)), expected, "{from:?} {to:?} {trips:?}");
-    }
-    /// Cannot be anywhere.
-    #[derive(Debug)]
-    struct Nowhere;
-    impl Clearance for Nowhere {
-        fn at(&mut self, _: &Position) -> Option<f64> {
-            None
-        }
     }
     assert_eq!(Approach::new(Nowhere).trip(&path(up, down, ProbeTrip::Touch)), None);
 }
