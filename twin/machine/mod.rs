@@ -34,6 +34,7 @@ pub use simulated::{
 pub use surroundings::Collision;
 
 use crate::m_function::MFunction;
+use crate::probe;
 use axis::AxisEntry;
 use nalgebra::{Point3, Vector3};
 use section::Section;
@@ -108,7 +109,9 @@ impl Machine {
     /// With everything that is wrong with it, in file order.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Vec<Problem>> {
         let machine = section::parse(text, |root| read(path, root))?;
-        Ok(Self { dimensions: dimensions(text), ..machine })
+        let mut machine = Self { dimensions: dimensions(text), ..machine };
+        machine.conditions.rs274.surroundings = probe::surroundings(&machine);
+        Ok(machine)
     }
 
     /// Height of the tool tip above the machine frame's origin with every linear axis at 0, m.
