@@ -39,6 +39,7 @@ use axis::AxisEntry;
 use nalgebra::{Point3, Vector3};
 use section::Section;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use tool::Tool;
 use twin_kinematics::{AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
 use twin_urdf::{JointKind, Model, UrdfWarning};
@@ -58,7 +59,7 @@ pub struct Machine {
     /// `[kinematics]` as in the file, without the kind.
     pub dimensions: toml::Table,
     /// From the tool to the axes and back.
-    pub kinematics: MachineAxes,
+    pub kinematics: Arc<MachineAxes>,
     /// Where the direction of its tool comes from.
     pub direction: DirectionRule,
     /// What a radian counts in measures of singularity, m.
@@ -203,7 +204,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         name: name?.to_owned(),
         kind: geometry.kind,
         dimensions: toml::Table::new(),
-        kinematics: geometry.kinematics,
+        kinematics: Arc::new(geometry.kinematics),
         model: geometry.model,
         direction: geometry.direction,
         length_scale: geometry.length_scale,

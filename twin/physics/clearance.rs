@@ -30,7 +30,7 @@ pub struct Clearance {
 ///
 /// No pair is measured again as long as it cannot have come nearer than the nearest one: between two poses no point of a link goes
 /// farther than its frame shifts and turns it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ClearanceScan {
     model: Model,
     axis_count: usize,
@@ -46,7 +46,7 @@ pub struct ClearanceScan {
 }
 
 /// A part as it is measured.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Measured {
     part: Part,
     link: usize,

@@ -1,12 +1,17 @@
 //! What probes touch: probing moves of programs (RS274: G38.2 to G38.5) among the things around a machine.
 //!
-//! [`surroundings`] is the one place that says what is there. Every reading of a program on a machine has it
+//! [`around`] knows what is there: the machine file says it. Every reading of a program on a machine has it
 //! ([`crate::machine::ProgramConditions::rs274`]), so that check, run, limit, path and view see the same path.
 
-use crate::machine::Machine;
 use std::fmt;
 use twin_motion::path::ProbeTrip;
-use twin_motion::rs274::{Position, ProbePath, ProbeTarget, Surroundings};
+use twin_motion::rs274::{Position, ProbePath, ProbeTarget};
+
+mod around;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use around::surroundings;
 
 /// Nearer than this is touching, m: the rounding of distances.
 const TOUCH: f64 = 1e-8;
@@ -26,15 +31,9 @@ const LONGEST_STEP: f64 = 1e-3;
 /// A move is looked at in no more places than this on the way to its trip.
 const MOST_STEPS: f64 = 1e6;
 
-/// What a probe can touch on `machine`. Nobody has looked around one yet, so that probing moves go to their ends, with a
-/// warning; whoever does hands out an [`Approach`] here.
-pub(crate) fn surroundings(_machine: &Machine) -> Option<Surroundings> {
-    None
-}
-
 /// How near a machine is to what its probe could touch.
 pub trait Clearance: fmt::Debug {
-    /// The distance with the tool at `at` (the frame of the path: that of the program's `[work_frame]`), m; 0 or less
+    /// The distance with the tip of the tool at `at` (the frame of the path: that of the program's `[work_frame]`), m; 0 or less
     /// where it touches. None where the machine cannot be, or where nothing is known.
     fn at(&mut self, at: &Position) -> Option<f64>;
 }
@@ -61,7 +60,7 @@ impl<C: Clearance> ProbeTarget for Approach<C> {
             ProbeTrip::Touch => distance <= TOUCH,
             ProbeTrip::Release => distance > RELEASE,
         };
-        let mut distance = self.clearance.at(&path.start)?;
+        let mut distance = self.clearance.at(&between(path, 0.0))?;
         if tripped(distance) {
             return Some(0.0);
         }
@@ -109,7 +108,7 @@ fn length(path: &ProbePath) -> f64 {
     linear.max(norm(path.start.rotary, path.end.rotary) * 1e-3)
 }
 
-/// Where all axes are at `part` of a move.
+/// Where the tip of the tool is at `part` of a move.
 fn between(path: &ProbePath, part: f64) -> Position {
     let of = |from: [f64; 3], to: [f64; 3]| {
         let mut at = from;
@@ -118,11 +117,9 @@ fn between(path: &ProbePath, part: f64) -> Position {
         }
         at
     };
-    Position {
-        linear: of(path.start.linear, path.end.linear),
-        rotary: of(path.start.rotary, path.end.rotary),
+    let mut linear = of(path.start.linear, path.end.linear);
+    for (tip, point) in linear.iter_mut().zip(path.point_from_tip) {
+        *tip -= point;
     }
+    Position { linear, rotary: of(path.start.rotary, path.end.rotary) }
 }
-
-#[cfg(test)]
-mod tests;
