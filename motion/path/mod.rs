@@ -248,6 +248,11 @@ pub enum ElementKind {
 }
 
 impl ElementKind {
+    /// Whether it ends where a probe trips.
+    pub const fn is_probe(self) -> bool {
+        matches!(self, Self::Probe { .. })
+    }
+
     /// True if there is a path to travel.
     pub const fn is_motion(self) -> bool {
         matches!(self, Self::Rapid | Self::Cut | Self::Probe { .. })

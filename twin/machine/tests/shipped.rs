@@ -145,6 +145,7 @@ fn transform_chain_urdf_and_bodies_agree() {
                 m_call: None,
                 path_velocity: 0.0,
                 feed: None,
+                probing: false,
             };
             twin.command(&setpoint).unwrap();
             let measured = twin.feedback().unwrap().unwrap().position;
