@@ -1,4 +1,5 @@
-//! What dry friction does: what moves is opposed, what stands is held or breaks away.
+//! What dry friction does: what moves is opposed, what stands is held or breaks away; and where a step has to end because another law
+//! holds from there on: where something stops, or teeth with play between them meet or part.
 //!
 //! Of all forces within ± the dry friction of axes that stand, those are taken that leave as little motion as they can by the end
 //! of the step, as Moreau and Stewart–Trinkle do (projected Gauss–Seidel on the velocities an explicit step predicts). What is left

@@ -56,6 +56,8 @@ pub(super) struct RapierWorld {
     around: Option<Around>,
     /// How far was looked, m.
     reach: f64,
+    /// Whether the tool is a probe at work, which gives way.
+    pub(super) probing: bool,
 }
 
 impl std::fmt::Debug for RapierWorld {
@@ -135,6 +137,7 @@ impl RapierWorld {
             posed: Posed::of(model, equation),
             around: None,
             reach: REACH,
+            probing: false,
         };
         result.follow(position)?;
         Ok(result)
@@ -235,6 +238,10 @@ impl RapierWorld {
             else {
                 continue;
             };
+            let parts = [pairs.part(one_part), pairs.part(other_part)];
+            if self.probing && parts.contains(&Some(Part::Tool)) {
+                continue;
+            }
             for manifold in pair.manifolds() {
                 let place = |collider: &rapier3d_f64::geometry::Collider, part: Option<_>| {
                     let within = collider.position_wrt_parent().copied().unwrap_or_default();

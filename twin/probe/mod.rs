@@ -8,10 +8,14 @@ use twin_motion::path::ProbeTrip;
 use twin_motion::rs274::{Position, ProbePath, ProbeTarget};
 
 mod around;
+mod axis;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod vice_tests;
 
 pub(crate) use around::surroundings;
+pub use axis::{AxisProbe, AxisProbeEnd};
 
 /// Nearer than this is touching, m: the rounding of distances.
 const TOUCH: f64 = 1e-8;
