@@ -68,14 +68,11 @@ impl Way {
             self.found.least = Some(now);
         }
         let room = self.found.blocks.len() < MOST_BLOCKS;
-        match self.found.blocks.last_mut() {
-            Some(block) if block.place == place => {
-                if is_nearer(block) {
-                    *block = now;
-                }
-            }
-            _ if room => self.found.blocks.push(now),
-            _ => {}
+        let block = self.found.blocks.last_mut().filter(|block| block.place == place);
+        match block {
+            Some(block) if is_nearer(block) => *block = now,
+            Some(_) => {}
+            None => self.found.blocks.extend(room.then_some(now)),
         }
         let by_tool = nearest.parts.contains(&Part::Tool);
         self.probes |= setpoint.probing;
