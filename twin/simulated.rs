@@ -4,8 +4,8 @@ use crate::machine::{
     Collision, FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError,
 };
 use crate::physics::{
-    self, ClearanceScan, Contact, EventKind, Fault, MotorState, PhysicsError, PhysicsEvent,
-    PhysicsMachine, axis_inertia,
+    self, ClearanceScan, Contact, EventKind, Fault, MotorState, Part, PhysicsError, PhysicsEvent,
+    PhysicsMachine, YieldingTool, axis_inertia,
 };
 use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeTouch};
 use crate::setpoint::AxisSetpoint;
@@ -18,6 +18,9 @@ const MOST_HAPPENINGS: usize = 1000;
 
 /// Nearer than this a probe touches, m: what it takes to switch. The path ends where nothing is left between.
 const TOUCH: f64 = 1e-6;
+
+/// How far a probe may go into what it has touched before it counts as a tool again, m.
+const OVERTRAVEL: f64 = 1e-3;
 
 /// Cycles in which a blow has come to its largest force.
 const STOPPING: u32 = 20;
@@ -42,9 +45,8 @@ pub struct Simulated {
 #[derive(Debug)]
 struct Probe {
     scan: ClearanceScan,
-    /// It has been at work, and has not come free of what it touched.
-    at_work: bool,
-    touches: bool,
+    /// What it has touched and not come free of.
+    touches: Option<[Part; 2]>,
 }
 
 /// What happened, by line, axis and kind.
@@ -79,7 +81,7 @@ impl Simulated {
         if let Some(Collision { surroundings, .. }) = &machine.collision {
             physics.insert_surroundings(surroundings)?;
             let scan = ClearanceScan::of_tool(&machine.model, machine.axes.len(), surroundings)?;
-            probe = Some(Probe { scan, at_work: false, touches: false });
+            probe = Some(Probe { scan, touches: None });
         }
         Ok(Self {
             physics,
@@ -114,28 +116,42 @@ impl Simulated {
 
     /// One cycle towards `motion`, with a tool that gives way to what it touches.
     pub(crate) fn probe_towards(&mut self, motion: &AxisMotion) -> Result<(), PhysicsError> {
-        if let Some(probe) = &mut self.probe {
-            probe.at_work = true;
-        }
-        self.physics.set_probing(true);
+        self.physics.set_yielding(YieldingTool::Always);
         self.physics.step(motion)?;
-        Ok(())
+        self.run_into(Place::default())?;
+        let switch = self.physics.take_events().into_iter().find_map(|event| match event.kind {
+            EventKind::LimitSwitch(side) => {
+                Some(PhysicsError::LimitSwitch { axis: event.axis, side })
+            }
+            _ => None,
+        });
+        switch.map_or(Ok(()), Err)
     }
 
-    /// What the probe feels where the axes are. It is stiff again when it is at work no more and has come free.
+    /// What the probe feels where the axes are. When it is at work no more it gives way to what it touched alone, and is stiff when it
+    /// has come free of that, or has gone too far into it.
     fn feel(&mut self, setpoint: &AxisSetpoint, position: &AxisVector) -> Result<(), PhysicsError> {
-        let Some(probe) = self.probe.as_mut().filter(|probe| probe.at_work) else { return Ok(()) };
-        let nearest = probe.scan.nearest(position)?;
-        let touches = nearest.is_some_and(|nearest| nearest.distance <= TOUCH);
-        let before = std::mem::replace(&mut probe.touches, touches);
+        let Some(probe) = &mut self.probe else { return Ok(()) };
         if setpoint.probing {
-            if touches && !before {
+            let nearest = probe.scan.nearest(position)?;
+            let touched = nearest.filter(|nearest| nearest.distance <= TOUCH);
+            let touched = touched.map(|nearest| nearest.parts);
+            if touched.is_some() && probe.touches.is_none() {
                 let touch = ProbeTouch { place: setpoint.place, position: *position };
                 self.happened.touches.push(touch);
             }
-        } else if !touches {
-            probe.at_work = false;
-            self.physics.set_probing(false);
+            probe.touches = touched;
+            self.physics.set_yielding(YieldingTool::Always);
+        } else if let Some([one, other]) = probe.touches {
+            let distance = probe.scan.between([one, other], position)?;
+            let touches =
+                distance.is_some_and(|distance| (-OVERTRAVEL..=TOUCH).contains(&distance));
+            let part = if one == Part::Tool { other } else { one };
+            let yielding = if touches { YieldingTool::To(part) } else { YieldingTool::Never };
+            self.physics.set_yielding(yielding);
+            probe.touches = touches.then_some([one, other]);
+        } else {
+            self.physics.set_yielding(YieldingTool::Never);
         }
         Ok(())
     }
@@ -242,9 +258,8 @@ impl Plant for Simulated {
     fn command(&mut self, setpoint: &AxisSetpoint) -> Result<(), PhysicsError> {
         self.fail(setpoint);
         // The machine stands at the first set-point: it is where the others start from.
-        if let Some(probe) = self.probe.as_mut().filter(|_| setpoint.probing) {
-            probe.at_work = true;
-            self.physics.set_probing(true);
+        if self.probe.is_some() && setpoint.probing {
+            self.physics.set_yielding(YieldingTool::Always);
         }
         let position = if self.begun {
             self.physics.step(&setpoint.axes)?.position

@@ -50,13 +50,14 @@ fn what_is_in_the_way_is_told_with_its_line() {
     assert_eq!(clearance["between"], serde_json::json!(["the tool", "fixed jaw"]));
     assert_eq!(clearance["line"], 6);
     let findings = report["findings"].as_array().expect("a list");
-    let hit = findings.iter().find(|one| one["rule"] == "collision").expect("a collision");
-    assert_eq!((&hit["unit"], &hit["line"]), (&"N".into(), &6.into()), "{hit}");
+    let is_hit = |one: &&Value| one["rule"] == "collision" && one["unit"] == "N";
+    let hit = findings.iter().find(is_hit).expect("a blow");
+    assert_eq!(hit["line"], 6, "{hit}");
     // What moves along Y weighs 13.5 kg with its rotor and stops from 20 mm/s in a millisecond.
     assert!(number(&hit["value"]) > 13.5 * 0.02 / 1e-3, "{hit}");
 }
 
-/// Command 40: the stock's top is at Z0, where the axis is at 60; braking takes v²/2a = 5 mm/s ² / 200 mm/s².
+/// Command 40: the stock's top is at Z0, where the axis is at 60; from 5 mm/s with 100 mm/s² it comes to rest 0.125 mm further.
 #[test]
 fn an_axis_probes() {
     let desk = desk();

@@ -1,6 +1,7 @@
 //! Findings of one program, bounded in number.
 
 use crate::finding::{Finding, Rule, Severity};
+use crate::physics::Part;
 use std::collections::{BTreeMap, VecDeque};
 
 /// Findings beyond this number of each severity are counted, not kept: a program that is wrong on every one of ten
@@ -11,9 +12,20 @@ pub(super) const MAX_FINDINGS: usize = 1000;
 /// line.
 const REMEMBERED: usize = 64;
 
-/// What makes a finding one finding: line, rule, axis and column. Later ones that agree in this only raise its value
+/// What a finding is about, beside its line and rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum About {
+    /// An axis, in machine-file order.
+    Axis(usize),
+    /// Two parts.
+    Parts([Part; 2]),
+    /// The simulated machine, where the plan has a finding of its own.
+    Simulated,
+}
+
+/// What makes a finding one finding: line, rule, what it is about and column. Later ones that agree in this only raise its value
 /// and lower its feed.
-type Key = (u32, Rule, Option<usize>, Option<usize>);
+type Key = (u32, Rule, Option<About>, Option<usize>);
 
 /// Findings, bounded in number. Each severity has room of its own, so that no number of warnings hides an error.
 #[derive(Debug, Default)]
@@ -24,9 +36,9 @@ pub(super) struct Findings {
 }
 
 impl Findings {
-    pub(super) fn add(&mut self, axis: Option<usize>, finding: Finding) {
+    pub(super) fn add(&mut self, about: Option<About>, finding: Finding) {
         let column = finding.columns.as_ref().map(|columns| columns.start);
-        let key = (finding.line, finding.rule, axis, column);
+        let key = (finding.line, finding.rule, about, column);
         let severity = finding.severity;
         let kept = self.kept.entry(severity).or_default();
         if let Some(kept) = kept.get_mut(&key) {

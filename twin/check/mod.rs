@@ -23,11 +23,11 @@ use crate::plant::PlantRecord;
 use crate::program::{ProgramFile, ProgramItem};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
-use findings::Findings;
+use findings::{About, Findings};
 pub use options::{CheckFailure, CheckOptions};
 use rehearsal::Rehearsal;
 pub(crate) use sentence::{beyond_position, unreachable};
-use twin_kinematics::{AxisSource, AxisVector, Kinematics, MAX_AXES};
+use twin_kinematics::{AxisSource, AxisVector, Kinematics};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
 use twin_motion::path::EXTRA_AXES;
@@ -130,15 +130,14 @@ pub fn check(
     }
     let record = rehearsal.map(Rehearsal::into_record).unwrap_or_default();
     for blow in &record.blows {
-        checker.findings.add(None, sentence::ran_into(machine, blow));
+        checker.findings.add(Some(About::Simulated), sentence::ran_into(machine, blow));
     }
-    // Beside where they touch by plan.
     for touch in record.touches.iter().filter_map(|touch| sentence::touched(machine, touch)) {
-        checker.findings.add(Some(MAX_AXES), touch);
+        checker.findings.add(Some(About::Simulated), touch);
     }
     for happening in &record.happenings {
         if let Some(finding) = sentence::happened(machine, happening) {
-            checker.findings.add(Some(happening.axis), finding);
+            checker.findings.add(Some(About::Axis(happening.axis)), finding);
         }
     }
     let mut outcome = checker.finish();
@@ -215,7 +214,7 @@ impl<'m> Checker<'m> {
             let now = Instant::of(&setpoint, index);
             let turns = with_path && machine.kinematics.is_rotary(index);
             let before = last.as_ref().map(|last| Instant::of(last, index));
-            let mut report = |finding| self.findings.add(Some(index), finding);
+            let mut report = |finding| self.findings.add(Some(About::Axis(index)), finding);
             let [low, high] = peak.position.unwrap_or([now.position; 2]);
             peak.position = Some([low.min(now.position), high.max(now.position)]);
             if let Some(finding) = sentence::beyond_position(axis, tool.place, now.position) {
@@ -284,7 +283,7 @@ impl<'m> Checker<'m> {
             peak.following_error.get_or_insert(Peak::default()).include(error, setpoint.place);
             if let Some(limit) = axis.max_following_error.filter(|limit| exceeds(error, *limit)) {
                 let finding = sentence::too_far(axis, setpoint.place, error, limit);
-                self.findings.add(Some(index), finding);
+                self.findings.add(Some(About::Axis(index)), finding);
             }
         }
     }

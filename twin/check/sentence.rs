@@ -161,7 +161,7 @@ pub(super) fn in_the_way(machine: &Machine, place: Place, found: &Clearance) -> 
         y * 1e3,
         z * 1e3
     );
-    Finding::error(Rule::Collision, place, message).with_value(depth, 0.0, "mm")
+    Finding::error(Rule::Collision, place, message).with_value(-depth, 0.0, "mm")
 }
 
 /// Two parts nearer to each other than is wanted (m).
@@ -179,11 +179,12 @@ pub(super) fn ran_into(machine: &Machine, blow: &Blow) -> Finding {
     let Blow { place, parts, speed, force } = *blow;
     let [one, other] = parts.map(|part| machine.part_name(part));
     let message = format!(
-        "{one} ran into {other} with {:.1} mm/s in the simulated machine: {} until it stood",
+        "{one} ran into {other} with {:.1} mm/s in the simulated machine: up to {} until it stood, mean over a millisecond",
         speed * 1e3,
         in_newtons(force)
     );
-    Finding::error(Rule::Collision, place, message).with_value(force, 0.0, "N")
+    let finding = Finding::error(Rule::Collision, place, message);
+    Finding { value: Some(force), unit: Some("N"), ..finding }
 }
 
 /// A probe that touched something in the simulated machine.

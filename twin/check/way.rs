@@ -1,6 +1,6 @@
 //! What is in the way of the machine.
 
-use super::findings::Findings;
+use super::findings::{About, Findings};
 use super::sentence;
 use crate::machine::{Machine, SimulationError};
 use crate::physics::{Clearance, ClearanceScan, Part};
@@ -39,8 +39,10 @@ pub(super) struct Way {
     scan: ClearanceScan,
     /// Nearer than this is told, m.
     wanted: f64,
-    /// The tool is a probe that may touch what it touches until it has come free.
-    probes: bool,
+    /// What a probe has touched and not come away from.
+    touched: Option<[Part; 2]>,
+    /// Workspace: what is nearer than is wanted.
+    near: Vec<Clearance>,
     found: Clearances,
 }
 
@@ -50,7 +52,13 @@ impl Way {
         let scan = machine.clearance_scan();
         let scan = scan.map_err(|error| SimulationError::of(machine, error))?;
         let wanted = machine.collision.as_ref().map_or(0.0, |collision| collision.clearance);
-        Ok(scan.map(|scan| Self { scan, wanted, probes: false, found: Clearances::default() }))
+        Ok(scan.map(|scan| Self {
+            scan,
+            wanted,
+            touched: None,
+            near: Vec::new(),
+            found: Clearances::default(),
+        }))
     }
 
     pub(super) fn look(
@@ -74,14 +82,30 @@ impl Way {
             Some(_) => {}
             None => self.found.blocks.extend(room.then_some(now)),
         }
-        let by_tool = nearest.parts.contains(&Part::Tool);
-        self.probes |= setpoint.probing;
-        if self.probes && by_tool {
-            self.probes = setpoint.probing || nearest.distance < self.wanted.max(TOUCHING);
-        } else if nearest.distance < -TOUCHING {
-            findings.add(None, sentence::in_the_way(machine, place, &nearest));
-        } else if nearest.distance < self.wanted {
-            findings.add(None, sentence::too_near(machine, place, &nearest, self.wanted));
+        if self
+            .scan
+            .nearer_than(self.wanted.max(0.0), &setpoint.axes.position, &mut self.near)
+            .is_err()
+        {
+            return;
+        }
+        // What a probe has touched it may be near to until it has come away from it.
+        if setpoint.probing {
+            let is_touched =
+                |one: &&Clearance| one.parts.contains(&Part::Tool) && one.distance <= TOUCHING;
+            self.touched = self.near.iter().find(is_touched).map(|one| one.parts);
+        } else {
+            self.touched =
+                self.touched.filter(|parts| self.near.iter().any(|one| one.parts == *parts));
+        }
+        for one in &self.near {
+            let is_probe = setpoint.probing && one.parts.contains(&Part::Tool);
+            let about = Some(About::Parts(one.parts));
+            if one.distance < -TOUCHING {
+                findings.add(about, sentence::in_the_way(machine, place, one));
+            } else if !(is_probe || self.touched == Some(one.parts)) && one.distance < self.wanted {
+                findings.add(about, sentence::too_near(machine, place, one, self.wanted));
+            }
         }
     }
 

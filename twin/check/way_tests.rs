@@ -36,7 +36,7 @@ fn depth_and_line_are_told() {
     let outcome = checked(VICE, &slot(-12.0), false);
     let [hit] = collisions(&outcome, Severity::Error)[..] else { panic!("{outcome:#?}") };
     assert_eq!((hit.line, hit.unit), (5, Some("mm")));
-    assert!((hit.value.unwrap() - 2.0).abs() < 1e-6, "{hit:?}");
+    assert!((hit.value.unwrap() + 2.0).abs() < 1e-6, "{hit:?}");
     assert!(hit.message.starts_with("the tool is 2.000 mm deep in fixed jaw, at X 25"), "{hit:?}");
     let least = outcome.clearances.least.unwrap();
     assert_eq!(least.place.line, 5);
@@ -67,7 +67,7 @@ fn a_holder_must_not_touch_the_stock() {
     let hits = collisions(&outcome, Severity::Error);
     assert!(!hits.is_empty() && hits.iter().all(|hit| hit.message.starts_with("holder is ")));
     // In the last cycle of its line it has not quite come down.
-    assert!((hits[0].value.unwrap() - 2.0).abs() < 1e-3, "{hits:?}");
+    assert!((hits[0].value.unwrap() + 2.0).abs() < 1e-3, "{hits:?}");
     assert!(checked(VICE, &deep.replace("-37", "-32"), false).findings.is_empty());
 }
 
@@ -75,8 +75,12 @@ fn a_holder_must_not_touch_the_stock() {
 #[test]
 fn a_crash_is_told_with_its_force() {
     let outcome = checked(VICE, &slot(-12.0), true);
-    let [hit] = collisions(&outcome, Severity::Error)[..] else { panic!("{outcome:#?}") };
-    assert_eq!((hit.line, hit.unit), (5, Some("N")));
+    // Beside what the plan would do.
+    let hits = collisions(&outcome, Severity::Error);
+    let [hit] = hits.iter().filter(|hit| hit.unit == Some("N")).collect::<Vec<_>>()[..] else {
+        panic!("{outcome:#?}")
+    };
+    assert_eq!((hits.len(), hit.line), (2, 5));
     // 900 mm/min.
     assert!(hit.message.contains("the tool ran into fixed jaw with 15.0 mm/s"), "{hit:?}");
     // What moves along Y (13.5 kg with its rotor) stops in a millisecond, and its motor has 400 N.

@@ -198,7 +198,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
     root.check_unknown();
 
     let geometry = geometry?;
-    let collision = collision.map(|entries| entries.of(root, &geometry.model));
+    let collision = collision.map(|entries| entries.of(root, &geometry.model, mounted.tip.z < 0.0));
     let mut machine = Machine {
         path: path.to_owned(),
         name: name?.to_owned(),

@@ -17,6 +17,9 @@ const PLACE_MM: RangeInclusive<f64> = -1e5..=1e5;
 /// What a factor of a mesh's coordinates may be.
 const SCALE: RangeInclusive<f64> = 1e-6..=1e6;
 
+/// What `leave_out` calls the tool.
+const TOOL: &str = "tool";
+
 /// What is looked for in the way of a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collision {
@@ -136,21 +139,42 @@ fn shape(section: &Section<'_>, file: &Path) -> Option<SolidShape> {
             let mesh = mesh.map_err(|error| {
                 section.complain_at("file", format!("{}: {error}", path.display()));
             });
+            let (mesh, scale) = (mesh.ok()?, Vector3::repeat(scale * 1e-3));
+            let [low, high] = mesh.bounds(&scale);
+            let farthest = low.coords.abs().sup(&high.coords.abs()).max() * 1e3;
+            if !(PLACE_MM.contains(&farthest) && SIZE_MM.contains(&((high - low).max() * 1e3))) {
+                let message = format!(
+                    "{} goes to {farthest} mm from its origin; bodies are {} to {} mm large",
+                    path.display(),
+                    SIZE_MM.start(),
+                    SIZE_MM.end()
+                );
+                section.complain_at("file", message);
+                return None;
+            }
             // What drawings are in, as everything else here.
-            SolidShape::Mesh { mesh: Arc::new(mesh.ok()?), scale: Vector3::repeat(scale * 1e-3) }
+            SolidShape::Mesh { mesh: Arc::new(mesh), scale }
         }
     })
 }
 
 impl Entries {
     /// The same for the machine `model`, with what may be in each other because it is so where the machine is at rest.
-    pub(super) fn of(self, root: &Section<'_>, model: &Model) -> Collision {
+    pub(super) fn of(self, root: &Section<'_>, model: &Model, has_tool: bool) -> Collision {
+        let is_taken =
+            |name: &str| name == TOOL || model.links.iter().any(|link| link.name == name);
+        for taken in self.obstacles.iter().filter(|one| is_taken(&one.name)) {
+            root.complain(format!(
+                "an obstacle is called \"{}\", as a link or the tool is",
+                taken.name
+            ));
+        }
         let mut left_out = Vec::new();
         for (names, span) in self.left_out {
             let part = |name: &String| {
                 let link = model.links.iter().position(|link| link.name == *name);
                 let obstacle = self.obstacles.iter().position(|one| one.name == *name);
-                let tool = (name == "tool").then_some(Part::Tool);
+                let tool = (name == TOOL).then_some(Part::Tool);
                 tool.or(link.map(Part::Link)).or(obstacle.map(Part::Obstacle))
             };
             let [one, other] = names.each_ref().map(part);
@@ -160,7 +184,7 @@ impl Entries {
             }
             let links = model.links.iter().map(|link| link.name.as_str());
             let obstacles = self.obstacles.iter().map(|one| one.name.as_str());
-            let known: Vec<_> = ["tool"].into_iter().chain(links).chain(obstacles).collect();
+            let known: Vec<_> = [TOOL].into_iter().chain(links).chain(obstacles).collect();
             for (name, _) in names.iter().zip([one, other]).filter(|(_, part)| part.is_none()) {
                 let message = format!(
                     "`leave_out` names \"{name}\", which is neither a link nor an obstacle; there are {}",
@@ -172,6 +196,7 @@ impl Entries {
         let surroundings = Surroundings {
             obstacles: self.obstacles,
             among_links: self.among_links,
+            has_tool,
             left_out,
             stiffness: self.stiffness,
         };

@@ -39,7 +39,7 @@ impl ClearanceScan {
         })
     }
 
-    /// Of the tool alone, among all that is around the machine: what a probe can find.
+    /// Of the tool alone, among all that is around the machine, stock included: what a probe can find.
     ///
     /// # Errors
     /// Those of [`Self::new`].
@@ -49,8 +49,11 @@ impl ClearanceScan {
         surroundings: &Surroundings,
     ) -> Result<Self, PhysicsError> {
         Self::with(model, axis_count, surroundings, |pairs, numbers| {
-            let [one, other] = numbers.map(|number| pairs.part(number));
-            one == Some(Part::Tool) && matches!(other, Some(Part::Obstacle(_)))
+            let [Some(one), Some(other)] = numbers.map(|number| pairs.part(number)) else {
+                return false;
+            };
+            let is_there = matches!(other, Part::Obstacle(_));
+            one == Part::Tool && is_there && !surroundings.names([one, other])
         })
     }
 
@@ -89,6 +92,53 @@ impl ClearanceScan {
         Ok(self.distances.nearest(&self.poses))
     }
 
+    /// The same with the tool shifted by `shift` (m, machine frame): one that hangs there in the place of that of the machine.
+    ///
+    /// # Errors
+    /// Those of [`Self::nearest`].
+    pub fn nearest_shifted(
+        &mut self,
+        axes: &AxisVector,
+        shift: &Vector3<f64>,
+    ) -> Result<Option<Clearance>, PhysicsError> {
+        let tip = self.model.tip.link;
+        self.go_and(axes, |poses| {
+            if let Some(pose) = poses.get_mut(tip) {
+                pose.translation.vector += shift;
+            }
+        })?;
+        Ok(self.distances.nearest(&self.poses))
+    }
+
+    /// Fills `found` with all pairs that are nearer than `distance` (m) with the axes at `axes` (m or rad).
+    ///
+    /// # Errors
+    /// Those of [`Self::nearest`].
+    pub fn nearer_than(
+        &mut self,
+        distance: f64,
+        axes: &AxisVector,
+        found: &mut Vec<Clearance>,
+    ) -> Result<(), PhysicsError> {
+        self.go(axes)?;
+        found.clear();
+        self.distances.nearer_than(distance, &self.poses, found);
+        Ok(())
+    }
+
+    /// How far two parts are apart with the axes at `axes` (m or rad); `None` if that is not looked at.
+    ///
+    /// # Errors
+    /// Those of [`Self::nearest`].
+    pub fn between(
+        &mut self,
+        parts: [Part; 2],
+        axes: &AxisVector,
+    ) -> Result<Option<f64>, PhysicsError> {
+        self.go(axes)?;
+        Ok(self.distances.between(parts, &self.poses))
+    }
+
     /// All pairs that are in each other with the axes at `axes` (m or rad).
     ///
     /// # Errors
@@ -99,8 +149,18 @@ impl ClearanceScan {
     }
 
     fn go(&mut self, axes: &AxisVector) -> Result<(), PhysicsError> {
+        self.go_and(axes, |_| ())
+    }
+
+    /// Lets the links go to where they are with the axes at `axes`, but for what is `changed`.
+    fn go_and(
+        &mut self,
+        axes: &AxisVector,
+        changed: impl FnOnce(&mut [Isometry3<f64>]),
+    ) -> Result<(), PhysicsError> {
         let position = checked(axes, self.axis_count, 0)?;
         self.posed.poses(&self.model, &position, &mut self.moved)?;
+        changed(&mut self.moved);
         self.distances.go(&self.poses, &self.moved);
         std::mem::swap(&mut self.poses, &mut self.moved);
         Ok(())

@@ -3,9 +3,13 @@
 //! Between two poses no point of a link goes farther than its frame shifts and turns it. So a pair that was so far apart needs not be
 //! measured again before both together have gone as far.
 
-use nalgebra::{Isometry3, Point3};
-use rapier3d_f64::geometry::SharedShape;
-use rapier3d_f64::parry::query::{ClosestPoints, closest_points, contact};
+use nalgebra::{Isometry3, Point3, Vector3};
+use rapier3d_f64::geometry::{Shape, SharedShape};
+use rapier3d_f64::math::Pose;
+use rapier3d_f64::parry::query::{
+    ClosestPoints, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher,
+    closest_points, contact,
+};
 use twin_urdf::Model;
 
 use super::error::PhysicsError;
@@ -13,6 +17,9 @@ use super::maths;
 use super::pairs::Pairs;
 use super::solids::{self, Placed};
 use super::surroundings::{Part, Surroundings};
+
+/// What counts as the depth of what is in each other nobody knows how deep, m: little, and enough to be told.
+const UNKNOWN_DEPTH: f64 = 1e-5;
 
 /// How near two parts are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +30,35 @@ pub struct Clearance {
     pub parts: [Part; 2],
     /// The nearest point of each, m, machine frame.
     pub points: [Point3<f64>; 2],
+}
+
+/// Two points of two parts that are near to each other, or in each other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Near {
+    /// Numbers of the parts.
+    pub(super) parts: [usize; 2],
+    /// The links in whose frames the points are.
+    links: [usize; 2],
+    /// Of each part, m.
+    points: [Point3<f64>; 2],
+    /// From the first part to the second, machine frame.
+    normal: Vector3<f64>,
+}
+
+impl Near {
+    /// How far they are apart along the normal with the links at `poses`, m; below 0: in each other.
+    pub(super) fn gap(&self, poses: &[Isometry3<f64>]) -> f64 {
+        let [first, second] = self.places(poses);
+        self.normal.dot(&(second - first))
+    }
+
+    /// Where the points are, m, machine frame.
+    pub(super) fn places(&self, poses: &[Isometry3<f64>]) -> [Point3<f64>; 2] {
+        let at =
+            |link: usize, point: &Point3<f64>| poses.get(link).map_or(*point, |pose| pose * point);
+        let ([one, other], [first, second]) = (self.links, &self.points);
+        [at(one, first), at(other, second)]
+    }
 }
 
 /// The parts of a machine and of what is around it, and what is known of their distances.
@@ -57,8 +93,7 @@ struct Pair {
 }
 
 impl Distances {
-    /// Of the pairs that are `wanted` among the parts of `pairs`. With `tip`, a machine without a tool has one that is nothing but its
-    /// tip.
+    /// Of the pairs that are `wanted` among the parts of `pairs`. A tool without a solid is nothing but its tip.
     ///
     /// # Errors
     /// [`PhysicsError::FlatMesh`].
@@ -68,7 +103,7 @@ impl Distances {
         pairs: &Pairs,
         wanted: impl Fn([usize; 2]) -> bool,
     ) -> Result<Self, PhysicsError> {
-        let tool = solids::tool(model);
+        let tool = solids::tool(model, surroundings);
         let mut radii = vec![0.0; model.links.len()];
         let mut parts = Vec::with_capacity(pairs.parts().len());
         for (part, link) in pairs.parts() {
@@ -174,6 +209,98 @@ impl Distances {
         found.filter(|found| found.distance < 0.0).map(|found| found.parts).collect()
     }
 
+    /// Adds to `found` where the two parts with these numbers touch, or would, if they came nearer by `reach` (m) with the links at
+    /// `poses`.
+    ///
+    /// Nothing is kept from one time to the next: parry would keep points and directions as long as bodies slip by less than a
+    /// millimetre, past an edge, too.
+    pub(super) fn contacts(
+        &self,
+        numbers: [usize; 2],
+        reach: f64,
+        poses: &[Isometry3<f64>],
+        found: &mut Vec<Near>,
+    ) {
+        let [Some(one), Some(other)] = numbers.map(|number| self.parts.get(number)) else { return };
+        let links = [one.link, other.link];
+        let [Some(here), Some(there)] = links.map(|link| poses.get(link)) else { return };
+        let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
+        for (a, b) in one.solids.iter().flat_map(|a| other.solids.iter().map(move |b| (a, b))) {
+            let placed = [here * a.pose, there * b.pose].map(|pose| maths::pose_to_rapier(&pose));
+            let from_one = placed[0].inv_mul(&placed[1]);
+            manifolds.clear();
+            let (dispatcher, mut workspace) = (DefaultQueryDispatcher, None);
+            let (a_shape, b_shape) = (&*a.shape, &*b.shape);
+            let _unsupported = dispatcher.contact_manifolds(
+                &from_one,
+                a_shape,
+                b_shape,
+                reach,
+                &mut manifolds,
+                &mut workspace,
+            );
+            let before = found.len();
+            for manifold in &manifolds {
+                let of = |part: Option<&Pose>| part.copied().unwrap_or_default();
+                let in_one = maths::pose_to_rapier(&a.pose) * of(manifold.subshape_pos1());
+                let in_other = maths::pose_to_rapier(&b.pose) * of(manifold.subshape_pos2());
+                let normal = maths::vector_from_rapier(in_one.rotation * manifold.local_n1);
+                let points = manifold.points.iter().map(|point| {
+                    [in_one * point.local_p1, in_other * point.local_p2]
+                        .map(|point| maths::vector_from_rapier(point).into())
+                });
+                let normal = here.rotation * normal;
+                found.extend(points.map(|points| Near { parts: numbers, links, points, normal }));
+            }
+            // Boxes that meet with their corners have no faces to meet with.
+            if found.len() == before
+                && let Some((_, points, normal)) = nearest_points(&placed, [a_shape, b_shape])
+                && let [first, second] = points
+                && (second - first).norm() <= reach
+            {
+                let points = [here.inverse() * first, there.inverse() * second];
+                found.push(Near { parts: numbers, links, points, normal });
+            }
+        }
+    }
+
+    /// Whether two parts are in each other with the links at `poses`.
+    pub(super) fn meet(&self, numbers: [usize; 2], poses: &[Isometry3<f64>]) -> bool {
+        self.measure(numbers, poses).is_some_and(|found| found.distance < 0.0)
+    }
+
+    /// How far the parts `parts` are apart with the links at `poses`; `None` if that is not looked at.
+    pub(super) fn between(&self, parts: [Part; 2], poses: &[Isometry3<f64>]) -> Option<f64> {
+        let is_it = |pair: &&Pair| {
+            let [one, other] = pair.parts.map(|number| self.parts.get(number).map(|it| it.part));
+            let [first, second] = parts.map(Some);
+            (one, other) == (first, second) || (other, one) == (first, second)
+        };
+        let pair = self.pairs.iter().find(is_it)?;
+        self.measure(pair.parts, poses).map(|found| found.distance)
+    }
+
+    /// Adds to `found` all pairs that are nearer than `distance` (m) with the links at `poses`.
+    pub(super) fn nearer_than(
+        &mut self,
+        distance: f64,
+        poses: &[Isometry3<f64>],
+        found: &mut Vec<Clearance>,
+    ) {
+        for index in 0..self.pairs.len() {
+            let Some(pair) = self.pairs.get(index).copied() else { break };
+            let gone = self.gone_by(&pair);
+            if pair.known - (gone - pair.gone) >= distance {
+                continue;
+            }
+            let Some(measured) = self.measure(pair.parts, poses) else { continue };
+            if let Some(slot) = self.pairs.get_mut(index) {
+                *slot = Pair { known: measured.distance, gone, ..pair };
+            }
+            found.extend((measured.distance < distance).then_some(measured));
+        }
+    }
+
     /// How far two parts are apart; `None` if that cannot be told.
     fn measure(&self, numbers: [usize; 2], poses: &[Isometry3<f64>]) -> Option<Clearance> {
         let [one, other] = numbers.map(|number| self.parts.get(number));
@@ -182,20 +309,42 @@ impl Distances {
         let (here, there) = (frame(one)?, frame(other)?);
         let pairs = one.solids.iter().flat_map(|a| other.solids.iter().map(move |b| (a, b)));
         let found = pairs.filter_map(|(a, b)| {
-            let poses = [here * a.pose, there * b.pose].map(|pose| maths::pose_to_rapier(&pose));
-            let [a_pose, b_pose] = &poses;
-            let (distance, points) =
-                match closest_points(a_pose, &*a.shape, b_pose, &*b.shape, f64::MAX).ok()? {
-                    ClosestPoints::WithinMargin(a, b) => ((b - a).length(), [a, b]),
-                    ClosestPoints::Disjoint => return None,
-                    ClosestPoints::Intersecting => {
-                        let deep = contact(a_pose, &*a.shape, b_pose, &*b.shape, 0.0).ok()??;
-                        (deep.dist.min(0.0), [deep.point1, deep.point2])
-                    }
-                };
-            let points = points.map(|point| maths::vector_from_rapier(point).into());
+            let placed = [here * a.pose, there * b.pose].map(|pose| maths::pose_to_rapier(&pose));
+            let (distance, points, _) = nearest_points(&placed, [&*a.shape, &*b.shape])?;
             Some(Clearance { distance, parts: [one.part, other.part], points })
         });
         found.min_by(|one, other| one.distance.total_cmp(&other.distance))
+    }
+}
+
+/// How far two shapes are apart (m; below 0 as deep in each other), their nearest points, and the direction from the first to the
+/// second, machine frame; `None` for shapes that cannot be measured.
+fn nearest_points(
+    [here, there]: &[Pose; 2],
+    [one, other]: [&dyn Shape; 2],
+) -> Option<(f64, [Point3<f64>; 2], Vector3<f64>)> {
+    let point = |point| Point3::from(maths::vector_from_rapier(point));
+    match closest_points(here, one, there, other, f64::MAX).ok()? {
+        ClosestPoints::WithinMargin(first, second) => {
+            let points = [point(first), point(second)];
+            let way = points[1] - points[0];
+            let normal = way.try_normalize(0.0).unwrap_or_else(Vector3::z);
+            Some((way.norm(), points, normal))
+        }
+        ClosestPoints::Disjoint => None,
+        ClosestPoints::Intersecting => {
+            let deep = contact(here, one, there, other, 0.0).ok().flatten();
+            Some(deep.map_or_else(
+                // In each other, and nobody knows how deep.
+                || {
+                    let middle = point(here.translation);
+                    (-UNKNOWN_DEPTH, [middle; 2], Vector3::z())
+                },
+                |deep| {
+                    let normal = maths::vector_from_rapier(deep.normal1);
+                    (deep.dist.min(0.0), [point(deep.point1), point(deep.point2)], normal)
+                },
+            ))
+        }
     }
 }

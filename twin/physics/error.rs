@@ -157,6 +157,11 @@ pub enum PhysicsError {
         /// N.
         force: f64,
     },
+    /// Nothing keeps apart what touches: an axis moves next to nothing against how stiff things are where they touch.
+    Contact {
+        /// Start of the cycle, ns.
+        time_ns: i64,
+    },
     /// The motion became infinite: the drive parameters make the loop unstable.
     Diverged {
         /// Start of the cycle, ns.
@@ -242,6 +247,9 @@ impl PhysicsError {
             Self::Collision { parts: [one, other], force } => {
                 format!("{} ran into {} with {force:.0} N", part(one), part(other))
             }
+            Self::Contact { time_ns } => format!(
+                "at {time_ns} ns nothing keeps apart what touches: it is too stiff for what an axis moves (stiffness_n_per_mm)"
+            ),
             Self::Diverged { time_ns } => {
                 format!("the motion of the machine diverged at {time_ns} ns")
             }
@@ -281,6 +289,7 @@ impl PhysicsError {
             | Self::FlatMesh { .. }
             | Self::Overlap { .. }
             | Self::Collision { .. }
+            | Self::Contact { .. }
             | Self::Diverged { .. } => self,
         }
     }

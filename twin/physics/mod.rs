@@ -81,7 +81,7 @@ pub use load::{MotorLoad, MotorState};
 pub use machine::{AxisState, PhysicsMachine};
 pub use noise::NoiseParameters;
 pub use snapshot::Snapshot;
-pub use surroundings::{Obstacle, ObstacleKind, Part, Surroundings};
+pub use surroundings::{Obstacle, ObstacleKind, Part, Surroundings, YieldingTool};
 pub use touch::{Collision, Contact};
 pub use transmission::ElasticTransmission;
 

@@ -11,8 +11,6 @@ pub(super) struct Pairs {
     parts: Vec<(Part, usize)>,
     /// One per pair, rows of `parts`.
     may_touch: Vec<bool>,
-    /// Pairs that are looked at.
-    near: Vec<[usize; 2]>,
 }
 
 impl Pairs {
@@ -40,7 +38,7 @@ impl Pairs {
             possible && !surroundings.leaves_out([*one, *other])
         });
         let may_touch = may_touch.collect();
-        Self { parts, may_touch, near: Vec::new() }
+        Self { parts, may_touch }
     }
 
     /// The parts by number, each with the link in whose frame it is.
@@ -54,21 +52,6 @@ impl Pairs {
 
     fn place(&self, one: usize, other: usize) -> Option<usize> {
         (other < self.parts.len()).then(|| one * self.parts.len() + other)
-    }
-
-    /// Pairs that are near to each other, of all that may touch: to be filled by whoever knows.
-    pub(super) fn near_mut(&mut self) -> &mut Vec<[usize; 2]> {
-        &mut self.near
-    }
-
-    /// Whether any pair is near to touching.
-    pub(super) fn any_near(&self) -> bool {
-        !self.near.is_empty()
-    }
-
-    /// Whether two parts of these numbers are.
-    pub(super) fn are_near(&self, one: usize, other: usize) -> bool {
-        self.near.contains(&[one.min(other), one.max(other)])
     }
 
     /// Whether two parts of these numbers may touch.
@@ -86,8 +69,8 @@ struct Groups {
 }
 
 impl Groups {
-    /// Links on fixed joints are one with their parents. A link without solids, as the crosses of universal joints are, is passed over:
-    /// what it joins is joined.
+    /// Links on fixed joints are one with their parents. Links without solids that move, as the crosses of universal joints, are passed
+    /// over: what they join is joined.
     fn of(model: &Model) -> Self {
         let mut group: Vec<usize> = (0..model.links.len()).collect();
         let find = |group: &[usize], link: usize| group.get(link).copied().unwrap_or(link);
@@ -106,29 +89,29 @@ impl Groups {
             }
         }
         joined.extend(model.loops.iter().map(|one| one.links));
-        let is_bare = |link: usize| {
-            model.links.get(link).is_some_and(|link| link.collision_solids().is_empty())
+        let mut joined: Vec<_> = joined
+            .into_iter()
+            .map(|pair: [usize; 2]| pair.map(|link| find(&group, link)))
+            .collect();
+        let is_bare = |one: usize| {
+            let mut links = model.links.iter().zip(&group).filter(|(_, group)| **group == one);
+            one != find(&group, 0) && links.all(|(link, _)| link.collision_solids().is_empty())
         };
-        // Around links without solids; as often as there may be such in a row.
-        for _ in 0..2 {
-            let known = joined.clone();
-            for [one, through] in known.iter().flat_map(|[a, b]| [[*a, *b], [*b, *a]]) {
-                if !is_bare(through) {
-                    continue;
-                }
-                for [other, _] in known
-                    .iter()
-                    .flat_map(|[a, b]| [[*a, *b], [*b, *a]])
-                    .filter(|[other, by]| *by == through && *other != one)
-                {
-                    if !joined.contains(&[one, other]) && !joined.contains(&[other, one]) {
-                        joined.push([one, other]);
+        // Around groups without solids, until nothing is new.
+        let mut known = 0;
+        while known < joined.len() {
+            known = joined.len();
+            let both = |[a, b]: [usize; 2]| [[a, b], [b, a]];
+            let ways: Vec<_> = joined.iter().copied().flat_map(both).collect();
+            for [one, through] in ways.iter().filter(|[_, through]| is_bare(*through)) {
+                let others = ways.iter().filter(|[by, other]| by == through && other != one);
+                for [_, other] in others {
+                    if !joined.contains(&[*one, *other]) && !joined.contains(&[*other, *one]) {
+                        joined.push([*one, *other]);
                     }
                 }
             }
         }
-        let joined = joined.into_iter().map(|pair| pair.map(|link| find(&group, link)));
-        let joined = joined.collect();
         Self { group, joined }
     }
 

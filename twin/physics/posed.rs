@@ -1,5 +1,5 @@
-//! Where the links of a machine are whose links go round in circles, or mimic others: rapier closes loops to a fraction of a micrometre only, and at ten
-//! times the cost.
+//! Where the links of a machine are with its axes anywhere: of trees, of those in which joints mimic others, and of tripods, whose links go
+//! round in circles.
 
 use nalgebra::Isometry3;
 use twin_urdf::{JointDrive, JointPositions, Model};
@@ -10,7 +10,7 @@ use super::error::PhysicsError;
 use super::passive::PassiveJoints;
 use super::tripod::TripodDynamics;
 
-/// The joints of a machine that rapier does not join.
+/// The joints of a machine, and how they are found.
 #[derive(Clone, Debug)]
 pub(super) struct Posed {
     axis_count: usize,

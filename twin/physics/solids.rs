@@ -21,7 +21,10 @@ const CONVEX: f64 = 1e-6;
 /// How far the tool tip may be from the surface of the solid that is the tool, m.
 const AT_TIP: f64 = 1e-6;
 
-/// How meshes are taken apart: into parts that go beyond their mesh by about a hundredth of its size at most, cutting anywhere.
+/// Corners times triangles of meshes that are asked whether they are convex; larger ones are taken apart, convex or not.
+const MOST_LOOKS: usize = 200_000_000;
+
+/// How meshes are taken apart: into parts that go beyond their mesh by a sixtieth of its size at most, cutting at every second place.
 const FINE: VHACDParameters = VHACDParameters {
     concavity: 1e-3,
     alpha: 0.05,
@@ -80,8 +83,11 @@ pub(super) fn placed(solid: &Solid) -> Option<Placed> {
     Some(Placed { shape, pose })
 }
 
-/// Which of the collision solids of the last link of `model` is the tool: the one the tip lies on.
-pub(super) fn tool(model: &Model) -> Option<usize> {
+/// Which of the collision solids of the last link of `model` is the tool, if it has one: the one the tip lies on.
+pub(super) fn tool(model: &Model, surroundings: &Surroundings) -> Option<usize> {
+    if !surroundings.has_tool {
+        return None;
+    }
     let tip = maths::point_to_rapier(&model.tip.point);
     let solids = model.links.get(model.tip.link)?.collision_solids();
     solids.iter().position(|solid| {
@@ -107,7 +113,9 @@ fn known_parts(mesh: &Arc<Mesh>, scale: &Vector3<f64>) -> Option<SharedShape> {
     if let Some((_, _, parts)) = lock().iter().find(is_it) {
         return parts.clone();
     }
-    let parts = convex_parts(mesh, scale);
+    // parry asserts what it expects of hulls, and files have any triangles.
+    let taken = std::panic::catch_unwind(|| convex_parts(mesh, scale));
+    let parts = taken.unwrap_or_default();
     let mut known = lock();
     known.retain(|(mesh, ..)| mesh.strong_count() > 0);
     known.push((Arc::downgrade(mesh), *scale, parts.clone()));
@@ -122,7 +130,8 @@ fn convex_parts(mesh: &Mesh, scale: &Vector3<f64>) -> Option<SharedShape> {
         .map(|vertex| maths::vector_to_rapier(&vertex.coords.component_mul(scale)))
         .collect();
     let whole = || hull(&vertices);
-    if is_convex(mesh, scale) {
+    let effort = vertices.len().saturating_mul(mesh.triangles().len());
+    if effort <= MOST_LOOKS && is_convex(mesh, scale) {
         return whole();
     }
     let [low, high] = mesh.bounds(scale);
@@ -131,6 +140,7 @@ fn convex_parts(mesh: &Mesh, scale: &Vector3<f64>) -> Option<SharedShape> {
     }
     let decomposition = VHACD::decompose(&FINE, &vertices, mesh.triangles(), true);
     let parts = decomposition.compute_primitive_intersections(&vertices, mesh.triangles());
+    // What has no volume has nothing that could be left out.
     let parts: Vec<_> =
         parts.iter().filter_map(|part| Some((Pose::IDENTITY, hull(part)?))).collect();
     match parts.as_slice() {

@@ -48,6 +48,32 @@ pub enum ObstacleKind {
     Stock,
 }
 
+/// What the tool gives way to, as a touch probe does to what it touches: there is no force between them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum YieldingTool {
+    /// Nothing.
+    #[default]
+    Never,
+    /// Everything.
+    Always,
+    /// One part alone.
+    To(Part),
+}
+
+impl YieldingTool {
+    /// Whether there is no force between the two.
+    pub(super) fn gives_way(self, parts: [Option<Part>; 2]) -> bool {
+        if !parts.contains(&Some(Part::Tool)) {
+            return false;
+        }
+        match self {
+            Self::Never => false,
+            Self::Always => true,
+            Self::To(part) => parts.contains(&Some(part)),
+        }
+    }
+}
+
 /// All that is around a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surroundings {
@@ -55,6 +81,8 @@ pub struct Surroundings {
     pub obstacles: Vec<Obstacle>,
     /// Whether links may touch each other. Links that a joint joins never do.
     pub among_links: bool,
+    /// Whether the solid of the last link that the tip lies on is a tool; it is a part of that link otherwise.
+    pub has_tool: bool,
     /// Pairs that are not looked at.
     pub left_out: Vec<[Part; 2]>,
     /// Force per depth at each point of contact, N/m.
@@ -66,6 +94,7 @@ impl Default for Surroundings {
         Self {
             obstacles: Vec::new(),
             among_links: true,
+            has_tool: true,
             left_out: Vec::new(),
             stiffness: Self::STIFFNESS,
         }
@@ -89,6 +118,11 @@ impl Surroundings {
         Self { obstacles: vec![floor], ..Self::default() }
     }
 
+    /// Whether the file says that the two are not looked at.
+    pub(super) fn names(&self, [one, other]: [Part; 2]) -> bool {
+        self.left_out.iter().any(|left| *left == [one, other] || *left == [other, one])
+    }
+
     /// Whether the two may not touch, as far as that is not a matter of joints.
     pub(super) fn leaves_out(&self, pair: [Part; 2]) -> bool {
         let [one, other] = pair;
@@ -99,8 +133,6 @@ impl Surroundings {
             Part::Link(_) | Part::Tool => false,
         };
         let cuts = |tool, work| tool == Part::Tool && stock(work);
-        cuts(one, other)
-            || cuts(other, one)
-            || self.left_out.iter().any(|left| *left == pair || *left == [other, one])
+        cuts(one, other) || cuts(other, one) || self.names(pair)
     }
 }

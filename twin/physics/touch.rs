@@ -5,7 +5,7 @@
 //! nothing pushes any more. Otherwise `contact` is asked twice:
 //!
 //! - for what lasts, a new τ: what keeps the forces of the step, v₁ − v₀ from its beginning on, from pressing anything into
-//!   anything. It has moved the axes by ½·h²·M⁻¹·τ.
+//!   anything. It moves the axes by ½·h²·M⁻¹·τ.
 //! - for all of it, blows included, which act from the beginning of the step on.
 //!
 //! So what presses against something in balance stays where it is, and what hits something comes to rest in a step or two.
@@ -14,12 +14,12 @@
 use nalgebra::Point3;
 
 use super::contact::{self, FreeStep, Row};
+use super::distances::Near;
 use super::dynamics::{JointMatrix, JointVector};
 use super::error::PhysicsError;
 use super::integrate::{JointState, MachineState};
 use super::machine::PhysicsMachine;
-use super::surroundings::{Part, Surroundings};
-use super::world::Near;
+use super::surroundings::{Part, Surroundings, YieldingTool};
 
 /// How far axes are moved to see how gaps open, m or rad: central differences of this are right to 1e-10.
 const NUDGE: f64 = 1e-6;
@@ -51,6 +51,17 @@ pub struct Collision {
     pub contact: Contact,
 }
 
+/// Parts of a step at which it is looked whether parts meet.
+const PLACES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
+
+/// Two parts that touch, by their numbers.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    parts: [usize; 2],
+    /// How deep they were in each other before they were known to touch, m.
+    depth: f64,
+}
+
 /// What goes on between the parts of a machine and what is around it.
 #[derive(Clone, Debug)]
 pub(super) struct Touch {
@@ -60,6 +71,8 @@ pub(super) struct Touch {
     contacts: Vec<Contact>,
     /// Those of the cycle before.
     before: Vec<Contact>,
+    /// Pairs that touched in the last step.
+    holding: Vec<Held>,
     collisions: Vec<Collision>,
     /// Workspaces.
     near: Vec<Near>,
@@ -73,6 +86,7 @@ impl Default for Touch {
             push: JointVector::zeros(),
             contacts: Vec::new(),
             before: Vec::new(),
+            holding: Vec::new(),
             collisions: Vec::new(),
             near: Vec::new(),
             rows: Vec::new(),
@@ -94,9 +108,9 @@ impl PhysicsMachine {
         self.world.insert(surroundings)
     }
 
-    /// Lets the tool give way to what it touches, as a touch probe does, or makes it stiff again.
-    pub fn set_probing(&mut self, probing: bool) {
-        self.world.probing = probing;
+    /// From now on the tool gives way to `yielding`.
+    pub fn set_yielding(&mut self, yielding: YieldingTool) {
+        self.world.yielding = yielding;
     }
 
     /// What touches what, after the last cycle.
@@ -125,6 +139,7 @@ impl PhysicsMachine {
         dt: f64,
     ) -> Result<MachineState, PhysicsError> {
         if self.touch.near.is_empty() && self.touch.push == JointVector::zeros() {
+            self.touch.holding.clear();
             return Ok(*free);
         }
         let near = std::mem::take(&mut self.touch.near);
@@ -151,17 +166,22 @@ impl PhysicsMachine {
         let (mut free, mut inertia) = (*pushed, None);
         if push != JointVector::zeros() {
             let matrix = self.equation.inertia(&pushed.position).ok_or(PhysicsError::Apart)?;
-            let faster = by_push(&matrix, &push)? * dt;
+            let unsolved = PhysicsError::Contact { time_ns: self.state.time_ns };
+            let faster = by_push(&matrix, &push).ok_or(unsolved)? * dt;
             free.velocity -= faster;
             free.position -= faster * (0.5 * dt);
             inertia = Some(matrix);
         }
-        let poses = self.world.poses_at(&free.position)?;
         let mut rows = std::mem::take(&mut self.touch.rows);
         rows.clear();
+        let poses = self.world.poses_at(&free.position)?;
         let opening = JointVector::zeros();
         rows.extend(near.iter().map(|near| Row { opening, gap: near.gap(poses) }));
+        if rows.iter().any(|row| row.gap < 0.0) {
+            self.confirm([from, &free], near, &mut rows)?;
+        }
         let end = if rows.iter().all(|row| row.gap >= 0.0) {
+            self.touch.holding.clear();
             Ok(free)
         } else {
             let known = inertia.or_else(|| self.equation.inertia(&free.position));
@@ -170,6 +190,49 @@ impl PhysicsMachine {
         };
         self.touch.rows = rows;
         end
+    }
+
+    /// Takes out of `rows` what only seems to be in something on the way from one state to another: a point of contact stands for a plane,
+    /// and bodies end at their edges. What was in something before it was known to touch it stays as deep.
+    fn confirm(
+        &mut self,
+        [from, free]: [&JointState; 2],
+        near: &[Near],
+        rows: &mut [Row],
+    ) -> Result<(), PhysicsError> {
+        let mut holding = std::mem::take(&mut self.touch.holding);
+        // What does not even seem to touch any more is let go.
+        holding.retain(|held| {
+            let mut points = near.iter().zip(rows.iter());
+            points.any(|(near, row)| near.parts == held.parts && row.gap < 0.0)
+        });
+        let seeming = near.iter().zip(rows.iter()).filter(|(_, row)| row.gap < 0.0);
+        let mut seeming: Vec<_> = seeming.map(|(near, _)| near.parts).collect();
+        seeming.dedup();
+        for parts in seeming {
+            if holding.iter().any(|held| held.parts == parts) {
+                continue;
+            }
+            let way = free.position - from.position;
+            let mut meets = false;
+            for part in PLACES {
+                meets = meets || self.world.meet(parts, &(from.position + way * part))?;
+            }
+            if meets {
+                let poses = self.world.poses_at(&from.position)?;
+                let points = near.iter().filter(|near| near.parts == parts);
+                let depth = points.map(|near| -near.gap(poses)).fold(0.0, f64::max);
+                holding.push(Held { parts, depth });
+            }
+        }
+        for (row, near) in rows.iter_mut().zip(near) {
+            match holding.iter().find(|held| held.parts == near.parts) {
+                Some(held) => row.gap += held.depth,
+                None => row.gap = f64::INFINITY,
+            }
+        }
+        self.touch.holding = holding;
+        Ok(())
     }
 
     /// Where the axes are instead of `free`, because of what is near.
@@ -182,22 +245,23 @@ impl PhysicsMachine {
     ) -> Result<JointState, PhysicsError> {
         self.open(free, near, rows)?;
         let stiffness = self.touch.stiffness;
+        let unsolved = PhysicsError::Contact { time_ns: self.state.time_ns };
         let by_forces = free.velocity - from.velocity;
         let touching = rows.iter().filter(|row| row.gap < 0.0);
         let still = |row: &Row| Row { gap: dt * row.opening.dot(&by_forces), ..*row };
         let touching: Vec<_> = touching.map(still).collect();
         let step = FreeStep { inertia, velocity: &by_forces, dt };
         let rigid = stiffness * RIGID;
-        let kept = contact::solve(&step, &touching, rigid).ok_or(PhysicsError::Apart)?;
+        let kept = contact::solve(&step, &touching, rigid).ok_or(unsolved)?;
         let push = efforts(&touching, &kept.forces);
-        let lasting = by_push(inertia, &push)? * (0.5 * dt * dt);
+        let lasting = by_push(inertia, &push).ok_or(unsolved)? * (0.5 * dt * dt);
         self.touch.push = push;
 
         for row in rows.iter_mut() {
             row.gap -= row.opening.dot(&lasting);
         }
         let step = FreeStep { inertia, velocity: &free.velocity, dt };
-        let touched = contact::solve(&step, rows, stiffness).ok_or(PhysicsError::Apart)?;
+        let touched = contact::solve(&step, rows, stiffness).ok_or(unsolved)?;
         for (near, (row, force)) in near.iter().zip(rows.iter().zip(&touched.forces)) {
             if *force > 0.0 {
                 let speed = -row.opening.dot(&from.velocity);
@@ -266,9 +330,9 @@ impl PhysicsMachine {
     }
 }
 
-/// The accelerations that `push` gives.
-fn by_push(inertia: &JointMatrix, push: &JointVector) -> Result<JointVector, PhysicsError> {
-    Ok(inertia.cholesky().ok_or(PhysicsError::Apart)?.solve(push))
+/// The accelerations that `push` gives; `None` if some axis moves no inertia.
+fn by_push(inertia: &JointMatrix, push: &JointVector) -> Option<JointVector> {
+    Some(inertia.cholesky()?.solve(push))
 }
 
 /// What `forces` at the points of `rows` are at the axes.

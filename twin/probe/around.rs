@@ -3,6 +3,7 @@
 use super::{Approach, Clearance};
 use crate::machine::{DirectionRule, Machine};
 use crate::physics::ClearanceScan;
+use nalgebra::Vector3;
 use std::sync::Arc;
 use twin_kinematics::{AxisSource, AxisVector, Kinematics, MachineAxes, Pose, WorkFrame};
 use twin_motion::rs274::{Position, Surroundings};
@@ -37,7 +38,7 @@ pub(crate) fn surroundings(machine: &Machine) -> Option<Surroundings> {
 }
 
 impl Clearance for Around {
-    fn at(&mut self, at: &Position) -> Option<f64> {
+    fn at(&mut self, at: &Position, point_from_tip: &[f64; 3]) -> Option<f64> {
         let rotary = |number: u8| at.rotary.get(usize::from(number)).copied().unwrap_or_default();
         let direction = match self.direction {
             DirectionRule::Additional(number, angle) => angle + rotary(number).to_radians(),
@@ -53,6 +54,8 @@ impl Clearance for Around {
             }
         }
         self.near = axes;
-        self.scan.nearest(&axes).ok()?.map(|nearest| nearest.distance)
+        // The tool in force hangs below the point that the axes move.
+        let shift = self.frame.machine_from_work() * Vector3::from(*point_from_tip);
+        self.scan.nearest_shifted(&axes, &-shift).ok()?.map(|nearest| nearest.distance)
     }
 }

@@ -50,15 +50,24 @@ impl AxisProbe {
     /// Carries it out on a machine at rest. The other axes stay where they are.
     ///
     /// # Errors
-    /// Whatever keeps the simulated machine from following; [`PhysicsError::Input`] for velocities and accelerations that are no
-    /// numbers.
+    /// Whatever keeps the simulated machine from following, what it runs into and limit switches included; [`PhysicsError::Input`] for an
+    /// axis that is not there, a stroke beyond its software limits, and velocities and rates that are not above 0.
     pub fn run(
         &self,
         machine: &Machine,
         simulated: &mut Simulated,
     ) -> Result<AxisProbeEnd, SimulationError> {
-        self.carried_out(seconds(machine.cycle_ns), simulated)
-            .map_err(|error| SimulationError::of(machine, error))
+        let refused = |error| SimulationError::of(machine, error);
+        let above = [self.velocity, self.acceleration, self.deceleration];
+        let from = simulated.physics().setpoint().position.get(self.axis).copied();
+        let limits = machine.axes.get(self.axis).map(|axis| axis.position_limits);
+        let reached = from
+            .zip(limits)
+            .is_some_and(|(from, [low, high])| (low..=high).contains(&(from + self.stroke)));
+        if !reached || !above.iter().all(|value| value.is_finite() && *value > 0.0) {
+            return Err(refused(PhysicsError::Input { time_ns: 0 }));
+        }
+        self.carried_out(seconds(machine.cycle_ns), simulated).map_err(refused)
     }
 
     fn carried_out(

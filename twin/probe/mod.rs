@@ -37,9 +37,10 @@ const MOST_STEPS: f64 = 1e6;
 
 /// How near a machine is to what its probe could touch.
 pub trait Clearance: fmt::Debug {
-    /// The distance with the tip of the tool at `at` (the frame of the path: that of the program's `[work_frame]`), m; 0 or less
-    /// where it touches. None where the machine cannot be, or where nothing is known.
-    fn at(&mut self, at: &Position) -> Option<f64>;
+    /// The distance with the point whose path it is at `at` (the frame of the path: that of the program's `[work_frame]`), m; 0 or
+    /// less where it touches. `point_from_tip` (m) is from the tip of the tool in force (G43) to that point. None where the machine
+    /// cannot be, or where nothing is known.
+    fn at(&mut self, at: &Position, point_from_tip: &[f64; 3]) -> Option<f64>;
 }
 
 /// Finds where a probing move trips by the distances along it.
@@ -60,11 +61,12 @@ impl<C: Clearance> Approach<C> {
 
 impl<C: Clearance> ProbeTarget for Approach<C> {
     fn trip(&mut self, path: &ProbePath) -> Option<f64> {
+        let tip = &path.point_from_tip;
         let tripped = |distance: f64| match path.trips {
             ProbeTrip::Touch => distance <= TOUCH,
             ProbeTrip::Release => distance > RELEASE,
         };
-        let mut distance = self.clearance.at(&between(path, 0.0))?;
+        let mut distance = self.clearance.at(&between(path, 0.0), tip)?;
         if tripped(distance) {
             return Some(0.0);
         }
@@ -81,7 +83,7 @@ impl<C: Clearance> ProbeTarget for Approach<C> {
                 ProbeTrip::Release => shortest,
             };
             let mut behind = (before + step / length).min(1.0);
-            distance = self.clearance.at(&between(path, behind))?;
+            distance = self.clearance.at(&between(path, behind), tip)?;
             if !tripped(distance) {
                 before = behind;
                 continue;
@@ -91,7 +93,7 @@ impl<C: Clearance> ProbeTarget for Approach<C> {
                 if middle <= before || middle >= behind {
                     break;
                 }
-                if tripped(self.clearance.at(&between(path, middle))?) {
+                if tripped(self.clearance.at(&between(path, middle), tip)?) {
                     behind = middle;
                 } else {
                     before = middle;
@@ -112,7 +114,7 @@ fn length(path: &ProbePath) -> f64 {
     linear.max(norm(path.start.rotary, path.end.rotary) * 1e-3)
 }
 
-/// Where the tip of the tool is at `part` of a move.
+/// Where all axes are at `part` of a move.
 fn between(path: &ProbePath, part: f64) -> Position {
     let of = |from: [f64; 3], to: [f64; 3]| {
         let mut at = from;
@@ -121,9 +123,6 @@ fn between(path: &ProbePath, part: f64) -> Position {
         }
         at
     };
-    let mut linear = of(path.start.linear, path.end.linear);
-    for (tip, point) in linear.iter_mut().zip(path.point_from_tip) {
-        *tip -= point;
-    }
+    let linear = of(path.start.linear, path.end.linear);
     Position { linear, rotary: of(path.start.rotary, path.end.rotary) }
 }

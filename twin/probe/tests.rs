@@ -22,7 +22,7 @@ struct Plane {
 }
 
 impl Clearance for Plane {
-    fn at(&mut self, at: &Position) -> Option<f64> {
+    fn at(&mut self, at: &Position, _: &[f64; 3]) -> Option<f64> {
         let [x, y, z] =
             std::array::from_fn(|axis| (at.linear[axis] - self.point[axis]) * self.normal[axis]);
         Some(x + y + z)
@@ -165,7 +165,7 @@ fn lines_meet_planes() {
 struct Nowhere;
 
 impl Clearance for Nowhere {
-    fn at(&mut self, _: &Position) -> Option<f64> {
+    fn at(&mut self, _: &Position, _: &[f64; 3]) -> Option<f64> {
         None
     }
 }
@@ -192,7 +192,7 @@ fn rotary_axes_alone() {
     #[derive(Debug)]
     struct Lift;
     impl Clearance for Lift {
-        fn at(&mut self, at: &Position) -> Option<f64> {
+        fn at(&mut self, at: &Position, _: &[f64; 3]) -> Option<f64> {
             Some((at.rotary[0] - 30.0) * 1e-3)
         }
     }

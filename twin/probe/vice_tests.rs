@@ -44,10 +44,80 @@ fn probes_stop_on_stock_and_jaws() {
         ] {
             assert!(said.contains(&expected), "{said:?}");
         }
-        let simulated: Vec<_> =
-            said.iter().filter(|one| one.2.starts_with("in the simulated")).collect();
-        assert_eq!(!simulated.is_empty(), physics, "{said:?}");
+        // Where the simulated machine is when it touches: as near as its drives follow (half a millimetre is allowed, and at
+        // 100 mm/min it is less than a hundredth).
+        let simulated = said.iter().filter(|one| one.2.starts_with("in the simulated"));
+        let simulated: Vec<_> = simulated.map(|one| (one.0, place(one.2))).collect();
+        if !physics {
+            assert!(simulated.is_empty(), "{said:?}");
+            continue;
+        }
+        let expected = [(3, [50.0, 30.0, 0.0]), (7, [50.0, -23.0, -20.0])];
+        assert_eq!(simulated.len(), expected.len(), "{said:?}");
+        for ((line, found), (wanted_line, wanted)) in simulated.iter().zip(expected) {
+            assert_eq!(*line, wanted_line, "{said:?}");
+            let near =
+                found.iter().zip(wanted).all(|(found, wanted)| (found - wanted).abs() < 0.011);
+            assert!(near, "{said:?}");
+        }
     }
+}
+
+/// What is behind X, Y and Z.
+fn place(text: &str) -> Vec<f64> {
+    let words: Vec<_> = text.split_whitespace().collect();
+    let behind = |letter: &str| {
+        let at = words.iter().position(|word| *word == letter).unwrap();
+        words[at + 1].parse().unwrap()
+    };
+    ["X", "Y", "Z"].map(behind).to_vec()
+}
+
+/// A touch is no leave to go on: through what was touched, or into something else with stock at the tool.
+#[test]
+fn a_probe_is_a_tool_again_when_it_has_touched() {
+    for (program, line) in [
+        ("G0 Z30\nG0 X50 Y-60\nG0 Z-20\nG38.2 Y10 F60\nG0 Y40\nG0 Z30\nM2\n", 5),
+        ("G0 Z30\nG0 X50 Y30\nG38.2 Z-20 F100\nG1 Z-12 F300\nG1 Y-40 F600\nG0 Z30\nM2\n", 5),
+    ] {
+        for physics in [false, true] {
+            let outcome = checked(program, physics);
+            let hit = |unit: &str| {
+                outcome.findings.iter().any(|one| {
+                    one.rule == Rule::Collision
+                        && one.severity == Severity::Error
+                        && one.line == line
+                        && one.unit == Some(unit)
+                })
+            };
+            assert!(hit("mm"), "{program}: {:#?}", outcome.findings);
+            assert_eq!(hit("N"), physics, "{program}: {:#?}", outcome.findings);
+        }
+    }
+}
+
+/// Without a tool of its own a machine probes with the tip of that of the tool table: G43 H1, 25 mm long.
+#[test]
+fn a_tool_of_the_table_probes_with_its_tip() {
+    let bare = VICE
+        .replace("length_mm = 60.0\n", "")
+        .replace("diameter_mm = 6.0  ", "# ")
+        .replace("holder_", "# ")
+        .replace("[rs274]", "[rs274]\ntool_table = \"tools.tbl\"");
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("tools.tbl"), "T1 P1 Z25 D6\n").unwrap();
+    let machine = Machine::parse(&folder.path().join("machine.toml"), &bare)
+        .unwrap_or_else(|problems| panic!("{problems:#?}"));
+    let path = folder.path().join("program.ngc");
+    std::fs::write(&path, "T1 M6\nG43 H1\nG0 Z55\nG0 X50 Y30\nG38.2 Z-20 F100\nM2\n").unwrap();
+    let program = ProgramFile::new(&path, Some(Dialect::Rs274), ReadSettings::default()).unwrap();
+    let outcome = check(&machine, &program, CheckOptions::default(), &mut |_| {}).unwrap();
+    // Z0 of the program is the stock's top.
+    let said: Vec<_> = outcome.findings.iter().map(|one| &*one.message).collect();
+    assert!(
+        said.iter().any(|one| one.starts_with("probe touches at X 50.000 Y 30.000 Z 25.000")),
+        "{said:?}"
+    );
 }
 
 #[test]

@@ -338,3 +338,103 @@ fn stock_is_for_the_tool_alone() {
     let nearest = probe.nearest(&start).unwrap().unwrap();
     assert_eq!(nearest.parts, [Part::Tool, Part::Obstacle(0)]);
 }
+
+/// A gantry whose quill carries `solid` in the place of the ball.
+fn carrying(solid: Solid) -> Model {
+    let mut model = gantry();
+    model.links[3].solids.push(solid);
+    model
+}
+
+/// What a quill may end in: a tool, a turned box, a mesh in one and in several parts.
+fn ends() -> [Solid; 4] {
+    let mesh = |mesh: Mesh, scale: f64| SolidShape::Mesh {
+        mesh: std::sync::Arc::new(mesh),
+        scale: Vector3::repeat(scale),
+    };
+    let mut turned = solid(SolidShape::Box { size: Vector3::new(0.03, 0.05, 0.04) }, [0.0; 3]);
+    turned.origin.rotation = nalgebra::UnitQuaternion::from_euler_angles(0.3, 0.5, 0.2);
+    [
+        solid(SolidShape::Cylinder { radius: 0.004, length: 0.06 }, [0.0, 0.0, 0.03]),
+        turned,
+        solid(mesh(tetrahedron(), 0.05), [-0.01, -0.01, 0.0]),
+        solid(mesh(bracket(), 1.0), [-0.02, -0.02, 0.0]),
+    ]
+}
+
+fn tetrahedron() -> Mesh {
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Point3::from);
+    let faces = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+    Mesh::new("corner.stl", corners.to_vec(), faces).unwrap()
+}
+
+/// What goes past an edge does not touch it, however near and however fast; what does not go past is stopped there.
+#[test]
+fn edges_end_where_they_are() {
+    for (kind, end) in ends().into_iter().enumerate() {
+        let model = carrying(end);
+        let block = around([("block", cuboid([0.3, -0.2, -0.2], [0.4, 0.2, 0.1]))]);
+        for speed in [0.02, 0.3, 2.0] {
+            for height in [2e-5, 2e-4, 5e-4, 1e-3, -1e-3] {
+                // As high above the block, from 20 mm before it on.
+                let mut scan = ClearanceScan::new(&model, 3, &block).unwrap();
+                let above = scan.nearest(&axes([0.3, 0.0, 0.2])).unwrap().unwrap();
+                let start = axes([0.17, 0.0, 0.2 - above.distance + height]);
+                let mut machine =
+                    PhysicsMachine::new(&model, &[SLACK; 3], Vector3::zeros(), &start, CYCLE_NS)
+                        .unwrap();
+                machine.insert_surroundings(&block).unwrap();
+                machine.start_moving(joints([speed, 0.0, 0.0]));
+                let mut way = 0.0;
+                while way < 0.3 && machine.contacts().is_empty() {
+                    machine.step_with_efforts(&axes([0.0; 3])).unwrap();
+                    way += speed * 1e-3;
+                }
+                let hit = !machine.take_collisions().is_empty();
+                assert_eq!(hit, height < 0.0, "{kind}: {height} m above the block, {speed} m/s");
+            }
+        }
+    }
+}
+
+/// Nothing comes through a plate, whatever it is that runs into it, and no blow makes it faster.
+#[test]
+fn crashes_of_all_shapes_end_at_the_plate() {
+    for (kind, end) in ends().into_iter().enumerate() {
+        let model = carrying(end);
+        let plate = around([("plate", cuboid([0.5, -0.3, -0.3], [0.505, 0.3, 0.9]))]);
+        for speed in [0.3, 1.1, 2.0, 4.3] {
+            let start = axes([0.1, 0.0, 0.1]);
+            let none = Vector3::zeros();
+            let mut machine =
+                PhysicsMachine::new(&model, &[SLACK; 3], none, &start, CYCLE_NS).unwrap();
+            machine.insert_surroundings(&plate).unwrap();
+            let velocity = [speed, 0.1 * speed, -0.05 * speed];
+            machine.start_moving(joints(velocity));
+            let energy = |velocity: &AxisVector| {
+                let masses = [20.0, 8.0, 3.0].into_iter().zip(velocity.iter());
+                masses.map(|(mass, velocity)| 0.5 * mass * velocity * velocity).sum::<f64>()
+            };
+            let begun = energy(&axes(velocity));
+            let mut deepest = 0.0_f64;
+            for _ in 0..1500 {
+                let state = machine.step_with_efforts(&axes([300.0, 0.0, 0.0])).unwrap();
+                let work = 300.0 * (state.position[0] - 0.1);
+                let now = energy(&state.velocity);
+                assert!(
+                    now <= begun + work + 1e-6,
+                    "{kind}, {speed} m/s: {now} of {begun} + {work} J"
+                );
+                let depths = machine.contacts().iter().map(|contact| contact.depth);
+                deepest = depths.fold(deepest, f64::max);
+                assert!(state.position[0] < 0.5, "{kind}, {speed} m/s: {state:?}");
+                // Along the plate, which ends there.
+                if state.position[1] > 0.2 {
+                    break;
+                }
+            }
+            assert!(!machine.take_collisions().is_empty(), "{kind}, {speed} m/s");
+            assert!(deepest < 2.5e-3, "{kind}, {speed} m/s: {deepest} m");
+        }
+    }
+}
