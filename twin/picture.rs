@@ -10,8 +10,8 @@ use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
 use twin_motion::path::{ElementKind, PathElement, Shape};
 use twin_viz::{
-    Axis, AxisUnit, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, PathStrip, Program, Scene,
-    SceneOptions, Setup, Viewer, VizError,
+    Axis, AxisUnit, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, Obstacle, PathStrip,
+    Program, Scene, SceneOptions, Setup, Viewer, VizError,
 };
 
 /// Cycles of the twin shown between samples of the drives, ns.
@@ -105,6 +105,7 @@ impl<'m> Picture<'m> {
         let setup = Setup {
             machine: &machine.model,
             home: &picture.poses,
+            surroundings: &obstacles(machine),
             axes: &axes,
             program: Program { name: &name, text: &text },
             drives,
@@ -231,6 +232,13 @@ pub enum PictureError {
     /// The program.
     #[error("the program cannot be read: {0}")]
     Read(#[from] std::io::Error),
+}
+
+/// What is around a machine, for the view.
+pub(crate) fn obstacles(machine: &Machine) -> Vec<Obstacle<'_>> {
+    let collision = machine.collision.iter();
+    let obstacles = collision.flat_map(|collision| &collision.surroundings.obstacles);
+    obstacles.map(|one| Obstacle { name: &one.name, solids: &one.solids }).collect()
 }
 
 /// Shows a path, each move as what `kind` makes of it.

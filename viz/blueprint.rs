@@ -58,7 +58,7 @@ pub(crate) fn send_workspace(
     bounds: &Bounds,
 ) -> Result<(), VizError> {
     send_page(recording, application, Playback::FromStart, |page| {
-        let contents = ["+ /machine/**", "+ /workspace/**"];
+        let contents = ["+ /machine/**", "+ /surroundings/**", "+ /workspace/**"];
         let scene = page.scene("Machine and workspace", &contents, bounds)?;
         let about = page.text("What is shown", "about")?;
         page.row(&[scene, about], &[3.0, 1.0])
@@ -134,7 +134,8 @@ struct Page {
 
 impl Page {
     fn everything(&mut self, layout: &Layout, bounds: &Bounds) -> Result<Part, VizError> {
-        let contents = ["+ /machine/**", "+ /program/**", "+ /trail/**", "+ /tool/**"];
+        let contents =
+            ["+ /machine/**", "+ /surroundings/**", "+ /program/**", "+ /trail/**", "+ /tool/**"];
         let scene = self.scene("Machine and paths", &contents, bounds)?;
         self.keep_trails(scene)?;
         let close_up = self.close_up(layout)?;

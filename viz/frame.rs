@@ -1,6 +1,7 @@
 //! What a scene is told.
 
 use nalgebra::{Isometry3, Point3};
+use twin_urdf::Solid;
 
 /// The program being run.
 #[derive(Clone, Copy, Debug)]
@@ -9,6 +10,15 @@ pub struct Program<'a> {
     pub name: &'a str,
     /// Its text; the lines around the current one are shown beside the machine.
     pub text: &'a str,
+}
+
+/// Something around the machine that stays where it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Obstacle<'a> {
+    /// Its name in the machine file.
+    pub name: &'a str,
+    /// What it is made of, machine frame, m. What is seen through has a colour that says so.
+    pub solids: &'a [Solid],
 }
 
 /// An axis of the machine.

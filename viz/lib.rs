@@ -10,6 +10,7 @@
 //! | entity | what | timelines |
 //! |---|---|---|
 //! | `machine/<link>` | pose of a link of the twin; its solids below it | `time`, `line` |
+//! | `surroundings/<name>` | an obstacle of the machine file; its solids below it | static |
 //! | `program/cuts/<n>`, `program/rapids/<n>` | programmed path | static |
 //! | `program/prepared/<n>` | path after preparation, where the program asks for any | static |
 //! | `trail/{set-point,twin,drives}` | path travelled, in pieces; their newest ends in `trail/newest` | `time`, `line` |
@@ -36,7 +37,8 @@ mod workspace;
 
 pub use error::VizError;
 pub use frame::{
-    Axis, AxisUnit, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, PathStrip, Program,
+    Axis, AxisUnit, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, Obstacle, PathStrip,
+    Program,
 };
 pub use scene::{Playback, Scene, SceneOptions, Setup};
 pub use server::{DEFAULT_ADDRESS, Viewer, view_recording};

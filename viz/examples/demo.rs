@@ -57,6 +57,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         &Setup {
             machine: &model,
             home: &poses(start),
+            surroundings: &[],
             axes: &axes,
             program: Program { name: "demo.cnc", text: PROGRAM },
             drives: Some("made up"),

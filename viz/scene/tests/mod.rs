@@ -2,8 +2,9 @@
 
 mod motors;
 pub(crate) mod read;
+mod surroundings;
 
-use std::net::{IpAddr, Ipv4Addr};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::Path;
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
@@ -46,6 +47,14 @@ pub(crate) fn machine() -> Model {
     }
 }
 
+/// A box that is turned a quarter about z, in which something can be seen.
+pub(crate) fn fixed_jaw() -> Vec<Solid> {
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
+    let shape = SolidShape::Box { size: Vector3::new(0.2, 0.1, 0.05) };
+    let origin = Isometry3::from_parts(Translation3::new(2.0, 0.0, -0.4), turn);
+    vec![Solid { shape, origin, color: [0.0, 0.5, 1.0, 0.6] }]
+}
+
 fn axes() -> Vec<Axis> {
     vec![
         Axis { name: "A".to_owned(), unit: AxisUnit::Rotary },
@@ -61,6 +70,7 @@ fn open_with(options: &SceneOptions, machine: &Model) -> Result<Scene, VizError>
     let setup = Setup {
         machine,
         home: &[Isometry3::identity(); 2],
+        surroundings: &[Obstacle { name: "fixed jaw", solids: &fixed_jaw() }],
         axes: &axes(),
         program: Program { name: "part.cnc", text: "%\nN10 G0 X10\nN20 G1 X20 F5\n" },
         drives: None,
