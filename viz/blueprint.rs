@@ -1,7 +1,7 @@
 //! The layout of the page: what is where, so that nobody has to arrange anything to see the comparison.
 //!
 //! Left, large: the machine with the programmed path and the trails; below it the surroundings of the tool, much
-//! enlarged, the program and the names. Right: tool error, axis errors, speed; in a tab behind them, where it is known, what
+//! enlarged, the program and the names. Right: tool error, axis errors, clearance where it is measured, speed; in a tab behind them, where it is known, what
 //! the motors do. A layout is a small recording of its
 //! own, which rerun calls a blueprint; its Rust interface does not reach cameras and time ranges, so the blueprint's
 //! archetypes are logged here one by one.
@@ -36,6 +36,8 @@ pub(crate) struct Layout {
     pub(crate) axes: Vec<Axis>,
     /// What is known of the motors; nothing where they are not known.
     pub(crate) motors: Vec<MotorPlot>,
+    /// How near the machine comes to what it must not touch is known.
+    pub(crate) has_clearance: bool,
     /// Height of what the close-up shows, m.
     pub(crate) close_up: f64,
 }
@@ -156,6 +158,10 @@ impl Page {
                 plots.push(self.plot(name, origin)?);
                 shares.push(1.25);
             }
+        }
+        if layout.has_clearance {
+            plots.push(self.plot("Clearance (mm)", "clearance")?);
+            shares.push(1.0);
         }
         plots.push(self.plot("Speed along the path (mm/s)", "speed")?);
         shares.push(0.75);

@@ -58,6 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             machine: &model,
             home: &poses(start),
             surroundings: &[],
+            clearance: None,
             axes: &axes,
             program: Program { name: "demo.cnc", text: PROGRAM },
             drives: Some("made up"),
@@ -98,6 +99,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 axis_errors: &errors(&twin),
             },
             motors: &[],
+            clearance: None,
             drives: Some(DrivesFrame {
                 deviation: Deviation {
                     tool: drives,

@@ -1,5 +1,6 @@
 //! The recording being written.
 
+mod clearance;
 pub(crate) mod destination;
 mod due;
 pub(crate) mod machine;
@@ -29,6 +30,7 @@ use crate::error::VizError;
 use crate::frame::{Axis, Deviation, DrivesFrame, Frame, Obstacle, PathStrip, Program};
 use crate::palette;
 use crate::server::Viewer;
+use clearance::ClearanceTrack;
 use destination::Destination;
 use due::Due;
 use machine::Machine;
@@ -58,6 +60,8 @@ pub struct Setup<'a> {
     pub home: &'a [Isometry3<f64>],
     /// What is around it.
     pub surroundings: &'a [Obstacle<'a>],
+    /// Nearer to what it must not touch than this, m, is too near; 0 if only what touches is. `None` if that is not measured.
+    pub clearance: Option<f64>,
     /// Its axes.
     pub axes: &'a [Axis],
     /// The program.
@@ -90,6 +94,7 @@ pub struct Scene {
     drives: ToolTrack,
     /// Between drives and twin.
     between: Series,
+    clearance: Option<ClearanceTrack>,
     path_speed: Series,
     programmed_speed: Series,
     layout: Layout,
@@ -133,7 +138,12 @@ impl Scene {
         let drives = error("drives", "drives to set-point", palette::drives());
         // The page must know the machine and the names before the first values.
         stream.flush_async().map_err(|source| VizError::Write { path: path.clone(), source })?;
-        let layout = Layout { axes: setup.axes.to_vec(), motors: Vec::new(), close_up: CLOSE_UP };
+        let layout = Layout {
+            axes: setup.axes.to_vec(),
+            motors: Vec::new(),
+            has_clearance: setup.clearance.is_some(),
+            close_up: CLOSE_UP,
+        };
         Ok(Self {
             stream,
             path,
@@ -154,6 +164,7 @@ impl Scene {
             twin: ToolTrack::new("twin", palette::twin(), Some(twin)),
             drives: ToolTrack::new("drives", palette::drives(), Some(drives)),
             between: error("between", "drives to twin", palette::between()),
+            clearance: setup.clearance.map(ClearanceTrack::new),
             path_speed: Series::new("speed/set-point".to_owned(), "set-point", palette::setpoint()),
             programmed_speed: Series::new(
                 "speed/programmed".to_owned(),
@@ -210,6 +221,12 @@ impl Scene {
                 .into_iter()
                 .filter_map(ToolTrack::newest);
             trail::log_newest(&self.stream, newest)?;
+            if let Some(track) = &mut self.clearance {
+                track.join(&self.stream, frame.clearance.as_ref())?;
+            }
+        }
+        if let Some((track, clearance)) = self.clearance.as_mut().zip(frame.clearance.as_ref()) {
+            track.add(at, clearance);
         }
         self.path_speed.add_length(at, frame.path_speed);
         if let Some(speed) = frame.programmed_speed {
@@ -261,6 +278,7 @@ impl Scene {
         for series in [&mut self.between, &mut self.path_speed, &mut self.programmed_speed] {
             series.flush(&self.stream)?;
         }
+        self.clearance.iter_mut().try_for_each(|track| track.flush(&self.stream))?;
         self.axes.iter_mut().try_for_each(|axis| axis.flush(&self.stream))?;
         self.motors.iter_mut().try_for_each(|motor| motor.flush(&self.stream))
     }

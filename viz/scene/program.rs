@@ -3,7 +3,9 @@
 use rerun::{RecordingStream, TextDocument};
 
 use super::Setup;
+use super::clearance::NEAR;
 use crate::error::VizError;
+use crate::units::mm;
 
 /// Lines shown before the current one.
 const BEFORE: usize = 2;
@@ -70,10 +72,16 @@ impl Excerpt {
 pub(super) fn log_about(stream: &RecordingStream, setup: &Setup<'_>) -> Result<(), VizError> {
     let drives =
         setup.drives.map_or_else(String::new, |drives| format!("  \n**Drives** {drives} (orange)"));
+    let clearance = setup.clearance.map_or_else(String::new, |_| {
+        format!(
+            "  \n**Clearance** of the twin; nearer than {:.0} mm the nearest points are joined (yellow to red)",
+            mm(NEAR)
+        )
+    });
     let about = format!(
         "**Program** {}  \n**Machine** {}  \n**Set-point** where the tool should be (blue)  \n\
          **Twin** where the physics machine has it (green){drives}  \n\
-         **Programmed** cuts (grey), rapids (yellow); after preparation (red), where that differs",
+         **Programmed** cuts (grey), rapids (yellow); after preparation (red), where that differs{clearance}",
         setup.program.name, setup.machine.name
     );
     stream.log_static("about", &TextDocument::from_markdown(about))?;

@@ -1,5 +1,6 @@
 //! Recordings are read back with rerun's decoder; expectations are what was put in, in other units.
 
+mod clearance;
 mod motors;
 pub(crate) mod read;
 mod surroundings;
@@ -67,10 +68,19 @@ fn open(options: &SceneOptions) -> Result<Scene, VizError> {
 }
 
 fn open_with(options: &SceneOptions, machine: &Model) -> Result<Scene, VizError> {
+    open_measured(options, machine, None)
+}
+
+fn open_measured(
+    options: &SceneOptions,
+    machine: &Model,
+    clearance: Option<f64>,
+) -> Result<Scene, VizError> {
     let setup = Setup {
         machine,
         home: &[Isometry3::identity(); 2],
         surroundings: &[Obstacle { name: "fixed jaw", solids: &fixed_jaw() }],
+        clearance,
         axes: &axes(),
         program: Program { name: "part.cnc", text: "%\nN10 G0 X10\nN20 G1 X20 F5\n" },
         drives: None,
@@ -101,6 +111,7 @@ fn log_ms(scene: &mut Scene, ms: u32, has_drives: bool) -> Result<(), VizError> 
         link_poses: &[Isometry3::identity(), arm],
         twin: behind(x - 2e-6, &twin_errors),
         motors: &[],
+        clearance: None,
         drives: has_drives.then(|| DrivesFrame {
             deviation: Deviation { tool_error: 3e-6, ..behind(x - 3e-6, &drive_errors) },
             tool_error_to_twin: 1e-6,
@@ -412,6 +423,7 @@ fn a_frame_for_another_machine_is_refused() {
         link_poses,
         twin: deviation(axis_errors),
         motors: &[],
+        clearance: None,
         drives: None,
     };
     let poses = [Isometry3::identity(); 2];

@@ -25,20 +25,10 @@ fn obstacles_stand_beside_the_machine() {
     let colors = read.statics::<components::Color>(entity, &rerun::Boxes3D::descriptor_colors());
     assert_eq!(colors[0].to_array(), [0, 128, 255, 153]);
 
-    let queries = of_layout::<QueryExpression>(&read, &layout::ViewContents::descriptor_query());
+    let queries = read.of_layout::<QueryExpression>(&layout::ViewContents::descriptor_query());
     assert!(queries.iter().any(|query| query.0.as_str() == "+ /surroundings/**"), "{queries:?}");
     // The view is of everything: x from -50 to 2050 mm.
     let target = layout::EyeControls3D::descriptor_look_target();
-    let targets = of_layout::<components::Position3D>(&read, &target);
+    let targets = read.of_layout::<components::Position3D>(&target);
     assert!(targets.iter().any(|target| (target.x() - 1000.0).abs() < 1.0), "{targets:?}");
-}
-
-/// What the layouts say.
-fn of_layout<C: rerun::Component>(read: &Read, component: &rerun::ComponentDescriptor) -> Vec<C> {
-    let values = read.blueprint.iter().map(|chunk| chunk.iter_component::<C>(component.component));
-    values
-        .flat_map(|values| {
-            values.into_iter().flat_map(|it| it.as_slice().to_vec()).collect::<Vec<_>>()
-        })
-        .collect()
 }
