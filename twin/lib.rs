@@ -25,6 +25,7 @@ pub mod settings;
 pub mod simulated;
 pub mod workspace;
 
+mod chart;
 mod page;
 mod planning;
 mod table;
