@@ -77,7 +77,7 @@ G0 X50 Y-40
 G1 Z-13 F900
 G1 Y-26
 G4 P0.1
-G1 Y-40
+N70 G1 Y-40
 G0 Z30
 G0 X50 Y-10
 G1 Z-8.5 F900
@@ -123,4 +123,85 @@ fn a_recording_shows_how_near_it_was() {
     desk.twin(&run);
     let others = entities(&crate::recording::chunks(&desk));
     assert!(!others.iter().any(|one| one.contains("clearance") || one.contains("nearest")));
+}
+
+/// Every block has a row: where the tool is nearest, in the machine frame, in which the work frame is shifted by (200, 100, 0) mm.
+#[test]
+fn every_block_is_told_how_near_it_comes() {
+    let desk = desk();
+    desk.write("near.ngc", NEAR);
+    let check = ["check", "near.ngc", "-m", "vice.toml", "--clearance", "near.csv"];
+    desk.twin(&check).ended(0, "1.500 mm to fixed jaw; 2.000 mm are wanted");
+    let text = std::fs::read_to_string(desk.path("near.csv")).expect("it was written");
+    let mut rows = text.lines().map(|row| row.split(',').collect::<Vec<_>>());
+    let header = rows.next().expect("a header").join(",");
+    assert_eq!(header, "line,block,time_s,clearance_mm,part,other,x_mm,y_mm,z_mm");
+    let rows: Vec<_> = rows.collect();
+    let lines: Vec<_> = rows.iter().map(|row| row[0].parse::<u32>().expect("a line")).collect();
+    assert_eq!(lines, [2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12]);
+    let value = |row: &[&str], column: usize| row[column].parse::<f64>().expect("a number");
+    assert!(rows.is_sorted_by(|one, next| value(one, 2) < value(next, 2)), "{text}");
+    for (line, block, clearance, y) in
+        [(5, "", 3.0, 77.0), (6, "", 3.0, 77.0), (7, "70", 3.0, 77.0), (11, "", 1.5, 90.0)]
+    {
+        let row = rows.iter().find(|row| row[0] == line.to_string()).expect("a row");
+        assert_eq!((row[1], row[4], row[5]), (block, "the tool", "fixed jaw"), "{row:?}");
+        assert!((value(row, 3) - clearance).abs() < 1e-3, "{row:?}");
+        // Of the tool of 3 mm: its side, or some point of its bottom.
+        assert!((value(row, 7) - y).abs() < if line < 11 { 1e-3 } else { 3.0 }, "{row:?}");
+        assert!((-13.0..=-8.0).contains(&value(row, 8)), "{row:?}");
+    }
+}
+
+#[test]
+fn clearance_is_drawn_and_collisions_are_marked() {
+    let desk = desk();
+    desk.write("hit.ngc", &NEAR.replace("G1 Y-26", "G1 Y-19"));
+    let check = ["check", "hit.ngc", "-m", "vice.toml", "--format", "json"];
+    let out = ["--clearance", "a.svg", "--clearance", "b.SVG", "--clearance", "hit.csv"];
+    // The program is not fit; what is known of it is written all the same.
+    desk.twin(&[&check[..], &out].concat()).ended(1, "");
+    let picture = std::fs::read_to_string(desk.path("a.svg")).expect("it was written");
+    assert!(picture.starts_with("<svg ") && picture.trim_end().ends_with("</svg>"));
+    for words in [
+        "Clearance of hit.ngc on gantry3_vice",
+        "the tool is 3.000 mm deep in fixed jaw",
+        "; 1 collision",
+        "line of the program",
+        "what is nearest",
+        "wanted: 2 mm",
+    ] {
+        assert!(picture.contains(words), "{words} is not in\n{picture}");
+    }
+    let again = std::fs::read_to_string(desk.path("b.SVG")).expect("it was written");
+    assert!(again == picture, "the second picture differs");
+    let table = std::fs::read_to_string(desk.path("hit.csv")).expect("it was written");
+    let deepest = table.lines().find(|row| row.starts_with("5,")).expect("a row");
+    assert!(deepest.contains(",-3,the tool,fixed jaw,"), "{deepest}");
+}
+
+#[test]
+fn clearance_is_of_one_program_and_of_what_is_known() {
+    let desk = desk();
+    desk.write("near.ngc", NEAR);
+    let check = |arguments: &[&str]| desk.twin(&[&["check", "near.ngc"], arguments].concat());
+    check(&["vice.ngc", "-m", "vice.toml", "--clearance", "a.csv"])
+        .ended(2, "--clearance is of one program, and 2 are given");
+    check(&["-m", "machine.toml", "--clearance", "a.csv"])
+        .ended(2, "machine.toml says nothing of what is in the way of the machine; [[obstacles]]");
+    check(&["-m", "vice.toml", "--clearance", "a.png"]).ended(2, ".csv or .svg");
+    check(&["-m", "vice.toml", "--clearance", "nowhere/a.csv"]).ended(2, "no folder nowhere");
+    check(&["-m", "vice.toml", "--clearance", "a.csv", "--clearance", "./a.csv"])
+        .ended(2, "--clearance ./a.csv: something else is read from or written to it");
+    let own = ["check", "near.csv", "-m", "vice.toml", "--dialect", "rs274"];
+    desk.write("near.csv", NEAR);
+    desk.twin(&[&own[..], &["--clearance", "near.csv"]].concat()).ended(2, "the program itself");
+    assert!(!desk.path("a.csv").exists());
+    // What was there stays where nothing can be checked.
+    desk.write("a.csv", "yesterday's");
+    desk.twin(&["check", "none.ngc", "-m", "vice.toml", "--clearance", "a.csv"])
+        .ended(2, "none.ngc");
+    assert_eq!(std::fs::read_to_string(desk.path("a.csv")).expect("it is there"), "yesterday's");
+    let help = desk.twin(&["check", "--help"]);
+    assert!(help.ended(0, "").stdout.contains("--clearance near.svg"), "{}", help.stdout);
 }

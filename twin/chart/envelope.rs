@@ -69,6 +69,11 @@ impl Column {
         }
     }
 
+    /// The lowest value of a curve.
+    pub(crate) fn low(&self, curve: usize) -> Option<f64> {
+        Some(self.strands.get(curve).copied().flatten()?.low.value)
+    }
+
     /// The kind of limit that holds the path back for most of the time, if any.
     pub(crate) fn most_held(&self) -> Option<usize> {
         let most = self.held_ns.iter().enumerate().rev().max_by_key(|(_, held_ns)| **held_ns)?;

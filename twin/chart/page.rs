@@ -100,6 +100,40 @@ impl Row {
         self.bottom() - (value - low) / (high - low) * self.height
     }
 
+    /// What of a line, of places along the time and values, is within the row: pieces of it.
+    pub(crate) fn within(&self, line: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
+        let [low, high] = self.range;
+        let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
+        let mut goes_on = false;
+        for (from, to) in line.iter().zip(line.iter().skip(1)) {
+            let rise = to.1 - from.1;
+            // From where to where along it.
+            let [begin, end] = if rise == 0.0 {
+                if (low..=high).contains(&from.1) { [0.0, 1.0] } else { [1.0, 0.0] }
+            } else {
+                let [one, other] = [low, high].map(|limit| (limit - from.1) / rise);
+                [one.min(other).max(0.0), one.max(other).min(1.0)]
+            };
+            let at = |part: f64| match part {
+                0.0 => *from,
+                1.0 => *to,
+                part => (from.0 + (to.0 - from.0) * part, from.1 + rise * part),
+            };
+            if begin > end {
+                goes_on = false;
+                continue;
+            }
+            if !goes_on {
+                pieces.push(vec![at(begin)]);
+            }
+            if let Some(piece) = pieces.last_mut() {
+                piece.push(at(end));
+            }
+            goes_on = end >= 1.0;
+        }
+        pieces
+    }
+
     /// Its frame, ticks and name.
     pub(crate) fn draw(
         &self,
@@ -222,7 +256,25 @@ pub(crate) fn legend(root: &Area<'_>, items: &[(Sign, String)], top: f64) -> Res
 
 #[cfg(test)]
 mod tests {
-    use super::ticks;
+    use super::{Row, ticks};
+
+    #[test]
+    fn lines_end_where_they_leave_the_row() {
+        let row = Row { top: 0.0, height: 100.0, range: [-1.0, 10.0] };
+        let line = [(0.0, 20.0), (1.0, 10.0), (2.0, 0.0), (3.0, -2.0), (4.0, -2.0), (6.0, 18.0)];
+        let pieces = row.within(&line);
+        assert_eq!(
+            pieces,
+            [
+                vec![(1.0, 10.0), (1.0, 10.0), (2.0, 0.0), (2.5, -1.0)],
+                vec![(4.1, -1.0), (5.2, 10.0)],
+            ]
+        );
+        // What is within it stays as it is.
+        let line = [(0.0, 0.1), (0.3, 10.0), (0.7, 10.0), (0.9, -1.0)];
+        assert_eq!(row.within(&line), [line.to_vec()]);
+        assert_eq!(row.within(&[(0.0, 11.0), (1.0, 11.0)]), [vec![]; 0]);
+    }
 
     #[test]
     fn ticks_are_round() {

@@ -37,7 +37,7 @@ impl<'a> Strips<'a> {
         &self.time
     }
 
-    /// One of the curves, `scale` times as large.
+    /// What of one of the curves is within a row, `scale` times as large.
     pub(crate) fn curve(
         &self,
         root: &Area<'_>,
@@ -47,20 +47,24 @@ impl<'a> Strips<'a> {
         style: ShapeStyle,
     ) -> Result<(), Failure> {
         for piece in self.envelope.curve(curve) {
-            let mut points: Vec<(i32, i32)> = Vec::with_capacity(piece.len());
-            for At { time_ns, value } in piece {
-                let point = (fine(self.time.x(time_ns)), fine(row.y(value * scale)));
-                // What lies between two others on a level line is not seen.
-                if let [.., before, last] = points.as_mut_slice()
-                    && before.1 == last.1
-                    && last.1 == point.1
-                {
-                    *last = point;
-                } else if points.last() != Some(&point) {
-                    points.push(point);
+            let place = |At { time_ns, value }| (self.time.x(time_ns), value * scale);
+            let line: Vec<_> = piece.into_iter().map(place).collect();
+            for piece in row.within(&line) {
+                let mut points: Vec<(i32, i32)> = Vec::with_capacity(piece.len());
+                for (x, value) in piece {
+                    let point = (fine(x), fine(row.y(value)));
+                    // What lies between two others on a level line is not seen.
+                    if let [.., before, last] = points.as_mut_slice()
+                        && before.1 == last.1
+                        && last.1 == point.1
+                    {
+                        *last = point;
+                    } else if points.last() != Some(&point) {
+                        points.push(point);
+                    }
                 }
+                root.draw(&PathElement::new(points, style))?;
             }
-            root.draw(&PathElement::new(points, style))?;
         }
         Ok(())
     }

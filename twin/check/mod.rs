@@ -1,5 +1,6 @@
 //! Validates a program on the virtual machine: everything that must be known before anything moves.
 
+mod clearance;
 #[cfg(test)]
 mod direction_tests;
 mod findings;
@@ -21,6 +22,7 @@ use crate::plant::PlantRecord;
 use crate::program::{ProgramFile, ProgramItem};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
+pub use clearance::{ClearanceCsv, ClearancePicture, ClearancePictureError};
 use findings::Findings;
 pub use options::{CheckFailure, CheckOptions};
 use rehearsal::Rehearsal;
@@ -29,6 +31,7 @@ use twin_kinematics::{AxisSource, AxisVector, Kinematics};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
 use twin_motion::path::EXTRA_AXES;
+pub(crate) use way::TOUCHING;
 use way::Way;
 pub use way::{BlockClearance, Clearances};
 
@@ -92,6 +95,20 @@ pub fn check(
     options: CheckOptions,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Outcome, CheckFailure> {
+    check_watched(machine, program, options, progress, &mut |_| {})
+}
+
+/// The same; `watch` is told, set-point by set-point, how near everything is to what is in the way.
+///
+/// # Errors
+/// Those of [`check`].
+pub fn check_watched(
+    machine: &Machine,
+    program: &ProgramFile,
+    options: CheckOptions,
+    progress: &mut dyn FnMut(u64),
+    watch: &mut dyn FnMut(&BlockClearance),
+) -> Result<Outcome, CheckFailure> {
     let CheckOptions { limits, physics, scenario, acknowledge } = options;
     let slack = match limits {
         Limits::Softmotion => CONTROLLER,
@@ -107,8 +124,10 @@ pub fn check(
         match item {
             ProgramItem::Setpoint(tool) => {
                 let Some(setpoint) = checker.setpoint(&tool) else { continue };
-                if let Some(way) = &mut way {
-                    way.look(machine, &setpoint, &mut checker.findings);
+                if let Some(way) = &mut way
+                    && let Some(clearance) = way.look(machine, &setpoint, &mut checker.findings)
+                {
+                    watch(&clearance);
                 }
                 if let Some(rehearsal) = &mut rehearsal {
                     rehearsal.follow(&setpoint, &mut checker)?;

@@ -11,7 +11,7 @@ use twin_motion::Place;
 const MOST_BLOCKS: usize = 100_000;
 
 /// How deep parts may be in each other without that being told, m: what stands on something touches it.
-const TOUCHING: f64 = 1e-6;
+pub(crate) const TOUCHING: f64 = 1e-6;
 
 /// What came nearest to what in one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +22,41 @@ pub struct BlockClearance {
     pub time_ns: i64,
     /// What, and how near.
     pub nearest: Clearance,
+}
+
+impl BlockClearance {
+    /// Takes in what comes next, if that is of the same block.
+    pub fn include(&mut self, next: &Self) -> bool {
+        let is_same = self.place == next.place;
+        if is_same && next.is_nearer_than(self) {
+            *self = *next;
+        }
+        is_same
+    }
+
+    /// Whether this is less.
+    pub fn is_nearer_than(&self, other: &Self) -> bool {
+        self.nearest.distance < other.nearest.distance
+    }
+
+    /// Whether the two are in each other.
+    pub fn is_collision(&self) -> bool {
+        self.nearest.distance < -TOUCHING
+    }
+
+    /// A sentence about it as the least of all, with the names of the machine.
+    pub fn told(&self, machine: &Machine) -> String {
+        let Self { place, nearest, .. } = self;
+        let [one, other] = nearest.parts.map(|part| machine.part_name(part));
+        if self.is_collision() {
+            let depth = -nearest.distance * 1e3;
+            return format!(
+                "least clearance: none; {one} is {depth:.3} mm deep in {other}, {place}"
+            );
+        }
+        let distance = nearest.distance.max(0.0) * 1e3;
+        format!("least clearance: {distance:.3} mm between {one} and {other}, {place}")
+    }
 }
 
 /// How near everything came.
@@ -51,35 +86,30 @@ impl Way {
         Ok(scan.map(|scan| Self { scan, wanted, found: Clearances::default() }))
     }
 
+    /// How near it is at a set-point; `None` where no links can be, which is another finding.
     pub(super) fn look(
         &mut self,
         machine: &Machine,
         setpoint: &AxisSetpoint,
         findings: &mut Findings,
-    ) {
-        // Where no links can be there is another finding.
-        let Ok(Some(nearest)) = self.scan.nearest(&setpoint.axes.position) else { return };
+    ) -> Option<BlockClearance> {
+        let nearest = self.scan.nearest(&setpoint.axes.position).ok()??;
         let AxisSetpoint { place, time_ns, .. } = *setpoint;
         let now = BlockClearance { place, time_ns, nearest };
-        let is_nearer = |than: &BlockClearance| nearest.distance < than.nearest.distance;
-        if self.found.least.as_ref().is_none_or(is_nearer) {
+        if self.found.least.is_none_or(|least| now.is_nearer_than(&least)) {
             self.found.least = Some(now);
         }
         let room = self.found.blocks.len() < MOST_BLOCKS;
-        match self.found.blocks.last_mut() {
-            Some(block) if block.place == place => {
-                if is_nearer(block) {
-                    *block = now;
-                }
-            }
-            _ if room => self.found.blocks.push(now),
-            _ => {}
+        let is_known = self.found.blocks.last_mut().is_some_and(|block| block.include(&now));
+        if !is_known && room {
+            self.found.blocks.push(now);
         }
-        if nearest.distance < -TOUCHING {
+        if now.is_collision() {
             findings.add(None, sentence::in_the_way(machine, place, &nearest));
         } else if nearest.distance < self.wanted {
             findings.add(None, sentence::too_near(machine, place, &nearest, self.wanted));
         }
+        Some(now)
     }
 
     pub(super) fn into_found(self) -> Clearances {
