@@ -52,6 +52,8 @@ pub enum Rule {
     UnsupportedWord,
     /// An arc or another curve whose parameters do not fit its ends.
     ArcGeometry,
+    /// A probing move that does not end as it must, or of which nobody knows how it ends.
+    Probe,
 }
 
 /// What is wrong with a block, in the words of one dialect.

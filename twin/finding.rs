@@ -14,6 +14,8 @@ pub enum Rule {
     UnsupportedWord,
     /// An arc whose centre or radius does not fit its ends.
     ArcGeometry,
+    /// Where a probing move ends, or that it does not end as it must, or that nobody knows where it ends.
+    Probe,
     /// A point the machine cannot reach.
     Reach,
     /// An axis beyond its software limits.
@@ -57,6 +59,7 @@ impl Rule {
             Self::Syntax => "syntax",
             Self::UnsupportedWord => "unsupported-word",
             Self::ArcGeometry => "arc-geometry",
+            Self::Probe => "probe",
             Self::Reach => "reach",
             Self::AxisPosition => "axis-position",
             Self::AxisVelocity => "axis-velocity",

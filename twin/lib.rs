@@ -17,6 +17,7 @@ pub mod physics;
 pub mod picture;
 pub mod plant;
 pub mod priority;
+pub mod probe;
 pub mod program;
 pub mod report;
 pub mod session;

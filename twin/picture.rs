@@ -295,6 +295,7 @@ fn strip(machine: &Machine, element: &PathElement) -> Option<PathStrip> {
     let kind = match element.kind {
         ElementKind::Rapid => MoveKind::Rapid,
         ElementKind::Cut => MoveKind::Cut,
+        ElementKind::Probe { .. } => MoveKind::Probe,
         ElementKind::Jump | ElementKind::MFunction { .. } | ElementKind::Dwell { .. } => {
             return None;
         }

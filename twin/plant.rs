@@ -38,11 +38,22 @@ pub struct Blow {
     pub force: f64,
 }
 
+/// A probe that touched something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProbeTouch {
+    /// The block in which the set-point was.
+    pub place: Place,
+    /// Where the axes were found at the end of the cycle, m or rad.
+    pub position: AxisVector,
+}
+
 /// What a plant tells of a whole run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlantRecord {
     /// What happened, in the order of lines.
     pub happenings: Vec<Happening>,
+    /// Where probes touched something.
+    pub touches: Vec<ProbeTouch>,
     /// What was run into.
     pub blows: Vec<Blow>,
     /// How often more happened than is kept.

@@ -25,6 +25,8 @@ pub struct AxisSetpoint {
     pub path_velocity: f64,
     /// Programmed velocity along the path, m/s; `None` on a rapid.
     pub feed: Option<f64>,
+    /// Whether the tool is on its way to touch something.
+    pub probing: bool,
 }
 
 /// Turns tool set-points into axis set-points. Rotary axes go on from turn to turn along the path.
@@ -92,6 +94,7 @@ impl<'m> Transformer<'m> {
             m_call,
             path_velocity: tool.path_velocity,
             feed: (!tool.rapid).then_some(tool.feed),
+            probing: tool.probing,
         })
     }
 }

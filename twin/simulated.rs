@@ -1,11 +1,13 @@
 //! The simulated machine as a plant.
 
-use crate::machine::{FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError};
-use crate::physics::{
-    Collision, Contact, EventKind, Fault, MotorState, PhysicsError, PhysicsEvent, PhysicsMachine,
-    axis_inertia,
+use crate::machine::{
+    Collision, FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError,
 };
-use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord};
+use crate::physics::{
+    self, ClearanceScan, Contact, EventKind, Fault, MotorState, PhysicsError, PhysicsEvent,
+    PhysicsMachine, axis_inertia,
+};
+use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeTouch};
 use crate::setpoint::AxisSetpoint;
 use std::collections::BTreeMap;
 use twin_kinematics::{AxisMotion, AxisVector};
@@ -13,6 +15,9 @@ use twin_motion::Place;
 
 /// Happenings that are kept: what goes on in every line of a long program is told as well by its first thousand.
 const MOST_HAPPENINGS: usize = 1000;
+
+/// Nearer than this a probe touches, m: what it takes to switch. The path ends where nothing is left between.
+const TOUCH: f64 = 1e-6;
 
 /// Cycles in which a blow has come to its largest force.
 const STOPPING: u32 = 20;
@@ -30,6 +35,16 @@ pub struct Simulated {
     faults: Vec<FaultAt>,
     /// Axes that are jammed until then, ns.
     jammed: Vec<(usize, i64)>,
+    probe: Option<Probe>,
+}
+
+/// The tool as a probe.
+#[derive(Debug)]
+struct Probe {
+    scan: ClearanceScan,
+    /// It has been at work, and has not come free of what it touched.
+    at_work: bool,
+    touches: bool,
 }
 
 /// What happened, by line, axis and kind.
@@ -37,6 +52,7 @@ pub struct Simulated {
 struct Happened {
     kept: BTreeMap<(u32, usize, u8), Happening>,
     blows: Vec<Blow>,
+    touches: Vec<ProbeTouch>,
     left_out: u64,
 }
 
@@ -59,8 +75,11 @@ impl Simulated {
             .collect();
         let mut physics =
             PhysicsMachine::new(&machine.model, &drives, machine.gravity, start, machine.cycle_ns)?;
-        if let Some(collision) = &machine.collision {
-            physics.insert_surroundings(&collision.surroundings)?;
+        let mut probe = None;
+        if let Some(Collision { surroundings, .. }) = &machine.collision {
+            physics.insert_surroundings(surroundings)?;
+            let scan = ClearanceScan::of_tool(&machine.model, machine.axes.len(), surroundings)?;
+            probe = Some(Probe { scan, at_work: false, touches: false });
         }
         Ok(Self {
             physics,
@@ -70,6 +89,7 @@ impl Simulated {
             happened: Happened::default(),
             faults: Vec::new(),
             jammed: Vec::new(),
+            probe,
         })
     }
 
@@ -85,12 +105,47 @@ impl Simulated {
         &self.physics
     }
 
+    /// Whether the tool touches anything where the axes are; stock, too.
+    pub(crate) fn touches(&mut self) -> Result<bool, PhysicsError> {
+        let position = self.physics.axis_state().position;
+        let Some(probe) = &mut self.probe else { return Ok(false) };
+        Ok(probe.scan.nearest(&position)?.is_some_and(|nearest| nearest.distance <= TOUCH))
+    }
+
+    /// One cycle towards `motion`, with a tool that gives way to what it touches.
+    pub(crate) fn probe_towards(&mut self, motion: &AxisMotion) -> Result<(), PhysicsError> {
+        if let Some(probe) = &mut self.probe {
+            probe.at_work = true;
+        }
+        self.physics.set_probing(true);
+        self.physics.step(motion)?;
+        Ok(())
+    }
+
+    /// What the probe feels where the axes are. It is stiff again when it is at work no more and has come free.
+    fn feel(&mut self, setpoint: &AxisSetpoint, position: &AxisVector) -> Result<(), PhysicsError> {
+        let Some(probe) = self.probe.as_mut().filter(|probe| probe.at_work) else { return Ok(()) };
+        let nearest = probe.scan.nearest(position)?;
+        let touches = nearest.is_some_and(|nearest| nearest.distance <= TOUCH);
+        let before = std::mem::replace(&mut probe.touches, touches);
+        if setpoint.probing {
+            if touches && !before {
+                let touch = ProbeTouch { place: setpoint.place, position: *position };
+                self.happened.touches.push(touch);
+            }
+        } else if !touches {
+            probe.at_work = false;
+            self.physics.set_probing(false);
+        }
+        Ok(())
+    }
+
     /// Notes what was run into at `place`, having let the machine come to a stop, and says what it was.
     fn run_into(&mut self, place: Place) -> Result<(), PhysicsError> {
         let collisions = self.physics.take_collisions();
         let mut blows: Vec<_> = collisions
             .iter()
-            .map(|Collision { speed, contact: Contact { parts, force, .. }, .. }| Blow {
+            .map(|physics::Collision { speed, contact: Contact { parts, force, .. }, .. }| Blow {
                 place,
                 parts: *parts,
                 speed: *speed,
@@ -187,12 +242,17 @@ impl Plant for Simulated {
     fn command(&mut self, setpoint: &AxisSetpoint) -> Result<(), PhysicsError> {
         self.fail(setpoint);
         // The machine stands at the first set-point: it is where the others start from.
+        if let Some(probe) = self.probe.as_mut().filter(|_| setpoint.probing) {
+            probe.at_work = true;
+            self.physics.set_probing(true);
+        }
         let position = if self.begun {
             self.physics.step(&setpoint.axes)?.position
         } else {
             self.physics.axis_state().position
         };
         self.begun = true;
+        self.feel(setpoint, &position)?;
         self.arrived = Some(AxisFeedback { time_ns: setpoint.time_ns, position });
         self.motors.clear();
         self.motors.extend((0..position.len()).map(|axis| self.physics.motor_state(axis)));
@@ -220,6 +280,7 @@ impl Plant for Simulated {
         PlantRecord {
             happenings: self.happened.kept.values().copied().collect(),
             blows: self.happened.blows.clone(),
+            touches: self.happened.touches.clone(),
             left_out: self.happened.left_out,
             loads: (0..axes).map(|axis| self.physics.motor_load(axis)).collect(),
         }

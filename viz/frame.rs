@@ -46,6 +46,8 @@ pub enum MoveKind {
     Cut,
     /// A positioning move (G0).
     Rapid,
+    /// A probing move (G38).
+    Probe,
     /// What preparation has made of the moves: shown beside them where they differ.
     Prepared,
 }
@@ -53,7 +55,7 @@ pub enum MoveKind {
 /// A piece of the programmed path, or of what preparation has made of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathStrip {
-    /// Cutting or positioning.
+    /// Cutting, positioning or probing.
     pub kind: MoveKind,
     /// A polyline of tool positions in the machine frame, m.
     pub points: Vec<Point3<f64>>,

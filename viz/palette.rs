@@ -40,6 +40,11 @@ pub(crate) fn rapid() -> Color {
     Color::from_rgb(240, 228, 66)
 }
 
+/// Programmed probing moves: blue.
+pub(crate) fn probing() -> Color {
+    Color::from_rgb(0, 114, 178)
+}
+
 /// The path after preparation: vermilion.
 pub(crate) fn prepared() -> Color {
     Color::from_rgb(213, 94, 0)

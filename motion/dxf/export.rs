@@ -13,6 +13,8 @@ use std::io::{self, Write};
 const RAPID: &str = "RAPID";
 /// Where cuts are drawn.
 const CUT: &str = "CUT";
+/// Where probing moves are drawn.
+const PROBE: &str = "PROBE";
 /// Entities get handles from here on: those of the tables are far below.
 const FIRST_HANDLE: u64 = 0x1_0000;
 /// The next free handle as the header has it, which must be beyond all of them.
@@ -43,7 +45,8 @@ pub enum DxfWriteError {
     Frame(#[from] DxfError),
 }
 
-/// Writes a path as a drawing: a text DXF file of version R2000, in mm, with rapids on layer RAPID and cuts on layer CUT.
+/// Writes a path as a drawing: a text DXF file of version R2000, in mm, with rapids on layer RAPID, cuts on
+/// layer CUT and probing moves on layer PROBE.
 ///
 /// Lines, arcs in any plane, circles, ellipses and splines are drawn as what they are, curves that climb (helices) as
 /// lines. A drawing's curves have no direction: they all turn counter-clockwise. Jumps, M functions and dwells leave no
@@ -75,6 +78,7 @@ impl<W: Write> DxfWriter<W> {
         let layer = match element.kind {
             ElementKind::Rapid => RAPID,
             ElementKind::Cut => CUT,
+            ElementKind::Probe { .. } => PROBE,
             ElementKind::Jump | ElementKind::MFunction { .. } | ElementKind::Dwell { .. } => {
                 return Ok(());
             }
@@ -246,7 +250,7 @@ fn frame() -> Result<[Vec<u8>; 2], DxfWriteError> {
     let mut drawing = Drawing::new();
     drawing.header.version = AcadVersion::R2000;
     drawing.header.default_drawing_units = Units::Millimeters;
-    for (name, color) in [(RAPID, 3), (CUT, 5)] {
+    for (name, color) in [(RAPID, 3), (CUT, 5), (PROBE, 6)] {
         drawing.add_layer(Layer {
             name: name.to_owned(),
             color: Color::from_index(color),

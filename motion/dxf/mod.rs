@@ -8,7 +8,7 @@
 //! at one it cannot read, and does not tell which layers are frozen; so the file is surveyed first, only what is
 //! understood is handed to the crate, and what comes back is counted.
 //!
-//! [`DxfWriter`] writes a path as a drawing with the layers RAPID and CUT.
+//! [`DxfWriter`] writes a path as a drawing with the layers RAPID, CUT and PROBE.
 
 mod arrange;
 mod entity;

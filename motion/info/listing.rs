@@ -54,6 +54,8 @@ pub enum MoveType {
     MCommand,
     /// Dwell: not one of the manual's.
     Dwell,
+    /// Probing move: not one of the manual's.
+    Probe,
 }
 
 impl MoveType {
@@ -64,6 +66,7 @@ impl MoveType {
             (ElementKind::Jump, _) => Self::InitPos,
             (ElementKind::MFunction { .. }, _) => Self::MCommand,
             (ElementKind::Dwell { .. }, _) => Self::Dwell,
+            (ElementKind::Probe { .. }, _) => Self::Probe,
             (ElementKind::Cut, Shape::Line { .. }) => Self::Lin,
             (ElementKind::Cut, Shape::Arc(arc)) if arc.sweep() < 0.0 => Self::Clw,
             (ElementKind::Cut, Shape::Arc(_)) => Self::Cclw,
@@ -73,7 +76,7 @@ impl MoveType {
         }
     }
 
-    /// The manual's number; it has none for a dwell.
+    /// The manual's number; it has none for dwells and probing moves.
     pub const fn number(self) -> Option<u8> {
         Some(match self {
             Self::Lin => 1,
@@ -85,7 +88,7 @@ impl MoveType {
             Self::LinPos => 100,
             Self::InitPos => 110,
             Self::MCommand => 120,
-            Self::Dwell => return None,
+            Self::Dwell | Self::Probe => return None,
         })
     }
 }
@@ -103,6 +106,7 @@ impl fmt::Display for MoveType {
             Self::InitPos => "INITPOS",
             Self::MCommand => "MCOMMAND",
             Self::Dwell => "DWELL",
+            Self::Probe => "PROBE",
         })
     }
 }

@@ -18,6 +18,8 @@ pub struct Counts {
     pub ellipses: u64,
     /// Cuts along splines and parabolas.
     pub cubics: u64,
+    /// Probing moves (G38).
+    pub probes: u64,
     /// Jumps of the set-point (G92).
     pub jumps: u64,
     /// M functions.
@@ -29,8 +31,9 @@ pub struct Counts {
 impl Counts {
     /// All objects.
     pub fn total(&self) -> u64 {
-        let Self { rapids, lines, arcs, ellipses, cubics, jumps, m_functions, dwells } = self;
-        rapids + lines + arcs + ellipses + cubics + jumps + m_functions + dwells
+        let Self { rapids, lines, arcs, ellipses, cubics, probes, jumps, m_functions, dwells } =
+            self;
+        rapids + lines + arcs + ellipses + cubics + probes + jumps + m_functions + dwells
     }
 }
 
@@ -60,9 +63,9 @@ pub struct ProgramInfo {
     pub switches: u64,
     /// Path lengths of rapids, m.
     pub rapid_length: f64,
-    /// Path lengths of cuts, m.
+    /// Path lengths of cuts and probing moves, m.
     pub cut_length: f64,
-    /// The box around rapids and cuts.
+    /// The box around rapids, cuts and probing moves.
     pub bounds: Option<Bounds>,
     /// Where the path starts, m.
     pub start: Option<Point3<f64>>,
@@ -90,6 +93,7 @@ impl ProgramInfo {
             (ElementKind::Cut, Shape::Arc(_)) => &mut counts.arcs,
             (ElementKind::Cut, Shape::Ellipse(_)) => &mut counts.ellipses,
             (ElementKind::Cut, Shape::Cubic(_)) => &mut counts.cubics,
+            (ElementKind::Probe { .. }, _) => &mut counts.probes,
             (ElementKind::Jump, _) => &mut counts.jumps,
             (ElementKind::MFunction { .. }, _) => &mut counts.m_functions,
             (ElementKind::Dwell { time_ns }, _) => {

@@ -40,6 +40,7 @@ fn key_figures() {
         arcs: 1,
         ellipses: 1,
         cubics: 1,
+        probes: 0,
         jumps: 1,
         m_functions: 1,
         dwells: 0,

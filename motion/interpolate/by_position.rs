@@ -155,6 +155,7 @@ where
             time_ns,
             place: element.place,
             rapid: element.kind == ElementKind::Rapid,
+            probing: element.kind.is_probe(),
             status,
             last_switch: self.board.last,
             m_function: None,

@@ -354,6 +354,7 @@ where
             time_ns,
             place: run.element.place,
             rapid: run.element.kind == ElementKind::Rapid,
+            probing: run.element.kind.is_probe(),
             status,
             last_switch: self.board.last,
             m_function: if status == Status::Waiting { run.m_function() } else { None },

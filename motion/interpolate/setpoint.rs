@@ -14,6 +14,8 @@ pub struct ToolSetpoint {
     pub place: Place,
     /// True on a rapid (G0): the tool is not engaged.
     pub rapid: bool,
+    /// True on a probing move (G38.2 to G38.5), at whose end a probe may touch something.
+    pub probing: bool,
     /// What the interpolator does (`iStatus`).
     pub status: Status,
     /// Number of the switch passed last (`iLastSwitch`); 0 before the first.

@@ -221,6 +221,7 @@ where
             time_ns,
             place: element.place(),
             rapid: element.rapid(),
+            probing: path_element.kind.is_probe(),
             status,
             last_switch: self.board.last,
             m_function,

@@ -1,6 +1,6 @@
 //! Operations on a path as it streams by: mapped, split, made of lines.
 
-use super::{OperationError, PathElement, Shape, Similarity};
+use super::{ElementKind, OperationError, PathElement, Shape, Similarity};
 use nalgebra::Vector3;
 
 /// Every element through a [`Similarity`] (`SMC_ROTATEQUEUE2D`, `SMC_TRANSLATEQUEUE3D`, `SMC_SCALEQUEUE3D`, manual 6.3).
@@ -42,7 +42,7 @@ pub struct SplitAt<I> {
 }
 
 impl<I> SplitAt<I> {
-    /// Splits at the part `at` (0 to 1) of the element's length.
+    /// Splits at the part `at` (0 to 1) of the element's length. A probing move is an error there.
     pub fn new(upstream: I, index: u64, at: f64) -> Self {
         Self { upstream, left: Some(index), at, second: None }
     }
@@ -67,6 +67,9 @@ where
         self.left = self.left.and_then(|left| left.checked_sub(1));
         if !due || element.length() <= 0.0 {
             return Some(Ok(element));
+        }
+        if matches!(element.kind, ElementKind::Probe { .. }) {
+            return Some(Err(OperationError::SplitProbe { place: element.place }.into()));
         }
         Some(match element.split(self.at) {
             Ok([first, second]) => {

@@ -10,6 +10,7 @@ mod ellipse;
 mod marks;
 mod operations;
 mod plane;
+mod probing;
 pub mod queue;
 mod shape;
 #[cfg(test)]
@@ -27,6 +28,7 @@ pub use ellipse::{Ellipse, EllipseError};
 pub use marks::Marks;
 pub use operations::{OperationError, Similarity, reversed};
 pub use plane::Plane;
+pub use probing::{ProbeOutcome, ProbeTrip, Probing};
 pub use shape::{PathPoint, Shape};
 
 use crate::Place;
@@ -222,6 +224,14 @@ pub enum ElementKind {
     Rapid,
     /// The tool cuts along the shape.
     Cut,
+    /// G38.2 to G38.5 of RS274: a probe feels its way along a line, which ends where it trips, if it does. The path
+    /// stops at both of its ends, and preparation leaves it as it is.
+    Probe {
+        /// What the program asks for.
+        probing: Probing,
+        /// Why the line ends where it does.
+        outcome: ProbeOutcome,
+    },
     /// G92 after the first motion: the set-point jumps from the start of the shape to its end, without a path.
     Jump,
     /// The path waits here until M function `number` is acknowledged (the manual's `MCOMMAND`). Its shape is a line
@@ -238,8 +248,13 @@ pub enum ElementKind {
 }
 
 impl ElementKind {
+    /// Whether it ends where a probe trips.
+    pub const fn is_probe(self) -> bool {
+        matches!(self, Self::Probe { .. })
+    }
+
     /// True if there is a path to travel.
     pub const fn is_motion(self) -> bool {
-        matches!(self, Self::Rapid | Self::Cut)
+        matches!(self, Self::Rapid | Self::Cut | Self::Probe { .. })
     }
 }

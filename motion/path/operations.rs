@@ -37,6 +37,12 @@ pub enum OperationError {
         /// The part of the length.
         at: f64,
     },
+    /// A probing move: two of them feel something else than one.
+    #[error("{place}: a probing move cannot be split")]
+    SplitProbe {
+        /// The element's block.
+        place: Place,
+    },
 }
 
 impl Similarity {

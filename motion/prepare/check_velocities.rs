@@ -17,7 +17,7 @@ const LARGEST: f64 = 1e100;
 
 /// Sets the velocity with which the path goes on from each element into the next (`SMC_CheckVelocities`).
 ///
-/// 0 where either element is a rapid (G0), where the path turns by more than the tolerance, at a jump (G92), at an
+/// 0 where either element is a rapid (G0) or a probing move (G38), where the path turns by more than the tolerance, at a jump (G92), at an
 /// element of length zero, at M functions and dwells, at the end of the path and before an error; else the smallest of
 /// the two programmed velocities and the element's own [`PathElement::end_velocity`], which
 /// [`super::LimitCircularVelocities`] sets. Whether the velocity can be reached within the accelerations is for
@@ -37,7 +37,7 @@ pub struct CheckVelocities<I, E> {
     /// An error that comes after the element just handed out.
     failure: Option<E>,
     ended: bool,
-    /// Whether rapids, M functions and dwells are stops.
+    /// Whether rapids, probing moves, M functions and dwells are stops.
     stops: bool,
 }
 
@@ -59,7 +59,7 @@ where
         }
     }
 
-    /// The same with no stop that is not in the shape of the path: rapids are passed like cuts, turns by any angle, M functions
+    /// The same with no stop that is not in the shape of the path: rapids and probing moves are passed like cuts, turns by any angle, M functions
     /// and dwells are left out. For comparison: what stops cost.
     #[must_use]
     pub fn without_stops(self) -> Self {
@@ -124,8 +124,12 @@ fn transition_velocity(
     stops: bool,
 ) -> f64 {
     let cuts = |element: &CheckedElement| {
-        let kind = element.kind;
-        (kind == ElementKind::Cut || kind == ElementKind::Rapid && !stops) && element.has_path()
+        let passed = match element.kind {
+            ElementKind::Cut => true,
+            ElementKind::Rapid | ElementKind::Probe { .. } => !stops,
+            ElementKind::Jump | ElementKind::MFunction { .. } | ElementKind::Dwell { .. } => false,
+        };
+        passed && element.has_path()
     };
     if !cuts(element) || !cuts(next) {
         return 0.0;

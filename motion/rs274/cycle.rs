@@ -15,7 +15,7 @@ use super::block::{Block, Letter};
 use super::decoder::Output;
 use super::error::{DecodeError, Problem};
 use super::state::State;
-use super::word::{Cycle, Motion};
+use super::word::Cycle;
 
 /// The largest number of moves that one block with a canned cycle may lead to.
 pub const MAX_CYCLE_MOVES: usize = 10_000;
@@ -112,7 +112,7 @@ impl State {
         normal: Letter,
     ) -> Result<Series, DecodeError> {
         let before = self.series.filter(|series| series.cycle == cycle);
-        let number = Motion::Cycle(cycle).number();
+        let number = cycle.number();
         let word = |letter: Letter, before: Option<f64>| {
             let missing = DecodeError::MissingCycleWord { cycle: number, letter: letter.as_char() };
             block.get(letter).or(before).ok_or(missing)

@@ -1,6 +1,7 @@
 //! What can be wrong with a program, and where.
 
 use crate::decode::{self, Rule, TextError};
+use crate::path::{ProbeTrip, Probing};
 use crate::short::Short;
 use std::ops::Range;
 
@@ -137,13 +138,13 @@ pub enum DecodeError {
     #[error("G{motion} and another G word of this block both want its axis words")]
     AxesUsedTwice {
         /// Number of the motion.
-        motion: u8,
+        motion: f64,
     },
     /// No axis word where one is needed.
     #[error("G{number} needs an axis word")]
     MissingAxes {
         /// Number of the G word.
-        number: u8,
+        number: f64,
     },
     /// Feed motion before any F, or after G94 without a new one. Reported once until there is an F.
     #[error("motion without a feed: F has not been set, or not since G94")]
@@ -166,6 +167,30 @@ pub enum DecodeError {
     /// G53 and G91.
     #[error("G53 cannot be used with incremental distances (G91)")]
     MachineFrameIncremental,
+    /// A probing move that must trip, to where the tool is.
+    #[error("{probing} goes nowhere: its start and its end are the same")]
+    ProbeNowhere {
+        /// What the block asks for.
+        probing: Probing,
+    },
+    /// A probing move that must trip and begins where it would have.
+    #[error("{probing} begins {}", already(*probing))]
+    ProbeTripped {
+        /// What the block asks for.
+        probing: Probing,
+    },
+    /// A probing move that must trip and does not.
+    #[error("{probing} reaches its end without {}", lacking(*probing))]
+    ProbeNotTripped {
+        /// What the block asks for.
+        probing: Probing,
+    },
+    /// A probing move, and nobody knows where it ends. A warning.
+    #[error("{probing} is taken to reach its end: nothing is known that it could touch")]
+    ProbeUnknown {
+        /// What the block asks for.
+        probing: Probing,
+    },
     /// A tool that is not in the table.
     #[error("tool {number} is not in the tool table")]
     UnknownTool {
@@ -290,6 +315,22 @@ pub enum DecodeError {
     },
 }
 
+/// How a probing move must not begin.
+fn already(probing: Probing) -> &'static str {
+    match probing.trips {
+        ProbeTrip::Touch => "where something is touched already",
+        ProbeTrip::Release => "where nothing is touched",
+    }
+}
+
+/// What a probing move is made for.
+fn lacking(probing: Probing) -> &'static str {
+    match probing.trips {
+        ProbeTrip::Touch => "touching anything",
+        ProbeTrip::Release => "coming free",
+    }
+}
+
 impl TextError for DecodeError {
     fn rule(&self) -> Rule {
         match self {
@@ -305,6 +346,9 @@ impl TextError for DecodeError {
             | Self::RadiusTooSmall { .. }
             | Self::ZeroRadius { .. }
             | Self::CenterMismatch { .. } => Rule::ArcGeometry,
+            Self::ProbeTripped { .. }
+            | Self::ProbeNotTripped { .. }
+            | Self::ProbeUnknown { .. } => Rule::Probe,
             _ => Rule::Syntax,
         }
     }

@@ -12,8 +12,8 @@
 //! M7 to M9, G4, plane, units, G40, tool length, coordinate system, path mode, distance modes, retract mode, G28, G30
 //! and G92, motion, stop. Hence F in a line with G20 or G21 is in the units of the line before.
 //!
-//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4, G20, G21, G28, G30, G40, G43, G49, G53 to G59.3, G61,
-//! G64, G80 to G83, G90, G91, G90.1, G91.1, G92 to G92.3, G93, G94, G98, G99, M0 to M9, M30, M60, F, S, T, H, N, one
+//! Understood: G0 to G3 (I J K or R, P turns) in G17 to G19, G4, G20, G21, G28, G30, G38.2 to G38.5, G40, G43, G49,
+//! G53 to G59.3, G61, G64, G80 to G83, G90, G91, G90.1, G91.1, G92 to G92.3, G93, G94, G98, G99, M0 to M9, M30, M60, F, S, T, H, N, one
 //! O word as the program's number, A B C for rotary axes (as the extra axes P Q U, in degrees). Every other word is an
 //! error that names it ([`DecodeError::rule`](crate::decode::TextError::rule) is
 //! [`UnsupportedWord`](crate::decode::Rule::UnsupportedWord)); nothing is skipped but comments.
@@ -24,6 +24,13 @@
 //! program; spindle and coolant that are on stop there (M5, M9), the spindle also before M6. S alone, T alone, G61 and G64 change no path; see [`Decoder::spindle_speed`], [`Decoder::tool`] and
 //! [`Decoder::path_mode`].
 //!
+//! Probing moves (G38.2 to G38.5, [`ElementKind::Probe`](crate::path::ElementKind::Probe)) end where the probe trips,
+//! which whoever knows the [`Surroundings`] says; the program goes on from there. That it does not trip where it must
+//! (G38.2, G38.4), or has tripped before it moves, is an error, as in LinuxCNC's motion controller. The path stops right
+//! there: by how much a machine overshoots until it stands, v² / 2a, is left out. Where nobody knows the surroundings
+//! the path goes to the programmed end, with a warning. There being no parameters, nothing of where it trips is kept for
+//! the program but the place itself (and so G92).
+//!
 //! Where this differs from LinuxCNC 2.9, whose rules these are otherwise (its documentation, and its interpreter run
 //! over `tests/linuxcnc.rs` and a corpus of CAM output):
 //! - F must be programmed before the first feed move; LinuxCNC's previews begin with a feed of their own.
@@ -33,6 +40,8 @@
 //!   LinuxCNC skips, is an unsupported word.
 //! - After G20 or G21 amid canned cycles G98 returns to the level at which they began. LinuxCNC takes the number of
 //!   the old units for one of the new.
+//! - Probing moves in inverse time (G93) take as long as F says, if they do not trip, and need it, as LinuxCNC's
+//!   documentation has it. Its interpreter lets them move with the feed in force before.
 //! - A start and end that are the same but for 1 µm make a full circle; LinuxCNC looks at the angle alone and makes
 //!   full circles of flat arcs.
 //! - The moves of one canned cycle block are at most [`MAX_CYCLE_MOVES`].
@@ -47,6 +56,7 @@ mod error;
 mod lexer;
 mod offsets;
 mod options;
+mod probe;
 mod refeed;
 mod state;
 #[cfg(test)]
@@ -59,5 +69,6 @@ pub use cycle::MAX_CYCLE_MOVES;
 pub use decoder::{Decoder, MAX_LINE_BYTES};
 pub use error::{DecodeError, Diagnostic, Failure, Item, UnsupportedReason};
 pub use options::{DecoderOptions, LengthUnit, PathMode, Position, ToolReference};
+pub use probe::{ProbePath, ProbeTarget, Surroundings};
 pub use refeed::refeed;
 pub use tool_table::{Tool, ToolTable, ToolTableError};

@@ -54,6 +54,14 @@ impl Offsets {
         self.add_up();
     }
 
+    /// From the tip of the tool to the point whose path it is, m.
+    pub(super) fn point_from_tip(&self) -> [f64; 3] {
+        match self.reference {
+            ToolReference::ControlPoint => self.tool,
+            ToolReference::Tip => [0.0; 3],
+        }
+    }
+
     /// Sets the tool's length (G43, G49) and returns by how much it moves the reference point away from where the
     /// machine holds it, m.
     pub(super) fn set_tool(&mut self, tool: [f64; 3]) -> [f64; 3] {
@@ -109,10 +117,7 @@ impl Offsets {
 
     fn add_up(&mut self) {
         let system = self.systems.get(self.system).copied().unwrap_or_default();
-        let tool = match self.reference {
-            ToolReference::ControlPoint => self.tool,
-            ToolReference::Tip => [0.0; 3],
-        };
+        let tool = self.point_from_tip();
         self.sum = Position {
             linear: std::array::from_fn(|axis| {
                 let part = |values: &[f64; 3]| values.get(axis).copied().unwrap_or_default();
@@ -142,6 +147,43 @@ impl Location {
         let mut location = Self { machine, ..Self::default() };
         location.find_program(offsets, units);
         location
+    }
+
+    /// Where the straight way to `end` is at `part` of it: this place up to 0, `end` from 1 on. What does not move keeps
+    /// its number, bit for bit.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
+    pub(super) fn toward(
+        &self,
+        end: &Self,
+        part: f64,
+        offsets: &Offsets,
+        units: LengthUnit,
+    ) -> Self {
+        if part <= 0.0 {
+            return *self;
+        }
+        if part >= 1.0 {
+            return *end;
+        }
+        let between = |from: f64, to: f64| from + (to - from) * part;
+        let mut at = *end;
+        let machine = at.machine.linear.iter_mut().zip(self.machine.linear);
+        let sum = offsets.sum();
+        for (((machine, from), program), sum) in machine.zip(&mut at.program).zip(sum.linear) {
+            if *machine != from {
+                *machine = between(from, *machine);
+                *program = units.from_metres(*machine - sum);
+            }
+        }
+        let machine = at.machine.rotary.iter_mut().zip(self.machine.rotary);
+        for (((machine, from), program), sum) in machine.zip(&mut at.program_rotary).zip(sum.rotary)
+        {
+            if *machine != from {
+                *machine = between(from, *machine);
+                *program = *machine - sum;
+            }
+        }
+        at
     }
 
     /// Calculates the program's coordinates anew, after another offset or unit.

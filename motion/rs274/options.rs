@@ -1,6 +1,6 @@
 //! What a decoder must know besides the program, and what it says of it besides the path.
 
-use super::ToolTable;
+use super::{Surroundings, ToolTable};
 
 /// Units of length of a program or a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -92,10 +92,12 @@ pub struct DecoderOptions {
     pub tool: u32,
     /// Which point the positions of the path are those of.
     pub reference: ToolReference,
+    /// What a probe can touch (G38.2 to G38.5). Where nobody knows, probing moves go to their ends, with a warning.
+    pub surroundings: Option<Surroundings>,
     /// Leaves out the blocks that begin with `/`. What is in them is not looked at.
     pub skip_suppressed_blocks: bool,
     /// Moves that go nowhere are elements too, as in LinuxCNC's interpreter; else they are left out, as its planner
-    /// does. The path stops at elements of length zero.
+    /// does, but for probing moves, of which it says how they ended. The path stops at elements of length zero.
     pub keep_empty_moves: bool,
 }
 
@@ -114,6 +116,7 @@ impl Default for DecoderOptions {
             tools: None,
             tool: 0,
             reference: ToolReference::default(),
+            surroundings: None,
             skip_suppressed_blocks: false,
             keep_empty_moves: true,
         }

@@ -56,7 +56,7 @@ struct Running<I: Iterator> {
 /// What a line does.
 #[derive(Debug, Default)]
 struct Moves {
-    /// Its cut; of a canned cycle any of them.
+    /// Its cut, or its probing move; of a canned cycle any of them.
     cut: Option<Cut>,
     /// Its rapid, m/s.
     rapid: Option<f64>,
@@ -73,7 +73,7 @@ struct Cut {
 impl Moves {
     fn include(&mut self, element: &PathElement) {
         match element.kind {
-            ElementKind::Cut => {
+            ElementKind::Cut | ElementKind::Probe { .. } => {
                 let rotates = element.extra().is_some_and(|extra| extra.length() > 0.0);
                 let turns = rotates && element.shape.length() <= 0.0;
                 self.cut = Some(Cut { feed: element.feed, turns });

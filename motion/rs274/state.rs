@@ -6,6 +6,7 @@ use super::decoder::Output;
 use super::error::{DecodeError, Problem};
 use super::offsets::{Location, Offsets};
 use super::options::{DecoderOptions, LengthUnit, PathMode, Position};
+use super::probe::ProbeTarget;
 use super::tool_table::ToolTable;
 use super::word::{Cycle, Motion, OneShot};
 use crate::path::{ElementKind, MParameters, Plane};
@@ -32,7 +33,7 @@ impl Feed {
 }
 
 /// The interpreter between two blocks.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 #[expect(clippy::struct_excessive_bools, reason = "modes of the language, each on or off")]
 pub(super) struct State {
     pub(super) rapid_velocity: f64,
@@ -42,6 +43,8 @@ pub(super) struct State {
     g28: Position,
     g30: Position,
     tools: Option<ToolTable>,
+    /// What a probe can touch, if anybody knows.
+    pub(super) probe_target: Option<Box<dyn ProbeTarget>>,
 
     pub(super) offsets: Offsets,
     pub(super) location: Location,
@@ -81,6 +84,7 @@ impl State {
             g28: options.g28,
             g30: options.g30,
             tools: options.tools,
+            probe_target: options.surroundings.map(|surroundings| surroundings.target()),
             offsets,
             location,
             path_end: None,
@@ -160,6 +164,7 @@ impl State {
             match motion {
                 Motion::Rapid | Motion::Line => self.go_straight(motion, block, out)?,
                 Motion::Arc { clockwise } => self.go_round(clockwise, block, out)?,
+                Motion::Probe(probing) => self.probe(probing, block, out)?,
                 Motion::Cycle(cycle) => self.drill(cycle, block, out)?,
                 Motion::Off => {}
             }
@@ -177,9 +182,9 @@ impl State {
         let axes = block.letters().meets(Letters::AXES);
         let active = block.g.motion.filter(|motion| *motion != Motion::Off);
         let other = match block.g.one_shot {
-            Some(OneShot::Home) => Some((28, false)),
-            Some(OneShot::SecondHome) => Some((30, false)),
-            Some(OneShot::SetPosition) => Some((92, true)),
+            Some(OneShot::Home) => Some((28.0, false)),
+            Some(OneShot::SecondHome) => Some((30.0, false)),
+            Some(OneShot::SetPosition) => Some((92.0, true)),
             _ => None,
         };
         if let Some((number, needs_axes)) = other {
@@ -190,7 +195,7 @@ impl State {
             };
         }
         match (block.g.motion, axes) {
-            (Some(motion @ Motion::Cycle(_)), false) => {
+            (Some(motion @ (Motion::Cycle(_) | Motion::Probe(_))), false) => {
                 Err(DecodeError::MissingAxes { number: motion.number() })
             }
             (Some(Motion::Off), true) => Err(DecodeError::AxesWithoutMotion),

@@ -22,7 +22,7 @@ pub(super) const MIN_INVERSE_TIME_FEED: f64 = 0.1;
 
 impl State {
     /// Where the axis words of `block` lead.
-    fn target(&self, block: &Block, relative: bool) -> Result<Location, Problem> {
+    pub(super) fn target(&self, block: &Block, relative: bool) -> Result<Location, Problem> {
         let mut to = self.location;
         let letters = block.letters();
         let offset = self.offsets.sum();
@@ -195,7 +195,7 @@ impl State {
         Ok(())
     }
 
-    fn line_to(&self, to: &Location) -> Shape {
+    pub(super) fn line_to(&self, to: &Location) -> Shape {
         Shape::Line {
             start: Point3::from(self.location.machine.linear),
             end: Point3::from(to.machine.linear),
@@ -222,19 +222,28 @@ impl State {
         inverse_time: Option<f64>,
         out: &mut Output,
     ) -> Result<(), Problem> {
-        match self.feed_along(&shape, &to, inverse_time) {
-            Ok(feed) => self.go(ElementKind::Cut, shape, feed, to, out),
-            Err(error) => {
-                // The path goes on where it was to lead.
-                self.location = to;
-                let told = self.feed_reported && !matches!(error, DecodeError::MissingInverseTime);
-                self.feed_reported |= !matches!(error, DecodeError::MissingInverseTime);
-                if !told {
-                    return Err(error.into());
-                }
-            }
+        if let Some(feed) = self.feed_for(&shape, &to, inverse_time)? {
+            self.go(ElementKind::Cut, shape, feed, to, out);
         }
         Ok(())
+    }
+
+    /// The feed along `shape` to `to`, as [`PathElement::feed`] has it; none if that it is missing has been told.
+    pub(super) fn feed_for(
+        &mut self,
+        shape: &Shape,
+        to: &Location,
+        inverse_time: Option<f64>,
+    ) -> Result<Option<f64>, Problem> {
+        let error = match self.feed_along(shape, to, inverse_time) {
+            Ok(feed) => return Ok(Some(feed)),
+            Err(error) => error,
+        };
+        // The path goes on where it was to lead.
+        self.location = *to;
+        let told = self.feed_reported && !matches!(error, DecodeError::MissingInverseTime);
+        self.feed_reported |= !matches!(error, DecodeError::MissingInverseTime);
+        if told { Ok(None) } else { Err(error.into()) }
     }
 
     /// m/s, or a thousandth of degrees/s where only rotary axes move.
@@ -270,9 +279,17 @@ impl State {
 
     /// Goes along `shape` to `to`.
     #[expect(clippy::float_cmp, reason = "the same number or another one")]
-    fn go(&mut self, kind: ElementKind, shape: Shape, feed: f64, to: Location, out: &mut Output) {
+    pub(super) fn go(
+        &mut self,
+        kind: ElementKind,
+        shape: Shape,
+        feed: f64,
+        to: Location,
+        out: &mut Output,
+    ) {
         let from = std::mem::replace(&mut self.location, to).machine;
-        if !self.keep_empty_moves && shape.length() <= 0.0 && from.rotary == to.machine.rotary {
+        let kept = self.keep_empty_moves || matches!(kind, ElementKind::Probe { .. });
+        if !kept && shape.length() <= 0.0 && from.rotary == to.machine.rotary {
             return;
         }
         self.connect(&from, out);

@@ -1,7 +1,7 @@
 //! What the numbers of G and M words mean, and which of them exclude each other.
 
 use super::LengthUnit;
-use crate::path::Plane;
+use crate::path::{Plane, Probing};
 
 /// Group 1: what the axis words of this line and the following ones do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,6 +15,8 @@ pub(super) enum Motion {
         /// G2.
         clockwise: bool,
     },
+    /// G38.2 to G38.5.
+    Probe(Probing),
     /// G81 to G83.
     Cycle(Cycle),
     /// G80: nothing, axis words are errors.
@@ -34,16 +36,26 @@ pub(super) enum Cycle {
 
 impl Motion {
     /// The number after G.
+    pub(super) fn number(self) -> f64 {
+        match self {
+            Self::Rapid => 0.0,
+            Self::Line => 1.0,
+            Self::Arc { clockwise: true } => 2.0,
+            Self::Arc { clockwise: false } => 3.0,
+            Self::Probe(probing) => probing.g_number(),
+            Self::Cycle(cycle) => cycle.number().into(),
+            Self::Off => 80.0,
+        }
+    }
+}
+
+impl Cycle {
+    /// The number after G.
     pub(super) fn number(self) -> u8 {
         match self {
-            Self::Rapid => 0,
-            Self::Line => 1,
-            Self::Arc { clockwise: true } => 2,
-            Self::Arc { clockwise: false } => 3,
-            Self::Cycle(Cycle::Drill) => 81,
-            Self::Cycle(Cycle::DrillDwell) => 82,
-            Self::Cycle(Cycle::Peck) => 83,
-            Self::Off => 80,
+            Self::Drill => 81,
+            Self::DrillDwell => 82,
+            Self::Peck => 83,
         }
     }
 }
@@ -121,6 +133,10 @@ impl GWords {
             10 => self.motion(Motion::Line),
             20 => self.motion(Motion::Arc { clockwise: true }),
             30 => self.motion(Motion::Arc { clockwise: false }),
+            382 => self.motion(Motion::Probe(Probing::TOUCH)),
+            383 => self.motion(Motion::Probe(Probing::TRY_TOUCH)),
+            384 => self.motion(Motion::Probe(Probing::RELEASE)),
+            385 => self.motion(Motion::Probe(Probing::TRY_RELEASE)),
             810 => self.motion(Motion::Cycle(Cycle::Drill)),
             820 => self.motion(Motion::Cycle(Cycle::DrillDwell)),
             830 => self.motion(Motion::Cycle(Cycle::Peck)),

@@ -30,6 +30,7 @@ enum Style {
     Before,
     Rapid,
     Cut,
+    Probe,
     Jump,
     Cross,
 }
@@ -40,13 +41,14 @@ impl Style {
             Self::Before => "before",
             Self::Rapid => "rapid",
             Self::Cut => "cut",
+            Self::Probe => "probe",
             Self::Jump => "jump",
             Self::Cross => "cross",
         }
     }
 }
 
-/// Writes the picture of a path, and of what it was before preparation: rapids in green dashes, cuts in blue, the path
+/// Writes the picture of a path, and of what it was before preparation: rapids in green dashes, cuts in blue, probing moves in violet, the path
 /// before it in light grey below, M functions as orange diamonds, switches as green dots, the convex hulls of splines in
 /// light grey, start and end, arrows in the direction of travel, and a grid in mm.
 ///
@@ -152,6 +154,7 @@ impl<W: Write> Picture<W> {
         let style = match element.kind {
             ElementKind::Rapid => Style::Rapid,
             ElementKind::Cut => Style::Cut,
+            ElementKind::Probe { .. } => Style::Probe,
             ElementKind::Jump => Style::Jump,
             ElementKind::MFunction { .. } => {
                 self.functions.add(curves::point(&element.start()));
@@ -204,6 +207,7 @@ impl<W: Write> Picture<W> {
             (Style::Before, "before preparation"),
             (Style::Rapid, "rapid"),
             (Style::Cut, "cut"),
+            (Style::Probe, "probing"),
             (Style::Jump, "set (G92)"),
             (Style::Cross, "every 100 ms"),
         ]

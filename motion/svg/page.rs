@@ -94,10 +94,11 @@ impl Page {
             r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}" font-family="sans-serif">
 <title>{title}</title>
 <style>
-.before,.rapid,.cut,.jump,.cross,.hull{{fill:none;stroke-linejoin:round;stroke-linecap:round;stroke-width:{thin}}}
+.before,.rapid,.cut,.probe,.jump,.cross,.hull{{fill:none;stroke-linejoin:round;stroke-linecap:round;stroke-width:{thin}}}
 .before{{stroke:#bbb}}
 .rapid{{stroke:#16a02c;stroke-dasharray:{dash} {gap};stroke-linecap:butt}}
 .cut{{stroke:#1f5fd6}}
+.probe{{stroke:#8e24aa}}
 .jump{{stroke:#999;stroke-dasharray:{fine} {gap};stroke-width:{fine}}}
 .cross{{stroke:#444;stroke-width:{fine}}}
 .hull{{stroke:#ccc;stroke-width:{fine}}}

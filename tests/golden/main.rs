@@ -12,6 +12,7 @@
 )]
 
 mod check_limits;
+mod collision;
 mod compare;
 mod limit;
 mod machine;

@@ -10,6 +10,8 @@ mod sentence;
 #[cfg(test)]
 mod tests;
 mod way;
+#[cfg(test)]
+mod way_tests;
 
 use crate::compare::Comparison;
 use crate::finding::{self, Finding};
@@ -27,7 +29,7 @@ use findings::Findings;
 pub use options::{CheckFailure, CheckOptions};
 use rehearsal::Rehearsal;
 pub(crate) use sentence::{beyond_position, unreachable};
-use twin_kinematics::{AxisSource, AxisVector, Kinematics};
+use twin_kinematics::{AxisSource, AxisVector, Kinematics, MAX_AXES};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
 use twin_motion::path::EXTRA_AXES;
@@ -81,7 +83,8 @@ pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Findi
 pub fn happenings(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
     let blows = record.blows.iter().map(|blow| sentence::ran_into(machine, blow));
     let others = record.happenings.iter().filter_map(|one| sentence::happened(machine, one));
-    blows.chain(others).collect()
+    let touches = record.touches.iter().filter_map(|touch| sentence::touched(machine, touch));
+    blows.chain(touches).chain(others).collect()
 }
 
 /// Checks a whole program. `progress` is told the bytes read so far.
@@ -147,6 +150,10 @@ pub fn check_watched(
     let record = rehearsal.map(Rehearsal::into_record).unwrap_or_default();
     for blow in &record.blows {
         checker.findings.add(None, sentence::ran_into(machine, blow));
+    }
+    // Beside where they touch by plan.
+    for touch in record.touches.iter().filter_map(|touch| sentence::touched(machine, touch)) {
+        checker.findings.add(Some(MAX_AXES), touch);
     }
     for happening in &record.happenings {
         if let Some(finding) = sentence::happened(machine, happening) {

@@ -4,9 +4,9 @@ use super::ROUNDING;
 use crate::finding::{Finding, Rule, Severity};
 use crate::machine::{Axis, AxisKind, Machine, SimulationError, VelocitySource};
 use crate::physics::{Clearance, EventKind, Fault};
-use crate::plant::{Blow, Happening};
+use crate::plant::{Blow, Happening, ProbeTouch};
 use std::collections::BTreeSet;
-use twin_kinematics::KinematicsError;
+use twin_kinematics::{Kinematics, KinematicsError};
 use twin_motion::Place;
 
 /// A set-point that the kinematics refuses.
@@ -185,6 +185,18 @@ pub(super) fn ran_into(machine: &Machine, blow: &Blow) -> Finding {
         in_newtons(force)
     );
     Finding::error(Rule::Collision, place, message).with_value(force, 0.0, "N")
+}
+
+/// A probe that touched something in the simulated machine.
+pub(super) fn touched(machine: &Machine, touch: &ProbeTouch) -> Option<Finding> {
+    let tip = machine.kinematics.forward(&touch.position).ok()?;
+    let tip = machine.frame.pose_to_work(&tip).position * 1e3;
+    // In micrometres, of which none is no less than none.
+    let [x, y, z] = tip.coords.map(|value| (value * 1e3).round() * 1e-3 + 0.0).into();
+    let message =
+        format!("in the simulated machine the probe touched at X {x:.3} Y {y:.3} Z {z:.3} mm");
+    let finding = Finding::error(Rule::Probe, touch.place, message);
+    Some(Finding { severity: Severity::Note, ..finding })
 }
 
 /// A force with as many digits as are worth something.

@@ -3,7 +3,7 @@
 use super::findings::Findings;
 use super::sentence;
 use crate::machine::{Machine, SimulationError};
-use crate::physics::{Clearance, ClearanceScan};
+use crate::physics::{Clearance, ClearanceScan, Part};
 use crate::setpoint::AxisSetpoint;
 use twin_motion::Place;
 
@@ -74,6 +74,8 @@ pub(super) struct Way {
     scan: ClearanceScan,
     /// Nearer than this is told, m.
     wanted: f64,
+    /// The tool is a probe that may touch what it touches until it has come free.
+    probes: bool,
     found: Clearances,
 }
 
@@ -83,7 +85,7 @@ impl Way {
         let scan = machine.clearance_scan();
         let scan = scan.map_err(|error| SimulationError::of(machine, error))?;
         let wanted = machine.collision.as_ref().map_or(0.0, |collision| collision.clearance);
-        Ok(scan.map(|scan| Self { scan, wanted, found: Clearances::default() }))
+        Ok(scan.map(|scan| Self { scan, wanted, probes: false, found: Clearances::default() }))
     }
 
     /// How near it is at a set-point; `None` where no links can be, which is another finding.
@@ -104,7 +106,11 @@ impl Way {
         if !is_known && room {
             self.found.blocks.push(now);
         }
-        if now.is_collision() {
+        let by_tool = nearest.parts.contains(&Part::Tool);
+        self.probes |= setpoint.probing;
+        if self.probes && by_tool {
+            self.probes = setpoint.probing || nearest.distance < self.wanted.max(TOUCHING);
+        } else if now.is_collision() {
             findings.add(None, sentence::in_the_way(machine, place, &nearest));
         } else if nearest.distance < self.wanted {
             findings.add(None, sentence::too_near(machine, place, &nearest, self.wanted));

@@ -1,7 +1,7 @@
-//! `twin axes`: the transform as a calculator.
+//! `twin axes`: the transform as a calculator, and one axis of the simulated machine on its own.
 
 use super::options::MachineOption;
-use super::{Failure, Status};
+use super::{Failure, Status, axes_probe};
 use crate::machine::Machine;
 use crate::number::significant;
 use nalgebra::Point3;
@@ -35,6 +35,7 @@ enum Direction {
         #[command(flatten)]
         machine: MachineOption,
     },
+    Probe(axes_probe::Arguments),
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
@@ -48,6 +49,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             let machine = machine.load()?;
             convert(|numbers| forward(&machine, numbers))
         }
+        Direction::Probe(arguments) => axes_probe::run(arguments),
     }
 }
 

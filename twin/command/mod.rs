@@ -1,6 +1,7 @@
 //! The command line: one module per command, exit status as the contract says.
 
 mod axes;
+mod axes_probe;
 mod check;
 mod emulate;
 mod limit;

@@ -202,6 +202,7 @@ fn setpoint(cycle: i64, x: f64, velocity: f64) -> AxisSetpoint {
         },
         path_velocity: 0.0,
         feed: None,
+        probing: false,
     }
 }
 

@@ -224,7 +224,7 @@ impl AxisPath for MachinePath<'_> {
         let frame = &self.machine.frame;
         let jerk = frame.jerk_to_machine(&work, &work_jerk);
         let motion = frame.motion_to_machine(&work);
-        let mut point = axis_point(&self.machine.kinematics, &motion, &jerk, near)?;
+        let mut point = axis_point(&*self.machine.kinematics, &motion, &jerk, near)?;
         if let Some(extra) = &extra {
             self.add_additional(extra, &mut point);
         }

@@ -34,10 +34,12 @@ pub use simulated::{
 pub use surroundings::Collision;
 
 use crate::m_function::MFunction;
+use crate::probe;
 use axis::AxisEntry;
 use nalgebra::{Point3, Vector3};
 use section::Section;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use tool::Tool;
 use twin_kinematics::{AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
 use twin_urdf::{JointKind, Model, UrdfWarning};
@@ -57,7 +59,7 @@ pub struct Machine {
     /// `[kinematics]` as in the file, without the kind.
     pub dimensions: toml::Table,
     /// From the tool to the axes and back.
-    pub kinematics: MachineAxes,
+    pub kinematics: Arc<MachineAxes>,
     /// Where the direction of its tool comes from.
     pub direction: DirectionRule,
     /// What a radian counts in measures of singularity, m.
@@ -108,7 +110,9 @@ impl Machine {
     /// With everything that is wrong with it, in file order.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Vec<Problem>> {
         let machine = section::parse(text, |root| read(path, root))?;
-        Ok(Self { dimensions: dimensions(text), ..machine })
+        let mut machine = Self { dimensions: dimensions(text), ..machine };
+        machine.conditions.rs274.surroundings = probe::surroundings(&machine);
+        Ok(machine)
     }
 
     /// Height of the tool tip above the machine frame's origin with every linear axis at 0, m.
@@ -200,7 +204,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         name: name?.to_owned(),
         kind: geometry.kind,
         dimensions: toml::Table::new(),
-        kinematics: geometry.kinematics,
+        kinematics: Arc::new(geometry.kinematics),
         model: geometry.model,
         direction: geometry.direction,
         length_scale: geometry.length_scale,

@@ -284,7 +284,7 @@ impl<'a> Section<'a> {
             Some((names?.try_into().ok()?, item.span()))
         };
         let mut pairs = Vec::new();
-        for item in array.iter() {
+        for item in array {
             match pair(item) {
                 Some(pair) => pairs.push(pair),
                 None => self.wrong_type(key, item, "a pair of names"),

@@ -20,6 +20,11 @@ pub(super) struct Tool {
 }
 
 impl Tool {
+    /// m, if it is known.
+    pub(super) fn radius(&self) -> Option<f64> {
+        self.shape.diameter.map(|diameter| 0.5 * diameter)
+    }
+
     pub(super) fn read(root: &Section<'_>) -> Self {
         let section = root.section("tool");
         let length = section.number("length_mm", 0.0..=10_000.0).unwrap_or(0.0);

@@ -177,12 +177,13 @@ pub(super) fn advance(
         let mut until = 1.0;
         let mut arrival = step.take(&state, &settled, from, until)?;
         if stops < MOST_STOPS
-            && let Some((stop, part)) = settled.first_stop(&state, &arrival, (until - from) * dt)
+            && let Some((stop, part)) =
+                settled.first_stop(trains, &state, &arrival, (until - from) * dt)
         {
             until = from + part * (until - from);
             arrival = step.take(&state, &settled, from, until)?;
             for _ in 0..CORRECTIONS {
-                let late = stop.velocity(&arrival.state) / stop.velocity(&arrival.first);
+                let late = stop.value(&arrival.state) / stop.rate(&arrival.first);
                 if !late.is_finite() {
                     break;
                 }

@@ -25,6 +25,7 @@ mod along_path;
 mod bodies;
 mod clearance;
 mod contact;
+mod distances;
 mod drive;
 mod dynamics;
 mod equation;
@@ -65,7 +66,8 @@ use twin_kinematics::AxisVector;
 use twin_urdf::Model;
 
 pub use along_path::{AxisEffort, AxisLoad, EffortRow, PathDynamics, TorqueAlongPath};
-pub use clearance::{Clearance, ClearanceScan};
+pub use clearance::ClearanceScan;
+pub use distances::Clearance;
 pub use drive::{
     AxisDriveParameters, BrakeParameters, EffortCurve, EffortFeedForward, EncoderParameters,
     EncoderSide, MAX_DELAY, Motor, OverloadParameters, ServoParameters, StepperParameters,

@@ -11,6 +11,8 @@ pub(super) struct Pairs {
     parts: Vec<(Part, usize)>,
     /// One per pair, rows of `parts`.
     may_touch: Vec<bool>,
+    /// Pairs that are looked at.
+    near: Vec<[usize; 2]>,
 }
 
 impl Pairs {
@@ -38,7 +40,7 @@ impl Pairs {
             possible && !surroundings.leaves_out([*one, *other])
         });
         let may_touch = may_touch.collect();
-        Self { parts, may_touch }
+        Self { parts, may_touch, near: Vec::new() }
     }
 
     /// The parts by number, each with the link in whose frame it is.
@@ -52,6 +54,21 @@ impl Pairs {
 
     fn place(&self, one: usize, other: usize) -> Option<usize> {
         (other < self.parts.len()).then(|| one * self.parts.len() + other)
+    }
+
+    /// Pairs that are near to each other, of all that may touch: to be filled by whoever knows.
+    pub(super) fn near_mut(&mut self) -> &mut Vec<[usize; 2]> {
+        &mut self.near
+    }
+
+    /// Whether any pair is near to touching.
+    pub(super) fn any_near(&self) -> bool {
+        !self.near.is_empty()
+    }
+
+    /// Whether two parts of these numbers are.
+    pub(super) fn are_near(&self, one: usize, other: usize) -> bool {
+        self.near.contains(&[one.min(other), one.max(other)])
     }
 
     /// Whether two parts of these numbers may touch.

@@ -5,6 +5,7 @@ use nalgebra::Isometry3;
 use twin_urdf::{JointDrive, JointPositions, Model};
 
 use super::dynamics::JointVector;
+use super::equation::Equation;
 use super::error::PhysicsError;
 use super::passive::PassiveJoints;
 use super::tripod::TripodDynamics;
@@ -29,11 +30,19 @@ enum Passive {
 }
 
 impl Posed {
-    pub(super) fn of_tree(axis_count: usize) -> Self {
+    /// Of `model`, which moves by `equation`.
+    pub(super) fn of(model: &Model, equation: &Equation) -> Self {
+        match equation {
+            Equation::Tree(_) => Self::of_tree(equation.axis_count()),
+            Equation::Tripod(tripod) => Self::of_tripod(model, tripod),
+        }
+    }
+
+    fn of_tree(axis_count: usize) -> Self {
         Self { axis_count, positions: Vec::new(), passive: Passive::None }
     }
 
-    pub(super) fn of_tripod(model: &Model, tripod: &TripodDynamics) -> Self {
+    fn of_tripod(model: &Model, tripod: &TripodDynamics) -> Self {
         let passive = match PassiveJoints::of(model) {
             Some(joints) => Passive::Closed(Box::new(joints), Box::new(tripod.clone())),
             None => Passive::Sought(Box::new(JointPositions::at_rest(model))),

@@ -1,4 +1,5 @@
-//! What dry friction does: what moves is opposed, what stands is held or breaks away.
+//! What dry friction does: what moves is opposed, what stands is held or breaks away; and where a step has to end because another law
+//! holds from there on: where something stops, or teeth with play between them meet or part.
 //!
 //! Of all forces within ± the dry friction of axes that stand, those are taken that leave as little motion as they can by the end
 //! of the step, as Moreau and Stewart–Trinkle do (projected Gauss–Seidel on the velocities an explicit step predicts). What is left
@@ -12,6 +13,9 @@ use super::integrate::{Arrival, JointState, MachineState, Motors, Stage, Step, T
 
 /// Sweeps of the friction solver; it converges in one or two unless several axes stick against each other.
 const MAX_SWEEPS: usize = 100;
+
+/// Teeth as near to where they meet as this are there, m or rad.
+const AT_EDGE: f64 = 1e-13;
 
 /// What dry friction does on both sides of the transmissions.
 #[derive(Clone, Copy, Debug)]
@@ -33,32 +37,51 @@ pub(super) struct Settled {
     mobility: Option<JointMatrix>,
 }
 
-/// Something that comes to rest.
+/// Something after which another law holds.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Stop {
+    /// An axis comes to rest.
     Axis(usize),
+    /// So does a motor.
     Motor(usize),
+    /// The teeth of a transmission meet, where the motor is so far ahead of the axis (m or rad).
+    Teeth(usize, f64),
 }
 
 impl Stop {
-    /// Its velocity in `state`, or its acceleration in how that changes.
-    pub(super) fn velocity(self, state: &MachineState) -> f64 {
+    /// What is 0 there: a velocity, how far teeth are from each other, or what they push with.
+    pub(super) fn value(&self, state: &MachineState) -> f64 {
         match self {
-            Self::Axis(axis) => at(&state.axes.velocity, axis),
-            Self::Motor(axis) => at(&state.motors.velocity, axis),
+            Self::Axis(axis) => at(&state.axes.velocity, *axis),
+            Self::Motor(axis) => at(&state.motors.velocity, *axis),
+            Self::Teeth(axis, edge) => twist(state, *axis) - edge,
+        }
+    }
+
+    /// How fast that changes where everything changes like `slope`.
+    pub(super) fn rate(&self, slope: &MachineState) -> f64 {
+        match self {
+            Self::Axis(_) | Self::Motor(_) => self.value(slope),
+            Self::Teeth(axis, _) => twist(slope, *axis),
         }
     }
 
     /// Takes from it what is left of its velocity.
-    pub(super) fn stop(self, state: &mut MachineState) {
+    pub(super) fn stop(&self, state: &mut MachineState) {
         let velocity = match self {
-            Self::Axis(axis) => state.axes.velocity.get_mut(axis),
-            Self::Motor(axis) => state.motors.velocity.get_mut(axis),
+            Self::Axis(axis) => state.axes.velocity.get_mut(*axis),
+            Self::Motor(axis) => state.motors.velocity.get_mut(*axis),
+            Self::Teeth(..) => None,
         };
         if let Some(velocity) = velocity {
             *velocity = 0.0;
         }
     }
+}
+
+/// How far the motor of `axis` is ahead of it.
+fn twist(state: &MachineState, axis: usize) -> f64 {
+    at(&state.motors.position, axis) - at(&state.axes.position, axis)
 }
 
 impl<M: Motors + ?Sized> Step<'_, M> {
@@ -156,10 +179,11 @@ fn hold(mut velocity: JointVector, limits: &JointVector, mobility: &JointMatrix)
 }
 
 impl Settled {
-    /// What comes to rest first between `state` and `arrival`, `dt` s later, and at which part of the way. Only what was moving
-    /// can.
+    /// What comes to rest first between `state` and `arrival`, `dt` s later, or which teeth meet or part, and at which part of the way.
+    /// Only what was moving can come to rest.
     pub(super) fn first_stop(
         &self,
+        trains: &[Train; MAX_AXES],
         state: &MachineState,
         arrival: &Arrival,
         dt: f64,
@@ -169,13 +193,26 @@ impl Settled {
         let motors = self.dry.motors.iter().enumerate().map(|(axis, dry)| (Stop::Motor(axis), dry));
         for (stop, dry) in axes.chain(motors) {
             let DryFriction::Slides(direction) = dry else { continue };
-            let [before, after] = [state, &arrival.state].map(|state| stop.velocity(state));
+            let [before, after] = [state, &arrival.state].map(|state| stop.value(state));
             if before * direction <= REST || after * direction >= 0.0 {
                 continue;
             }
-            let part = crossing(before, after, stop.velocity(&arrival.first) * dt);
+            let part = crossing(before, after, stop.rate(&arrival.first) * dt);
             if first.is_none_or(|(_, earliest)| part < earliest) {
                 first = Some((stop, part));
+            }
+        }
+        for (axis, train) in trains.iter().enumerate() {
+            let Some(elastic) = &train.elastic else { continue };
+            for stop in elastic.transmission.edges().map(|edge| Stop::Teeth(axis, edge)) {
+                let [before, after] = [state, &arrival.state].map(|state| stop.value(state));
+                if before * after >= 0.0 || before.abs() <= AT_EDGE {
+                    continue;
+                }
+                let part = crossing(before, after, stop.rate(&arrival.first) * dt);
+                if first.is_none_or(|(_, earliest)| part < earliest) {
+                    first = Some((stop, part));
+                }
             }
         }
         first

@@ -1,6 +1,7 @@
 //! Solids as rapier's shapes. Meshes become convex parts: contact with triangles costs a hundred times as much, and has no inside.
 
 use std::f64::consts::FRAC_PI_2;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use rapier3d_f64::geometry::SharedShape;
@@ -25,8 +26,8 @@ const FINE: VHACDParameters = VHACDParameters {
     concavity: 1e-3,
     alpha: 0.05,
     beta: 0.05,
-    resolution: 100,
-    plane_downsampling: 1,
+    resolution: 64,
+    plane_downsampling: 2,
     convex_hull_downsampling: 1,
     fill_mode: FillMode::FloodFill { detect_cavities: false },
     convex_hull_approximation: true,
@@ -74,7 +75,7 @@ pub(super) fn placed(solid: &Solid) -> Option<Placed> {
             SharedShape::capsule_y(0.5 * length, *radius)
         }
         SolidShape::Sphere { radius } => SharedShape::ball(*radius),
-        SolidShape::Mesh { mesh, scale } => convex_parts(mesh, scale)?,
+        SolidShape::Mesh { mesh, scale } => known_parts(mesh, scale)?,
     };
     Some(Placed { shape, pose })
 }
@@ -89,6 +90,28 @@ pub(super) fn tool(model: &Model) -> Option<usize> {
             (nearest.point - tip).length() <= AT_TIP
         })
     })
+}
+
+/// A mesh that has been taken apart, what it was multiplied by, and its parts.
+type Known = (Weak<Mesh>, Vector3<f64>, Option<SharedShape>);
+
+/// Meshes that somebody still has: to take one apart takes a second, and several look at the same machine.
+static KNOWN: Mutex<Vec<Known>> = Mutex::new(Vec::new());
+
+/// [`convex_parts`], once for each mesh.
+fn known_parts(mesh: &Arc<Mesh>, scale: &Vector3<f64>) -> Option<SharedShape> {
+    let lock = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    let is_it = |(known, by, _): &&Known| {
+        by == scale && known.upgrade().is_some_and(|known| Arc::ptr_eq(&known, mesh))
+    };
+    if let Some((_, _, parts)) = lock().iter().find(is_it) {
+        return parts.clone();
+    }
+    let parts = convex_parts(mesh, scale);
+    let mut known = lock();
+    known.retain(|(mesh, ..)| mesh.strong_count() > 0);
+    known.push((Arc::downgrade(mesh), *scale, parts.clone()));
+    parts
 }
 
 /// The mesh as one convex body, if it is one; as several otherwise.

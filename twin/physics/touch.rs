@@ -94,6 +94,11 @@ impl PhysicsMachine {
         self.world.insert(surroundings)
     }
 
+    /// Lets the tool give way to what it touches, as a touch probe does, or makes it stiff again.
+    pub fn set_probing(&mut self, probing: bool) {
+        self.world.probing = probing;
+    }
+
     /// What touches what, after the last cycle.
     pub fn contacts(&self) -> &[Contact] {
         &self.touch.contacts

@@ -42,6 +42,14 @@ impl ElasticTransmission {
         if effort * wound > 0.0 { effort } else { 0.0 }
     }
 
+    /// How far the motor is ahead of the axis where another law begins; none without backlash.
+    pub(super) fn edges(&self) -> impl Iterator<Item = f64> + use<> {
+        let half = 0.5 * self.backlash;
+        let engaged = half + ONSET * self.backlash;
+        let sides = [-engaged, -half, half, engaged];
+        sides.into_iter().take(if self.backlash > 0.0 { sides.len() } else { 0 })
+    }
+
     /// How far the motor is ahead where the axis feels `effort` at rest.
     pub(super) fn twist(&self, effort: f64) -> f64 {
         if effort == 0.0 {

@@ -1,6 +1,7 @@
 //! The rapier world: the links of the machine and what is around it as bodies, and where these are near to each other.
 //!
-//! The machine is where its equation of motion says; every body is put there, and rapier looks what it is near to. What contact does to the
+//! The machine is where its equation of motion says; every body is put there, and rapier looks where it touches whatever it is near to
+//! (`distances`). What contact does to the
 //! motion is a matter of `contact`, in joint space: rapier's own solver closes loops to a fraction of a micrometre only,
 //! and lets 89 N press its bodies 50 to 150 µm into each other.
 //!
@@ -16,6 +17,7 @@ use rapier3d_f64::geometry::{
 use rapier3d_f64::pipeline::{ActiveHooks, CollisionPipeline, PairFilterContext, PhysicsHooks};
 use twin_urdf::Model;
 
+use super::distances::Distances;
 use super::dynamics::JointVector;
 use super::equation::Equation;
 use super::error::PhysicsError;
@@ -45,26 +47,33 @@ pub(super) struct RapierWorld {
     model: Model,
     /// One per link of the model, the base first.
     links: Vec<RigidBodyHandle>,
-    /// How far what each link touches with is from its origin at most, m.
-    radii: Vec<f64>,
     /// Where the links are.
     poses: Vec<Isometry3<f64>>,
     /// Workspace: where they would be.
     moved: Vec<Isometry3<f64>>,
     posed: Posed,
     /// If there is anything to touch.
-    pairs: Option<Pairs>,
+    around: Option<Around>,
     /// How far was looked, m.
     reach: f64,
+    /// Whether the tool is a probe at work, which gives way.
+    pub(super) probing: bool,
 }
 
 impl std::fmt::Debug for RapierWorld {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("RapierWorld")
             .field("links", &self.links)
-            .field("pairs", &self.pairs)
+            .field("around", &self.around)
             .finish_non_exhaustive()
     }
+}
+
+/// What may touch what.
+#[derive(Clone, Debug)]
+struct Around {
+    pairs: Pairs,
+    distances: Distances,
 }
 
 /// Two points of two parts that are near to each other, or in each other.
@@ -114,10 +123,6 @@ impl RapierWorld {
             })
         });
         let links: Vec<_> = links.collect();
-        let posed = match equation {
-            Equation::Tree(_) => Posed::of_tree(equation.axis_count()),
-            Equation::Tripod(tripod) => Posed::of_tripod(model, tripod),
-        };
         let poses = vec![Isometry3::identity(); model.links.len()];
         let mut result = Self {
             bodies,
@@ -126,13 +131,13 @@ impl RapierWorld {
             broad_phase: BroadPhaseBvh::new(),
             narrow_phase: NarrowPhase::new(),
             model: model.clone(),
-            radii: vec![0.0; links.len()],
             links,
             moved: poses.clone(),
             poses,
-            posed,
-            pairs: None,
+            posed: Posed::of(model, equation),
+            around: None,
             reach: REACH,
+            probing: false,
         };
         result.follow(position)?;
         Ok(result)
@@ -151,9 +156,6 @@ impl RapierWorld {
         for (number, (part, link)) in (0_u128..).zip(pairs.parts()) {
             let Some(body) = self.links.get(*link) else { continue };
             for placed in solids::of_part(&self.model, surroundings, *part, tool)? {
-                if let Some(radius) = self.radii.get_mut(*link) {
-                    *radius = placed.reach().max(*radius);
-                }
                 let collider = ColliderBuilder::new(placed.shape)
                     .position(maths::pose_to_rapier(&placed.pose))
                     .density(0.0)
@@ -163,7 +165,9 @@ impl RapierWorld {
                 self.colliders.insert_with_parent(collider, *body, &mut self.bodies);
             }
         }
-        self.pairs = Some(pairs);
+        let may_touch = |[one, other]: [usize; 2]| pairs.may_touch(one, other);
+        let distances = Distances::new(&self.model, surroundings, &pairs, may_touch)?;
+        self.around = Some(Around { pairs, distances });
         self.look();
         let mut near = Vec::new();
         self.near(&mut near);
@@ -180,7 +184,7 @@ impl RapierWorld {
 
     /// What a part of this number is.
     pub(super) fn part(&self, number: usize) -> Option<Part> {
-        self.pairs.as_ref()?.part(number)
+        self.around.as_ref()?.pairs.part(number)
     }
 
     /// Puts the bodies where the machine is with its axes at `position`, and looks what they are near to there.
@@ -189,20 +193,18 @@ impl RapierWorld {
     /// [`PhysicsError::Apart`].
     pub(super) fn follow(&mut self, position: &JointVector) -> Result<(), PhysicsError> {
         self.posed.poses(&self.model, position, &mut self.moved)?;
-        let ways = self.poses.iter().zip(&self.moved).zip(&self.radii);
-        let way = ways.map(|((from, to), radius)| maths::way(from, to, *radius));
-        let way = way.fold(0.0, f64::max);
-        // Two parts may come towards each other.
-        self.reach = (2.0 * AHEAD * way + 0.5 * REACH).max(REACH);
+        if let Some(around) = &mut self.around {
+            let way = around.distances.go(&self.poses, &self.moved);
+            // Two parts may come towards each other.
+            self.reach = (2.0 * AHEAD * way + 0.5 * REACH).max(REACH);
+        }
         std::mem::swap(&mut self.poses, &mut self.moved);
         for (link, pose) in self.links.iter().zip(&self.poses).skip(1) {
             if let Some(body) = self.bodies.get_mut(*link) {
                 body.set_position(maths::pose_to_rapier(pose), false);
             }
         }
-        if self.pairs.is_some() {
-            self.look();
-        }
+        self.look();
         Ok(())
     }
 
@@ -221,7 +223,10 @@ impl RapierWorld {
     /// Fills `found` with what is near to what.
     pub(super) fn near(&self, found: &mut Vec<Near>) {
         found.clear();
-        let Some(pairs) = &self.pairs else { return };
+        let Some(Around { pairs, .. }) = &self.around else { return };
+        if !pairs.any_near() {
+            return;
+        }
         for pair in self.narrow_phase.contact_pairs() {
             let sides = [pair.collider1, pair.collider2].map(|side| self.colliders.get(side));
             let [Some(one), Some(other)] = sides else { continue };
@@ -233,6 +238,10 @@ impl RapierWorld {
             else {
                 continue;
             };
+            let parts = [pairs.part(one_part), pairs.part(other_part)];
+            if self.probing && parts.contains(&Some(Part::Tool)) {
+                continue;
+            }
             for manifold in pair.manifolds() {
                 let place = |collider: &rapier3d_f64::geometry::Collider, part: Option<_>| {
                     let within = collider.position_wrt_parent().copied().unwrap_or_default();
@@ -255,8 +264,13 @@ impl RapierWorld {
         }
     }
 
+    /// Looks at what is near, if anything is.
     fn look(&mut self) {
-        let Some(pairs) = &self.pairs else { return };
+        let Some(Around { pairs, distances }) = &mut self.around else { return };
+        distances.within(self.reach, &self.poses, pairs.near_mut());
+        if !pairs.any_near() {
+            return;
+        }
         CollisionPipeline::new().step(
             self.reach,
             &mut self.islands,
@@ -264,7 +278,7 @@ impl RapierWorld {
             &mut self.narrow_phase,
             &mut self.bodies,
             &mut self.colliders,
-            pairs,
+            &*pairs,
             &(),
         );
     }
@@ -281,13 +295,13 @@ impl RapierWorld {
     }
 }
 
-/// Bodies that are all put where they are would have no contact but for this.
+/// Bodies that are all put where they are would have no contact but for this. Of pairs that are far apart nothing has to be found.
 impl PhysicsHooks for Pairs {
     fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
         let sides = [context.collider1, context.collider2];
         let number = |side| usize::try_from(context.colliders.get(side)?.user_data).ok();
         let [one, other] = sides.map(number);
         let (one, other) = one.zip(other)?;
-        self.may_touch(one, other).then(SolverFlags::empty)
+        self.are_near(one, other).then(SolverFlags::empty)
     }
 }

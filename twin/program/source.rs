@@ -12,7 +12,7 @@ use std::sync::Arc;
 use twin_motion::Place;
 use twin_motion::decode::{self, Diagnostic, Failure, Item, TextError};
 use twin_motion::path::queue::QueueReader;
-use twin_motion::path::{ElementKind, Marks, OperationError, PathElement};
+use twin_motion::path::{ElementKind, Marks, OperationError, PathElement, ProbeOutcome, ProbeTrip};
 use twin_motion::prepare::{CheckError, CornerError, Incompatible, Notice, ToolRadiusError};
 use twin_motion::{din66025, rs274};
 
@@ -106,7 +106,7 @@ impl From<ToolRadiusError> for Halt {
 impl From<OperationError> for Halt {
     fn from(error: OperationError) -> Self {
         let place = match error {
-            OperationError::UprightArc { place } => place,
+            OperationError::UprightArc { place } | OperationError::SplitProbe { place } => place,
             OperationError::Factor { .. } | OperationError::SplitPlace { .. } => {
                 Place { line: 1, block: None }
             }
@@ -260,6 +260,22 @@ fn endless(element: &PathElement) -> Option<Finding> {
     })
 }
 
+/// Where the probe of a probing move trips, if it does.
+fn tripped(element: &PathElement) -> Option<Finding> {
+    let ElementKind::Probe { probing, outcome: ProbeOutcome::Tripped } = element.kind else {
+        return None;
+    };
+    let what = match probing.trips {
+        ProbeTrip::Touch => "touches",
+        ProbeTrip::Release => "comes free",
+    };
+    // In micrometres, of which none is no less than none.
+    let [x, y, z] = element.end().coords.map(|metres| (metres * 1e6).round() / 1e3 + 0.0).into();
+    let message = format!("probe {what} at X {x:.3} Y {y:.3} Z {z:.3} mm");
+    let finding = Finding::error(Rule::Probe, element.place, message);
+    Some(Finding { severity: Severity::Note, ..finding })
+}
+
 impl Iterator for Decoded {
     type Item = Result<PathElement, Halt>;
 
@@ -290,6 +306,9 @@ impl Iterator for Decoded {
                 self.unforeseen = Marks::default();
                 ledger.report(Finding::error(Rule::Syntax, element.place, UNFORESEEN.to_owned()));
             }
+            if let Some(finding) = tripped(&element) {
+                ledger.report(finding);
+            }
             ledger.elements += 1;
             if element.kind.is_motion() {
                 ledger.length += element.length();
@@ -305,6 +324,7 @@ fn finding<E: TextError>(diagnostic: &Diagnostic<E>) -> Finding {
         decode::Rule::Syntax => Rule::Syntax,
         decode::Rule::UnsupportedWord => Rule::UnsupportedWord,
         decode::Rule::ArcGeometry => Rule::ArcGeometry,
+        decode::Rule::Probe => Rule::Probe,
     };
     let mut finding = Finding::error(rule, diagnostic.place, diagnostic.error.to_string());
     finding.columns.clone_from(&diagnostic.columns);

@@ -81,7 +81,7 @@ pub(super) fn log_about(stream: &RecordingStream, setup: &Setup<'_>) -> Result<(
     let about = format!(
         "**Program** {}  \n**Machine** {}  \n**Set-point** where the tool should be (blue)  \n\
          **Twin** where the physics machine has it (green){drives}  \n\
-         **Programmed** cuts (grey), rapids (yellow); after preparation (red), where that differs{clearance}",
+         **Programmed** cuts (grey), rapids (yellow), probing moves (dark blue); after preparation (red), where that differs{clearance}",
         setup.program.name, setup.machine.name
     );
     stream.log_static("about", &TextDocument::from_markdown(about))?;

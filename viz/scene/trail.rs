@@ -24,7 +24,7 @@ const RAPID_WIDTH: f32 = 0.5;
 /// Radius of the markers of the tools, points.
 const MARKER_RADIUS: f32 = 4.0;
 
-/// Logs programmed moves, cuts and rapids apart, and what preparation has made of them, as the `piece`-th of the path.
+/// Logs programmed moves, cuts, rapids and probing moves apart, and what preparation has made of them, as the `piece`-th of the path.
 pub(super) fn log_programmed(
     stream: &RecordingStream,
     piece: usize,
@@ -33,6 +33,7 @@ pub(super) fn log_programmed(
     let kinds = [
         (MoveKind::Cut, "cuts", palette::cut(), CUT_WIDTH),
         (MoveKind::Rapid, "rapids", palette::rapid(), RAPID_WIDTH),
+        (MoveKind::Probe, "probing", palette::probing(), CUT_WIDTH),
         (MoveKind::Prepared, "prepared", palette::prepared(), CUT_WIDTH),
     ];
     for (kind, folder, color, width) in kinds {

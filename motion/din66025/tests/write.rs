@@ -4,7 +4,7 @@ use super::random::programs;
 use super::*;
 use crate::Place;
 use crate::din66025::{ProgramWriter, WriteError};
-use crate::path::{Arc, Cubic, Details, Ellipse, MParameters, Marks, Plane};
+use crate::path::{Arc, Cubic, Details, Ellipse, MParameters, Marks, Plane, ProbeOutcome, Probing};
 use nalgebra::{Point2, Vector2};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -165,7 +165,9 @@ fn what_cannot_be_said() {
     let parameters = MParameters { o: Some([0.0; 8]), ..MParameters::default() };
     let motionless = Shape::Line { start: origin, end: origin };
     let m3 = ElementKind::MFunction { number: 3 };
-    let cases: [(PathElement, Expected); 14] = [
+    let probe = ElementKind::Probe { probing: Probing::TOUCH, outcome: ProbeOutcome::Tripped };
+    let cases: [(PathElement, Expected); 15] = [
+        (PathElement { kind: probe, ..cut(line()) }, |e| matches!(e, WriteError::Probe { .. })),
         (cut(Shape::Arc(upright)), |e| matches!(e, WriteError::UprightArc { .. })),
         (cut(Shape::Arc(twice)), |e| matches!(e, WriteError::Curve { .. })),
         (cut(Shape::Ellipse(Box::new(long))), |e| matches!(e, WriteError::Curve { .. })),

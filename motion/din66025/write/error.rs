@@ -1,6 +1,7 @@
 //! What a program cannot say.
 
 use crate::Place;
+use crate::path::Probing;
 use std::io;
 
 /// Why a path cannot be written as a program of SoftMotion's dialect. The place is the element's.
@@ -41,6 +42,14 @@ pub enum WriteError {
     Dwell {
         /// The element's block.
         place: Place,
+    },
+    /// A probing move: there is no word for it.
+    #[error("{place}: SoftMotion's dialect has no probing ({probing} of RS274)")]
+    Probe {
+        /// The element's block.
+        place: Place,
+        /// What the move waits for.
+        probing: Probing,
     },
     /// The element does not start where the one before ended, and is no jump.
     #[error("{place}: the path has a gap of {gap_mm} mm (or u) here")]

@@ -122,6 +122,9 @@ impl<W: Write> ProgramWriter<W> {
             ElementKind::Jump => self.jump(element)?,
             ElementKind::MFunction { number } => self.auxiliary(element, number)?,
             ElementKind::Dwell { .. } => return Err(WriteError::Dwell { place: element.place }),
+            ElementKind::Probe { probing, .. } => {
+                return Err(WriteError::Probe { place: element.place, probing });
+            }
         }
         self.end_preparation(element)
     }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::Place;
-use crate::path::{Arc, Cubic, Ellipse, Plane};
+use crate::path::{Arc, Cubic, Ellipse, Plane, ProbeOutcome, Probing};
 use nalgebra::{Point2, Vector2};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -85,18 +85,20 @@ proptest! {
 fn layers_and_what_leaves_no_trace() {
     let at = |x: f64| Point3::new(x, 0.0, 0.0);
     let line = |from, to| Shape::Line { start: at(from), end: at(to) };
+    let probe = ElementKind::Probe { probing: Probing::TOUCH, outcome: ProbeOutcome::Tripped };
     let path = [
         element(ElementKind::Rapid, line(0.0, 0.1)),
         element(ElementKind::Cut, line(0.1, 0.2)),
         element(ElementKind::MFunction { number: 3 }, line(0.2, 0.2)),
         element(ElementKind::Dwell { time_ns: 1 }, line(0.2, 0.2)),
         element(ElementKind::Jump, line(0.2, 0.5)),
+        element(probe, line(0.5, 0.6)),
         element(ElementKind::Cut, line(0.5, 0.5)),
     ];
     let options = ImportOptions { split: Split::Layers, ..ImportOptions::default() };
     let import = import(drawn(&path).as_bytes(), &options).unwrap();
     let names: Vec<_> = import.programs.iter().map(|program| program.name.as_str()).collect();
-    assert_eq!((names, cuts(&import).len()), (vec!["RAPID", "CUT"], 2));
+    assert_eq!((names, cuts(&import).len()), (vec!["RAPID", "CUT", "PROBE"], 3));
 }
 
 /// Circles, whole ellipses, arcs that stand upright, and helices.

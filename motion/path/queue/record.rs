@@ -1,7 +1,7 @@
 //! One element as bytes.
 //!
 //! ```text
-//! u32 line · u8 has block · [u32 block] · u8 kind · [u16 M number | i64 dwell] ·
+//! u32 line · u8 has block · [u32 block] · u8 kind · [u16 M number | i64 dwell | u8 probing] ·
 //! u8 shape · its numbers · f64 feed, acceleration, deceleration, end velocity, tool radius · u8 marks ·
 //! u8 has details · [u8 has extra axes · [10 f64] · u16 S profile · u8 switches · each (u8 number, u8 on, f64 at) ·
 //!                   u8 has K, L, O (bits 0 to 2) · [f64 K] · [f64 L] · [8 f64 O]]
@@ -10,13 +10,16 @@
 //! arc      u8 plane · start, end, centre · f64 sweep
 //! ellipse  start, end · centre, main half axis (2 f64 each) · f64 other half axis, sweep
 //! cubic    start, end · 4 f64 of x · 4 f64 of y
+//!
+//! probing  bit 0: until it comes free, else until it touches · bit 1: need not trip ·
+//!          bits 2 and 3: 0 unknown how it ends, 1 tripped, 2 not tripped
 //! ```
 
 use super::ContentError;
 use crate::Place;
 use crate::path::{
     Arc, AxisMask, Cubic, Details, ElementKind, Ellipse, ExtraAxes, MAX_SWITCHES, MParameters,
-    Marks, PathElement, Plane, Shape, Switch, Switches,
+    Marks, PathElement, Plane, ProbeOutcome, ProbeTrip, Probing, Shape, Switch, Switches,
 };
 use nalgebra::{Point2, Point3, Vector2};
 use std::f64::consts::TAU;
@@ -31,6 +34,13 @@ const CUT: u8 = 1;
 const JUMP: u8 = 2;
 const M_FUNCTION: u8 = 3;
 const DWELL: u8 = 4;
+const PROBE: u8 = 5;
+
+/// Bits of a probing move.
+const PROBE_RELEASE: u8 = 1 << 0;
+const PROBE_OPTIONAL: u8 = 1 << 1;
+const PROBE_TRIPPED: u8 = 1 << 2;
+const PROBE_NOT_TRIPPED: u8 = 1 << 3;
 
 /// Once around, and rounding. The length of an ellipse is found by quadrature, which more turns would make endless.
 const MAX_ELLIPSE_SWEEP: f64 = TAU * (1.0 + 1e-9);
@@ -68,6 +78,10 @@ pub(super) fn write(out: &mut Vec<u8>, element: &PathElement) {
             out.u8(DWELL);
             out.bytes(&time_ns.to_le_bytes());
         }
+        ElementKind::Probe { probing, outcome } => {
+            out.u8(PROBE);
+            out.u8(probe_bits(*probing, *outcome));
+        }
     }
     out.shape(shape);
     out.numbers(&[*feed, *acceleration, *deceleration, *end_velocity, *tool_radius]);
@@ -76,6 +90,19 @@ pub(super) fn write(out: &mut Vec<u8>, element: &PathElement) {
     if let Some(details) = details {
         out.details(details);
     }
+}
+
+fn probe_bits(Probing { trips, required }: Probing, outcome: ProbeOutcome) -> u8 {
+    let trips = match trips {
+        ProbeTrip::Touch => 0,
+        ProbeTrip::Release => PROBE_RELEASE,
+    };
+    let outcome = match outcome {
+        ProbeOutcome::Unknown => 0,
+        ProbeOutcome::Tripped => PROBE_TRIPPED,
+        ProbeOutcome::NotTripped => PROBE_NOT_TRIPPED,
+    };
+    trips | outcome | if required { 0 } else { PROBE_OPTIONAL }
 }
 
 struct Writer<'a>(&'a mut Vec<u8>);
@@ -182,6 +209,7 @@ pub(super) fn read(bytes: &mut &[u8]) -> Result<PathElement, ContentError> {
         JUMP => ElementKind::Jump,
         M_FUNCTION => ElementKind::MFunction { number: u16::from_le_bytes(from.take()?) },
         DWELL => ElementKind::Dwell { time_ns: i64::from_le_bytes(from.take()?) },
+        PROBE => from.probe()?,
         value => return Err(ContentError::Unknown { field: "kind of element", value }),
     };
     let shape = from.shape()?;
@@ -218,6 +246,19 @@ impl Reader<'_, '_> {
 
     fn u32(&mut self) -> Result<u32, ContentError> {
         Ok(u32::from_le_bytes(self.take()?))
+    }
+
+    fn probe(&mut self) -> Result<ElementKind, ContentError> {
+        let bits = self.u8()?;
+        let trips = if bits & PROBE_RELEASE == 0 { ProbeTrip::Touch } else { ProbeTrip::Release };
+        let outcome = match bits & !(PROBE_RELEASE | PROBE_OPTIONAL) {
+            0 => ProbeOutcome::Unknown,
+            PROBE_TRIPPED => ProbeOutcome::Tripped,
+            PROBE_NOT_TRIPPED => ProbeOutcome::NotTripped,
+            _ => return Err(ContentError::Unknown { field: "probing move", value: bits }),
+        };
+        let probing = Probing { trips, required: bits & PROBE_OPTIONAL == 0 };
+        Ok(ElementKind::Probe { probing, outcome })
     }
 
     fn flag(&mut self) -> Result<bool, ContentError> {

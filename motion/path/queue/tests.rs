@@ -2,7 +2,7 @@ use super::*;
 use crate::Place;
 use crate::path::{
     Arc, AxisMask, Cubic, Details, ElementKind, Ellipse, ExtraAxes, MParameters, Marks,
-    PathElement, Plane, Shape, Switch, Switches, reversed,
+    PathElement, Plane, ProbeOutcome, Probing, Shape, Switch, Switches, reversed,
 };
 use nalgebra::{Point2, Point3, Vector2};
 use proptest::prelude::*;
@@ -106,6 +106,14 @@ fn details() -> impl Strategy<Value = Details> {
     )
 }
 
+fn probe() -> impl Strategy<Value = ElementKind> {
+    use ProbeOutcome::{NotTripped, Tripped, Unknown};
+    let probings =
+        [Probing::TOUCH, Probing::TRY_TOUCH, Probing::RELEASE, Probing::TRY_RELEASE].to_vec();
+    (prop::sample::select(probings), prop::sample::select(vec![Unknown, Tripped, NotTripped]))
+        .prop_map(|(probing, outcome)| ElementKind::Probe { probing, outcome })
+}
+
 prop_compose! {
     fn element()(
         line: u32,
@@ -116,6 +124,7 @@ prop_compose! {
             Just(ElementKind::Jump),
             any::<u16>().prop_map(|number| ElementKind::MFunction { number }),
             any::<i64>().prop_map(|time_ns| ElementKind::Dwell { time_ns }),
+            probe(),
         ],
         shape in shape(),
         limits in prop::array::uniform5(coordinate()),

@@ -3,7 +3,7 @@
 use super::*;
 use crate::path::{
     Chords, Cubic, Details, ExtraAxes, Linearise, MapPath, Marks, OperationError, Plane,
-    Similarity, SplitAt, Switch, reversed,
+    ProbeOutcome, Probing, Similarity, SplitAt, Switch, reversed,
 };
 use nalgebra::{Point2, Rotation2, Vector2};
 
@@ -266,4 +266,31 @@ proptest! {
         s += lines[lines.len() - 1].length();
         prop_assert!(s <= shape.length() * (1.0 + 1e-12));
     }
+}
+
+/// Of a probing move neither what it waits for nor how it has ended gets lost, and two are not made of one.
+#[test]
+fn probing_moves() {
+    let kind = ElementKind::Probe { probing: Probing::RELEASE, outcome: ProbeOutcome::Tripped };
+    let probe = PathElement { kind, ..element(line([0.0; 3], [0.0, 0.0, -5.0])) };
+    let ends = |element: &PathElement| (element.start() * 1e3, element.end() * 1e3);
+    assert_eq!((probe.reversed().kind, probe.length()), (kind, 0.005));
+    let (zero, down) = (Point3::origin(), Point3::new(0.0, 0.0, -5.0));
+    assert_eq!(ends(&probe.reversed()), (down, zero));
+    let path = || vec![Ok::<_, OperationError>(probe.clone())].into_iter();
+    let same: Vec<_> = Linearise::new(path(), Chords::Length(1e-3)).with_arcs().collect();
+    assert_eq!(same, [Ok(probe.clone())]);
+    let moved: Vec<_> =
+        MapPath::new(path(), Similarity::translation(Vector3::new(0.0, 0.0, 5e-3))).collect();
+    let [Ok(moved)] = &moved[..] else { panic!("{moved:?}") };
+    assert_eq!((moved.kind, moved.end()), (kind, zero));
+    let place = probe.place;
+    let split: Vec<_> = SplitAt::new(path(), 0, 0.5).collect();
+    assert_eq!(split, [Err(OperationError::SplitProbe { place })]);
+    assert_eq!(
+        split[0].clone().unwrap_err().to_string(),
+        "line 3 (N30): a probing move cannot be split"
+    );
+    let other: Vec<_> = SplitAt::new(path(), 1, 0.5).collect();
+    assert_eq!(other, [Ok(probe.clone())]);
 }

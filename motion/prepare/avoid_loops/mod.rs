@@ -100,7 +100,9 @@ where
                     self.active = !ends;
                 }
                 let track = if inside { Track::of(&element) } else { None };
-                let wall = !inside || ends || element.kind == ElementKind::Jump;
+                // What a probe has been sent to feel is not left out.
+                let barred = matches!(element.kind, ElementKind::Jump | ElementKind::Probe { .. });
+                let wall = !inside || ends || barred;
                 Slot { item: Ok(element), track, wall }
             }
         };

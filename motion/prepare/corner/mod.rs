@@ -156,7 +156,8 @@ where
                 Marks::default()
             });
         }
-        if element.length() <= 0.0 && element.kind != ElementKind::Jump {
+        let stays = matches!(element.kind, ElementKind::Jump | ElementKind::Probe { .. });
+        if element.length() <= 0.0 && !stays {
             if ends {
                 self.active = false;
                 self.flush();

@@ -1,7 +1,7 @@
 //! [`AvoidLoops`].
 
 use super::{
-    Error, VECTOR_TOLERANCE, arc, assert_continuous, close, cut, element, line, m_function,
+    Error, PROBE, VECTOR_TOLERANCE, arc, assert_continuous, close, cut, element, line, m_function,
     numbered, polyline, random_path, taken,
 };
 use crate::path::{Details, ElementKind, Ellipse, ExtraAxes, Marks, PathElement, Shape, Switch};
@@ -254,6 +254,20 @@ fn nothing_is_lost_in_a_loop() {
     assert_eq!(found, [(2, 0.0), (3, 0.0), (5, 0.5)]);
     let lost: Vec<_> = taken(&notices).iter().map(Notice::rule).collect();
     assert_eq!(lost, ["switch-lost", "loop-cut"]);
+}
+
+/// What a probe feels is part of what the program does: a loop that it lies on stays.
+#[test]
+fn probing_moves_are_no_loops() {
+    for index in 0..polyline(&LOOP).len() {
+        let mut path = polyline(&LOOP);
+        path[index].kind = PROBE;
+        let notices = Notices::default();
+        let items = marked(path.clone()).into_iter().map(Ok::<_, Error>);
+        let found: Vec<_> = AvoidLoops::new(items, notices.clone()).map(Result::unwrap).collect();
+        assert_eq!(found, path, "{index}");
+        assert_eq!(taken(&notices), []);
+    }
 }
 
 #[test]

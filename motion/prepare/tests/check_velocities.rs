@@ -1,6 +1,6 @@
 //! [`CheckVelocities`].
 
-use super::{Error, arc, cut, element, line, m_function};
+use super::{Error, PROBE, arc, cut, element, line, m_function};
 use crate::path::{AxisMask, Details, ElementKind, ExtraAxes, PathElement, Shape};
 use crate::prepare::{CheckError, CheckVelocities, Limit};
 use nalgebra::Point3;
@@ -66,6 +66,18 @@ fn m_functions_and_dwells_stop_the_path() {
         let path = [cut(at(0.0), at(0.1), 0.05), stop, cut(at(0.1), at(0.2), 0.05)];
         assert_eq!(end_velocities(path, PI), [0.0; 3]);
     }
+}
+
+/// A probe that trips has nowhere to go on to.
+#[test]
+fn probing_moves_begin_and_end_at_rest() {
+    let at = |x: f64| [x, 0.0, 0.0];
+    let probe = line(PROBE, at(0.1), at(0.2), 0.05);
+    let path = [cut(at(0.0), at(0.1), 0.05), probe, cut(at(0.2), at(0.3), 0.05)];
+    assert_eq!(end_velocities(path.clone(), PI), [0.0; 3]);
+    let items = path.into_iter().map(Ok::<_, Error>);
+    let kinds: Vec<_> = CheckVelocities::new(items, PI).map(|item| item.unwrap().kind).collect();
+    assert_eq!(kinds, [ElementKind::Cut, PROBE, ElementKind::Cut]);
 }
 
 /// Their path has another unit than that of the tool; among themselves they turn as lines do.

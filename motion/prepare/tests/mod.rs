@@ -13,7 +13,7 @@ mod tool_radius;
 use random::random_path;
 
 use crate::Place;
-use crate::path::{Arc, ElementKind, PathElement, Shape};
+use crate::path::{Arc, ElementKind, PathElement, ProbeOutcome, Probing, Shape};
 use crate::prepare::{CheckError, CornerError, Notice, Notices, ToolRadiusError};
 use nalgebra::{Point3, Vector3};
 
@@ -56,6 +56,10 @@ fn element(kind: ElementKind, shape: Shape, feed: f64) -> PathElement {
         ..PathElement::new(place, kind, shape)
     }
 }
+
+/// A move that a probe has ended.
+const PROBE: ElementKind =
+    ElementKind::Probe { probing: Probing::TOUCH, outcome: ProbeOutcome::Tripped };
 
 fn line(kind: ElementKind, start: [f64; 3], end: [f64; 3], feed: f64) -> PathElement {
     element(kind, Shape::Line { start: start.into(), end: end.into() }, feed)

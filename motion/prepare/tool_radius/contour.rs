@@ -13,6 +13,11 @@ pub(super) fn has_way(element: &PathElement) -> bool {
         }
 }
 
+/// True if the element can be done wherever the path is in X and Y. A probing move and a jump are where they are.
+pub(super) fn stands(element: &PathElement) -> bool {
+    !matches!(element.kind, ElementKind::Jump | ElementKind::Probe { .. }) && !has_way(element)
+}
+
 /// True if the element can be led to an offset: it is a positioning, and not along Z alone.
 pub(super) fn is_positioning(element: &PathElement) -> bool {
     element.kind == ElementKind::Rapid

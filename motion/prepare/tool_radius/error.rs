@@ -78,6 +78,12 @@ pub enum ToolRadiusError {
         /// The radius, m.
         radius: f64,
     },
+    /// A probing move, whose way is where the probe itself goes.
+    #[error("{place}: a probing move cannot be corrected by the tool radius")]
+    Probe {
+        /// The block.
+        place: Place,
+    },
     /// An arc in another plane than that of X and Y.
     #[error("{place}: tool radius correction is in X and Y, the arc is in another plane")]
     Plane {
@@ -93,6 +99,7 @@ impl ToolRadiusError {
             Self::SideChange { place, .. }
             | Self::RadiusChange { place, .. }
             | Self::Radius { place, .. }
+            | Self::Probe { place }
             | Self::Plane { place } => *place,
         }
     }

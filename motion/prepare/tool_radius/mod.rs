@@ -7,7 +7,7 @@ mod offset;
 
 pub use error::{Side, ToolRadiusError};
 
-use self::contour::{has_way, is_positioning, simple_pieces};
+use self::contour::{has_way, is_positioning, simple_pieces, stands};
 use self::offset::{Between, Offset};
 use super::Notices;
 use super::piece::{self, Station};
@@ -77,7 +77,7 @@ impl Default for ToolRadiusOptions {
 ///
 /// # Errors
 ///
-/// [`ToolRadiusError`]; the correction ends before the element in question, which and all that follow pass as they
+/// [`ToolRadiusError`], a probing move included; the correction ends before the element in question, which and all that follow pass as they
 /// are up to the next mark.
 #[derive(Debug)]
 pub struct ToolRadius<I, E> {
@@ -167,7 +167,10 @@ where
                 .without(Marks::CORRECTION_LEFT)
                 .without(Marks::CORRECTION_RIGHT)
                 .without(Marks::CORRECTION_END);
-            if has_way(&element) {
+            if matches!(element.kind, ElementKind::Probe { .. }) {
+                let place = element.place;
+                self.refuse(element, ToolRadiusError::Probe { place });
+            } else if has_way(&element) {
                 self.piece(element);
             } else {
                 self.carry(Ok(element));
@@ -206,7 +209,7 @@ where
                 Ok(element) if is_positioning(&element) => {
                     self.hold(element);
                 }
-                Ok(element) if element.kind != ElementKind::Jump && !has_way(&element) => {
+                Ok(element) if stands(&element) => {
                     if self.standing.len() >= MOST_BETWEEN {
                         self.release();
                     }

@@ -11,6 +11,7 @@ mod errors;
 mod linuxcnc;
 mod moves;
 mod offsets;
+mod probe;
 mod random;
 mod refeed;
 mod tools;

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Move {
     pub(super) line: u32,
-    /// rapid, feed, arc or dwell.
+    /// rapid, feed, arc, probe or dwell.
     pub(super) kind: String,
     pub(super) end: Option<[f64; 3]>,
     pub(super) feed: Option<f64>,
@@ -45,10 +45,11 @@ pub(super) fn as_move(element: &PathElement, center_offset: [f64; 3]) -> Option<
             result.seconds = Some(time_ns as f64 / 1e9);
             "dwell"
         }
+        (ElementKind::Probe { .. }, _) => "probe",
         (ElementKind::MFunction { .. } | ElementKind::Jump, _) => return None,
     };
     kind.clone_into(&mut result.kind);
-    if element.kind == ElementKind::Cut {
+    if matches!(element.kind, ElementKind::Cut | ElementKind::Probe { .. }) {
         result.feed = Some(element.feed * 6e4);
     }
     if let Shape::Arc(arc) = &element.shape {

@@ -24,7 +24,7 @@ pub(super) fn scraps() -> impl Strategy<Value = Vec<u8>> {
     let scrap = prop_oneof![
         4 => "[NGXYZABCIJKRFMTSHPQLOUEDngxyzijkrf$/%();\\[\\]#= \t.,+-]{0,3}",
         6 => "[NGXYZABCIJKRFMTSHPQLO]-?[0-9]{0,4}\\.?[0-9]{0,3} ?",
-        3 => "G(0|1|2|3|4|17|18|19|2[018]|30|4[039]|5[3-9]|59\\.[123]|61|64|8[0-3]|9[0-4]|9[01]\\.1|92\\.[123]|98|99) ",
+        3 => "G(0|1|2|3|4|17|18|19|2[018]|30|38\\.[2-5]|4[039]|5[3-9]|59\\.[123]|61|64|8[0-3]|9[0-4]|9[01]\\.1|92\\.[123]|98|99) ",
         1 => "G(81|82|83) X1 Z-[0-9]{1,9} R[0-9] Q\\.?[0-9] P[0-9] L[0-9]{1,6} ",
         1 => "M(0|1|2|[3-9]|30|60) ",
         3 => "\r?\n",
@@ -44,8 +44,8 @@ fn options() -> impl Strategy<Value = DecoderOptions> {
             Position { linear, rotary: [if turned { 30.0 } else { 0.0 }, 0.0, 0.0] }
         })
     };
-    (position(), position(), position(), any::<[bool; 3]>()).prop_map(
-        |(start, offset, home, [skip, tip, keep])| {
+    (position(), position(), position(), any::<[bool; 4]>()).prop_map(
+        |(start, offset, home, [skip, tip, keep, floor])| {
             let mut options = DecoderOptions {
                 start,
                 g28: home,
@@ -63,6 +63,9 @@ fn options() -> impl Strategy<Value = DecoderOptions> {
                 options.reference = ToolReference::Tip;
             }
             options.work_offsets[1] = offset;
+            if floor {
+                options.surroundings = super::probe::above(-1.0).surroundings;
+            }
             options
         },
     )
@@ -88,7 +91,7 @@ fn words(letters: &'static str) -> impl Strategy<Value = String> {
 /// One block of a program; arcs and cycles of it may be impossible.
 fn block() -> impl Strategy<Value = String> {
     prop_oneof![
-        4 => (prop::sample::select(vec!["G0", "G1", "g01", "", "G53 G0"]), words("XYZ"))
+        4 => (prop::sample::select(vec!["G0", "G1", "g01", "", "G53 G0", "G38.2", "g38.3", "G38.4", "G 38.5"]), words("XYZ"))
             .prop_map(|(command, words)| format!("{command}{words}")),
         1 => words("XYZABC").prop_map(|words| format!("G1{words}")),
         2 => (2..4, words("XYZ"), 1..400_000).prop_map(|(g, words, r)| format!(
@@ -201,6 +204,7 @@ proptest! {
                     | DecodeError::MissingCycleWord { .. }
                     | DecodeError::AxesWithoutMotion
                     | DecodeError::MissingFeed
+                    | DecodeError::ProbeNowhere { .. }
             );
             prop_assert!(geometry || other, "{error}\n{}", lines.join("\n"));
         }

@@ -4,10 +4,10 @@ use super::*;
 use crate::decode::{Rule, TextError};
 
 /// G words of the subset in tenths.
-const G: [u16; 43] = [
-    0, 10, 20, 30, 40, 170, 180, 190, 200, 210, 280, 300, 400, 430, 490, 530, 540, 550, 560, 570,
-    580, 590, 591, 592, 593, 610, 640, 800, 810, 820, 830, 900, 901, 910, 911, 920, 921, 922, 923,
-    930, 940, 980, 990,
+const G: [u16; 47] = [
+    0, 10, 20, 30, 40, 170, 180, 190, 200, 210, 280, 300, 382, 383, 384, 385, 400, 430, 490, 530,
+    540, 550, 560, 570, 580, 590, 591, 592, 593, 610, 640, 800, 810, 820, 830, 900, 901, 910, 911,
+    920, 921, 922, 923, 930, 940, 980, 990,
 ];
 const M: [u16; 12] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 30, 60];
 const LETTERS: &str = "ABCFGHIJKLMNOPQRSTXYZ";
@@ -109,7 +109,8 @@ fn what_is_no_word() {
         ("G41 D1", "G41", "G41 is not supported"),
         ("G42.1 D1", "G42.1", "G42.1 is not supported"),
         ("G5.1 X1 I1 J1", "G5.1", "G5.1 is not supported"),
-        ("G38.2 Z-1 F10", "G38.2", "G38.2 is not supported"),
+        ("G38.6 Z-1 F10", "G38.6", "G38.6 is not supported"),
+        ("G38 Z-1 F10", "G38", "G38 is not supported"),
         ("G61.1", "G61.1", "G61.1 is not supported"),
         ("G10 L2 P1 X5", "G10", "G10 is not supported"),
         ("G43.1 Z5", "G43.1", "G43.1 is not supported"),

@@ -7,7 +7,20 @@ mod path;
 use libfuzzer_sys::fuzz_target;
 use std::io::BufReader;
 use twin_motion::path::ElementKind;
-use twin_motion::rs274::{Decoder, DecoderOptions, MAX_CYCLE_MOVES};
+use twin_motion::rs274::{
+    Decoder, DecoderOptions, MAX_CYCLE_MOVES, ProbePath, ProbeTarget, Surroundings,
+};
+
+/// Every other probing move trips, a third of the way along.
+#[derive(Debug, Default)]
+struct Sometimes(bool);
+
+impl ProbeTarget for Sometimes {
+    fn trip(&mut self, _: &ProbePath) -> Option<f64> {
+        self.0 = !self.0;
+        self.0.then_some(1.0 / 3.0)
+    }
+}
 
 fuzz_target!(|program: &[u8]| {
     // A line of a few bytes can be a canned cycle; nothing else makes more items than it has bytes.
@@ -19,7 +32,9 @@ fuzz_target!(|program: &[u8]| {
         return;
     }
     for keep_empty_moves in [false, true] {
-        let options = DecoderOptions { keep_empty_moves, ..DecoderOptions::default() };
+        let surroundings = keep_empty_moves.then(|| Surroundings::new(Sometimes::default));
+        let options =
+            DecoderOptions { keep_empty_moves, surroundings, ..DecoderOptions::default() };
         let path = path::decoded(Decoder::new(program, options.clone()), most);
         // However it is cut into pieces, it is the same.
         let pieces = BufReader::with_capacity(3, program);

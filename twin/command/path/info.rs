@@ -99,6 +99,7 @@ fn kinds(counts: &Counts) -> String {
         (counts.arcs, "arcs"),
         (counts.ellipses, "ellipses"),
         (counts.cubics, "splines and parabolas"),
+        (counts.probes, "probing moves"),
         (counts.jumps, "jumps"),
         (counts.m_functions, "M functions"),
         (counts.dwells, "dwells"),

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Write};
 use twin_kinematics::WorkFrame;
 use twin_motion::interpolate::{Status, ToolSetpoint};
-use twin_motion::path::{AxisMask, EXTRA_AXES, ElementKind, PathElement, Shape};
+use twin_motion::path::{AxisMask, EXTRA_AXES, ElementKind, PathElement, ProbeOutcome, Shape};
 
 /// Digits of the numbers written; a double is preserved by 17, and 12 are a picometre on a metre.
 const DIGITS: usize = 12;
@@ -36,6 +36,8 @@ struct Row {
     parameters: Option<[Number; 8]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     dwell_s: Option<Number>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    probe: Option<ProbeRow>,
     /// Start and end of the extra axes that move, u.
     #[serde(skip_serializing_if = "Option::is_none")]
     extra: Option<BTreeMap<char, [Number; 2]>>,
@@ -47,6 +49,15 @@ struct Row {
     length_mm: Number,
     feed_mm_per_s: Number,
     end_velocity_mm_per_s: Number,
+}
+
+/// What a probing move is.
+#[derive(serde::Serialize)]
+struct ProbeRow {
+    /// Its G word.
+    word: String,
+    /// Whether it ends where the probe trips; null if nobody knows what it could touch.
+    tripped: Option<bool>,
 }
 
 /// A switch and where along its element (0 to 1) it is.
@@ -80,11 +91,12 @@ pub(super) fn write(
         (ElementKind::Jump, _) => "jump",
         (ElementKind::MFunction { .. }, _) => "m",
         (ElementKind::Dwell { .. }, _) => "dwell",
-        (ElementKind::Cut, Shape::Line { .. }) => "line",
-        (ElementKind::Cut, Shape::Arc(_)) => "arc",
-        (ElementKind::Cut, Shape::Ellipse(_)) => "ellipse",
-        (ElementKind::Cut, Shape::Cubic(cubic)) if cubic.is_parabola() => "parabola",
-        (ElementKind::Cut, Shape::Cubic(_)) => "spline",
+        (ElementKind::Cut | ElementKind::Probe { .. }, Shape::Line { .. }) => "line",
+        (ElementKind::Cut | ElementKind::Probe { .. }, Shape::Arc(_)) => "arc",
+        (ElementKind::Cut | ElementKind::Probe { .. }, Shape::Ellipse(_)) => "ellipse",
+        (ElementKind::Cut | ElementKind::Probe { .. }, Shape::Cubic(cubic)) => {
+            if cubic.is_parabola() { "parabola" } else { "spline" }
+        }
     };
     let machine = |point: &Point3<f64>| millimetres(&frame.point_to_machine(point));
     let turning = match &element.shape {
@@ -131,6 +143,17 @@ pub(super) fn write(
         parameters: details.and_then(|details| details.parameters.o).map(|all| all.map(number)),
         dwell_s: match element.kind {
             ElementKind::Dwell { time_ns } => Some(number(crate::report::seconds(time_ns))),
+            _ => None,
+        },
+        probe: match element.kind {
+            ElementKind::Probe { probing, outcome } => Some(ProbeRow {
+                word: probing.to_string(),
+                tripped: match outcome {
+                    ProbeOutcome::Unknown => None,
+                    ProbeOutcome::Tripped => Some(true),
+                    ProbeOutcome::NotTripped => Some(false),
+                },
+            }),
             _ => None,
         },
         extra: extra.filter(|extra| !extra.is_empty()),

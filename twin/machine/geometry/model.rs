@@ -130,6 +130,7 @@ impl Body {
                     quill_mass,
                     tool: tool.tip,
                     tool_mass: tool.mass,
+                    tool_radius: tool.radius(),
                     ..ScaraDimensions::new(
                         name,
                         [joint("A")?, joint("B")?],
@@ -154,6 +155,7 @@ impl Body {
                     platform_mass,
                     tool: tool.tip,
                     tool_mass: tool.mass,
+                    tool_radius: tool.radius(),
                     ..TripodDimensions::new(name, joints, rods)
                 };
                 Some(dimensions.model())
@@ -213,6 +215,7 @@ impl Body {
             quill_width,
             tool: tool.tip + Vector3::new(offset.x, offset.y, 0.0),
             tool_mass: tool.mass,
+            tool_radius: tool.radius(),
             ..bare
         };
         Some(dimensions.model())

@@ -11,6 +11,7 @@ mod refusal;
 mod scenario;
 mod shipped;
 mod simulated;
+mod surroundings;
 mod urdf;
 
 use super::{Axis, AxisKind, Machine, MachineFileError, Parity, Problem};

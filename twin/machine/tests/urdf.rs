@@ -200,6 +200,7 @@ fn line(machine: &Machine, from: [f64; 3], to: [f64; 3]) {
             m_call: None,
             path_velocity: 0.0,
             feed: None,
+            probing: false,
         };
         twin.command(&setpoint).unwrap();
         let position = twin.feedback().unwrap().unwrap().position;

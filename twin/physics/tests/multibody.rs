@@ -63,7 +63,7 @@ impl RapierAlone {
             }
             to_joints
         });
-        let (mut multibody, _) = Multibody::join(&mut world, model, coupling).unwrap();
+        let (mut multibody, _) = Multibody::join(&mut world, model, coupling.as_ref()).unwrap();
         // rapier knows them of the first step on.
         let no_colliders = ColliderSet::new();
         for (_, body) in world.bodies.iter_mut() {
@@ -110,7 +110,7 @@ impl Multibody {
     fn join(
         world: &mut PhysicsWorld,
         model: &Model,
-        coupling: Option<JointMatrix>,
+        coupling: Option<&JointMatrix>,
     ) -> Result<(Self, Vec<RigidBodyHandle>), PhysicsError> {
         let mut links = vec![world.insert_body(RigidBodyBuilder::fixed())];
         let mut multibody = None;
@@ -139,7 +139,7 @@ impl Multibody {
             })
         });
         let joints = joints.collect();
-        Ok((Self { index, joints, coupling }, links))
+        Ok((Self { index, joints, coupling: coupling.copied() }, links))
     }
 
     /// Finds the moving joints among rapier's generalised coordinates and moves them to `position`.

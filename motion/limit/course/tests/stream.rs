@@ -1,7 +1,7 @@
 //! Order, errors and what is held back.
 
 use super::*;
-use crate::path::ElementKind;
+use crate::path::{ElementKind, ProbeOutcome, Probing};
 use std::cell::Cell;
 
 fn zigzag(count: u32) -> Vec<PathElement> {
@@ -60,7 +60,11 @@ fn the_end_is_a_stop() {
     assert!(course[1].end_velocity() > 0.0 && course[1].stops_at_end());
 }
 
-/// Rapids, M functions, dwells, jumps and elements without length go through as they are.
+/// A move that a probe has ended.
+const PROBE: ElementKind =
+    ElementKind::Probe { probing: Probing::TOUCH, outcome: ProbeOutcome::Tripped };
+
+/// Rapids, probing moves, M functions, dwells, jumps and elements without length go through as they are.
 #[test]
 fn what_is_no_cut_stops() {
     let path = zigzag(2);
@@ -71,7 +75,8 @@ fn what_is_no_cut_stops() {
         element(ElementKind::Dwell { time_ns: 5 }, here.clone()),
         element(ElementKind::Cut, here),
         element(ElementKind::Jump, away.clone()),
-        element(ElementKind::Rapid, away),
+        element(ElementKind::Rapid, away.clone()),
+        element(PROBE, away),
     ];
     for between in between {
         let kind = between.kind;
@@ -84,7 +89,7 @@ fn what_is_no_cut_stops() {
         }
         let [_, passed, _] = &course[..] else { panic!("{course:?}") };
         assert_eq!(passed.element().shape, between.shape);
-        if kind != ElementKind::Rapid {
+        if kind != ElementKind::Rapid && kind != PROBE {
             assert_eq!((passed.length(), passed.breaks().collect()), (0.0, vec![0.0]));
             let at = passed.at(0.0);
             assert_eq!((at.position, at.first.norm()), (between.end(), 0.0));

@@ -1,10 +1,11 @@
 //! [`RoundPath`] and [`SmoothPath`].
 
 use super::{
-    Error, VECTOR_TOLERANCE, assert_continuous, close, cut, m_function, numbered, polyline, taken,
+    Error, PROBE, VECTOR_TOLERANCE, assert_continuous, close, cut, m_function, numbered, polyline,
+    taken,
 };
 use crate::path::{Details, ElementKind, ExtraAxes, Marks, PathElement, Shape, Switch};
-use crate::prepare::{CornerError, Notices, RoundPath, Rounding};
+use crate::prepare::{CornerError, Notices, RoundPath, Rounding, SmoothPath, Smoothing};
 use std::f64::consts::PI;
 
 mod random;
@@ -39,6 +40,27 @@ fn with_radius(mut elements: Vec<PathElement>, radius: f64) -> Vec<PathElement> 
         element.tool_radius = radius;
     }
     elements
+}
+
+/// Also one of length zero, which has tripped where it began.
+#[test]
+fn probing_moves_keep_their_corners() {
+    for (index, empty) in [(0, false), (1, false), (1, true)] {
+        let mut path = with_radius(polyline(&CORNER_60), 0.02);
+        if empty {
+            let at = path[0].end();
+            path.insert(
+                1,
+                PathElement { shape: Shape::Line { start: at, end: at }, ..path[0].clone() },
+            );
+        }
+        path[index].kind = PROBE;
+        let path = numbered(path);
+        assert_eq!(round(path.clone(), 0.0), path);
+        let marked = marked(path.clone(), Marks::SMOOTHING).into_iter().map(Ok::<_, Error>);
+        let smooth = SmoothPath::new(marked, Smoothing::default(), Notices::default());
+        assert_eq!(smooth.map(Result::unwrap).collect::<Vec<_>>(), path);
+    }
 }
 
 const CORNER_60: [[f64; 2]; 3] = [[0.0, 0.0], [100.0, 0.0], [150.0, 86.602_540_378_443_86]];

@@ -2,7 +2,9 @@
 
 use super::{CORNER, LEFT, RIGHT, assert_points, contour, correct};
 use crate::path::{Details, ElementKind, ExtraAxes, Marks, PathElement, Shape, Switch};
-use crate::prepare::tests::{Error, assert_continuous, close, cut, line, m_function, polyline};
+use crate::prepare::tests::{
+    Error, PROBE, assert_continuous, close, cut, line, m_function, polyline,
+};
 use crate::prepare::{Notices, Side, ToolRadius, ToolRadiusError, ToolRadiusOptions};
 
 fn run(items: Vec<Result<PathElement, Error>>) -> Vec<Result<PathElement, Error>> {
@@ -275,6 +277,35 @@ fn the_radius_may_not_change() {
         let expected = ToolRadiusError::RadiusChange { place, from: before, to: after };
         assert_eq!(errors(elements), [expected]);
     }
+}
+
+/// A probe feels its way where the program says, not beside it. Along Z neither: it would be done beside the contour.
+#[test]
+fn probing_moves_are_refused() {
+    for upright in [false, true] {
+        let mut elements = contour(polyline(&CORNER), LEFT, 10.0);
+        if upright {
+            let at = elements[1].start();
+            let end = at + nalgebra::Vector3::new(0.0, 0.0, -0.01);
+            elements[1].shape = Shape::Line { start: at, end };
+        }
+        elements[1].kind = PROBE;
+        let probe = PathElement { marks: Marks::default(), ..elements[1].clone() };
+        let place = probe.place;
+        let items = elements.clone().into_iter().map(Ok::<_, Error>);
+        let path = ToolRadius::new(items, ToolRadiusOptions::default(), Notices::default());
+        let found: Vec<_> = path.filter_map(Result::ok).collect();
+        assert!(found.contains(&probe), "{found:#?}");
+        assert_eq!(errors(elements), [ToolRadiusError::Probe { place }]);
+    }
+    // Between contours they are where they are, and so is what comes before and behind.
+    let mut path = contour(polyline(&CORNER), LEFT, 10.0);
+    let end = path.last().unwrap().end();
+    let down = end + nalgebra::Vector3::new(0.0, 0.0, -0.01);
+    let shape = Shape::Line { start: end, end: down };
+    path.push(PathElement { marks: Marks::default(), kind: PROBE, shape, ..path[0].clone() });
+    let (found, _) = correct(path.clone(), ToolRadiusOptions::default());
+    assert_eq!(found.last(), path.last());
 }
 
 #[test]

@@ -1,0 +1,95 @@
+//! What is in the way, told by the binary as a process.
+
+use crate::process::{Desk, number};
+use crate::root;
+use serde_json::Value;
+
+/// Down beside the fixed jaw, up, and across it: 6 mm above it, since its top is at Z−10.
+const ACROSS: &str = "\
+G21 G90
+G0 Z30
+G0 X50 Y-40
+G0 Z-20
+G0 Z-4
+G1 Y10 F1200
+G0 Z30
+M2
+";
+
+fn desk() -> Desk {
+    let desk = Desk::new();
+    let machine = std::fs::read_to_string(root().join("machines/gantry3_vice.toml"));
+    desk.write("vice.toml", &machine.expect("it is shipped"));
+    desk.write("across.ngc", ACROSS);
+    desk.write("through.ngc", &ACROSS.replace("G0 Z-4", "G0 Z-12.5"));
+    desk
+}
+
+#[test]
+fn what_is_in_the_way_is_told_with_its_line() {
+    let desk = desk();
+    let done = desk.twin(&["check", "across.ngc", "-m", "vice.toml"]);
+    done.ended(0, "");
+    let least = "least clearance: 6.000 mm between the tool and fixed jaw, line 6";
+    assert!(done.stdout.contains(least), "{}", done.stdout);
+
+    let done = desk.twin(&["check", "through.ngc", "-m", "vice.toml"]);
+    done.ended(1, "collision");
+    assert!(
+        done.stderr.contains("line 6: the tool is 2.500 mm deep in fixed jaw"),
+        "{}",
+        done.stderr
+    );
+    assert!(done.stdout.contains("least clearance: none"), "{}", done.stdout);
+
+    let done =
+        desk.twin(&["check", "through.ngc", "-m", "vice.toml", "--physics", "--format", "json"]);
+    let report: Value = serde_json::from_str(&done.ended(1, "").stdout).expect("JSON");
+    let clearance = &report["clearance"];
+    assert!((number(&clearance["least_mm"]) + 2.5).abs() < 1e-6, "{clearance}");
+    assert_eq!(clearance["between"], serde_json::json!(["the tool", "fixed jaw"]));
+    assert_eq!(clearance["line"], 6);
+    let findings = report["findings"].as_array().expect("a list");
+    let hit = findings.iter().find(|one| one["rule"] == "collision").expect("a collision");
+    assert_eq!((&hit["unit"], &hit["line"]), (&"N".into(), &6.into()), "{hit}");
+    // What moves along Y weighs 13.5 kg with its rotor and stops from 20 mm/s in a millisecond.
+    assert!(number(&hit["value"]) > 13.5 * 0.02 / 1e-3, "{hit}");
+}
+
+/// Command 40: the stock's top is at Z0, where the axis is at 60; braking takes v²/2a = 5 mm/s ² / 200 mm/s².
+#[test]
+fn an_axis_probes() {
+    let desk = desk();
+    let probe = |more: &[&str]| {
+        let arguments = ["axes", "probe", "-m", "vice.toml", "--axis", "Z", "--from", "250,130,70"];
+        desk.twin(&arguments.into_iter().chain(more.iter().copied()).collect::<Vec<_>>())
+    };
+    let done = probe(&["--stroke", "-30"]);
+    let said: Vec<_> = done.ended(0, "").stdout.trim().split(',').collect();
+    let [word, latched, rest] = said[..] else { panic!("{said:?}") };
+    let [latched, rest] = [latched, rest].map(|value| value.parse::<f64>().expect("a number"));
+    assert_eq!(word, "tripped");
+    assert!((latched - 60.0).abs() < 0.01, "{latched}");
+    assert!((latched - rest - 0.125).abs() < 0.01, "{rest}");
+    let nothing = probe(&["--stroke", "20"]);
+    assert_eq!(nothing.ended(1, "").stdout, "not tripped\n");
+    probe(&["--stroke", "-30", "--velocity", "0"]).ended(2, "--velocity 0: it has to be above 0");
+    desk.twin(&["axes", "probe", "-m", "machine.toml", "--axis", "Z", "--stroke", "-5"])
+        .ended(2, "says nothing of what the probe could touch");
+}
+
+/// The plan is free of collisions; the machine is not, since its Z jams on the way up.
+#[test]
+fn a_run_stops_where_the_machine_runs_into_something() {
+    let desk = desk();
+    desk.write("jam.toml", "[[faults]]\nkind = \"jam\"\naxis = \"Z\"\nat_line = 5\n");
+    let arguments =
+        ["run", "across.ngc", "-m", "vice.toml", "--drives", "none", "--faults", "jam.toml"];
+    let arguments: Vec<_> = arguments.into_iter().chain(["--report", "run.json"]).collect();
+    let done = desk.twin(&arguments);
+    done.ended(2, "the tool ran into fixed jaw with");
+    let report = desk.read("run.json");
+    assert_eq!(report["completed"], false);
+    let why = report["stopped_because"].as_str().expect("it says why");
+    assert!(why.contains("the tool ran into fixed jaw with") && why.contains("line 6"), "{why}");
+}

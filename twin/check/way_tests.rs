@@ -1,0 +1,97 @@
+//! What is in the way of programs, in closed form.
+
+use crate::check::{CheckOptions, Outcome, check};
+use crate::finding::{Finding, Rule, Severity};
+use crate::machine::Machine;
+use crate::program::{Dialect, ProgramFile};
+use crate::settings::ReadSettings;
+use std::path::Path;
+
+/// Jaws with their tops at Z−10, the fixed one from Y−20 to Y0, stock from Z−30 to Z0; a tool of 6 mm, a holder 35 mm above its tip.
+const VICE: &str = include_str!("../../machines/gantry3_vice.toml");
+
+fn checked(machine: &str, program: &str, physics: bool) -> Outcome {
+    let machine = Machine::parse(Path::new("machine.toml"), machine)
+        .unwrap_or_else(|problems| panic!("{problems:#?}"));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("program.ngc");
+    std::fs::write(&path, program).unwrap();
+    let program = ProgramFile::new(&path, Some(Dialect::Rs274), ReadSettings::default()).unwrap();
+    check(&machine, &program, CheckOptions { physics, ..CheckOptions::default() }, &mut |_| {})
+        .unwrap()
+}
+
+fn collisions(outcome: &Outcome, severity: Severity) -> Vec<&Finding> {
+    let fits = |finding: &&Finding| finding.rule == Rule::Collision && finding.severity == severity;
+    outcome.findings.iter().filter(fits).collect()
+}
+
+/// A slot across the fixed jaw, so deep.
+fn slot(z: f64) -> String {
+    format!("G0 Z30\nG0 X50 Y-40\nG0 Z5\nG1 Z{z} F600\nG1 Y10 F900\nG0 Z30\nM2\n")
+}
+
+#[test]
+fn depth_and_line_are_told() {
+    let outcome = checked(VICE, &slot(-12.0), false);
+    let [hit] = collisions(&outcome, Severity::Error)[..] else { panic!("{outcome:#?}") };
+    assert_eq!((hit.line, hit.unit), (5, Some("mm")));
+    assert!((hit.value.unwrap() - 2.0).abs() < 1e-6, "{hit:?}");
+    assert!(hit.message.starts_with("the tool is 2.000 mm deep in fixed jaw, at X 25"), "{hit:?}");
+    let least = outcome.clearances.least.unwrap();
+    assert_eq!(least.place.line, 5);
+    assert!((least.nearest.distance + 2e-3).abs() < 1e-9, "{least:?}");
+    // Blocks in their order, each with its own: 30 mm up it is 40 mm above the jaw, and the tool is 17 mm beside it.
+    let lines: Vec<_> = outcome.clearances.blocks.iter().map(|block| block.place.line).collect();
+    assert_eq!(lines, [1, 2, 3, 4, 5, 6]);
+}
+
+#[test]
+fn what_is_too_near_is_a_warning() {
+    let outcome = checked(VICE, &slot(-9.0), false);
+    assert!(collisions(&outcome, Severity::Error).is_empty(), "{outcome:#?}");
+    let [near] = collisions(&outcome, Severity::Warning)[..] else { panic!("{outcome:#?}") };
+    assert_eq!(near.line, 5);
+    assert!((near.value.unwrap() - 1.0).abs() < 1e-6, "{near:?}");
+    let outcome = checked(VICE, &slot(-7.0), false);
+    assert!(outcome.findings.is_empty(), "{outcome:#?}");
+    let least = outcome.clearances.least.unwrap().nearest.distance;
+    assert!((least - 3e-3).abs() < 1e-9, "{least}");
+}
+
+/// Stock is cut by the tool alone: the holder must not come down on it.
+#[test]
+fn a_holder_must_not_touch_the_stock() {
+    let deep = "G0 Z30\nG0 X50 Y30\nG1 Z-37 F300\nG0 Z30\nM2\n";
+    let outcome = checked(VICE, deep, false);
+    let hits = collisions(&outcome, Severity::Error);
+    assert!(!hits.is_empty() && hits.iter().all(|hit| hit.message.starts_with("holder is ")));
+    // In the last cycle of its line it has not quite come down.
+    assert!((hits[0].value.unwrap() - 2.0).abs() < 1e-3, "{hits:?}");
+    assert!(checked(VICE, &deep.replace("-37", "-32"), false).findings.is_empty());
+}
+
+/// The simulated machine runs into it, says how fast and how hard, and goes no further.
+#[test]
+fn a_crash_is_told_with_its_force() {
+    let outcome = checked(VICE, &slot(-12.0), true);
+    let [hit] = collisions(&outcome, Severity::Error)[..] else { panic!("{outcome:#?}") };
+    assert_eq!((hit.line, hit.unit), (5, Some("N")));
+    // 900 mm/min.
+    assert!(hit.message.contains("the tool ran into fixed jaw with 15.0 mm/s"), "{hit:?}");
+    // What moves along Y (13.5 kg with its rotor) stops in a millisecond, and its motor has 400 N.
+    let force = hit.value.unwrap();
+    assert!(force > 13.5 * 0.015 / 1e-3 && force < 13.5 * 0.015 / 1e-3 + 400.0, "{force} N");
+    assert!(checked(VICE, &slot(-7.0), true).findings.is_empty());
+}
+
+/// A machine that starts in something is told of it, with or without physics.
+#[test]
+fn a_machine_may_start_in_something() {
+    let low = VICE.replace("start_mm = [0.0, 0.0, 40.0]", "start_mm = [50.0, -10.0, -15.0]");
+    for physics in [false, true] {
+        let outcome = checked(&low, "G1 X55 F600\nG0 Z30\nM2\n", physics);
+        let hits = collisions(&outcome, Severity::Error);
+        assert!(hits.iter().any(|hit| hit.line == 1), "{physics}: {outcome:#?}");
+    }
+}

@@ -1,0 +1,210 @@
+//! `[[obstacles]]`, `[collision]` and what a tool looks like.
+
+use super::*;
+use crate::physics::{ObstacleKind, Part};
+use nalgebra::Point3;
+use twin_urdf::SolidShape;
+
+const VICE: &str = include_str!("../../../machines/gantry3_vice.toml");
+
+/// The start is at X0 Y0 Z40 of the work, which is at X200 Y100 Z0 of the machine.
+fn nearest(machine: &Machine, work_mm: [f64; 3]) -> crate::physics::Clearance {
+    let place = Pose { position: (Point3::from(work_mm) * 1e-3), direction: 0.0 };
+    let axes =
+        machine.kinematics.inverse(&machine.frame.pose_to_machine(&place), &machine.middle());
+    let mut scan = machine.clearance_scan().unwrap().expect("there is something in the way");
+    scan.nearest(&axes.unwrap()).unwrap().unwrap()
+}
+
+fn names(machine: &Machine, found: &crate::physics::Clearance) -> [String; 2] {
+    found.parts.map(|part| machine.part_name(part))
+}
+
+#[test]
+fn the_shipped_vice_is_where_it_should_be() {
+    let machine = load(VICE);
+    // A tool of 6 mm, 5 mm beside the fixed jaw (y −20 to 0, x −20 to 120, top at −10).
+    let found = nearest(&machine, [50.0, -28.0, -30.0]);
+    assert_eq!(names(&machine, &found), ["the tool", "fixed jaw"]);
+    assert!((found.distance - 5e-3).abs() < 1e-9, "{found:?}");
+    // A holder of 40 mm ends 35 mm above the tip: 4 mm above the stock with the tip 31 mm below its top.
+    let found = nearest(&machine, [50.0, 30.0, -31.0]);
+    assert_eq!(names(&machine, &found), ["holder", "stock"]);
+    assert!((found.distance - 4e-3).abs() < 1e-9, "{found:?}");
+    // The tool may be in the stock and comes near to the table: top at −60.
+    let found = nearest(&machine, [300.0, 150.0, -55.0]);
+    assert_eq!(names(&machine, &found), ["the tool", "table"]);
+    assert!((found.distance - 5e-3).abs() < 1e-9, "{found:?}");
+    // And the screw is left out.
+    let found = nearest(&machine, [50.0, 120.0, -45.0]);
+    assert_ne!(names(&machine, &found), ["the tool", "screw"]);
+
+    let collision = machine.collision.as_ref().unwrap();
+    assert_eq!(collision.clearance, 2e-3);
+    assert_eq!(collision.surroundings.stiffness, 1e8);
+    let kinds: Vec<_> = collision.surroundings.obstacles.iter().map(|one| one.kind).collect();
+    assert_eq!(kinds.iter().filter(|kind| **kind == ObstacleKind::Stock).count(), 1);
+    assert_eq!(collision.surroundings.left_out.first(), Some(&[Part::Tool, Part::Obstacle(3)]));
+}
+
+/// A file that says nothing of what is around it is not looked at.
+#[test]
+fn nothing_is_looked_for_unasked() {
+    assert!(load(GANTRY3).collision.is_none());
+    assert!(load(GANTRY3).clearance_scan().unwrap().is_none());
+    let alone = load(&format!("{GANTRY3}\n[collision]\n"));
+    let collision = alone.collision.as_ref().unwrap();
+    assert!(collision.surroundings.among_links && collision.surroundings.obstacles.is_empty());
+    assert_eq!(collision.clearance, 0.0);
+    let off = load(&format!("{GANTRY3}\n[collision]\nself_collision = false\n"));
+    assert!(off.clearance_scan().unwrap().is_none());
+}
+
+/// Every shipped machine may be looked at: none of its links is in another where programs start.
+#[test]
+fn shipped_machines_do_not_run_into_themselves() {
+    let folder = workspace().join("machines");
+    let files = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut looked = 0;
+    for path in files.filter(|path| path.extension().is_some_and(|end| end == "toml")) {
+        let mut text = std::fs::read_to_string(&path).unwrap();
+        if !text.contains("[collision]") {
+            text.push_str("\n[collision]\n");
+        }
+        let machine =
+            Machine::parse(&path, &text).unwrap_or_else(|problems| panic!("{problems:#?}"));
+        let Some(mut scan) = machine.clearance_scan().unwrap() else { continue };
+        let start = machine.start_axes().unwrap();
+        let overlapping = scan.overlapping(&start).unwrap();
+        let overlapping: Vec<_> =
+            overlapping.iter().map(|pair| pair.map(|part| machine.part_name(part))).collect();
+        assert!(overlapping.is_empty(), "{}: {overlapping:?}", path.display());
+        let mut twin = crate::simulated::Simulated::new(&machine, &start).unwrap();
+        let rest = twin_kinematics::AxisMotion::at_rest(start);
+        for _ in 0..50 {
+            twin.probe_towards(&rest).unwrap();
+        }
+        assert!(twin.physics().contacts().is_empty(), "{}", path.display());
+        looked += 1;
+    }
+    assert!(looked >= 6, "{looked}");
+}
+
+/// Shapes of all kinds, turned, in both frames, and a mesh beside the file.
+#[test]
+fn obstacles_have_any_shape() {
+    let folder = tempfile::tempdir().unwrap();
+    // A wedge of 20 × 10 × 10 mm: a box, cut in half.
+    let [a, b, c] = ["0 0 0", "20 0 0", "0 0 10"];
+    let [d, e, f] = ["0 10 0", "20 10 0", "0 10 10"];
+    let faces =
+        [[a, b, c], [d, f, e], [a, d, e], [a, e, b], [a, c, f], [a, f, d], [b, e, f], [b, f, c]];
+    let facet = |[a, b, c]: [&str; 3]| {
+        format!(
+            "facet normal 0 0 0\nouter loop\nvertex {a}\nvertex {b}\nvertex {c}\nendloop\nendfacet\n"
+        )
+    };
+    let stl = format!("solid wedge\n{}endsolid wedge\n", faces.map(facet).concat());
+    std::fs::write(folder.path().join("wedge.stl"), stl).unwrap();
+    let file = folder.path().join("machine.toml");
+    let text = edited(
+        &edited(GANTRY3, "mass_kg = 0.3", "mass_kg = 0.3\ndiameter_mm = 8"),
+        "[rs274]",
+        "[work_frame]\ntranslation_mm = [100.0, 0.0, 0.0]\n[rs274]",
+    );
+    let text = format!(
+        "{text}
+[[obstacles]]
+name = \"wedge\"
+shape = \"mesh\"
+file = \"wedge.stl\"
+scale = 2.0
+frame = \"work\"
+[[obstacles]]
+name = \"pipe\"
+shape = \"cylinder\"
+radius_mm = 5
+length_mm = 100
+position_mm = [0, 100, -20]
+rotation_deg = [0, 90, 0]
+[[obstacles]]
+name = \"pill\"
+shape = \"capsule\"
+radius_mm = 4
+length_mm = 30
+position_mm = [0, -100, 0]
+[[obstacles]]
+name = \"ball\"
+shape = \"sphere\"
+radius_mm = 12
+position_mm = [400, 0, 0]
+"
+    );
+    let machine = Machine::parse(&file, &text).unwrap_or_else(|problems| panic!("{problems:#?}"));
+    // In the machine frame.
+    let at = |x: f64, y: f64, z: f64| nearest(&machine, [x - 100.0, y, z]);
+    // Straight above the slope of the wedge, which goes from z 20 at x 100 down to 0 at x 140 and is 20 wide: to the rim of the tool.
+    let found = at(120.0, 10.0, 30.0);
+    assert_eq!(names(&machine, &found), ["the tool", "wedge"]);
+    let (run, rise) = (40.0_f64, 20.0_f64);
+    let height = 30.0 - 20.0 * (140.0 - (120.0 - 4.0)) / 40.0;
+    let expected = height * run / run.hypot(rise) * 1e-3;
+    assert!((found.distance - expected).abs() < 1e-6, "{found:?}, not {expected}");
+    // Above the pipe, which lies along x.
+    let found = at(30.0, 100.0, 0.0);
+    assert_eq!(names(&machine, &found), ["the tool", "pipe"]);
+    assert!((found.distance - 15e-3).abs() < 1e-6, "{found:?}");
+    // Beside the pill and its end: the tool is a cylinder, too.
+    let found = at(20.0, -100.0, 0.0);
+    assert_eq!(names(&machine, &found), ["the tool", "pill"]);
+    assert!((found.distance - 12e-3).abs() < 1e-6, "{found:?}");
+    let found = at(400.0, 0.0, 20.0);
+    assert_eq!(names(&machine, &found), ["the tool", "ball"]);
+    assert!((found.distance - 8e-3).abs() < 1e-6, "{found:?}");
+    let solid = &machine.collision.as_ref().unwrap().surroundings.obstacles[0].solids[0];
+    assert!(matches!(solid.shape, SolidShape::Mesh { .. }));
+}
+
+#[test]
+fn what_is_wrong_with_obstacles_is_said() {
+    let with = |text: &str| {
+        let problems = parse(&format!("{GANTRY3}\n{text}")).unwrap_err();
+        let said: Vec<_> = problems.iter().map(|problem| problem.message.clone()).collect();
+        said.join("; ")
+    };
+    let one = "[[obstacles]]\nname = \"a\"\n";
+    for (text, expected) in [
+        (one.to_owned(), "lacks `shape`"),
+        (format!("{one}shape = \"box\""), "lacks `size_mm`"),
+        (format!("{one}shape = \"bok\""), "expected \"box\""),
+        (format!("{one}shape = \"sphere\"\nradius_mm = -1"), "`radius_mm` is -1"),
+        (format!("{one}shape = \"sphere\"\nradius_mm = 1\nradius = 2"), "unknown key `radius`"),
+        (format!("{one}shape = \"mesh\"\nfile = \"nowhere.stl\""), "nowhere.stl"),
+        (format!("{one}shape = \"mesh\"\nfile = \"Cargo.toml\""), "toml files cannot be read"),
+        (
+            format!(
+                "{one}shape = \"sphere\"\nradius_mm = 1\n{one}shape = \"sphere\"\nradius_mm = 1"
+            ),
+            "there is an obstacle of this name already",
+        ),
+        (
+            "[collision]\nleave_out = [[\"tool\", \"vice\"]]".to_owned(),
+            "names \"vice\", which is neither a link nor an obstacle; there are tool, base",
+        ),
+        ("[collision]\nleave_out = [\"tool\"]".to_owned(), "a pair of names"),
+        ("[collision]\nself_collision = 1".to_owned(), "true or false"),
+        ("[collision]\nclearance_mm = -1".to_owned(), "`clearance_mm` is -1"),
+    ] {
+        let said = with(&text);
+        assert!(said.contains(expected), "{text}: {said}");
+    }
+    for (holder, expected) in [
+        ("holder_length_mm = 10", "lacks `holder_diameter_mm`"),
+        ("holder_length_mm = 50\nholder_diameter_mm = 20", "the holder is 50 mm long, the tool"),
+        ("diameter_mm = 0", "`diameter_mm` is 0"),
+    ] {
+        let text = edited(GANTRY3, "mass_kg = 0.3", &format!("mass_kg = 0.3\n{holder}"));
+        let said = parse(&text).unwrap_err();
+        assert!(said.iter().any(|problem| problem.message.contains(expected)), "{said:#?}");
+    }
+}

@@ -1,0 +1,58 @@
+//! What is around a machine, as its probe finds it.
+
+use super::{Approach, Clearance};
+use crate::machine::{DirectionRule, Machine};
+use crate::physics::ClearanceScan;
+use std::sync::Arc;
+use twin_kinematics::{AxisSource, AxisVector, Kinematics, MachineAxes, Pose, WorkFrame};
+use twin_motion::rs274::{Position, Surroundings};
+
+/// The tool of a machine among what its file says is around it.
+#[derive(Clone, Debug)]
+struct Around {
+    kinematics: Arc<MachineAxes>,
+    frame: WorkFrame,
+    direction: DirectionRule,
+    /// Unit of the axes: radians or metres of what the program gives them.
+    units: Vec<f64>,
+    /// Where the axes were.
+    near: AxisVector,
+    scan: ClearanceScan,
+}
+
+/// What a probe can touch on `machine`; `None` if its file says nothing of what is around it.
+pub(crate) fn surroundings(machine: &Machine) -> Option<Surroundings> {
+    let collision = machine.collision.as_ref()?;
+    let scan =
+        ClearanceScan::of_tool(&machine.model, machine.axes.len(), &collision.surroundings).ok()?;
+    let around = Around {
+        kinematics: Arc::clone(&machine.kinematics),
+        frame: machine.frame,
+        direction: machine.direction,
+        units: machine.axes.iter().map(|axis| axis.to_si(1.0)).collect(),
+        near: machine.middle(),
+        scan,
+    };
+    (!around.scan.is_empty()).then(|| Surroundings::new(move || Approach::new(around.clone())))
+}
+
+impl Clearance for Around {
+    fn at(&mut self, at: &Position) -> Option<f64> {
+        let rotary = |number: u8| at.rotary.get(usize::from(number)).copied().unwrap_or_default();
+        let direction = match self.direction {
+            DirectionRule::Additional(number, angle) => angle + rotary(number).to_radians(),
+            rule @ (DirectionRule::Path(..) | DirectionRule::Fixed(_)) => rule.at_start(),
+        };
+        let pose = Pose { position: at.linear.into(), direction };
+        let pose = self.frame.pose_to_machine(&pose);
+        let mut axes = self.kinematics.inverse(&pose, &self.near).ok()?;
+        let sources = self.kinematics.sources().iter().zip(&self.units);
+        for (position, (source, unit)) in axes.iter_mut().zip(sources) {
+            if let AxisSource::Additional(number) = *source {
+                *position = rotary(number) * unit;
+            }
+        }
+        self.near = axes;
+        self.scan.nearest(&axes).ok()?.map(|nearest| nearest.distance)
+    }
+}

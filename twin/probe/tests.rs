@@ -1,0 +1,203 @@
+//! Probing moves above a plane, against what a plane has in closed form.
+
+use super::*;
+use crate::check::{CheckOptions, Outcome, check};
+use crate::finding::{Finding, Rule, Severity};
+use crate::machine::Machine;
+use crate::program::{Dialect, ElementItem, ProgramFile};
+use crate::settings::ReadSettings;
+use std::path::Path;
+use twin_motion::Place;
+use twin_motion::path::{ElementKind, PathElement, ProbeOutcome, Probing};
+use twin_motion::rs274::Surroundings;
+
+/// Start at 0, 0, 20; Z from -60 to 120 mm.
+const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+
+/// Everything below a plane: through `point` (m), with the unit vector `normal` out of it.
+#[derive(Clone, Debug)]
+struct Plane {
+    point: [f64; 3],
+    normal: [f64; 3],
+}
+
+impl Clearance for Plane {
+    fn at(&mut self, at: &Position) -> Option<f64> {
+        let [x, y, z] =
+            std::array::from_fn(|axis| (at.linear[axis] - self.point[axis]) * self.normal[axis]);
+        Some(x + y + z)
+    }
+}
+
+fn floor(z_mm: f64) -> Plane {
+    Plane { point: [0.0, 0.0, z_mm * 1e-3], normal: [0.0, 0.0, 1.0] }
+}
+
+fn machine(plane: Option<Plane>) -> Machine {
+    let mut machine = Machine::parse(Path::new("machine.toml"), GANTRY3)
+        .unwrap_or_else(|problems| panic!("{problems:#?}"));
+    machine.conditions.rs274.surroundings =
+        plane.map(|plane| Surroundings::new(move || Approach::new(plane.clone())));
+    machine
+}
+
+fn with_program<T>(text: &str, use_it: impl FnOnce(&ProgramFile) -> T) -> T {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("program.ngc");
+    std::fs::write(&path, text).unwrap();
+    use_it(&ProgramFile::new(&path, Some(Dialect::Rs274), ReadSettings::default()).unwrap())
+}
+
+fn checked(plane: Option<Plane>, text: &str) -> Outcome {
+    with_program(text, |program| {
+        check(&machine(plane), program, CheckOptions::default(), &mut |_| {}).unwrap()
+    })
+}
+
+fn elements(plane: Plane, text: &str) -> Vec<PathElement> {
+    with_program(text, |program| {
+        let items = program.prepared(&machine(Some(plane)).conditions).unwrap();
+        let element = |item| match item {
+            ElementItem::Element(element) => Some(element),
+            ElementItem::Diagnostic(_) => None,
+            ElementItem::Io(error) => panic!("{error}"),
+        };
+        items.filter_map(element).collect()
+    })
+}
+
+fn said(findings: &[Finding]) -> Vec<(Severity, u32, &str)> {
+    assert!(findings.iter().all(|finding| finding.rule == Rule::Probe), "{findings:#?}");
+    findings.iter().map(|found| (found.severity, found.line, found.message.as_str())).collect()
+}
+
+const TOUCH_OFF: &str = "G0 X10 Y20 Z30\nF600 G38.2 Z0\nG91 G0 Z2\nG38.5 Z-9 F60\nG38.3 Z-4\n\
+                         G38.4 Z5\nM2\n";
+
+#[test]
+fn where_probes_trip_is_noted() {
+    let outcome = checked(Some(floor(12.345)), TOUCH_OFF);
+    assert_eq!(
+        said(&outcome.findings),
+        [
+            (Severity::Note, 2, "probe touches at X 10.000 Y 20.000 Z 12.345 mm"),
+            // It is free from the beginning, and does not move.
+            (Severity::Note, 4, "probe comes free at X 10.000 Y 20.000 Z 14.345 mm"),
+            (Severity::Note, 5, "probe touches at X 10.000 Y 20.000 Z 12.345 mm"),
+            // A micrometre above.
+            (Severity::Note, 6, "probe comes free at X 10.000 Y 20.000 Z 12.346 mm"),
+        ]
+    );
+}
+
+/// What is checked is what is shown: the path goes on from the trip point, and stops there.
+#[test]
+fn the_path_ends_where_the_probe_trips() {
+    let path = elements(floor(12.345), TOUCH_OFF);
+    let heights: Vec<f64> = path.iter().map(|element| element.end().z * 1e3).collect();
+    for (found, expected) in heights.iter().zip([30.0, 12.345, 14.345, 14.345, 12.345, 12.346]) {
+        assert!((found - expected).abs() < 2e-5, "{heights:?}");
+    }
+    let kind = ElementKind::Probe { probing: Probing::TOUCH, outcome: ProbeOutcome::Tripped };
+    assert_eq!(path[1].kind, kind);
+    assert!(path.iter().all(|element| element.end_velocity <= 0.0), "{path:#?}");
+}
+
+#[test]
+fn what_does_not_trip_is_an_error() {
+    let outcome = checked(Some(floor(-5.0)), "F600 G38.3 Z10\nG38.2 Z5\nG38.4 X5\nM2\n");
+    assert_eq!(
+        said(&outcome.findings),
+        [
+            (Severity::Error, 2, "G38.2 reaches its end without touching anything"),
+            (Severity::Error, 3, "G38.4 begins where nothing is touched"),
+        ]
+    );
+}
+
+#[test]
+fn unknown_surroundings_are_a_warning() {
+    let outcome = checked(None, "F600 G38.2 Z10\nM2\n");
+    let message = "G38.2 is taken to reach its end: nothing is known that it could touch";
+    assert_eq!(said(&outcome.findings), [(Severity::Warning, 1, message)]);
+    assert_eq!(serde_json::to_value(Rule::Probe).unwrap(), Rule::Probe.name());
+}
+
+fn path(from: [f64; 3], to: [f64; 3], trips: ProbeTrip) -> ProbePath {
+    let at = |linear| Position { linear, rotary: [0.0; 3] };
+    ProbePath {
+        place: Place { line: 1, block: None },
+        start: at(from),
+        end: at(to),
+        point_from_tip: [0.0; 3],
+        feed: 0.01,
+        trips,
+    }
+}
+
+/// A line meets a plane where (p − p₀)·n is zero, to within the nanometre of the search and the ten of touching, divided
+/// by the sine of the angle between them.
+#[test]
+fn lines_meet_planes() {
+    let normal = [0.6, 0.0, 0.8];
+    let plane = Plane { point: [0.1, 0.0, 0.02], normal };
+    for (from, to) in [
+        ([0.3, 0.1, 0.2], [-0.3, 0.2, -0.2]),
+        ([0.3, 0.1, 0.2], [0.29, 0.1, -0.9]),
+        // Nearly along it.
+        ([0.1, 0.0, 0.0201], [0.1 + 0.8, 0.5, 0.02 - 0.6 - 0.0001]),
+    ] {
+        let along: f64 = (0..3).map(|axis| (to[axis] - from[axis]) * normal[axis]).sum();
+        let height: f64 = (0..3).map(|axis| (from[axis] - plane.point[axis]) * normal[axis]).sum();
+        let expected = -height / along;
+        let found = Approach::new(plane.clone()).trip(&path(from, to, ProbeTrip::Touch)).unwrap();
+        let slack = (2e-9 + 1.1 * TOUCH) / along.abs();
+        assert!((found - expected).abs() < slack, "{found} is not {expected}");
+        // And back out of it.
+        let back = Approach::new(plane.clone()).trip(&path(to, from, ProbeTrip::Release)).unwrap();
+        let expected = (RELEASE - (height + along)) / -along;
+        assert!((back - expected).abs() < slack, "{back} is not {expected}");
+    }
+}
+
+/// Cannot be anywhere.
+#[derive(Debug)]
+struct Nowhere;
+
+impl Clearance for Nowhere {
+    fn at(&mut self, _: &Position) -> Option<f64> {
+        None
+    }
+}
+
+#[test]
+fn moves_that_do_not_trip() {
+    let mut target = Approach::new(floor(0.0));
+    let (up, down) = ([0.0, 0.0, 0.1], [0.0, 0.0, -0.1]);
+    for (from, to, trips, expected) in [
+        (up, [0.0, 0.0, 0.01], ProbeTrip::Touch, None),
+        (up, up, ProbeTrip::Touch, None),
+        (down, up, ProbeTrip::Touch, Some(0.0)),
+        (down, [0.1, 0.0, -0.1], ProbeTrip::Release, None),
+        (up, down, ProbeTrip::Release, Some(0.0)),
+    ] {
+        assert_eq!(target.trip(&path(from, to, trips)), expected, "{from:?} {to:?} {trips:?}");
+    }
+    assert_eq!(Approach::new(Nowhere).trip(&path(up, down, ProbeTrip::Touch)), None);
+}
+
+/// A rotary axis that lifts the machine by a millimetre a degree.
+#[test]
+fn rotary_axes_alone() {
+    #[derive(Debug)]
+    struct Lift;
+    impl Clearance for Lift {
+        fn at(&mut self, at: &Position) -> Option<f64> {
+            Some((at.rotary[0] - 30.0) * 1e-3)
+        }
+    }
+    let mut turned = path([0.0; 3], [0.0; 3], ProbeTrip::Touch);
+    turned.start.rotary[0] = 90.0;
+    let found = Approach::new(Lift).trip(&turned).unwrap();
+    assert!((found - 2.0 / 3.0).abs() < 1e-6, "{found}");
+}
