@@ -69,9 +69,9 @@ impl Column {
         }
     }
 
-    /// The lowest value of a curve.
-    pub(crate) fn low(&self, curve: usize) -> Option<f64> {
-        Some(self.strands.get(curve).copied().flatten()?.low.value)
+    /// Whether a curve has a value here.
+    pub(crate) fn has(&self, curve: usize) -> bool {
+        self.strands.get(curve).is_some_and(Option::is_some)
     }
 
     /// The kind of limit that holds the path back for most of the time, if any.

@@ -1,5 +1,6 @@
 //! Validates a program on the virtual machine: everything that must be known before anything moves.
 
+mod after;
 mod clearance;
 #[cfg(test)]
 mod direction_tests;
@@ -13,17 +14,16 @@ mod way;
 #[cfg(test)]
 mod way_tests;
 
-use crate::compare::Comparison;
 use crate::finding::{self, Finding};
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
 use crate::machine::{DirectionRule, Machine};
 use crate::physics::MotorLoad;
 use crate::planning::Planning;
-use crate::plant::PlantRecord;
 use crate::program::{ProgramFile, ProgramItem};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
+pub use after::{following_errors, happenings};
 pub use clearance::{ClearanceCsv, ClearancePicture, ClearancePictureError};
 use findings::Findings;
 pub use options::{CheckFailure, CheckOptions};
@@ -33,7 +33,6 @@ use twin_kinematics::{AxisSource, AxisVector, Kinematics, MAX_AXES};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
 use twin_motion::path::EXTRA_AXES;
-pub(crate) use way::TOUCHING;
 use way::Way;
 pub use way::{BlockClearance, Clearances};
 
@@ -66,25 +65,6 @@ pub struct Outcome {
     pub loads: Vec<MotorLoad>,
     /// How near everything came to what is in the way; none if the machine file speaks of nothing.
     pub clearances: Clearances,
-}
-
-/// What the simulated machine did in a run, where an axis was farther from its set-points than its machine file allows.
-pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Finding> {
-    let axes = machine.axes.iter().zip(&comparison.axes);
-    let beyond = axes.filter_map(|(axis, statistics)| {
-        let (error, place) = statistics.twin.maximum()?;
-        let limit = axis.max_following_error.filter(|limit| exceeds(error, *limit))?;
-        Some(sentence::too_far(axis, place, error, limit))
-    });
-    beyond.collect()
-}
-
-/// What happened to the simulated machine in a run.
-pub fn happenings(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
-    let blows = record.blows.iter().map(|blow| sentence::ran_into(machine, blow));
-    let others = record.happenings.iter().filter_map(|one| sentence::happened(machine, one));
-    let touches = record.touches.iter().filter_map(|touch| sentence::touched(machine, touch));
-    blows.chain(touches).chain(others).collect()
 }
 
 /// Checks a whole program. `progress` is told the bytes read so far.

@@ -11,7 +11,7 @@ use twin_motion::Place;
 const MOST_BLOCKS: usize = 100_000;
 
 /// How deep parts may be in each other without that being told, m: what stands on something touches it.
-pub(crate) const TOUCHING: f64 = 1e-6;
+const TOUCHING: f64 = 1e-6;
 
 /// What came nearest to what in one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +22,8 @@ pub struct BlockClearance {
     pub time_ns: i64,
     /// What, and how near.
     pub nearest: Clearance,
+    /// It may touch: it is a probe that does, or has not come free yet.
+    pub may_touch: bool,
 }
 
 impl BlockClearance {
@@ -40,15 +42,20 @@ impl BlockClearance {
     }
 
     /// Whether the two are in each other.
-    pub fn is_collision(&self) -> bool {
+    pub fn is_inside(&self) -> bool {
         self.nearest.distance < -TOUCHING
+    }
+
+    /// Whether the two are in each other, and must not be.
+    pub fn is_collision(&self) -> bool {
+        self.is_inside() && !self.may_touch
     }
 
     /// A sentence about it as the least of all, with the names of the machine.
     pub fn told(&self, machine: &Machine) -> String {
         let Self { place, nearest, .. } = self;
         let [one, other] = nearest.parts.map(|part| machine.part_name(part));
-        if self.is_collision() {
+        if self.is_inside() {
             let depth = -nearest.distance * 1e3;
             return format!(
                 "least clearance: none; {one} is {depth:.3} mm deep in {other}, {place}"
@@ -97,7 +104,13 @@ impl Way {
     ) -> Option<BlockClearance> {
         let nearest = self.scan.nearest(&setpoint.axes.position).ok()??;
         let AxisSetpoint { place, time_ns, .. } = *setpoint;
-        let now = BlockClearance { place, time_ns, nearest };
+        let by_tool = nearest.parts.contains(&Part::Tool);
+        self.probes |= setpoint.probing;
+        let may_touch = self.probes && by_tool;
+        if may_touch {
+            self.probes = setpoint.probing || nearest.distance < self.wanted.max(TOUCHING);
+        }
+        let now = BlockClearance { place, time_ns, nearest, may_touch };
         if self.found.least.is_none_or(|least| now.is_nearer_than(&least)) {
             self.found.least = Some(now);
         }
@@ -106,13 +119,9 @@ impl Way {
         if !is_known && room {
             self.found.blocks.push(now);
         }
-        let by_tool = nearest.parts.contains(&Part::Tool);
-        self.probes |= setpoint.probing;
-        if self.probes && by_tool {
-            self.probes = setpoint.probing || nearest.distance < self.wanted.max(TOUCHING);
-        } else if now.is_collision() {
+        if now.is_collision() {
             findings.add(None, sentence::in_the_way(machine, place, &nearest));
-        } else if nearest.distance < self.wanted {
+        } else if nearest.distance < self.wanted && !may_touch {
             findings.add(None, sentence::too_near(machine, place, &nearest, self.wanted));
         }
         Some(now)

@@ -4,7 +4,7 @@ use crate::chart::{
     Area, COLUMNS, Envelope, Failure, GAP, Input, LEFT, LINE, RIGHT, Row, Sign, Strips, TOP, WIDTH,
     color_of, dashes, legend, legend_places, line, title, words,
 };
-use crate::check::{BlockClearance, TOUCHING};
+use crate::check::BlockClearance;
 use crate::machine::Machine;
 use crate::page::{INK, MARK, fine, font, resized, stroke};
 use crate::physics::Part;
@@ -24,6 +24,10 @@ const FAR: f64 = 3.0;
 
 /// Collisions that are kept to be marked; behind them the ground is red all the same.
 const MOST_HITS: usize = 200;
+
+/// The curves: all of it, and what of it is a collision; mm.
+const CLEARANCE: usize = 0;
+const HITS: usize = 1;
 
 /// Nearer than what is wanted, and in each other.
 const AMBER: RGBColor = RGBColor(255, 244, 214);
@@ -45,7 +49,7 @@ pub struct ClearancePicture<'m> {
     machine: &'m Machine,
     /// Nearer than this is told, mm.
     wanted: f64,
-    /// Clearance, mm; kinds are the obstacles that are nearest, behind them links that are nearest to each other.
+    /// Kinds are the obstacles that are nearest, behind them links that are nearest to each other.
     envelope: Envelope,
     /// What was nearest last.
     nearest: Option<usize>,
@@ -84,11 +88,12 @@ impl<'m> ClearancePicture<'m> {
 
     /// Takes the next set-point.
     pub fn include(&mut self, now: &BlockClearance) {
-        let BlockClearance { place, time_ns, nearest } = *now;
+        let BlockClearance { place, time_ns, nearest, .. } = *now;
+        let (clearance, hits) = (nearest.distance * 1e3, now.is_collision());
         let input = Input {
             time_ns,
             line: place.line,
-            values: &[Some(nearest.distance * 1e3)],
+            values: &[Some(clearance), hits.then_some(clearance)],
             held: self.nearest,
         };
         self.envelope.include(&input);
@@ -96,7 +101,6 @@ impl<'m> ClearancePicture<'m> {
         if self.least.is_none_or(|least| now.is_nearer_than(&least)) {
             self.least = Some(*now);
         }
-        let hits = now.is_collision();
         if hits && !self.in_hit {
             if self.hits.len() < MOST_HITS {
                 self.hits.push(Hit { begin_ns: time_ns, end_ns: time_ns, place });
@@ -160,7 +164,7 @@ impl<'m> ClearancePicture<'m> {
 
     /// All of it, and, where that would be seen badly, what is near.
     fn rows(&self) -> Vec<Row> {
-        let [low, high] = self.envelope.range(0).unwrap_or_default();
+        let [low, high] = self.envelope.range(CLEARANCE).unwrap_or_default();
         let range = |high: f64| [low.min(0.0) - 0.06 * (high - low.min(0.0)), high];
         let most = high.max(self.wanted).max(1e-3) * 1.15;
         let all = Row { top: TOP, height: HEIGHTS[0], range: range(most) };
@@ -210,8 +214,7 @@ impl<'m> ClearancePicture<'m> {
         ground([row.range[0], 0.0], ROSE)?;
         row.draw(root, strips.time(), [name, "(mm)"])?;
         // For as long as something is in something.
-        let hits = |low: f64| low < -TOUCHING * 1e3;
-        for (begin, end, is_hit) in strips.bands(|column| column.low(0).is_some_and(hits)) {
+        for (begin, end, is_hit) in strips.bands(|column| column.has(HITS)) {
             if is_hit {
                 let end = end.max(begin + 1.5);
                 let corners = [(begin, row.top), (end, row.bottom())];
@@ -224,7 +227,7 @@ impl<'m> ClearancePicture<'m> {
         }
         let zero = row.y(0.0);
         line(root, [(LEFT, zero), (RIGHT, zero)], MARK.stroke_width(stroke(1.2)))?;
-        strips.curve(root, row, 0, 1.0, INK.stroke_width(stroke(1.5)))
+        strips.curve(root, row, CLEARANCE, 1.0, INK.stroke_width(stroke(1.5)))
     }
 
     /// What there is to say beside the curves.
@@ -232,7 +235,7 @@ impl<'m> ClearancePicture<'m> {
         let mut lines = Vec::new();
         if let Some(least) = &self.least {
             let [one, other] = least.nearest.parts.map(|part| self.machine.part_name(part));
-            let (distance, shade, between) = if least.is_collision() {
+            let (distance, shade, between) = if least.is_inside() {
                 (format!("{:.3} mm deep", -least.nearest.distance * 1e3), MARK, ["", "in "])
             } else {
                 let distance = least.nearest.distance.max(0.0) * 1e3;

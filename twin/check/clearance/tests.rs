@@ -24,6 +24,7 @@ fn at(line: u32, ms: i64, mm: f64, obstacle: usize) -> BlockClearance {
             parts: [Part::Tool, Part::Obstacle(obstacle)],
             points: [Point3::new(0.1, -0.2, mm * 1e-3), Point3::new(0.1, -0.2, 0.0)],
         },
+        may_touch: false,
     }
 }
 
@@ -97,6 +98,10 @@ fn a_picture_names_what_is_nearest_and_what_is_hit() {
         assert!(hit.contains(words), "{words} is not in\n{hit}");
     }
     assert!(says(&hit, "line 3") && says(&hit, "line 6"), "{hit}");
+    // Probes may touch.
+    let probe = hits.map(|hit| BlockClearance { may_touch: true, ..hit });
+    let touch = picture(&probe);
+    assert!(touch.contains("3.000 mm deep") && !touch.contains("collision"), "{touch}");
     // What touches does not collide.
     assert!(picture(&[at(1, 0, 5.0, 1), at(2, 9, -1e-4, 1)]).contains("0.000 mm between the tool"));
 }
