@@ -1,10 +1,9 @@
 //! The layout of the page: what is where, so that nobody has to arrange anything to see the comparison.
 //!
 //! Left, large: the machine with the programmed path and the trails; below it the surroundings of the tool, much
-//! enlarged, the program and the names. Right: tool error, axis errors, clearance where it is measured, speed; in a tab behind them, where it is known, what
-//! the motors do. A layout is a small recording of its
-//! own, which rerun calls a blueprint; its Rust interface does not reach cameras and time ranges, so the blueprint's
-//! archetypes are logged here one by one.
+//! enlarged, the program and the names. Right: tool error, axis errors, clearance where it is measured, speed; in a tab
+//! behind them, where it is known, what the motors do. A layout is a small recording of its own, which rerun calls a
+//! blueprint; its Rust interface does not reach cameras and time ranges, so its archetypes are logged here one by one.
 
 use nalgebra::Vector3;
 use rerun::blueprint::components as parts;
@@ -136,8 +135,14 @@ struct Page {
 
 impl Page {
     fn everything(&mut self, layout: &Layout, bounds: &Bounds) -> Result<Part, VizError> {
-        let contents =
-            ["+ /machine/**", "+ /surroundings/**", "+ /program/**", "+ /trail/**", "+ /tool/**"];
+        let contents = [
+            "+ /machine/**",
+            "+ /surroundings/**",
+            "+ /nearest/**",
+            "+ /program/**",
+            "+ /trail/**",
+            "+ /tool/**",
+        ];
         let scene = self.scene("Machine and paths", &contents, bounds)?;
         self.keep_trails(scene)?;
         let close_up = self.close_up(layout)?;

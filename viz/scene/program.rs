@@ -73,15 +73,13 @@ pub(super) fn log_about(stream: &RecordingStream, setup: &Setup<'_>) -> Result<(
     let drives =
         setup.drives.map_or_else(String::new, |drives| format!("  \n**Drives** {drives} (orange)"));
     let clearance = setup.clearance.map_or_else(String::new, |_| {
-        format!(
-            "  \n**Clearance** of the twin; nearer than {:.0} mm the nearest points are joined (yellow to red)",
-            mm(NEAR)
-        )
+        let near = mm(NEAR);
+        format!("  \n**Clearance** of the twin; its nearest points are joined below {near:.0} mm (yellow to red)")
     });
     let about = format!(
         "**Program** {}  \n**Machine** {}  \n**Set-point** where the tool should be (blue)  \n\
-         **Twin** where the physics machine has it (green){drives}  \n\
-         **Programmed** cuts (grey), rapids (yellow), probing moves (dark blue); after preparation (red), where that differs{clearance}",
+         **Twin** where the physics machine has it (green){clearance}{drives}  \n\
+         **Programmed** cuts (grey), rapids (yellow), probing moves (dark blue); after preparation (red), where that differs",
         setup.program.name, setup.machine.name
     );
     stream.log_static("about", &TextDocument::from_markdown(about))?;

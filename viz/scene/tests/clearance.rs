@@ -2,6 +2,8 @@
 
 use super::*;
 use crate::frame::ClearanceFrame;
+use rerun::external::re_sdk_types::blueprint::archetypes as layout;
+use rerun::external::re_sdk_types::blueprint::components::QueryExpression;
 
 /// Frames a ms apart in which the tool comes down to a jaw and goes up again: `distance` mm of each.
 fn record(limit: Option<f64>, milliseconds: u32, distance: impl Fn(u32) -> Option<f64>) -> Read {
@@ -58,8 +60,10 @@ fn clearance_comes_back_in_mm_at_its_time_and_line() {
     assert_eq!(wanted.len(), 60);
     wanted.iter().for_each(|row| assert_near(row.2, 2.0));
     assert!(read.names_of_parts().iter().any(|name| name == "Clearance (mm)"));
+    let queries = read.of_layout::<QueryExpression>(&layout::ViewContents::descriptor_query());
+    assert!(queries.iter().any(|query| query.0.as_str() == "+ /nearest/**"), "{queries:?}");
     let about = read.statics::<components::Text>("about", &rerun::TextDocument::descriptor_text());
-    assert!(about[0].0.contains("nearer than 20 mm"), "{about:?}");
+    assert!(about[0].0.contains("below 20 mm"), "{about:?}");
     // Only what touches is too near: there is no line for that.
     assert_eq!(record(Some(0.0), 3, down).scalars("clearance/wanted"), []);
 }
