@@ -26,6 +26,7 @@ pub mod settings;
 pub mod simulated;
 pub mod workspace;
 
+mod chart;
 mod page;
 mod planning;
 mod table;

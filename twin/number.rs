@@ -20,9 +20,17 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// Nanoseconds as seconds, exactly.
+pub fn exact_seconds(time_ns: i64) -> String {
+    let sign = if time_ns < 0 { "-" } else { "" };
+    let ns = time_ns.unsigned_abs();
+    let text = format!("{sign}{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 #[cfg(test)]
 mod tests {
-    use super::significant;
+    use super::{exact_seconds, significant};
 
     #[test]
     fn digits_are_significant_not_decimal() {
@@ -35,5 +43,19 @@ mod tests {
         assert_eq!(significant(1234.5, 12), "1234.5");
         assert_eq!(significant(123_456.0, 3), "123456");
         assert_eq!(significant(f64::INFINITY, 3), "inf");
+    }
+
+    #[test]
+    fn times_are_exact() {
+        for (ns, text) in [
+            (0, "0"),
+            (1, "0.000000001"),
+            (1_500_000_000, "1.5"),
+            (86_400_000_000_001, "86400.000000001"),
+            (-2_000_000, "-0.002"),
+            (i64::MAX, "9223372036.854775807"),
+        ] {
+            assert_eq!(exact_seconds(ns), text);
+        }
     }
 }

@@ -1,8 +1,8 @@
 //! What a run looks like: feeds the view with the programmed path and with what twin and drives do.
 
 use crate::compare::Measured;
-use crate::machine::{AxisKind, Machine};
-use crate::physics::MotorState;
+use crate::machine::{AxisKind, Machine, SimulationError};
+use crate::physics::{ClearanceScan, MotorState};
 use crate::program::{ElementItem, Elements, ProgramFile};
 use crate::session::{DriveSample, TwinCycle};
 use nalgebra::{Isometry3, Point3};
@@ -10,8 +10,8 @@ use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
 use twin_motion::path::{ElementKind, PathElement, Shape};
 use twin_viz::{
-    Axis, AxisUnit, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, PathStrip, Program, Scene,
-    SceneOptions, Setup, Viewer, VizError,
+    Axis, AxisUnit, ClearanceFrame, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, Obstacle,
+    PathStrip, Program, Scene, SceneOptions, Setup, Viewer, VizError,
 };
 
 /// Cycles of the twin shown between samples of the drives, ns.
@@ -35,6 +35,8 @@ const MAX_TEXT: u64 = 8 << 20;
 pub struct Picture<'m> {
     machine: &'m Machine,
     scene: Option<Scene>,
+    /// Measures how near the twin is to what it must not touch.
+    scan: Option<ClearanceScan>,
     viewer: Option<Viewer>,
     /// Cycles that wait for a sample of the drives.
     waiting: VecDeque<Instant>,
@@ -63,7 +65,7 @@ impl<'m> Picture<'m> {
     /// Starts recording and page and shows the machine at `start` and the programmed path.
     ///
     /// # Errors
-    /// If file or page cannot be had, or the program cannot be read.
+    /// If file or page cannot be had, the program cannot be read, or the machine cannot be measured.
     pub fn open(
         options: &SceneOptions,
         machine: &'m Machine,
@@ -74,6 +76,7 @@ impl<'m> Picture<'m> {
         let mut picture = Self {
             machine,
             scene: None,
+            scan: None,
             viewer: None,
             waiting: VecDeque::new(),
             has_drives: drives.is_some(),
@@ -85,6 +88,8 @@ impl<'m> Picture<'m> {
         if options.record.is_none() && options.serve.is_none() {
             return Ok(picture);
         }
+        let scan = machine.clearance_scan();
+        picture.scan = scan.map_err(|error| SimulationError::of(machine, error))?;
         let text = if program.size()? <= MAX_TEXT {
             String::from_utf8_lossy(&std::fs::read(program.path())?).into_owned()
         } else {
@@ -105,6 +110,8 @@ impl<'m> Picture<'m> {
         let setup = Setup {
             machine: &machine.model,
             home: &picture.poses,
+            surroundings: &obstacles(machine),
+            clearance: picture.scan.as_ref().and(machine.collision.as_ref()).map(|it| it.clearance),
             axes: &axes,
             program: Program { name: &name, text: &text },
             drives,
@@ -193,6 +200,9 @@ impl<'m> Picture<'m> {
         let twin_errors = differences(&twin.axes, &wanted.axes);
         let drive_errors =
             drives.map_or(twin_errors, |drives| differences(&drives.axes, &wanted.axes));
+        // Where no links can be nothing is measured.
+        let nearest = self.scan.as_mut().and_then(|scan| scan.nearest(&twin.axes).ok()?);
+        let parts = nearest.map(|nearest| nearest.parts.map(|part| self.machine.part_name(part)));
         let frame = Frame {
             time_ns: instant.time_ns,
             line: instant.line,
@@ -206,6 +216,11 @@ impl<'m> Picture<'m> {
                 axis_errors: &twin_errors,
             },
             motors: &instant.motors,
+            clearance: nearest.zip(parts.as_ref()).map(|(nearest, [one, other])| ClearanceFrame {
+                distance: nearest.distance,
+                parts: [one, other],
+                points: nearest.points,
+            }),
             drives: drives.map(|drives| DrivesFrame {
                 deviation: Deviation {
                     tool: drives.tool,
@@ -228,9 +243,19 @@ pub enum PictureError {
     /// The recording or the page.
     #[error(transparent)]
     View(#[from] VizError),
+    /// The machine and what is around it.
+    #[error(transparent)]
+    Measure(#[from] SimulationError),
     /// The program.
     #[error("the program cannot be read: {0}")]
     Read(#[from] std::io::Error),
+}
+
+/// What is around a machine, for the view.
+pub(crate) fn obstacles(machine: &Machine) -> Vec<Obstacle<'_>> {
+    let collision = machine.collision.iter();
+    let obstacles = collision.flat_map(|collision| &collision.surroundings.obstacles);
+    obstacles.map(|one| Obstacle { name: &one.name, solids: &one.solids }).collect()
 }
 
 /// Shows a path, each move as what `kind` makes of it.

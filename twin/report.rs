@@ -75,7 +75,7 @@ pub struct ClearanceReport {
 impl ClearanceReport {
     /// Of the least of all.
     fn new(machine: &Machine, least: &BlockClearance) -> Self {
-        let BlockClearance { place, time_ns, nearest } = least;
+        let BlockClearance { place, time_ns, nearest, .. } = least;
         Self {
             least_mm: rounded(nearest.distance * 1e3),
             between: nearest.parts.map(|part| machine.part_name(part)),

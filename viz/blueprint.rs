@@ -1,10 +1,9 @@
 //! The layout of the page: what is where, so that nobody has to arrange anything to see the comparison.
 //!
 //! Left, large: the machine with the programmed path and the trails; below it the surroundings of the tool, much
-//! enlarged, the program and the names. Right: tool error, axis errors, speed; in a tab behind them, where it is known, what
-//! the motors do. A layout is a small recording of its
-//! own, which rerun calls a blueprint; its Rust interface does not reach cameras and time ranges, so the blueprint's
-//! archetypes are logged here one by one.
+//! enlarged, the program and the names. Right: tool error, axis errors, clearance where it is measured, speed; in a tab
+//! behind them, where it is known, what the motors do. A layout is a small recording of its own, which rerun calls a
+//! blueprint; its Rust interface does not reach cameras and time ranges, so its archetypes are logged here one by one.
 
 use nalgebra::Vector3;
 use rerun::blueprint::components as parts;
@@ -36,6 +35,8 @@ pub(crate) struct Layout {
     pub(crate) axes: Vec<Axis>,
     /// What is known of the motors; nothing where they are not known.
     pub(crate) motors: Vec<MotorPlot>,
+    /// How near the machine comes to what it must not touch is known.
+    pub(crate) has_clearance: bool,
     /// Height of what the close-up shows, m.
     pub(crate) close_up: f64,
 }
@@ -58,7 +59,7 @@ pub(crate) fn send_workspace(
     bounds: &Bounds,
 ) -> Result<(), VizError> {
     send_page(recording, application, Playback::FromStart, |page| {
-        let contents = ["+ /machine/**", "+ /workspace/**"];
+        let contents = ["+ /machine/**", "+ /surroundings/**", "+ /workspace/**"];
         let scene = page.scene("Machine and workspace", &contents, bounds)?;
         let about = page.text("What is shown", "about")?;
         page.row(&[scene, about], &[3.0, 1.0])
@@ -134,7 +135,14 @@ struct Page {
 
 impl Page {
     fn everything(&mut self, layout: &Layout, bounds: &Bounds) -> Result<Part, VizError> {
-        let contents = ["+ /machine/**", "+ /program/**", "+ /trail/**", "+ /tool/**"];
+        let contents = [
+            "+ /machine/**",
+            "+ /surroundings/**",
+            "+ /nearest/**",
+            "+ /program/**",
+            "+ /trail/**",
+            "+ /tool/**",
+        ];
         let scene = self.scene("Machine and paths", &contents, bounds)?;
         self.keep_trails(scene)?;
         let close_up = self.close_up(layout)?;
@@ -155,6 +163,10 @@ impl Page {
                 plots.push(self.plot(name, origin)?);
                 shares.push(1.25);
             }
+        }
+        if layout.has_clearance {
+            plots.push(self.plot("Clearance (mm)", "clearance")?);
+            shares.push(1.0);
         }
         plots.push(self.plot("Speed along the path (mm/s)", "speed")?);
         shares.push(0.75);

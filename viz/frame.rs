@@ -1,6 +1,7 @@
 //! What a scene is told.
 
 use nalgebra::{Isometry3, Point3};
+use twin_urdf::Solid;
 
 /// The program being run.
 #[derive(Clone, Copy, Debug)]
@@ -9,6 +10,15 @@ pub struct Program<'a> {
     pub name: &'a str,
     /// Its text; the lines around the current one are shown beside the machine.
     pub text: &'a str,
+}
+
+/// Something around the machine that stays where it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Obstacle<'a> {
+    /// Its name in the machine file.
+    pub name: &'a str,
+    /// What it is made of, machine frame, m. What is seen through has a colour that says so.
+    pub solids: &'a [Solid],
 }
 
 /// An axis of the machine.
@@ -70,8 +80,21 @@ pub struct Frame<'a> {
     pub twin: Deviation<'a>,
     /// What the motors of the twin do, in the order of the axes; none where that is not known for this instant.
     pub motors: &'a [MotorFrame],
+    /// How near the twin is to what it must not touch; `None` where that is not measured. Shown if the scene was told of it.
+    pub clearance: Option<ClearanceFrame<'a>>,
     /// What came back from the drives, if there are any and they have answered for this instant.
     pub drives: Option<DrivesFrame<'a>>,
+}
+
+/// How near the two parts are that are nearest to each other.
+#[derive(Clone, Copy, Debug)]
+pub struct ClearanceFrame<'a> {
+    /// m; below 0 they are as deep in each other.
+    pub distance: f64,
+    /// What they are called.
+    pub parts: [&'a str; 2],
+    /// The nearest point of each, machine frame, m.
+    pub points: [Point3<f64>; 2],
 }
 
 /// What a motor does; efforts at the axis (behind the gear).

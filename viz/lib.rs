@@ -10,6 +10,7 @@
 //! | entity | what | timelines |
 //! |---|---|---|
 //! | `machine/<link>` | pose of a link of the twin; its solids below it | `time`, `line` |
+//! | `surroundings/<name>` | an obstacle of the machine file; its solids below it | static |
 //! | `program/cuts/<n>`, `program/rapids/<n>` | programmed path | static |
 //! | `program/prepared/<n>` | path after preparation, where the program asks for any | static |
 //! | `trail/{set-point,twin,drives}` | path travelled, in pieces; their newest ends in `trail/newest` | `time`, `line` |
@@ -18,6 +19,8 @@
 //! | `error/axis_deg/<axis>/{twin,drives}`, `error/axis_mm/…` | axis position minus set-point | `time`, `line` |
 //! | `motor/force_n/<axis>/{twin,limit}`, `motor/torque_nm/…` | what the motor gives, and the most it could (in the legend until it is clicked at), at the axis | `time`, `line` |
 //! | `motor/{power_w,utilisation_percent,warmth_percent,load_angle_full_steps}/<axis>/twin` | mechanical power; effort against what the motor can give; I²t; field of a step motor against its rotor | `time`, `line` |
+//! | `clearance/{twin,wanted}` | between the parts of the twin and its surroundings that are nearest to each other, mm; below 0 they are in each other | `time`, `line` |
+//! | `nearest/{line,points}` | those parts joined where they are nearest, while they are near | `time`, `line` |
 //! | `speed/{set-point,programmed}` | along the path, mm/s | `time`, `line` |
 //! | `workspace/{section,lines,marks}` | a section through the workspace ([`show_workspace`]) | static |
 //! | `program/here`, `about` | lines around the current one; names and colours | `time`, `line`; static |
@@ -36,7 +39,8 @@ mod workspace;
 
 pub use error::VizError;
 pub use frame::{
-    Axis, AxisUnit, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, PathStrip, Program,
+    Axis, AxisUnit, ClearanceFrame, Deviation, DrivesFrame, Frame, MotorFrame, MoveKind, Obstacle,
+    PathStrip, Program,
 };
 pub use scene::{Playback, Scene, SceneOptions, Setup};
 pub use server::{DEFAULT_ADDRESS, Viewer, view_recording};

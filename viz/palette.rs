@@ -50,25 +50,44 @@ pub(crate) fn prepared() -> Color {
     Color::from_rgb(213, 94, 0)
 }
 
+/// How near something is, from `part` 1 (yellow) to what touches, 0 or less (vermilion to red).
+pub(crate) fn nearness(part: f64) -> Color {
+    let steps = (1_u16..=16).take_while(|step| part <= 1.0 - f64::from(*step) / 16.0);
+    mixed(rapid(), [230, 30, 45], steps.last().unwrap_or(0))
+}
+
 /// The same hue for the `index`-th axis: full, darker, lighter, and again.
 pub(crate) fn shade(color: Color, index: usize) -> Color {
+    match index % 4 {
+        0 => color,
+        1 => mixed(color, [255; 3], 9),
+        2 => mixed(color, [0; 3], 7),
+        _ => mixed(color, [255; 3], 4),
+    }
+}
+
+/// So many sixteenths of `end` in a colour.
+fn mixed(color: Color, end: [u8; 3], sixteenths: u16) -> Color {
     let [r, g, b, a] = color.to_array();
-    let towards = |byte: u8, end: u8, sixteenths: u16| {
+    let towards = |byte: u8, end: u8| {
         let mixed = (u16::from(byte) * (16 - sixteenths) + u16::from(end) * sixteenths) / 16;
         u8::try_from(mixed).unwrap_or(end)
     };
-    let all = |end, sixteenths| {
-        Color::from_unmultiplied_rgba(
-            towards(r, end, sixteenths),
-            towards(g, end, sixteenths),
-            towards(b, end, sixteenths),
-            a,
-        )
-    };
-    match index % 4 {
-        0 => color,
-        1 => all(255, 9),
-        2 => all(0, 7),
-        _ => all(255, 4),
+    let [red, green, blue] = end;
+    Color::from_unmultiplied_rgba(towards(r, red), towards(g, green), towards(b, blue), a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearer_the_redder() {
+        assert_eq!(nearness(1.0), rapid());
+        assert_eq!(nearness(f64::NAN), rapid());
+        assert_eq!(nearness(0.0), Color::from_rgb(230, 30, 45));
+        assert_eq!(nearness(-3.0), nearness(0.0));
+        let greens = [1.0, 0.8, 0.5, 0.2, 0.0].map(|part| nearness(part).to_array()[1]);
+        assert!(greens.is_sorted_by(|far, near| far > near), "{greens:?}");
     }
 }

@@ -8,8 +8,9 @@ use twin_urdf::Model;
 use crate::blueprint;
 use crate::bounds::Bounds;
 use crate::error::VizError;
+use crate::frame::Obstacle;
 use crate::scene::destination::{self, Destination};
-use crate::scene::machine::Machine;
+use crate::scene::machine::{self, Machine};
 use crate::scene::{APPLICATION, At, SceneOptions};
 use crate::server::Viewer;
 use crate::units::point_mm;
@@ -47,6 +48,8 @@ pub struct WorkspaceView<'a> {
     pub machine: &'a Model,
     /// Poses of its links in the machine frame; as many as it has links.
     pub poses: &'a [Isometry3<f64>],
+    /// What is around it.
+    pub surroundings: &'a [Obstacle<'a>],
     /// Corners of the section's triangles, machine frame, m.
     pub corners: &'a [Point3<f64>],
     /// Red, green and blue of every corner.
@@ -87,6 +90,7 @@ pub fn show_workspace(
 
     let mut bounds = Bounds::default();
     let mut machine = Machine::log_solids(&stream, view.machine, view.poses, &mut bounds)?;
+    machine::log_obstacles(&stream, view.surroundings, &mut bounds)?;
     At { time_ns: 0, line: 0 }.set(&stream);
     machine.log_poses(&stream, view.poses)?;
     log_section(&stream, view)?;
@@ -124,7 +128,7 @@ fn log_section(stream: &RecordingStream, view: &WorkspaceView<'_>) -> Result<(),
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::tests::{machine, read::Read};
+    use crate::scene::tests::{fixed_jaw, machine, read::Read};
     use rerun::components;
 
     const TRIANGLE: [[f64; 3]; 3] = [[0.1, 0.0, 0.02], [0.3, 0.0, 0.02], [0.1, 0.4, 0.02]];
@@ -139,6 +143,7 @@ mod tests {
             &WorkspaceView {
                 machine: &machine(),
                 poses: &vec![Isometry3::identity(); poses],
+                surroundings: &[Obstacle { name: "fixed jaw", solids: &fixed_jaw() }],
                 corners: &corners,
                 colors: &COLORS,
                 triangles: &[[0, 1, 2]],
@@ -169,6 +174,7 @@ mod tests {
         let labels = read.statics::<components::Text>("workspace/marks", &labels);
         assert_eq!(labels, ["start".into()]);
         assert!(read.of("machine/arm\\ 1/cylinders").next().is_some());
+        assert!(read.of("surroundings/fixed\\ jaw/boxes").next().is_some());
         assert!(!read.blueprint.is_empty());
         assert_eq!(read.activations, 1);
     }
@@ -180,6 +186,7 @@ mod tests {
         let view = WorkspaceView {
             machine: &machine(),
             poses: &[Isometry3::identity(); 2],
+            surroundings: &[],
             corners: &[],
             colors: &[],
             triangles: &[],

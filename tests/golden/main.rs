@@ -19,7 +19,9 @@ mod machine;
 mod motors;
 mod path;
 mod process;
+mod recording;
 mod run_limits;
+mod surroundings;
 mod urdf;
 
 use serde::Deserialize;

@@ -1,9 +1,8 @@
 //! What motors of the simulated machine do, told by `twin check --physics` as a process.
 
 use crate::process::{Desk, Done, number};
+use crate::recording::recorded;
 use crate::root;
-use rerun::external::re_log_encoding::Decoder;
-use rerun::log::{Chunk, LogMsg};
 use serde_json::Value;
 
 /// Z comes down slowly, then fast.
@@ -107,26 +106,6 @@ fn a_motor_that_gets_too_warm_is_a_warning() {
         "{findings:#?}"
     );
     assert!(number(&report["motor_load"]["Z"]["warmth_percent"]) > 100.0);
-}
-
-/// Values of an entity in a recording, in the order of time.
-fn recorded(desk: &Desk, entity: &str) -> Vec<f64> {
-    let file = std::fs::File::open(desk.path("r.rrd")).expect("a recording");
-    let mut rows = Vec::new();
-    for message in Decoder::<LogMsg>::decode_eager(std::io::BufReader::new(file)).expect("one") {
-        let LogMsg::ArrowMsg(store, message) = message.expect("a message") else { continue };
-        let chunk = Chunk::from_arrow_msg(&message).expect("a chunk");
-        if !store.is_recording() || *chunk.entity_path() != rerun::EntityPath::from(entity) {
-            continue;
-        }
-        let scalars = rerun::Scalars::descriptor_scalars().component;
-        let times = chunk.iter_component_indices("time".into(), scalars);
-        let times: Vec<_> = times.map(|(time, _)| time.as_i64()).collect();
-        let values = chunk.iter_component::<rerun::components::Scalar>(scalars);
-        rows.extend(times.into_iter().zip(values.into_iter().map(|value| value.as_slice()[0].0.0)));
-    }
-    rows.sort_by_key(|(time, _)| *time);
-    rows.into_iter().map(|(_, value)| value).collect()
 }
 
 /// What the motors do is in the recording of a run, as often as the errors are, and agrees with its report.

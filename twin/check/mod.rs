@@ -1,5 +1,7 @@
 //! Validates a program on the virtual machine: everything that must be known before anything moves.
 
+mod after;
+mod clearance;
 #[cfg(test)]
 mod direction_tests;
 mod findings;
@@ -12,17 +14,17 @@ mod way;
 #[cfg(test)]
 mod way_tests;
 
-use crate::compare::Comparison;
 use crate::finding::{self, Finding};
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
 use crate::machine::{DirectionRule, Machine};
 use crate::physics::MotorLoad;
 use crate::planning::Planning;
-use crate::plant::PlantRecord;
 use crate::program::{ProgramFile, ProgramItem};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
+pub use after::{following_errors, happenings};
+pub use clearance::{ClearanceCsv, ClearancePicture, ClearancePictureError};
 use findings::{About, Findings};
 pub use options::{CheckFailure, CheckOptions};
 use rehearsal::Rehearsal;
@@ -65,25 +67,6 @@ pub struct Outcome {
     pub clearances: Clearances,
 }
 
-/// What the simulated machine did in a run, where an axis was farther from its set-points than its machine file allows.
-pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Finding> {
-    let axes = machine.axes.iter().zip(&comparison.axes);
-    let beyond = axes.filter_map(|(axis, statistics)| {
-        let (error, place) = statistics.twin.maximum()?;
-        let limit = axis.max_following_error.filter(|limit| exceeds(error, *limit))?;
-        Some(sentence::too_far(axis, place, error, limit))
-    });
-    beyond.collect()
-}
-
-/// What happened to the simulated machine in a run.
-pub fn happenings(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
-    let blows = record.blows.iter().map(|blow| sentence::ran_into(machine, blow));
-    let others = record.happenings.iter().filter_map(|one| sentence::happened(machine, one));
-    let touches = record.touches.iter().filter_map(|touch| sentence::touched(machine, touch));
-    blows.chain(touches).chain(others).collect()
-}
-
 /// Checks a whole program. `progress` is told the bytes read so far.
 ///
 /// # Errors
@@ -94,6 +77,20 @@ pub fn check(
     program: &ProgramFile,
     options: CheckOptions,
     progress: &mut dyn FnMut(u64),
+) -> Result<Outcome, CheckFailure> {
+    check_watched(machine, program, options, progress, &mut |_| {})
+}
+
+/// The same; `watch` is told, set-point by set-point, how near everything is to what is in the way.
+///
+/// # Errors
+/// Those of [`check`].
+pub fn check_watched(
+    machine: &Machine,
+    program: &ProgramFile,
+    options: CheckOptions,
+    progress: &mut dyn FnMut(u64),
+    watch: &mut dyn FnMut(&BlockClearance),
 ) -> Result<Outcome, CheckFailure> {
     let CheckOptions { limits, physics, scenario, acknowledge } = options;
     let slack = match limits {
@@ -110,8 +107,10 @@ pub fn check(
         match item {
             ProgramItem::Setpoint(tool) => {
                 let Some(setpoint) = checker.setpoint(&tool) else { continue };
-                if let Some(way) = &mut way {
-                    way.look(machine, &setpoint, &mut checker.findings);
+                if let Some(way) = &mut way
+                    && let Some(clearance) = way.look(machine, &setpoint, &mut checker.findings)
+                {
+                    watch(&clearance);
                 }
                 if let Some(rehearsal) = &mut rehearsal {
                     rehearsal.follow(&setpoint, &mut checker)?;

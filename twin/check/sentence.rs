@@ -167,7 +167,8 @@ pub(super) fn in_the_way(machine: &Machine, place: Place, found: &Clearance) -> 
 /// Two parts nearer to each other than is wanted (m).
 pub(super) fn too_near(machine: &Machine, place: Place, found: &Clearance, wanted: f64) -> Finding {
     let [one, other] = found.parts.map(|part| machine.part_name(part));
-    let (distance, wanted) = (found.distance * 1e3, wanted * 1e3);
+    // What touches is not told as less than nothing.
+    let (distance, wanted) = (found.distance.max(0.0) * 1e3, wanted * 1e3);
     let message =
         format!("{one} comes as near as {distance:.3} mm to {other}; {wanted:.3} mm are wanted");
     let finding = Finding::error(Rule::Collision, place, message);

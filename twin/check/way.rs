@@ -22,6 +22,43 @@ pub struct BlockClearance {
     pub time_ns: i64,
     /// What, and how near.
     pub nearest: Clearance,
+    /// It may touch: it is a probe that does, or has not come free yet.
+    pub may_touch: bool,
+}
+
+impl BlockClearance {
+    /// Takes in what comes next, if that is of the same block.
+    pub fn include(&mut self, next: &Self) -> bool {
+        let is_same = self.place == next.place;
+        if is_same && next.is_nearer_than(self) {
+            *self = *next;
+        }
+        is_same
+    }
+
+    /// Whether this is less.
+    pub fn is_nearer_than(&self, other: &Self) -> bool {
+        self.nearest.distance < other.nearest.distance
+    }
+
+    /// Whether the two are in each other; a probe must not be, either: it ends where it touches.
+    pub fn is_collision(&self) -> bool {
+        self.nearest.distance < -TOUCHING
+    }
+
+    /// A sentence about it as the least of all, with the names of the machine.
+    pub fn told(&self, machine: &Machine) -> String {
+        let Self { place, nearest, .. } = self;
+        let [one, other] = nearest.parts.map(|part| machine.part_name(part));
+        if self.is_collision() {
+            let depth = -nearest.distance * 1e3;
+            return format!(
+                "least clearance: none; {one} is {depth:.3} mm deep in {other}, {place}"
+            );
+        }
+        let distance = nearest.distance.max(0.0) * 1e3;
+        format!("least clearance: {distance:.3} mm between {one} and {other}, {place}")
+    }
 }
 
 /// How near everything came.
@@ -61,52 +98,45 @@ impl Way {
         }))
     }
 
+    /// How near it is at a set-point; `None` where no links can be, which is another finding.
     pub(super) fn look(
         &mut self,
         machine: &Machine,
         setpoint: &AxisSetpoint,
         findings: &mut Findings,
-    ) {
-        // Where no links can be there is another finding.
-        let Ok(Some(nearest)) = self.scan.nearest(&setpoint.axes.position) else { return };
-        let AxisSetpoint { place, time_ns, .. } = *setpoint;
-        let now = BlockClearance { place, time_ns, nearest };
-        let is_nearer = |than: &BlockClearance| nearest.distance < than.nearest.distance;
-        if self.found.least.as_ref().is_none_or(is_nearer) {
-            self.found.least = Some(now);
-        }
-        let room = self.found.blocks.len() < MOST_BLOCKS;
-        let block = self.found.blocks.last_mut().filter(|block| block.place == place);
-        match block {
-            Some(block) if is_nearer(block) => *block = now,
-            Some(_) => {}
-            None => self.found.blocks.extend(room.then_some(now)),
-        }
-        if self
-            .scan
-            .nearer_than(self.wanted.max(0.0), &setpoint.axes.position, &mut self.near)
-            .is_err()
-        {
-            return;
-        }
+    ) -> Option<BlockClearance> {
+        let axes = &setpoint.axes.position;
+        let nearest = self.scan.nearest(axes).ok()??;
+        self.scan.nearer_than(self.wanted.max(0.0), axes, &mut self.near).ok()?;
         // What a probe has touched it may be near to until it has come away from it.
-        if setpoint.probing {
-            let is_touched =
-                |one: &&Clearance| one.parts.contains(&Part::Tool) && one.distance <= TOUCHING;
-            self.touched = self.near.iter().find(is_touched).map(|one| one.parts);
+        let by_probe = |parts: &[Part; 2]| setpoint.probing && parts.contains(&Part::Tool);
+        self.touched = if setpoint.probing {
+            let is_touched = |one: &&Clearance| by_probe(&one.parts) && one.distance <= TOUCHING;
+            self.near.iter().find(is_touched).map(|one| one.parts)
         } else {
-            self.touched =
-                self.touched.filter(|parts| self.near.iter().any(|one| one.parts == *parts));
-        }
+            self.touched.filter(|parts| self.near.iter().any(|one| one.parts == *parts))
+        };
+        let may_touch = |parts: &[Part; 2]| by_probe(parts) || self.touched == Some(*parts);
+
+        let AxisSetpoint { place, time_ns, .. } = *setpoint;
+        let now = BlockClearance { place, time_ns, nearest, may_touch: may_touch(&nearest.parts) };
         for one in &self.near {
-            let is_probe = setpoint.probing && one.parts.contains(&Part::Tool);
             let about = Some(About::Parts(one.parts));
             if one.distance < -TOUCHING {
                 findings.add(about, sentence::in_the_way(machine, place, one));
-            } else if !(is_probe || self.touched == Some(one.parts)) && one.distance < self.wanted {
+            } else if one.distance < self.wanted && !may_touch(&one.parts) {
                 findings.add(about, sentence::too_near(machine, place, one, self.wanted));
             }
         }
+        if self.found.least.is_none_or(|least| now.is_nearer_than(&least)) {
+            self.found.least = Some(now);
+        }
+        let room = self.found.blocks.len() < MOST_BLOCKS;
+        let is_known = self.found.blocks.last_mut().is_some_and(|block| block.include(&now));
+        if !is_known && room {
+            self.found.blocks.push(now);
+        }
+        Some(now)
     }
 
     pub(super) fn into_found(self) -> Clearances {

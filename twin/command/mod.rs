@@ -66,7 +66,7 @@ Start with:
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(run::Arguments),
-    Check(check::Arguments),
+    Check(Box<check::Arguments>),
     Path(Box<path::Arguments>),
     Limit(Box<limit::Arguments>),
     Axes(axes::Arguments),

@@ -54,6 +54,10 @@ impl SimulationOptions {
         Ok(Scenario { seed: self.seed.unwrap_or(0), ..scenario })
     }
 
+    pub(super) fn faults_file(&self) -> Option<&Path> {
+        self.faults.as_deref()
+    }
+
     /// Refuses what says nothing where nothing is simulated.
     pub(super) fn without_physics(&self) -> Result<(), Failure> {
         let given = [("--faults", self.faults.is_some()), ("--seed", self.seed.is_some())];

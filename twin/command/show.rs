@@ -1,7 +1,6 @@
 //! How things look on a terminal.
 
 use super::underline;
-use crate::check::BlockClearance;
 use crate::finding::{Finding, Severity};
 use crate::machine::{Axis, Machine};
 use crate::physics::MotorLoad;
@@ -281,24 +280,6 @@ pub(super) fn peaks(machine: &Machine, peaks: &[AxisPeak]) -> Table {
         }));
     }
     table
-}
-
-/// What came nearest to what.
-pub(super) fn clearance(machine: &Machine, least: &BlockClearance) -> String {
-    let BlockClearance { place, nearest, .. } = least;
-    let [one, other] = nearest.parts.map(|part| machine.part_name(part));
-    let block = place.block.map_or(String::new(), |block| format!(" (N{block})"));
-    let distance = nearest.distance * 1e3;
-    if distance < 0.0 {
-        return format!(
-            "least clearance: none; {one} is {:.3} mm deep in {other}, line {}{block}",
-            -distance, place.line
-        );
-    }
-    format!(
-        "least clearance: {distance:.3} mm between {one} and {other}, line {}{block}",
-        place.line
-    )
 }
 
 /// The table of what motors gave in the simulated machine.

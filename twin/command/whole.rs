@@ -123,6 +123,33 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
     }
 }
 
+/// Whether files can be written: nothing over `program` or what else is `read`, and nothing twice. `targets` are given with the
+/// options that name them.
+///
+/// # Errors
+/// [`Failure::Usage`] and [`Failure::Write`], with the option or the name of the file.
+pub(super) fn check_targets<'a>(
+    program: &Path,
+    read: impl IntoIterator<Item = &'a Path>,
+    targets: impl IntoIterator<Item = (&'static str, &'a Path)>,
+) -> Result<(), Failure> {
+    let mut used: Vec<&Path> = read.into_iter().collect();
+    for (option, path) in targets {
+        let wrong = if is_same(path, program) {
+            "this is the program itself"
+        } else if used.iter().any(|used| is_same(path, used)) {
+            "something else is read from or written to it"
+        } else {
+            check(path).map_err(|source| unwritable(path, source))?;
+            used.push(path);
+            continue;
+        };
+        let message = format!("{option} {}: {wrong}; name another file", path.display());
+        return Err(Failure::Usage(message));
+    }
+    Ok(())
+}
+
 /// Writes a whole file.
 ///
 /// # Errors

@@ -2,7 +2,7 @@
 
 use super::ProfileSample;
 use crate::machine::Axis;
-use crate::number::significant;
+use crate::number::{exact_seconds, significant};
 use csv::{ByteRecord, Writer};
 use std::io::Write;
 
@@ -68,7 +68,7 @@ impl<'m, W: Write> ProfileCsv<'m, W> {
         record.clear();
         let mut field = |text: &str| record.push_field(text.as_bytes());
         let number = |value: f64| significant(value, DIGITS);
-        field(&time(sample.time_ns));
+        field(&exact_seconds(sample.time_ns));
         field(&sample.place.line.to_string());
         field(&sample.place.block.map_or_else(String::new, |block| block.to_string()));
         for metres in [
@@ -103,32 +103,5 @@ impl<'m, W: Write> ProfileCsv<'m, W> {
     /// If the output cannot be written.
     pub fn finish(self) -> std::io::Result<W> {
         self.writer.into_inner().map_err(csv::IntoInnerError::into_error)
-    }
-}
-
-/// Nanoseconds as seconds, exactly.
-fn time(time_ns: i64) -> String {
-    let sign = if time_ns < 0 { "-" } else { "" };
-    let ns = time_ns.unsigned_abs();
-    let text = format!("{sign}{}.{:09}", ns / 1_000_000_000, ns % 1_000_000_000);
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::time;
-
-    #[test]
-    fn times_are_exact() {
-        for (ns, text) in [
-            (0, "0"),
-            (1, "0.000000001"),
-            (1_500_000_000, "1.5"),
-            (86_400_000_000_001, "86400.000000001"),
-            (-2_000_000, "-0.002"),
-            (i64::MAX, "9223372036.854775807"),
-        ] {
-            assert_eq!(time(ns), text);
-        }
     }
 }

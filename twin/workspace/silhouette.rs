@@ -1,6 +1,8 @@
-//! The machine as it is seen from a side.
+//! The machine and what is around it, as they are seen from a side.
 
 use super::section::Plane;
+use crate::machine::Collision;
+use crate::physics::ObstacleKind;
 use nalgebra::{Isometry3, Point2, Point3};
 use std::f64::consts::TAU;
 use twin_urdf::{Model, Solid, SolidShape};
@@ -15,6 +17,17 @@ pub(super) fn silhouette(model: &Model, axes: &[f64], plane: &Plane) -> Vec<Vec<
     let links = model.links.iter().zip(&poses);
     let solids = links.flat_map(|(link, pose)| link.solids.iter().map(move |solid| (solid, pose)));
     solids.map(|(solid, pose)| outline(solid, pose, plane)).collect()
+}
+
+/// The outlines of what is around a machine, as [`silhouette`] has them, with what each is and its colour.
+pub(super) fn surroundings(
+    collision: &Collision,
+    plane: &Plane,
+) -> Vec<(ObstacleKind, [f64; 4], Vec<Point2<f64>>)> {
+    let obstacles = collision.surroundings.obstacles.iter();
+    let solids = obstacles.flat_map(|one| one.solids.iter().map(|solid| (one.kind, solid)));
+    let here = Isometry3::identity();
+    solids.map(|(kind, solid)| (kind, solid.color, outline(solid, &here, plane))).collect()
 }
 
 fn outline(solid: &Solid, pose: &Isometry3<f64>, plane: &Plane) -> Vec<Point2<f64>> {

@@ -3,7 +3,7 @@
 use super::example::Example;
 use super::extent::{Extent, Sweep};
 use super::section::{Cut, Plane, Section};
-use super::silhouette::silhouette;
+use super::silhouette::{silhouette, surroundings};
 use super::space::Space;
 use crate::machine::Machine;
 use nalgebra::{Point2, Point3, Vector2};
@@ -148,9 +148,12 @@ impl<'m> Workspace<'m> {
     fn section(&self, cut: Cut) -> Section<'m> {
         let plane = Plane::new(&cut);
         let [low, high] = plane.project_extent(&self.shown);
-        // The machine, too, but not so much of it that the workspace gets small.
+        // The machine and what is around it, too, but not so much of them that the workspace gets small.
         let room = Vector2::repeat((high - low).max() * MACHINE);
-        let outlines = silhouette(&self.space.machine().model, &self.stance(), &plane);
+        let machine = self.space.machine();
+        let mut outlines = silhouette(&machine.model, &self.stance(), &plane);
+        let around = machine.collision.iter().flat_map(|around| surroundings(around, &plane));
+        outlines.extend(around.map(|(_, _, outline)| outline));
         let rectangle = outlines.iter().flatten().fold([low, high], |[min, max], point| {
             let point = point.sup(&(low - room)).inf(&(high + room));
             [min.inf(&point), max.sup(&point)]

@@ -1,6 +1,7 @@
 //! A section in space, beside the machine.
 
 use super::{Example, Scale, Section, State, Workspace};
+use crate::picture::obstacles;
 use nalgebra::Point2;
 use twin_viz::{Mark, SceneOptions, SheetLine, Viewer, VizError, WorkspaceView, show_workspace};
 
@@ -52,6 +53,7 @@ pub fn show(
         &WorkspaceView {
             machine: &machine.model,
             poses: &machine.model.link_poses(&workspace.stance()),
+            surroundings: &obstacles(machine),
             corners: &corners,
             colors: &colors,
             triangles: &region.triangles,

@@ -12,8 +12,8 @@ use std::time::Duration;
 use nalgebra::{Isometry3, Matrix3, Point3, Translation3, UnitQuaternion, Vector3};
 use twin_urdf::{Inertial, Joint, JointDrive, JointKind, Link, Model, Solid, SolidShape, Tip};
 use twin_viz::{
-    Axis, AxisUnit, Deviation, DrivesFrame, Frame, MoveKind, PathStrip, Playback, Program, Scene,
-    SceneOptions, Setup,
+    Axis, AxisUnit, ClearanceFrame, Deviation, DrivesFrame, Frame, MoveKind, Obstacle, PathStrip,
+    Playback, Program, Scene, SceneOptions, Setup,
 };
 
 const UPPER_ARM: f64 = 0.3;
@@ -57,6 +57,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         &Setup {
             machine: &model,
             home: &poses(start),
+            surroundings: &[Obstacle { name: "ball", solids: &[ball()] }],
+            clearance: Some(0.002),
             axes: &axes,
             program: Program { name: "demo.cnc", text: PROGRAM },
             drives: Some("made up"),
@@ -97,6 +99,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 axis_errors: &errors(&twin),
             },
             motors: &[],
+            clearance: Some(to_ball(&twin)),
             drives: Some(DrivesFrame {
                 deviation: Deviation {
                     tool: drives,
@@ -175,6 +178,32 @@ fn poses([shoulder, elbow, height]: [f64; 3]) -> [Isometry3<f64>; 4] {
     [Isometry3::identity(), upper_arm, forearm, quill]
 }
 
+/// Beside the square.
+const BALL: [f64; 3] = [0.415, 0.03, 0.0];
+const BALL_RADIUS: f64 = 0.02;
+const QUILL_RADIUS: f64 = 0.006;
+
+fn ball() -> Solid {
+    let [x, y, z] = BALL;
+    Solid {
+        shape: SolidShape::Sphere { radius: BALL_RADIUS },
+        origin: Isometry3::translation(x, y, z),
+        color: [0.72, 0.66, 0.5, 0.6],
+    }
+}
+
+/// From the end of the quill to the ball, at the height of its middle.
+fn to_ball(tool: &Point3<f64>) -> ClearanceFrame<'static> {
+    let middle = Point3::from(BALL);
+    let way = middle - tool;
+    let towards = way.normalize();
+    ClearanceFrame {
+        distance: way.norm() - BALL_RADIUS - QUILL_RADIUS,
+        parts: ["quill", "ball"],
+        points: [tool + towards * QUILL_RADIUS, middle - towards * BALL_RADIUS],
+    }
+}
+
 fn machine() -> Model {
     let bar = |length: f64, color| Solid {
         shape: SolidShape::Box { size: Vector3::new(length, 0.05, 0.04) },
@@ -201,7 +230,7 @@ fn machine() -> Model {
             link("base", vec![post(0.05, COLUMN - 0.02, COLUMN / 2.0 - 0.01, grey)]),
             link("upper arm", vec![bar(UPPER_ARM, blue), post(0.035, 0.05, 0.0, grey)]),
             link("forearm", vec![bar(FOREARM, light), post(0.03, 0.05, 0.0, grey)]),
-            link("quill", vec![post(0.006, QUILL, QUILL / 2.0, grey)]),
+            link("quill", vec![post(QUILL_RADIUS, QUILL, QUILL / 2.0, grey)]),
         ],
         joints: vec![
             joint("A1", JointKind::Revolute, 0, 0.0, COLUMN, 0),

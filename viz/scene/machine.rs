@@ -1,11 +1,13 @@
-//! The machine: solids once, poses as it moves.
+//! The machine and what is around it: solids once, poses as the machine moves.
 
-use nalgebra::{Isometry3, Vector3};
-use rerun::{FillMode, RecordingStream};
-use twin_urdf::{Mesh, Model, Solid, SolidShape};
+use nalgebra::Isometry3;
+use rerun::RecordingStream;
+use twin_urdf::Model;
 
+use super::solids;
 use crate::bounds::Bounds;
 use crate::error::VizError;
+use crate::frame::Obstacle;
 use crate::units;
 
 /// The links of the machine in the recording.
@@ -32,13 +34,8 @@ impl Machine {
         let mut links = Vec::with_capacity(model.links.len());
         for (link, pose) in model.links.iter().zip(home) {
             link.solids.iter().for_each(|solid| bounds.add_solid(pose, solid));
-            let entity = rerun::EntityPath::from_single_string(link.name.clone());
-            let entity = format!("machine{entity}");
-            log_boxes(stream, &entity, &link.solids)?;
-            log_cylinders(stream, &entity, &link.solids)?;
-            log_spheres(stream, &entity, &link.solids)?;
-            log_capsules(stream, &entity, &link.solids)?;
-            log_meshes(stream, &entity, &link.solids)?;
+            let entity = entity("machine", &link.name);
+            solids::log(stream, &entity, &link.solids)?;
             links.push(Link { entity, pose: None });
         }
         Ok(Self { links })
@@ -68,126 +65,20 @@ impl Machine {
     }
 }
 
-fn centers(solids: &[&Solid]) -> Vec<[f32; 3]> {
-    solids.iter().map(|solid| units::vector_mm(&solid.origin.translation.vector)).collect()
-}
-
-fn quaternions(solids: &[&Solid]) -> Vec<rerun::Quaternion> {
-    solids.iter().map(|solid| units::quaternion(&solid.origin)).collect()
-}
-
-fn colors(solids: &[&Solid]) -> Vec<rerun::Color> {
-    solids.iter().map(|solid| units::color(&solid.color)).collect()
-}
-
-/// The solids of one shape, with what `measure` takes from it.
-fn of_shape<T>(
-    solids: &[Solid],
-    measure: impl Fn(&SolidShape) -> Option<T>,
-) -> (Vec<&Solid>, Vec<T>) {
-    solids
-        .iter()
-        .filter_map(|solid| measure(&solid.shape).map(|measures| (solid, measures)))
-        .unzip()
-}
-
-fn log_boxes(stream: &RecordingStream, link: &str, solids: &[Solid]) -> Result<(), VizError> {
-    let (solids, sizes) = of_shape(solids, |shape| match shape {
-        SolidShape::Box { size } => Some(units::vector_mm(size)),
-        _ => None,
-    });
-    if !solids.is_empty() {
-        let boxes = rerun::Boxes3D::from_centers_and_sizes(centers(&solids), sizes)
-            .with_quaternions(quaternions(&solids))
-            .with_colors(colors(&solids))
-            .with_fill_mode(FillMode::Solid);
-        stream.log_static(format!("{link}/boxes"), &boxes)?;
+/// Logs what is around the machine, every obstacle below an entity of its own, and takes it into the bounds.
+pub(crate) fn log_obstacles(
+    stream: &RecordingStream,
+    obstacles: &[Obstacle<'_>],
+    bounds: &mut Bounds,
+) -> Result<(), VizError> {
+    for obstacle in obstacles {
+        obstacle.solids.iter().for_each(|solid| bounds.add_solid(&Isometry3::identity(), solid));
+        solids::log(stream, &entity("surroundings", obstacle.name), obstacle.solids)?;
     }
     Ok(())
 }
 
-fn log_cylinders(stream: &RecordingStream, link: &str, solids: &[Solid]) -> Result<(), VizError> {
-    let (solids, measures) = of_shape(solids, |shape| match shape {
-        SolidShape::Cylinder { radius, length } => {
-            Some((units::mm_f32(*length), units::mm_f32(*radius)))
-        }
-        _ => None,
-    });
-    if !solids.is_empty() {
-        let (lengths, radii): (Vec<_>, Vec<_>) = measures.into_iter().unzip();
-        let cylinders = rerun::Cylinders3D::from_lengths_and_radii(lengths, radii)
-            .with_centers(centers(&solids))
-            .with_quaternions(quaternions(&solids))
-            .with_colors(colors(&solids))
-            .with_fill_mode(FillMode::Solid);
-        stream.log_static(format!("{link}/cylinders"), &cylinders)?;
-    }
-    Ok(())
-}
-
-fn log_spheres(stream: &RecordingStream, link: &str, solids: &[Solid]) -> Result<(), VizError> {
-    let (solids, radii) = of_shape(solids, |shape| match shape {
-        SolidShape::Sphere { radius } => Some(units::mm_f32(*radius)),
-        _ => None,
-    });
-    if !solids.is_empty() {
-        let spheres = rerun::Ellipsoids3D::from_centers_and_radii(centers(&solids), radii)
-            .with_colors(colors(&solids))
-            .with_fill_mode(FillMode::Solid);
-        stream.log_static(format!("{link}/spheres"), &spheres)?;
-    }
-    Ok(())
-}
-
-fn log_capsules(stream: &RecordingStream, link: &str, solids: &[Solid]) -> Result<(), VizError> {
-    let (solids, measures) = of_shape(solids, |shape| match shape {
-        SolidShape::Capsule { radius, length } => {
-            Some((units::mm_f32(*length), units::mm_f32(*radius)))
-        }
-        _ => None,
-    });
-    if !solids.is_empty() {
-        // Those of rerun begin at their origin and go up from there.
-        let (lengths, radii): (Vec<_>, Vec<_>) = measures.into_iter().unzip();
-        let below = solids.iter().zip(&lengths).map(|(solid, length)| {
-            let down = Vector3::z() * (f64::from(*length) / 2e3);
-            units::vector_mm(&(solid.origin.translation.vector - solid.origin.rotation * down))
-        });
-        let capsules = rerun::Capsules3D::from_lengths_and_radii(lengths.clone(), radii)
-            .with_translations(below)
-            .with_quaternions(quaternions(&solids))
-            .with_colors(colors(&solids))
-            .with_fill_mode(FillMode::Solid);
-        stream.log_static(format!("{link}/capsules"), &capsules)?;
-    }
-    Ok(())
-}
-
-/// Every mesh is an entity of its own, in the frame of the link.
-fn log_meshes(stream: &RecordingStream, link: &str, solids: &[Solid]) -> Result<(), VizError> {
-    let (solids, meshes) = of_shape(solids, |shape| match shape {
-        SolidShape::Mesh { mesh, scale } => Some((mesh.clone(), *scale)),
-        _ => None,
-    });
-    for (number, (solid, (mesh, scale))) in (1..).zip(solids.iter().zip(&meshes)) {
-        stream.log_static(format!("{link}/mesh{number}"), &triangles(solid, mesh, scale))?;
-    }
-    Ok(())
-}
-
-/// With corners of its own for every triangle: parts of machines have edges, which shared normals would round.
-fn triangles(solid: &Solid, mesh: &Mesh, scale: &Vector3<f64>) -> rerun::Mesh3D {
-    let mut corners = Vec::with_capacity(3 * mesh.triangles().len());
-    let mut normals = Vec::with_capacity(3 * mesh.triangles().len());
-    for [a, b, c] in mesh.corners(scale) {
-        let normal = (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_else(Vector3::z);
-        let normal = (solid.origin.rotation * normal).map(units::f32_of);
-        for corner in [a, b, c] {
-            corners.push(units::point_mm(&(solid.origin * corner)));
-            normals.push([normal.x, normal.y, normal.z]);
-        }
-    }
-    rerun::Mesh3D::new(corners)
-        .with_vertex_normals(normals)
-        .with_albedo_factor(units::color(&solid.color).0)
+/// Of something that is called `name`, whatever that is written with.
+fn entity(folder: &str, name: &str) -> String {
+    format!("{folder}{}", rerun::EntityPath::from_single_string(name.to_owned()))
 }

@@ -1,25 +1,25 @@
 //! The recording being written.
 
+mod clearance;
 pub(crate) mod destination;
 mod due;
 pub(crate) mod machine;
 pub(crate) mod motors;
+mod options;
 mod program;
 mod series;
+mod solids;
 mod track;
 mod trail;
 
 #[cfg(test)]
 pub(crate) mod tests;
 
-use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
 
 use nalgebra::Isometry3;
-use rerun::log::ChunkBatcherConfig;
 use rerun::sink::LogSink;
 use rerun::{RecordingStream, RecordingStreamBuilder, TimeCell};
 use twin_urdf::Model;
@@ -27,13 +27,15 @@ use twin_urdf::Model;
 use crate::blueprint::{self, Layout};
 use crate::bounds::Bounds;
 use crate::error::VizError;
-use crate::frame::{Axis, Deviation, DrivesFrame, Frame, PathStrip, Program};
+use crate::frame::{Axis, Deviation, DrivesFrame, Frame, Obstacle, PathStrip, Program};
 use crate::palette;
 use crate::server::Viewer;
+use clearance::ClearanceTrack;
 use destination::Destination;
 use due::Due;
 use machine::Machine;
 use motors::{MotorPlot, MotorSeries};
+pub use options::{Playback, SceneOptions};
 use program::Excerpt;
 use series::{AxisSeries, Series};
 use track::ToolTrack;
@@ -49,53 +51,6 @@ const POSE_INTERVAL_NS: i64 = 20_000_000;
 /// Height of what the close-up of the tool shows, m.
 const CLOSE_UP: f64 = 0.002;
 
-/// Where a scene goes.
-#[derive(Clone, Debug, Default)]
-pub struct SceneOptions {
-    /// A file to record to (`.rrd`), overwritten if it exists.
-    pub record: Option<PathBuf>,
-    /// An address to serve the viewer at; [`crate::DEFAULT_ADDRESS`] is the customary one. Port 0 takes any free one.
-    pub serve: Option<SocketAddr>,
-    /// What the viewer does with the time when it opens.
-    pub playback: Playback,
-}
-
-/// What the viewer does with the time when it opens.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Playback {
-    /// Plays from the start of the program at the speed of the machine and waits at the end for more. Right for runs
-    /// that are faster than the machine.
-    #[default]
-    FromStart,
-    /// Shows the newest. Right for runs in step with the clock.
-    Follow,
-}
-
-impl Playback {
-    /// How much of the program is sent at once, poses and trails. Few large pieces load and replay faster; small ones
-    /// show sooner, and more smoothly, what happens now.
-    fn rows_ns(self) -> i64 {
-        match self {
-            Self::FromStart => 2_000_000_000,
-            Self::Follow => 100_000_000,
-        }
-    }
-
-    /// How much of the program is sent at once, plots.
-    fn series_ns(self) -> i64 {
-        match self {
-            Self::FromStart => 2_000_000_000,
-            Self::Follow => 1_000_000_000,
-        }
-    }
-
-    /// rerun sends by itself only what has waited for long, as when the program holds.
-    fn batcher(self) -> ChunkBatcherConfig {
-        let flush_tick = Duration::from_nanos(self.rows_ns().unsigned_abs());
-        ChunkBatcherConfig { flush_tick, ..ChunkBatcherConfig::DEFAULT }
-    }
-}
-
 /// What the scene is about.
 #[derive(Clone, Copy, Debug)]
 pub struct Setup<'a> {
@@ -103,6 +58,10 @@ pub struct Setup<'a> {
     pub machine: &'a Model,
     /// Poses of its links before the first frame, in the machine frame; as many as it has links.
     pub home: &'a [Isometry3<f64>],
+    /// What is around it.
+    pub surroundings: &'a [Obstacle<'a>],
+    /// Nearer to what it must not touch than this, m, is too near; 0 if only what touches is. `None` if that is not measured.
+    pub clearance: Option<f64>,
     /// Its axes.
     pub axes: &'a [Axis],
     /// The program.
@@ -135,6 +94,7 @@ pub struct Scene {
     drives: ToolTrack,
     /// Between drives and twin.
     between: Series,
+    clearance: Option<ClearanceTrack>,
     path_speed: Series,
     programmed_speed: Series,
     layout: Layout,
@@ -168,6 +128,7 @@ impl Scene {
         let mut bounds = Bounds::default();
         stream.log_static("/", &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
         let mut machine = Machine::log_solids(&stream, setup.machine, setup.home, &mut bounds)?;
+        machine::log_obstacles(&stream, setup.surroundings, &mut bounds)?;
         At { time_ns: 0, line: 0 }.set(&stream);
         machine.log_poses(&stream, setup.home)?;
         program::log_about(&stream, setup)?;
@@ -177,7 +138,12 @@ impl Scene {
         let drives = error("drives", "drives to set-point", palette::drives());
         // The page must know the machine and the names before the first values.
         stream.flush_async().map_err(|source| VizError::Write { path: path.clone(), source })?;
-        let layout = Layout { axes: setup.axes.to_vec(), motors: Vec::new(), close_up: CLOSE_UP };
+        let layout = Layout {
+            axes: setup.axes.to_vec(),
+            motors: Vec::new(),
+            has_clearance: setup.clearance.is_some(),
+            close_up: CLOSE_UP,
+        };
         Ok(Self {
             stream,
             path,
@@ -198,6 +164,7 @@ impl Scene {
             twin: ToolTrack::new("twin", palette::twin(), Some(twin)),
             drives: ToolTrack::new("drives", palette::drives(), Some(drives)),
             between: error("between", "drives to twin", palette::between()),
+            clearance: setup.clearance.map(ClearanceTrack::new),
             path_speed: Series::new("speed/set-point".to_owned(), "set-point", palette::setpoint()),
             programmed_speed: Series::new(
                 "speed/programmed".to_owned(),
@@ -254,6 +221,12 @@ impl Scene {
                 .into_iter()
                 .filter_map(ToolTrack::newest);
             trail::log_newest(&self.stream, newest)?;
+            if let Some(track) = &mut self.clearance {
+                track.join(&self.stream, frame.clearance.as_ref())?;
+            }
+        }
+        if let Some((track, clearance)) = self.clearance.as_mut().zip(frame.clearance.as_ref()) {
+            track.add(at, clearance);
         }
         self.path_speed.add_length(at, frame.path_speed);
         if let Some(speed) = frame.programmed_speed {
@@ -305,6 +278,7 @@ impl Scene {
         for series in [&mut self.between, &mut self.path_speed, &mut self.programmed_speed] {
             series.flush(&self.stream)?;
         }
+        self.clearance.iter_mut().try_for_each(|track| track.flush(&self.stream))?;
         self.axes.iter_mut().try_for_each(|axis| axis.flush(&self.stream))?;
         self.motors.iter_mut().try_for_each(|motor| motor.flush(&self.stream))
     }

@@ -3,7 +3,9 @@
 use rerun::{RecordingStream, TextDocument};
 
 use super::Setup;
+use super::clearance::NEAR;
 use crate::error::VizError;
+use crate::units::mm;
 
 /// Lines shown before the current one.
 const BEFORE: usize = 2;
@@ -70,9 +72,13 @@ impl Excerpt {
 pub(super) fn log_about(stream: &RecordingStream, setup: &Setup<'_>) -> Result<(), VizError> {
     let drives =
         setup.drives.map_or_else(String::new, |drives| format!("  \n**Drives** {drives} (orange)"));
+    let clearance = setup.clearance.map_or_else(String::new, |_| {
+        let near = mm(NEAR);
+        format!("  \n**Clearance** of the twin; its nearest points are joined below {near:.0} mm (yellow to red)")
+    });
     let about = format!(
         "**Program** {}  \n**Machine** {}  \n**Set-point** where the tool should be (blue)  \n\
-         **Twin** where the physics machine has it (green){drives}  \n\
+         **Twin** where the physics machine has it (green){clearance}{drives}  \n\
          **Programmed** cuts (grey), rapids (yellow), probing moves (dark blue); after preparation (red), where that differs",
         setup.program.name, setup.machine.name
     );

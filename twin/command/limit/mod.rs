@@ -18,7 +18,7 @@ use outputs::Outputs;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use twin_motion::refeed::LineLimit;
 
 /// Plan a program as fast as all limits of the machine allow: which limit holds it back, where, and what it costs
@@ -148,25 +148,11 @@ impl Arguments {
         if self.feasible.is_some() {
             feasible::check_dialect(program)?;
         }
-        let feasible = self.feasible.iter().map(|path| ("--feasible", path));
-        let lines = self.lines.iter().map(|path| ("--lines", path));
-        let outputs = self.output.iter().map(|path| ("--output", path));
-        let mut used: Vec<&Path> = vec![self.machine.path()];
-        used.extend(self.read.variables_file());
-        for (option, path) in outputs.chain(lines).chain(feasible) {
-            let wrong = if whole::is_same(path, program.path()) {
-                "this is the program itself"
-            } else if used.iter().any(|used| whole::is_same(path, used)) {
-                "something else is read from or written to it"
-            } else {
-                whole::check(path).map_err(|source| unwritable(path, source))?;
-                used.push(path);
-                continue;
-            };
-            let message = format!("{option} {}: {wrong}; name another file", path.display());
-            return Err(Failure::Usage(message));
-        }
-        Ok(())
+        let feasible = self.feasible.iter().map(|path| ("--feasible", path.as_path()));
+        let lines = self.lines.iter().map(|path| ("--lines", path.as_path()));
+        let outputs = self.output.iter().map(|path| ("--output", path.as_path()));
+        let read = [self.machine.path()].into_iter().chain(self.read.variables_file());
+        whole::check_targets(program.path(), read, outputs.chain(lines).chain(feasible))
     }
 
     fn rules(&self) -> Result<LimitRules, Failure> {

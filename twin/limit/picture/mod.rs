@@ -1,19 +1,12 @@
 //! The profile as a picture: velocity along the path against the programmed feed; velocity, acceleration and jerk of the
 //! axes and efforts of their motors against their limits; which limit holds the path back, and the lines of the program.
 
-mod colors;
 mod draw;
-mod envelope;
-mod page;
 
 use super::{Binding, ProfileSample};
+use crate::chart::{COLUMNS, Envelope, Failure, Input};
 use crate::machine::Axis;
 use crate::report::Peak;
-use envelope::{Envelope, Input};
-use page::Failure;
-
-/// Columns that are kept of the curves: at least one for each pixel.
-const COLUMNS: usize = 1800;
 
 /// Curves before those of the axes: velocity along the path and programmed feed, mm/s.
 const PATH: usize = 0;

@@ -6,10 +6,11 @@ use super::Example;
 use super::region::{Region, Vertex};
 use super::scale::{BEYOND, Scale};
 use super::section::{Cut, Section, Short};
-use super::silhouette::{clip, silhouette};
+use super::silhouette::{clip, silhouette, surroundings};
 use super::space::State;
 use super::survey::Workspace;
 use crate::page::{FAINT, GRID, INK, MARK, color, fine, font, stroke};
+use crate::physics::ObstacleKind;
 use nalgebra::{Point2, Point3, Vector2};
 use page::{NUMBERS, Page, Sign, cross};
 use plotters::chart::ChartContext;
@@ -63,6 +64,7 @@ pub fn picture(
         drawing.grid(&mut chart)?;
         let mut legend = drawing.beyond(&mut chart)?;
         drawing.measure(&mut chart, scale)?;
+        drawing.surroundings(&mut chart, &mut legend)?;
         drawing.machine(&mut chart, &mut legend)?;
         drawing.boundaries(&mut chart, &mut legend)?;
         drawing.frame(&mut chart)?;
@@ -81,6 +83,13 @@ pub fn picture(
         root.present()?;
     }
     Ok(page.resized(&text))
+}
+
+/// The colour of a solid, red, green, blue and how much is seen of it, each up to 1.
+fn of_solid([red, green, blue, _]: [f64; 4]) -> RGBColor {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 255")]
+    let byte = |part: f64| (part.clamp(0.0, 1.0) * 255.0).round() as u8;
+    RGBColor(byte(red), byte(green), byte(blue))
 }
 
 fn number(value: f64) -> String {
@@ -205,23 +214,51 @@ impl Drawing<'_, '_> {
     fn machine(&self, chart: &mut Chart<'_, '_>, legend: &mut Legend) -> Result<(), Failure> {
         let machine = self.workspace.space.machine();
         let axes = self.workspace.stance();
-        let (fill, edge) = (RGBColor(60, 66, 78).mix(0.16), RGBColor(60, 66, 78).mix(0.75));
+        let color = RGBColor(60, 66, 78);
+        let (fill, edge) = (color.mix(0.16), color.mix(0.75));
         for outline in silhouette(&machine.model, &axes, &self.section.plane) {
-            let outline = clip(&outline, &self.page.min, &self.page.max);
-            if outline.len() < 3 {
-                continue;
-            }
-            let mut points: Vec<_> = outline.iter().map(mm).collect();
-            // What lies under everything, as the table of a portal, is told by its edges.
-            if !self.page.is_filled_by(&outline) {
-                chart.plotting_area().draw(&Polygon::new(points.clone(), fill))?;
-            }
-            points.extend(points.first().copied());
-            let style = edge.stroke_width(stroke(0.8));
-            chart.plotting_area().draw(&PathElement::new(points, style))?;
+            self.body(chart, &outline, [fill, edge])?;
         }
         legend.push((Sign::Patch(fill), "machine".to_owned()));
         Ok(())
+    }
+
+    /// What is around the machine.
+    fn surroundings(&self, chart: &mut Chart<'_, '_>, legend: &mut Legend) -> Result<(), Failure> {
+        let Some(collision) = &self.workspace.space.machine().collision else { return Ok(()) };
+        for (kind, shade, outline) in surroundings(collision, &self.section.plane) {
+            let shade = of_solid(shade);
+            let (fill, edge) = (shade.mix(0.35), shade.mix(0.9));
+            self.body(chart, &outline, [fill, edge])?;
+            let word = match kind {
+                ObstacleKind::Fixture => "obstacles",
+                ObstacleKind::Stock => "stock",
+            };
+            if !legend.iter().any(|(_, known)| known == word) {
+                legend.push((Sign::Patch(fill), word.to_owned()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Something seen from a side.
+    fn body(
+        &self,
+        chart: &mut Chart<'_, '_>,
+        outline: &[Point2<f64>],
+        [fill, edge]: [RGBAColor; 2],
+    ) -> Result<(), Failure> {
+        let outline = clip(outline, &self.page.min, &self.page.max);
+        if outline.len() < 3 {
+            return Ok(());
+        }
+        let mut points: Vec<_> = outline.iter().map(mm).collect();
+        // What lies under everything, as the table of a portal, is told by its edges.
+        if !self.page.is_filled_by(&outline, self.section.within.area()) {
+            chart.plotting_area().draw(&Polygon::new(points.clone(), fill))?;
+        }
+        points.extend(points.first().copied());
+        chart.plotting_area().draw(&PathElement::new(points, edge.stroke_width(stroke(0.8))))
     }
 
     /// The machine frame.

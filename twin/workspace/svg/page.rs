@@ -99,11 +99,11 @@ impl Page {
         root.draw_text(left, &style.transform(FontTransform::Rotate270), middle)
     }
 
-    /// True if a convex polygon within the section takes most of it.
-    pub(super) fn is_filled_by(&self, polygon: &[Point2<f64>]) -> bool {
+    /// True if a convex polygon within the section takes most of it, or as much as most of a workspace of this area, m².
+    pub(super) fn is_filled_by(&self, polygon: &[Point2<f64>], workspace: f64) -> bool {
         let sides = polygon.iter().zip(polygon.iter().cycle().skip(1));
         let double = sides.map(|(one, other)| one.coords.perp(&other.coords)).sum::<f64>();
-        double / 2.0 > 0.5 * (self.max - self.min).product()
+        double / 2.0 > 0.5 * (self.max - self.min).product().min(workspace)
     }
 
     /// The colours of the measure with their numbers, to the right of the section.

@@ -1,9 +1,11 @@
 //! Recordings are read back with rerun's decoder; expectations are what was put in, in other units.
 
+mod clearance;
 mod motors;
 pub(crate) mod read;
+mod surroundings;
 
-use std::net::{IpAddr, Ipv4Addr};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::Path;
 
 use nalgebra::{Point3, Translation3, UnitQuaternion, Vector3};
@@ -46,6 +48,14 @@ pub(crate) fn machine() -> Model {
     }
 }
 
+/// A box that is turned a quarter about z, in which something can be seen.
+pub(crate) fn fixed_jaw() -> Vec<Solid> {
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::FRAC_PI_2);
+    let shape = SolidShape::Box { size: Vector3::new(0.2, 0.1, 0.05) };
+    let origin = Isometry3::from_parts(Translation3::new(2.0, 0.0, -0.4), turn);
+    vec![Solid { shape, origin, color: [0.0, 0.5, 1.0, 0.6] }]
+}
+
 fn axes() -> Vec<Axis> {
     vec![
         Axis { name: "A".to_owned(), unit: AxisUnit::Rotary },
@@ -58,9 +68,19 @@ fn open(options: &SceneOptions) -> Result<Scene, VizError> {
 }
 
 fn open_with(options: &SceneOptions, machine: &Model) -> Result<Scene, VizError> {
+    open_measured(options, machine, None)
+}
+
+fn open_measured(
+    options: &SceneOptions,
+    machine: &Model,
+    clearance: Option<f64>,
+) -> Result<Scene, VizError> {
     let setup = Setup {
         machine,
         home: &[Isometry3::identity(); 2],
+        surroundings: &[Obstacle { name: "fixed jaw", solids: &fixed_jaw() }],
+        clearance,
         axes: &axes(),
         program: Program { name: "part.cnc", text: "%\nN10 G0 X10\nN20 G1 X20 F5\n" },
         drives: None,
@@ -91,6 +111,7 @@ fn log_ms(scene: &mut Scene, ms: u32, has_drives: bool) -> Result<(), VizError> 
         link_poses: &[Isometry3::identity(), arm],
         twin: behind(x - 2e-6, &twin_errors),
         motors: &[],
+        clearance: None,
         drives: has_drives.then(|| DrivesFrame {
             deviation: Deviation { tool_error: 3e-6, ..behind(x - 3e-6, &drive_errors) },
             tool_error_to_twin: 1e-6,
@@ -402,6 +423,7 @@ fn a_frame_for_another_machine_is_refused() {
         link_poses,
         twin: deviation(axis_errors),
         motors: &[],
+        clearance: None,
         drives: None,
     };
     let poses = [Isometry3::identity(); 2];

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::frame::MotorFrame;
-use rerun::external::re_sdk_types::blueprint::archetypes as layout;
 
 /// A rotary step motor that is watched for its warmth, and a linear servo of which nothing is known but what it gives.
 fn motors(ms: u32) -> [MotorFrame; 2] {
@@ -43,23 +42,9 @@ fn log_motors(scene: &mut Scene, ms: u32, motors: &[MotorFrame]) -> Result<(), V
         link_poses: &[Isometry3::identity(); 2],
         twin: still,
         motors,
+        clearance: None,
         drives: None,
     })
-}
-
-/// Names of the views and containers of the layout.
-fn names_of_parts(read: &Read) -> Vec<String> {
-    let mut names = Vec::new();
-    for chunk in &read.blueprint {
-        for component in [
-            layout::ViewBlueprint::descriptor_display_name(),
-            layout::ContainerBlueprint::descriptor_display_name(),
-        ] {
-            let found = chunk.iter_component::<components::Name>(component.component);
-            names.extend(found.into_iter().flat_map(|names| names.as_slice().to_vec()));
-        }
-    }
-    names.into_iter().map(|name| name.0.as_str().to_owned()).collect()
 }
 
 #[test]
@@ -123,7 +108,7 @@ fn motors_are_named_with_their_units() {
 
 #[test]
 fn motors_have_a_tab_with_what_is_known_of_them() {
-    let parts = names_of_parts(&record(1, |_| true));
+    let parts = record(1, |_| true).names_of_parts();
     let has = |part: &str| parts.iter().any(|name| name.starts_with(part));
     for part in [
         "Errors and speed",
@@ -150,7 +135,7 @@ fn where_motors_are_not_known_nothing_is_shown_of_them() {
     let of_motors =
         |chunk: &&rerun::log::Chunk| chunk.entity_path().to_string().starts_with("/motor");
     assert_eq!(read.chunks.iter().filter(of_motors).count(), 0);
-    let parts = names_of_parts(&read);
+    let parts = read.names_of_parts();
     assert!(parts.iter().any(|name| name == "Tool error (mm)"), "{parts:?}");
     assert!(!parts.iter().any(|name| name.contains("otor")), "{parts:?}");
 }
@@ -159,7 +144,7 @@ fn where_motors_are_not_known_nothing_is_shown_of_them() {
 fn motors_that_are_heard_of_late_get_their_tab_then() {
     let read = record(30, |ms| ms >= 10 && ms % 5 == 0);
     assert_eq!(read.activations, 2);
-    assert!(names_of_parts(&read).iter().any(|name| name == "Motors"));
+    assert!(read.names_of_parts().iter().any(|name| name == "Motors"));
     let times: Vec<_> =
         read.scalars("motor/power_w/A/twin").iter().map(|row| row.0 / 1_000_000).collect();
     assert_eq!(times, [10, 15, 20, 25]);

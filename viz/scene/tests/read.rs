@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use rerun::external::re_log_encoding::Decoder;
+use rerun::external::re_sdk_types::blueprint::archetypes as layout;
 use rerun::log::{Chunk, LogMsg};
 use rerun::{ComponentDescriptor, components};
 
@@ -97,5 +98,22 @@ impl Read {
                     .map(move |strip| (time, strip.0.into_iter().map(|point| point.0).collect()))
             })
             .collect()
+    }
+
+    /// What the layouts say.
+    pub(crate) fn of_layout<C: rerun::Component>(&self, component: &ComponentDescriptor) -> Vec<C> {
+        let values = self.blueprint.iter().map(|chunk| {
+            let values = chunk.iter_component::<C>(component.component);
+            values.into_iter().flat_map(|it| it.as_slice().to_vec()).collect::<Vec<_>>()
+        });
+        values.flatten().collect()
+    }
+
+    /// Names of the views and containers of the layouts.
+    pub(crate) fn names_of_parts(&self) -> Vec<String> {
+        let views = layout::ViewBlueprint::descriptor_display_name();
+        let containers = layout::ContainerBlueprint::descriptor_display_name();
+        let names = [views, containers].map(|name| self.of_layout::<components::Name>(&name));
+        names.into_iter().flatten().map(|name| name.0.as_str().to_owned()).collect()
     }
 }

@@ -1,5 +1,7 @@
 //! `twin check`: is the program fit for the machine?
 
+mod clearance;
+
 use super::options::{
     AcknowledgeOption, MachineOption, ReadOptions, SimulationOptions, plans_without_inputs,
     unreadable,
@@ -11,6 +13,7 @@ use crate::limit::Limits;
 use crate::machine::{Machine, Scenario};
 use crate::program::ProgramFile;
 use crate::report::{CheckReport, seconds};
+use clearance::ClearanceFiles;
 use indicatif::MultiProgress;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -21,6 +24,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 ///
 /// Everything `twin run` checks before it moves anything. Several programs are checked in parallel.
 #[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
 pub(super) struct Arguments {
     /// Programs to check
     #[arg(required = true, value_name = "PROGRAM")]
@@ -35,6 +39,13 @@ pub(super) struct Arguments {
     /// Output for people or for other programs (one JSON object per program, a line each)
     #[arg(long, value_enum, default_value = "human")]
     format: Format,
+
+    /// Write how near the machine comes to what is around it, and its links to each other: as a table with a row per block
+    /// (.csv: the least clearance in mm, when, between what, and the nearest point in the machine frame) or as a picture along
+    /// the program (.svg); may be given several times. Of one program, and where the machine file has [[obstacles]] or
+    /// [collision]
+    #[arg(long, value_name = "FILE.csv|FILE.svg")]
+    clearance: Vec<PathBuf>,
 
     #[command(flatten)]
     m_functions: AcknowledgeOption,
@@ -52,6 +63,13 @@ pub(super) struct Arguments {
     simulation: SimulationOptions,
 }
 
+const AFTER_HELP: &str = "\
+Examples:
+  twin check examples/plate.cnc --machine machines/scara2.toml
+  twin check examples/*.cnc --machine machines/scara2.toml --limits axes --format json
+  twin check examples/vice.ngc --machine machines/gantry3_vice.toml --physics
+  twin check examples/vice.ngc --machine machines/gantry3_vice.toml --clearance near.svg --clearance near.csv";
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Format {
     Human,
@@ -64,6 +82,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if !arguments.physics {
         arguments.simulation.without_physics()?;
     }
+    clearance::check(arguments, &machine)?;
     let programs: Vec<_> = {
         let unit = machine.conditions.rs274.units;
         arguments.programs.iter().map(|path| arguments.read.program(path, unit)).collect()
@@ -128,7 +147,8 @@ fn one(
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
     let bar = bars.add(show::progress(bytes, "{msg} {bar:30} {percent:>3} % {bytes_per_sec}"));
     bar.set_message(program.path().display().to_string());
-    let outcome = check::check(
+    let mut files = ClearanceFiles::new(machine, &arguments.clearance)?;
+    let outcome = check::check_watched(
         machine,
         program,
         CheckOptions {
@@ -138,9 +158,12 @@ fn one(
             acknowledge: arguments.m_functions.acknowledge,
         },
         &mut |read| bar.set_position(read),
+        &mut |clearance| files.include(clearance),
     );
     bar.finish_and_clear();
-    outcome.map_err(|failure| Failure::check(program, failure))
+    let outcome = outcome.map_err(|failure| Failure::check(program, failure))?;
+    files.finish(program)?;
+    Ok(outcome)
 }
 
 /// Writes what was found about one program.
@@ -187,7 +210,7 @@ pub(super) fn summary(
         writeln!(out, "{}", show::loads(machine, &outcome.loads))?;
     }
     if let Some(least) = &outcome.clearances.least {
-        writeln!(out, "{}", show::clearance(machine, least))?;
+        writeln!(out, "{}", least.told(machine))?;
     }
     let count =
         |severity| outcome.findings.iter().filter(|finding| finding.severity == severity).count();

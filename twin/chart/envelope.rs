@@ -3,9 +3,9 @@
 
 /// A point of a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct At {
-    pub(super) time_ns: i64,
-    pub(super) value: f64,
+pub(crate) struct At {
+    pub(crate) time_ns: i64,
+    pub(crate) value: f64,
 }
 
 /// What is kept of a curve within a column.
@@ -43,13 +43,13 @@ impl Strand {
 
 /// What happens within a column.
 #[derive(Clone, Debug)]
-pub(super) struct Column {
+pub(crate) struct Column {
     index: i64,
-    pub(super) begin_ns: i64,
-    pub(super) end_ns: i64,
+    pub(crate) begin_ns: i64,
+    pub(crate) end_ns: i64,
     strands: Vec<Option<Strand>>,
     /// First and last line of the program.
-    pub(super) lines: [u32; 2],
+    pub(crate) lines: [u32; 2],
     /// For how long each kind of limit holds the path back, ns.
     held_ns: Vec<i64>,
 }
@@ -69,8 +69,13 @@ impl Column {
         }
     }
 
+    /// Whether a curve has a value here.
+    pub(crate) fn has(&self, curve: usize) -> bool {
+        self.strands.get(curve).is_some_and(Option::is_some)
+    }
+
     /// The kind of limit that holds the path back for most of the time, if any.
-    pub(super) fn most_held(&self) -> Option<usize> {
+    pub(crate) fn most_held(&self) -> Option<usize> {
         let most = self.held_ns.iter().enumerate().rev().max_by_key(|(_, held_ns)| **held_ns)?;
         (*most.1 > 0).then_some(most.0)
     }
@@ -78,18 +83,18 @@ impl Column {
 
 /// A sample as the envelope takes it.
 #[derive(Clone, Debug)]
-pub(super) struct Input<'a> {
-    pub(super) time_ns: i64,
-    pub(super) line: u32,
+pub(crate) struct Input<'a> {
+    pub(crate) time_ns: i64,
+    pub(crate) line: u32,
     /// Of each curve; none where it has no value.
-    pub(super) values: &'a [Option<f64>],
+    pub(crate) values: &'a [Option<f64>],
     /// The kind of limit that has held the path back since the sample before.
-    pub(super) held: Option<usize>,
+    pub(crate) held: Option<usize>,
 }
 
 /// All curves.
 #[derive(Clone, Debug)]
-pub(super) struct Envelope {
+pub(crate) struct Envelope {
     kinds: usize,
     most: usize,
     width_ns: i64,
@@ -99,21 +104,21 @@ pub(super) struct Envelope {
 
 impl Envelope {
     /// With at most `most` columns, and at least half as many once there are enough samples, and `kinds` kinds of limits.
-    pub(super) fn new(most: usize, kinds: usize) -> Self {
+    pub(crate) fn new(most: usize, kinds: usize) -> Self {
         Self { kinds, most: most.max(2), width_ns: 1, begin_ns: 0, columns: Vec::new() }
     }
 
-    pub(super) fn columns(&self) -> &[Column] {
+    pub(crate) fn columns(&self) -> &[Column] {
         &self.columns
     }
 
     /// When the first and the last sample were, ns.
-    pub(super) fn span_ns(&self) -> Option<[i64; 2]> {
+    pub(crate) fn span_ns(&self) -> Option<[i64; 2]> {
         Some([self.columns.first()?.begin_ns, self.columns.last()?.end_ns])
     }
 
     /// Adds a sample, at or behind the time of the last.
-    pub(super) fn include(&mut self, input: &Input<'_>) {
+    pub(crate) fn include(&mut self, input: &Input<'_>) {
         let time_ns =
             self.columns.last().map_or(input.time_ns, |last| input.time_ns.max(last.end_ns));
         if self.columns.is_empty() {
@@ -161,7 +166,7 @@ impl Envelope {
     }
 
     /// The points of a curve, in pieces where it has no value in between.
-    pub(super) fn curve(&self, number: usize) -> Vec<Vec<At>> {
+    pub(crate) fn curve(&self, number: usize) -> Vec<Vec<At>> {
         let mut pieces = vec![Vec::new()];
         for column in &self.columns {
             match (column.strands.get(number).copied().flatten(), pieces.last_mut()) {
@@ -181,7 +186,7 @@ impl Envelope {
     }
 
     /// Lowest and highest value of a curve.
-    pub(super) fn range(&self, number: usize) -> Option<[f64; 2]> {
+    pub(crate) fn range(&self, number: usize) -> Option<[f64; 2]> {
         let strands = self.columns.iter().filter_map(|column| *column.strands.get(number)?);
         strands.fold(None, |range, strand| {
             let [low, high] = range.unwrap_or([f64::INFINITY, f64::NEG_INFINITY]);

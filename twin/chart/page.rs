@@ -1,4 +1,4 @@
-//! The page of a profile: where its rows are, its ticks, and its signs.
+//! The page of a chart: where its rows are, its ticks, and its signs.
 
 use crate::page::{FAINT, GRID, INK, fine, font, stroke};
 use plotters::coord::Shift;
@@ -6,24 +6,24 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-pub(super) type Failure = DrawingAreaErrorKind<std::io::Error>;
-pub(super) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+pub(crate) type Failure = DrawingAreaErrorKind<std::io::Error>;
+pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// Left and right end of the curves, pixels.
-pub(super) const LEFT: f64 = 84.0;
-pub(super) const RIGHT: f64 = LEFT + 860.0;
+pub(crate) const LEFT: f64 = 84.0;
+pub(crate) const RIGHT: f64 = LEFT + 860.0;
 /// Width of the page, pixels: beside the curves there is a list.
-pub(super) const WIDTH: f64 = RIGHT + 246.0;
+pub(crate) const WIDTH: f64 = RIGHT + 246.0;
 /// Where the first row begins, pixels.
-pub(super) const TOP: f64 = 84.0;
+pub(crate) const TOP: f64 = 84.0;
 /// Between rows.
-pub(super) const GAP: f64 = 20.0;
+pub(crate) const GAP: f64 = 20.0;
 /// Height of a line of the list.
-pub(super) const LINE: f64 = 18.0;
+pub(crate) const LINE: f64 = 18.0;
 
 /// Time from left to right.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Time {
+pub(crate) struct Time {
     begin_ns: i64,
     /// Pixels per ns.
     scale: f64,
@@ -32,18 +32,18 @@ pub(super) struct Time {
 
 impl Time {
     #[expect(clippy::cast_precision_loss, reason = "a place on a page")]
-    pub(super) fn new([begin_ns, end_ns]: [i64; 2]) -> Self {
+    pub(crate) fn new([begin_ns, end_ns]: [i64; 2]) -> Self {
         let span_ns = end_ns.saturating_sub(begin_ns).max(1) as f64;
         Self { begin_ns, scale: (RIGHT - LEFT) / span_ns, span_s: span_ns * 1e-9 }
     }
 
     #[expect(clippy::cast_precision_loss, reason = "a place on a page")]
-    pub(super) fn x(&self, time_ns: i64) -> f64 {
+    pub(crate) fn x(&self, time_ns: i64) -> f64 {
         LEFT + time_ns.saturating_sub(self.begin_ns) as f64 * self.scale
     }
 
     /// Ticks: where, and the number; and what the numbers are.
-    pub(super) fn ticks(&self) -> (Vec<(f64, String)>, &'static str) {
+    pub(crate) fn ticks(&self) -> (Vec<(f64, String)>, &'static str) {
         let (unit_s, name) = match self.span_s {
             span if span < 600.0 => (1.0, "time (s)"),
             span if span < 36_000.0 => (60.0, "time (min)"),
@@ -59,7 +59,7 @@ impl Time {
 }
 
 /// Round numbers from `low` to `high`, about `count` of them, with as many decimals as they need.
-pub(super) fn ticks(low: f64, high: f64, count: f64) -> Vec<(f64, String)> {
+pub(crate) fn ticks(low: f64, high: f64, count: f64) -> Vec<(f64, String)> {
     let span = high - low;
     if !(span.is_finite() && span > 0.0) {
         return vec![(low, format!("{low:.3}"))];
@@ -83,25 +83,59 @@ pub(super) fn ticks(low: f64, high: f64, count: f64) -> Vec<(f64, String)> {
 
 /// A row of curves.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
-    pub(super) top: f64,
-    pub(super) height: f64,
+pub(crate) struct Row {
+    pub(crate) top: f64,
+    pub(crate) height: f64,
     /// Values at its bottom and top.
-    pub(super) range: [f64; 2],
+    pub(crate) range: [f64; 2],
 }
 
 impl Row {
-    pub(super) fn bottom(&self) -> f64 {
+    pub(crate) fn bottom(&self) -> f64 {
         self.top + self.height
     }
 
-    pub(super) fn y(&self, value: f64) -> f64 {
+    pub(crate) fn y(&self, value: f64) -> f64 {
         let [low, high] = self.range;
         self.bottom() - (value - low) / (high - low) * self.height
     }
 
+    /// What of a line, of places along the time and values, is within the row: pieces of it.
+    pub(crate) fn within(&self, line: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
+        let [low, high] = self.range;
+        let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
+        let mut goes_on = false;
+        for (from, to) in line.iter().zip(line.iter().skip(1)) {
+            let rise = to.1 - from.1;
+            // From where to where along it.
+            let [begin, end] = if rise == 0.0 {
+                if (low..=high).contains(&from.1) { [0.0, 1.0] } else { [1.0, 0.0] }
+            } else {
+                let [one, other] = [low, high].map(|limit| (limit - from.1) / rise);
+                [one.min(other).max(0.0), one.max(other).min(1.0)]
+            };
+            let at = |part: f64| match part {
+                0.0 => *from,
+                1.0 => *to,
+                part => (from.0 + (to.0 - from.0) * part, from.1 + rise * part),
+            };
+            if begin > end {
+                goes_on = false;
+                continue;
+            }
+            if !goes_on {
+                pieces.push(vec![at(begin)]);
+            }
+            if let Some(piece) = pieces.last_mut() {
+                piece.push(at(end));
+            }
+            goes_on = end >= 1.0;
+        }
+        pieces
+    }
+
     /// Its frame, ticks and name.
-    pub(super) fn draw(
+    pub(crate) fn draw(
         &self,
         root: &Area<'_>,
         time: &Time,
@@ -124,13 +158,13 @@ impl Row {
         root.draw_text(name[1], &style, (fine(36.0), fine(middle)))
     }
 
-    pub(super) fn frame(&self, root: &Area<'_>) -> Result<(), Failure> {
+    pub(crate) fn frame(&self, root: &Area<'_>) -> Result<(), Failure> {
         let corners = [(LEFT, self.top), (RIGHT, self.bottom())].map(|(x, y)| (fine(x), fine(y)));
         root.draw(&Rectangle::new(corners, FAINT.stroke_width(stroke(0.8))))
     }
 }
 
-pub(super) fn line(
+pub(crate) fn line(
     root: &Area<'_>,
     ends: [(f64, f64); 2],
     style: ShapeStyle,
@@ -138,7 +172,7 @@ pub(super) fn line(
     root.draw(&PathElement::new(ends.map(|(x, y)| (fine(x), fine(y))).to_vec(), style))
 }
 
-pub(super) fn dashes(
+pub(crate) fn dashes(
     root: &Area<'_>,
     ends: [(f64, f64); 2],
     color: RGBColor,
@@ -148,8 +182,15 @@ pub(super) fn dashes(
     root.draw(&DashedPathElement::new(ends, fine(6.0), fine(4.0), style))
 }
 
+/// What the chart is of, and in smaller letters what there is to say of it first.
+pub(crate) fn title(root: &Area<'_>, title: &str, below: &str) -> Result<(), Failure> {
+    let at = |y: f64| (fine(LEFT), fine(y));
+    root.draw_text(title, &font(23.0, INK), at(16.0))?;
+    root.draw_text(below, &font(15.5, FAINT), at(46.0))
+}
+
 /// Words that begin at `x`.
-pub(super) fn words(
+pub(crate) fn words(
     root: &Area<'_>,
     text: &str,
     (x, y): (f64, f64),
@@ -161,7 +202,7 @@ pub(super) fn words(
 
 /// What stands before a word of the legend.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Sign {
+pub(crate) enum Sign {
     Patch(RGBColor),
     Line(RGBColor),
     Dashes(RGBColor),
@@ -189,7 +230,7 @@ impl Sign {
 }
 
 /// Rows of the legend, and where each item begins.
-pub(super) fn legend_places(items: &[(Sign, String)]) -> (Vec<(f64, f64)>, f64) {
+pub(crate) fn legend_places(items: &[(Sign, String)]) -> (Vec<(f64, f64)>, f64) {
     let (mut x, mut y) = (LEFT, 0.0);
     let mut places = Vec::new();
     for (_, word) in items {
@@ -204,7 +245,7 @@ pub(super) fn legend_places(items: &[(Sign, String)]) -> (Vec<(f64, f64)>, f64) 
     (places, y + 21.0)
 }
 
-pub(super) fn legend(root: &Area<'_>, items: &[(Sign, String)], top: f64) -> Result<(), Failure> {
+pub(crate) fn legend(root: &Area<'_>, items: &[(Sign, String)], top: f64) -> Result<(), Failure> {
     let (places, _) = legend_places(items);
     for ((sign, word), (x, y)) in items.iter().zip(places) {
         sign.draw(root, x, top + y)?;
@@ -215,7 +256,25 @@ pub(super) fn legend(root: &Area<'_>, items: &[(Sign, String)], top: f64) -> Res
 
 #[cfg(test)]
 mod tests {
-    use super::ticks;
+    use super::{Row, ticks};
+
+    #[test]
+    fn lines_end_where_they_leave_the_row() {
+        let row = Row { top: 0.0, height: 100.0, range: [-1.0, 10.0] };
+        let line = [(0.0, 20.0), (1.0, 10.0), (2.0, 0.0), (3.0, -2.0), (4.0, -2.0), (6.0, 18.0)];
+        let pieces = row.within(&line);
+        assert_eq!(
+            pieces,
+            [
+                vec![(1.0, 10.0), (1.0, 10.0), (2.0, 0.0), (2.5, -1.0)],
+                vec![(4.1, -1.0), (5.2, 10.0)],
+            ]
+        );
+        // What is within it stays as it is.
+        let line = [(0.0, 0.1), (0.3, 10.0), (0.7, 10.0), (0.9, -1.0)];
+        assert_eq!(row.within(&line), [line.to_vec()]);
+        assert_eq!(row.within(&[(0.0, 11.0), (1.0, 11.0)]), [vec![]; 0]);
+    }
 
     #[test]
     fn ticks_are_round() {

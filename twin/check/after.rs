@@ -1,0 +1,26 @@
+//! What only a run shows.
+
+use super::{exceeds, sentence};
+use crate::compare::Comparison;
+use crate::finding::Finding;
+use crate::machine::Machine;
+use crate::plant::PlantRecord;
+
+/// What the simulated machine did in a run, where an axis was farther from its set-points than its machine file allows.
+pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Finding> {
+    let axes = machine.axes.iter().zip(&comparison.axes);
+    let beyond = axes.filter_map(|(axis, statistics)| {
+        let (error, place) = statistics.twin.maximum()?;
+        let limit = axis.max_following_error.filter(|limit| exceeds(error, *limit))?;
+        Some(sentence::too_far(axis, place, error, limit))
+    });
+    beyond.collect()
+}
+
+/// What happened to the simulated machine in a run.
+pub fn happenings(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
+    let blows = record.blows.iter().map(|blow| sentence::ran_into(machine, blow));
+    let others = record.happenings.iter().filter_map(|one| sentence::happened(machine, one));
+    let touches = record.touches.iter().filter_map(|touch| sentence::touched(machine, touch));
+    blows.chain(touches).chain(others).collect()
+}
