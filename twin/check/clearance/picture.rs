@@ -235,7 +235,7 @@ impl<'m> ClearancePicture<'m> {
         let mut lines = Vec::new();
         if let Some(least) = &self.least {
             let [one, other] = least.nearest.parts.map(|part| self.machine.part_name(part));
-            let (distance, shade, between) = if least.is_inside() {
+            let (distance, shade, between) = if least.is_collision() {
                 (format!("{:.3} mm deep", -least.nearest.distance * 1e3), MARK, ["", "in "])
             } else {
                 let distance = least.nearest.distance.max(0.0) * 1e3;
