@@ -35,6 +35,9 @@ const ROSE: RGBColor = RGBColor(253, 222, 222);
 /// The line of what is wanted.
 const WANTED: RGBColor = RGBColor(196, 122, 0);
 
+/// From the middle of a text to a line that must not cross it, pixels.
+const CLEAR: f64 = 9.0;
+
 /// Letters of a name beside the curves, at most.
 const NAME: usize = 32;
 
@@ -281,7 +284,12 @@ impl<'m> ClearancePicture<'m> {
             return Ok(());
         }
         let (text, half) = label(least.place);
-        let at = (fine(at.0.clamp(LEFT + half, RIGHT - half)), fine(at.1 - 14.0));
+        // The curve is above the least of all; below it there may be lines.
+        let below = at.1 + 14.0;
+        let lines = [row.y(0.0), row.y(self.wanted), row.bottom()];
+        let is_free = lines.iter().all(|line| (line - below).abs() > CLEAR);
+        let y = if is_free { below } else { at.1 - 14.0 };
+        let at = (fine(at.0.clamp(LEFT + half, RIGHT - half)), fine(y));
         root.draw_text(&text, &style(INK), at)
     }
 

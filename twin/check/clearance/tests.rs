@@ -31,14 +31,18 @@ fn at(line: u32, ms: i64, mm: f64, obstacle: usize) -> BlockClearance {
 fn table(samples: &[BlockClearance]) -> String {
     let machine = machine();
     let mut table = ClearanceCsv::new(Vec::new(), &machine).unwrap();
-    samples.iter().for_each(|sample| table.include(sample).unwrap());
+    for sample in samples {
+        table.include(sample).unwrap();
+    }
     String::from_utf8(table.finish().unwrap()).unwrap()
 }
 
 fn picture(samples: &[BlockClearance]) -> String {
     let machine = machine();
     let mut picture = ClearancePicture::new(&machine);
-    samples.iter().for_each(|sample| picture.include(sample));
+    for sample in samples {
+        picture.include(sample);
+    }
     picture.draw("part.ngc").unwrap()
 }
 
