@@ -14,7 +14,7 @@ const DIGITS: usize = 12;
 
 /// Let one axis of the simulated machine go until its tool touches what the machine file says is there
 ///
-/// As `ICNC_CMD_PROBE` (command 40) of an InterpCNC board does, and a PLC with MC_TouchProbe: where the axis is when the probe
+/// As `ICNC_CMD_PROBE` (command 40) of an InterpCNC board does, and a PLC with `MC_TouchProbe`: where the axis is when the probe
 /// trips is latched, then it is braked to rest. Prints `tripped,LATCHED,REST` in mm or degrees, `not tripped` (the end of
 /// the stroke came first) or `already tripped`; the exit status of these two is 1.
 #[derive(Debug, clap::Args)]

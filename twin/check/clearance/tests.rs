@@ -102,10 +102,10 @@ fn a_picture_names_what_is_nearest_and_what_is_hit() {
         assert!(hit.contains(words), "{words} is not in\n{hit}");
     }
     assert!(says(&hit, "line 3") && says(&hit, "line 6"), "{hit}");
-    // Probes may touch.
+    // Probes may touch, and no more.
     let probe = hits.map(|hit| BlockClearance { may_touch: true, ..hit });
     let touch = picture(&probe);
-    assert!(touch.contains("3.000 mm deep") && !touch.contains("collision"), "{touch}");
+    assert!(touch.contains("3.000 mm deep") && touch.contains("2 collisions"), "{touch}");
     // What touches does not collide.
     assert!(picture(&[at(1, 0, 5.0, 1), at(2, 9, -1e-4, 1)]).contains("0.000 mm between the tool"));
 }
