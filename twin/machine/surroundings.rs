@@ -27,6 +27,8 @@ pub struct Collision {
     pub surroundings: Surroundings,
     /// Nearer than this is worth a warning, m.
     pub clearance: f64,
+    /// Links that are in each other with every axis in the middle of its travel, and are not looked at for that.
+    pub overlapping: Vec<[Part; 2]>,
 }
 
 /// What the sections say, before it is known what the machine looks like.
@@ -200,7 +202,7 @@ impl Entries {
             left_out,
             stiffness: self.stiffness,
         };
-        Collision { surroundings, clearance: self.clearance }
+        Collision { surroundings, clearance: self.clearance, overlapping: Vec::new() }
     }
 }
 
@@ -225,7 +227,8 @@ impl Machine {
         let among = overlapping
             .into_iter()
             .filter(|pair| !pair.iter().any(|part| matches!(part, Part::Obstacle(_))));
-        collision.surroundings.left_out.extend(among);
+        collision.overlapping = among.collect();
+        collision.surroundings.left_out.extend(&collision.overlapping);
         Ok(())
     }
 

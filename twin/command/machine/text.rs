@@ -62,6 +62,14 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     writeln!(out, "{table}")?;
     let mass = machine.moving_mass();
     writeln!(out, "moving mass {mass:.2} kg in {} links", machine.model.links.len())?;
+    for [one, other] in machine.collision.iter().flat_map(|collision| &collision.overlapping) {
+        let [one, other] = [one, other].map(|part| machine.part_name(*part));
+        writeln!(
+            out,
+            "warning: {one} and {other} are in each other with every axis in the middle of its travel; they are not looked at for \
+             collisions"
+        )?;
+    }
     for warning in &machine.urdf_warnings {
         writeln!(out, "warning: {warning}")?;
     }

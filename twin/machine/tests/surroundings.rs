@@ -213,3 +213,24 @@ fn what_is_wrong_with_obstacles_is_said() {
         assert!(said.iter().any(|problem| problem.message.contains(expected)), "{said:#?}");
     }
 }
+
+/// Links that are drawn into each other are not looked at, and named.
+#[test]
+fn what_is_drawn_into_each_other_is_left_out() {
+    let machine = load(&format!("{SCARA2}\n[collision]\n"));
+    let collision = machine.collision.as_ref().unwrap();
+    let named: Vec<_> =
+        collision.overlapping.iter().map(|pair| pair.map(|part| machine.part_name(part))).collect();
+    // The quill runs through its arm, to which a joint joins it: that is no matter of overlapping.
+    assert!(named.is_empty(), "{named:?}");
+    // A holder as wide as a house meets whatever stands beside the quill.
+    let wide =
+        edited(GANTRY3, "[tool]", "[tool]\nholder_diameter_mm = 5000\nholder_length_mm = 30");
+    let machine = load(&format!("{wide}\n[collision]\n"));
+    let collision = machine.collision.as_ref().unwrap();
+    assert!(!collision.overlapping.is_empty());
+    for pair in &collision.overlapping {
+        assert!(pair.iter().any(|part| machine.part_name(*part) == "holder"), "{pair:?}");
+        assert!(collision.surroundings.left_out.contains(pair));
+    }
+}
