@@ -124,7 +124,7 @@ impl Way {
             let about = Some(About::Parts(one.parts));
             if one.distance < -TOUCHING {
                 findings.add(about, sentence::in_the_way(machine, place, one));
-            } else if one.distance < self.wanted && !may_touch(&one.parts) {
+            } else if self.wanted > 0.0 && one.distance < self.wanted && !may_touch(&one.parts) {
                 findings.add(about, sentence::too_near(machine, place, one, self.wanted));
             }
         }

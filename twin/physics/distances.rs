@@ -8,18 +8,16 @@ use rapier3d_f64::geometry::{Shape, SharedShape};
 use rapier3d_f64::math::Pose;
 use rapier3d_f64::parry::query::{
     ClosestPoints, ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher,
-    closest_points, contact,
+    closest_points,
 };
 use twin_urdf::Model;
 
 use super::error::PhysicsError;
 use super::maths;
 use super::pairs::Pairs;
+use super::penetration;
 use super::solids::{self, Placed};
 use super::surroundings::{Part, Surroundings};
-
-/// What counts as the depth of what is in each other nobody knows how deep, m: little, and enough to be told.
-const UNKNOWN_DEPTH: f64 = 1e-5;
 
 /// How near two parts are.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -333,18 +331,8 @@ fn nearest_points(
         }
         ClosestPoints::Disjoint => None,
         ClosestPoints::Intersecting => {
-            let deep = contact(here, one, there, other, 0.0).ok().flatten();
-            Some(deep.map_or_else(
-                // In each other, and nobody knows how deep.
-                || {
-                    let middle = point(here.translation);
-                    (-UNKNOWN_DEPTH, [middle; 2], Vector3::z())
-                },
-                |deep| {
-                    let normal = maths::vector_from_rapier(deep.normal1);
-                    (deep.dist.min(0.0), [point(deep.point1), point(deep.point2)], normal)
-                },
-            ))
+            let found = penetration::of(here, one, there, other);
+            Some((-found.depth, found.points, found.normal))
         }
     }
 }

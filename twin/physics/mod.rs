@@ -45,6 +45,7 @@ mod mechanism;
 mod noise;
 mod pairs;
 mod passive;
+mod penetration;
 mod posed;
 mod setpoint;
 mod settle;

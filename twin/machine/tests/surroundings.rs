@@ -234,3 +234,23 @@ fn what_is_drawn_into_each_other_is_left_out() {
         assert!(collision.surroundings.left_out.contains(pair));
     }
 }
+
+/// How deep something is in something is how far it is to the nearest way out, wherever and however deep.
+#[test]
+fn depths_are_those_to_the_nearest_way_out() {
+    let machine = load(VICE);
+    let depth = |work_mm: [f64; 3]| -nearest(&machine, work_mm).distance * 1e3;
+    // Straight down into the fixed jaw, 20 mm thick with its top at -10: a tool of 6 mm in its middle comes out 13 mm to a side.
+    for (z, expected) in [(-12.0, 2.0), (-15.0, 5.0), (-20.0, 10.0), (-25.0, 13.0), (-40.0, 13.0)] {
+        let found = depth([50.0, -10.0, z]);
+        assert!((found - expected).abs() < 1e-6, "Z{z}: {found} mm, not {expected} mm");
+    }
+    // The holder, 40 mm wide, comes down on the stock with the tip at Z-35.
+    for (z, expected) in [(-36.0, 1.0), (-40.0, 5.0), (-50.0, 15.0)] {
+        let found = depth([50.0, 30.0, z]);
+        assert!((found - expected).abs() < 1e-6, "Z{z}: {found} mm, not {expected} mm");
+    }
+    // A flank that just touches, and a tool that just stands on something, are in nothing.
+    assert!(depth([50.0, -23.0, -20.0]).abs() < 1e-6);
+    assert!(depth([50.0, -10.0, -10.0]).abs() < 1e-6);
+}

@@ -1,0 +1,75 @@
+//! How deep convex bodies are in each other.
+//!
+//! The depth is the least over all directions of how far one would have to go in that direction to come free. parry's own answer (EPA)
+//! is good between polyhedra; where a round side is deep in something it may be many times too large. So the directions of
+//! both bodies' own axes are tried beside its, which are those in which cylinders and boxes come free.
+
+use nalgebra::{Point3, Vector3};
+use rapier3d_f64::geometry::Shape;
+use rapier3d_f64::math::{Pose, Vector};
+use rapier3d_f64::parry::query::contact;
+
+use super::maths;
+
+/// How deep two bodies are in each other where they are.
+pub(super) struct Penetration {
+    /// m.
+    pub(super) depth: f64,
+    /// The point of the first that is deepest in the second, and where it would come out, machine frame, m.
+    pub(super) points: [Point3<f64>; 2],
+    /// The way that the second would have to go.
+    pub(super) normal: Vector3<f64>,
+}
+
+/// Of two shapes that intersect; of those in parts, of the parts that are deepest in each other. At most 0 deep if they touch.
+pub(super) fn of(here: &Pose, one: &dyn Shape, there: &Pose, other: &dyn Shape) -> Penetration {
+    let mut deepest = Penetration {
+        depth: 0.0,
+        points: [maths::vector_from_rapier(here.translation).into(); 2],
+        normal: Vector3::z(),
+    };
+    for (first_pose, first) in parts(here, one) {
+        for (second_pose, second) in parts(there, other) {
+            let found = of_convex(&first_pose, first, &second_pose, second);
+            if let Some(found) = found.filter(|found| found.depth > deepest.depth) {
+                deepest = found;
+            }
+        }
+    }
+    deepest
+}
+
+/// The convex parts of a shape.
+fn parts<'s>(pose: &Pose, shape: &'s dyn Shape) -> Vec<(Pose, &'s dyn Shape)> {
+    match shape.as_compound() {
+        Some(compound) => {
+            compound.shapes().iter().map(|(within, part)| (pose * within, &**part)).collect()
+        }
+        None => vec![(*pose, shape)],
+    }
+}
+
+/// `None` if there is a direction in which they are apart.
+fn of_convex(here: &Pose, one: &dyn Shape, there: &Pose, other: &dyn Shape) -> Option<Penetration> {
+    let maps = one.as_support_map().zip(other.as_support_map())?;
+    let axes = [Vector::X, Vector::Y, Vector::Z];
+    let own = [here, there].map(|pose| axes.map(|axis| pose.rotation * axis));
+    let own = own.into_iter().flatten().flat_map(|axis| [axis, -axis]);
+    let parrys = contact(here, one, there, other, 0.0).ok().flatten();
+    let mut least: Option<Penetration> = None;
+    for direction in own.chain(parrys.map(|found| found.normal1)) {
+        let farthest = maps.0.support_point(here, direction);
+        let nearest = maps.1.support_point(there, -direction);
+        let depth = (farthest - nearest).dot(direction);
+        if depth <= 0.0 {
+            return None;
+        }
+        if least.as_ref().is_none_or(|least| depth < least.depth) {
+            let points = [farthest, farthest - direction * depth]
+                .map(|point| maths::vector_from_rapier(point).into());
+            let normal = maths::vector_from_rapier(direction);
+            least = Some(Penetration { depth, points, normal });
+        }
+    }
+    least
+}
