@@ -47,6 +47,8 @@ struct Probe {
     scan: ClearanceScan,
     /// What it has touched and not come free of.
     touches: Option<[Part; 2]>,
+    /// On a probing move.
+    at_work: bool,
 }
 
 /// What happened, by line, axis and kind.
@@ -81,7 +83,7 @@ impl Simulated {
         if let Some(Collision { surroundings, .. }) = &machine.collision {
             physics.insert_surroundings(surroundings)?;
             let scan = ClearanceScan::of_tool(&machine.model, machine.axes.len(), surroundings)?;
-            probe = Some(Probe { scan, touches: None });
+            probe = Some(Probe { scan, touches: None, at_work: false });
         }
         Ok(Self {
             physics,
@@ -136,13 +138,18 @@ impl Simulated {
             let nearest = probe.scan.nearest(position)?;
             let touched = nearest.filter(|nearest| nearest.distance <= TOUCH);
             let touched = touched.map(|nearest| nearest.parts);
-            if touched.is_some() && probe.touches.is_none() {
+            // Where a move begins that is to come free there is nothing new.
+            let begins = !std::mem::replace(&mut probe.at_work, true);
+            if touched.is_some() && probe.touches.is_none() && !begins {
                 let touch = ProbeTouch { place: setpoint.place, position: *position };
                 self.happened.touches.push(touch);
             }
             probe.touches = touched;
             self.physics.set_yielding(YieldingTool::Always);
-        } else if let Some([one, other]) = probe.touches {
+            return Ok(());
+        }
+        probe.at_work = false;
+        if let Some([one, other]) = probe.touches {
             let distance = probe.scan.between([one, other], position)?;
             let touches =
                 distance.is_some_and(|distance| (-OVERTRAVEL..=TOUCH).contains(&distance));

@@ -22,6 +22,7 @@ mod process;
 mod recording;
 mod run_limits;
 mod surroundings;
+mod targets;
 mod urdf;
 
 use serde::Deserialize;

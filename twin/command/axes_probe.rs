@@ -65,6 +65,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         }
     }
     let from = start(&machine, &arguments.from)?;
+    check_way(axis, from.get(index).copied().unwrap_or_default(), arguments)?;
     let probe = AxisProbe {
         axis: index,
         stroke: axis.to_si(arguments.stroke),
@@ -84,7 +85,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let mut simulated = Simulated::new(&machine, &from).map_err(refused)?;
     let end = probe.run(&machine, &mut simulated).map_err(refused)?;
     let mut out = io::stdout().lock();
-    let shown = |value: f64| significant(axis.from_si(value), DIGITS);
+    // A nanometre is no more than rounding.
+    let shown = |value: f64| significant((axis.from_si(value) * 1e6).round() * 1e-6 + 0.0, DIGITS);
     let (said, status) = match end {
         AxisProbeEnd::Tripped { latched, rest } => {
             (format!("tripped,{},{}", shown(latched), shown(rest)), Status::Fit)
@@ -94,6 +96,35 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     };
     writeln!(out, "{said}").map_err(Failure::Stdio)?;
     Ok(status)
+}
+
+/// Whether the axis may do that.
+fn check_way(axis: &Axis, from: f64, arguments: &Arguments) -> Result<(), Failure> {
+    let unit = axis.unit();
+    let end = axis.from_si(from) + arguments.stroke;
+    let [low, high] = axis.position_limits.map(|limit| axis.from_si(limit));
+    if !(low..=high).contains(&end) {
+        return Err(Failure::Usage(format!(
+            "--stroke {}: axis {} would come to {end:.3} {unit}, beyond its limits {low:.3} to {high:.3} {unit}",
+            arguments.stroke, axis.name
+        )));
+    }
+    let most = [
+        ("--velocity", arguments.velocity, axis.max_velocity, ""),
+        ("--start-velocity", arguments.start_velocity, axis.max_velocity, ""),
+        ("--acceleration", arguments.acceleration, axis.max_acceleration, "/s"),
+        ("--deceleration", arguments.deceleration, axis.max_acceleration, "/s"),
+    ];
+    for (option, value, most, per) in most {
+        let most = axis.from_si(most);
+        if !(0.0..=most).contains(&value) {
+            return Err(Failure::Usage(format!(
+                "{option} {value}: axis {} has 0 to {most:.3} {unit}/s{per}",
+                axis.name
+            )));
+        }
+    }
+    Ok(())
 }
 
 fn find<'m>(machine: &'m Machine, name: &str) -> Result<(usize, &'m Axis), Failure> {

@@ -123,19 +123,19 @@ pub(super) fn check(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Whether files can be written: nothing over `program` or what else is `read`, and nothing twice. `targets` are given with the
-/// options that name them.
+/// Whether files can be written: nothing over the `program`, if there is one, or what else is `read`, and nothing twice. `targets` are
+/// given with the options that name them.
 ///
 /// # Errors
 /// [`Failure::Usage`] and [`Failure::Write`], with the option or the name of the file.
 pub(super) fn check_targets<'a>(
-    program: &Path,
+    program: Option<&Path>,
     read: impl IntoIterator<Item = &'a Path>,
     targets: impl IntoIterator<Item = (&'static str, &'a Path)>,
 ) -> Result<(), Failure> {
     let mut used: Vec<&Path> = read.into_iter().collect();
     for (option, path) in targets {
-        let wrong = if is_same(path, program) {
+        let wrong = if program.is_some_and(|program| is_same(path, program)) {
             "this is the program itself"
         } else if used.iter().any(|used| is_same(path, used)) {
             "something else is read from or written to it"

@@ -35,6 +35,8 @@ pub struct Collision {
 #[derive(Debug)]
 pub(super) struct Entries {
     obstacles: Vec<Obstacle>,
+    /// Where their names are.
+    names: Vec<std::ops::Range<usize>>,
     among_links: bool,
     /// By name, and where in the file.
     left_out: Vec<([String; 2], std::ops::Range<usize>)>,
@@ -54,6 +56,7 @@ pub(super) fn read(root: &Section<'_>, file: &Path, frame: Option<&WorkFrame>) -
             section.complain_at("name", "there is an obstacle of this name already".to_owned());
         }
     }
+    let names = sections.iter().map(|section| section.span_of("name")).collect();
     sections.into_iter().for_each(Section::finish);
     let collision = root.section("collision");
     let among_links = collision.flag("self_collision").unwrap_or(true);
@@ -64,6 +67,7 @@ pub(super) fn read(root: &Section<'_>, file: &Path, frame: Option<&WorkFrame>) -
     given.then_some(())?;
     Some(Entries {
         obstacles: obstacles.into_iter().collect::<Option<_>>()?,
+        names,
         among_links,
         left_out,
         stiffness: stiffness.unwrap_or(Surroundings::STIFFNESS),
@@ -165,11 +169,12 @@ impl Entries {
     pub(super) fn of(self, root: &Section<'_>, model: &Model, has_tool: bool) -> Collision {
         let is_taken =
             |name: &str| name == TOOL || model.links.iter().any(|link| link.name == name);
-        for taken in self.obstacles.iter().filter(|one| is_taken(&one.name)) {
-            root.complain(format!(
-                "an obstacle is called \"{}\", as a link or the tool is",
-                taken.name
-            ));
+        for (one, span) in
+            self.obstacles.iter().zip(&self.names).filter(|(one, _)| is_taken(&one.name))
+        {
+            let message =
+                format!("an obstacle is called \"{}\", as a link or the tool is", one.name);
+            root.complain_over(span, message);
         }
         let mut left_out = Vec::new();
         for (names, span) in self.left_out {

@@ -114,5 +114,5 @@ pub(super) fn check(arguments: &Arguments, machine: &Machine) -> Result<(), Fail
     let read = [arguments.machine.path()].into_iter().chain(arguments.read.variables_file());
     let read = read.chain(arguments.simulation.faults_file());
     let targets = files.iter().map(|path| ("--clearance", path.as_path()));
-    whole::check_targets(program, read, targets)
+    whole::check_targets(Some(program), read, targets)
 }

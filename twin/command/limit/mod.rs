@@ -152,7 +152,7 @@ impl Arguments {
         let lines = self.lines.iter().map(|path| ("--lines", path.as_path()));
         let outputs = self.output.iter().map(|path| ("--output", path.as_path()));
         let read = [self.machine.path()].into_iter().chain(self.read.variables_file());
-        whole::check_targets(program.path(), read, outputs.chain(lines).chain(feasible))
+        whole::check_targets(Some(program.path()), read, outputs.chain(lines).chain(feasible))
     }
 
     fn rules(&self) -> Result<LimitRules, Failure> {

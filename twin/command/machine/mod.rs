@@ -108,6 +108,9 @@ impl Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let view = arguments.view()?;
     let machine = Machine::load(&arguments.machine)?;
+    let svg = arguments.svg.iter().map(|path| ("--svg", path.as_path()));
+    let record = arguments.record.iter().map(|path| ("--record", path.as_path()));
+    whole::check_targets(None, [arguments.machine.as_path()], svg.chain(record))?;
     let mut out = io::stdout().lock();
     if arguments.urdf {
         let text = machine.model.to_urdf()?;

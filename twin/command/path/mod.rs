@@ -187,6 +187,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         let message = format!("{} would be replaced by what is made of it", source.display());
         return Err(Failure::Usage(message));
     }
+    let read = arguments.machine.as_deref().into_iter().chain(arguments.read.variables_file());
+    let is_read = |output: &Path| read.clone().any(|read| whole::is_same(output, read));
+    if let Some(output) = arguments.output.as_deref().filter(|output| is_read(output)) {
+        let message = format!("--output {}: it is read from; name another file", output.display());
+        return Err(Failure::Usage(message));
+    }
     let target = Target::new(arguments.output.as_deref(), arguments.drawing.is_divided())?;
 
     let mut status = Status::Fit;

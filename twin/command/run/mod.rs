@@ -10,7 +10,7 @@ use super::options::{
     self, AcknowledgeOption, DEFAULT_ADDRESS, MachineOption, ReadOptions, SimulationOptions,
     plans_without_inputs, unreadable,
 };
-use super::{Failure, Status, check, show};
+use super::{Failure, Status, check, show, whole};
 use crate::check::{CheckOptions, Outcome};
 use crate::finding;
 use crate::hardware::Hardware;
@@ -109,6 +109,17 @@ enum Drives {
     Real,
 }
 
+impl Arguments {
+    /// Nothing is written over what is read, and nothing twice.
+    fn check_targets(&self, program: &ProgramFile) -> Result<(), Failure> {
+        let read = [self.machine.path()].into_iter().chain(self.read.variables_file());
+        let read = read.chain(self.simulation.faults_file());
+        let record = self.record.iter().map(|path| ("--record", path.as_path()));
+        let report = self.report.iter().map(|path| ("--report", path.as_path()));
+        whole::check_targets(Some(program.path()), read, record.chain(report))
+    }
+}
+
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     arguments.check()?;
     let machine = arguments.machine.load()?;
@@ -122,6 +133,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         )));
     }
 
+    arguments.check_targets(&program)?;
     if arguments.limits == Limits::Axes {
         plans_without_inputs(&program)?;
     }
