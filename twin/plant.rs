@@ -1,5 +1,6 @@
 //! What set-points can be sent to: a simulated machine or drives.
 
+use crate::machine::FaultAt;
 use crate::physics::{EventKind, MotorLoad, MotorState, Part};
 use crate::setpoint::AxisSetpoint;
 use twin_kinematics::AxisVector;
@@ -52,6 +53,8 @@ pub struct ProbeTouch {
 pub struct PlantRecord {
     /// What happened, in the order of lines.
     pub happenings: Vec<Happening>,
+    /// Faults that were asked for and have not begun.
+    pub faults_to_come: Vec<FaultAt>,
     /// Where probes touched something.
     pub touches: Vec<ProbeTouch>,
     /// What was run into.

@@ -303,6 +303,7 @@ impl Plant for Simulated {
             happenings: self.happened.kept.values().copied().collect(),
             blows: self.happened.blows.clone(),
             touches: self.happened.touches.clone(),
+            faults_to_come: self.faults.clone(),
             left_out: self.happened.left_out,
             loads: (0..axes).map(|axis| self.physics.motor_load(axis)).collect(),
         }

@@ -210,3 +210,17 @@ fn a_seed_makes_the_noise() {
     assert_eq!(run("7"), run("7"));
     assert_ne!(run("7"), run("8"));
 }
+
+/// A fault in a line that moves nothing, or after the end, is no fault, and is said.
+#[test]
+fn faults_that_never_begin_are_told() {
+    let desk = desk(&[]);
+    for (start, line) in [("at_line = 999", 999), ("at_line = 1", 1), ("at_s = 999.0", 1)] {
+        desk.write("late.toml", &format!("[[faults]]\nkind = \"jam\"\naxis = \"X\"\n{start}\n"));
+        let check =
+            ["check", "down.cnc", "-m", "motors.toml", "--physics", "--faults", "late.toml"];
+        let done = desk.twin(&check);
+        let said = format!("line {line}: the fault of axis X that the scenario has");
+        assert!(done.ended(0, "never began").stderr.contains(&said), "{}", done.stderr);
+    }
+}

@@ -17,6 +17,11 @@ pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Findi
     beyond.collect()
 }
 
+/// The faults that a run to its end has not begun.
+pub fn faults_to_come(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
+    record.faults_to_come.iter().map(|fault| sentence::never_began(machine, fault)).collect()
+}
+
 /// What happened to the simulated machine in a run.
 pub fn happenings(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
     let blows = record.blows.iter().map(|blow| sentence::ran_into(machine, blow));

@@ -23,7 +23,7 @@ use crate::planning::Planning;
 use crate::program::{ProgramFile, ProgramItem};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
-pub use after::{following_errors, happenings};
+pub use after::{faults_to_come, following_errors, happenings};
 pub use clearance::{ClearanceCsv, ClearancePicture, ClearancePictureError};
 use findings::{About, Findings};
 pub use options::{CheckFailure, CheckOptions};
@@ -133,6 +133,9 @@ pub fn check_watched(
     }
     for touch in record.touches.iter().filter_map(|touch| sentence::touched(machine, touch)) {
         checker.findings.add(Some(About::Simulated), touch);
+    }
+    for finding in faults_to_come(machine, &record) {
+        checker.findings.add(Some(About::Simulated), finding);
     }
     for happening in &record.happenings {
         if let Some(finding) = sentence::happened(machine, happening) {

@@ -25,7 +25,12 @@ impl<'m> Rehearsal<'m> {
 
     /// What it has to tell.
     pub(super) fn into_record(self) -> PlantRecord {
-        self.twin.map(|twin| twin.record()).unwrap_or_default()
+        let mut record = self.twin.map(|twin| twin.record()).unwrap_or_default();
+        if self.lost {
+            // They might have begun, had it gone on.
+            record.faults_to_come.clear();
+        }
+        record
     }
 
     /// Takes the machine to `setpoint` and tells `checker` where it came.

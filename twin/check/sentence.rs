@@ -2,9 +2,12 @@
 
 use super::ROUNDING;
 use crate::finding::{Finding, Rule, Severity};
-use crate::machine::{Axis, AxisKind, Machine, SimulationError, VelocitySource};
+use crate::machine::{
+    Axis, AxisKind, FaultAt, FaultStart, Machine, SimulationError, VelocitySource,
+};
 use crate::physics::{Clearance, EventKind, Fault};
 use crate::plant::{Blow, Happening, ProbeTouch};
+use crate::report::seconds;
 use std::collections::BTreeSet;
 use twin_kinematics::{Kinematics, KinematicsError};
 use twin_motion::Place;
@@ -198,6 +201,21 @@ pub(super) fn touched(machine: &Machine, touch: &ProbeTouch) -> Option<Finding> 
         format!("in the simulated machine the probe touched at X {x:.3} Y {y:.3} Z {z:.3} mm");
     let finding = Finding::error(Rule::Probe, touch.place, message);
     Some(Finding { severity: Severity::Note, ..finding })
+}
+
+/// A fault that was asked for and has not begun.
+pub(super) fn never_began(machine: &Machine, fault: &FaultAt) -> Finding {
+    let (line, when) = match fault.start {
+        FaultStart::Time(time_ns) => (1, format!("at {} s", seconds(time_ns))),
+        FaultStart::Line(line) => (line, format!("at line {line}")),
+    };
+    let axis = fault.axis.and_then(|axis| machine.axes.get(axis));
+    let whose = axis.map_or_else(|| "all axes".to_owned(), |axis| format!("axis {}", axis.name));
+    let message = format!(
+        "the fault of {whose} that the scenario has {when} never began: nothing moved there"
+    );
+    let finding = Finding::error(Rule::Fault, Place { line, block: None }, message);
+    Finding { severity: Severity::Warning, ..finding }
 }
 
 /// A force with as many digits as are worth something.

@@ -164,6 +164,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     // What only a run shows.
     let mut behind = crate::check::following_errors(&machine, &done.ending.comparison);
     behind.extend(crate::check::happenings(&machine, &done.ending.record));
+    if done.ending.stopped.is_none() {
+        behind.extend(crate::check::faults_to_come(&machine, &done.ending.record));
+    }
     outcome.loads.clone_from(&done.ending.record.loads);
     show::findings(&program, &behind);
     outcome.findings.extend(behind);
