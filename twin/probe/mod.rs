@@ -1,6 +1,6 @@
 //! What probes touch: probing moves of programs (RS274: G38.2 to G38.5) among the things around a machine.
 //!
-//! [`around`] knows what is there: the machine file says it. Every reading of a program on a machine has it
+//! `around` knows what is there: the machine file says it. Every reading of a program on a machine has it
 //! ([`crate::machine::ProgramConditions::rs274`]), so that check, run, limit, path and view see the same path.
 
 use std::fmt;
