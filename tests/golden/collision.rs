@@ -94,3 +94,16 @@ fn a_run_stops_where_the_machine_runs_into_something() {
     let why = report["stopped_because"].as_str().expect("it says why");
     assert!(why.contains("the tool ran into fixed jaw with") && why.contains("line 6"), "{why}");
 }
+
+/// What `leave_out` may name is said.
+#[test]
+fn the_machine_says_what_is_in_the_way() {
+    let done = desk().twin(&["machine", "vice.toml"]);
+    let said = &done.ended(0, "").stdout;
+    for line in [
+        "in the way: table, fixed jaw, moving jaw, screw, stock; links are looked at against each other; wanted clearance 2 mm",
+        "links: base, bridge, carriage, quill, holder",
+    ] {
+        assert!(said.contains(line), "{said}");
+    }
+}

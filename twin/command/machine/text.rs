@@ -62,6 +62,17 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     writeln!(out, "{table}")?;
     let mass = machine.moving_mass();
     writeln!(out, "moving mass {mass:.2} kg in {} links", machine.model.links.len())?;
+    if let Some(collision) = &machine.collision {
+        let around = &collision.surroundings;
+        let names: Vec<_> = around.obstacles.iter().map(|one| one.name.as_str()).collect();
+        let names = if names.is_empty() { "nothing".to_owned() } else { names.join(", ") };
+        let links =
+            if around.among_links { "; links are looked at against each other" } else { "" };
+        let wanted = collision.clearance * 1e3;
+        writeln!(out, "in the way: {names}{links}; wanted clearance {wanted} mm")?;
+        let links: Vec<_> = machine.model.links.iter().map(|link| link.name.as_str()).collect();
+        writeln!(out, "links: {}", links.join(", "))?;
+    }
     for [one, other] in machine.collision.iter().flat_map(|collision| &collision.overlapping) {
         let [one, other] = [one, other].map(|part| machine.part_name(*part));
         writeln!(
