@@ -9,8 +9,9 @@
 //! ```
 //!
 //! with gᵢ where the step ends without contact and v₁ the velocities there. It is convex and smooth and made of parabolas, so
-//! Newton's method with an exact line search ends at it after a few steps, however many points carry the same load (E. Todorov, "Convex and analytically-invertible dynamics with contacts and constraints", ICRA
-//! 2014, has the same primal form). There is no friction between what touches: a crash or a probe is told by its normal force.
+//! Newton's method with an exact line search ends at it after a few steps, however many points carry the same load (E. Todorov,
+//! "Convex and analytically-invertible dynamics with contacts and constraints", ICRA 2014, has the same primal form). There is no
+//! friction between what touches: a crash or a probe is told by its normal force.
 
 use super::dynamics::{JointMatrix, JointVector};
 
