@@ -7,7 +7,10 @@ mod drive;
 mod error;
 pub mod interpcnc;
 mod pty;
+mod ramp;
+mod rehearsal;
 
 pub use clock::Clock;
 pub use drive::{Drive, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample, SetpointStream};
 pub use error::{Action, DriveError, EmulatorError, Exchange, ProtocolFault};
+pub use rehearsal::Rehearsal;

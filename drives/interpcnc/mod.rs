@@ -12,7 +12,6 @@ pub mod emulator;
 mod follow;
 mod options;
 mod port;
-mod ramp;
 pub mod registers;
 #[cfg(test)]
 mod tests;

@@ -1,9 +1,8 @@
 //! One axis of the emulated board.
 
-use crate::interpcnc::{
-    MoveProfile,
+use crate::{
+    interpcnc::{MoveProfile, registers::MAX_SPEED_HZ},
     ramp::{Motion, Ramp, State},
-    registers::MAX_SPEED_HZ,
 };
 
 /// An axis: a motion under way or ended, and the profile it was started with.

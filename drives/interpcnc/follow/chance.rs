@@ -1,10 +1,9 @@
 //! The commands that make sense for an axis, and which of them keeps it nearest to the plan.
 
 use super::{Tracked, ramp_of, window::AxisWindow};
-use crate::interpcnc::{
-    MoveProfile,
+use crate::{
+    interpcnc::{MoveProfile, registers::MAX_SPEED_HZ},
     ramp::{Motion, State, nanoseconds},
-    registers::MAX_SPEED_HZ,
 };
 
 /// Parts of a round in which a cruise may change its speed.

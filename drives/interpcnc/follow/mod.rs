@@ -4,7 +4,7 @@
 //! again, a target farther along the plan and the speed that brings it to where the plan will be one round later. Two
 //! things make that accurate at 10 ms per exchange:
 //!
-//! * The driver keeps a model of each axis, moved by the board's own kind of profile ([`super::ramp`]) from the instants
+//! * The driver keeps a model of each axis, moved by the board's own kind of profile ([`crate::ramp`]) from the instants
 //!   at which commands were executed, and corrected by what samples show. It tells where the axis will be when the
 //!   next command reaches it.
 //! * Of a few commands that make sense (cruise with one of several ramps, stand on the next point of rest, turn),
@@ -22,11 +22,11 @@ mod window;
 use chance::{COMPARED, Chance};
 use window::Window;
 
-use super::{
-    AxisOptions, Line, MoveProfile, Stamp,
+use super::{AxisOptions, Line, MoveProfile, Stamp};
+use crate::{
+    SetpointStream,
     ramp::{Motion, Ramp, State, nanoseconds, seconds},
 };
-use crate::SetpointStream;
 
 /// An axis is left alone while its present move stays this near to the plan, increments: what rounding makes.
 const TOLERANCE: f64 = 0.6;

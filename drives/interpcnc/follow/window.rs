@@ -2,7 +2,7 @@
 
 use crate::{
     SetpointStream,
-    interpcnc::ramp::{State, seconds},
+    ramp::{State, seconds},
 };
 
 /// Distance of the points at which the plan is looked at, ns.

@@ -1,12 +1,13 @@
-//! The profile generator of one axis: what the board does with an independent move (command 80).
+//! The profile generator of one axis, as all drive families have it: what a device makes of a move to a target.
 //!
-//! The axis starts at its start/stop frequency, accelerates, cruises, decelerates to the start/stop frequency and
-//! stands on the target. If it already moves, speed stays continuous: it slows down to a lower speed, or brakes,
-//! reverses and returns when the target lies behind it or too near to stop at ("Commande 80").
+//! The axis starts at its start/stop speed, accelerates, cruises, decelerates to the start/stop speed and stands on
+//! the target. If it already moves, speed stays continuous: it slows down to a lower speed, or brakes, reverses and
+//! returns when the target lies behind it or too near to stop at (InterpCNC "Commande 80"; SmartDRIVE GOTO, whose
+//! start/stop speed is 0; BIM2AX moves, which are never retargeted).
 //!
 //! A motion is planned once, in closed form, as a few stretches of constant acceleration from the instant of the
-//! command; asking for the state at any later instant depends on nothing in between. The emulator moves by it, and
-//! the driver foresees by it where the board will be when the next command reaches it.
+//! command; asking for the state at any later instant depends on nothing in between. Emulators move by it, and
+//! drivers foresee by it where a device will be when the next command reaches it.
 
 #[cfg(test)]
 mod tests;
