@@ -22,7 +22,7 @@ mod tests;
 mod thread;
 
 use map::Memory;
-use motion::Axis;
+pub(super) use motion::Axis;
 #[cfg(test)]
 pub(super) use rtu::seal;
 use rtu::{Block, Refusal, Request};
