@@ -5,10 +5,10 @@ use crate::machine::{Axis, DeviceEntry, Machine, Parity};
 use std::time::Duration;
 use twin_drives::interpcnc::emulator::{BoardOptions, EmulatedBoard, EmulatorOptions, Wire};
 use twin_drives::interpcnc::{
-    AxisOptions, InterpCncDrive, InterpCncOptions, Line,
+    AxisOptions, InterpCncDrive, InterpCncOptions, InterpCncRehearsal, Line,
     registers::{BoardAxis, MAX_SPEED_HZ},
 };
-use twin_drives::{Drive, DriveError, EmulatorError};
+use twin_drives::{Drive, DriveError, EmulatorError, Rehearsal};
 
 /// How long an emulated board may take to answer. The kernel passes the bytes of a pseudo-terminal on when nothing
 /// more urgent is to be done, which on a busy computer can be a while; a wire does not wait.
@@ -41,9 +41,16 @@ pub fn connect(machine: &Machine) -> Result<(EmulatedBoard, Box<dyn Drive>), Con
     let board = EmulatedBoard::start(&emulator_options(device), move || clock.now_ns())?;
     let port = board.path().display().to_string();
     let options =
-        InterpCncOptions { deadline: EMULATED_DEADLINE, ..driver_options(machine, device) };
+        InterpCncOptions { deadline: EMULATED_DEADLINE, ..driver_options(machine, (0, device)) };
     let drive = InterpCncDrive::open(&port, &options)?;
     Ok((board, Box::new(drive)))
+}
+
+/// What driver and device make of a plan on the wire that `device` (with its place in the file) describes, in simulated
+/// time.
+pub(crate) fn rehearsal(machine: &Machine, device: (usize, &DeviceEntry)) -> Box<dyn Rehearsal> {
+    let options = driver_options(machine, device);
+    Box::new(InterpCncRehearsal::new(&options.axes, &wire(device.1)))
 }
 
 /// The speed the board may go, steps/s: the axis's own with room to catch up, within what the board can do.
@@ -59,14 +66,14 @@ pub fn emulator_options(device: &DeviceEntry) -> EmulatorOptions {
     let line = line(device);
     EmulatorOptions {
         board: BoardOptions { station: device.station, line, ..BoardOptions::default() },
-        wire: Wire { line, turnaround: Duration::from_micros(device.turnaround_us.into()) },
+        wire: wire(device),
         link: None,
     }
 }
 
-/// How the driver is to speak to `device`, which moves the axes of `machine`.
-fn driver_options(machine: &Machine, device: &DeviceEntry) -> InterpCncOptions {
-    let axes = machine.axes.iter().filter_map(|axis| {
+/// How the driver is to speak to `device`, with its place in the file, which moves axes of `machine`.
+fn driver_options(machine: &Machine, (index, device): (usize, &DeviceEntry)) -> InterpCncOptions {
+    let axes = machine.axes_of(index).filter_map(|(_, axis)| {
         let board_axis = BoardAxis::ALL.get(axis.drive.as_ref()?.index)?;
         Some(AxisOptions {
             start_stop_hz: device.start_stop_hz,
@@ -81,6 +88,10 @@ fn driver_options(machine: &Machine, device: &DeviceEntry) -> InterpCncOptions {
         line: line(device),
         ..InterpCncOptions::new(axes.collect())
     }
+}
+
+fn wire(device: &DeviceEntry) -> Wire {
+    Wire { line: line(device), turnaround: Duration::from_micros(device.turnaround_us.into()) }
 }
 
 fn line(device: &DeviceEntry) -> Line {

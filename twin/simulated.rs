@@ -1,5 +1,7 @@
 //! The simulated machine as a plant.
 
+use crate::hardware::HORIZON_NS;
+use crate::in_loop::DrivesInLoop;
 use crate::machine::{
     Collision, FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError,
 };
@@ -9,7 +11,7 @@ use crate::physics::{
 };
 use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeTouch};
 use crate::setpoint::AxisSetpoint;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use twin_kinematics::{AxisMotion, AxisVector};
 use twin_motion::Place;
 
@@ -29,6 +31,8 @@ const STOPPING: u32 = 20;
 #[derive(Debug)]
 pub struct Simulated {
     physics: PhysicsMachine,
+    /// What stands between set-points and motors.
+    drives: Option<DrivesInLoop>,
     begun: bool,
     arrived: Option<AxisFeedback>,
     /// In the last cycle.
@@ -87,6 +91,7 @@ impl Simulated {
         }
         Ok(Self {
             physics,
+            drives: DrivesInLoop::of(machine),
             begun: false,
             arrived: None,
             motors: Vec::with_capacity(machine.axes.len()),
@@ -263,13 +268,29 @@ impl Plant for Simulated {
     type Error = PhysicsError;
 
     fn command(&mut self, setpoint: &AxisSetpoint) -> Result<(), PhysicsError> {
+        self.command_before(setpoint, &VecDeque::new())
+    }
+
+    fn horizon_ns(&self) -> i64 {
+        if self.drives.is_some() { HORIZON_NS } else { 0 }
+    }
+
+    fn command_before(
+        &mut self,
+        setpoint: &AxisSetpoint,
+        ahead: &VecDeque<AxisSetpoint>,
+    ) -> Result<(), PhysicsError> {
         self.fail(setpoint);
+        let asked = match &mut self.drives {
+            Some(drives) => drives.motion(setpoint, ahead),
+            None => setpoint.axes,
+        };
         // The machine stands at the first set-point: it is where the others start from.
         if self.probe.is_some() && setpoint.probing {
             self.physics.set_yielding(YieldingTool::Always);
         }
         let position = if self.begun {
-            self.physics.step(&setpoint.axes)?.position
+            self.physics.step(&asked)?.position
         } else {
             self.physics.axis_state().position
         };

@@ -34,6 +34,8 @@ pub struct DeviceEntry {
     pub start_stop_hz: u16,
     /// Acceleration and deceleration of its ramps, thousand steps/s².
     pub acceleration_khz_per_s: u16,
+    /// Whether it stands between set-points and motors of the simulated machine.
+    pub in_loop: bool,
 }
 
 /// Parity of a serial line.
@@ -60,6 +62,7 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
     let turnaround_ms = section.number("emulated_turnaround_ms", 0.0..=1000.0).unwrap_or(2.0);
     let start_stop = section.integer("start_stop_hz", 1..=65_535).unwrap_or(200);
     let acceleration = section.integer("acceleration_khz_per_s", 1..=65_535).unwrap_or(2000);
+    let in_loop = section.flag("in_loop").unwrap_or(false);
     kind?;
     Some(DeviceEntry {
         name: name?.to_owned(),
@@ -75,5 +78,6 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
         turnaround_us: (turnaround_ms * 1e3) as u32,
         start_stop_hz: u16::try_from(start_stop).ok()?,
         acceleration_khz_per_s: u16::try_from(acceleration).ok()?,
+        in_loop,
     })
 }

@@ -115,6 +115,19 @@ impl Machine {
         Ok(machine)
     }
 
+    /// The axes on a device, with their places in the file.
+    pub fn axes_of(&self, device: usize) -> impl Iterator<Item = (usize, &Axis)> {
+        let on_it = move |axis: &Axis| axis.drive.as_ref().is_some_and(|at| at.device == device);
+        self.axes.iter().enumerate().filter(move |(_, axis)| on_it(axis))
+    }
+
+    /// Puts every device between set-points and motors of the simulated machine.
+    pub fn put_drives_in_loop(&mut self) {
+        for device in &mut self.drives {
+            device.in_loop = true;
+        }
+    }
+
     /// Height of the tool tip above the machine frame's origin with every linear axis at 0, m.
     pub fn rest_height(&self) -> f64 {
         let axes = AxisVector::zeros(self.axes.len());

@@ -7,7 +7,7 @@ use super::{DriveSample, Ending, Observer, Stopped, TwinCycle};
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
 use crate::finding::{Finding, Severity};
-use crate::hardware::{Hardware, HardwareError};
+use crate::hardware::{HORIZON_NS, Hardware, HardwareError};
 use crate::m_function::MCall;
 use crate::machine::{Machine, SimulationError};
 use crate::physics::PhysicsError;
@@ -126,6 +126,12 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     /// Whether there are set-points left.
     pub(super) fn goes_on(&self) -> bool {
         self.plan == Plan::GoesOn || !self.planned.is_empty()
+    }
+
+    /// How far ahead of what is due set-points are planned, ns.
+    pub(super) fn horizon_ns(&self) -> i64 {
+        let hardware = if self.hardware.is_some() { HORIZON_NS } else { 0 };
+        self.twin.horizon_ns().max(hardware)
     }
 
     /// Time of the last set-point that was executed, ns.
@@ -297,7 +303,8 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             if let Some(call) = setpoint.m_call {
                 self.begin_m_function(call, observer);
             }
-            let feedback = self.twin.command(&setpoint).and_then(|()| self.twin.feedback());
+            let feedback = self.twin.command_before(&setpoint, &self.planned);
+            let feedback = feedback.and_then(|()| self.twin.feedback());
             let feedback = match feedback {
                 Ok(Some(feedback)) => feedback,
                 Ok(None) => continue,
