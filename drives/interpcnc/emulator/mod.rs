@@ -208,6 +208,27 @@ impl Board {
         (!broadcast).then(|| rtu::seal(answer))
     }
 
+    /// Gives the board a command as a master does, in a frame of its own (function 16).
+    ///
+    /// # Errors
+    /// The exception code with which it is refused.
+    pub fn send(&mut self, command: &Command) -> Result<(), u8> {
+        let registers = command.registers();
+        let count = u8::try_from(registers.len()).map_err(|_beyond| 3_u8)?;
+        let [high, low] = COMMAND.to_be_bytes();
+        let mut frame = vec![self.station, 16, high, low, 0, count, count.saturating_mul(2)];
+        frame.extend(registers.iter().flat_map(|register| register.to_be_bytes()));
+        match self.handle(&rtu::seal(frame)).as_deref() {
+            Some([_, function, code, ..]) if function & 0x80 != 0 => Err(*code),
+            _ => Ok(()),
+        }
+    }
+
+    /// The counter at the edge of the input that ended the last probing move, registers 1044 and 1045.
+    pub fn probe_position(&self) -> i32 {
+        self.probe.position()
+    }
+
     /// The data of the answer.
     fn execute(&mut self, request: &Request, data: &[u8]) -> Result<Vec<u8>, Refusal> {
         let bits = |block: &Block, of: &dyn Fn(u16) -> Result<bool, Refusal>| {
