@@ -107,6 +107,12 @@ pub trait Plant {
         &[]
     }
 
+    /// What happened in the cycle of the last set-point that is worth being told while the run goes on; each kind of it once
+    /// per axis and line.
+    fn news(&mut self) -> Vec<Happening> {
+        Vec::new()
+    }
+
     /// What it has to tell of the run so far.
     fn record(&self) -> PlantRecord {
         PlantRecord::default()

@@ -62,6 +62,8 @@ struct Happened {
     blows: Vec<Blow>,
     touches: Vec<ProbeTouch>,
     left_out: u64,
+    /// What is new since it was asked.
+    news: Vec<Happening>,
 }
 
 impl Simulated {
@@ -257,7 +259,9 @@ impl Happened {
                 *before = before.saturating_add(more);
             }
         } else if self.kept.len() < MOST_HAPPENINGS {
-            self.kept.insert(key, Happening { place, axis, kind });
+            let happening = Happening { place, axis, kind };
+            self.kept.insert(key, happening);
+            self.news.push(happening);
         } else {
             self.left_out += 1;
         }
@@ -316,6 +320,10 @@ impl Plant for Simulated {
 
     fn motors(&self) -> &[MotorState] {
         &self.motors
+    }
+
+    fn news(&mut self) -> Vec<Happening> {
+        std::mem::take(&mut self.happened.news)
     }
 
     fn record(&self) -> PlantRecord {

@@ -24,7 +24,7 @@ use crate::plant::PlantRecord;
 use crate::program::{ProgramFile, ProgramItem};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
-pub use after::{faults_to_come, following_errors, happenings};
+pub use after::{faults_to_come, following_errors, happening, happenings};
 pub use clearance::{ClearanceCsv, ClearancePicture, ClearancePictureError};
 use findings::{About, Findings};
 pub use options::{CheckFailure, CheckOptions};

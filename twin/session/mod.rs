@@ -60,6 +60,8 @@ pub struct DriveSample<'a> {
 pub trait Observer {
     /// A cycle of the simulated machine.
     fn twin(&mut self, cycle: &TwinCycle<'_>);
+    /// Something has happened to the simulated machine, in words.
+    fn happened(&mut self, _time_ns: i64, _place: Place, _what: &str) {}
     /// A sample of the drives.
     fn drives(&mut self, sample: &DriveSample<'_>);
     /// The path stands at an M function; [`Self::answer`] is asked when the user is to acknowledge it.

@@ -4,6 +4,7 @@ use super::braking::{braking, resting};
 use super::history::History;
 use super::overrides::{OverrideAt, Overrides};
 use super::{DriveSample, Ending, Observer, Stopped, TwinCycle};
+use crate::check;
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
 use crate::finding::{Finding, Severity};
@@ -305,10 +306,19 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             }
             let feedback = self.twin.command_before(&setpoint, &self.planned);
             let feedback = feedback.and_then(|()| self.twin.feedback());
+            for news in self.twin.news() {
+                if let Some(told) = check::happening(self.machine, &news) {
+                    observer.happened(setpoint.time_ns, news.place, &told.message);
+                }
+            }
             let feedback = match feedback {
                 Ok(Some(feedback)) => feedback,
                 Ok(None) => continue,
-                Err(source) => return self.lose_twin(source),
+                Err(source) => {
+                    let source = SimulationError::of(self.machine, source);
+                    observer.happened(setpoint.time_ns, setpoint.place, &source.to_string());
+                    return self.lose_twin(source);
+                }
             };
             if let Some((wanted, twin)) = self.history.push(self.machine, &setpoint, &feedback) {
                 self.comparison.twin(&wanted, &twin, setpoint.place);
@@ -320,9 +330,8 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     }
 
     /// Nothing to compare with any more: the drives brake, and that is the end.
-    fn lose_twin(&mut self, source: PhysicsError) {
+    fn lose_twin(&mut self, source: SimulationError) {
         self.twin_failed = true;
-        let source = SimulationError::of(self.machine, source);
         self.stopped.get_or_insert(Stopped::Twin { place: self.place(), source });
         self.brake();
     }
