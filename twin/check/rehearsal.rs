@@ -69,8 +69,10 @@ impl<'m> Rehearsal<'m> {
         if self.twin.is_none() {
             let twin = match Simulated::new(self.machine, &setpoint.axes.position) {
                 Ok(twin) => twin,
-                // That is told by whoever looks at set-points.
-                Err(SimulationError { error: PhysicsError::Overlap { .. }, .. }) => {
+                // How deep is told by whoever looks at set-points.
+                Err(SimulationError { error: PhysicsError::Overlap { parts, .. }, .. }) => {
+                    let note = sentence::starts_inside(self.machine, setpoint.place, parts);
+                    checker.findings.add(None, note);
                     self.lost = true;
                     return Ok(());
                 }

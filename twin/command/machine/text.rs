@@ -72,6 +72,16 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
         writeln!(out, "in the way: {names}{links}; wanted clearance {wanted} mm")?;
         let links: Vec<_> = machine.model.links.iter().map(|link| link.name.as_str()).collect();
         writeln!(out, "links: {}", links.join(", "))?;
+        if let Some(diameter) = machine.model.tool_diameter() {
+            let diameter = significant(diameter * 1e3, 6);
+            writeln!(out, "tool: {diameter} mm in diameter, for collisions")?;
+        }
+    }
+    for (name, edges) in machine.open_meshes() {
+        writeln!(
+            out,
+            "warning: the mesh of {name} is not closed at {edges} edges; what is inside is not sure"
+        )?;
     }
     for [one, other] in machine.collision.iter().flat_map(|collision| &collision.overlapping) {
         let [one, other] = [one, other].map(|part| machine.part_name(*part));
