@@ -5,12 +5,16 @@
 mod clock;
 mod drive;
 mod error;
+mod follow;
 pub mod interpcnc;
 mod pty;
 mod ramp;
 mod rehearsal;
+pub mod smartdrive;
+mod stamp;
 
 pub use clock::Clock;
 pub use drive::{Drive, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample, SetpointStream};
 pub use error::{Action, DriveError, EmulatorError, Exchange, ProtocolFault};
 pub use rehearsal::Rehearsal;
+pub use stamp::Stamp;

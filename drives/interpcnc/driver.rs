@@ -19,7 +19,7 @@ use super::{
         AXES, COMMAND, FIRST_OUTPUT, MAX_SPEED_HZ, OUTPUTS, STATE_REGISTERS, STATUS, Status, join,
     },
 };
-use crate::{Action, Clock, DriveError, Exchange, ProtocolFault};
+use crate::{Action, Clock, DriveError, Exchange, ProtocolFault, Stamp};
 
 /// Attempts at a request that may be sent again.
 const ATTEMPTS: u32 = 2;
@@ -48,20 +48,6 @@ impl BoardState {
         }
         Some(Self { status: Status(join(high, low)), positions })
     }
-}
-
-/// When an exchange took place, on the caller's clock.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Stamp {
-    /// The first byte was handed to the port, ns.
-    pub sent_ns: i64,
-    /// The board executed the request, ns: the middle between the last byte of the request and the first byte of the
-    /// answer.
-    pub executed_ns: i64,
-    /// Half the time between them: `executed_ns` is wrong by no more, ns.
-    pub uncertainty_ns: i64,
-    /// The answer was there, ns.
-    pub answered_ns: i64,
 }
 
 /// The board as a Modbus station. All calls need a tokio runtime with I/O and time.

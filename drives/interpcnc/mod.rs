@@ -19,9 +19,10 @@ mod tests;
 #[cfg(test)]
 mod vectors;
 
+pub use crate::Stamp;
 pub use blocking::InterpCncDrive;
 pub use command::{AxisValues, BadCommand, Command, CommandRegisters, MoveProfile};
-pub use driver::{BoardState, InterpCnc, Stamp};
+pub use driver::{BoardState, InterpCnc};
 pub use options::{AxisOptions, InterpCncOptions, Line, Parity};
 pub use registers::{AxisMask, BoardAxis};
 pub use rehearsal::InterpCncRehearsal;

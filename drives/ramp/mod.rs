@@ -89,8 +89,9 @@ impl Motion {
         let stopping = (state.velocity * state.velocity - base_v2).max(0.0) * half_down;
         let overshoots = stopping > ahead(&state) + TOLERANCE;
         if state.velocity != 0.0 && (overshoots || ahead(&state) <= 0.0) {
+            let slow = base.min(state.velocity.abs());
             let (stretch, stopped) =
-                stretch_to(state, base.min(state.velocity.abs()), ramp.deceleration);
+                stretch_to(state, state.velocity.signum(), slow, ramp.deceleration);
             *turn = stretch;
             state = State { position: stopped.position, velocity: 0.0 };
         }
@@ -102,20 +103,20 @@ impl Motion {
             final_sense = sense;
             state.velocity = sense * speed;
             if speed > ramp.speed {
-                (*change, state) = stretch_to(state, ramp.speed, ramp.deceleration);
+                (*change, state) = stretch_to(state, sense, ramp.speed, ramp.deceleration);
             } else {
                 // Where the way is too short for the full speed, ramps meet at the peak.
                 let peak_v2 = (distance + speed * speed * half_up + base_v2 * half_down)
                     / (half_up + half_down);
                 let peak = peak_v2.sqrt().clamp(speed, ramp.speed.max(speed));
-                (*change, state) = stretch_to(state, peak, ramp.acceleration);
+                (*change, state) = stretch_to(state, sense, peak, ramp.acceleration);
             }
             let peak = state.velocity.abs();
             let braking = (peak * peak - base_v2).max(0.0) * half_down;
             let cruising = ((ramp.target - state.position) * sense - braking).max(0.0);
             *cruise = Stretch { duration: cruising / peak, state, acceleration: 0.0 };
             state.position += sense * cruising;
-            (*brake, _) = stretch_to(state, base.min(peak), ramp.deceleration);
+            (*brake, _) = stretch_to(state, sense, base.min(peak), ramp.deceleration);
         }
         let end_s = stretches.iter().map(|stretch| stretch.duration).sum();
         Self {
@@ -128,11 +129,50 @@ impl Motion {
         }
     }
 
+    /// The motion that brings `state` to `velocity` (with sign, steps/s) and keeps it there for ever; a reversal brakes
+    /// with `deceleration` and accelerates again with `acceleration`, steps/s² (SmartDRIVE START).
+    pub(crate) fn run(
+        start_ns: i64,
+        mut state: State,
+        velocity: f64,
+        acceleration: f64,
+        deceleration: f64,
+    ) -> Self {
+        let mut stretches = [Stretch::default(); 4];
+        let [turn, change, cruise, _] = &mut stretches;
+        let sense = if velocity == 0.0 { state.velocity.signum() } else { velocity.signum() };
+        if state.velocity * sense < 0.0 {
+            (*turn, state) = stretch_to(state, -sense, 0.0, deceleration);
+        }
+        let rate = if velocity.abs() < state.velocity.abs() { deceleration } else { acceleration };
+        (*change, state) = stretch_to(state, sense, velocity.abs(), rate);
+        *cruise = Stretch { duration: f64::INFINITY, state, acceleration: 0.0 };
+        Self {
+            start_ns,
+            stretches,
+            end_s: f64::INFINITY,
+            rest: state.position,
+            final_brake_s: 0.0,
+            final_sense: sense,
+        }
+    }
+
+    /// True once the speed no longer changes, or for good at the end.
+    pub(crate) fn at_speed(&self, time_ns: i64) -> bool {
+        let [turn, change, ..] = &self.stretches;
+        self.elapsed(time_ns) >= turn.duration + change.duration
+    }
+
+    /// Sign of the velocity with which it ends; 0 if it never moves.
+    pub(crate) fn final_sense(&self) -> f64 {
+        self.final_sense
+    }
+
     /// The motion that a ramp stop (commands 41, 42) given at `start_ns` makes of `state`: it ends on the whole step
     /// nearest to where the ramp ends.
     pub(crate) fn stop(start_ns: i64, state: State, ramp: &Ramp) -> Self {
-        let (brake, stopped) =
-            stretch_to(state, ramp.start_stop.min(state.velocity.abs()), ramp.deceleration);
+        let slow = ramp.start_stop.min(state.velocity.abs());
+        let (brake, stopped) = stretch_to(state, state.velocity.signum(), slow, ramp.deceleration);
         let mut stretches = [Stretch::default(); 4];
         stretches[0] = brake;
         let final_sense = if state.velocity == 0.0 { 0.0 } else { state.velocity.signum() };
@@ -184,10 +224,9 @@ impl Motion {
     }
 }
 
-/// The stretch from `state` to `speed` in the same sense, and the state at its end. At rest or at that speed already
-/// it has no duration.
-fn stretch_to(state: State, speed: f64, rate: f64) -> (Stretch, State) {
-    let sense = state.velocity.signum();
+/// The stretch from `state`, which moves in the sense of `sense` or rests, to `speed` in that sense, and the state at
+/// its end. At that speed already it has no duration.
+fn stretch_to(state: State, sense: f64, speed: f64, rate: f64) -> (Stretch, State) {
     let change = speed - state.velocity.abs();
     let stretch = Stretch {
         duration: change.abs() / rate,

@@ -7,12 +7,14 @@ use std::{
 
 use super::*;
 use crate::{
-    IncrementMotion, MAX_DRIVE_AXES,
+    IncrementMotion, MAX_DRIVE_AXES, SetpointStream, Stamp,
+    follow::{Order, TOLERANCE},
     interpcnc::{
         BoardAxis, Command,
         emulator::{Board, BoardOptions},
         vectors::{frame, vector},
     },
+    ramp::seconds,
 };
 
 const MS: i64 = 1_000_000;
@@ -165,7 +167,7 @@ impl Loop<'_> {
     }
 
     /// A target is a position that the plan reaches within its horizon.
-    fn check_target(&self, order: &Order, decided_ns: i64) {
+    fn check_target(&self, order: &Order<MoveProfile>, decided_ns: i64) {
         let target = f64::from(order.profile.target);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for part in 0..=self.plan.horizon_ns / MS {

@@ -1,10 +1,7 @@
 //! The commands that make sense for an axis, and which of them keeps it nearest to the plan.
 
-use super::{Tracked, ramp_of, window::AxisWindow};
-use crate::{
-    interpcnc::{MoveProfile, registers::MAX_SPEED_HZ},
-    ramp::{Motion, State, nanoseconds},
-};
+use super::{Registers, TOLERANCE, Tracked, window::AxisWindow};
+use crate::ramp::{Motion, Ramp, State, nanoseconds};
 
 /// Parts of a round in which a cruise may change its speed.
 const RAMP_PARTS: [f64; 4] = [0.2, 0.5, 0.8, 1.0];
@@ -18,21 +15,22 @@ const MARGIN_S: f64 = 0.03;
 pub(super) const COMPARED: [f64; 5] = [0.25, 0.5, 0.75, 1.0, 1.25];
 
 /// One axis at the instant at which a command can reach it.
-pub(super) struct Chance<'a> {
-    pub(super) axis: &'a Tracked,
+pub(super) struct Chance<'a, R> {
+    pub(super) axis: &'a Tracked<R>,
     pub(super) plan: AxisWindow<'a>,
     pub(super) executed_ns: i64,
     /// Time until the next command, s.
     pub(super) round: f64,
 }
 
-impl Chance<'_> {
+impl<R: Registers> Chance<'_, R> {
     fn after(&self, part: f64) -> i64 {
         self.executed_ns + nanoseconds(part * self.round)
     }
 
-    pub(super) fn motion(&self, profile: &MoveProfile) -> Motion {
-        Motion::plan(self.executed_ns, self.axis.motion.at(self.executed_ns), &ramp_of(profile))
+    pub(super) fn motion(&self, order: &R::Move) -> Motion {
+        let ramp = self.axis.registers.ramp(order);
+        Motion::plan(self.executed_ns, self.axis.motion.at(self.executed_ns), &ramp)
     }
 
     /// How far a motion is from the plan, increments². A wrong speed at the end of the round counts as half the
@@ -48,7 +46,7 @@ impl Chance<'_> {
             + (0.5 * self.round * speed).powi(2)
     }
 
-    pub(super) fn candidates(&self) -> Vec<MoveProfile> {
+    pub(super) fn candidates(&self) -> Vec<R::Move> {
         let mut out = Vec::with_capacity(16);
         let now = self.axis.motion.at(self.executed_ns);
         let start = self.plan.at(self.executed_ns);
@@ -62,39 +60,40 @@ impl Chance<'_> {
             self.rest(now, sense, &mut out);
         }
         self.turn(now, end, &mut out);
+        if self.axis.registers.speed_step() * self.round > TOLERANCE {
+            // Slower than the slowest speed the axis goes by moves from rest to rest.
+            out.extend(self.hop(now, end));
+        }
         out
     }
 
     /// Largest acceleration and deceleration, steps/s².
     fn limits(&self) -> (f64, f64) {
-        let options = &self.axis.options;
-        (
-            1e3 * f64::from(options.acceleration_khz_per_s),
-            1e3 * f64::from(options.deceleration_khz_per_s),
-        )
+        let limits = self.axis.registers.limits();
+        (limits.acceleration, limits.deceleration)
     }
 
     /// Makes `way` in the round, changing speed during about `part` of it, and goes on.
-    fn cruise(&self, now: State, way: f64, part: f64) -> Option<MoveProfile> {
+    fn cruise(&self, now: State, way: f64, part: f64) -> Option<R::Move> {
         // way = v₀·T + w·T − sgn(w)·w²/(2·rate), w = change of speed; with a ramp of part·T, w²/rate = |w|·part·T.
         let lack = way - now.velocity * self.round;
         let change = lack / (self.round * (1.0 - 0.5 * part));
         let rate = change.abs() / (part * self.round);
         let (most_up, most_down) = self.limits();
         let slower = change * now.velocity < 0.0;
-        let rate = whole_rate(rate, if slower { most_down } else { most_up });
+        let rate = self.axis.registers.whole_rate(rate, if slower { most_down } else { most_up });
         // The rate is rounded and limited: solve again for the change.
         let reach = rate * self.round;
         let change =
             lack.signum() * (reach - (reach * reach - 2.0 * rate * lack.abs()).max(0.0).sqrt());
         let velocity = now.velocity + change;
-        let speed = velocity.abs().round();
+        let speed = self.axis.registers.whole_speed(velocity.abs());
         if speed < 1.0 {
             return None;
         }
         let sense = velocity.signum();
         // Ramps down are gentle where the way allows, else as steep as allowed.
-        let down = if slower { rate.max(0.25 * most_down) } else { most_down };
+        let down = if slower || R::ONE_RATE { rate.max(0.25 * most_down) } else { most_down };
         let margin = MARGIN_ROUNDS * self.round + MARGIN_S;
         let clear = now.position + way + sense * speed * margin;
         let from = if self.plan.at(self.executed_ns).velocity * sense >= 0.0 { 0.0 } else { 1.0 };
@@ -102,37 +101,39 @@ impl Chance<'_> {
             self.plan.reached(self.after(from), sense, clear + sense * speed * speed * 0.5 / down);
         let left = ((target - clear) * sense).max(1.0);
         let down = down.max(speed * speed * 0.5 / left);
-        let up = if slower { most_up } else { rate };
+        let up = match (R::ONE_RATE, slower) {
+            (true, _) => down,
+            (false, true) => most_up,
+            (false, false) => rate,
+        };
         ((target - now.position) * sense > 0.5).then(|| self.profile(up, speed, down, target))
     }
 
     /// Stands on the next point of rest or turning point, if there is one to be reached soon.
-    fn rest(&self, now: State, sense: f64, out: &mut Vec<MoveProfile>) {
+    fn rest(&self, now: State, sense: f64, out: &mut Vec<R::Move>) {
         let target = self.plan.reached(self.executed_ns, sense, sense * f64::INFINITY).round();
         let way = (target - now.position) * sense;
         if way < 0.5 {
             return;
         }
         let (most_up, most_down) = self.limits();
-        let base = f64::from(self.axis.options.start_stop_hz);
+        let limits = self.axis.registers.limits();
+        let base = limits.start_stop;
         let speed = (now.velocity * sense).max(0.0);
         if speed > base {
             // Brakes from now on, all the way to the target.
-            out.push(self.profile(
-                most_up,
-                speed,
-                (speed * speed - base * base) * 0.5 / way,
-                target,
-            ));
+            let down = (speed * speed - base * base) * 0.5 / way;
+            let up = if R::ONE_RATE { down } else { most_up };
+            out.push(self.profile(up, speed, down, target));
         }
         for part in [0.5, 1.0, 2.0] {
             out.push(self.profile(most_up, way / (part * self.round), most_down, target));
         }
-        out.push(self.profile(most_up, f64::from(MAX_SPEED_HZ), most_down, target));
+        out.push(self.profile(most_up, limits.speed, most_down, target));
     }
 
     /// Brakes, reverses and has the plan's speed at the end of the round.
-    fn turn(&self, now: State, end: State, out: &mut Vec<MoveProfile>) {
+    fn turn(&self, now: State, end: State, out: &mut Vec<R::Move>) {
         let sense = end.velocity.signum();
         let speed = end.velocity.abs();
         if speed < 1.0 || now.velocity * sense >= 0.0 {
@@ -148,26 +149,18 @@ impl Chance<'_> {
         }
     }
 
-    /// The registers nearest to what is wanted, within the axis's limits.
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "positive and limited"
-    )]
-    fn profile(&self, up: f64, speed: f64, down: f64, target: f64) -> MoveProfile {
-        let options = &self.axis.options;
+    /// Goes to where the plan is at the end of the round and stands there.
+    fn hop(&self, now: State, end: State) -> Option<R::Move> {
+        let target = end.position.round();
+        let way = (target - now.position).abs();
         let (most_up, most_down) = self.limits();
-        MoveProfile {
-            start_stop_hz: options.start_stop_hz,
-            acceleration_khz_per_s: (whole_rate(up, most_up) / 1e3) as u16,
-            speed_hz: speed.round().clamp(1.0, f64::from(options.max_speed_hz)) as u32,
-            deceleration_khz_per_s: (whole_rate(down, most_down) / 1e3) as u16,
-            target: target.round() as i32,
-        }
+        (way > 0.5).then(|| self.profile(most_up, way / self.round, most_down, target))
     }
-}
 
-/// A rate in whole kHz/s, at least as steep as wanted and at most as allowed, steps/s².
-fn whole_rate(rate: f64, most: f64) -> f64 {
-    ((rate / 1e3).ceil() * 1e3).clamp(1e3, most.max(1e3))
+    /// The move nearest to what is wanted.
+    fn profile(&self, up: f64, speed: f64, down: f64, target: f64) -> R::Move {
+        let limits = self.axis.registers.limits();
+        let wanted = Ramp { acceleration: up, speed, deceleration: down, target, ..limits };
+        self.axis.registers.encode(&wanted)
+    }
 }

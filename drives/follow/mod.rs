@@ -1,0 +1,277 @@
+//! Following a plan with moves that are retargeted in flight.
+//!
+//! Devices that know no set-points, only "go to a target at a speed" (InterpCNC command 80, SmartDRIVE GOTO), follow a
+//! plan by being given for each axis, again and again, a target farther along the plan and the speed that brings it to
+//! where the plan will be one round later. Two things make that accurate at 10 ms per exchange:
+//!
+//! * The driver keeps a model of each axis, moved by the device's own kind of profile ([`crate::ramp`]) from the
+//!   instants at which commands were executed, and corrected by what samples show. It tells where the axis will be
+//!   when the next command reaches it.
+//! * Of a few commands that make sense (cruise with one of several ramps, stand on the next point of rest, turn),
+//!   the one whose modelled motion stays nearest to the plan is sent; none if the present one does as well.
+//!
+//! A target is always a position that the plan reaches within its horizon, at most its next turning point: if no
+//! command follows, the axis stands there. It is far enough ahead that the axis does not brake for it before the next
+//! command is due.
+//!
+//! What the registers of a family can say, its [`Registers`] tell: which speeds and rates there are, and whether
+//! acceleration and deceleration are one number.
+
+mod chance;
+mod window;
+
+use std::fmt::Debug;
+
+use chance::{COMPARED, Chance};
+use window::Window;
+
+use crate::{
+    SetpointStream, Stamp,
+    ramp::{Motion, Ramp, State, nanoseconds, seconds},
+};
+
+/// An axis is left alone while its present move stays this near to the plan, increments: what rounding makes.
+pub(crate) const TOLERANCE: f64 = 0.6;
+/// Weight of an exchange in the running means.
+const MEAN_GAIN: f64 = 0.2;
+/// A duration counts as at most so many times the mean: one exchange that something else delayed says little.
+const MEAN_LIMIT: f64 = 2.0;
+/// What a model may have strayed between two samples, as a part of what a usual time stamp is uncertain by: samples
+/// come with that uncertainty times the speed, and between them the model errs less.
+const STRAYING: f64 = 0.36;
+/// The same for whole steps and rounded speeds, increments².
+const STRAYING_V2: f64 = 0.05;
+/// Variance of a counter, which shows whole steps, increments².
+const STEP_V2: f64 = 0.1;
+/// A difference beyond so many times what is explained is an axis that does not do as modelled: the sample is right.
+const DOUBT: f64 = 5.0;
+
+/// What the registers of one axis of a device can say about a move.
+pub(crate) trait Registers: Copy + Debug {
+    /// A move as it goes to the device.
+    type Move: Copy + Debug + PartialEq;
+
+    /// Whether one number is acceleration and deceleration.
+    const ONE_RATE: bool;
+
+    /// Start/stop speed and the largest speed, acceleration and deceleration; the target does not count.
+    fn limits(&self) -> Ramp;
+
+    /// Distance between two speeds the registers can say, steps/s.
+    fn speed_step(&self) -> f64;
+
+    /// A speed the registers can say, near `speed`, steps/s.
+    fn whole_speed(&self, speed: f64) -> f64;
+
+    /// A rate the registers can say, at least as steep as wanted and at most `most`, steps/s².
+    fn whole_rate(&self, rate: f64, most: f64) -> f64;
+
+    /// The move nearest to what is wanted, within the limits.
+    fn encode(&self, wanted: &Ramp) -> Self::Move;
+
+    /// What the device makes of a move.
+    fn ramp(&self, order: &Self::Move) -> Ramp;
+}
+
+/// What exchanges are expected to take until some have been seen, s.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Timing {
+    /// From the decision for a command to its answer.
+    pub(crate) exchange: f64,
+    /// From the decision for a command to its execution.
+    pub(crate) lead: f64,
+    /// Uncertainty of a time stamp.
+    pub(crate) uncertainty: f64,
+    /// Exchanges of a round besides its commands: 1 where samples are asked for, 0 where every answer is one.
+    pub(crate) samples: usize,
+}
+
+/// A mean of durations, s.
+#[derive(Clone, Copy, Debug)]
+struct Mean(f64);
+
+impl Mean {
+    fn add(&mut self, value: f64) {
+        self.0 += MEAN_GAIN * (value.clamp(0.0, MEAN_LIMIT * self.0) - self.0);
+    }
+}
+
+/// What the driver believes about one axis.
+#[derive(Clone, Copy, Debug)]
+struct Tracked<R> {
+    registers: R,
+    motion: Motion,
+    ramp: Ramp,
+    /// Variance of the modelled position, increments².
+    variance: f64,
+    /// Whether the model has been started from a sample.
+    started: bool,
+}
+
+/// A command for an axis, computed for the instant at which it will probably be executed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Order<M> {
+    /// Index of the axis among those in use.
+    pub(crate) axis: usize,
+    /// What to send.
+    pub(crate) profile: M,
+}
+
+/// Follows a plan; speaks to nobody.
+#[derive(Clone, Debug)]
+pub(crate) struct Follower<R> {
+    axes: Vec<Tracked<R>>,
+    window: Window,
+    /// Duration of an exchange, silence before it included.
+    exchange: Mean,
+    /// Time from the decision for a command to its execution.
+    lead: Mean,
+    /// Uncertainty of a time stamp.
+    uncertainty: Mean,
+    /// Exchanges of a round besides its commands.
+    samples: usize,
+}
+
+impl<R: Registers> Follower<R> {
+    pub(crate) fn with_timing(axes: &[R], timing: &Timing) -> Self {
+        let tracked = |registers: &R| Tracked {
+            registers: *registers,
+            motion: Motion::at_rest(0.0),
+            ramp: registers.limits(),
+            variance: 0.0,
+            started: false,
+        };
+        Self {
+            axes: axes.iter().map(tracked).collect(),
+            window: Window::default(),
+            exchange: Mean(timing.exchange),
+            lead: Mean(timing.lead),
+            uncertainty: Mean(timing.uncertainty),
+            samples: timing.samples,
+        }
+    }
+
+    /// Forgets where the axes are: something else than [`Self::order`] has moved or stopped them.
+    pub(crate) fn restart(&mut self) {
+        self.axes.iter_mut().for_each(|axis| axis.started = false);
+    }
+
+    /// Looks at the plan and names the axes that need a command.
+    pub(crate) fn survey(&mut self, stream: &dyn SetpointStream) -> Vec<usize> {
+        self.window = Window::look(stream, self.axes.len());
+        // An axis left alone now gets its next command a round of all axes later at worst.
+        let round = self.round(self.axes.len());
+        let executed_ns = self.window.start_ns + nanoseconds(self.lead.0);
+        let needs = |(index, axis): &(usize, &Tracked<R>)| {
+            let plan = self.window.axis(*index);
+            axis.started
+                && COMPARED.iter().any(|part| {
+                    let time_ns = executed_ns + nanoseconds(part * round);
+                    (axis.motion.at(time_ns).position - plan.at(time_ns).position).abs() > TOLERANCE
+                })
+        };
+        self.axes.iter().enumerate().filter(needs).map(|(index, _)| index).collect()
+    }
+
+    /// The command for an axis, decided at `now_ns` in a round of `round` commands; none if no command makes it
+    /// better than it is.
+    pub(crate) fn order(&self, index: usize, round: usize, now_ns: i64) -> Option<Order<R::Move>> {
+        let axis = self.axes.get(index).filter(|axis| axis.started)?;
+        let plan = self.window.axis(index);
+        let chance = Chance {
+            axis,
+            plan,
+            executed_ns: now_ns + nanoseconds(self.lead.0),
+            round: self.round(round),
+        };
+        let mut best = (chance.cost(&axis.motion), None);
+        for profile in chance.candidates() {
+            let cost = chance.cost(&chance.motion(&profile));
+            if cost < best.0 {
+                best = (cost, Some(profile));
+            }
+        }
+        best.1.map(|profile| Order { axis: index, profile })
+    }
+
+    /// The device has accepted an order that was decided at `decided_ns`.
+    pub(crate) fn executed(&mut self, order: &Order<R::Move>, decided_ns: i64, stamp: &Stamp) {
+        let executed_ns = stamp.executed_ns;
+        self.exchange.add(seconds(stamp.answered_ns - decided_ns));
+        self.lead.add(seconds(executed_ns - decided_ns));
+        self.uncertainty.add(seconds(stamp.uncertainty_ns));
+        if let Some(axis) = self.axes.get_mut(order.axis) {
+            let before = axis.motion.at(executed_ns);
+            axis.ramp = axis.registers.ramp(&order.profile);
+            axis.motion = Motion::plan(executed_ns, before, &axis.ramp);
+            // Had it been executed earlier or later, it would have been at the other speed for that long.
+            let after = axis.motion.at(stamp.answered_ns).velocity;
+            axis.variance += ((after - before.velocity) * seconds(stamp.uncertainty_ns)).powi(2);
+        }
+    }
+
+    /// The device has shown the counters of all axes and which of them move.
+    pub(crate) fn sampled(&mut self, stamp: &Stamp, counters: impl Iterator<Item = (i32, bool)>) {
+        self.uncertainty.add(seconds(stamp.uncertainty_ns));
+        for (axis, (counter, moving)) in self.axes.iter_mut().zip(counters) {
+            axis.sampled(stamp, self.uncertainty.0, counter, moving);
+        }
+    }
+
+    /// The device has shown the counter of one axis and whether it moves.
+    pub(crate) fn sampled_axis(&mut self, index: usize, stamp: &Stamp, counter: i32, moving: bool) {
+        self.uncertainty.add(seconds(stamp.uncertainty_ns));
+        if let Some(axis) = self.axes.get_mut(index) {
+            axis.sampled(stamp, self.uncertainty.0, counter, moving);
+        }
+    }
+
+    /// How far an axis moves from one instant to another, as modelled; 0 if nothing is known of it.
+    pub(crate) fn moved(&self, index: usize, from_ns: i64, to_ns: i64) -> f64 {
+        self.axes
+            .get(index)
+            .filter(|axis| axis.started)
+            .map_or(0.0, |axis| axis.motion.at(to_ns).position - axis.motion.at(from_ns).position)
+    }
+
+    /// True if the time of a sample is so much less certain than usual that another is worth its time.
+    pub(crate) fn is_poor(&self, stamp: &Stamp) -> bool {
+        seconds(stamp.uncertainty_ns) > (3.0 * self.uncertainty.0).max(0.004)
+    }
+
+    /// Duration of a round of so many commands and a sample, s.
+    fn round(&self, commands: usize) -> f64 {
+        let exchanges = u32::try_from(commands + self.samples).unwrap_or(u32::MAX);
+        self.exchange.0 * f64::from(exchanges)
+    }
+}
+
+impl<R: Registers> Tracked<R> {
+    /// The model goes towards a counter by the part that its variance has in the sum of both (a Kalman filter in one
+    /// dimension). `usual` is the uncertainty of a usual time stamp, s.
+    fn sampled(&mut self, stamp: &Stamp, usual: f64, counter: i32, moving: bool) {
+        let time_ns = stamp.executed_ns;
+        let counter = f64::from(counter);
+        let model = self.motion.at(time_ns);
+        let speed = model.velocity.abs();
+        let modelled = self.variance + (STRAYING * speed * usual).powi(2) + STRAYING_V2;
+        let shown = (speed * seconds(stamp.uncertainty_ns)).powi(2) + STEP_V2;
+        let difference = counter - model.position;
+        let doubtful = difference.abs() > DOUBT * (modelled + shown).sqrt() + 1.0;
+        if !self.started || !moving && (doubtful || !self.motion.moving(time_ns)) {
+            self.motion = Motion::at_rest(counter);
+            self.variance = 0.0;
+        } else if doubtful {
+            self.motion = Motion::plan(time_ns, State { position: counter, ..model }, &self.ramp);
+            self.variance = shown;
+        } else {
+            let gain = modelled / (modelled + shown);
+            self.variance = (1.0 - gain) * modelled;
+            if difference.abs() > 0.5 {
+                let position = model.position + gain * difference;
+                self.motion = Motion::plan(time_ns, State { position, ..model }, &self.ramp);
+            }
+        }
+        self.started = true;
+    }
+}

@@ -1,0 +1,82 @@
+//! Frames: command and answer as bytes.
+//!
+//! Source: "Format des messages".
+
+use super::{Command, RejectCode, Status};
+
+/// Length of an answer.
+pub const ANSWER_BYTES: usize = 9;
+/// First bytes of commands are below this (the three upper bits of ADR are 0).
+pub const FIRST_BITS: u8 = 0x20;
+
+/// XOR of bytes; that of a whole frame is 0.
+pub fn check_sum(bytes: &[u8]) -> u8 {
+    bytes.iter().fold(0, |sum, byte| sum ^ byte)
+}
+
+/// The frame of a command to `address` (0: all devices).
+pub fn encode(address: u8, command: &Command) -> Vec<u8> {
+    seal([vec![address, command.code()], command.data()].concat())
+}
+
+/// A frame with its check sum.
+pub(crate) fn seal(mut frame: Vec<u8>) -> Vec<u8> {
+    frame.push(check_sum(&frame));
+    frame
+}
+
+/// Length of the command that begins with these bytes: 3 + 4·2^EE; `None` before CMD is there.
+pub fn command_length(bytes: &[u8]) -> Option<usize> {
+    bytes.get(1).map(|code| 3 + (4 << (code >> 6)))
+}
+
+/// Address and command of a frame, and what a device refuses it for; `None` if length, check sum or address are those
+/// of no command.
+pub fn decode(frame: &[u8]) -> Option<(u8, Result<Command, RejectCode>)> {
+    let right = command_length(frame) == Some(frame.len()) && check_sum(frame) == 0;
+    let [address, code, data @ .., _] = frame else { return None };
+    (right && *address < FIRST_BITS).then(|| (*address, Command::decode(*code, data)))
+}
+
+/// An answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Answer {
+    /// STA.
+    pub status: Status,
+    /// DAT.
+    pub data: [u8; 4],
+    /// TAG.
+    pub tag: u16,
+}
+
+impl Answer {
+    /// DAT as a signed number: a position, a variable.
+    pub fn number(&self) -> i32 {
+        i32::from_le_bytes(self.data)
+    }
+
+    /// DAT as two words, LSW and MSW: saved and working value of a parameter.
+    pub fn words(&self) -> (u16, u16) {
+        let [a, b, c, d] = self.data;
+        (u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d]))
+    }
+
+    /// The frame.
+    pub fn encode(&self) -> [u8; ANSWER_BYTES] {
+        let ([s0, s1], [t0, t1]) = (self.status.0.to_le_bytes(), self.tag.to_le_bytes());
+        let [b0, b1, b2, b3] = self.data;
+        let sum = check_sum(&[s0, s1, b0, b1, b2, b3, t0, t1]);
+        [s0, s1, b0, b1, b2, b3, t0, t1, sum]
+    }
+
+    /// The answer in nine bytes; `None` if their check sum is wrong or the first byte is not that of an answer.
+    pub fn decode(frame: &[u8; ANSWER_BYTES]) -> Option<Self> {
+        let [s0, s1, b0, b1, b2, b3, t0, t1, _] = *frame;
+        let status = Status(u16::from_le_bytes([s0, s1]));
+        let right = check_sum(frame) == 0 && status.is_response();
+        right.then_some(Self { status, data: [b0, b1, b2, b3], tag: u16::from_le_bytes([t0, t1]) })
+    }
+}
+
+#[cfg(test)]
+mod tests;

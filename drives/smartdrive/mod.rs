@@ -1,0 +1,23 @@
+//! SmartDRIVE v1.2, drives for step motors with one axis each, up to 31 on one RS485 bus, protocol ATB.
+//!
+//! Commands and answers, parameters and variables are the same tables for driver and emulated device, checked against
+//! frames computed elsewhere.
+//!
+//! Source: "SmartDRIVE v1.2 - Protocole série ATB".
+
+mod command;
+mod follow;
+pub mod frame;
+mod motion;
+mod options;
+mod rehearsal;
+mod status;
+mod units;
+#[cfg(test)]
+mod vectors;
+
+pub use command::{Command, Init, IoUpdate, LoadSource, Mode};
+pub use options::{ADDRESSES, AxisOptions, BAUD, SmartDriveOptions, wire_time};
+pub use rehearsal::{BusDelays, SmartDriveRehearsal};
+pub use status::{Alarms, RejectCode, Status, TagLayout, TrajectoryFlags};
+pub use units::StepsPerTurn;
