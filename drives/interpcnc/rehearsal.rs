@@ -3,12 +3,12 @@
 use std::{collections::VecDeque, time::Duration};
 
 use super::{
-    Stamp,
+    MoveProfile, Stamp,
     emulator::{Axis, Wire},
-    follow::{Follower, Order},
+    follow::Follower,
     options::AxisOptions,
 };
-use crate::{IncrementMotion, Rehearsal, SetpointStream, rehearsal::SeenAt};
+use crate::{IncrementMotion, Rehearsal, SetpointStream, follow::Order, rehearsal::SeenAt};
 
 /// Bytes of command 80 and of its answer.
 const COMMAND_BYTES: (usize, usize) = (27, 8);
@@ -47,7 +47,7 @@ enum Next {
 /// A command on its way, in a round.
 #[derive(Debug)]
 struct Sent {
-    order: Order,
+    order: Order<MoveProfile>,
     decided_ns: i64,
     stamp: Stamp,
     round: Round,
