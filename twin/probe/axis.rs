@@ -7,7 +7,7 @@
 //! An axis on an InterpCNC board that is in the loop of the simulated machine is moved by the board itself.
 
 use super::board::{BoardRange, BoardSearch};
-use crate::machine::{Machine, SimulationError};
+use crate::machine::{DriveFamily, Machine, SimulationError};
 use crate::physics::PhysicsError;
 use crate::report::seconds;
 use crate::simulated::Simulated;
@@ -98,7 +98,8 @@ impl AxisProbe {
         }
         let board = machine.axes.get(self.axis).zip(from).and_then(|(axis, from)| {
             let device = machine.drives.get(axis.drive.as_ref()?.device)?;
-            device.in_loop.then(|| BoardSearch::begin(self, axis, from))?
+            let has_board = device.in_loop && matches!(device.family, DriveFamily::InterpCnc(_));
+            has_board.then(|| BoardSearch::begin(self, axis, from))?
         });
         let mut search: Box<dyn Search> = match board {
             Some(board) => Box::new(board?),
