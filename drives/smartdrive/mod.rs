@@ -6,10 +6,12 @@
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB".
 
 mod command;
+pub mod emulator;
 mod follow;
 pub mod frame;
 mod motion;
 mod options;
+pub mod parameters;
 mod rehearsal;
 mod status;
 mod units;

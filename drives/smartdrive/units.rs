@@ -5,6 +5,9 @@
 pub struct StepsPerTurn(u32);
 
 impl StepsPerTurn {
+    /// One µstep a turn.
+    pub(crate) const ONE: Self = Self(1);
+
     /// `full_steps` (1 to 32767) times `divisor` (a power of two up to 1024); `None` if they are anything else.
     pub fn new(full_steps: u16, divisor: u16) -> Option<Self> {
         let possible =

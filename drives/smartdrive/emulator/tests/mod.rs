@@ -1,0 +1,84 @@
+//! The emulated device against the digest's vectors and the behaviour that digest and manual describe.
+
+mod behaviour;
+mod frames;
+mod homing;
+mod inputs;
+mod memory;
+
+use super::*;
+use crate::smartdrive::{
+    Command, Init, RejectCode,
+    frame::{Answer, encode},
+};
+
+const MS: i64 = 1_000_000;
+
+/// A device in mode remote.
+fn remote_with(options: &DeviceOptions) -> Device {
+    let mut device = Device::new(options);
+    ask(&mut device, Command::Mode(Some(Mode::Remote)));
+    device.advance(250 * MS);
+    assert_eq!(device.mode(), Mode::Remote);
+    device
+}
+
+fn remote() -> Device {
+    remote_with(&DeviceOptions::default())
+}
+
+/// Sends a command to address 1 and expects it to be accepted.
+#[track_caller]
+fn ask(device: &mut Device, command: Command) -> Answer {
+    let answer = asked(device, command);
+    assert!(!answer.status.rejected(), "{command:?}: {answer:?}");
+    answer
+}
+
+/// Sends a command to address 1.
+#[track_caller]
+fn asked(device: &mut Device, command: Command) -> Answer {
+    let bytes = device.handle(&encode(1, &command)).unwrap();
+    Answer::decode(&bytes.try_into().unwrap()).unwrap()
+}
+
+/// Why a command to address 1 is refused.
+#[track_caller]
+fn refusal(device: &mut Device, command: Command) -> Option<RejectCode> {
+    let answer = asked(device, command);
+    answer.status.rejected().then(|| RejectCode::from_number(answer.tag).unwrap())
+}
+
+/// The trajectory flags.
+#[track_caller]
+fn flags(device: &mut Device) -> TrajectoryFlags {
+    TrajectoryFlags::from_tag(ask(device, Command::Ping).tag)
+}
+
+/// Sets a parameter of one word, or both of two.
+#[track_caller]
+fn set(device: &mut Device, parameter: u16, value: i32) {
+    let [a, b, c, d] = value.to_le_bytes();
+    let low = u16::from_le_bytes([a, b]);
+    ask(device, Command::Set { parameter, value: low });
+    let entry = crate::smartdrive::parameters::parameter_at(parameter).unwrap().0;
+    if entry.kind.is_long() {
+        let high = u16::from_le_bytes([c, d]);
+        ask(device, Command::Set { parameter: parameter + 1, value: high });
+    }
+}
+
+#[track_caller]
+fn read(device: &mut Device, variable: u16) -> i32 {
+    ask(device, Command::Read { variable }).number()
+}
+
+fn go_to(target: i32, speed: u16, rate: u16) -> Command {
+    Command::GoTo { target, profile: Some((speed, rate)) }
+}
+
+/// Compares whole numbers and others.
+#[track_caller]
+fn near(found: f64, expected: f64, within: f64) {
+    assert!((found - expected).abs() <= within, "{found} is not {expected} ± {within}");
+}

@@ -1,0 +1,108 @@
+//! Emulated devices on a pseudo-terminal, on a thread of its own.
+
+use std::{
+    io,
+    path::{Path, PathBuf},
+    thread::{Builder, JoinHandle},
+};
+
+use tokio::{runtime, sync::mpsc};
+use tokio_serial::SerialStream;
+
+use super::{Control, Device, DeviceOptions, Event, Wire, serve};
+use crate::{Clock, EmulatorError, pty::PseudoTerminal};
+
+/// What to emulate.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EmulatorOptions {
+    /// The devices on the bus.
+    pub devices: Vec<DeviceOptions>,
+    /// Images of their flash memories, in the same order; a device without one, or with one that is damaged, is as it
+    /// left the factory.
+    pub flash: Vec<Vec<u8>>,
+    /// Emulated delays.
+    pub wire: Wire,
+    /// Symbolic link to make to the pseudo-terminal; it is removed at the end.
+    pub link: Option<PathBuf>,
+}
+
+/// A running emulator. Dropping it stops it.
+#[derive(Debug)]
+pub struct EmulatedBus {
+    terminal: PseudoTerminal,
+    /// Closed to end the thread.
+    control: Option<mpsc::Sender<Control>>,
+    thread: Option<JoinHandle<io::Result<Vec<Device>>>>,
+}
+
+impl EmulatedBus {
+    /// Powers the devices up. `clock` gives the time by which their axes move.
+    ///
+    /// # Errors
+    /// If there is no pseudo-terminal or no thread to be had, or the link cannot be made.
+    pub fn start(
+        options: &EmulatorOptions,
+        clock: impl Clock + 'static,
+    ) -> Result<Self, EmulatorError> {
+        let (master, terminal) = PseudoTerminal::open(options.link.as_deref())?;
+        let failed = |source| EmulatorError::Thread { source };
+        let runtime =
+            runtime::Builder::new_current_thread().enable_all().build().map_err(failed)?;
+        let stream = {
+            let _inside = runtime.enter();
+            SerialStream::try_from(master)
+                .map_err(|error| EmulatorError::Terminal { source: error.into() })?
+        };
+        let (control, messages) = mpsc::channel(64);
+        let power_up = |(place, device): (usize, &DeviceOptions)| {
+            let image = options.flash.get(place);
+            let remembered = image.and_then(|image| Device::with_flash(device, image));
+            remembered.unwrap_or_else(|| Device::new(device))
+        };
+        let devices = options.devices.iter().enumerate().map(power_up).collect();
+        let wire = options.wire;
+        let thread = Builder::new()
+            .name(format!("smartdrive {}", terminal.path().display()))
+            .spawn(move || runtime.block_on(serve(stream, devices, &wire, &clock, messages)))
+            .map_err(failed)?;
+        Ok(Self { terminal, control: Some(control), thread: Some(thread) })
+    }
+
+    /// Where to open the bus: the pseudo-terminal itself.
+    pub fn path(&self) -> &Path {
+        self.terminal.path()
+    }
+
+    /// Lets something happen to a device, counted from 0.
+    ///
+    /// # Errors
+    /// If the emulator has ended.
+    pub fn happen(&self, device: usize, event: Event) -> Result<(), EmulatorError> {
+        // The emulator takes messages as they come: the queue is full only if it no longer runs.
+        let control = self.control.as_ref().ok_or(EmulatorError::Ended)?;
+        control.try_send(Control { device, event }).map_err(|_unsent| EmulatorError::Ended)
+    }
+
+    /// Powers the devices down and gives them back as they were then.
+    ///
+    /// # Errors
+    /// If the emulator has ended before, because of its terminal.
+    pub fn stop(mut self) -> Result<Vec<Device>, EmulatorError> {
+        self.control = None;
+        let thread = self.thread.take().ok_or(EmulatorError::Ended)?;
+        thread
+            .join()
+            .map_err(|_panic| EmulatorError::Ended)?
+            .map_err(|source| EmulatorError::Terminal { source })
+    }
+}
+
+impl Drop for EmulatedBus {
+    fn drop(&mut self) {
+        self.control = None;
+        if let Some(thread) = self.thread.take() {
+            // Its result matters to nobody any more.
+            drop(thread.join());
+        }
+    }
+}
