@@ -4,6 +4,9 @@
 //! wire allows. In the loop of the simulated machine stands what driver and device make of the same set-points,
 //! rehearsed in simulated time ([`Rehearsal`]): the motors get what the devices' profile generators ask of them.
 
+#[cfg(test)]
+mod tests;
+
 use crate::emulated;
 use crate::hardware::HORIZON_NS;
 use crate::machine::Machine;
