@@ -28,7 +28,9 @@ const OVERTRAVEL: f64 = 1e-3;
 const STOPPING: u32 = 20;
 
 /// Simulates one cycle per set-point, at once; what it gives back is where the axes are at the set-point's time.
-#[derive(Debug)]
+///
+/// A clone is a snapshot of everything: from there both do the same bits if they are told the same.
+#[derive(Clone, Debug)]
 pub struct Simulated {
     physics: PhysicsMachine,
     /// What stands between set-points and motors.
@@ -46,7 +48,7 @@ pub struct Simulated {
 }
 
 /// The tool as a probe.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Probe {
     scan: ClearanceScan,
     /// What it has touched and not come free of.
@@ -56,7 +58,7 @@ struct Probe {
 }
 
 /// What happened, by line, axis and kind.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Happened {
     kept: BTreeMap<(u32, usize, u8), Happening>,
     blows: Vec<Blow>,

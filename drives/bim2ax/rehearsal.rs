@@ -38,7 +38,7 @@ enum Next {
 }
 
 /// The driver's decisions and the module's profiles, without memory between them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Bim2AxRehearsal {
     options: RehearsalOptions,
     follower: Follower,
@@ -174,5 +174,9 @@ impl Rehearsal for Bim2AxRehearsal {
 
     fn exchanges(&self) -> u64 {
         self.exchanges
+    }
+
+    fn copied(&self) -> Box<dyn Rehearsal> {
+        Box::new(self.clone())
     }
 }

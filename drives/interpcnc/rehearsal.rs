@@ -17,7 +17,7 @@ const STATE_BYTES: (usize, usize) = (8, 29);
 
 /// An InterpCNC board that follows a plan by independent moves that are retargeted (command 80), as its driver lets it
 /// in a run: commands for the axes that need one, then a sample, as fast as the wire allows.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct InterpCncRehearsal {
     follower: Follower,
     axes: Vec<Axis>,
@@ -30,7 +30,7 @@ pub struct InterpCncRehearsal {
 }
 
 /// What happens next.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Next {
     /// The driver looks at the plan, and begins a round of commands for the axes that need one.
     Survey,
@@ -45,7 +45,7 @@ enum Next {
 }
 
 /// A command on its way, in a round.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Sent {
     order: Order<MoveProfile>,
     decided_ns: i64,
@@ -54,7 +54,7 @@ struct Sent {
 }
 
 /// The axes that are still to be commanded, of so many that need it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Round {
     left: VecDeque<usize>,
     of: usize,
@@ -179,6 +179,10 @@ impl Rehearsal for InterpCncRehearsal {
 
     fn exchanges(&self) -> u64 {
         self.exchanges
+    }
+
+    fn copied(&self) -> Box<dyn Rehearsal> {
+        Box::new(self.clone())
     }
 }
 

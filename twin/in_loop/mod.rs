@@ -17,7 +17,7 @@ use twin_drives::{IncrementMotion, Rehearsal, SetpointStream};
 use twin_kinematics::AxisMotion;
 
 /// The drives of a machine, in simulated time.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct DrivesInLoop {
     devices: Vec<Device>,
     /// The set-point of the cycle before, and what came of it.
@@ -29,6 +29,12 @@ pub(crate) struct DrivesInLoop {
 struct Device {
     rehearsal: Box<dyn Rehearsal>,
     axes: Vec<DeviceAxis>,
+}
+
+impl Clone for Device {
+    fn clone(&self) -> Self {
+        Self { rehearsal: self.rehearsal.copied(), axes: self.axes.clone() }
+    }
 }
 
 /// An axis of the machine on a device.
