@@ -28,6 +28,8 @@ impl Axis {
         } else {
             self.order_at_rest(order, moves);
         }
+        // What takes no time is over at once: a move of no length, a stop from the start-stop speed.
+        self.advance(self.now_ns);
     }
 
     fn order_in_motion(&mut self, word: u16, moves: u16) {
@@ -160,8 +162,6 @@ impl Axis {
         self.accepted(uc::PROGRAMMED);
         self.corrected = false;
         self.go(programmed);
-        // A move of no length is over at once.
-        self.advance(self.now_ns);
     }
 
     /// True if nothing forbids to move in the sense of `sense`: power, phases, end switch.
