@@ -32,14 +32,34 @@ pub struct Status(pub u32);
 impl Status {
     /// B5: the command buffer is empty.
     pub const BUFFER_EMPTY: u32 = 1 << 5;
+    /// B6: the command buffer is frozen.
+    pub const BUFFER_FROZEN: u32 = 1 << 6;
     /// B7: the ENABLE input is inactive.
     pub const EMERGENCY_STOP: u32 = 1 << 7;
     /// B8: moves and outputs are inhibited.
     pub const BOARD_LOCKED: u32 = 1 << 8;
+    /// B10: homing of the machine (command 71) is under way.
+    pub const HOMING_IN_PROGRESS: u32 = 1 << 10;
+    /// B11: the last homing of the machine has failed.
+    pub const HOMING_ERROR: u32 = 1 << 11;
     /// B12: a probing move (command 40) is under way.
     pub const PROBE_IN_PROGRESS: u32 = 1 << 12;
     /// B13: the last probing move has failed.
     pub const PROBE_ERROR: u32 = 1 << 13;
+    /// B14: the EEPROM is being written.
+    pub const EEPROM_BUSY: u32 = 1 << 14;
+    /// B15: the last write to the EEPROM has failed.
+    pub const EEPROM_ERROR: u32 = 1 << 15;
+    /// B17: a speed override is in effect.
+    pub const OVERRIDDEN: u32 = 1 << 17;
+    /// B18: a speed override is allowed.
+    pub const OVERRIDE_ALLOWED: u32 = 1 << 18;
+    /// B19: waiting for an input.
+    pub const WAITING_FOR_INPUT: u32 = 1 << 19;
+    /// B20: an input that was waited for did not come in time.
+    pub const WAIT_TIMEOUT: u32 = 1 << 20;
+    /// B21: torch height control is active.
+    pub const HEIGHT_CONTROL: u32 = 1 << 21;
     /// B22: first of five bits, axis in an independent move ("Async Moving").
     pub const ASYNC_MOVING_SHIFT: u32 = 22;
     /// B27: first of five bits, either limit switch of the axis is active.
@@ -63,6 +83,26 @@ impl Status {
     /// True if the last probing move has failed (B13).
     pub fn probe_failed(self) -> bool {
         self.0 & Self::PROBE_ERROR != 0
+    }
+
+    /// True if one of the bits is set.
+    pub fn has(self, bits: u32) -> bool {
+        self.0 & bits != 0
+    }
+
+    /// Axes in an interpolated move (B0 to B4).
+    pub fn interpolating(self) -> AxisMask {
+        AxisMask::from_bits(self.0)
+    }
+
+    /// Axes in an independent move (B22 to B26).
+    pub fn independent(self) -> AxisMask {
+        AxisMask::from_bits(self.0 >> Self::ASYNC_MOVING_SHIFT)
+    }
+
+    /// True if all interpolated moves are finished: the buffer is empty (B5) and none is under way.
+    pub fn segments_finished(self) -> bool {
+        self.has(Self::BUFFER_EMPTY) && self.interpolating().is_empty()
     }
 
     /// Axes in an interpolated (B0 to B4) or independent (B22 to B26) move.
