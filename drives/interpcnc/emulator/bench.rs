@@ -97,6 +97,11 @@ impl Condition {
     }
 }
 
+/// Where a step begins: half a step before its middle, where the axis stands on it.
+fn edge(step: i32) -> f64 {
+    f64::from(step) - 0.5
+}
+
 /// Bit of an input, 1 to 32; 0 of any other.
 pub(super) fn input_bit(number: u32) -> u32 {
     number.checked_sub(1).and_then(|place| 1_u32.checked_shl(place)).unwrap_or(0)
@@ -168,7 +173,7 @@ impl Board {
             if cam.normally_closed {
                 inverted |= bit;
             }
-            if place >= f64::from(cam.from) && place < f64::from(cam.to) {
+            if place >= edge(cam.from) && place < edge(cam.to) {
                 pressed |= bit;
             }
         }
@@ -182,7 +187,7 @@ impl Board {
             let axis = self.axes.get(cam.axis.index()).filter(|axis| axis.moving(self.now_ns))?;
             let reached = [cam.from, cam.to]
                 .into_iter()
-                .filter_map(|edge| axis.crossing(self.now_ns, f64::from(edge)));
+                .filter_map(|step| axis.crossing(self.now_ns, edge(step)));
             reached.min()
         };
         self.surroundings.bench.cams.iter().filter_map(edges).min()

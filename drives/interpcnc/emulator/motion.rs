@@ -44,13 +44,13 @@ impl Axis {
         Self { motion: Motion::at_rest(position), ..Self::default() }
     }
 
-    /// Position counter: whole steps.
+    /// Position counter: whole steps, each from half a step before its middle on.
     #[expect(
         clippy::cast_possible_truncation,
-        reason = "rounded, and a float cast saturates as a counter may"
+        reason = "whole, and a float cast saturates as a counter may"
     )]
     pub(in crate::interpcnc) fn counter(&self, now_ns: i64) -> i32 {
-        self.motion.at(now_ns).position.round() as i32
+        (self.motion.at(now_ns).position + 0.5).floor() as i32
     }
 
     /// True while any move is in progress.
@@ -172,7 +172,7 @@ impl Axis {
     /// The motor stalls, so that the mechanics stay behind the counter, or follows again from where it stands.
     pub(super) fn set_stalled(&mut self, now_ns: i64, stalled: bool) {
         match (self.stalled, stalled) {
-            (None, true) => self.stalled = Some(self.mechanical(now_ns)),
+            (None, true) => self.stalled = Some(self.mechanical(now_ns).round()),
             (Some(held), false) => {
                 self.shift = held - self.state(now_ns).position;
                 self.stalled = None;
@@ -183,7 +183,7 @@ impl Axis {
 
     /// Power is gone: it stands, and its counter with the power is 0 again.
     pub(super) fn power_cycle(&mut self, now_ns: i64) {
-        let mechanical = self.mechanical(now_ns);
+        let mechanical = self.mechanical(now_ns).round();
         let stalled = self.stalled;
         *self = Self { shift: mechanical, stalled, ..Self::default() };
     }

@@ -2,12 +2,16 @@
 
 mod behaviour;
 mod frames;
+mod homing;
+mod limits;
 mod map;
+mod power;
 mod probe;
+mod segments;
 
 use super::{rtu::seal, *};
 use crate::interpcnc::{
-    Command, MoveProfile, parameters,
+    BoardStop, Command, ExceptionCodes, MoveProfile, parameters,
     vectors::{bytes, vector},
 };
 
