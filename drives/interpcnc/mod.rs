@@ -25,7 +25,7 @@ pub use crate::Stamp;
 pub use assumptions::{Assumptions, BaudCode, BoardStop, ExceptionCodes, OutputCode};
 pub use blocking::InterpCncDrive;
 pub use command::{AxisValues, BadCommand, Command, CommandRegisters, MoveProfile};
-pub use driver::{BoardState, InterpCnc};
+pub use driver::{BoardState, HomeAxis, Identity, InterpCnc, ProbeMove, Recipes, Snapshot};
 pub use options::{AxisOptions, InterpCncOptions, Line, Parity};
 pub use registers::{AxisMask, BoardAxis};
 pub use rehearsal::InterpCncRehearsal;

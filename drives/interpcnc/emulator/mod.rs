@@ -41,7 +41,6 @@ use homing::Homings;
 use map::Memory;
 pub(super) use motion::Axis;
 use probe::Probe;
-#[cfg(test)]
 pub(super) use rtu::seal;
 use segments::Buffer;
 pub use serve::{Wire, serve};
