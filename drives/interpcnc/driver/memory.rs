@@ -8,11 +8,10 @@ use super::{BoardState, InterpCnc};
 use crate::{
     Action, Clock, DriveError,
     interpcnc::registers::{
-        ANALOG_OUTPUT, AxisMask, ENCODER, EXTENDED_STATUS, ExtendedStatus, FIRST_DIRECTION,
-        FIRST_ENCODER_INPUT, FIRST_INPUT, FIRST_OUTPUT, FIRST_STATUS_BIT, FIRST_USER_BIT,
-        FIRST_USER_REGISTER, FIRST_USER_VALUE, KEYPAD, LOCK_COIL, MAX_ANALOG, OUTPUT_WORDS,
-        OUTPUTS, PROBE_RESULT, SNAPSHOT_REGISTERS, STATUS, Status, USER_BITS, USER_REGISTERS,
-        USER_VALUES, join, words,
+        ANALOG_OUTPUT, AxisMask, ENCODER, EXTENDED_STATUS, ExtendedStatus, FIRST_ENCODER_INPUT,
+        FIRST_INPUT, FIRST_OUTPUT, FIRST_STATUS_BIT, FIRST_USER_BIT, FIRST_USER_REGISTER,
+        FIRST_USER_VALUE, KEYPAD, LOCK_COIL, MAX_ANALOG, OUTPUT_WORDS, OUTPUTS, PROBE_RESULT,
+        SNAPSHOT_REGISTERS, STATUS, Status, USER_BITS, USER_REGISTERS, USER_VALUES, join, words,
     },
 };
 
@@ -214,18 +213,21 @@ impl InterpCnc {
         Ok(long(&registers).unwrap_or(0).cast_signed())
     }
 
-    /// Status and directions of X to B bit by bit (function 2, 2080 to 2116), as masters without function 4 read them.
+    /// Status, directions of X to B (true: positive) and encoder inputs A, B, C bit by bit (function 2, 2080 to 2119),
+    /// as masters without function 4 read them.
     ///
     /// # Errors
     /// If no proper answer comes.
     pub async fn status_bits(
         &mut self,
         clock: &dyn Clock,
-    ) -> Result<(Status, AxisMask), DriveError> {
-        let count = FIRST_DIRECTION + 5 - FIRST_STATUS_BIT;
+    ) -> Result<(Status, AxisMask, [bool; 3]), DriveError> {
+        let count = FIRST_ENCODER_INPUT + 3 - FIRST_STATUS_BIT;
         let bits = self.read_bits("status bits", FIRST_STATUS_BIT, count, false, clock).await?;
-        let (status, directions) = bits.split_at_checked(32).unwrap_or_default();
-        Ok((Status(word(status)), AxisMask::from_bits(word(directions))))
+        let (status, rest) = bits.split_at_checked(32).unwrap_or_default();
+        let (directions, encoder) = rest.split_at_checked(5).unwrap_or_default();
+        let directions = AxisMask::from_bits(word(directions));
+        Ok((Status(word(status)), directions, encoder.try_into().unwrap_or_default()))
     }
 
     /// Inputs IN1 to IN16 bit by bit (function 2), bit 0 = IN1. All 32 are in [`Self::snapshot`].
@@ -234,16 +236,6 @@ impl InterpCnc {
     /// If no proper answer comes.
     pub async fn input_bits(&mut self, clock: &dyn Clock) -> Result<u32, DriveError> {
         Ok(word(&self.read_bits("inputs", FIRST_INPUT, 16, false, clock).await?))
-    }
-
-    /// Encoder inputs A, B and C.
-    ///
-    /// # Errors
-    /// If no proper answer comes.
-    pub async fn encoder_inputs(&mut self, clock: &dyn Clock) -> Result<[bool; 3], DriveError> {
-        let what = "encoder inputs";
-        let bits = self.read_bits(what, FIRST_ENCODER_INPUT, 3, false, clock).await?;
-        Ok(bits.try_into().unwrap_or_default())
     }
 
     /// Outputs, bit 0 = OUT1, as coils (function 1).

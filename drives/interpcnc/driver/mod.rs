@@ -210,6 +210,33 @@ impl InterpCnc {
         }
     }
 
+    /// Sends a command register by register with function 6, arguments first and the number last, as the manual tells
+    /// masters that have no function 16. If it fails on the way nothing is carried out, and nothing is repeated.
+    ///
+    /// # Errors
+    /// As [`Self::send`].
+    pub async fn send_singly(
+        &mut self,
+        command: &Command,
+        clock: &dyn Clock,
+    ) -> Result<Stamp, DriveError> {
+        self.check(command)?;
+        let action = command.action();
+        let registers = command.registers();
+        let (number, arguments) = registers.split_first().unwrap_or((&0, &[]));
+        let mut stamp = Stamp::default();
+        let arguments = (COMMAND + 1..).zip(arguments);
+        for (address, value) in arguments.chain(std::iter::once((COMMAND, number))) {
+            let request = Request::WriteSingleRegister(address, *value);
+            let (answer, then) = self.settled_exchange(action, request, clock).await?;
+            if answer != Response::WriteSingleRegister(address, *value) {
+                return Err(self.distrust(action, ProtocolFault::Garbled));
+            }
+            stamp = then;
+        }
+        Ok(stamp)
+    }
+
     /// Clears "Board Locked" (command 66) and checks that it is cleared.
     ///
     /// # Errors
