@@ -5,7 +5,7 @@
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB", sections START to GOTO, "Paramètres de configuration" (ceilings).
 //! Where the manual is silent: larger speeds and rates than the ceilings are clamped to them; a ceiling of 0 for a
-//! deceleration means AccMax; STEP counts from the set-point where the axis is; targets outside the position limits are
+//! deceleration means `AccMax`; STEP counts from the set-point where the axis is; targets outside the position limits are
 //! refused where the lower is below the upper, and START then stands still on the limit; a move towards an active limit
 //! switch stops where it is.
 
