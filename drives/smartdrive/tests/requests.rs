@@ -22,7 +22,7 @@ use crate::{
     },
 };
 
-/// Runs `test` with a master of devices whose time passes by 5 ms with every command they hear.
+/// Runs `test` with a master of devices whose time passes by 25 ms with every command they hear.
 fn with_devices(devices: &[DeviceOptions], test: impl AsyncFnOnce(&mut SmartDrive)) {
     run(async {
         let (near, mut far) = duplex(4096);
@@ -40,7 +40,7 @@ fn with_devices(devices: &[DeviceOptions], test: impl AsyncFnOnce(&mut SmartDriv
                 }
                 assert_eq!(command_length(&buffer), Some(count));
                 for device in &mut devices {
-                    device.advance(5_000_000);
+                    device.advance(25_000_000);
                     if let Some(answer) = device.handle(&buffer[..count]) {
                         far.write_all(&answer).await.unwrap();
                     }
@@ -147,7 +147,7 @@ fn variables_and_outputs_are_read_and_written() {
 
 #[test]
 fn every_motion_is_made() {
-    let boot = Duration::from_millis(10);
+    let boot = Duration::from_millis(50);
     with_devices(&[DeviceOptions { boot, ..DeviceOptions::default() }], async |bus| {
         bus.set_mode(1, Some(Mode::Remote)).await.unwrap();
         let rest = async |bus: &mut SmartDrive| loop {
@@ -172,7 +172,7 @@ fn every_motion_is_made() {
         let state = bus.init(1, Init::Position).await.unwrap();
         assert_eq!((state.position, state.flags), (0, TrajectoryFlags::DONE));
         bus.reset(1, false).await.unwrap();
-        // The device's time passes with what it hears, 5 ms with each: the first that it answers is the second.
+        // The device's time passes with what it hears, 25 ms with each: the first that it answers is the second.
         let silent = bus.step(1, 0, None).await;
         assert!(matches!(silent, Err(DriveError::Timeout { .. })), "{silent:?}");
         assert_eq!(bus.state(1, &no_clock).await.unwrap().0.mode, 0);
