@@ -9,10 +9,7 @@ use std::{
 
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 
-/// What a board can hang on.
-pub(crate) trait Transport: AsyncRead + AsyncWrite + Unpin + Send {}
-
-impl<T: AsyncRead + AsyncWrite + Unpin + Send> Transport for T {}
+use crate::transport::Transport;
 
 /// One of several handles on a transport. Only one of them is used at a time: a client is dropped before the port
 /// it leaves behind is cleared and handed to its successor.

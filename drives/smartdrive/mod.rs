@@ -5,7 +5,9 @@
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB".
 
+mod blocking;
 mod command;
+mod driver;
 pub mod emulator;
 mod follow;
 pub mod frame;
@@ -13,13 +15,19 @@ mod motion;
 mod options;
 pub mod parameters;
 mod rehearsal;
+mod requests;
 mod status;
+#[cfg(test)]
+mod tests;
 mod units;
 #[cfg(test)]
 mod vectors;
 
+pub use blocking::SmartDriveBus;
 pub use command::{Command, Init, IoUpdate, LoadSource, Mode};
+pub use driver::SmartDrive;
 pub use options::{ADDRESSES, AxisOptions, BAUD, SmartDriveOptions, wire_time};
 pub use rehearsal::{BusDelays, SmartDriveRehearsal};
+pub use requests::{DriveState, IoState, ParameterValue};
 pub use status::{Alarms, RejectCode, Status, TagLayout, TrajectoryFlags};
 pub use units::StepsPerTurn;
