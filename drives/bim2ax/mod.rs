@@ -5,6 +5,7 @@
 mod axis;
 pub mod bits;
 mod describe;
+mod drive;
 mod driver;
 pub mod emulator;
 mod follow;
@@ -22,6 +23,7 @@ pub use axis::{
     AxisSettings, Bench, Contact, EncoderBench, EncoderKind, MOST_POSITION, REFERENCES,
 };
 pub(crate) use describe::{describe_card, describe_messages};
+pub use drive::{Bim2AxDrive, Bim2AxDriveOptions};
 pub use driver::{Bim2Ax, Bim2AxOptions, BusStamp, Identity, Move, Start};
 pub use memory::{
     ByteOrder, FILE_LENGTH, MappedMemory, Memory, MemoryFile, SharedModule, file_offset,

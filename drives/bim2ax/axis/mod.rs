@@ -148,6 +148,7 @@ impl Axis {
     }
 
     /// The time, ns.
+    #[cfg(test)]
     pub(crate) fn now_ns(&self) -> i64 {
         self.now_ns
     }
@@ -160,11 +161,6 @@ impl Axis {
     /// "Position théorique", µsteps.
     pub(crate) fn counter(&self) -> i32 {
         saturated(self.count(self.now_ns))
-    }
-
-    /// The counter when the present leg ends by itself, and when, ns.
-    pub(crate) fn leg_end_ns(&self) -> i64 {
-        self.motion.end_ns()
     }
 
     /// True while an order is being carried out.

@@ -3,7 +3,7 @@
 use super::{Module, RAM_LENGTH, ZONES_AT_ONCE};
 use crate::bim2ax::{
     AXES, ModuleAxis,
-    axis::AxisOrder,
+    axis::{Axis, AxisOrder},
     memory::{
         ENTRIES, HOST_PAGE, INTERRUPT_STATUS, MODULE_PAGE, RECEIPT_ORDERS, RECEIPT_PARAMETER,
         RECEIPTS, WINDOW_LENGTH, ZONES,
@@ -113,12 +113,11 @@ impl Module {
         let axes = [one, two];
         match zone {
             ReadZone::Positions => {
-                let (positions, messages) =
-                    (axes.map(|axis| axis.counter()), axes.map(|axis| axis.messages()));
+                let (positions, messages) = (axes.map(Axis::counter), axes.map(Axis::messages));
                 Positions { positions, messages }.encode(order)
             }
             ReadZone::Acknowledgements => {
-                let (uc, bloc) = (axes.map(|axis| axis.ack_uc()), axes.map(|axis| axis.ack_bloc()));
+                let (uc, bloc) = (axes.map(Axis::ack_uc), axes.map(Axis::ack_bloc));
                 Orders { uc, bloc }.encode(order)
             }
             ReadZone::Parameter => {
