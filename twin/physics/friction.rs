@@ -68,6 +68,9 @@ impl FrictionParameters {
 /// Slower than this, rounding included, a part is at rest, m/s or rad/s.
 pub(super) const REST: f64 = 1e-12;
 
+/// A part that breaks away begins with this velocity, so that it is known to move; nobody could measure it, m/s or rad/s.
+pub(super) const START: f64 = 2.0 * REST;
+
 /// What dry friction does over a short time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum DryFriction {
@@ -75,28 +78,25 @@ pub(super) enum DryFriction {
     None,
     /// Opposes motion in this direction.
     Slides(f64),
-    /// Has this force, which holds the part.
-    Sticks(f64),
+    /// Gives whatever holds the part.
+    Sticks,
 }
 
 impl DryFriction {
-    /// From the force that stops as much motion as `most` can.
-    pub(super) fn of_force(force: f64, most: f64) -> Self {
-        if most <= 0.0 {
-            Self::None
-        } else if force.abs() < most {
-            Self::Sticks(force)
-        } else {
-            Self::Slides(-force.signum())
-        }
+    /// Of a part at rest that `force` would hold, where there is no more than `most`.
+    pub(super) fn at_rest(force: f64, most: f64) -> Self {
+        if force.abs() < most { Self::Sticks } else { Self::Slides(-force.signum()) }
     }
 
-    /// The force at `velocity`, viscous friction included.
+    pub(super) fn sticks(self) -> bool {
+        self == Self::Sticks
+    }
+
+    /// The force at `velocity`, viscous friction included, but for what holds a part that sticks.
     pub(super) fn force(self, velocity: f64, friction: &FrictionParameters) -> f64 {
         let dry = match self {
-            Self::None => 0.0,
+            Self::None | Self::Sticks => 0.0,
             Self::Slides(direction) => -direction * friction.dry(velocity),
-            Self::Sticks(force) => force,
         };
         dry - friction.viscous * velocity
     }

@@ -9,14 +9,11 @@ use twin_kinematics::MAX_AXES;
 use super::dynamics::{JointVector, at};
 use super::equation::Equation;
 use super::friction::FrictionParameters;
-use super::settle::{Dry, Settled};
+use super::settle::{Dry, Holding, Settled};
 use super::transmission::ElasticTransmission;
 
 /// How often something may stop in one step; beyond that, what goes on is as it would be without.
 const MOST_STOPS: usize = 16;
-
-/// Corrections of the time at which something stops.
-const CORRECTIONS: usize = 2;
 
 /// Positions and velocities of all axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -144,7 +141,16 @@ pub(super) struct Step<'a, M: ?Sized> {
     /// Whether there is dry friction.
     pub(super) dry: bool,
     /// s.
-    dt: f64,
+    pub(super) dt: f64,
+}
+
+/// What pushes the axes and motors at some time, N or Nm.
+pub(super) struct Pushed {
+    pub(super) axes: JointVector,
+    /// Only of motors behind springs.
+    pub(super) motors: JointVector,
+    /// The efforts of all motors.
+    effort: JointVector,
 }
 
 /// Where a part of a step ends.
@@ -153,6 +159,8 @@ pub(super) struct Arrival {
     effort: JointVector,
     /// How everything changed at its beginning.
     pub(super) first: MachineState,
+    /// What holds what sticks.
+    pub(super) holding: Holding,
 }
 
 /// The state after `dt` (s) with `motors` at work and a `disturbance` of the axes, and the mean efforts of the motors on the way; `None` if some axis moves no inertia, or where the
@@ -173,24 +181,11 @@ pub(super) fn advance(
     let (mut state, mut from) = (*state, 0.0);
     let mut effort = JointVector::zeros();
     for stops in 0..=MOST_STOPS {
-        let settled = step.settle(&state, Stage::new(from), (1.0 - from) * dt)?;
+        let settled = step.settle(&mut state, Stage::new(from))?;
         let mut until = 1.0;
         let mut arrival = step.take(&state, &settled, from, until)?;
-        if stops < MOST_STOPS
-            && let Some((stop, part)) =
-                settled.first_stop(trains, &state, &arrival, (until - from) * dt)
-        {
-            until = from + part * (until - from);
-            arrival = step.take(&state, &settled, from, until)?;
-            for _ in 0..CORRECTIONS {
-                let late = stop.value(&arrival.state) / stop.rate(&arrival.first);
-                if !late.is_finite() {
-                    break;
-                }
-                until = (until - late / dt).clamp(from, 1.0);
-                arrival = step.take(&state, &settled, from, until)?;
-            }
-            stop.stop(&mut arrival.state);
+        if stops < MOST_STOPS {
+            until = step.stop(&state, &settled, &mut arrival, from)?;
         }
         effort += arrival.effort * (until - from);
         (state, from) = (arrival.state, until);
@@ -206,7 +201,7 @@ pub(super) fn advance(
 
 impl<M: Motors + ?Sized> Step<'_, M> {
     /// From `state` through the part of the step between `from` and `until`.
-    fn take(
+    pub(super) fn take(
         &mut self,
         state: &MachineState,
         settled: &Settled,
@@ -228,9 +223,9 @@ impl<M: Motors + ?Sized> Step<'_, M> {
             let mean = JointState::mean(slopes.map(|slope| &slope.motors));
             next.motors = self.motors_of(&next.axes, &state.motors.moved(&mean, dt));
         }
-        settled.stand_still(self.trains, state, &mut next, dt);
         let effort = (effort + (effort_2 + effort_3) * 2.0 + effort_4) / 6.0;
-        Some(Arrival { state: next, effort, first })
+        let holding = self.holding(end, &next, dry)?;
+        Some(Arrival { state: next, effort, first, holding })
     }
 
     /// `motors` where there are elastic transmissions, and the axes elsewhere.
@@ -247,19 +242,42 @@ impl<M: Motors + ?Sized> Step<'_, M> {
     }
 
     /// How everything changes at `state`, and the efforts of the motors.
-    pub(super) fn slope(
+    fn slope(
         &mut self,
         stage: Stage,
         state: &MachineState,
         dry: &Dry,
     ) -> Option<(MachineState, JointVector)> {
+        let pushed = self.pushed(stage, state, dry);
+        let MachineState { axes, motors } = state;
+        let acceleration = if dry.axes_stick() {
+            self.held(axes, &pushed.axes, dry)?.0
+        } else {
+            self.equation.acceleration(&axes.position, &axes.velocity, &pushed.axes)?
+        };
+        let mut faster = pushed.motors;
+        let rows = faster.iter_mut().zip(self.trains).zip(&dry.motors);
+        for ((faster, train), dry) in rows {
+            *faster = match &train.elastic {
+                Some(elastic) if !dry.sticks() => *faster / elastic.inertia,
+                _ => 0.0,
+            };
+        }
+        let slope = MachineState {
+            axes: JointState { position: axes.velocity, velocity: acceleration },
+            motors: JointState { position: motors.velocity, velocity: faster },
+        };
+        Some((slope, pushed.effort))
+    }
+
+    /// What pushes everything at `state`, but for what holds what sticks.
+    pub(super) fn pushed(&self, stage: Stage, state: &MachineState, dry: &Dry) -> Pushed {
         let MachineState { axes, motors } = state;
         let motors = if self.elastic { self.motors_of(axes, motors) } else { *axes };
         let effort = self.motors.efforts(stage, &motors);
-        let mut at_axes = effort;
-        let mut faster = JointVector::zeros();
-        let rows = at_axes.iter_mut().zip(faster.iter_mut()).zip(self.trains);
-        for (axis, (((at_axis, faster), train), (dry, dry_motor))) in
+        let mut pushed = Pushed { axes: effort, motors: JointVector::zeros(), effort };
+        let rows = pushed.axes.iter_mut().zip(pushed.motors.iter_mut()).zip(self.trains);
+        for (axis, (((at_axis, at_motor), train), (dry, dry_motor))) in
             rows.zip(dry.axes.iter().zip(&dry.motors)).enumerate()
         {
             let velocity = at(&axes.velocity, axis);
@@ -268,17 +286,12 @@ impl<M: Motors + ?Sized> Step<'_, M> {
                 let twist = at(&motors.position, axis) - at(&axes.position, axis);
                 let passed = elastic.transmission.effort(twist, motor_velocity - velocity);
                 let friction = dry_motor.force(motor_velocity, &elastic.friction);
-                *faster = (*at_axis - passed + friction) / elastic.inertia;
+                *at_motor = *at_axis - passed + friction;
                 *at_axis = passed;
             }
             *at_axis += dry.force(velocity, &train.friction);
         }
-        at_axes += self.disturbance;
-        let acceleration = self.equation.acceleration(&axes.position, &axes.velocity, &at_axes)?;
-        let slope = MachineState {
-            axes: JointState { position: axes.velocity, velocity: acceleration },
-            motors: JointState { position: motors.velocity, velocity: faster },
-        };
-        Some((slope, effort))
+        pushed.axes += self.disturbance;
+        pushed
     }
 }

@@ -33,13 +33,21 @@ impl ElasticTransmission {
         if backlash <= 0.0 {
             return stiffness * twist + damping * rate;
         }
+        let (side, push) = self.push(twist, rate);
+        side * push.max(0.0)
+    }
+
+    /// Which side of the teeth is wound up (1 where the motor drives upwards, 0 within the play), and what spring and damping make of
+    /// that: less than 0 where teeth do not push because they part faster than the spring unwinds.
+    pub(super) fn push(&self, twist: f64, rate: f64) -> (f64, f64) {
+        let Self { stiffness, damping, backlash } = *self;
         let wound = twist - twist.clamp(-0.5 * backlash, 0.5 * backlash);
         if wound == 0.0 {
-            return 0.0;
+            return (0.0, 0.0);
         }
-        let engaged = (wound.abs() / (ONSET * backlash)).min(1.0);
-        let effort = stiffness * wound + damping * engaged * rate;
-        if effort * wound > 0.0 { effort } else { 0.0 }
+        let (side, wound) = (wound.signum(), wound.abs());
+        let engaged = (wound / (ONSET * backlash)).min(1.0);
+        (side, stiffness * wound + damping * engaged * rate * side)
     }
 
     /// How far the motor is ahead of the axis where another law begins; none without backlash.

@@ -1,0 +1,238 @@
+//! Where a step has to end because another law holds from there on: where something comes to rest or breaks away, where teeth with
+//! play between them meet or part, and where they cease to push.
+//!
+//! Each of these is where a number that goes on smoothly turns its sign. Part of the step is taken again and again until it ends
+//! there: false position by the last two ends.
+
+use twin_kinematics::MAX_AXES;
+
+use super::dynamics::{JointVector, at};
+use super::friction::{DryFriction, REST, START};
+use super::integrate::{Arrival, MachineState, Motors, Stage, Step, Train};
+use super::settle::{Holding, Settled};
+
+/// Ends tried for one stop; three or four do.
+const MOST_ENDS: usize = 12;
+
+/// As near to it as this part of the step is there.
+const THERE: f64 = 1e-10;
+
+/// What is as little of what it becomes has turned its sign before.
+const NOTHING: f64 = 1e-7;
+
+/// Something after which another law holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Stop {
+    /// An axis comes to rest.
+    Axis(usize),
+    /// So does a motor.
+    Motor(usize),
+    /// What holds an axis that sticks is more than this (N or Nm).
+    AxisBreaks(usize, f64),
+    /// The same of a motor.
+    MotorBreaks(usize, f64),
+    /// The teeth of a transmission meet, or are all there, where the motor is so far ahead of the axis (m or rad).
+    Teeth(usize, f64),
+    /// Teeth that are wound up cease to push, or begin again.
+    Push(usize),
+}
+
+impl Stop {
+    /// What is 0 there: a velocity, what friction has left, how far teeth are from each other, or what they push with.
+    fn value(&self, trains: &[Train; MAX_AXES], state: &MachineState, holding: &Holding) -> f64 {
+        match *self {
+            Self::Axis(axis) => at(&state.axes.velocity, axis),
+            Self::Motor(axis) => at(&state.motors.velocity, axis),
+            Self::AxisBreaks(axis, most) => most - at(&holding.axes, axis).abs(),
+            Self::MotorBreaks(axis, most) => most - at(&holding.motors, axis).abs(),
+            Self::Teeth(axis, edge) => twist(state, axis) - edge,
+            Self::Push(axis) => push(trains, state, axis).1,
+        }
+    }
+
+    /// How fast that changes where everything changes like `slope`, if that is known.
+    fn rate(&self, slope: &MachineState) -> Option<f64> {
+        match *self {
+            Self::Axis(axis) => Some(at(&slope.axes.velocity, axis)),
+            Self::Motor(axis) => Some(at(&slope.motors.velocity, axis)),
+            Self::Teeth(axis, _) => Some(twist(slope, axis)),
+            Self::AxisBreaks(..) | Self::MotorBreaks(..) | Self::Push(_) => None,
+        }
+    }
+
+    /// Takes from a part that comes to rest what is left of its velocity, and lets one that breaks away begin.
+    fn happen(&self, arrival: &mut Arrival) {
+        let Arrival { state, holding, .. } = arrival;
+        let start = |forces: &JointVector, axis| -START * at(forces, axis).signum();
+        let (slot, value) = match *self {
+            Self::Axis(axis) => (state.axes.velocity.get_mut(axis), 0.0),
+            Self::Motor(axis) => (state.motors.velocity.get_mut(axis), 0.0),
+            Self::AxisBreaks(axis, _) => {
+                (state.axes.velocity.get_mut(axis), start(&holding.axes, axis))
+            }
+            Self::MotorBreaks(axis, _) => {
+                (state.motors.velocity.get_mut(axis), start(&holding.motors, axis))
+            }
+            Self::Teeth(..) | Self::Push(_) => return,
+        };
+        if let Some(velocity) = slot {
+            *velocity = value;
+        }
+    }
+}
+
+/// How far the motor of `axis` is ahead of it.
+fn twist(state: &MachineState, axis: usize) -> f64 {
+    at(&state.motors.position, axis) - at(&state.axes.position, axis)
+}
+
+/// Which side of the teeth of `axis` is wound up, and what it pushes with.
+fn push(trains: &[Train; MAX_AXES], state: &MachineState, axis: usize) -> (f64, f64) {
+    let elastic = trains.get(axis).and_then(|train| train.elastic.as_ref());
+    let rate = at(&state.motors.velocity, axis) - at(&state.axes.velocity, axis);
+    elastic.map_or((0.0, 0.0), |elastic| elastic.transmission.push(twist(state, axis), rate))
+}
+
+impl<M: Motors + ?Sized> Step<'_, M> {
+    /// Takes the part of the step from `from`, of which `arrival` is the end, only as far as the first stop on the way, which happens
+    /// there. Where in the step that is.
+    pub(super) fn stop(
+        &mut self,
+        state: &MachineState,
+        settled: &Settled,
+        arrival: &mut Arrival,
+        from: f64,
+    ) -> Option<f64> {
+        let (mut until, mut known) = (1.0, None);
+        // Another one may have happened before what seemed to be the first.
+        for _ in 0..MAX_AXES {
+            let first = self.first_stop(state, settled, arrival, (until - from, known));
+            let Some((stop, part)) = first else { break };
+            let guess = from + part * (until - from);
+            until = self.find(&stop, (state, settled), arrival, [from, guess, until])?;
+            known = Some(stop);
+        }
+        if let Some(stop) = known {
+            stop.happen(arrival);
+        }
+        Some(until)
+    }
+
+    /// Where between `from` and `until`, at about `guess`, the `stop` is that `arrival` is behind, which ends there from now on.
+    fn find(
+        &mut self,
+        stop: &Stop,
+        (state, settled): (&MachineState, &Settled),
+        arrival: &mut Arrival,
+        [from, guess, until]: [f64; 3],
+    ) -> Option<f64> {
+        let trains = self.trains;
+        let before = stop.value(trains, state, &settled.holding);
+        let after = stop.value(trains, &arrival.state, &arrival.holding);
+        let (mut early, mut late) = (from, until);
+        let (mut end, mut last) = (guess, (until, after));
+        if before.abs() < after.abs() {
+            last = (from, before);
+        }
+        for _ in 0..MOST_ENDS {
+            *arrival = self.take(state, settled, from, end)?;
+            let value = stop.value(trains, &arrival.state, &arrival.holding);
+            if value * before > 0.0 {
+                early = end;
+            } else {
+                late = end;
+            }
+            let mut next = end - value * (end - last.0) / (value - last.1);
+            if value == 0.0 || (next - end).abs() <= THERE {
+                break;
+            }
+            if !(next > early && next < late) {
+                next = 0.5 * (early + late);
+            }
+            last = (end, value);
+            end = next;
+        }
+        Some(end)
+    }
+
+    /// What stops first between `state` and `arrival`, a `part` of the step later, and at which part of the way; other than what is
+    /// `known` to stop at the end. Only what was moving can come to rest.
+    fn first_stop(
+        &self,
+        state: &MachineState,
+        settled: &Settled,
+        arrival: &Arrival,
+        (part, known): (f64, Option<Stop>),
+    ) -> Option<(Stop, f64)> {
+        let mut first: Option<(Stop, f64)> = None;
+        let mut see = |stop: Stop, happens: fn(f64, f64) -> bool| {
+            let before = stop.value(self.trains, state, &settled.holding);
+            let after = stop.value(self.trains, &arrival.state, &arrival.holding);
+            if !happens(before, after) || known == Some(stop) {
+                return;
+            }
+            let rate = stop.rate(&arrival.first);
+            let straight = before / (before - after);
+            let part = rate.map_or(straight, |rate| crossing(before, after, rate * part * self.dt));
+            if first.is_none_or(|(_, earliest)| part < earliest) {
+                first = Some((stop, part));
+            }
+        };
+        for (axis, train) in self.trains.iter().enumerate() {
+            let friction = Some((settled.dry.axes.get(axis), &train.friction));
+            let of_motor = train.elastic.as_ref();
+            let of_motor =
+                of_motor.map(|elastic| (settled.dry.motors.get(axis), &elastic.friction));
+            let sides: [(_, Stop, fn(usize, f64) -> Stop); 2] = [
+                (friction, Stop::Axis(axis), Stop::AxisBreaks),
+                (of_motor, Stop::Motor(axis), Stop::MotorBreaks),
+            ];
+            for (side, stops, breaks) in sides {
+                match side {
+                    Some((Some(DryFriction::Slides(_)), _)) => see(stops, comes_to_rest),
+                    Some((Some(DryFriction::Sticks), friction)) => {
+                        see(breaks(axis, friction.dry(0.0)), is_used_up);
+                    }
+                    _ => {}
+                }
+            }
+            let Some(elastic) = &train.elastic else { continue };
+            for edge in elastic.transmission.edges() {
+                see(Stop::Teeth(axis, edge), turns);
+            }
+            if elastic.transmission.backlash > 0.0 {
+                let [before, after] =
+                    [state, &arrival.state].map(|state| push(self.trains, state, axis).0);
+                if before * after > 0.0 {
+                    see(Stop::Push(axis), turns);
+                }
+            }
+        }
+        first
+    }
+}
+
+fn comes_to_rest(before: f64, after: f64) -> bool {
+    before.abs() > REST && before * after < 0.0
+}
+
+fn is_used_up(before: f64, after: f64) -> bool {
+    before > 0.0 && after < 0.0
+}
+
+fn turns(before: f64, after: f64) -> bool {
+    before * after < 0.0 && before.abs() > NOTHING * after.abs()
+}
+
+/// Where a number that goes from `before` to `after`, at first by `slope` per way, is 0: on the parabola through these.
+fn crossing(before: f64, after: f64, slope: f64) -> f64 {
+    let straight = before / (before - after);
+    let bend = after - before - slope;
+    let root = slope * slope - 4.0 * bend * before;
+    if root < 0.0 {
+        return straight;
+    }
+    // The root that the straight line becomes as the bend goes.
+    let part = -2.0 * before / (slope - before.signum() * root.sqrt());
+    if (0.0..=1.0).contains(&part) { part } else { straight }
+}
