@@ -68,8 +68,8 @@ impl FrictionParameters {
 /// Slower than this, rounding included, a part is at rest, m/s or rad/s.
 pub(super) const REST: f64 = 1e-12;
 
-/// A part that breaks away begins with this velocity, so that it is known to move; nobody could measure it, m/s or rad/s.
-pub(super) const START: f64 = 2.0 * REST;
+/// The part of the most that holds which has to be left for a part to be held: more than what rounding leaves where it breaks away.
+const LEFT: f64 = 1e-9;
 
 /// What dry friction does over a short time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,7 +85,7 @@ pub(super) enum DryFriction {
 impl DryFriction {
     /// Of a part at rest that `force` would hold, where there is no more than `most`.
     pub(super) fn at_rest(force: f64, most: f64) -> Self {
-        if force.abs() < most { Self::Sticks } else { Self::Slides(-force.signum()) }
+        if force.abs() < most * (1.0 - LEFT) { Self::Sticks } else { Self::Slides(-force.signum()) }
     }
 
     pub(super) fn sticks(self) -> bool {

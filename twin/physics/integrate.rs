@@ -156,6 +156,8 @@ pub(super) struct Pushed {
 /// Where a part of a step ends.
 pub(super) struct Arrival {
     pub(super) state: MachineState,
+    /// At this part of the step.
+    pub(super) until: f64,
     effort: JointVector,
     /// How everything changed at its beginning.
     pub(super) first: MachineState,
@@ -225,7 +227,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         }
         let effort = (effort + (effort_2 + effort_3) * 2.0 + effort_4) / 6.0;
         let holding = self.holding(end, &next, dry)?;
-        Some(Arrival { state: next, effort, first, holding })
+        Some(Arrival { state: next, until, effort, first, holding })
     }
 
     /// `motors` where there are elastic transmissions, and the axes elsewhere.

@@ -7,7 +7,7 @@
 use twin_kinematics::MAX_AXES;
 
 use super::dynamics::{JointMatrix, JointVector, at};
-use super::friction::{DryFriction, FrictionParameters, REST, START};
+use super::friction::{DryFriction, FrictionParameters, REST};
 use super::integrate::{JointState, MachineState, Motors, Stage, Step};
 use super::linear::solve;
 
@@ -56,8 +56,7 @@ pub(super) struct Settled {
 }
 
 impl<M: Motors + ?Sized> Step<'_, M> {
-    /// What dry friction does from `state` on, at `stage` of the step. What sticks is at rest from now on, and what breaks away is
-    /// not.
+    /// What dry friction does from `state` on, at `stage` of the step. What stands is at rest from now on.
     pub(super) fn settle(&mut self, state: &mut MachineState, stage: Stage) -> Option<Settled> {
         let mut settled = Settled { dry: Dry::NONE, holding: Holding::none() };
         if !self.dry {
@@ -172,10 +171,7 @@ fn begin(
     let rows = state.velocity.iter_mut().zip(dry).zip(forces.iter().zip(limits));
     for ((velocity, dry), (force, most)) in rows.filter(|(_, (_, most))| **most > 0.0) {
         *dry = DryFriction::at_rest(*force, *most);
-        *velocity = match dry {
-            DryFriction::Slides(direction) => START * *direction,
-            DryFriction::None | DryFriction::Sticks => 0.0,
-        };
+        *velocity = 0.0;
     }
 }
 

@@ -6,9 +6,9 @@
 
 use twin_kinematics::MAX_AXES;
 
-use super::dynamics::{JointVector, at};
-use super::friction::{DryFriction, REST, START};
-use super::integrate::{Arrival, MachineState, Motors, Stage, Step, Train};
+use super::dynamics::at;
+use super::friction::{DryFriction, REST};
+use super::integrate::{Arrival, MachineState, Motors, Step, Train};
 use super::settle::{Holding, Settled};
 
 /// Ends tried for one stop; three or four do.
@@ -16,6 +16,9 @@ const MOST_ENDS: usize = 12;
 
 /// As near to it as this part of the step is there.
 const THERE: f64 = 1e-10;
+
+/// And where no more than this is left, m, m/s or N; whatever rounding leaves.
+const NOUGHT: f64 = 1e-13;
 
 /// What is as little of what it becomes has turned its sign before.
 const NOTHING: f64 = 1e-7;
@@ -60,23 +63,15 @@ impl Stop {
         }
     }
 
-    /// Takes from a part that comes to rest what is left of its velocity, and lets one that breaks away begin.
-    fn happen(&self, arrival: &mut Arrival) {
-        let Arrival { state, holding, .. } = arrival;
-        let start = |forces: &JointVector, axis| -START * at(forces, axis).signum();
-        let (slot, value) = match *self {
-            Self::Axis(axis) => (state.axes.velocity.get_mut(axis), 0.0),
-            Self::Motor(axis) => (state.motors.velocity.get_mut(axis), 0.0),
-            Self::AxisBreaks(axis, _) => {
-                (state.axes.velocity.get_mut(axis), start(&holding.axes, axis))
-            }
-            Self::MotorBreaks(axis, _) => {
-                (state.motors.velocity.get_mut(axis), start(&holding.motors, axis))
-            }
-            Self::Teeth(..) | Self::Push(_) => return,
+    /// Takes from a part that comes to rest what is left of its velocity.
+    fn happen(&self, state: &mut MachineState) {
+        let velocity = match *self {
+            Self::Axis(axis) => state.axes.velocity.get_mut(axis),
+            Self::Motor(axis) => state.motors.velocity.get_mut(axis),
+            _ => None,
         };
-        if let Some(velocity) = slot {
-            *velocity = value;
+        if let Some(velocity) = velocity {
+            *velocity = 0.0;
         }
     }
 }
@@ -113,7 +108,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
             known = Some(stop);
         }
         if let Some(stop) = known {
-            stop.happen(arrival);
+            stop.happen(&mut arrival.state);
         }
         Some(until)
     }
@@ -137,13 +132,16 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         for _ in 0..MOST_ENDS {
             *arrival = self.take(state, settled, from, end)?;
             let value = stop.value(trains, &arrival.state, &arrival.holding);
+            if value.abs() <= NOUGHT {
+                break;
+            }
             if value * before > 0.0 {
                 early = end;
             } else {
                 late = end;
             }
             let mut next = end - value * (end - last.0) / (value - last.1);
-            if value == 0.0 || (next - end).abs() <= THERE {
+            if (next - end).abs() <= THERE {
                 break;
             }
             if !(next > early && next < late) {
@@ -152,7 +150,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
             last = (end, value);
             end = next;
         }
-        Some(end)
+        Some(arrival.until)
     }
 
     /// What stops first between `state` and `arrival`, a `part` of the step later, and at which part of the way; other than what is
@@ -221,7 +219,7 @@ fn is_used_up(before: f64, after: f64) -> bool {
 }
 
 fn turns(before: f64, after: f64) -> bool {
-    before * after < 0.0 && before.abs() > NOTHING * after.abs()
+    before * after < 0.0 && before.abs() > NOUGHT.max(NOTHING * after.abs())
 }
 
 /// Where a number that goes from `before` to `after`, at first by `slope` per way, is 0: on the parabola through these.
