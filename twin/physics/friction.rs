@@ -36,6 +36,9 @@ impl FrictionParameters {
             return self.coulomb;
         }
         let ratio = velocity / self.stribeck_velocity.max(f64::MIN_POSITIVE);
+        if ratio.abs() > FALLEN {
+            return self.coulomb;
+        }
         self.coulomb + more * (-ratio * ratio).exp()
     }
 
@@ -64,6 +67,9 @@ impl FrictionParameters {
         ]
     }
 }
+
+/// At so many Stribeck velocities rounding takes what is left above Coulomb friction: e⁻⁴⁹.
+const FALLEN: f64 = 7.0;
 
 /// Slower than this, rounding included, a part is at rest, m/s or rad/s.
 pub(super) const REST: f64 = 1e-12;

@@ -129,6 +129,27 @@ impl Train {
     }
 }
 
+/// Which axes are behind springs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Springs {
+    None,
+    Some,
+    All,
+}
+
+impl Springs {
+    fn of(trains: &[Train]) -> Self {
+        let is_elastic = |train: &Train| train.elastic.is_some();
+        if trains.iter().all(is_elastic) {
+            Self::All
+        } else if trains.iter().any(is_elastic) {
+            Self::Some
+        } else {
+            Self::None
+        }
+    }
+}
+
 /// A machine in a step.
 pub(super) struct Step<'a, M: ?Sized> {
     pub(super) equation: &'a mut Equation,
@@ -136,8 +157,9 @@ pub(super) struct Step<'a, M: ?Sized> {
     motors: &'a M,
     /// What else pushes the axes, N or Nm.
     disturbance: &'a JointVector,
-    /// Whether there are springs.
-    pub(super) elastic: bool,
+    /// How many axes there are.
+    pub(super) axes: usize,
+    springs: Springs,
     /// Whether there is dry friction.
     pub(super) dry: bool,
     /// s.
@@ -174,12 +196,13 @@ pub(super) fn advance(
     (motors, disturbance): (&(impl Motors + ?Sized), &JointVector),
     dt: f64,
 ) -> Option<(MachineState, JointVector)> {
-    let elastic = trains.iter().any(|train| train.elastic.is_some());
+    let axes = equation.axis_count();
+    let springs = Springs::of(trains.get(..axes).unwrap_or(trains));
     let is_dry = |train: &Train| {
         train.friction.is_dry() || train.elastic.is_some_and(|elastic| elastic.friction.is_dry())
     };
     let dry = trains.iter().any(is_dry);
-    let mut step = Step { equation, trains, motors, disturbance, elastic, dry, dt };
+    let mut step = Step { equation, trains, motors, disturbance, axes, springs, dry, dt };
     let (mut state, mut from) = (*state, 0.0);
     let mut effort = JointVector::zeros();
     for stops in 0..=MOST_STOPS {
@@ -195,7 +218,7 @@ pub(super) fn advance(
             break;
         }
     }
-    if !elastic {
+    if springs == Springs::None {
         state.motors = state.axes;
     }
     Some((state, effort))
@@ -221,9 +244,12 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         let slopes = [&first, &second, &third, &fourth];
         let mut next = *state;
         next.axes = state.axes.moved(&JointState::mean(slopes.map(|slope| &slope.axes)), dt);
-        if self.elastic {
+        if self.springs != Springs::None {
             let mean = JointState::mean(slopes.map(|slope| &slope.motors));
-            next.motors = self.motors_of(&next.axes, &state.motors.moved(&mean, dt));
+            next.motors = state.motors.moved(&mean, dt);
+            if self.springs == Springs::Some {
+                next.motors = self.motors_of(&next.axes, &next.motors);
+            }
         }
         let effort = (effort + (effort_2 + effort_3) * 2.0 + effort_4) / 6.0;
         let holding = self.holding(end, &next, dry)?;
@@ -252,14 +278,14 @@ impl<M: Motors + ?Sized> Step<'_, M> {
     ) -> Option<(MachineState, JointVector)> {
         let pushed = self.pushed(stage, state, dry);
         let MachineState { axes, motors } = state;
-        let acceleration = if dry.axes_stick() {
+        let acceleration = if dry.axes_stick {
             self.held(axes, &pushed.axes, dry)?.0
         } else {
             self.equation.acceleration(&axes.position, &axes.velocity, &pushed.axes)?
         };
         let mut faster = pushed.motors;
         let rows = faster.iter_mut().zip(self.trains).zip(&dry.motors);
-        for ((faster, train), dry) in rows {
+        for ((faster, train), dry) in rows.take(self.axes) {
             *faster = match &train.elastic {
                 Some(elastic) if !dry.sticks() => *faster / elastic.inertia,
                 _ => 0.0,
@@ -273,14 +299,23 @@ impl<M: Motors + ?Sized> Step<'_, M> {
     }
 
     /// What pushes everything at `state`, but for what holds what sticks.
+    #[inline]
     pub(super) fn pushed(&self, stage: Stage, state: &MachineState, dry: &Dry) -> Pushed {
         let MachineState { axes, motors } = state;
-        let motors = if self.elastic { self.motors_of(axes, motors) } else { *axes };
-        let effort = self.motors.efforts(stage, &motors);
+        let mixed;
+        let motors = match self.springs {
+            Springs::None => axes,
+            Springs::All => motors,
+            Springs::Some => {
+                mixed = self.motors_of(axes, motors);
+                &mixed
+            }
+        };
+        let effort = self.motors.efforts(stage, motors);
         let mut pushed = Pushed { axes: effort, motors: JointVector::zeros(), effort };
         let rows = pushed.axes.iter_mut().zip(pushed.motors.iter_mut()).zip(self.trains);
         for (axis, (((at_axis, at_motor), train), (dry, dry_motor))) in
-            rows.zip(dry.axes.iter().zip(&dry.motors)).enumerate()
+            rows.zip(dry.axes.iter().zip(&dry.motors)).enumerate().take(self.axes)
         {
             let velocity = at(&axes.velocity, axis);
             if let Some(elastic) = &train.elastic {

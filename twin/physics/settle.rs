@@ -19,20 +19,18 @@ const MAX_SWEEPS: usize = 100;
 pub(super) struct Dry {
     pub(super) axes: [DryFriction; MAX_AXES],
     pub(super) motors: [DryFriction; MAX_AXES],
+    /// Whether any of them sticks.
+    pub(super) axes_stick: bool,
+    pub(super) motors_stick: bool,
 }
 
 impl Dry {
-    const NONE: Self =
-        Self { axes: [DryFriction::None; MAX_AXES], motors: [DryFriction::None; MAX_AXES] };
-
-    /// Whether any axis sticks.
-    pub(super) fn axes_stick(&self) -> bool {
-        self.axes.iter().any(|dry| dry.sticks())
-    }
-
-    fn motors_stick(&self) -> bool {
-        self.motors.iter().any(|dry| dry.sticks())
-    }
+    const NONE: Self = Self {
+        axes: [DryFriction::None; MAX_AXES],
+        motors: [DryFriction::None; MAX_AXES],
+        axes_stick: false,
+        motors_stick: false,
+    };
 }
 
 /// The forces that hold what sticks, N or Nm.
@@ -81,11 +79,12 @@ impl<M: Motors + ?Sized> Step<'_, M> {
             let (free, mobility) =
                 self.equation.acceleration_and_mobility(position, velocity, &pushed.axes)?;
             holding.axes = hold(free, &axes_stand, &mobility);
-            begin(&mut state.axes, &mut dry.axes, &holding.axes, &axes_stand);
+            dry.axes_stick = begin(&mut state.axes, &mut dry.axes, &holding.axes, &axes_stand);
         }
         if motors_stand.max() > 0.0 {
             holding.motors = -pushed.motors;
-            begin(&mut state.motors, &mut dry.motors, &holding.motors, &motors_stand);
+            dry.motors_stick =
+                begin(&mut state.motors, &mut dry.motors, &holding.motors, &motors_stand);
         }
         Some(settled)
     }
@@ -98,13 +97,12 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         dry: &Dry,
     ) -> Option<Holding> {
         let mut holding = Holding::none();
-        let axes_stick = dry.axes_stick();
-        if !axes_stick && !dry.motors_stick() {
+        if !dry.axes_stick && !dry.motors_stick {
             return Some(holding);
         }
         let pushed = self.pushed(stage, state, dry);
         holding.motors = -pushed.motors;
-        if axes_stick {
+        if dry.axes_stick {
             (_, holding.axes) = self.held(&state.axes, &pushed.axes, dry)?;
         }
         Some(holding)
@@ -123,8 +121,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         let (mut among, mut wanted) = (JointMatrix::identity(), JointVector::zeros());
         let columns = among.column_iter_mut().zip(mobility.column_iter());
         let columns = columns.zip(wanted.iter_mut().zip(&free)).zip(&dry.axes);
-        for (((mut among, mobility), (wanted, free)), _) in
-            columns.filter(|(_, dry)| dry.sticks())
+        for (((mut among, mobility), (wanted, free)), _) in columns.filter(|(_, dry)| dry.sticks())
         {
             *wanted = -free;
             let rows = among.iter_mut().zip(&mobility).zip(&dry.axes);
@@ -161,18 +158,21 @@ fn oppose(
 }
 
 /// Lets what stands stick or break away, as the `forces` say that would hold it and the most there is (`limits`, 0 where nothing
-/// stands).
+/// stands). Whether anything sticks.
 fn begin(
     state: &mut JointState,
     dry: &mut [DryFriction; MAX_AXES],
     forces: &JointVector,
     limits: &JointVector,
-) {
+) -> bool {
+    let mut any = false;
     let rows = state.velocity.iter_mut().zip(dry).zip(forces.iter().zip(limits));
     for ((velocity, dry), (force, most)) in rows.filter(|(_, (_, most))| **most > 0.0) {
         *dry = DryFriction::at_rest(*force, *most);
+        any = any || dry.sticks();
         *velocity = 0.0;
     }
+    any
 }
 
 /// The forces within ± `limits` that leave least of `acceleration`, which the axes have without them; `mobility` is what forces

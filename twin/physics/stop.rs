@@ -8,7 +8,7 @@ use twin_kinematics::MAX_AXES;
 
 use super::dynamics::at;
 use super::friction::{DryFriction, REST};
-use super::integrate::{Arrival, MachineState, Motors, Step, Train};
+use super::integrate::{Arrival, Elastic, MachineState, Motors, Step, Train};
 use super::settle::{Holding, Settled};
 
 /// Ends tried for one stop; three or four do.
@@ -51,6 +51,16 @@ impl Stop {
             Self::Teeth(axis, edge) => twist(state, axis) - edge,
             Self::Push(axis) => push(trains, state, axis).1,
         }
+    }
+
+    /// Whether it happens on the way from one value to another. Only what was moving can come to rest.
+    fn happens(&self, before: f64, after: f64) -> bool {
+        let least = match self {
+            Self::Axis(_) | Self::Motor(_) => REST,
+            Self::AxisBreaks(..) | Self::MotorBreaks(..) => 0.0,
+            Self::Teeth(..) | Self::Push(_) => NOUGHT.max(NOTHING * after.abs()),
+        };
+        before * after < 0.0 && before.abs() > least
     }
 
     /// How fast that changes where everything changes like `slope`, if that is known.
@@ -154,7 +164,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
     }
 
     /// What stops first between `state` and `arrival`, a `part` of the step later, and at which part of the way; other than what is
-    /// `known` to stop at the end. Only what was moving can come to rest.
+    /// `known` to stop at the end.
     fn first_stop(
         &self,
         state: &MachineState,
@@ -163,10 +173,10 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         (part, known): (f64, Option<Stop>),
     ) -> Option<(Stop, f64)> {
         let mut first: Option<(Stop, f64)> = None;
-        let mut see = |stop: Stop, happens: fn(f64, f64) -> bool| {
+        let mut see = |stop: Stop| {
             let before = stop.value(self.trains, state, &settled.holding);
             let after = stop.value(self.trains, &arrival.state, &arrival.holding);
-            if !happens(before, after) || known == Some(stop) {
+            if known == Some(stop) || !stop.happens(before, after) {
                 return;
             }
             let rate = stop.rate(&arrival.first);
@@ -176,50 +186,32 @@ impl<M: Motors + ?Sized> Step<'_, M> {
                 first = Some((stop, part));
             }
         };
-        for (axis, train) in self.trains.iter().enumerate() {
-            let friction = Some((settled.dry.axes.get(axis), &train.friction));
-            let of_motor = train.elastic.as_ref();
-            let of_motor =
-                of_motor.map(|elastic| (settled.dry.motors.get(axis), &elastic.friction));
-            let sides: [(_, Stop, fn(usize, f64) -> Stop); 2] = [
-                (friction, Stop::Axis(axis), Stop::AxisBreaks),
-                (of_motor, Stop::Motor(axis), Stop::MotorBreaks),
-            ];
-            for (side, stops, breaks) in sides {
-                match side {
-                    Some((Some(DryFriction::Slides(_)), _)) => see(stops, comes_to_rest),
-                    Some((Some(DryFriction::Sticks), friction)) => {
-                        see(breaks(axis, friction.dry(0.0)), is_used_up);
-                    }
-                    _ => {}
-                }
+        let trains = self.trains.iter().zip(settled.dry.axes.iter().zip(&settled.dry.motors));
+        for (axis, (train, (dry, dry_motor))) in trains.enumerate().take(self.axes) {
+            match dry {
+                DryFriction::None => {}
+                DryFriction::Slides(_) => see(Stop::Axis(axis)),
+                DryFriction::Sticks => see(Stop::AxisBreaks(axis, train.friction.dry(0.0))),
             }
-            let Some(elastic) = &train.elastic else { continue };
-            for edge in elastic.transmission.edges() {
-                see(Stop::Teeth(axis, edge), turns);
+            let Some(Elastic { transmission, friction, .. }) = &train.elastic else { continue };
+            match dry_motor {
+                DryFriction::None => {}
+                DryFriction::Slides(_) => see(Stop::Motor(axis)),
+                DryFriction::Sticks => see(Stop::MotorBreaks(axis, friction.dry(0.0))),
             }
-            if elastic.transmission.backlash > 0.0 {
-                let [before, after] =
-                    [state, &arrival.state].map(|state| push(self.trains, state, axis).0);
-                if before * after > 0.0 {
-                    see(Stop::Push(axis), turns);
-                }
+            if transmission.backlash <= 0.0 {
+                continue;
+            }
+            let [before, after] = [state, &arrival.state].map(|state| twist(state, axis));
+            for edge in transmission.edges_between(before, after) {
+                see(Stop::Teeth(axis, edge));
+            }
+            if transmission.is_wound(before) && before * after > 0.0 {
+                see(Stop::Push(axis));
             }
         }
         first
     }
-}
-
-fn comes_to_rest(before: f64, after: f64) -> bool {
-    before.abs() > REST && before * after < 0.0
-}
-
-fn is_used_up(before: f64, after: f64) -> bool {
-    before > 0.0 && after < 0.0
-}
-
-fn turns(before: f64, after: f64) -> bool {
-    before * after < 0.0 && before.abs() > NOUGHT.max(NOTHING * after.abs())
 }
 
 /// Where a number that goes from `before` to `after`, at first by `slope` per way, is 0: on the parabola through these.

@@ -50,12 +50,20 @@ impl ElasticTransmission {
         (side, stiffness * wound + damping * engaged * rate * side)
     }
 
-    /// How far the motor is ahead of the axis where another law begins; none without backlash.
-    pub(super) fn edges(&self) -> impl Iterator<Item = f64> + use<> {
+    /// How far the motor is ahead of the axis where another law begins: without backlash nowhere, and only as far as it gets from
+    /// one twist to another.
+    pub(super) fn edges_between(&self, one: f64, other: f64) -> impl Iterator<Item = f64> + use<> {
+        let (low, high) = (one.min(other), one.max(other));
         let half = 0.5 * self.backlash;
         let engaged = half + ONSET * self.backlash;
         let sides = [-engaged, -half, half, engaged];
-        sides.into_iter().take(if self.backlash > 0.0 { sides.len() } else { 0 })
+        let sides = sides.into_iter().take(if self.backlash > 0.0 { sides.len() } else { 0 });
+        sides.filter(move |side| (low..=high).contains(side))
+    }
+
+    /// Whether `twist` (m or rad) is more than play.
+    pub(super) fn is_wound(&self, twist: f64) -> bool {
+        twist.abs() > 0.5 * self.backlash
     }
 
     /// How far the motor is ahead where the axis feels `effort` at rest.
