@@ -9,7 +9,7 @@ use twin_kinematics::MAX_AXES;
 use super::dynamics::{JointVector, at};
 use super::equation::Equation;
 use super::friction::FrictionParameters;
-use super::settle::{Dry, Holding, Settled};
+use super::settle::{Dry, Holding, Settled, Sticking};
 use super::transmission::ElasticTransmission;
 
 /// How often something may stop in one step; beyond that, what goes on is as it would be without.
@@ -278,10 +278,12 @@ impl<M: Motors + ?Sized> Step<'_, M> {
     ) -> Option<(MachineState, JointVector)> {
         let pushed = self.pushed(stage, state, dry);
         let MachineState { axes, motors } = state;
-        let acceleration = if dry.axes_stick {
-            self.held(axes, &pushed.axes, dry)?.0
-        } else {
-            self.equation.acceleration(&axes.position, &axes.velocity, &pushed.axes)?
+        let acceleration = match dry.sticking_axes {
+            Sticking::None => {
+                self.equation.acceleration(&axes.position, &axes.velocity, &pushed.axes)?
+            }
+            Sticking::Some => self.held(axes, &pushed.axes, dry)?.0,
+            Sticking::All => JointVector::zeros(),
         };
         let mut faster = pushed.motors;
         let rows = faster.iter_mut().zip(self.trains).zip(&dry.motors);

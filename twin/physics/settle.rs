@@ -19,17 +19,25 @@ const MAX_SWEEPS: usize = 100;
 pub(super) struct Dry {
     pub(super) axes: [DryFriction; MAX_AXES],
     pub(super) motors: [DryFriction; MAX_AXES],
-    /// Whether any of them sticks.
-    pub(super) axes_stick: bool,
-    pub(super) motors_stick: bool,
+    /// Which of them stick.
+    pub(super) sticking_axes: Sticking,
+    sticking_motors: Sticking,
+}
+
+/// How many of some parts stick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sticking {
+    None,
+    Some,
+    All,
 }
 
 impl Dry {
     const NONE: Self = Self {
         axes: [DryFriction::None; MAX_AXES],
         motors: [DryFriction::None; MAX_AXES],
-        axes_stick: false,
-        motors_stick: false,
+        sticking_axes: Sticking::None,
+        sticking_motors: Sticking::None,
     };
 }
 
@@ -75,16 +83,14 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         }
         let pushed = self.pushed(stage, state, dry);
         if axes_stand.max() > 0.0 {
-            let JointState { position, velocity } = &state.axes;
-            let (free, mobility) =
-                self.equation.acceleration_and_mobility(position, velocity, &pushed.axes)?;
-            holding.axes = hold(free, &axes_stand, &mobility);
-            dry.axes_stick = begin(&mut state.axes, &mut dry.axes, &holding.axes, &axes_stand);
+            holding.axes = self.hold(&state.axes, &pushed.axes, &axes_stand)?;
+            dry.sticking_axes =
+                self.begin(&mut state.axes, &mut dry.axes, &holding.axes, &axes_stand);
         }
         if motors_stand.max() > 0.0 {
             holding.motors = -pushed.motors;
-            dry.motors_stick =
-                begin(&mut state.motors, &mut dry.motors, &holding.motors, &motors_stand);
+            dry.sticking_motors =
+                self.begin(&mut state.motors, &mut dry.motors, &holding.motors, &motors_stand);
         }
         Some(settled)
     }
@@ -97,15 +103,44 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         dry: &Dry,
     ) -> Option<Holding> {
         let mut holding = Holding::none();
-        if !dry.axes_stick && !dry.motors_stick {
+        if [dry.sticking_axes, dry.sticking_motors] == [Sticking::None; 2] {
             return Some(holding);
         }
         let pushed = self.pushed(stage, state, dry);
         holding.motors = -pushed.motors;
-        if dry.axes_stick {
-            (_, holding.axes) = self.held(&state.axes, &pushed.axes, dry)?;
+        match dry.sticking_axes {
+            Sticking::None => {}
+            Sticking::Some => (_, holding.axes) = self.held(&state.axes, &pushed.axes, dry)?,
+            Sticking::All => holding.axes = self.hold_all(&state.axes, &pushed.axes)?,
         }
         Some(holding)
+    }
+
+    /// The forces within ± `limits` that leave least acceleration of the axes that stand at `state`, which others have none of, under
+    /// `efforts`.
+    fn hold(
+        &mut self,
+        state: &JointState,
+        efforts: &JointVector,
+        limits: &JointVector,
+    ) -> Option<JointVector> {
+        if limits.iter().take(self.axes).all(|limit| *limit > 0.0) {
+            let forces = self.hold_all(state, efforts)?;
+            let mut all = forces.iter().zip(limits).take(self.axes);
+            if all.all(|(force, most)| DryFriction::at_rest(*force, *most).sticks()) {
+                return Some(forces);
+            }
+        }
+        let JointState { position, velocity } = state;
+        let (free, mobility) =
+            self.equation.acceleration_and_mobility(position, velocity, efforts)?;
+        Some(least(free, limits, &mobility))
+    }
+
+    /// What holds all axes at `state` under `efforts`.
+    fn hold_all(&mut self, state: &JointState, efforts: &JointVector) -> Option<JointVector> {
+        let zero = JointVector::zeros();
+        Some(self.equation.inverse_dynamics(&state.position, &zero, &zero)? - efforts)
     }
 
     /// The accelerations of the axes at `state` under `efforts` where some stick, and the forces that hold these.
@@ -135,6 +170,32 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         still.for_each(|(acceleration, _)| *acceleration = 0.0);
         Some((accelerations, forces))
     }
+
+    /// Lets what stands stick or break away, as the `forces` say that would hold it and the most there is (`limits`, 0 where nothing
+    /// stands).
+    fn begin(
+        &self,
+        state: &mut JointState,
+        dry: &mut [DryFriction; MAX_AXES],
+        forces: &JointVector,
+        limits: &JointVector,
+    ) -> Sticking {
+        let (mut any, mut all) = (false, true);
+        let rows = state.velocity.iter_mut().zip(dry).zip(forces.iter().zip(limits));
+        for ((velocity, dry), (force, most)) in rows.take(self.axes) {
+            if *most > 0.0 {
+                *dry = DryFriction::at_rest(*force, *most);
+                *velocity = 0.0;
+            }
+            any = any || dry.sticks();
+            all = all && dry.sticks();
+        }
+        match (any, all) {
+            (false, _) => Sticking::None,
+            (true, false) => Sticking::Some,
+            (true, true) => Sticking::All,
+        }
+    }
 }
 
 /// Opposes `velocity`, or notes the most that can hold what stands.
@@ -157,27 +218,9 @@ fn oppose(
     }
 }
 
-/// Lets what stands stick or break away, as the `forces` say that would hold it and the most there is (`limits`, 0 where nothing
-/// stands). Whether anything sticks.
-fn begin(
-    state: &mut JointState,
-    dry: &mut [DryFriction; MAX_AXES],
-    forces: &JointVector,
-    limits: &JointVector,
-) -> bool {
-    let mut any = false;
-    let rows = state.velocity.iter_mut().zip(dry).zip(forces.iter().zip(limits));
-    for ((velocity, dry), (force, most)) in rows.filter(|(_, (_, most))| **most > 0.0) {
-        *dry = DryFriction::at_rest(*force, *most);
-        any = any || dry.sticks();
-        *velocity = 0.0;
-    }
-    any
-}
-
 /// The forces within ± `limits` that leave least of `acceleration`, which the axes have without them; `mobility` is what forces
 /// add to it. Axes without a limit are left as they are.
-fn hold(
+fn least(
     mut acceleration: JointVector,
     limits: &JointVector,
     mobility: &JointMatrix,

@@ -26,10 +26,10 @@ const NOTHING: f64 = 1e-7;
 /// Something after which another law holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Stop {
-    /// An axis comes to rest.
-    Axis(usize),
+    /// An axis that moves in this direction comes to rest.
+    Axis(usize, f64),
     /// So does a motor.
-    Motor(usize),
+    Motor(usize, f64),
     /// What holds an axis that sticks is more than this (N or Nm).
     AxisBreaks(usize, f64),
     /// The same of a motor.
@@ -44,8 +44,8 @@ impl Stop {
     /// What is 0 there: a velocity, what friction has left, how far teeth are from each other, or what they push with.
     fn value(&self, trains: &[Train; MAX_AXES], state: &MachineState, holding: &Holding) -> f64 {
         match *self {
-            Self::Axis(axis) => at(&state.axes.velocity, axis),
-            Self::Motor(axis) => at(&state.motors.velocity, axis),
+            Self::Axis(axis, direction) => direction * at(&state.axes.velocity, axis),
+            Self::Motor(axis, direction) => direction * at(&state.motors.velocity, axis),
             Self::AxisBreaks(axis, most) => most - at(&holding.axes, axis).abs(),
             Self::MotorBreaks(axis, most) => most - at(&holding.motors, axis).abs(),
             Self::Teeth(axis, edge) => twist(state, axis) - edge,
@@ -53,21 +53,23 @@ impl Stop {
         }
     }
 
-    /// Whether it happens on the way from one value to another. Only what was moving can come to rest.
+    /// Whether it happens on the way from one value to another.
     fn happens(&self, before: f64, after: f64) -> bool {
-        let least = match self {
-            Self::Axis(_) | Self::Motor(_) => REST,
-            Self::AxisBreaks(..) | Self::MotorBreaks(..) => 0.0,
-            Self::Teeth(..) | Self::Push(_) => NOUGHT.max(NOTHING * after.abs()),
-        };
-        before * after < 0.0 && before.abs() > least
+        match self {
+            // What breaks away moves from no velocity on.
+            Self::Axis(..) | Self::Motor(..) => after < 0.0 && before.max(-after) > REST,
+            Self::AxisBreaks(..) | Self::MotorBreaks(..) => after < 0.0 && before > 0.0,
+            Self::Teeth(..) | Self::Push(_) => {
+                before * after < 0.0 && before.abs() > NOUGHT.max(NOTHING * after.abs())
+            }
+        }
     }
 
     /// How fast that changes where everything changes like `slope`, if that is known.
     fn rate(&self, slope: &MachineState) -> Option<f64> {
         match *self {
-            Self::Axis(axis) => Some(at(&slope.axes.velocity, axis)),
-            Self::Motor(axis) => Some(at(&slope.motors.velocity, axis)),
+            Self::Axis(axis, direction) => Some(direction * at(&slope.axes.velocity, axis)),
+            Self::Motor(axis, direction) => Some(direction * at(&slope.motors.velocity, axis)),
             Self::Teeth(axis, _) => Some(twist(slope, axis)),
             Self::AxisBreaks(..) | Self::MotorBreaks(..) | Self::Push(_) => None,
         }
@@ -76,8 +78,8 @@ impl Stop {
     /// Takes from a part that comes to rest what is left of its velocity.
     fn happen(&self, state: &mut MachineState) {
         let velocity = match *self {
-            Self::Axis(axis) => state.axes.velocity.get_mut(axis),
-            Self::Motor(axis) => state.motors.velocity.get_mut(axis),
+            Self::Axis(axis, _) => state.axes.velocity.get_mut(axis),
+            Self::Motor(axis, _) => state.motors.velocity.get_mut(axis),
             _ => None,
         };
         if let Some(velocity) = velocity {
@@ -132,7 +134,8 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         [from, guess, until]: [f64; 3],
     ) -> Option<f64> {
         let trains = self.trains;
-        let before = stop.value(trains, state, &settled.holding);
+        // What has no sign yet is above 0.
+        let before = stop.value(trains, state, &settled.holding) + 0.0;
         let after = stop.value(trains, &arrival.state, &arrival.holding);
         let (mut early, mut late) = (from, until);
         let (mut end, mut last) = (guess, (until, after));
@@ -145,7 +148,7 @@ impl<M: Motors + ?Sized> Step<'_, M> {
             if value.abs() <= NOUGHT {
                 break;
             }
-            if value * before > 0.0 {
+            if value.is_sign_negative() == before.is_sign_negative() {
                 early = end;
             } else {
                 late = end;
@@ -190,13 +193,13 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         for (axis, (train, (dry, dry_motor))) in trains.enumerate().take(self.axes) {
             match dry {
                 DryFriction::None => {}
-                DryFriction::Slides(_) => see(Stop::Axis(axis)),
+                DryFriction::Slides(direction) => see(Stop::Axis(axis, *direction)),
                 DryFriction::Sticks => see(Stop::AxisBreaks(axis, train.friction.dry(0.0))),
             }
             let Some(Elastic { transmission, friction, .. }) = &train.elastic else { continue };
             match dry_motor {
                 DryFriction::None => {}
-                DryFriction::Slides(_) => see(Stop::Motor(axis)),
+                DryFriction::Slides(direction) => see(Stop::Motor(axis, *direction)),
                 DryFriction::Sticks => see(Stop::MotorBreaks(axis, friction.dry(0.0))),
             }
             if transmission.backlash <= 0.0 {
@@ -214,15 +217,17 @@ impl<M: Motors + ?Sized> Step<'_, M> {
     }
 }
 
-/// Where a number that goes from `before` to `after`, at first by `slope` per way, is 0: on the parabola through these.
+/// Where a number that goes from `before` to `after`, on the other side of 0, and at first by `slope` per way, is 0: on the parabola
+/// through these.
 fn crossing(before: f64, after: f64, slope: f64) -> f64 {
-    let straight = before / (before - after);
+    let side = -after.signum();
     let bend = after - before - slope;
-    let root = slope * slope - 4.0 * bend * before;
-    if root < 0.0 {
-        return straight;
-    }
-    // The root that the straight line becomes as the bend goes.
-    let part = -2.0 * before / (slope - before.signum() * root.sqrt());
-    if (0.0..=1.0).contains(&part) { part } else { straight }
+    let root = side * (slope * slope - 4.0 * bend * before).sqrt();
+    // The same root either way: the one without a difference of like numbers.
+    let part = if slope * side > 0.0 {
+        (-slope - root) / (2.0 * bend)
+    } else {
+        -2.0 * before / (slope - root)
+    };
+    if (0.0..=1.0).contains(&part) { part } else { before / (before - after) }
 }
