@@ -1,8 +1,9 @@
 //! Motion over one short step: joints by the equation of motion, rotors behind elastic transmissions beside it.
 //!
-//! Classical Runge–Kutta of fourth order. Motors, springs and friction are part of the right-hand side. Dry friction jumps where
-//! something stops, so a step ends there and another one takes the rest of the time: whatever moves is opposed as long as it moves,
-//! and what stands is held or breaks away as `settle` says.
+//! Classical Runge–Kutta of fourth order. Motors, springs and friction are part of the right-hand side. Laws change where
+//! something stops or breaks away, or teeth meet, so a step ends there (`stop`) and another one takes the rest of the time: whatever
+//! moves is opposed as long as it moves, and what stands is held or breaks away as `settle` says. So no step is across anything but
+//! smooth motion, and its error is of fifth order wherever it happens to begin.
 
 use twin_kinematics::MAX_AXES;
 
@@ -12,7 +13,7 @@ use super::friction::FrictionParameters;
 use super::settle::{Dry, Holding, Settled, Sticking};
 use super::transmission::ElasticTransmission;
 
-/// How often something may stop in one step; beyond that, what goes on is as it would be without.
+/// How often another law may begin in one step; beyond that, what goes on is as it would be without.
 const MOST_STOPS: usize = 16;
 
 /// Positions and velocities of all axes.

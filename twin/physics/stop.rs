@@ -231,3 +231,28 @@ fn crossing(before: f64, after: f64, slope: f64) -> f64 {
     };
     if (0.0..=1.0).contains(&part) { part } else { before / (before - after) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::crossing;
+
+    /// Of parabolas whose roots are known, from either side; one begins at a root that is not meant, and one is a straight line.
+    #[test]
+    fn parabolas_cross() {
+        for (before, slope, bend, root) in [
+            (1.0, -3.0, 2.0 - 1e-9, 0.5),
+            (0.75, -0.5, -2.0, 0.5),
+            (0.0, 1.0, -2.0, 0.5),
+            (0.5, 0.5, -4.0, (0.5 + f64::sqrt(8.25)) / 8.0),
+            (1.0, -4.0, 0.0, 0.25),
+        ] {
+            let after: f64 = before + slope + bend;
+            for side in [1.0, -1.0] {
+                let found = crossing(side * before, side * after, side * slope);
+                assert!((found - root).abs() < 1e-8, "{found} is not {root}");
+            }
+        }
+        // A slope that belongs to no such parabola is not trusted.
+        assert!((crossing(1.0, -1.0, f64::INFINITY) - 0.5).abs() < 1e-15);
+    }
+}
