@@ -13,8 +13,8 @@ fn machine(drive: AxisDriveParameters) -> PhysicsMachine {
     PhysicsMachine::new(&slide(load), &[drive], down(), &axes([0.0]), CYCLE_NS).unwrap()
 }
 
-fn spring(stiffness: f64, damping: f64, backlash: f64) -> Option<ElasticTransmission> {
-    Some(ElasticTransmission { stiffness, damping, backlash })
+fn spring(stiffness: f64, damping: f64, backlash: f64) -> ElasticTransmission {
+    ElasticTransmission { stiffness, damping, backlash }
 }
 
 /// A motor winds its spring up against an axis that sticks: force·(1 − cos ωt), until that is what friction holds. From there on two
@@ -25,7 +25,7 @@ fn an_axis_breaks_away_when_friction_is_used_up() {
     let (force, friction) = (20.0, 13.0);
     let drive = AxisDriveParameters {
         friction: FrictionParameters::new(friction, 0.0),
-        transmission: spring(stiffness, 0.0, 0.0),
+        transmission: Some(spring(stiffness, 0.0, 0.0)),
         ..SLACK
     };
     let mut machine = machine(drive);
@@ -78,7 +78,7 @@ fn shorter_steps_are_better_by_their_fourth_power() {
                 ..FrictionParameters::new(10.0, 5.0)
             },
             motor_friction: FrictionParameters::new(4.0, 2.0),
-            transmission: spring(3e5, 60.0, 20e-6),
+            transmission: Some(spring(3e5, 60.0, 20e-6)),
             ..AxisDriveParameters::servo(servo)
         };
         let mut machine = machine(drive).with_steps_of(longest);
@@ -140,7 +140,8 @@ fn teeth_part_and_meet_where_they_do() {
         add([mean(0), mean(1), mean(2), mean(3)], h)
     };
 
-    let drive = AxisDriveParameters { transmission: spring(stiffness, damping, play), ..SLACK };
+    let drive =
+        AxisDriveParameters { transmission: Some(spring(stiffness, damping, play)), ..SLACK };
     let mut machine = machine(drive);
     let (mut state, mut let_go, mut worst) = ([0.0; 4], 0, 0.0_f64);
     for cycle in 0..200 {
