@@ -50,15 +50,13 @@ impl ElasticTransmission {
         (side, stiffness * wound + damping * engaged * rate * side)
     }
 
-    /// How far the motor is ahead of the axis where another law begins: without backlash nowhere, and only as far as it gets from
-    /// one twist to another.
+    /// How far the motor is ahead of the axis, as far as it gets from one twist to another, where another law begins; there is nothing
+    /// like it without backlash.
     pub(super) fn edges_between(&self, one: f64, other: f64) -> impl Iterator<Item = f64> + use<> {
         let (low, high) = (one.min(other), one.max(other));
         let half = 0.5 * self.backlash;
         let engaged = half + ONSET * self.backlash;
-        let sides = [-engaged, -half, half, engaged];
-        let sides = sides.into_iter().take(if self.backlash > 0.0 { sides.len() } else { 0 });
-        sides.filter(move |side| (low..=high).contains(side))
+        [-engaged, -half, half, engaged].into_iter().filter(move |side| (low..=high).contains(side))
     }
 
     /// Whether `twist` (m or rad) is more than play.
