@@ -288,6 +288,9 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
 
 fn read_drive(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Option<AxisDrive> {
     let device = section.text("drive");
+    // Which of them it is depends on the device.
+    let axis_keys = ["drive_axis", "drive_address"];
+    axis_keys.into_iter().for_each(|key| section.accept(key));
     let increments = section.integer("increments", -1_000_000_000_000..=1_000_000_000_000);
     let per_key = format!("per_{unit}");
     let per_units = section.number(&per_key, 1e-6..=1e9);
@@ -313,13 +316,13 @@ fn read_drive(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Option<Axi
         return None;
     };
     let kind = devices.get(found).and_then(|device| device.kind);
-    let Some(kind) = kind else {
-        // Of which axes there are nothing is known.
-        section.accept("drive_axis");
-        section.accept("drive_address");
-        return None;
-    };
+    // Without a kind it is not known which axes there are.
+    let kind = kind?;
     let index = kind.axis(section);
+    for key in axis_keys.into_iter().filter(|key| *key != kind.axis_key() && section.has(key)) {
+        let message = format!("axes of this drive are named by `{}`", kind.axis_key());
+        section.complain_at(key, message);
+    }
     for key in [kind.axis_key(), "increments", &per_key] {
         if !section.has(key) {
             section.complain(format!("an axis with a `drive` needs `{key}` too"));
