@@ -25,6 +25,38 @@ pub enum Action {
         /// On or off.
         on: bool,
     },
+    /// Looking at identifier and status of a module on a bus.
+    Identify,
+    /// Reading a zone of a module's memory.
+    ReadZone {
+        /// Number of the zone.
+        zone: u8,
+        /// What the manual calls it.
+        name: &'static str,
+    },
+    /// Writing a zone of a module's memory.
+    WriteZone {
+        /// Number of the zone.
+        zone: u8,
+        /// What the manual calls it.
+        name: &'static str,
+    },
+    /// Giving an order to the axes of a module.
+    Order {
+        /// The order's bits.
+        bits: u16,
+        /// What it is.
+        name: &'static str,
+    },
+    /// Reading or writing a parameter.
+    Parameter {
+        /// Its number.
+        number: u16,
+        /// What it is.
+        name: &'static str,
+        /// Written, else read.
+        written: bool,
+    },
 }
 
 impl fmt::Display for Action {
@@ -36,6 +68,14 @@ impl fmt::Display for Action {
             Self::SwitchOutput { output, on } => {
                 write!(f, "switching output {output} {}", if *on { "on" } else { "off" })
             }
+            Self::Identify => f.write_str("looking at identifier and status"),
+            Self::ReadZone { zone, name } => write!(f, "reading zone {zone} ({name})"),
+            Self::WriteZone { zone, name } => write!(f, "writing zone {zone} ({name})"),
+            Self::Order { bits, name } => write!(f, "order ${bits:04X} ({name})"),
+            Self::Parameter { number, name, written } => {
+                let what = if *written { "writing" } else { "reading" };
+                write!(f, "{what} parameter ${number:02X} ({name})")
+            }
         }
     }
 }
@@ -45,7 +85,7 @@ impl fmt::Display for Action {
 pub struct Exchange {
     /// Path of the port.
     pub port: Arc<str>,
-    /// Station (slave) address on that port.
+    /// Station (slave) address on that port; 0 where the device has none.
     pub station: u8,
     /// What was being done.
     pub action: Action,
@@ -53,6 +93,9 @@ pub struct Exchange {
 
 impl fmt::Display for Exchange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.station == 0 {
+            return write!(f, "{}: {}", self.port, self.action);
+        }
         write!(f, "{}, station {}: {}", self.port, self.station, self.action)
     }
 }
@@ -257,6 +300,46 @@ pub enum DriveError {
         /// Largest value that fits.
         high: f64,
     },
+    /// Another device than expected is there, or none.
+    #[error("{at}: identifier {found:02X}h found instead of {expected:02X}h")]
+    Identity {
+        /// Where.
+        at: Exchange,
+        /// Identifier of the device expected.
+        expected: u8,
+        /// What was read.
+        found: u8,
+    },
+    /// The module's software does not run: it has just been switched on or reset.
+    #[error("{at}: the module's software does not run")]
+    NotRunning {
+        /// Where.
+        at: Exchange,
+    },
+    /// The module's numbers are not in the byte order that is set.
+    #[error("{at}: the bytes of the module's numbers come in the other order")]
+    ByteOrder {
+        /// Where.
+        at: Exchange,
+    },
+    /// An axis of a module does not do what was asked, or has stopped by itself.
+    #[error("{at}: axis {axis}: {}", crate::bim2ax::describe_messages(*messages))]
+    AxisMessages {
+        /// Where.
+        at: Exchange,
+        /// Axis, from 1.
+        axis: u8,
+        /// The module's message bits for it.
+        messages: u16,
+    },
+    /// A module refuses a parameter order, or obeys no orders at all.
+    #[error("{at}: {}", crate::bim2ax::describe_card(*messages))]
+    CardMessages {
+        /// Where.
+        at: Exchange,
+        /// The module's message bits.
+        messages: u32,
+    },
     /// A setting of the driver itself is impossible.
     #[error("{at}: {setting} = {value} is impossible ({low} to {high})")]
     Setting {
@@ -294,6 +377,11 @@ impl DriveError {
             | Self::LimitSwitch { at, .. }
             | Self::Moving { at, .. }
             | Self::NotWritten { at, .. }
+            | Self::Identity { at, .. }
+            | Self::NotRunning { at }
+            | Self::ByteOrder { at }
+            | Self::AxisMessages { at, .. }
+            | Self::CardMessages { at, .. }
             | Self::Range { at, .. }
             | Self::Setting { at, .. } => at,
         }
@@ -355,6 +443,14 @@ pub enum EmulatorError {
         /// What the operating system says.
         source: io::Error,
     },
+    /// A file that the emulated device lives in cannot be made, read, written or mapped.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The path.
+        path: PathBuf,
+        /// What the operating system says.
+        source: io::Error,
+    },
     /// The thread that serves the emulated device cannot be started.
     #[error("cannot start the emulator's thread: {source}")]
     Thread {
@@ -395,6 +491,11 @@ mod tests {
             DriveError::LimitSwitch { at: at(), axes: 0b101 },
             DriveError::Moving { at: at(), axes: 1 },
             DriveError::NotWritten { at: at(), axis: 2, written: 5, found: 4 },
+            DriveError::Identity { at: at(), expected: 0x4E, found: 0xFF },
+            DriveError::NotRunning { at: at() },
+            DriveError::ByteOrder { at: at() },
+            DriveError::AxisMessages { at: at(), axis: 1, messages: 0x4000 },
+            DriveError::CardMessages { at: at(), messages: 8 },
             DriveError::Range { at: at(), register: 4103, value: 3e9, low: 0.0, high: 1.0 },
             DriveError::Setting { at: at(), setting: "station", value: 248, low: 1, high: 247 },
         ];
@@ -406,6 +507,17 @@ mod tests {
             );
             assert_eq!(*error.at(), at());
         }
+    }
+
+    #[test]
+    fn modules_on_a_bus_have_no_station() {
+        let action = Action::Order { bits: 0x0100, name: "hard stop" };
+        let at = Exchange { port: "/dev/uio0".into(), station: 0, action };
+        let text = DriveError::AxisMessages { at, axis: 2, messages: 0x0A00 }.to_string();
+        assert_eq!(
+            text,
+            "/dev/uio0: order $0100 (hard stop): axis 2: phase open, power absent, homing not done"
+        );
     }
 
     #[test]

@@ -21,6 +21,9 @@ pub trait Rehearsal: Send + std::fmt::Debug {
 
     /// Exchanges with the device so far: commands and samples.
     fn exchanges(&self) -> u64;
+
+    /// The same once more, to go on from here twice.
+    fn copied(&self) -> Box<dyn Rehearsal>;
 }
 
 /// A plan as it is seen at an instant of simulated time.

@@ -27,6 +27,7 @@ pub mod simulated;
 pub mod workspace;
 
 mod chart;
+mod in_loop;
 mod page;
 mod planning;
 mod table;

@@ -151,6 +151,15 @@ impl<'m> Picture<'m> {
         self.show_before(if self.has_drives { time_ns - PATIENCE_NS } else { i64::MAX });
     }
 
+    /// Something has happened to the twin.
+    pub fn happened(&mut self, time_ns: i64, line: u32, what: &str) {
+        if let Some(scene) = &mut self.scene
+            && let Err(error) = scene.news(time_ns, line, what)
+        {
+            self.failure.get_or_insert(error);
+        }
+    }
+
     /// One sample of the drives.
     pub fn drives(&mut self, sample: &DriveSample<'_>) {
         if self.scene.is_none() {

@@ -3,6 +3,7 @@
 use crate::machine::FaultAt;
 use crate::physics::{EventKind, MotorLoad, MotorState, Part};
 use crate::setpoint::AxisSetpoint;
+use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
 use twin_motion::Place;
 
@@ -78,6 +79,23 @@ pub trait Plant {
     /// If the plant has failed; its axes have then been brought to a stop as well as it can.
     fn command(&mut self, setpoint: &AxisSetpoint) -> Result<(), Self::Error>;
 
+    /// How far behind a set-point it wants to see those that are planned, ns.
+    fn horizon_ns(&self) -> i64 {
+        0
+    }
+
+    /// Takes the next set-point, and looks at those that are planned `ahead`, behind it; they may change.
+    ///
+    /// # Errors
+    /// As [`Self::command`].
+    fn command_before(
+        &mut self,
+        setpoint: &AxisSetpoint,
+        _ahead: &VecDeque<AxisSetpoint>,
+    ) -> Result<(), Self::Error> {
+        self.command(setpoint)
+    }
+
     /// The next feedback that has arrived, if any.
     ///
     /// # Errors
@@ -87,6 +105,12 @@ pub trait Plant {
     /// What its motors did in the cycle of the last set-point, in machine-file order; none where it is not known.
     fn motors(&self) -> &[MotorState] {
         &[]
+    }
+
+    /// What happened in the cycle of the last set-point that is worth being told while the run goes on; each kind of it once
+    /// per axis and line.
+    fn news(&mut self) -> Vec<Happening> {
+        Vec::new()
     }
 
     /// What it has to tell of the run so far.

@@ -1,5 +1,7 @@
 //! The simulated machine as a plant.
 
+use crate::hardware::HORIZON_NS;
+use crate::in_loop::DrivesInLoop;
 use crate::machine::{
     Collision, FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError,
 };
@@ -9,7 +11,7 @@ use crate::physics::{
 };
 use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeTouch};
 use crate::setpoint::AxisSetpoint;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use twin_kinematics::{AxisMotion, AxisVector};
 use twin_motion::Place;
 
@@ -26,9 +28,13 @@ const OVERTRAVEL: f64 = 1e-3;
 const STOPPING: u32 = 20;
 
 /// Simulates one cycle per set-point, at once; what it gives back is where the axes are at the set-point's time.
-#[derive(Debug)]
+///
+/// A clone is a snapshot of everything: from there both do the same bits if they are told the same.
+#[derive(Clone, Debug)]
 pub struct Simulated {
     physics: PhysicsMachine,
+    /// What stands between set-points and motors.
+    drives: Option<DrivesInLoop>,
     begun: bool,
     arrived: Option<AxisFeedback>,
     /// In the last cycle.
@@ -42,7 +48,7 @@ pub struct Simulated {
 }
 
 /// The tool as a probe.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Probe {
     scan: ClearanceScan,
     /// What it has touched and not come free of.
@@ -52,12 +58,14 @@ struct Probe {
 }
 
 /// What happened, by line, axis and kind.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 struct Happened {
     kept: BTreeMap<(u32, usize, u8), Happening>,
     blows: Vec<Blow>,
     touches: Vec<ProbeTouch>,
     left_out: u64,
+    /// What is new since it was asked.
+    news: Vec<Happening>,
 }
 
 impl Simulated {
@@ -87,6 +95,7 @@ impl Simulated {
         }
         Ok(Self {
             physics,
+            drives: DrivesInLoop::of(machine),
             begun: false,
             arrived: None,
             motors: Vec::with_capacity(machine.axes.len()),
@@ -252,7 +261,9 @@ impl Happened {
                 *before = before.saturating_add(more);
             }
         } else if self.kept.len() < MOST_HAPPENINGS {
-            self.kept.insert(key, Happening { place, axis, kind });
+            let happening = Happening { place, axis, kind };
+            self.kept.insert(key, happening);
+            self.news.push(happening);
         } else {
             self.left_out += 1;
         }
@@ -263,13 +274,29 @@ impl Plant for Simulated {
     type Error = PhysicsError;
 
     fn command(&mut self, setpoint: &AxisSetpoint) -> Result<(), PhysicsError> {
+        self.command_before(setpoint, &VecDeque::new())
+    }
+
+    fn horizon_ns(&self) -> i64 {
+        if self.drives.is_some() { HORIZON_NS } else { 0 }
+    }
+
+    fn command_before(
+        &mut self,
+        setpoint: &AxisSetpoint,
+        ahead: &VecDeque<AxisSetpoint>,
+    ) -> Result<(), PhysicsError> {
         self.fail(setpoint);
+        let asked = match &mut self.drives {
+            Some(drives) => drives.motion(setpoint, ahead),
+            None => setpoint.axes,
+        };
         // The machine stands at the first set-point: it is where the others start from.
         if self.probe.is_some() && setpoint.probing {
             self.physics.set_yielding(YieldingTool::Always);
         }
         let position = if self.begun {
-            self.physics.step(&setpoint.axes)?.position
+            self.physics.step(&asked)?.position
         } else {
             self.physics.axis_state().position
         };
@@ -295,6 +322,10 @@ impl Plant for Simulated {
 
     fn motors(&self) -> &[MotorState] {
         &self.motors
+    }
+
+    fn news(&mut self) -> Vec<Happening> {
+        std::mem::take(&mut self.happened.news)
     }
 
     fn record(&self) -> PlantRecord {

@@ -13,6 +13,7 @@ mod follow;
 mod options;
 mod port;
 pub mod registers;
+mod rehearsal;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
@@ -24,3 +25,4 @@ pub use command::{AxisValues, BadCommand, Command, CommandRegisters, MoveProfile
 pub use driver::{BoardState, InterpCnc};
 pub use options::{AxisOptions, InterpCncOptions, Line, Parity};
 pub use registers::{AxisMask, BoardAxis};
+pub use rehearsal::InterpCncRehearsal;

@@ -36,6 +36,10 @@ impl Status {
     pub const EMERGENCY_STOP: u32 = 1 << 7;
     /// B8: moves and outputs are inhibited.
     pub const BOARD_LOCKED: u32 = 1 << 8;
+    /// B12: a probing move (command 40) is under way.
+    pub const PROBE_IN_PROGRESS: u32 = 1 << 12;
+    /// B13: the last probing move has failed.
+    pub const PROBE_ERROR: u32 = 1 << 13;
     /// B22: first of five bits, axis in an independent move ("Async Moving").
     pub const ASYNC_MOVING_SHIFT: u32 = 22;
     /// B27: first of five bits, either limit switch of the axis is active.
@@ -49,6 +53,16 @@ impl Status {
     /// True if moves and outputs are inhibited (B8).
     pub fn locked(self) -> bool {
         self.0 & Self::BOARD_LOCKED != 0
+    }
+
+    /// True while a probing move is under way (B12).
+    pub fn probing(self) -> bool {
+        self.0 & Self::PROBE_IN_PROGRESS != 0
+    }
+
+    /// True if the last probing move has failed (B13).
+    pub fn probe_failed(self) -> bool {
+        self.0 & Self::PROBE_ERROR != 0
     }
 
     /// Axes in an interpolated (B0 to B4) or independent (B22 to B26) move.

@@ -207,6 +207,17 @@ impl Motion {
         self.elapsed(time_ns) < self.end_s
     }
 
+    /// The first instant at which it has ended, ns.
+    pub(crate) fn end_ns(&self) -> i64 {
+        let mut time_ns = nanoseconds(self.end_s);
+        // Seconds and nanoseconds round differently: by a nanosecond or, after years, by a few.
+        while self.elapsed(self.start_ns.saturating_add(time_ns)) < self.end_s && time_ns < i64::MAX
+        {
+            time_ns = time_ns.saturating_add(1 + time_ns / (1 << 52));
+        }
+        self.start_ns.saturating_add(time_ns)
+    }
+
     /// Sign of the velocity at an instant, after the end of the last velocity; 0 if it never moves.
     pub(crate) fn sense(&self, time_ns: i64) -> f64 {
         let velocity = self.at(time_ns).velocity;

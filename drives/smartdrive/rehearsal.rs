@@ -44,7 +44,7 @@ struct OnWire {
 
 /// Up to five drives on one bus that follow a plan in simulated time, one exchange after the other, with the follower
 /// of the driver and the generators of the emulated device.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct SmartDriveRehearsal {
     axes: Vec<AxisOptions>,
     follower: Follower,
@@ -173,6 +173,10 @@ impl Rehearsal for SmartDriveRehearsal {
 
     fn exchanges(&self) -> u64 {
         self.exchanges
+    }
+
+    fn copied(&self) -> Box<dyn Rehearsal> {
+        Box::new(self.clone())
     }
 }
 

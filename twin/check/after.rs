@@ -4,7 +4,7 @@ use super::{exceeds, sentence};
 use crate::compare::Comparison;
 use crate::finding::Finding;
 use crate::machine::Machine;
-use crate::plant::PlantRecord;
+use crate::plant::{Happening, PlantRecord};
 
 /// What the simulated machine did in a run, where an axis was farther from its set-points than its machine file allows.
 pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Finding> {
@@ -20,6 +20,11 @@ pub fn following_errors(machine: &Machine, comparison: &Comparison) -> Vec<Findi
 /// The faults that a run to its end has not begun.
 pub fn faults_to_come(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
     record.faults_to_come.iter().map(|fault| sentence::never_began(machine, fault)).collect()
+}
+
+/// One thing that happened to the simulated machine, in words.
+pub fn happening(machine: &Machine, happening: &Happening) -> Option<Finding> {
+    sentence::happened(machine, happening)
 }
 
 /// What happened to the simulated machine in a run.

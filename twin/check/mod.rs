@@ -20,10 +20,11 @@ use crate::m_function::Acknowledgement;
 use crate::machine::{DirectionRule, Machine};
 use crate::physics::MotorLoad;
 use crate::planning::Planning;
+use crate::plant::PlantRecord;
 use crate::program::{ProgramFile, ProgramItem};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
-pub use after::{faults_to_come, following_errors, happenings};
+pub use after::{faults_to_come, following_errors, happening, happenings};
 pub use clearance::{ClearanceCsv, ClearancePicture, ClearancePictureError};
 use findings::{About, Findings};
 pub use options::{CheckFailure, CheckOptions};
@@ -113,7 +114,7 @@ pub fn check_watched(
                     watch(&clearance);
                 }
                 if let Some(rehearsal) = &mut rehearsal {
-                    rehearsal.follow(&setpoint, &mut checker)?;
+                    rehearsal.take(&setpoint, &mut checker)?;
                 }
             }
             ProgramItem::Diagnostic(finding) => checker.findings.add(None, finding),
@@ -127,7 +128,10 @@ pub fn check_watched(
     if items.elements() == 0 && !checker.findings.any_error() {
         checker.findings.add(None, finding::nothing_moves());
     }
-    let record = rehearsal.map(Rehearsal::into_record).unwrap_or_default();
+    let record = match rehearsal {
+        Some(rehearsal) => rehearsal.finish(&mut checker)?,
+        None => PlantRecord::default(),
+    };
     for blow in &record.blows {
         checker.findings.add(Some(About::Simulated), sentence::ran_into(machine, blow));
     }

@@ -6,6 +6,7 @@ use crate::physics::PhysicsError;
 use crate::plant::{Plant, PlantRecord};
 use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
+use std::collections::VecDeque;
 
 /// The simulated machine on which a program is tried.
 #[derive(Debug)]
@@ -16,25 +17,48 @@ pub(super) struct Rehearsal<'m> {
     twin: Option<Simulated>,
     /// It has run away from its set-points.
     lost: bool,
+    /// Set-points that it has not come to: drives in its loop look ahead.
+    ahead: VecDeque<AxisSetpoint>,
 }
 
 impl<'m> Rehearsal<'m> {
     pub(super) fn new(machine: &'m Machine, scenario: Scenario) -> Self {
-        Self { machine, scenario, twin: None, lost: false }
+        Self { machine, scenario, twin: None, lost: false, ahead: VecDeque::new() }
     }
 
-    /// What it has to tell.
-    pub(super) fn into_record(self) -> PlantRecord {
+    /// Goes on to the last set-point; what there is to tell of all.
+    pub(super) fn finish(
+        mut self,
+        checker: &mut Checker<'_>,
+    ) -> Result<PlantRecord, SimulationError> {
+        while let Some(setpoint) = self.ahead.pop_front() {
+            self.follow(&setpoint, checker)?;
+        }
         let mut record = self.twin.map(|twin| twin.record()).unwrap_or_default();
         if self.lost {
             // They might have begun, had it gone on.
             record.faults_to_come.clear();
         }
-        record
+        Ok(record)
+    }
+
+    /// Takes the machine as far as the plan behind it is known.
+    pub(super) fn take(
+        &mut self,
+        setpoint: &AxisSetpoint,
+        checker: &mut Checker<'_>,
+    ) -> Result<(), SimulationError> {
+        self.ahead.push_back(*setpoint);
+        let horizon_ns = self.twin.as_ref().map_or(0, Plant::horizon_ns);
+        let known_ns = setpoint.time_ns.saturating_sub(horizon_ns);
+        while let Some(next) = self.ahead.pop_front_if(|next| next.time_ns <= known_ns) {
+            self.follow(&next, checker)?;
+        }
+        Ok(())
     }
 
     /// Takes the machine to `setpoint` and tells `checker` where it came.
-    pub(super) fn follow(
+    fn follow(
         &mut self,
         setpoint: &AxisSetpoint,
         checker: &mut Checker<'_>,
@@ -45,8 +69,10 @@ impl<'m> Rehearsal<'m> {
         if self.twin.is_none() {
             let twin = match Simulated::new(self.machine, &setpoint.axes.position) {
                 Ok(twin) => twin,
-                // That is told by whoever looks at set-points.
-                Err(SimulationError { error: PhysicsError::Overlap { .. }, .. }) => {
+                // How deep is told by whoever looks at set-points.
+                Err(SimulationError { error: PhysicsError::Overlap { parts, .. }, .. }) => {
+                    let note = sentence::starts_inside(self.machine, setpoint.place, parts);
+                    checker.findings.add(None, note);
                     self.lost = true;
                     return Ok(());
                 }
@@ -55,7 +81,7 @@ impl<'m> Rehearsal<'m> {
             self.twin = Some(twin.in_scenario(&self.scenario));
         }
         let Some(twin) = &mut self.twin else { return Ok(()) };
-        match twin.command(setpoint).and_then(|()| twin.feedback()) {
+        match twin.command_before(setpoint, &self.ahead).and_then(|()| twin.feedback()) {
             Ok(Some(feedback)) => checker.following(setpoint, &feedback.position),
             Ok(None) => {}
             // A machine that can be built and cannot do what is asked of it: the program is wrong, not the command.

@@ -5,7 +5,7 @@ use crate::finding::{Finding, Rule, Severity};
 use crate::machine::{
     Axis, AxisKind, FaultAt, FaultStart, Machine, SimulationError, VelocitySource,
 };
-use crate::physics::{Clearance, EventKind, Fault};
+use crate::physics::{Clearance, EventKind, Fault, Part};
 use crate::plant::{Blow, Happening, ProbeTouch};
 use crate::report::seconds;
 use std::collections::BTreeSet;
@@ -165,6 +165,15 @@ pub(super) fn in_the_way(machine: &Machine, place: Place, found: &Clearance) -> 
         z * 1e3
     );
     Finding::error(Rule::Collision, place, message).with_value(-depth, 0.0, "mm")
+}
+
+/// A machine that cannot be simulated for what it is in.
+pub(super) fn starts_inside(machine: &Machine, place: Place, parts: [Part; 2]) -> Finding {
+    let [one, other] = parts.map(|part| machine.part_name(part));
+    let message =
+        format!("not simulated: {one} and {other} are in each other where the program starts");
+    let finding = Finding::error(Rule::Collision, place, message);
+    Finding { severity: Severity::Note, ..finding }
 }
 
 /// Two parts nearer to each other than is wanted (m).

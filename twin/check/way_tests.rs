@@ -97,5 +97,8 @@ fn a_machine_may_start_in_something() {
         let outcome = checked(&low, "G1 X55 F600\nG0 Z30\nM2\n", physics);
         let hits = collisions(&outcome, Severity::Error);
         assert!(hits.iter().any(|hit| hit.line == 1), "{physics}: {outcome:#?}");
+        let notes = collisions(&outcome, Severity::Note);
+        assert_eq!(notes.len(), usize::from(physics), "{outcome:#?}");
+        assert!(notes.iter().all(|note| note.message.starts_with("not simulated: ")));
     }
 }

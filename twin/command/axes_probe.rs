@@ -1,8 +1,8 @@
 //! `twin axes probe`: one axis of the simulated machine searches with its probe.
 
-use super::options::MachineOption;
+use super::options::{InLoopOption, MachineOption};
 use super::{Failure, Status};
-use crate::machine::{Axis, Machine};
+use crate::machine::{Axis, DriveFamily, Machine};
 use crate::number::significant;
 use crate::probe::{AxisProbe, AxisProbeEnd};
 use crate::simulated::Simulated;
@@ -17,6 +17,9 @@ const DIGITS: usize = 12;
 /// As `ICNC_CMD_PROBE` (command 40) of an InterpCNC board does, and a PLC with `MC_TouchProbe`: where the axis is when the probe
 /// trips is latched, then it is braked to rest. Prints `tripped,LATCHED,REST` in mm or degrees, `not tripped` (the end of
 /// the stroke came first) or `already tripped`; the exit status of these two is 1.
+///
+/// An axis whose InterpCNC board is in the loop (`--drives-in-loop`) is moved by the board's own command 40: latched is its
+/// counter, in whole steps.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -38,9 +41,9 @@ pub(super) struct Arguments {
     #[arg(long, default_value_t = 5.0)]
     velocity: f64,
 
-    /// Velocity at which it may start and stop at once, as step motors do
-    #[arg(long, default_value_t = 0.0)]
-    start_velocity: f64,
+    /// Velocity at which it may start and stop at once, as step motors do [default: 0; of a board in the loop, its own]
+    #[arg(long)]
+    start_velocity: Option<f64>,
 
     /// Acceleration to the velocity of the search, mm/s² or degrees/s²
     #[arg(long, default_value_t = 100.0)]
@@ -49,11 +52,16 @@ pub(super) struct Arguments {
     /// Deceleration to rest
     #[arg(long, default_value_t = 100.0)]
     deceleration: f64,
+
+    #[command(flatten)]
+    in_loop: InLoopOption,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    let machine = arguments.machine.load()?;
+    let mut machine = arguments.machine.load()?;
+    arguments.in_loop.apply(&mut machine)?;
     let (index, axis) = find(&machine, &arguments.axis)?;
+    let start_velocity = arguments.start_velocity.unwrap_or_else(|| default_start(&machine, axis));
     let above = [
         ("--velocity", arguments.velocity),
         ("--acceleration", arguments.acceleration),
@@ -65,11 +73,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         }
     }
     let from = start(&machine, &arguments.from)?;
-    check_way(axis, from.get(index).copied().unwrap_or_default(), arguments)?;
+    check_way(axis, from.get(index).copied().unwrap_or_default(), start_velocity, arguments)?;
     let probe = AxisProbe {
         axis: index,
         stroke: axis.to_si(arguments.stroke),
-        start_velocity: axis.to_si(arguments.start_velocity),
+        start_velocity: axis.to_si(start_velocity),
         velocity: axis.to_si(arguments.velocity),
         acceleration: axis.to_si(arguments.acceleration),
         deceleration: axis.to_si(arguments.deceleration),
@@ -81,9 +89,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         );
         return Err(Failure::Usage(message));
     }
-    let refused = |error: crate::machine::SimulationError| Failure::Usage(error.to_string());
-    let mut simulated = Simulated::new(&machine, &from).map_err(refused)?;
-    let end = probe.run(&machine, &mut simulated).map_err(refused)?;
+    let mut simulated =
+        Simulated::new(&machine, &from).map_err(|error| Failure::Usage(error.to_string()))?;
+    let end = probe
+        .run(&machine, &mut simulated)
+        .map_err(|error| Failure::Usage(format!("axis {}: {error}", axis.name)))?;
     let mut out = io::stdout().lock();
     // A nanometre is no more than rounding.
     let shown = |value: f64| significant((axis.from_si(value) * 1e6).round() * 1e-6 + 0.0, DIGITS);
@@ -98,8 +108,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     Ok(status)
 }
 
+/// What an axis starts at: nothing, or what the ramps of its board do.
+fn default_start(machine: &Machine, axis: &Axis) -> f64 {
+    let device = axis.drive.as_ref().and_then(|drive| machine.drives.get(drive.device));
+    match device.filter(|device| device.in_loop).map(|device| &device.family) {
+        Some(DriveFamily::InterpCnc(board)) => {
+            axis.from_si(f64::from(board.start_stop_hz) / axis.increments_per_si().abs())
+        }
+        _ => 0.0,
+    }
+}
+
 /// Whether the axis may do that.
-fn check_way(axis: &Axis, from: f64, arguments: &Arguments) -> Result<(), Failure> {
+fn check_way(
+    axis: &Axis,
+    from: f64,
+    start_velocity: f64,
+    arguments: &Arguments,
+) -> Result<(), Failure> {
     let unit = axis.unit();
     let end = axis.from_si(from) + arguments.stroke;
     let [low, high] = axis.position_limits.map(|limit| axis.from_si(limit));
@@ -111,7 +137,7 @@ fn check_way(axis: &Axis, from: f64, arguments: &Arguments) -> Result<(), Failur
     }
     let most = [
         ("--velocity", arguments.velocity, axis.max_velocity, ""),
-        ("--start-velocity", arguments.start_velocity, axis.max_velocity, ""),
+        ("--start-velocity", start_velocity, axis.max_velocity, ""),
         ("--acceleration", arguments.acceleration, axis.max_acceleration, "/s"),
         ("--deceleration", arguments.deceleration, axis.max_acceleration, "/s"),
     ];

@@ -20,8 +20,8 @@ pub(super) struct Arguments {
 enum Device {
     /// SOPROLEC InterpCNC V2.1: five step axes on Modbus RTU
     ///
-    /// Commands 41, 42, 43, 66, 67, 80 and 96 do what the manual says; interpolated moves (6), homing (71, 78) and
-    /// probing (40) are answered with exception 3 so far.
+    /// Commands 40, 41, 42, 43, 66, 67, 80 and 96 do what the manual says; interpolated moves (6) and homing (71, 78)
+    /// are answered with exception 3 so far.
     ///
     /// For instance, with the port at /tmp/board:
     ///   mbpoll -m rtu -b 115200 -P none -0 -B -t 3:int -r 1026 -c 5 -1 /tmp/board

@@ -43,6 +43,37 @@ pub(super) struct SimulationOptions {
     /// Seed of the noise of encoders and axes ([axes.physics.noise] in the machine file): the same seed, the same run [default: 0]
     #[arg(long, value_name = "NUMBER")]
     seed: Option<u64>,
+
+    #[command(flatten)]
+    pub(super) in_loop: InLoopOption,
+}
+
+/// What the motors of the simulated machine get.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(super) struct InLoopOption {
+    /// Let the simulated motors get what the drives' own profile generators make of the set-points, as fast as their wires
+    /// allow, and not the set-points themselves; for all drives of the machine file, as `in_loop = true` there does for one
+    #[arg(long = "drives-in-loop")]
+    drives_in_loop: bool,
+}
+
+impl InLoopOption {
+    /// Whether it was given.
+    pub(super) fn given(self) -> bool {
+        self.drives_in_loop
+    }
+
+    pub(super) fn apply(self, machine: &mut Machine) -> Result<(), Failure> {
+        if self.drives_in_loop {
+            if machine.drives.is_empty() {
+                let path = machine.path.display();
+                let message = format!("--drives-in-loop: {path} names no [[drives]]");
+                return Err(Failure::Usage(message));
+            }
+            machine.put_drives_in_loop();
+        }
+        Ok(())
+    }
 }
 
 impl SimulationOptions {
@@ -60,7 +91,11 @@ impl SimulationOptions {
 
     /// Refuses what says nothing where nothing is simulated.
     pub(super) fn without_physics(&self) -> Result<(), Failure> {
-        let given = [("--faults", self.faults.is_some()), ("--seed", self.seed.is_some())];
+        let given = [
+            ("--faults", self.faults.is_some()),
+            ("--seed", self.seed.is_some()),
+            ("--drives-in-loop", self.in_loop.given()),
+        ];
         match given.into_iter().find(|(_, given)| *given) {
             Some((name, _)) => {
                 Err(Failure::Usage(format!("{name} says nothing without --physics")))

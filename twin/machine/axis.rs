@@ -1,6 +1,6 @@
 //! `[[axes]]`: what each axis of the machine is and can do.
 
-use super::drives::{counts, steps_per_s};
+use super::drives::{Abilities, Seen};
 use super::limits::{DriveLimits, VelocityLimits, read_headroom};
 use super::section::Section;
 use super::simulated::{self, SimulatedAxis};
@@ -190,8 +190,8 @@ impl JointEntry {
     }
 }
 
-/// Reads one `[[axes]]` table. `devices` are the names of `[[drives]]`.
-pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntry> {
+/// Reads one `[[axes]]` table. `devices` are the `[[drives]]`.
+pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry> {
     let name = section.required_text("name");
     let role = section.text("role").or(name);
     let kind = section
@@ -228,12 +228,15 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
         drive_limits.motor_turns.map(|turns| turns / kind.scale()),
     );
     let drive = read_drive(section, unit, devices);
+    let abilities = |drive: &AxisDrive| devices.get(drive.device)?.abilities.as_ref();
     let joint = JointEntry::read(section, kind);
     let (min, max) = if limited {
         (position_min?, position_max?)
     } else {
         // As far as the drive counts.
-        let counted = drive.as_ref().map_or(MOST, |drive| counts() / drive.ratio.per_unit().abs());
+        let counted = drive.as_ref().map_or(MOST, |drive| {
+            abilities(drive).map_or(MOST, |able| able.counts / drive.ratio.per_unit().abs())
+        });
         let most = MOST.min(counted);
         (-most, most)
     };
@@ -245,19 +248,18 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
         );
         return None;
     }
-    let increments = drive.as_ref().map(|drive| drive.ratio.per_unit());
+    let increments = drive.as_ref().map(|drive| {
+        let most = abilities(drive).map_or(f64::INFINITY, |able| *able.speeds.end());
+        (drive.ratio.per_unit(), most)
+    });
     let velocities = drive_limits.with(max_velocity?, increments);
     if let Some(drive) = &drive {
         // Without a drive's own limit.
         let velocity = VelocityLimits { step_frequency: None, ..velocities }.smallest().value;
-        check_drive(
-            section,
-            unit,
-            &drive.ratio,
-            [min, max],
-            velocity,
-            drive_limits.step_frequency_hz,
-        );
+        if let Some(able) = abilities(drive) {
+            let frequency = drive_limits.step_frequency_hz;
+            check_drive(section, unit, &drive.ratio, able, [min, max], (velocity, frequency));
+        }
     }
     let scale = kind.scale();
     let velocity_limits = velocities.scaled(scale);
@@ -284,15 +286,18 @@ pub(super) fn read(section: &Section<'_>, devices: &[String]) -> Option<AxisEntr
     })
 }
 
-fn read_drive(section: &Section<'_>, unit: &str, devices: &[String]) -> Option<AxisDrive> {
+fn read_drive(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Option<AxisDrive> {
     let device = section.text("drive");
-    let index = section.choice("drive_axis", &[("X", 0), ("Y", 1), ("Z", 2), ("A", 3), ("B", 4)]);
+    // Which of them it is depends on the device.
+    let axis_keys = ["drive_axis", "drive_address"];
+    axis_keys.into_iter().for_each(|key| section.accept(key));
     let increments = section.integer("increments", -1_000_000_000_000..=1_000_000_000_000);
     let per_key = format!("per_{unit}");
     let per_units = section.number(&per_key, 1e-6..=1e9);
     let Some(device) = device else {
         if !section.has("drive") {
-            for key in ["drive_axis", "increments", &per_key, "max_step_frequency_khz"] {
+            let keys = ["drive_axis", "drive_address", "increments", &per_key];
+            for key in keys.into_iter().chain(["max_step_frequency_khz"]) {
                 if section.has(key) {
                     section.complain_at(key, format!("`{key}` says nothing without a `drive`"));
                 }
@@ -300,16 +305,25 @@ fn read_drive(section: &Section<'_>, unit: &str, devices: &[String]) -> Option<A
         }
         return None;
     };
-    let Some(found) = devices.iter().position(|name| name == device) else {
+    let Some(found) = devices.iter().position(|seen| seen.name == device) else {
         let known = if devices.is_empty() {
             "there is no [[drives]]".to_owned()
         } else {
-            format!("the [[drives]] are named {}", devices.join(", "))
+            let names: Vec<_> = devices.iter().map(|device| device.name.as_str()).collect();
+            format!("the [[drives]] are named {}", names.join(", "))
         };
         section.complain_at("drive", format!("`drive` is \"{device}\", but {known}"));
         return None;
     };
-    for key in ["drive_axis", "increments", &per_key] {
+    let kind = devices.get(found).and_then(|device| device.kind);
+    // Without a kind it is not known which axes there are.
+    let kind = kind?;
+    let index = kind.axis(section);
+    for key in axis_keys.into_iter().filter(|key| *key != kind.axis_key() && section.has(key)) {
+        let message = format!("axes of this drive are named by `{}`", kind.axis_key());
+        section.complain_at(key, message);
+    }
+    for key in [kind.axis_key(), "increments", &per_key] {
         if !section.has(key) {
             section.complain(format!("an axis with a `drive` needs `{key}` too"));
         }
@@ -331,13 +345,13 @@ fn check_drive(
     section: &Section<'_>,
     unit: &str,
     ratio: &IncrementRatio,
+    able: &Abilities,
     limits: [f64; 2],
-    max_velocity: f64,
-    step_frequency_hz: Option<f64>,
+    (max_velocity, step_frequency_hz): (f64, Option<f64>),
 ) {
     let per_unit = ratio.per_unit().abs();
     let speed = (max_velocity * per_unit).min(step_frequency_hz.unwrap_or(f64::INFINITY));
-    let speeds = steps_per_s();
+    let Abilities { speeds, counts } = able;
     if !speeds.contains(&speed) {
         let (low, high) = (speeds.start(), speeds.end());
         let mut message = format!(
@@ -350,11 +364,9 @@ fn check_drive(
     }
     let farthest = limits.into_iter().map(f64::abs).fold(0.0, f64::max);
     let count = farthest * per_unit;
-    if count > counts() {
-        let message = format!(
-            "{farthest} {unit} are {count:.0} increments; the drive counts to {}",
-            counts()
-        );
+    if count > *counts {
+        let message =
+            format!("{farthest} {unit} are {count:.0} increments; the drive counts to {counts}",);
         section.complain_at("increments", message);
     }
 }

@@ -190,10 +190,12 @@ impl DriveLimits {
         Self { step_frequency_hz: frequency.map(|khz| khz * 1e3), motor_speed, motor_turns }
     }
 
-    /// With the velocity of the axis itself and, with a drive, its increments per unit: all in deg/s or mm/s.
-    pub(super) fn with(&self, axis: f64, increments_per_unit: Option<f64>) -> VelocityLimits {
-        let hz = self.step_frequency_hz.unwrap_or(f64::from(MAX_SPEED_HZ));
-        let step_frequency = increments_per_unit.map(|increments| hz / increments.abs());
+    /// With the velocity of the axis itself and, with a drive, its increments per unit and the most of them that it makes
+    /// in a second: all in deg/s or mm/s.
+    pub(super) fn with(&self, axis: f64, drive: Option<(f64, f64)>) -> VelocityLimits {
+        let step_frequency = drive.map(|(increments_per_unit, most_hz)| {
+            self.step_frequency_hz.unwrap_or(most_hz) / increments_per_unit.abs()
+        });
         VelocityLimits { axis, step_frequency, motor_speed: self.motor_speed }
     }
 }

@@ -23,7 +23,8 @@ pub use axis::{Axis, AxisDrive, AxisKind, IncrementRatio};
 pub(crate) use conditions::said as tool_table_problem;
 pub use conditions::{PreparationInputs, ProgramConditions};
 pub use direction::DirectionRule;
-pub use drives::{DeviceEntry, Parity};
+use drives::Seen;
+pub use drives::{Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, Parity, SmartDriveEntry};
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
 pub use problem::{MachineFileError, Problem};
 pub use refusal::SimulationError;
@@ -115,6 +116,19 @@ impl Machine {
         Ok(machine)
     }
 
+    /// The axes on a device, with their places in the file.
+    pub fn axes_of(&self, device: usize) -> impl Iterator<Item = (usize, &Axis)> {
+        let on_it = move |axis: &Axis| axis.drive.as_ref().is_some_and(|at| at.device == device);
+        self.axes.iter().enumerate().filter(move |(_, axis)| on_it(axis))
+    }
+
+    /// Puts every device between set-points and motors of the simulated machine.
+    pub fn put_drives_in_loop(&mut self) {
+        for device in &mut self.drives {
+            device.in_loop = true;
+        }
+    }
+
     /// Height of the tool tip above the machine frame's origin with every linear axis at 0, m.
     pub fn rest_height(&self) -> f64 {
         let axes = AxisVector::zeros(self.axes.len());
@@ -162,19 +176,18 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
     let name = root.required_text("name");
     let drives = root.sections("drives");
     let devices: Vec<_> = drives.iter().map(drives::read).collect();
-    // A device with something wrong with it is there all the same.
-    let device_names: Vec<_> = drives
-        .iter()
-        .map(|device| device.glance_at_text("name").unwrap_or_default().to_owned())
-        .collect();
-    if let Some(second) = drives.get(1) {
-        second.complain(format!("{} devices; one is supported so far", drives.len()));
+    let seen = drives.iter().zip(&devices);
+    let seen: Vec<_> = seen.map(|(section, entry)| Seen::of(section, entry.as_ref())).collect();
+    for (section, one) in drives.iter().zip(&seen) {
+        let earlier = seen.iter().take_while(|other| !std::ptr::eq(*other, one));
+        if earlier.into_iter().any(|other| other.name == one.name) && section.has("name") {
+            section.complain_at("name", format!("there is a drive \"{}\" already", one.name));
+        }
     }
     drives.into_iter().for_each(Section::finish);
 
     let axis_sections = root.sections("axes");
-    let entries: Vec<_> =
-        axis_sections.iter().map(|section| axis::read(section, &device_names)).collect();
+    let entries: Vec<_> = axis_sections.iter().map(|section| axis::read(section, &seen)).collect();
     let unique = check_axes(root, &axis_sections, &entries);
     axis_sections.into_iter().for_each(Section::finish);
     let axes: Option<Vec<_>> = entries.into_iter().collect::<Option<_>>().filter(|_| unique);
@@ -185,7 +198,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
 
     let conditions = conditions::read(root, path);
     let path_limits = limits::read_path(root, &conditions.preparation);
-    let m_functions = m_functions::read(root, !device_names.is_empty());
+    let m_functions = m_functions::read(root, !seen.is_empty());
 
     let environment = root.section("environment");
     let gravity =
@@ -261,7 +274,9 @@ fn check_axes(root: &Section<'_>, sections: &[Section<'_>], entries: &[Option<Ax
         {
             let message =
                 format!("axis \"{}\" already hangs on this axis of the drive", other.axis.name);
-            section.complain_at("drive_axis", message);
+            let keys = ["drive_address", "drive_axis"];
+            let key = keys.into_iter().find(|key| section.has(key)).unwrap_or("drive");
+            section.complain_at(key, message);
         }
     }
     if known.iter().any(|entry| entry.driven) {

@@ -222,6 +222,26 @@ impl Machine {
         Ok(Some(scan).filter(|scan| !scan.is_empty()))
     }
 
+    /// What of that is described by meshes that are not closed, and at how many edges.
+    pub fn open_meshes(&self) -> Vec<(String, usize)> {
+        let Some(collision) = &self.collision else { return Vec::new() };
+        let links = self.model.links.iter().map(|link| {
+            let solids = if link.collision.is_empty() { &link.solids } else { &link.collision };
+            (&link.name, solids)
+        });
+        let obstacles = collision.surroundings.obstacles.iter();
+        let bodies = links.chain(obstacles.map(|one| (&one.name, &one.solids)));
+        let open = bodies.filter_map(|(name, solids)| {
+            let edges = solids.iter().map(|solid| match &solid.shape {
+                SolidShape::Mesh { mesh, .. } => mesh.open_edges(),
+                _ => 0,
+            });
+            let edges: usize = edges.sum();
+            (edges > 0).then(|| (name.clone(), edges))
+        });
+        open.collect()
+    }
+
     /// Lets links be in each other that are so with every axis in the middle of its travel: solids are drawn with less care
     /// than joints.
     pub(super) fn leave_out_what_overlaps(&mut self) -> Result<(), PhysicsError> {

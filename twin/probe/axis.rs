@@ -3,8 +3,11 @@
 //!
 //! The axis speeds up from its start velocity, goes on until the probe trips, and is brought to rest by its deceleration. Where it
 //! was when the probe tripped is latched before that. Without a trip it comes to rest at the end of its stroke.
+//!
+//! An axis on an InterpCNC board that is in the loop of the simulated machine is moved by the board itself.
 
-use crate::machine::{Machine, SimulationError};
+use super::board::{BoardRange, BoardSearch};
+use crate::machine::{DriveFamily, Machine, SimulationError};
 use crate::physics::PhysicsError;
 use crate::report::seconds;
 use crate::simulated::Simulated;
@@ -32,7 +35,7 @@ pub struct AxisProbe {
 pub enum AxisProbeEnd {
     /// The probe tripped.
     Tripped {
-        /// Where the axis was then (`RecordedPosition`).
+        /// Where the axis was then (`RecordedPosition`); of a board, where its counter was.
         latched: f64,
         /// Where it came to rest.
         rest: f64,
@@ -43,6 +46,31 @@ pub enum AxisProbeEnd {
     AlreadyTripped,
 }
 
+/// Why it was not carried out.
+#[derive(Debug, thiserror::Error)]
+pub enum AxisProbeError {
+    /// The simulated machine.
+    #[error(transparent)]
+    Simulation(#[from] SimulationError),
+    /// The board has no such command.
+    #[error(transparent)]
+    Board(#[from] BoardRange),
+}
+
+/// What moves the axis.
+pub(super) trait Search {
+    /// Lets a cycle pass, `dt` s; `tripped` once the probe has.
+    fn advance(&mut self, cycle_ns: i64, dt: f64, tripped: bool);
+
+    /// How far it has come, its velocity and its acceleration: m or rad, and s.
+    fn motion(&self) -> [f64; 3];
+
+    fn is_under_way(&self) -> bool;
+
+    /// What its own counter was when the probe tripped, if it has one.
+    fn latched(&self) -> Option<f64>;
+}
+
 /// Cycles without motion after which the axis has come to rest.
 const SETTLING: u32 = 100;
 
@@ -51,12 +79,13 @@ impl AxisProbe {
     ///
     /// # Errors
     /// Whatever keeps the simulated machine from following, what it runs into and limit switches included; [`PhysicsError::Input`] for an
-    /// axis that is not there, a stroke beyond its software limits, and velocities and rates that are not above 0.
+    /// axis that is not there, a stroke beyond its software limits, and velocities and rates that are not above 0; what a board cannot
+    /// be told.
     pub fn run(
         &self,
         machine: &Machine,
         simulated: &mut Simulated,
-    ) -> Result<AxisProbeEnd, SimulationError> {
+    ) -> Result<AxisProbeEnd, AxisProbeError> {
         let refused = |error| SimulationError::of(machine, error);
         let above = [self.velocity, self.acceleration, self.deceleration];
         let from = simulated.physics().setpoint().position.get(self.axis).copied();
@@ -65,41 +94,64 @@ impl AxisProbe {
             .zip(limits)
             .is_some_and(|(from, [low, high])| (low..=high).contains(&(from + self.stroke)));
         if !reached || !above.iter().all(|value| value.is_finite() && *value > 0.0) {
-            return Err(refused(PhysicsError::Input { time_ns: 0 }));
+            return Err(refused(PhysicsError::Input { time_ns: 0 }).into());
         }
-        self.carried_out(seconds(machine.cycle_ns), simulated).map_err(refused)
+        let board = machine.axes.get(self.axis).zip(from).and_then(|(axis, from)| {
+            let device = machine.drives.get(axis.drive.as_ref()?.device)?;
+            let has_board = device.in_loop && matches!(device.family, DriveFamily::InterpCnc(_));
+            has_board.then(|| BoardSearch::begin(self, axis, from))?
+        });
+        let mut search: Box<dyn Search> = match board {
+            Some(board) => Box::new(board?),
+            None => Box::new(Course::new(self)),
+        };
+        Ok(self.carried_out(machine.cycle_ns, &mut *search, simulated).map_err(refused)?)
     }
 
     fn carried_out(
         &self,
-        cycle: f64,
+        cycle_ns: i64,
+        search: &mut dyn Search,
         machine: &mut Simulated,
     ) -> Result<AxisProbeEnd, PhysicsError> {
         if machine.touches()? {
             return Ok(AxisProbeEnd::AlreadyTripped);
         }
         let from = machine.physics().setpoint().position;
-        let mut course = Course::new(self);
         let mut latched = None;
         let mut rested = 0;
         while rested < SETTLING {
-            course.advance(cycle, latched.is_some());
-            let motion = course.motion(self, &from);
-            machine.probe_towards(&motion)?;
+            search.advance(cycle_ns, seconds(cycle_ns), latched.is_some());
+            machine.probe_towards(&self.setpoint(&from, search.motion()))?;
             if latched.is_none() && machine.touches()? {
                 latched = machine.physics().axis_state().position.get(self.axis).copied();
             }
-            rested = if course.velocity > 0.0 { 0 } else { rested + 1 };
+            rested = if search.is_under_way() { 0 } else { rested + 1 };
         }
         let rest = machine.physics().axis_state().position;
         let rest = rest.get(self.axis).copied().unwrap_or_default();
         Ok(latched
+            .map(|latched| search.latched().unwrap_or(latched))
             .map_or(AxisProbeEnd::NotTripped, |latched| AxisProbeEnd::Tripped { latched, rest }))
+    }
+
+    /// The other axes stay at `from`.
+    fn setpoint(&self, from: &AxisVector, [way, speed, change]: [f64; 3]) -> AxisMotion {
+        let mut motion = AxisMotion::at_rest(*from);
+        let slots = motion.position.iter_mut().zip(motion.velocity.iter_mut());
+        let slots = slots.zip(motion.acceleration.iter_mut()).nth(self.axis);
+        if let Some(((position, velocity), acceleration)) = slots {
+            *position += way;
+            *velocity = speed;
+            *acceleration = change;
+        }
+        motion
     }
 }
 
-/// The set-points along the stroke.
+/// A profile of our own along the stroke.
 struct Course {
+    sense: f64,
     length: f64,
     start_velocity: f64,
     most: f64,
@@ -114,6 +166,7 @@ impl Course {
     fn new(probe: &AxisProbe) -> Self {
         let start_velocity = probe.start_velocity.clamp(0.0, probe.velocity.max(0.0));
         Self {
+            sense: probe.stroke.signum(),
             length: probe.stroke.abs(),
             start_velocity,
             most: probe.velocity,
@@ -124,9 +177,10 @@ impl Course {
             change: 0.0,
         }
     }
+}
 
-    /// A cycle of `dt` s, braking or on the search.
-    fn advance(&mut self, dt: f64, brakes: bool) {
+impl Search for Course {
+    fn advance(&mut self, _cycle_ns: i64, dt: f64, brakes: bool) {
         let left = (self.length - self.way).max(0.0);
         // What still stops at the end of the stroke after this cycle.
         let stoppable = |velocity: f64, way: f64| {
@@ -150,16 +204,15 @@ impl Course {
         self.velocity = next;
     }
 
-    fn motion(&self, probe: &AxisProbe, from: &AxisVector) -> AxisMotion {
-        let mut motion = AxisMotion::at_rest(*from);
-        let sense = probe.stroke.signum();
-        let slots = motion.position.iter_mut().zip(motion.velocity.iter_mut());
-        let slots = slots.zip(motion.acceleration.iter_mut()).nth(probe.axis);
-        if let Some(((position, velocity), acceleration)) = slots {
-            *position += sense * self.way;
-            *velocity = sense * self.velocity;
-            *acceleration = sense * self.change;
-        }
-        motion
+    fn motion(&self) -> [f64; 3] {
+        [self.way, self.velocity, self.change].map(|value| self.sense * value)
+    }
+
+    fn is_under_way(&self) -> bool {
+        self.velocity > 0.0
+    }
+
+    fn latched(&self) -> Option<f64> {
+        None
     }
 }

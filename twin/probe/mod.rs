@@ -9,13 +9,15 @@ use twin_motion::rs274::{Position, ProbePath, ProbeTarget};
 
 mod around;
 mod axis;
+mod board;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
 mod vice_tests;
 
 pub(crate) use around::surroundings;
-pub use axis::{AxisProbe, AxisProbeEnd};
+pub use axis::{AxisProbe, AxisProbeEnd, AxisProbeError};
+pub use board::BoardRange;
 
 /// Nearer than this is touching, m: the rounding of distances.
 const TOUCH: f64 = 1e-8;

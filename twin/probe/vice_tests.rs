@@ -168,3 +168,45 @@ fn an_axis_probes_until_it_touches() {
     let rest = simulated.physics().axis_state().position[1];
     assert!((rest - (start - 0.03)).abs() < 2e-5, "{rest}");
 }
+
+/// Command 40 on the board itself, 320 steps/mm: the counter at the edge, whole steps, and a ramp down behind it.
+#[test]
+fn a_board_in_the_loop_probes_with_its_own_ramps() {
+    let mut machine = machine();
+    machine.put_drives_in_loop();
+    let (start_velocity, velocity, deceleration) = (1e-3, 0.01, 0.1);
+    let probe = AxisProbe {
+        axis: 1,
+        stroke: 0.05,
+        start_velocity,
+        velocity,
+        acceleration: 0.05,
+        deceleration,
+    };
+    let (mut simulated, start) = before_the_jaw(&machine, 0.02);
+    let end = probe.run(&machine, &mut simulated).unwrap();
+    let AxisProbeEnd::Tripped { latched, rest } = end else { panic!("{end:?}") };
+    let jaw = start + 0.02;
+    let step = 1.0 / 320e3;
+    assert!((latched - jaw).abs() <= velocity * 1e-3 + step, "{latched} is not {jaw}");
+    assert!((latched / step - (latched / step).round()).abs() < 1e-6, "{latched} is no whole step");
+    // 0.1 m/s² are 32 thousand steps/s², which command 40 can say; it brakes from the cycle behind the edge.
+    let stop = (velocity * velocity - start_velocity * start_velocity) / (2.0 * deceleration);
+    let apart = rest - latched - stop;
+    assert!(apart.abs() < velocity * 1e-3 + 2.0 * step, "{rest} is not {}", latched + stop);
+
+    // The end of the stroke, and what has tripped before.
+    assert_eq!(probe.run(&machine, &mut simulated).unwrap(), AxisProbeEnd::AlreadyTripped);
+    let (mut simulated, start) = before_the_jaw(&machine, 0.02);
+    let away = AxisProbe { stroke: -0.03, ..probe };
+    assert_eq!(away.run(&machine, &mut simulated).unwrap(), AxisProbeEnd::NotTripped);
+    let rest = simulated.physics().axis_state().position[1];
+    assert!((rest - (start - 0.03)).abs() < 2e-5 + step, "{rest}");
+    // What no register holds is said.
+    let steep = AxisProbe { deceleration: 300.0, ..probe };
+    let refused = steep.run(&machine, &mut simulated).unwrap_err().to_string();
+    assert_eq!(
+        refused,
+        "deceleration of 96000 thousand steps/s²: command 40 has 1 to 65535 thousand steps/s²"
+    );
+}

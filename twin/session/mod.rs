@@ -8,7 +8,7 @@ mod run;
 
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
-use crate::hardware::{HORIZON_NS, Hardware, HardwareError};
+use crate::hardware::{Hardware, HardwareError};
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledge, Acknowledgement, MCall};
 use crate::machine::{Machine, SimulationError};
@@ -60,6 +60,8 @@ pub struct DriveSample<'a> {
 pub trait Observer {
     /// A cycle of the simulated machine.
     fn twin(&mut self, cycle: &TwinCycle<'_>);
+    /// Something has happened to the simulated machine, in words.
+    fn happened(&mut self, _time_ns: i64, _place: Place, _what: &str) {}
     /// A sample of the drives.
     fn drives(&mut self, sample: &DriveSample<'_>);
     /// The path stands at an M function; [`Self::answer`] is asked when the user is to acknowledge it.
@@ -242,9 +244,9 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
         interrupts: &dyn Fn() -> u32,
     ) -> Ending {
         let paced = self.is_paced();
-        let ahead_ns = if self.hardware.is_some() { HORIZON_NS } else { 0 };
         let mut run = Run::new(self.machine, items, self.twin, self.hardware, self.realtime)
             .with_overrides(self.overrides);
+        let ahead_ns = run.horizon_ns();
         // Drives that begin to follow find a plan.
         run.heed(interrupts());
         run.plan(ahead_ns);

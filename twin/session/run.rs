@@ -4,10 +4,11 @@ use super::braking::{braking, resting};
 use super::history::History;
 use super::overrides::{OverrideAt, Overrides};
 use super::{DriveSample, Ending, Observer, Stopped, TwinCycle};
+use crate::check;
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
 use crate::finding::{Finding, Severity};
-use crate::hardware::{Hardware, HardwareError};
+use crate::hardware::{HORIZON_NS, Hardware, HardwareError};
 use crate::m_function::MCall;
 use crate::machine::{Machine, SimulationError};
 use crate::physics::PhysicsError;
@@ -126,6 +127,12 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     /// Whether there are set-points left.
     pub(super) fn goes_on(&self) -> bool {
         self.plan == Plan::GoesOn || !self.planned.is_empty()
+    }
+
+    /// How far ahead of what is due set-points are planned, ns.
+    pub(super) fn horizon_ns(&self) -> i64 {
+        let hardware = if self.hardware.is_some() { HORIZON_NS } else { 0 };
+        self.twin.horizon_ns().max(hardware)
     }
 
     /// Time of the last set-point that was executed, ns.
@@ -297,11 +304,21 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             if let Some(call) = setpoint.m_call {
                 self.begin_m_function(call, observer);
             }
-            let feedback = self.twin.command(&setpoint).and_then(|()| self.twin.feedback());
+            let feedback = self.twin.command_before(&setpoint, &self.planned);
+            let feedback = feedback.and_then(|()| self.twin.feedback());
+            for news in self.twin.news() {
+                if let Some(told) = check::happening(self.machine, &news) {
+                    observer.happened(setpoint.time_ns, news.place, &told.message);
+                }
+            }
             let feedback = match feedback {
                 Ok(Some(feedback)) => feedback,
                 Ok(None) => continue,
-                Err(source) => return self.lose_twin(source),
+                Err(source) => {
+                    let source = SimulationError::of(self.machine, source);
+                    observer.happened(setpoint.time_ns, setpoint.place, &source.to_string());
+                    return self.lose_twin(source);
+                }
             };
             if let Some((wanted, twin)) = self.history.push(self.machine, &setpoint, &feedback) {
                 self.comparison.twin(&wanted, &twin, setpoint.place);
@@ -313,9 +330,8 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     }
 
     /// Nothing to compare with any more: the drives brake, and that is the end.
-    fn lose_twin(&mut self, source: PhysicsError) {
+    fn lose_twin(&mut self, source: SimulationError) {
         self.twin_failed = true;
-        let source = SimulationError::of(self.machine, source);
         self.stopped.get_or_insert(Stopped::Twin { place: self.place(), source });
         self.brake();
     }

@@ -106,6 +106,19 @@ impl ToolShape {
 }
 
 impl Model {
+    /// Diameter of the round tool that ends at the tip, m; none without one.
+    pub fn tool_diameter(&self) -> Option<f64> {
+        let solids = self.links.get(self.tip.link)?.solids.iter();
+        let mut ends = solids.filter_map(|solid| match solid.shape {
+            SolidShape::Cylinder { radius, length } => {
+                let end = solid.origin * Point3::new(0.0, 0.0, -0.5 * length);
+                ((end - self.tip.point).norm() <= ROUNDING).then_some(2.0 * radius)
+            }
+            _ => None,
+        });
+        ends.next()
+    }
+
     /// Gives the round tool that the model carries its diameter, and puts its holder above it, as a link of its own; `link_from_flange` is
     /// the place of the flange in the link where the tip is. False if it has no round tool to give a diameter to.
     pub fn shape_tool(&mut self, link_from_flange: &Isometry3<f64>, shape: &ToolShape) -> bool {

@@ -8,6 +8,7 @@ pub use file::MeshError;
 pub(crate) use mass::Moments;
 
 use nalgebra::{Point3, Vector3};
+use std::collections::BTreeMap;
 
 /// Triangles from a file, in the file's own unit and frame: see [`SolidShape::Mesh`](crate::SolidShape::Mesh).
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +76,28 @@ impl Mesh {
             let (one, other) = if mirrored { (third, second) } else { (second, third) };
             Some([corner(*first)?, corner(*one)?, corner(*other)?])
         })
+    }
+
+    /// How many edges do not lie between two triangles that go along them in opposite senses; 0 for the surface of a
+    /// body. Corners at the same place are one: in STL every triangle has its own.
+    pub fn open_edges(&self) -> usize {
+        let place = |index: u32| {
+            let vertex = self.vertices.get(usize::try_from(index).ok()?)?;
+            // Both zeros are one.
+            Some([vertex.x, vertex.y, vertex.z].map(|value| (value + 0.0).to_bits()))
+        };
+        let mut passed = BTreeMap::<_, i32>::new();
+        for [first, second, third] in &self.triangles {
+            for (from, to) in [(first, second), (second, third), (third, first)] {
+                let (Some(from), Some(to)) = (place(*from), place(*to)) else { continue };
+                if from < to {
+                    *passed.entry([from, to]).or_default() += 1;
+                } else if to < from {
+                    *passed.entry([to, from]).or_default() -= 1;
+                }
+            }
+        }
+        passed.values().filter(|sum| **sum != 0).count()
     }
 
     /// Lowest and highest corner of the box around it, m.

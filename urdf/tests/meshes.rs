@@ -111,6 +111,22 @@ fn corners_go_round_as_seen_from_outside() {
 }
 
 #[test]
+fn what_is_not_closed_is_known() {
+    let closed = parse(&binary(), "box.stl").unwrap();
+    assert_eq!(closed.open_edges(), 0);
+    let (corners, triangles) = (closed.vertices().to_vec(), closed.triangles().to_vec());
+    // Without a triangle its three edges have one neighbour; turned round, three edges go the same way twice.
+    let hole = Mesh::new("box.stl", corners.clone(), triangles[1..].to_vec()).unwrap();
+    assert_eq!(hole.open_edges(), 3);
+    let mut turned = triangles.clone();
+    turned[0].swap(0, 1);
+    assert_eq!(Mesh::new("box.stl", corners.clone(), turned).unwrap().open_edges(), 3);
+    // A sheet is open all around.
+    let sheet = Mesh::new("sheet.stl", corners, triangles[..1].to_vec()).unwrap();
+    assert_eq!(sheet.open_edges(), 3);
+}
+
+#[test]
 fn files_that_are_no_mesh() {
     let refusal = |bytes: &[u8], name: &str| parse(bytes, name).unwrap_err().to_string();
     assert_eq!(refusal(b"", "a.dae"), "dae files cannot be read: meshes are STL or OBJ");

@@ -250,6 +250,18 @@ impl Scene {
         Ok(())
     }
 
+    /// Shows that something has happened to the twin at `time_ns`, in a line of the program: beside its text.
+    ///
+    /// # Errors
+    ///
+    /// [`VizError::Log`] if rerun refuses it.
+    pub fn news(&mut self, time_ns: i64, line: u32, what: &str) -> Result<(), VizError> {
+        self.lay_out()?;
+        At { time_ns, line }.set(&self.stream);
+        let seconds = std::time::Duration::from_nanos(u64::try_from(time_ns).unwrap_or(0));
+        self.excerpt.log_news(&self.stream, (seconds.as_secs_f64(), line), what)
+    }
+
     /// Writes what is still held back and closes the recording. The page, if there is one, goes on until the returned
     /// [`Viewer`] is dropped.
     ///

@@ -1,5 +1,7 @@
 //! The program text around the current line, and the page's legend.
 
+use std::collections::VecDeque;
+
 use rerun::{RecordingStream, TextDocument};
 
 use super::Setup;
@@ -13,6 +15,8 @@ const BEFORE: usize = 2;
 const AFTER: usize = 3;
 /// A longer line is cut: the panel is narrow.
 const WIDTH: usize = 44;
+/// Happenings that are shown below the lines, the last ones.
+const NEWS: usize = 4;
 
 /// Shows the lines around the current one.
 #[derive(Debug)]
@@ -21,25 +25,49 @@ pub(super) struct Excerpt {
     /// Where each line begins in the text.
     begins: Vec<usize>,
     shown: Option<u32>,
+    /// What has happened.
+    news: VecDeque<String>,
 }
 
 impl Excerpt {
     pub(super) fn new(text: &str) -> Self {
         let begins =
             std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect();
-        Self { text: text.to_owned(), begins, shown: None }
+        Self { text: text.to_owned(), begins, shown: None, news: VecDeque::new() }
     }
 
     /// Logs the lines around `line`, from 1, if it is another than the one shown, at the stream's time.
     pub(super) fn log(&mut self, stream: &RecordingStream, line: u32) -> Result<(), VizError> {
         if self.shown != Some(line) {
             self.shown = Some(line);
-            stream.log(
-                "program/here",
-                &TextDocument::from_markdown(format!("```\n{}```", self.around(line))),
-            )?;
+            stream.log("program/here", &TextDocument::from_markdown(self.page(line)))?;
         }
         Ok(())
+    }
+
+    /// Logs what has happened at `line`, `time` s after the start, and the lines around it.
+    pub(super) fn log_news(
+        &mut self,
+        stream: &RecordingStream,
+        (time, line): (f64, u32),
+        what: &str,
+    ) -> Result<(), VizError> {
+        while self.news.len() >= NEWS {
+            self.news.pop_front();
+        }
+        self.news.push_back(format!("**{time:.3} s, line {line}:** {what}"));
+        self.shown = None;
+        self.log(stream, line)
+    }
+
+    /// The lines, and what has happened.
+    fn page(&self, line: u32) -> String {
+        let mut page = format!("```\n{}```", self.around(line));
+        for news in &self.news {
+            page.push_str("\n\n");
+            page.push_str(news);
+        }
+        page
     }
 
     fn around(&self, line: u32) -> String {
@@ -100,6 +128,21 @@ mod tests {
         assert_eq!(
             excerpt.around(4),
             "      2  N10 G0 X0\n      3  N20 G1 X5 F10\n▶     4  N30 G2 X0\n"
+        );
+    }
+
+    #[test]
+    fn what_has_happened_stands_below_the_lines() {
+        let mut excerpt = Excerpt::new("G0 X0\nG1 X5\n");
+        let stream = RecordingStream::disabled();
+        for (number, what) in ["a", "b", "c", "d", "e"].into_iter().enumerate() {
+            let line = u32::try_from(number).unwrap() % 2 + 1;
+            excerpt.log_news(&stream, (0.5, line), what).unwrap();
+        }
+        assert_eq!(
+            excerpt.page(2),
+            "```\n      1  G0 X0\n▶     2  G1 X5\n```\n\n**0.500 s, line 2:** b\n\n**0.500 s, line 1:** c\n\n\
+             **0.500 s, line 2:** d\n\n**0.500 s, line 1:** e"
         );
     }
 

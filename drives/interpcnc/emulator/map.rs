@@ -172,7 +172,7 @@ impl Board {
         }
     }
 
-    /// Input registers, function 4. Analog inputs (1040 to 1043) and the probe position (1044, 1045) read 0.
+    /// Input registers, function 4. Analog inputs (1040 to 1043) read 0.
     pub(super) fn input_register(&self, address: u16) -> Result<u16, Refusal> {
         let half = |value: u32, low: bool| {
             let [high_word, low_word] = words(value);
@@ -187,6 +187,7 @@ impl Board {
             }
             1036 | 1037 => Ok(half(self.memory.inputs, address == 1037)),
             1038 | 1039 => Ok(half(self.memory.outputs, address == 1039)),
+            1044 | 1045 => Ok(half(self.probe.position().cast_unsigned(), address == 1045)),
             1054 | 1055 => Ok(half(self.extended_status(), address == 1055)),
             _ if INPUT_REGISTERS.contains(&address) => Ok(0),
             _ => Err(Refusal::Address),

@@ -3,9 +3,9 @@
 //! [`Board`] is pure and deterministic: it is told how much time passes and which frames arrive. [`EmulatedBoard`]
 //! serves one in real time on a pseudo-terminal.
 //!
-//! What the emulator does: functions 1 to 6, 15 and 16 on the whole address map; commands 41, 42, 43, 66, 67, 80
+//! What the emulator does: functions 1 to 6, 15 and 16 on the whole address map; commands 40, 41, 42, 43, 66, 67, 80
 //! and 96; lock, ENABLE and unlock input; outputs, inputs, user bits and registers, parameters, recipes. What it
-//! does not do: commands 6, 40, 71 and 78 (answered with exception 3, as an unknown number is), limit switches,
+//! does not do: commands 6, 71 and 78 (answered with exception 3, as an unknown number is), limit switches,
 //! analog inputs, encoder and counters (read 0), axis coupling, failures of the EEPROM.
 //!
 //! Where the manual is silent the emulator assumes: arguments absent from a command keep their last value; locked,
@@ -15,6 +15,7 @@
 
 mod map;
 mod motion;
+mod probe;
 mod rtu;
 mod serve;
 #[cfg(test)]
@@ -22,7 +23,8 @@ mod tests;
 mod thread;
 
 use map::Memory;
-use motion::Axis;
+pub(super) use motion::Axis;
+use probe::{Probe, ProbeCommand};
 #[cfg(test)]
 pub(super) use rtu::seal;
 use rtu::{Block, Refusal, Request};
@@ -30,7 +32,7 @@ pub use serve::{Control, Wire, serve};
 pub use thread::{EmulatedBoard, EmulatorOptions};
 
 use super::{
-    Command, Line, Parity,
+    Command, Line, MoveProfile, Parity,
     registers::{AXES, AxisMask, BoardAxis, COMMAND, Status},
 };
 
@@ -70,6 +72,7 @@ pub struct Board {
     now_ns: i64,
     axes: [Axis; AXES],
     memory: Memory,
+    probe: Probe,
     locked: bool,
     /// The ENABLE input behind its filter.
     enabled: bool,
@@ -95,6 +98,7 @@ impl Board {
             now_ns: 0,
             axes: [Axis::default(); AXES],
             memory,
+            probe: Probe::default(),
             locked: true,
             enabled: options.enable,
             open_since_ns: None,
@@ -114,6 +118,7 @@ impl Board {
             self.lock();
         }
         self.now_ns = then;
+        self.end_probe();
     }
 
     /// Time since power-up, ns.
@@ -153,6 +158,7 @@ impl Board {
         if self.memory.parameter(UNLOCK_INPUT) == u32::from(number) && level != normally_closed {
             self.unlock();
         }
+        self.probe_input();
     }
 
     /// Outputs, bit 0 = OUT1.
@@ -165,7 +171,9 @@ impl Board {
         let moving = self.axis_bits(|axis| axis.moving(self.now_ns)) << Status::ASYNC_MOVING_SHIFT;
         let emergency = if self.enabled { 0 } else { Status::EMERGENCY_STOP };
         let locked = if self.locked { Status::BOARD_LOCKED } else { 0 };
-        Status(Status::BUFFER_EMPTY | moving | emergency | locked)
+        let probing = if self.probe.in_progress() { Status::PROBE_IN_PROGRESS } else { 0 };
+        let failed = if self.probe.failed() { Status::PROBE_ERROR } else { 0 };
+        Status(Status::BUFFER_EMPTY | moving | emergency | locked | probing | failed)
     }
 
     /// Speed of an axis, steps/s.
@@ -198,6 +206,27 @@ impl Board {
             Err(refusal) => vec![station, function | 0x80, refusal.code()?],
         };
         (!broadcast).then(|| rtu::seal(answer))
+    }
+
+    /// Gives the board a command as a master does, in a frame of its own (function 16).
+    ///
+    /// # Errors
+    /// The exception code with which it is refused.
+    pub fn send(&mut self, command: &Command) -> Result<(), u8> {
+        let registers = command.registers();
+        let count = u8::try_from(registers.len()).map_err(|_beyond| 3_u8)?;
+        let [high, low] = COMMAND.to_be_bytes();
+        let mut frame = vec![self.station, 16, high, low, 0, count, count.saturating_mul(2)];
+        frame.extend(registers.iter().flat_map(|register| register.to_be_bytes()));
+        match self.handle(&rtu::seal(frame)).as_deref() {
+            Some([_, function, code, ..]) if function & 0x80 != 0 => Err(*code),
+            _ => Ok(()),
+        }
+    }
+
+    /// The counter at the edge of the input that ended the last probing move, registers 1044 and 1045.
+    pub fn probe_position(&self) -> i32 {
+        self.probe.position()
     }
 
     /// The data of the answer.
@@ -248,9 +277,12 @@ impl Board {
         let command = Command::decode(&self.memory.command()).map_err(|_bad| Refusal::Value)?;
         let now = self.now_ns;
         match command {
-            Command::Reset { unlock, .. } => {
+            Command::Reset { unlock, probe_error, .. } => {
                 if unlock {
                     self.unlock();
+                }
+                if probe_error {
+                    self.probe.clear_failure();
                 }
             }
             Command::Move { axis, profile } => {
@@ -261,6 +293,7 @@ impl Board {
                     return Err(Refusal::Value);
                 }
                 if !self.locked {
+                    self.abandon_probe(axis);
                     self.for_axes(axis.mask(), |axis| axis.start(now, &profile));
                 }
             }
@@ -282,8 +315,36 @@ impl Board {
             Command::RampStopAxes { axes } => self.for_axes(axes, |axis| axis.ramp_stop(now)),
             Command::RampStop => self.for_axes(AxisMask::ALL, |axis| axis.ramp_stop(now)),
             Command::Stop => self.lock(),
+            Command::Probe {
+                axes,
+                positive,
+                input,
+                level,
+                max_stroke,
+                speed_hz,
+                start_stop_hz,
+                acceleration_khz_per_s,
+                deceleration_khz_per_s,
+            } => {
+                let rates = [acceleration_khz_per_s, deceleration_khz_per_s];
+                let axis = axes.axes().next().ok_or(Refusal::Value)?;
+                if speed_hz == 0 || rates.contains(&0) {
+                    return Err(Refusal::Value);
+                }
+                let profile = MoveProfile {
+                    start_stop_hz,
+                    acceleration_khz_per_s,
+                    speed_hz,
+                    deceleration_khz_per_s,
+                    target: 0,
+                };
+                if !self.locked {
+                    let command =
+                        ProbeCommand { axis, positive, input, level, max_stroke, profile };
+                    self.start_probe(&command);
+                }
+            }
             Command::Interpolated { .. }
-            | Command::Probe { .. }
             | Command::HomeMachine { .. }
             | Command::HomeAxis { .. } => return Err(Refusal::Value),
         }
@@ -304,6 +365,7 @@ impl Board {
         self.for_axes(AxisMask::ALL, |axis| axis.stop(now));
         self.locked = true;
         self.memory.reset_analog_outputs();
+        self.end_probe();
     }
 
     /// Unlocks if ENABLE is active.

@@ -422,3 +422,32 @@ fn a_short_horizon_makes_the_axis_lag_and_never_lead() {
     }
     assert!((run.board.position(BoardAxis::X) - 20e3).abs() < TOLERANCE);
 }
+
+#[test]
+fn a_rehearsal_is_what_driver_and_board_do_without_jitter() {
+    let wire = Wire { jitter_ns: 0, ..EMULATED };
+    let turnaround = std::time::Duration::from_nanos(u64::try_from(wire.turnaround_ns).unwrap());
+    let of = sines(3, 4000.0, 1.0);
+    let mut run = start(&steep(3), wire, 0, 6.0, &of);
+    let paced = crate::interpcnc::emulator::Wire { line: Line::default(), turnaround };
+    let mut rehearsal = crate::interpcnc::InterpCncRehearsal::new(&steep(3), &paced);
+    let mut farthest = 0.0_f64;
+    let first_ns = run.plan.now_ns();
+    crate::Rehearsal::advance(&mut rehearsal, &run.plan, first_ns);
+    while seconds(run.plan.now_ns()) < 7.0 {
+        run.round();
+        let now_ns = run.plan.now_ns();
+        let motion = crate::Rehearsal::advance(&mut rehearsal, &run.plan, now_ns);
+        for (index, position) in motion.position.iter().take(3).enumerate() {
+            let board = run.board.position(BoardAxis::ALL[index]);
+            assert!(
+                (position - board).abs() < 1e-6,
+                "axis {index} at {now_ns}: {position}, {board}"
+            );
+            farthest = farthest.max(board);
+        }
+    }
+    assert!(farthest > 7900.0 && run.orders > 100);
+    // Three axes and a sample: every exchange of the loop is one of the rehearsal.
+    assert!(crate::Rehearsal::exchanges(&rehearsal) > u64::from(run.orders));
+}

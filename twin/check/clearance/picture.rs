@@ -269,9 +269,9 @@ impl<'m> ClearancePicture<'m> {
         let mut free = LEFT;
         for hit in &self.hits {
             let [begin, end] = [hit.begin_ns, hit.end_ns].map(|time_ns| strips.time().x(time_ns));
-            let x = begin.midpoint(end);
             let (text, half) = label(hit.place);
-            if x - half >= free && x + half <= RIGHT {
+            let x = begin.midpoint(end).clamp(LEFT + half, RIGHT - half);
+            if x - half >= free {
                 root.draw_text(&text, &style(MARK), (fine(x), fine(row.top + 9.0)))?;
                 free = x + half + 6.0;
             }

@@ -77,7 +77,8 @@ enum Format {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    let machine = arguments.machine.load()?;
+    let mut machine = arguments.machine.load()?;
+    arguments.simulation.in_loop.apply(&mut machine)?;
     let scenario = arguments.simulation.scenario(&machine)?;
     if !arguments.physics {
         arguments.simulation.without_physics()?;

@@ -1,12 +1,14 @@
 //! A machine for other programs: one object on one line.
 
 use super::Facts;
-use crate::machine::{Axis, Machine};
+use crate::machine::{Axis, Collision, Machine};
+use crate::physics::{Obstacle, ObstacleKind, Part};
 use crate::workspace::{Cut, Example, MeasureAt, Section};
 use nalgebra::Point3;
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 use twin_kinematics::AxisVector;
+use twin_urdf::SolidShape;
 
 pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()> {
     let (machine, workspace) = (facts.machine, &facts.workspace);
@@ -19,6 +21,8 @@ pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()
         "kinematics": dimensions,
         "axes": machine.axes.iter().map(axis).collect::<Vec<_>>(),
         "moving_mass_kg": machine.moving_mass(),
+        "links": machine.model.links.iter().map(|link| &link.name).collect::<Vec<_>>(),
+        "collision": machine.collision.as_ref().map(|collision| self::collision(machine, collision)),
         "start": {
             "position_mm": millimetres(machine.conditions.start),
             "axes": machine.start_axes().map(|axes| positions(machine, &axes)),
@@ -36,6 +40,59 @@ pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()
         "example": facts.example.as_ref().map(|example| worked(machine, example)),
     });
     writeln!(out, "{object}")
+}
+
+/// What is looked for in the way of the machine.
+fn collision(machine: &Machine, collision: &Collision) -> Value {
+    let around = &collision.surroundings;
+    let pair = |parts: &[Part; 2]| json!(parts.map(|part| machine.part_name(part)));
+    let obstacle = |(index, one): (usize, &Obstacle)| {
+        let kind = match one.kind {
+            ObstacleKind::Fixture => "fixture",
+            ObstacleKind::Stock => "stock",
+        };
+        let solids = one.solids.iter().map(|solid| {
+            let [x, y, z] = solid.origin.translation.vector.into();
+            let (roll, pitch, yaw) = solid.origin.rotation.euler_angles();
+            let rotation = [roll, pitch, yaw].map(f64::to_degrees);
+            json!({
+                "shape": shape(&solid.shape),
+                "position_mm": millimetres([x, y, z]),
+                "rotation_deg": rotation,
+            })
+        });
+        json!({
+            "name": machine.part_name(Part::Obstacle(index)),
+            "kind": kind,
+            "solids": solids.collect::<Vec<_>>(),
+        })
+    };
+    let open = machine.open_meshes().into_iter();
+    json!({
+        "obstacles": around.obstacles.iter().enumerate().map(obstacle).collect::<Vec<_>>(),
+        "self_collision": around.among_links,
+        "left_out": around.left_out.iter().map(pair).collect::<Vec<_>>(),
+        "overlapping": collision.overlapping.iter().map(pair).collect::<Vec<_>>(),
+        "clearance_mm": collision.clearance * 1e3,
+        "stiffness_n_per_mm": around.stiffness * 1e-3,
+        "tool_diameter_mm": machine.model.tool_diameter().map(|diameter| diameter * 1e3),
+        "open_edges": open.map(|(name, edges)| (name, json!(edges))).collect::<Map<_, _>>(),
+    })
+}
+
+/// Sizes in the machine frame's unit, mm.
+fn shape(shape: &SolidShape) -> Value {
+    match shape {
+        SolidShape::Box { size } => json!({ "box_mm": millimetres((*size).into()) }),
+        SolidShape::Cylinder { radius, length } => {
+            json!({ "cylinder_mm": millimetres([2.0 * radius, *length]) })
+        }
+        SolidShape::Sphere { radius } => json!({ "sphere_mm": 2e3 * radius }),
+        SolidShape::Capsule { radius, length } => {
+            json!({ "capsule_mm": millimetres([2.0 * radius, *length]) })
+        }
+        SolidShape::Mesh { mesh, .. } => json!({ "mesh": mesh.file() }),
+    }
 }
 
 fn millimetres<const N: usize>(metres: [f64; N]) -> Vec<f64> {

@@ -2,7 +2,7 @@
 
 use super::Facts;
 use crate::command::show;
-use crate::machine::{Axis, Machine, VelocityLimit, VelocitySource};
+use crate::machine::{Axis, DriveFamily, Machine, VelocityLimit, VelocitySource};
 use crate::number::significant;
 use crate::workspace::{Cut, Example, MeasureAt, Section};
 use comfy_table::{Cell, CellAlignment};
@@ -39,9 +39,8 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
         let unit = axis.unit();
         let drive = axis.drive.as_ref().and_then(|drive| {
             let device = machine.drives.get(drive.device)?;
-            let letter = ["X", "Y", "Z", "A", "B"].get(drive.index)?;
             Some((
-                format!("{} {letter}", device.name),
+                format!("{} {}", device.name, device.axis_name(drive.index)),
                 format!("{} per {} {unit}", drive.ratio.increments, drive.ratio.per_units),
             ))
         });
@@ -72,6 +71,16 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
         writeln!(out, "in the way: {names}{links}; wanted clearance {wanted} mm")?;
         let links: Vec<_> = machine.model.links.iter().map(|link| link.name.as_str()).collect();
         writeln!(out, "links: {}", links.join(", "))?;
+        if let Some(diameter) = machine.model.tool_diameter() {
+            let diameter = significant(diameter * 1e3, 6);
+            writeln!(out, "tool: {diameter} mm in diameter, for collisions")?;
+        }
+    }
+    for (name, edges) in machine.open_meshes() {
+        writeln!(
+            out,
+            "warning: the mesh of {name} is not closed at {edges} edges; what is inside is not sure"
+        )?;
     }
     for [one, other] in machine.collision.iter().flat_map(|collision| &collision.overlapping) {
         let [one, other] = [one, other].map(|part| machine.part_name(*part));
@@ -86,10 +95,22 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     }
     for device in &machine.drives {
         let port = device.port.as_deref().unwrap_or("no port given");
+        write!(out, "drive {}: {} on {port}", device.name, device.family_name())?;
+        match &device.family {
+            DriveFamily::InterpCnc(board) => {
+                write!(out, ", station {}, {} baud", board.station, board.baud)?;
+            }
+            DriveFamily::SmartDrive(bus) => {
+                write!(out, ", {} µsteps per turn", bus.turn.get())?;
+            }
+            DriveFamily::Bim2Ax(module) => {
+                write!(out, ", {} microsteps per step", module.mode.microsteps())?;
+            }
+        }
         writeln!(
             out,
-            "drive {}: InterpCNC on {port}, station {}, {} baud",
-            device.name, device.station, device.baud
+            "{}",
+            if device.in_loop { ", in the loop of the simulated machine" } else { "" }
         )?;
     }
     let [x, y, z] = machine.conditions.start.map(|value| significant(value * 1e3, 9));

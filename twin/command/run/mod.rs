@@ -122,7 +122,8 @@ impl Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     arguments.check()?;
-    let machine = arguments.machine.load()?;
+    let mut machine = arguments.machine.load()?;
+    arguments.simulation.in_loop.apply(&mut machine)?;
     let program = arguments.read.program(&arguments.program, machine.conditions.rs274.units)?;
     eprintln!("{} is read as {}", program.path().display(), program.dialect().name());
     program.size().map_err(|source| unreadable(program.path(), source))?;

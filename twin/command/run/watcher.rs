@@ -8,6 +8,7 @@ use crate::picture::Picture;
 use crate::program::ProgramFile;
 use crate::session::{Answer, DriveSample, Observer, TwinCycle};
 use indicatif::ProgressBar;
+use twin_motion::Place;
 
 /// Shows a run while it goes on.
 pub(super) struct Watcher<'a, 'm> {
@@ -46,6 +47,10 @@ impl Observer for Watcher<'_, '_> {
             let error = (cycle.twin.tool - cycle.wanted.tool).norm() * 1e3;
             self.bar.set_message(format!("{}  twin {error:.3} mm off", cycle.setpoint.place));
         }
+    }
+
+    fn happened(&mut self, time_ns: i64, place: Place, what: &str) {
+        self.picture.happened(time_ns, place.line, what);
     }
 
     fn m_function(&mut self, call: &MCall, asked: bool) {

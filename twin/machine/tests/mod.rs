@@ -14,7 +14,9 @@ mod simulated;
 mod surroundings;
 mod urdf;
 
-use super::{Axis, AxisKind, Machine, MachineFileError, Parity, Problem};
+use super::{
+    Axis, AxisKind, DriveFamily, InterpCncEntry, Machine, MachineFileError, Parity, Problem,
+};
 use proptest::prelude::*;
 use std::path::Path;
 use twin_kinematics::{AxisVector, Kinematics, Pose};
@@ -133,9 +135,9 @@ fn the_shipped_machines_are_as_their_comments_say() {
     );
     near(scara.conditions.angle_tolerance, 2f64.to_radians());
     assert_eq!(scara.gravity, nalgebra::vector![0.0, 0.0, -9.81]);
-    let board = &scara.drives[0];
+    let board = board(&scara);
     assert_eq!((board.station, board.baud, board.parity), (1, 115_200, Parity::None));
-    assert_eq!(board.port.as_deref(), Some("/dev/ttyUSB0"));
+    assert_eq!(scara.drives[0].port.as_deref(), Some("/dev/ttyUSB0"));
     assert_eq!((board.start_stop_hz, board.acceleration_khz_per_s), (200, 2000));
     assert_eq!(board.turnaround_us, 2000);
 
@@ -144,13 +146,18 @@ fn the_shipped_machines_are_as_their_comments_say() {
     assert_eq!(gantry.kind, "gantry3");
     // What the files do not say is the same as what they say is the default.
     assert_eq!(gantry.gravity, scara.gravity);
-    assert_eq!(gantry.drives[0].turnaround_us, board.turnaround_us);
+    assert_eq!(self::board(&gantry).turnaround_us, board.turnaround_us);
     for machine in [scara, gantry] {
         assert!(machine.start_axes().is_some(), "{} cannot stand at its start", machine.name);
         let devices: Vec<_> =
             machine.axes.iter().map(|axis| axis.drive.as_ref().unwrap().index).collect();
         assert_eq!(devices, [0, 1, 2]);
     }
+}
+
+fn board(machine: &Machine) -> &InterpCncEntry {
+    let DriveFamily::InterpCnc(entry) = &machine.drives[0].family else { panic!("{machine:?}") };
+    entry
 }
 
 #[test]
@@ -378,7 +385,7 @@ fn words_are_chosen_from_a_list() {
     assert_eq!(help.as_deref(), Some("did you mean \"gantry3\"?"));
     refused("\"linear\"", "\"Linear\"", "\"Linear\"", &["\"rotary\" or \"linear\""]);
     refused("drive_axis = \"X\"", "drive_axis = \"W\"", "\"W\"", &["\"X\", \"Y\""]);
-    refused("\"interpcnc\"", "\"smartdrive\"", "\"smartdrive\"", &["expected \"interpcnc\""]);
+    refused("\"interpcnc\"", "\"smart\"", "\"smart\"", &["expected \"interpcnc\""]);
     let parity = "kind = \"interpcnc\"\nparity = \"mark\"\n";
     refused("kind = \"interpcnc\"\n", parity, "\"mark\"", &["\"none\", \"even\" or \"odd\""]);
     let elbow = problems(&edited(SCARA2, "elbow = \"low\"", "elbow = \"left\""));
@@ -484,9 +491,30 @@ fn a_drive_needs_its_axis_and_its_ratio() {
     refused("= 3200", "= 0", "0", &["`increments` is 0"]);
     refused("drive = \"board\"", "drive = \"bord\"", "\"bord\"", &["\"bord\"", "board"]);
     let two = edited(SHORT, "[[axes]]", "[[drives]]\nname = \"b\"\nkind = \"interpcnc\"\n[[axes]]");
-    let found = problems(&two);
+    assert_eq!(load(&two).drives.len(), 2);
+    let found = problems(&edited(&two, "\"b\"", "\"board\""));
     assert_eq!(found.len(), 1, "{found:#?}");
-    assert!(found[0].1.contains("2 devices; one is supported so far"));
+    assert_eq!(found[0].1, "there is a drive \"board\" already");
+    // A bus has addresses, a module two axes.
+    let bus = edited(SHORT, "\"interpcnc\"", "\"smartdrive\"");
+    let found = problems(&bus);
+    assert_eq!(found[0].1, "an axis with a `drive` needs `drive_address` too");
+    assert_eq!(found[1].1, "axes of this drive are named by `drive_address`");
+    let named = ["X", "Y", "Z"].into_iter().zip(1..).fold(bus, |text, (axis, address)| {
+        edited(&text, &format!("drive_axis = \"{axis}\""), &format!("drive_address = {address}"))
+    });
+    let machine = load(&named);
+    let places: Vec<_> =
+        machine.axes.iter().map(|axis| axis.drive.as_ref().unwrap().index).collect();
+    assert_eq!(places, [1, 2, 3]);
+    let found = problems(&edited(&named, "drive_address = 2", "drive_address = 32"));
+    assert!(found[0].1.contains("between 1 and 31"), "{found:#?}");
+    let found = problems(&edited(&named, "drive_address = 2", "drive_address = 1"));
+    assert_eq!(found[0].1, "axis \"X\" already hangs on this axis of the drive");
+    let module = edited(SHORT, "\"interpcnc\"", "\"bim2ax\"");
+    let module = edited(&module, "drive_axis = \"X\"", "drive_axis = \"1\"");
+    let module = edited(&module, "drive_axis = \"Y\"", "drive_axis = \"2\"");
+    assert!(problems(&module)[0].1.contains("expected \"1\" or \"2\""), "{module}");
     // What is wrong with a device is not wrong with its axes.
     refused("\"interpcnc\"", "\"interpcn\"", "\"interpcn\"", &["expected \"interpcnc\""]);
 }

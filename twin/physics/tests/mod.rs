@@ -14,6 +14,7 @@ mod rapier;
 mod reference;
 mod scara;
 mod snapshots;
+mod stops;
 mod touching;
 mod trees;
 mod unfolded;

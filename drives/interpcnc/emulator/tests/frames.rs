@@ -48,9 +48,9 @@ fn vectors_11_and_12_move_and_retarget_in_flight() {
 }
 
 #[test]
-fn vectors_3_to_5_and_13_to_15_are_not_done_and_say_so() {
+fn vectors_3_4_and_13_to_15_are_not_done_and_say_so() {
     let mut board = unlocked();
-    for number in [3, 4, 5, 13, 14, 15] {
+    for number in [3, 4, 13, 14, 15] {
         let answer = board.handle(&vector(number)).unwrap();
         assert_eq!(answer, seal(vec![1, 0x90, 3]), "vector {number}");
     }

@@ -3,6 +3,7 @@
 mod behaviour;
 mod frames;
 mod map;
+mod probe;
 
 use super::{rtu::seal, *};
 use crate::interpcnc::{

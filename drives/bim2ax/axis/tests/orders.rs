@@ -1,0 +1,114 @@
+//! Orders that are refused, manual moves, phases.
+
+use super::*;
+use crate::bim2ax::bits::{bloc, message};
+
+#[test]
+fn an_order_during_a_move_is_refused_and_the_move_goes_on() {
+    let mut axis = axis(&settings(), &Bench::default());
+    axis.order(&programmed(0, 1000, 0));
+    axis.advance(50 * MS);
+    axis.order(&programmed(0, -500, 0));
+    assert_eq!(
+        (axis.ack_uc(), axis.messages()),
+        (uc::PROGRAMMED, message::MOVING | message::REFUSED)
+    );
+    finish(&mut axis);
+    assert_eq!((axis.counter(), axis.messages()), (1000, message::REFUSED));
+    // The next correct order clears the bit.
+    axis.order(&programmed(0, 1001, 0));
+    assert_eq!(axis.messages(), message::MOVING);
+}
+
+#[test]
+fn two_orders_at_a_time_are_refused() {
+    let mut axis = axis(&settings(), &Bench::default());
+    axis.order(&simple(uc::MANUAL_PLUS | uc::MANUAL_MINUS));
+    assert_eq!((axis.moving(), axis.ack_uc()), (false, 0));
+    assert_eq!(axis.messages(), message::REFUSED | message::PHASES_OFF);
+}
+
+#[test]
+fn a_manual_move_runs_at_the_start_stop_speed_until_zero_is_written() {
+    for (order, sense) in [(uc::MANUAL_PLUS, 1), (uc::MANUAL_MINUS, -1)] {
+        let coefficient = settings().coefficient | coefficient::HOMING_MANDATORY;
+        let mut axis = axis(&AxisSettings { coefficient, ..settings() }, &Bench::default());
+        axis.order(&simple(order));
+        assert_eq!((axis.ack_uc(), axis.messages()), (order, message::MOVING));
+        axis.advance(1000 * MS);
+        // Repeated, it goes on.
+        axis.order(&simple(order));
+        axis.advance(2000 * MS);
+        assert_eq!(axis.counter(), sense * 2000);
+        axis.order(&simple(0));
+        close(finish(&mut axis), 0.0, 1e-9);
+        assert_eq!((axis.counter(), axis.ack_uc(), axis.messages()), (sense * 2000, 0, 0));
+    }
+}
+
+#[test]
+fn zero_ends_no_other_move() {
+    let mut axis = axis(&settings(), &Bench::default());
+    axis.order(&programmed(0, 1000, 0));
+    axis.advance(10 * MS);
+    axis.order(&simple(0));
+    finish(&mut axis);
+    assert_eq!((axis.counter(), axis.messages()), (1000, 0));
+}
+
+#[test]
+fn programmed_moves_wait_for_mandatory_homing() {
+    let coefficient = settings().coefficient | coefficient::HOMING_MANDATORY;
+    let mut axis = axis(&AxisSettings { coefficient, ..settings() }, &Bench::default());
+    axis.order(&programmed(0, 1000, 0));
+    assert!(!axis.moving());
+    axis.order(&programmed(bloc::ZERO, 0, 0));
+    axis.order(&programmed(0, 1000, 0));
+    assert!(axis.moving());
+}
+
+#[test]
+fn an_axis_that_is_not_declared_does_nothing() {
+    let coefficient = settings().coefficient & !coefficient::PRESENT;
+    let mut axis = axis(&AxisSettings { coefficient, ..settings() }, &Bench::default());
+    for order in [uc::HOME, uc::PROGRAMMED, uc::MANUAL_PLUS, uc::PHASES_ON, uc::MOTOR_TEST] {
+        axis.order(&simple(order));
+        assert_eq!(
+            (axis.moving(), axis.ack_uc(), axis.messages()),
+            (false, 0, message::PHASES_OFF)
+        );
+    }
+}
+
+#[test]
+fn phases_go_off_and_on_at_standstill_only() {
+    let mut axis = axis(&settings(), &Bench::default());
+    assert_eq!(axis.messages(), message::PHASES_OFF);
+    axis.order(&simple(uc::PHASES_ON));
+    assert_eq!((axis.ack_uc(), axis.messages()), (0, 0));
+    axis.order(&simple(uc::PHASES_OFF));
+    assert_eq!((axis.ack_uc(), axis.messages()), (uc::PHASES_OFF, message::PHASES_OFF));
+    axis.order(&programmed(0, 1000, 0));
+    assert_eq!((axis.ack_uc(), axis.messages()), (uc::PROGRAMMED, message::MOVING));
+    axis.order(&simple(uc::PHASES_OFF));
+    assert_eq!(axis.messages(), message::MOVING);
+    axis.order(&simple(uc::ABANDON));
+    finish(&mut axis);
+    axis.order(&simple(uc::ABANDON | uc::HARD_STOP));
+    assert_eq!(axis.messages() & message::HARD_STOPPED, 0, "stops are for moving axes");
+}
+
+#[test]
+fn targets_beyond_the_range_are_refused() {
+    let mut axis = axis(&settings(), &Bench::default());
+    for target in [4_194_304, -4_194_304, i32::MAX, i32::MIN] {
+        axis.order(&programmed(0, target, 0));
+        assert_eq!((axis.moving(), axis.messages() & message::REFUSED), (false, message::REFUSED));
+    }
+    for target in [4_194_303, -4_194_303] {
+        axis.order(&programmed(0, target, 0));
+        assert!(axis.moving());
+        finish(&mut axis);
+        assert_eq!(axis.counter(), target);
+    }
+}

@@ -1,0 +1,181 @@
+//! What an interrupt does: take what the host has written, refresh what the module says (9.2).
+
+use super::{Module, RAM_LENGTH, ZONES_AT_ONCE};
+use crate::bim2ax::{
+    AXES, ModuleAxis,
+    axis::{Axis, AxisOrder},
+    memory::{
+        ENTRIES, HOST_PAGE, INTERRUPT_STATUS, MODULE_PAGE, RECEIPT_ORDERS, RECEIPT_PARAMETER,
+        RECEIPTS, WINDOW_LENGTH, ZONES,
+    },
+    parameter::AxisParameter,
+    zone::{
+        Orders, ParameterExchange, Plugs, Positions, ReadZone, Target, WriteZone, ZONE_LENGTH,
+        ZoneBytes,
+    },
+};
+
+/// High nibble of [`ZONES`]: no zone to write.
+const NO_ZONE: u8 = 0xF;
+
+impl Module {
+    /// The interrupt takes effect.
+    pub(super) fn serve(&mut self) {
+        self.served += 1;
+        if self.ram(HOST_PAGE, INTERRUPT_STATUS) & 1 == 0 {
+            return;
+        }
+        let zones = self.ram(HOST_PAGE, ZONES);
+        if zones >> 4 != NO_ZONE {
+            self.take(zones >> 4);
+        }
+        if self.options.version >= ZONES_AT_ONCE {
+            for entry in ENTRIES..ENTRIES + 4 {
+                let zone = self.ram(HOST_PAGE, entry);
+                if zone >> 4 != 0 {
+                    self.take(zone & 0xF);
+                }
+                if !self.options.keeps_entries {
+                    self.set_ram(HOST_PAGE, entry, 0);
+                }
+            }
+        }
+        if self.running && !self.faults.frozen {
+            self.refresh(zones & 0xF);
+        }
+    }
+
+    /// Takes a zone that the host has written.
+    fn take(&mut self, number: u8) {
+        let Some(zone) = WriteZone::from_number(number) else { return };
+        let bytes = self.zone(HOST_PAGE, zone.offset());
+        let order = self.options.byte_order;
+        let [one, two] = &mut self.targets;
+        match zone {
+            WriteZone::Orders => {
+                self.receive(RECEIPT_ORDERS);
+                if self.active.sound() {
+                    self.order(&Orders::decode(&bytes, order));
+                }
+            }
+            WriteZone::Position1 => *one = Target::decode(&bytes, order),
+            WriteZone::Position2 => *two = Target::decode(&bytes, order),
+            WriteZone::Parameter => {
+                self.receive(RECEIPT_PARAMETER);
+                self.parameter_order(&ParameterExchange::decode(&bytes, order));
+            }
+        }
+    }
+
+    /// Clears a receipt flag.
+    fn receive(&mut self, flag: u8) {
+        if self.options.version >= ZONES_AT_ONCE {
+            let flags = self.ram(MODULE_PAGE, RECEIPTS);
+            self.set_ram(MODULE_PAGE, RECEIPTS, flags & !flag);
+        }
+    }
+
+    fn order(&mut self, orders: &Orders) {
+        let parts = orders.uc.into_iter().zip(orders.bloc).zip(self.targets);
+        for (axis, ((uc, bloc), target)) in self.axes.iter_mut().zip(parts) {
+            axis.order(&AxisOrder { uc, bloc, target: target.position, speed: target.speed });
+        }
+        self.store_positions();
+        // Zeroing stores the offset of an absolute encoder (6.2).
+        for axis in ModuleAxis::ALL {
+            self.store_offset(axis);
+        }
+    }
+
+    /// Writes what the module says into page 6.
+    fn refresh(&mut self, asked: u8) {
+        let all = self.options.version >= ZONES_AT_ONCE && self.options.refreshes_all;
+        for zone in ReadZone::ALL {
+            if all || zone.number() == asked {
+                let bytes = self.said(zone);
+                for (offset, byte) in (zone.offset()..).zip(bytes) {
+                    self.set_ram(MODULE_PAGE, offset, byte);
+                }
+            }
+        }
+        if let Some((offset, bits)) = self.faults.garbled {
+            let byte = self.ram(MODULE_PAGE, offset);
+            self.set_ram(MODULE_PAGE, offset, byte ^ bits);
+        }
+        self.set_ram(MODULE_PAGE, INTERRUPT_STATUS, 1);
+        self.set_ram(MODULE_PAGE, ZONES, asked);
+    }
+
+    /// What a zone says now.
+    fn said(&self, zone: ReadZone) -> ZoneBytes {
+        let order = self.options.byte_order;
+        let [one, two] = &self.axes;
+        let axes = [one, two];
+        match zone {
+            ReadZone::Positions => {
+                let (positions, messages) = (axes.map(Axis::counter), axes.map(Axis::messages));
+                Positions { positions, messages }.encode(order)
+            }
+            ReadZone::Acknowledgements => {
+                let (uc, bloc) = (axes.map(Axis::ack_uc), axes.map(Axis::ack_bloc));
+                Orders { uc, bloc }.encode(order)
+            }
+            ReadZone::Parameter => {
+                ParameterExchange { messages: self.card_messages(), ..self.answer }.encode(order)
+            }
+            ReadZone::EncoderPoints => {
+                let positions = axes.map(|axis| axis.encoder().points(axis.shaft()));
+                self.encoder_zone(positions)
+            }
+            ReadZone::EncoderSteps => {
+                let positions = axes.map(|axis| axis.encoder().steps(axis.shaft()).unwrap_or(0));
+                self.encoder_zone(positions)
+            }
+            ReadZone::Plugs => Plugs { values: self.plugs }.encode(order),
+        }
+    }
+
+    fn encoder_zone(&self, positions: [i32; AXES]) -> ZoneBytes {
+        let messages = ModuleAxis::ALL.map(|axis| self.encoder_messages(axis));
+        Positions { positions, messages }.encode(self.options.byte_order)
+    }
+
+    /// "Cette cote est mémorisée à la fin de tous les déplacements" (3.1.20.1).
+    pub(super) fn store_positions(&mut self) {
+        for axis in ModuleAxis::ALL {
+            let of = *self.axis(axis);
+            let Some(ends) = self.stored_ends.get_mut(axis.index()) else { continue };
+            if *ends == of.ends() {
+                continue;
+            }
+            *ends = of.ends();
+            let points = of.encoder().points(of.shaft());
+            self.store(AxisParameter::LastPosition, axis, of.stored().cast_unsigned());
+            self.store(AxisParameter::LastEncoderPosition, axis, points.cast_unsigned());
+        }
+    }
+
+    fn zone(&self, page: u8, offset: u8) -> ZoneBytes {
+        let mut bytes = [0; ZONE_LENGTH];
+        for (offset, byte) in (offset..).zip(&mut bytes) {
+            *byte = self.ram(page, offset);
+        }
+        bytes
+    }
+
+    /// A byte of the RAM.
+    pub(super) fn ram(&self, page: u8, offset: u8) -> u8 {
+        self.ram.get(place(page, offset)).copied().unwrap_or(0)
+    }
+
+    /// Writes a byte of the RAM.
+    pub(super) fn set_ram(&mut self, page: u8, offset: u8, value: u8) {
+        if let Some(byte) = self.ram.get_mut(place(page, offset)) {
+            *byte = value;
+        }
+    }
+}
+
+fn place(page: u8, offset: u8) -> usize {
+    (usize::from(page) * usize::from(WINDOW_LENGTH) + usize::from(offset)).min(RAM_LENGTH - 1)
+}

@@ -1,0 +1,335 @@
+//! The module without hardware: its memory, its parameters and its motion.
+//!
+//! [`Module`] is pure and deterministic: it is told the time and which bytes its host reads and writes.
+//! [`EmulatedModule`] serves one in real time on a memory file for other processes;
+//! [`super::SharedModule`] is for the same process.
+//!
+//! Where the manual is silent the emulator assumes, beside what `drives/bim2ax/axis` says: an interrupt takes
+//! effect 300 µs later, which is how long the module needs for it (9.2.4); the RAM is 0 at the start; bytes that do
+//! not exist read $FF; values out of the range of a parameter are refused as numbers out of range are; a refused
+//! order of the zone "Paramètre" is echoed with the value 0; RESET is obeyed always, also with a wrong check sum and
+//! in motion; writing any parameter makes the check sum right, and the module works again after RESET; the last
+//! encoder position is stored in points.
+
+mod eeprom;
+mod interrupt;
+mod parameters;
+#[cfg(test)]
+mod tests;
+mod thread;
+
+pub use eeprom::Eeprom;
+pub use thread::{EmulatedModule, EmulatorOptions};
+
+use super::{
+    AXES, Bench, EncoderBench, ModuleAxis,
+    axis::{Axis, AxisSettings},
+    bits::encoder_message,
+    memory::{
+        BIM2AX_BOCM, ByteOrder, HOST_PAGE, IDENTIFIER, INTERRUPT, NOT_RUNNING, PAGE_REGISTER,
+        WINDOW_LENGTH,
+    },
+    zone::{ParameterExchange, Target},
+};
+
+/// Bytes of RAM.
+const RAM_LENGTH: usize = 1024;
+/// First version that takes and refreshes several zones with one interrupt.
+const ZONES_AT_ONCE: u16 = 15;
+
+/// What a module is and how fast.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ModuleOptions {
+    /// Version of the software, parameter $63. From 15 on, several zones go with one interrupt.
+    pub version: u16,
+    /// Rating, mA: 1000, 2000 or 5000. Parameter $62.
+    pub rating_ma: u32,
+    /// Byte order of its numbers.
+    pub byte_order: ByteOrder,
+    /// From an interrupt to its effect, ns.
+    pub interrupt_ns: i64,
+    /// From power-up or RESET to the start of the software, ns.
+    pub boot_ns: i64,
+    /// Duration of reading plugs, ns (2.2.6: "environ 700 millisecondes").
+    pub plugs_ns: i64,
+    /// From version 15 on: one interrupt refreshes all zones, not only the one asked for.
+    pub refreshes_all: bool,
+    /// From version 15 on: entries at $70 to $73 are carried out again with every interrupt until they are cleared.
+    pub keeps_entries: bool,
+}
+
+impl Default for ModuleOptions {
+    /// Version 15, 2 A, big-endian, 300 µs, half a second to start, 700 ms for plugs.
+    fn default() -> Self {
+        Self {
+            version: ZONES_AT_ONCE,
+            rating_ma: 2000,
+            byte_order: ByteOrder::Big,
+            interrupt_ns: 300_000,
+            boot_ns: 500_000_000,
+            plugs_ns: 700_000_000,
+            refreshes_all: true,
+            keeps_entries: true,
+        }
+    }
+}
+
+/// What is connected to a module.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Surroundings {
+    /// Motors and switches of axes 1 and 2.
+    pub benches: [Bench; AXES],
+    /// Encoders.
+    pub encoders: [Option<EncoderBench>; AXES],
+    /// Values of the plugs; none if absent.
+    pub plugs: [Option<u32>; AXES],
+}
+
+/// What goes wrong with the module itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ModuleFaults {
+    /// Interrupts are lost.
+    pub deaf: bool,
+    /// Orders are taken, but what the module says is not refreshed.
+    pub frozen: bool,
+    /// Interrupts take effect so much later, ns.
+    pub late_ns: i64,
+    /// After a refresh these bits of the byte at this offset of page 6 are wrong.
+    pub garbled: Option<(u8, u8)>,
+}
+
+/// The module at one instant.
+#[derive(Clone, Debug)]
+pub struct Module {
+    options: ModuleOptions,
+    faults: ModuleFaults,
+    now_ns: i64,
+    ram: [u8; RAM_LENGTH],
+    page: u8,
+    eeprom: Eeprom,
+    /// Values that act: those written since the last RESET that need one are not among them.
+    active: Eeprom,
+    axes: [Axis; AXES],
+    surroundings: Surroundings,
+    /// When the software will run.
+    running_ns: i64,
+    running: bool,
+    /// When the pending interrupt takes effect.
+    interrupt_ns: Option<i64>,
+    served: u64,
+    targets: [Target; AXES],
+    /// Answer to the last parameter order.
+    answer: ParameterExchange,
+    /// Error bits of the last parameter order.
+    errors: u32,
+    /// Plugs as last read.
+    plugs: [Option<u32>; AXES],
+    /// Plugs being read, and when they will have been.
+    reading_plugs: Option<(u16, i64)>,
+    /// Ends of moves whose positions have been stored.
+    stored_ends: [u64; AXES],
+    stores: u64,
+}
+
+impl Module {
+    /// A module that gets its power now, at time 0; its shafts stand at 0.
+    pub fn new(options: &ModuleOptions, eeprom: &Eeprom, surroundings: &Surroundings) -> Self {
+        let stand = |bench: &Bench| Axis::power_up(0, &AxisSettings::default(), bench, 0, 0, 0);
+        let mut module = Self {
+            options: *options,
+            faults: ModuleFaults::default(),
+            now_ns: 0,
+            ram: [0; RAM_LENGTH],
+            page: 0,
+            eeprom: eeprom.clone(),
+            active: eeprom.clone(),
+            axes: surroundings.benches.each_ref().map(stand),
+            surroundings: *surroundings,
+            running_ns: 0,
+            running: false,
+            interrupt_ns: None,
+            served: 0,
+            targets: [Target::default(); AXES],
+            answer: ParameterExchange::default(),
+            errors: 0,
+            plugs: [None; AXES],
+            reading_plugs: None,
+            stored_ends: [0; AXES],
+            stores: 0,
+        };
+        module.restart();
+        module
+    }
+
+    /// Lets time pass up to `time_ns`, never backwards.
+    pub fn advance(&mut self, time_ns: i64) {
+        loop {
+            let due = [
+                (!self.running).then_some(self.running_ns),
+                self.interrupt_ns,
+                self.reading_plugs.map(|(_, due_ns)| due_ns),
+            ];
+            let Some(due_ns) = due.into_iter().flatten().min().filter(|due| *due <= time_ns) else {
+                break;
+            };
+            self.pass(due_ns);
+            if !self.running && self.running_ns <= due_ns {
+                self.start_software();
+            }
+            if let Some((plugs, at_ns)) = self.reading_plugs
+                && at_ns <= due_ns
+            {
+                self.reading_plugs = None;
+                self.plugs_read(plugs);
+            }
+            if self.interrupt_ns.is_some_and(|at_ns| at_ns <= due_ns) {
+                self.interrupt_ns = None;
+                self.serve();
+            }
+        }
+        self.pass(time_ns);
+    }
+
+    /// The axes move.
+    fn pass(&mut self, time_ns: i64) {
+        self.now_ns = self.now_ns.max(time_ns);
+        self.axes.iter_mut().for_each(|axis| axis.advance(time_ns));
+        self.store_positions();
+    }
+
+    /// The time, ns.
+    pub fn now_ns(&self) -> i64 {
+        self.now_ns
+    }
+
+    /// What the host reads at an offset from the module's base.
+    pub fn bus_read(&self, offset: u8) -> u8 {
+        match offset {
+            0..WINDOW_LENGTH => self.ram.get(self.ram_place(offset)).copied().unwrap_or(0xFF),
+            PAGE_REGISTER if self.running => 0,
+            PAGE_REGISTER => NOT_RUNNING,
+            IDENTIFIER => BIM2AX_BOCM,
+            _ => 0xFF,
+        }
+    }
+
+    /// What the host writes at an offset from the module's base.
+    pub fn bus_write(&mut self, offset: u8, value: u8) {
+        match offset {
+            0..WINDOW_LENGTH => {
+                let place = self.ram_place(offset);
+                if let Some(byte) = self.ram.get_mut(place) {
+                    *byte = value;
+                }
+                if offset == INTERRUPT && self.page == HOST_PAGE {
+                    self.interrupt();
+                }
+            }
+            PAGE_REGISTER => self.page = value & 7,
+            _ => {}
+        }
+    }
+
+    fn ram_place(&self, offset: u8) -> usize {
+        usize::from(self.page) * usize::from(WINDOW_LENGTH) + usize::from(offset)
+    }
+
+    /// Interrupts the module. While its software does not run, interrupts are lost.
+    fn interrupt(&mut self) {
+        if self.running && !self.faults.deaf {
+            let delay_ns = self.options.interrupt_ns + self.faults.late_ns.max(0);
+            self.interrupt_ns = Some(self.now_ns + delay_ns.max(0));
+        }
+    }
+
+    /// What goes wrong with it.
+    pub fn faults(&self) -> ModuleFaults {
+        self.faults
+    }
+
+    /// Makes something go wrong with it.
+    pub fn set_faults(&mut self, faults: &ModuleFaults) {
+        self.faults = *faults;
+    }
+
+    /// What is connected.
+    pub fn surroundings(&self) -> &Surroundings {
+        &self.surroundings
+    }
+
+    /// Presses a switch, breaks a wire, plugs something in or out.
+    pub fn set_surroundings(&mut self, surroundings: &Surroundings) {
+        self.surroundings = *surroundings;
+        let parts = surroundings.benches.iter().zip(surroundings.encoders);
+        for (axis, (bench, encoder)) in self.axes.iter_mut().zip(parts) {
+            axis.set_bench(bench);
+            axis.encoder_mut().set_bench(encoder);
+        }
+        self.store_positions();
+    }
+
+    /// Takes the module's power away for a moment: RAM and positions are lost, motors stand where they are.
+    pub fn brown_out(&mut self) {
+        self.ram = [0; RAM_LENGTH];
+        self.page = 0;
+        self.restart();
+    }
+
+    /// The EEPROM, as it would be found after power-down.
+    pub fn eeprom(&self) -> &Eeprom {
+        &self.eeprom
+    }
+
+    /// Spoils the check sum of the EEPROM, which is found at the next RESET.
+    pub fn spoil_eeprom(&mut self) {
+        self.eeprom.spoil();
+    }
+
+    /// How often something has been stored in the EEPROM.
+    pub fn stores(&self) -> u64 {
+        self.stores
+    }
+
+    /// Interrupts that have taken effect.
+    pub fn served(&self) -> u64 {
+        self.served
+    }
+
+    /// The watchdog relay: dropped until the software runs, and with a wrong check sum (4, 8.1).
+    pub fn watchdog(&self) -> bool {
+        self.running && self.active.sound()
+    }
+
+    /// Position of an axis between its steps, µsteps.
+    pub fn position(&self, axis: ModuleAxis) -> f64 {
+        self.axis(axis).state().position
+    }
+
+    /// Speed of an axis, µsteps/s.
+    pub fn velocity(&self, axis: ModuleAxis) -> f64 {
+        self.axis(axis).state().velocity
+    }
+
+    /// Whole µstep at which the shaft of a motor stands.
+    pub fn shaft(&self, axis: ModuleAxis) -> i64 {
+        self.axis(axis).shaft()
+    }
+
+    fn axis(&self, axis: ModuleAxis) -> &Axis {
+        let [one, two] = &self.axes;
+        match axis {
+            ModuleAxis::One => one,
+            ModuleAxis::Two => two,
+        }
+    }
+
+    /// "Message codeur" of an axis.
+    fn encoder_messages(&self, axis: ModuleAxis) -> u16 {
+        let of = self.axis(axis);
+        let plug = self.plugs.get(axis.index()).copied().flatten();
+        let bits =
+            [(encoder_message::PLUG, plug.is_none()), (encoder_message::CORRECTED, of.corrected())];
+        let own = of.encoder().messages();
+        bits.into_iter().filter(|(_, set)| *set).fold(own, |word, (bit, _)| word | bit)
+    }
+}

@@ -1,0 +1,242 @@
+//! A module on a memory file, on a thread of its own.
+
+use std::{
+    fs::{self, File, OpenOptions, TryLockError},
+    io::{self, Write},
+    path::{Path, PathBuf},
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel},
+    },
+    thread::{Builder, JoinHandle},
+    time::Duration,
+};
+
+use super::{Eeprom, Module, ModuleOptions, Surroundings};
+use crate::{
+    Clock, EmulatorError,
+    bim2ax::memory::{
+        BIM2AX_BOCM, FILE_LENGTH, HOST_PAGE, INTERRUPT, MODULE_PAGE, Mapping, PAGE_REGISTER,
+        RECEIPTS, WINDOW_LENGTH, file_offset,
+    },
+};
+
+/// Pause between two looks at the file.
+const PAUSE: Duration = Duration::from_micros(200);
+
+/// What to emulate.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EmulatorOptions {
+    /// The memory file ([`super::super::MemoryFile`] says what is in it). It is made if it does not exist, and
+    /// removed at the end.
+    pub path: PathBuf,
+    /// The module.
+    pub module: ModuleOptions,
+    /// What is connected to it.
+    pub surroundings: Surroundings,
+    /// File with the image of the EEPROM, read at the start if it exists and written whenever something is stored;
+    /// none for an EEPROM that is as new at every start.
+    pub eeprom: Option<PathBuf>,
+}
+
+impl EmulatorOptions {
+    /// A module on this memory file with everything else at its default.
+    pub fn new(path: &Path) -> Self {
+        Self {
+            path: path.to_path_buf(),
+            module: ModuleOptions::default(),
+            surroundings: Surroundings::default(),
+            eeprom: None,
+        }
+    }
+}
+
+/// A running emulator. Dropping it stops it.
+#[derive(Debug)]
+pub struct EmulatedModule {
+    path: PathBuf,
+    module: Arc<Mutex<Module>>,
+    /// Dropped to end the thread.
+    end: Option<SyncSender<()>>,
+    thread: Option<JoinHandle<io::Result<()>>>,
+}
+
+impl EmulatedModule {
+    /// Powers a module up. `clock` gives the time by which its axes move.
+    ///
+    /// # Errors
+    /// If the file is there and is no memory file, if files cannot be made, read or mapped, or there is no thread.
+    pub fn start(
+        options: &EmulatorOptions,
+        clock: impl Clock + 'static,
+    ) -> Result<Self, EmulatorError> {
+        let failed = |path: &Path| {
+            let path = path.to_path_buf();
+            move |source| EmulatorError::File { path, source }
+        };
+        let eeprom = match &options.eeprom {
+            Some(path) if path.exists() => {
+                Eeprom::from_bytes(&fs::read(path).map_err(failed(path))?)
+            }
+            _ => Eeprom::new(options.module.rating_ma),
+        };
+        let file = memory_file(&options.path)?;
+        let mapping = Mapping::new(file, 0, FILE_LENGTH).map_err(failed(&options.path))?;
+        let module = Module::new(&options.module, &eeprom, &options.surroundings);
+        let module = Arc::new(Mutex::new(module));
+        let (end, ended) = sync_channel(1);
+        let server = Server {
+            module: Arc::clone(&module),
+            start_ns: clock.now_ns(),
+            clock: Box::new(clock),
+            mapping,
+            interrupts: 0,
+            served: 0,
+            eeprom: options.eeprom.clone(),
+            stores: 0,
+        };
+        let thread = Builder::new()
+            .name(format!("bim2ax {}", options.path.display()))
+            .spawn(move || server.run(&ended))
+            .map_err(|source| EmulatorError::Thread { source })?;
+        Ok(Self { path: options.path.clone(), module, end: Some(end), thread: Some(thread) })
+    }
+
+    /// The memory file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The module, to press its switches and break it. While it is held it does not serve its host.
+    pub fn module(&self) -> MutexGuard<'_, Module> {
+        self.module.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Powers the module down and gives it back as it was then.
+    ///
+    /// # Errors
+    /// If the emulator has ended before, because of its files.
+    pub fn stop(mut self) -> Result<Module, EmulatorError> {
+        self.end = None;
+        let thread = self.thread.take().ok_or(EmulatorError::Ended)?;
+        let path = self.path.clone();
+        thread
+            .join()
+            .map_err(|_panic| EmulatorError::Ended)?
+            .map_err(|source| EmulatorError::File { path, source })?;
+        let module = self.module().clone();
+        Ok(module)
+    }
+}
+
+impl Drop for EmulatedModule {
+    fn drop(&mut self) {
+        self.end = None;
+        if let Some(thread) = self.thread.take() {
+            // Its result matters to nobody any more.
+            drop(thread.join());
+        }
+        // Nothing can be done about a file that does not go.
+        drop(fs::remove_file(&self.path));
+    }
+}
+
+/// Makes the memory file, or takes one that is left over. It stays locked as long as it is mapped.
+fn memory_file(path: &Path) -> Result<File, EmulatorError> {
+    let failed = |source| EmulatorError::File { path: path.to_path_buf(), source };
+    let taken = || EmulatorError::LinkTaken { path: path.to_path_buf() };
+    match fs::metadata(path) {
+        Ok(found) if found.is_file() && usize::try_from(found.len()) == Ok(FILE_LENGTH) => {}
+        Ok(_) => return Err(taken()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(failed(error)),
+    }
+    let mut open = OpenOptions::new();
+    // Not truncated: a host may have it mapped still.
+    let open = open.read(true).write(true).create(true).truncate(false);
+    let mut file = open.open(path).map_err(failed)?;
+    match file.try_lock() {
+        Ok(()) => {}
+        Err(TryLockError::WouldBlock) => return Err(taken()),
+        Err(TryLockError::Error(source)) => return Err(failed(source)),
+    }
+    file.write_all(&[0; FILE_LENGTH]).map_err(failed)?;
+    Ok(file)
+}
+
+/// The thread's own.
+struct Server {
+    module: Arc<Mutex<Module>>,
+    clock: Box<dyn Clock>,
+    start_ns: i64,
+    mapping: Mapping,
+    /// Interrupts by the host so far, as the file counts them.
+    interrupts: u8,
+    /// Interrupts that have taken effect and been written to the file.
+    served: u64,
+    eeprom: Option<PathBuf>,
+    stores: u64,
+}
+
+impl Server {
+    fn run(mut self, ended: &Receiver<()>) -> io::Result<()> {
+        let module = Arc::clone(&self.module);
+        let lock = || module.lock().unwrap_or_else(PoisonError::into_inner);
+        self.mapping.store(file_offset::IDENTIFIER, BIM2AX_BOCM)?;
+        self.say(&lock())?;
+        loop {
+            {
+                let mut module = lock();
+                module.advance(self.clock.now_ns() - self.start_ns);
+                let interrupts = self.mapping.load(file_offset::INTERRUPTS)?;
+                if interrupts != self.interrupts {
+                    self.interrupts = interrupts;
+                    self.hear(&mut module)?;
+                }
+                self.mapping.store(file_offset::STATUS, module.bus_read(PAGE_REGISTER))?;
+                if module.served() != self.served {
+                    self.served = module.served();
+                    self.say(&module)?;
+                    let count = self.mapping.load(file_offset::SERVED)?;
+                    self.mapping.store(file_offset::SERVED, count.wrapping_add(1))?;
+                }
+                if module.stores() != self.stores {
+                    self.stores = module.stores();
+                    if let Some(path) = &self.eeprom {
+                        fs::write(path, module.eeprom().to_bytes())?;
+                    }
+                }
+            }
+            match ended.recv_timeout(PAUSE) {
+                Err(RecvTimeoutError::Timeout) => {}
+                Ok(()) | Err(RecvTimeoutError::Disconnected) => return Ok(()),
+            }
+        }
+    }
+
+    /// Takes what the host has written, and its interrupt.
+    fn hear(&self, module: &mut Module) -> io::Result<()> {
+        for offset in 0..INTERRUPT {
+            let byte = self.mapping.load(place(HOST_PAGE, offset))?;
+            module.set_ram(HOST_PAGE, offset, byte);
+        }
+        for offset in [0, RECEIPTS] {
+            let byte = self.mapping.load(place(MODULE_PAGE, offset))?;
+            module.set_ram(MODULE_PAGE, offset, byte);
+        }
+        module.interrupt();
+        Ok(())
+    }
+
+    /// Writes what the module says: which zone has been refreshed comes last, when the zone is there.
+    fn say(&self, module: &Module) -> io::Result<()> {
+        for offset in (0..WINDOW_LENGTH).rev() {
+            self.mapping.store(place(MODULE_PAGE, offset), module.ram(MODULE_PAGE, offset))?;
+        }
+        Ok(())
+    }
+}
+
+fn place(page: u8, offset: u8) -> usize {
+    usize::from(page) * usize::from(WINDOW_LENGTH) + usize::from(offset)
+}

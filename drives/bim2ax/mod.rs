@@ -1,0 +1,36 @@
+//! BIBOX BIM2AX-BOCM, a module for two stepper axes behind a dual-port RAM.
+//!
+//! Source: "Module BIM2AX-BOCM, Manuel d'utilisation", MUT/0712/0206D, revision D of May 2013.
+
+mod axis;
+pub mod bits;
+mod describe;
+mod drive;
+mod driver;
+pub mod emulator;
+mod follow;
+pub mod memory;
+mod mode;
+pub mod parameter;
+mod rehearsal;
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod vectors;
+pub mod zone;
+
+pub use axis::{
+    AxisSettings, Bench, Contact, EncoderBench, EncoderKind, MOST_POSITION, REFERENCES,
+};
+pub(crate) use describe::{describe_card, describe_messages};
+pub use drive::{Bim2AxDrive, Bim2AxDriveOptions};
+pub use driver::{Bim2Ax, Bim2AxOptions, BusStamp, Identity, Move, Start};
+pub use memory::{
+    ByteOrder, FILE_LENGTH, MappedMemory, Memory, MemoryFile, SharedModule, file_offset,
+};
+pub use mode::DriveMode;
+pub use parameter::ModuleAxis;
+pub use rehearsal::{Bim2AxRehearsal, RehearsalOptions};
+
+/// Axes of a module.
+pub const AXES: usize = 2;

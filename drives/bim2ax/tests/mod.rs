@@ -1,0 +1,114 @@
+//! Driver and emulated module together, in virtual time and on a memory file.
+
+mod drive;
+mod driver;
+mod faults;
+mod parameters;
+mod vectors;
+
+use std::time::Duration;
+
+use tokio::time::{Instant, sleep};
+
+use super::{
+    AxisSettings, Bim2Ax, Bim2AxOptions, Contact, DriveMode, ModuleAxis, SharedModule,
+    bits::coefficient,
+    emulator::{Eeprom, Module, ModuleOptions, Surroundings},
+    parameter::{AxisParameter, Parameter},
+    vectors::{Log, Recorded},
+};
+
+pub(super) const BOTH: [ModuleAxis; 2] = ModuleAxis::ALL;
+
+/// The runtime's own clock, which virtual time moves.
+pub(super) fn clock() -> impl Fn() -> i64 + Send + Sync + Copy {
+    let zero = Instant::now();
+    move || i64::try_from(zero.elapsed().as_nanos()).unwrap()
+}
+
+/// Sets a parameter of an axis as if it had been stored before.
+pub(super) fn set(eeprom: &mut Eeprom, axis: ModuleAxis, parameter: AxisParameter, value: i64) {
+    let value = u32::try_from(value & 0xFFFF_FFFF).unwrap();
+    eeprom.set(Parameter::Axis(parameter, axis), value);
+}
+
+/// Both axes: present, switches and cam that close, 1/64 steps with speeds in µsteps/s: 1000 start-stop,
+/// 10000 fast, 20000 µsteps/s².
+pub(super) fn eeprom() -> Eeprom {
+    let mut eeprom = Eeprom::new(2000);
+    let bits = coefficient::PRESENT | coefficient::CAM_CLOSES | coefficient::SWITCHES_CLOSE;
+    for axis in BOTH {
+        set(&mut eeprom, axis, AxisParameter::Coefficient, bits.into());
+        set(&mut eeprom, axis, AxisParameter::Mode, 0x0060);
+        set(&mut eeprom, axis, AxisParameter::StartStopSpeed, 1000);
+        set(&mut eeprom, axis, AxisParameter::FastSpeed, 10_000);
+        set(&mut eeprom, axis, AxisParameter::Acceleration, 20_000);
+    }
+    eeprom
+}
+
+/// The same as settings.
+pub(super) fn settings() -> AxisSettings {
+    AxisSettings {
+        coefficient: coefficient::PRESENT | coefficient::CAM_CLOSES | coefficient::SWITCHES_CLOSE,
+        mode: DriveMode::from_code(0x0060).unwrap(),
+        start_stop_speed: 1000,
+        fast_speed: 10_000,
+        acceleration: 20_000,
+        ..AxisSettings::default()
+    }
+}
+
+/// Switches at ±3000 and a cam from −900 to −400 on both axes.
+pub(super) fn surroundings() -> Surroundings {
+    let mut surroundings = Surroundings::default();
+    for bench in &mut surroundings.benches {
+        bench.plus = Some(Contact::above(3000, true));
+        bench.minus = Some(Contact::below(-3000, true));
+        bench.cam = Some(Contact::between(-900, -400, true));
+    }
+    surroundings
+}
+
+/// A module that runs, its driver, and the record of what passes between them.
+pub(super) struct Rig {
+    pub(super) module: SharedModule,
+    pub(super) driver: Bim2Ax,
+    pub(super) log: Log,
+}
+
+impl Rig {
+    pub(super) async fn new(
+        module: &ModuleOptions,
+        options: &Bim2AxOptions,
+        eeprom: &Eeprom,
+        surroundings: &Surroundings,
+    ) -> Self {
+        let module = SharedModule::new(Module::new(module, eeprom, surroundings), clock());
+        let log = Log::default();
+        let recorded = Recorded(module.clone(), log.clone());
+        let mut driver = Bim2Ax::new("/dev/uio0", recorded, options);
+        sleep(Duration::from_secs(1)).await;
+        driver.identify(&|| 0).await.unwrap();
+        log.take();
+        Self { module, driver, log }
+    }
+
+    /// With everything at its default and the switches above.
+    pub(super) async fn usual() -> Self {
+        Self::new(&ModuleOptions::default(), &Bim2AxOptions::default(), &eeprom(), &surroundings())
+            .await
+    }
+
+    /// Changes what is connected.
+    pub(super) fn rewire(&self, change: impl FnOnce(&mut Surroundings)) {
+        let mut module = self.module.module();
+        let mut surroundings = *module.surroundings();
+        change(&mut surroundings);
+        module.set_surroundings(&surroundings);
+    }
+}
+
+pub(super) fn seconds(seconds: u64) -> Duration {
+    Duration::from_secs(seconds)
+}

@@ -1,0 +1,191 @@
+//! The board and its driver in simulated time, without bytes.
+
+use std::{collections::VecDeque, time::Duration};
+
+use super::{
+    MoveProfile, Stamp,
+    emulator::{Axis, Wire},
+    follow::Follower,
+    options::AxisOptions,
+};
+use crate::{IncrementMotion, Rehearsal, SetpointStream, follow::Order, rehearsal::SeenAt};
+
+/// Bytes of command 80 and of its answer.
+const COMMAND_BYTES: (usize, usize) = (27, 8);
+/// Bytes of a question for status and five positions, and of its answer.
+const STATE_BYTES: (usize, usize) = (8, 29);
+
+/// An InterpCNC board that follows a plan by independent moves that are retargeted (command 80), as its driver lets it
+/// in a run: commands for the axes that need one, then a sample, as fast as the wire allows.
+#[derive(Clone, Debug)]
+pub struct InterpCncRehearsal {
+    follower: Follower,
+    axes: Vec<Axis>,
+    wire: Wire,
+    /// What happens next, and when.
+    next: Next,
+    due_ns: i64,
+    begun: bool,
+    exchanges: u64,
+}
+
+/// What happens next.
+#[derive(Clone, Debug)]
+enum Next {
+    /// The driver looks at the plan, and begins a round of commands for the axes that need one.
+    Survey,
+    /// The board executes a command.
+    Execute(Sent),
+    /// Its answer is there.
+    Confirm(Sent),
+    /// The board looks at its counters.
+    Show(Stamp),
+    /// The driver knows them, and which axes moved.
+    Sample(Stamp, Vec<(i32, bool)>),
+}
+
+/// A command on its way, in a round.
+#[derive(Clone, Debug)]
+struct Sent {
+    order: Order<MoveProfile>,
+    decided_ns: i64,
+    stamp: Stamp,
+    round: Round,
+}
+
+/// The axes that are still to be commanded, of so many that need it.
+#[derive(Clone, Debug)]
+struct Round {
+    left: VecDeque<usize>,
+    of: usize,
+}
+
+impl InterpCncRehearsal {
+    /// A board on `wire`, of which `axes` are in use.
+    pub fn new(axes: &[AxisOptions], wire: &Wire) -> Self {
+        Self {
+            follower: Follower::new(axes, wire.line),
+            axes: axes.iter().map(|_| Axis::default()).collect(),
+            wire: *wire,
+            next: Next::Survey,
+            due_ns: 0,
+            begun: false,
+            exchanges: 0,
+        }
+    }
+
+    /// The axes stand where the plan does.
+    fn begin(&mut self, plan: &dyn SetpointStream, time_ns: i64) {
+        self.begun = true;
+        self.due_ns = time_ns;
+        for (axis, position) in self.axes.iter_mut().zip(plan.at(time_ns).position) {
+            *axis = Axis::at_rest(position);
+        }
+        self.next = self.ask();
+    }
+
+    /// An exchange that begins now: what the driver will make of its times, and when the board executes it.
+    fn exchange(&mut self, bytes: (usize, usize)) -> (Stamp, i64) {
+        self.exchanges += 1;
+        let line = self.wire.line;
+        let silence = whole(line.silence());
+        let sent_ns = self.due_ns + silence;
+        let heard_ns = sent_ns + whole(line.duration(bytes.0));
+        let executed_ns = heard_ns + silence;
+        let answering_ns = executed_ns + whole(self.wire.turnaround);
+        // The driver knows when its last byte was sent and when the first one came, and takes the middle.
+        let stamp = Stamp {
+            sent_ns,
+            executed_ns: heard_ns.midpoint(answering_ns),
+            uncertainty_ns: (answering_ns - heard_ns) / 2,
+            answered_ns: answering_ns + whole(line.duration(bytes.1)),
+        };
+        (stamp, executed_ns)
+    }
+
+    /// The next command of a round, or the sample at its end.
+    fn command(&mut self, mut round: Round) -> Next {
+        let decided_ns = self.due_ns;
+        while let Some(index) = round.left.pop_front() {
+            if let Some(order) = self.follower.order(index, round.of, decided_ns) {
+                let (stamp, executed_ns) = self.exchange(COMMAND_BYTES);
+                self.due_ns = executed_ns;
+                return Next::Execute(Sent { order, decided_ns, stamp, round });
+            }
+        }
+        self.ask()
+    }
+
+    fn ask(&mut self) -> Next {
+        let (stamp, executed_ns) = self.exchange(STATE_BYTES);
+        self.due_ns = executed_ns;
+        Next::Show(stamp)
+    }
+
+    /// What is due now happens.
+    fn happen(&mut self, plan: &dyn SetpointStream) {
+        let now_ns = self.due_ns;
+        self.next = match std::mem::replace(&mut self.next, Next::Survey) {
+            Next::Survey => {
+                let left: VecDeque<_> = self.follower.survey(&SeenAt { plan, now_ns }).into();
+                let of = left.len();
+                self.command(Round { left, of })
+            }
+            Next::Execute(sent) => {
+                if let Some(axis) = self.axes.get_mut(sent.order.axis) {
+                    axis.start(now_ns, &sent.order.profile);
+                }
+                self.due_ns = sent.stamp.answered_ns;
+                Next::Confirm(sent)
+            }
+            Next::Confirm(Sent { order, decided_ns, stamp, round }) => {
+                self.follower.executed(&order, decided_ns, &stamp);
+                self.command(round)
+            }
+            Next::Show(stamp) => {
+                let shown = self.axes.iter();
+                let shown = shown.map(|axis| (axis.counter(now_ns), axis.moving(now_ns))).collect();
+                self.due_ns = stamp.answered_ns;
+                Next::Sample(stamp, shown)
+            }
+            Next::Sample(stamp, shown) => {
+                self.follower.sampled(&stamp, shown.into_iter());
+                Next::Survey
+            }
+        };
+    }
+}
+
+impl Rehearsal for InterpCncRehearsal {
+    fn axis_count(&self) -> usize {
+        self.axes.len()
+    }
+
+    fn advance(&mut self, plan: &dyn SetpointStream, time_ns: i64) -> IncrementMotion {
+        if !self.begun {
+            self.begin(plan, time_ns);
+        }
+        while self.due_ns <= time_ns {
+            self.happen(plan);
+        }
+        let mut motion = IncrementMotion::default();
+        let slots = motion.position.iter_mut().zip(&mut motion.velocity);
+        for ((position, velocity), axis) in slots.zip(&self.axes) {
+            let state = axis.state(time_ns);
+            (*position, *velocity) = (state.position, state.velocity);
+        }
+        motion
+    }
+
+    fn exchanges(&self) -> u64 {
+        self.exchanges
+    }
+
+    fn copied(&self) -> Box<dyn Rehearsal> {
+        Box::new(self.clone())
+    }
+}
+
+fn whole(duration: Duration) -> i64 {
+    i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
+}

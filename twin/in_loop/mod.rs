@@ -1,0 +1,165 @@
+//! Drives between set-points and the motors of the simulated machine.
+//!
+//! A drive does not follow set-points: it makes profiles of its own out of the commands that reach it as fast as its
+//! wire allows. In the loop of the simulated machine stands what driver and device make of the same set-points,
+//! rehearsed in simulated time ([`Rehearsal`]): the motors get what the devices' profile generators ask of them.
+
+#[cfg(test)]
+mod tests;
+
+use crate::emulated;
+use crate::hardware::HORIZON_NS;
+use crate::machine::Machine;
+use crate::report::seconds;
+use crate::setpoint::AxisSetpoint;
+use std::collections::VecDeque;
+use twin_drives::{IncrementMotion, Rehearsal, SetpointStream};
+use twin_kinematics::AxisMotion;
+
+/// The drives of a machine, in simulated time.
+#[derive(Clone, Debug)]
+pub(crate) struct DrivesInLoop {
+    devices: Vec<Device>,
+    /// The set-point of the cycle before, and what came of it.
+    before: Option<(AxisSetpoint, AxisMotion)>,
+    cycle_ns: i64,
+}
+
+#[derive(Debug)]
+struct Device {
+    rehearsal: Box<dyn Rehearsal>,
+    axes: Vec<DeviceAxis>,
+}
+
+impl Clone for Device {
+    fn clone(&self) -> Self {
+        Self { rehearsal: self.rehearsal.copied(), axes: self.axes.clone() }
+    }
+}
+
+/// An axis of the machine on a device.
+#[derive(Clone, Copy, Debug)]
+struct DeviceAxis {
+    /// In machine-file order.
+    axis: usize,
+    increments_per_si: f64,
+}
+
+impl DrivesInLoop {
+    /// The devices that the machine file puts there; `None` without any.
+    pub(crate) fn of(machine: &Machine) -> Option<Self> {
+        let in_loop = machine.drives.iter().enumerate().filter(|(_, device)| device.in_loop);
+        let devices: Vec<_> = in_loop
+            .filter_map(|(index, entry)| {
+                let axes = machine.axes_of(index).map(|(axis, described)| DeviceAxis {
+                    axis,
+                    increments_per_si: described.increments_per_si(),
+                });
+                let axes: Vec<_> = axes.collect();
+                let rehearsal = emulated::rehearsal(machine, (index, entry));
+                (!axes.is_empty()).then_some(Device { rehearsal, axes })
+            })
+            .collect();
+        let cycle_ns = machine.cycle_ns;
+        (!devices.is_empty()).then_some(Self { devices, before: None, cycle_ns })
+    }
+
+    /// What the motors get in the cycle that ends with `setpoint`, before those of `ahead`.
+    pub(crate) fn motion(
+        &mut self,
+        setpoint: &AxisSetpoint,
+        ahead: &VecDeque<AxisSetpoint>,
+    ) -> AxisMotion {
+        let mut motion = setpoint.axes;
+        let (before, told) =
+            self.before.unwrap_or((*setpoint, AxisMotion::at_rest(motion.position)));
+        let cycle = seconds(self.cycle_ns);
+        for device in &mut self.devices {
+            let plan = Plan {
+                axes: &device.axes,
+                before: &before,
+                setpoint,
+                ahead,
+                cycle_ns: self.cycle_ns,
+            };
+            let asked = device.rehearsal.advance(&plan, setpoint.time_ns);
+            let asked = asked.position.iter().zip(asked.velocity);
+            for (place, (position, velocity)) in device.axes.iter().zip(asked) {
+                let DeviceAxis { axis, increments_per_si } = *place;
+                let slots = motion.position.get_mut(axis).zip(motion.velocity.get_mut(axis));
+                let Some((slot, velocity_slot)) = slots else { continue };
+                *slot = position / increments_per_si;
+                *velocity_slot = velocity / increments_per_si;
+                let earlier = told.velocity.get(axis).copied().unwrap_or_default();
+                if let Some(slot) = motion.acceleration.get_mut(axis) {
+                    *slot = (velocity / increments_per_si - earlier) / cycle;
+                }
+            }
+        }
+        self.before = Some((*setpoint, motion));
+        motion
+    }
+}
+
+/// The planned motion of a device's axes, around the cycle that is simulated.
+struct Plan<'a> {
+    axes: &'a [DeviceAxis],
+    before: &'a AxisSetpoint,
+    setpoint: &'a AxisSetpoint,
+    ahead: &'a VecDeque<AxisSetpoint>,
+    cycle_ns: i64,
+}
+
+impl Plan<'_> {
+    /// The set-point so many cycles behind the one before.
+    fn get(&self, cycle: usize) -> Option<&AxisSetpoint> {
+        match cycle {
+            0 => Some(self.before),
+            1 => Some(self.setpoint),
+            _ => self.ahead.get(cycle - 2),
+        }
+    }
+
+    fn increments(&self, motion: &AxisMotion) -> IncrementMotion {
+        let mut increments = IncrementMotion::default();
+        let slots = increments.position.iter_mut().zip(&mut increments.velocity);
+        for ((position, velocity), place) in slots.zip(self.axes) {
+            let of = |values: &twin_kinematics::AxisVector| {
+                values.get(place.axis).map_or(0.0, |value| value * place.increments_per_si)
+            };
+            (*position, *velocity) = (of(&motion.position), of(&motion.velocity));
+        }
+        increments
+    }
+}
+
+impl SetpointStream for Plan<'_> {
+    fn now_ns(&self) -> i64 {
+        self.setpoint.time_ns
+    }
+
+    fn at(&self, time_ns: i64) -> IncrementMotion {
+        let since_ns = time_ns - (self.setpoint.time_ns - self.cycle_ns);
+        let last = self.ahead.back().unwrap_or(self.setpoint);
+        let resting = |at: &AxisSetpoint| self.increments(&AxisMotion::at_rest(at.axes.position));
+        let Ok(index) = usize::try_from(since_ns.div_euclid(self.cycle_ns)) else {
+            return resting(self.before);
+        };
+        let (Some(from), Some(to)) = (self.get(index), self.get(index.saturating_add(1))) else {
+            return resting(last);
+        };
+        let part = seconds(since_ns.rem_euclid(self.cycle_ns)) / seconds(self.cycle_ns);
+        let (from, to) = (self.increments(&from.axes), self.increments(&to.axes));
+        let mut motion = from;
+        let slots = motion.position.iter_mut().zip(&mut motion.velocity);
+        for ((position, velocity), (to, faster)) in slots.zip(to.position.iter().zip(to.velocity)) {
+            *position += (to - *position) * part;
+            *velocity += (faster - *velocity) * part;
+        }
+        motion
+    }
+
+    fn horizon_ns(&self) -> i64 {
+        HORIZON_NS
+    }
+}

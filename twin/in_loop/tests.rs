@@ -1,0 +1,242 @@
+//! Drives of every family between set-points and motors: bounds in closed form, from what their wires allow.
+
+use crate::check::{CheckOptions, Outcome, check};
+use crate::finding::Rule;
+use crate::hardware::HORIZON_NS;
+use crate::machine::Machine;
+use crate::plant::Plant;
+use crate::program::{Dialect, ProgramFile};
+use crate::setpoint::AxisSetpoint;
+use crate::settings::ReadSettings;
+use crate::simulated::Simulated;
+use nalgebra::Point3;
+use std::collections::VecDeque;
+use std::path::Path;
+use twin_kinematics::{AxisMotion, AxisVector, Pose, ToolMotion};
+
+/// Three linear axes of 320 increments per mm.
+const GANTRY3: &str = include_str!("../../machines/gantry3.toml");
+
+const CYCLE: f64 = 1e-3;
+
+fn interpcnc() -> String {
+    GANTRY3.replace("kind = \"interpcnc\"", "kind = \"interpcnc\"\nin_loop = true")
+}
+
+fn smartdrive() -> String {
+    let mut text = GANTRY3.replace("kind = \"interpcnc\"", "kind = \"smartdrive\"\nin_loop = true");
+    for (axis, address) in [("X", 7), ("Y", 2), ("Z", 31)] {
+        text = text
+            .replace(&format!("drive_axis = \"{axis}\""), &format!("drive_address = {address}"));
+    }
+    text
+}
+
+/// X and Y on a module, Z on a bus.
+fn mixed() -> String {
+    let both = "name = \"bus\"\nkind = \"smartdrive\"\nin_loop = true\n\n[[drives]]\nname = \"board\"\n\
+                kind = \"bim2ax\"\nin_loop = true";
+    GANTRY3
+        .replace("name = \"board\"\nkind = \"interpcnc\"", both)
+        .replace("drive_axis = \"X\"", "drive_axis = \"1\"")
+        .replace("drive_axis = \"Y\"", "drive_axis = \"2\"")
+        .replace("drive = \"board\"\ndrive_axis = \"Z\"", "drive = \"bus\"\ndrive_address = 1")
+}
+
+fn machine(text: &str) -> Machine {
+    Machine::parse(Path::new("machine.toml"), text)
+        .unwrap_or_else(|problems| panic!("{problems:#?}"))
+}
+
+/// Where an axis is `time` s after the start of a move by `way` with `speed` and `rate`, from rest to rest, and its
+/// velocity.
+fn trapezoid(time: f64, way: f64, speed: f64, rate: f64) -> [f64; 3] {
+    let up = speed / rate;
+    let end = way / speed + up;
+    let left = end - time;
+    if time <= up {
+        [0.5 * rate * time * time, rate * time, rate]
+    } else if left >= up {
+        [speed * (time - 0.5 * up), speed, 0.0]
+    } else if left > 0.0 {
+        [way - 0.5 * rate * left * left, rate * left, -rate]
+    } else {
+        [way, 0.0, 0.0]
+    }
+}
+
+/// A move of X and Y by 60 and 30 mm, to half a second behind its end.
+fn setpoints(machine: &Machine, speed: f64, rate: f64) -> VecDeque<AxisSetpoint> {
+    let way = 0.06;
+    let duration = way / speed + speed / rate + 0.5;
+    let mut setpoints = VecDeque::new();
+    let mut time_ns = 0;
+    loop {
+        let time = crate::report::seconds(time_ns);
+        if time > duration {
+            break;
+        }
+        let [position, velocity, acceleration] = trapezoid(time, way, speed, rate);
+        let vector = |value: f64| AxisVector::from_values([value, 0.5 * value, 0.0]);
+        let axes = AxisMotion {
+            position: vector(position),
+            velocity: vector(velocity),
+            acceleration: vector(acceleration),
+        };
+        setpoints.push_back(AxisSetpoint {
+            time_ns,
+            place: twin_motion::Place::default(),
+            axes,
+            tool: ToolMotion::at_rest(Pose { position: Point3::origin(), direction: 0.0 }),
+            m_call: None,
+            path_velocity: velocity,
+            feed: None,
+            probing: false,
+        });
+        time_ns += machine.cycle_ns;
+    }
+    setpoints
+}
+
+/// Set-points of that move and where the machine came, cycle by cycle.
+fn moved(text: &str, speed: f64, rate: f64) -> Vec<(AxisVector, AxisVector)> {
+    let machine = machine(text);
+    let mut setpoints = setpoints(&machine, speed, rate);
+    let mut plant = Simulated::new(&machine, &setpoints[0].axes.position).unwrap();
+    assert_eq!(plant.horizon_ns(), HORIZON_NS);
+    let mut came = Vec::new();
+    while let Some(setpoint) = setpoints.pop_front() {
+        plant.command_before(&setpoint, &setpoints).unwrap();
+        came.push((setpoint.axes.position, plant.feedback().unwrap().unwrap().position));
+    }
+    came
+}
+
+fn farthest(came: &[(AxisVector, AxisVector)], axis: usize) -> f64 {
+    came.iter().map(|(wanted, found)| (wanted[axis] - found[axis]).abs()).fold(0.0, f64::max)
+}
+
+/// At rest the machine is where the drive has counted to: within one increment, and what the servo leaves of dry friction.
+fn rests_where_it_should(came: &[(AxisVector, AxisVector)]) {
+    let (wanted, found) = came[came.len() - 1];
+    for axis in 0..3 {
+        let apart = (wanted[axis] - found[axis]).abs();
+        assert!(apart < 1.5 / 320e3, "axis {axis}: {apart}");
+    }
+}
+
+/// Three commands and a sample of 6.5 ms each at most: an axis that is right at one command is wrong by less than what the
+/// ramp makes of it in a round and a half.
+#[test]
+fn interpcnc_boards_are_as_near_as_their_rounds_allow() {
+    let (speed, rate) = (0.1, 1.0);
+    let came = moved(&interpcnc(), speed, rate);
+    let round = 1.5 * 4.0 * 6.5e-3;
+    let most = 0.5 * rate * round * round + 2e-4;
+    for axis in 0..2 {
+        let error = farthest(&came, axis);
+        assert!(error < most && error > 1e-6, "axis {axis}: {error}, {most}");
+    }
+    rests_where_it_should(&came);
+}
+
+/// An exchange of 2 ms, its bytes (1.7 ms) and a millisecond, three drives after each other.
+#[test]
+fn smartdrives_are_as_near_as_their_rounds_allow() {
+    let (speed, rate) = (0.1, 1.0);
+    let came = moved(&smartdrive(), speed, rate);
+    let round = 1.5 * 3.0 * (2e-3 + 1.8e-3 + 1e-3);
+    // Speeds are whole turns per minute: 10 mm a turn.
+    let most = 0.5 * rate * round * round + 2e-4 + 0.010 / 60.0 * round;
+    for axis in 0..2 {
+        let error = farthest(&came, axis);
+        assert!(error < most && error > 1e-6, "axis {axis}: {error}, {most}");
+    }
+    rests_where_it_should(&came);
+}
+
+/// A module goes from point to point and stands in between, so that it must be a good part of a leg away at times: at
+/// constant speed at least half of what the plan makes while it stands (11 ms), and no more than a leg of the whole horizon.
+#[test]
+fn bim2ax_modules_go_from_point_to_point() {
+    let (speed, rate) = (0.1, 1.0);
+    let came = moved(&mixed(), speed, rate);
+    let error = farthest(&came, 0);
+    assert!(error > 0.4 * speed * 11e-3, "{error}");
+    assert!(error < speed * crate::report::seconds(HORIZON_NS), "{error}");
+    // It stands several times on the way, and there both axes have arrived together: on the line, but for whole increments
+    // and what the servos have not caught up with yet.
+    let stands = came.windows(2).filter(|pair| {
+        let on_the_way = pair[0].0[0] > 0.01 && pair[1].0[0] < 0.05;
+        let still = |axis: usize| (pair[1].1[axis] - pair[0].1[axis]).abs() < 0.02 * speed * CYCLE;
+        on_the_way && still(0) && still(1)
+    });
+    let stands: Vec<_> = stands.map(|pair| pair[1].1).collect();
+    assert!(stands.len() >= 3);
+    for stand in stands {
+        assert!((stand[0] - 2.0 * stand[1]).abs() < 2e-5, "{stand:?}");
+    }
+    rests_where_it_should(&came);
+}
+
+/// The same every time, and another motion than without drives.
+#[test]
+fn the_loop_repeats_itself_bit_by_bit() {
+    for text in [interpcnc(), smartdrive(), mixed()] {
+        let bits = |came: Vec<(AxisVector, AxisVector)>| -> Vec<_> {
+            let values = came.into_iter().flat_map(|(_, found)| [found[0], found[1], found[2]]);
+            values.map(f64::to_bits).collect()
+        };
+        assert!(bits(moved(&text, 0.05, 1.0)) == bits(moved(&text, 0.05, 1.0)));
+    }
+}
+
+/// A snapshot goes on with the same bits, commands on their way included.
+#[test]
+fn a_snapshot_goes_on_with_the_same_bits() {
+    for text in [interpcnc(), smartdrive(), mixed()] {
+        let machine = machine(&text);
+        let mut ahead = setpoints(&machine, 0.05, 1.0);
+        let mut plant = Simulated::new(&machine, &ahead[0].axes.position).unwrap();
+        for _ in 0..497 {
+            let setpoint = ahead.pop_front().unwrap();
+            plant.command_before(&setpoint, &ahead).unwrap();
+        }
+        let mut other = plant.clone();
+        let mut rest = |plant: &mut Simulated| -> Vec<_> {
+            let mut ahead = ahead.clone();
+            let mut bits = Vec::new();
+            while let Some(setpoint) = ahead.pop_front() {
+                plant.command_before(&setpoint, &ahead).unwrap();
+                let found = plant.feedback().unwrap().unwrap().position;
+                bits.extend(found.iter().map(|value| value.to_bits()));
+            }
+            bits
+        };
+        let (one, two) = (rest(&mut plant), rest(&mut other));
+        assert!(one.len() > 1000 && one == two);
+    }
+}
+
+fn checked(text: &str, program: &str) -> Outcome {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("program.ngc");
+    std::fs::write(&path, program).unwrap();
+    let program = ProgramFile::new(&path, Some(Dialect::Rs274), ReadSettings::default()).unwrap();
+    let options = CheckOptions { physics: true, ..CheckOptions::default() };
+    check(&machine(text), &program, options, &mut |_| {}).unwrap()
+}
+
+/// A point-to-point module cannot follow an arc at 6 m/min within half a millimetre, a board can; the line is told.
+#[test]
+fn check_tells_which_drives_cannot_follow() {
+    let program = "G0 X50 Y50\nG2 X50 Y50 I30 J0 F6000\nM2\n";
+    let fine = checked(&interpcnc(), program);
+    assert!(fine.findings.is_empty(), "{:#?}", fine.findings);
+    let coarse = checked(&mixed(), program);
+    let beyond: Vec<_> =
+        coarse.findings.iter().filter(|one| one.rule == Rule::FollowingError).collect();
+    assert!(beyond.iter().any(|one| one.line == 2), "{:#?}", coarse.findings);
+    // To the last set-point: at the end nothing is left out for what the drives look ahead.
+    assert!((coarse.duration_ns - fine.duration_ns).abs() < 1);
+}

@@ -1,0 +1,165 @@
+//! `[[drives]]`: the devices on the wires, each of a family.
+
+mod bim2ax;
+mod interpcnc;
+mod smartdrive;
+
+use super::section::Section;
+pub use bim2ax::Bim2AxEntry;
+pub use interpcnc::{InterpCncEntry, Parity};
+pub use smartdrive::SmartDriveEntry;
+use std::ops::RangeInclusive;
+
+/// A device that moves one or more axes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DeviceEntry {
+    /// The name axes refer to.
+    pub name: String,
+    /// Serial port of the real device, or file of its memory, if it is given.
+    pub port: Option<String>,
+    /// Whether it stands between set-points and motors of the simulated machine.
+    pub in_loop: bool,
+    /// What it is.
+    pub family: DriveFamily,
+}
+
+/// A drive family, with what the file says of a device of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum DriveFamily {
+    /// SOPROLEC InterpCNC V2.1: a board for five axes on Modbus RTU.
+    InterpCnc(InterpCncEntry),
+    /// SmartDRIVE v1.2: up to five drives of one axis on a serial bus, by the ATB protocol.
+    SmartDrive(SmartDriveEntry),
+    /// BIM2AX-BOCM: a module for two axes in dual-port RAM.
+    Bim2Ax(Bim2AxEntry),
+}
+
+/// What `kind` says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    InterpCnc,
+    SmartDrive,
+    Bim2Ax,
+}
+
+impl Kind {
+    pub(super) const ALL: [(&str, Self); 3] = [
+        ("interpcnc", Self::InterpCnc),
+        ("smartdrive", Self::SmartDrive),
+        ("bim2ax", Self::Bim2Ax),
+    ];
+
+    /// The kind that a section says, whatever else is wrong with it.
+    pub(super) fn glance(section: &Section<'_>) -> Option<Self> {
+        let said = section.glance_at_text("kind")?;
+        Self::ALL.into_iter().find(|(name, _)| *name == said).map(|(_, kind)| kind)
+    }
+
+    /// Which axis of the device an axis of the machine hangs on; the keys are those of `[[axes]]`.
+    pub(super) fn axis(self, section: &Section<'_>) -> Option<usize> {
+        match self {
+            Self::InterpCnc => {
+                section.choice("drive_axis", &[("X", 0), ("Y", 1), ("Z", 2), ("A", 3), ("B", 4)])
+            }
+            Self::SmartDrive => {
+                let address = section.integer("drive_address", 1..=31)?;
+                usize::try_from(address).ok()
+            }
+            Self::Bim2Ax => section.choice("drive_axis", &[("1", 0), ("2", 1)]),
+        }
+    }
+
+    /// The key of that.
+    pub(super) fn axis_key(self) -> &'static str {
+        match self {
+            Self::InterpCnc | Self::Bim2Ax => "drive_axis",
+            Self::SmartDrive => "drive_address",
+        }
+    }
+}
+
+/// A device as axes see it, also if there is something wrong with it.
+#[derive(Clone, Debug)]
+pub(super) struct Seen {
+    pub(super) name: String,
+    /// Not known of a kind that there is not.
+    pub(super) kind: Option<Kind>,
+    /// Known of a device with which nothing is wrong.
+    pub(super) abilities: Option<Abilities>,
+}
+
+impl Seen {
+    pub(super) fn of(section: &Section<'_>, entry: Option<&DeviceEntry>) -> Self {
+        Self {
+            name: section.glance_at_text("name").unwrap_or_default().to_owned(),
+            kind: Kind::glance(section),
+            abilities: entry.map(DeviceEntry::abilities),
+        }
+    }
+}
+
+/// What a device is able to do, whatever the machine.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Abilities {
+    /// Speeds that an axis may have at its largest velocity, increments/s.
+    pub(super) speeds: RangeInclusive<f64>,
+    /// Largest position it counts to, increments.
+    pub(super) counts: f64,
+}
+
+impl DeviceEntry {
+    /// What the family is called.
+    pub fn family_name(&self) -> &'static str {
+        match self.family {
+            DriveFamily::InterpCnc(_) => "InterpCNC",
+            DriveFamily::SmartDrive(_) => "SmartDRIVE",
+            DriveFamily::Bim2Ax(_) => "BIM2AX",
+        }
+    }
+
+    /// What an axis of the device is called.
+    pub fn axis_name(&self, index: usize) -> String {
+        match self.family {
+            DriveFamily::InterpCnc(_) => {
+                ["X", "Y", "Z", "A", "B"].get(index).copied().unwrap_or("?").to_owned()
+            }
+            DriveFamily::SmartDrive(_) => format!("address {index}"),
+            DriveFamily::Bim2Ax(_) => format!("{}", index.saturating_add(1)),
+        }
+    }
+
+    pub(super) fn abilities(&self) -> Abilities {
+        match &self.family {
+            DriveFamily::InterpCnc(_) => InterpCncEntry::abilities(),
+            DriveFamily::SmartDrive(entry) => entry.abilities(),
+            DriveFamily::Bim2Ax(entry) => entry.abilities(),
+        }
+    }
+}
+
+/// Reads one `[[drives]]` table.
+pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
+    let name = section.required_text("name");
+    let kind = section.required_choice("kind", &Kind::ALL);
+    let port = section.text("port").map(str::to_owned);
+    let in_loop = section.flag("in_loop").unwrap_or(false);
+    let Some(kind) = kind else {
+        // What other keys there are is not known.
+        section.accept_all();
+        return None;
+    };
+    let family = match kind {
+        Kind::InterpCnc => interpcnc::read(section).map(DriveFamily::InterpCnc),
+        Kind::SmartDrive => smartdrive::read(section).map(DriveFamily::SmartDrive),
+        Kind::Bim2Ax => bim2ax::read(section).map(DriveFamily::Bim2Ax),
+    };
+    Some(DeviceEntry { name: name?.to_owned(), port, in_loop, family: family? })
+}
+
+/// A time in ms as microseconds.
+fn microseconds(section: &Section<'_>, key: &str, default_ms: f64) -> u32 {
+    let time_ms = section.number(key, 0.0..=1000.0).unwrap_or(default_ms);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to a million")]
+    let time_us = (time_ms * 1e3) as u32;
+    time_us
+}

@@ -1,0 +1,45 @@
+//! SmartDRIVEs on a bus.
+
+use super::{Abilities, microseconds};
+use crate::machine::section::Section;
+use twin_drives::smartdrive::StepsPerTurn;
+
+/// What the file says of the drives on a bus, which are alike.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SmartDriveEntry {
+    /// µsteps of a turn of the motor: full steps (parameter 43) times divisor (44).
+    pub turn: StepsPerTurn,
+    /// Acceleration of their ramps, rpm/s; at most parameter 31.
+    pub acceleration_rpm_per_s: u16,
+    /// Deceleration, rpm/s, at most parameter 32; 0: as the acceleration.
+    pub deceleration_rpm_per_s: u16,
+    /// Time an emulated drive takes to answer, µs.
+    pub response_us: u32,
+}
+
+impl SmartDriveEntry {
+    /// Speeds are whole turns per minute; a quarter of the largest is one, too.
+    pub(super) fn abilities(&self) -> Abilities {
+        let speeds = self.turn.steps(4.0)..=self.turn.steps(f64::from(i16::MAX));
+        Abilities { speeds, counts: f64::from(i32::MAX) }
+    }
+}
+
+pub(super) fn read(section: &Section<'_>) -> Option<SmartDriveEntry> {
+    let full_steps = section.integer("full_steps_per_turn", 1..=32_767).unwrap_or(200);
+    let divisor = section.integer("microsteps", 1..=1024).unwrap_or(16);
+    let acceleration = section.integer("acceleration_rpm_per_s", 1..=32_767).unwrap_or(30_000);
+    let deceleration = section.integer("deceleration_rpm_per_s", 0..=32_767).unwrap_or(0);
+    let response_us = microseconds(section, "emulated_turnaround_ms", 2.0);
+    let turn = StepsPerTurn::new(u16::try_from(full_steps).ok()?, u16::try_from(divisor).ok()?);
+    if turn.is_none() {
+        let message = format!("`microsteps` is {divisor}; a step has 1, 2, 4, … or 1024");
+        section.complain_at("microsteps", message);
+    }
+    Some(SmartDriveEntry {
+        turn: turn?,
+        acceleration_rpm_per_s: u16::try_from(acceleration).ok()?,
+        deceleration_rpm_per_s: u16::try_from(deceleration).ok()?,
+        response_us,
+    })
+}

@@ -1,0 +1,135 @@
+//! Command 40 on the axis's own board: the emulated InterpCNC of the machine file moves the axis, the probe of the
+//! simulated machine is its input.
+
+use super::axis::{AxisProbe, Search};
+use crate::machine::Axis;
+use twin_drives::interpcnc::emulator::{Board, BoardOptions};
+use twin_drives::interpcnc::registers::{BoardAxis, MAX_SPEED_HZ};
+use twin_drives::interpcnc::{AxisValues, Command};
+
+/// The input that the probe is wired to; which one it is makes no difference to an axis.
+const INPUT: u8 = 1;
+
+/// What command 40 cannot say.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{what} of {value:.0} {unit}: command 40 has 1 to {most} {unit}")]
+pub struct BoardRange {
+    /// Which argument.
+    what: &'static str,
+    /// Steps, steps/s, or thousands of steps/s².
+    value: f64,
+    unit: &'static str,
+    most: u32,
+}
+
+/// A board on the search.
+#[derive(Debug)]
+pub(super) struct BoardSearch {
+    board: Board,
+    axis: BoardAxis,
+    increments_per_si: f64,
+    from: f64,
+    change: f64,
+    tripped: bool,
+}
+
+impl BoardSearch {
+    /// The board at rest at `from` (m or rad) with the command on its way; `None` for an axis without a board.
+    pub(super) fn begin(
+        probe: &AxisProbe,
+        axis: &Axis,
+        from: f64,
+    ) -> Option<Result<Self, BoardRange>> {
+        let name = *BoardAxis::ALL.get(axis.drive.as_ref()?.index)?;
+        Some(Self::commanded(probe, name, axis.increments_per_si(), from))
+    }
+
+    fn commanded(
+        probe: &AxisProbe,
+        axis: BoardAxis,
+        increments_per_si: f64,
+        from: f64,
+    ) -> Result<Self, BoardRange> {
+        let scale = increments_per_si.abs();
+        let stroke =
+            whole("stroke", "steps", probe.stroke.abs() * scale, i32::MAX.cast_unsigned())?;
+        let speed_hz = whole("velocity", "steps/s", probe.velocity * scale, MAX_SPEED_HZ)?;
+        let start = (probe.start_velocity * scale).round();
+        let start_stop_hz = narrow("start velocity", "steps/s", start.max(1.0))?;
+        let rate =
+            |what, rate: f64| narrow(what, "thousand steps/s²", (rate * scale * 1e-3).ceil());
+        let command = Command::Probe {
+            axes: axis.mask(),
+            positive: probe.stroke * increments_per_si > 0.0,
+            input: INPUT.into(),
+            level: 1,
+            max_stroke: stroke.cast_signed(),
+            speed_hz,
+            start_stop_hz,
+            acceleration_khz_per_s: rate("acceleration", probe.acceleration)?,
+            deceleration_khz_per_s: rate("deceleration", probe.deceleration)?,
+        };
+        let mut board = Board::new(&BoardOptions::default());
+        let counter = (from * increments_per_si).round();
+        let mut positions: AxisValues = Default::default();
+        if let Some(slot) = positions.get_mut(axis.index()) {
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "checked when the machine file was read"
+            )]
+            let counter = counter as i32;
+            *slot = Some(counter);
+        }
+        let unlock = Command::Reset { unlock: true, homing_error: false, probe_error: false };
+        for command in [unlock, Command::WritePosition { positions }, command] {
+            // All of it has been checked.
+            board.send(&command).unwrap_or_default();
+        }
+        let from = counter / increments_per_si;
+        Ok(Self { board, axis, increments_per_si, from, change: 0.0, tripped: false })
+    }
+}
+
+impl Search for BoardSearch {
+    fn advance(&mut self, cycle_ns: i64, dt: f64, tripped: bool) {
+        if tripped && !std::mem::replace(&mut self.tripped, true) {
+            self.board.set_input(INPUT, true);
+        }
+        let before = self.board.velocity(self.axis);
+        self.board.advance(cycle_ns);
+        self.change = (self.board.velocity(self.axis) - before) / dt;
+    }
+
+    fn motion(&self) -> [f64; 3] {
+        let position = self.board.position(self.axis) / self.increments_per_si - self.from;
+        let velocity = self.board.velocity(self.axis) / self.increments_per_si;
+        [position, velocity, self.change / self.increments_per_si]
+    }
+
+    fn is_under_way(&self) -> bool {
+        self.board.status().probing()
+    }
+
+    fn latched(&self) -> Option<f64> {
+        let found = self.tripped && !self.board.status().probe_failed();
+        found.then(|| f64::from(self.board.probe_position()) / self.increments_per_si)
+    }
+}
+
+/// An argument that is more than nothing, to the nearest whole number.
+fn whole(what: &'static str, unit: &'static str, value: f64, most: u32) -> Result<u32, BoardRange> {
+    let rounded = value.round();
+    if !(1.0..=f64::from(most)).contains(&rounded) {
+        return Err(BoardRange { what, value, unit, most });
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "just compared")]
+    let whole = rounded as u32;
+    Ok(whole)
+}
+
+/// The same for an argument of one register.
+fn narrow(what: &'static str, unit: &'static str, value: f64) -> Result<u16, BoardRange> {
+    let most = u16::MAX.into();
+    let whole = whole(what, unit, value, most)?;
+    u16::try_from(whole).map_err(|_beyond| BoardRange { what, value, unit, most })
+}
