@@ -31,7 +31,7 @@ pub struct DriveState {
 
 impl DriveState {
     /// The state in an answer whose data are the position and whose TAG is that of the trajectory, or of alarms.
-    pub(crate) fn from_answer(answer: &Answer) -> Self {
+    pub(crate) fn from_answer(answer: Answer) -> Self {
         let alarm = answer.status.alarm();
         let (alarms, flags) = if alarm {
             (Alarms(answer.tag), TrajectoryFlags::NONE)
@@ -102,7 +102,7 @@ impl SmartDrive {
         clock: &dyn Clock,
     ) -> Result<(DriveState, Stamp), DriveError> {
         let (answer, stamp) = self.send(address, &Command::Ping, clock).await?;
-        Ok((DriveState::from_answer(&answer), stamp))
+        Ok((DriveState::from_answer(answer), stamp))
     }
 
     /// Addresses at which a drive answers, among `addresses`; the others cost a deadline each.
@@ -214,7 +214,7 @@ impl SmartDrive {
             }
             _ => None,
         };
-        Ok(copies(entry, &low, high.as_ref()))
+        Ok(copies(entry, low, high))
     }
 
     /// SET: changes the working value of a parameter, 32-bit ones in two steps; the copies afterwards.
@@ -250,7 +250,7 @@ impl SmartDrive {
             }
             _ => None,
         };
-        let now = copies(entry, &first, second.as_ref());
+        let now = copies(entry, first, second);
         if now.working == value { Ok(now) } else { Err(beyond(self.at(address, command.action()))) }
     }
 
@@ -303,7 +303,7 @@ impl SmartDrive {
         rate: u16,
     ) -> Result<DriveState, DriveError> {
         let answer = self.ask(address, Command::Start { speed, rate }).await?;
-        Ok(DriveState::from_answer(&answer))
+        Ok(DriveState::from_answer(answer))
     }
 
     /// STOP: to rest at `rate` rpm/s (0: the largest).
@@ -312,7 +312,7 @@ impl SmartDrive {
     /// As [`SmartDrive::send`].
     pub async fn stop(&mut self, address: u8, rate: u16) -> Result<DriveState, DriveError> {
         let answer = self.ask(address, Command::Stop { rate }).await?;
-        Ok(DriveState::from_answer(&answer))
+        Ok(DriveState::from_answer(answer))
     }
 
     /// GOTO: to `target` µsteps, with at most these rpm and rpm/s (0: the largest), or the largest of both.
@@ -326,7 +326,7 @@ impl SmartDrive {
         profile: Option<(u16, u16)>,
     ) -> Result<DriveState, DriveError> {
         let answer = self.ask(address, Command::GoTo { target, profile }).await?;
-        Ok(DriveState::from_answer(&answer))
+        Ok(DriveState::from_answer(answer))
     }
 
     /// STEP: by `distance` µsteps, as [`SmartDrive::go_to`]. Never sent twice.
@@ -340,7 +340,7 @@ impl SmartDrive {
         profile: Option<(u16, u16)>,
     ) -> Result<DriveState, DriveError> {
         let answer = self.ask(address, Command::Step { distance, profile }).await?;
-        Ok(DriveState::from_answer(&answer))
+        Ok(DriveState::from_answer(answer))
     }
 
     /// TRJINIT: makes the position or an encoder 0, or begins homing and returns.
@@ -349,7 +349,7 @@ impl SmartDrive {
     /// As [`SmartDrive::send`].
     pub async fn init(&mut self, address: u8, init: Init) -> Result<DriveState, DriveError> {
         let answer = self.ask(address, Command::TrajectoryInit(init)).await?;
-        Ok(DriveState::from_answer(&answer))
+        Ok(DriveState::from_answer(answer))
     }
 
     /// Homes and returns when it is done; the position then.
@@ -387,13 +387,13 @@ impl SmartDrive {
 }
 
 /// The copies of a parameter from the answers with its words.
-fn copies(entry: Option<&Entry>, low: &Answer, high: Option<&Answer>) -> ParameterValue {
+fn copies(entry: Option<&Entry>, low: Answer, high: Option<Answer>) -> ParameterValue {
     let value = |low: u16, high: u16| {
         let bits = join(low, high);
         entry.map_or(bits.into(), |entry| entry.value(bits))
     };
     let (saved, working) = low.words();
-    let (saved_high, working_high) = high.map_or((0, 0), Answer::words);
+    let (saved_high, working_high) = high.map_or((0, 0), |high| high.words());
     ParameterValue {
         saved: value(saved, saved_high),
         working: value(working, working_high),

@@ -22,8 +22,8 @@ use crate::{
     },
 };
 
-/// Runs `test` with a master of devices whose time passes by 5 ms with every command they hear.
-fn with_devices(devices: Vec<DeviceOptions>, test: impl AsyncFnOnce(&mut SmartDrive)) {
+/// Runs `test` with a master of devices whose time passes by 25 ms with every command they hear.
+fn with_devices(devices: &[DeviceOptions], test: impl AsyncFnOnce(&mut SmartDrive)) {
     run(async {
         let (near, mut far) = duplex(4096);
         let mut options = SmartDriveOptions::new(vec![axis(1)]);
@@ -40,7 +40,7 @@ fn with_devices(devices: Vec<DeviceOptions>, test: impl AsyncFnOnce(&mut SmartDr
                 }
                 assert_eq!(command_length(&buffer), Some(count));
                 for device in &mut devices {
-                    device.advance(5_000_000);
+                    device.advance(25_000_000);
                     if let Some(answer) = device.handle(&buffer[..count]) {
                         far.write_all(&answer).await.unwrap();
                     }
@@ -55,14 +55,14 @@ fn with_devices(devices: Vec<DeviceOptions>, test: impl AsyncFnOnce(&mut SmartDr
     });
 }
 
-fn one() -> Vec<DeviceOptions> {
-    vec![DeviceOptions::default()]
+fn one() -> [DeviceOptions; 1] {
+    [DeviceOptions::default()]
 }
 
 #[test]
 fn drives_are_found() {
     let at = |address| DeviceOptions { address, ..DeviceOptions::default() };
-    with_devices(vec![at(3), at(31)], async |bus| {
+    with_devices(&[at(3), at(31)], async |bus| {
         let found = bus.scan([3, 4, 31].into_iter()).await.unwrap();
         let addresses: Vec<u8> = found.iter().map(|(address, _)| *address).collect();
         assert_eq!(addresses, [3, 31]);
@@ -72,7 +72,7 @@ fn drives_are_found() {
 
 #[test]
 fn modes_change_and_alarms_are_told() {
-    with_devices(one(), async |bus| {
+    with_devices(&one(), async |bus| {
         for mode in Mode::ALL {
             bus.set_mode(1, Some(mode)).await.unwrap();
             assert_eq!(bus.state(1, &no_clock).await.unwrap().0.mode, mode.number());
@@ -109,7 +109,7 @@ fn modes_change_and_alarms_are_told() {
 
 #[test]
 fn parameters_are_read_set_saved_and_loaded() {
-    with_devices(one(), async |bus| {
+    with_devices(&one(), async |bus| {
         let now = bus.set_parameter(1, 30, 600).await.unwrap();
         assert_eq!((now.saved, now.working, now.factory), (500, 600, 500));
         // Two words and a sign.
@@ -135,7 +135,7 @@ fn parameters_are_read_set_saved_and_loaded() {
 
 #[test]
 fn variables_and_outputs_are_read_and_written() {
-    with_devices(one(), async |bus| {
+    with_devices(&one(), async |bus| {
         assert_eq!(bus.read(1, 67).await.unwrap(), 24);
         assert_eq!(bus.write_variable(1, 129, 0xFFFF).await.unwrap(), 0xFFFF);
         let update = IoUpdate { set: 0b100, ..IoUpdate::default() };
@@ -147,8 +147,8 @@ fn variables_and_outputs_are_read_and_written() {
 
 #[test]
 fn every_motion_is_made() {
-    let boot = Duration::from_millis(10);
-    with_devices(vec![DeviceOptions { boot, ..DeviceOptions::default() }], async |bus| {
+    let boot = Duration::from_millis(50);
+    with_devices(&[DeviceOptions { boot, ..DeviceOptions::default() }], async |bus| {
         bus.set_mode(1, Some(Mode::Remote)).await.unwrap();
         let rest = async |bus: &mut SmartDrive| loop {
             let (state, _) = bus.state(1, &no_clock).await.unwrap();
@@ -172,7 +172,7 @@ fn every_motion_is_made() {
         let state = bus.init(1, Init::Position).await.unwrap();
         assert_eq!((state.position, state.flags), (0, TrajectoryFlags::DONE));
         bus.reset(1, false).await.unwrap();
-        // The device's time passes with what it hears, 5 ms with each: the first that it answers is the second.
+        // The device's time passes with what it hears, 25 ms with each: the first that it answers is the second.
         let silent = bus.step(1, 0, None).await;
         assert!(matches!(silent, Err(DriveError::Timeout { .. })), "{silent:?}");
         assert_eq!(bus.state(1, &no_clock).await.unwrap().0.mode, 0);
@@ -193,7 +193,7 @@ fn homing_ends_at_home_or_says_why_not() {
         homing: HomingOptions { timeout: Duration::from_secs(1), ..HomingOptions::default() },
         ..DeviceOptions::default()
     };
-    with_devices(vec![found, lost(315)], async |bus| {
+    with_devices(&[found, lost(315)], async |bus| {
         for address in [1, 2] {
             bus.set_mode(address, Some(Mode::Remote)).await.unwrap();
         }
@@ -203,7 +203,7 @@ fn homing_ends_at_home_or_says_why_not() {
         let Err(DriveError::Alarm { alarms, .. }) = alarm else { panic!("{alarm:?}") };
         assert_eq!(alarms.to_string(), "homing timeout");
     });
-    with_devices(vec![lost(314)], async |bus| {
+    with_devices(&[lost(314)], async |bus| {
         bus.set_mode(2, Some(Mode::Remote)).await.unwrap();
         let refused = bus.home(2).await;
         assert!(matches!(refused, Err(DriveError::NotHomed { .. })), "{refused:?}");

@@ -14,7 +14,8 @@ use crate::{
     smartdrive::{
         Alarms, Command, Mode, SmartDriveBus, SmartDriveOptions,
         emulator::{
-            Cam, DeviceOptions, EmulatedBus, EmulatorOptions, Event, HomingOptions, Input, Wire,
+            Cam, Device, DeviceOptions, EmulatedBus, EmulatorOptions, Event, HomingOptions, Input,
+            Wire,
         },
         frame::encode,
         vectors::vector,
@@ -168,20 +169,20 @@ fn a_plan_is_followed_to_its_end() {
             break;
         }
     }
-    for axis in 0..2 {
+    let end = stream.at(i64::MAX).position;
+    for (axis, start) in STARTS.into_iter().enumerate().take(2) {
+        let positions =
+            || samples.iter().map(move |sample| (sample.time_ns, sample.position[axis]));
         #[expect(clippy::cast_precision_loss, reason = "counters have 32 bits")]
-        let errors = samples
-            .iter()
-            .map(|sample| sample.position[axis] as f64 - stream.at(sample.time_ns).position[axis]);
-        let squares: f64 = errors.map(|error| error * error).sum();
+        let error =
+            |(time_ns, position): (i64, i64)| position as f64 - stream.at(time_ns).position[axis];
+        let squares: f64 = positions().map(|seen| error(seen).powi(2)).sum();
         let count = f64::from(u32::try_from(samples.len()).unwrap());
         println!("axis {axis}: {count} samples, error rms {:.1} µsteps", (squares / count).sqrt());
         // Both axes have really gone there; accuracy is asserted where time is not real.
-        let end = stream.at(i64::MAX).position[axis];
-        let last = samples.last().unwrap().position[axis];
-        assert_eq!(last.to_string(), format!("{end:.0}"));
-        let between = |position: i64| position > STARTS[axis] && position < last;
-        assert!(samples.iter().any(|sample| between(sample.position[axis])));
+        let (_, last) = positions().next_back().unwrap();
+        assert_eq!(last.to_string(), format!("{:.0}", end[axis]));
+        assert!(positions().any(|(_, position)| position > start && position < last));
     }
 }
 
@@ -326,12 +327,7 @@ fn noise_and_frames_in_pieces_leave_the_drives_answering() {
     port.read_exact(&mut received).unwrap();
     assert_eq!(received[..2], [0xBE, 0x02]);
     drop(port);
-    let handled: Vec<u64> = bus
-        .stop()
-        .unwrap()
-        .iter()
-        .map(crate::smartdrive::emulator::Device::frames_handled)
-        .collect();
+    let handled: Vec<u64> = bus.stop().unwrap().iter().map(Device::frames_handled).collect();
     assert_eq!(handled, [2, 2]);
 }
 
@@ -343,7 +339,7 @@ fn what_is_saved_is_there_at_the_next_start() {
     drive.run(async |bus| bus.set_parameter(1, 30, 777).await).unwrap();
     drive.run(async |bus| bus.save(1).await).unwrap();
     drop(drive);
-    let flash = bus.stop().unwrap().iter().map(|device| device.flash()).collect();
+    let flash = bus.stop().unwrap().iter().map(Device::flash).collect();
     let options = EmulatorOptions { devices: devices(1), flash, ..EmulatorOptions::default() };
     let bus = EmulatedBus::start(&options, clock).unwrap();
     let mut drive = open(&bus, 1);

@@ -5,9 +5,12 @@
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB", sections START to GOTO, "Paramètres de configuration" (ceilings).
 //! Where the manual is silent: larger speeds and rates than the ceilings are clamped to them; a ceiling of 0 for a
-//! deceleration means AccMax; STEP counts from the set-point where the axis is; targets outside the position limits are
+//! deceleration means `AccMax`; STEP counts from the set-point where the axis is; targets outside the position limits are
 //! refused where the lower is below the upper, and START then stands still on the limit; a move towards an active limit
 //! switch stops where it is.
+
+#[cfg(test)]
+mod tests;
 
 use super::{RejectCode, TrajectoryFlags, units::StepsPerTurn};
 use crate::ramp::{Motion, Ramp, State};
@@ -191,18 +194,11 @@ impl Generator {
         self.motion = motion;
         self.goal = goal;
         self.stopped_by = TrajectoryFlags::NONE;
-        if self.towards_switch(now_ns).is_some() {
+        if let Some(flag) = self.towards_switch(now_ns) {
+            // From what it was doing: the new motion may have been away from the switch at first.
             self.motion = before;
-            self.obey_switches(now_ns, ceilings);
-            // At rest before: there is nothing to brake, and the goal is missed all the same.
-            if self.goal != Goal::Missed {
-                self.motion = Motion::at_rest(f64::from(self.counter(now_ns)));
-                self.miss(if motion.final_sense() > 0.0 {
-                    TrajectoryFlags::LIMITED_P
-                } else {
-                    TrajectoryFlags::LIMITED_N
-                });
-            }
+            self.brake(now_ns, ceilings.rate(0, ceilings.emergency));
+            self.miss(flag);
         }
     }
 
