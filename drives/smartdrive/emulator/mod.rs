@@ -23,7 +23,7 @@ mod tests;
 mod thread;
 
 pub use inputs::Input;
-pub use options::{Cam, DeviceOptions, HomingOptions};
+pub use options::{Assumptions, Cam, DeviceOptions, HomingOptions};
 pub use serve::{Control, Event, Wire, serve};
 pub use thread::{EmulatedBus, EmulatorOptions};
 
@@ -333,7 +333,8 @@ impl Device {
     }
 
     fn ceilings(&self) -> Ceilings {
-        self.memory.ceilings()
+        let clamps_targets = self.options.assumptions.clamps_targets;
+        Ceilings { clamps_targets, ..self.memory.ceilings() }
     }
 
     fn operate_cams(&mut self) {
@@ -386,6 +387,11 @@ impl Device {
         let own = self.address();
         let alive = !matches!(self.phase, Phase::Booting { .. } | Phase::Dead);
         if !alive || address != own && address != 0 {
+            return None;
+        }
+        if self.options.assumptions.silent_while_changing
+            && matches!(self.phase, Phase::Changing { .. })
+        {
             return None;
         }
         self.frames_handled += 1;
