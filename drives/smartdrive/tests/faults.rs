@@ -185,5 +185,5 @@ fn every_fault_in_every_state_is_survived_and_told() {
         lines
     }));
     assert_eq!(lines.len(), 40);
-    lines.iter().for_each(|line| println!("{line}"));
+    println!("{}", lines.join("\n"));
 }
