@@ -303,14 +303,14 @@ impl<'a> Search<'a> {
                     self.bytes.clear();
                     return Some(answer);
                 }
-                Some(answer) if answer.status.address() != self.address => {
-                    self.bytes.drain(..ANSWER_BYTES);
-                    self.foreign = true;
-                }
-                // Nothing follows an answer: the XOR of a beginning and the answer it was repeated in may be 0.
-                _ => {
+                // Nothing follows an answer: the XOR of nine bytes out of one that comes twice, or of a beginning and
+                // the answer it was repeated in, is 0 as well.
+                other => {
                     self.bytes.remove(0);
-                    self.garbled = true;
+                    let foreign =
+                        other.is_some_and(|answer| answer.status.address() != self.address);
+                    self.foreign |= foreign;
+                    self.garbled |= !foreign;
                 }
             }
         }

@@ -1,7 +1,9 @@
 //! SmartDRIVE v1.2, drives for step motors with one axis each, up to 31 on one RS485 bus, protocol ATB.
 //!
-//! Commands and answers, parameters and variables are the same tables for driver and emulated device, checked against
-//! frames computed elsewhere.
+//! [`SmartDrive`] speaks to all drives of a bus, one exchange after the other, and [`SmartDriveBus`] makes up to five of
+//! them a [`crate::Drive`]; [`emulator`] is the drives without hardware, and [`SmartDriveRehearsal`] what both make of a
+//! plan in simulated time. Commands and answers, [`parameters`] and variables are the same tables for all, checked
+//! against frames computed elsewhere.
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB".
 

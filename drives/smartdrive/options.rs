@@ -41,6 +41,7 @@ impl AxisOptions {
             deceleration: self.deceleration_rpm_per_s,
             emergency: self.deceleration_rpm_per_s,
             positions: (0, 0),
+            clamps_targets: false,
         }
     }
 }

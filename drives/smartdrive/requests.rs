@@ -153,7 +153,12 @@ impl SmartDrive {
         let mut mode = Mode::Changing.number();
         let changing = async {
             loop {
-                let (state, _) = self.state(address, &no_clock).await?;
+                let state = match self.state(address, &no_clock).await {
+                    Ok((state, _)) => state,
+                    // Whether a drive answers meanwhile is not documented.
+                    Err(DriveError::Timeout { .. } | DriveError::Protocol { .. }) => continue,
+                    Err(error) => return Err(error),
+                };
                 mode = state.mode;
                 if !state.alarms.is_empty() {
                     return Ok(Some(state.alarms));

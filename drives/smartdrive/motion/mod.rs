@@ -30,6 +30,8 @@ pub(crate) struct Ceilings {
     pub(crate) emergency: u16,
     /// `Trj_PosMin` and `Trj_PosMax`, µsteps; they limit nothing unless the first is below the second.
     pub(crate) positions: (i32, i32),
+    /// Whether a target outside them becomes the limit; else it is refused.
+    pub(crate) clamps_targets: bool,
 }
 
 impl Ceilings {
@@ -44,6 +46,11 @@ impl Ceilings {
     fn speed(&self, asked: u16) -> f64 {
         let speed = if asked == 0 { self.velocity } else { asked.min(self.velocity) };
         self.turn.steps(f64::from(speed.max(1)))
+    }
+
+    /// Whether a speed and a rate are no more than their ceilings; the rate counts for both ramps.
+    pub(crate) fn allow(&self, speed: u16, rate: u16) -> bool {
+        speed <= self.velocity && rate <= self.acceleration
     }
 
     /// What a GOTO makes of its numbers.
@@ -109,9 +116,12 @@ impl Generator {
         speed: u16,
         rate: u16,
     ) -> Result<(), RejectCode> {
-        let ramp = ceilings.ramp(target, speed, rate);
-        if ceilings.limits().is_some_and(|(low, high)| ramp.target < low || ramp.target > high) {
-            return Err(RejectCode::BadParams);
+        let mut ramp = ceilings.ramp(target, speed, rate);
+        if let Some((low, high)) = ceilings.limits() {
+            if !(low..=high).contains(&ramp.target) && !ceilings.clamps_targets {
+                return Err(RejectCode::BadParams);
+            }
+            ramp.target = ramp.target.clamp(low, high);
         }
         self.begin(now_ns, ceilings, Motion::plan(now_ns, self.state(now_ns), &ramp), Goal::End);
         self.rates = (ramp.acceleration, ramp.deceleration);

@@ -16,8 +16,11 @@ use crate::{
     DriveError,
     smartdrive::{
         Command, Init, IoUpdate, LoadSource, Mode, RejectCode, SmartDrive, SmartDriveOptions,
-        TrajectoryFlags,
-        emulator::{Cam, Control, Device, DeviceOptions, Event, HomingOptions, Input, Wire, serve},
+        TagLayout, TrajectoryFlags,
+        emulator::{
+            Assumptions, Cam, Control, Device, DeviceOptions, Event, HomingOptions, Input, Wire,
+            serve,
+        },
         frame::command_length,
     },
 };
@@ -207,5 +210,34 @@ fn homing_ends_at_home_or_says_why_not() {
         bus.set_mode(2, Some(Mode::Remote)).await.unwrap();
         let refused = bus.home(2).await;
         assert!(matches!(refused, Err(DriveError::NotHomed { .. })), "{refused:?}");
+    });
+}
+
+#[test]
+fn what_the_manual_does_not_say_does_not_matter() {
+    let assumptions = Assumptions {
+        extends_signs: false,
+        silent_while_changing: true,
+        applies_words_at_once: true,
+        ..Assumptions::default()
+    };
+    let layout = TagLayout::Table;
+    let device = DeviceOptions {
+        assumptions,
+        layout,
+        mode_change: Duration::from_millis(50),
+        ..DeviceOptions::default()
+    };
+    with_devices(&[device], async |bus| {
+        bus.set_mode(1, Some(Mode::Remote)).await.unwrap();
+        bus.set_parameter(1, 26, -100_000).await.unwrap();
+        assert_eq!(bus.parameter(1, 26).await.unwrap().working, -100_000);
+        bus.start(1, -300, 0).await.unwrap();
+        for _ in 0..20 {
+            bus.state(1, &no_clock).await.unwrap();
+        }
+        assert_eq!(bus.read(1, 79).await.unwrap(), -300);
+        let (state, _) = bus.state(1, &no_clock).await.unwrap();
+        assert!(state.flags.contains(TrajectoryFlags::IN_MOTION));
     });
 }
