@@ -9,7 +9,7 @@
 //! not exist read $FF; values out of the range of a parameter are refused as numbers out of range are; a refused
 //! order of the zone "Paramètre" is echoed with the value 0; RESET is obeyed always, also with a wrong check sum and
 //! in motion; writing any parameter makes the check sum right, and the module works again after RESET; the last
-//! encoder position is stored in points.
+//! encoder position is stored in points; an axis with an absolute encoder starts where that shows it to be.
 
 mod eeprom;
 mod interrupt;
@@ -238,7 +238,8 @@ impl Module {
     fn interrupt(&mut self) {
         if self.running && !self.faults.deaf {
             let delay_ns = self.options.interrupt_ns + self.faults.late_ns.max(0);
-            self.interrupt_ns = Some(self.now_ns + delay_ns.max(0));
+            // One that is pending already is not served twice.
+            self.interrupt_ns.get_or_insert(self.now_ns + delay_ns.max(0));
         }
     }
 

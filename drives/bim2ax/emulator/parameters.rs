@@ -157,12 +157,14 @@ impl Module {
         let last_points = self.active.signed(AxisParameter::LastEncoderPosition, axis);
         let incremental = encoder.kind() == Some(EncoderKind::Incremental);
         let reload = if incremental { Reload::of(encoder_definition) } else { Reload::default() };
+        let shaft = before.shaft();
         let position = match reload.motor {
+            // Homing is not needed with an absolute encoder (5.1): the position is what it shows.
+            Source::Nothing if !incremental => encoder.steps(shaft).unwrap_or(0),
             Source::Nothing => 0,
             Source::Motor => last,
             Source::Encoder => scaled(last_points, dividend, divisor),
         };
-        let shaft = before.shaft();
         match reload.encoder {
             Source::Nothing if incremental => encoder.set_points(shaft, 0),
             Source::Nothing => {}

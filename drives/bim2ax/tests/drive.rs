@@ -276,7 +276,8 @@ fn an_axis_alone_is_followed_too() {
     }
     // The first axis of the plan is the second of the module; 560 of 600 µsteps are due.
     let (one, two) = (ModuleAxis::One, ModuleAxis::Two);
-    let (stands, moves) = (module.module().position(one), module.module().position(two));
+    let module = module.module();
+    let (stands, moves) = (module.position(one), module.position(two));
     assert!(stands == 0.0 && (540.0..580.0).contains(&moves), "{stands} {moves}");
 }
 
