@@ -232,11 +232,11 @@ fn in_virtual_time_it_follows_as_well_as_its_wire_allows() {
         let planned = plan.at(sample.time_ns).position;
         orders += i32::from(sample.moving && !moved);
         moved = sample.moving;
-        for axis in 0..2 {
+        for (found, planned) in sample.position.iter().zip(planned).take(2) {
             #[expect(clippy::cast_precision_loss, reason = "small")]
-            let found = sample.position[axis] as f64;
+            let found = *found as f64;
             // While the plan turns at once the axis stands still between two legs, and begins the next late.
-            worst = worst.max((found - planned[axis]).abs());
+            worst = worst.max((found - planned).abs());
         }
     }
     // 800 µsteps/s, below the start-stop speed: no ramps. A look takes 1 ms and begins when the leg has ended, an
