@@ -138,6 +138,7 @@ impl Module {
     /// The software starts; it has read the plugs.
     pub(super) fn start_software(&mut self) {
         self.running = true;
+        self.starts += 1;
         self.plugs = self.surroundings.plugs;
     }
 
@@ -175,6 +176,7 @@ impl Module {
         let mut started =
             Axis::power_up(self.now_ns, &settings, before.bench(), shaft, position, last);
         *started.encoder_mut() = encoder;
+        started.set_assumptions(self.options.assumptions);
         started
     }
 }

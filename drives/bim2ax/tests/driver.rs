@@ -171,3 +171,22 @@ async fn samples_are_of_the_middle_of_their_exchange() {
         assert!((f64::from(seen.positions[0]) - then).abs() <= 0.75, "{seen:?} {then}");
     }
 }
+
+#[tokio::test(start_paused = true)]
+async fn it_does_not_matter_to_the_driver_how_the_module_treats_zones() {
+    for (refreshes_all, keeps_entries) in [(true, false), (false, true), (false, false)] {
+        let module = ModuleOptions { refreshes_all, keeps_entries, ..ModuleOptions::default() };
+        let options = Bim2AxOptions::default();
+        let mut rig = Rig::new(&module, &options, &eeprom(), &surroundings()).await;
+        let clock = &clock();
+        rig.driver.start([Some(Start::to(300)), Some(Start::to(-300))], clock).await.unwrap();
+        rig.driver.rested(seconds(5), clock).await.unwrap();
+        // Had the entries been carried out again, axis 2 would go back to its old target.
+        rig.driver.manual(ModuleAxis::Two, true, clock).await.unwrap();
+        sleep(Duration::from_millis(100)).await;
+        rig.driver.manual_stop(clock).await.unwrap();
+        let (seen, _) = rig.driver.rested(seconds(1), clock).await.unwrap();
+        assert_eq!(seen.positions[0], 300);
+        assert!((-210..-180).contains(&seen.positions[1]), "{seen:?}");
+    }
+}

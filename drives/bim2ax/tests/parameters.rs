@@ -327,3 +327,32 @@ async fn plugs_are_read_at_the_start_and_on_demand() {
     rig.driver.reset().await.unwrap();
     assert_eq!(rig.driver.plugs(clock).await.unwrap().values, [Some(1), Some(2)]);
 }
+
+#[tokio::test(start_paused = true)]
+async fn currents_are_those_of_the_parameters_and_act_after_reset() {
+    let mut rig = Rig::usual().await;
+    let clock = &clock();
+    let one = ModuleAxis::One;
+    let current = |rig: &Rig| rig.module.module().current_ma(one);
+    let test_current = |rig: &Rig| rig.module.module().test_current_ma(one);
+    assert_eq!(current(&rig), 0, "phases are off");
+    for (parameter, value) in [
+        (AxisParameter::MotorCurrent, 1200),
+        (AxisParameter::HoldingCurrent, 1500),
+        (AxisParameter::Coefficient, 0xD011),
+    ] {
+        rig.driver.set_parameter(axis_1(parameter), value, clock).await.unwrap();
+    }
+    // As set up: a quarter of the rating of 2000 mA; writing has switched the phases on.
+    assert_eq!((current(&rig), test_current(&rig)), (500, 500));
+    rig.driver.reset().await.unwrap();
+    rig.driver.set_phases(&[one], true, clock).await.unwrap();
+    // 3.1.4: the holding current is limited by the motor current.
+    assert_eq!((current(&rig), test_current(&rig)), (1200, 60));
+    rig.driver.set_parameter(axis_1(AxisParameter::HoldingCurrent), 200, clock).await.unwrap();
+    rig.driver.reset().await.unwrap();
+    rig.driver.start([Some(Start::to(500)), None], clock).await.unwrap();
+    assert_eq!(current(&rig), 1200);
+    rig.driver.rested(seconds(5), clock).await.unwrap();
+    assert_eq!(current(&rig), 200);
+}
