@@ -101,16 +101,29 @@ impl Bim2AxDrive {
         memory: impl Memory + 'static,
         options: &Bim2AxDriveOptions,
     ) -> Result<Self, DriveError> {
-        let at = || Exchange { port: port.into(), station: 0, action: Action::Open };
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
+        let runtime = runtime.map_err(|source| {
+            let at = Exchange { port: port.into(), station: 0, action: Action::Open };
+            DriveError::Transport { at, source }
+        })?;
+        Self::on(runtime, port, memory, options)
+    }
+
+    /// The same on a runtime of the caller's, whose time may be virtual.
+    pub(super) fn on(
+        runtime: Runtime,
+        port: &str,
+        memory: impl Memory + 'static,
+        options: &Bim2AxDriveOptions,
+    ) -> Result<Self, DriveError> {
         let twice = matches!(*options.axes, [a, b] if a == b);
         if options.axes.is_empty() || options.axes.len() > AXES || twice {
             let value = u32::try_from(options.axes.len()).unwrap_or(u32::MAX);
             let high = if twice { 1 } else { 2 };
             let setting = "number of axes";
-            return Err(DriveError::Setting { at: at(), setting, value, low: 1, high });
+            let at = Exchange { port: port.into(), station: 0, action: Action::Open };
+            return Err(DriveError::Setting { at, setting, value, low: 1, high });
         }
-        let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
-        let runtime = runtime.map_err(|source| DriveError::Transport { at: at(), source })?;
         let timing = Timing { order_ns: ORDER_NS, look_ns: LOOK_NS };
         Ok(Self {
             module: Bim2Ax::new(port, memory, &options.driver),

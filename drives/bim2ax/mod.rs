@@ -20,7 +20,7 @@ mod vectors;
 pub mod zone;
 
 pub use axis::{
-    AxisSettings, Bench, Contact, EncoderBench, EncoderKind, MOST_POSITION, REFERENCES,
+    Assumptions, AxisSettings, Bench, Contact, EncoderBench, EncoderKind, MOST_POSITION, REFERENCES,
 };
 pub(crate) use describe::{describe_card, describe_messages};
 pub use drive::{Bim2AxDrive, Bim2AxDriveOptions};

@@ -1,4 +1,4 @@
-//! The module as a drive, in real time, on a memory file served by another thread.
+//! The module as a drive: in real time on a memory file served by another thread, and in virtual time.
 
 use std::time::Instant as WallClock;
 
@@ -83,7 +83,7 @@ fn emulated() -> (tempfile::TempDir, EmulatedModule) {
 /// A drive whose deadlines are for a machine that does other things, too.
 fn drive(module: &EmulatedModule) -> Bim2AxDrive {
     let mut options = Bim2AxDriveOptions::new();
-    options.driver.deadline = Duration::from_millis(500);
+    options.driver.deadline = Duration::from_secs(5);
     let path = module.path();
     let memory = MemoryFile::open(path).unwrap();
     Bim2AxDrive::new(path.to_str().unwrap(), memory, &options).unwrap()
@@ -108,10 +108,9 @@ fn it_follows_a_plan_and_ends_on_it() {
     }
     let last = drive.sample(&plan).unwrap();
     assert_eq!((last.position, last.moving), ([0; 5], false));
-    // It has been sent to the turning points, which no leg passes: there to the whole µstep, unless this machine was
-    // too busy to let it get there before the plan had turned. Half the way it must have gone.
-    assert!((300..=600).contains(&farthest[0]), "{farthest:?} in {samples} samples");
-    assert!((-300..=-150).contains(&farthest[1]), "{farthest:?} in {samples} samples");
+    // How far it got before the plan turned depends on what else this machine had to do; beyond it must not go.
+    assert!((0..=600).contains(&farthest[0]), "{farthest:?} in {samples} samples");
+    assert!((-300..=0).contains(&farthest[1]), "{farthest:?} in {samples} samples");
 }
 
 #[test]
@@ -137,13 +136,14 @@ fn positions_moves_homing_and_stops() {
     assert_eq!(drive.sample(&plan).unwrap().position, [0; 5]);
     assert_eq!(module.module().shaft(ModuleAxis::One), -400);
 
-    position[..2].copy_from_slice(&[3000, 0]);
-    drive.move_to(&position, &[1000.0; 5]).unwrap();
+    // Half a minute each, so that the stops come before the ends.
+    position[..2].copy_from_slice(&[2900, 0]);
+    drive.move_to(&position, &[100.0; 5]).unwrap();
     drive.soft_stop().unwrap();
     let stopped = drive.sample(&plan).unwrap();
-    assert!(!stopped.moving && stopped.position[0] < 3000);
+    assert!(!stopped.moving && stopped.position[0] < 2900);
 
-    drive.move_to(&position, &[1000.0; 5]).unwrap();
+    drive.move_to(&position, &[100.0; 5]).unwrap();
     drive.hard_stop().unwrap();
     let error = drive.sample(&plan).unwrap_err();
     let hard_stopped = |messages| messages & message::HARD_STOPPED != 0;
@@ -189,4 +189,106 @@ fn files_that_are_no_memory_or_in_use_are_left_alone() {
     assert!(matches!(refused, Err(crate::EmulatorError::LinkTaken { .. })));
     assert_eq!(std::fs::read_to_string(&precious).unwrap(), "precious");
     assert!(MemoryFile::open(&precious).is_err(), "too short");
+}
+
+/// A drive in virtual time, which only passes while it sleeps; the module; the time.
+fn virtually() -> (Bim2AxDrive, SharedModule, impl Fn() -> i64 + Send + Sync + Clone) {
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_time()
+        .start_paused(true)
+        .build()
+        .unwrap();
+    let handle = runtime.handle().clone();
+    let zero = runtime.block_on(async { Instant::now() });
+    let clock = move || {
+        let _inside = handle.enter();
+        i64::try_from(zero.elapsed().as_nanos()).unwrap()
+    };
+    let options = ModuleOptions { boot_ns: 0, ..ModuleOptions::default() };
+    let mut eeprom = eeprom();
+    for axis in BOTH {
+        // Nothing in its way.
+        let bits = coefficient::PRESENT | coefficient::IGNORE_SWITCHES;
+        set(&mut eeprom, axis, AxisParameter::Coefficient, bits.into());
+    }
+    let module = Module::new(&options, &eeprom, &Surroundings::default());
+    let module = SharedModule::new(module, clock.clone());
+    let options = Bim2AxDriveOptions::new();
+    let drive = Bim2AxDrive::on(runtime, "module", module.clone(), &options).unwrap();
+    (drive, module, clock)
+}
+
+#[test]
+fn in_virtual_time_it_follows_as_well_as_its_wire_allows() {
+    let (mut drive, module, clock) = virtually();
+    let mut plan = Plan { clock: clock.clone(), start_ns: i64::MAX / 2 };
+    drive.probe(&plan).unwrap();
+    drive.enable().unwrap();
+    plan.start_ns = clock() + 100_000_000;
+    let mut worst = 0.0_f64;
+    let mut orders = 0;
+    let mut moved = false;
+    while plan.now_ns() < 1_700_000_000 {
+        let sample = drive.follow(&plan).unwrap();
+        let planned = plan.at(sample.time_ns).position;
+        orders += i32::from(sample.moving && !moved);
+        moved = sample.moving;
+        for (found, planned) in sample.position.iter().zip(planned).take(2) {
+            #[expect(clippy::cast_precision_loss, reason = "small")]
+            let found = *found as f64;
+            // While the plan turns at once the axis stands still between two legs, and begins the next late.
+            worst = worst.max((found - planned).abs());
+        }
+    }
+    // 800 µsteps/s, below the start-stop speed: no ramps. A look takes 1 ms and begins when the leg has ended, an
+    // order counts 300 µs to 1 ms after it was given, and the first leg is planned with the 10 ms of the manual
+    // until it is known better: 12 ms at worst, of which a leg may be ahead or behind for the whole at the plan's
+    // begin and turn. A µstep for rounding, and one for the time stamp.
+    assert!(worst <= 800.0 * 0.012 + 2.0, "{worst} with {orders} orders");
+    assert!(orders >= 6, "{orders}");
+    for axis in BOTH {
+        assert!(module.module().position(axis).abs() < 0.5);
+    }
+}
+
+#[test]
+fn an_axis_alone_is_followed_too() {
+    let runtime =
+        tokio::runtime::Builder::new_current_thread().enable_time().start_paused(true).build();
+    let runtime = runtime.unwrap();
+    let handle = runtime.handle().clone();
+    let zero = runtime.block_on(async { Instant::now() });
+    let clock = move || {
+        let _inside = handle.enter();
+        i64::try_from(zero.elapsed().as_nanos()).unwrap()
+    };
+    let options = ModuleOptions { boot_ns: 0, ..ModuleOptions::default() };
+    let module = Module::new(&options, &eeprom(), &surroundings());
+    let module = SharedModule::new(module, clock.clone());
+    let mut options = Bim2AxDriveOptions::new();
+    options.axes = vec![ModuleAxis::Two];
+    let mut drive = Bim2AxDrive::on(runtime, "module", module.clone(), &options).unwrap();
+    let mut plan = Plan { clock: clock.clone(), start_ns: i64::MAX / 2 };
+    drive.probe(&plan).unwrap();
+    drive.enable().unwrap();
+    plan.start_ns = clock();
+    while plan.now_ns() < 700_000_000 {
+        drive.follow(&plan).unwrap();
+    }
+    // The first axis of the plan is the second of the module; 560 of 600 µsteps are due.
+    let (one, two) = (ModuleAxis::One, ModuleAxis::Two);
+    let module = module.module();
+    let (stands, moves) = (module.position(one), module.position(two));
+    assert!(stands == 0.0 && (540.0..580.0).contains(&moves), "{stands} {moves}");
+}
+
+#[test]
+fn axes_must_be_named_once() {
+    for axes in [vec![], vec![ModuleAxis::One; 2], vec![ModuleAxis::One; 3]] {
+        let mut options = Bim2AxDriveOptions::new();
+        options.axes = axes;
+        let module = Module::new(&ModuleOptions::default(), &eeprom(), &surroundings());
+        let refused = Bim2AxDrive::new("module", SharedModule::new(module, || 0), &options);
+        assert!(matches!(refused, Err(DriveError::Setting { setting: "number of axes", .. })));
+    }
 }

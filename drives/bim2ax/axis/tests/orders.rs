@@ -112,3 +112,37 @@ fn targets_beyond_the_range_are_refused() {
         assert_eq!(axis.counter(), target);
     }
 }
+
+#[test]
+fn what_the_manual_does_not_say_can_be_otherwise() {
+    use crate::bim2ax::{Assumptions, Contact};
+    let started = |assumptions| {
+        let cam = Some(Contact::between(-900, -400, true));
+        let coefficient = settings().coefficient | coefficient::IGNORE_SWITCHES;
+        let settings = AxisSettings { coefficient, ..settings() };
+        let mut axis = axis(&settings, &Bench { cam, ..Bench::default() });
+        axis.set_assumptions(assumptions);
+        axis.order(&programmed(bloc::ZERO, 0, 0));
+        axis.order(&programmed(0, 5000, 0));
+        axis.advance(100 * MS);
+        axis
+    };
+    // After 0.1 s it has gone 200 µsteps and has 3000 µsteps/s, which take 200 more to stop from.
+    let mut axis = started(Assumptions { refusal_stops: true, ..Assumptions::default() });
+    axis.order(&programmed(0, 0, 0));
+    finish(&mut axis);
+    assert_eq!((axis.counter(), axis.messages()), (400, message::HOMED | message::REFUSED));
+    let mut axis = started(Assumptions { zero_ends_every_move: true, ..Assumptions::default() });
+    axis.order(&simple(0));
+    finish(&mut axis);
+    assert_eq!((axis.counter(), axis.messages()), (400, message::HOMED));
+    let mut axis = started(Assumptions { abandon_loses_homing: true, ..Assumptions::default() });
+    axis.order(&simple(uc::ABANDON));
+    finish(&mut axis);
+    assert_eq!((axis.counter(), axis.messages()), (400, 0));
+    let mut axis = started(Assumptions { homing_keeps_position: true, ..Assumptions::default() });
+    finish(&mut axis);
+    axis.order(&simple(uc::HOME));
+    finish(&mut axis);
+    assert_eq!((axis.counter(), axis.messages()), (-400, message::HOMED | message::ON_CAM));
+}
