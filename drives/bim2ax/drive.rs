@@ -5,7 +5,7 @@ use std::time::Duration;
 use tokio::{runtime::Runtime, time::sleep};
 
 use super::{
-    AXES, AxisSettings, Bim2Ax, Bim2AxOptions, BusStamp, ModuleAxis, Move, Start,
+    AXES, AxisSettings, Bim2Ax, Bim2AxDriveOptions, BusStamp, ModuleAxis, Move, Start,
     bits::{coefficient, message},
     follow::{Follower, Timing},
     memory::Memory,
@@ -35,34 +35,6 @@ const STOPPED: u16 = FAULTS
     | message::HARD_STOPPED
     | message::PLUS_SWITCH
     | message::MINUS_SWITCH;
-
-/// Settings of the drive.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Bim2AxDriveOptions {
-    /// Of the exchanges.
-    pub driver: Bim2AxOptions,
-    /// Axes in use, in the order of the arrays of [`Drive`].
-    pub axes: Vec<ModuleAxis>,
-    /// Time between two looks at moving axes. Every look interrupts the module for 300 µs.
-    pub look_every: Duration,
-}
-
-impl Bim2AxDriveOptions {
-    /// Both axes, 200 looks a second.
-    pub fn new() -> Self {
-        Self {
-            driver: Bim2AxOptions::default(),
-            axes: ModuleAxis::ALL.to_vec(),
-            look_every: Duration::from_millis(5),
-        }
-    }
-}
-
-impl Default for Bim2AxDriveOptions {
-    fn default() -> Self {
-        Self::new()
-    }
-}
 
 /// Where following is.
 #[derive(Clone, Copy, Debug, Default)]

@@ -11,6 +11,7 @@ pub mod emulator;
 mod follow;
 pub mod memory;
 mod mode;
+mod options;
 pub mod parameter;
 mod rehearsal;
 #[cfg(test)]
@@ -23,12 +24,13 @@ pub use axis::{
     Assumptions, AxisSettings, Bench, Contact, EncoderBench, EncoderKind, MOST_POSITION, REFERENCES,
 };
 pub(crate) use describe::{describe_card, describe_messages};
-pub use drive::{Bim2AxDrive, Bim2AxDriveOptions};
+pub use drive::Bim2AxDrive;
 pub use driver::{Bim2Ax, Bim2AxOptions, BusStamp, Identity, Move, Start};
 pub use memory::{
     ByteOrder, FILE_LENGTH, MappedMemory, Memory, MemoryFile, SharedModule, file_offset,
 };
 pub use mode::DriveMode;
+pub use options::Bim2AxDriveOptions;
 pub use parameter::ModuleAxis;
 pub use rehearsal::{Bim2AxRehearsal, RehearsalOptions};
 

@@ -151,6 +151,11 @@ impl Axis {
         axis
     }
 
+    /// Homing counts as done.
+    pub(crate) fn set_homed(&mut self) {
+        self.latch(message::HOMED, true);
+    }
+
     /// Has it behave otherwise where the manual says nothing.
     pub(crate) fn set_assumptions(&mut self, assumptions: Assumptions) {
         self.assumptions = assumptions;

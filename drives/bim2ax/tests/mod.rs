@@ -5,6 +5,7 @@ mod driver;
 mod faults;
 mod parameters;
 mod vectors;
+mod witness;
 
 use std::time::Duration;
 

@@ -356,3 +356,40 @@ async fn currents_are_those_of_the_parameters_and_act_after_reset() {
     rig.driver.rested(seconds(5), clock).await.unwrap();
     assert_eq!(current(&rig), 200);
 }
+
+#[tokio::test(start_paused = true)]
+async fn an_inverted_encoder_is_turned_round_and_a_divisor_of_0_is_told() {
+    for (inverted, bits, points) in [
+        (false, 0, 1000),
+        (true, 0, -1000),
+        (false, definition::INVERT, -1000),
+        (true, definition::INVERT, 1000),
+    ] {
+        let mut rig =
+            with_encoder(EncoderBench { inverted, ..EncoderBench::default() }, bits, 0).await;
+        let clock = &clock();
+        // A manual move is not corrected.
+        rig.driver.manual(ModuleAxis::One, true, clock).await.unwrap();
+        sleep(Duration::from_millis(100)).await;
+        rig.driver.manual_stop(clock).await.unwrap();
+        let (seen, _) = rig.driver.positions(clock).await.unwrap();
+        let (found, _) = rig.driver.encoder_points(clock).await.unwrap();
+        // 2000 points and 200 µsteps per turn.
+        assert!(seen.positions[0] >= 100);
+        assert_eq!(found.positions[0], points / 100 * seen.positions[0], "{inverted} {bits:X}");
+    }
+    let mut eeprom = eeprom();
+    set(&mut eeprom, ModuleAxis::One, AxisParameter::Divisor, 0);
+    set(&mut eeprom, ModuleAxis::One, AxisParameter::EncoderDefinition, 1);
+    let mut surroundings = surroundings();
+    surroundings.encoders[0] = Some(EncoderBench::default());
+    let options = ModuleOptions::default();
+    let mut rig = Rig::new(&options, &Bim2AxOptions::default(), &eeprom, &surroundings).await;
+    let (found, _) = rig.driver.encoder_steps(&clock()).await.unwrap();
+    assert_eq!(found.messages[0] & encoder_message::DIVISOR_ZERO, encoder_message::DIVISOR_ZERO);
+    let divisor = axis_1(AxisParameter::Divisor);
+    rig.driver.set_parameter(divisor, 2000, &clock()).await.unwrap();
+    rig.driver.reset().await.unwrap();
+    let (found, _) = rig.driver.encoder_steps(&clock()).await.unwrap();
+    assert_eq!(found.messages[0] & encoder_message::DIVISOR_ZERO, 0);
+}
