@@ -138,6 +138,9 @@ pub fn check_watched(
     for touch in record.touches.iter().filter_map(|touch| sentence::touched(machine, touch)) {
         checker.findings.add(Some(About::Simulated), touch);
     }
+    for miss in &record.missed {
+        checker.findings.add(Some(About::Simulated), sentence::missed(miss));
+    }
     for finding in faults_to_come(machine, &record) {
         checker.findings.add(Some(About::Simulated), finding);
     }

@@ -6,7 +6,7 @@ use crate::machine::{
     Axis, AxisKind, FaultAt, FaultStart, Machine, SimulationError, VelocitySource,
 };
 use crate::physics::{Clearance, EventKind, Fault, Part};
-use crate::plant::{Blow, Happening, ProbeTouch};
+use crate::plant::{Blow, Happening, ProbeMiss, ProbeTouch};
 use crate::report::seconds;
 use std::collections::BTreeSet;
 use twin_kinematics::{Kinematics, KinematicsError};
@@ -210,6 +210,15 @@ pub(super) fn touched(machine: &Machine, touch: &ProbeTouch) -> Option<Finding> 
         format!("in the simulated machine the probe touched at X {x:.3} Y {y:.3} Z {z:.3} mm");
     let finding = Finding::error(Rule::Probe, touch.place, message);
     Some(Finding { severity: Severity::Note, ..finding })
+}
+
+/// A probe that did not touch in the simulated machine what it touches in the plan.
+pub(super) fn missed(miss: &ProbeMiss) -> Finding {
+    let nearest = miss.nearest * 1e3;
+    let message = format!(
+        "in the simulated machine the probe does not touch: it comes as near as {nearest:.4} mm before the path goes on"
+    );
+    Finding::error(Rule::Probe, miss.place, message).with_value(nearest, 0.0, "mm")
 }
 
 /// A fault that was asked for and has not begun.

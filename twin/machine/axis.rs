@@ -107,7 +107,7 @@ pub struct Axis {
 pub struct AxisDrive {
     /// Index into [`super::Machine::drives`].
     pub device: usize,
-    /// Index of the axis on that device, from 0 (X).
+    /// Which axis of that device: from 0 (X of an InterpCNC board, 1 of a BIM2AX module), or the address of a SmartDRIVE.
     pub index: usize,
     /// Increments per unit.
     pub ratio: IncrementRatio,
