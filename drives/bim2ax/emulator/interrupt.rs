@@ -101,12 +101,12 @@ impl Module {
                 }
             }
         }
+        self.set_ram(MODULE_PAGE, INTERRUPT_STATUS, 1);
+        self.set_ram(MODULE_PAGE, ZONES, asked);
         if let Some((offset, bits)) = self.faults.garbled {
             let byte = self.ram(MODULE_PAGE, offset);
             self.set_ram(MODULE_PAGE, offset, byte ^ bits);
         }
-        self.set_ram(MODULE_PAGE, INTERRUPT_STATUS, 1);
-        self.set_ram(MODULE_PAGE, ZONES, asked);
     }
 
     /// What a zone says now.
