@@ -14,8 +14,6 @@
 mod eeprom;
 mod interrupt;
 mod parameters;
-#[cfg(test)]
-mod tests;
 mod thread;
 
 pub use eeprom::Eeprom;
