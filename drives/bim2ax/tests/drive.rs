@@ -283,6 +283,28 @@ fn an_axis_alone_is_followed_too() {
 }
 
 #[test]
+fn modules_without_the_order_for_phases_are_enabled_by_a_motor_test() {
+    for phases_on_order in [true, false] {
+        let options = ModuleOptions { boot_ns: 0, phases_on_order, ..ModuleOptions::default() };
+        let clock = wall_clock();
+        let module = SharedModule::new(Module::new(&options, &eeprom(), &surroundings()), clock);
+        let mut options = Bim2AxDriveOptions::new();
+        options.driver.deadline = Duration::from_secs(5);
+        let mut drive = Bim2AxDrive::new("module", module.clone(), &options).unwrap();
+        let plan = Plan { clock, start_ns: i64::MAX / 2 };
+        drive.probe(&plan).unwrap();
+        assert_eq!(module.module().current_ma(ModuleAxis::One), 0);
+        drive.enable().unwrap();
+        assert_eq!(module.module().current_ma(ModuleAxis::One), 500);
+        let mut broken = surroundings();
+        broken.benches[0].power = false;
+        module.module().set_surroundings(&broken);
+        let error = drive.enable().unwrap_err();
+        assert!(matches!(error, DriveError::AxisMessages { axis: 1, .. }), "{error}");
+    }
+}
+
+#[test]
 fn axes_must_be_named_once() {
     for axes in [vec![], vec![ModuleAxis::One; 2], vec![ModuleAxis::One; 3]] {
         let mut options = Bim2AxDriveOptions::new();

@@ -144,6 +144,11 @@ async fn garbled_zone_numbers_and_parameters_are_told() {
         rig.module.module().set_faults(&garbled);
         let error = rig.driver.parameter(Parameter::Version, clock).await.unwrap_err();
         assert!(matches!(error, DriveError::Protocol { .. }), "{what:?}: {error}");
+        // The number of the zone: 1 instead of 0.
+        let garbled = ModuleFaults { garbled: Some((0x00, 0x01)), ..ModuleFaults::default() };
+        rig.module.module().set_faults(&garbled);
+        let error = rig.driver.positions(clock).await.unwrap_err();
+        assert!(matches!(error, DriveError::Protocol { .. }), "{what:?}: {error}");
         rig.module.module().set_faults(&ModuleFaults::default());
         assert_eq!(rig.driver.parameter(Parameter::Version, clock).await.unwrap(), 15);
         rig.usable().await;

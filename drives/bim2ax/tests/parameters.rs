@@ -393,3 +393,36 @@ async fn an_inverted_encoder_is_turned_round_and_a_divisor_of_0_is_told() {
     let (found, _) = rig.driver.encoder_steps(&clock()).await.unwrap();
     assert_eq!(found.messages[0] & encoder_message::DIVISOR_ZERO, 0);
 }
+
+#[tokio::test(start_paused = true)]
+async fn the_crc_of_an_axis_changes_with_its_own_parameters_only() {
+    let mut rig = Rig::usual().await;
+    let clock = &clock();
+    let crc = |axis| Parameter::Axis(AxisParameter::ParameterCrc, axis);
+    let mut before = [0; 2];
+    for (before, axis) in before.iter_mut().zip(BOTH) {
+        *before = rig.driver.parameter(crc(axis), clock).await.unwrap();
+    }
+    rig.driver.set_parameter(axis_1(AxisParameter::Reference(7)), 9, clock).await.unwrap();
+    let one = rig.driver.parameter(crc(ModuleAxis::One), clock).await.unwrap();
+    let two = rig.driver.parameter(crc(ModuleAxis::Two), clock).await.unwrap();
+    assert!(one != before[0] && two == before[1] && one <= 0xFFFF);
+    // A move stores its end, which is no parameter of the axis.
+    rig.driver.start([Some(Start::to(5)), None], clock).await.unwrap();
+    rig.driver.rested(seconds(5), clock).await.unwrap();
+    assert_eq!(rig.driver.parameter(crc(ModuleAxis::One), clock).await.unwrap(), one);
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_gray_encoder_read_as_binary_is_somewhere_else() {
+    let bench =
+        EncoderBench { kind: Some(EncoderKind::Ssi), gray: true, ..EncoderBench::default() };
+    for (bits, origin, points) in
+        [(definition::GRAY, 5, 5), (0, 5, 7), (0, 4, 6), (definition::GRAY, 4, 4)]
+    {
+        // In Gray code 5 is 111 and 4 is 110.
+        let mut rig = with_encoder(EncoderBench { origin, ..bench }, bits, 0).await;
+        let (found, _) = rig.driver.encoder_points(&clock()).await.unwrap();
+        assert_eq!(found.positions[0], points);
+    }
+}

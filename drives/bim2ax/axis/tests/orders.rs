@@ -146,3 +146,21 @@ fn what_the_manual_does_not_say_can_be_otherwise() {
     finish(&mut axis);
     assert_eq!((axis.counter(), axis.messages()), (-400, message::HOMED | message::ON_CAM));
 }
+
+#[test]
+fn reserved_bits_have_no_effect() {
+    // Order bits 2 and 11 to 14, bloc bits 9, 10 and 12 up, coefficient bits 5 and 13.
+    let reserved = AxisSettings { coefficient: settings().coefficient | 0x2020, ..settings() };
+    let (mut plain, mut odd) =
+        (axis(&settings(), &Bench::default()), axis(&reserved, &Bench::default()));
+    odd.order(&simple(0x7804));
+    assert_eq!((odd.moving(), odd.ack_uc(), odd.messages()), (false, 0, message::PHASES_OFF));
+    plain.order(&programmed(0, 1234, 0));
+    odd.order(&AxisOrder { uc: uc::PROGRAMMED | 0x7804, ..programmed(0xFEFF_F600, 1234, 0) });
+    for _ in 0..100 {
+        plain.advance(plain.now_ns() + 10 * MS);
+        odd.advance(odd.now_ns() + 10 * MS);
+        assert_eq!((plain.state(), plain.messages()), (odd.state(), odd.messages()));
+    }
+    assert_eq!((plain.counter(), odd.ack_uc(), odd.ack_bloc()), (1234, 0, 0));
+}
