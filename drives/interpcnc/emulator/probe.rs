@@ -3,7 +3,7 @@
 //! Beyond the manual: B13 is also set for arguments without sense and for an input that has the awaited level already
 //! (published vendor sources), and when something else ends the move; the axis shows as moving independently meanwhile.
 
-use super::{Board, motion::Axis};
+use super::{Board, bench::input_bit, motion::Axis};
 use crate::interpcnc::{MoveProfile, registers::BoardAxis};
 
 /// The last probing move.
@@ -54,6 +54,11 @@ impl Probe {
         self.failed = false;
     }
 
+    /// Power is gone.
+    pub(super) fn power_cycle(&mut self) {
+        *self = Self::default();
+    }
+
     /// Counter at the edge of the input.
     pub(super) fn position(&self) -> i32 {
         self.position
@@ -66,11 +71,12 @@ impl Board {
         let ProbeCommand { axis, positive, input, level, max_stroke, profile } = *command;
         self.probe.failed = false;
         self.probe.under_way = None;
-        let bit = u32::from(input).checked_sub(1).and_then(|place| 1_u32.checked_shl(place));
-        let Some(bit) = bit.filter(|_| level <= 1 && max_stroke > 0) else {
+        self.abandon_homing(axis.mask());
+        let bit = input_bit(input.into());
+        if bit == 0 || level > 1 || max_stroke <= 0 {
             self.probe.failed = true;
             return;
-        };
+        }
         let level = level == 1;
         if (self.memory.inputs & bit != 0) == level {
             self.probe.failed = true;
@@ -96,10 +102,11 @@ impl Board {
             return;
         }
         search.found = true;
-        if let Some(axis) = self.axes.get_mut(search.axis.index()) {
+        let axis = search.axis;
+        if let Some(axis) = self.axes.get(axis.index()) {
             self.probe.position = axis.counter(now);
-            axis.ramp_stop(now);
         }
+        self.for_axes(axis.mask(), |axis| axis.ramp_stop(now));
     }
 
     /// A probing move has ended when its axis stands.

@@ -1,4 +1,6 @@
 //! The driver against frames computed elsewhere, and against the emulator on a pseudo-terminal.
 
+mod board;
+mod faults;
 mod terminal;
 mod wire;

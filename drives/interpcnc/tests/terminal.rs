@@ -223,9 +223,9 @@ fn another_station_and_other_line_settings_work() {
     let stream = Plan { clock, start_ns: 0 };
     let line = Line { baud: 19_200, parity: Parity::Even };
     let emulator = EmulatorOptions {
-        board: BoardOptions { station: 42, line, enable: true },
+        board: BoardOptions { station: 42, line, ..BoardOptions::default() },
         wire: Wire { line, ..Wire::default() },
-        link: None,
+        ..EmulatorOptions::default()
     };
     let board = EmulatedBoard::start(&emulator, clock).unwrap();
     let right = InterpCncOptions { station: 42, line, ..options(&[BoardAxis::X]) };
