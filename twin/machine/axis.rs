@@ -294,7 +294,9 @@ fn read_drive(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Option<Axi
     let device = section.text("drive");
     // Which of them it is depends on the device.
     let axis_keys = ["drive_axis", "drive_address"];
-    axis_keys.into_iter().for_each(|key| section.accept(key));
+    for key in axis_keys {
+        section.accept(key);
+    }
     let increments = section.integer("increments", -1_000_000_000_000..=1_000_000_000_000);
     let per_key = format!("per_{unit}");
     let per_units = section.number(&per_key, 1e-6..=1e9);
@@ -382,7 +384,7 @@ fn check_drive(
     let count = farthest * per_unit;
     if count > *counts {
         let message =
-            format!("{farthest} {unit} are {count:.0} increments; the drive counts to {counts}",);
+            format!("{farthest} {unit} are {count:.0} increments; the drive counts to {counts}");
         section.complain_at("increments", message);
     }
 }

@@ -14,7 +14,7 @@ use crate::{
     },
 };
 
-const LONG: Duration = Duration::from_secs(60);
+const LONG: Duration = Duration::from_mins(1);
 
 /// Every fault of a wire, each so that a frame of this board cannot pass unharmed where it harms at all.
 const FAULTS: [WireFault; 10] = [
