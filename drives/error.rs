@@ -350,6 +350,18 @@ pub enum DriveError {
         /// Read back.
         found: u32,
     },
+    /// A parameter of the device is not what the driver has been told.
+    #[error("{at}: parameter {number} is {found} instead of {expected}")]
+    Parameter {
+        /// Where.
+        at: Exchange,
+        /// Number of the parameter.
+        number: u16,
+        /// What the driver has been told.
+        expected: u32,
+        /// What the device has.
+        found: u32,
+    },
     /// A position counter does not hold what was just written to it.
     #[error("{at}: counter of axis {} reads {found} after {written} was written", axis_letters(1 << axis))]
     NotWritten {
@@ -458,6 +470,7 @@ impl DriveError {
             | Self::ProbeFailed { at }
             | Self::EepromFailed { at }
             | Self::NotKept { at, .. }
+            | Self::Parameter { at, .. }
             | Self::NotWritten { at, .. }
             | Self::Identity { at, .. }
             | Self::NotRunning { at }
@@ -577,6 +590,7 @@ mod tests {
             DriveError::HomingFailed { at: at(), axes: 3 },
             DriveError::ProbeFailed { at: at() },
             DriveError::EepromFailed { at: at() },
+            DriveError::Parameter { at: at(), number: 4, expected: 5, found: 4 },
             DriveError::NotKept { at: at(), address: 4360, written: 5, found: 4 },
             DriveError::NotWritten { at: at(), axis: 2, written: 5, found: 4 },
             DriveError::Identity { at: at(), expected: 0x4E, found: 0xFF },

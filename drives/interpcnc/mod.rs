@@ -26,6 +26,6 @@ pub use assumptions::{Assumptions, BaudCode, BoardStop, ExceptionCodes, OutputCo
 pub use blocking::InterpCncDrive;
 pub use command::{AxisValues, BadCommand, Command, CommandRegisters, MoveProfile};
 pub use driver::{BoardState, HomeAxis, Identity, InterpCnc, ProbeMove, Recipes, Snapshot};
-pub use options::{AxisOptions, InterpCncOptions, Line, Parity};
+pub use options::{AxisOptions, Following, InterpCncOptions, Line, Parity};
 pub use registers::{AxisMask, BoardAxis};
-pub use rehearsal::InterpCncRehearsal;
+pub use rehearsal::{InterpCncRehearsal, Prediction, predict, rehearse};

@@ -85,6 +85,22 @@ impl AxisOptions {
     }
 }
 
+/// How a plan is followed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Following {
+    /// Independent moves that are retargeted in flight, axis by axis (command 80): near to any plan.
+    #[default]
+    Retargeted,
+    /// Interpolated segments from the board's buffer (command 6): the axes stay on straight lines, and stop between
+    /// them.
+    Buffered {
+        /// Start and stop frequency of the segments, steps/s: what the board's parameter 5 says.
+        start_stop_hz: u16,
+        /// Their acceleration and deceleration, 1000 steps/s²: what the board's parameter 4 says.
+        acceleration_khz_per_s: u16,
+    },
+}
+
 /// Settings of the driver.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InterpCncOptions {
@@ -99,6 +115,8 @@ pub struct InterpCncOptions {
     pub worst_latency: Duration,
     /// Axes in use, in the order of the arrays of [`crate::Drive`].
     pub axes: Vec<AxisOptions>,
+    /// How a plan is followed.
+    pub following: Following,
     /// Whether the adapter hears what it sends (two-wire RS485 without receiver control): the echo is taken away.
     pub echo: bool,
     /// Interpolated segments that are in the board at the same time, the one under way included. The board's buffer
@@ -119,6 +137,7 @@ impl InterpCncOptions {
             deadline: Duration::from_millis(250),
             worst_latency: Duration::from_millis(500),
             axes,
+            following: Following::Retargeted,
             echo: false,
             most_segments: 8,
             broadcast_delay: Duration::from_millis(100),

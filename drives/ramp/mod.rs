@@ -254,6 +254,12 @@ impl Motion {
         self.start_ns.saturating_add(nanoseconds(turn.duration))
     }
 
+    /// The same motion so much later.
+    pub(crate) fn later(mut self, ns: i64) -> Self {
+        self.start_ns = self.start_ns.saturating_add(ns);
+        self
+    }
+
     /// The same motion somewhere else, so many steps farther.
     pub(crate) fn shifted(mut self, by: f64) -> Self {
         for stretch in &mut self.stretches {

@@ -43,6 +43,7 @@ pub(super) use motion::Axis;
 use probe::Probe;
 pub(super) use rtu::seal;
 use segments::Buffer;
+pub(super) use segments::segment_ramps;
 pub use serve::{Wire, serve};
 pub use thread::{EmulatedBoard, EmulatorOptions};
 

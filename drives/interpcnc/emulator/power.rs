@@ -115,6 +115,12 @@ impl Board {
         self.boot();
     }
 
+    /// Sets a parameter as it was before power-up, without a write to the EEPROM.
+    pub(in crate::interpcnc) fn set_parameter(&mut self, number: u16, value: u32) {
+        self.memory.set_parameter(number, value);
+        self.eeprom = Eeprom::new(self.memory.kept());
+    }
+
     /// True while the supply is off.
     pub(super) fn is_dead(&self) -> bool {
         self.now_ns < self.dead_until_ns

@@ -3,4 +3,5 @@
 mod board;
 mod faults;
 mod terminal;
+mod vectors;
 mod wire;
