@@ -2,6 +2,8 @@
 
 use std::{fmt, io, path::PathBuf, sync::Arc, time::Duration};
 
+use crate::smartdrive::{Alarms, RejectCode};
+
 /// What was being done with a device when something went wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
@@ -198,6 +200,70 @@ pub enum DriveError {
         /// Modbus exception code.
         code: u8,
     },
+    /// The device refused the command (SmartDRIVE).
+    #[error("{at}: refused, {}", reject_meaning(*reason))]
+    Rejected {
+        /// Where.
+        at: Exchange,
+        /// Its reason.
+        reason: RejectCode,
+    },
+    /// The device is in alarm and has switched its power off (SmartDRIVE).
+    #[error("{at}: the drive is in alarm, {alarms}")]
+    Alarm {
+        /// Where.
+        at: Exchange,
+        /// Alarms it shows.
+        alarms: Alarms,
+    },
+    /// The device is not in the mode in which it obeys, or does not leave it (SmartDRIVE).
+    #[error("{at}: the drive is in mode {found}, not in {expected}")]
+    Mode {
+        /// Where.
+        at: Exchange,
+        /// Number of the mode it should be in.
+        expected: u8,
+        /// Number of the mode it is in; 31 while it changes.
+        found: u8,
+    },
+    /// The motor was blocked (SmartDRIVE).
+    #[error("{at}: the motor has stalled")]
+    Stalled {
+        /// Where.
+        at: Exchange,
+    },
+    /// Homing has ended without a home position, or not ended in time (SmartDRIVE).
+    #[error("{at}: homing has not found its switch")]
+    NotHomed {
+        /// Where.
+        at: Exchange,
+    },
+    /// The device is not what it should be, or set otherwise than it should be (SmartDRIVE).
+    #[error("{at}: {name} is {found}, not {expected}")]
+    Parameter {
+        /// Where.
+        at: Exchange,
+        /// Name of the parameter.
+        name: &'static str,
+        /// What it should be, at least for ceilings.
+        expected: i64,
+        /// What it is.
+        found: i64,
+    },
+    /// A value is beyond what the command can say (SmartDRIVE).
+    #[error("{at}: {what} = {value} is impossible ({low} to {high})")]
+    Value {
+        /// Where.
+        at: Exchange,
+        /// What it is.
+        what: &'static str,
+        /// The value.
+        value: f64,
+        /// Smallest value possible.
+        low: f64,
+        /// Largest value possible.
+        high: f64,
+    },
     /// The device is locked: it accepts motion commands and does nothing.
     #[error("{at}: the board is locked")]
     Locked {
@@ -386,6 +452,13 @@ impl DriveError {
             | Self::Timeout { at, .. }
             | Self::Protocol { at, .. }
             | Self::Device { at, .. }
+            | Self::Rejected { at, .. }
+            | Self::Alarm { at, .. }
+            | Self::Mode { at, .. }
+            | Self::Stalled { at }
+            | Self::NotHomed { at }
+            | Self::Parameter { at, .. }
+            | Self::Value { at, .. }
             | Self::Locked { at }
             | Self::EnableOpen { at }
             | Self::NotLocked { at }
@@ -418,6 +491,17 @@ fn exception_meaning(code: u8) -> &'static str {
         3 => "invalid count or value",
         4 => "undetermined error",
         _ => "unknown code",
+    }
+}
+
+/// The manual's words for a reason to refuse ("REJ").
+fn reject_meaning(reason: RejectCode) -> &'static str {
+    match reason {
+        RejectCode::Generic => "for no stated reason",
+        RejectCode::Working => "a long command is running",
+        RejectCode::BadMode => "not in this mode",
+        RejectCode::BadParams => "a parameter is wrong",
+        RejectCode::NotAvailable => "there is no such command or index",
     }
 }
 
@@ -489,6 +573,13 @@ mod tests {
             DriveError::Timeout { at: at(), deadline: Duration::from_millis(250) },
             DriveError::Protocol { at: at(), fault: ProtocolFault::Garbled },
             DriveError::Device { at: at(), code: 3 },
+            DriveError::Rejected { at: at(), reason: RejectCode::Working },
+            DriveError::Alarm { at: at(), alarms: Alarms::STALL },
+            DriveError::Mode { at: at(), expected: 3, found: 0 },
+            DriveError::Stalled { at: at() },
+            DriveError::NotHomed { at: at() },
+            DriveError::Parameter { at: at(), name: "PID", expected: 21_314, found: 0 },
+            DriveError::Value { at: at(), what: "speed", value: 0.5, low: 1.0, high: 2.0 },
             DriveError::Locked { at: at() },
             DriveError::EnableOpen { at: at() },
             DriveError::NotLocked { at: at() },

@@ -14,6 +14,7 @@ mod ramp;
 mod rehearsal;
 pub mod smartdrive;
 mod stamp;
+mod transport;
 
 pub use clock::Clock;
 pub use drive::{Drive, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample, SetpointStream};

@@ -1,17 +1,25 @@
 //! Emulators of the drives a machine file names, in this process, with the real driver connected to them.
 
 use crate::clock::Clock;
+use crate::hardware::Attached;
 use crate::machine::{
     Axis, Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, Machine, Parity, SmartDriveEntry,
 };
 use std::time::Duration;
-use twin_drives::bim2ax::{AxisSettings, Bim2AxRehearsal, RehearsalOptions};
+use twin_drives::bim2ax::emulator::{Eeprom, Module, ModuleOptions, Surroundings};
+use twin_drives::bim2ax::{
+    self, AxisSettings, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxRehearsal, RehearsalOptions,
+    SharedModule,
+};
 use twin_drives::interpcnc::emulator::{BoardOptions, EmulatedBoard, EmulatorOptions, Wire};
 use twin_drives::interpcnc::{
     AxisOptions, InterpCncDrive, InterpCncOptions, InterpCncRehearsal, Line,
     registers::{BoardAxis, MAX_SPEED_HZ},
 };
-use twin_drives::smartdrive::{self, BusDelays, SmartDriveRehearsal};
+use twin_drives::smartdrive::emulator::EmulatedBus;
+use twin_drives::smartdrive::{
+    self, BusDelays, SmartDriveBus, SmartDriveOptions, SmartDriveRehearsal, parameters,
+};
 use twin_drives::{Drive, DriveError, EmulatorError, Rehearsal};
 
 /// How long an emulated board may take to answer. The kernel passes the bytes of a pseudo-terminal on when nothing
@@ -33,50 +41,132 @@ pub enum ConnectError {
     /// The machine file has no such device.
     #[error("the machine file names no drive for its axes")]
     NoDevice,
-    /// A run has one device.
-    #[error(
-        "the machine file names {devices} drives; runs have one so far: --drives none runs without, --drives-in-loop with \
-         their profile generators"
-    )]
-    Several {
-        /// How many.
-        devices: usize,
-    },
-    /// There is no emulator for the device.
-    #[error(
-        "drive {name}: {family} cannot be emulated in runs yet: --drives none runs without, --drives-in-loop with its \
-         profile generators"
-    )]
-    NotEmulated {
-        /// Its name.
-        name: String,
-        /// Its family.
-        family: &'static str,
-    },
 }
 
-/// Powers up an emulated board on a pseudo-terminal and opens it with the driver.
+/// An emulated device.
+#[derive(Debug)]
+pub enum Emulator {
+    /// A board on a pseudo-terminal.
+    InterpCnc(EmulatedBoard),
+    /// Drives on a pseudo-terminal.
+    SmartDrive(EmulatedBus),
+    /// A module in the memory of this process.
+    Bim2Ax(SharedModule),
+}
+
+impl Emulator {
+    /// Where it is to be found.
+    pub fn place(&self) -> String {
+        match self {
+            Self::InterpCnc(board) => board.path().display().to_string(),
+            Self::SmartDrive(bus) => bus.path().display().to_string(),
+            Self::Bim2Ax(_) => "memory of this process".to_owned(),
+        }
+    }
+}
+
+/// Powers up an emulator for each device on which axes hang, and opens it with its driver.
 ///
 /// # Errors
 /// [`ConnectError`].
-pub fn connect(machine: &Machine) -> Result<(EmulatedBoard, Box<dyn Drive>), ConnectError> {
-    let [device] = &machine.drives[..] else {
-        return Err(match machine.drives.len() {
-            0 => ConnectError::NoDevice,
-            devices => ConnectError::Several { devices },
-        });
-    };
-    let DriveFamily::InterpCnc(entry) = &device.family else {
-        let (name, family) = (device.name.clone(), device.family_name());
-        return Err(ConnectError::NotEmulated { name, family });
-    };
+pub fn connect(machine: &Machine) -> Result<Vec<(Emulator, Attached)>, ConnectError> {
+    let driven = machine.drives.iter().enumerate();
+    let driven = driven.filter(|(index, _)| machine.axes_of(*index).next().is_some());
+    let connected = driven
+        .map(|(device, entry)| {
+            let (emulator, drive) = match &entry.family {
+                DriveFamily::InterpCnc(board) => interpcnc(machine, (device, board))?,
+                DriveFamily::SmartDrive(bus) => smartdrive(machine, (device, bus))?,
+                DriveFamily::Bim2Ax(module) => bim2ax(machine, (device, module))?,
+            };
+            Ok((emulator, Attached { device, drive }))
+        })
+        .collect::<Result<Vec<_>, ConnectError>>()?;
+    if connected.is_empty() { Err(ConnectError::NoDevice) } else { Ok(connected) }
+}
+
+type Opened = Result<(Emulator, Box<dyn Drive>), ConnectError>;
+
+fn interpcnc(machine: &Machine, (device, entry): (usize, &InterpCncEntry)) -> Opened {
     let clock = Clock::start();
     let board = EmulatedBoard::start(&emulator_options(entry), move || clock.now_ns())?;
     let port = board.path().display().to_string();
-    let options =
-        InterpCncOptions { deadline: EMULATED_DEADLINE, ..driver_options(machine, (0, entry)) };
+    let options = InterpCncOptions {
+        deadline: EMULATED_DEADLINE,
+        ..driver_options(machine, (device, entry))
+    };
     let drive = InterpCncDrive::open(&port, &options)?;
-    Ok((board, Box::new(drive)))
+    Ok((Emulator::InterpCnc(board), Box::new(drive)))
+}
+
+fn smartdrive(machine: &Machine, (device, entry): (usize, &SmartDriveEntry)) -> Opened {
+    let clock = Clock::start();
+    let axes: Vec<_> =
+        machine.axes_of(device).map(|(_, axis)| smartdrive_axis(axis, entry)).collect();
+    let devices = axes.iter().map(|axis| smartdrive::emulator::DeviceOptions {
+        address: axis.address,
+        ..smartdrive::emulator::DeviceOptions::default()
+    });
+    let response = Duration::from_micros(entry.response_us.into());
+    let options = smartdrive::emulator::EmulatorOptions {
+        devices: devices.collect(),
+        wire: smartdrive::emulator::Wire { response, ..smartdrive::emulator::Wire::default() },
+        ..smartdrive::emulator::EmulatorOptions::default()
+    };
+    let emulator = EmulatedBus::start(&options, move || clock.now_ns())?;
+    let port = emulator.path().display().to_string();
+    let options =
+        SmartDriveOptions { deadline: EMULATED_DEADLINE, ..SmartDriveOptions::new(axes.clone()) };
+    let mut bus = SmartDriveBus::open(&port, &options)?;
+    // Emulated drives come from the factory: they get the parameters that real ones have been given.
+    bus.run(async |bus| {
+        for axis in &axes {
+            let deceleration = axis.deceleration_rpm_per_s.max(axis.acceleration_rpm_per_s);
+            for (parameter, value) in [
+                (parameters::FULL_STEPS, entry.full_steps),
+                (parameters::STEP_DIVISOR, entry.microsteps),
+                (parameters::VELOCITY_MAX, axis.velocity_rpm),
+                (parameters::ACCELERATION_MAX, axis.acceleration_rpm_per_s),
+                (parameters::DECELERATION_MAX, deceleration),
+            ] {
+                bus.set_parameter(axis.address, parameter, value.into()).await?;
+            }
+        }
+        Ok::<_, DriveError>(())
+    })?;
+    Ok((Emulator::SmartDrive(emulator), Box::new(bus)))
+}
+
+fn bim2ax(machine: &Machine, (device, entry): (usize, &Bim2AxEntry)) -> Opened {
+    use bim2ax::parameter::{AxisParameter, Parameter};
+    let options = ModuleOptions::default();
+    let mut eeprom = Eeprom::new(options.rating_ma);
+    let mut axes = Vec::new();
+    for (_, axis) in machine.axes_of(device) {
+        let index = axis.drive.as_ref().map_or(0, |drive| drive.index);
+        let Some(on_module) = bim2ax::ModuleAxis::ALL.get(index).copied() else { continue };
+        let settings = bim2ax_axis(axis, entry);
+        for (parameter, value) in [
+            (AxisParameter::Coefficient, settings.coefficient.into()),
+            (AxisParameter::Mode, settings.mode.code().into()),
+            (AxisParameter::FastSpeed, settings.fast_speed.into()),
+            (AxisParameter::StartStopSpeed, settings.start_stop_speed.into()),
+            (AxisParameter::SoftPlus, settings.soft_plus.cast_unsigned()),
+            (AxisParameter::SoftMinus, settings.soft_minus.cast_unsigned()),
+            (AxisParameter::Acceleration, settings.acceleration.into()),
+        ] {
+            eeprom.set(Parameter::Axis(parameter, on_module), value);
+        }
+        axes.push(on_module);
+    }
+    let clock = Clock::start();
+    let module = Module::new(&options, &eeprom, &Surroundings::default());
+    // It has been switched on before.
+    let on_for_ns = options.boot_ns;
+    let module = SharedModule::new(module, move || clock.now_ns() + on_for_ns);
+    let options = Bim2AxDriveOptions { axes, ..Bim2AxDriveOptions::new() };
+    let drive = Bim2AxDrive::new("module", module.clone(), &options)?;
+    Ok((Emulator::Bim2Ax(module), Box::new(drive)))
 }
 
 /// What driver and device make of a plan on the wire that `device` (with its place in the file) describes, in simulated

@@ -31,3 +31,4 @@ mod in_loop;
 mod page;
 mod planning;
 mod table;
+mod touch_probe;

@@ -49,6 +49,15 @@ pub struct ProbeTouch {
     pub position: AxisVector,
 }
 
+/// A probe that should have touched something and has not.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProbeMiss {
+    /// The block of the probing move.
+    pub place: Place,
+    /// As near as it came, m.
+    pub nearest: f64,
+}
+
 /// What a plant tells of a whole run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlantRecord {
@@ -58,6 +67,8 @@ pub struct PlantRecord {
     pub faults_to_come: Vec<FaultAt>,
     /// Where probes touched something.
     pub touches: Vec<ProbeTouch>,
+    /// Where probes should have touched something and have not.
+    pub missed: Vec<ProbeMiss>,
     /// What was run into.
     pub blows: Vec<Blow>,
     /// How often more happened than is kept.
@@ -105,6 +116,11 @@ pub trait Plant {
     /// What its motors did in the cycle of the last set-point, in machine-file order; none where it is not known.
     fn motors(&self) -> &[MotorState] {
         &[]
+    }
+
+    /// Whether it has come as near to the last set-point as it will; drives that follow late go on behind it.
+    fn has_arrived(&self) -> bool {
+        true
     }
 
     /// What happened in the cycle of the last set-point that is worth being told while the run goes on; each kind of it once

@@ -29,6 +29,25 @@ pub struct AxisSetpoint {
     pub probing: bool,
 }
 
+/// How long drives that follow late may need behind the last set-point, ns.
+const LONGEST_ARRIVAL_NS: i64 = 2_000_000_000;
+
+/// Set-points that stay where `last` is, a cycle each, for as long as drives that follow late may need.
+pub(crate) fn resting_behind(
+    last: &AxisSetpoint,
+    cycle_ns: i64,
+) -> impl Iterator<Item = AxisSetpoint> + use<> {
+    let resting = AxisSetpoint {
+        axes: AxisMotion::at_rest(last.axes.position),
+        tool: ToolMotion::at_rest(last.tool.pose),
+        path_velocity: 0.0,
+        m_call: None,
+        ..*last
+    };
+    let cycles = 1..=LONGEST_ARRIVAL_NS / cycle_ns.max(1);
+    cycles.map(move |cycle| AxisSetpoint { time_ns: resting.time_ns + cycle * cycle_ns, ..resting })
+}
+
 /// Turns tool set-points into axis set-points. Rotary axes go on from turn to turn along the path.
 #[derive(Clone, Debug)]
 pub struct Transformer<'m> {

@@ -6,23 +6,18 @@ use crate::machine::{
     Collision, FaultAt, FaultKind, FaultStart, Machine, Scenario, SimulationError,
 };
 use crate::physics::{
-    self, ClearanceScan, Contact, EventKind, Fault, MotorState, Part, PhysicsError, PhysicsEvent,
-    PhysicsMachine, YieldingTool, axis_inertia,
+    self, ClearanceScan, Contact, EventKind, Fault, MotorState, PhysicsError, PhysicsEvent,
+    PhysicsMachine, Side, SwitchStates, YieldingTool, axis_inertia,
 };
-use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeTouch};
+use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeMiss, ProbeTouch};
 use crate::setpoint::AxisSetpoint;
+use crate::touch_probe::TouchProbe;
 use std::collections::{BTreeMap, VecDeque};
 use twin_kinematics::{AxisMotion, AxisVector};
 use twin_motion::Place;
 
 /// Happenings that are kept: what goes on in every line of a long program is told as well by its first thousand.
 const MOST_HAPPENINGS: usize = 1000;
-
-/// Nearer than this a probe touches, m: what it takes to switch. The path ends where nothing is left between.
-const TOUCH: f64 = 1e-6;
-
-/// How far a probe may go into what it has touched before it counts as a tool again, m.
-const OVERTRAVEL: f64 = 1e-3;
 
 /// Cycles in which a blow has come to its largest force.
 const STOPPING: u32 = 20;
@@ -44,17 +39,7 @@ pub struct Simulated {
     faults: Vec<FaultAt>,
     /// Axes that are jammed until then, ns.
     jammed: Vec<(usize, i64)>,
-    probe: Option<Probe>,
-}
-
-/// The tool as a probe.
-#[derive(Clone, Debug)]
-struct Probe {
-    scan: ClearanceScan,
-    /// What it has touched and not come free of.
-    touches: Option<[Part; 2]>,
-    /// On a probing move.
-    at_work: bool,
+    probe: Option<TouchProbe>,
 }
 
 /// What happened, by line, axis and kind.
@@ -63,6 +48,7 @@ struct Happened {
     kept: BTreeMap<(u32, usize, u8), Happening>,
     blows: Vec<Blow>,
     touches: Vec<ProbeTouch>,
+    missed: Vec<ProbeMiss>,
     left_out: u64,
     /// What is new since it was asked.
     news: Vec<Happening>,
@@ -91,7 +77,7 @@ impl Simulated {
         if let Some(Collision { surroundings, .. }) = &machine.collision {
             physics.insert_surroundings(surroundings)?;
             let scan = ClearanceScan::of_tool(&machine.model, machine.axes.len(), surroundings)?;
-            probe = Some(Probe { scan, touches: None, at_work: false });
+            probe = Some(TouchProbe::new(scan, DrivesInLoop::resolution(machine)));
         }
         Ok(Self {
             physics,
@@ -121,8 +107,7 @@ impl Simulated {
     /// Whether the tool touches anything where the axes are; stock, too.
     pub(crate) fn touches(&mut self) -> Result<bool, PhysicsError> {
         let position = self.physics.axis_state().position;
-        let Some(probe) = &mut self.probe else { return Ok(false) };
-        Ok(probe.scan.nearest(&position)?.is_some_and(|nearest| nearest.distance <= TOUCH))
+        self.probe.as_mut().map_or(Ok(false), |probe| probe.touches(&position))
     }
 
     /// One cycle towards `motion`, with a tool that gives way to what it touches.
@@ -139,36 +124,27 @@ impl Simulated {
         switch.map_or(Ok(()), Err)
     }
 
-    /// What the probe feels where the axes are. When it is at work no more it gives way to what it touched alone, and is stiff when it
-    /// has come free of that, or has gone too far into it.
+    /// Refuses to begin on a limit switch.
+    fn start(&mut self, place: Place) -> Result<(), PhysicsError> {
+        for axis in 0..self.physics.setpoint().position.len() {
+            let SwitchStates { lower, upper, .. } = self.physics.switches(axis);
+            let on = [(Side::Lower, lower), (Side::Upper, upper)].into_iter().find(|(_, on)| *on);
+            if let Some((side, _)) = on {
+                let kind = EventKind::LimitSwitch(side);
+                self.happened.add(place, PhysicsEvent { time_ns: 0, axis, kind });
+                return Err(PhysicsError::LimitSwitch { axis, side });
+            }
+        }
+        Ok(())
+    }
+
+    /// What the probe feels where the axes are.
     fn feel(&mut self, setpoint: &AxisSetpoint, position: &AxisVector) -> Result<(), PhysicsError> {
         let Some(probe) = &mut self.probe else { return Ok(()) };
-        if setpoint.probing {
-            let nearest = probe.scan.nearest(position)?;
-            let touched = nearest.filter(|nearest| nearest.distance <= TOUCH);
-            let touched = touched.map(|nearest| nearest.parts);
-            // Where a move begins that is to come free there is nothing new.
-            let begins = !std::mem::replace(&mut probe.at_work, true);
-            if touched.is_some() && probe.touches.is_none() && !begins {
-                let touch = ProbeTouch { place: setpoint.place, position: *position };
-                self.happened.touches.push(touch);
-            }
-            probe.touches = touched;
-            self.physics.set_yielding(YieldingTool::Always);
-            return Ok(());
-        }
-        probe.at_work = false;
-        if let Some([one, other]) = probe.touches {
-            let distance = probe.scan.between([one, other], position)?;
-            let touches =
-                distance.is_some_and(|distance| (-OVERTRAVEL..=TOUCH).contains(&distance));
-            let part = if one == Part::Tool { other } else { one };
-            let yielding = if touches { YieldingTool::To(part) } else { YieldingTool::Never };
-            self.physics.set_yielding(yielding);
-            probe.touches = touches.then_some([one, other]);
-        } else {
-            self.physics.set_yielding(YieldingTool::Never);
-        }
+        let felt = probe.feel(setpoint, position, self.drives.is_some())?;
+        self.physics.set_yielding(felt.yielding);
+        self.happened.touches.extend(felt.touch);
+        self.happened.missed.extend(felt.missed);
         Ok(())
     }
 
@@ -204,6 +180,12 @@ impl Simulated {
 }
 
 impl Simulated {
+    /// Probing moves that have not touched what they should have, that under way included.
+    fn missed(&self) -> Vec<ProbeMiss> {
+        let under_way = self.probe.as_ref().and_then(TouchProbe::missed);
+        self.happened.missed.iter().copied().chain(under_way).collect()
+    }
+
     /// Lets faults begin and end that are due at `setpoint`.
     fn fail(&mut self, setpoint: &AxisSetpoint) {
         let physics = &mut self.physics;
@@ -281,6 +263,10 @@ impl Plant for Simulated {
         if self.drives.is_some() { HORIZON_NS } else { 0 }
     }
 
+    fn has_arrived(&self) -> bool {
+        self.drives.as_ref().is_none_or(DrivesInLoop::have_arrived)
+    }
+
     fn command_before(
         &mut self,
         setpoint: &AxisSetpoint,
@@ -298,9 +284,10 @@ impl Plant for Simulated {
         let position = if self.begun {
             self.physics.step(&asked)?.position
         } else {
+            self.begun = true;
+            self.start(setpoint.place)?;
             self.physics.axis_state().position
         };
-        self.begun = true;
         self.feel(setpoint, &position)?;
         self.arrived = Some(AxisFeedback { time_ns: setpoint.time_ns, position });
         self.motors.clear();
@@ -334,6 +321,7 @@ impl Plant for Simulated {
             happenings: self.happened.kept.values().copied().collect(),
             blows: self.happened.blows.clone(),
             touches: self.happened.touches.clone(),
+            missed: self.missed(),
             faults_to_come: self.faults.clone(),
             left_out: self.happened.left_out,
             loads: (0..axes).map(|axis| self.physics.motor_load(axis)).collect(),

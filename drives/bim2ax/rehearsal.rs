@@ -3,7 +3,7 @@
 use super::{
     AXES, AxisSettings, Bench,
     axis::{Axis, AxisOrder, saturated, whole},
-    bits::{bloc, uc},
+    bits::{bloc, coefficient, uc},
     follow::{Follower, Leg, Timing},
 };
 use crate::{IncrementMotion, Rehearsal, SetpointStream, rehearsal::SeenAt};
@@ -52,11 +52,14 @@ pub struct Bim2AxRehearsal {
 }
 
 impl Bim2AxRehearsal {
-    /// A module whose axes have no switches and stand where the plan is at the first call. Of more than two axes
-    /// the first two are taken; durations count as 1 µs at least.
+    /// A module whose axes are homed, have no end switches and stand where the plan is at the first call. Of more
+    /// than two axes the first two are taken; durations count as 1 µs at least.
     pub fn new(options: &RehearsalOptions) -> Self {
         let mut options = options.clone();
         options.axes.truncate(AXES);
+        for axis in &mut options.axes {
+            axis.coefficient |= coefficient::PRESENT | coefficient::IGNORE_SWITCHES;
+        }
         options.order_ns = options.order_ns.max(1000);
         options.read_ns = options.read_ns.max(1000);
         options.look_every_ns = options.look_every_ns.max(options.read_ns);
@@ -85,7 +88,10 @@ impl Bim2AxRehearsal {
         let positions = plan.at(time_ns).position;
         let stand = |(settings, position): (&AxisSettings, f64)| {
             let position = saturated(whole(position));
-            Axis::power_up(time_ns, settings, &Bench::default(), 0, position, position)
+            let bench = Bench::default();
+            let mut axis = Axis::power_up(time_ns, settings, &bench, 0, position, position);
+            axis.set_homed();
+            axis
         };
         self.axes = self.options.axes.iter().zip(positions).map(stand).collect();
         self.next_ns = time_ns + self.options.read_ns;

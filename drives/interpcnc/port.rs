@@ -10,10 +10,7 @@ use std::{
 
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 
-/// What a board can hang on.
-pub(crate) trait Transport: AsyncRead + AsyncWrite + Unpin + Send {}
-
-impl<T: AsyncRead + AsyncWrite + Unpin + Send> Transport for T {}
+use crate::transport::Transport;
 
 /// A transport, and what has been sent on it and is to be heard again.
 struct Port<T: ?Sized> {

@@ -119,7 +119,7 @@ impl Init {
 pub enum LoadSource {
     /// 0, saved values.
     Saved,
-    /// FFFFh, factory values.
+    /// `FFFFh`, factory values.
     Factory,
 }
 

@@ -1,11 +1,15 @@
 //! SmartDRIVE v1.2, drives for step motors with one axis each, up to 31 on one RS485 bus, protocol ATB.
 //!
-//! Commands and answers, parameters and variables are the same tables for driver and emulated device, checked against
-//! frames computed elsewhere.
+//! [`SmartDrive`] speaks to all drives of a bus, one exchange after the other, and [`SmartDriveBus`] makes up to five of
+//! them a [`crate::Drive`]; [`emulator`] is the drives without hardware, and [`SmartDriveRehearsal`] what both make of a
+//! plan in simulated time. Commands and answers, [`parameters`] and variables are the same tables for all, checked
+//! against frames computed elsewhere.
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB".
 
+mod blocking;
 mod command;
+mod driver;
 pub mod emulator;
 mod follow;
 pub mod frame;
@@ -13,13 +17,19 @@ mod motion;
 mod options;
 pub mod parameters;
 mod rehearsal;
+mod requests;
 mod status;
+#[cfg(test)]
+mod tests;
 mod units;
 #[cfg(test)]
 mod vectors;
 
+pub use blocking::SmartDriveBus;
 pub use command::{Command, Init, IoUpdate, LoadSource, Mode};
+pub use driver::SmartDrive;
 pub use options::{ADDRESSES, AxisOptions, BAUD, SmartDriveOptions, wire_time};
 pub use rehearsal::{BusDelays, SmartDriveRehearsal};
+pub use requests::{DriveState, IoState, ParameterValue};
 pub use status::{Alarms, RejectCode, Status, TagLayout, TrajectoryFlags};
 pub use units::StepsPerTurn;

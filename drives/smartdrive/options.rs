@@ -41,6 +41,7 @@ impl AxisOptions {
             deceleration: self.deceleration_rpm_per_s,
             emergency: self.deceleration_rpm_per_s,
             positions: (0, 0),
+            clamps_targets: false,
         }
     }
 }
@@ -55,9 +56,11 @@ pub struct SmartDriveOptions {
     /// Time after which an answer that is late comes no more. After a missed deadline the driver waits so long before
     /// it asks anything but a stop, lest the late answer be taken for the next.
     pub worst_latency: Duration,
-    /// Silence between two frames of the master, at least 10 bit times. A broadcast, which nobody answers, is followed
-    /// by as much and its own time on the wire.
+    /// What the driver waits between an answer and the next command. Drives take bytes that follow each other within
+    /// 10 bit times for one frame; a serial port and its operating system pause longer by themselves.
     pub silence: Duration,
+    /// What the driver waits after a broadcast, which nobody answers, besides its time on the wire.
+    pub broadcast_pause: Duration,
     /// How often a stop that nobody confirms (broadcast) is sent.
     pub stop_broadcasts: u32,
     /// Longest time a change of mode may take; the manual says about 250 ms.
@@ -67,13 +70,14 @@ pub struct SmartDriveOptions {
 }
 
 impl SmartDriveOptions {
-    /// 100 ms a exchange, stops sent three times, one second for changes of mode, one minute for homing.
+    /// 100 ms an exchange, stops sent three times, one second for changes of mode, one minute for homing.
     pub fn new(axes: Vec<AxisOptions>) -> Self {
         Self {
             axes,
             deadline: Duration::from_millis(100),
             worst_latency: Duration::from_millis(100),
-            silence: Duration::from_millis(1),
+            silence: Duration::ZERO,
+            broadcast_pause: Duration::from_millis(2),
             stop_broadcasts: 3,
             mode_change: Duration::from_secs(1),
             homing: Duration::from_mins(1),

@@ -94,6 +94,8 @@ pub struct DecoderOptions {
     pub reference: ToolReference,
     /// What a probe can touch (G38.2 to G38.5). Where nobody knows, probing moves go to their ends, with a warning.
     pub surroundings: Option<Surroundings>,
+    /// How long the path waits behind a probing move, ns: for drives that follow late.
+    pub probe_settle_ns: i64,
     /// Leaves out the blocks that begin with `/`. What is in them is not looked at.
     pub skip_suppressed_blocks: bool,
     /// Moves that go nowhere are elements too, as in LinuxCNC's interpreter; else they are left out, as its planner
@@ -117,6 +119,7 @@ impl Default for DecoderOptions {
             tool: 0,
             reference: ToolReference::default(),
             surroundings: None,
+            probe_settle_ns: 0,
             skip_suppressed_blocks: false,
             keep_empty_moves: true,
         }

@@ -6,7 +6,7 @@ use super::error::{DecodeError, Problem};
 use super::options::Position;
 use super::state::State;
 use crate::Place;
-use crate::path::{ElementKind, ProbeOutcome, ProbeTrip, Probing};
+use crate::path::{ElementKind, MParameters, ProbeOutcome, ProbeTrip, Probing};
 use std::fmt;
 use std::sync::Arc;
 
@@ -96,6 +96,7 @@ impl State {
             out.warning(None, DecodeError::ProbeUnknown { probing });
             let kind = ElementKind::Probe { probing, outcome: ProbeOutcome::Unknown };
             self.go(kind, shape, feed, to, out);
+            self.settle(out);
             return Ok(());
         };
         let path = ProbePath {
@@ -121,6 +122,15 @@ impl State {
         if probing.required && outcome == ProbeOutcome::NotTripped {
             return Err(DecodeError::ProbeNotTripped { probing }.into());
         }
+        self.settle(out);
         Ok(())
+    }
+
+    /// Waits for drives that are on their way to where the probing move has ended.
+    fn settle(&mut self, out: &mut Output) {
+        if self.probe_settle_ns > 0 {
+            let kind = ElementKind::Dwell { time_ns: self.probe_settle_ns };
+            self.stand(kind, MParameters::default(), out);
+        }
     }
 }

@@ -45,6 +45,7 @@ pub(super) struct State {
     tools: Option<ToolTable>,
     /// What a probe can touch, if anybody knows.
     pub(super) probe_target: Option<Box<dyn ProbeTarget>>,
+    pub(super) probe_settle_ns: i64,
 
     pub(super) offsets: Offsets,
     pub(super) location: Location,
@@ -85,6 +86,7 @@ impl State {
             g30: options.g30,
             tools: options.tools,
             probe_target: options.surroundings.map(|surroundings| surroundings.target()),
+            probe_settle_ns: options.probe_settle_ns,
             offsets,
             location,
             path_end: None,

@@ -4,8 +4,8 @@ use crate::simulated::CIRCLES;
 use crate::{Program, Recorder, SCARA2, machine, portal};
 use std::cell::{Cell, RefCell};
 use std::time::Duration;
-use twin::emulated::connect;
-use twin::hardware::{Hardware, HardwareError};
+use twin::emulated::{Emulator, connect};
+use twin::hardware::{Attached, Hardware, HardwareError};
 use twin::m_function::Acknowledge;
 use twin::machine::Machine;
 use twin::session::{Ending, Session, Stopped};
@@ -24,9 +24,20 @@ fn approach(hardware: &mut Hardware) -> Result<(), HardwareError> {
     Ok(())
 }
 
+/// The only device of a machine, a board.
+fn board(machine: &Machine) -> (EmulatedBoard, Attached) {
+    let mut connected = connect(machine).unwrap();
+    let (Some((Emulator::InterpCnc(board), attached)), None) = (connected.pop(), connected.pop())
+    else {
+        panic!("one board")
+    };
+    (board, attached)
+}
+
 fn drives(machine: &Machine, start: &AxisVector) -> (EmulatedBoard, Hardware) {
-    let (board, drive) = connect(machine).unwrap();
-    (board, Hardware::start(machine, drive, start, machine.cycle_ns, APPROACH).unwrap())
+    let (board, attached) = board(machine);
+    let hardware = Hardware::start(machine, vec![attached], start, machine.cycle_ns, APPROACH);
+    (board, hardware.unwrap())
 }
 
 /// A run of `program` beside a board, at each cycle of which `each` may do something to the board or the user.
@@ -241,10 +252,10 @@ fn an_error_of_the_drives_is_not_lost_behind_an_interrupt() {
 fn a_board_without_enable_is_refused_before_anything_is_followed() {
     let machine = machine(SCARA2);
     let start = machine.start_axes().unwrap();
-    let (board, drive) = connect(&machine).unwrap();
+    let (board, attached) = board(&machine);
     board.set_enable(false).unwrap();
     let mut hardware =
-        Hardware::start(&machine, drive, &start, machine.cycle_ns, APPROACH).unwrap();
+        Hardware::start(&machine, vec![attached], &start, machine.cycle_ns, APPROACH).unwrap();
     let error = approach(&mut hardware).unwrap_err();
     assert!(error.to_string().contains("the ENABLE input is open"), "{error}");
     drop(hardware);

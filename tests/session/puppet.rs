@@ -6,7 +6,7 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
-use twin::hardware::{Hardware, HardwareError};
+use twin::hardware::{Attached, Hardware, HardwareError};
 use twin::m_function::Acknowledge;
 use twin::machine::Machine;
 use twin::physics::PhysicsError;
@@ -190,8 +190,9 @@ fn run_both(
     recorder: &mut Recorder<'_>,
     interrupts: &dyn Fn() -> u32,
 ) -> Ending {
+    let attached = Attached { device: 0, drive: Box::new(puppet) };
     let mut hardware =
-        Hardware::start(machine, Box::new(puppet), start, machine.cycle_ns, 0.25).unwrap();
+        Hardware::start(machine, vec![attached], start, machine.cycle_ns, 0.25).unwrap();
     while !hardware.ready().unwrap() {
         std::thread::sleep(Duration::from_millis(1));
     }

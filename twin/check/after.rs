@@ -32,5 +32,6 @@ pub fn happenings(machine: &Machine, record: &PlantRecord) -> Vec<Finding> {
     let blows = record.blows.iter().map(|blow| sentence::ran_into(machine, blow));
     let others = record.happenings.iter().filter_map(|one| sentence::happened(machine, one));
     let touches = record.touches.iter().filter_map(|touch| sentence::touched(machine, touch));
-    blows.chain(touches).chain(others).collect()
+    let missed = record.missed.iter().map(sentence::missed);
+    blows.chain(touches).chain(missed).chain(others).collect()
 }

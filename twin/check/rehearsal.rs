@@ -4,7 +4,7 @@ use super::{Checker, sentence};
 use crate::machine::{Machine, Scenario, SimulationError};
 use crate::physics::PhysicsError;
 use crate::plant::{Plant, PlantRecord};
-use crate::setpoint::AxisSetpoint;
+use crate::setpoint::{AxisSetpoint, resting_behind};
 use crate::simulated::Simulated;
 use std::collections::VecDeque;
 
@@ -31,8 +31,19 @@ impl<'m> Rehearsal<'m> {
         mut self,
         checker: &mut Checker<'_>,
     ) -> Result<PlantRecord, SimulationError> {
+        let mut last = None;
         while let Some(setpoint) = self.ahead.pop_front() {
             self.follow(&setpoint, checker)?;
+            last = Some(setpoint);
+        }
+        if let Some(last) = last {
+            // Drives in the loop are still on their way.
+            for resting in resting_behind(&last, self.machine.cycle_ns) {
+                if self.lost || self.twin.as_ref().is_none_or(Plant::has_arrived) {
+                    break;
+                }
+                self.follow(&resting, checker)?;
+            }
         }
         let mut record = self.twin.map(|twin| twin.record()).unwrap_or_default();
         if self.lost {

@@ -1,56 +1,60 @@
-//! The drives as a plant: one thread per device, which follows the same set-points as the simulated machine.
+//! The drives as a plant: one thread per device, which follow the same set-points as the simulated machine.
 
 mod device;
+mod merge;
 mod stream;
 #[cfg(test)]
 mod tests;
+mod unit;
 
 use crate::clock::Clock;
-use crate::machine::{Axis, Machine};
+use crate::machine::{DriveFamily, Machine};
 use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::AxisSetpoint;
-use device::{APPROACH, Device, FINISH, FOLLOW, STOP};
-use std::collections::BTreeSet;
+use merge::{Measured, Track};
+use std::collections::VecDeque;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
-use std::thread::JoinHandle;
-use std::time::Duration;
-use stream::Stream;
-use twin_drives::{Drive, DriveError, IncrementMotion, MAX_DRIVE_AXES, Sample};
+use std::sync::atomic::{AtomicBool, Ordering};
+use twin_drives::{Drive, DriveError, Sample};
 use twin_kinematics::AxisVector;
+use unit::Unit;
 
 /// How far ahead of the wall clock set-points are planned for drives, ns. A device that retargets thirty times a
 /// second needs to see its next turning point; a stop requested by the user takes effect after this time.
 pub const HORIZON_NS: i64 = 250_000_000;
 
-/// Samples that may wait for the session before the device's thread waits for it.
-const WAITING_SAMPLES: usize = 1024;
+/// A device that axes of a machine hang on, and the driver that speaks to it. The axes of its arrays are those axes, in the
+/// order of the machine file.
+pub struct Attached {
+    /// Index into [`Machine::drives`].
+    pub device: usize,
+    /// The driver.
+    pub drive: Box<dyn Drive>,
+}
 
-/// Outputs that may wait to be switched: twice those of a board.
-const WAITING_SWITCHES: usize = 64;
-
-/// Where one machine axis is found on the device.
-#[derive(Clone, Copy, Debug)]
-struct Mapping {
-    increments_per_si: f64,
+impl std::fmt::Debug for Attached {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ({})", self.drive.describe(), self.device)
+    }
 }
 
 /// Drives at work.
 #[derive(Debug)]
 pub struct Hardware {
-    stream: Arc<Stream>,
-    order: Arc<AtomicU8>,
-    events: Receiver<Result<Event, HardwareError>>,
-    thread: Option<JoinHandle<()>>,
-    axes: Vec<Mapping>,
-    switches: SyncSender<Switch>,
+    units: Vec<Unit>,
+    /// Samples of each that are not told yet.
+    tracks: Vec<Track>,
+    /// Which of them switches outputs.
+    switching_unit: usize,
+    /// Number of axes of the machine.
+    axes: usize,
     /// Outputs that the device has not confirmed yet.
     switching: u32,
     /// The program does not go to its end.
     early: Arc<AtomicBool>,
     left_on: Vec<u8>,
-    ended: bool,
+    /// Errors that have come while another one was told.
+    failures: VecDeque<HardwareError>,
 }
 
 /// An output to be switched.
@@ -113,55 +117,35 @@ pub enum HardwareError {
 }
 
 impl Hardware {
-    /// Enables the device that `drive` speaks to and starts moving its axes to `start` (m or rad), at no more than
-    /// `approach` times each axis's largest velocity. Returns at once; [`Self::ready`] tells when it is there.
+    /// Enables the devices and starts moving their axes to `start` (m or rad), at no more than `approach` times each axis's
+    /// largest velocity. Returns at once; [`Self::ready`] tells when they are there.
     ///
     /// # Errors
-    /// If the start does not fit the counters, or no thread can be had.
+    /// If the start does not fit the counters, or no thread can be had; devices that have begun are stopped then.
     pub fn start(
         machine: &Machine,
-        drive: Box<dyn Drive>,
+        drives: Vec<Attached>,
         start: &AxisVector,
         cycle_ns: i64,
         approach: f64,
     ) -> Result<Self, HardwareError> {
-        let axes: Vec<_> = machine
-            .axes
-            .iter()
-            .map(|axis| Mapping { increments_per_si: axis.increments_per_si() })
-            .collect();
-        let mut target = [0; MAX_DRIVE_AXES];
-        let mut speed = [0.0; MAX_DRIVE_AXES];
-        let mut rest = [0.0; MAX_DRIVE_AXES];
-        let slots = target.iter_mut().zip(speed.iter_mut()).zip(rest.iter_mut());
-        for (((target, speed), rest), (axis, position)) in
-            slots.zip(machine.axes.iter().zip(start.iter()))
-        {
-            *target = whole(axis, *position)?;
-            *speed = (axis.max_velocity * axis.increments_per_si()).abs() * approach;
-            *rest = position * axis.increments_per_si();
-        }
-        let stream = Arc::new(Stream::new(rest, cycle_ns));
-        let order = Arc::new(AtomicU8::new(APPROACH));
-        let (sender, events) = sync_channel(WAITING_SAMPLES);
         let early = Arc::new(AtomicBool::new(false));
-        let (switches, to_switch) = sync_channel(WAITING_SWITCHES);
-        let device = Device {
-            drive,
-            stream: Arc::clone(&stream),
-            order: Arc::clone(&order),
-            sender,
-            switches: to_switch,
-            on: BTreeSet::new(),
-            early: Arc::clone(&early),
-        };
-        let thread = std::thread::Builder::new()
-            .name("drive".to_owned())
-            .spawn(move || device.run(&target, &speed))
-            .map_err(HardwareError::Thread)?;
-        let thread = Some(thread);
-        let (switching, left_on, ended) = (0, Vec::new(), false);
-        Ok(Self { stream, order, events, thread, axes, switches, switching, early, left_on, ended })
+        let boards = drives.iter().position(|attached| {
+            let entry = machine.drives.get(attached.device);
+            entry.is_some_and(|entry| matches!(entry.family, DriveFamily::InterpCnc(_)))
+        });
+        let unit = |attached| Unit::start(machine, attached, start, (cycle_ns, approach), &early);
+        let units = drives.into_iter().map(unit).collect::<Result<Vec<_>, _>>()?;
+        Ok(Self {
+            tracks: units.iter().map(|_| Track::default()).collect(),
+            units,
+            switching_unit: boards.unwrap_or(0),
+            axes: machine.axes.len(),
+            switching: 0,
+            early,
+            left_on: Vec::new(),
+            failures: VecDeque::new(),
+        })
     }
 
     /// True once the drives are enabled and stand at the start of the program.
@@ -169,16 +153,16 @@ impl Hardware {
     /// # Errors
     /// If they cannot get there.
     pub fn ready(&mut self) -> Result<bool, HardwareError> {
-        match self.event()? {
-            Some(Event::Ready) => Ok(true),
-            _ => Ok(false),
+        for unit in &mut self.units {
+            // Of those that are ready only failures are heard.
+            unit.ready |= matches!(unit.event()?, Some(Event::Ready));
         }
+        Ok(self.units.iter().all(|unit| unit.ready))
     }
 
     /// Lets the program begin: from now on the drives follow the stream by `clock`.
     pub fn follow(&mut self, clock: Clock) {
-        self.stream.start(clock);
-        self.change_order(APPROACH, FOLLOW);
+        self.units.iter().for_each(|unit| unit.follow(clock));
     }
 
     /// Asks the drives to come to rest at the end of the stream, which is an `early` one if the program is not through;
@@ -187,49 +171,35 @@ impl Hardware {
         if early {
             self.early.store(true, Ordering::Relaxed);
         }
-        self.change_order(FOLLOW, FINISH);
-    }
-
-    /// A stop that was asked for stays asked for.
-    fn change_order(&self, from: u8, to: u8) {
-        let changed = self.order.compare_exchange(from, to, Ordering::Relaxed, Ordering::Relaxed);
-        changed.unwrap_or_default();
+        self.units.iter().for_each(Unit::finish);
     }
 
     /// Another plan than was commanded: `setpoints` in the place of those after `time_ns`, to an early end at which the drives
     /// come to rest.
-    pub fn replan<'a>(&mut self, time_ns: i64, setpoints: impl Iterator<Item = &'a AxisSetpoint>) {
+    pub fn replan<'a>(
+        &mut self,
+        time_ns: i64,
+        setpoints: &(impl Iterator<Item = &'a AxisSetpoint> + Clone),
+    ) {
         // First this: the end of a plan that gets shorter is no delay.
         self.finish(true);
-        self.stream.replace(time_ns, setpoints.map(|setpoint| self.motion(setpoint)));
-    }
-
-    /// A set-point in increments.
-    fn motion(&self, setpoint: &AxisSetpoint) -> IncrementMotion {
-        let mut motion = IncrementMotion::default();
-        let slots = motion.position.iter_mut().zip(motion.velocity.iter_mut());
-        let axes = setpoint.axes.position.iter().zip(setpoint.axes.velocity.iter());
-        for ((position, velocity), ((si_position, si_velocity), axis)) in
-            slots.zip(axes.zip(&self.axes))
-        {
-            *position = si_position * axis.increments_per_si;
-            *velocity = si_velocity * axis.increments_per_si;
-        }
-        motion
+        self.units.iter().for_each(|unit| unit.replace(time_ns, setpoints.clone()));
     }
 
     /// Asks the drives to brake now, wherever they are, on ramps of their own.
     pub fn stop(&mut self) {
-        self.order.store(STOP, Ordering::Relaxed);
+        self.units.iter().for_each(Unit::stop);
     }
 
-    /// Switches outputs, between two exchanges that follow the stream. Those that it has switched on it switches off
-    /// again if the program ends early, and where the drives are stopped or fail.
+    /// Switches outputs of the first InterpCNC board, or of the first device where there is none, between two exchanges that
+    /// follow the stream. Those that it has switched on it switches off again if the program ends early, and where the drives
+    /// are stopped or fail.
     pub fn switch(&mut self, on: &[u8], off: &[u8]) {
         let all = off.iter().map(|output| (*output, false)).chain(on.iter().map(|o| (*o, true)));
+        let Some(unit) = self.units.get(self.switching_unit) else { return };
         for (output, on) in all {
             // A device that has ended has nothing to confirm: the session hears of it.
-            if self.switches.try_send(Switch { output, on }).is_ok() {
+            if unit.switch(output, on) {
                 self.switching += 1;
             }
         }
@@ -245,83 +215,71 @@ impl Hardware {
         &self.left_on
     }
 
-    /// True while the device's thread runs.
+    /// True while a device's thread runs.
     pub fn is_running(&self) -> bool {
-        self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
+        self.units.iter().any(Unit::is_running)
     }
 
-    fn event(&mut self) -> Result<Option<Event>, HardwareError> {
-        match self.events.try_recv() {
-            Ok(Ok(event)) => Ok(Some(event)),
-            Ok(Err(error)) => {
-                self.ended = true;
-                Err(error)
+    /// Takes what the devices have said.
+    fn listen(&mut self) {
+        for (unit, track) in self.units.iter_mut().zip(&mut self.tracks) {
+            loop {
+                match unit.event() {
+                    Ok(Some(Event::Sample(sample))) => track.push(measured(unit, &sample)),
+                    Ok(Some(Event::Ready)) => unit.ready = true,
+                    Ok(Some(Event::LeftOn(outputs))) => self.left_on.extend(outputs),
+                    Ok(Some(Event::Switched)) => self.switching = self.switching.saturating_sub(1),
+                    Ok(Some(Event::AtRest)) => {
+                        unit.ended = true;
+                        track.ended = true;
+                    }
+                    Ok(None) => break,
+                    Err(error) => {
+                        track.ended = true;
+                        self.failures.push_back(error);
+                        break;
+                    }
+                }
             }
-            Err(TryRecvError::Empty) => Ok(None),
-            Err(TryRecvError::Disconnected) if self.ended => Ok(None),
-            Err(TryRecvError::Disconnected) => Err(HardwareError::Gone),
         }
     }
 }
 
-impl Drop for Hardware {
-    fn drop(&mut self) {
-        self.stop();
-        if let Some(thread) = self.thread.take() {
-            // Whatever the thread had to say has been said through the channel; let it bring the axes to rest.
-            while !thread.is_finished() {
-                while self.events.try_recv().is_ok() {}
-                std::thread::sleep(Duration::from_millis(1));
-            }
-            thread.join().unwrap_or_default();
-        }
+/// A sample in m and rad, beside the plan.
+fn measured(unit: &Unit, sample: &Sample) -> Measured {
+    let position = unit.measured(sample);
+    let mut deviation = position;
+    for (deviation, planned) in deviation.iter_mut().zip(unit.planned(sample.time_ns)) {
+        *deviation -= planned;
     }
+    Measured { time_ns: sample.time_ns, position, deviation }
 }
 
 impl Plant for Hardware {
     type Error = HardwareError;
 
     fn command(&mut self, setpoint: &AxisSetpoint) -> Result<(), HardwareError> {
-        self.stream.push(setpoint.time_ns, self.motion(setpoint));
+        self.units.iter().for_each(|unit| unit.push(setpoint));
         Ok(())
     }
 
     fn feedback(&mut self) -> Result<Option<AxisFeedback>, HardwareError> {
-        loop {
-            match self.event()? {
-                Some(Event::Sample(sample)) => {
-                    let position = self.axes.iter().zip(sample.position);
-                    #[expect(clippy::cast_precision_loss, reason = "counters have 32 bits")]
-                    let position =
-                        position.map(|(axis, counter)| counter as f64 / axis.increments_per_si);
-                    return Ok(Some(AxisFeedback {
-                        time_ns: sample.time_ns,
-                        position: AxisVector::from_values(position),
-                    }));
+        self.listen();
+        let units = &self.units;
+        let planned = |unit: usize, time_ns| {
+            units.get(unit).map_or_else(Default::default, |unit| unit.planned(time_ns))
+        };
+        if let Some((time_ns, found)) = merge::next(&mut self.tracks, planned) {
+            let mut position = AxisVector::zeros(self.axes);
+            for (unit, found) in units.iter().zip(found) {
+                for (place, found) in unit.axes.iter().zip(found) {
+                    if let Some(slot) = position.get_mut(place.axis) {
+                        *slot = found;
+                    }
                 }
-                Some(Event::Ready) => {}
-                Some(Event::LeftOn(outputs)) => self.left_on = outputs,
-                Some(Event::Switched) => self.switching = self.switching.saturating_sub(1),
-                Some(Event::AtRest) => {
-                    self.ended = true;
-                    return Ok(None);
-                }
-                None => return Ok(None),
             }
+            return Ok(Some(AxisFeedback { time_ns, position }));
         }
+        self.failures.pop_front().map_or(Ok(None), Err)
     }
-}
-
-/// A position as whole increments.
-fn whole(axis: &Axis, position: f64) -> Result<i64, HardwareError> {
-    let increments = (position * axis.increments_per_si()).round();
-    if increments.abs() < f64::from(i32::MAX) {
-        #[expect(clippy::cast_possible_truncation, reason = "just compared")]
-        return Ok(increments as i64);
-    }
-    Err(HardwareError::Range {
-        axis: axis.name.clone(),
-        position: axis.from_si(position),
-        unit: axis.unit(),
-    })
 }

@@ -7,7 +7,7 @@
 )]
 
 use super::stream::Stream;
-use super::{HORIZON_NS, Hardware, HardwareError};
+use super::{Attached, HORIZON_NS, Hardware, HardwareError};
 use crate::clock::Clock;
 use crate::machine::Machine;
 use crate::plant::{AxisFeedback, Plant};
@@ -146,13 +146,18 @@ impl Drive for Puppet {
     }
 }
 
+/// The only device.
+fn only(puppet: Puppet) -> Vec<Attached> {
+    vec![Attached { device: 0, drive: Box::new(puppet) }]
+}
+
 const START: [f64; 3] = [0.1, -0.05, 0.06];
 
 fn start(strings: Strings) -> (Hardware, Arc<Strings>) {
     let strings = Arc::new(strings);
     let puppet = Puppet { strings: Arc::clone(&strings), position: [0; MAX_DRIVE_AXES] };
     let at = AxisVector::from_values(START);
-    let hardware = Hardware::start(&machine(), Box::new(puppet), &at, CYCLE_NS, 0.25).unwrap();
+    let hardware = Hardware::start(&machine(), only(puppet), &at, CYCLE_NS, 0.25).unwrap();
     (hardware, strings)
 }
 
@@ -419,7 +424,7 @@ fn drives_whose_plan_runs_dry_brake_and_say_so() {
 fn a_start_beyond_the_counters_is_refused() {
     let puppet = Puppet { strings: Arc::default(), position: [0; MAX_DRIVE_AXES] };
     let far = AxisVector::from_values([0.0, -7000.0, 0.0]);
-    let refused = Hardware::start(&machine(), Box::new(puppet), &far, CYCLE_NS, 0.25);
+    let refused = Hardware::start(&machine(), only(puppet), &far, CYCLE_NS, 0.25);
     match refused {
         Err(HardwareError::Range { axis, position, unit }) => {
             assert_eq!((axis.as_str(), position, unit), ("Y", -7e6, "mm"));

@@ -9,12 +9,12 @@ mod tests;
 
 use crate::emulated;
 use crate::hardware::HORIZON_NS;
-use crate::machine::Machine;
+use crate::machine::{AxisKind, Machine};
 use crate::report::seconds;
 use crate::setpoint::AxisSetpoint;
 use std::collections::VecDeque;
 use twin_drives::{IncrementMotion, Rehearsal, SetpointStream};
-use twin_kinematics::AxisMotion;
+use twin_kinematics::{AxisMotion, AxisVector};
 
 /// The drives of a machine, in simulated time.
 #[derive(Clone, Debug)]
@@ -62,6 +62,33 @@ impl DrivesInLoop {
             .collect();
         let cycle_ns = machine.cycle_ns;
         (!devices.is_empty()).then_some(Self { devices, before: None, cycle_ns })
+    }
+
+    /// How near drives in the loop of `machine` come to where they are sent, m: their largest increment, as far as turns move the
+    /// tool. 0 without any.
+    pub(crate) fn resolution(machine: &Machine) -> f64 {
+        let driven = machine.axes.iter().filter(|axis| {
+            let device = axis.drive.as_ref().and_then(|drive| machine.drives.get(drive.device));
+            device.is_some_and(|device| device.in_loop)
+        });
+        let increments = driven.map(|axis| {
+            let increment = 1.0 / axis.increments_per_si().abs();
+            match axis.kind {
+                AxisKind::Linear => increment,
+                AxisKind::Rotary => increment * machine.length_scale,
+            }
+        });
+        increments.fold(0.0, f64::max)
+    }
+
+    /// Whether what the motors get rests where the plan does, to an increment.
+    pub(crate) fn have_arrived(&self) -> bool {
+        let Some((setpoint, motion)) = &self.before else { return true };
+        self.devices.iter().flat_map(|device| &device.axes).all(|place| {
+            let of = |values: &AxisVector| values.get(place.axis).copied().unwrap_or_default();
+            let apart = of(&motion.position) - of(&setpoint.axes.position);
+            of(&motion.velocity) == 0.0 && (apart * place.increments_per_si).abs() <= 1.0
+        })
     }
 
     /// What the motors get in the cycle that ends with `setpoint`, before those of `ahead`.
@@ -124,7 +151,7 @@ impl Plan<'_> {
         let mut increments = IncrementMotion::default();
         let slots = increments.position.iter_mut().zip(&mut increments.velocity);
         for ((position, velocity), place) in slots.zip(self.axes) {
-            let of = |values: &twin_kinematics::AxisVector| {
+            let of = |values: &AxisVector| {
                 values.get(place.axis).map_or(0.0, |value| value * place.increments_per_si)
             };
             (*position, *velocity) = (of(&motion.position), of(&motion.velocity));

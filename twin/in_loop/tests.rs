@@ -1,7 +1,7 @@
 //! Drives of every family between set-points and motors: bounds in closed form, from what their wires allow.
 
 use crate::check::{CheckOptions, Outcome, check};
-use crate::finding::Rule;
+use crate::finding::{Rule, Severity};
 use crate::hardware::HORIZON_NS;
 use crate::machine::Machine;
 use crate::plant::Plant;
@@ -179,15 +179,18 @@ fn bim2ax_modules_go_from_point_to_point() {
     rests_where_it_should(&came);
 }
 
-/// The same every time, and another motion than without drives.
+/// The same every time, and another motion for every family.
 #[test]
 fn the_loop_repeats_itself_bit_by_bit() {
+    let mut others: Vec<Vec<u64>> = Vec::new();
     for text in [interpcnc(), smartdrive(), mixed()] {
         let bits = |came: Vec<(AxisVector, AxisVector)>| -> Vec<_> {
             let values = came.into_iter().flat_map(|(_, found)| [found[0], found[1], found[2]]);
             values.map(f64::to_bits).collect()
         };
-        assert!(bits(moved(&text, 0.05, 1.0)) == bits(moved(&text, 0.05, 1.0)));
+        let (one, two) = (bits(moved(&text, 0.05, 1.0)), bits(moved(&text, 0.05, 1.0)));
+        assert!(one == two && others.iter().all(|other| *other != one));
+        others.push(one);
     }
 }
 
@@ -203,7 +206,7 @@ fn a_snapshot_goes_on_with_the_same_bits() {
             plant.command_before(&setpoint, &ahead).unwrap();
         }
         let mut other = plant.clone();
-        let mut rest = |plant: &mut Simulated| -> Vec<_> {
+        let rest = |plant: &mut Simulated| -> Vec<_> {
             let mut ahead = ahead.clone();
             let mut bits = Vec::new();
             while let Some(setpoint) = ahead.pop_front() {
@@ -237,6 +240,88 @@ fn check_tells_which_drives_cannot_follow() {
     let beyond: Vec<_> =
         coarse.findings.iter().filter(|one| one.rule == Rule::FollowingError).collect();
     assert!(beyond.iter().any(|one| one.line == 2), "{:#?}", coarse.findings);
-    // To the last set-point: at the end nothing is left out for what the drives look ahead.
-    assert!((coarse.duration_ns - fine.duration_ns).abs() < 1);
+}
+
+/// What is behind the last planned set-point happens, too: the module is a leg behind when the plan ends in front of the jaw, and its
+/// switch is there.
+#[test]
+fn what_drives_do_behind_the_last_set_point_is_simulated() {
+    let switch = "[axes.physics]\nswitches = { upper_mm = 79.9 }\n";
+    let text = mixed().replacen("[axes.physics]\n", switch, 1);
+    let outcome = checked(&text, "G0 X10\nG1 X80 F6000\nM2\n");
+    let hit = outcome.findings.iter().find(|one| one.rule == Rule::LimitSwitch);
+    assert_eq!(hit.map(|hit| hit.line), Some(2), "{:#?}", outcome.findings);
+}
+
+/// The other way round it is the same: increments may count down.
+#[test]
+fn reversed_drives_are_as_good() {
+    for text in [interpcnc(), smartdrive(), mixed()] {
+        let reversed = text.replacen("increments = 3200", "increments = -3200", 1);
+        assert!(reversed != text);
+        let (one, other) = (moved(&text, 0.05, 1.0), moved(&reversed, 0.05, 1.0));
+        let [error, reversed] = [one, other].map(|came| farthest(&came, 0));
+        // Registers round up, and so the other way.
+        assert!((error - reversed).abs() < 0.3 * error + 2e-5, "{error}, {reversed}");
+    }
+}
+
+/// Down on the stock, then against the front of the fixed jaw, off and away, at whatever feed: drives that follow late touch what the
+/// plan touches, and run into nothing.
+#[test]
+fn drives_in_the_loop_touch_what_the_plan_touches() {
+    let vice = include_str!("../../machines/gantry3_vice.toml");
+    let looped =
+        |text: &str| text.replace("kind = \"interpcnc\"", "kind = \"interpcnc\"\nin_loop = true");
+    let bus = |text: &str| {
+        let text = text.replace("kind = \"interpcnc\"", "kind = \"smartdrive\"\nin_loop = true");
+        [("X", 1), ("Y", 2), ("Z", 3)].into_iter().fold(text, |text, (axis, address)| {
+            text.replace(&format!("drive_axis = \"{axis}\""), &format!("drive_address = {address}"))
+        })
+    };
+    let module = |text: &str| {
+        let both = "name = \"bus\"\nkind = \"smartdrive\"\nin_loop = true\n\n[[drives]]\nname = \"board\"\n\
+                    kind = \"bim2ax\"\nin_loop = true";
+        text.replace("name = \"board\"\nkind = \"interpcnc\"", both)
+            .replace("drive_axis = \"X\"", "drive_axis = \"1\"")
+            .replace("drive_axis = \"Y\"", "drive_axis = \"2\"")
+            .replace("drive = \"board\"\ndrive_axis = \"Z\"", "drive = \"bus\"\ndrive_address = 1")
+    };
+    for text in [looped(vice), bus(vice), module(vice)] {
+        for feed in [30, 60, 300, 1200] {
+            let program = format!(
+                "G0 Z30\nG0 X50 Y30\nG38.2 Z-20 F{feed}\nG0 Z30\nG0 Y-60\nG0 Z-20\nG38.2 Y10 F{feed}\nG91 G0 Y-5\nG90 G0 Z30\nM2\n"
+            );
+            let outcome = checked(&text, &program);
+            let simulated: Vec<_> = outcome
+                .findings
+                .iter()
+                .filter(|one| one.rule == Rule::Probe && one.message.contains("simulated"))
+                .map(|one| (one.line, one.severity))
+                .collect();
+            let notes = [(3, Severity::Note), (7, Severity::Note)];
+            assert_eq!(simulated, notes, "F{feed}: {:#?}", outcome.findings);
+            assert!(outcome.findings.iter().all(|one| one.rule != Rule::Collision));
+        }
+    }
+}
+
+/// A probe that something keeps from its wall has missed it.
+#[test]
+fn a_probe_that_does_not_arrive_is_told() {
+    let machine = include_str!("../../machines/gantry3_vice.toml");
+    // Three millimetres of steps are lost on the way.
+    let faults = "[[faults]]\nkind = \"jam\"\naxis = \"Y\"\nat_line = 4\n";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("program.ngc");
+    std::fs::write(&path, "G0 Z30\nG0 X50 Y-60\nG0 Z-20\nG38.2 Y10 F60\nM2\n").unwrap();
+    let program = ProgramFile::new(&path, Some(Dialect::Rs274), ReadSettings::default()).unwrap();
+    let machine = self::machine(machine);
+    let scenario = crate::machine::Scenario::parse(faults, &machine).unwrap();
+    let options = CheckOptions { physics: true, scenario, ..CheckOptions::default() };
+    let outcome = check(&machine, &program, options, &mut |_| {}).unwrap();
+    let miss = outcome.findings.iter().find(|one| one.message.contains("does not touch")).unwrap();
+    assert_eq!((miss.line, miss.rule, miss.severity), (4, Rule::Probe, Severity::Error));
+    // From Y−60 to the jaw at Y−20 it is 37 mm with a tool of 6 mm; jammed at once it stays where it is.
+    assert!((miss.value.unwrap() - 37.0).abs() < 0.2, "{miss:?}");
 }

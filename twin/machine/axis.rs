@@ -3,7 +3,7 @@
 use super::drives::{Abilities, Seen};
 use super::limits::{DriveLimits, VelocityLimits, read_headroom};
 use super::section::Section;
-use super::simulated::{self, SimulatedAxis};
+use super::simulated::{self, SimulatedAxis, SimulatedMotor};
 use std::ops::Range;
 
 /// Farthest position of an axis, degrees or mm.
@@ -107,7 +107,7 @@ pub struct Axis {
 pub struct AxisDrive {
     /// Index into [`super::Machine::drives`].
     pub device: usize,
-    /// Index of the axis on that device, from 0 (X).
+    /// Which axis of that device: from 0 (X of an InterpCNC board, 1 of a BIM2AX module), or the address of a SmartDRIVE.
     pub index: usize,
     /// Increments per unit.
     pub ratio: IncrementRatio,
@@ -261,6 +261,10 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
             check_drive(section, unit, &drive.ratio, able, [min, max], (velocity, frequency));
         }
     }
+    if let (Some(drive), SimulatedMotor::Stepper(stepper)) = (&drive, &simulated.motor) {
+        let microsteps = f64::from(stepper.microsteps) / stepper.full_step * kind.scale();
+        check_steps(section, unit, drive.ratio.per_unit(), microsteps);
+    }
     let scale = kind.scale();
     let velocity_limits = velocities.scaled(scale);
     Some(AxisEntry {
@@ -288,6 +292,11 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
 
 fn read_drive(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Option<AxisDrive> {
     let device = section.text("drive");
+    // Which of them it is depends on the device.
+    let axis_keys = ["drive_axis", "drive_address"];
+    for key in axis_keys {
+        section.accept(key);
+    }
     let increments = section.integer("increments", -1_000_000_000_000..=1_000_000_000_000);
     let per_key = format!("per_{unit}");
     let per_units = section.number(&per_key, 1e-6..=1e9);
@@ -313,13 +322,13 @@ fn read_drive(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Option<Axi
         return None;
     };
     let kind = devices.get(found).and_then(|device| device.kind);
-    let Some(kind) = kind else {
-        // Of which axes there are nothing is known.
-        section.accept("drive_axis");
-        section.accept("drive_address");
-        return None;
-    };
+    // Without a kind it is not known which axes there are.
+    let kind = kind?;
     let index = kind.axis(section);
+    for key in axis_keys.into_iter().filter(|key| *key != kind.axis_key() && section.has(key)) {
+        let message = format!("axes of this drive are named by `{}`", kind.axis_key());
+        section.complain_at(key, message);
+    }
     for key in [kind.axis_key(), "increments", &per_key] {
         if !section.has(key) {
             section.complain(format!("an axis with a `drive` needs `{key}` too"));
@@ -334,6 +343,18 @@ fn read_drive(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Option<Axi
     }
     let ratio = IncrementRatio { increments: increments?, per_units: per_units? };
     Some(AxisDrive { device: found, index: index?, ratio })
+}
+
+/// Whether an increment of the drive is a microstep of the step motor that the simulated machine has.
+fn check_steps(section: &Section<'_>, unit: &str, increments: f64, microsteps: f64) {
+    if (increments.abs() / microsteps - 1.0).abs() > 1e-6 {
+        let message = format!(
+            "the drive makes {:.6} increments per {unit}, the motor of [axes.physics.stepper] has {microsteps:.6} microsteps \
+             per {unit}: one of `increments`, `full_steps_per_turn`, `microsteps` and the transmission is wrong",
+            increments.abs()
+        );
+        section.complain_at("increments", message);
+    }
 }
 
 /// Whether the drive can count and step as far and as fast as the axis may go; a step frequency that is given keeps the
@@ -363,7 +384,7 @@ fn check_drive(
     let count = farthest * per_unit;
     if count > *counts {
         let message =
-            format!("{farthest} {unit} are {count:.0} increments; the drive counts to {counts}",);
+            format!("{farthest} {unit} are {count:.0} increments; the drive counts to {counts}");
         section.complain_at("increments", message);
     }
 }

@@ -112,8 +112,11 @@ impl Default for ProgramConditions {
     }
 }
 
-/// Reads both sections; `file` is the machine file.
-pub(super) fn read(root: &Section<'_>, file: &Path) -> ProgramConditions {
+/// How long a machine with drives waits behind probing moves, s: until drives that go from point to point are there, too.
+const PROBE_SETTLE_S: f64 = 0.5;
+
+/// Reads both sections; `file` is the machine file, which may name drives.
+pub(super) fn read(root: &Section<'_>, file: &Path, has_drives: bool) -> ProgramConditions {
     let defaults = ProgramConditions::default();
     let program = root.section("program");
     let start = program.numbers::<3>("start_mm", -1e5..=1e5).unwrap_or_default();
@@ -128,7 +131,7 @@ pub(super) fn read(root: &Section<'_>, file: &Path) -> ProgramConditions {
     let [a, b, c, _, _] = start_additional;
     let rs274 = rs274::DecoderOptions {
         start: Position { linear: start, rotary: [a, b, c] },
-        ..read_rs274(&root.section("rs274"), file, &defaults.rs274)
+        ..read_rs274(&root.section("rs274"), file, has_drives, &defaults.rs274)
     };
     let preparation = read_preparation(&root.section("preparation"));
     ProgramConditions { start, start_additional, angle_tolerance, stops: true, preparation, rs274 }
@@ -160,6 +163,7 @@ fn read_preparation(section: &Section<'_>) -> PreparationInputs {
 fn read_rs274(
     section: &Section<'_>,
     file: &Path,
+    has_drives: bool,
     defaults: &rs274::DecoderOptions,
 ) -> rs274::DecoderOptions {
     let units = section
@@ -186,6 +190,10 @@ fn read_rs274(
         table.ok()
     });
     let tool = section.integer("tool", 0..=99_999).unwrap_or(0);
+    let settle = section.number("probe_settle_s", 0.0..=60.0);
+    let settle = settle.unwrap_or(if has_drives { PROBE_SETTLE_S } else { 0.0 });
+    #[expect(clippy::cast_possible_truncation, reason = "at most a minute")]
+    let probe_settle_ns = (settle * 1e9) as i64;
     let options = rs274::DecoderOptions {
         units,
         rapid_velocity: metres("rapid_velocity_mm_per_s", 1e-3..=1e6)
@@ -197,6 +205,7 @@ fn read_rs274(
         g30: place(section, "g30_mm"),
         tools,
         tool: u32::try_from(tool).unwrap_or(0),
+        probe_settle_ns,
         ..defaults.clone()
     };
     section.check_unknown();

@@ -42,6 +42,7 @@ use section::Section;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tool::Tool;
+use twin_drives::MAX_DRIVE_AXES;
 use twin_kinematics::{AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
 use twin_urdf::{JointKind, Model, UrdfWarning};
 
@@ -196,7 +197,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
     let payload = payload::read(root, &mounted);
     let frame = frame::read(root);
 
-    let conditions = conditions::read(root, path);
+    let conditions = conditions::read(root, path, !seen.is_empty());
     let path_limits = limits::read_path(root, &conditions.preparation);
     let m_functions = m_functions::read(root, !seen.is_empty());
 
@@ -277,6 +278,17 @@ fn check_axes(root: &Section<'_>, sections: &[Section<'_>], entries: &[Option<Ax
             let keys = ["drive_address", "drive_axis"];
             let key = keys.into_iter().find(|key| section.has(key)).unwrap_or("drive");
             section.complain_at(key, message);
+        }
+    }
+    for (section, entry) in sections.iter().zip(entries) {
+        let Some(entry) = entry else { continue };
+        let device = |entry: &AxisEntry| entry.axis.drive.as_ref().map(|drive| drive.device);
+        let earlier = known.iter().take_while(|other| !std::ptr::eq(**other, entry));
+        let same =
+            earlier.filter(|other| device(other).is_some() && device(other) == device(entry));
+        if same.count() == MAX_DRIVE_AXES {
+            let message = format!("a device has at most {MAX_DRIVE_AXES} axes of the machine");
+            section.complain_at("drive", message);
         }
     }
     if known.iter().any(|entry| entry.driven) {

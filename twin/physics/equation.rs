@@ -75,13 +75,7 @@ impl Equation {
         }
     }
 
-    /// The inverse of that; `None` if some axis moves no inertia, too.
-    pub(super) fn mobility(&mut self, position: &JointVector) -> Option<JointMatrix> {
-        let zero = JointVector::zeros();
-        Some(self.acceleration_and_mobility(position, &zero, &zero)?.1)
-    }
-
-    /// [`Self::acceleration`] and [`Self::mobility`] for hardly more than the first alone.
+    /// [`Self::acceleration`] and the inverse of [`Self::inertia`] for hardly more than the first alone.
     pub(super) fn acceleration_and_mobility(
         &mut self,
         position: &JointVector,

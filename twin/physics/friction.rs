@@ -36,6 +36,9 @@ impl FrictionParameters {
             return self.coulomb;
         }
         let ratio = velocity / self.stribeck_velocity.max(f64::MIN_POSITIVE);
+        if ratio.abs() > FALLEN {
+            return self.coulomb;
+        }
         self.coulomb + more * (-ratio * ratio).exp()
     }
 
@@ -65,8 +68,14 @@ impl FrictionParameters {
     }
 }
 
+/// At so many Stribeck velocities rounding takes what is left above Coulomb friction: e⁻⁴⁹.
+const FALLEN: f64 = 7.0;
+
 /// Slower than this, rounding included, a part is at rest, m/s or rad/s.
 pub(super) const REST: f64 = 1e-12;
+
+/// The part of the most that holds which has to be left for a part to be held: more than what rounding leaves where it breaks away.
+const LEFT: f64 = 1e-9;
 
 /// What dry friction does over a short time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,28 +84,25 @@ pub(super) enum DryFriction {
     None,
     /// Opposes motion in this direction.
     Slides(f64),
-    /// Has this force, which holds the part.
-    Sticks(f64),
+    /// Gives whatever holds the part.
+    Sticks,
 }
 
 impl DryFriction {
-    /// From the force that stops as much motion as `most` can.
-    pub(super) fn of_force(force: f64, most: f64) -> Self {
-        if most <= 0.0 {
-            Self::None
-        } else if force.abs() < most {
-            Self::Sticks(force)
-        } else {
-            Self::Slides(-force.signum())
-        }
+    /// Of a part at rest that `force` would hold, where there is no more than `most`.
+    pub(super) fn at_rest(force: f64, most: f64) -> Self {
+        if force.abs() < most * (1.0 - LEFT) { Self::Sticks } else { Self::Slides(-force.signum()) }
     }
 
-    /// The force at `velocity`, viscous friction included.
+    pub(super) fn sticks(self) -> bool {
+        self == Self::Sticks
+    }
+
+    /// The force at `velocity`, viscous friction included, but for what holds a part that sticks.
     pub(super) fn force(self, velocity: f64, friction: &FrictionParameters) -> f64 {
         let dry = match self {
-            Self::None => 0.0,
+            Self::None | Self::Sticks => 0.0,
             Self::Slides(direction) => -direction * friction.dry(velocity),
-            Self::Sticks(force) => force,
         };
         dry - friction.viscous * velocity
     }

@@ -1,22 +1,20 @@
 //! Motion over one short step: joints by the equation of motion, rotors behind elastic transmissions beside it.
 //!
-//! Classical Runge–Kutta of fourth order. Motors, springs and friction are part of the right-hand side. Dry friction jumps where
-//! something stops, so a step ends there and another one takes the rest of the time: whatever moves is opposed as long as it moves,
-//! and what stands is held or breaks away as `settle` says.
+//! Classical Runge–Kutta of fourth order. Motors, springs and friction are part of the right-hand side. Laws change where
+//! something stops or breaks away, or teeth meet, so a step ends there (`stop`) and another one takes the rest of the time: whatever
+//! moves is opposed as long as it moves, and what stands is held or breaks away as `settle` says. So no step is across anything but
+//! smooth motion, and its error is of fifth order wherever it happens to begin.
 
 use twin_kinematics::MAX_AXES;
 
 use super::dynamics::{JointVector, at};
 use super::equation::Equation;
 use super::friction::FrictionParameters;
-use super::settle::{Dry, Settled};
+use super::settle::{Dry, Holding, Settled, Sticking};
 use super::transmission::ElasticTransmission;
 
-/// How often something may stop in one step; beyond that, what goes on is as it would be without.
+/// How often another law may begin in one step; beyond that, what goes on is as it would be without.
 const MOST_STOPS: usize = 16;
-
-/// Corrections of the time at which something stops.
-const CORRECTIONS: usize = 2;
 
 /// Positions and velocities of all axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -132,6 +130,27 @@ impl Train {
     }
 }
 
+/// Which axes are behind springs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Springs {
+    None,
+    Some,
+    All,
+}
+
+impl Springs {
+    fn of(trains: &[Train]) -> Self {
+        let is_elastic = |train: &Train| train.elastic.is_some();
+        if trains.iter().all(is_elastic) {
+            Self::All
+        } else if trains.iter().any(is_elastic) {
+            Self::Some
+        } else {
+            Self::None
+        }
+    }
+}
+
 /// A machine in a step.
 pub(super) struct Step<'a, M: ?Sized> {
     pub(super) equation: &'a mut Equation,
@@ -139,20 +158,34 @@ pub(super) struct Step<'a, M: ?Sized> {
     motors: &'a M,
     /// What else pushes the axes, N or Nm.
     disturbance: &'a JointVector,
-    /// Whether there are springs.
-    pub(super) elastic: bool,
+    /// How many axes there are.
+    pub(super) axes: usize,
+    springs: Springs,
     /// Whether there is dry friction.
     pub(super) dry: bool,
     /// s.
-    dt: f64,
+    pub(super) dt: f64,
+}
+
+/// What pushes the axes and motors at some time, N or Nm.
+pub(super) struct Pushed {
+    pub(super) axes: JointVector,
+    /// Only of motors behind springs.
+    pub(super) motors: JointVector,
+    /// The efforts of all motors.
+    effort: JointVector,
 }
 
 /// Where a part of a step ends.
 pub(super) struct Arrival {
     pub(super) state: MachineState,
+    /// At this part of the step.
+    pub(super) until: f64,
     effort: JointVector,
     /// How everything changed at its beginning.
     pub(super) first: MachineState,
+    /// What holds what sticks.
+    pub(super) holding: Holding,
 }
 
 /// The state after `dt` (s) with `motors` at work and a `disturbance` of the axes, and the mean efforts of the motors on the way; `None` if some axis moves no inertia, or where the
@@ -164,33 +197,21 @@ pub(super) fn advance(
     (motors, disturbance): (&(impl Motors + ?Sized), &JointVector),
     dt: f64,
 ) -> Option<(MachineState, JointVector)> {
-    let elastic = trains.iter().any(|train| train.elastic.is_some());
+    let axes = equation.axis_count();
+    let springs = Springs::of(trains.get(..axes).unwrap_or(trains));
     let is_dry = |train: &Train| {
         train.friction.is_dry() || train.elastic.is_some_and(|elastic| elastic.friction.is_dry())
     };
     let dry = trains.iter().any(is_dry);
-    let mut step = Step { equation, trains, motors, disturbance, elastic, dry, dt };
+    let mut step = Step { equation, trains, motors, disturbance, axes, springs, dry, dt };
     let (mut state, mut from) = (*state, 0.0);
     let mut effort = JointVector::zeros();
     for stops in 0..=MOST_STOPS {
-        let settled = step.settle(&state, Stage::new(from), (1.0 - from) * dt)?;
+        let settled = step.settle(&mut state, Stage::new(from))?;
         let mut until = 1.0;
         let mut arrival = step.take(&state, &settled, from, until)?;
-        if stops < MOST_STOPS
-            && let Some((stop, part)) =
-                settled.first_stop(trains, &state, &arrival, (until - from) * dt)
-        {
-            until = from + part * (until - from);
-            arrival = step.take(&state, &settled, from, until)?;
-            for _ in 0..CORRECTIONS {
-                let late = stop.value(&arrival.state) / stop.rate(&arrival.first);
-                if !late.is_finite() {
-                    break;
-                }
-                until = (until - late / dt).clamp(from, 1.0);
-                arrival = step.take(&state, &settled, from, until)?;
-            }
-            stop.stop(&mut arrival.state);
+        if stops < MOST_STOPS {
+            until = step.stop(&state, &settled, &mut arrival, from)?;
         }
         effort += arrival.effort * (until - from);
         (state, from) = (arrival.state, until);
@@ -198,7 +219,7 @@ pub(super) fn advance(
             break;
         }
     }
-    if !elastic {
+    if springs == Springs::None {
         state.motors = state.axes;
     }
     Some((state, effort))
@@ -206,7 +227,7 @@ pub(super) fn advance(
 
 impl<M: Motors + ?Sized> Step<'_, M> {
     /// From `state` through the part of the step between `from` and `until`.
-    fn take(
+    pub(super) fn take(
         &mut self,
         state: &MachineState,
         settled: &Settled,
@@ -224,13 +245,16 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         let slopes = [&first, &second, &third, &fourth];
         let mut next = *state;
         next.axes = state.axes.moved(&JointState::mean(slopes.map(|slope| &slope.axes)), dt);
-        if self.elastic {
+        if self.springs != Springs::None {
             let mean = JointState::mean(slopes.map(|slope| &slope.motors));
-            next.motors = self.motors_of(&next.axes, &state.motors.moved(&mean, dt));
+            next.motors = state.motors.moved(&mean, dt);
+            if self.springs == Springs::Some {
+                next.motors = self.motors_of(&next.axes, &next.motors);
+            }
         }
-        settled.stand_still(self.trains, state, &mut next, dt);
         let effort = (effort + (effort_2 + effort_3) * 2.0 + effort_4) / 6.0;
-        Some(Arrival { state: next, effort, first })
+        let holding = self.holding(end, &next, dry)?;
+        Some(Arrival { state: next, until, effort, first, holding })
     }
 
     /// `motors` where there are elastic transmissions, and the axes elsewhere.
@@ -247,20 +271,54 @@ impl<M: Motors + ?Sized> Step<'_, M> {
     }
 
     /// How everything changes at `state`, and the efforts of the motors.
-    pub(super) fn slope(
+    fn slope(
         &mut self,
         stage: Stage,
         state: &MachineState,
         dry: &Dry,
     ) -> Option<(MachineState, JointVector)> {
+        let pushed = self.pushed(stage, state, dry);
         let MachineState { axes, motors } = state;
-        let motors = if self.elastic { self.motors_of(axes, motors) } else { *axes };
-        let effort = self.motors.efforts(stage, &motors);
-        let mut at_axes = effort;
-        let mut faster = JointVector::zeros();
-        let rows = at_axes.iter_mut().zip(faster.iter_mut()).zip(self.trains);
-        for (axis, (((at_axis, faster), train), (dry, dry_motor))) in
-            rows.zip(dry.axes.iter().zip(&dry.motors)).enumerate()
+        let acceleration = match dry.sticking_axes {
+            Sticking::None => {
+                self.equation.acceleration(&axes.position, &axes.velocity, &pushed.axes)?
+            }
+            Sticking::Some => self.held(axes, &pushed.axes, dry)?.0,
+            Sticking::All => JointVector::zeros(),
+        };
+        let mut faster = pushed.motors;
+        let rows = faster.iter_mut().zip(self.trains).zip(&dry.motors);
+        for ((faster, train), dry) in rows.take(self.axes) {
+            *faster = match &train.elastic {
+                Some(elastic) if !dry.sticks() => *faster / elastic.inertia,
+                _ => 0.0,
+            };
+        }
+        let slope = MachineState {
+            axes: JointState { position: axes.velocity, velocity: acceleration },
+            motors: JointState { position: motors.velocity, velocity: faster },
+        };
+        Some((slope, pushed.effort))
+    }
+
+    /// What pushes everything at `state`, but for what holds what sticks.
+    #[inline]
+    pub(super) fn pushed(&self, stage: Stage, state: &MachineState, dry: &Dry) -> Pushed {
+        let MachineState { axes, motors } = state;
+        let mixed;
+        let motors = match self.springs {
+            Springs::None => axes,
+            Springs::All => motors,
+            Springs::Some => {
+                mixed = self.motors_of(axes, motors);
+                &mixed
+            }
+        };
+        let effort = self.motors.efforts(stage, motors);
+        let mut pushed = Pushed { axes: effort, motors: JointVector::zeros(), effort };
+        let rows = pushed.axes.iter_mut().zip(pushed.motors.iter_mut()).zip(self.trains);
+        for (axis, (((at_axis, at_motor), train), (dry, dry_motor))) in
+            rows.zip(dry.axes.iter().zip(&dry.motors)).enumerate().take(self.axes)
         {
             let velocity = at(&axes.velocity, axis);
             if let Some(elastic) = &train.elastic {
@@ -268,17 +326,12 @@ impl<M: Motors + ?Sized> Step<'_, M> {
                 let twist = at(&motors.position, axis) - at(&axes.position, axis);
                 let passed = elastic.transmission.effort(twist, motor_velocity - velocity);
                 let friction = dry_motor.force(motor_velocity, &elastic.friction);
-                *faster = (*at_axis - passed + friction) / elastic.inertia;
+                *at_motor = *at_axis - passed + friction;
                 *at_axis = passed;
             }
             *at_axis += dry.force(velocity, &train.friction);
         }
-        at_axes += self.disturbance;
-        let acceleration = self.equation.acceleration(&axes.position, &axes.velocity, &at_axes)?;
-        let slope = MachineState {
-            axes: JointState { position: axes.velocity, velocity: acceleration },
-            motors: JointState { position: motors.velocity, velocity: faster },
-        };
-        Some((slope, effort))
+        pushed.axes += self.disturbance;
+        pushed
     }
 }

@@ -53,6 +53,7 @@ mod snapshot;
 mod solids;
 mod spatial;
 mod stepping;
+mod stop;
 mod surroundings;
 mod touch;
 mod transmission;

@@ -1,102 +1,74 @@
-//! What dry friction does: what moves is opposed, what stands is held or breaks away; and where a step has to end because another law
-//! holds from there on: where something stops, or teeth with play between them meet or part.
+//! What dry friction does: what moves is opposed, what stands is held or breaks away.
 //!
-//! Of all forces within ± the dry friction of axes that stand, those are taken that leave as little motion as they can by the end
-//! of the step, as Moreau and Stewart–Trinkle do (projected Gauss–Seidel on the velocities an explicit step predicts). What is left
-//! of the motion of something that sticks, because forces have changed on the way, is taken from it at the end: nothing creeps.
+//! Of all forces within ± the dry friction of axes that stand, those are taken that leave as little acceleration as they can, as
+//! Moreau and Stewart–Trinkle do with velocities (projected Gauss–Seidel). What they hold stays where it is to the last bit, by
+//! whatever force that takes from then on, until that is more than friction has (`stop`): nothing creeps.
 
 use twin_kinematics::MAX_AXES;
 
 use super::dynamics::{JointMatrix, JointVector, at};
 use super::friction::{DryFriction, FrictionParameters, REST};
-use super::integrate::{Arrival, JointState, MachineState, Motors, Stage, Step, Train};
+use super::integrate::{JointState, MachineState, Motors, Stage, Step};
+use super::linear::solve;
 
 /// Sweeps of the friction solver; it converges in one or two unless several axes stick against each other.
 const MAX_SWEEPS: usize = 100;
-
-/// Teeth as near to where they meet as this are there, m or rad.
-const AT_EDGE: f64 = 1e-13;
 
 /// What dry friction does on both sides of the transmissions.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Dry {
     pub(super) axes: [DryFriction; MAX_AXES],
     pub(super) motors: [DryFriction; MAX_AXES],
+    /// Which of them stick.
+    pub(super) sticking_axes: Sticking,
+    sticking_motors: Sticking,
+}
+
+/// How many of some parts stick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sticking {
+    None,
+    Some,
+    All,
 }
 
 impl Dry {
-    const NONE: Self =
-        Self { axes: [DryFriction::None; MAX_AXES], motors: [DryFriction::None; MAX_AXES] };
+    const NONE: Self = Self {
+        axes: [DryFriction::None; MAX_AXES],
+        motors: [DryFriction::None; MAX_AXES],
+        sticking_axes: Sticking::None,
+        sticking_motors: Sticking::None,
+    };
 }
 
-/// The same for a while, and what follows for what stands.
+/// The forces that hold what sticks, N or Nm.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Holding {
+    pub(super) axes: JointVector,
+    pub(super) motors: JointVector,
+}
+
+impl Holding {
+    fn none() -> Self {
+        Self { axes: JointVector::zeros(), motors: JointVector::zeros() }
+    }
+}
+
+/// What goes on until something stops or breaks away, and what holds at its beginning.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Settled {
     pub(super) dry: Dry,
-    /// Accelerations of axes by efforts, where some axis sticks.
-    mobility: Option<JointMatrix>,
-}
-
-/// Something after which another law holds.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Stop {
-    /// An axis comes to rest.
-    Axis(usize),
-    /// So does a motor.
-    Motor(usize),
-    /// The teeth of a transmission meet, where the motor is so far ahead of the axis (m or rad).
-    Teeth(usize, f64),
-}
-
-impl Stop {
-    /// What is 0 there: a velocity, how far teeth are from each other, or what they push with.
-    pub(super) fn value(&self, state: &MachineState) -> f64 {
-        match self {
-            Self::Axis(axis) => at(&state.axes.velocity, *axis),
-            Self::Motor(axis) => at(&state.motors.velocity, *axis),
-            Self::Teeth(axis, edge) => twist(state, *axis) - edge,
-        }
-    }
-
-    /// How fast that changes where everything changes like `slope`.
-    pub(super) fn rate(&self, slope: &MachineState) -> f64 {
-        match self {
-            Self::Axis(_) | Self::Motor(_) => self.value(slope),
-            Self::Teeth(axis, _) => twist(slope, *axis),
-        }
-    }
-
-    /// Takes from it what is left of its velocity.
-    pub(super) fn stop(&self, state: &mut MachineState) {
-        let velocity = match self {
-            Self::Axis(axis) => state.axes.velocity.get_mut(*axis),
-            Self::Motor(axis) => state.motors.velocity.get_mut(*axis),
-            Self::Teeth(..) => None,
-        };
-        if let Some(velocity) = velocity {
-            *velocity = 0.0;
-        }
-    }
-}
-
-/// How far the motor of `axis` is ahead of it.
-fn twist(state: &MachineState, axis: usize) -> f64 {
-    at(&state.motors.position, axis) - at(&state.axes.position, axis)
+    pub(super) holding: Holding,
 }
 
 impl<M: Motors + ?Sized> Step<'_, M> {
-    /// What dry friction does from `state`, at `stage` of the step, for `dt` s.
-    pub(super) fn settle(
-        &mut self,
-        state: &MachineState,
-        stage: Stage,
-        dt: f64,
-    ) -> Option<Settled> {
-        let mut settled = Settled { dry: Dry::NONE, mobility: None };
+    /// What dry friction does from `state` on, at `stage` of the step. What stands is at rest from now on.
+    pub(super) fn settle(&mut self, state: &mut MachineState, stage: Stage) -> Option<Settled> {
+        let mut settled = Settled { dry: Dry::NONE, holding: Holding::none() };
         if !self.dry {
             return Some(settled);
         }
-        let dry = &mut settled.dry;
+        let Settled { dry, holding } = &mut settled;
         let (mut axes_stand, mut motors_stand) = (JointVector::zeros(), JointVector::zeros());
         for (axis, train) in self.trains.iter().enumerate() {
             let velocity = at(&state.axes.velocity, axis);
@@ -109,27 +81,120 @@ impl<M: Motors + ?Sized> Step<'_, M> {
         if axes_stand.max() <= 0.0 && motors_stand.max() <= 0.0 {
             return Some(settled);
         }
-        let (free, _) = self.slope(stage, state, dry)?;
+        let pushed = self.pushed(stage, state, dry);
         if axes_stand.max() > 0.0 {
-            let velocity = state.axes.velocity + free.axes.velocity * dt;
-            let mobility = self.equation.mobility(&state.axes.position)?;
-            let forces = hold(velocity, &axes_stand, &(mobility * dt));
-            for ((dry, force), most) in dry.axes.iter_mut().zip(&forces).zip(&axes_stand) {
-                if *most > 0.0 {
-                    *dry = DryFriction::of_force(*force, *most);
-                }
-            }
-            settled.mobility = Some(mobility);
+            holding.axes = self.hold(&state.axes, &pushed.axes, &axes_stand)?;
+            dry.sticking_axes =
+                self.begin(&mut state.axes, &mut dry.axes, &holding.axes, &axes_stand);
         }
-        let rows = dry.motors.iter_mut().zip(&motors_stand).zip(self.trains).enumerate();
-        for (axis, ((dry, most), train)) in rows {
-            if let Some(elastic) = train.elastic.as_ref().filter(|_| *most > 0.0) {
-                let free = at(&(state.motors.velocity + free.motors.velocity * dt), axis);
-                let force = (-free * elastic.inertia / dt).clamp(-most, *most);
-                *dry = DryFriction::of_force(force, *most);
-            }
+        if motors_stand.max() > 0.0 {
+            holding.motors = -pushed.motors;
+            dry.sticking_motors =
+                self.begin(&mut state.motors, &mut dry.motors, &holding.motors, &motors_stand);
         }
         Some(settled)
+    }
+
+    /// What holds what sticks at `state`, at `stage` of the step.
+    pub(super) fn holding(
+        &mut self,
+        stage: Stage,
+        state: &MachineState,
+        dry: &Dry,
+    ) -> Option<Holding> {
+        let mut holding = Holding::none();
+        if [dry.sticking_axes, dry.sticking_motors] == [Sticking::None; 2] {
+            return Some(holding);
+        }
+        let pushed = self.pushed(stage, state, dry);
+        holding.motors = -pushed.motors;
+        match dry.sticking_axes {
+            Sticking::None => {}
+            Sticking::Some => (_, holding.axes) = self.held(&state.axes, &pushed.axes, dry)?,
+            Sticking::All => holding.axes = self.hold_all(&state.axes, &pushed.axes)?,
+        }
+        Some(holding)
+    }
+
+    /// The forces within ± `limits` that leave least acceleration of the axes that stand at `state`, which others have none of, under
+    /// `efforts`.
+    fn hold(
+        &mut self,
+        state: &JointState,
+        efforts: &JointVector,
+        limits: &JointVector,
+    ) -> Option<JointVector> {
+        if limits.iter().take(self.axes).all(|limit| *limit > 0.0) {
+            let forces = self.hold_all(state, efforts)?;
+            let mut all = forces.iter().zip(limits).take(self.axes);
+            if all.all(|(force, most)| DryFriction::at_rest(*force, *most).sticks()) {
+                return Some(forces);
+            }
+        }
+        let JointState { position, velocity } = state;
+        let (free, mobility) =
+            self.equation.acceleration_and_mobility(position, velocity, efforts)?;
+        Some(least(free, limits, &mobility))
+    }
+
+    /// What holds all axes at `state` under `efforts`.
+    fn hold_all(&mut self, state: &JointState, efforts: &JointVector) -> Option<JointVector> {
+        let zero = JointVector::zeros();
+        Some(self.equation.inverse_dynamics(&state.position, &zero, &zero)? - efforts)
+    }
+
+    /// The accelerations of the axes at `state` under `efforts` where some stick, and the forces that hold these.
+    pub(super) fn held(
+        &mut self,
+        state: &JointState,
+        efforts: &JointVector,
+        dry: &Dry,
+    ) -> Option<(JointVector, JointVector)> {
+        let (free, mobility) =
+            self.equation.acceleration_and_mobility(&state.position, &state.velocity, efforts)?;
+        // M⁻¹ of those that stick, and 1 on the diagonal for the others, which nothing holds.
+        let (mut among, mut wanted) = (JointMatrix::identity(), JointVector::zeros());
+        let columns = among.column_iter_mut().zip(mobility.column_iter());
+        let columns = columns.zip(wanted.iter_mut().zip(&free)).zip(&dry.axes);
+        for (((mut among, mobility), (wanted, free)), _) in columns.filter(|(_, dry)| dry.sticks())
+        {
+            *wanted = -free;
+            let rows = among.iter_mut().zip(&mobility).zip(&dry.axes);
+            for ((among, mobility), _) in rows.filter(|(_, dry)| dry.sticks()) {
+                *among = *mobility;
+            }
+        }
+        let forces = solve(self.equation.axis_count(), &among, &wanted)?;
+        let mut accelerations = free + mobility * forces;
+        let still = accelerations.iter_mut().zip(&dry.axes).filter(|(_, dry)| dry.sticks());
+        still.for_each(|(acceleration, _)| *acceleration = 0.0);
+        Some((accelerations, forces))
+    }
+
+    /// Lets what stands stick or break away, as the `forces` say that would hold it and the most there is (`limits`, 0 where nothing
+    /// stands).
+    fn begin(
+        &self,
+        state: &mut JointState,
+        dry: &mut [DryFriction; MAX_AXES],
+        forces: &JointVector,
+        limits: &JointVector,
+    ) -> Sticking {
+        let (mut any, mut all) = (false, true);
+        let rows = state.velocity.iter_mut().zip(dry).zip(forces.iter().zip(limits));
+        for ((velocity, dry), (force, most)) in rows.take(self.axes) {
+            if *most > 0.0 {
+                *dry = DryFriction::at_rest(*force, *most);
+                *velocity = 0.0;
+            }
+            any = any || dry.sticks();
+            all = all && dry.sticks();
+        }
+        match (any, all) {
+            (false, _) => Sticking::None,
+            (true, false) => Sticking::Some,
+            (true, true) => Sticking::All,
+        }
     }
 }
 
@@ -153,9 +218,13 @@ fn oppose(
     }
 }
 
-/// The forces within ± `limits` that leave least of `velocity`, which the axes have at the end of a step without them;
-/// `mobility` is what forces add to it by then. Axes without a limit are left as they are.
-fn hold(mut velocity: JointVector, limits: &JointVector, mobility: &JointMatrix) -> JointVector {
+/// The forces within ± `limits` that leave least of `acceleration`, which the axes have without them; `mobility` is what forces
+/// add to it. Axes without a limit are left as they are.
+fn least(
+    mut acceleration: JointVector,
+    limits: &JointVector,
+    mobility: &JointMatrix,
+) -> JointVector {
     let mut force = JointVector::zeros();
     for _ in 0..MAX_SWEEPS {
         let mut change = 0.0_f64;
@@ -165,10 +234,10 @@ fn hold(mut velocity: JointVector, limits: &JointVector, mobility: &JointMatrix)
                 continue;
             }
             let own = column.get(axis).copied().unwrap_or(1.0);
-            let wanted = (*force - at(&velocity, axis) / own).clamp(-limit, *limit);
+            let wanted = (*force - at(&acceleration, axis) / own).clamp(-limit, *limit);
             let difference = wanted - *force;
             *force = wanted;
-            velocity += column * difference;
+            acceleration += column * difference;
             change = change.max(difference.abs());
         }
         if change <= 1e-14 * force.amax() {
@@ -176,116 +245,4 @@ fn hold(mut velocity: JointVector, limits: &JointVector, mobility: &JointMatrix)
         }
     }
     force
-}
-
-impl Settled {
-    /// What comes to rest first between `state` and `arrival`, `dt` s later, or which teeth meet or part, and at which part of the way.
-    /// Only what was moving can come to rest.
-    pub(super) fn first_stop(
-        &self,
-        trains: &[Train; MAX_AXES],
-        state: &MachineState,
-        arrival: &Arrival,
-        dt: f64,
-    ) -> Option<(Stop, f64)> {
-        let mut first: Option<(Stop, f64)> = None;
-        let axes = self.dry.axes.iter().enumerate().map(|(axis, dry)| (Stop::Axis(axis), dry));
-        let motors = self.dry.motors.iter().enumerate().map(|(axis, dry)| (Stop::Motor(axis), dry));
-        for (stop, dry) in axes.chain(motors) {
-            let DryFriction::Slides(direction) = dry else { continue };
-            let [before, after] = [state, &arrival.state].map(|state| stop.value(state));
-            if before * direction <= REST || after * direction >= 0.0 {
-                continue;
-            }
-            let part = crossing(before, after, stop.rate(&arrival.first) * dt);
-            if first.is_none_or(|(_, earliest)| part < earliest) {
-                first = Some((stop, part));
-            }
-        }
-        for (axis, train) in trains.iter().enumerate() {
-            let Some(elastic) = &train.elastic else { continue };
-            for stop in elastic.transmission.edges().map(|edge| Stop::Teeth(axis, edge)) {
-                let [before, after] = [state, &arrival.state].map(|state| stop.value(state));
-                if before * after >= 0.0 || before.abs() <= AT_EDGE {
-                    continue;
-                }
-                let part = crossing(before, after, stop.rate(&arrival.first) * dt);
-                if first.is_none_or(|(_, earliest)| part < earliest) {
-                    first = Some((stop, part));
-                }
-            }
-        }
-        first
-    }
-
-    /// Takes what is left of its motion, since `before`, dt s ago, from what sticks, as far as friction can; axes feel it of each
-    /// other.
-    pub(super) fn stand_still(
-        &self,
-        trains: &[Train; MAX_AXES],
-        before: &MachineState,
-        state: &mut MachineState,
-        dt: f64,
-    ) {
-        // In no time there is no motion.
-        if dt <= 0.0 {
-            return;
-        }
-        for (axis, train) in trains.iter().enumerate() {
-            if let (Some(DryFriction::Sticks(force)), Some(mobility)) =
-                (self.dry.axes.get(axis), &self.mobility)
-            {
-                let column = mobility.column(axis).into_owned();
-                let most = train.friction.dry(0.0);
-                stick(&before.axes, &mut state.axes, axis, &column, (*force, most), dt);
-            }
-            if let (Some(DryFriction::Sticks(force)), Some(elastic)) =
-                (self.dry.motors.get(axis), &train.elastic)
-            {
-                let mut column = JointVector::zeros();
-                if let Some(entry) = column.get_mut(axis) {
-                    *entry = 1.0 / elastic.inertia;
-                }
-                let most = elastic.friction.dry(0.0);
-                stick(&before.motors, &mut state.motors, axis, &column, (*force, most), dt);
-            }
-        }
-    }
-}
-
-/// Changes the `force` on one axis, which has held for `dt` s, within ± `most` so that the axis rests. `column` are the
-/// accelerations by that force.
-fn stick(
-    before: &JointState,
-    state: &mut JointState,
-    axis: usize,
-    column: &JointVector,
-    (force, most): (f64, f64),
-    dt: f64,
-) {
-    let own = at(column, axis) * dt;
-    let wanted = (force - at(&state.velocity, axis) / own).clamp(-most, most);
-    let slower = column * ((wanted - force) * dt);
-    state.velocity += slower;
-    // What a force that changes evenly has done by now.
-    state.position += slower * (dt / 3.0);
-    if wanted.abs() < most {
-        let slots = state.position.get_mut(axis).zip(state.velocity.get_mut(axis));
-        if let Some((position, velocity)) = slots {
-            (*position, *velocity) = (at(&before.position, axis), 0.0);
-        }
-    }
-}
-
-/// Where a velocity that goes from `before` to `after`, at first by `slope` per way, is 0: on the parabola through these.
-fn crossing(before: f64, after: f64, slope: f64) -> f64 {
-    let straight = before / (before - after);
-    let bend = after - before - slope;
-    let root = slope * slope - 4.0 * bend * before;
-    if root < 0.0 {
-        return straight;
-    }
-    // The root that the straight line becomes as the bend goes.
-    let part = -2.0 * before / (slope - before.signum() * root.sqrt());
-    if (0.0..=1.0).contains(&part) { part } else { straight }
 }

@@ -33,21 +33,35 @@ impl ElasticTransmission {
         if backlash <= 0.0 {
             return stiffness * twist + damping * rate;
         }
-        let wound = twist - twist.clamp(-0.5 * backlash, 0.5 * backlash);
-        if wound == 0.0 {
-            return 0.0;
-        }
-        let engaged = (wound.abs() / (ONSET * backlash)).min(1.0);
-        let effort = stiffness * wound + damping * engaged * rate;
-        if effort * wound > 0.0 { effort } else { 0.0 }
+        let (side, push) = self.push(twist, rate);
+        side * push.max(0.0)
     }
 
-    /// How far the motor is ahead of the axis where another law begins; none without backlash.
-    pub(super) fn edges(&self) -> impl Iterator<Item = f64> + use<> {
+    /// Which side of the teeth is wound up (1 where the motor drives upwards, 0 within the play), and what spring and damping make of
+    /// that: less than 0 where teeth do not push because they part faster than the spring unwinds.
+    pub(super) fn push(&self, twist: f64, rate: f64) -> (f64, f64) {
+        let Self { stiffness, damping, backlash } = *self;
+        let wound = twist - twist.clamp(-0.5 * backlash, 0.5 * backlash);
+        if wound == 0.0 {
+            return (0.0, 0.0);
+        }
+        let (side, wound) = (wound.signum(), wound.abs());
+        let engaged = (wound / (ONSET * backlash)).min(1.0);
+        (side, stiffness * wound + damping * engaged * rate * side)
+    }
+
+    /// How far the motor is ahead of the axis, as far as it gets from one twist to another, where another law begins; there is nothing
+    /// like it without backlash.
+    pub(super) fn edges_between(&self, one: f64, other: f64) -> impl Iterator<Item = f64> + use<> {
+        let (low, high) = (one.min(other), one.max(other));
         let half = 0.5 * self.backlash;
         let engaged = half + ONSET * self.backlash;
-        let sides = [-engaged, -half, half, engaged];
-        sides.into_iter().take(if self.backlash > 0.0 { sides.len() } else { 0 })
+        [-engaged, -half, half, engaged].into_iter().filter(move |side| (low..=high).contains(side))
+    }
+
+    /// Whether `twist` (m or rad) is more than play.
+    pub(super) fn is_wound(&self, twist: f64) -> bool {
+        twist.abs() > 0.5 * self.backlash
     }
 
     /// How far the motor is ahead where the axis feels `effort` at rest.

@@ -6,8 +6,8 @@
 //!
 //! An axis on an InterpCNC board that is in the loop of the simulated machine is moved by the board itself.
 
-use super::board::{BoardRange, BoardSearch};
-use crate::machine::{DriveFamily, Machine, SimulationError};
+use super::board::{BoardRefusal, BoardSearch};
+use crate::machine::{Machine, SimulationError};
 use crate::physics::PhysicsError;
 use crate::report::seconds;
 use crate::simulated::Simulated;
@@ -54,7 +54,7 @@ pub enum AxisProbeError {
     Simulation(#[from] SimulationError),
     /// The board has no such command.
     #[error(transparent)]
-    Board(#[from] BoardRange),
+    Board(#[from] BoardRefusal),
 }
 
 /// What moves the axis.
@@ -96,11 +96,8 @@ impl AxisProbe {
         if !reached || !above.iter().all(|value| value.is_finite() && *value > 0.0) {
             return Err(refused(PhysicsError::Input { time_ns: 0 }).into());
         }
-        let board = machine.axes.get(self.axis).zip(from).and_then(|(axis, from)| {
-            let device = machine.drives.get(axis.drive.as_ref()?.device)?;
-            let has_board = device.in_loop && matches!(device.family, DriveFamily::InterpCnc(_));
-            has_board.then(|| BoardSearch::begin(self, axis, from))?
-        });
+        let axis = machine.axes.get(self.axis).zip(from);
+        let board = axis.and_then(|(axis, from)| BoardSearch::begin(self, machine, axis, from));
         let mut search: Box<dyn Search> = match board {
             Some(board) => Box::new(board?),
             None => Box::new(Course::new(self)),

@@ -2,7 +2,7 @@
 //! simulated machine is its input.
 
 use super::axis::{AxisProbe, Search};
-use crate::machine::Axis;
+use crate::machine::{Axis, DriveFamily, Machine};
 use twin_drives::interpcnc::emulator::{Board, BoardOptions};
 use twin_drives::interpcnc::registers::{BoardAxis, MAX_SPEED_HZ};
 use twin_drives::interpcnc::{AxisValues, Command};
@@ -10,16 +10,35 @@ use twin_drives::interpcnc::{AxisValues, Command};
 /// The input that the probe is wired to; which one it is makes no difference to an axis.
 const INPUT: u8 = 1;
 
-/// What command 40 cannot say.
+/// Why a board does not carry out command 40.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{what} of {value:.0} {unit}: command 40 has 1 to {most} {unit}")]
-pub struct BoardRange {
-    /// Which argument.
-    what: &'static str,
-    /// Steps, steps/s, or thousands of steps/s².
-    value: f64,
-    unit: &'static str,
-    most: u32,
+pub enum BoardRefusal {
+    /// An argument that the command cannot say.
+    #[error("{what} of {value:.0} {unit}: command 40 has 1 to {most} {unit}")]
+    Range {
+        /// Which.
+        what: &'static str,
+        /// Steps, steps/s, or thousands of steps/s².
+        value: f64,
+        /// Which of them.
+        unit: &'static str,
+        /// The largest that it can say.
+        most: u32,
+    },
+    /// The board says no.
+    #[error("the emulated board refuses command 40 with exception {code}")]
+    Exception {
+        /// Modbus exception code.
+        code: u8,
+    },
+    /// Another device than a board.
+    #[error(
+        "a {family} has no probing move of its own; without --drives-in-loop and in_loop the axis is moved by set-points"
+    )]
+    NoCommand {
+        /// Its family.
+        family: &'static str,
+    },
 }
 
 /// A board on the search.
@@ -34,14 +53,28 @@ pub(super) struct BoardSearch {
 }
 
 impl BoardSearch {
-    /// The board at rest at `from` (m or rad) with the command on its way; `None` for an axis without a board.
+    /// The board at rest at `from` (m or rad) with the command on its way; `None` for an axis whose drive is not in the loop of
+    /// `machine`.
+    ///
+    /// # Errors
+    /// If the drive cannot be told so.
     pub(super) fn begin(
         probe: &AxisProbe,
+        machine: &Machine,
         axis: &Axis,
         from: f64,
-    ) -> Option<Result<Self, BoardRange>> {
-        let name = *BoardAxis::ALL.get(axis.drive.as_ref()?.index)?;
-        Some(Self::commanded(probe, name, axis.increments_per_si(), from))
+    ) -> Option<Result<Self, BoardRefusal>> {
+        let drive = axis.drive.as_ref()?;
+        let device = machine.drives.get(drive.device).filter(|device| device.in_loop)?;
+        let name = match device.family {
+            DriveFamily::InterpCnc(_) => BoardAxis::ALL.get(drive.index).copied(),
+            DriveFamily::SmartDrive(_) | DriveFamily::Bim2Ax(_) => None,
+        };
+        let family = device.family_name();
+        Some(
+            name.ok_or(BoardRefusal::NoCommand { family })
+                .and_then(|name| Self::commanded(probe, name, axis.increments_per_si(), from)),
+        )
     }
 
     fn commanded(
@@ -49,7 +82,7 @@ impl BoardSearch {
         axis: BoardAxis,
         increments_per_si: f64,
         from: f64,
-    ) -> Result<Self, BoardRange> {
+    ) -> Result<Self, BoardRefusal> {
         let scale = increments_per_si.abs();
         let stroke =
             whole("stroke", "steps", probe.stroke.abs() * scale, i32::MAX.cast_unsigned())?;
@@ -82,8 +115,7 @@ impl BoardSearch {
         }
         let unlock = Command::Reset { unlock: true, homing_error: false, probe_error: false };
         for command in [unlock, Command::WritePosition { positions }, command] {
-            // All of it has been checked.
-            board.send(&command).unwrap_or_default();
+            board.send(&command).map_err(|code| BoardRefusal::Exception { code })?;
         }
         let from = counter / increments_per_si;
         Ok(Self { board, axis, increments_per_si, from, change: 0.0, tripped: false })
@@ -117,10 +149,15 @@ impl Search for BoardSearch {
 }
 
 /// An argument that is more than nothing, to the nearest whole number.
-fn whole(what: &'static str, unit: &'static str, value: f64, most: u32) -> Result<u32, BoardRange> {
+fn whole(
+    what: &'static str,
+    unit: &'static str,
+    value: f64,
+    most: u32,
+) -> Result<u32, BoardRefusal> {
     let rounded = value.round();
     if !(1.0..=f64::from(most)).contains(&rounded) {
-        return Err(BoardRange { what, value, unit, most });
+        return Err(BoardRefusal::Range { what, value, unit, most });
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "just compared")]
     let whole = rounded as u32;
@@ -128,8 +165,8 @@ fn whole(what: &'static str, unit: &'static str, value: f64, most: u32) -> Resul
 }
 
 /// The same for an argument of one register.
-fn narrow(what: &'static str, unit: &'static str, value: f64) -> Result<u16, BoardRange> {
+fn narrow(what: &'static str, unit: &'static str, value: f64) -> Result<u16, BoardRefusal> {
     let most = u16::MAX.into();
     let whole = whole(what, unit, value, most)?;
-    u16::try_from(whole).map_err(|_beyond| BoardRange { what, value, unit, most })
+    u16::try_from(whole).map_err(|_beyond| BoardRefusal::Range { what, value, unit, most })
 }

@@ -17,7 +17,7 @@ mod vice_tests;
 
 pub(crate) use around::surroundings;
 pub use axis::{AxisProbe, AxisProbeEnd, AxisProbeError};
-pub use board::BoardRange;
+pub use board::BoardRefusal;
 
 /// Nearer than this is touching, m: the rounding of distances.
 const TOUCH: f64 = 1e-8;

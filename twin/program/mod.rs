@@ -403,9 +403,13 @@ impl ProgramFile {
                 }))
             }
             Dialect::Rs274 => {
+                let options = self.rs274_options(conditions);
+                let kept = empty == EmptyMoves::Kept;
                 let options = rs274::DecoderOptions {
-                    keep_empty_moves: empty == EmptyMoves::Kept,
-                    ..self.rs274_options(conditions)
+                    keep_empty_moves: kept,
+                    // As little in the program as the stops of empty moves.
+                    probe_settle_ns: if kept { 0 } else { options.probe_settle_ns },
+                    ..options
                 };
                 Decoder::Rs274(Box::new(rs274::Decoder::new(reader, options)))
             }

@@ -268,6 +268,7 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
                 std::thread::sleep(Duration::from_micros(500));
             }
         }
+        run.arrive(observer);
         run.settle(clock, observer, interrupts);
         run.ending()
     }

@@ -15,7 +15,7 @@ use crate::physics::PhysicsError;
 use crate::planning::Planning;
 use crate::plant::{AxisFeedback, Plant};
 use crate::program::ProgramItem;
-use crate::setpoint::{AxisSetpoint, Transformer};
+use crate::setpoint::{AxisSetpoint, Transformer, resting_behind};
 use std::collections::VecDeque;
 use std::task::Poll;
 use std::time::Duration;
@@ -212,7 +212,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                 self.off_path = Some(from.place);
             }
             if let Some(hardware) = &mut self.hardware {
-                hardware.replan(from.time_ns, self.planned.iter().skip(kept));
+                hardware.replan(from.time_ns, &self.planned.iter().skip(kept));
             }
         } else if let Some(hardware) = &mut self.hardware {
             hardware.stop();
@@ -327,6 +327,20 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                 observer.twin(&TwinCycle { setpoint: &setpoint, wanted, twin, motors });
             }
         }
+    }
+
+    /// Lets drives in the loop of the simulated machine come to rest behind the last set-point.
+    pub(super) fn arrive(&mut self, observer: &mut dyn Observer) {
+        let Some(last) = self.executed else { return };
+        for resting in resting_behind(&last, self.machine.cycle_ns) {
+            if self.twin_failed || self.twin.has_arrived() {
+                break;
+            }
+            self.planned.push_back(resting);
+            self.simulate(resting.time_ns, observer);
+        }
+        // The program has ended when its last set-point was there.
+        self.executed = Some(last);
     }
 
     /// Nothing to compare with any more: the drives brake, and that is the end.

@@ -101,11 +101,6 @@ impl Encoder {
         self.watch();
     }
 
-    /// The encoder itself.
-    pub(crate) fn bench(&self) -> Option<EncoderBench> {
-        self.bench
-    }
-
     /// The kind recognised and declared.
     pub(crate) fn kind(&self) -> Option<EncoderKind> {
         self.kind

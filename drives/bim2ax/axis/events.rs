@@ -153,7 +153,9 @@ impl Axis {
         match self.task {
             Task::Homing(Homing::Clearing) => self.seek(),
             Task::Homing(Homing::Stopping) => {
-                self.declare(0);
+                if !self.assumptions.homing_keeps_position {
+                    self.declare(0);
+                }
                 let shaft = self.shaft();
                 self.encoder.home(shaft);
                 self.finish();

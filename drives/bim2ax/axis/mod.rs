@@ -70,6 +70,20 @@ struct Programmed {
     corrections: u8,
 }
 
+/// How the module behaves where its manual says nothing. All false is what is thought most likely.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "independent facts, each so or not")]
+pub struct Assumptions {
+    /// An order that is refused because of the move under way ends that move, with ramp.
+    pub refusal_stops: bool,
+    /// The order 0 ends every move, with ramp, not only manual ones.
+    pub zero_ends_every_move: bool,
+    /// A move that is abandoned costs homing.
+    pub abandon_loses_homing: bool,
+    /// The counter goes on counting through homing instead of being 0 at its end.
+    pub homing_keeps_position: bool,
+}
+
 /// One axis at one instant.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Axis {
@@ -97,6 +111,7 @@ pub(crate) struct Axis {
     stored: i32,
     /// Ends of moves so far.
     ends: u64,
+    assumptions: Assumptions,
 }
 
 impl Axis {
@@ -127,12 +142,23 @@ impl Axis {
             ack_bloc: 0,
             stored,
             ends: 0,
+            assumptions: Assumptions::default(),
         };
         axis.offset = shaft - axis.direction() * i64::from(position);
         if bench.stalled {
             axis.held = Some(shaft);
         }
         axis
+    }
+
+    /// Homing counts as done.
+    pub(crate) fn set_homed(&mut self) {
+        self.latch(message::HOMED, true);
+    }
+
+    /// Has it behave otherwise where the manual says nothing.
+    pub(crate) fn set_assumptions(&mut self, assumptions: Assumptions) {
+        self.assumptions = assumptions;
     }
 
     /// Lets time pass up to `time_ns`, never backwards.
@@ -148,6 +174,7 @@ impl Axis {
     }
 
     /// The time, ns.
+    #[cfg(test)]
     pub(crate) fn now_ns(&self) -> i64 {
         self.now_ns
     }
@@ -160,11 +187,6 @@ impl Axis {
     /// "Position théorique", µsteps.
     pub(crate) fn counter(&self) -> i32 {
         saturated(self.count(self.now_ns))
-    }
-
-    /// The counter when the present leg ends by itself, and when, ns.
-    pub(crate) fn leg_end_ns(&self) -> i64 {
-        self.motion.end_ns()
     }
 
     /// True while an order is being carried out.

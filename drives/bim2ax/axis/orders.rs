@@ -40,12 +40,18 @@ impl Axis {
         } else if word & uc::ABANDON != 0 {
             self.latch(message::REFUSED, false);
             self.ack_uc = uc::ABANDON;
+            if self.assumptions.abandon_loses_homing {
+                self.latch(message::HOMED, false);
+            }
             self.brake();
         } else if manual && moves == self.ack_uc {
             // Repeated while it runs: it goes on.
         } else if moves != 0 {
             self.latch(message::REFUSED, true);
-        } else if manual && !self.braking {
+            if self.assumptions.refusal_stops && !self.braking {
+                self.brake();
+            }
+        } else if (manual || self.assumptions.zero_ends_every_move) && !self.braking {
             self.brake();
         }
     }

@@ -7,12 +7,13 @@
 
 mod orders;
 mod parameters;
+mod programmed;
 
 use std::{io, sync::Arc, time::Duration};
 
 use tokio::time::{sleep, timeout};
 
-pub use orders::{Move, Start};
+pub use programmed::{Move, Start};
 
 use super::{
     AXES, ByteOrder, ModuleAxis,

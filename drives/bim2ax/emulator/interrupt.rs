@@ -3,7 +3,8 @@
 use super::{Module, RAM_LENGTH, ZONES_AT_ONCE};
 use crate::bim2ax::{
     AXES, ModuleAxis,
-    axis::AxisOrder,
+    axis::{Axis, AxisOrder},
+    bits::uc,
     memory::{
         ENTRIES, HOST_PAGE, INTERRUPT_STATUS, MODULE_PAGE, RECEIPT_ORDERS, RECEIPT_PARAMETER,
         RECEIPTS, WINDOW_LENGTH, ZONES,
@@ -76,7 +77,9 @@ impl Module {
     }
 
     fn order(&mut self, orders: &Orders) {
-        let parts = orders.uc.into_iter().zip(orders.bloc).zip(self.targets);
+        let unknown = if self.options.phases_on_order { 0 } else { uc::PHASES_ON };
+        let words = orders.uc.map(|word| word & !unknown);
+        let parts = words.into_iter().zip(orders.bloc).zip(self.targets);
         for (axis, ((uc, bloc), target)) in self.axes.iter_mut().zip(parts) {
             axis.order(&AxisOrder { uc, bloc, target: target.position, speed: target.speed });
         }
@@ -98,12 +101,12 @@ impl Module {
                 }
             }
         }
+        self.set_ram(MODULE_PAGE, INTERRUPT_STATUS, 1);
+        self.set_ram(MODULE_PAGE, ZONES, asked);
         if let Some((offset, bits)) = self.faults.garbled {
             let byte = self.ram(MODULE_PAGE, offset);
             self.set_ram(MODULE_PAGE, offset, byte ^ bits);
         }
-        self.set_ram(MODULE_PAGE, INTERRUPT_STATUS, 1);
-        self.set_ram(MODULE_PAGE, ZONES, asked);
     }
 
     /// What a zone says now.
@@ -113,12 +116,11 @@ impl Module {
         let axes = [one, two];
         match zone {
             ReadZone::Positions => {
-                let (positions, messages) =
-                    (axes.map(|axis| axis.counter()), axes.map(|axis| axis.messages()));
+                let (positions, messages) = (axes.map(Axis::counter), axes.map(Axis::messages));
                 Positions { positions, messages }.encode(order)
             }
             ReadZone::Acknowledgements => {
-                let (uc, bloc) = (axes.map(|axis| axis.ack_uc()), axes.map(|axis| axis.ack_bloc()));
+                let (uc, bloc) = (axes.map(Axis::ack_uc), axes.map(Axis::ack_bloc));
                 Orders { uc, bloc }.encode(order)
             }
             ReadZone::Parameter => {

@@ -9,13 +9,11 @@
 //! not exist read $FF; values out of the range of a parameter are refused as numbers out of range are; a refused
 //! order of the zone "Paramètre" is echoed with the value 0; RESET is obeyed always, also with a wrong check sum and
 //! in motion; writing any parameter makes the check sum right, and the module works again after RESET; the last
-//! encoder position is stored in points.
+//! encoder position is stored in points; an axis with an absolute encoder starts where that shows it to be.
 
 mod eeprom;
 mod interrupt;
 mod parameters;
-#[cfg(test)]
-mod tests;
 mod thread;
 
 pub use eeprom::Eeprom;
@@ -23,12 +21,13 @@ pub use thread::{EmulatedModule, EmulatorOptions};
 
 use super::{
     AXES, Bench, EncoderBench, ModuleAxis,
-    axis::{Axis, AxisSettings},
-    bits::encoder_message,
+    axis::{Assumptions, Axis, AxisSettings},
+    bits::{coefficient, encoder_message, message},
     memory::{
         BIM2AX_BOCM, ByteOrder, HOST_PAGE, IDENTIFIER, INTERRUPT, NOT_RUNNING, PAGE_REGISTER,
         WINDOW_LENGTH,
     },
+    parameter::{AxisParameter, Parameter},
     zone::{ParameterExchange, Target},
 };
 
@@ -56,6 +55,10 @@ pub struct ModuleOptions {
     pub refreshes_all: bool,
     /// From version 15 on: entries at $70 to $73 are carried out again with every interrupt until they are cleared.
     pub keeps_entries: bool,
+    /// The order "phases on" is known, which revision D of the manual has added.
+    pub phases_on_order: bool,
+    /// How the axes behave where the manual says nothing.
+    pub assumptions: Assumptions,
 }
 
 impl Default for ModuleOptions {
@@ -70,6 +73,8 @@ impl Default for ModuleOptions {
             plugs_ns: 700_000_000,
             refreshes_all: true,
             keeps_entries: true,
+            phases_on_order: true,
+            assumptions: Assumptions::default(),
         }
     }
 }
@@ -117,6 +122,7 @@ pub struct Module {
     /// When the pending interrupt takes effect.
     interrupt_ns: Option<i64>,
     served: u64,
+    starts: u64,
     targets: [Target; AXES],
     /// Answer to the last parameter order.
     answer: ParameterExchange,
@@ -149,6 +155,7 @@ impl Module {
             running: false,
             interrupt_ns: None,
             served: 0,
+            starts: 0,
             targets: [Target::default(); AXES],
             answer: ParameterExchange::default(),
             errors: 0,
@@ -238,7 +245,8 @@ impl Module {
     fn interrupt(&mut self) {
         if self.running && !self.faults.deaf {
             let delay_ns = self.options.interrupt_ns + self.faults.late_ns.max(0);
-            self.interrupt_ns = Some(self.now_ns + delay_ns.max(0));
+            // One that is pending already is not served twice.
+            self.interrupt_ns.get_or_insert(self.now_ns + delay_ns.max(0));
         }
     }
 
@@ -288,6 +296,35 @@ impl Module {
     /// How often something has been stored in the EEPROM.
     pub fn stores(&self) -> u64 {
         self.stores
+    }
+
+    /// Starts of the software.
+    pub fn starts(&self) -> u64 {
+        self.starts
+    }
+
+    /// Current in the windings of a motor, mA: none with phases off, the motor current in motion, else the holding
+    /// current, which the motor current limits (3.1.4).
+    pub fn current_ma(&self, axis: ModuleAxis) -> u32 {
+        let of = self.axis(axis);
+        let long = |parameter| self.active.get(Parameter::Axis(parameter, axis));
+        let most = long(AxisParameter::MotorCurrent);
+        if of.messages() & message::PHASES_OFF != 0 || !self.running {
+            0
+        } else if of.moving() {
+            most
+        } else {
+            long(AxisParameter::HoldingCurrent).min(most)
+        }
+    }
+
+    /// Current with which the motor test is made, mA: 60 or the holding current (3.1.1.13).
+    pub fn test_current_ma(&self, axis: ModuleAxis) -> u32 {
+        if self.axis(axis).settings().has(coefficient::TEST_AT_60_MA) {
+            60
+        } else {
+            self.active.get(Parameter::Axis(AxisParameter::HoldingCurrent, axis))
+        }
     }
 
     /// Interrupts that have taken effect.

@@ -138,6 +138,7 @@ impl Module {
     /// The software starts; it has read the plugs.
     pub(super) fn start_software(&mut self) {
         self.running = true;
+        self.starts += 1;
         self.plugs = self.surroundings.plugs;
     }
 
@@ -157,12 +158,14 @@ impl Module {
         let last_points = self.active.signed(AxisParameter::LastEncoderPosition, axis);
         let incremental = encoder.kind() == Some(EncoderKind::Incremental);
         let reload = if incremental { Reload::of(encoder_definition) } else { Reload::default() };
+        let shaft = before.shaft();
         let position = match reload.motor {
+            // Homing is not needed with an absolute encoder (5.1): the position is what it shows.
+            Source::Nothing if !incremental => encoder.steps(shaft).unwrap_or(0),
             Source::Nothing => 0,
             Source::Motor => last,
             Source::Encoder => scaled(last_points, dividend, divisor),
         };
-        let shaft = before.shaft();
         match reload.encoder {
             Source::Nothing if incremental => encoder.set_points(shaft, 0),
             Source::Nothing => {}
@@ -173,6 +176,7 @@ impl Module {
         let mut started =
             Axis::power_up(self.now_ns, &settings, before.bench(), shaft, position, last);
         *started.encoder_mut() = encoder;
+        started.set_assumptions(self.options.assumptions);
         started
     }
 }

@@ -92,6 +92,7 @@ impl EmulatedModule {
             mapping,
             interrupts: 0,
             served: 0,
+            starts: 0,
             eeprom: options.eeprom.clone(),
             stores: 0,
         };
@@ -174,6 +175,8 @@ struct Server {
     interrupts: u8,
     /// Interrupts that have taken effect and been written to the file.
     served: u64,
+    /// Starts of the software, after each of which the RAM is another.
+    starts: u64,
     eeprom: Option<PathBuf>,
     stores: u64,
 }
@@ -199,6 +202,10 @@ impl Server {
                     self.say(&module)?;
                     let count = self.mapping.load(file_offset::SERVED)?;
                     self.mapping.store(file_offset::SERVED, count.wrapping_add(1))?;
+                }
+                if module.starts() != self.starts {
+                    self.starts = module.starts();
+                    self.say(&module)?;
                 }
                 if module.stores() != self.stores {
                     self.stores = module.stores();

@@ -191,3 +191,46 @@ fn the_same_plan_gives_the_same_motion_however_often_it_is_asked() {
     }
     assert_eq!(once.advance(&plan, 1500 * MS), often.advance(&plan, 1500 * MS));
 }
+
+#[test]
+fn a_rehearsal_is_of_axes_that_are_homed_and_have_no_switches() {
+    use crate::bim2ax::bits::coefficient;
+    // Opening switches that are not there would be actuated, and before homing nothing would move.
+    let coefficient = coefficient::PRESENT | coefficient::HOMING_MANDATORY;
+    let axis = AxisSettings { coefficient, ..settings() };
+    let mut rehearsal = Bim2AxRehearsal::new(&RehearsalOptions::new(vec![axis]));
+    let plan = Plan(line([1500.0, 0.0]));
+    rehearsal.advance(&plan, 0);
+    let reached = rehearsal.advance(&plan, 1100 * MS).position[0];
+    assert!((reached - 1500.0).abs() <= 1500.0 * DEAD_S + 1.25, "{reached}");
+    // A soft limit counts, as it does in the module.
+    let axis = AxisSettings { soft_plus: 700, ..axis };
+    let mut rehearsal = Bim2AxRehearsal::new(&RehearsalOptions::new(vec![axis]));
+    rehearsal.advance(&plan, 0);
+    let stands = rehearsal.advance(&plan, 2000 * MS).position[0];
+    assert!((stands - 700.0).abs() < 1e-9, "{stands}");
+}
+
+/// What a quarter of a second of horizon, a start-stop speed of a tenth of the fast speed and a circle make of it:
+/// printed with `--nocapture`, and held against the bounds of the module's documentation.
+#[test]
+fn a_circle_is_followed_within_chord_dead_time_and_ramps() {
+    let (radius, omega) = (1600.0_f64, std::f64::consts::TAU / 4.0);
+    let plan = Plan(move |time: f64| {
+        let (sin, cos) = (omega * time).sin_cos();
+        let speed = radius * omega;
+        motion_of([radius * cos, radius * sin], [-speed * sin, speed * cos])
+    });
+    let (worst, rehearsal) = largest(&plan, 500, 8000);
+    let speed = radius * omega;
+    // Legs of T = 0.15 s would have a chord of r·ω²·T²/8 = 11 and a dead time of v·0.011/2 = 14 to either side; the
+    // start at 2513 µsteps/s has to accelerate from 2000, which costs (w − u)²/(2a) = 3 with w = 2600.
+    let bound = radius * omega * omega * 0.15 * 0.15 / 8.0 + speed * DEAD_S / 2.0 + 3.0;
+    println!(
+        "circle of {radius} µsteps at {speed:.0} µsteps/s: worst {worst:.1?}, expected {:.1} rms, {} exchanges",
+        rehearsal.expected_error(),
+        rehearsal.exchanges()
+    );
+    // The plan at the begin moves already, and legs end at turning points of either axis: twice that at most.
+    assert!(worst.iter().all(|worst| *worst <= 2.0 * bound), "{worst:?} > 2 · {bound}");
+}

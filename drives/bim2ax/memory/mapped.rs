@@ -64,7 +64,8 @@ fn beyond(error: vm_memory::VolatileMemoryError) -> io::Error {
 /// A module whose 256 bytes are mapped: of a UIO device (`/dev/uio0`, first map at 0), of physical memory
 /// (`/dev/mem` from its bus address), of a PCI resource (`/sys/bus/pci/devices/…/resource0`).
 ///
-/// Every byte is one access of eight bits, in the order of the program.
+/// Every byte is one access of eight bits, in the order of the program. A plain file must not be made shorter while
+/// it is mapped: the system ends a process that touches what is gone.
 #[derive(Debug)]
 pub struct MappedMemory {
     mapping: Mapping,

@@ -28,7 +28,7 @@ impl SharedModule {
         Self { module: Arc::new(Mutex::new(module)), clock: Arc::new(clock) }
     }
 
-    /// The module, now.
+    /// The module, now. Nobody else gets at it while the guard lives, this thread included.
     pub fn module(&self) -> MutexGuard<'_, Module> {
         let mut module = self.module.lock().unwrap_or_else(PoisonError::into_inner);
         module.advance(self.clock.now_ns());

@@ -1,1 +1,316 @@
+//! The module as a drive: in real time on a memory file served by another thread, and in virtual time.
 
+use std::time::Instant as WallClock;
+
+use super::*;
+use crate::{
+    Drive, DriveError, IncrementMotion, SetpointStream,
+    bim2ax::{
+        Bim2AxDrive, Bim2AxDriveOptions, MemoryFile,
+        bits::message,
+        emulator::{EmulatedModule, EmulatorOptions},
+    },
+};
+
+/// The clock of these tests.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "these tests run in real time and are their own session"
+)]
+fn wall_clock() -> impl Fn() -> i64 + Send + Sync + Copy {
+    let zero = WallClock::now();
+    move || i64::try_from(zero.elapsed().as_nanos()).unwrap()
+}
+
+/// A plan of two axes: a line to and fro, at rest before and after.
+struct Plan<C> {
+    clock: C,
+    start_ns: i64,
+}
+
+/// µsteps and seconds of half the plan.
+const STROKE: f64 = 600.0;
+const HALF_S: f64 = 0.75;
+
+#[expect(clippy::cast_precision_loss, reason = "seconds")]
+impl<C: Fn() -> i64 + Sync> SetpointStream for Plan<C> {
+    fn now_ns(&self) -> i64 {
+        (self.clock)() - self.start_ns
+    }
+
+    fn at(&self, time_ns: i64) -> IncrementMotion {
+        let time = (time_ns as f64 * 1e-9).clamp(0.0, 2.0 * HALF_S);
+        let mut motion = IncrementMotion::default();
+        for (axis, stroke) in [STROKE, -0.5 * STROKE].into_iter().enumerate() {
+            motion.position[axis] = stroke * (1.0 - (time / HALF_S - 1.0).abs());
+            let sense = if time <= 0.0 || time >= 2.0 * HALF_S {
+                0.0
+            } else if time < HALF_S {
+                1.0
+            } else {
+                -1.0
+            };
+            motion.velocity[axis] = stroke / HALF_S * sense;
+        }
+        motion
+    }
+
+    fn horizon_ns(&self) -> i64 {
+        250_000_000
+    }
+}
+
+/// An emulator on a memory file in a folder that lives as long as it.
+fn emulated() -> (tempfile::TempDir, EmulatedModule) {
+    let folder = tempfile::tempdir().unwrap();
+    let image = folder.path().join("eeprom");
+    std::fs::write(&image, eeprom().to_bytes()).unwrap();
+    let mut options = EmulatorOptions::new(&folder.path().join("module"));
+    options.eeprom = Some(image);
+    options.surroundings = surroundings();
+    options.module.boot_ns = 0;
+    let module = EmulatedModule::start(&options, wall_clock()).unwrap();
+    // Until its status is there, the file is that of a module that runs and has no identifier.
+    let mut memory = MemoryFile::open(module.path()).unwrap();
+    let mut identifier = [0];
+    while identifier != [0x4E] {
+        crate::bim2ax::Memory::read(&mut memory, 0xFF, &mut identifier).unwrap();
+        std::thread::yield_now();
+    }
+    (folder, module)
+}
+
+/// A drive whose deadlines are for a machine that does other things, too.
+fn drive(module: &EmulatedModule) -> Bim2AxDrive {
+    let mut options = Bim2AxDriveOptions::new();
+    options.driver.deadline = Duration::from_secs(5);
+    let path = module.path();
+    let memory = MemoryFile::open(path).unwrap();
+    Bim2AxDrive::new(path.to_str().unwrap(), memory, &options).unwrap()
+}
+
+#[test]
+fn it_follows_a_plan_and_ends_on_it() {
+    let (_folder, module) = emulated();
+    let mut drive = drive(&module);
+    let clock = wall_clock();
+    let plan = Plan { clock, start_ns: clock() + 300_000_000 };
+    let first = drive.probe(&plan).unwrap();
+    assert_eq!((first.position, first.moving), ([0; 5], false));
+    drive.enable().unwrap();
+    let mut farthest = [0, 0];
+    let mut samples = 0;
+    while plan.now_ns() < 2_000_000_000 {
+        let sample = drive.follow(&plan).unwrap();
+        samples += 1;
+        farthest[0] = farthest[0].max(sample.position[0]);
+        farthest[1] = farthest[1].min(sample.position[1]);
+    }
+    let last = drive.sample(&plan).unwrap();
+    assert_eq!((last.position, last.moving), ([0; 5], false));
+    // How far it got before the plan turned depends on what else this machine had to do; beyond it must not go.
+    assert!((0..=600).contains(&farthest[0]), "{farthest:?} in {samples} samples");
+    assert!((-300..=0).contains(&farthest[1]), "{farthest:?} in {samples} samples");
+}
+
+#[test]
+fn positions_moves_homing_and_stops() {
+    let (_folder, module) = emulated();
+    let mut drive = drive(&module);
+    let clock = wall_clock();
+    let plan = Plan { clock, start_ns: i64::MAX / 2 };
+    drive.probe(&plan).unwrap();
+    drive.enable().unwrap();
+
+    let mut position = [0; 5];
+    position[..2].copy_from_slice(&[700, -900]);
+    drive.set_position(&position).unwrap();
+    assert_eq!(drive.sample(&plan).unwrap().position, position);
+
+    position[..2].copy_from_slice(&[800, -950]);
+    drive.move_to(&position, &[4000.0; 5]).unwrap();
+    while drive.sample(&plan).unwrap().moving {}
+    assert_eq!(drive.sample(&plan).unwrap().position, position);
+
+    drive.home(Duration::from_secs(20)).unwrap();
+    assert_eq!(drive.sample(&plan).unwrap().position, [0; 5]);
+    assert_eq!(module.module().shaft(ModuleAxis::One), -400);
+
+    // Half a minute each, so that the stops come before the ends.
+    position[..2].copy_from_slice(&[2900, 0]);
+    drive.move_to(&position, &[100.0; 5]).unwrap();
+    drive.soft_stop().unwrap();
+    let stopped = drive.sample(&plan).unwrap();
+    assert!(!stopped.moving && stopped.position[0] < 2900);
+
+    drive.move_to(&position, &[100.0; 5]).unwrap();
+    drive.hard_stop().unwrap();
+    let error = drive.sample(&plan).unwrap_err();
+    let hard_stopped = |messages| messages & message::HARD_STOPPED != 0;
+    assert!(
+        matches!(error, DriveError::AxisMessages { axis: 1, messages, .. } if hard_stopped(messages)),
+        "{error}"
+    );
+    let speed = drive.move_to(&position, &[0.2; 5]).unwrap_err();
+    assert!(matches!(speed, DriveError::Range { .. }), "{speed}");
+    position[0] = 4_194_304;
+    let beyond = drive.move_to(&position, &[1000.0; 5]).unwrap_err();
+    assert!(matches!(beyond, DriveError::Range { .. }), "{beyond}");
+    assert!(matches!(drive.set_output(1, true), Err(DriveError::Range { .. })));
+}
+
+#[test]
+fn an_eeprom_survives_a_restart_and_the_file_goes_with_the_emulator() {
+    let (folder, module) = emulated();
+    let mut drive = drive(&module);
+    let plan = Plan { clock: wall_clock(), start_ns: i64::MAX / 2 };
+    drive.probe(&plan).unwrap();
+    drive.enable().unwrap();
+    drive.move_to(&[40, -60, 0, 0, 0], &[1000.0; 5]).unwrap();
+    while drive.sample(&plan).unwrap().moving {}
+    let path = module.path().to_path_buf();
+    let stored = module.stop().unwrap().eeprom().clone();
+    assert!(!path.exists());
+    let image = std::fs::read(folder.path().join("eeprom")).unwrap();
+    assert_eq!(Eeprom::from_bytes(&image), stored);
+    let last = Parameter::Axis(AxisParameter::LastPosition, ModuleAxis::Two);
+    assert_eq!(stored.get(last).cast_signed(), -60);
+}
+
+#[test]
+fn files_that_are_no_memory_or_in_use_are_left_alone() {
+    let (folder, module) = emulated();
+    let second = EmulatedModule::start(&EmulatorOptions::new(module.path()), || 0);
+    assert!(matches!(second, Err(crate::EmulatorError::LinkTaken { .. })));
+    assert!(module.path().exists());
+    let precious = folder.path().join("precious");
+    std::fs::write(&precious, "precious").unwrap();
+    let refused = EmulatedModule::start(&EmulatorOptions::new(&precious), || 0);
+    assert!(matches!(refused, Err(crate::EmulatorError::LinkTaken { .. })));
+    assert_eq!(std::fs::read_to_string(&precious).unwrap(), "precious");
+    assert!(MemoryFile::open(&precious).is_err(), "too short");
+}
+
+/// A drive in virtual time, which only passes while it sleeps; the module; the time.
+fn virtually() -> (Bim2AxDrive, SharedModule, impl Fn() -> i64 + Send + Sync + Clone) {
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_time()
+        .start_paused(true)
+        .build()
+        .unwrap();
+    let handle = runtime.handle().clone();
+    let zero = runtime.block_on(async { Instant::now() });
+    let clock = move || {
+        let _inside = handle.enter();
+        i64::try_from(zero.elapsed().as_nanos()).unwrap()
+    };
+    let options = ModuleOptions { boot_ns: 0, ..ModuleOptions::default() };
+    let mut eeprom = eeprom();
+    for axis in BOTH {
+        // Nothing in its way.
+        let bits = coefficient::PRESENT | coefficient::IGNORE_SWITCHES;
+        set(&mut eeprom, axis, AxisParameter::Coefficient, bits.into());
+    }
+    let module = Module::new(&options, &eeprom, &Surroundings::default());
+    let module = SharedModule::new(module, clock.clone());
+    let options = Bim2AxDriveOptions::new();
+    let drive = Bim2AxDrive::on(runtime, "module", module.clone(), &options).unwrap();
+    (drive, module, clock)
+}
+
+#[test]
+fn in_virtual_time_it_follows_as_well_as_its_wire_allows() {
+    let (mut drive, module, clock) = virtually();
+    let mut plan = Plan { clock: clock.clone(), start_ns: i64::MAX / 2 };
+    drive.probe(&plan).unwrap();
+    drive.enable().unwrap();
+    plan.start_ns = clock() + 100_000_000;
+    let mut worst = 0.0_f64;
+    let mut orders = 0;
+    let mut moved = false;
+    while plan.now_ns() < 1_700_000_000 {
+        let sample = drive.follow(&plan).unwrap();
+        let planned = plan.at(sample.time_ns).position;
+        orders += i32::from(sample.moving && !moved);
+        moved = sample.moving;
+        for (found, planned) in sample.position.iter().zip(planned).take(2) {
+            #[expect(clippy::cast_precision_loss, reason = "small")]
+            let found = *found as f64;
+            // While the plan turns at once the axis stands still between two legs, and begins the next late.
+            worst = worst.max((found - planned).abs());
+        }
+    }
+    // 800 µsteps/s, below the start-stop speed: no ramps. A look takes 1 ms and begins when the leg has ended, an
+    // order counts 300 µs to 1 ms after it was given, and the first leg is planned with the 10 ms of the manual
+    // until it is known better: 12 ms at worst, of which a leg may be ahead or behind for the whole at the plan's
+    // begin and turn. A µstep for rounding, and one for the time stamp.
+    assert!(worst <= 800.0 * 0.012 + 2.0, "{worst} with {orders} orders");
+    assert!(orders >= 6, "{orders}");
+    for axis in BOTH {
+        assert!(module.module().position(axis).abs() < 0.5);
+    }
+}
+
+#[test]
+fn an_axis_alone_is_followed_too() {
+    let runtime =
+        tokio::runtime::Builder::new_current_thread().enable_time().start_paused(true).build();
+    let runtime = runtime.unwrap();
+    let handle = runtime.handle().clone();
+    let zero = runtime.block_on(async { Instant::now() });
+    let clock = move || {
+        let _inside = handle.enter();
+        i64::try_from(zero.elapsed().as_nanos()).unwrap()
+    };
+    let options = ModuleOptions { boot_ns: 0, ..ModuleOptions::default() };
+    let module = Module::new(&options, &eeprom(), &surroundings());
+    let module = SharedModule::new(module, clock.clone());
+    let mut options = Bim2AxDriveOptions::new();
+    options.axes = vec![ModuleAxis::Two];
+    let mut drive = Bim2AxDrive::on(runtime, "module", module.clone(), &options).unwrap();
+    let mut plan = Plan { clock: clock.clone(), start_ns: i64::MAX / 2 };
+    drive.probe(&plan).unwrap();
+    drive.enable().unwrap();
+    plan.start_ns = clock();
+    while plan.now_ns() < 700_000_000 {
+        drive.follow(&plan).unwrap();
+    }
+    // The first axis of the plan is the second of the module; 560 of 600 µsteps are due.
+    let (one, two) = (ModuleAxis::One, ModuleAxis::Two);
+    let module = module.module();
+    let (stands, moves) = (module.position(one), module.position(two));
+    assert!(stands == 0.0 && (540.0..580.0).contains(&moves), "{stands} {moves}");
+}
+
+#[test]
+fn modules_without_the_order_for_phases_are_enabled_by_a_motor_test() {
+    for phases_on_order in [true, false] {
+        let options = ModuleOptions { boot_ns: 0, phases_on_order, ..ModuleOptions::default() };
+        let clock = wall_clock();
+        let module = SharedModule::new(Module::new(&options, &eeprom(), &surroundings()), clock);
+        let mut options = Bim2AxDriveOptions::new();
+        options.driver.deadline = Duration::from_secs(5);
+        let mut drive = Bim2AxDrive::new("module", module.clone(), &options).unwrap();
+        let plan = Plan { clock, start_ns: i64::MAX / 2 };
+        drive.probe(&plan).unwrap();
+        assert_eq!(module.module().current_ma(ModuleAxis::One), 0);
+        drive.enable().unwrap();
+        assert_eq!(module.module().current_ma(ModuleAxis::One), 500);
+        let mut broken = surroundings();
+        broken.benches[0].power = false;
+        module.module().set_surroundings(&broken);
+        let error = drive.enable().unwrap_err();
+        assert!(matches!(error, DriveError::AxisMessages { axis: 1, .. }), "{error}");
+    }
+}
+
+#[test]
+fn axes_must_be_named_once() {
+    for axes in [vec![], vec![ModuleAxis::One; 2], vec![ModuleAxis::One; 3]] {
+        let mut options = Bim2AxDriveOptions::new();
+        options.axes = axes;
+        let module = Module::new(&ModuleOptions::default(), &eeprom(), &surroundings());
+        let refused = Bim2AxDrive::new("module", SharedModule::new(module, || 0), &options);
+        assert!(matches!(refused, Err(DriveError::Setting { setting: "number of axes", .. })));
+    }
+}

@@ -1,1 +1,275 @@
+//! Faults of module, motors and wires in every state of an axis, in virtual time: what becomes of the motion, what
+//! the driver says, and that the module can be used again afterwards.
 
+use super::*;
+use crate::{
+    DriveError,
+    bim2ax::{
+        Start,
+        bits::{card, message},
+        emulator::ModuleFaults,
+    },
+};
+
+/// What an axis is doing when something goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Doing {
+    Idle,
+    Homing,
+    Moving,
+    Stopping,
+}
+
+const EVERYTHING: [Doing; 4] = [Doing::Idle, Doing::Homing, Doing::Moving, Doing::Stopping];
+
+/// A rig whose first axis does that, for so long that it goes on during several exchanges.
+async fn doing(what: Doing) -> Rig {
+    let mut eeprom = eeprom();
+    // A ramp of 1.8 s, and no switches in its way.
+    set(&mut eeprom, ModuleAxis::One, AxisParameter::Acceleration, 5000);
+    let mut surroundings = surroundings();
+    surroundings.benches[0].plus = Some(Contact::above(1_000_000, true));
+    surroundings.benches[0].minus = Some(Contact::below(-1_000_000, true));
+    let module = ModuleOptions::default();
+    let mut rig = Rig::new(&module, &Bim2AxOptions::default(), &eeprom, &surroundings).await;
+    let clock = &clock();
+    rig.driver.set_phases(&BOTH, true, clock).await.unwrap();
+    match what {
+        Doing::Idle => {}
+        Doing::Homing => rig.driver.home(&[ModuleAxis::One], clock).await.unwrap(),
+        Doing::Moving | Doing::Stopping => {
+            rig.driver.start([Some(Start::to(50_000)), None], clock).await.unwrap();
+            sleep(seconds(1)).await;
+        }
+    }
+    if what == Doing::Stopping {
+        rig.driver.abandon(clock).await.unwrap();
+    }
+    assert_eq!(rig.moves().await, what != Doing::Idle, "{what:?}");
+    rig
+}
+
+impl Rig {
+    async fn moves(&mut self) -> bool {
+        let (seen, _) = self.driver.positions(&clock()).await.unwrap();
+        seen.messages[0] & message::MOVING != 0
+    }
+
+    fn speed(&self) -> f64 {
+        self.module.module().velocity(ModuleAxis::One).abs()
+    }
+
+    /// The module does as it is told again.
+    async fn usable(&mut self) {
+        let clock = &clock();
+        self.driver.rested(seconds(60), clock).await.unwrap();
+        let (before, _) = self.driver.positions(clock).await.unwrap();
+        let there = before.positions[0] - 100;
+        self.driver.start([Some(Start::to(there)), None], clock).await.unwrap();
+        let (after, _) = self.driver.rested(seconds(5), clock).await.unwrap();
+        assert_eq!(after.positions[0], there);
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_module_that_hears_nothing_is_a_timeout_and_motion_goes_on_to_its_end() {
+    for what in EVERYTHING {
+        let mut rig = doing(what).await;
+        let clock = &clock();
+        rig.module.module().set_faults(&ModuleFaults { deaf: true, ..ModuleFaults::default() });
+        let error = rig.driver.positions(clock).await.unwrap_err();
+        let text = error.to_string();
+        assert_eq!(
+            text, "/dev/uio0: reading zone 0 (Position): no answer within 10 ms",
+            "{what:?}"
+        );
+        // What was there before is not taken for an answer to an order either.
+        let error = rig.driver.stop_hard(clock).await.unwrap_err();
+        assert!(matches!(error, DriveError::Timeout { .. }), "{what:?}: {error}");
+        assert_eq!(rig.speed() > 0.0, what != Doing::Idle, "{what:?}");
+        rig.module.module().set_faults(&ModuleFaults::default());
+        rig.driver.stop_hard(clock).await.unwrap();
+        assert!(!rig.moves().await);
+        rig.usable().await;
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_module_that_says_nothing_still_stops() {
+    for what in EVERYTHING {
+        let mut rig = doing(what).await;
+        rig.module.module().set_faults(&ModuleFaults { frozen: true, ..ModuleFaults::default() });
+        let error = rig.driver.stop_hard(&clock()).await.unwrap_err();
+        assert!(matches!(error, DriveError::Timeout { .. }), "{what:?}: {error}");
+        assert!(rig.speed() == 0.0, "{what:?}");
+        rig.module.module().set_faults(&ModuleFaults::default());
+        rig.usable().await;
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn late_answers_are_not_taken_for_those_to_the_next_question() {
+    for what in EVERYTHING {
+        let mut rig = doing(what).await;
+        let clock = &clock();
+        // Later than the deadline, so that the answer to a question comes during the next.
+        let late = ModuleFaults { late_ns: 15_000_000, ..ModuleFaults::default() };
+        rig.module.module().set_faults(&late);
+        // A late answer is for one zone and the question for another: the zone's number tells.
+        for _ in 0..5 {
+            if let Err(error) = rig.driver.acknowledgements(clock).await {
+                let told =
+                    matches!(error, DriveError::Timeout { .. } | DriveError::Protocol { .. });
+                assert!(told, "{what:?}: {error}");
+            }
+            if let Ok((seen, stamp)) = rig.driver.positions(clock).await {
+                let now = rig.module.module().position(ModuleAxis::One);
+                let moved = 10_000.0 * crate::ramp::seconds(clock() - stamp.sent_ns) + 1.0;
+                assert!((f64::from(seen.positions[0]) - now).abs() <= moved, "{what:?}: stale");
+            }
+        }
+        rig.module.module().set_faults(&ModuleFaults::default());
+        sleep(Duration::from_millis(50)).await;
+        rig.usable().await;
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn garbled_zone_numbers_and_parameters_are_told() {
+    for what in EVERYTHING {
+        let mut rig = doing(what).await;
+        let clock = &clock();
+        // Bits of the number of the parameter that the module echoes.
+        let garbled = ModuleFaults { garbled: Some((0x1D, 0x40)), ..ModuleFaults::default() };
+        rig.module.module().set_faults(&garbled);
+        let error = rig.driver.parameter(Parameter::Version, clock).await.unwrap_err();
+        assert!(matches!(error, DriveError::Protocol { .. }), "{what:?}: {error}");
+        // The number of the zone: 1 instead of 0.
+        let garbled = ModuleFaults { garbled: Some((0x00, 0x01)), ..ModuleFaults::default() };
+        rig.module.module().set_faults(&garbled);
+        let error = rig.driver.positions(clock).await.unwrap_err();
+        assert!(matches!(error, DriveError::Protocol { .. }), "{what:?}: {error}");
+        rig.module.module().set_faults(&ModuleFaults::default());
+        assert_eq!(rig.driver.parameter(Parameter::Version, clock).await.unwrap(), 15);
+        rig.usable().await;
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_reset_on_the_way_stops_the_motor_and_is_told() {
+    for what in EVERYTHING {
+        let mut rig = doing(what).await;
+        let clock = &clock();
+        let stood = rig.module.module().shaft(ModuleAxis::One);
+        rig.module.module().brown_out();
+        let error = rig.driver.positions(clock).await.unwrap_err();
+        assert!(matches!(error, DriveError::NotRunning { .. }), "{what:?}: {error}");
+        let error = rig.driver.stop_hard(clock).await.unwrap_err();
+        assert!(matches!(error, DriveError::NotRunning { .. }), "{what:?}: {error}");
+        assert!(rig.speed() == 0.0, "{what:?}");
+        sleep(seconds(1)).await;
+        let (seen, _) = rig.driver.positions(clock).await.unwrap();
+        assert_eq!(seen.messages[0] & (message::HOMED | message::PHASES_OFF), message::PHASES_OFF);
+        assert_eq!(rig.module.module().shaft(ModuleAxis::One), stood, "{what:?}");
+        rig.usable().await;
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn power_lost_on_the_way_stops_hard_and_is_told() {
+    for what in EVERYTHING {
+        let mut rig = doing(what).await;
+        let clock = &clock();
+        rig.rewire(|surroundings| surroundings.benches[0].power = false);
+        let (seen, _) = rig.driver.positions(clock).await.unwrap();
+        let hard = if what == Doing::Idle { 0 } else { message::HARD_STOPPED };
+        let told =
+            seen.messages[0] & (message::POWER_ABSENT | message::HARD_STOPPED | message::MOVING);
+        assert_eq!(told, message::POWER_ABSENT | hard, "{what:?}");
+        let error = rig.driver.start([Some(Start::to(0)), None], clock).await;
+        assert!(matches!(error, Err(DriveError::AxisMessages { axis: 1, .. })), "{what:?}");
+        rig.rewire(|surroundings| surroundings.benches[0].power = true);
+        rig.usable().await;
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_phase_that_breaks_is_found_at_the_end_and_cleared_by_a_test() {
+    for what in EVERYTHING {
+        let mut rig = doing(what).await;
+        let clock = &clock();
+        rig.rewire(|surroundings| surroundings.benches[0].phase_open = true);
+        rig.driver.rested(seconds(60), clock).await.unwrap();
+        let error = rig.driver.start([Some(Start::to(1)), None], clock).await.unwrap_err();
+        assert!(error.to_string().contains("axis 1: phase open"), "{what:?}: {error}");
+        rig.rewire(|surroundings| surroundings.benches[0].phase_open = false);
+        rig.driver.test_motors(&[ModuleAxis::One], clock).await.unwrap();
+        rig.usable().await;
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_switch_that_sticks_stops_with_the_ramp() {
+    for what in EVERYTHING {
+        let mut rig = doing(what).await;
+        let clock = &clock();
+        rig.rewire(|surroundings| {
+            for contact in [&mut surroundings.benches[0].plus, &mut surroundings.benches[0].minus] {
+                *contact = contact.map(|contact| Contact { stuck: Some(true), ..contact });
+            }
+        });
+        // At most 6000 µsteps/s at 5000 µsteps/s².
+        let (seen, _) = rig.driver.rested(Duration::from_millis(1500), clock).await.unwrap();
+        let both = message::PLUS_SWITCH | message::MINUS_SWITCH;
+        assert_eq!(seen.messages[0] & (both | message::HOMED), both, "{what:?}");
+        let error = rig.driver.start([Some(Start::to(0)), None], clock).await;
+        let stands = seen.positions[0] == 0;
+        assert!(
+            stands || matches!(error, Err(DriveError::AxisMessages { axis: 1, .. })),
+            "{what:?}"
+        );
+        rig.rewire(|surroundings| {
+            for contact in [&mut surroundings.benches[0].plus, &mut surroundings.benches[0].minus] {
+                *contact = contact.map(|contact| Contact { stuck: None, ..contact });
+            }
+        });
+        rig.usable().await;
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn an_eeprom_that_fails_is_found_at_reset() {
+    for what in EVERYTHING {
+        let mut rig = doing(what).await;
+        let clock = &clock();
+        rig.module.module().spoil_eeprom();
+        assert_eq!(rig.moves().await, what != Doing::Idle, "nothing is noticed until RESET");
+        rig.driver.reset().await.unwrap();
+        let error = rig.driver.identify(clock).await.unwrap_err();
+        assert!(
+            matches!(error, DriveError::CardMessages { messages: card::CHECKSUM, .. }),
+            "{what:?}: {error}"
+        );
+        let holding = Parameter::Axis(AxisParameter::HoldingCurrent, ModuleAxis::One);
+        rig.driver.set_parameter(holding, 500, clock).await.unwrap();
+        rig.driver.reset().await.unwrap();
+        rig.usable().await;
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_memory_that_is_gone_is_told() {
+    struct Gone;
+    impl crate::bim2ax::Memory for Gone {
+        fn read(&mut self, _: u8, _: &mut [u8]) -> std::io::Result<()> {
+            Err(std::io::ErrorKind::NotConnected.into())
+        }
+        fn write(&mut self, _: u8, _: &[u8]) -> std::io::Result<()> {
+            Err(std::io::ErrorKind::NotConnected.into())
+        }
+    }
+    let mut driver = Bim2Ax::new("/dev/uio3", Gone, &Bim2AxOptions::default());
+    let error = driver.stop_hard(&clock()).await.unwrap_err();
+    assert!(matches!(error, DriveError::Transport { .. }), "{error}");
+    assert!(error.to_string().starts_with("/dev/uio3: order $0100 (hard stop): "), "{error}");
+}

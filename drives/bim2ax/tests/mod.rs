@@ -5,13 +5,14 @@ mod driver;
 mod faults;
 mod parameters;
 mod vectors;
+mod witness;
 
 use std::time::Duration;
 
 use tokio::time::{Instant, sleep};
 
 use super::{
-    AxisSettings, Bim2Ax, Bim2AxOptions, Contact, DriveMode, ModuleAxis, SharedModule,
+    Bim2Ax, Bim2AxOptions, Contact, ModuleAxis, SharedModule,
     bits::coefficient,
     emulator::{Eeprom, Module, ModuleOptions, Surroundings},
     parameter::{AxisParameter, Parameter},
@@ -45,18 +46,6 @@ pub(super) fn eeprom() -> Eeprom {
         set(&mut eeprom, axis, AxisParameter::Acceleration, 20_000);
     }
     eeprom
-}
-
-/// The same as settings.
-pub(super) fn settings() -> AxisSettings {
-    AxisSettings {
-        coefficient: coefficient::PRESENT | coefficient::CAM_CLOSES | coefficient::SWITCHES_CLOSE,
-        mode: DriveMode::from_code(0x0060).unwrap(),
-        start_stop_speed: 1000,
-        fast_speed: 10_000,
-        acceleration: 20_000,
-        ..AxisSettings::default()
-    }
 }
 
 /// Switches at ±3000 and a cam from −900 to −400 on both axes.

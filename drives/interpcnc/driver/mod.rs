@@ -21,13 +21,13 @@ pub use settings::{Identity, Recipes};
 
 use super::{
     Command, InterpCncOptions, Line, Parity,
-    port::{SharedPort, Transport},
+    port::SharedPort,
     registers::{
         AXES, COMMAND, FIRST_OUTPUT, INPUTS, MAX_SPEED_HZ, OUTPUTS, STATE_REGISTERS, STATUS,
         Status, join,
     },
 };
-use crate::{Action, Clock, DriveError, Exchange, ProtocolFault, Stamp};
+use crate::{Action, Clock, DriveError, Exchange, ProtocolFault, Stamp, transport::Transport};
 
 /// Attempts at a request that may be sent again.
 const ATTEMPTS: u32 = 2;

@@ -1,7 +1,8 @@
 //! Command 40: an axis moves until an input changes.
 //!
 //! Beyond the manual: B13 is also set for arguments without sense and for an input that has the awaited level already
-//! (published vendor sources), and when something else ends the move; the axis shows as moving independently meanwhile.
+//! (published vendor sources), which leave a search that is under way alone, and when something else ends the move; the
+//! axis shows as moving independently meanwhile. There is one search at a time: that of another axis ends on its ramp.
 
 use super::{Board, bench::input_bit, motion::Axis};
 use crate::interpcnc::{MoveProfile, registers::BoardAxis};
@@ -70,8 +71,6 @@ impl Board {
     pub(super) fn start_probe(&mut self, command: &ProbeCommand) {
         let ProbeCommand { axis, positive, input, level, max_stroke, profile } = *command;
         self.probe.failed = false;
-        self.probe.under_way = None;
-        self.abandon_homing(axis.mask());
         let bit = input_bit(input.into());
         if bit == 0 || level > 1 || max_stroke <= 0 {
             self.probe.failed = true;
@@ -89,6 +88,11 @@ impl Board {
             self.probe.failed = true;
             return;
         };
+        // One search at a time: that of another axis ends on its ramp.
+        if let Some(other) = self.probe.under_way.take().filter(|other| other.axis != axis) {
+            self.for_axes(other.axis.mask(), |axis| axis.ramp_stop(now));
+        }
+        self.abandon_homing(axis.mask());
         self.for_axes(axis.mask(), |axis| axis.start(now, &MoveProfile { target, ..profile }));
         self.probe.under_way = Some(Search { axis, input: bit, level, found: false });
     }

@@ -6,7 +6,7 @@ use crate::smartdrive::{
     frame::Answer,
     parameters::{
         ACCELERATION_CURRENT, ACCELERATION_SETPOINT, ALARM_STATUS, ANALOG_1, ANALOG_2,
-        DECELERATION_SETPOINT, INPUT_GO, OUTPUT_LED, OUTPUT_RDY, POSITION_ACTUAL,
+        DECELERATION_SETPOINT, INPUT_GO, Kind, OUTPUT_LED, OUTPUT_RDY, POSITION_ACTUAL,
         POSITION_SETPOINT, REVERSE_LIMN, SUPPLY, VAR_ENCODER_1, VAR_ENCODER_2, VELOCITY_ACTUAL,
         VELOCITY_ATTENUATION, VELOCITY_SETPOINT, variable_at,
     },
@@ -78,7 +78,8 @@ impl Device {
                 return Ok(Reply::Data(self.read(variable)?.to_le_bytes()));
             }
             Command::Set { parameter, value } => {
-                let copies = self.memory.set(parameter, value)?;
+                let at_once = self.options.assumptions.applies_words_at_once;
+                let copies = self.memory.set(parameter, value, at_once)?;
                 return Ok(Reply::Words {
                     saved: copies.saved,
                     working: copies.working,
@@ -117,6 +118,17 @@ impl Device {
             return Err(RejectCode::Working);
         }
         let (now_ns, ceilings) = (self.now_ns, self.ceilings());
+        let allowed = match *command {
+            Command::Start { speed, rate } => ceilings.allow(speed.unsigned_abs(), rate),
+            Command::Stop { rate } => ceilings.allow(0, rate),
+            Command::GoTo { profile, .. } | Command::Step { profile, .. } => {
+                profile.is_none_or(|(speed, rate)| ceilings.allow(speed, rate))
+            }
+            _ => true,
+        };
+        if !allowed && self.options.assumptions.refuses_beyond_ceilings {
+            return Err(RejectCode::BadParams);
+        }
         match *command {
             Command::TrajectoryInit(Init::All | Init::Position) => self.set_position(0),
             Command::TrajectoryInit(Init::Homing) => return self.begin_homing_if_possible(),
@@ -153,8 +165,15 @@ impl Device {
         Ok(())
     }
 
-    /// A variable, its sign extended to 32 bits.
+    /// A variable, its sign extended to 32 bits or not.
     fn read(&self, variable: u16) -> Result<i32, RejectCode> {
+        let value = self.value(variable)?;
+        let is_short = variable_at(variable).is_some_and(|entry| entry.kind == Kind::Signed);
+        let extends = self.options.assumptions.extends_signs;
+        Ok(if is_short && !extends { value & 0xFFFF } else { value })
+    }
+
+    fn value(&self, variable: u16) -> Result<i32, RejectCode> {
         let flag = |on: bool| if on { 0xFFFF } else { 0 };
         let turn = self.ceilings().turn;
         let state = self.generator.state(self.now_ns);

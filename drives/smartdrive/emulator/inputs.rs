@@ -66,11 +66,6 @@ impl Pins {
         self.inputs & input.mask() != 0
     }
 
-    /// Captures of active and inverse edges.
-    pub(super) fn captures(&self) -> (u8, u8) {
-        (self.active, self.reverse)
-    }
-
     /// Whether a level has yet to last.
     pub(super) fn is_settling(&self) -> bool {
         self.inputs != self.stable

@@ -88,15 +88,20 @@ impl Memory {
         })
     }
 
-    /// Changes a word.
-    pub(super) fn set(&mut self, index: u16, new: u16) -> Result<Copies, RejectCode> {
+    /// Changes a word. The device goes by a value of two words when the high one is set, or by each at once.
+    pub(super) fn set(
+        &mut self,
+        index: u16,
+        new: u16,
+        at_once: bool,
+    ) -> Result<Copies, RejectCode> {
         let (entry, is_high) = parameter_at(index).ok_or(RejectCode::NotAvailable)?;
         if !entry.writable {
             return Err(RejectCode::BadParams);
         }
         let before = word(&self.working, index);
         store(&mut self.working, index, new);
-        let is_whole = is_high || !entry.kind.is_long();
+        let is_whole = is_high || !entry.kind.is_long() || at_once;
         if is_whole && !entry.accepts(value(&self.working, entry)) {
             store(&mut self.working, index, before);
             return Err(RejectCode::BadParams);
@@ -132,6 +137,7 @@ impl Memory {
             deceleration: self.word(DECELERATION_MAX),
             emergency: self.word(DECELERATION_LIMIT),
             positions: (position(POSITION_MIN), position(POSITION_MAX)),
+            clamps_targets: false,
         }
     }
 

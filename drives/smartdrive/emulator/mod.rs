@@ -3,13 +3,14 @@
 //! [`Device`] is pure and deterministic: it is told how much time passes, which frames arrive and what happens to its
 //! inputs. [`EmulatedBus`] serves several in real time on a pseudo-terminal.
 //!
-//! Where the manual is silent the emulator assumes (see also `motion.rs`, [`DeviceOptions`]): while a mode changes,
-//! PING, READ and GET are answered and anything else is refused as WORKING; a 32-bit parameter changes when its high
-//! word arrives; an index that does not exist is NOTAVAILABLE, one that cannot be written and a value out of range are
-//! BADPARAMS; SET takes effect at once, a new address with the next command; homing approaches at `VelEnterHome`,
-//! brakes on the switch, leaves it at `VelExitHome` and is at `PosOffset` where the switch releases; while it runs STOP
-//! ends it and other motion commands are refused as WORKING; modes with inputs use GO for GOP and START and DIR for
-//! GON; an alarm whose cause is still there comes back when a mode is chosen; the bootloader answers nothing.
+//! Where the manual is silent the emulator assumes (see also `super::motion`; [`DeviceOptions`] and [`Assumptions`]
+//! can be chosen): while a mode changes, PING, READ and GET are answered and anything else is refused as WORKING; a
+//! 32-bit parameter changes when its high word arrives; an index that does not exist is NOTAVAILABLE, one that cannot
+//! be written and a value out of range are BADPARAMS; SET takes effect at once, a new address with the next command;
+//! homing approaches at `VelEnterHome`, brakes on the switch, leaves it at `VelExitHome` and is at `PosOffset` where
+//! the switch releases; while it runs STOP ends it and other motion commands are refused as WORKING; modes with inputs
+//! use GO for GOP and START and DIR for GON; an alarm whose cause is still there comes back when a mode is chosen; the
+//! bootloader answers nothing.
 
 mod execute;
 mod homing;
@@ -23,7 +24,7 @@ mod tests;
 mod thread;
 
 pub use inputs::Input;
-pub use options::{Cam, DeviceOptions, HomingOptions};
+pub use options::{Assumptions, Cam, DeviceOptions, HomingOptions};
 pub use serve::{Control, Event, Wire, serve};
 pub use thread::{EmulatedBus, EmulatorOptions};
 
@@ -333,7 +334,8 @@ impl Device {
     }
 
     fn ceilings(&self) -> Ceilings {
-        self.memory.ceilings()
+        let clamps_targets = self.options.assumptions.clamps_targets;
+        Ceilings { clamps_targets, ..self.memory.ceilings() }
     }
 
     fn operate_cams(&mut self) {
@@ -386,6 +388,11 @@ impl Device {
         let own = self.address();
         let alive = !matches!(self.phase, Phase::Booting { .. } | Phase::Dead);
         if !alive || address != own && address != 0 {
+            return None;
+        }
+        if self.options.assumptions.silent_while_changing
+            && matches!(self.phase, Phase::Changing { .. })
+        {
             return None;
         }
         self.frames_handled += 1;

@@ -87,7 +87,10 @@ impl Device {
 
     fn go(&mut self, target: i32) {
         let ceilings = self.ceilings();
-        // A target outside the position limits is left alone: nobody is there to be told.
-        drop(self.generator.go_to(self.now_ns, &ceilings, target, 0, 0).err());
+        let accepted = self.generator.go_to(self.now_ns, &ceilings, target, 0, 0).is_ok();
+        // Outside the position limits it goes nowhere; nobody is there to be told.
+        if !accepted {
+            self.generator.stop(self.now_ns, &ceilings, 0);
+        }
     }
 }

@@ -34,6 +34,37 @@ impl Default for HomingOptions {
     }
 }
 
+/// What the manual does not say; the defaults are what is most likely.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "questions that have nothing to do with each other"
+)]
+pub struct Assumptions {
+    /// Speeds and rates beyond their ceilings are refused as BADPARAMS instead of clamped.
+    pub refuses_beyond_ceilings: bool,
+    /// Targets outside the position limits are moved to the limit instead of refused as BADPARAMS.
+    pub clamps_targets: bool,
+    /// Variables of 16 bits with sign fill the upper half of the answer with their sign; else it is 0.
+    pub extends_signs: bool,
+    /// While a mode changes the device is silent instead of answering PING, READ and GET and refusing the rest.
+    pub silent_while_changing: bool,
+    /// Each word of a 32-bit parameter counts as soon as it is set, instead of both with the high one.
+    pub applies_words_at_once: bool,
+}
+
+impl Default for Assumptions {
+    fn default() -> Self {
+        Self {
+            refuses_beyond_ceilings: false,
+            clamps_targets: false,
+            extends_signs: true,
+            silent_while_changing: false,
+            applies_words_at_once: false,
+        }
+    }
+}
+
 /// A device at power-up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DeviceOptions {
@@ -50,6 +81,8 @@ pub struct DeviceOptions {
     pub configured_mode: Mode,
     /// Homing.
     pub homing: HomingOptions,
+    /// What else the manual leaves open.
+    pub assumptions: Assumptions,
     /// Switches on the way.
     pub cams: Vec<Cam>,
     /// How long a change of mode, SAVE and LOAD take.
@@ -78,6 +111,7 @@ impl Default for DeviceOptions {
             layout: TagLayout::Diagram,
             configured_mode: Mode::Off,
             homing: HomingOptions::default(),
+            assumptions: Assumptions::default(),
             cams: Vec::new(),
             mode_change: Duration::from_millis(250),
             boot: Duration::from_millis(300),

@@ -16,6 +16,9 @@ use crate::{
 
 /// Longer than any frame: what exceeds it is noise, which silence ends.
 const MOST_BYTES: usize = 256;
+/// The runtime's timers are late by up to a millisecond and a bit: answers would take half as long again. What is left
+/// of a wait after a timer that was set this much earlier is slept away.
+const TIMER: Duration = Duration::from_micros(1200);
 
 /// How slow the wire and the devices are, and what else the line does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,7 +156,7 @@ pub async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
             continue;
         }
         let pause = match &answer {
-            Some((due_ns, _)) => nanoseconds(due_ns - clock.now_ns()),
+            Some((due_ns, _)) => nanoseconds(due_ns - clock.now_ns()).saturating_sub(TIMER),
             None => wire.frame_timeout,
         };
         let idle = answer.is_none() && received.bytes.is_empty();
@@ -176,8 +179,15 @@ pub async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
                 received.add(bytes, clock.now_ns());
             }
             () = sleep(pause), if !idle => match answer.take() {
-                Some((due_ns, bytes)) if clock.now_ns() < due_ns => answer = Some((due_ns, bytes)),
-                Some((_, bytes)) => stream.write_all(&bytes).await?,
+                Some((due_ns, bytes)) => {
+                    let left = nanoseconds(due_ns - clock.now_ns());
+                    if left > TIMER {
+                        answer = Some((due_ns, bytes));
+                    } else {
+                        std::thread::sleep(left);
+                        stream.write_all(&bytes).await?;
+                    }
+                }
                 // Silence: what is there is no frame.
                 None => received.bytes.clear(),
             }

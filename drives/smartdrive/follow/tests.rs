@@ -10,9 +10,14 @@ use std::f64::consts::TAU;
 
 use super::*;
 use crate::{
-    IncrementMotion, MAX_DRIVE_AXES, Rehearsal, SetpointStream,
+    IncrementMotion, MAX_DRIVE_AXES, Rehearsal, SetpointStream, Stamp,
     ramp::seconds,
-    smartdrive::{BusDelays, SmartDriveRehearsal, StepsPerTurn},
+    rehearsal::SeenAt,
+    smartdrive::{
+        BusDelays, Mode, SmartDriveRehearsal, StepsPerTurn, TrajectoryFlags,
+        emulator::{Device, DeviceOptions},
+        frame::{Answer, encode},
+    },
 };
 
 const MS: i64 = 1_000_000;
@@ -186,6 +191,53 @@ fn a_rehearsal_depends_on_nothing_but_its_plan() {
         }
     }
     assert_eq!(often.exchanges(), seldom.exchanges());
+}
+
+/// The rehearsal is driver and device without bytes: the same exchanges, spoken with an emulated device in frames, move
+/// it in the same way.
+#[test]
+fn the_rehearsal_moves_as_the_device_does() {
+    let plan = Plan { end_s: 2.0, of: sines(1, 4000.0, 1.0) };
+    let mut device =
+        Device::new(&DeviceOptions { configured_mode: Mode::Remote, ..DeviceOptions::default() });
+    let ask = |device: &mut Device, command: &Command| {
+        let answer = device.handle(&encode(1, command)).unwrap();
+        Answer::decode(&answer.try_into().unwrap()).unwrap()
+    };
+    for (parameter, value) in [(30, 1200), (31, 6000), (32, 0)] {
+        ask(&mut device, &Command::Set { parameter, value });
+    }
+    let mut rehearsal = SmartDriveRehearsal::new(&axes(1), delays(2));
+    rehearsal.advance(&plan, 0);
+    let mut follower = Follower::new(&axes(1), Duration::from_millis(2));
+    let bytes = |count| i64::try_from(wire_time(count).as_nanos()).unwrap();
+    let mut now_ns = 0;
+    while now_ns < 2500 * MS {
+        let needing = follower.survey(&SeenAt { plan: &plan, now_ns });
+        let order = if needing.is_empty() { None } else { follower.order(0, 1, now_ns) };
+        let command = order.map_or(Command::Ping, |order| order.profile.command());
+        let executed_ns = now_ns + bytes(encode(1, &command).len());
+        device.advance(executed_ns - device.now_ns());
+        let answer = ask(&mut device, &command);
+        let moves = TrajectoryFlags::from_tag(answer.tag).contains(TrajectoryFlags::IN_MOTION);
+        let stamp = Stamp {
+            sent_ns: now_ns,
+            executed_ns: executed_ns + MS,
+            uncertainty_ns: MS,
+            answered_ns: executed_ns + 2 * MS + bytes(9),
+        };
+        follower.sampled_axis(0, &stamp, answer.number(), moves);
+        if let Some(order) = &order {
+            follower.executed(order, now_ns, &stamp);
+        }
+        device.advance(stamp.answered_ns - device.now_ns());
+        let (position, velocity) = device.motion();
+        let motion = rehearsal.advance(&plan, stamp.answered_ns);
+        assert_eq!(motion.position[0].to_bits(), position.to_bits(), "{now_ns}");
+        assert_eq!(motion.velocity[0].to_bits(), velocity.to_bits(), "{now_ns}");
+        now_ns = stamp.answered_ns + MS;
+    }
+    assert_eq!(device.counter(), 0);
 }
 
 /// If no command follows, the axis stands where the plan goes within its horizon.

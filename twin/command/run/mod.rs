@@ -12,10 +12,11 @@ use super::options::{
 };
 use super::{Failure, Status, check, show, whole};
 use crate::check::{CheckOptions, Outcome};
+use crate::emulated::Emulator;
 use crate::finding;
 use crate::hardware::Hardware;
 use crate::limit::Limits;
-use crate::machine::Machine;
+use crate::machine::{DeviceEntry, Machine};
 use crate::picture::Picture;
 use crate::program::ProgramFile;
 use crate::report::seconds;
@@ -29,7 +30,6 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use summary::{DriveSamples, Report, summary};
-use twin_drives::interpcnc::emulator::EmulatedBoard;
 use twin_kinematics::AxisVector;
 use twin_viz::{Playback, SceneOptions};
 use watcher::{Watcher, open_keys};
@@ -226,8 +226,10 @@ fn perform<'m>(
         // graphics card, and one that is opened late shows the whole run.
         playback: Playback::FromStart,
     };
-    let named = emulated.then_some("InterpCNC, emulated");
-    let mut picture = Picture::open(&scene, machine, program, start, named)?;
+    let mut families: Vec<_> = machine.drives.iter().map(DeviceEntry::family_name).collect();
+    families.dedup();
+    let named = emulated.then(|| format!("{}, emulated", families.join(" and ")));
+    let mut picture = Picture::open(&scene, machine, program, start, named.as_deref())?;
     if let Some(url) = picture.url() {
         eprintln!("live view: {url}");
     }
@@ -238,8 +240,8 @@ fn perform<'m>(
     let scenario = arguments.simulation.scenario(machine)?;
     let twin = Simulated::new(machine, start)?.in_scenario(&scenario);
     let drives = if emulated { Some(connect(machine, start, &interrupt)?) } else { None };
-    // The board lives until the drives have come to rest.
-    let (hardware, board) = drives.unzip();
+    // They live until the drives have come to rest.
+    let (hardware, emulators) = drives.unzip();
 
     let bar = show::progress(
         u64::try_from(about.outcome.duration_ns / 1_000_000).unwrap_or(0),
@@ -268,7 +270,7 @@ fn perform<'m>(
     let samples = watcher.samples;
     drop(watcher.keys.take());
     bar.finish_and_clear();
-    drop(board);
+    drop(emulators);
     let shown = picture.finish().map_err(Failure::from);
     Ok((Done { ending, samples, took, picture, shown }, interrupt))
 }
@@ -345,21 +347,24 @@ fn check_first(
     outcome.map_err(|failure| Failure::check(program, failure))
 }
 
-/// Powers up the emulated board of the machine file and lets the driver bring the axes to `start`.
+/// Powers up the emulated drives of the machine file and lets their drivers bring the axes to `start`.
 fn connect(
     machine: &Machine,
     start: &AxisVector,
     interrupt: &Interrupt,
-) -> Result<(Hardware, EmulatedBoard), Failure> {
+) -> Result<(Hardware, Vec<Emulator>), Failure> {
     if crate::priority::real_time().is_err() {
         eprintln!(
             "note: this user may not run the drives with real-time priority; on a busy computer they lag behind"
         );
     }
-    let (board, drive) = crate::emulated::connect(machine)?;
-    eprintln!("emulated {} on {}", drive.describe(), board.path().display());
-    let hardware = Hardware::start(machine, drive, start, machine.cycle_ns, APPROACH)?;
-    Ok((approach(hardware, interrupt)?, board))
+    let connected = crate::emulated::connect(machine)?;
+    for (emulator, attached) in &connected {
+        eprintln!("emulated {} on {}", attached.drive.describe(), emulator.place());
+    }
+    let (emulators, drives) = connected.into_iter().unzip();
+    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?;
+    Ok((approach(hardware, interrupt)?, emulators))
 }
 
 /// Waits until the drives stand at the start of the program.

@@ -160,6 +160,6 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
 fn microseconds(section: &Section<'_>, key: &str, default_ms: f64) -> u32 {
     let time_ms = section.number(key, 0.0..=1000.0).unwrap_or(default_ms);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to a million")]
-    let time_us = (time_ms * 1e3) as u32;
+    let time_us = (time_ms * 1e3).round() as u32;
     time_us
 }

@@ -1,4 +1,4 @@
-//! SmartDRIVEs on a bus.
+//! SmartDRIVE buses.
 
 use super::{Abilities, microseconds};
 use crate::machine::section::Section;
@@ -9,6 +9,10 @@ use twin_drives::smartdrive::StepsPerTurn;
 pub struct SmartDriveEntry {
     /// µsteps of a turn of the motor: full steps (parameter 43) times divisor (44).
     pub turn: StepsPerTurn,
+    /// Parameter 43.
+    pub full_steps: u16,
+    /// Parameter 44.
+    pub microsteps: u16,
     /// Acceleration of their ramps, rpm/s; at most parameter 31.
     pub acceleration_rpm_per_s: u16,
     /// Deceleration, rpm/s, at most parameter 32; 0: as the acceleration.
@@ -31,13 +35,17 @@ pub(super) fn read(section: &Section<'_>) -> Option<SmartDriveEntry> {
     let acceleration = section.integer("acceleration_rpm_per_s", 1..=32_767).unwrap_or(30_000);
     let deceleration = section.integer("deceleration_rpm_per_s", 0..=32_767).unwrap_or(0);
     let response_us = microseconds(section, "emulated_turnaround_ms", 2.0);
-    let turn = StepsPerTurn::new(u16::try_from(full_steps).ok()?, u16::try_from(divisor).ok()?);
+    let [full_steps, microsteps] = [full_steps, divisor].map(u16::try_from);
+    let (full_steps, microsteps) = (full_steps.ok()?, microsteps.ok()?);
+    let turn = StepsPerTurn::new(full_steps, microsteps);
     if turn.is_none() {
         let message = format!("`microsteps` is {divisor}; a step has 1, 2, 4, … or 1024");
         section.complain_at("microsteps", message);
     }
     Some(SmartDriveEntry {
         turn: turn?,
+        full_steps,
+        microsteps,
         acceleration_rpm_per_s: u16::try_from(acceleration).ok()?,
         deceleration_rpm_per_s: u16::try_from(deceleration).ok()?,
         response_us,

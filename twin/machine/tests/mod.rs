@@ -495,6 +495,26 @@ fn a_drive_needs_its_axis_and_its_ratio() {
     let found = problems(&edited(&two, "\"b\"", "\"board\""));
     assert_eq!(found.len(), 1, "{found:#?}");
     assert_eq!(found[0].1, "there is a drive \"board\" already");
+    // A bus has addresses, a module two axes.
+    let bus = edited(SHORT, "\"interpcnc\"", "\"smartdrive\"");
+    let found = problems(&bus);
+    assert_eq!(found[0].1, "an axis with a `drive` needs `drive_address` too");
+    assert_eq!(found[1].1, "axes of this drive are named by `drive_address`");
+    let named = ["X", "Y", "Z"].into_iter().zip(1..).fold(bus, |text, (axis, address)| {
+        edited(&text, &format!("drive_axis = \"{axis}\""), &format!("drive_address = {address}"))
+    });
+    let machine = load(&named);
+    let places: Vec<_> =
+        machine.axes.iter().map(|axis| axis.drive.as_ref().unwrap().index).collect();
+    assert_eq!(places, [1, 2, 3]);
+    let found = problems(&edited(&named, "drive_address = 2", "drive_address = 32"));
+    assert!(found[0].1.contains("between 1 and 31"), "{found:#?}");
+    let found = problems(&edited(&named, "drive_address = 2", "drive_address = 1"));
+    assert_eq!(found[0].1, "axis \"X\" already hangs on this axis of the drive");
+    let module = edited(SHORT, "\"interpcnc\"", "\"bim2ax\"");
+    let module = edited(&module, "drive_axis = \"X\"", "drive_axis = \"1\"");
+    let module = edited(&module, "drive_axis = \"Y\"", "drive_axis = \"2\"");
+    assert!(problems(&module)[0].1.contains("expected \"1\" or \"2\""), "{module}");
     // What is wrong with a device is not wrong with its axes.
     refused("\"interpcnc\"", "\"interpcn\"", "\"interpcn\"", &["expected \"interpcnc\""]);
 }

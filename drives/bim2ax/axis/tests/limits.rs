@@ -174,3 +174,14 @@ fn phase_faults_are_found_by_tests_and_cleared_by_ordered_ones() {
     finish(&mut axis);
     assert_eq!((axis.counter(), axis.messages()), (100, message::PHASE_OPEN));
 }
+
+#[test]
+fn a_move_to_the_other_switch_is_the_mirror_image() {
+    let mut axis = axis(&settings(), &switches());
+    axis.order(&simple(uc::TO_MINUS_SWITCH));
+    assert_eq!(axis.ack_uc(), uc::TO_MINUS_SWITCH);
+    close(finish(&mut axis), 2.9995, 2e-9);
+    assert_eq!((axis.counter(), axis.messages(), axis.ack_uc()), (-3000, message::MINUS_SWITCH, 0));
+    axis.order(&simple(uc::TO_MINUS_SWITCH));
+    assert!(!axis.moving(), "it is there");
+}

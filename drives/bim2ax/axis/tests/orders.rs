@@ -112,3 +112,55 @@ fn targets_beyond_the_range_are_refused() {
         assert_eq!(axis.counter(), target);
     }
 }
+
+#[test]
+fn what_the_manual_does_not_say_can_be_otherwise() {
+    use crate::bim2ax::{Assumptions, Contact};
+    let started = |assumptions| {
+        let cam = Some(Contact::between(-900, -400, true));
+        let coefficient = settings().coefficient | coefficient::IGNORE_SWITCHES;
+        let settings = AxisSettings { coefficient, ..settings() };
+        let mut axis = axis(&settings, &Bench { cam, ..Bench::default() });
+        axis.set_assumptions(assumptions);
+        axis.order(&programmed(bloc::ZERO, 0, 0));
+        axis.order(&programmed(0, 5000, 0));
+        axis.advance(100 * MS);
+        axis
+    };
+    // After 0.1 s it has gone 200 µsteps and has 3000 µsteps/s, which take 200 more to stop from.
+    let mut axis = started(Assumptions { refusal_stops: true, ..Assumptions::default() });
+    axis.order(&programmed(0, 0, 0));
+    finish(&mut axis);
+    assert_eq!((axis.counter(), axis.messages()), (400, message::HOMED | message::REFUSED));
+    let mut axis = started(Assumptions { zero_ends_every_move: true, ..Assumptions::default() });
+    axis.order(&simple(0));
+    finish(&mut axis);
+    assert_eq!((axis.counter(), axis.messages()), (400, message::HOMED));
+    let mut axis = started(Assumptions { abandon_loses_homing: true, ..Assumptions::default() });
+    axis.order(&simple(uc::ABANDON));
+    finish(&mut axis);
+    assert_eq!((axis.counter(), axis.messages()), (400, 0));
+    let mut axis = started(Assumptions { homing_keeps_position: true, ..Assumptions::default() });
+    finish(&mut axis);
+    axis.order(&simple(uc::HOME));
+    finish(&mut axis);
+    assert_eq!((axis.counter(), axis.messages()), (-400, message::HOMED | message::ON_CAM));
+}
+
+#[test]
+fn reserved_bits_have_no_effect() {
+    // Order bits 2 and 11 to 14, bloc bits 9, 10 and 12 up, coefficient bits 5 and 13.
+    let reserved = AxisSettings { coefficient: settings().coefficient | 0x2020, ..settings() };
+    let (mut plain, mut odd) =
+        (axis(&settings(), &Bench::default()), axis(&reserved, &Bench::default()));
+    odd.order(&simple(0x7804));
+    assert_eq!((odd.moving(), odd.ack_uc(), odd.messages()), (false, 0, message::PHASES_OFF));
+    plain.order(&programmed(0, 1234, 0));
+    odd.order(&AxisOrder { uc: uc::PROGRAMMED | 0x7804, ..programmed(0xFEFF_F600, 1234, 0) });
+    for _ in 0..100 {
+        plain.advance(plain.now_ns() + 10 * MS);
+        odd.advance(odd.now_ns() + 10 * MS);
+        assert_eq!((plain.state(), plain.messages()), (odd.state(), odd.messages()));
+    }
+    assert_eq!((plain.counter(), odd.ack_uc(), odd.ack_bloc()), (1234, 0, 0));
+}

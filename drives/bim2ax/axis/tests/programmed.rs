@@ -144,3 +144,19 @@ fn when_time_is_looked_at_does_not_matter() {
     once.advance(often.now_ns());
     assert_eq!(once.state(), often.state());
 }
+
+#[test]
+fn an_approach_towards_minus_overshoots_the_other_way() {
+    let coefficient = settings().coefficient | coefficient::APPROACH;
+    let settings = AxisSettings { coefficient, approach: 64, ..settings() };
+    for (target, farthest) in [(500, 564), (-500, 0)] {
+        let mut axis = axis(&settings, &Bench::default());
+        axis.order(&programmed(0, target, 0));
+        let mut highest = 0;
+        while axis.moving() {
+            axis.advance(axis.now_ns() + MS);
+            highest = highest.max(axis.counter());
+        }
+        assert_eq!((axis.counter(), highest), (target, farthest));
+    }
+}

@@ -257,3 +257,55 @@ fn pieces_of_time_do_not_matter() {
     assert!(ends.iter().all(|end| *end == ends[0]), "{ends:?}");
     assert!(TrajectoryFlags::from_tag(ends[0].1).contains(TrajectoryFlags::LIMITED_P));
 }
+
+fn assuming(assumptions: Assumptions) -> Device {
+    remote_with(&DeviceOptions { assumptions, ..DeviceOptions::default() })
+}
+
+#[test]
+fn what_the_manual_does_not_say_can_be_otherwise() {
+    let usual = Assumptions::default();
+    // Requests beyond the ceilings, 500 rpm and 2000 rpm/s.
+    for refuses_beyond_ceilings in [true, false] {
+        let mut device = assuming(Assumptions { refuses_beyond_ceilings, ..usual });
+        let expected = refuses_beyond_ceilings.then_some(RejectCode::BadParams);
+        let beyond = [
+            go_to(0, 501, 0),
+            go_to(0, 0, 2001),
+            Command::Step { distance: 1, profile: Some((501, 1)) },
+            Command::Start { speed: -501, rate: 0 },
+            Command::Stop { rate: 2001 },
+        ];
+        for command in beyond {
+            assert_eq!(refusal(&mut device, command), expected, "{command:?}");
+        }
+        assert_eq!(refusal(&mut device, go_to(0, 500, 2000)), None);
+    }
+    // Targets outside the limits.
+    let mut device = assuming(Assumptions { clamps_targets: true, ..usual });
+    set(&mut device, 26, -100);
+    set(&mut device, 28, 200);
+    for (target, end) in [(201, 200), (-5000, -100), (7, 7)] {
+        ask(&mut device, go_to(target, 0, 0));
+        device.advance(2000 * MS);
+        assert_eq!((device.counter(), flags(&mut device)), (end, TrajectoryFlags::DONE));
+    }
+    // Signs of 16-bit variables.
+    let mut device = assuming(Assumptions { extends_signs: false, ..usual });
+    ask(&mut device, Command::Start { speed: -300, rate: 0 });
+    device.advance(1000 * MS);
+    assert_eq!(read(&mut device, 79), 0xFED4);
+    assert!(read(&mut device, 75) < 0);
+    // Words of 32 bits.
+    let mut device = assuming(Assumptions { applies_words_at_once: true, ..usual });
+    set(&mut device, 28, 0x0001_FFFF);
+    ask(&mut device, Command::Set { parameter: 28, value: 5 });
+    assert_eq!(refusal(&mut device, go_to(0x0001_0006, 0, 0)), Some(RejectCode::BadParams));
+    assert_eq!(refusal(&mut device, go_to(0x0001_0005, 0, 0)), None);
+    // Silence while the mode changes.
+    let mut device = assuming(Assumptions { silent_while_changing: true, ..usual });
+    ask(&mut device, Command::Mode(Some(Mode::Off)));
+    assert_eq!(device.handle(&encode(1, &Command::Ping)), None);
+    device.advance(250 * MS);
+    ask(&mut device, Command::Ping);
+}

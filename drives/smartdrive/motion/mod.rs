@@ -5,9 +5,12 @@
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB", sections START to GOTO, "Paramètres de configuration" (ceilings).
 //! Where the manual is silent: larger speeds and rates than the ceilings are clamped to them; a ceiling of 0 for a
-//! deceleration means AccMax; STEP counts from the set-point where the axis is; targets outside the position limits are
+//! deceleration means `AccMax`; STEP counts from the set-point where the axis is; targets outside the position limits are
 //! refused where the lower is below the upper, and START then stands still on the limit; a move towards an active limit
 //! switch stops where it is.
+
+#[cfg(test)]
+mod tests;
 
 use super::{RejectCode, TrajectoryFlags, units::StepsPerTurn};
 use crate::ramp::{Motion, Ramp, State};
@@ -27,6 +30,8 @@ pub(crate) struct Ceilings {
     pub(crate) emergency: u16,
     /// `Trj_PosMin` and `Trj_PosMax`, µsteps; they limit nothing unless the first is below the second.
     pub(crate) positions: (i32, i32),
+    /// Whether a target outside them becomes the limit; else it is refused.
+    pub(crate) clamps_targets: bool,
 }
 
 impl Ceilings {
@@ -41,6 +46,11 @@ impl Ceilings {
     fn speed(&self, asked: u16) -> f64 {
         let speed = if asked == 0 { self.velocity } else { asked.min(self.velocity) };
         self.turn.steps(f64::from(speed.max(1)))
+    }
+
+    /// Whether a speed and a rate are no more than their ceilings; the rate counts for both ramps.
+    pub(crate) fn allow(&self, speed: u16, rate: u16) -> bool {
+        speed <= self.velocity && rate <= self.acceleration
     }
 
     /// What a GOTO makes of its numbers.
@@ -106,9 +116,12 @@ impl Generator {
         speed: u16,
         rate: u16,
     ) -> Result<(), RejectCode> {
-        let ramp = ceilings.ramp(target, speed, rate);
-        if ceilings.limits().is_some_and(|(low, high)| ramp.target < low || ramp.target > high) {
-            return Err(RejectCode::BadParams);
+        let mut ramp = ceilings.ramp(target, speed, rate);
+        if let Some((low, high)) = ceilings.limits() {
+            if !(low..=high).contains(&ramp.target) && !ceilings.clamps_targets {
+                return Err(RejectCode::BadParams);
+            }
+            ramp.target = ramp.target.clamp(low, high);
         }
         self.begin(now_ns, ceilings, Motion::plan(now_ns, self.state(now_ns), &ramp), Goal::End);
         self.rates = (ramp.acceleration, ramp.deceleration);
@@ -191,18 +204,11 @@ impl Generator {
         self.motion = motion;
         self.goal = goal;
         self.stopped_by = TrajectoryFlags::NONE;
-        if self.towards_switch(now_ns).is_some() {
+        if let Some(flag) = self.towards_switch(now_ns) {
+            // From what it was doing: the new motion may have been away from the switch at first.
             self.motion = before;
-            self.obey_switches(now_ns, ceilings);
-            // At rest before: there is nothing to brake, and the goal is missed all the same.
-            if self.goal != Goal::Missed {
-                self.motion = Motion::at_rest(f64::from(self.counter(now_ns)));
-                self.miss(if motion.final_sense() > 0.0 {
-                    TrajectoryFlags::LIMITED_P
-                } else {
-                    TrajectoryFlags::LIMITED_N
-                });
-            }
+            self.brake(now_ns, ceilings.rate(0, ceilings.emergency));
+            self.miss(flag);
         }
     }
 

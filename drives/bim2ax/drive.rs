@@ -1,0 +1,410 @@
+//! The module as a [`Drive`].
+
+use std::time::Duration;
+
+use tokio::{runtime::Runtime, time::sleep};
+
+use super::{
+    AXES, AxisSettings, Bim2Ax, Bim2AxDriveOptions, BusStamp, ModuleAxis, Move, Start,
+    bits::{coefficient, message},
+    follow::{Follower, Timing},
+    memory::Memory,
+    zone::Positions,
+};
+use crate::{
+    Action, Clock, Drive, DriveError, Exchange, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
+    ramp::{nanoseconds, seconds},
+};
+
+/// Clock for exchanges whose time matters to nobody.
+fn no_clock() -> i64 {
+    0
+}
+
+/// Weight of an exchange in the running means.
+const MEAN_GAIN: f64 = 0.2;
+/// Order latency that the manual promises at most, ns (5.5: "au maximum de 10ms").
+const ORDER_NS: i64 = 10_000_000;
+/// Duration of a look until it is known better, ns.
+const LOOK_NS: i64 = 2_000_000;
+/// What keeps a module from being enabled.
+const FAULTS: u16 = message::POWER_ABSENT | message::PHASE_OPEN | message::PHASE_SHORT;
+/// What shows that an axis has stopped obeying. An axis at a soft limit obeys in the other direction.
+const STOPPED: u16 = FAULTS
+    | message::PHASES_OFF
+    | message::HARD_STOPPED
+    | message::PLUS_SWITCH
+    | message::MINUS_SWITCH;
+
+/// Where following is.
+#[derive(Clone, Copy, Debug, Default)]
+enum Following {
+    /// Nothing is known.
+    #[default]
+    Unknown,
+    /// The axes rest there.
+    Rest([i32; AXES]),
+    /// They move, until then as far as can be told, ns.
+    Leg(i64),
+}
+
+/// A BIM2AX-BOCM module behind a memory.
+///
+/// Owns the runtime its exchanges run on; calls must not be made from within another runtime.
+#[derive(Debug)]
+pub struct Bim2AxDrive {
+    module: Bim2Ax,
+    options: Bim2AxDriveOptions,
+    /// Of the axes in use, once the module has told.
+    settings: Vec<AxisSettings>,
+    follower: Follower,
+    following: Following,
+    timing: Timing,
+    runtime: Runtime,
+}
+
+impl Bim2AxDrive {
+    /// The module in a memory; `port` is its name in messages. Reads and writes nothing.
+    ///
+    /// # Errors
+    /// If no axis is in use or one twice, or there is no runtime.
+    pub fn new(
+        port: &str,
+        memory: impl Memory + 'static,
+        options: &Bim2AxDriveOptions,
+    ) -> Result<Self, DriveError> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
+        let runtime = runtime.map_err(|source| {
+            let at = Exchange { port: port.into(), station: 0, action: Action::Open };
+            DriveError::Transport { at, source }
+        })?;
+        Self::on(runtime, port, memory, options)
+    }
+
+    /// The same on a runtime of the caller's, whose time may be virtual.
+    pub(super) fn on(
+        runtime: Runtime,
+        port: &str,
+        memory: impl Memory + 'static,
+        options: &Bim2AxDriveOptions,
+    ) -> Result<Self, DriveError> {
+        let twice = matches!(*options.axes, [a, b] if a == b);
+        if options.axes.is_empty() || options.axes.len() > AXES || twice {
+            let value = u32::try_from(options.axes.len()).unwrap_or(u32::MAX);
+            let high = if twice { 1 } else { 2 };
+            let setting = "number of axes";
+            let at = Exchange { port: port.into(), station: 0, action: Action::Open };
+            return Err(DriveError::Setting { at, setting, value, low: 1, high });
+        }
+        let timing = Timing { order_ns: ORDER_NS, look_ns: LOOK_NS };
+        Ok(Self {
+            module: Bim2Ax::new(port, memory, &options.driver),
+            options: options.clone(),
+            settings: Vec::new(),
+            follower: Follower::new(&[], timing),
+            following: Following::Unknown,
+            timing,
+            runtime,
+        })
+    }
+
+    /// Homes the axes in use, both at a time, and waits for the end.
+    ///
+    /// # Errors
+    /// If an axis does not start, has not ended after `patience`, or has not found its cam.
+    pub fn home(&mut self, patience: Duration) -> Result<(), DriveError> {
+        self.following = Following::Unknown;
+        let axes = self.options.axes.clone();
+        let seen = self.runtime.block_on(async {
+            self.module.home(&axes, &no_clock).await?;
+            self.module.rested(patience, &no_clock).await
+        })?;
+        self.check(&seen.0, Action::ReadState, |messages| messages & message::HOMED == 0)
+    }
+
+    /// The settings of the axes in use.
+    fn prepare(&mut self) -> Result<(), DriveError> {
+        let mut settings = Vec::with_capacity(AXES);
+        for axis in self.options.axes.clone() {
+            let of_axis = self.runtime.block_on(self.module.axis_settings(axis, &no_clock))?;
+            if !of_axis.has(coefficient::PRESENT) {
+                let setting = "presence of the axis, coefficient bit 0";
+                let at = self.module.at(Action::Identify);
+                return Err(DriveError::Setting { at, setting, value: 0, low: 1, high: 1 });
+            }
+            settings.push(of_axis);
+        }
+        self.follower = Follower::new(&settings, self.timing);
+        self.settings = settings;
+        Ok(())
+    }
+
+    fn prepared(&mut self) -> Result<(), DriveError> {
+        if self.settings.is_empty() { self.prepare() } else { Ok(()) }
+    }
+
+    fn look(&mut self, clock: &dyn Clock) -> Result<(Positions, BusStamp), DriveError> {
+        self.runtime.block_on(self.module.positions(clock))
+    }
+
+    /// Looks at a module that is expected to obey.
+    fn obeying(&mut self, clock: &dyn Clock) -> Result<(Positions, BusStamp), DriveError> {
+        let seen = self.look(clock)?;
+        self.check(&seen.0, Action::ReadState, |messages| messages & STOPPED != 0)?;
+        Ok(seen)
+    }
+
+    /// Fails for the first axis in use whose messages are wrong.
+    fn check(
+        &self,
+        seen: &Positions,
+        action: Action,
+        wrong: impl Fn(u16) -> bool,
+    ) -> Result<(), DriveError> {
+        for axis in &self.options.axes {
+            let messages = seen.messages.get(axis.index()).copied().unwrap_or(0);
+            if wrong(messages) {
+                let axis = u8::try_from(axis.number()).unwrap_or(0);
+                return Err(DriveError::AxisMessages {
+                    at: self.module.at(action),
+                    axis,
+                    messages,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Positions of the axes in use, in their order.
+    fn in_order(&self, seen: &Positions) -> [i32; AXES] {
+        let mut positions = [0; AXES];
+        for (position, axis) in positions.iter_mut().zip(&self.options.axes) {
+            *position = seen.positions.get(axis.index()).copied().unwrap_or(0);
+        }
+        positions
+    }
+
+    /// Axes in use that move, bit by bit in their order.
+    fn moving(&self, seen: &Positions) -> u8 {
+        let moves = |axis: &ModuleAxis| {
+            seen.messages.get(axis.index()).is_some_and(|word| word & message::MOVING != 0)
+        };
+        let axes = (0_u8..).zip(&self.options.axes);
+        axes.filter(|(_, axis)| moves(axis)).fold(0, |mask, (place, _)| mask | 1 << place)
+    }
+
+    fn to_sample(&self, seen: &Positions, stamp: &BusStamp) -> Sample {
+        let mut position = [0; MAX_DRIVE_AXES];
+        for (place, found) in position.iter_mut().zip(self.in_order(seen)) {
+            *place = found.into();
+        }
+        Sample { time_ns: stamp.middle_ns(), position, moving: self.moving(seen) != 0 }
+    }
+
+    /// Sorts what is for the axes in use by the module's axes.
+    fn by_axis(&self, starts: &[Option<Start>]) -> [Option<Start>; AXES] {
+        let mut sorted = [None; AXES];
+        for (axis, start) in self.options.axes.iter().zip(starts) {
+            if let Some(place) = sorted.get_mut(axis.index()) {
+                *place = *start;
+            }
+        }
+        sorted
+    }
+
+    /// A position as a register holds it.
+    fn register(&self, axis: ModuleAxis, position: i64) -> Result<i32, DriveError> {
+        let most = i64::from(super::MOST_POSITION);
+        let fits = (-most..=most).contains(&position);
+        i32::try_from(position).ok().filter(|_| fits).ok_or_else(|| {
+            #[expect(clippy::cast_precision_loss, reason = "for a message")]
+            let (value, low, high) = (position as f64, -most as f64, most as f64);
+            let number = axis.number();
+            let action = Action::Command { number, name: "position of the axis" };
+            DriveError::Range { at: self.module.at(action), register: 0, value, low, high }
+        })
+    }
+
+    /// Decides for the next leg and gives its order; true if there was one.
+    fn next_leg(
+        &mut self,
+        stream: &dyn SetpointStream,
+        rest: [i32; AXES],
+    ) -> Result<bool, DriveError> {
+        let clock = || stream.now_ns();
+        let decided_ns = stream.now_ns();
+        let Some(leg) = self.follower.leg(stream, rest) else { return Ok(false) };
+        let start = |((target, speed), stands): ((i32, u16), i32)| {
+            let to = Start { to: Move::To(target), speed: Some(speed), directly: true };
+            (target != stands).then_some(to)
+        };
+        let starts: Vec<_> = leg.targets.into_iter().zip(leg.speeds).zip(rest).map(start).collect();
+        let starts = self.by_axis(&starts);
+        // Whether a lost order is carried out is unknown: the next look shows.
+        self.following = Following::Unknown;
+        let stamp = self.runtime.block_on(self.module.start(starts, &clock))?;
+        let executed_ns = stamp.middle_ns();
+        self.following = Following::Leg(leg.end_ns + executed_ns - leg.start_ns);
+        self.timing.order_ns = mean(self.timing.order_ns, executed_ns - decided_ns);
+        self.follower.set_timing(self.timing);
+        Ok(true)
+    }
+}
+
+/// A running mean of durations, ns.
+fn mean(so_far_ns: i64, new_ns: i64) -> i64 {
+    // One exchange that something else delayed says little.
+    let new_ns = new_ns.clamp(0, so_far_ns.saturating_mul(2));
+    so_far_ns + nanoseconds(MEAN_GAIN * seconds(new_ns - so_far_ns))
+}
+
+impl Drive for Bim2AxDrive {
+    fn describe(&self) -> String {
+        format!("BIM2AX-BOCM at {}", self.module.at(Action::Open).port)
+    }
+
+    fn axis_count(&self) -> usize {
+        self.options.axes.len()
+    }
+
+    fn probe(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        let clock = || stream.now_ns();
+        self.runtime.block_on(self.module.identify(&clock))?;
+        self.prepare()?;
+        let (seen, stamp) = self.look(&clock)?;
+        self.check(&seen, Action::Identify, |messages| messages & FAULTS != 0)?;
+        Ok(self.to_sample(&seen, &stamp))
+    }
+
+    fn enable(&mut self) -> Result<(), DriveError> {
+        self.prepared()?;
+        let axes = self.options.axes.clone();
+        self.runtime.block_on(async {
+            match self.module.set_phases(&axes, true, &no_clock).await {
+                // Modules from before revision D do not know that order; a motor test switches phases on, too (7.6).
+                Err(DriveError::AxisMessages { messages, .. }) if messages & FAULTS == 0 => {
+                    self.module.test_motors(&axes, &no_clock).await
+                }
+                done => done,
+            }
+        })
+    }
+
+    fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError> {
+        // The only output is the watchdog, which is the module's own (1).
+        let at = self.module.at(Action::SwitchOutput { output, on });
+        let value = output.into();
+        Err(DriveError::Range { at, register: 0, value, low: 0.0, high: 0.0 })
+    }
+
+    fn set_position(&mut self, position: &Increments) -> Result<(), DriveError> {
+        self.following = Following::Unknown;
+        let axes = self.options.axes.clone();
+        let mut wanted = Vec::with_capacity(AXES);
+        for (axis, position) in axes.iter().zip(position) {
+            wanted.push((*axis, self.register(*axis, *position)?));
+        }
+        let (before, _) = self.look(&no_clock)?;
+        let moving = self.moving(&before);
+        if moving != 0 {
+            let at = self.module.at(Action::ReadState);
+            return Err(DriveError::Moving { at, axes: moving });
+        }
+        for (axis, position) in &wanted {
+            self.runtime.block_on(self.module.preset(*axis, *position, &no_clock))?;
+        }
+        let (after, _) = self.look(&no_clock)?;
+        for ((place, (_, written)), found) in (0_u8..).zip(wanted).zip(self.in_order(&after)) {
+            if found != written {
+                let at = self.module.at(Action::ReadState);
+                let (written, found) = (written.into(), found.into());
+                return Err(DriveError::NotWritten { at, axis: place, written, found });
+            }
+        }
+        Ok(())
+    }
+
+    fn move_to(
+        &mut self,
+        target: &Increments,
+        speed: &[f64; MAX_DRIVE_AXES],
+    ) -> Result<(), DriveError> {
+        self.following = Following::Unknown;
+        self.prepared()?;
+        let mut starts = Vec::with_capacity(AXES);
+        for ((axis, settings), (target, speed)) in
+            self.options.axes.iter().zip(&self.settings).zip(target.iter().zip(speed))
+        {
+            let to = Move::To(self.register(*axis, *target)?);
+            let units = (speed / settings.mode.speed_unit()).round();
+            if !(1.0..=65_535.0).contains(&units) {
+                let action = Action::Command { number: axis.number(), name: "speed of the axis" };
+                let (at, value) = (self.module.at(action), *speed);
+                let (low, high) = (settings.mode.speed_unit(), settings.speed(u16::MAX));
+                return Err(DriveError::Range { at, register: 0, value, low, high });
+            }
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "just compared"
+            )]
+            let units = units as u16;
+            starts.push(Some(Start { to, speed: Some(units), directly: false }));
+        }
+        let starts = self.by_axis(&starts);
+        self.runtime.block_on(self.module.start(starts, &no_clock)).map(|_| ())
+    }
+
+    fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        let (seen, stamp) = self.obeying(&|| stream.now_ns())?;
+        Ok(self.to_sample(&seen, &stamp))
+    }
+
+    fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        self.prepared()?;
+        let pause_ns = i64::try_from(self.options.look_every.as_nanos()).unwrap_or(i64::MAX);
+        let following = self.following;
+        let wait_ns = match following {
+            Following::Unknown => 0,
+            Following::Rest(rest) if self.next_leg(stream, rest)? => 0,
+            Following::Rest(_) => pause_ns,
+            // The look is to begin when the leg ends; if it has not ended then, the next begins soon.
+            Following::Leg(end_ns) => (end_ns - stream.now_ns()).clamp(0, pause_ns),
+        };
+        if let Ok(wait_ns @ 1..) = u64::try_from(wait_ns) {
+            self.runtime.block_on(async { sleep(Duration::from_nanos(wait_ns)).await });
+        }
+        let (seen, stamp) = self
+            .obeying(&|| stream.now_ns())
+            .inspect_err(|_| self.following = Following::Unknown)?;
+        let look_ns = stamp.answered_ns - stamp.sent_ns;
+        self.timing.look_ns = mean(self.timing.look_ns, look_ns);
+        self.follower.set_timing(self.timing);
+        if self.moving(&seen) == 0 {
+            self.following = Following::Rest(self.in_order(&seen));
+        }
+        Ok(self.to_sample(&seen, &stamp))
+    }
+
+    fn soft_stop(&mut self) -> Result<(), DriveError> {
+        self.following = Following::Unknown;
+        let ramps = self.settings.iter().map(|axis| axis.speed(u16::MAX) / axis.rate());
+        let slowest = Duration::try_from_secs_f64(ramps.fold(0.0, f64::max)).unwrap_or_default();
+        let patience = slowest + 20 * self.options.driver.deadline;
+        self.runtime.block_on(async {
+            self.module.abandon(&no_clock).await?;
+            self.module.rested(patience, &no_clock).await.map(|_| ())
+        })
+    }
+
+    fn hard_stop(&mut self) -> Result<(), DriveError> {
+        self.following = Following::Unknown;
+        self.runtime.block_on(self.module.stop_hard(&no_clock))?;
+        let (seen, _) = self.look(&no_clock)?;
+        let moving = self.moving(&seen);
+        if moving == 0 {
+            return Ok(());
+        }
+        Err(DriveError::Moving { at: self.module.at(Action::ReadState), axes: moving })
+    }
+}

@@ -1,0 +1,158 @@
+//! Whether drives are what they should be, obey, rest, are off.
+
+use std::time::Duration;
+
+use tokio::time::timeout;
+
+use super::{SmartDriveBus, no_clock};
+use crate::{
+    Action, DriveError, MAX_DRIVE_AXES,
+    smartdrive::{
+        AxisOptions, Command, DriveState, Mode, RejectCode, TrajectoryFlags,
+        parameters::{
+            ACCELERATION_MAX, CID, DECELERATION_MAX, FULL_STEPS, PID, STEP_DIVISOR, VELOCITY_MAX,
+        },
+    },
+};
+
+/// `PID` and `CID` of the family.
+const PRODUCT: i64 = 0x5342;
+const LIST: i64 = 0x0101;
+
+impl SmartDriveBus {
+    /// Checks that a drive obeys and has not been stopped.
+    pub(super) fn check(
+        &self,
+        address: u8,
+        state: &DriveState,
+        action: Action,
+    ) -> Result<(), DriveError> {
+        let at = || self.bus.at(address, action);
+        let expected = Mode::Remote.number();
+        if !state.alarms.is_empty() {
+            Err(DriveError::Alarm { at: at(), alarms: state.alarms })
+        } else if state.mode != expected {
+            Err(DriveError::Mode { at: at(), expected, found: state.mode })
+        } else if state.flags.contains(TrajectoryFlags::STALLED) {
+            Err(DriveError::Stalled { at: at() })
+        } else if state.flags.contains(TrajectoryFlags::LIMITED) {
+            let index = self.axes().position(|other| other == address).unwrap_or(0);
+            Err(DriveError::LimitSwitch { at: at(), axes: 1 << index.min(MAX_DRIVE_AXES) })
+        } else {
+            Ok(())
+        }
+    }
+
+    /// A refusal for the mode is an alarm if there is one.
+    pub(super) fn explain(&mut self, address: u8, error: DriveError) -> DriveError {
+        match error {
+            DriveError::Rejected { at, reason: RejectCode::BadMode } => {
+                let action = at.action;
+                match self.state(address, &no_clock) {
+                    Ok((state, _)) => self
+                        .check(address, &state, action)
+                        .err()
+                        .unwrap_or(DriveError::Rejected { at, reason: RejectCode::BadMode }),
+                    Err(error) => error,
+                }
+            }
+            error => error,
+        }
+    }
+
+    /// Checks that a drive is one, and set as the options say.
+    pub(super) fn identify(&mut self, axis: &AxisOptions) -> Result<(), DriveError> {
+        let mut value = |index: u16| {
+            let asked = self.runtime.block_on(self.bus.parameter(axis.address, index));
+            asked.map(|parameter| parameter.working)
+        };
+        let product = value(PID)?;
+        let list = value(CID)?;
+        let turn = value(FULL_STEPS)? * value(STEP_DIVISOR)?;
+        let (velocity, acceleration) = (value(VELOCITY_MAX)?, value(ACCELERATION_MAX)?);
+        let deceleration = match value(DECELERATION_MAX)? {
+            0 => acceleration,
+            ceiling => ceiling,
+        };
+        let wanted = match axis.deceleration_rpm_per_s {
+            0 => axis.acceleration_rpm_per_s,
+            rate => rate,
+        };
+        let exactly = |name, expected: i64, found: i64| (name, expected, found, expected == found);
+        let at_least = |name, expected: u16, found: i64| {
+            (name, expected.into(), found, found >= expected.into())
+        };
+        let checks = [
+            exactly("PID", PRODUCT, product),
+            exactly("CID", LIST, list),
+            exactly("Mot_FullSteps · Mot_StepDivisor", axis.turn.get().into(), turn),
+            at_least("Trj_VelMax", axis.velocity_rpm, velocity),
+            at_least("Trj_AccMax", axis.acceleration_rpm_per_s, acceleration),
+            at_least("Trj_DecMax", wanted, deceleration),
+        ];
+        for (name, expected, found, right) in checks {
+            if !right {
+                let at = self.bus.at(axis.address, Action::ReadState);
+                return Err(DriveError::Parameter { at, name, expected, found });
+            }
+        }
+        Ok(())
+    }
+
+    /// Asks all drives until none moves.
+    pub(super) fn wait_for_rest(&mut self, action: Action) -> Result<(), DriveError> {
+        let options = self.bus.options();
+        let braking = |axis: &AxisOptions| {
+            let rate = match axis.deceleration_rpm_per_s {
+                0 => axis.acceleration_rpm_per_s,
+                rate => rate,
+            };
+            f64::from(axis.velocity_rpm) / f64::from(rate.max(1))
+        };
+        let slowest = options.axes.iter().map(braking).fold(0.0, f64::max);
+        let count = u32::try_from(options.axes.len()).unwrap_or(1);
+        let exchange = 2 * (options.deadline + options.worst_latency);
+        let patience = Duration::from_secs_f64(slowest) + exchange * count;
+        let addresses: Vec<u8> = self.axes().collect();
+        for (index, address) in addresses.into_iter().enumerate() {
+            let at_rest = async {
+                loop {
+                    let (state, _) = self.bus.state(address, &no_clock).await?;
+                    if !state.moving() {
+                        return Ok(());
+                    }
+                }
+            };
+            let rested = self.runtime.block_on(async { timeout(patience, at_rest).await });
+            rested.unwrap_or_else(|_| {
+                let at = self.bus.at(address, action);
+                Err(DriveError::Moving { at, axes: 1 << index.min(MAX_DRIVE_AXES) })
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Waits until a drive is off, and tells it once more if it has not heard.
+    pub(super) fn switched_off(&mut self, address: u8, off: &Command) -> Result<(), DriveError> {
+        let (state, _) = self.state(address, &no_clock)?;
+        // In alarm it is off already.
+        if !state.alarms.is_empty() {
+            return Ok(());
+        }
+        if ![Mode::Off.number(), Mode::Changing.number()].contains(&state.mode) {
+            self.runtime.block_on(self.bus.send(address, off, &no_clock))?;
+        }
+        let found = match self.runtime.block_on(self.bus.changed(address, off)) {
+            Ok(found) => found,
+            Err(DriveError::Alarm { .. }) => return Ok(()),
+            Err(error) => return Err(error),
+        };
+        let expected = Mode::Off.number();
+        if found == expected {
+            Ok(())
+        } else {
+            let at = self.bus.at(address, off.action());
+            Err(DriveError::Mode { at, expected, found })
+        }
+    }
+}

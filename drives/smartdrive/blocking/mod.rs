@@ -1,0 +1,384 @@
+//! Up to five drives on one bus as a [`Drive`].
+
+mod checks;
+
+use std::time::Duration;
+
+use tokio::runtime::Runtime;
+
+use super::{
+    Command, DriveState, Init, IoUpdate, Mode, RejectCode, SmartDrive, SmartDriveOptions,
+    TrajectoryFlags,
+    follow::{Follower, GoTo},
+};
+use crate::{
+    Action, Clock, Drive, DriveError, Exchange, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
+    Stamp,
+};
+
+/// Clock for exchanges whose time matters to nobody.
+fn no_clock() -> i64 {
+    0
+}
+
+/// Outputs of a drive: RDY, BRK, LED.
+const OUTPUTS: u8 = 3;
+/// What a drive takes for its answer until it is known better.
+const RESPONSE: Duration = Duration::from_millis(2);
+
+/// What one drive showed, and when.
+type Seen = (DriveState, Stamp);
+
+/// SmartDRIVE devices on a serial port, one axis each; increments are µsteps.
+///
+/// A drive forgets its position whenever its mode changes: [`Drive::enable`] makes it 0 unless the drive obeyed already.
+/// [`Drive::set_position`] gives positions another zero in the driver alone; the drive's own counter, and with it its
+/// position limits, stays as it is. Outputs are numbered 1 RDY, 2 BRK, 3 LED of the first drive, then those of the
+/// second.
+///
+/// The drives are asked one after the other; a sample tells all positions at the middle of that time, to which each is
+/// carried over by the follower's model of it.
+///
+/// Owns the runtime its exchanges run on; calls must not be made from within another runtime.
+#[derive(Debug)]
+pub struct SmartDriveBus {
+    bus: SmartDrive,
+    follower: Follower,
+    /// Position of the caller where the drive's counter is 0.
+    zeros: Increments,
+    /// Last, so that the port is closed while its runtime exists.
+    runtime: Runtime,
+}
+
+impl SmartDriveBus {
+    /// Opens the serial port. Sends nothing.
+    ///
+    /// # Errors
+    /// If an option is impossible or the port cannot be opened.
+    pub fn open(port: &str, options: &SmartDriveOptions) -> Result<Self, DriveError> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+        let runtime = runtime.map_err(|source| {
+            let station = options.axes.first().map_or(0, |axis| axis.address);
+            let at = Exchange { port: port.into(), station, action: Action::Open };
+            DriveError::Transport { at, source }
+        })?;
+        let bus = {
+            let _inside = runtime.enter();
+            SmartDrive::open(port, options)?
+        };
+        let follower = Follower::new(&options.axes, RESPONSE);
+        Ok(Self { bus, follower, zeros: [0; MAX_DRIVE_AXES], runtime })
+    }
+
+    /// Homes these axes (indices of the arrays), all at once, and returns when they are home; their positions are those
+    /// of the drives then, `PosOffset`.
+    ///
+    /// # Errors
+    /// If a drive refuses, is in alarm or does not find its switch; the others go on homing.
+    pub fn home(&mut self, axes: &[usize]) -> Result<(), DriveError> {
+        self.follower.restart();
+        let chosen: Vec<(usize, u8)> =
+            self.axes().enumerate().filter(|(index, _)| axes.contains(index)).collect();
+        for (_, address) in &chosen {
+            self.runtime.block_on(self.bus.init(*address, Init::Homing))?;
+        }
+        for (index, address) in chosen {
+            self.runtime.block_on(self.bus.homed(address))?;
+            if let Some(zero) = self.zeros.get_mut(index) {
+                *zero = 0;
+            }
+        }
+        Ok(())
+    }
+
+    /// Everything else a drive can do, in blocking calls: `run(|bus| bus.save(1))` with a future of the bus.
+    ///
+    /// What moves a drive or changes its mode, position or address leaves the driver's idea of it wrong until
+    /// [`Drive::enable`] and [`Drive::set_position`] are called again.
+    pub fn run<T>(&mut self, request: impl AsyncFnOnce(&mut SmartDrive) -> T) -> T {
+        self.follower.restart();
+        self.runtime.block_on(request(&mut self.bus))
+    }
+
+    /// Addresses in use, in the order of the arrays.
+    fn axes(&self) -> impl Iterator<Item = u8> + use<'_> {
+        self.bus.options().axes.iter().map(|axis| axis.address)
+    }
+
+    fn state(&mut self, address: u8, clock: &dyn Clock) -> Result<Seen, DriveError> {
+        self.runtime.block_on(self.bus.state(address, clock))
+    }
+
+    fn states(&mut self, clock: &dyn Clock) -> Result<Vec<Seen>, DriveError> {
+        let addresses: Vec<u8> = self.axes().collect();
+        addresses.into_iter().map(|address| self.state(address, clock)).collect()
+    }
+
+    /// All positions at the middle of the time in which they were seen.
+    fn to_sample(&self, seen: &[Seen]) -> Sample {
+        let times = || seen.iter().map(|(_, stamp)| stamp.executed_ns);
+        let first = times().min().unwrap_or(0);
+        let time_ns = i64::midpoint(first, times().max().unwrap_or(first));
+        let mut position = self.zeros;
+        for (index, (position, (state, stamp))) in position.iter_mut().zip(seen).enumerate() {
+            let moved = self.follower.moved(index, stamp.executed_ns, time_ns);
+            #[expect(clippy::cast_possible_truncation, reason = "a few increments")]
+            let moved = moved.round() as i64;
+            *position = position.saturating_add(i64::from(state.position)).saturating_add(moved);
+        }
+        position.iter_mut().skip(seen.len()).for_each(|unused| *unused = 0);
+        Sample { time_ns, position, moving: seen.iter().any(|(state, _)| state.moving()) }
+    }
+
+    /// A position of the caller as the drive counts.
+    fn counter(&self, index: usize, address: u8, position: i64) -> Result<i32, DriveError> {
+        let zero = self.zeros.get(index).copied().unwrap_or(0);
+        let counter = position.checked_sub(zero).and_then(|counter| i32::try_from(counter).ok());
+        counter.ok_or_else(|| {
+            let command = GoTo { target: 0, speed: 1, rate: 1 }.command();
+            #[expect(clippy::cast_precision_loss, reason = "for a message")]
+            let value = position as f64 - zero as f64;
+            DriveError::Value {
+                at: self.bus.at(address, command.action()),
+                what: "target",
+                value,
+                low: i32::MIN.into(),
+                high: i32::MAX.into(),
+            }
+        })
+    }
+}
+
+impl Drive for SmartDriveBus {
+    fn describe(&self) -> String {
+        let Exchange { port, .. } = self.bus.at(0, Action::Open);
+        let addresses: Vec<String> = self.axes().map(|address| address.to_string()).collect();
+        let plural = if addresses.len() == 1 { "" } else { "s" };
+        format!("SmartDRIVE at {port}, station{plural} {}", addresses.join(", "))
+    }
+
+    fn axis_count(&self) -> usize {
+        self.bus.options().axes.len()
+    }
+
+    fn probe(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        for axis in self.bus.options().axes.clone() {
+            self.identify(&axis)?;
+        }
+        let seen = self.states(&|| stream.now_ns())?;
+        Ok(self.to_sample(&seen))
+    }
+
+    fn enable(&mut self) -> Result<(), DriveError> {
+        self.follower.restart();
+        let command = Command::Mode(Some(Mode::Remote));
+        let addresses: Vec<u8> = self.axes().collect();
+        let mut changing = Vec::with_capacity(addresses.len());
+        for (index, address) in addresses.into_iter().enumerate() {
+            let (state, _) = self.state(address, &no_clock)?;
+            if state.mode != Mode::Remote.number() {
+                // One that still changes would refuse.
+                if state.mode == Mode::Changing.number() {
+                    self.runtime.block_on(self.bus.changed(address, &command))?;
+                }
+                self.runtime.block_on(self.bus.send(address, &command, &no_clock))?;
+                changing.push((index, address));
+            }
+        }
+        for (index, address) in changing {
+            let found = self.runtime.block_on(self.bus.changed(address, &command))?;
+            if let Some(zero) = self.zeros.get_mut(index) {
+                *zero = 0;
+            }
+            let expected = Mode::Remote.number();
+            if found != expected {
+                let at = self.bus.at(address, command.action());
+                return Err(DriveError::Mode { at, expected, found });
+            }
+        }
+        Ok(())
+    }
+
+    fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError> {
+        let action = Action::SwitchOutput { output, on };
+        let place = output.checked_sub(1);
+        let axis = place.and_then(|place| self.axes().nth((place / OUTPUTS).into()));
+        let Some((place, address)) = place.zip(axis) else {
+            let count = u32::try_from(self.axis_count()).unwrap_or(u32::MAX);
+            return Err(DriveError::Value {
+                at: self.bus.at(self.axes().next().unwrap_or(0), action),
+                what: "output",
+                value: output.into(),
+                low: 1.0,
+                high: f64::from(count) * f64::from(OUTPUTS),
+            });
+        };
+        let mask = 1 << (place % OUTPUTS);
+        let (set, clear) = if on { (mask, 0) } else { (0, mask) };
+        let update = IoUpdate { clear, set, ..IoUpdate::default() };
+        let shown = self.runtime.block_on(self.bus.io(address, update))?;
+        if (shown.levels & mask != 0) == on {
+            Ok(())
+        } else {
+            Err(DriveError::Rejected {
+                at: self.bus.at(address, action),
+                reason: RejectCode::Generic,
+            })
+        }
+    }
+
+    fn set_position(&mut self, position: &Increments) -> Result<(), DriveError> {
+        let seen = self.states(&no_clock)?;
+        let moving =
+            seen.iter().enumerate().find(|(_, (state, _))| state.moving()).map(|(index, _)| index);
+        if let Some(index) = moving {
+            let address = self.axes().nth(index).unwrap_or(0);
+            let at = self.bus.at(address, Action::ReadState);
+            return Err(DriveError::Moving { at, axes: 1 << index.min(MAX_DRIVE_AXES) });
+        }
+        self.follower.restart();
+        for ((zero, position), (state, _)) in self.zeros.iter_mut().zip(position).zip(&seen) {
+            *zero = position.saturating_sub(state.position.into());
+        }
+        Ok(())
+    }
+
+    fn move_to(
+        &mut self,
+        target: &Increments,
+        speed: &[f64; MAX_DRIVE_AXES],
+    ) -> Result<(), DriveError> {
+        self.follower.restart();
+        let axes = self.bus.options().axes.clone();
+        let mut commands = Vec::with_capacity(axes.len());
+        for (index, ((axis, target), speed)) in axes.iter().zip(target).zip(speed).enumerate() {
+            let target = self.counter(index, axis.address, *target)?;
+            let rate = axis.acceleration_rpm_per_s.max(axis.deceleration_rpm_per_s);
+            // No more than asked for: rounded down, but for what only rounding has made less than whole.
+            let rpm = (axis.turn.rpm(*speed) + 1e-6).floor();
+            let high = f64::from(axis.velocity_rpm);
+            if !(1.0..=high).contains(&rpm) {
+                let command = GoTo { target, speed: 1, rate }.command();
+                return Err(DriveError::Value {
+                    at: self.bus.at(axis.address, command.action()),
+                    what: "speed",
+                    value: *speed,
+                    low: axis.turn.steps(1.0),
+                    high: axis.turn.steps(high),
+                });
+            }
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "just compared"
+            )]
+            let speed = rpm as u16;
+            commands.push((axis.address, GoTo { target, speed, rate }.command()));
+        }
+        for (address, command) in commands {
+            let sent = self.runtime.block_on(self.bus.send(address, &command, &no_clock));
+            sent.map_err(|error| self.explain(address, error))?;
+        }
+        Ok(())
+    }
+
+    fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        let seen = self.states(&|| stream.now_ns())?;
+        let addresses: Vec<u8> = self.axes().collect();
+        for (address, (state, _)) in addresses.into_iter().zip(&seen) {
+            self.check(address, state, Action::ReadState)?;
+        }
+        Ok(self.to_sample(&seen))
+    }
+
+    fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        let clock = || stream.now_ns();
+        let shifted = Shifted { stream, zeros: self.zeros };
+        let needing = self.follower.survey(&shifted);
+        let addresses: Vec<u8> = self.axes().collect();
+        let mut seen = Vec::with_capacity(addresses.len());
+        for (index, address) in addresses.iter().copied().enumerate() {
+            let decided_ns = stream.now_ns();
+            let order = if needing.contains(&index) {
+                self.follower.order(index, addresses.len(), decided_ns)
+            } else {
+                None
+            };
+            let command = order.map_or(Command::Ping, |order| order.profile.command());
+            let sent = self.runtime.block_on(self.bus.send(address, &command, &clock));
+            // Whether a lost command was executed is unknown: start again from what the next sample shows.
+            let (answer, stamp) = sent.map_err(|error| {
+                self.follower.restart();
+                self.explain(address, error)
+            })?;
+            let state = DriveState::from_answer(answer);
+            self.check(address, &state, command.action())
+                .inspect_err(|_| self.follower.restart())?;
+            let turning = state.flags.contains(TrajectoryFlags::IN_MOTION);
+            self.follower.sampled_axis(index, &stamp, state.position, turning);
+            if let Some(order) = &order {
+                self.follower.executed(order, decided_ns, &stamp);
+            }
+            seen.push((state, stamp));
+        }
+        Ok(self.to_sample(&seen))
+    }
+
+    /// STOP to all drives of the line, also those not in use, several times: nobody confirms it. Then asks until the
+    /// drives in use are at rest.
+    fn soft_stop(&mut self) -> Result<(), DriveError> {
+        self.follower.restart();
+        let stop = Command::Stop { rate: 0 };
+        for _ in 0..self.bus.options().stop_broadcasts {
+            self.runtime.block_on(self.bus.broadcast(&stop))?;
+        }
+        self.wait_for_rest(stop.action())
+    }
+
+    /// MODE 0 to all drives of the line, also those not in use, then asks until those in use are off.
+    fn hard_stop(&mut self) -> Result<(), DriveError> {
+        self.follower.restart();
+        let off = Command::Mode(Some(Mode::Off));
+        for _ in 0..self.bus.options().stop_broadcasts {
+            self.runtime.block_on(self.bus.broadcast(&off))?;
+        }
+        let addresses: Vec<u8> = self.axes().collect();
+        let mut failed = None;
+        for address in addresses {
+            // Every drive is tried, whatever the others say.
+            if let Err(error) = self.switched_off(address, &off) {
+                failed.get_or_insert(error);
+            }
+        }
+        failed.map_or(Ok(()), Err)
+    }
+}
+
+/// A plan in the counts of the drives.
+struct Shifted<'a> {
+    stream: &'a dyn SetpointStream,
+    zeros: Increments,
+}
+
+impl SetpointStream for Shifted<'_> {
+    fn now_ns(&self) -> i64 {
+        self.stream.now_ns()
+    }
+
+    fn at(&self, time_ns: i64) -> crate::IncrementMotion {
+        let mut motion = self.stream.at(time_ns);
+        for (position, zero) in motion.position.iter_mut().zip(self.zeros) {
+            #[expect(
+                clippy::cast_precision_loss,
+                reason = "positions are of few more than 32 bits"
+            )]
+            let zero = zero as f64;
+            *position -= zero;
+        }
+        motion
+    }
+
+    fn horizon_ns(&self) -> i64 {
+        self.stream.horizon_ns()
+    }
+}

@@ -1,0 +1,334 @@
+//! The bus over the wire: one exchange at a time, each with a deadline.
+
+use std::{io, pin::Pin, sync::Arc, time::Duration};
+
+use tokio::{
+    io::{AsyncReadExt, AsyncWriteExt},
+    time::{Sleep, sleep, timeout},
+};
+use tokio_serial::{DataBits, FlowControl, Parity, SerialPortBuilderExt, StopBits};
+
+use super::{
+    BAUD, Command, RejectCode, SmartDriveOptions,
+    frame::{ANSWER_BYTES, Answer, FIRST_BITS, encode},
+    wire_time,
+};
+use crate::{Action, Clock, DriveError, Exchange, ProtocolFault, Stamp, transport::Transport};
+
+/// Attempts at a command that may be sent again.
+const ATTEMPTS: u32 = 2;
+/// Reads after which no more silence is waited for.
+const MOST_LEFTOVERS: u32 = 64;
+/// Silence after which what has come late is all there is.
+const QUIET: Duration = Duration::from_millis(2);
+
+/// The master of a bus with one or more drives. All calls need a tokio runtime with I/O and time.
+///
+/// After an exchange without a proper answer the answer may still come, and would be taken for that to the next
+/// command. Before the next command, unless it is a broadcast, the driver therefore waits until no answer can come any
+/// more and throws away what has come.
+pub struct SmartDrive {
+    port: Arc<str>,
+    options: SmartDriveOptions,
+    transport: Box<dyn Transport>,
+    /// Something may be in the input that answers nothing.
+    dirty: bool,
+    /// An answer may still be on its way.
+    late: bool,
+    /// Silence between the last frame and the next.
+    silence: Option<Pin<Box<Sleep>>>,
+}
+
+impl std::fmt::Debug for SmartDrive {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { port, options, late, .. } = self;
+        f.debug_struct("SmartDrive")
+            .field("port", port)
+            .field("options", options)
+            .field("late", late)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Command {
+    /// What an error says was being done.
+    pub(crate) fn action(&self) -> Action {
+        Action::Command { number: self.code().into(), name: self.name() }
+    }
+}
+
+impl SmartDrive {
+    /// Opens the serial port. Sends nothing.
+    ///
+    /// # Errors
+    /// If an option is impossible or the port cannot be opened.
+    pub fn open(port: &str, options: &SmartDriveOptions) -> Result<Self, DriveError> {
+        let name: Arc<str> = port.into();
+        options.check(&name)?;
+        let opened = tokio_serial::new(port, BAUD)
+            .parity(Parity::None)
+            .data_bits(DataBits::Eight)
+            .stop_bits(StopBits::One)
+            .flow_control(FlowControl::None)
+            .open_native_async();
+        let stream = opened.map_err(|error| DriveError::Transport {
+            at: Exchange {
+                port: Arc::clone(&name),
+                station: options.axes.first().map_or(0, |axis| axis.address),
+                action: Action::Open,
+            },
+            source: error.into(),
+        })?;
+        Ok(Self::attach(name, stream, options))
+    }
+
+    /// The bus at the other end of any stream of bytes.
+    pub(crate) fn attach(
+        port: Arc<str>,
+        transport: impl Transport + 'static,
+        options: &SmartDriveOptions,
+    ) -> Self {
+        let transport = Box::new(transport);
+        // What lies in the input from before is nobody's answer: the first exchange starts by clearing it.
+        Self { port, options: options.clone(), transport, dirty: true, late: false, silence: None }
+    }
+
+    /// Where and in the course of what something happens.
+    pub(crate) fn at(&self, address: u8, action: Action) -> Exchange {
+        Exchange { port: Arc::clone(&self.port), station: address, action }
+    }
+
+    /// Options it was opened with.
+    pub(crate) fn options(&self) -> &SmartDriveOptions {
+        &self.options
+    }
+
+    /// Sends a command to the drive at `address` (1 to 31) and takes its answer; success means that the drive has
+    /// accepted it, not that it is finished.
+    ///
+    /// Only commands that are idempotent ([`Command::is_idempotent`]) are sent again if no proper answer comes. After
+    /// an error of any other it is unknown whether the drive has executed it.
+    ///
+    /// # Errors
+    /// If there is no such address, if the drive refuses the command, or if no proper answer comes.
+    pub async fn send(
+        &mut self,
+        address: u8,
+        command: &Command,
+        clock: &dyn Clock,
+    ) -> Result<(Answer, Stamp), DriveError> {
+        let at = self.at(address, command.action());
+        if !super::ADDRESSES.contains(&address) {
+            let value = f64::from(address);
+            return Err(DriveError::Value { at, what: "address", value, low: 1.0, high: 31.0 });
+        }
+        let mut attempts = if command.is_idempotent() { ATTEMPTS } else { 1 };
+        loop {
+            self.settle(&at).await?;
+            attempts -= 1;
+            match self.exchange(&at, &encode(address, command), clock).await {
+                Err(DriveError::Timeout { .. } | DriveError::Protocol { .. }) if attempts > 0 => {}
+                Ok((answer, _)) if answer.status.rejected() => {
+                    let reason = RejectCode::from_number(answer.tag).unwrap_or(RejectCode::Generic);
+                    return Err(DriveError::Rejected { at, reason });
+                }
+                done => return done,
+            }
+        }
+    }
+
+    /// Sends a command to all drives, which execute it and do not answer. Waits for no late answer: this is how drives
+    /// are stopped.
+    ///
+    /// # Errors
+    /// If the port cannot be written.
+    pub async fn broadcast(&mut self, command: &Command) -> Result<(), DriveError> {
+        let at = self.at(0, command.action());
+        self.pause().await;
+        let frame = encode(0, command);
+        // An adapter may echo it.
+        self.dirty = true;
+        let written = timeout(self.options.deadline, self.write(&frame)).await;
+        let pause = wire_time(frame.len()) + self.options.broadcast_pause;
+        self.silence = Some(Box::pin(sleep(pause)));
+        match written {
+            Ok(Ok(())) => Ok(()),
+            Ok(Err(source)) => Err(DriveError::Transport { at, source }),
+            Err(_) => Err(DriveError::Timeout { at, deadline: self.options.deadline }),
+        }
+    }
+
+    /// Waits for late answers, and throws away what answers nothing.
+    async fn settle(&mut self, at: &Exchange) -> Result<(), DriveError> {
+        self.pause().await;
+        if self.late {
+            sleep(self.options.worst_latency).await;
+        }
+        if self.late || self.dirty {
+            self.clear(at).await?;
+            self.late = false;
+            self.dirty = false;
+        }
+        Ok(())
+    }
+
+    async fn pause(&mut self) {
+        if let Some(silence) = self.silence.take() {
+            silence.await;
+        }
+    }
+
+    /// Throws away what has come until the line is silent. A line that never is shows in the answer.
+    async fn clear(&mut self, at: &Exchange) -> Result<(), DriveError> {
+        let mut leftovers = [0; 256];
+        for _ in 0..MOST_LEFTOVERS {
+            match timeout(QUIET, self.transport.read(&mut leftovers)).await {
+                Err(_) | Ok(Ok(0)) => return Ok(()),
+                Ok(Ok(_)) => {}
+                Ok(Err(source)) => return Err(DriveError::Transport { at: at.clone(), source }),
+            }
+        }
+        Ok(())
+    }
+
+    /// The bytes of a frame must follow each other closely: they are written in one piece.
+    async fn write(&mut self, frame: &[u8]) -> io::Result<()> {
+        self.transport.write_all(frame).await?;
+        self.transport.flush().await
+    }
+
+    /// Sends a frame and takes the answer within the deadline.
+    async fn exchange(
+        &mut self,
+        at: &Exchange,
+        frame: &[u8],
+        clock: &dyn Clock,
+    ) -> Result<(Answer, Stamp), DriveError> {
+        let deadline = self.options.deadline;
+        // Also if the caller gives up in the middle.
+        self.late = true;
+        let mut search = Search::new(frame, at.station);
+        let sent_ns = clock.now_ns();
+        let outcome = timeout(deadline, async {
+            self.write(frame).await?;
+            let mut chunk = [0; 64];
+            loop {
+                let count = self.transport.read(&mut chunk).await?;
+                if count == 0 {
+                    return Err(io::ErrorKind::UnexpectedEof.into());
+                }
+                if let Some(answer) = search.take(chunk.get(..count).unwrap_or_default()) {
+                    return Ok(answer);
+                }
+            }
+        });
+        let outcome = outcome.await;
+        let answered_ns = clock.now_ns().max(sent_ns);
+        if !self.options.silence.is_zero() {
+            self.silence = Some(Box::pin(sleep(self.options.silence)));
+        }
+        let at = at.clone();
+        match outcome {
+            Ok(Ok(answer)) => {
+                self.late = false;
+                self.dirty = search.is_noisy();
+                Ok((answer, stamp(sent_ns, answered_ns, frame.len())))
+            }
+            Ok(Err(source)) => Err(DriveError::Transport { at, source }),
+            Err(_) => match search.fault() {
+                Some(fault) => Err(DriveError::Protocol { at, fault }),
+                None => Err(DriveError::Timeout { at, deadline }),
+            },
+        }
+    }
+}
+
+/// The drive executes a command between its last byte and the first of the answer.
+fn stamp(sent_ns: i64, answered_ns: i64, sent_bytes: usize) -> Stamp {
+    let whole = |bytes| i64::try_from(wire_time(bytes).as_nanos()).unwrap_or(i64::MAX);
+    let first = sent_ns + whole(sent_bytes);
+    let last = answered_ns - whole(ANSWER_BYTES);
+    // A line faster than its baud rate (a pseudo-terminal) may make the wire times exceed the exchange.
+    let executed_ns = i64::midpoint(first, last).clamp(sent_ns, answered_ns);
+    Stamp { sent_ns, executed_ns, uncertainty_ns: (last - first).max(0) / 2, answered_ns }
+}
+
+/// Looks for the answer among the bytes that come.
+struct Search<'a> {
+    /// The command, which an adapter may echo.
+    command: &'a [u8],
+    address: u8,
+    bytes: Vec<u8>,
+    /// The echo has come and gone.
+    echoed: bool,
+    garbled: bool,
+    foreign: bool,
+}
+
+impl<'a> Search<'a> {
+    fn new(command: &'a [u8], address: u8) -> Self {
+        Self { command, address, bytes: Vec::new(), echoed: false, garbled: false, foreign: false }
+    }
+
+    /// Takes more bytes; the answer, if it is among them.
+    ///
+    /// The first byte of a command is below 20h, that of an answer 80h at least. What begins as the command did is its
+    /// echo; whatever else begins below 80h is noise, and so are nine bytes that are not the answer of anybody.
+    fn take(&mut self, more: &[u8]) -> Option<Answer> {
+        self.bytes.extend(more);
+        loop {
+            let first = *self.bytes.first()?;
+            let starts = |bytes: &[u8]| {
+                bytes.iter().zip(self.command).all(|(byte, expected)| byte == expected)
+            };
+            if first < FIRST_BITS && !self.echoed && starts(&self.bytes) {
+                if self.bytes.len() < self.command.len() {
+                    return None;
+                }
+                self.bytes.drain(..self.command.len());
+                self.echoed = true;
+                continue;
+            }
+            if first < 0x80 {
+                self.bytes.remove(0);
+                self.garbled = true;
+                continue;
+            }
+            let frame = self.bytes.first_chunk::<ANSWER_BYTES>()?;
+            match Answer::decode(frame) {
+                Some(answer)
+                    if answer.status.address() == self.address
+                        && self.bytes.len() == ANSWER_BYTES =>
+                {
+                    self.bytes.clear();
+                    return Some(answer);
+                }
+                // Nothing follows an answer: the XOR of nine bytes out of one that comes twice, or of a beginning and
+                // the answer it was repeated in, is 0 as well.
+                other => {
+                    self.bytes.remove(0);
+                    let foreign =
+                        other.is_some_and(|answer| answer.status.address() != self.address);
+                    self.foreign |= foreign;
+                    self.garbled |= !foreign;
+                }
+            }
+        }
+    }
+
+    /// Whether bytes came that belong to nothing.
+    fn is_noisy(&self) -> bool {
+        self.garbled || self.foreign || !self.bytes.is_empty()
+    }
+
+    /// What is wrong with what has come instead of an answer.
+    fn fault(&self) -> Option<ProtocolFault> {
+        if self.foreign {
+            Some(ProtocolFault::Station)
+        } else if self.garbled || !self.bytes.is_empty() {
+            Some(ProtocolFault::Garbled)
+        } else {
+            None
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! Drives between set-points and the motors of the simulated machine.
+
+use crate::process::{Desk, number};
+use crate::root;
+use serde_json::Value;
+
+/// A portal whose axes have 320, 320 and 640 increments per mm, on a board and on a bus.
+fn desk() -> Desk {
+    let desk = Desk::new();
+    let shipped = |path: &str| std::fs::read_to_string(root().join(path)).expect("it is shipped");
+    let board = shipped("machines/gantry3.toml");
+    desk.write("cover.ngc", &shipped("examples/cover.ngc"));
+    desk.write("vice.toml", &shipped("machines/gantry3_vice.toml"));
+    desk.write("board.toml", &board);
+    desk.write("looped.toml", &board.replace("\"interpcnc\"", "\"interpcnc\"\nin_loop = true"));
+    let bus = board.replace("\"interpcnc\"", "\"smartdrive\"");
+    let addresses = [("X", "1"), ("Y", "2"), ("Z", "3")].into_iter();
+    let bus = addresses.fold(bus, |text, (axis, address)| {
+        let [from, to] = [format!("drive_axis = \"{axis}\""), format!("drive_address = {address}")];
+        text.replace(&from, &to)
+    });
+    desk.write("bus.toml", &bus);
+    desk
+}
+
+const CHECK: [&str; 6] = ["check", "cover.ngc", "--physics", "--format", "json", "-m"];
+
+/// Axes accelerate with at most 1 m/s²; a board with three axes has a round of 26 ms, a bus one of 15 ms: what a plan with this
+/// acceleration comes to in a round and a half is the most that a drive can be off, and some of it it is.
+#[test]
+fn check_sees_what_drives_make_of_the_set_points() {
+    let desk = desk();
+    let errors = |machine: &str, more: &[&str]| -> Vec<f64> {
+        let done = desk.twin(&[&CHECK[..], &[machine], more].concat());
+        let report: Value = serde_json::from_str(&done.ended(0, "").stdout).expect("JSON");
+        ["X", "Y", "Z"]
+            .map(|axis| number(&report["peak"][axis]["following_error"]["value"]))
+            .to_vec()
+    };
+    let ideal = errors("board.toml", &[]);
+    for (machine, round) in [("board.toml", 0.026), ("bus.toml", 0.015)] {
+        let looped = errors(machine, &["--drives-in-loop"]);
+        let most = 0.5 * 1000.0 * f64::powi(1.5 * round, 2);
+        for (ideal, looped) in ideal.iter().zip(&looped) {
+            assert!(
+                looped > ideal && *looped < ideal + most,
+                "{machine}: {looped}, {ideal}, {most}"
+            );
+        }
+    }
+    // A key of the machine file does the same for its drive.
+    assert_eq!(errors("looped.toml", &[]), errors("board.toml", &["--drives-in-loop"]));
+}
+
+#[test]
+fn a_run_has_its_twin_on_the_drives() {
+    let desk = desk();
+    let run = ["run", "cover.ngc", "-m", "board.toml", "--drives", "none", "--report", "run.json"];
+    desk.twin(&run).ended(0, "");
+    let ideal = number(&desk.read("run.json")["tool_error_mm"]["twin"]["max"]);
+    desk.twin(&[&run[..], &["--drives-in-loop"]].concat()).ended(0, "");
+    let report = desk.read("run.json");
+    assert_eq!(report["completed"], true);
+    let looped = number(&report["tool_error_mm"]["twin"]["max"]);
+    assert!(looped > ideal && looped < ideal + 1.5, "{looped}, {ideal}");
+}
+
+/// Command 40 on the emulated board: its counter, whole steps of 1/640 mm, and a ramp of 0.125 mm from 5 mm/s with 100 mm/s² behind
+/// it.
+#[test]
+fn a_board_probes() {
+    let desk = desk();
+    let probe = ["axes", "probe", "-m", "vice.toml", "--axis", "Z", "--from", "250,130,70"];
+    let looped = [&probe[..], &["--drives-in-loop", "--stroke", "-30"]].concat();
+    let done = desk.twin(&looped);
+    let said: Vec<_> = done.ended(0, "").stdout.trim().split(',').collect();
+    let [word, latched, rest] = said[..] else { panic!("{said:?}") };
+    let [latched, rest] = [latched, rest].map(|value| value.parse::<f64>().expect("a number"));
+    assert_eq!(word, "tripped");
+    assert!((latched - 60.0).abs() < 0.01, "{latched}");
+    assert!((latched * 640.0 - (latched * 640.0).round()).abs() < 1e-6, "{latched}");
+    assert!((latched - rest - 0.125).abs() < 0.01, "{rest}");
+    let steep = [&looped[..], &["--velocity", "150", "--start-velocity", "110"]].concat();
+    desk.twin(&steep)
+        .ended(2, "start velocity of 70400 steps/s: command 40 has 1 to 65535 steps/s");
+}
+
+#[test]
+fn what_says_nothing_is_refused() {
+    let desk = desk();
+    let check = ["check", "cover.ngc", "-m", "board.toml", "--drives-in-loop"];
+    desk.twin(&check).ended(2, "--drives-in-loop says nothing without --physics");
+    let none = root().join("machines/gantry3_motors.toml");
+    desk.write("none.toml", &std::fs::read_to_string(none).expect("it is shipped"));
+    desk.twin(&[&CHECK[..], &["none.toml", "--drives-in-loop"]].concat())
+        .ended(2, "names no [[drives]]");
+}

@@ -1,0 +1,219 @@
+//! One device: its thread, its stream, and the axes of the machine that hang on it.
+
+use super::device::{APPROACH, Device, FINISH, FOLLOW, STOP};
+use super::stream::Stream;
+use super::{Attached, Event, HardwareError, Switch};
+use crate::clock::Clock;
+use crate::machine::{Axis, Machine};
+use crate::setpoint::AxisSetpoint;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
+use std::thread::JoinHandle;
+use std::time::Duration;
+use twin_drives::{IncrementMotion, MAX_DRIVE_AXES, Sample};
+use twin_kinematics::AxisVector;
+
+/// Samples that may wait for the session before the device's thread waits for it.
+const WAITING_SAMPLES: usize = 1024;
+
+/// Outputs that may wait to be switched: twice those of a board.
+const WAITING_SWITCHES: usize = 64;
+
+/// Where one machine axis is found on the device.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Mapping {
+    /// In machine-file order.
+    pub(super) axis: usize,
+    increments_per_si: f64,
+}
+
+/// A device at work.
+#[derive(Debug)]
+pub(super) struct Unit {
+    stream: Arc<Stream>,
+    order: Arc<AtomicU8>,
+    events: Receiver<Result<Event, HardwareError>>,
+    thread: Option<JoinHandle<()>>,
+    pub(super) axes: Vec<Mapping>,
+    switches: SyncSender<Switch>,
+    /// Enabled, its axes at the start of the program.
+    pub(super) ready: bool,
+    /// It has nothing more to say.
+    pub(super) ended: bool,
+}
+
+impl Unit {
+    /// Enables the device and starts moving its axes to `start`.
+    pub(super) fn start(
+        machine: &Machine,
+        attached: Attached,
+        start: &AxisVector,
+        (cycle_ns, approach): (i64, f64),
+        early: &Arc<AtomicBool>,
+    ) -> Result<Self, HardwareError> {
+        let mut target = [0; MAX_DRIVE_AXES];
+        let mut speed = [0.0; MAX_DRIVE_AXES];
+        let mut rest = [0.0; MAX_DRIVE_AXES];
+        let mut axes = Vec::new();
+        let slots = target.iter_mut().zip(speed.iter_mut()).zip(rest.iter_mut());
+        for (((target, speed), rest), (index, axis)) in slots.zip(machine.axes_of(attached.device))
+        {
+            let position = start.get(index).copied().unwrap_or_default();
+            let increments_per_si = axis.increments_per_si();
+            *target = whole(axis, position)?;
+            *speed = (axis.max_velocity * increments_per_si).abs() * approach;
+            *rest = position * increments_per_si;
+            axes.push(Mapping { axis: index, increments_per_si });
+        }
+        let stream = Arc::new(Stream::new(rest, cycle_ns));
+        let order = Arc::new(AtomicU8::new(APPROACH));
+        let (sender, events) = sync_channel(WAITING_SAMPLES);
+        let (switches, to_switch) = sync_channel(WAITING_SWITCHES);
+        let device = Device {
+            drive: attached.drive,
+            stream: Arc::clone(&stream),
+            order: Arc::clone(&order),
+            sender,
+            switches: to_switch,
+            on: BTreeSet::new(),
+            early: Arc::clone(early),
+        };
+        let thread = std::thread::Builder::new()
+            .name("drive".to_owned())
+            .spawn(move || device.run(&target, &speed))
+            .map_err(HardwareError::Thread)?;
+        let thread = Some(thread);
+        Ok(Self { stream, order, events, thread, axes, switches, ready: false, ended: false })
+    }
+
+    /// From now on it follows its stream by `clock`.
+    pub(super) fn follow(&self, clock: Clock) {
+        self.stream.start(clock);
+        self.change_order(APPROACH, FOLLOW);
+    }
+
+    /// It is to come to rest at the end of its stream.
+    pub(super) fn finish(&self) {
+        self.change_order(FOLLOW, FINISH);
+    }
+
+    /// A stop that was asked for stays asked for.
+    fn change_order(&self, from: u8, to: u8) {
+        let changed = self.order.compare_exchange(from, to, Ordering::Relaxed, Ordering::Relaxed);
+        changed.unwrap_or_default();
+    }
+
+    /// It is to brake now.
+    pub(super) fn stop(&self) {
+        self.order.store(STOP, Ordering::Relaxed);
+    }
+
+    /// Plans a set-point more.
+    pub(super) fn push(&self, setpoint: &AxisSetpoint) {
+        self.stream.push(setpoint.time_ns, self.motion(setpoint));
+    }
+
+    /// Plans others in the place of those after `time_ns`.
+    pub(super) fn replace<'a>(
+        &self,
+        time_ns: i64,
+        setpoints: impl Iterator<Item = &'a AxisSetpoint>,
+    ) {
+        self.stream.replace(time_ns, setpoints.map(|setpoint| self.motion(setpoint)));
+    }
+
+    /// A set-point in increments.
+    fn motion(&self, setpoint: &AxisSetpoint) -> IncrementMotion {
+        let mut motion = IncrementMotion::default();
+        let slots = motion.position.iter_mut().zip(motion.velocity.iter_mut());
+        for ((position, velocity), place) in slots.zip(&self.axes) {
+            let of = |values: &AxisVector| {
+                values.get(place.axis).map_or(0.0, |value| value * place.increments_per_si)
+            };
+            *position = of(&setpoint.axes.position);
+            *velocity = of(&setpoint.axes.velocity);
+        }
+        motion
+    }
+
+    /// Where the plan has its axes at an instant, m or rad.
+    pub(super) fn planned(&self, time_ns: i64) -> [f64; MAX_DRIVE_AXES] {
+        self.si(self.stream_position(time_ns))
+    }
+
+    fn stream_position(&self, time_ns: i64) -> [f64; MAX_DRIVE_AXES] {
+        use twin_drives::SetpointStream;
+        self.stream.at(time_ns).position
+    }
+
+    /// Where its axes were found, m or rad.
+    pub(super) fn measured(&self, sample: &Sample) -> [f64; MAX_DRIVE_AXES] {
+        #[expect(clippy::cast_precision_loss, reason = "counters have 32 bits")]
+        let counters = sample.position.map(|counter| counter as f64);
+        self.si(counters)
+    }
+
+    fn si(&self, mut increments: [f64; MAX_DRIVE_AXES]) -> [f64; MAX_DRIVE_AXES] {
+        for (value, place) in increments.iter_mut().zip(&self.axes) {
+            *value /= place.increments_per_si;
+        }
+        increments
+    }
+
+    /// Asks for an output; false if the device has ended.
+    pub(super) fn switch(&self, output: u8, on: bool) -> bool {
+        self.switches.try_send(Switch { output, on }).is_ok()
+    }
+
+    /// True while the device's thread runs.
+    pub(super) fn is_running(&self) -> bool {
+        self.thread.as_ref().is_some_and(|thread| !thread.is_finished())
+    }
+
+    /// What it says next, if anything.
+    pub(super) fn event(&mut self) -> Result<Option<Event>, HardwareError> {
+        match self.events.try_recv() {
+            Ok(Ok(event)) => Ok(Some(event)),
+            Ok(Err(error)) => {
+                self.ended = true;
+                Err(error)
+            }
+            Err(TryRecvError::Empty) => Ok(None),
+            Err(TryRecvError::Disconnected) if self.ended => Ok(None),
+            Err(TryRecvError::Disconnected) => {
+                self.ended = true;
+                Err(HardwareError::Gone)
+            }
+        }
+    }
+}
+
+impl Drop for Unit {
+    fn drop(&mut self) {
+        self.stop();
+        if let Some(thread) = self.thread.take() {
+            // Whatever the thread had to say has been said through the channel; let it bring the axes to rest.
+            while !thread.is_finished() {
+                while self.events.try_recv().is_ok() {}
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            thread.join().unwrap_or_default();
+        }
+    }
+}
+
+/// A position as whole increments.
+fn whole(axis: &Axis, position: f64) -> Result<i64, HardwareError> {
+    let increments = (position * axis.increments_per_si()).round();
+    if increments.abs() < f64::from(i32::MAX) {
+        #[expect(clippy::cast_possible_truncation, reason = "just compared")]
+        return Ok(increments as i64);
+    }
+    Err(HardwareError::Range {
+        axis: axis.name.clone(),
+        position: axis.from_si(position),
+        unit: axis.unit(),
+    })
+}

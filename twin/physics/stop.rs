@@ -1,0 +1,258 @@
+//! Where a step has to end because another law holds from there on: where something comes to rest or breaks away, where teeth with
+//! play between them meet or part, and where they cease to push.
+//!
+//! Each of these is where a number that goes on smoothly turns its sign. Part of the step is taken again and again until it ends
+//! there: false position by the last two ends.
+
+use twin_kinematics::MAX_AXES;
+
+use super::dynamics::at;
+use super::friction::{DryFriction, REST};
+use super::integrate::{Arrival, Elastic, MachineState, Motors, Step, Train};
+use super::settle::{Holding, Settled};
+
+/// Ends tried for one stop; three or four do.
+const MOST_ENDS: usize = 12;
+
+/// As near to it as this part of the step is there.
+const THERE: f64 = 1e-10;
+
+/// And where no more than this is left, m, m/s or N; whatever rounding leaves.
+const NOUGHT: f64 = 1e-13;
+
+/// What is as little of what it becomes has turned its sign before.
+const NOTHING: f64 = 1e-7;
+
+/// Something after which another law holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Stop {
+    /// An axis that moves in this direction comes to rest.
+    Axis(usize, f64),
+    /// So does a motor.
+    Motor(usize, f64),
+    /// What holds an axis that sticks is more than this (N or Nm).
+    AxisBreaks(usize, f64),
+    /// The same of a motor.
+    MotorBreaks(usize, f64),
+    /// The teeth of a transmission meet, or are all there, where the motor is so far ahead of the axis (m or rad).
+    Teeth(usize, f64),
+    /// Teeth that are wound up cease to push, or begin again.
+    Push(usize),
+}
+
+impl Stop {
+    /// What is 0 there: a velocity, what friction has left, how far teeth are from each other, or what they push with.
+    fn value(&self, trains: &[Train; MAX_AXES], state: &MachineState, holding: &Holding) -> f64 {
+        match *self {
+            Self::Axis(axis, direction) => direction * at(&state.axes.velocity, axis),
+            Self::Motor(axis, direction) => direction * at(&state.motors.velocity, axis),
+            Self::AxisBreaks(axis, most) => most - at(&holding.axes, axis).abs(),
+            Self::MotorBreaks(axis, most) => most - at(&holding.motors, axis).abs(),
+            Self::Teeth(axis, edge) => twist(state, axis) - edge,
+            Self::Push(axis) => push(trains, state, axis).1,
+        }
+    }
+
+    /// Whether it happens on the way from one value to another.
+    fn happens(&self, before: f64, after: f64) -> bool {
+        match self {
+            // What breaks away moves from no velocity on.
+            Self::Axis(..) | Self::Motor(..) => after < 0.0 && before.max(-after) > REST,
+            Self::AxisBreaks(..) | Self::MotorBreaks(..) => after < 0.0 && before > 0.0,
+            Self::Teeth(..) | Self::Push(_) => {
+                before * after < 0.0 && before.abs() > NOUGHT.max(NOTHING * after.abs())
+            }
+        }
+    }
+
+    /// How fast that changes where everything changes like `slope`, if that is known.
+    fn rate(&self, slope: &MachineState) -> Option<f64> {
+        match *self {
+            Self::Axis(axis, direction) => Some(direction * at(&slope.axes.velocity, axis)),
+            Self::Motor(axis, direction) => Some(direction * at(&slope.motors.velocity, axis)),
+            Self::Teeth(axis, _) => Some(twist(slope, axis)),
+            Self::AxisBreaks(..) | Self::MotorBreaks(..) | Self::Push(_) => None,
+        }
+    }
+
+    /// Takes from a part that comes to rest what is left of its velocity.
+    fn happen(&self, state: &mut MachineState) {
+        let velocity = match *self {
+            Self::Axis(axis, _) => state.axes.velocity.get_mut(axis),
+            Self::Motor(axis, _) => state.motors.velocity.get_mut(axis),
+            _ => None,
+        };
+        if let Some(velocity) = velocity {
+            *velocity = 0.0;
+        }
+    }
+}
+
+/// How far the motor of `axis` is ahead of it.
+fn twist(state: &MachineState, axis: usize) -> f64 {
+    at(&state.motors.position, axis) - at(&state.axes.position, axis)
+}
+
+/// Which side of the teeth of `axis` is wound up, and what it pushes with.
+fn push(trains: &[Train; MAX_AXES], state: &MachineState, axis: usize) -> (f64, f64) {
+    let elastic = trains.get(axis).and_then(|train| train.elastic.as_ref());
+    let rate = at(&state.motors.velocity, axis) - at(&state.axes.velocity, axis);
+    elastic.map_or((0.0, 0.0), |elastic| elastic.transmission.push(twist(state, axis), rate))
+}
+
+impl<M: Motors + ?Sized> Step<'_, M> {
+    /// Takes the part of the step from `from`, of which `arrival` is the end, only as far as the first stop on the way, which happens
+    /// there. Where in the step that is.
+    pub(super) fn stop(
+        &mut self,
+        state: &MachineState,
+        settled: &Settled,
+        arrival: &mut Arrival,
+        from: f64,
+    ) -> Option<f64> {
+        let (mut until, mut known) = (1.0, None);
+        // Another one may have happened before what seemed to be the first.
+        for _ in 0..MAX_AXES {
+            let first = self.first_stop(state, settled, arrival, (until - from, known));
+            let Some((stop, part)) = first else { break };
+            let guess = from + part * (until - from);
+            until = self.find(&stop, (state, settled), arrival, [from, guess, until])?;
+            known = Some(stop);
+        }
+        if let Some(stop) = known {
+            stop.happen(&mut arrival.state);
+        }
+        Some(until)
+    }
+
+    /// Where between `from` and `until`, at about `guess`, the `stop` is that `arrival` is behind, which ends there from now on.
+    fn find(
+        &mut self,
+        stop: &Stop,
+        (state, settled): (&MachineState, &Settled),
+        arrival: &mut Arrival,
+        [from, guess, until]: [f64; 3],
+    ) -> Option<f64> {
+        let trains = self.trains;
+        // What has no sign yet is above 0.
+        let before = stop.value(trains, state, &settled.holding) + 0.0;
+        let after = stop.value(trains, &arrival.state, &arrival.holding);
+        let (mut early, mut late) = (from, until);
+        let (mut end, mut last) = (guess, (until, after));
+        if before.abs() < after.abs() {
+            last = (from, before);
+        }
+        for _ in 0..MOST_ENDS {
+            *arrival = self.take(state, settled, from, end)?;
+            let value = stop.value(trains, &arrival.state, &arrival.holding);
+            if value.abs() <= NOUGHT {
+                break;
+            }
+            if value.is_sign_negative() == before.is_sign_negative() {
+                early = end;
+            } else {
+                late = end;
+            }
+            let mut next = end - value * (end - last.0) / (value - last.1);
+            if (next - end).abs() <= THERE {
+                break;
+            }
+            if !(next > early && next < late) {
+                next = 0.5 * (early + late);
+            }
+            last = (end, value);
+            end = next;
+        }
+        Some(arrival.until)
+    }
+
+    /// What stops first between `state` and `arrival`, a `part` of the step later, and at which part of the way; other than what is
+    /// `known` to stop at the end.
+    fn first_stop(
+        &self,
+        state: &MachineState,
+        settled: &Settled,
+        arrival: &Arrival,
+        (part, known): (f64, Option<Stop>),
+    ) -> Option<(Stop, f64)> {
+        let mut first: Option<(Stop, f64)> = None;
+        let mut see = |stop: Stop| {
+            let before = stop.value(self.trains, state, &settled.holding);
+            let after = stop.value(self.trains, &arrival.state, &arrival.holding);
+            if known == Some(stop) || !stop.happens(before, after) {
+                return;
+            }
+            let rate = stop.rate(&arrival.first);
+            let straight = before / (before - after);
+            let part = rate.map_or(straight, |rate| crossing(before, after, rate * part * self.dt));
+            if first.is_none_or(|(_, earliest)| part < earliest) {
+                first = Some((stop, part));
+            }
+        };
+        let trains = self.trains.iter().zip(settled.dry.axes.iter().zip(&settled.dry.motors));
+        for (axis, (train, (dry, dry_motor))) in trains.enumerate().take(self.axes) {
+            match dry {
+                DryFriction::None => {}
+                DryFriction::Slides(direction) => see(Stop::Axis(axis, *direction)),
+                DryFriction::Sticks => see(Stop::AxisBreaks(axis, train.friction.dry(0.0))),
+            }
+            let Some(Elastic { transmission, friction, .. }) = &train.elastic else { continue };
+            match dry_motor {
+                DryFriction::None => {}
+                DryFriction::Slides(direction) => see(Stop::Motor(axis, *direction)),
+                DryFriction::Sticks => see(Stop::MotorBreaks(axis, friction.dry(0.0))),
+            }
+            if transmission.backlash <= 0.0 {
+                continue;
+            }
+            let [before, after] = [state, &arrival.state].map(|state| twist(state, axis));
+            for edge in transmission.edges_between(before, after) {
+                see(Stop::Teeth(axis, edge));
+            }
+            if transmission.is_wound(before) && before * after > 0.0 {
+                see(Stop::Push(axis));
+            }
+        }
+        first
+    }
+}
+
+/// Where a number that goes from `before` to `after`, on the other side of 0, and at first by `slope` per way, is 0: on the parabola
+/// through these.
+fn crossing(before: f64, after: f64, slope: f64) -> f64 {
+    let side = -after.signum();
+    let bend = after - before - slope;
+    let root = side * (slope * slope - 4.0 * bend * before).sqrt();
+    // The same root either way: the one without a difference of like numbers.
+    let part = if slope * side > 0.0 {
+        (-slope - root) / (2.0 * bend)
+    } else {
+        -2.0 * before / (slope - root)
+    };
+    if (0.0..=1.0).contains(&part) { part } else { before / (before - after) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::crossing;
+
+    /// Of parabolas whose roots are known, from either side; one begins at a root that is not meant, and one is a straight line.
+    #[test]
+    fn parabolas_cross() {
+        for (before, slope, bend, root) in [
+            (1.0, -3.0, 2.0 - 1e-9, 0.5),
+            (0.75, -0.5, -2.0, 0.5),
+            (0.0, 1.0, -2.0, 0.5),
+            (0.5, 0.5, -4.0, (0.5 + f64::sqrt(8.25)) / 8.0),
+            (1.0, -4.0, 0.0, 0.25),
+        ] {
+            let after: f64 = before + slope + bend;
+            for side in [1.0, -1.0] {
+                let found = crossing(side * before, side * after, side * slope);
+                assert!((found - root).abs() < 1e-8, "{found} is not {root}");
+            }
+        }
+        // A slope that belongs to no such parabola is not trusted.
+        assert!((crossing(1.0, -1.0, f64::INFINITY) - 0.5).abs() < 1e-15);
+    }
+}
