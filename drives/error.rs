@@ -352,7 +352,7 @@ pub enum DriveError {
     },
     /// A parameter of the device is not what the driver has been told.
     #[error("{at}: parameter {number} is {found} instead of {expected}")]
-    Parameter {
+    ParameterDiffers {
         /// Where.
         at: Exchange,
         /// Number of the parameter.
@@ -470,7 +470,7 @@ impl DriveError {
             | Self::ProbeFailed { at }
             | Self::EepromFailed { at }
             | Self::NotKept { at, .. }
-            | Self::Parameter { at, .. }
+            | Self::ParameterDiffers { at, .. }
             | Self::NotWritten { at, .. }
             | Self::Identity { at, .. }
             | Self::NotRunning { at }
@@ -590,7 +590,7 @@ mod tests {
             DriveError::HomingFailed { at: at(), axes: 3 },
             DriveError::ProbeFailed { at: at() },
             DriveError::EepromFailed { at: at() },
-            DriveError::Parameter { at: at(), number: 4, expected: 5, found: 4 },
+            DriveError::ParameterDiffers { at: at(), number: 4, expected: 5, found: 4 },
             DriveError::NotKept { at: at(), address: 4360, written: 5, found: 4 },
             DriveError::NotWritten { at: at(), axis: 2, written: 5, found: 4 },
             DriveError::Identity { at: at(), expected: 0x4E, found: 0xFF },

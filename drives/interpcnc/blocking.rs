@@ -88,7 +88,7 @@ impl InterpCncDrive {
             if found != expected {
                 let address = parameters::FIRST_PARAMETER + 2 * number;
                 let at = self.board.at(Action::Read { what: "parameter", address, count: 2 });
-                return Err(DriveError::Parameter { at, number, expected, found });
+                return Err(DriveError::ParameterDiffers { at, number, expected, found });
             }
         }
         Ok(())

@@ -197,7 +197,7 @@ fn the_driver_follows_by_segments() {
     assert!(
         matches!(
             other,
-            Err(crate::DriveError::Parameter { number: 4, expected: 1000, found: 50, .. })
+            Err(crate::DriveError::ParameterDiffers { number: 4, expected: 1000, found: 50, .. })
         ),
         "{other:?}"
     );
