@@ -6,15 +6,17 @@ use tokio::time::Sleep;
 use tokio_modbus::{Request, Response, client::Context};
 use tokio_serial::{DataBits, FlowControl, SerialPortBuilderExt, StopBits};
 
+mod access;
 mod exchange;
+mod homing;
 mod memory;
 mod motion;
 mod outcome;
 mod segments;
 mod settings;
 
+pub use homing::{HomeAxis, ProbeMove};
 pub use memory::Snapshot;
-pub use motion::{HomeAxis, ProbeMove};
 pub use settings::{Identity, Recipes};
 
 use super::{

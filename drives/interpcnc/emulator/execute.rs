@@ -20,6 +20,9 @@ impl Board {
     pub fn handle(&mut self, frame: &[u8]) -> Option<Vec<u8>> {
         let (station, function, data) = rtu::open(frame)?;
         let broadcast = station == 0;
+        if !self.is_dead() {
+            self.frames_seen += 1;
+        }
         if self.is_dead() || (station != self.station && !broadcast) {
             return None;
         }

@@ -101,6 +101,7 @@ pub struct Board {
     /// Without power until then.
     dead_until_ns: i64,
     frames_handled: u64,
+    frames_seen: u64,
 }
 
 impl Board {
@@ -182,6 +183,11 @@ impl Board {
     /// Frames that were whole, error-free and for this station; LED D1 changes with each.
     pub fn frames_handled(&self) -> u64 {
         self.frames_handled
+    }
+
+    /// Frames that were whole and error-free, whichever station they were for; LED D2 changes with each.
+    pub fn frames_seen(&self) -> u64 {
+        self.frames_seen
     }
 
     /// The counter at the edge of the input that ended the last probing move, registers 1044 and 1045.

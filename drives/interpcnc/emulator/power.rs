@@ -66,6 +66,7 @@ impl Board {
             open_since_ns: None,
             dead_until_ns: 0,
             frames_handled: 0,
+            frames_seen: 0,
         };
         board.boot();
         board

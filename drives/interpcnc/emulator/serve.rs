@@ -72,11 +72,7 @@ pub(super) async fn serve_with<S: AsyncRead + AsyncWrite + Unpin>(
     let mut chunk = [0; 256];
     loop {
         served.execute_whole_frames(clock.now_ns());
-        if std::mem::replace(&mut served.generation, served.board.eeprom_generation())
-            != served.board.eeprom_generation()
-        {
-            stored(&served.board)?;
-        }
+        served.keep(stored)?;
         let due_ns = served.due_ns();
         let pause = due_ns.map(|due_ns| nanoseconds(due_ns - clock.now_ns()));
         tokio::select! {
@@ -84,7 +80,10 @@ pub(super) async fn serve_with<S: AsyncRead + AsyncWrite + Unpin>(
             message = control.recv() => {
                 served.advance_to(clock.now_ns());
                 match message {
-                    None => return Ok(served.board),
+                    None => {
+                        served.keep(stored)?;
+                        return Ok(served.board);
+                    }
                     Some(message) => message.apply(&mut served.board, &mut served.faults),
                 }
             }
@@ -127,6 +126,18 @@ struct Served {
 }
 
 impl Served {
+    /// Hands on what the EEPROM has stored since the last time.
+    fn keep(
+        &mut self,
+        stored: &mut (dyn FnMut(&Board) -> io::Result<()> + Send),
+    ) -> io::Result<()> {
+        let generation = self.board.eeprom_generation();
+        if std::mem::replace(&mut self.generation, generation) == generation {
+            return Ok(());
+        }
+        stored(&self.board)
+    }
+
     fn advance_to(&mut self, clock_ns: i64) {
         self.board.advance(clock_ns + self.offset_ns - self.board.now_ns());
     }

@@ -5,7 +5,10 @@ use std::f64::consts::TAU;
 use super::*;
 use crate::{
     Drive,
-    interpcnc::{BoardAxis, Following},
+    interpcnc::{
+        BoardAxis, Command, Following, InterpCncDrive, InterpCncOptions,
+        emulator::{EmulatedBoard, EmulatorOptions},
+    },
 };
 
 const MS: i64 = 1_000_000;
@@ -158,34 +161,32 @@ fn retargeting_is_nearer_to_a_sine_than_segments_are() {
     assert!(buffered.largest[0] < 12_566.0 * 0.06, "{buffered:?}");
 }
 
+/// A plan that runs with a clock.
+struct Live<P, C> {
+    plan: P,
+    clock: C,
+    start_ns: i64,
+}
+
+impl<P: SetpointStream, C: Fn() -> i64 + Sync> SetpointStream for Live<P, C> {
+    fn now_ns(&self) -> i64 {
+        (self.clock)() - self.start_ns
+    }
+    fn at(&self, time_ns: i64) -> IncrementMotion {
+        self.plan.at(time_ns)
+    }
+    fn horizon_ns(&self) -> i64 {
+        self.plan.horizon_ns()
+    }
+}
+
 /// The real driver on a pseudo-terminal: it ends on the end of the plan.
 #[test]
 fn the_driver_follows_by_segments() {
-    use crate::interpcnc::{
-        Command, InterpCncDrive, InterpCncOptions,
-        emulator::{BoardOptions, EmulatedBoard, EmulatorOptions},
-    };
     #[expect(clippy::disallowed_methods, reason = "this test runs in real time")]
     let zero = std::time::Instant::now();
     let clock = move || i64::try_from(zero.elapsed().as_nanos()).unwrap();
-    struct Live<P, C> {
-        plan: P,
-        clock: C,
-        start_ns: i64,
-    }
-    impl<P: SetpointStream, C: Fn() -> i64 + Sync> SetpointStream for Live<P, C> {
-        fn now_ns(&self) -> i64 {
-            (self.clock)() - self.start_ns
-        }
-        fn at(&self, time_ns: i64) -> IncrementMotion {
-            self.plan.at(time_ns)
-        }
-        fn horizon_ns(&self) -> i64 {
-            self.plan.horizon_ns()
-        }
-    }
-    let emulator = EmulatorOptions { board: BoardOptions::default(), ..EmulatorOptions::default() };
-    let board = EmulatedBoard::start(&emulator, clock).unwrap();
+    let board = EmulatedBoard::start(&EmulatorOptions::default(), clock).unwrap();
     let path = board.path().to_str().unwrap().to_owned();
     let mut options = InterpCncOptions::new(axes(2));
     options.deadline = Duration::from_secs(2);

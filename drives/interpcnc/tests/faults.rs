@@ -296,3 +296,69 @@ fn a_stall_shows_only_at_the_next_homing() {
     assert_eq!(before, 2000);
     assert!(board.mechanical(BoardAxis::X).abs() < 0.5);
 }
+
+/// Faults of the board itself, whatever it is doing.
+#[derive(Clone, Copy, Debug)]
+enum BoardFault {
+    BrownOut,
+    EnableLost,
+    Disconnected,
+    Stalled,
+    Stuck,
+}
+
+#[test]
+fn faults_of_the_board_are_found_whatever_it_is_doing() {
+    for fault in [
+        BoardFault::BrownOut,
+        BoardFault::EnableLost,
+        BoardFault::Disconnected,
+        BoardFault::Stalled,
+        BoardFault::Stuck,
+    ] {
+        for doing in [Doing::Idle, Doing::Homing, Doing::Moving, Doing::Stopping] {
+            fault_of_the_board(fault, doing);
+        }
+    }
+}
+
+fn fault_of_the_board(fault: BoardFault, doing: Doing) {
+    let case = format!("{fault:?}, {doing:?}");
+    let told = case.clone();
+    let ((), board) = with_usual(
+        |_| {},
+        |mut driver, hand| async move {
+            begin(&mut driver, &hand, doing).await;
+            let (before, after) = match fault {
+                BoardFault::BrownOut => (Control::BrownOut { off_ns: 1 }, Control::NoFaults),
+                BoardFault::EnableLost => (Control::Enable(false), Control::Enable(true)),
+                BoardFault::Disconnected => (Control::Disconnect(true), Control::Disconnect(false)),
+                BoardFault::Stalled => {
+                    (Control::Stall(BoardAxis::X, true), Control::Stall(BoardAxis::X, false))
+                }
+                BoardFault::Stuck => (Control::StuckStatus(true), Control::StuckStatus(false)),
+            };
+            hand.send(before).await.unwrap();
+            // Longer than the filter of the ENABLE input.
+            sleep(Duration::from_millis(150)).await;
+            let moved = driver.move_axis(BoardAxis::Y, &profile(200), LONG, &no_clock).await;
+            match (fault, &moved) {
+                (BoardFault::BrownOut, Err(DriveError::Locked { .. }))
+                | (BoardFault::EnableLost, Err(DriveError::EnableOpen { .. }))
+                | (BoardFault::Disconnected, Err(DriveError::Timeout { .. }))
+                // Without encoder nothing of the board shows a stall, and the move was not the stalled axis'. A status
+                // that is stuck shows none of the moves begun later: the counter has arrived, and that is true.
+                | (BoardFault::Stalled | BoardFault::Stuck, Ok(())) => {}
+                _ => panic!("{case}: {moved:?}"),
+            }
+            hand.send(after).await.unwrap();
+            // The bus and the board are usable again: unlocked anew where that is due, stopped, moved.
+            driver.unlock(&no_clock).await.unwrap();
+            driver.ramp_stop(LONG, &no_clock).await.unwrap();
+            driver.move_axis(BoardAxis::Z, &profile(-77), LONG, &no_clock).await.unwrap();
+            let (state, _) = driver.state(&no_clock).await.unwrap();
+            assert_eq!(state.positions[2], -77, "{case}");
+        },
+    );
+    assert!(board.status().moving().is_empty(), "{told}");
+}
