@@ -3,9 +3,11 @@
 #![expect(clippy::float_cmp, reason = "given in the file, rounded before, or to be exact")]
 
 mod belts;
+mod faults;
 mod kinds;
 mod limits;
 mod payload;
+mod plates;
 mod programs;
 mod refusal;
 mod scenario;
