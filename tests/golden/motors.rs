@@ -1,7 +1,7 @@
 //! What motors of the simulated machine do, told by `twin check --physics` as a process.
 
 use crate::process::{Desk, Done, number};
-use crate::recording::recorded;
+use crate::recording::{chunks, recorded, series};
 use crate::root;
 use serde_json::Value;
 
@@ -197,6 +197,43 @@ fn faults_on_purpose_have_lines() {
     let refused = desk.twin(&run);
     assert_eq!(refused.status, Some(2));
     assert!(refused.stderr.contains("did you mean \"jam\""), "{}", refused.stderr);
+}
+
+/// A scenario's time, all the way from its file to the recording: at constant velocity a screw that has 1 % of its stiffness left gives
+/// way by friction over stiffness, from the moment on that the file says.
+#[test]
+fn a_fault_begins_at_its_time() {
+    let desk = desk(&[]);
+    desk.write("across.cnc", "% across\nN10 G92 X0 Y0 Z60 F200 E400 E-400\nN20 G1 X300\n");
+    desk.write(
+        "loose.toml",
+        "[[faults]]\nkind = \"loose_belt\"\naxis = \"X\"\nat_s = 1.0\nstiffness_percent = 1.0\n",
+    );
+    let run = ["run", "across.cnc", "-m", "motors.toml", "--drives", "none"];
+    desk.twin(&[&run[..], &["--record", "r.rrd", "--faults", "loose.toml"]].concat());
+    let errors = series(&chunks(&desk), "error/axis_mm/X/twin");
+    let mean = |from: f64, to: f64| {
+        let within = errors.iter().filter(|(ns, _)| {
+            #[expect(clippy::cast_precision_loss, reason = "seconds")]
+            let time = *ns as f64 * 1e-9;
+            (from..to).contains(&time)
+        });
+        let values: Vec<f64> = within.map(|(_, value)| *value).collect();
+        assert!(values.len() > 10, "{from} s: {values:?}");
+        #[expect(clippy::cast_precision_loss, reason = "some hundreds")]
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        mean.abs()
+    };
+    // 20 N and 60 N·s/m at 0.2 m/s, on a screw of 60 kN/mm with 5 µm of play, of which half is to be made up for.
+    let pull = 20.0 + 60.0 * 0.2;
+    let [sound, loose] = [pull / 60_000.0, pull / 600.0].map(|stretched| stretched + 2.5e-3);
+    let (before, after) = (mean(0.8, 0.99), mean(1.2, 1.45));
+    assert!((before - sound).abs() < 0.3e-3, "{before} mm, not {sound} mm");
+    assert!((after - before - (loose - sound)).abs() < 0.01 * loose, "{after} mm, {loose} mm");
+    // No earlier, and hardly later: in the hundredth of a second that begins then it is more than half there.
+    let (just_before, at_once) = (mean(0.95, 0.998), mean(1.002, 1.1));
+    assert!((just_before - before).abs() < 0.1e-3, "{just_before} mm");
+    assert!(at_once > 0.5 * loose, "{at_once} mm");
 }
 
 /// Noise: the same seed, the same run.

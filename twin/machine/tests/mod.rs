@@ -4,9 +4,11 @@
 
 mod belts;
 mod drives;
+mod faults;
 mod kinds;
 mod limits;
 mod payload;
+mod plates;
 mod programs;
 mod refusal;
 mod scenario;

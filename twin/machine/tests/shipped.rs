@@ -12,7 +12,7 @@ use twin_motion::Place;
 use twin_urdf::{Joint, JointKind, JointPositions, Loaded, Model, Solid, SolidShape, UrdfOptions};
 
 /// What forward kinematics may be apart, m.
-const SAME: f64 = 1e-10;
+pub(super) const SAME: f64 = 1e-10;
 
 /// All of `machines/`, by name.
 fn machines() -> Vec<Machine> {
@@ -81,7 +81,7 @@ fn matrix(joint: &Joint, position: f64) -> Matrix4<f64> {
 }
 
 /// The machine as whoever reads its URDF has it.
-struct Read {
+pub(super) struct Read {
     model: Model,
     joints: JointPositions,
 }
@@ -95,14 +95,14 @@ fn read_again(machine: &Machine) -> Loaded {
 }
 
 impl Read {
-    fn of(machine: &Machine) -> Self {
+    pub(super) fn of(machine: &Machine) -> Self {
         let model = read_again(machine).model;
         let joints = JointPositions::at_rest(&model);
         Self { model, joints }
     }
 
     /// The tip with the axes at `axes`: one matrix after the other.
-    fn tip(&mut self, axes: &AxisVector) -> Point3<f64> {
+    pub(super) fn tip(&mut self, axes: &AxisVector) -> Point3<f64> {
         self.joints.follow(&self.model, axes).unwrap();
         let mut matrices = vec![Matrix4::identity()];
         for (joint, position) in self.model.joints.iter().zip(self.joints.values()) {
@@ -114,7 +114,7 @@ impl Read {
 }
 
 /// The largest distance of the links of two sets of poses, turns included, m.
-fn apart(one: &[Isometry3<f64>], other: &[Isometry3<f64>]) -> f64 {
+pub(super) fn apart(one: &[Isometry3<f64>], other: &[Isometry3<f64>]) -> f64 {
     assert_eq!(one.len(), other.len());
     let points = [Vector3::zeros(), Vector3::x(), Vector3::y()].map(|way| Point3::from(way * 0.3));
     let pairs = one.iter().zip(other);
@@ -232,7 +232,7 @@ fn every_link_is_a_possible_body() {
 }
 
 /// The point of a solid at `pose` that is farthest along `way`.
-fn farthest(solid: &Solid, pose: &Isometry3<f64>, way: &Vector3<f64>) -> Vector3<f64> {
+pub(super) fn farthest(solid: &Solid, pose: &Isometry3<f64>, way: &Vector3<f64>) -> Vector3<f64> {
     let own = pose.inverse_transform_vector(way);
     let ball = |radius: f64| own.try_normalize(0.0).unwrap_or_default() * radius;
     let up = |half: f64| Vector3::z() * half.copysign(own.z);

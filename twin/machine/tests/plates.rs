@@ -1,0 +1,343 @@
+//! Shipped machines that run into a plate: what is hit is not gone through, and what describes a machine describes one machine then, too.
+
+use super::shipped::{Read, SAME, apart, farthest};
+use super::workspace;
+use crate::machine::Machine;
+use crate::physics::{Part, PhysicsError, PhysicsMachine};
+use crate::plant::Plant;
+use crate::setpoint::AxisSetpoint;
+use crate::simulated::Simulated;
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Vector3};
+use std::path::PathBuf;
+use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
+use twin_motion::Place;
+use twin_urdf::{JointPositions, Solid};
+
+/// Of the plate, m.
+const THICKNESS: f64 = 5e-3;
+
+/// At constant velocity before the plate, s.
+const STEADY: f64 = 0.012;
+
+/// s.
+const CYCLE: f64 = 1e-3;
+
+/// A shipped machine with a plate across its way.
+struct Plated {
+    machine: Machine,
+    /// Where the axes begin.
+    start: AxisVector,
+    /// The velocities of the axes in the end, m/s or rad/s.
+    velocity: AxisVector,
+    /// How fast they come to that: the part of it per second.
+    rate: f64,
+    /// From the tool into the plate.
+    into: Vector3<f64>,
+    /// A point of the side that is hit.
+    face: Point3<f64>,
+    /// How fast the tip comes, m/s.
+    speed: f64,
+    /// The tool in its link.
+    tool: Solid,
+}
+
+fn vector(values: impl Iterator<Item = f64>) -> AxisVector {
+    AxisVector::from_values(values)
+}
+
+/// With a round tool, and what else is to be in the file.
+fn loaded(path: &PathBuf, more: &str) -> Machine {
+    let mut text = std::fs::read_to_string(path).unwrap();
+    // A knife has a shape of its own.
+    if !text.contains("\ndiameter_mm") && !text.contains("kind = \"gantry_cutter") {
+        text = super::edited(&text, "\n[tool]\n", "\n[tool]\ndiameter_mm = 6.0\n");
+    }
+    let text = format!("{text}\n{more}");
+    Machine::parse(path, &text)
+        .unwrap_or_else(|problems| panic!("{}: {problems:#?}", path.display()))
+}
+
+impl Plated {
+    /// The machine of `machines/` whose axes go with these parts of their largest velocities where they meet the plate, which is where
+    /// programs start, at right angles to the way of the tip. The other way where that is upwards, since the tool is below. `None` where
+    /// the tip does not move then.
+    fn new(name: &str, parts: impl Fn(usize) -> f64) -> Option<Self> {
+        let path = workspace().join("machines").join(name);
+        let bare = loaded(&path, "");
+        let hit = bare.start_axes().unwrap();
+        let fastest = bare.axes.iter().enumerate();
+        let velocity = vector(fastest.map(|(index, axis)| parts(index) * axis.max_velocity));
+        let tip_at = |time: f64| {
+            let axes = vector(hit.iter().zip(velocity.iter()).map(|(hit, v)| hit + v * time));
+            bare.kinematics.forward(&axes).unwrap().position
+        };
+        let tip_velocity = (tip_at(1e-6) - tip_at(-1e-6)) / 2e-6;
+        let speed = tip_velocity.norm();
+        if speed < 0.05 {
+            return None;
+        }
+        let sign = if tip_velocity.z > 1e-6 { -1.0 } else { 1.0 };
+        let velocity = vector(velocity.iter().map(|v| sign * v));
+        let into = tip_velocity * (sign / speed);
+
+        let tip = bare.model.tip;
+        let pose = bare.model.link_poses(&hit)[tip.link];
+        let below = |solid: &Solid| farthest(solid, &(pose * solid.origin), &-Vector3::z());
+        let end = (pose * tip.point).z;
+        let solids = bare.model.links[tip.link].solids.iter();
+        let tool = solids.min_by(|one, other| {
+            let off = |solid| (below(solid).z - end).abs();
+            off(one).total_cmp(&off(other))
+        });
+        let tool = tool.unwrap().clone();
+        // Where nothing says otherwise, the lower end.
+        let way = into - Vector3::z() * 1e-9;
+        let face = Point3::from(farthest(&tool, &(pose * tool.origin), &way));
+        let level = into.cross(&Vector3::z()).try_normalize(1e-6).unwrap_or_else(Vector3::x);
+        let turn = Matrix3::from_columns(&[level, into.cross(&level), into]);
+        let turn = Rotation3::from_matrix_unchecked(turn);
+        let (roll, pitch, yaw) = turn.euler_angles();
+        let [x, y, z] = ((face + into * (0.5 * THICKNESS)).coords * 1e3).into();
+        let [roll, pitch, yaw] = [roll, pitch, yaw].map(f64::to_degrees);
+        let plate = format!(
+            "[[obstacles]]\nname = \"plate\"\nshape = \"box\"\nsize_mm = [80.0, 30.0, {:.1}]\n\
+             position_mm = [{x:.9}, {y:.9}, {z:.9}]\nrotation_deg = [{roll:.9}, {pitch:.9}, {yaw:.9}]\n",
+            THICKNESS * 1e3,
+        );
+        let machine = loaded(&path, &plate);
+
+        let rates = machine.axes.iter().zip(velocity.iter());
+        let rates =
+            rates.filter(|(_, v)| **v != 0.0).map(|(axis, v)| axis.max_acceleration / v.abs());
+        let rate = rates.fold(f64::INFINITY, f64::min);
+        let time = 0.5 / rate + STEADY;
+        let start = vector(hit.iter().zip(velocity.iter()).map(|(hit, v)| hit - v * time));
+        for (axis, start) in machine.axes.iter().zip(start.iter()).filter(|(axis, _)| axis.limited)
+        {
+            let [low, high] = axis.position_limits;
+            assert!((low..=high).contains(start), "{name}: {} begins at {start}", axis.name);
+        }
+        Some(Self { machine, start, velocity, rate, into, face, speed, tool })
+    }
+
+    /// Where the axes should be after `time` s; they would go on through the plate, as far as `beyond` times their largest velocity (s).
+    fn motion(&self, time: f64, beyond: f64) -> AxisMotion {
+        let Self { rate, .. } = *self;
+        let end = 0.5 / rate + STEADY + beyond;
+        let (way, velocity, acceleration) = if time < 1.0 / rate {
+            (0.5 * rate * time * time, rate * time, rate)
+        } else {
+            (time - 0.5 / rate, 1.0, 0.0)
+        };
+        let (way, velocity) = if way < end { (way, velocity) } else { (end, 0.0) };
+        let of = |factor: f64| self.velocity.iter().map(move |v| v * factor);
+        AxisMotion {
+            position: vector(self.start.iter().zip(of(way)).map(|(start, way)| start + way)),
+            velocity: vector(of(velocity)),
+            acceleration: vector(of(acceleration)),
+        }
+    }
+
+    /// Cycles until the tool should meet the plate.
+    fn cycles(&self) -> u32 {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "hundreds")]
+        let cycles = ((1.0 / self.rate + STEADY) / CYCLE).ceil() as u32;
+        cycles
+    }
+
+    /// How deep the tool is in the plate as rapier's bodies have it, m.
+    fn depth(&self, poses: &[Isometry3<f64>]) -> f64 {
+        let pose = poses[self.machine.model.tip.link] * self.tool.origin;
+        (farthest(&self.tool, &pose, &self.into) - self.face.coords).dot(&self.into)
+    }
+
+    /// Kinetic energy of what moved from `before` to `now` in a cycle, and of rotors, J.
+    fn energy(&self, before: &[Isometry3<f64>], physics: &PhysicsMachine) -> f64 {
+        let now = physics.link_poses();
+        let links = self.machine.model.links.iter().zip(before.iter().zip(&now));
+        let bodies = links.filter_map(|(link, (before, now))| {
+            let body = link.inertial?;
+            let way = (now * body.center - before * body.center) / CYCLE;
+            let turn = (now.rotation * before.rotation.inverse()).scaled_axis() / CYCLE;
+            let own = now.inverse_transform_vector(&turn);
+            Some(0.5 * body.mass * way.norm_squared() + 0.5 * own.dot(&(body.inertia * own)))
+        });
+        let velocities = physics.axis_state().velocity;
+        let rotors = self.machine.axes.iter().zip(velocities.iter());
+        let rotors = rotors.map(|(axis, v)| 0.5 * axis.simulated.armature * v * v);
+        bodies.chain(rotors).sum()
+    }
+}
+
+/// What describes the machine, to be compared wherever it is.
+struct Descriptions {
+    read: Read,
+    kept: JointPositions,
+}
+
+impl Descriptions {
+    fn of(machine: &Machine) -> Self {
+        Self { read: Read::of(machine), kept: JointPositions::at_rest(&machine.model) }
+    }
+
+    /// How far transform, chain, URDF and rapier's bodies are apart at most, m.
+    fn apart(&mut self, machine: &Machine, physics: &PhysicsMachine) -> f64 {
+        let axes = physics.axis_state().position;
+        let (model, tip) = (&machine.model, machine.model.tip);
+        let transform = machine.kinematics.forward(&axes).unwrap().position;
+        self.kept.follow(model, &axes).unwrap();
+        let mut links = vec![Isometry3::identity(); model.links.len()];
+        model.link_poses_at(self.kept.values(), &mut links);
+        let bodies = physics.link_poses();
+        let errors = [
+            (links[tip.link] * tip.point - transform).norm(),
+            (self.read.tip(&axes) - transform).norm(),
+            (bodies[tip.link] * tip.point - transform).norm(),
+            apart(&bodies, &links),
+        ];
+        errors.into_iter().fold(0.0, f64::max)
+    }
+}
+
+/// Of one axis alone, or of all of them: the sign of each.
+fn ways(machine: &str, axes: usize) -> Vec<Plated> {
+    let alone = (0..axes)
+        .filter_map(|moved| Plated::new(machine, |axis| if axis == moved { 1.0 } else { 0.0 }));
+    let signs = [[1.0, 1.0, 1.0, 1.0], [1.0, -1.0, 1.0, 1.0], [1.0, 1.0, -1.0, -1.0]];
+    let all = signs.into_iter().filter_map(|signs| Plated::new(machine, |axis| signs[axis]));
+    alone.chain(all).collect()
+}
+
+/// Each axis alone, and all together, at their largest velocities into a plate of 5 mm: the tool stays on its side whether drives stop as the
+/// plant makes them or push on with all they have, nothing gets faster of it, and the plant says what was hit. Transform,
+/// URDF and rapier's bodies are one machine all the while.
+#[test]
+fn no_shipped_machine_goes_through_a_plate_at_its_top_speed() {
+    for (name, axes, least) in [
+        ("scara2.toml", 3, 3),
+        ("scara3.toml", 4, 4),
+        ("gantry3.toml", 3, 3),
+        ("gantry_h2.toml", 3, 3),
+        ("tripod.toml", 3, 3),
+        ("gantry_cutter3.toml", 4, 3),
+    ] {
+        let ways = ways(name, axes);
+        assert!(ways.len() >= least + 2, "{name}: {} ways", ways.len());
+        for plated in &ways {
+            let told = format!("{name} at {:?}", plated.velocity);
+            let machine = &plated.machine;
+            let twin = Simulated::new(machine, &plated.start)
+                .unwrap_or_else(|error| panic!("{told}: {error}"));
+            let mut descriptions = Descriptions::of(machine);
+            for stops in [true, false] {
+                let mut physics = twin.physics().clone();
+                let (mut hit, mut before_hit, mut most) = (None, 0.0, [f64::NEG_INFINITY, 0.0]);
+                let (mut depth_after, mut worst) = (f64::NEG_INFINITY, 0.0_f64);
+                let mut held = None;
+                for cycle in 1..plated.cycles() + 60 {
+                    let before = physics.link_poses();
+                    let motion = plated.motion(f64::from(cycle) * CYCLE, 0.1);
+                    physics.step(&held.unwrap_or(motion)).unwrap();
+                    let energy = plated.energy(&before, &physics);
+                    let collisions = physics.take_collisions();
+                    if let (None, Some(first)) = (&hit, collisions.first()) {
+                        hit = Some((cycle, first.speed, first.contact.parts));
+                        held = stops.then(|| AxisMotion::at_rest(physics.axis_state().position));
+                    } else if hit.is_none() {
+                        before_hit = energy;
+                    } else {
+                        most[1] = f64::max(most[1], energy);
+                    }
+                    let depth = plated.depth(&physics.link_poses());
+                    most[0] = most[0].max(depth);
+                    depth_after = depth;
+                    worst = worst.max(descriptions.apart(machine, &physics));
+                    let state = physics.axis_state();
+                    let finite = state.position.iter().chain(state.velocity.iter());
+                    assert!(finite.copied().all(f64::is_finite), "{told}: {state:?}");
+                    // Sideways, along the plate, it may get off it.
+                    let tip = machine.kinematics.forward(&state.position).unwrap().position;
+                    if !stops && (tip - plated.face).norm() > 0.012 {
+                        break;
+                    }
+                }
+                let (cycle, speed, parts) = hit.unwrap_or_else(|| {
+                    panic!("{told}: no collision, {most:?}, {} {}", plated.face, plated.into)
+                });
+                let [deepest, fastest] = most;
+                println!(
+                    "{told}, {stops}: {:.3} m/s, hit with {speed:.3} m/s in cycle {cycle} of {}, {:.1} µm deep, {:.3} J before, {fastest:.3} J after, {worst:.1e} m",
+                    plated.speed,
+                    plated.cycles(),
+                    deepest * 1e6,
+                    before_hit,
+                );
+                assert_eq!(parts, [Part::Tool, Part::Obstacle(0)], "{told}");
+                assert!((speed / plated.speed - 1.0).abs() < 0.1, "{told}: {speed} m/s");
+                assert!(deepest < 0.1 * THICKNESS, "{told}: {deepest} m deep");
+                assert!(depth_after > -0.02, "{told}: it is thrown back {depth_after} m");
+                assert!(worst <= SAME, "{told}: {worst} m apart");
+                if stops {
+                    assert!(fastest <= before_hit * 1.001, "{told}: {before_hit} J, {fastest} J");
+                }
+            }
+            stops_with_a_collision(plated, twin, &told);
+        }
+    }
+}
+
+/// As the plant is told it.
+fn stops_with_a_collision(plated: &Plated, mut twin: Simulated, told: &str) {
+    let collided = (0..plated.cycles() + 5).find_map(|cycle| {
+        let setpoint = AxisSetpoint {
+            time_ns: i64::from(cycle) * plated.machine.cycle_ns,
+            place: Place::default(),
+            axes: plated.motion(f64::from(cycle) * CYCLE, 0.1),
+            tool: ToolMotion::at_rest(Pose::at(0.0, 0.0, 0.0)),
+            m_call: None,
+            path_velocity: 0.0,
+            feed: None,
+            probing: false,
+        };
+        twin.command(&setpoint).err()
+    });
+    let Some(PhysicsError::Collision { parts, force }) = collided else {
+        panic!("{told}: {collided:?}")
+    };
+    assert_eq!(parts, [Part::Tool, Part::Obstacle(0)], "{told}");
+    assert!(force > 0.0 && force.is_finite(), "{told}: {force} N");
+    let depth = plated.depth(&twin.physics().link_poses());
+    assert!(depth < 0.1 * THICKNESS, "{told}: {depth} m deep when it has stopped");
+}
+
+/// Pressed against a plate, and in the blow before that, transform, chain, URDF and rapier's bodies are one machine, whichever is shipped.
+#[test]
+fn descriptions_agree_in_contact() {
+    let files = std::fs::read_dir(workspace().join("machines")).unwrap();
+    let names = files.map(|file| file.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<_> = names.filter(|name| name.ends_with(".toml")).collect();
+    names.sort();
+    assert!(names.len() >= 9, "{names:?}");
+    for name in names {
+        // The last of the axes that moves the tip, a quarter as fast as it can.
+        let plated = (0..4).rev().filter(|axis| !(name == "tripod.toml" && *axis == 3));
+        let mut plated = plated.filter_map(|moved| {
+            let machine = loaded(&workspace().join("machines").join(&name), "");
+            (moved < machine.axes.len()).then_some(())?;
+            Plated::new(&name, |axis| if axis == moved { 0.25 } else { 0.0 })
+        });
+        let plated = plated.next().unwrap();
+        let machine = &plated.machine;
+        let mut physics = Simulated::new(machine, &plated.start).unwrap().physics().clone();
+        let mut descriptions = Descriptions::of(machine);
+        let (mut worst, mut pressed) = (0.0_f64, 0);
+        for cycle in 1..plated.cycles() + 400 {
+            physics.step(&plated.motion(f64::from(cycle) * CYCLE, 2e-3)).unwrap();
+            worst = worst.max(descriptions.apart(machine, &physics));
+            assert!(worst <= SAME, "{name} in cycle {cycle}: {worst} m apart");
+            pressed += u32::from(physics.contacts().iter().any(|contact| contact.force > 1.0));
+        }
+        println!("{name}: {worst:e} m apart, pressed for {pressed} ms");
+        assert!(pressed > 100, "{name}: pressed for {pressed} ms");
+    }
+}
