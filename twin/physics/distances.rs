@@ -252,11 +252,12 @@ impl Distances {
             }
             // Boxes that meet with their corners have no faces to meet with.
             if found.len() == before
-                && let Some((_, points, normal)) = nearest_points(&placed, [a_shape, b_shape])
-                && let [first, second] = points
+                && let Some(found_points) = nearest_points(&placed, [a_shape, b_shape])
+                && let [first, second] = found_points.points
                 && (second - first).norm() <= reach
             {
                 let points = [here.inverse() * first, there.inverse() * second];
+                let normal = found_points.normal;
                 found.push(Near { parts: numbers, links, points, normal });
             }
         }
@@ -308,31 +309,42 @@ impl Distances {
         let pairs = one.solids.iter().flat_map(|a| other.solids.iter().map(move |b| (a, b)));
         let found = pairs.filter_map(|(a, b)| {
             let placed = [here * a.pose, there * b.pose].map(|pose| maths::pose_to_rapier(&pose));
-            let (distance, points, _) = nearest_points(&placed, [&*a.shape, &*b.shape])?;
-            Some(Clearance { distance, parts: [one.part, other.part], points })
+            let found = nearest_points(&placed, [&*a.shape, &*b.shape])?;
+            // What is deepest of a large body may be far from where they are in each other.
+            let half = found.normal * (-0.5 * found.distance);
+            let points = found.inside.map_or(found.points, |at| [at + half, at - half]);
+            Some(Clearance { distance: found.distance, parts: [one.part, other.part], points })
         });
         found.min_by(|one, other| one.distance.total_cmp(&other.distance))
     }
 }
 
-/// How far two shapes are apart (m; below 0 as deep in each other), their nearest points, and the direction from the first to the
-/// second, machine frame; `None` for shapes that cannot be measured.
-fn nearest_points(
-    [here, there]: &[Pose; 2],
-    [one, other]: [&dyn Shape; 2],
-) -> Option<(f64, [Point3<f64>; 2], Vector3<f64>)> {
+/// Where two shapes are nearest to each other, machine frame.
+struct Nearest {
+    /// m; below 0 as deep in each other.
+    distance: f64,
+    points: [Point3<f64>; 2],
+    /// From the first to the second.
+    normal: Vector3<f64>,
+    /// A point where they are in each other, if they are.
+    inside: Option<Point3<f64>>,
+}
+
+/// Where two shapes are nearest to each other; `None` for shapes that cannot be measured.
+fn nearest_points([here, there]: &[Pose; 2], [one, other]: [&dyn Shape; 2]) -> Option<Nearest> {
     let point = |point| Point3::from(maths::vector_from_rapier(point));
     match closest_points(here, one, there, other, f64::MAX).ok()? {
         ClosestPoints::WithinMargin(first, second) => {
             let points = [point(first), point(second)];
             let way = points[1] - points[0];
             let normal = way.try_normalize(0.0).unwrap_or_else(Vector3::z);
-            Some((way.norm(), points, normal))
+            Some(Nearest { distance: way.norm(), points, normal, inside: None })
         }
         ClosestPoints::Disjoint => None,
         ClosestPoints::Intersecting => {
-            let found = penetration::of(here, one, there, other);
-            Some((-found.depth, found.points, found.normal))
+            let penetration::Penetration { depth, points, normal, middle } =
+                penetration::of(here, one, there, other);
+            Some(Nearest { distance: -depth, points, normal, inside: Some(middle) })
         }
     }
 }

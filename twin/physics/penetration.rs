@@ -15,8 +15,10 @@ use super::maths;
 pub(super) struct Penetration {
     /// m.
     pub(super) depth: f64,
-    /// Where they are in each other, machine frame, m: in the middle of what the boxes around them share, half the depth to and fro.
+    /// The point of the first that is deepest in the second, and where it would come out, machine frame, m.
     pub(super) points: [Point3<f64>; 2],
+    /// Where they are in each other, machine frame, m: in the middle of what the boxes around them share.
+    pub(super) middle: Point3<f64>,
     /// The way that the second would have to go.
     pub(super) normal: Vector3<f64>,
 }
@@ -27,6 +29,7 @@ pub(super) fn of(here: &Pose, one: &dyn Shape, there: &Pose, other: &dyn Shape) 
         depth: 0.0,
         points: [maths::vector_from_rapier(here.translation).into(); 2],
         normal: Vector3::z(),
+        middle: shared_middle(here, one, there, other),
     };
     for (first_pose, first) in parts(here, one) {
         for (second_pose, second) in parts(there, other) {
@@ -66,21 +69,21 @@ fn of_convex(here: &Pose, one: &dyn Shape, there: &Pose, other: &dyn Shape) -> O
             return None;
         }
         if least.as_ref().is_none_or(|least| depth < least.depth) {
-            let points = [0.5, -0.5]
-                .map(|part| maths::vector_from_rapier(middle + direction * (part * depth)).into());
+            let points = [farthest, farthest - direction * depth]
+                .map(|point| maths::vector_from_rapier(point).into());
             let normal = maths::vector_from_rapier(direction);
-            least = Some(Penetration { depth, points, normal });
+            least = Some(Penetration { depth, points, middle, normal });
         }
     }
     least
 }
 
 /// The middle of the box that the boxes around two intersecting shapes share, put onto both of them.
-fn shared_middle(here: &Pose, one: &dyn Shape, there: &Pose, other: &dyn Shape) -> Vector {
+fn shared_middle(here: &Pose, one: &dyn Shape, there: &Pose, other: &dyn Shape) -> Point3<f64> {
     let (first, second) = (one.compute_aabb(here), other.compute_aabb(there));
     let (low, high) = (first.mins.max(second.mins), first.maxs.min(second.maxs));
     let middle = (low + high) * 0.5;
     // Of bodies that are not along the axes the middle may be beside them.
     let on_first = one.project_point(here, middle, true).point;
-    other.project_point(there, on_first, true).point
+    maths::vector_from_rapier(other.project_point(there, on_first, true).point).into()
 }
