@@ -257,7 +257,7 @@ fn no_shipped_machine_goes_through_a_plate_at_its_top_speed() {
                     assert!(finite.copied().all(f64::is_finite), "{told}: {state:?}");
                     // Sideways, along the plate, it may get off it.
                     let tip = machine.kinematics.forward(&state.position).unwrap().position;
-                    if !stops && (tip - plated.face).norm() > 0.012 {
+                    if hit.is_some() && !stops && (tip - plated.face).norm() > 0.012 {
                         break;
                     }
                 }
@@ -265,20 +265,21 @@ fn no_shipped_machine_goes_through_a_plate_at_its_top_speed() {
                     panic!("{told}: no collision, {most:?}, {} {}", plated.face, plated.into)
                 });
                 let [deepest, fastest] = most;
+                let [before_hit, fastest] = [before_hit, fastest].map(|energy| energy * 1e3);
                 println!(
-                    "{told}, {stops}: {:.3} m/s, hit with {speed:.3} m/s in cycle {cycle} of {}, {:.1} µm deep, {:.3} J before, {fastest:.3} J after, {worst:.1e} m",
-                    plated.speed,
-                    plated.cycles(),
+                    "{told}: {speed:.3} m/s in cycle {cycle}, {:.1} µm deep, {before_hit:.1} mJ before, {fastest:.1} mJ after",
                     deepest * 1e6,
-                    before_hit,
                 );
                 assert_eq!(parts, [Part::Tool, Part::Obstacle(0)], "{told}");
-                assert!((speed / plated.speed - 1.0).abs() < 0.1, "{told}: {speed} m/s");
+                // A knife that turns meets it with its edge, not with its tip.
+                let turns = name.starts_with("gantry_cutter") && plated.velocity[3] != 0.0;
+                let near = if turns { 0.2 } else { 0.02 };
+                assert!((speed / plated.speed - 1.0).abs() < near, "{told}: {speed} m/s");
                 assert!(deepest < 0.1 * THICKNESS, "{told}: {deepest} m deep");
                 assert!(depth_after > -0.02, "{told}: it is thrown back {depth_after} m");
                 assert!(worst <= SAME, "{told}: {worst} m apart");
                 if stops {
-                    assert!(fastest <= before_hit * 1.001, "{told}: {before_hit} J, {fastest} J");
+                    assert!(fastest <= before_hit * 1.001, "{told}: {before_hit} mJ, {fastest} mJ");
                 }
             }
             stops_with_a_collision(plated, twin, &told);
