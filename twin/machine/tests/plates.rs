@@ -8,7 +8,7 @@ use crate::plant::Plant;
 use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Vector3};
-use std::path::PathBuf;
+use std::path::Path;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
 use twin_motion::Place;
 use twin_urdf::{JointPositions, Solid};
@@ -46,7 +46,7 @@ fn vector(values: impl Iterator<Item = f64>) -> AxisVector {
 }
 
 /// With a round tool, and what else is to be in the file.
-fn loaded(path: &PathBuf, more: &str) -> Machine {
+fn loaded(path: &Path, more: &str) -> Machine {
     let mut text = std::fs::read_to_string(path).unwrap();
     // A knife has a shape of its own.
     if !text.contains("\ndiameter_mm") && !text.contains("kind = \"gantry_cutter") {
@@ -315,8 +315,10 @@ fn stops_with_a_collision(plated: &Plated, mut twin: Simulated, told: &str) {
 #[test]
 fn descriptions_agree_in_contact() {
     let files = std::fs::read_dir(workspace().join("machines")).unwrap();
-    let names = files.map(|file| file.unwrap().file_name().into_string().unwrap());
-    let mut names: Vec<_> = names.filter(|name| name.ends_with(".toml")).collect();
+    let paths = files.map(|file| file.unwrap().path());
+    let paths = paths.filter(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    let names = paths.map(|path| path.file_name().unwrap().to_str().unwrap().to_owned());
+    let mut names: Vec<_> = names.collect();
     names.sort();
     assert!(names.len() >= 9, "{names:?}");
     for name in names {
