@@ -8,7 +8,7 @@ use crate::plant::Plant;
 use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Vector3};
-use std::path::PathBuf;
+use std::path::Path;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
 use twin_motion::Place;
 use twin_urdf::{JointPositions, Solid};
@@ -46,7 +46,7 @@ fn vector(values: impl Iterator<Item = f64>) -> AxisVector {
 }
 
 /// With a round tool, and what else is to be in the file.
-fn loaded(path: &PathBuf, more: &str) -> Machine {
+fn loaded(path: &Path, more: &str) -> Machine {
     let mut text = std::fs::read_to_string(path).unwrap();
     // A knife has a shape of its own.
     if !text.contains("\ndiameter_mm") && !text.contains("kind = \"gantry_cutter") {
@@ -257,7 +257,7 @@ fn no_shipped_machine_goes_through_a_plate_at_its_top_speed() {
                     assert!(finite.copied().all(f64::is_finite), "{told}: {state:?}");
                     // Sideways, along the plate, it may get off it.
                     let tip = machine.kinematics.forward(&state.position).unwrap().position;
-                    if !stops && (tip - plated.face).norm() > 0.012 {
+                    if hit.is_some() && !stops && (tip - plated.face).norm() > 0.012 {
                         break;
                     }
                 }
@@ -265,20 +265,21 @@ fn no_shipped_machine_goes_through_a_plate_at_its_top_speed() {
                     panic!("{told}: no collision, {most:?}, {} {}", plated.face, plated.into)
                 });
                 let [deepest, fastest] = most;
+                let [before_hit, fastest] = [before_hit, fastest].map(|energy| energy * 1e3);
                 println!(
-                    "{told}, {stops}: {:.3} m/s, hit with {speed:.3} m/s in cycle {cycle} of {}, {:.1} µm deep, {:.3} J before, {fastest:.3} J after, {worst:.1e} m",
-                    plated.speed,
-                    plated.cycles(),
+                    "{told}: {speed:.3} m/s in cycle {cycle}, {:.1} µm deep, {before_hit:.1} mJ before, {fastest:.1} mJ after",
                     deepest * 1e6,
-                    before_hit,
                 );
                 assert_eq!(parts, [Part::Tool, Part::Obstacle(0)], "{told}");
-                assert!((speed / plated.speed - 1.0).abs() < 0.1, "{told}: {speed} m/s");
+                // A knife that turns meets it with its edge, not with its tip.
+                let turns = name.starts_with("gantry_cutter") && plated.velocity[3] != 0.0;
+                let near = if turns { 0.2 } else { 0.02 };
+                assert!((speed / plated.speed - 1.0).abs() < near, "{told}: {speed} m/s");
                 assert!(deepest < 0.1 * THICKNESS, "{told}: {deepest} m deep");
                 assert!(depth_after > -0.02, "{told}: it is thrown back {depth_after} m");
                 assert!(worst <= SAME, "{told}: {worst} m apart");
                 if stops {
-                    assert!(fastest <= before_hit * 1.001, "{told}: {before_hit} J, {fastest} J");
+                    assert!(fastest <= before_hit * 1.001, "{told}: {before_hit} mJ, {fastest} mJ");
                 }
             }
             stops_with_a_collision(plated, twin, &told);
@@ -314,8 +315,10 @@ fn stops_with_a_collision(plated: &Plated, mut twin: Simulated, told: &str) {
 #[test]
 fn descriptions_agree_in_contact() {
     let files = std::fs::read_dir(workspace().join("machines")).unwrap();
-    let names = files.map(|file| file.unwrap().file_name().into_string().unwrap());
-    let mut names: Vec<_> = names.filter(|name| name.ends_with(".toml")).collect();
+    let paths = files.map(|file| file.unwrap().path());
+    let paths = paths.filter(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    let names = paths.map(|path| path.file_name().unwrap().to_str().unwrap().to_owned());
+    let mut names: Vec<_> = names.collect();
     names.sort();
     assert!(names.len() >= 9, "{names:?}");
     for name in names {
