@@ -1,6 +1,11 @@
 //! What manual and published sources leave open about the board, and what is assumed instead.
 
-use super::options::Parity;
+use std::time::Duration;
+
+use super::{
+    options::{Line, Parity},
+    parameters,
+};
 
 /// How an axis is brought to rest when the board does it by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -96,6 +101,16 @@ pub struct Assumptions {
     pub arguments_stay: bool,
     /// What coil 288 reads on a locked board; writing the opposite tries to unlock. Default true.
     pub lock_coil: bool,
+    /// Silence that ends a frame; none: what "MODBUS over serial line" asks for ([`Line::silence`]). Default none.
+    pub silence: Option<Duration>,
+    /// Registers that one frame reads at most. Default 125, as Modbus has it.
+    pub most_read: u16,
+    /// Registers that one frame writes at most. Default 123, as Modbus has it.
+    pub most_written: u16,
+    /// Parameter with the acceleration and deceleration of interpolated moves, 1000 steps/s². Default 4.
+    pub segment_acceleration: u16,
+    /// Parameter with the start and stop frequency of interpolated moves, steps/s. Default 5.
+    pub segment_start_stop: u16,
     /// Whether broadcasts (station 0) are carried out; they are never answered. Default true.
     pub broadcasts: bool,
     /// Exception to motion commands and output writes on a locked board; none: they are answered as usual and do
@@ -129,6 +144,11 @@ impl Default for Assumptions {
             buffer_segments: 64,
             arguments_stay: true,
             lock_coil: true,
+            silence: None,
+            most_read: 125,
+            most_written: 123,
+            segment_acceleration: parameters::DEFAULT_ACCELERATION,
+            segment_start_stop: parameters::DEFAULT_START_STOP,
             broadcasts: true,
             locked_exception: None,
             enable_loss: BoardStop::AtOnce,
@@ -142,6 +162,13 @@ impl Default for Assumptions {
             eeprom_refuses: true,
             exceptions: ExceptionCodes { address: 2, value: 3, failure: 4 },
         }
+    }
+}
+
+impl Assumptions {
+    /// Silence that ends a frame on a line.
+    pub fn silence_on(&self, line: Line) -> Duration {
+        self.silence.unwrap_or_else(|| line.silence())
     }
 }
 

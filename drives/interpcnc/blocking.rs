@@ -80,9 +80,10 @@ impl InterpCncDrive {
         else {
             return Ok(());
         };
+        let assumed = self.board.options().assumptions;
         for (number, expected) in [
-            (parameters::DEFAULT_ACCELERATION, u32::from(acceleration_khz_per_s)),
-            (parameters::DEFAULT_START_STOP, u32::from(start_stop_hz)),
+            (assumed.segment_acceleration, u32::from(acceleration_khz_per_s)),
+            (assumed.segment_start_stop, u32::from(start_stop_hz)),
         ] {
             let found = self.runtime.block_on(self.board.parameter(number, &no_clock))?;
             if found != expected {

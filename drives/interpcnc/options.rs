@@ -145,6 +145,11 @@ impl InterpCncOptions {
         }
     }
 
+    /// Silence that ends a frame.
+    pub(crate) fn silence(&self) -> Duration {
+        self.assumptions.silence_on(self.line)
+    }
+
     /// The board axes in use.
     pub(crate) fn mask(&self) -> AxisMask {
         self.axes.iter().fold(AxisMask::NONE, |mask, axis| mask.union(axis.axis.mask()))

@@ -7,11 +7,6 @@ use tokio_modbus::{Request, Response};
 use super::InterpCnc;
 use crate::{Action, Clock, DriveError};
 
-/// Registers read at once, as Modbus allows.
-const MOST_READ: u16 = 125;
-/// Registers written at once, as Modbus allows.
-const MOST_WRITTEN: usize = 123;
-
 impl InterpCnc {
     /// Input registers (function 4), asked again once if no proper answer comes.
     pub(super) async fn read_input(
@@ -43,7 +38,7 @@ impl InterpCnc {
         let mut all = Vec::with_capacity(count.into());
         let (mut address, mut left) = (first, count);
         while left > 0 {
-            let count = left.min(MOST_READ);
+            let count = left.min(self.options().assumptions.most_read.max(1));
             let action = Action::Read { what, address, count };
             let request = Request::ReadHoldingRegisters(address, count);
             let registers = self.asked_twice(action, &request, clock, |answer| match answer {
@@ -67,7 +62,8 @@ impl InterpCnc {
         clock: &dyn Clock,
     ) -> Result<(), DriveError> {
         let mut address = first;
-        for part in values.chunks(MOST_WRITTEN) {
+        let most = usize::from(self.options().assumptions.most_written.max(1));
+        for part in values.chunks(most) {
             let count = u16::try_from(part.len()).unwrap_or(u16::MAX);
             let action = Action::Write { what, address, count };
             let request = Request::WriteMultipleRegisters(address, Cow::Borrowed(part));

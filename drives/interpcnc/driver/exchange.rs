@@ -70,7 +70,7 @@ impl InterpCnc {
         self.transport.forget_echo();
         let mut leftovers = [0; 256];
         for _ in 0..MOST_LEFTOVERS {
-            match timeout(self.options.line.silence(), self.transport.read(&mut leftovers)).await {
+            match timeout(self.options.silence(), self.transport.read(&mut leftovers)).await {
                 Err(_) | Ok(Ok(0)) => return Ok(()),
                 Ok(Ok(_)) => {}
                 Ok(Err(source)) => {
@@ -102,7 +102,7 @@ impl InterpCnc {
         let late = std::mem::replace(&mut self.late, true);
         let outcome = timeout(self.options.deadline, client.call(request)).await;
         let answered_ns = clock.now_ns();
-        self.silence = Some(Box::pin(sleep(self.options.line.silence())));
+        self.silence = Some(Box::pin(sleep(self.options.silence())));
         let at = self.at(action);
         let error = match outcome {
             Ok(Ok(Ok(response))) => {
@@ -153,7 +153,8 @@ impl InterpCnc {
         port.flush().await.map_err(lost)?;
         // Boards need the silence and some time to carry it out ("turnaround delay" of Modbus over serial line).
         let line = self.options.line;
-        let quiet = line.duration(frame.len()) + line.silence() + self.options.broadcast_delay;
+        let quiet =
+            line.duration(frame.len()) + self.options.silence() + self.options.broadcast_delay;
         self.silence = Some(Box::pin(sleep(quiet)));
         Ok(())
     }

@@ -73,6 +73,11 @@ impl Board {
         match request {
             Request::ReadCoils(block) => return bits(block, &|address| self.coil(address)),
             Request::ReadInputs(block) => return bits(block, &|address| self.discrete(address)),
+            Request::ReadHolding(block) | Request::ReadRegisters(block)
+                if block.count > self.assumptions.most_read =>
+            {
+                return Err(Refusal::Value);
+            }
             Request::ReadHolding(block) => {
                 return registers(block, &|address| self.holding(address));
             }
@@ -98,6 +103,9 @@ impl Board {
     }
 
     fn write_holding(&mut self, start: u16, values: &[u16]) -> Result<(), Refusal> {
+        if values.len() > usize::from(self.assumptions.most_written) {
+            return Err(Refusal::Value);
+        }
         let places = addressed(start, values)?;
         places.iter().try_for_each(|(address, value)| self.check_holding(*address, *value))?;
         if Self::sets_outputs(&places) {

@@ -125,6 +125,11 @@ impl Board {
         self.line
     }
 
+    /// What is assumed where the manual is silent.
+    pub fn assumptions(&self) -> &Assumptions {
+        &self.assumptions
+    }
+
     /// The status register.
     pub fn status(&self) -> Status {
         let now = self.now_ns;

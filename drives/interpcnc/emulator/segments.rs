@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use super::{Board, rtu::Refusal};
 use crate::{
     interpcnc::{
-        AxisValues, parameters,
+        AxisValues,
         registers::{AXES, AxisMask, BoardAxis, MAX_SPEED_HZ},
     },
     ramp::Ramp,
@@ -128,8 +128,10 @@ impl Board {
             return false;
         }
         self.buffer.waiting.pop_front();
-        let start_stop = f64::from(self.memory.parameter(parameters::DEFAULT_START_STOP).max(1));
-        let rate = 1e3 * f64::from(self.memory.parameter(parameters::DEFAULT_ACCELERATION).max(1));
+        let start_stop =
+            f64::from(self.memory.parameter(self.assumptions.segment_start_stop).max(1));
+        let rate =
+            1e3 * f64::from(self.memory.parameter(self.assumptions.segment_acceleration).max(1));
         let from = self.axes.each_ref().map(|axis| axis.state(now).position);
         let ramps = segment_ramps(from, &segment.targets, segment.speed_hz, start_stop, rate);
         for (axis, ramp) in BoardAxis::ALL.into_iter().zip(ramps) {

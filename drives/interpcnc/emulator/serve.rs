@@ -138,6 +138,11 @@ impl Served {
         stored(&self.board)
     }
 
+    /// Silence that ends a frame.
+    fn silence(&self) -> Duration {
+        self.board.assumptions().silence_on(self.wire.line)
+    }
+
     fn advance_to(&mut self, clock_ns: i64) {
         self.board.advance(clock_ns + self.offset_ns - self.board.now_ns());
     }
@@ -155,7 +160,7 @@ impl Served {
 
     /// Silence has ended what has come, if it has.
     fn end_frame(&mut self, now_ns: i64) {
-        if now_ns >= self.busy_until_ns && self.received.silent_ns(&self.wire) <= now_ns {
+        if now_ns >= self.busy_until_ns && self.received.silent_ns(self.silence()) <= now_ns {
             let (since, until) = (self.received.since_ns, self.received.until_ns);
             let frame = std::mem::take(&mut self.received.bytes);
             self.arrived(&frame, since, until);
@@ -171,7 +176,7 @@ impl Served {
     /// The next instant at which something happens without anything coming.
     fn due_ns(&self) -> Option<i64> {
         let silent = (!self.received.bytes.is_empty())
-            .then(|| self.received.silent_ns(&self.wire).max(self.busy_until_ns));
+            .then(|| self.received.silent_ns(self.silence()).max(self.busy_until_ns));
         let stored = self.board.eeprom_due_ns().map(|due_ns| due_ns - self.offset_ns);
         self.outgoing.iter().map(|(due_ns, _)| *due_ns).chain(silent).chain(stored).min()
     }
@@ -197,7 +202,7 @@ impl Served {
 
     /// Executes a frame whose last byte has come at an instant.
     fn execute(&mut self, frame: &[u8], passed_ns: i64, refusal: Option<u8>) {
-        let executed_ns = passed_ns.saturating_add(whole(self.wire.line.silence()));
+        let executed_ns = passed_ns.saturating_add(whole(self.silence()));
         self.advance_to(executed_ns);
         let answer = match refusal {
             Some(code) => self.board.refusal(frame, code),
@@ -239,11 +244,11 @@ impl Received {
     }
 
     /// When silence has ended what has come, ns.
-    fn silent_ns(&self, wire: &Wire) -> i64 {
+    fn silent_ns(&self, silence: Duration) -> i64 {
         if self.bytes.is_empty() {
             return i64::MAX;
         }
-        self.until_ns.saturating_add(whole(wire.line.silence()))
+        self.until_ns.saturating_add(whole(silence))
     }
 
     /// The frame at the head, if its length is known and its check sum is right. Anything else waits for silence:

@@ -501,3 +501,23 @@ fn commands_go_register_by_register_too() {
     });
     assert_eq!(board.counters()[4], -300);
 }
+
+#[test]
+fn a_board_with_short_frames_and_long_silence_is_read_piece_by_piece() {
+    let silence = Some(Duration::from_millis(5));
+    let assumptions =
+        Assumptions { most_read: 32, most_written: 40, silence, ..Assumptions::default() };
+    let options = BoardOptions { assumptions, ..BoardOptions::default() };
+    let ((), board) = with_board(
+        &options,
+        Bench::default(),
+        |_| {},
+        |mut driver, _hand| async move {
+            let values: Vec<u16> = (1000..1512).collect();
+            driver.set_user_memory(0, &values, LONG, &no_clock).await.unwrap();
+            assert_eq!(driver.user_memory(0, 512, &no_clock).await.unwrap(), values);
+        },
+    );
+    // 13 writes and 16 reads of memory, and questions for the status between them.
+    assert!(board.frames_handled() >= 29);
+}

@@ -362,3 +362,23 @@ fn fault_of_the_board(fault: BoardFault, doing: Doing) {
     );
     assert!(board.status().moving().is_empty(), "{told}");
 }
+
+#[test]
+fn an_echo_that_was_lost_is_not_awaited_for_ever() {
+    with_usual(
+        |options| options.echo = true,
+        |mut driver, hand| async move {
+            let (direction, when) = (Direction::Request, When::Always);
+            let echo = FaultRule { direction, when, fault: WireFault::Echo };
+            hand.send(Control::Fault(echo)).await.unwrap();
+            driver.unlock(&no_clock).await.unwrap();
+            hand.send(Control::Disconnect(true)).await.unwrap();
+            let command = Command::Move { axis: BoardAxis::X, profile: profile(99) };
+            let lost = driver.send(&command, &no_clock).await;
+            assert!(matches!(lost, Err(DriveError::Timeout { .. })), "{lost:?}");
+            hand.send(Control::Disconnect(false)).await.unwrap();
+            // A move is sent once only: its own echo, and no other, is taken away.
+            driver.send(&command, &no_clock).await.unwrap();
+        },
+    );
+}

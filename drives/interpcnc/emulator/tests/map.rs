@@ -99,3 +99,36 @@ fn user_bits_and_registers_hold_what_is_written() {
         assert_eq!(read, Some(seal(bytes("01 03 02 BE EF"))));
     }
 }
+
+#[test]
+fn reserved_addresses_within_the_tables_read_0() {
+    let mut board = unlocked();
+    // Everything around them that can be set is.
+    for input in 1..=32 {
+        board.set_input(input, true);
+    }
+    assert_eq!(refusal(&mut board, "01 0F 01 00 00 20 04 FF FF FF FF"), None);
+    for number in 1..=4 {
+        board.set_analog_input(number, 1023);
+    }
+    for (request, answer) in [
+        ("01 02 08 10 00 10", "01 02 02 00 00"), // inputs 2064 to 2079
+        ("01 02 08 48 00 08", "01 02 01 00"),    // inputs 2120 to 2127
+        ("01 01 01 21 00 08", "01 01 01 00"),    // coils 289 to 296
+        ("01 01 01 A0 00 08", "01 01 01 00"),    // coils 416 to 423
+        ("01 04 04 16 00 08", "01 04 10 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00"), // 1046 to 1053
+        ("01 03 10 80 00 02", "01 03 04 00 00 00 00"), // 4224, 4225
+    ] {
+        assert_eq!(board.handle(&seal(bytes(request))), Some(seal(bytes(answer))), "{request}");
+    }
+}
+
+#[test]
+fn address_2087_is_1_while_enable_is_off() {
+    let mut board = unlocked();
+    let read = seal(bytes("01 02 08 27 00 01"));
+    assert_eq!(board.handle(&read), Some(seal(bytes("01 02 01 00"))));
+    board.set_enable(false);
+    board.advance(101 * MS);
+    assert_eq!(board.handle(&read), Some(seal(bytes("01 02 01 01"))));
+}

@@ -235,6 +235,19 @@ fn assumptions_can_be_others() {
     assert_eq!(refusal(&mut board, "01 06 19 ED 00 01"), Some(11));
     assert_eq!(write(&mut board, &[5]), Some(12));
     assert_eq!(write(&mut board, &[6, 1, 0, 5000, 0, 9]), Some(13));
+    // Shorter frames, and other parameters for the ramps of segments.
+    let segments = Assumptions { segment_acceleration: 200, segment_start_stop: 201, ..usual };
+    let mut board = with(Assumptions { most_read: 10, most_written: 8, ..segments });
+    assert_eq!(refusal(&mut board, "01 04 04 00 00 0B"), Some(3));
+    assert_eq!(refusal(&mut board, "01 03 10 36 00 0B"), Some(3));
+    assert_eq!(refusal(&mut board, "01 03 10 36 00 0A"), None);
+    assert_eq!(write(&mut board, &[42, 0, 0, 0, 0, 0, 0, 0, 0]), Some(3));
+    set_parameter(&mut board, 200, 10);
+    set_parameter(&mut board, 201, 1000);
+    let targets = [Some(100_000), None, None, None, None];
+    send(&mut board, Command::Interpolated { speed_hz: 5000, targets });
+    board.advance(200 * MS);
+    assert!((board.velocity(BoardAxis::X) - 3000.0).abs() < 1e-6);
     // Firmware before 5.31: no axis moves at the instant of reversal.
     let mut board = with(Assumptions { reversal_gap_ns: MS, ..usual });
     board.handle(&vector(11)).unwrap();

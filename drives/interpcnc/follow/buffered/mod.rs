@@ -10,6 +10,9 @@
 //! length of the next segment keeps nearest to the plan, and sends that one: never more than one waits in the board,
 //! so that what a master that dies leaves undone is short.
 
+#[cfg(test)]
+mod tests;
+
 use crate::{
     MAX_DRIVE_AXES, SetpointStream, Stamp,
     interpcnc::{
