@@ -248,6 +248,8 @@ def variables(it):
         for value in (0xFFFF, 0):
             assert it.ask("WRITE", VAR=index, NEW=value)["DAT"] == value
             assert it.ask("IOUPDATE", CLR=0, SET=0, CACT=0, CREV=0)["INP"] >> bit & 1 == value & 1
+        for value in (1, 0xFFFE, 0x10000, 0xFFFFFFFF):
+            it.refused((BADPARAMS,), "WRITE", VAR=index, NEW=value)
         for clear, set_, expected in ((0, 1, 1), (0, 0, 1), (1, 0, 0), (0, 0, 0)):
             said = it.ask("IOUPDATE", CLR=clear << bit, SET=set_ << bit, CACT=0, CREV=0)
             assert said["INP"] >> bit & 1 == expected
