@@ -25,6 +25,24 @@ pub enum Action {
         /// On or off.
         on: bool,
     },
+    /// Reading registers or bits.
+    Read {
+        /// What they hold.
+        what: &'static str,
+        /// First address.
+        address: u16,
+        /// How many.
+        count: u16,
+    },
+    /// Writing registers or bits.
+    Write {
+        /// What they hold.
+        what: &'static str,
+        /// First address.
+        address: u16,
+        /// How many.
+        count: u16,
+    },
     /// Looking at identifier and status of a module on a bus.
     Identify,
     /// Reading a zone of a module's memory.
@@ -67,6 +85,12 @@ impl fmt::Display for Action {
             Self::Command { number, name } => write!(f, "command {number} ({name})"),
             Self::SwitchOutput { output, on } => {
                 write!(f, "switching output {output} {}", if *on { "on" } else { "off" })
+            }
+            Self::Read { what, address, count } => {
+                write!(f, "reading {what} ({count} from {address})")
+            }
+            Self::Write { what, address, count } => {
+                write!(f, "writing {what} ({count} from {address})")
             }
             Self::Identify => f.write_str("looking at identifier and status"),
             Self::ReadZone { zone, name } => write!(f, "reading zone {zone} ({name})"),
@@ -274,6 +298,70 @@ pub enum DriveError {
         /// Axes, bit 0 = X … bit 4 = B.
         axes: u8,
     },
+    /// What was begun has not ended in the time it was given.
+    #[error("{at}: not finished within {} ms", patience.as_millis())]
+    Unfinished {
+        /// Where.
+        at: Exchange,
+        /// The time.
+        patience: Duration,
+    },
+    /// An axis has stopped elsewhere than on its target: something else has stopped it.
+    #[error("{at}: axis {} stands at {found} instead of {target}", axis_letters(1 << axis))]
+    NotArrived {
+        /// Where.
+        at: Exchange,
+        /// Axis on the device, 0 = X … 4 = B.
+        axis: u8,
+        /// Where it should be, increments.
+        target: i64,
+        /// Where it is, increments.
+        found: i64,
+    },
+    /// Homing has failed: no switch within the stroke, or something else has stopped it.
+    #[error("{at}: homing has failed, axes {}", axis_letters(*axes))]
+    HomingFailed {
+        /// Where.
+        at: Exchange,
+        /// Axes, bit 0 = X … bit 4 = B.
+        axes: u8,
+    },
+    /// The input that a probing move awaited did not come.
+    #[error("{at}: the probe has found nothing")]
+    ProbeFailed {
+        /// Where.
+        at: Exchange,
+    },
+    /// The device could not write its EEPROM.
+    #[error("{at}: the EEPROM could not be written")]
+    EepromFailed {
+        /// Where.
+        at: Exchange,
+    },
+    /// A register or parameter does not hold what was just written to it.
+    #[error("{at}: {address} reads {found} after {written} was written")]
+    NotKept {
+        /// Where.
+        at: Exchange,
+        /// Register, or number of the parameter.
+        address: u16,
+        /// Written.
+        written: u32,
+        /// Read back.
+        found: u32,
+    },
+    /// A parameter of the device is not what the driver has been told.
+    #[error("{at}: parameter {number} is {found} instead of {expected}")]
+    ParameterDiffers {
+        /// Where.
+        at: Exchange,
+        /// Number of the parameter.
+        number: u16,
+        /// What the driver has been told.
+        expected: u32,
+        /// What the device has.
+        found: u32,
+    },
     /// A position counter does not hold what was just written to it.
     #[error("{at}: counter of axis {} reads {found} after {written} was written", axis_letters(1 << axis))]
     NotWritten {
@@ -376,6 +464,13 @@ impl DriveError {
             | Self::NotLocked { at }
             | Self::LimitSwitch { at, .. }
             | Self::Moving { at, .. }
+            | Self::Unfinished { at, .. }
+            | Self::NotArrived { at, .. }
+            | Self::HomingFailed { at, .. }
+            | Self::ProbeFailed { at }
+            | Self::EepromFailed { at }
+            | Self::NotKept { at, .. }
+            | Self::ParameterDiffers { at, .. }
             | Self::NotWritten { at, .. }
             | Self::Identity { at, .. }
             | Self::NotRunning { at }
@@ -490,6 +585,13 @@ mod tests {
             DriveError::NotLocked { at: at() },
             DriveError::LimitSwitch { at: at(), axes: 0b101 },
             DriveError::Moving { at: at(), axes: 1 },
+            DriveError::Unfinished { at: at(), patience: Duration::from_secs(3) },
+            DriveError::NotArrived { at: at(), axis: 1, target: 5, found: 4 },
+            DriveError::HomingFailed { at: at(), axes: 3 },
+            DriveError::ProbeFailed { at: at() },
+            DriveError::EepromFailed { at: at() },
+            DriveError::ParameterDiffers { at: at(), number: 4, expected: 5, found: 4 },
+            DriveError::NotKept { at: at(), address: 4360, written: 5, found: 4 },
             DriveError::NotWritten { at: at(), axis: 2, written: 5, found: 4 },
             DriveError::Identity { at: at(), expected: 0x4E, found: 0xFF },
             DriveError::NotRunning { at: at() },

@@ -243,7 +243,7 @@ pub fn emulator_options(entry: &InterpCncEntry) -> EmulatorOptions {
     EmulatorOptions {
         board: BoardOptions { station: entry.station, line, ..BoardOptions::default() },
         wire: wire(entry),
-        link: None,
+        ..EmulatorOptions::default()
     }
 }
 

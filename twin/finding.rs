@@ -156,9 +156,12 @@ impl Finding {
 
 /// Brings findings into the order they are shown in: the worst first, then by line.
 pub fn sort(findings: &mut [Finding]) {
+    // What the user has asked to go wrong explains the rest.
+    let consequence = |finding: &Finding| finding.rule != Rule::Fault;
     findings.sort_by(|a, b| {
-        b.severity
-            .cmp(&a.severity)
+        consequence(a)
+            .cmp(&consequence(b))
+            .then(b.severity.cmp(&a.severity))
             .then(a.line.cmp(&b.line))
             .then(a.rule.cmp(&b.rule))
             .then_with(|| a.axis.cmp(&b.axis))

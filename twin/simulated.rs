@@ -7,7 +7,7 @@ use crate::machine::{
 };
 use crate::physics::{
     self, ClearanceScan, Contact, EventKind, Fault, MotorState, PhysicsError, PhysicsEvent,
-    PhysicsMachine, YieldingTool, axis_inertia,
+    PhysicsMachine, Side, SwitchStates, YieldingTool, axis_inertia,
 };
 use crate::plant::{AxisFeedback, Blow, Happening, Plant, PlantRecord, ProbeMiss, ProbeTouch};
 use crate::setpoint::AxisSetpoint;
@@ -122,6 +122,20 @@ impl Simulated {
             _ => None,
         });
         switch.map_or(Ok(()), Err)
+    }
+
+    /// Refuses to begin on a limit switch.
+    fn start(&mut self, place: Place) -> Result<(), PhysicsError> {
+        for axis in 0..self.physics.setpoint().position.len() {
+            let SwitchStates { lower, upper, .. } = self.physics.switches(axis);
+            let on = [(Side::Lower, lower), (Side::Upper, upper)].into_iter().find(|(_, on)| *on);
+            if let Some((side, _)) = on {
+                let kind = EventKind::LimitSwitch(side);
+                self.happened.add(place, PhysicsEvent { time_ns: 0, axis, kind });
+                return Err(PhysicsError::LimitSwitch { axis, side });
+            }
+        }
+        Ok(())
     }
 
     /// What the probe feels where the axes are.
@@ -270,9 +284,10 @@ impl Plant for Simulated {
         let position = if self.begun {
             self.physics.step(&asked)?.position
         } else {
+            self.begun = true;
+            self.start(setpoint.place)?;
             self.physics.axis_state().position
         };
-        self.begun = true;
         self.feel(setpoint, &position)?;
         self.arrived = Some(AxisFeedback { time_ns: setpoint.time_ns, position });
         self.motors.clear();

@@ -6,7 +6,9 @@ use tokio::{runtime::Runtime, time::timeout};
 
 use super::{
     AxisValues, BoardAxis, BoardState, Command, InterpCnc, InterpCncOptions, MoveProfile, Stamp,
-    follow::Follower,
+    follow::{Buffered, Follower},
+    options::Following,
+    parameters,
     registers::{AXES, AxisMask, COMMAND},
 };
 use crate::{
@@ -25,6 +27,8 @@ fn no_clock() -> i64 {
 pub struct InterpCncDrive {
     board: InterpCnc,
     follower: Follower,
+    /// Instead of the follower, where segments are buffered.
+    buffered: Option<Buffered>,
     /// Last, so that the port is closed while its runtime exists.
     runtime: Runtime,
 }
@@ -45,7 +49,70 @@ impl InterpCncDrive {
             InterpCnc::open(port, options)?
         };
         let follower = Follower::new(&options.axes, options.line);
-        Ok(Self { board, follower, runtime })
+        let buffered = match options.following {
+            Following::Retargeted => None,
+            Following::Buffered { start_stop_hz, acceleration_khz_per_s: rate } => {
+                Some(Buffered::new(&options.axes, options.line, start_stop_hz, rate))
+            }
+        };
+        Ok(Self { board, follower, buffered, runtime })
+    }
+
+    /// The board itself, for everything that not all drives can do, and the runtime for its calls. What moves axes
+    /// makes the next call of [`Drive::follow`] start from where they are.
+    pub fn board(&mut self) -> (&mut InterpCnc, &Runtime) {
+        self.restart();
+        (&mut self.board, &self.runtime)
+    }
+
+    /// Something else than following moves or stops the axes.
+    fn restart(&mut self) {
+        self.follower.restart();
+        if let Some(buffered) = &mut self.buffered {
+            buffered.restart();
+        }
+    }
+
+    /// Segments are planned for the ramps of parameters 4 and 5: the board must have those.
+    fn check_ramps(&mut self) -> Result<(), DriveError> {
+        let Following::Buffered { start_stop_hz, acceleration_khz_per_s } =
+            self.board.options().following
+        else {
+            return Ok(());
+        };
+        let assumed = self.board.options().assumptions;
+        for (number, expected) in [
+            (assumed.segment_acceleration, u32::from(acceleration_khz_per_s)),
+            (assumed.segment_start_stop, u32::from(start_stop_hz)),
+        ] {
+            let found = self.runtime.block_on(self.board.parameter(number, &no_clock))?;
+            if found != expected {
+                let address = parameters::FIRST_PARAMETER + 2 * number;
+                let at = self.board.at(Action::Read { what: "parameter", address, count: 2 });
+                return Err(DriveError::ParameterDiffers { at, number, expected, found });
+            }
+        }
+        Ok(())
+    }
+
+    /// One cycle of following by segments.
+    fn follow_buffered(
+        &mut self,
+        mut buffered: Buffered,
+        stream: &dyn SetpointStream,
+    ) -> Result<Sample, DriveError> {
+        let clock = || stream.now_ns();
+        let decided_ns = stream.now_ns();
+        if let Some(order) = buffered.order(stream, decided_ns) {
+            // Whether a lost segment is in the board is unknown: the error ends following.
+            let stamp = self.send(&order.command(), &clock)?;
+            buffered.executed(&order, decided_ns, &stamp);
+        }
+        let (state, stamp) = self.obeying_state(&clock)?;
+        let counters = self.axes().map(|axis| counter(&state, axis)).collect::<Vec<_>>();
+        buffered.sampled(&stamp, counters.into_iter(), state.status.segments_finished());
+        self.buffered = Some(buffered);
+        Ok(self.to_sample(&state, stamp))
     }
 
     fn state(&mut self, clock: &dyn Clock) -> Result<(BoardState, Stamp), DriveError> {
@@ -126,6 +193,7 @@ impl Drive for InterpCncDrive {
     }
 
     fn enable(&mut self) -> Result<(), DriveError> {
+        self.check_ramps()?;
         self.runtime.block_on(self.board.unlock(&no_clock))
     }
 
@@ -154,7 +222,7 @@ impl Drive for InterpCncDrive {
                 axes: moving.bits(),
             });
         }
-        self.follower.restart();
+        self.restart();
         self.send(&command, &no_clock)?;
         let (after, _) = self.state(&no_clock)?;
         for (axis, written) in wanted {
@@ -172,7 +240,7 @@ impl Drive for InterpCncDrive {
         target: &Increments,
         speed: &[f64; MAX_DRIVE_AXES],
     ) -> Result<(), DriveError> {
-        self.follower.restart();
+        self.restart();
         let mut commands = Vec::with_capacity(AXES);
         let axes = self.board.options().axes.clone();
         for ((options, target), speed) in axes.iter().zip(target).zip(speed) {
@@ -216,6 +284,12 @@ impl Drive for InterpCncDrive {
     }
 
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        if let Some(buffered) = &mut self.buffered {
+            // Comes back if nothing goes wrong; else it starts from what the next sample shows.
+            let present = buffered.clone();
+            buffered.restart();
+            return self.follow_buffered(present, stream);
+        }
         let clock = || stream.now_ns();
         let needing = self.follower.survey(stream);
         for index in &needing {
@@ -246,7 +320,7 @@ impl Drive for InterpCncDrive {
     }
 
     fn soft_stop(&mut self) -> Result<(), DriveError> {
-        self.follower.restart();
+        self.restart();
         self.send(&Command::RampStop, &no_clock)?;
         let options = self.board.options();
         let braking = |axis: &super::AxisOptions| {
@@ -272,7 +346,7 @@ impl Drive for InterpCncDrive {
     }
 
     fn hard_stop(&mut self) -> Result<(), DriveError> {
-        self.follower.restart();
+        self.restart();
         self.send(&Command::Stop, &no_clock)?;
         let (state, _) = self.state(&no_clock)?;
         let at = || self.board.at(Command::Stop.action());

@@ -5,12 +5,14 @@
 //!
 //! Source: "Carte d'axe SOPROLEC InterpCNC V2.1, Protocole de communication MODBUS" (firmware up to 5.30).
 
+mod assumptions;
 mod blocking;
 mod command;
 mod driver;
 pub mod emulator;
 mod follow;
 mod options;
+pub mod parameters;
 mod port;
 pub mod registers;
 mod rehearsal;
@@ -20,9 +22,10 @@ mod tests;
 mod vectors;
 
 pub use crate::Stamp;
+pub use assumptions::{Assumptions, BaudCode, BoardStop, ExceptionCodes, OutputCode};
 pub use blocking::InterpCncDrive;
 pub use command::{AxisValues, BadCommand, Command, CommandRegisters, MoveProfile};
-pub use driver::{BoardState, InterpCnc};
-pub use options::{AxisOptions, InterpCncOptions, Line, Parity};
+pub use driver::{BoardState, HomeAxis, Identity, InterpCnc, ProbeMove, Recipes, Snapshot};
+pub use options::{AxisOptions, Following, InterpCncOptions, Line, Parity};
 pub use registers::{AxisMask, BoardAxis};
-pub use rehearsal::InterpCncRehearsal;
+pub use rehearsal::{InterpCncRehearsal, Prediction, predict, rehearse};

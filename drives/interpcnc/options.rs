@@ -2,7 +2,10 @@
 
 use std::{sync::Arc, time::Duration};
 
-use super::registers::{AxisMask, BoardAxis, MAX_SPEED_HZ};
+use super::{
+    Assumptions,
+    registers::{AxisMask, BoardAxis, MAX_SPEED_HZ},
+};
 use crate::{Action, DriveError, Exchange};
 
 /// Parity of the serial line; a board parameter (102).
@@ -82,6 +85,22 @@ impl AxisOptions {
     }
 }
 
+/// How a plan is followed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Following {
+    /// Independent moves that are retargeted in flight, axis by axis (command 80): near to any plan.
+    #[default]
+    Retargeted,
+    /// Interpolated segments from the board's buffer (command 6): the axes stay on straight lines, and stop between
+    /// them.
+    Buffered {
+        /// Start and stop frequency of the segments, steps/s: what the board's parameter 5 says.
+        start_stop_hz: u16,
+        /// Their acceleration and deceleration, 1000 steps/s²: what the board's parameter 4 says.
+        acceleration_khz_per_s: u16,
+    },
+}
+
 /// Settings of the driver.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct InterpCncOptions {
@@ -96,10 +115,21 @@ pub struct InterpCncOptions {
     pub worst_latency: Duration,
     /// Axes in use, in the order of the arrays of [`crate::Drive`].
     pub axes: Vec<AxisOptions>,
+    /// How a plan is followed.
+    pub following: Following,
+    /// Whether the adapter hears what it sends (two-wire RS485 without receiver control): the echo is taken away.
+    pub echo: bool,
+    /// Interpolated segments that are in the board at the same time, the one under way included. The board's buffer
+    /// cannot be read, and what a master that dies has queued is carried out.
+    pub most_segments: u16,
+    /// Time that boards get to carry out a broadcast before the next frame.
+    pub broadcast_delay: Duration,
+    /// What is assumed where the manual is silent.
+    pub assumptions: Assumptions,
 }
 
 impl InterpCncOptions {
-    /// Station 1, 115200 baud, no parity, 250 ms, the given axes.
+    /// Station 1, 115200 baud, no parity, 250 ms, the given axes, no echo, 8 segments.
     pub fn new(axes: Vec<AxisOptions>) -> Self {
         Self {
             station: 1,
@@ -107,7 +137,17 @@ impl InterpCncOptions {
             deadline: Duration::from_millis(250),
             worst_latency: Duration::from_millis(500),
             axes,
+            following: Following::Retargeted,
+            echo: false,
+            most_segments: 8,
+            broadcast_delay: Duration::from_millis(100),
+            assumptions: Assumptions::default(),
         }
+    }
+
+    /// Silence that ends a frame.
+    pub(crate) fn silence(&self) -> Duration {
+        self.assumptions.silence_on(self.line)
     }
 
     /// The board axes in use.
@@ -128,6 +168,7 @@ impl InterpCncOptions {
             }
         };
         within("station", self.station.into(), 1, 247)?;
+        within("segments", self.most_segments.into(), 1, self.assumptions.buffer_segments.into())?;
         within("baud", self.line.baud, 4800, 256_000)?;
         let count = u32::try_from(self.axes.len()).unwrap_or(u32::MAX);
         within("number of axes", count, 1, self.mask().bits().count_ones().max(1))?;

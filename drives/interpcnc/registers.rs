@@ -22,6 +22,64 @@ pub const FIRST_OUTPUT: u16 = 256;
 /// Number of outputs.
 pub const OUTPUTS: u8 = 32;
 
+/// Number of inputs.
+pub const INPUTS: u8 = 32;
+
+/// Coil of the board lock.
+pub const LOCK_COIL: u16 = 288;
+/// Coil of the first of the [`USER_BITS`] user bits.
+pub const FIRST_USER_BIT: u16 = 320;
+/// Number of user bits.
+pub const USER_BITS: u16 = 96;
+/// First discrete input: IN1.
+pub const FIRST_INPUT: u16 = 2048;
+/// Discrete input of status bit B0; B31 is the last of them.
+pub const FIRST_STATUS_BIT: u16 = 2080;
+/// Discrete input of the direction of X; those of Y, Z, A, B follow.
+pub const FIRST_DIRECTION: u16 = 2112;
+/// Discrete input of encoder input A; B and C follow.
+pub const FIRST_ENCODER_INPUT: u16 = 2117;
+/// Registers from status to extended status, reserved ones included.
+pub const SNAPSHOT_REGISTERS: u16 = 32;
+/// Input registers of the last probe's result, high word.
+pub const PROBE_RESULT: u16 = 1044;
+/// Input registers of the extended status, high word.
+pub const EXTENDED_STATUS: u16 = 1054;
+/// Holding register of analog output 1; that of output 2 follows.
+pub const ANALOG_OUTPUT: u16 = 4146;
+/// Largest value of an analog output.
+pub const MAX_ANALOG: u16 = 1023;
+/// Holding registers of the outputs, OUT17 to OUT32 first.
+pub const OUTPUT_WORDS: u16 = 4148;
+/// First of the user registers in RAM.
+pub const FIRST_USER_REGISTER: u16 = 4150;
+/// Number of user registers in RAM.
+pub const USER_REGISTERS: u16 = 46;
+/// Holding registers of the simulated keypad, low word first.
+pub const KEYPAD: u16 = 4196;
+/// First of the ten user values of 32 bits.
+pub const FIRST_USER_VALUE: u16 = 4198;
+/// Number of user values.
+pub const USER_VALUES: u16 = 10;
+/// Holding registers of the encoder position; those of pulse counters A and B follow.
+pub const ENCODER: u16 = 4218;
+/// First register of the user memory in EEPROM.
+pub const FIRST_USER_MEMORY: u16 = 5120;
+/// Registers of the user memory in EEPROM (1 KiB).
+pub const USER_MEMORY: u16 = 512;
+/// Holding register of the recipes' size.
+pub const RECIPE_SIZE: u16 = 5632;
+/// Holding register of the recipe that page 0 shows; those of pages 1 to 3 follow.
+pub const RECIPE_INDEX: u16 = 5633;
+/// First register of recipe page 0; the pages have [`RECIPE_PAGE`] registers.
+pub const FIRST_RECIPE: u16 = 5637;
+/// Registers of a recipe page, and of a recipe at most.
+pub const RECIPE_PAGE: u16 = 250;
+/// Number of recipe pages.
+pub const RECIPE_PAGES: u16 = 4;
+/// Registers that all recipes together have.
+pub const RECIPE_REGISTERS: u16 = 5000;
+
 /// Largest step frequency the board makes, Hz (published vendor sources; the manual is silent).
 pub const MAX_SPEED_HZ: u32 = 200_000;
 
@@ -32,14 +90,34 @@ pub struct Status(pub u32);
 impl Status {
     /// B5: the command buffer is empty.
     pub const BUFFER_EMPTY: u32 = 1 << 5;
+    /// B6: the command buffer is frozen.
+    pub const BUFFER_FROZEN: u32 = 1 << 6;
     /// B7: the ENABLE input is inactive.
     pub const EMERGENCY_STOP: u32 = 1 << 7;
     /// B8: moves and outputs are inhibited.
     pub const BOARD_LOCKED: u32 = 1 << 8;
+    /// B10: homing of the machine (command 71) is under way.
+    pub const HOMING_IN_PROGRESS: u32 = 1 << 10;
+    /// B11: the last homing of the machine has failed.
+    pub const HOMING_ERROR: u32 = 1 << 11;
     /// B12: a probing move (command 40) is under way.
     pub const PROBE_IN_PROGRESS: u32 = 1 << 12;
     /// B13: the last probing move has failed.
     pub const PROBE_ERROR: u32 = 1 << 13;
+    /// B14: the EEPROM is being written.
+    pub const EEPROM_BUSY: u32 = 1 << 14;
+    /// B15: the last write to the EEPROM has failed.
+    pub const EEPROM_ERROR: u32 = 1 << 15;
+    /// B17: a speed override is in effect.
+    pub const OVERRIDDEN: u32 = 1 << 17;
+    /// B18: a speed override is allowed.
+    pub const OVERRIDE_ALLOWED: u32 = 1 << 18;
+    /// B19: waiting for an input.
+    pub const WAITING_FOR_INPUT: u32 = 1 << 19;
+    /// B20: an input that was waited for did not come in time.
+    pub const WAIT_TIMEOUT: u32 = 1 << 20;
+    /// B21: torch height control is active.
+    pub const HEIGHT_CONTROL: u32 = 1 << 21;
     /// B22: first of five bits, axis in an independent move ("Async Moving").
     pub const ASYNC_MOVING_SHIFT: u32 = 22;
     /// B27: first of five bits, either limit switch of the axis is active.
@@ -65,6 +143,26 @@ impl Status {
         self.0 & Self::PROBE_ERROR != 0
     }
 
+    /// True if one of the bits is set.
+    pub fn has(self, bits: u32) -> bool {
+        self.0 & bits != 0
+    }
+
+    /// Axes in an interpolated move (B0 to B4).
+    pub fn interpolating(self) -> AxisMask {
+        AxisMask::from_bits(self.0)
+    }
+
+    /// Axes in an independent move (B22 to B26).
+    pub fn independent(self) -> AxisMask {
+        AxisMask::from_bits(self.0 >> Self::ASYNC_MOVING_SHIFT)
+    }
+
+    /// True if all interpolated moves are finished: the buffer is empty (B5) and none is under way.
+    pub fn segments_finished(self) -> bool {
+        self.has(Self::BUFFER_EMPTY) && self.interpolating().is_empty()
+    }
+
     /// Axes in an interpolated (B0 to B4) or independent (B22 to B26) move.
     pub fn moving(self) -> AxisMask {
         AxisMask::from_bits(self.0 | self.0 >> Self::ASYNC_MOVING_SHIFT)
@@ -73,6 +171,49 @@ impl Status {
     /// Axes on a limit switch (B27 to B31).
     pub fn on_limit_switch(self) -> AxisMask {
         AxisMask::from_bits(self.0 >> Self::LIMIT_SWITCH_SHIFT)
+    }
+}
+
+/// The board's extended status, registers 1054 and 1055 ("Détails du registre de status étendu").
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ExtendedStatus(pub u32);
+
+impl ExtendedStatus {
+    /// B5: Basic has lost characters that it sent.
+    pub const BASIC_TX_OVERRUN: u32 = 1 << 5;
+    /// B6: Basic has lost characters that it received.
+    pub const BASIC_RX_OVERRUN: u32 = 1 << 6;
+    /// B7: a Basic program runs.
+    pub const BASIC_RUNNING: u32 = 1 << 7;
+    /// B9: recipe data has changed.
+    pub const RECIPES_CHANGED: u32 = 1 << 9;
+    /// B18, then every second bit: homing (command 78) of X, Y, Z, A, B is under way; the bit after it: has failed.
+    pub const HOMING_SHIFT: u32 = 18;
+
+    /// True if one of the bits is set.
+    pub fn has(self, bits: u32) -> bool {
+        self.0 & bits != 0
+    }
+
+    /// Axes whose motion is or was towards larger positions (B0 to B4).
+    pub fn positive(self) -> AxisMask {
+        AxisMask::from_bits(self.0)
+    }
+
+    /// Axes that home by command 78.
+    pub fn homing(self) -> AxisMask {
+        self.every_second(Self::HOMING_SHIFT)
+    }
+
+    /// Axes whose last homing by command 78 has failed.
+    pub fn homing_failed(self) -> AxisMask {
+        self.every_second(Self::HOMING_SHIFT + 1)
+    }
+
+    fn every_second(self, first: u32) -> AxisMask {
+        let shifts = (first..).step_by(2);
+        let set = BoardAxis::ALL.into_iter().zip(shifts).filter(|(_, bit)| self.0 >> bit & 1 == 1);
+        set.fold(AxisMask::NONE, |mask, (axis, _)| mask.union(axis.mask()))
     }
 }
 
@@ -200,6 +341,15 @@ mod tests {
         assert!(status.enable_open() && status.locked());
         assert_eq!(status.moving().axes().collect::<Vec<_>>(), [BoardAxis::X, BoardAxis::Y]);
         assert_eq!(status.on_limit_switch().axes().collect::<Vec<_>>(), [BoardAxis::B]);
+    }
+
+    #[test]
+    fn extended_status_bits_name_their_axes() {
+        // B1 direction of Y, B18 X homes, B25 A has failed, B27 B has failed.
+        let status = ExtendedStatus(1 << 1 | 1 << 18 | 1 << 25 | 1 << 27);
+        assert_eq!(status.positive(), BoardAxis::Y.mask());
+        assert_eq!(status.homing(), BoardAxis::X.mask());
+        assert_eq!(status.homing_failed().axes().collect::<Vec<_>>(), [BoardAxis::A, BoardAxis::B]);
     }
 
     #[test]

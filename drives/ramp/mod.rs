@@ -218,6 +218,57 @@ impl Motion {
         self.start_ns.saturating_add(time_ns)
     }
 
+    /// The first instant after `after_ns` at which the axis is on the other side of `edge` than at `after_ns`, ns; on
+    /// the far side is who stands on the edge or beyond it in positive direction.
+    pub(crate) fn crossing(&self, after_ns: i64, edge: f64) -> Option<i64> {
+        let beyond = |time_ns: i64| self.at(time_ns).position >= edge;
+        let here = beyond(after_ns);
+        // Between these instants the axis moves in one direction only.
+        let mut from_ns = after_ns;
+        for until_ns in [self.turn_ns(), self.end_ns()] {
+            if until_ns <= from_ns {
+                continue;
+            }
+            if beyond(until_ns) != here {
+                let (mut low, mut high) = (from_ns, until_ns);
+                while high - low > 1 {
+                    let middle = i64::midpoint(low, high);
+                    if beyond(middle) == here { low = middle } else { high = middle }
+                }
+                return Some(high);
+            }
+            from_ns = until_ns;
+        }
+        None
+    }
+
+    /// Whether it brakes in order to reverse, or to turn back to a target that lies behind.
+    pub(crate) fn turns(&self) -> bool {
+        let [turn, ..] = &self.stretches;
+        turn.duration > 0.0 && self.end_s > turn.duration
+    }
+
+    /// The instant at which it has braked in order to reverse, ns; its start if it does not.
+    pub(crate) fn turn_ns(&self) -> i64 {
+        let [turn, ..] = &self.stretches;
+        self.start_ns.saturating_add(nanoseconds(turn.duration))
+    }
+
+    /// The same motion so much later.
+    pub(crate) fn later(mut self, ns: i64) -> Self {
+        self.start_ns = self.start_ns.saturating_add(ns);
+        self
+    }
+
+    /// The same motion somewhere else, so many steps farther.
+    pub(crate) fn shifted(mut self, by: f64) -> Self {
+        for stretch in &mut self.stretches {
+            stretch.state.position += by;
+        }
+        self.rest += by;
+        self
+    }
+
     /// Sign of the velocity at an instant, after the end of the last velocity; 0 if it never moves.
     pub(crate) fn sense(&self, time_ns: i64) -> f64 {
         let velocity = self.at(time_ns).velocity;

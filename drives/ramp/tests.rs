@@ -261,3 +261,36 @@ fn a_target_behind_is_returned_to() {
     assert!((motion.sense(0) - 1.0).abs() < 1e-9 && (motion.sense(2 * SECOND) + 1.0).abs() < 1e-9);
     assert!((motion.final_sense() + 1.0).abs() < 1e-9);
 }
+
+#[test]
+fn crossings_are_where_the_closed_form_has_them() {
+    // 0 to 10000 at 1000 steps/s with 1000 steps/s²: edge 2500 is 2000 steps after the ramp, at 1 s + 2 s.
+    let motion = Motion::plan(0, State::default(), &ramp(0.0, 1e3, 1e3, 1e3, 10e3));
+    assert_eq!(motion.crossing(0, 2500.0), Some(3 * SECOND));
+    // In the ramp: ½·1000·t² = 125 at half a second.
+    assert_eq!(motion.crossing(0, 125.0), Some(SECOND / 2));
+    // Reached and not crossed again; beyond the target; behind the start.
+    assert_eq!(motion.crossing(4 * SECOND, 2500.0), None);
+    assert_eq!(motion.crossing(0, 10_000.5), None);
+    assert_eq!(motion.crossing(0, -1.0), None);
+    // Shifted by 100 steps and 1 s.
+    let other = motion.shifted(100.0).later(SECOND);
+    assert_eq!(other.crossing(0, 2600.0), Some(4 * SECOND));
+}
+
+#[test]
+fn a_motion_that_turns_crosses_an_edge_twice() {
+    // At 1000 steps/s and position 0, back to −1000: braked after 1 s and 500 steps, then back.
+    let state = State { position: 0.0, velocity: 1e3 };
+    let motion = Motion::plan(0, state, &ramp(0.0, 1e3, 1e3, 1e3, -1e3));
+    assert!(motion.turns());
+    assert_eq!(motion.turn_ns(), SECOND);
+    // 375 = 1000·t − 500·t² at half a second, and as long after the turn.
+    let there = motion.crossing(0, 375.0).unwrap();
+    assert_eq!(there, SECOND / 2);
+    assert_eq!(
+        motion.crossing(there, 375.0).map(|back| (back - 3 * SECOND / 2).abs() <= 1),
+        Some(true)
+    );
+    assert!(!Motion::at_rest(5.0).turns());
+}

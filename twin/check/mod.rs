@@ -290,6 +290,9 @@ impl<'m> Checker<'m> {
         for (index, ((axis, peak), (wanted, actual))) in axes.zip(pairs).enumerate() {
             let error = (actual - wanted).abs();
             peak.following_error.get_or_insert(Peak::default()).include(error, setpoint.place);
+            if let Some(finding) = sentence::ran_away(axis, setpoint.place, *wanted, *actual) {
+                self.findings.add(Some(About::Axis(index)), finding);
+            }
             if let Some(limit) = axis.max_following_error.filter(|limit| exceeds(error, *limit)) {
                 let finding = sentence::too_far(axis, setpoint.place, error, limit);
                 self.findings.add(Some(About::Axis(index)), finding);

@@ -12,6 +12,9 @@ use std::collections::BTreeSet;
 use twin_kinematics::{Kinematics, KinematicsError};
 use twin_motion::Place;
 
+/// An axis that is farther than this from where it is sent, m or rad, beyond its software limits, is not only following behind.
+const RUN_AWAY: f64 = 2e-3;
+
 /// A set-point that the kinematics refuses.
 pub(crate) fn unreachable(place: Place, error: &KinematicsError) -> Finding {
     let (rule, what) = match error {
@@ -67,6 +70,21 @@ pub(crate) fn beyond_position(axis: &Axis, place: Place, position: f64) -> Optio
     Some(finding)
 }
 
+/// A simulated axis that is beyond its software limits though it is not sent there.
+pub(super) fn ran_away(axis: &Axis, place: Place, wanted: f64, actual: f64) -> Option<Finding> {
+    if beyond_position(axis, place, wanted).is_some() || (actual - wanted).abs() < RUN_AWAY {
+        return None;
+    }
+    let mut finding = beyond_position(axis, place, actual)?;
+    finding.message = format!(
+        "in the simulated machine {}: its motor does not hold it where it is sent, {:.3} {}",
+        finding.message,
+        axis.from_si(wanted),
+        axis.unit()
+    );
+    Some(finding)
+}
+
 /// A velocity (rad/s or m/s) above the axis's.
 pub(super) fn too_fast(axis: &Axis, place: Place, velocity: f64) -> Finding {
     let quantity = Quantity { name: "velocity", units: ["deg/s", "mm/s"] };
@@ -110,9 +128,9 @@ pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Findi
     let mut finding = match kind {
         EventKind::LostSteps(steps) => {
             let message = format!(
-                "axis {name}: the step motor lost {} full steps, {} the field",
+                "axis {name}: the step motor lost {} full steps; it stays {} of where it is sent",
                 steps.abs(),
-                if steps > 0 { "behind" } else { "ahead of" }
+                if steps > 0 { "below" } else { "above" }
             );
             Finding::error(Rule::LostSteps, place, message)
         }
@@ -127,7 +145,7 @@ pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Findi
             Finding { severity: Severity::Warning, ..finding }
         }
         EventKind::LimitSwitch(side) => {
-            let message = format!("axis {name}: ran on its {side} limit switch");
+            let message = format!("axis {name}: is on its {side} limit switch");
             Finding::error(Rule::LimitSwitch, place, message)
         }
         EventKind::Failed(fault) => {

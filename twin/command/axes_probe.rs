@@ -72,6 +72,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             return Err(Failure::Usage(format!("{option} {value}: it has to be above 0")));
         }
     }
+    if arguments.stroke == 0.0 {
+        return Err(Failure::Usage("--stroke 0: the axis would go nowhere".to_owned()));
+    }
     let from = start(&machine, &arguments.from)?;
     check_way(axis, from.get(index).copied().unwrap_or_default(), start_velocity, arguments)?;
     let probe = AxisProbe {

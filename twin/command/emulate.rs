@@ -74,11 +74,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         ParityOption::Odd => Parity::Odd,
     };
     let line = Line { baud: options.baud, parity };
-    let board = BoardOptions { station: options.station, line, enable: !options.enable_open };
+    let enable = !options.enable_open;
+    let board = BoardOptions { station: options.station, line, enable, ..BoardOptions::default() };
     let wire = Wire { line, turnaround: Duration::from_secs_f64(options.turnaround_ms * 1e-3) };
     let interrupt = run::Interrupt::catch()?;
     let clock = Clock::start();
-    let emulator = EmulatorOptions { board, wire, link: Some(options.link.clone()) };
+    let link = Some(options.link.clone());
+    let emulator = EmulatorOptions { board, wire, link, ..EmulatorOptions::default() };
     let running = EmulatedBoard::start(&emulator, move || clock.now_ns())?;
     eprintln!(
         "InterpCNC, station {}, {} baud, on {} ({})",

@@ -103,14 +103,16 @@ pub(super) fn next(
                     found.push(from.position);
                 }
                 Known::Between(from, to) => {
-                    found.push(between(from, to, time_ns, planned(index, time_ns)))
+                    found.push(between(from, to, time_ns, planned(index, time_ns)));
                 }
             }
         }
         if let Some(track) = tracks.get_mut(unit) {
             track.told += 1;
         }
-        tracks.iter_mut().for_each(|track| track.forget(time_ns));
+        for track in tracks.iter_mut() {
+            track.forget(time_ns);
+        }
         if !never {
             return Some((time_ns, found));
         }

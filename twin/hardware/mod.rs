@@ -179,7 +179,7 @@ impl Hardware {
     pub fn replan<'a>(
         &mut self,
         time_ns: i64,
-        setpoints: impl Iterator<Item = &'a AxisSetpoint> + Clone,
+        setpoints: &(impl Iterator<Item = &'a AxisSetpoint> + Clone),
     ) {
         // First this: the end of a plan that gets shorter is no delay.
         self.finish(true);

@@ -3,7 +3,7 @@
 use super::drives::{Abilities, Seen};
 use super::limits::{DriveLimits, VelocityLimits, read_headroom};
 use super::section::Section;
-use super::simulated::{self, SimulatedAxis};
+use super::simulated::{self, SimulatedAxis, SimulatedMotor};
 use std::ops::Range;
 
 /// Farthest position of an axis, degrees or mm.
@@ -261,6 +261,10 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
             check_drive(section, unit, &drive.ratio, able, [min, max], (velocity, frequency));
         }
     }
+    if let (Some(drive), SimulatedMotor::Stepper(stepper)) = (&drive, &simulated.motor) {
+        let microsteps = f64::from(stepper.microsteps) / stepper.full_step * kind.scale();
+        check_steps(section, unit, drive.ratio.per_unit(), microsteps);
+    }
     let scale = kind.scale();
     let velocity_limits = velocities.scaled(scale);
     Some(AxisEntry {
@@ -290,7 +294,9 @@ fn read_drive(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Option<Axi
     let device = section.text("drive");
     // Which of them it is depends on the device.
     let axis_keys = ["drive_axis", "drive_address"];
-    axis_keys.into_iter().for_each(|key| section.accept(key));
+    for key in axis_keys {
+        section.accept(key);
+    }
     let increments = section.integer("increments", -1_000_000_000_000..=1_000_000_000_000);
     let per_key = format!("per_{unit}");
     let per_units = section.number(&per_key, 1e-6..=1e9);
@@ -339,6 +345,18 @@ fn read_drive(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Option<Axi
     Some(AxisDrive { device: found, index: index?, ratio })
 }
 
+/// Whether an increment of the drive is a microstep of the step motor that the simulated machine has.
+fn check_steps(section: &Section<'_>, unit: &str, increments: f64, microsteps: f64) {
+    if (increments.abs() / microsteps - 1.0).abs() > 1e-6 {
+        let message = format!(
+            "the drive makes {:.6} increments per {unit}, the motor of [axes.physics.stepper] has {microsteps:.6} microsteps \
+             per {unit}: one of `increments`, `full_steps_per_turn`, `microsteps` and the transmission is wrong",
+            increments.abs()
+        );
+        section.complain_at("increments", message);
+    }
+}
+
 /// Whether the drive can count and step as far and as fast as the axis may go; a step frequency that is given keeps the
 /// axis within it.
 fn check_drive(
@@ -366,7 +384,7 @@ fn check_drive(
     let count = farthest * per_unit;
     if count > *counts {
         let message =
-            format!("{farthest} {unit} are {count:.0} increments; the drive counts to {counts}",);
+            format!("{farthest} {unit} are {count:.0} increments; the drive counts to {counts}");
         section.complain_at("increments", message);
     }
 }

@@ -153,13 +153,17 @@ fn fault(section: &Section<'_>, machine: &Machine) -> Option<FaultAt> {
 }
 
 fn loose_belt(section: &Section<'_>, axis: &Axis) -> Option<FaultKind> {
-    let left = section.number("stiffness_percent", 0.01..=1000.0).unwrap_or(100.0);
+    let left = section.number("stiffness_percent", 0.01..=100.0).unwrap_or(100.0);
     let backlash = section.number(&format!("backlash_{}", axis.unit()), 0.0..=1e3);
     if axis.simulated.transmission.is_none() {
         let message =
             format!("the transmission of axis {} is rigid: it has no stiffness", axis.name);
         section.complain_at("kind", message);
         return None;
+    }
+    if !section.has("stiffness_percent") && backlash.is_none() {
+        let key = format!("backlash_{}", axis.unit());
+        section.complain(format!("a loose belt needs `stiffness_percent`, `{key}` or both"));
     }
     let backlash = axis.to_si(backlash.unwrap_or(0.0));
     Some(FaultKind::LooseBelt { stiffness: left * 0.01, backlash })

@@ -15,7 +15,7 @@ use super::maths;
 pub(super) struct Penetration {
     /// m.
     pub(super) depth: f64,
-    /// The point of the first that is deepest in the second, and where it would come out, machine frame, m.
+    /// Where they are in each other, machine frame, m: in the middle of what the boxes around them share, half the depth to and fro.
     pub(super) points: [Point3<f64>; 2],
     /// The way that the second would have to go.
     pub(super) normal: Vector3<f64>,
@@ -56,6 +56,7 @@ fn of_convex(here: &Pose, one: &dyn Shape, there: &Pose, other: &dyn Shape) -> O
     let own = [here, there].map(|pose| axes.map(|axis| pose.rotation * axis));
     let own = own.into_iter().flatten().flat_map(|axis| [axis, -axis]);
     let parrys = contact(here, one, there, other, 0.0).ok().flatten();
+    let middle = shared_middle(here, one, there, other);
     let mut least: Option<Penetration> = None;
     for direction in own.chain(parrys.map(|found| found.normal1)) {
         let farthest = maps.0.support_point(here, direction);
@@ -65,11 +66,21 @@ fn of_convex(here: &Pose, one: &dyn Shape, there: &Pose, other: &dyn Shape) -> O
             return None;
         }
         if least.as_ref().is_none_or(|least| depth < least.depth) {
-            let points = [farthest, farthest - direction * depth]
-                .map(|point| maths::vector_from_rapier(point).into());
+            let points = [0.5, -0.5]
+                .map(|part| maths::vector_from_rapier(middle + direction * (part * depth)).into());
             let normal = maths::vector_from_rapier(direction);
             least = Some(Penetration { depth, points, normal });
         }
     }
     least
+}
+
+/// The middle of the box that the boxes around two intersecting shapes share, put onto both of them.
+fn shared_middle(here: &Pose, one: &dyn Shape, there: &Pose, other: &dyn Shape) -> Vector {
+    let (first, second) = (one.compute_aabb(here), other.compute_aabb(there));
+    let (low, high) = (first.mins.max(second.mins), first.maxs.min(second.maxs));
+    let middle = (low + high) * 0.5;
+    // Of bodies that are not along the axes the middle may be beside them.
+    let on_first = one.project_point(here, middle, true).point;
+    other.project_point(there, on_first, true).point
 }

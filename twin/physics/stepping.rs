@@ -242,7 +242,7 @@ impl AxisDrive {
             MotorAtWork::Stepper(stepper) => {
                 let step = f64::from(step);
                 let field = [step, step + 0.5, step + 1.0];
-                stepper.begin_step(field.map(|steps| course.field(steps, axis, homed)));
+                stepper.begin_step(field.map(|steps| course.field(steps, axis, homed)), dt);
             }
         }
     }

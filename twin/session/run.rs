@@ -212,7 +212,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
                 self.off_path = Some(from.place);
             }
             if let Some(hardware) = &mut self.hardware {
-                hardware.replan(from.time_ns, self.planned.iter().skip(kept));
+                hardware.replan(from.time_ns, &self.planned.iter().skip(kept));
             }
         } else if let Some(hardware) = &mut self.hardware {
             hardware.stop();

@@ -63,7 +63,8 @@ impl Excerpt {
     /// The lines, and what has happened.
     fn page(&self, line: u32) -> String {
         let mut page = format!("```\n{}```", self.around(line));
-        for news in &self.news {
+        // The newest first: the panel is small.
+        for news in self.news.iter().rev() {
             page.push_str("\n\n");
             page.push_str(news);
         }
@@ -141,8 +142,8 @@ mod tests {
         }
         assert_eq!(
             excerpt.page(2),
-            "```\n      1  G0 X0\n▶     2  G1 X5\n```\n\n**0.500 s, line 2:** b\n\n**0.500 s, line 1:** c\n\n\
-             **0.500 s, line 2:** d\n\n**0.500 s, line 1:** e"
+            "```\n      1  G0 X0\n▶     2  G1 X5\n```\n\n**0.500 s, line 1:** e\n\n**0.500 s, line 2:** d\n\n\
+             **0.500 s, line 1:** c\n\n**0.500 s, line 2:** b"
         );
     }
 

@@ -4,12 +4,16 @@
 
 use std::ops::RangeInclusive;
 
-use super::{Board, rtu::Refusal};
-use crate::interpcnc::registers::{AXES, BoardAxis, COMMAND, COMMAND_REGISTERS, words};
+use super::{Board, bench::Condition, eeprom::KEPT, rtu::Refusal};
+use crate::interpcnc::{
+    BoardStop,
+    parameters::{self, FIRST_PARAMETER, PARAMETERS},
+    registers::{AXES, BoardAxis, COMMAND, COMMAND_REGISTERS, words},
+};
 
 /// Outputs OUT1 to OUT32 as coils.
 const OUTPUTS: RangeInclusive<u16> = 256..=287;
-/// Coil of the board lock; its polarity is not stated: 1 reads locked, writing 0 tries to unlock.
+/// Coil of the board lock; its polarity is not stated.
 const LOCK: u16 = 288;
 /// User bits.
 const USER_BITS: RangeInclusive<u16> = 320..=415;
@@ -23,23 +27,25 @@ const INPUT_REGISTERS: RangeInclusive<u16> = 1024..=1055;
 const HOLDING: RangeInclusive<u16> = COMMAND..=6636;
 /// Analog outputs, 0 to 1023.
 const ANALOG_OUTPUTS: RangeInclusive<u16> = 4146..=4147;
+/// Largest value of an analog output ("0 à 1023").
+const MOST_ANALOG: u16 = 1023;
 /// OUT17 to OUT32, OUT1 to OUT16.
 const OUTPUTS_HIGH: u16 = 4148;
 const OUTPUTS_LOW: u16 = 4149;
 /// Encoder and counters, read only.
 const COUNTERS: RangeInclusive<u16> = 4218..=4223;
 const RESERVED: RangeInclusive<u16> = 4224..=4351;
-/// Parameter 0, high word.
-const PARAMETERS: u16 = 4352;
 /// Registers per recipe, 1 to 250.
 const RECIPE_SIZE: u16 = 5632;
 /// Recipe shown on page 0; three more follow.
 const RECIPE_INDEX: u16 = 5633;
 /// Page 0; three more follow, 250 registers each.
-const RECIPE_PAGES: u16 = 5637;
+const RECIPE_PAGES: u16 = FIRST_RECIPE;
+/// First register of the recipe pages.
+pub(super) const FIRST_RECIPE: u16 = 5637;
 const RECIPE_PAGE: u16 = 250;
 /// EEPROM registers for recipes.
-const RECIPE_REGISTERS: usize = 5000;
+pub(super) const RECIPE_REGISTERS: usize = 5000;
 
 /// Registers and bits that only hold what was written to them.
 #[derive(Clone, Debug)]
@@ -51,19 +57,44 @@ pub(super) struct Memory {
     pub(super) outputs: u32,
     /// Bit 0 = IN1.
     pub(super) inputs: u32,
+    /// 0 to 1023.
+    pub(super) analog_inputs: [u16; 4],
+    /// Pulse counters A and B.
+    pub(super) pulses: [u32; 2],
 }
 
 impl Memory {
-    pub(super) fn new() -> Self {
+    /// RAM after power-up, with what the EEPROM has stored.
+    pub(super) fn new(stored: &[u16]) -> Self {
         let mut memory = Self {
             holding: vec![0; HOLDING.len()],
             recipes: vec![0; RECIPE_REGISTERS],
             user_bits: [false; 96],
             outputs: 0,
             inputs: 0,
+            analog_inputs: [0; 4],
+            pulses: [0; 2],
         };
+        let (kept, recipes) = stored.split_at_checked(KEPT.len()).unwrap_or_default();
+        for (address, value) in KEPT.zip(kept) {
+            memory.store(address, *value);
+        }
+        for (place, value) in memory.recipes.iter_mut().zip(recipes) {
+            *place = *value;
+        }
+        memory
+    }
+
+    /// A new board's memory.
+    pub(super) fn factory() -> Self {
+        let mut memory = Self::new(&[]);
         memory.store(RECIPE_SIZE, RECIPE_PAGE);
         memory
+    }
+
+    /// What goes to the EEPROM.
+    pub(super) fn kept(&self) -> Vec<u16> {
+        KEPT.map(|address| self.load(address)).chain(self.recipes.iter().copied()).collect()
     }
 
     /// A holding register as it was written; 0 outside the map.
@@ -79,6 +110,12 @@ impl Memory {
         }
     }
 
+    /// The command registers but the first so many are 0 from now on.
+    pub(super) fn forget_arguments(&mut self, written: usize) {
+        let arguments = self.holding.iter_mut().take(COMMAND_REGISTERS.into()).skip(written);
+        arguments.for_each(|argument| *argument = 0);
+    }
+
     /// The command registers.
     pub(super) fn command(&self) -> [u16; COMMAND_REGISTERS as usize] {
         self.holding.first_chunk().copied().unwrap_or([0; COMMAND_REGISTERS as usize])
@@ -86,12 +123,12 @@ impl Memory {
 
     /// Parameter `number`, two registers, high word first.
     pub(super) fn parameter(&self, number: u16) -> u32 {
-        let address = PARAMETERS + 2 * number.min(383);
+        let address = FIRST_PARAMETER + 2 * number.min(PARAMETERS - 1);
         u32::from(self.load(address)) << 16 | u32::from(self.load(address + 1))
     }
 
     pub(super) fn set_parameter(&mut self, number: u16, value: u32) {
-        let address = PARAMETERS + 2 * number.min(383);
+        let address = FIRST_PARAMETER + 2 * number.min(PARAMETERS - 1);
         let [high, low] = words(value);
         self.store(address, high);
         self.store(address + 1, low);
@@ -99,7 +136,15 @@ impl Memory {
 
     /// Analog outputs at their values for a locked board.
     pub(super) fn reset_analog_outputs(&mut self) {
-        ANALOG_OUTPUTS.for_each(|address| self.store(address, 0));
+        for (address, number) in ANALOG_OUTPUTS.zip(parameters::ANALOG_LOCKED..) {
+            let value = u16::try_from(self.parameter(number)).unwrap_or(u16::MAX);
+            self.store(address, value.min(MOST_ANALOG));
+        }
+    }
+
+    /// Analog outputs 1 and 2, 0 to 1023.
+    pub(super) fn analog_outputs(&self) -> [u16; 2] {
+        [self.load(*ANALOG_OUTPUTS.start()), self.load(*ANALOG_OUTPUTS.end())]
     }
 
     /// Place in the recipe store of a page register.
@@ -123,7 +168,7 @@ impl Board {
         if OUTPUTS.contains(&address) {
             Ok(bit(self.memory.outputs, address - OUTPUTS.start()))
         } else if address == LOCK {
-            Ok(self.locked)
+            Ok(self.locked == self.assumptions.lock_coil)
         } else if USER_BITS.contains(&address) {
             let place = usize::from(address - USER_BITS.start());
             Ok(self.memory.user_bits.get(place).is_some_and(|bit| *bit))
@@ -147,7 +192,11 @@ impl Board {
                 if value { self.memory.outputs | mask } else { self.memory.outputs & !mask };
             self.set_outputs(outputs);
         } else if address == LOCK {
-            if value { self.lock() } else { self.unlock() }
+            if value == self.assumptions.lock_coil {
+                self.lock(BoardStop::AtOnce);
+            } else {
+                self.unlock();
+            }
         } else if let Some(place) = address.checked_sub(*USER_BITS.start())
             && let Some(bit) = self.memory.user_bits.get_mut(usize::from(place))
         {
@@ -161,25 +210,42 @@ impl Board {
         }
     }
 
-    /// Discrete inputs, function 2. The encoder inputs (2117 to 2119) are not wired.
+    /// Whether any of the coils is an output: a locked board does not switch those.
+    pub(super) fn switches_outputs(places: &[(u16, bool)]) -> bool {
+        places.iter().any(|(address, _)| OUTPUTS.contains(address))
+    }
+
+    /// Whether any of the registers is an output.
+    pub(super) fn sets_outputs(places: &[(u16, u16)]) -> bool {
+        let is_output = |address| {
+            [OUTPUTS_HIGH, OUTPUTS_LOW].contains(&address) || ANALOG_OUTPUTS.contains(&address)
+        };
+        places.iter().any(|(address, _)| is_output(*address))
+    }
+
+    /// Discrete inputs, function 2.
     pub(super) fn discrete(&self, address: u16) -> Result<bool, Refusal> {
         match address {
             2048..=2063 => Ok(bit(self.memory.inputs, address - 2048)),
-            2080..=2111 => Ok(bit(self.status().0, address - 2080)),
-            2112..=2116 => Ok(bit(self.extended_status(), address - 2112)),
+            2080..=2111 => Ok(bit(self.shown_status().0, address - 2080)),
+            2112..=2116 => Ok(bit(self.shown_status().1, address - 2112)),
+            2117..=2119 => {
+                let place = usize::from(address - 2117);
+                Ok(self.encoder_inputs().get(place).copied().unwrap_or(false))
+            }
             _ if DISCRETE.contains(&address) => Ok(false),
             _ => Err(Refusal::Address),
         }
     }
 
-    /// Input registers, function 4. Analog inputs (1040 to 1043) read 0.
+    /// Input registers, function 4.
     pub(super) fn input_register(&self, address: u16) -> Result<u16, Refusal> {
         let half = |value: u32, low: bool| {
             let [high_word, low_word] = words(value);
             if low { low_word } else { high_word }
         };
         match address {
-            1024 | 1025 => Ok(half(self.status().0, address == 1025)),
+            1024 | 1025 => Ok(half(self.shown_status().0, address == 1025)),
             1026..=1035 => {
                 let axis = usize::from((address - 1026) / 2);
                 let counter = self.counters().get(axis).copied().unwrap_or(0);
@@ -187,8 +253,12 @@ impl Board {
             }
             1036 | 1037 => Ok(half(self.memory.inputs, address == 1037)),
             1038 | 1039 => Ok(half(self.memory.outputs, address == 1039)),
+            1040..=1043 => {
+                let place = usize::from(address - 1040);
+                Ok(self.memory.analog_inputs.get(place).copied().unwrap_or(0))
+            }
             1044 | 1045 => Ok(half(self.probe.position().cast_unsigned(), address == 1045)),
-            1054 | 1055 => Ok(half(self.extended_status(), address == 1055)),
+            1054 | 1055 => Ok(half(self.shown_status().1, address == 1055)),
             _ if INPUT_REGISTERS.contains(&address) => Ok(0),
             _ => Err(Refusal::Address),
         }
@@ -196,10 +266,16 @@ impl Board {
 
     /// Holding registers, function 3.
     pub(super) fn holding(&self, address: u16) -> Result<u16, Refusal> {
-        let [high, low] = words(self.memory.outputs);
+        let half = |value: u32, first: u16| {
+            let [high, low] = words(value);
+            Ok(if address == first { high } else { low })
+        };
+        let [pulses_a, pulses_b] = self.memory.pulses;
         match address {
-            OUTPUTS_HIGH => Ok(high),
-            OUTPUTS_LOW => Ok(low),
+            OUTPUTS_HIGH | OUTPUTS_LOW => half(self.memory.outputs, OUTPUTS_HIGH),
+            4218 | 4219 => half(self.encoder().cast_unsigned(), 4218),
+            4220 | 4221 => half(pulses_a, 4220),
+            4222 | 4223 => half(pulses_b, 4222),
             _ if address >= RECIPE_PAGES && HOLDING.contains(&address) => {
                 let place = self.memory.recipe_place(address)?;
                 self.memory.recipes.get(place).copied().ok_or(Refusal::Address)
@@ -218,7 +294,7 @@ impl Board {
             {
                 Err(Refusal::Address)
             }
-            _ if ANALOG_OUTPUTS.contains(&address) && value > 1023 => Err(Refusal::Value),
+            _ if ANALOG_OUTPUTS.contains(&address) && value > MOST_ANALOG => Err(Refusal::Value),
             RECIPE_SIZE if !(1..=RECIPE_PAGE).contains(&value) => Err(Refusal::Value),
             _ if address >= RECIPE_PAGES => self.memory.recipe_place(address).map(|_| ()),
             _ => Ok(()),
@@ -241,15 +317,11 @@ impl Board {
                 if let Some(register) = place.and_then(|place| self.memory.recipes.get_mut(place)) {
                     *register = value;
                 }
+                self.conditions.1 |= Condition::RecipesChanged.bits().1;
             }
             _ if ANALOG_OUTPUTS.contains(&address) && self.locked => {}
             _ => self.memory.store(address, value),
         }
-    }
-
-    /// Bits of the extended status that the emulator knows: directions. Homing, Basic and recipe bits stay 0.
-    pub(super) fn extended_status(&self) -> u32 {
-        self.axis_bits(|axis| axis.positive(self.now_ns))
     }
 
     /// One bit per axis, X in bit 0.

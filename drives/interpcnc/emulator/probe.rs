@@ -1,9 +1,10 @@
 //! Command 40: an axis moves until an input changes.
 //!
 //! Beyond the manual: B13 is also set for arguments without sense and for an input that has the awaited level already
-//! (published vendor sources), and when something else ends the move; the axis shows as moving independently meanwhile.
+//! (published vendor sources), which leave a search that is under way alone, and when something else ends the move; the
+//! axis shows as moving independently meanwhile. There is one search at a time: that of another axis ends on its ramp.
 
-use super::{Board, motion::Axis};
+use super::{Board, bench::input_bit, motion::Axis};
 use crate::interpcnc::{MoveProfile, registers::BoardAxis};
 
 /// The last probing move.
@@ -54,6 +55,11 @@ impl Probe {
         self.failed = false;
     }
 
+    /// Power is gone.
+    pub(super) fn power_cycle(&mut self) {
+        *self = Self::default();
+    }
+
     /// Counter at the edge of the input.
     pub(super) fn position(&self) -> i32 {
         self.position
@@ -65,12 +71,11 @@ impl Board {
     pub(super) fn start_probe(&mut self, command: &ProbeCommand) {
         let ProbeCommand { axis, positive, input, level, max_stroke, profile } = *command;
         self.probe.failed = false;
-        self.probe.under_way = None;
-        let bit = u32::from(input).checked_sub(1).and_then(|place| 1_u32.checked_shl(place));
-        let Some(bit) = bit.filter(|_| level <= 1 && max_stroke > 0) else {
+        let bit = input_bit(input.into());
+        if bit == 0 || level > 1 || max_stroke <= 0 {
             self.probe.failed = true;
             return;
-        };
+        }
         let level = level == 1;
         if (self.memory.inputs & bit != 0) == level {
             self.probe.failed = true;
@@ -83,6 +88,11 @@ impl Board {
             self.probe.failed = true;
             return;
         };
+        // One search at a time: that of another axis ends on its ramp.
+        if let Some(other) = self.probe.under_way.take().filter(|other| other.axis != axis) {
+            self.for_axes(other.axis.mask(), |axis| axis.ramp_stop(now));
+        }
+        self.abandon_homing(axis.mask());
         self.for_axes(axis.mask(), |axis| axis.start(now, &MoveProfile { target, ..profile }));
         self.probe.under_way = Some(Search { axis, input: bit, level, found: false });
     }
@@ -96,10 +106,11 @@ impl Board {
             return;
         }
         search.found = true;
-        if let Some(axis) = self.axes.get_mut(search.axis.index()) {
+        let axis = search.axis;
+        if let Some(axis) = self.axes.get(axis.index()) {
             self.probe.position = axis.counter(now);
-            axis.ramp_stop(now);
         }
+        self.for_axes(axis.mask(), |axis| axis.ramp_stop(now));
     }
 
     /// A probing move has ended when its axis stands.

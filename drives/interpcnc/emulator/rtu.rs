@@ -3,6 +3,8 @@
 //! Source: "MODBUS over serial line specification" 1.02 (frame, check sum) and the board's manual, "Traitement des
 //! erreurs et diagnostique" (what is answered and what is not).
 
+use crate::interpcnc::Assumptions;
+
 /// Check sum of a frame: CRC-16 with polynomial `A001h`, start `FFFFh`, sent low byte first.
 pub(super) fn crc16(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0xFFFF, |crc, byte| {
@@ -48,16 +50,22 @@ pub(super) enum Refusal {
     Address,
     /// 3, "Nombre d'adresses ou valeur incorrecte".
     Value,
+    /// 4, "Erreur non déterminée".
+    Failure,
+    /// Locked, where that is said at all.
+    Locked,
 }
 
 impl Refusal {
     /// The code of the answer, if there is one.
-    pub(super) fn code(self) -> Option<u8> {
+    pub(super) fn code(self, assumed: &Assumptions) -> Option<u8> {
         match self {
             Self::Silence => None,
             Self::Function => Some(1),
-            Self::Address => Some(2),
-            Self::Value => Some(3),
+            Self::Address => Some(assumed.exceptions.address),
+            Self::Value => Some(assumed.exceptions.value),
+            Self::Failure => Some(assumed.exceptions.failure),
+            Self::Locked => assumed.locked_exception,
         }
     }
 }

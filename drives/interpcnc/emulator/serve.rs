@@ -8,8 +8,8 @@ use tokio::{
     time::sleep,
 };
 
-use super::{Board, rtu};
-use crate::{Clock, interpcnc::Line};
+use super::{Board, Control, rtu};
+use crate::{Clock, Direction, FaultyWire, interpcnc::Line};
 
 /// Longer than any frame (256 bytes): what exceeds it is noise, which silence ends.
 const MOST_BYTES: usize = 512;
@@ -30,20 +30,6 @@ impl Default for Wire {
     }
 }
 
-/// What happens to the board other than on the wire.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Control {
-    /// The ENABLE input closes (true) or opens.
-    Enable(bool),
-    /// An input changes.
-    Input {
-        /// 1 to 32.
-        number: u8,
-        /// Its level.
-        level: bool,
-    },
-}
-
 /// Serves `board` on `stream` until `control` is closed or the stream ends, and gives the board back.
 ///
 /// A request is executed when its bytes have passed the wire and the silence that ends a frame has passed; its
@@ -53,78 +39,188 @@ pub enum Control {
 /// # Errors
 /// If the stream cannot be read or written.
 pub async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
-    mut stream: S,
-    mut board: Board,
+    stream: S,
+    board: Board,
     wire: &Wire,
     clock: &dyn Clock,
-    mut control: Receiver<Control>,
+    control: Receiver<Control>,
 ) -> io::Result<Board> {
-    // Board time and clock time differ by this.
-    let offset_ns = board.now_ns() - clock.now_ns();
-    let advance_to =
-        |board: &mut Board, clock_ns: i64| board.advance(clock_ns + offset_ns - board.now_ns());
-    let mut received = Received::default();
-    let mut answer: Option<(i64, Vec<u8>)> = None;
+    let faults = FaultyWire::new(0);
+    serve_with(stream, board, (wire, faults), clock, control, &mut |_| Ok(())).await
+}
+
+/// As [`serve`], on a wire with faults; `stored` is called whenever the EEPROM has stored something.
+pub(super) async fn serve_with<S: AsyncRead + AsyncWrite + Unpin>(
+    mut stream: S,
+    board: Board,
+    (wire, faults): (&Wire, FaultyWire),
+    clock: &dyn Clock,
+    mut control: Receiver<Control>,
+    stored: &mut (dyn FnMut(&Board) -> io::Result<()> + Send),
+) -> io::Result<Board> {
+    let mut served = Served {
+        offset_ns: board.now_ns() - clock.now_ns(),
+        generation: board.eeprom_generation(),
+        line: board.line(),
+        board,
+        wire: *wire,
+        faults,
+        received: Received::default(),
+        busy_until_ns: i64::MIN,
+        outgoing: Vec::new(),
+    };
     let mut chunk = [0; 256];
     loop {
-        if answer.is_none()
-            && let Some(frame) = received.whole_frame()
-        {
-            answer =
-                execute(&mut board, &frame, received.since_ns, received.until_ns, wire, advance_to);
-            received.since_ns = received.until_ns;
-            continue;
-        }
-        let pause = match &answer {
-            Some((due_ns, _)) => nanoseconds(due_ns - clock.now_ns()),
-            None => wire.line.silence(),
-        };
-        let idle = answer.is_none() && received.bytes.is_empty();
+        served.execute_whole_frames(clock.now_ns());
+        served.keep(stored)?;
+        let due_ns = served.due_ns();
+        let pause = due_ns.map(|due_ns| nanoseconds(due_ns - clock.now_ns()));
         tokio::select! {
             biased;
             message = control.recv() => {
-                advance_to(&mut board, clock.now_ns());
+                served.advance_to(clock.now_ns());
                 match message {
-                    None => return Ok(board),
-                    Some(Control::Enable(closed)) => board.set_enable(closed),
-                    Some(Control::Input { number, level }) => board.set_input(number, level),
+                    None => {
+                        served.keep(stored)?;
+                        return Ok(served.board);
+                    }
+                    Some(message) => message.apply(&mut served.board, &mut served.faults),
                 }
             }
-            count = stream.read(&mut chunk), if answer.is_none() => {
+            count = stream.read(&mut chunk) => {
                 let bytes = chunk.get(..count?).unwrap_or_default();
                 if bytes.is_empty() {
-                    return Ok(board);
+                    return Ok(served.board);
                 }
-                received.add(bytes, clock.now_ns());
+                served.received.add(bytes, clock.now_ns());
             }
-            () = sleep(pause), if !idle => match answer.take() {
-                Some((due_ns, bytes)) if clock.now_ns() < due_ns => answer = Some((due_ns, bytes)),
-                Some((_, bytes)) => stream.write_all(&bytes).await?,
-                // Silence has ended the frame.
-                None => {
-                    let (since, until) = (received.since_ns, received.until_ns);
-                    let frame = std::mem::take(&mut received.bytes);
-                    answer = execute(&mut board, &frame, since, until, wire, advance_to);
+            () = sleep(pause.unwrap_or_default()), if pause.is_some() => {
+                let now_ns = clock.now_ns();
+                for bytes in served.take_due(now_ns) {
+                    stream.write_all(&bytes).await?;
                 }
+                served.execute_whole_frames(now_ns);
+                served.end_frame(now_ns);
+                served.store_if_due(now_ns);
             }
         }
     }
 }
 
-/// Executes a frame whose bytes came between two instants; the answer and when it has arrived at the other end.
-fn execute(
-    board: &mut Board,
-    frame: &[u8],
-    since_ns: i64,
-    until_ns: i64,
-    wire: &Wire,
-    advance_to: impl Fn(&mut Board, i64),
-) -> Option<(i64, Vec<u8>)> {
-    let passed_ns = until_ns.max(since_ns + whole(wire.line.duration(frame.len())));
-    let executed_ns = passed_ns + whole(wire.line.silence());
-    advance_to(board, executed_ns);
-    let answer = board.handle(frame)?;
-    Some((executed_ns + whole(wire.turnaround) + whole(wire.line.duration(answer.len())), answer))
+/// A board that is being served.
+struct Served {
+    board: Board,
+    wire: Wire,
+    faults: FaultyWire,
+    received: Received,
+    /// Board time less clock time, ns.
+    offset_ns: i64,
+    /// The board is answering until then, and hears nothing, ns on the clock.
+    busy_until_ns: i64,
+    /// What will arrive at the master, and when.
+    outgoing: Vec<(i64, Vec<u8>)>,
+    /// Of the EEPROM, as it was last looked at.
+    generation: u64,
+    /// The board's line, as it was last looked at.
+    line: Line,
+}
+
+impl Served {
+    /// Hands on what the EEPROM has stored since the last time.
+    fn keep(
+        &mut self,
+        stored: &mut (dyn FnMut(&Board) -> io::Result<()> + Send),
+    ) -> io::Result<()> {
+        let generation = self.board.eeprom_generation();
+        if std::mem::replace(&mut self.generation, generation) == generation {
+            return Ok(());
+        }
+        stored(&self.board)
+    }
+
+    /// Silence that ends a frame.
+    fn silence(&self) -> Duration {
+        self.board.assumptions().silence_on(self.wire.line)
+    }
+
+    fn advance_to(&mut self, clock_ns: i64) {
+        self.board.advance(clock_ns + self.offset_ns - self.board.now_ns());
+    }
+
+    /// Executes the whole frames that have come, unless the board is still answering.
+    fn execute_whole_frames(&mut self, now_ns: i64) {
+        while now_ns >= self.busy_until_ns
+            && let Some(frame) = self.received.whole_frame()
+        {
+            let (since, until) = (self.received.since_ns, self.received.until_ns);
+            self.arrived(&frame, since, until);
+            self.received.since_ns = until;
+        }
+    }
+
+    /// Silence has ended what has come, if it has.
+    fn end_frame(&mut self, now_ns: i64) {
+        if now_ns >= self.busy_until_ns && self.received.silent_ns(self.silence()) <= now_ns {
+            let (since, until) = (self.received.since_ns, self.received.until_ns);
+            let frame = std::mem::take(&mut self.received.bytes);
+            self.arrived(&frame, since, until);
+        }
+    }
+
+    fn store_if_due(&mut self, now_ns: i64) {
+        if self.board.eeprom_due_ns().is_some_and(|due_ns| due_ns - self.offset_ns <= now_ns) {
+            self.advance_to(now_ns);
+        }
+    }
+
+    /// The next instant at which something happens without anything coming.
+    fn due_ns(&self) -> Option<i64> {
+        let silent = (!self.received.bytes.is_empty())
+            .then(|| self.received.silent_ns(self.silence()).max(self.busy_until_ns));
+        let stored = self.board.eeprom_due_ns().map(|due_ns| due_ns - self.offset_ns);
+        self.outgoing.iter().map(|(due_ns, _)| *due_ns).chain(silent).chain(stored).min()
+    }
+
+    /// What has arrived at the master by now, in the order in which it does.
+    fn take_due(&mut self, now_ns: i64) -> Vec<Vec<u8>> {
+        self.outgoing.sort_by_key(|(due_ns, _)| *due_ns);
+        let count = self.outgoing.partition_point(|(due_ns, _)| *due_ns <= now_ns);
+        self.outgoing.drain(..count).map(|(_, bytes)| bytes).collect()
+    }
+
+    /// A frame has come whose bytes came between two instants: through the wire, which may do something to it.
+    fn arrived(&mut self, frame: &[u8], since_ns: i64, until_ns: i64) {
+        let passed_ns = until_ns.max(since_ns + whole(self.wire.line.duration(frame.len())));
+        let passed = self.faults.pass(Direction::Request, frame);
+        if passed.echo {
+            self.outgoing.push((passed_ns, frame.to_vec()));
+        }
+        for (later_ns, piece) in passed.pieces {
+            self.execute(&piece, passed_ns.saturating_add(later_ns), passed.refusal);
+        }
+    }
+
+    /// Executes a frame whose last byte has come at an instant.
+    fn execute(&mut self, frame: &[u8], passed_ns: i64, refusal: Option<u8>) {
+        let executed_ns = passed_ns.saturating_add(whole(self.silence()));
+        self.advance_to(executed_ns);
+        let answer = match refusal {
+            Some(code) => self.board.refusal(frame, code),
+            None => self.board.handle(frame),
+        };
+        if self.board.line() != self.line {
+            self.line = self.board.line();
+            self.wire.line = self.line;
+        }
+        let Some(answer) = answer else { return };
+        let took = self.wire.turnaround + self.wire.line.duration(answer.len());
+        let answered_ns = executed_ns.saturating_add(whole(took));
+        self.busy_until_ns = self.busy_until_ns.max(answered_ns);
+        let passed = self.faults.pass(Direction::Answer, &answer);
+        let pieces = passed.pieces.into_iter();
+        self.outgoing
+            .extend(pieces.map(|(later_ns, piece)| (answered_ns.saturating_add(later_ns), piece)));
+    }
 }
 
 /// Bytes that have come and are not yet executed.
@@ -145,6 +241,14 @@ impl Received {
         self.until_ns = now_ns;
         let room = MOST_BYTES.saturating_sub(self.bytes.len());
         self.bytes.extend(bytes.iter().take(room));
+    }
+
+    /// When silence has ended what has come, ns.
+    fn silent_ns(&self, silence: Duration) -> i64 {
+        if self.bytes.is_empty() {
+            return i64::MAX;
+        }
+        self.until_ns.saturating_add(whole(silence))
     }
 
     /// The frame at the head, if its length is known and its check sum is right. Anything else waits for silence:

@@ -9,8 +9,8 @@ use std::{
 use tokio::{runtime, sync::mpsc};
 use tokio_serial::SerialStream;
 
-use super::{Board, BoardOptions, Control, Wire, serve};
-use crate::{Clock, EmulatorError, pty::PseudoTerminal};
+use super::{Bench, Board, BoardOptions, Control, Wire, serve::serve_with};
+use crate::{Clock, EmulatorError, FaultyWire, pty::PseudoTerminal};
 
 /// What to emulate.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -21,6 +21,13 @@ pub struct EmulatorOptions {
     pub wire: Wire,
     /// Symbolic link to make to the pseudo-terminal; it is removed at the end.
     pub link: Option<PathBuf>,
+    /// What stands around the board.
+    pub bench: Bench,
+    /// File with the EEPROM. If it is there the board powers up with it, else with the parameters of a new one; what
+    /// the board stores goes there at once.
+    pub eeprom: Option<PathBuf>,
+    /// Decides what faults by chance do.
+    pub seed: u64,
 }
 
 /// A running emulator. Dropping it stops it.
@@ -36,11 +43,14 @@ impl EmulatedBoard {
     /// Powers a board up. `clock` gives the time by which its axes move.
     ///
     /// # Errors
-    /// If there is no pseudo-terminal or no thread to be had, or the link cannot be made.
+    /// If there is no pseudo-terminal or no thread to be had, the link cannot be made, or the file with the EEPROM
+    /// cannot be read or is none.
     pub fn start(
         options: &EmulatorOptions,
         clock: impl Clock + 'static,
     ) -> Result<Self, EmulatorError> {
+        let mut board = power_up(options)?;
+        board.set_bench(options.bench.clone());
         let (master, terminal) = PseudoTerminal::open(options.link.as_deref())?;
         let failed = |source| EmulatorError::Thread { source };
         let runtime =
@@ -51,10 +61,18 @@ impl EmulatedBoard {
                 .map_err(|error| EmulatorError::Terminal { source: error.into() })?
         };
         let (control, messages) = mpsc::channel(64);
-        let (board, wire) = (Board::new(&options.board), options.wire);
+        let (wire, faults) = (options.wire, FaultyWire::new(options.seed));
+        let file = options.eeprom.clone();
         let thread = Builder::new()
             .name(format!("interpcnc {}", terminal.path().display()))
-            .spawn(move || runtime.block_on(serve(stream, board, &wire, &clock, messages)))
+            .spawn(move || {
+                let mut stored = |board: &Board| match &file {
+                    Some(path) => replace(path, &board.eeprom()),
+                    None => Ok(()),
+                };
+                let wire = (&wire, faults);
+                runtime.block_on(serve_with(stream, board, wire, &clock, messages, &mut stored))
+            })
             .map_err(failed)?;
         Ok(Self { terminal, control: Some(control), thread: Some(thread) })
     }
@@ -80,10 +98,18 @@ impl EmulatedBoard {
         self.send(Control::Input { number, level })
     }
 
+    /// Makes something happen to the board or the wire.
+    ///
+    /// # Errors
+    /// If the emulator has ended.
+    pub fn control(&self, what: Control) -> Result<(), EmulatorError> {
+        self.send(what)
+    }
+
     /// Powers the board down and gives it back as it was then.
     ///
     /// # Errors
-    /// If the emulator has ended before, because of its terminal.
+    /// If the emulator has ended before, because of its terminal or the file with its EEPROM.
     pub fn stop(mut self) -> Result<Board, EmulatorError> {
         self.control = None;
         let thread = self.thread.take().ok_or(EmulatorError::Ended)?;
@@ -108,4 +134,25 @@ impl Drop for EmulatedBoard {
             drop(thread.join());
         }
     }
+}
+
+/// The board with the EEPROM of its file, if there is one.
+fn power_up(options: &EmulatorOptions) -> Result<Board, EmulatorError> {
+    let Some(path) = &options.eeprom else { return Ok(Board::new(&options.board)) };
+    let failed = |source| EmulatorError::File { path: path.clone(), source };
+    match std::fs::read(path) {
+        Ok(image) => Board::with_eeprom(&options.board, &image)
+            .map_err(|bad| failed(io::Error::new(io::ErrorKind::InvalidData, bad))),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Board::new(&options.board)),
+        Err(error) => Err(failed(error)),
+    }
+}
+
+/// Replaces a file as a whole: whoever is killed meanwhile leaves the old or the new one.
+fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".new");
+    let new = path.with_file_name(name);
+    std::fs::write(&new, content)?;
+    std::fs::rename(&new, path)
 }

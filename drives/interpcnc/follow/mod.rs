@@ -1,7 +1,10 @@
 //! Following a plan with independent moves that are retargeted (command 80): what its registers can say.
 
+mod buffered;
 #[cfg(test)]
 mod tests;
+
+pub(in crate::interpcnc) use buffered::{Buffered, SegmentOrder};
 
 use super::{AxisOptions, Line, MoveProfile};
 use crate::{

@@ -1,4 +1,7 @@
 //! The driver against frames computed elsewhere, and against the emulator on a pseudo-terminal.
 
+mod board;
+mod faults;
 mod terminal;
+mod vectors;
 mod wire;

@@ -9,10 +9,11 @@ use std::{
 use serialport::TTYPort;
 
 use crate::{
-    Drive, DriveError, IncrementMotion, MAX_DRIVE_AXES, SetpointStream,
+    Direction, Drive, DriveError, FaultRule, IncrementMotion, MAX_DRIVE_AXES, SetpointStream, When,
+    WireFault,
     interpcnc::{
         AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions, Line, Parity,
-        emulator::{BoardOptions, EmulatedBoard, EmulatorOptions, Wire, seal},
+        emulator::{Bench, BoardOptions, Cam, Control, EmulatedBoard, EmulatorOptions, Wire, seal},
         vectors::{bytes, vector},
     },
 };
@@ -223,9 +224,9 @@ fn another_station_and_other_line_settings_work() {
     let stream = Plan { clock, start_ns: 0 };
     let line = Line { baud: 19_200, parity: Parity::Even };
     let emulator = EmulatorOptions {
-        board: BoardOptions { station: 42, line, enable: true },
+        board: BoardOptions { station: 42, line, ..BoardOptions::default() },
         wire: Wire { line, ..Wire::default() },
-        link: None,
+        ..EmulatorOptions::default()
     };
     let board = EmulatedBoard::start(&emulator, clock).unwrap();
     let right = InterpCncOptions { station: 42, line, ..options(&[BoardAxis::X]) };
@@ -269,4 +270,60 @@ fn noise_and_unknown_functions_leave_the_board_answering() {
     expect(&mut port, &[vector(2), seal(bytes("01 01 01 00"))].concat());
     drop(port);
     assert_eq!(board.stop().unwrap().frames_handled(), 3);
+}
+
+#[test]
+fn the_eeprom_survives_a_restart_in_its_file() {
+    let clock = clock();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("board.eeprom");
+    let emulator = EmulatorOptions { eeprom: Some(file.clone()), ..EmulatorOptions::default() };
+    let patience = Duration::from_secs(20);
+    for round in 0..2_u32 {
+        let board = EmulatedBoard::start(&emulator, clock).unwrap();
+        let mut drive = open(&board, &options(&[BoardAxis::X]));
+        let (driver, runtime) = drive.board();
+        runtime.block_on(async {
+            let before = driver.parameter(4, &|| 0).await.unwrap();
+            assert_eq!(before, if round == 0 { 50 } else { 1234 });
+            driver.set_parameter(4, 1234, patience, &|| 0).await.unwrap();
+        });
+        // It is in the file when B14 is clear, whatever becomes of the emulator; the file is replaced as a whole.
+        while round == 0 && !file.exists() {
+            std::thread::yield_now();
+        }
+        drop(drive);
+        board.stop().unwrap();
+    }
+    std::fs::write(&file, b"something else").unwrap();
+    let refused = EmulatedBoard::start(&emulator, clock);
+    assert!(matches!(refused, Err(crate::EmulatorError::File { .. })), "{refused:?}");
+}
+
+#[test]
+fn a_bench_presses_switches_and_faults_come_on_demand() {
+    let clock = clock();
+    let stream = Plan { clock, start_ns: 0 };
+    let cam = Cam { input: 5, axis: BoardAxis::X, from: 500, to: 900, normally_closed: false };
+    let bench = Bench { cams: vec![cam], encoder: None };
+    let emulator = EmulatorOptions { bench, ..EmulatorOptions::default() };
+    let board = EmulatedBoard::start(&emulator, clock).unwrap();
+    let mut drive = open(&board, &options(&[BoardAxis::X]));
+    drive.enable().unwrap();
+    drive.move_to(&[700, 0, 0, 0, 0], &[5000.0; 5]).unwrap();
+    assert_eq!(wait_until_rest(&mut drive, &stream)[0], 700);
+    let (driver, runtime) = drive.board();
+    assert_eq!(runtime.block_on(driver.input_bits(&|| 0)).unwrap(), 1 << 4);
+    // A garbled answer: asked again, and nothing is to be seen of it.
+    let rule = FaultRule {
+        direction: Direction::Answer,
+        when: When::Next(1),
+        fault: WireFault::WrongCheck,
+    };
+    board.control(Control::Fault(rule)).unwrap();
+    assert_eq!(drive.sample(&stream).unwrap().position[0], 700);
+    board.control(Control::BrownOut { off_ns: 0 }).unwrap();
+    assert!(matches!(drive.sample(&stream), Err(DriveError::Locked { .. })));
+    let end = board.stop().unwrap();
+    assert_eq!((end.counters()[0], end.inputs()), (0, 1 << 4));
 }

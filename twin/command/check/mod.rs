@@ -211,7 +211,7 @@ pub(super) fn summary(
         writeln!(out, "{}", show::loads(machine, &outcome.loads))?;
     }
     if let Some(least) = &outcome.clearances.least {
-        writeln!(out, "{}", least.told(machine))?;
+        writeln!(out, "{} (as planned)", least.told(machine))?;
     }
     let count =
         |severity| outcome.findings.iter().filter(|finding| finding.severity == severity).count();

@@ -61,6 +61,41 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     writeln!(out, "{table}")?;
     let mass = machine.moving_mass();
     writeln!(out, "moving mass {mass:.2} kg in {} links", machine.model.links.len())?;
+    in_the_way(out, machine)?;
+    drives(out, machine)?;
+    let [x, y, z] = machine.conditions.start.map(|value| significant(value * 1e3, 9));
+    write!(out, "start of programs that do not say where: X{x} Y{y} Z{z}")?;
+    match machine.start_axes() {
+        Some(axes) => {
+            write!(out, " = {}", positions(machine, &axes))?;
+            let beyond = machine.axes.iter().zip(axes.iter()).filter(|(axis, position)| {
+                let [low, high] = axis.position_limits;
+                !(low..=high).contains(*position)
+            });
+            let beyond: Vec<_> = beyond.map(|(axis, _)| axis.name.as_str()).collect();
+            if !beyond.is_empty() {
+                write!(out, ", beyond the limits of {}", beyond.join(", "))?;
+            }
+            writeln!(out)?;
+        }
+        None => {
+            writeln!(out, ", which the machine cannot reach: such programs must begin with G92")?;
+        }
+    }
+    let zero = AxisVector::zeros(machine.axes.len());
+    if let Ok(pose) = machine.kinematics.forward(&zero) {
+        let tip = pose.position * 1e3;
+        writeln!(
+            out,
+            "tool tip with all axes at 0: ({:.3}, {:.3}, {:.3}) mm in the machine frame",
+            tip.x, tip.y, tip.z
+        )?;
+    }
+    Ok(())
+}
+
+/// What is looked for in the way of the machine, and what is odd about it.
+fn in_the_way(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     if let Some(collision) = &machine.collision {
         let around = &collision.surroundings;
         let names: Vec<_> = around.obstacles.iter().map(|one| one.name.as_str()).collect();
@@ -93,6 +128,11 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     for warning in &machine.urdf_warnings {
         writeln!(out, "warning: {warning}")?;
     }
+    Ok(())
+}
+
+/// The devices on the wires.
+fn drives(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     for device in &machine.drives {
         let port = device.port.as_deref().unwrap_or("no port given");
         write!(out, "drive {}: {} on {port}", device.name, device.family_name())?;
@@ -111,34 +151,6 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
             out,
             "{}",
             if device.in_loop { ", in the loop of the simulated machine" } else { "" }
-        )?;
-    }
-    let [x, y, z] = machine.conditions.start.map(|value| significant(value * 1e3, 9));
-    write!(out, "start of programs that do not say where: X{x} Y{y} Z{z}")?;
-    match machine.start_axes() {
-        Some(axes) => {
-            write!(out, " = {}", positions(machine, &axes))?;
-            let beyond = machine.axes.iter().zip(axes.iter()).filter(|(axis, position)| {
-                let [low, high] = axis.position_limits;
-                !(low..=high).contains(*position)
-            });
-            let beyond: Vec<_> = beyond.map(|(axis, _)| axis.name.as_str()).collect();
-            if !beyond.is_empty() {
-                write!(out, ", beyond the limits of {}", beyond.join(", "))?;
-            }
-            writeln!(out)?;
-        }
-        None => {
-            writeln!(out, ", which the machine cannot reach: such programs must begin with G92")?;
-        }
-    }
-    let zero = AxisVector::zeros(machine.axes.len());
-    if let Ok(pose) = machine.kinematics.forward(&zero) {
-        let tip = pose.position * 1e3;
-        writeln!(
-            out,
-            "tool tip with all axes at 0: ({:.3}, {:.3}, {:.3}) mm in the machine frame",
-            tip.x, tip.y, tip.z
         )?;
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! SmartDRIVEs on a bus.
+//! SmartDRIVE buses.
 
 use super::{Abilities, microseconds};
 use crate::machine::section::Section;

@@ -248,6 +248,14 @@ fn switches(section: &Section<'_>, kind: AxisKind) -> SwitchParameters {
     let unit = kind.unit();
     let number = |key: &str| section.number(&format!("{key}_{unit}"), -1e6..=1e6);
     let [lower, upper] = ["lower", "upper"].map(|key| number(key).map(|at| at * kind.scale()));
+    if let (Some(lower), Some(upper)) = (lower, upper)
+        && lower >= upper
+    {
+        let message = format!(
+            "the lower switch is above the upper one: `lower_{unit}` is on at and below, `upper_{unit}` at and above"
+        );
+        section.complain_at(&format!("lower_{unit}"), message);
+    }
     let home_key = format!("home_{unit}");
     let home = section.numbers::<2>(&home_key, -1e6..=1e6);
     if let Some([from, to]) = home

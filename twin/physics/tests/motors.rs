@@ -103,11 +103,14 @@ fn a_servos_step_response_is_that_of_its_transfer_function() {
     }
 }
 
+/// 200 of them are 5 mm.
+pub(super) const FULL_STEP: f64 = 25e-6;
+
 /// A step motor on a slide: 200 full steps of 1/40 mm in 5 mm.
-fn stepper(pull_out: &[[f64; 2]]) -> AxisDriveParameters {
+pub(super) fn stepper(pull_out: &[[f64; 2]]) -> AxisDriveParameters {
     AxisDriveParameters {
         motor: Motor::Stepper(StepperParameters {
-            full_step: 25e-6,
+            full_step: FULL_STEP,
             microsteps: 16,
             pull_out: EffortCurve::new(pull_out.to_vec()).unwrap(),
             detent: 0.0,
@@ -140,7 +143,7 @@ fn lost_at(machine: &mut PhysicsMachine, speed: f64, cycles: u32) -> i64 {
     lost
 }
 
-fn lost_in(machine: &mut PhysicsMachine) -> i64 {
+pub(super) fn lost_in(machine: &mut PhysicsMachine) -> i64 {
     let events = machine.take_events();
     let lost = events.iter().map(|event| match event.kind {
         EventKind::LostSteps(steps) => steps,

@@ -48,14 +48,88 @@ fn vectors_11_and_12_move_and_retarget_in_flight() {
 }
 
 #[test]
-fn vectors_3_4_and_13_to_15_are_not_done_and_say_so() {
-    let mut board = unlocked();
-    for number in [3, 4, 13, 14, 15] {
+fn vectors_3_and_4_home_the_axes_of_their_mask() {
+    for (number, second) in [(3, BoardAxis::Y), (4, BoardAxis::Z)] {
+        let mut board = unlocked();
+        for (axis, input) in [(BoardAxis::X, 1), (second, 2)] {
+            set_parameter(&mut board, parameters::home_input(axis), input);
+        }
+        // X has its switch 9000 steps away; that of the other axis is at the end of its 20000 steps.
+        let cam = |input, axis, to| Cam { input, axis, from: -50_000, to, normally_closed: false };
+        let cams = vec![cam(1, BoardAxis::X, -9000), cam(2, second, -19_990)];
+        board.set_bench(Bench { cams, encoder: None });
         let answer = board.handle(&vector(number)).unwrap();
-        assert_eq!(answer, seal(vec![1, 0x90, 3]), "vector {number}");
+        assert_eq!(answer, seal(bytes("01 10 10 00 00 06")), "vector {number}");
+        assert!(board.status().has(Status::HOMING_IN_PROGRESS));
+        assert_eq!(board.status().moving(), BoardAxis::X.mask().union(second.mask()));
+        board.advance(20_000 * MS);
+        assert!(!board.status().has(Status::HOMING_IN_PROGRESS | Status::HOMING_ERROR));
+        // Both stand where they left their switches, and count from there.
+        assert_eq!(board.counters(), [0; 5]);
+        assert!((board.mechanical(BoardAxis::X) + 9000.0).abs() <= 1.0);
+        assert!((board.mechanical(second) + 19_990.0).abs() <= 1.0);
     }
+}
+
+#[test]
+fn vectors_13_and_14_move_several_axes_at_once() {
+    let mut board = unlocked();
+    let answer = board.handle(&vector(13)).unwrap();
+    assert_eq!(answer, seal(bytes("01 10 10 00 00 08")));
+    // Z has the longer way: 2000 steps at 5000 Hz from 200 Hz with 50 kHz/s take 2 · 4800 / 50000 s for the ramps,
+    // which are 2 · 249.6 steps, and the rest at full speed. X makes half of it at every instant.
+    let ramp: f64 = 4800.0 / 50_000.0;
+    let total = 2.0 * ramp + (2000.0 - 2.0 * 2600.0 * ramp) / 5000.0;
+    assert_eq!(board.status().interpolating().bits(), 0b101);
+    assert!(board.status().independent().is_empty() && board.status().has(Status::BUFFER_EMPTY));
+    board.advance(100 * MS);
+    same(board.counters()[2].into(), -(2600.0 * ramp + 5000.0 * 0.004).round());
+    assert!((board.velocity(BoardAxis::Z) + 5000.0).abs() < 1e-6);
+    assert!((board.velocity(BoardAxis::X) - 2500.0).abs() < 1e-6);
+    assert!((2.0 * board.position(BoardAxis::X) + board.position(BoardAxis::Z)).abs() < 1e-6);
+    let left = crate::ramp::nanoseconds(total) - 100 * MS;
+    board.advance(left - MS);
+    assert!(!board.status().segments_finished());
+    board.advance(2 * MS);
+    assert!(board.status().segments_finished());
+    assert_eq!(board.counters(), [1000, 0, -2000, 0, 0]);
+
+    let answer = board.handle(&vector(14)).unwrap();
+    assert_eq!(answer, seal(bytes("01 10 10 00 00 0E")));
+    assert_eq!(board.status().interpolating().bits(), 0b1_1111);
     board.advance(1000 * MS);
-    assert_eq!(board.counters(), [0; 5]);
+    assert_eq!(board.counters(), [1, 2, 3, 4, -5]);
+}
+
+#[test]
+fn vector_15_homes_one_axis() {
+    let mut board = unlocked();
+    // IN5 is a normally closed contact, which opens 30000 steps away and stays so for 10000.
+    let cam =
+        Cam { input: 5, axis: BoardAxis::X, from: -40_000, to: -30_000, normally_closed: true };
+    board.set_bench(Bench { cams: vec![cam], encoder: None });
+    assert_eq!(board.inputs(), 1 << 4);
+    let answer = board.handle(&vector(15)).unwrap();
+    assert_eq!(answer, seal(bytes("01 10 10 00 00 0D")));
+    // Extended B18, not B10: the homing of X is under way.
+    assert_eq!(board.extended_status() & 0x0FFC_0000, 1 << 18);
+    assert!(!board.status().has(Status::HOMING_IN_PROGRESS));
+    // 200 to 4000 Hz with 20 kHz/s; then at 4000 Hz to the switch.
+    let up: (f64, f64) = (0.19, 2100.0 * 0.19);
+    board.advance(1000 * MS);
+    same(x(&board), -(up.1 + 4000.0 * (1.0 - up.0)).round());
+    // There after 0.19 s and 29601 steps, in all 7.59 s.
+    board.advance(6589 * MS);
+    assert_eq!(board.inputs(), 1 << 4);
+    board.advance(2 * MS);
+    assert_eq!(board.inputs(), 0);
+    // Braked with 40 kHz/s to 200 Hz in 95 ms, and back at 300 Hz.
+    board.advance(95 * MS);
+    assert!((board.velocity(BoardAxis::X) - 300.0).abs() < 1e-6);
+    board.advance(3000 * MS);
+    assert_eq!(board.extended_status() & 0x0FFC_0000, 0);
+    assert_eq!((board.counters()[0], board.inputs()), (0, 1 << 4));
+    assert!((board.mechanical(BoardAxis::X) + 30_000.0).abs() <= 1.0);
 }
 
 #[test]

@@ -59,6 +59,8 @@ fn every_truncation_wrong_check_sum_and_wrong_station_gets_silence() {
         assert_eq!(board.handle(&seal(foreign)), None);
     }
     assert_eq!(board.frames_handled(), handled);
+    // Whole frames for another station are seen and not handled.
+    assert_eq!(board.frames_seen(), handled + u64::try_from(VECTORS.len()).unwrap());
     assert_eq!((board.counters(), board.outputs()), ([0; 5], 0));
 }
 

@@ -2,12 +2,16 @@
 
 mod behaviour;
 mod frames;
+mod homing;
+mod limits;
 mod map;
+mod power;
 mod probe;
+mod segments;
 
 use super::{rtu::seal, *};
 use crate::interpcnc::{
-    MoveProfile,
+    BoardStop, Command, ExceptionCodes, MoveProfile, parameters,
     vectors::{bytes, vector},
 };
 
@@ -20,6 +24,15 @@ fn unlocked() -> Board {
 /// Sends a command from station 1 and expects it to be accepted.
 fn send(board: &mut Board, command: Command) {
     assert_eq!(write(board, &command.registers()), None, "{command:?}");
+}
+
+/// Writes a parameter as a master does.
+fn set_parameter(board: &mut Board, number: u16, value: u32) {
+    let mut frame = vec![1, 16];
+    frame.extend((4352 + 2 * number).to_be_bytes());
+    frame.extend([0, 2, 4]);
+    frame.extend(value.to_be_bytes());
+    assert_eq!(board.handle(&seal(frame)).unwrap()[1], 16);
 }
 
 /// Writes command registers; the exception code, if there is one.

@@ -126,3 +126,28 @@ fn a_locked_board_does_not_probe() {
     let status = board.status();
     assert!(!status.probing() && !status.probe_failed() && status.moving().is_empty());
 }
+
+#[test]
+fn there_is_one_search_at_a_time() {
+    // One with a wrong argument changes nothing of it but B13.
+    let mut board = probing();
+    board.advance(200 * MS);
+    let mut wrong = vector(5);
+    wrong.truncate(wrong.len() - 2);
+    (wrong[10], wrong[14]) = (1, 40);
+    board.handle(&seal(wrong)).unwrap();
+    assert!(board.status().probing() && board.status().probe_failed());
+    assert_eq!(board.status().moving(), BoardAxis::Z.mask());
+    // Another axis takes its place.
+    let mut other = vector(5);
+    other.truncate(other.len() - 2);
+    (other[10], other[14]) = (1, 4);
+    board.handle(&seal(other)).unwrap();
+    board.advance(100 * MS);
+    assert_eq!(board.status().moving(), BoardAxis::X.mask());
+    board.set_input(3, true);
+    assert!(board.status().probing());
+    board.set_input(4, true);
+    board.advance(100 * MS);
+    assert!(!board.status().probing() && !board.status().probe_failed());
+}

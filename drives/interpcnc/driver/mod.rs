@@ -1,22 +1,30 @@
 //! The board over the wire: one exchange at a time, each with a deadline.
 
-use std::{borrow::Cow, io, pin::Pin, sync::Arc, time::Duration};
+use std::{borrow::Cow, pin::Pin, sync::Arc};
 
-use tokio::{
-    io::AsyncReadExt,
-    time::{Sleep, sleep, timeout},
-};
-use tokio_modbus::{
-    Error, ProtocolError, Request, Response, Slave,
-    client::{Client, Context, rtu},
-};
+use tokio::time::Sleep;
+use tokio_modbus::{Request, Response, client::Context};
 use tokio_serial::{DataBits, FlowControl, SerialPortBuilderExt, StopBits};
+
+mod access;
+mod exchange;
+mod homing;
+mod memory;
+mod motion;
+mod outcome;
+mod segments;
+mod settings;
+
+pub use homing::{HomeAxis, ProbeMove};
+pub use memory::Snapshot;
+pub use settings::{Identity, Recipes};
 
 use super::{
     Command, InterpCncOptions, Line, Parity,
     port::SharedPort,
     registers::{
-        AXES, COMMAND, FIRST_OUTPUT, MAX_SPEED_HZ, OUTPUTS, STATE_REGISTERS, STATUS, Status, join,
+        AXES, COMMAND, FIRST_OUTPUT, INPUTS, MAX_SPEED_HZ, OUTPUTS, STATE_REGISTERS, STATUS,
+        Status, join,
     },
 };
 use crate::{Action, Clock, DriveError, Exchange, ProtocolFault, Stamp, transport::Transport};
@@ -64,6 +72,8 @@ pub struct InterpCnc {
     late: bool,
     /// Silence between the last frame and the next.
     silence: Option<Pin<Box<Sleep>>>,
+    /// Segments that may still wait in the command buffer or be under way.
+    outstanding: u16,
 }
 
 impl std::fmt::Debug for InterpCnc {
@@ -114,9 +124,17 @@ impl InterpCnc {
         transport: impl Transport + 'static,
         options: &InterpCncOptions,
     ) -> Self {
-        let transport = SharedPort::new(transport);
+        let transport = SharedPort::new(transport, options.echo);
         // What lies in the input from before is nobody's answer: the first exchange starts by clearing it.
-        Self { port, options: options.clone(), transport, client: None, late: false, silence: None }
+        Self {
+            port,
+            options: options.clone(),
+            transport,
+            client: None,
+            late: false,
+            silence: None,
+            outstanding: 0,
+        }
     }
 
     /// Where and in the course of what something happens.
@@ -125,7 +143,7 @@ impl InterpCnc {
     }
 
     /// Options it was opened with.
-    pub(crate) fn options(&self) -> &InterpCncOptions {
+    pub fn options(&self) -> &InterpCncOptions {
         &self.options
     }
 
@@ -194,6 +212,33 @@ impl InterpCnc {
         }
     }
 
+    /// Sends a command register by register with function 6, arguments first and the number last, as the manual tells
+    /// masters that have no function 16. If it fails on the way nothing is carried out, and nothing is repeated.
+    ///
+    /// # Errors
+    /// As [`Self::send`].
+    pub async fn send_singly(
+        &mut self,
+        command: &Command,
+        clock: &dyn Clock,
+    ) -> Result<Stamp, DriveError> {
+        self.check(command)?;
+        let action = command.action();
+        let registers = command.registers();
+        let (number, arguments) = registers.split_first().unwrap_or((&0, &[]));
+        let mut stamp = Stamp::default();
+        let arguments = (COMMAND + 1..).zip(arguments);
+        for (address, value) in arguments.chain(std::iter::once((COMMAND, number))) {
+            let request = Request::WriteSingleRegister(address, *value);
+            let (answer, then) = self.settled_exchange(action, request, clock).await?;
+            if answer != Response::WriteSingleRegister(address, *value) {
+                return Err(self.distrust(action, ProtocolFault::Garbled));
+            }
+            stamp = then;
+        }
+        Ok(stamp)
+    }
+
     /// Clears "Board Locked" (command 66) and checks that it is cleared.
     ///
     /// # Errors
@@ -239,30 +284,6 @@ impl InterpCnc {
         if state.await? == on { Ok(()) } else { Err(DriveError::Locked { at: self.at(action) }) }
     }
 
-    /// An exchange that may be repeated, and what `understood` makes of its answer.
-    async fn asked_twice<T>(
-        &mut self,
-        action: Action,
-        request: &Request<'_>,
-        clock: &dyn Clock,
-        understood: impl Fn(&Response) -> Option<T>,
-    ) -> Result<T, DriveError> {
-        let mut attempt = 1;
-        loop {
-            let outcome = self.settled_exchange(action, request.clone(), clock).await;
-            match outcome.and_then(|(answer, _)| {
-                understood(&answer).ok_or_else(|| self.distrust(action, ProtocolFault::Garbled))
-            }) {
-                Err(DriveError::Timeout { .. } | DriveError::Protocol { .. })
-                    if attempt < ATTEMPTS =>
-                {
-                    attempt += 1;
-                }
-                done => return done,
-            }
-        }
-    }
-
     /// Checks that the board is neither locked nor without ENABLE.
     pub(crate) fn check_obeys(&self, state: &BoardState, action: Action) -> Result<(), DriveError> {
         if state.status.enable_open() {
@@ -297,6 +318,32 @@ impl InterpCnc {
             }
             Command::ChangeSpeed { speed_hz, .. } | Command::Interpolated { speed_hz, .. } => {
                 within(COMMAND + 2, *speed_hz, MAX_SPEED_HZ)
+            }
+            Command::Probe {
+                speed_hz,
+                acceleration_khz_per_s,
+                deceleration_khz_per_s,
+                input,
+                ..
+            } => {
+                within(COMMAND + 3, (*input).into(), INPUTS.into())?;
+                within(COMMAND + 7, *speed_hz, MAX_SPEED_HZ)?;
+                within(COMMAND + 10, (*acceleration_khz_per_s).into(), u16::MAX.into())?;
+                within(COMMAND + 11, (*deceleration_khz_per_s).into(), u16::MAX.into())
+            }
+            Command::HomeAxis {
+                fast_hz,
+                slow_hz,
+                acceleration_khz_per_s,
+                deceleration_khz_per_s,
+                input,
+                ..
+            } => {
+                within(COMMAND + 2, (*input).into(), INPUTS.into())?;
+                within(COMMAND + 4, (*acceleration_khz_per_s).into(), u16::MAX.into())?;
+                within(COMMAND + 5, *fast_hz, MAX_SPEED_HZ)?;
+                within(COMMAND + 7, (*deceleration_khz_per_s).into(), u16::MAX.into())?;
+                within(COMMAND + 10, (*slow_hz).into(), u16::MAX.into())
             }
             _ => Ok(()),
         }
@@ -338,134 +385,4 @@ impl InterpCnc {
         };
         Err(self.distrust(command.action(), fault))
     }
-
-    /// An answer to something else came: answers may be out of step.
-    fn distrust(&mut self, action: Action, fault: ProtocolFault) -> DriveError {
-        self.client = None;
-        self.late = true;
-        DriveError::Protocol { at: self.at(action), fault }
-    }
-
-    /// One exchange after any late answer has been waited for.
-    async fn settled_exchange(
-        &mut self,
-        action: Action,
-        request: Request<'_>,
-        clock: &dyn Clock,
-    ) -> Result<(Response, Stamp), DriveError> {
-        if self.late {
-            self.client = None;
-            sleep(self.options.worst_latency).await;
-            self.clear(action).await?;
-            self.late = false;
-        }
-        self.exchange(action, request, clock).await
-    }
-
-    /// Throws away what has come until the line is silent. A line that never is shows in the answer.
-    async fn clear(&mut self, action: Action) -> Result<(), DriveError> {
-        let mut leftovers = [0; 256];
-        for _ in 0..MOST_LEFTOVERS {
-            match timeout(self.options.line.silence(), self.transport.read(&mut leftovers)).await {
-                Err(_) | Ok(Ok(0)) => return Ok(()),
-                Ok(Ok(_)) => {}
-                Ok(Err(source)) => {
-                    return Err(DriveError::Transport { at: self.at(action), source });
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Sends a request and takes the answer, whichever it is, within the deadline.
-    async fn exchange(
-        &mut self,
-        action: Action,
-        request: Request<'_>,
-        clock: &dyn Clock,
-    ) -> Result<(Response, Stamp), DriveError> {
-        if let Some(silence) = self.silence.take() {
-            silence.await;
-        }
-        if self.client.is_none() {
-            self.clear(action).await?;
-        }
-        let attach = || rtu::attach_slave(self.transport.clone(), Slave(self.options.station));
-        let mut client = self.client.take().unwrap_or_else(attach);
-        let sent_bytes = request_bytes(&request);
-        let sent_ns = clock.now_ns();
-        let outcome = timeout(self.options.deadline, client.call(request)).await;
-        let answered_ns = clock.now_ns();
-        self.silence = Some(Box::pin(sleep(self.options.line.silence())));
-        let at = self.at(action);
-        let error = match outcome {
-            Ok(Ok(Ok(response))) => {
-                self.client = Some(client);
-                let stamp = self.stamp(sent_ns, answered_ns, sent_bytes, answer_bytes(&response));
-                return Ok((response, stamp));
-            }
-            Ok(Ok(Err(code))) => {
-                self.client = Some(client);
-                return Err(DriveError::Device { at, code: code.into() });
-            }
-            Ok(Err(Error::Protocol(mismatch))) => {
-                DriveError::Protocol { at, fault: fault(&mismatch) }
-            }
-            Ok(Err(Error::Transport(source))) if source.kind() == io::ErrorKind::InvalidData => {
-                DriveError::Protocol { at, fault: ProtocolFault::Garbled }
-            }
-            Ok(Err(Error::Transport(source))) => DriveError::Transport { at, source },
-            Err(_) => DriveError::Timeout { at, deadline: self.options.deadline },
-        };
-        self.late = true;
-        Err(error)
-    }
-
-    fn stamp(
-        &self,
-        sent_ns: i64,
-        answered_ns: i64,
-        sent_bytes: usize,
-        answer_bytes: usize,
-    ) -> Stamp {
-        let (line, answered_ns) = (self.options.line, answered_ns.max(sent_ns));
-        let first = sent_ns + whole(line.duration(sent_bytes));
-        let last = answered_ns - whole(line.duration(answer_bytes));
-        // A line faster than its baud rate (a pseudo-terminal) may make the wire times exceed the exchange.
-        let executed_ns = i64::midpoint(first, last).clamp(sent_ns, answered_ns);
-        Stamp { sent_ns, executed_ns, uncertainty_ns: (last - first).max(0) / 2, answered_ns }
-    }
-}
-
-/// Length of the frame of a request of this driver.
-fn request_bytes(request: &Request<'_>) -> usize {
-    match request {
-        Request::WriteMultipleRegisters(_, words) => 9 + 2 * words.len(),
-        _ => 8,
-    }
-}
-
-/// Length of the frame of an answer.
-fn answer_bytes(response: &Response) -> usize {
-    match response {
-        Response::ReadInputRegisters(words) => 5 + 2 * words.len(),
-        _ => 8,
-    }
-}
-
-fn fault(error: &ProtocolError) -> ProtocolFault {
-    match error {
-        ProtocolError::HeaderMismatch { .. } => ProtocolFault::Station,
-        ProtocolError::FunctionCodeMismatch { request, result } => {
-            let received = match result {
-                Ok(response) => response.function_code(),
-                Err(exception) => exception.function,
-            };
-            ProtocolFault::Function { sent: request.value(), received: received.value() }
-        }
-    }
-}
-
-fn whole(duration: Duration) -> i64 {
-    i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
 }

@@ -1,5 +1,10 @@
 //! The board and its driver in simulated time, without bytes.
 
+mod buffered;
+mod predict;
+#[cfg(test)]
+mod tests;
+
 use std::{collections::VecDeque, time::Duration};
 
 use super::{
@@ -9,6 +14,8 @@ use super::{
     options::AxisOptions,
 };
 use crate::{IncrementMotion, Rehearsal, SetpointStream, follow::Order, rehearsal::SeenAt};
+
+pub use predict::{Prediction, predict, rehearse};
 
 /// Bytes of command 80 and of its answer.
 const COMMAND_BYTES: (usize, usize) = (27, 8);

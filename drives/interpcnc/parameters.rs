@@ -1,0 +1,90 @@
+//! Numbers of the board's parameters, 32 bits each, saved in its EEPROM.
+//!
+//! The manual gives 88 (page 12), 101 (page 24) and 103 (page 3), and names of others. All other numbers come from
+//! the vendor's published sources; meanings of values that neither gives are among the [`super::Assumptions`].
+
+use super::registers::BoardAxis;
+
+/// First register of parameter 0, high word; the low word follows ("Paramètres sauvegardés", 4352 to 5119).
+pub const FIRST_PARAMETER: u16 = 4352;
+/// Number of parameters that Modbus shows.
+pub const PARAMETERS: u16 = 384;
+
+/// `EE_DEFAULT_ACCEL`: acceleration and deceleration of interpolated moves, 1000 steps/s².
+pub const DEFAULT_ACCELERATION: u16 = 4;
+/// `EE_DEFAULT_STARTF`: start and stop frequency of interpolated moves, steps/s.
+pub const DEFAULT_START_STOP: u16 = 5;
+/// `EE_ORIGINE_STARTF_RAPIDE`: start and stop frequency of command 71, steps/s.
+pub const HOME_START_STOP: u16 = 14;
+/// `EE_ORIGINE_SPEED_LENTE`: speed off the switch in command 71, steps/s.
+pub const HOME_SLOW_SPEED: u16 = 15;
+/// `EE_AU`: input that acts as the ENABLE input does; 0 = none.
+pub const EMERGENCY_STOP_INPUT: u16 = 22;
+/// `EE_POLARITY_FDC`: polarity of special inputs, bit 0 that of the emergency stop.
+pub const SPECIAL_POLARITY: u16 = 28;
+/// `EE_POLARITY_OM`: polarity of home switches, bit 0 that of X.
+pub const HOME_POLARITY: u16 = 32;
+/// `EE_OUTPUT_START`: outputs after power-up, bit 0 = OUT1.
+pub const OUTPUTS_AT_START: u16 = 47;
+/// `EE_COUPLAGE_AXE`: 1 = A goes along with X, 2 = B does.
+pub const COUPLING: u16 = 86;
+/// `EE_OUTPUT_SET_NC_READY`: outputs that unlocking sets.
+pub const SET_WHEN_UNLOCKED: u16 = 87;
+/// `EE_INPUT_UNLOCK`: input that unlocks; 0 and polarity 1: unlocked as soon as ENABLE is there.
+pub const UNLOCK_INPUT: u16 = 88;
+/// `EE_INPUT_UNLOCK_POLARITY`: 0 = NO, 1 = NC.
+pub const UNLOCK_POLARITY: u16 = 89;
+/// `EE_OUTPUT_RESET_NC_READY`: outputs that unlocking resets.
+pub const RESET_WHEN_UNLOCKED: u16 = 92;
+/// `EE_OUTPUT_SET_NC_NOT_READY`: outputs that locking sets.
+pub const SET_WHEN_LOCKED: u16 = 93;
+/// `EE_OUTPUT_RESET_NC_NOT_READY`: outputs that locking resets.
+pub const RESET_WHEN_LOCKED: u16 = 94;
+/// `EE_MODBUS_SPEED`: speed of the serial line.
+pub const MODBUS_SPEED: u16 = 101;
+/// `EE_MODBUS_POLARITY`: parity of the serial line.
+pub const MODBUS_PARITY: u16 = 102;
+/// `EE_MODBUS_BASE_ADRESS`: station address.
+pub const MODBUS_ADDRESS: u16 = 103;
+/// `EE_ORIGINE_RESET_POS_SOFT`: 1 = command 71 sets the counters to 0.
+pub const ZERO_AFTER_HOMING: u16 = 128;
+/// `EE_AOUT1_LOCKED_VALUE`: analog output 1 of a locked board; that of output 2 follows.
+pub const ANALOG_LOCKED: u16 = 130;
+
+/// A parameter that each axis has, of X, Y, Z, A, B.
+fn of_axis(numbers: [u16; 5], axis: BoardAxis) -> u16 {
+    let [x, y, z, a, b] = numbers;
+    match axis {
+        BoardAxis::X => x,
+        BoardAxis::Y => y,
+        BoardAxis::Z => z,
+        BoardAxis::A => a,
+        BoardAxis::B => b,
+    }
+}
+
+/// `EE_ORIGINE_XSENS` …: direction of command 71, 1 = positive.
+pub fn home_direction(axis: BoardAxis) -> u16 {
+    of_axis([9, 10, 11, 38, 50], axis)
+}
+
+/// `EE_ORIGINE_SPEED_RAPIDE` …: speed of command 71 towards the switch, steps/s.
+pub fn home_speed(axis: BoardAxis) -> u16 {
+    of_axis([12, 53, 54, 55, 56], axis)
+}
+
+/// `EE_ORIGINE_ACCEL_RAPIDE` …: acceleration and deceleration of command 71, 1000 steps/s².
+pub fn home_acceleration(axis: BoardAxis) -> u16 {
+    of_axis([13, 57, 58, 59, 60], axis)
+}
+
+/// `EE_FDC_ORIGINEX` …: input of the home switch, 0 = none.
+pub fn home_input(axis: BoardAxis) -> u16 {
+    of_axis([29, 30, 31, 41, 51], axis)
+}
+
+/// `EE_FDC_XNEG` … (104 to 123): input of a limit switch, 0 = none. The number after it is that of its polarity,
+/// 0 = NO, 1 = NC.
+pub fn limit_input(axis: BoardAxis, positive: bool) -> u16 {
+    of_axis([104, 108, 112, 116, 120], axis) + if positive { 2 } else { 0 }
+}

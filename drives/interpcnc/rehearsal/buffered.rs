@@ -1,0 +1,198 @@
+//! A board that follows a plan by interpolated segments, in simulated time and without bytes.
+
+use std::time::Duration;
+
+use crate::{
+    IncrementMotion, Rehearsal, SetpointStream, Stamp,
+    interpcnc::{
+        AxisOptions, Command,
+        emulator::{Board, BoardOptions, Wire},
+        follow::{Buffered, SegmentOrder},
+        parameters,
+    },
+    rehearsal::SeenAt,
+};
+
+/// Bytes of a question for status and five positions, and of its answer.
+const STATE_BYTES: (usize, usize) = (8, 29);
+
+/// An InterpCNC board that follows a plan by interpolated segments from its buffer (command 6), as its driver lets it
+/// in a run: a segment when one is due, then a sample, as fast as the wire allows.
+#[derive(Clone, Debug)]
+pub(super) struct BufferedRehearsal {
+    follower: Buffered,
+    axes: Vec<AxisOptions>,
+    board: Board,
+    /// Board time less plan time, ns.
+    offset_ns: i64,
+    wire: Wire,
+    next: Next,
+    due_ns: i64,
+    begun: bool,
+    exchanges: u64,
+}
+
+/// What happens next.
+#[derive(Clone, Debug)]
+enum Next {
+    /// The driver looks at the plan, and sends a segment if one is due.
+    Survey,
+    /// The board executes a command.
+    Execute(SegmentOrder, i64, Stamp),
+    /// Its answer is there.
+    Confirm(SegmentOrder, i64, Stamp),
+    /// The board looks at its counters.
+    Show(Stamp),
+    /// The driver knows them, and whether all segments are finished.
+    Sample(Stamp, Vec<i32>, bool),
+}
+
+impl BufferedRehearsal {
+    pub(super) fn new(
+        axes: &[AxisOptions],
+        wire: &Wire,
+        start_stop_hz: u16,
+        acceleration_khz_per_s: u16,
+    ) -> Self {
+        let mut board = Board::new(&BoardOptions::default());
+        board.set_parameter(parameters::DEFAULT_START_STOP, start_stop_hz.into());
+        board.set_parameter(parameters::DEFAULT_ACCELERATION, acceleration_khz_per_s.into());
+        Self {
+            follower: Buffered::new(axes, wire.line, start_stop_hz, acceleration_khz_per_s),
+            axes: axes.to_vec(),
+            board,
+            offset_ns: 0,
+            wire: *wire,
+            next: Next::Survey,
+            due_ns: 0,
+            begun: false,
+            exchanges: 0,
+        }
+    }
+
+    /// The axes stand where the plan does, to the nearest step.
+    fn begin(&mut self, plan: &dyn SetpointStream, time_ns: i64) {
+        self.begun = true;
+        self.due_ns = time_ns;
+        self.offset_ns = self.board.now_ns() - time_ns;
+        let mut positions = [None; 5];
+        for (axis, position) in self.axes.iter().zip(plan.at(time_ns).position) {
+            if let Some(slot) = positions.get_mut(axis.axis.index()) {
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    reason = "saturates, as counters end there"
+                )]
+                let position = position.round() as i32;
+                *slot = Some(position);
+            }
+        }
+        let unlock = Command::Reset { unlock: true, homing_error: false, probe_error: false };
+        for command in [unlock, Command::WritePosition { positions }] {
+            // A board that is enabled and stands takes both.
+            self.board.send(&command).unwrap_or_default();
+        }
+        self.next = self.ask();
+    }
+
+    fn board_to(&mut self, time_ns: i64) {
+        self.board.advance(time_ns + self.offset_ns - self.board.now_ns());
+    }
+
+    /// An exchange that begins now: what the driver will make of its times, and when the board executes it.
+    fn exchange(&mut self, bytes: (usize, usize)) -> (Stamp, i64) {
+        self.exchanges += 1;
+        let line = self.wire.line;
+        let silence = whole(line.silence());
+        let sent_ns = self.due_ns + silence;
+        let heard_ns = sent_ns + whole(line.duration(bytes.0));
+        let executed_ns = heard_ns + silence;
+        let answering_ns = executed_ns + whole(self.wire.turnaround);
+        let stamp = Stamp {
+            sent_ns,
+            executed_ns: heard_ns.midpoint(answering_ns),
+            uncertainty_ns: (answering_ns - heard_ns) / 2,
+            answered_ns: answering_ns + whole(line.duration(bytes.1)),
+        };
+        (stamp, executed_ns)
+    }
+
+    fn ask(&mut self) -> Next {
+        let (stamp, executed_ns) = self.exchange(STATE_BYTES);
+        self.due_ns = executed_ns;
+        Next::Show(stamp)
+    }
+
+    /// What is due now happens.
+    fn happen(&mut self, plan: &dyn SetpointStream) {
+        let now_ns = self.due_ns;
+        self.next = match std::mem::replace(&mut self.next, Next::Survey) {
+            Next::Survey => match self.follower.order(&SeenAt { plan, now_ns }, now_ns) {
+                Some(order) => {
+                    let words = order.command().registers().len();
+                    let (stamp, executed_ns) = self.exchange((9 + 2 * words, 8));
+                    self.due_ns = executed_ns;
+                    Next::Execute(order, now_ns, stamp)
+                }
+                None => self.ask(),
+            },
+            Next::Execute(order, decided_ns, stamp) => {
+                self.board_to(now_ns);
+                // At most two are in the buffer, and no axis moves otherwise.
+                self.board.send(&order.command()).unwrap_or_default();
+                self.due_ns = stamp.answered_ns;
+                Next::Confirm(order, decided_ns, stamp)
+            }
+            Next::Confirm(order, decided_ns, stamp) => {
+                self.follower.executed(&order, decided_ns, &stamp);
+                self.ask()
+            }
+            Next::Show(stamp) => {
+                self.board_to(now_ns);
+                let counters = self.board.counters();
+                let shown = self.axes.iter().filter_map(|axis| counters.get(axis.axis.index()));
+                let shown = shown.copied().collect();
+                self.due_ns = stamp.answered_ns;
+                Next::Sample(stamp, shown, self.board.status().segments_finished())
+            }
+            Next::Sample(stamp, shown, finished) => {
+                self.follower.sampled(&stamp, shown.into_iter(), finished);
+                Next::Survey
+            }
+        };
+    }
+}
+
+impl Rehearsal for BufferedRehearsal {
+    fn axis_count(&self) -> usize {
+        self.axes.len()
+    }
+
+    fn advance(&mut self, plan: &dyn SetpointStream, time_ns: i64) -> IncrementMotion {
+        if !self.begun {
+            self.begin(plan, time_ns);
+        }
+        while self.due_ns <= time_ns {
+            self.happen(plan);
+        }
+        self.board_to(time_ns);
+        let mut motion = IncrementMotion::default();
+        let slots = motion.position.iter_mut().zip(&mut motion.velocity);
+        for ((position, velocity), axis) in slots.zip(&self.axes) {
+            (*position, *velocity) =
+                (self.board.position(axis.axis), self.board.velocity(axis.axis));
+        }
+        motion
+    }
+
+    fn exchanges(&self) -> u64 {
+        self.exchanges
+    }
+
+    fn copied(&self) -> Box<dyn Rehearsal> {
+        Box::new(self.clone())
+    }
+}
+
+fn whole(duration: Duration) -> i64 {
+    i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
+}
