@@ -145,8 +145,8 @@ const P16: i64 = 32_767;
 pub const PARAMETERS: [Entry; 29] = [
     Entry::new(RELEASE, "Release", Kind::Word).factory(0x1020).read_only(),
     Entry::new(ADDRESS, "ATB_Address", Kind::Word).range(1, 31).factory(1),
-    Entry::new(PID, "PID", Kind::Word).factory(0x5342).read_only(),
-    Entry::new(CID, "CID", Kind::Word).factory(0x0101).read_only(),
+    Entry::new(PID, "PID", Kind::Word).range(0x5342, 0x5342).factory(0x5342).read_only(),
+    Entry::new(CID, "CID", Kind::Word).range(0x0101, 0x0101).factory(0x0101).read_only(),
     Entry::new(16, "Flags", Kind::Long),
     Entry::new(POSITION_MIN, "Trj_PosMin", Kind::SignedLong).unit("µsteps"),
     Entry::new(POSITION_MAX, "Trj_PosMax", Kind::SignedLong).unit("µsteps"),

@@ -2,6 +2,7 @@
 
 mod board;
 mod faults;
+mod peers;
 mod terminal;
 mod vectors;
 mod wire;

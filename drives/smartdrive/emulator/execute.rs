@@ -68,7 +68,8 @@ impl Device {
             Command::IoUpdate(update) => return Ok(Reply::Data(self.pins.update(update))),
             Command::Write { variable, value } => {
                 let entry = variable_at(variable).ok_or(RejectCode::NotAvailable)?;
-                if !entry.writable {
+                // "Variables": the domain of all that can be written is 0/FFFFh.
+                if !entry.writable || !matches!(value, 0 | 0xFFFF) {
                     return Err(RejectCode::BadParams);
                 }
                 self.pins.set_output(variable - OUTPUT_RDY, value != 0);

@@ -4,3 +4,4 @@ mod faults;
 mod requests;
 mod terminal;
 mod wire;
+mod witness;
