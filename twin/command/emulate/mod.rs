@@ -1,0 +1,96 @@
+//! `twin emulate`: a drive without hardware, for any master.
+
+mod bim2ax;
+mod control;
+mod interpcnc;
+mod smartdrive;
+
+use super::{Failure, Status, run};
+use control::{Console, Obeys};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// How often the control socket is looked at.
+const PAUSE: Duration = Duration::from_millis(20);
+
+/// Emulate a drive, for any master to talk to
+///
+/// Serves until Ctrl-C. The device answers as the manual says and moves in real time. Through the socket of `--control`, a
+/// line at a time, switches are pressed and things go wrong; `help` there says what there is:
+///
+///   twin emulate interpcnc --link /tmp/board --control /tmp/board.control
+///   echo "input 3 on" | nc -U -N /tmp/board.control
+#[derive(Debug, clap::Args)]
+#[command(verbatim_doc_comment)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    device: Device,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Device {
+    /// SOPROLEC InterpCNC V2.1: five step axes on Modbus RTU, on a pseudo-terminal
+    ///
+    /// For instance, with the port at /tmp/board:
+    ///   mbpoll -m rtu -b 115200 -P none -0 -B -t 3:int -r 1026 -c 5 -1 /tmp/board
+    #[command(verbatim_doc_comment)]
+    Interpcnc(interpcnc::Options),
+
+    /// SmartDRIVE v1.2: one or more drives on a bus (ATB), on a pseudo-terminal
+    Smartdrive(smartdrive::Options),
+
+    /// BIM2AX-BOCM: a module for two axes, its dual-port RAM in a memory file
+    Bim2ax(bim2ax::Options),
+}
+
+/// What all of them have.
+#[derive(Debug, clap::Args)]
+struct Common {
+    /// Symbolic link to make to the pseudo-terminal; removed at the end, refused if it is in use (bim2ax: the memory file)
+    #[arg(long, value_name = "PATH")]
+    link: PathBuf,
+
+    /// Unix socket to make that takes commands, a line each
+    #[arg(long, value_name = "PATH")]
+    control: Option<PathBuf>,
+
+    /// File that keeps what the device stores (EEPROM, flash) from one start to the next
+    #[arg(long, value_name = "FILE")]
+    eeprom: Option<PathBuf>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    match &arguments.device {
+        Device::Interpcnc(options) => interpcnc::run(options),
+        Device::Smartdrive(options) => smartdrive::run(options),
+        Device::Bim2ax(options) => bim2ax::run(options),
+    }
+}
+
+/// Serves until Ctrl-C, obeying the control socket.
+fn serve(common: &Common, device: &mut dyn Obeys) -> Result<(), Failure> {
+    let interrupt = run::Interrupt::catch()?;
+    let mut console =
+        match &common.control {
+            Some(path) => Some(Console::open(path).map_err(|source| {
+                Failure::Usage(format!("--control {}: {source}", path.display()))
+            })?),
+            None => None,
+        };
+    eprintln!("Ctrl-C ends it.");
+    while interrupt.count() == 0 {
+        if let Some(console) = &mut console {
+            console.serve(device);
+        }
+        std::thread::sleep(PAUSE);
+    }
+    Ok(())
+}
+
+/// A time in ms that makes sense.
+fn milliseconds(option: &str, value: f64) -> Result<Duration, Failure> {
+    if !(0.0..=10_000.0).contains(&value) {
+        return Err(Failure::Usage(format!("{option} {value}: it must lie between 0 and 10000")));
+    }
+    Ok(Duration::from_secs_f64(value * 1e-3))
+}
