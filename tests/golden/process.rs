@@ -58,6 +58,17 @@ impl Desk {
 
     /// `twin run` of `program`, interrupted by `signal` a second after it has announced what `sign` says.
     pub(crate) fn interrupted(&self, signal: &str, sign: &str, arguments: &[&str]) -> Done {
+        self.meanwhile(signal, sign, arguments, || std::thread::sleep(Duration::from_secs(1)))
+    }
+
+    /// `twin`, told to end by `signal` when `act` is done, which begins when it has announced what `sign` says.
+    pub(crate) fn meanwhile(
+        &self,
+        signal: &str,
+        sign: &str,
+        arguments: &[&str],
+        act: impl FnOnce(),
+    ) -> Done {
         let mut child = self.command(arguments).spawn().expect("the binary starts");
         let stderr = child.stderr.take().expect("piped");
         let mut lines = BufReader::new(stderr).lines().map_while(Result::ok);
@@ -69,7 +80,7 @@ impl Desk {
                 break;
             }
         }
-        std::thread::sleep(Duration::from_secs(1));
+        act();
         let process = child.id().to_string();
         let sent = Command::new("kill").args([signal, &process]).status().expect("kill is there");
         assert!(sent.success(), "it has ended already:\n{seen}");
