@@ -53,6 +53,17 @@ pub(super) struct Arguments {
     #[arg(long, default_value_t = 100.0)]
     deceleration: f64,
 
+    /// Where a trip counts, from and to (`WindowOnly`, `FirstPosition` and `LastPosition` of `MC_TouchProbe`), mm or degrees
+    /// [default: everywhere]
+    #[arg(
+        long,
+        allow_hyphen_values = true,
+        value_delimiter = ',',
+        num_args = 1,
+        value_name = "MM|DEG,..."
+    )]
+    window: Vec<f64>,
+
     #[command(flatten)]
     in_loop: InLoopOption,
 }
@@ -77,6 +88,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     }
     let from = start(&machine, &arguments.from)?;
     check_way(axis, from.get(index).copied().unwrap_or_default(), start_velocity, arguments)?;
+    let window = match arguments.window[..] {
+        [] => None,
+        [first, last] => Some([first, last].map(|place| axis.to_si(place))),
+        _ => return Err(Failure::Usage("--window needs two places: FROM,TO".to_owned())),
+    };
     let probe = AxisProbe {
         axis: index,
         stroke: axis.to_si(arguments.stroke),
@@ -84,6 +100,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         velocity: axis.to_si(arguments.velocity),
         acceleration: axis.to_si(arguments.acceleration),
         deceleration: axis.to_si(arguments.deceleration),
+        window,
     };
     if machine.collision.is_none() {
         let message = format!(

@@ -28,6 +28,8 @@ pub struct AxisProbe {
     pub acceleration: f64,
     /// To rest.
     pub deceleration: f64,
+    /// Where a trip counts (`WindowOnly`, `FirstPosition`, `LastPosition` of `MC_TouchProbe`); none: everywhere.
+    pub window: Option<[f64; 2]>,
 }
 
 /// How it ended.
@@ -111,16 +113,19 @@ impl AxisProbe {
         search: &mut dyn Search,
         machine: &mut Simulated,
     ) -> Result<AxisProbeEnd, PhysicsError> {
-        if machine.touches()? {
+        let from = machine.physics().setpoint().position;
+        let mut touches = machine.touches()?;
+        if touches && self.counts(machine) {
             return Ok(AxisProbeEnd::AlreadyTripped);
         }
-        let from = machine.physics().setpoint().position;
         let mut latched = None;
         let mut rested = 0;
         while rested < SETTLING {
             search.advance(cycle_ns, seconds(cycle_ns), latched.is_some());
             machine.probe_towards(&self.setpoint(&from, search.motion()))?;
-            if latched.is_none() && machine.touches()? {
+            // A trip is an edge: what touches where it does not count has to come free before.
+            let touched = std::mem::replace(&mut touches, machine.touches()?);
+            if latched.is_none() && touches && !touched && self.counts(machine) {
                 latched = machine.physics().axis_state().position.get(self.axis).copied();
             }
             rested = if search.is_under_way() { 0 } else { rested + 1 };
@@ -130,6 +135,14 @@ impl AxisProbe {
         Ok(latched
             .map(|latched| search.latched().unwrap_or(latched))
             .map_or(AxisProbeEnd::NotTripped, |latched| AxisProbeEnd::Tripped { latched, rest }))
+    }
+
+    /// Whether a trip counts where the axis is.
+    fn counts(&self, machine: &Simulated) -> bool {
+        let position = machine.physics().axis_state().position.get(self.axis).copied();
+        self.window.zip(position).is_none_or(|([first, last], position)| {
+            (first.min(last)..=first.max(last)).contains(&position)
+        })
     }
 
     /// The other axes stay at `from`.

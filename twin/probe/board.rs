@@ -31,6 +31,9 @@ pub enum BoardRefusal {
         /// Modbus exception code.
         code: u8,
     },
+    /// Command 40 has no window.
+    #[error("command 40 has no window; a trip counts everywhere")]
+    NoWindow,
     /// Another device than a board.
     #[error(
         "a {family} has no probing move of its own; without --drives-in-loop and in_loop the axis is moved by set-points"
@@ -71,6 +74,9 @@ impl BoardSearch {
             DriveFamily::SmartDrive(_) | DriveFamily::Bim2Ax(_) => None,
         };
         let family = device.family_name();
+        if probe.window.is_some() && name.is_some() {
+            return Some(Err(BoardRefusal::NoWindow));
+        }
         Some(
             name.ok_or(BoardRefusal::NoCommand { family })
                 .and_then(|name| Self::commanded(probe, name, axis.increments_per_si(), from)),

@@ -147,6 +147,7 @@ fn an_axis_probes_until_it_touches() {
         velocity,
         acceleration: 0.05,
         deceleration,
+        window: None,
     };
     let (mut simulated, start) = before_the_jaw(&machine, 0.02);
     let end = probe.run(&machine, &mut simulated).unwrap();
@@ -182,6 +183,7 @@ fn a_board_in_the_loop_probes_with_its_own_ramps() {
         velocity,
         acceleration: 0.05,
         deceleration,
+        window: None,
     };
     let (mut simulated, start) = before_the_jaw(&machine, 0.02);
     let end = probe.run(&machine, &mut simulated).unwrap();
@@ -209,4 +211,33 @@ fn a_board_in_the_loop_probes_with_its_own_ramps() {
         refused,
         "deceleration of 96000 thousand steps/s²: command 40 has 1 to 65535 thousand steps/s²"
     );
+}
+
+/// `WindowOnly`: what touches before the window is nothing to it, a trip in it counts.
+#[test]
+fn a_trip_outside_its_window_does_not_count() {
+    let machine = machine();
+    let (simulated, start) = before_the_jaw(&machine, 0.02);
+    let jaw = start + 0.02;
+    let probe = |window| AxisProbe {
+        axis: 1,
+        stroke: 0.03,
+        start_velocity: 0.0,
+        velocity: 0.01,
+        acceleration: 0.1,
+        deceleration: 0.1,
+        window: Some(window),
+    };
+    let end = |window| probe(window).run(&machine, &mut simulated.clone()).unwrap();
+    for window in [[jaw - 1e-3, jaw + 1e-3], [jaw + 1e-3, jaw - 1e-3]] {
+        let AxisProbeEnd::Tripped { latched, .. } = end(window) else { panic!("{window:?}") };
+        assert!((latched - jaw).abs() < 2e-5, "{latched}");
+    }
+    for window in [[start, jaw - 1e-3], [jaw + 1e-3, jaw + 9e-3]] {
+        assert_eq!(end(window), AxisProbeEnd::NotTripped, "{window:?}");
+    }
+    let mut looped = self::machine();
+    looped.put_drives_in_loop();
+    let refused = probe([jaw - 1e-3, jaw]).run(&looped, &mut simulated.clone()).unwrap_err();
+    assert_eq!(refused.to_string(), "command 40 has no window; a trip counts everywhere");
 }
