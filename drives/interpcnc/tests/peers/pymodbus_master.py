@@ -313,7 +313,7 @@ def refusals(it):
             request.count, request.verifyCount = count, lambda most: None
             it.request_refused(VALUE, request)
     # Functions that the board does not have: 23, 22, 8, 17.
-    it.refused(FUNCTION, "readwrite_multiple_registers", read_address=4150, read_count=1, address=4150, values=[1])
+    it.refused(FUNCTION, "readwrite_registers", read_address=4150, read_count=1, write_address=4150, values=[1])
     it.refused(FUNCTION, "mask_write_register", address=4150, and_mask=0xFFFF, or_mask=0)
     it.refused(FUNCTION, "diag_query_data", b"\x12\x34")
     it.refused(FUNCTION, "report_device_id")
