@@ -12,12 +12,15 @@ const INPUT_LONG: &str = "3:int";
 const HOLDING: &str = "4";
 const HOLDING_LONG: &str = "4:int";
 
+/// Addresses and values of registers that are not 0.
+type Others = &'static [(u16, i64)];
+
 /// mbpoll on the wire to a board.
 struct Mbpoll<'a>(&'a Path);
 
 impl Mbpoll<'_> {
     /// What it says with these arguments, or its complaint.
-    fn run(&self, station: &str, table: &str, rest: &[&str]) -> Result<String, String> {
+    fn run(station: &str, table: &str, rest: &[&str]) -> Result<String, String> {
         let mut mbpoll = Command::new("mbpoll");
         // RTU, addresses from 0, high word first, no parity, once, ten seconds to answer.
         mbpoll.args(["-m", "rtu", "-0", "-B", "-P", "none", "-b", "115200", "-1", "-o"]);
@@ -31,7 +34,7 @@ impl Mbpoll<'_> {
     fn read(&self, table: &str, address: u16, count: u16) -> Vec<i64> {
         let (address, count) = (address.to_string(), count.to_string());
         let port = self.0.to_str().unwrap();
-        let said = self.run("1", table, &["-r", &address, "-c", &count, port]).unwrap();
+        let said = Self::run("1", table, &["-r", &address, "-c", &count, port]).unwrap();
         let values = said.lines().filter_map(|line| line.strip_prefix('[')?.split_once("]:"));
         values.map(|(_, value)| value.split_whitespace().next().unwrap().parse().unwrap()).collect()
     }
@@ -41,7 +44,7 @@ impl Mbpoll<'_> {
         let address = address.to_string();
         let mut rest = vec!["-r", &address, self.0.to_str().unwrap(), "--"];
         rest.extend(values.iter().map(String::as_str));
-        let said = self.run("1", table, &rest)?;
+        let said = Self::run("1", table, &rest)?;
         let expected = format!("Written {} references.", values.len());
         assert!(said.contains(&expected), "{said}");
         Ok(())
@@ -83,7 +86,7 @@ fn mbpoll_reads_every_block_of_the_emulated_board() {
     let it = Mbpoll(board.path());
     // First address, number of values and, where one is not 0 after power-up, which: B5 and B8 of the status, the
     // board's lock; parameters 101 (speed) and 103 (station); the size of recipes.
-    let blocks: [(&str, u16, u16, &[(u16, i64)]); 20] = [
+    let blocks: [(&str, u16, u16, Others); 20] = [
         (DISCRETE, 2048, 16, &[]),
         (DISCRETE, 2080, 40, &[(2085, 1), (2088, 1)]),
         (DISCRETE, 2120, 125, &[]),
@@ -107,7 +110,9 @@ fn mbpoll_reads_every_block_of_the_emulated_board() {
     ];
     for (table, first, count, others) in blocks {
         let mut expected = vec![0; count.into()];
-        others.iter().for_each(|(address, value)| expected[usize::from(address - first)] = *value);
+        for (address, value) in others {
+            expected[usize::from(address - first)] = *value;
+        }
         assert_eq!(it.read(table, first, count), expected, "table {table} from {first}");
     }
 }
@@ -183,7 +188,7 @@ fn mbpoll_is_refused_what_the_board_cannot_do() {
         (COILS, "512", "1"),
         (DISCRETE, "2304", "1"),
     ] {
-        let complaint = it.run("1", table, &["-r", first, "-c", count, port]).unwrap_err();
+        let complaint = Mbpoll::run("1", table, &["-r", first, "-c", count, port]).unwrap_err();
         assert!(complaint.contains(address), "{table} {first}: {complaint}");
     }
     let writes: [(&str, u16, &[i64], &str); 9] = [
@@ -202,7 +207,7 @@ fn mbpoll_is_refused_what_the_board_cannot_do() {
         assert!(complaint.contains(expected), "{table} {first}: {complaint}");
     }
     // Nobody else answers, and the board still does.
-    let complaint = it.run("2", INPUT, &["-r", "1024", port]).unwrap_err();
+    let complaint = Mbpoll::run("2", INPUT, &["-r", "1024", port]).unwrap_err();
     assert!(complaint.contains("Connection timed out"), "{complaint}");
     assert_eq!(it.status(), 0x120);
 }

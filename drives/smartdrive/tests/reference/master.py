@@ -25,17 +25,25 @@ class Refused(Exception):
 
 
 class Master:
-    def __init__(self, path):
-        self.port, self.address = open_raw(path), 1
+    """On a wire that repeats what the master says ("l'écho ... doit être ignoré") or does not."""
 
-    def receive(self, seconds):
+    def __init__(self, path, echo):
+        self.port, self.address, self.echo = open_raw(path), 1, echo
+
+    def send(self, frame):
+        os.write(self.port, frame)
+        if self.echo:
+            heard = self.receive(10, len(frame))
+            assert heard == frame, (frame.hex(), heard.hex())
+
+    def receive(self, seconds, length=9):
         answer = b""
-        while len(answer) < 9 and select.select([self.port], [], [], seconds)[0]:
-            answer += os.read(self.port, 9 - len(answer))
+        while len(answer) < length and select.select([self.port], [], [], seconds)[0]:
+            answer += os.read(self.port, length - len(answer))
         return answer
 
     def exchange(self, frame):
-        os.write(self.port, frame)
+        self.send(frame)
         answer = self.receive(10)
         assert len(answer) == 9 and xor(answer) == 0, (frame.hex(), answer.hex())
         sta, tag = struct.unpack("<H4xHx", answer)
@@ -45,7 +53,7 @@ class Master:
         return answer
 
     def silent(self, frame):
-        os.write(self.port, frame)
+        self.send(frame)
         answer = self.receive(0.3)
         assert answer == b"", (frame.hex(), answer.hex())
 
@@ -229,7 +237,7 @@ def storage(it):
 def find(it, addresses):
     for _ in range(50):
         for address in addresses:
-            os.write(it.port, request(address, "PING"))
+            it.send(request(address, "PING"))
             if len(it.receive(0.2)) == 9:
                 return address
     raise SystemExit(f"nobody at {addresses}")
@@ -411,8 +419,12 @@ def bootloader(it):
         it.silent(request(1, "PING"))
 
 
-def everything(path):
-    it = Master(path)
-    for part in (frames, modes, parameters, variables, storage, moves, origins, stops, bootloader):
-        part(it)
-        print(f"agreed {part.__name__}", flush=True)
+PARTS = (frames, modes, parameters, variables, storage, moves, origins, stops, bootloader)
+
+
+def ask(path, echo, names):
+    it = Master(path, echo)
+    for part in PARTS:
+        if not names or part.__name__ in names:
+            part(it)
+            print(f"agreed {part.__name__}", flush=True)
