@@ -188,6 +188,9 @@ pub enum Stopped {
     Unsettled,
 }
 
+/// How long drives follow before the program begins: a few of their rounds.
+const LEAD: Duration = Duration::from_millis(100);
+
 /// A run before it starts.
 #[derive(Debug)]
 pub struct Session<'a, P> {
@@ -250,7 +253,9 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
         // Drives that begin to follow find a plan.
         run.heed(interrupts());
         run.plan(ahead_ns);
-        let clock = Clock::start();
+        // Drives that have looked around are ready for the first move when it is due.
+        let lead = if run.hardware.is_some() { LEAD } else { Duration::ZERO };
+        let clock = Clock::in_future(lead);
         run.begin(clock, paced);
         while run.goes_on() {
             let now_ns = if paced { clock.now_ns() } else { run.executed_ns() + BATCH_NS };
