@@ -21,7 +21,7 @@ impl Interrupt {
         Ok(Self { count })
     }
 
-    pub(super) fn count(&self) -> u32 {
+    pub(in crate::command) fn count(&self) -> u32 {
         self.count.load(Ordering::Relaxed)
     }
 
