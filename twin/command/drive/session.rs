@@ -74,16 +74,25 @@ impl Session {
                 "stopped by Ctrl-C".to_owned()
             }
         };
-        let at_rest = self.stop(drive)?;
+        let at_rest = self.stop(drive, pressed(&interrupt))?;
         Err(Failure::Usage(format!("{why}; {at_rest}")))
     }
 
-    /// Stops on the ramps, and at once if that is not confirmed; says which.
-    fn stop<D: Stopping>(&self, drive: &mut D) -> Result<&'static str, Failure> {
-        let Err(soft) = self.runtime.block_on(drive.soft_stop()) else {
-            return Ok("the axes are at rest");
-        };
-        eprintln!("{soft}: stopping at once");
+    /// Stops on the ramps, and at once if that is not confirmed or `impatient` ends before; says which.
+    fn stop<D: Stopping>(
+        &self,
+        drive: &mut D,
+        impatient: impl Future<Output = ()>,
+    ) -> Result<&'static str, Failure> {
+        let soft = self.runtime.block_on(async {
+            tokio::select! {
+                biased;
+                stopped = drive.soft_stop() => stopped.map_err(|error| error.to_string()),
+                () = impatient => Err("Ctrl-C again".to_owned()),
+            }
+        });
+        let Err(why) = soft else { return Ok("the axes are at rest") };
+        eprintln!("{why}: stopping at once");
         match self.runtime.block_on(drive.hard_stop()) {
             Ok(()) => Ok("the axes were stopped at once"),
             Err(hard) => Err(Failure::Usage(format!(
@@ -98,5 +107,66 @@ async fn pressed(interrupt: &Interrupt) {
     let before = interrupt.count();
     while interrupt.count() == before {
         tokio::time::sleep(LOOK).await;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Session, Stopping};
+    use std::future::{pending, ready};
+    use std::time::Duration;
+    use twin_drives::{Action, DriveError, Exchange};
+
+    /// A drive that confirms its stops or not, and what it was told.
+    struct Drive {
+        confirms: [bool; 2],
+        told: Vec<&'static str>,
+    }
+
+    fn confirmed(confirmed: bool) -> Result<(), DriveError> {
+        if confirmed {
+            return Ok(());
+        }
+        let at = Exchange { port: "p".into(), station: 7, action: Action::ReadState };
+        Err(DriveError::Timeout { at, deadline: Duration::from_millis(1) })
+    }
+
+    impl Stopping for Drive {
+        async fn soft_stop(&mut self) -> Result<(), DriveError> {
+            self.told.push("soft");
+            tokio::task::yield_now().await;
+            confirmed(self.confirms[0])
+        }
+
+        async fn hard_stop(&mut self) -> Result<(), DriveError> {
+            self.told.push("hard");
+            confirmed(self.confirms[1])
+        }
+    }
+
+    #[test]
+    fn a_stop_that_is_not_confirmed_is_followed_by_one_at_once() {
+        let session = Session::start().expect("a runtime");
+        let stop = |confirms| {
+            let mut drive = Drive { confirms, told: Vec::new() };
+            let said = session.stop(&mut drive, pending());
+            (said.map_err(|error| error.to_string()), drive.told)
+        };
+        assert_eq!(stop([true, true]), (Ok("the axes are at rest"), vec!["soft"]));
+        let (said, told) = stop([false, true]);
+        assert_eq!((said, told), (Ok("the axes were stopped at once"), vec!["soft", "hard"]));
+        let (said, told) = stop([false, false]);
+        let said = said.expect_err("nothing is confirmed");
+        assert!(said.contains("p, station 7") && said.contains("emergency stop"), "{said}");
+        assert_eq!(told, ["soft", "hard"]);
+    }
+
+    #[test]
+    fn who_cannot_wait_stops_at_once() {
+        let session = Session::start().expect("a runtime");
+        let mut drive = Drive { confirms: [true, true], told: Vec::new() };
+        let said = session.stop(&mut drive, ready(()));
+        assert_eq!(said.ok(), Some("the axes were stopped at once"));
+        assert_eq!(drive.told.last(), Some(&"hard"));
     }
 }
