@@ -1,6 +1,7 @@
 //! `twin drive` against emulators in this process, whose own state says what has become of each action.
 
 use crate::process::{Desk, Done};
+use std::time::Duration;
 use twin::clock::Clock;
 use twin_drives::bim2ax::emulator as module;
 use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
@@ -198,7 +199,7 @@ fn a_bus(flash: Vec<Vec<u8>>) -> (bus::EmulatedBus, Hand) {
     let port = running.path().to_str().expect("a path").to_owned();
     let hand = Hand::new("smartdrive", &port, &["--deadline", "1000"]);
     // Their firmware starts within 300 ms: until then nobody answers.
-    while hand.tries("status").status != Some(0) {}
+    assert!((0..50).any(|_| hand.tries("status").status == Some(0)), "nobody answers");
     (running, hand)
 }
 
@@ -289,9 +290,11 @@ fn a_module() -> (module::EmulatedModule, Hand) {
         bench.plus = Some(Contact::above(8000, true));
     }
     let running = module::EmulatedModule::start(&options, clock()).expect("it starts");
-    while !running.module().watchdog() {
-        std::thread::yield_now();
-    }
+    let runs = |_| {
+        std::thread::sleep(Duration::from_millis(10));
+        running.module().watchdog()
+    };
+    assert!((0..1000).any(runs), "its software does not start");
     (running, hand)
 }
 

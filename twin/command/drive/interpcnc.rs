@@ -276,6 +276,11 @@ fn scan(
                 found += 1;
             }
             Err(Failure::Drive(DriveError::Timeout { .. })) => {}
+            // It is there, and has not what was asked.
+            Err(Failure::Drive(DriveError::Device { .. })) => {
+                table.add_row([right(station), "not told".into(), "not told".into()]);
+                found += 1;
+            }
             // Something is there that speaks otherwise, or at another speed.
             Err(Failure::Drive(error @ DriveError::Protocol { .. })) => {
                 eprintln!("{error}");

@@ -252,7 +252,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             status(&[(address, state)]);
         }
         Action::Unlock => {
-            let state = session.ask(axis.state())?;
+            let state = standing(&session, &mut axis, "unlock")?;
             if state.mode == Mode::Remote.number() && state.alarms.is_empty() {
                 println!("obeys the bus already, at {}", state.position);
             } else {
@@ -313,6 +313,11 @@ fn mode(number: u8) -> String {
     }
 }
 
+/// Whether the motor turns or homing runs. One that has had no move yet has nothing that is done, either.
+fn turns(state: &DriveState) -> bool {
+    state.homing || state.flags.contains(TrajectoryFlags::IN_MOTION)
+}
+
 fn status(found: &[(u8, DriveState)]) {
     let mut table = show::table();
     table.set_header(["address", "mode", "position, µsteps", "state"]);
@@ -321,8 +326,8 @@ fn status(found: &[(u8, DriveState)]) {
         let facts = [
             (!state.alarms.is_empty(), format!("alarm: {}", state.alarms)),
             (state.homing, "homing".to_owned()),
-            (state.moving(), "moving".to_owned()),
-            (!state.moving(), "at rest".to_owned()),
+            (turns(state), "moving".to_owned()),
+            (!turns(state), "at rest".to_owned()),
             (flags.contains(TrajectoryFlags::STALLED), "stalled".to_owned()),
             (flags.contains(TrajectoryFlags::LIMITED_P), "stopped by LIMP".to_owned()),
             (flags.contains(TrajectoryFlags::LIMITED_N), "stopped by LIMN".to_owned()),
@@ -342,7 +347,7 @@ fn status(found: &[(u8, DriveState)]) {
 /// The state of a drive that obeys and does not move.
 fn standing(session: &Session, axis: &mut Axis, what: &str) -> Result<DriveState, Failure> {
     let state = session.ask(axis.state())?;
-    if state.moving() {
+    if turns(&state) {
         let message = format!("{}: it moves, which `{what}` would end: `stop` first", axis.at());
         return Err(Failure::Usage(message));
     }
