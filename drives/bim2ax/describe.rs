@@ -3,7 +3,7 @@
 use super::bits::{card, message};
 
 /// What the message bits of an axis say; what is normal is left out, but for homing.
-pub(crate) fn describe_messages(messages: u16) -> String {
+pub fn describe_messages(messages: u16) -> String {
     let known = [
         (message::PLUS_SWITCH, "on the + end switch"),
         (message::MINUS_SWITCH, "on the - end switch"),

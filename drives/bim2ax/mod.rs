@@ -32,7 +32,8 @@ pub mod zone;
 pub use axis::{
     Assumptions, AxisSettings, Bench, Contact, EncoderBench, EncoderKind, MOST_POSITION, REFERENCES,
 };
-pub(crate) use describe::{describe_card, describe_messages};
+pub(crate) use describe::describe_card;
+pub use describe::describe_messages;
 pub use drive::Bim2AxDrive;
 pub use driver::{Bim2Ax, Bim2AxOptions, BusStamp, Identity, Move, Start};
 pub use memory::{

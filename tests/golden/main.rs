@@ -14,6 +14,7 @@
 mod check_limits;
 mod collision;
 mod compare;
+mod drive;
 mod emulate;
 mod in_loop;
 mod limit;

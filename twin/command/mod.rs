@@ -3,6 +3,7 @@
 mod axes;
 mod axes_probe;
 mod check;
+mod drive;
 mod emulate;
 mod limit;
 mod machine;
@@ -71,6 +72,7 @@ enum Command {
     Limit(Box<limit::Arguments>),
     Axes(axes::Arguments),
     Emulate(emulate::Arguments),
+    Drive(Box<drive::Arguments>),
     View(view::Arguments),
     Machine(machine::Arguments),
 }
@@ -85,6 +87,7 @@ pub fn main() -> ExitCode {
         Command::Limit(arguments) => limit::run(&arguments),
         Command::Axes(arguments) => axes::run(&arguments),
         Command::Emulate(arguments) => emulate::run(&arguments),
+        Command::Drive(arguments) => drive::run(&arguments),
         Command::View(arguments) => view::run(&arguments),
         Command::Machine(arguments) => machine::run(&arguments),
     };
@@ -129,6 +132,9 @@ pub(crate) enum Failure {
     /// The drives.
     #[error(transparent)]
     Hardware(#[from] crate::hardware::HardwareError),
+    /// A drive that is talked to by hand.
+    #[error(transparent)]
+    Drive(#[from] twin_drives::DriveError),
     /// The view.
     #[error(transparent)]
     View(#[from] twin_viz::VizError),

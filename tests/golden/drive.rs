@@ -1,0 +1,377 @@
+//! `twin drive` against emulators in this process, whose own state says what has become of each action.
+
+use crate::process::{Desk, Done};
+use std::time::Duration;
+use twin::clock::Clock;
+use twin_drives::bim2ax::emulator as module;
+use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
+use twin_drives::bim2ax::{Contact, ModuleAxis};
+use twin_drives::interpcnc::BoardAxis;
+use twin_drives::interpcnc::emulator as board;
+use twin_drives::smartdrive::Mode;
+use twin_drives::smartdrive::emulator as bus;
+
+fn clock() -> impl Fn() -> i64 + Send + Sync {
+    let clock = Clock::start();
+    move || clock.now_ns()
+}
+
+/// `twin drive FAMILY --port PATH OPTIONS ACTION`.
+struct Hand {
+    desk: Desk,
+    words: Vec<String>,
+}
+
+impl Hand {
+    /// With a deadline that an emulator keeps beside other tests and builds.
+    fn new(family: &str, port: &str, options: &[&str]) -> Self {
+        let words = [&["drive", family, "--port", port][..], options].concat();
+        Self { desk: Desk::new(), words: words.into_iter().map(str::to_owned).collect() }
+    }
+
+    fn arguments<'a>(&'a self, action: &[&'a str]) -> Vec<&'a str> {
+        self.words.iter().map(String::as_str).chain(action.iter().copied()).collect()
+    }
+
+    fn tries(&self, action: &str) -> Done {
+        let words: Vec<_> = action.split(' ').collect();
+        self.desk.twin(&self.arguments(&words))
+    }
+
+    /// It is done.
+    #[track_caller]
+    fn does(&self, action: &str) -> Done {
+        let done = self.tries(action);
+        done.ended(0, "");
+        done
+    }
+
+    /// It is refused, with these words.
+    #[track_caller]
+    fn refuses(&self, action: &str, words: &str) {
+        let done = self.tries(action);
+        done.ended(2, words);
+        assert_eq!(done.stdout, "");
+    }
+
+    /// Interrupted a second after it has said what it does.
+    fn interrupted(&self, sign: &str, action: &str) -> Done {
+        let words: Vec<_> = action.split(' ').collect();
+        self.desk.interrupted("-INT", sign, &self.arguments(&words))
+    }
+}
+
+/// The row of a table that has this word in this column, in words.
+#[track_caller]
+fn row<'a>(done: &'a Done, column: usize, word: &str) -> Vec<&'a str> {
+    let mut rows = done.stdout.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
+    let found = rows.find(|row| row.get(column) == Some(&word));
+    found.unwrap_or_else(|| panic!("no {word} in column {column} of\n{}", done.stdout))
+}
+
+/// A board whose home switch of X is pressed from 1500 steps behind the start on, input 5.
+fn a_board(station: u8) -> (board::EmulatedBoard, Hand) {
+    let cam =
+        board::Cam { input: 5, axis: BoardAxis::X, from: -3000, to: -1500, normally_closed: false };
+    let options = board::EmulatorOptions {
+        board: board::BoardOptions { station, ..board::BoardOptions::default() },
+        bench: board::Bench { cams: vec![cam], encoder: None },
+        ..board::EmulatorOptions::default()
+    };
+    let running = board::EmulatedBoard::start(&options, clock()).expect("it starts");
+    let port = running.path().to_str().expect("a path").to_owned();
+    let station = station.to_string();
+    (running, Hand::new("interpcnc", &port, &["--station", &station, "--deadline", "1500"]))
+}
+
+#[test]
+fn an_interpcnc_board_is_found_unlocked_and_moved() {
+    let (running, hand) = a_board(4);
+    let port = running.path().to_str().expect("a path");
+    let scan = Hand::new("interpcnc", port, &["--deadline", "300"]);
+    let found = scan.does("scan --stations 3-4");
+    assert_eq!(row(&found, 0, "4")[1..3], ["115200", "baud,"]);
+    scan.tries("scan --stations 7").ended(1, "no station answers");
+    assert!(hand.does("status").stdout.contains("locked"));
+    // A locked board takes moves and does nothing.
+    hand.refuses("move X 100 --yes", "the board is locked; the axes are at rest");
+    assert_eq!(hand.does("unlock").stdout, "unlocked\n");
+    hand.refuses(
+        "move X 4000",
+        "move axis X from 0 to 4000 steps at 1000 steps/s: nothing has moved",
+    );
+    let moved = hand.does("move X 4000 --speed 8000 --yes");
+    assert!(moved.stderr.contains("move axis X from 0 to 4000 steps at 8000 steps/s"));
+    hand.refuses("jog X -1500", "from 4000 to 2500");
+    hand.does("jog X -1500 --speed 8000 --yes");
+    hand.does("--yes jog B 700 --speed 8000");
+    assert_eq!(row(&hand.does("status"), 0, "X"), ["X", "2500", "at", "rest"]);
+    let board = running.stop().expect("it runs");
+    assert_eq!(board.counters(), [2500, 0, 0, 0, 700]);
+    assert!(!board.status().locked());
+}
+
+#[test]
+fn an_interpcnc_board_homes_by_the_parameters_that_were_set() {
+    let (running, hand) = a_board(1);
+    hand.does("unlock");
+    hand.refuses("set home-imput-x 5", "is `home-input-x` meant?");
+    hand.does("set home-input-x 0");
+    hand.refuses("home X --yes", "axis x has no home switch: set home-input-x");
+    let changed = hand.does("set home-input-x 5");
+    assert!(changed.stdout.contains("parameter 29 (home-input-x): 0 -> 5"), "{}", changed.stdout);
+    // Number 12 is EE_ORIGINE_SPEED_RAPIDE.
+    for setting in
+        ["12 4000", "home-direction-x 0", "home-acceleration-x 100", "home-start-stop 200"]
+    {
+        hand.does(&format!("set {setting}"));
+    }
+    for setting in ["home-slow-speed 500", "home-polarity 0", "zero-after-homing 1"] {
+        hand.does(&format!("set {setting}"));
+    }
+    assert_eq!(row(&hand.does("get home-speed-x"), 0, "12")[..3], ["12", "home-speed-x", "4000"]);
+    let all = hand.does("get");
+    assert_eq!(row(&all, 1, "home-input-x")[2], "5");
+    assert_eq!(row(&all, 1, "modbus-address")[2], "1");
+    let said = "axis X from 0 towards - until input 5 says so, 5000 steps at most, at 4000 steps/s";
+    hand.refuses("home X --max-stroke 5000", said);
+    let homed = hand.does("home X --max-stroke 5000 --yes");
+    assert_eq!(homed.stdout, "axis X is home, at 0\n");
+    let board = running.stop().expect("it runs");
+    assert!((board.mechanical(BoardAxis::X) + 1500.0).abs() <= 1.0);
+    assert_eq!(board.counters(), [0; 5]);
+}
+
+#[test]
+fn inputs_and_outputs_of_an_interpcnc_board() {
+    let (running, hand) = a_board(1);
+    running.set_input(17, true).expect("it runs");
+    let inputs = hand.does("inputs");
+    assert_eq!((row(&inputs, 0, "17")[1], row(&inputs, 0, "16")[1]), ("on", "off"));
+    hand.refuses("outputs 3=on", "the board is locked");
+    hand.does("unlock");
+    hand.refuses("outputs 33=on", "there are 1 to 32");
+    hand.refuses("outputs 3=maybe", "neither on nor off");
+    hand.does("outputs 3=on 32=on 4=on");
+    let outputs = hand.does("outputs 4=off");
+    assert_eq!((row(&outputs, 0, "3")[1], row(&outputs, 0, "4")[1]), ("on", "off"));
+    hand.does("stop");
+    let board = running.stop().expect("it runs");
+    assert_eq!(board.outputs(), 1 << 2 | 1 << 31);
+    let (running, hand) = a_board(1);
+    hand.does("unlock");
+    hand.does("stop --now");
+    assert!(running.stop().expect("it runs").status().locked());
+}
+
+#[test]
+fn ctrl_c_brings_the_axes_of_an_interpcnc_board_to_rest() {
+    let (running, hand) = a_board(1);
+    hand.does("unlock");
+    let done = hand.interrupted("move axis Y", "move Y 1000000 --speed 5000 --yes");
+    done.ended(2, "stopped by Ctrl-C; the axes are at rest");
+    let board = running.stop().expect("it runs");
+    assert!(board.status().moving().is_empty() && !board.status().locked());
+    let stands = board.counters()[1];
+    assert!((1..1_000_000).contains(&stands), "{stands}");
+}
+
+#[test]
+fn a_port_that_is_not_there_is_named_with_station_and_command() {
+    Hand::new("interpcnc", "no-such-port", &["--station", "9"])
+        .refuses("status", "no-such-port, station 9: opening the port");
+    Hand::new("smartdrive", "no-such-port", &["--address", "9"])
+        .refuses("status", "no-such-port, station 9: opening the port");
+    Hand::new("bim2ax", "no-such-file", &[]).refuses("status", "no-such-file: opening the port");
+}
+
+/// Drives at addresses 1 and 3, the home switch of the first on DIR, 1000 to 3000 µsteps behind the start.
+fn a_bus(flash: Vec<Vec<u8>>) -> (bus::EmulatedBus, Hand) {
+    let first = bus::DeviceOptions {
+        cams: vec![bus::Cam { input: bus::Input::Dir, from: -3000.0, to: -1000.0 }],
+        homing: bus::HomingOptions { input: bus::Input::Dir, ..bus::HomingOptions::default() },
+        ..bus::DeviceOptions::default()
+    };
+    let third = bus::DeviceOptions { address: 3, ..bus::DeviceOptions::default() };
+    let devices = vec![first, third];
+    let options = bus::EmulatorOptions { devices, flash, ..bus::EmulatorOptions::default() };
+    let running = bus::EmulatedBus::start(&options, clock()).expect("it starts");
+    let port = running.path().to_str().expect("a path").to_owned();
+    let hand = Hand::new("smartdrive", &port, &["--deadline", "1000"]);
+    // Their firmware starts within 300 ms: until then nobody answers.
+    assert!((0..50).any(|_| hand.tries("status").status == Some(0)), "nobody answers");
+    (running, hand)
+}
+
+#[test]
+fn smartdrives_are_found_unlocked_moved_and_homed() {
+    let (running, hand) = a_bus(Vec::new());
+    let port = running.path().to_str().expect("a path");
+    let found = Hand::new("smartdrive", port, &["--deadline", "300"]).does("scan --addresses 1-3");
+    assert_eq!(
+        (row(&found, 0, "1")[1..3].to_vec(), found.stdout.lines().count()),
+        (vec!["0,", "off"], 6)
+    );
+    hand.refuses("move 3200 --yes", "it is in mode 0, off: `unlock` first");
+    assert_eq!(hand.does("unlock").stdout, "obeys the bus, at 0\n");
+    assert_eq!(hand.does("unlock").stdout, "obeys the bus already, at 0\n");
+    hand.refuses("move 3200", "from 0 to 3200 µsteps at 500 rpm: nothing has moved");
+    hand.does("move 3200 --yes");
+    hand.does("jog -700 --speed 300 --acceleration 1000 --yes");
+    let status = hand.does("status");
+    assert_eq!(row(&status, 0, "1")[1..], ["3,", "obeys", "the", "bus", "2500", "at", "rest"]);
+    hand.refuses("home", "from 2500 to its switch, which is at 0 µsteps, at 120 rpm");
+    assert_eq!(hand.does("home --yes").stdout, "home, at 0\n");
+    let devices = running.stop().expect("it runs");
+    assert_eq!((devices[0].mode(), devices[0].counter()), (Mode::Remote, 0));
+    assert!((devices[0].mechanical() + 1000.0).abs() <= 1.0);
+    assert_eq!((devices[1].mode(), devices[1].counter()), (Mode::Off, 0));
+}
+
+#[test]
+fn parameters_of_a_smartdrive_are_set_and_saved() {
+    let (running, hand) = a_bus(Vec::new());
+    hand.refuses("set Trj_VelMx 300", "is `Trj_VelMax` meant?");
+    hand.refuses("set 1 300", "there is no parameter 1");
+    hand.refuses("set Trj_VelMax 0", "Trj_VelMax = 0 is impossible (1 to 32767)");
+    let changed = hand.does("set trj_velmax 300");
+    assert!(changed.stdout.contains("Trj_VelMax (30): 500 -> 300 rpm"), "{}", changed.stdout);
+    hand.does("set 26 -100000");
+    // Number, name, value, saved, factory, unit.
+    let shown = hand.does("get 30");
+    assert_eq!(row(&shown, 0, "30"), ["30", "Trj_VelMax", "300", "500", "500", "rpm"]);
+    hand.does("save");
+    let all = hand.does("get");
+    assert_eq!(row(&all, 1, "Trj_PosMin")[2..5], ["-100000", "-100000", "0"]);
+    assert_eq!(row(&all, 2, "Alm_Supply")[3], "24");
+    let devices = running.stop().expect("it runs");
+    let (running, hand) = a_bus(devices.iter().map(bus::Device::flash).collect());
+    assert_eq!(row(&hand.does("get Trj_VelMax"), 0, "30")[2..5], ["300", "300", "500"]);
+    drop(running);
+}
+
+#[test]
+fn inputs_and_outputs_of_a_smartdrive() {
+    let (running, hand) = a_bus(Vec::new());
+    let event = bus::Event::Input { input: bus::Input::LimP, level: true };
+    running.happen(0, event).expect("it runs");
+    let inputs = hand.does("inputs");
+    assert_eq!((row(&inputs, 0, "LIMP")[1], row(&inputs, 0, "LIMN")[1]), ("on", "off"));
+    hand.does("outputs LED=on BRK=on");
+    let outputs = hand.does("outputs brk=off");
+    assert_eq!((row(&outputs, 0, "LED")[1], row(&outputs, 0, "BRK")[1]), ("on", "off"));
+    hand.refuses("outputs GO=on", "there are RDY, BRK and LED");
+    let devices = running.stop().expect("it runs");
+    assert_eq!(devices[0].outputs() & 0b110, 0b100);
+}
+
+#[test]
+fn ctrl_c_and_stop_bring_a_smartdrive_to_rest() {
+    let (running, hand) = a_bus(Vec::new());
+    hand.does("unlock");
+    let done = hand.interrupted("move the axis", "move 1000000 --speed 120 --yes");
+    done.ended(2, "stopped by Ctrl-C; the axes are at rest");
+    hand.does("stop");
+    let found = hand.does("status");
+    let stands: i32 = row(&found, 0, "1")[5].parse().expect("a position");
+    assert!((1..1_000_000).contains(&stands), "{stands}");
+    assert_eq!(hand.does("stop --now").stdout, "off\n");
+    let devices = running.stop().expect("it runs");
+    assert_eq!((devices[0].mode(), devices[0].motion().1), (Mode::Off, 0.0));
+}
+
+/// A module on a memory file, both cams from −900 to −400 µsteps, a + end switch at 8000.
+fn a_module() -> (module::EmulatedModule, Hand) {
+    let hand = Hand::new("bim2ax", "module", &["--deadline", "1500"]);
+    let mut options = module::EmulatorOptions::new(&hand.desk.path("module"));
+    options.module.boot_ns = 1_000_000;
+    for bench in &mut options.surroundings.benches {
+        bench.cam = Some(Contact::between(-900, -400, true));
+        bench.plus = Some(Contact::above(8000, true));
+    }
+    let running = module::EmulatedModule::start(&options, clock()).expect("it starts");
+    let runs = |_| {
+        std::thread::sleep(Duration::from_millis(10));
+        running.module().watchdog()
+    };
+    assert!((0..1000).any(runs), "its software does not start");
+    (running, hand)
+}
+
+#[test]
+fn a_bim2ax_is_found_unlocked_moved_and_homed() {
+    let (running, hand) = a_module();
+    let found = hand.does("scan");
+    assert_eq!(row(&found, 0, "BIM2AX-BOCM")[1..], ["15", "2000", "mA", "1,", "2"]);
+    assert!(hand.does("status").stdout.contains("homing not done"));
+    hand.does("unlock 1 2");
+    // A quarter of the rating.
+    assert_eq!(running.module().current_ma(ModuleAxis::Two), 500);
+    // 1000 steps/s of 16 µsteps.
+    hand.refuses(
+        "move 1 4000",
+        "move axis 1 from 0 to 4000 µsteps at 16000 µsteps/s: nothing has moved",
+    );
+    hand.does("move 1 4000 --yes");
+    hand.does("jog 1 -1500 --speed 500 --yes");
+    hand.does("jog 2 -300 --yes");
+    assert_eq!(row(&hand.does("status"), 0, "1")[1], "2500");
+    assert_eq!(running.module().shaft(ModuleAxis::One), 2500);
+    assert_eq!(running.module().shaft(ModuleAxis::Two), -300);
+    hand.refuses("home 1", "axis 1 from 2500 towards - to its cam");
+    assert_eq!(hand.does("home 1 --yes").stdout, "axis 1 is home, at 0\n");
+    assert_eq!(row(&hand.does("status"), 0, "1")[1..3], ["0", "home"]);
+    assert_eq!(running.module().shaft(ModuleAxis::One), -400);
+}
+
+#[test]
+fn parameters_of_a_bim2ax_are_stored_and_act_after_a_reset() {
+    let (running, hand) = a_module();
+    hand.refuses("set fast-sped-1 500", "is `fast-speed-1` meant?");
+    hand.refuses("set $42 1", "there is no parameter 66");
+    hand.refuses("set software-version 3", "parameter cannot be written");
+    let changed = hand.does("set fast-speed-1 500");
+    assert_eq!(changed.stdout, "fast-speed-1: 1000 -> 500 steps/s\nit acts after `reset`\n");
+    let changed = hand.does("set soft-limit-minus-2 -100");
+    assert_eq!(changed.stdout, "soft-limit-minus-2: -4194303 -> -100 µsteps\n");
+    assert_eq!(row(&hand.does("get $0A"), 0, "$0A"), ["$0A", "fast-speed-1", "500", "steps/s"]);
+    let all = hand.does("get");
+    assert_eq!(row(&all, 1, "reference-position-10-2")[0], "$29");
+    assert_eq!(row(&all, 1, "current-rating")[2..], ["2000", "mA"]);
+    let stored = |parameter, axis| {
+        running.module().eeprom().get(Parameter::Axis(parameter, axis)).cast_signed()
+    };
+    assert_eq!(stored(AxisParameter::FastSpeed, ModuleAxis::One), 500);
+    assert_eq!(stored(AxisParameter::SoftMinus, ModuleAxis::Two), -100);
+    let before = running.module().starts();
+    hand.does("reset");
+    assert_eq!(running.module().starts(), before + 1);
+}
+
+#[test]
+fn inputs_and_ends_of_a_bim2ax() {
+    let (running, hand) = a_module();
+    // The + end switch counts, its contact closes: coefficient bits 0, 7 and 14.
+    hand.does("set coefficient-1 $4081");
+    hand.does("reset");
+    hand.does("unlock 1");
+    hand.refuses("move 1 20000 --yes", "on the + end switch");
+    let stands = running.module().shaft(ModuleAxis::One);
+    // From 16000 µsteps/s to the start-stop speed of 1600 at 32000 µsteps/s²: 3960 µsteps further.
+    assert!((11_955..=11_965).contains(&stands), "{stands}");
+    let inputs = hand.does("inputs");
+    assert_eq!(row(&inputs, 0, "1")[1..], ["on", "off", "off"]);
+}
+
+#[test]
+fn ctrl_c_and_stop_bring_a_bim2ax_to_rest() {
+    let (running, hand) = a_module();
+    hand.does("unlock 1");
+    let done = hand.interrupted("move axis 1", "move 1 -1000000 --speed 200 --yes");
+    done.ended(2, "stopped by Ctrl-C; the axes are at rest");
+    hand.does("stop");
+    let stands = running.module().shaft(ModuleAxis::One);
+    assert!((-999_999..0).contains(&stands), "{stands}");
+    assert_eq!(hand.does("stop --now").stdout, format!("at rest at {stands}, 0\n"));
+    assert!(running.module().velocity(ModuleAxis::One).abs() < f64::EPSILON);
+}

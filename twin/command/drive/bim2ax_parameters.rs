@@ -1,0 +1,173 @@
+//! Parameters of a BIM2AX-BOCM by name and number.
+
+use super::session::{Session, no_clock};
+use super::words::{self, right};
+use crate::command::{Failure, show};
+use twin_drives::bim2ax::parameter::{AxisParameter, Parameter, Range};
+use twin_drives::bim2ax::{Bim2Ax, DriveMode, ModuleAxis};
+
+/// All numbers there can be: $0 to $41, $62 and $63.
+fn all() -> impl Iterator<Item = Parameter> {
+    (0..=0x63).filter_map(Parameter::from_number)
+}
+
+/// Name on the command line: that of the manual in lower case, without blanks, with the axis at its end.
+fn name(parameter: Parameter) -> String {
+    let words: Vec<&str> = parameter.name().split(' ').map(sign).collect();
+    let name = words.join("-").to_lowercase();
+    match parameter {
+        Parameter::Axis(AxisParameter::Reference(place), axis) => {
+            format!("{name}-{place}-{}", axis.number())
+        }
+        Parameter::Axis(_, axis) => format!("{name}-{}", axis.number()),
+        _ => name,
+    }
+}
+
+/// Signs in words, lest they look like options.
+fn sign(word: &str) -> &str {
+    match word {
+        "+" => "plus",
+        "-" => "minus",
+        other => other,
+    }
+}
+
+fn find(text: &str) -> Result<Parameter, Failure> {
+    if let Some(number) = words::integer(text) {
+        let parameter = u16::try_from(number).ok().and_then(Parameter::from_number);
+        return parameter.ok_or_else(|| {
+            Failure::Usage(format!("there is no parameter {number}; `get` lists all"))
+        });
+    }
+    let named = |parameter: &Parameter| name(*parameter).eq_ignore_ascii_case(text);
+    all().find(named).ok_or_else(|| {
+        let names: Vec<String> = all().map(name).collect();
+        words::unknown_name("parameter", text, names.iter().map(String::as_str))
+    })
+}
+
+/// A value as people read it.
+fn shown(parameter: Parameter, value: u32) -> String {
+    match parameter {
+        Parameter::FlashCrc
+        | Parameter::Axis(AxisParameter::ParameterCrc | AxisParameter::Phases, _) => {
+            format!("${value:X}")
+        }
+        _ => match parameter.range() {
+            Range::Bits | Range::Mode => format!("${value:04X}"),
+            _ => value.cast_signed().to_string(),
+        },
+    }
+}
+
+/// The unit of speeds follows the drive mode of the axis.
+fn unit(parameter: Parameter, per_step: [bool; 2]) -> &'static str {
+    use AxisParameter as P;
+    let steps = |axis: ModuleAxis| per_step.get(axis.index()) == Some(&true);
+    match parameter {
+        Parameter::Rating | Parameter::Axis(P::MotorCurrent | P::HoldingCurrent, _) => "mA",
+        Parameter::Axis(P::FastSpeed | P::StartStopSpeed, axis) if steps(axis) => "steps/s",
+        Parameter::Axis(P::FastSpeed | P::StartStopSpeed, _) => "µsteps/s",
+        Parameter::Axis(P::Acceleration, axis) if steps(axis) => "steps/s²",
+        Parameter::Axis(P::Acceleration, _) => "µsteps/s²",
+        Parameter::Axis(P::Dividend, _) => "µsteps/turn",
+        Parameter::Axis(P::Divisor, _) => "points/turn",
+        Parameter::Axis(P::EncoderOffset | P::LastEncoderPosition, _) => "points",
+        Parameter::Axis(P::LastPosition, _) => "µsteps",
+        _ => match parameter.range() {
+            Range::Distance | Range::Position => "µsteps",
+            Range::Bits | Range::Mode => "bits",
+            _ => "",
+        },
+    }
+}
+
+/// Whether the speeds of each axis are in whole steps.
+fn per_step(session: &Session, module: &mut Bim2Ax) -> Result<[bool; 2], Failure> {
+    let mut found = [false; 2];
+    for (axis, place) in ModuleAxis::ALL.into_iter().zip(&mut found) {
+        let mode = Parameter::Axis(AxisParameter::Mode, axis);
+        let code = session.ask(module.parameter(mode, &no_clock))?;
+        let mode = u16::try_from(code).ok().and_then(DriveMode::from_code);
+        *place = mode.is_some_and(|mode| mode.code() >= 0x0100);
+    }
+    Ok(found)
+}
+
+pub(super) fn get(
+    session: &Session,
+    module: &mut Bim2Ax,
+    wanted: Option<&str>,
+) -> Result<(), Failure> {
+    let wanted = match wanted {
+        Some(text) => vec![find(text)?],
+        None => all().collect(),
+    };
+    let per_step = per_step(session, module)?;
+    let mut table = show::table();
+    table.set_header(["number", "name", "value", "unit"]);
+    for parameter in wanted {
+        let value = session.ask(module.parameter(parameter, &no_clock))?;
+        let number = parameter.number().unwrap_or_default();
+        table.add_row([
+            right(format!("${number:02X}")),
+            name(parameter).into(),
+            right(shown(parameter, value)),
+            unit(parameter, per_step).into(),
+        ]);
+    }
+    println!("{table}");
+    Ok(())
+}
+
+pub(super) fn set(
+    session: &Session,
+    module: &mut Bim2Ax,
+    wanted: &str,
+    value: i64,
+) -> Result<(), Failure> {
+    let parameter = find(wanted)?;
+    let bits = u32::try_from(value).ok();
+    let bits = bits.or_else(|| i32::try_from(value).ok().map(i32::cast_unsigned));
+    let bits = bits.ok_or_else(|| Failure::Usage(format!("{value} has more than 32 bits")))?;
+    let old = session.ask(module.parameter(parameter, &no_clock))?;
+    session.ask(module.set_parameter(parameter, bits, &no_clock))?;
+    let per_step = per_step(session, module)?;
+    println!(
+        "{}: {} -> {} {}",
+        name(parameter),
+        shown(parameter, old),
+        shown(parameter, bits),
+        unit(parameter, per_step)
+    );
+    if parameter.needs_reset() {
+        println!("it acts after `reset`");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{all, find, name, shown};
+    use twin_drives::bim2ax::ModuleAxis;
+    use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
+
+    #[test]
+    fn every_parameter_is_found_by_its_name_and_number() {
+        // $0 to $41, $62 and $63 (manual 3).
+        assert_eq!(all().count(), 0x42 + 2);
+        for parameter in all() {
+            let number = parameter.number().map(|number| format!("${number:X}"));
+            assert_eq!(find(&name(parameter)).ok(), Some(parameter));
+            assert_eq!(number.and_then(|number| find(&number).ok()), Some(parameter));
+        }
+        let fast = Parameter::Axis(AxisParameter::FastSpeed, ModuleAxis::Two);
+        assert_eq!(find("fast-speed-2").ok(), Some(fast));
+        assert_eq!(find("11").ok(), Some(fast));
+        let minus = Parameter::Axis(AxisParameter::SoftMinus, ModuleAxis::One);
+        assert_eq!(find("soft-limit-minus-1").ok(), Some(minus));
+        assert!(find("$42").is_err() && find("soft-limit").is_err());
+        assert_eq!(shown(minus, 0xFFFF_FC18), "-1000");
+    }
+}

@@ -1,0 +1,52 @@
+//! Nothing moves without being asked for.
+
+use crate::command::Failure;
+use std::io::{self, BufRead, IsTerminal, Write};
+
+/// Whether axes may move.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(super) struct Consent {
+    /// Move without asking; needed where there is no terminal to ask at
+    #[arg(long, global = true)]
+    yes: bool,
+}
+
+impl Consent {
+    /// Says what is going to move where, and asks whether it may.
+    pub(super) fn ask(self, motion: &str) -> Result<(), Failure> {
+        let mut terminal = io::stderr();
+        if self.yes {
+            return writeln!(terminal, "{motion}").map_err(Failure::Stdio);
+        }
+        if !io::stdin().is_terminal() {
+            return Err(Failure::Usage(format!(
+                "{motion}: nothing has moved, as there is no terminal to ask at; --yes moves without asking"
+            )));
+        }
+        write!(terminal, "{motion}? [y/N] ").map_err(Failure::Stdio)?;
+        terminal.flush().map_err(Failure::Stdio)?;
+        let mut answer = String::new();
+        io::stdin().lock().read_line(&mut answer).map_err(Failure::Stdio)?;
+        if is_yes(&answer) {
+            Ok(())
+        } else {
+            Err(Failure::Usage("not confirmed: nothing has moved".to_owned()))
+        }
+    }
+}
+
+/// Anything but a yes is a no.
+fn is_yes(answer: &str) -> bool {
+    ["y", "yes"].iter().any(|yes| answer.trim().eq_ignore_ascii_case(yes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_yes;
+
+    #[test]
+    fn only_yes_is_yes() {
+        assert!(is_yes("y\n") && is_yes("Y") && is_yes(" yes\r\n"));
+        assert!(!is_yes("") && !is_yes("\n") && !is_yes("n\n") && !is_yes("yep\n"));
+    }
+}

@@ -1,0 +1,147 @@
+//! The parameters of an InterpCNC board that are known, by names of ours: the board has numbers only.
+
+use super::session::{Session, no_clock};
+use super::words::{self, right};
+use crate::command::{Failure, show};
+use std::time::Duration;
+use twin_drives::interpcnc::parameters as numbers;
+use twin_drives::interpcnc::{BoardAxis, InterpCnc};
+
+/// How long the EEPROM may take.
+const STORING: Duration = Duration::from_secs(5);
+
+/// A parameter.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Known {
+    /// Number, 0 to 383.
+    number: u16,
+    /// Name.
+    name: String,
+    /// Unit, or what the numbers mean.
+    unit: &'static str,
+}
+
+/// Number, name, unit of those that are there once.
+const SINGLE: [(u16, &str, &str); 21] = [
+    (numbers::DEFAULT_ACCELERATION, "default-acceleration", "1000 steps/s²"),
+    (numbers::DEFAULT_START_STOP, "default-start-stop", "steps/s"),
+    (numbers::HOME_START_STOP, "home-start-stop", "steps/s"),
+    (numbers::HOME_SLOW_SPEED, "home-slow-speed", "steps/s"),
+    (numbers::EMERGENCY_STOP_INPUT, "emergency-stop-input", "input, 0 = none"),
+    (numbers::SPECIAL_POLARITY, "special-polarity", "bits"),
+    (numbers::HOME_POLARITY, "home-polarity", "bits, X first"),
+    (numbers::OUTPUTS_AT_START, "outputs-at-start", "bits, OUT1 first"),
+    (numbers::COUPLING, "coupling", "1 = A with X, 2 = B with X"),
+    (numbers::SET_WHEN_UNLOCKED, "set-when-unlocked", "bits, OUT1 first"),
+    (numbers::UNLOCK_INPUT, "unlock-input", "input, 0 = none"),
+    (numbers::UNLOCK_POLARITY, "unlock-polarity", "0 = NO, 1 = NC"),
+    (numbers::RESET_WHEN_UNLOCKED, "reset-when-unlocked", "bits, OUT1 first"),
+    (numbers::SET_WHEN_LOCKED, "set-when-locked", "bits, OUT1 first"),
+    (numbers::RESET_WHEN_LOCKED, "reset-when-locked", "bits, OUT1 first"),
+    (numbers::MODBUS_SPEED, "modbus-speed", "code"),
+    (numbers::MODBUS_PARITY, "modbus-parity", "code"),
+    (numbers::MODBUS_ADDRESS, "modbus-address", "station"),
+    (numbers::ZERO_AFTER_HOMING, "zero-after-homing", "0 or 1"),
+    (numbers::ANALOG_LOCKED, "analog-1-locked", "0 to 1023"),
+    (numbers::ANALOG_LOCKED + 1, "analog-2-locked", "0 to 1023"),
+];
+
+/// All that are known, by number.
+fn known() -> Vec<Known> {
+    let single = SINGLE.iter().map(|(number, name, unit)| Known {
+        number: *number,
+        name: (*name).to_owned(),
+        unit,
+    });
+    let of_axes = BoardAxis::ALL.into_iter().flat_map(|axis| {
+        let named = |number, name: &str, unit| {
+            let name = format!("{name}-{}", axis.to_string().to_lowercase());
+            Known { number, name, unit }
+        };
+        let (minus, plus) = (numbers::limit_input(axis, false), numbers::limit_input(axis, true));
+        [
+            named(numbers::home_direction(axis), "home-direction", "1 = positive"),
+            named(numbers::home_speed(axis), "home-speed", "steps/s"),
+            named(numbers::home_acceleration(axis), "home-acceleration", "1000 steps/s²"),
+            named(numbers::home_input(axis), "home-input", "input, 0 = none"),
+            named(minus, "limit-minus-input", "input, 0 = none"),
+            named(minus + 1, "limit-minus-polarity", "0 = NO, 1 = NC"),
+            named(plus, "limit-plus-input", "input, 0 = none"),
+            named(plus + 1, "limit-plus-polarity", "0 = NO, 1 = NC"),
+        ]
+    });
+    let mut all: Vec<Known> = single.chain(of_axes).collect();
+    all.sort_by_key(|parameter| parameter.number);
+    all
+}
+
+/// A parameter by its name or number.
+fn find(text: &str) -> Result<Known, Failure> {
+    let all = known();
+    let number = words::integer(text).and_then(|number| u16::try_from(number).ok());
+    let found =
+        all.iter().find(|one| number == Some(one.number) || one.name.eq_ignore_ascii_case(text));
+    match (found, number) {
+        (Some(found), _) => Ok(found.clone()),
+        (None, Some(number)) => Ok(Known { number, name: "unknown".to_owned(), unit: "" }),
+        (None, None) => {
+            let names = all.iter().map(|one| one.name.as_str());
+            Err(words::unknown_name("parameter", text, names))
+        }
+    }
+}
+
+pub(super) fn get(
+    session: &Session,
+    board: &mut InterpCnc,
+    name: Option<&str>,
+) -> Result<(), Failure> {
+    let wanted = match name {
+        Some(name) => vec![find(name)?],
+        None => known(),
+    };
+    let mut table = show::table();
+    table.set_header(["number", "name", "value", "unit"]);
+    for one in wanted {
+        let value = session.ask(board.parameter(one.number, &no_clock))?;
+        table.add_row([right(one.number), one.name.into(), right(value), one.unit.into()]);
+    }
+    println!("{table}");
+    Ok(())
+}
+
+pub(super) fn set(
+    session: &Session,
+    board: &mut InterpCnc,
+    name: &str,
+    value: i64,
+) -> Result<(), Failure> {
+    let one = find(name)?;
+    let Ok(value) = u32::try_from(value) else {
+        return Err(Failure::Usage(format!("{value}: parameters are 0 to {}", u32::MAX)));
+    };
+    let old = session.ask(board.parameter(one.number, &no_clock))?;
+    session.ask(board.set_parameter(one.number, value, STORING, &no_clock))?;
+    println!("parameter {} ({}): {old} -> {value} {}", one.number, one.name, one.unit);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::known;
+
+    #[test]
+    fn every_parameter_has_a_number_and_a_name_of_its_own() {
+        let all = known();
+        assert!(all.windows(2).all(|pair| pair[0].number < pair[1].number), "{all:#?}");
+        let mut names: Vec<_> = all.iter().map(|parameter| parameter.name.as_str()).collect();
+        names.sort_unstable();
+        assert!(names.windows(2).all(|pair| pair[0] != pair[1]), "{names:?}");
+        // Those that the manual numbers: pages 12, 24 and 3.
+        let number = |name: &str| all.iter().find(|one| one.name == name).map(|one| one.number);
+        assert_eq!(number("unlock-input"), Some(88));
+        assert_eq!(number("modbus-speed"), Some(101));
+        assert_eq!(number("modbus-address"), Some(103));
+        assert_eq!(number("limit-plus-polarity-b"), Some(123));
+    }
+}

@@ -1,0 +1,172 @@
+//! What runs the drivers' calls, and stops what they have set in motion.
+
+use crate::command::Failure;
+use crate::command::run::Interrupt;
+use std::time::Duration;
+use tokio::runtime::{Builder, Runtime};
+use twin_drives::DriveError;
+
+/// Time between two looks for Ctrl-C.
+const LOOK: Duration = Duration::from_millis(20);
+/// How long axes may take to come to rest on their ramps before they are stopped at once.
+pub(super) const BRAKING: Duration = Duration::from_secs(10);
+
+/// The clock of exchanges whose time matters to nobody.
+pub(super) fn no_clock() -> i64 {
+    0
+}
+
+/// A drive whose axes can be brought to rest.
+pub(super) trait Stopping {
+    /// To rest on the ramps; returns when nothing moves any more.
+    async fn soft_stop(&mut self) -> Result<(), DriveError>;
+
+    /// To rest at once; returns when that is confirmed.
+    async fn hard_stop(&mut self) -> Result<(), DriveError>;
+}
+
+/// A runtime for the calls of one command.
+pub(super) struct Session {
+    runtime: Runtime,
+}
+
+impl Session {
+    pub(super) fn start() -> Result<Self, Failure> {
+        let runtime = Builder::new_current_thread().enable_all().build();
+        Ok(Self { runtime: runtime.map_err(Failure::Stdio)? })
+    }
+
+    /// What opens a port has to be done within the runtime.
+    pub(super) fn inside<T>(
+        &self,
+        open: impl FnOnce() -> Result<T, DriveError>,
+    ) -> Result<T, Failure> {
+        let _inside = self.runtime.enter();
+        Ok(open()?)
+    }
+
+    /// What moves nothing.
+    pub(super) fn ask<T>(
+        &self,
+        request: impl Future<Output = Result<T, DriveError>>,
+    ) -> Result<T, Failure> {
+        Ok(self.runtime.block_on(request)?)
+    }
+
+    /// What moves axes. On Ctrl-C, and if it fails in any way, they are brought to rest before this returns.
+    pub(super) fn motion<D: Stopping, T>(
+        &self,
+        drive: &mut D,
+        motion: impl AsyncFnOnce(&mut D) -> Result<T, DriveError>,
+    ) -> Result<T, Failure> {
+        let interrupt = Interrupt::catch()?;
+        let ended = self.runtime.block_on(async {
+            tokio::select! {
+                ended = motion(drive) => Some(ended),
+                () = pressed(&interrupt) => None,
+            }
+        });
+        let why = match ended {
+            Some(Ok(value)) => return Ok(value),
+            Some(Err(error)) => error.to_string(),
+            None => {
+                eprintln!("Ctrl-C: stopping");
+                "stopped by Ctrl-C".to_owned()
+            }
+        };
+        let at_rest = self.stop(drive, pressed(&interrupt))?;
+        Err(Failure::Usage(format!("{why}; {at_rest}")))
+    }
+
+    /// Stops on the ramps, and at once if that is not confirmed or `impatient` ends before; says which.
+    fn stop<D: Stopping>(
+        &self,
+        drive: &mut D,
+        impatient: impl Future<Output = ()>,
+    ) -> Result<&'static str, Failure> {
+        let soft = self.runtime.block_on(async {
+            tokio::select! {
+                biased;
+                stopped = drive.soft_stop() => stopped.map_err(|error| error.to_string()),
+                () = impatient => Err("Ctrl-C again".to_owned()),
+            }
+        });
+        let Err(why) = soft else { return Ok("the axes are at rest") };
+        eprintln!("{why}: stopping at once");
+        match self.runtime.block_on(drive.hard_stop()) {
+            Ok(()) => Ok("the axes were stopped at once"),
+            Err(hard) => Err(Failure::Usage(format!(
+                "{hard}: whether the axes are at rest is not known, use the emergency stop"
+            ))),
+        }
+    }
+}
+
+/// Returns on the next Ctrl-C.
+async fn pressed(interrupt: &Interrupt) {
+    let before = interrupt.count();
+    while interrupt.count() == before {
+        tokio::time::sleep(LOOK).await;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Session, Stopping};
+    use std::future::{pending, ready};
+    use std::time::Duration;
+    use twin_drives::{Action, DriveError, Exchange};
+
+    /// A drive that confirms its stops or not, and what it was told.
+    struct Drive {
+        confirms: [bool; 2],
+        told: Vec<&'static str>,
+    }
+
+    fn confirmed(confirmed: bool) -> Result<(), DriveError> {
+        if confirmed {
+            return Ok(());
+        }
+        let at = Exchange { port: "p".into(), station: 7, action: Action::ReadState };
+        Err(DriveError::Timeout { at, deadline: Duration::from_millis(1) })
+    }
+
+    impl Stopping for Drive {
+        async fn soft_stop(&mut self) -> Result<(), DriveError> {
+            self.told.push("soft");
+            tokio::task::yield_now().await;
+            confirmed(self.confirms[0])
+        }
+
+        async fn hard_stop(&mut self) -> Result<(), DriveError> {
+            self.told.push("hard");
+            confirmed(self.confirms[1])
+        }
+    }
+
+    #[test]
+    fn a_stop_that_is_not_confirmed_is_followed_by_one_at_once() {
+        let session = Session::start().expect("a runtime");
+        let stop = |confirms| {
+            let mut drive = Drive { confirms, told: Vec::new() };
+            let said = session.stop(&mut drive, pending());
+            (said.map_err(|error| error.to_string()), drive.told)
+        };
+        assert_eq!(stop([true, true]), (Ok("the axes are at rest"), vec!["soft"]));
+        let (said, told) = stop([false, true]);
+        assert_eq!((said, told), (Ok("the axes were stopped at once"), vec!["soft", "hard"]));
+        let (said, told) = stop([false, false]);
+        let said = said.expect_err("nothing is confirmed");
+        assert!(said.contains("p, station 7") && said.contains("emergency stop"), "{said}");
+        assert_eq!(told, ["soft", "hard"]);
+    }
+
+    #[test]
+    fn who_cannot_wait_stops_at_once() {
+        let session = Session::start().expect("a runtime");
+        let mut drive = Drive { confirms: [true, true], told: Vec::new() };
+        let said = session.stop(&mut drive, ready(()));
+        assert_eq!(said.ok(), Some("the axes were stopped at once"));
+        assert_eq!(drive.told.last(), Some(&"hard"));
+    }
+}

@@ -1,0 +1,90 @@
+//! Parameters and variables of a SmartDRIVE by name and number.
+
+use super::session::Session;
+use super::smartdrive::Axis;
+use super::words::{self, right};
+use crate::command::{Failure, show};
+use twin_drives::smartdrive::parameters::{self, Entry, PARAMETERS, VARIABLES};
+
+/// A parameter or a variable.
+#[derive(Clone, Copy)]
+enum Found {
+    Parameter(&'static Entry),
+    Variable(&'static Entry),
+}
+
+fn find(text: &str) -> Result<Found, Failure> {
+    if let Some(number) = words::integer(text) {
+        let entry = PARAMETERS.iter().find(|entry| i64::from(entry.index) == number);
+        return entry.map(Found::Parameter).ok_or_else(|| {
+            Failure::Usage(format!("there is no parameter {number}; `get` lists all"))
+        });
+    }
+    let parameter = parameters::named(&PARAMETERS, text).map(Found::Parameter);
+    let variable = || parameters::named(&VARIABLES, text).map(Found::Variable);
+    parameter.or_else(variable).ok_or_else(|| {
+        let names = PARAMETERS.iter().chain(&VARIABLES).map(|entry| entry.name);
+        words::unknown_name("parameter or variable", text, names)
+    })
+}
+
+pub(super) fn get(session: &Session, axis: &mut Axis, name: Option<&str>) -> Result<(), Failure> {
+    let wanted: Vec<Found> = if let Some(name) = name {
+        vec![find(name)?]
+    } else {
+        let variables = VARIABLES.iter().map(Found::Variable);
+        PARAMETERS.iter().map(Found::Parameter).chain(variables).collect()
+    };
+    let address = axis.address;
+    let mut table = show::table();
+    table.set_header(["number", "name", "value", "saved", "factory", "unit"]);
+    for one in wanted {
+        let (entry, number, value, saved, factory) = match one {
+            Found::Parameter(entry) => {
+                let copies = session.ask(axis.bus.parameter(address, entry.index))?;
+                let [saved, factory] = [copies.saved, copies.factory].map(|one| one.to_string());
+                (entry, entry.index.to_string(), copies.working, saved, factory)
+            }
+            Found::Variable(entry) => {
+                let value = session.ask(axis.bus.read(address, entry.index))?;
+                let none = || "–".to_owned();
+                (entry, format!("variable {}", entry.index), value, none(), none())
+            }
+        };
+        table.add_row([
+            right(number),
+            entry.name.into(),
+            right(value),
+            right(saved),
+            right(factory),
+            entry.unit.into(),
+        ]);
+    }
+    println!("{table}");
+    Ok(())
+}
+
+pub(super) fn set(
+    session: &Session,
+    axis: &mut Axis,
+    name: &str,
+    value: i64,
+) -> Result<(), Failure> {
+    let address = axis.address;
+    let (entry, old, new) = match find(name)? {
+        Found::Parameter(entry) => {
+            let old = session.ask(axis.bus.parameter(address, entry.index))?.working;
+            (entry, old, session.ask(axis.bus.set_parameter(address, entry.index, value))?.working)
+        }
+        Found::Variable(entry) => {
+            let wanted = u32::try_from(value)
+                .ok()
+                .filter(|_| entry.accepts(value))
+                .ok_or_else(|| Failure::Usage(format!("{} cannot be {value}", entry.name)))?;
+            let old = session.ask(axis.bus.read(address, entry.index))?;
+            (entry, old, session.ask(axis.bus.write_variable(address, entry.index, wanted))?)
+        }
+    };
+    println!("{} ({}): {old} -> {new} {}", entry.name, entry.index, entry.unit);
+    Ok(())
+}
