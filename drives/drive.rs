@@ -17,6 +17,30 @@ pub struct IncrementMotion {
     pub velocity: [f64; MAX_DRIVE_AXES],
 }
 
+impl IncrementMotion {
+    /// Of axes with these positions and velocities.
+    pub(crate) fn of(axes: impl Iterator<Item = (f64, f64)>) -> Self {
+        let mut motion = Self::default();
+        let slots = motion.position.iter_mut().zip(&mut motion.velocity);
+        for ((position, velocity), axis) in slots.zip(axes) {
+            (*position, *velocity) = axis;
+        }
+        motion
+    }
+
+    /// On the straight way from here to `to`, of which it has gone `part` (0 to 1).
+    #[must_use]
+    pub fn towards(&self, to: &Self, part: f64) -> Self {
+        let mut motion = *self;
+        let positions = motion.position.iter_mut().zip(to.position);
+        let velocities = motion.velocity.iter_mut().zip(to.velocity);
+        for (value, to) in positions.chain(velocities) {
+            *value += (to - *value) * part;
+        }
+        motion
+    }
+}
+
 /// What a device said about itself at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {

@@ -319,3 +319,8 @@ pub(crate) fn seconds(ns: i64) -> f64 {
 pub(crate) fn nanoseconds(seconds: f64) -> i64 {
     (seconds * 1e9).round() as i64
 }
+
+/// A duration in whole nanoseconds.
+pub(crate) fn whole_ns(duration: std::time::Duration) -> i64 {
+    i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
+}

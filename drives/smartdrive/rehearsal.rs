@@ -7,6 +7,7 @@ use super::{
     motion::Generator,
     options::{AxisOptions, wire_time},
 };
+use crate::ramp::whole_ns;
 use crate::{IncrementMotion, Rehearsal, SetpointStream, Stamp, follow::Order, rehearsal::SeenAt};
 
 /// Bytes of GOTO v,a, of PING and of an answer.
@@ -89,13 +90,13 @@ impl SmartDriveRehearsal {
             None
         };
         let bytes = if order.is_some() { GOTO_BYTES } else { PING_BYTES };
-        let executed_ns = now_ns + whole(wire_time(bytes));
-        let response_ns = whole(self.delays.response);
+        let executed_ns = now_ns + whole_ns(wire_time(bytes));
+        let response_ns = whole_ns(self.delays.response);
         let stamp = Stamp {
             sent_ns: now_ns,
             executed_ns: executed_ns + response_ns / 2,
             uncertainty_ns: response_ns / 2,
-            answered_ns: executed_ns + response_ns + whole(wire_time(ANSWER_BYTES)),
+            answered_ns: executed_ns + response_ns + whole_ns(wire_time(ANSWER_BYTES)),
         };
         OnWire { axis, order, stamp, executed_ns, shown: None }
     }
@@ -127,7 +128,7 @@ impl SmartDriveRehearsal {
             self.follower.executed(order, exchange.stamp.sent_ns, &exchange.stamp);
         }
         self.turn = (exchange.axis + 1) % self.axes.len().max(1);
-        self.next_ns = Some(exchange.stamp.answered_ns + whole(self.delays.gap));
+        self.next_ns = Some(exchange.stamp.answered_ns + whole_ns(self.delays.gap));
     }
 }
 
@@ -162,13 +163,8 @@ impl Rehearsal for SmartDriveRehearsal {
             self.take(&exchange);
             next_ns = self.next_ns.unwrap_or(next_ns);
         }
-        let mut motion = IncrementMotion::default();
-        let places = motion.position.iter_mut().zip(&mut motion.velocity);
-        for ((position, velocity), generator) in places.zip(&self.generators) {
-            let state = generator.state(time_ns);
-            (*position, *velocity) = (state.position, state.velocity);
-        }
-        motion
+        let states = self.generators.iter().map(|generator| generator.state(time_ns));
+        IncrementMotion::of(states.map(|state| (state.position, state.velocity)))
     }
 
     fn exchanges(&self) -> u64 {
@@ -178,8 +174,4 @@ impl Rehearsal for SmartDriveRehearsal {
     fn copied(&self) -> Box<dyn Rehearsal> {
         Box::new(self.clone())
     }
-}
-
-fn whole(duration: Duration) -> i64 {
-    i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
 }

@@ -90,17 +90,7 @@ impl SetpointStream for Stream {
         else {
             return at_rest(plan.setpoints.back());
         };
-        let between = |from: &[f64; MAX_DRIVE_AXES], to: &[f64; MAX_DRIVE_AXES]| {
-            let mut result = [0.0; MAX_DRIVE_AXES];
-            for (result, (from, to)) in result.iter_mut().zip(from.iter().zip(to)) {
-                *result = from + (to - from) * fraction;
-            }
-            result
-        };
-        IncrementMotion {
-            position: between(&from.position, &to.position),
-            velocity: between(&from.velocity, &to.velocity),
-        }
+        from.towards(to, fraction)
     }
 
     fn horizon_ns(&self) -> i64 {

@@ -176,14 +176,7 @@ impl SetpointStream for Plan<'_> {
             return resting(last);
         };
         let part = seconds(since_ns.rem_euclid(self.cycle_ns)) / seconds(self.cycle_ns);
-        let (from, to) = (self.increments(&from.axes), self.increments(&to.axes));
-        let mut motion = from;
-        let slots = motion.position.iter_mut().zip(&mut motion.velocity);
-        for ((position, velocity), (to, faster)) in slots.zip(to.position.iter().zip(to.velocity)) {
-            *position += (to - *position) * part;
-            *velocity += (faster - *velocity) * part;
-        }
-        motion
+        self.increments(&from.axes).towards(&self.increments(&to.axes), part)
     }
 
     fn horizon_ns(&self) -> i64 {

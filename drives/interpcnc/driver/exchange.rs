@@ -1,6 +1,6 @@
 //! One exchange: a request, its answer within the deadline, and when it took place.
 
-use std::{io, time::Duration};
+use std::io;
 
 use tokio::{
     io::{AsyncReadExt, AsyncWriteExt},
@@ -12,6 +12,7 @@ use tokio_modbus::{
 };
 
 use super::{ATTEMPTS, InterpCnc, MOST_LEFTOVERS};
+use crate::ramp::whole_ns;
 use crate::{
     Action, Clock, DriveError, ProtocolFault, Stamp,
     interpcnc::{Command, emulator::seal, registers::COMMAND},
@@ -167,8 +168,8 @@ impl InterpCnc {
         answer_bytes: usize,
     ) -> Stamp {
         let (line, answered_ns) = (self.options.line, answered_ns.max(sent_ns));
-        let first = sent_ns + whole(line.duration(sent_bytes));
-        let last = answered_ns - whole(line.duration(answer_bytes));
+        let first = sent_ns + whole_ns(line.duration(sent_bytes));
+        let last = answered_ns - whole_ns(line.duration(answer_bytes));
         // A line faster than its baud rate (a pseudo-terminal) may make the wire times exceed the exchange.
         let executed_ns = i64::midpoint(first, last).clamp(sent_ns, answered_ns);
         Stamp { sent_ns, executed_ns, uncertainty_ns: (last - first).max(0) / 2, answered_ns }
@@ -208,8 +209,4 @@ fn fault(error: &ProtocolError) -> ProtocolFault {
             ProtocolFault::Function { sent: request.value(), received: received.value() }
         }
     }
-}
-
-fn whole(duration: Duration) -> i64 {
-    i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
 }

@@ -9,6 +9,7 @@ use tokio::{
 };
 
 use super::{Board, Control, rtu};
+use crate::ramp::whole_ns;
 use crate::{Clock, Direction, FaultyWire, interpcnc::Line};
 
 /// Longer than any frame (256 bytes): what exceeds it is noise, which silence ends.
@@ -190,7 +191,7 @@ impl Served {
 
     /// A frame has come whose bytes came between two instants: through the wire, which may do something to it.
     fn arrived(&mut self, frame: &[u8], since_ns: i64, until_ns: i64) {
-        let passed_ns = until_ns.max(since_ns + whole(self.wire.line.duration(frame.len())));
+        let passed_ns = until_ns.max(since_ns + whole_ns(self.wire.line.duration(frame.len())));
         let passed = self.faults.pass(Direction::Request, frame);
         if passed.echo {
             self.outgoing.push((passed_ns, frame.to_vec()));
@@ -202,7 +203,7 @@ impl Served {
 
     /// Executes a frame whose last byte has come at an instant.
     fn execute(&mut self, frame: &[u8], passed_ns: i64, refusal: Option<u8>) {
-        let executed_ns = passed_ns.saturating_add(whole(self.silence()));
+        let executed_ns = passed_ns.saturating_add(whole_ns(self.silence()));
         self.advance_to(executed_ns);
         let answer = match refusal {
             Some(code) => self.board.refusal(frame, code),
@@ -214,7 +215,7 @@ impl Served {
         }
         let Some(answer) = answer else { return };
         let took = self.wire.turnaround + self.wire.line.duration(answer.len());
-        let answered_ns = executed_ns.saturating_add(whole(took));
+        let answered_ns = executed_ns.saturating_add(whole_ns(took));
         self.busy_until_ns = self.busy_until_ns.max(answered_ns);
         let passed = self.faults.pass(Direction::Answer, &answer);
         let pieces = passed.pieces.into_iter();
@@ -248,7 +249,7 @@ impl Received {
         if self.bytes.is_empty() {
             return i64::MAX;
         }
-        self.until_ns.saturating_add(whole(silence))
+        self.until_ns.saturating_add(whole_ns(silence))
     }
 
     /// The frame at the head, if its length is known and its check sum is right. Anything else waits for silence:
@@ -259,10 +260,6 @@ impl Received {
         let rest = self.bytes.split_off(length);
         Some(std::mem::replace(&mut self.bytes, rest))
     }
-}
-
-fn whole(duration: Duration) -> i64 {
-    i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
 }
 
 fn nanoseconds(ns: i64) -> Duration {

@@ -1,7 +1,5 @@
 //! A board that follows a plan by interpolated segments, in simulated time and without bytes.
 
-use std::time::Duration;
-
 use crate::{
     IncrementMotion, Rehearsal, SetpointStream, Stamp,
     interpcnc::{
@@ -101,19 +99,7 @@ impl BufferedRehearsal {
     /// An exchange that begins now: what the driver will make of its times, and when the board executes it.
     fn exchange(&mut self, bytes: (usize, usize)) -> (Stamp, i64) {
         self.exchanges += 1;
-        let line = self.wire.line;
-        let silence = whole(line.silence());
-        let sent_ns = self.due_ns + silence;
-        let heard_ns = sent_ns + whole(line.duration(bytes.0));
-        let executed_ns = heard_ns + silence;
-        let answering_ns = executed_ns + whole(self.wire.turnaround);
-        let stamp = Stamp {
-            sent_ns,
-            executed_ns: heard_ns.midpoint(answering_ns),
-            uncertainty_ns: (answering_ns - heard_ns) / 2,
-            answered_ns: answering_ns + whole(line.duration(bytes.1)),
-        };
-        (stamp, executed_ns)
+        super::exchange(&self.wire, self.due_ns, bytes)
     }
 
     fn ask(&mut self) -> Next {
@@ -175,13 +161,8 @@ impl Rehearsal for BufferedRehearsal {
             self.happen(plan);
         }
         self.board_to(time_ns);
-        let mut motion = IncrementMotion::default();
-        let slots = motion.position.iter_mut().zip(&mut motion.velocity);
-        for ((position, velocity), axis) in slots.zip(&self.axes) {
-            (*position, *velocity) =
-                (self.board.position(axis.axis), self.board.velocity(axis.axis));
-        }
-        motion
+        let axes = self.axes.iter().map(|axis| axis.axis);
+        IncrementMotion::of(axes.map(|axis| (self.board.position(axis), self.board.velocity(axis))))
     }
 
     fn exchanges(&self) -> u64 {
@@ -191,8 +172,4 @@ impl Rehearsal for BufferedRehearsal {
     fn copied(&self) -> Box<dyn Rehearsal> {
         Box::new(self.clone())
     }
-}
-
-fn whole(duration: Duration) -> i64 {
-    i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
 }

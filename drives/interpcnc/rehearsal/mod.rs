@@ -5,7 +5,7 @@ mod predict;
 #[cfg(test)]
 mod tests;
 
-use std::{collections::VecDeque, time::Duration};
+use std::collections::VecDeque;
 
 use super::{
     MoveProfile, Stamp,
@@ -13,6 +13,7 @@ use super::{
     follow::Follower,
     options::AxisOptions,
 };
+use crate::ramp::whole_ns;
 use crate::{IncrementMotion, Rehearsal, SetpointStream, follow::Order, rehearsal::SeenAt};
 
 pub use predict::{Prediction, predict, rehearse};
@@ -94,20 +95,7 @@ impl InterpCncRehearsal {
     /// An exchange that begins now: what the driver will make of its times, and when the board executes it.
     fn exchange(&mut self, bytes: (usize, usize)) -> (Stamp, i64) {
         self.exchanges += 1;
-        let line = self.wire.line;
-        let silence = whole(line.silence());
-        let sent_ns = self.due_ns + silence;
-        let heard_ns = sent_ns + whole(line.duration(bytes.0));
-        let executed_ns = heard_ns + silence;
-        let answering_ns = executed_ns + whole(self.wire.turnaround);
-        // The driver knows when its last byte was sent and when the first one came, and takes the middle.
-        let stamp = Stamp {
-            sent_ns,
-            executed_ns: heard_ns.midpoint(answering_ns),
-            uncertainty_ns: (answering_ns - heard_ns) / 2,
-            answered_ns: answering_ns + whole(line.duration(bytes.1)),
-        };
-        (stamp, executed_ns)
+        exchange(&self.wire, self.due_ns, bytes)
     }
 
     /// The next command of a round, or the sample at its end.
@@ -175,13 +163,8 @@ impl Rehearsal for InterpCncRehearsal {
         while self.due_ns <= time_ns {
             self.happen(plan);
         }
-        let mut motion = IncrementMotion::default();
-        let slots = motion.position.iter_mut().zip(&mut motion.velocity);
-        for ((position, velocity), axis) in slots.zip(&self.axes) {
-            let state = axis.state(time_ns);
-            (*position, *velocity) = (state.position, state.velocity);
-        }
-        motion
+        let states = self.axes.iter().map(|axis| axis.state(time_ns));
+        IncrementMotion::of(states.map(|state| (state.position, state.velocity)))
     }
 
     fn exchanges(&self) -> u64 {
@@ -193,6 +176,21 @@ impl Rehearsal for InterpCncRehearsal {
     }
 }
 
-fn whole(duration: Duration) -> i64 {
-    i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
+/// An exchange of so many bytes that the driver begins at `begin_ns`: what it will make of its times, and when the board
+/// executes it.
+fn exchange(wire: &Wire, begin_ns: i64, (request, answer): (usize, usize)) -> (Stamp, i64) {
+    let line = wire.line;
+    let silence = whole_ns(line.silence());
+    let sent_ns = begin_ns + silence;
+    let heard_ns = sent_ns + whole_ns(line.duration(request));
+    let executed_ns = heard_ns + silence;
+    let answering_ns = executed_ns + whole_ns(wire.turnaround);
+    // The driver knows when its last byte was sent and when the first one came, and takes the middle.
+    let stamp = Stamp {
+        sent_ns,
+        executed_ns: heard_ns.midpoint(answering_ns),
+        uncertainty_ns: (answering_ns - heard_ns) / 2,
+        answered_ns: answering_ns + whole_ns(line.duration(answer)),
+    };
+    (stamp, executed_ns)
 }

@@ -1,6 +1,6 @@
 //! How well both ways of following do, against closed forms.
 
-use std::f64::consts::TAU;
+use std::{f64::consts::TAU, time::Duration};
 
 use super::*;
 use crate::{

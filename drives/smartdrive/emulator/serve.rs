@@ -9,6 +9,7 @@ use tokio::{
 };
 
 use super::{Device, Input};
+use crate::ramp::whole_ns;
 use crate::{
     Clock,
     smartdrive::{Alarms, frame::command_length, wire_time},
@@ -150,7 +151,7 @@ pub async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
             }
             bus.advance_to(passed_ns);
             answer = bus.handle(&frame).map(|bytes| {
-                let arrives = whole(wire.response) + whole(wire_time(bytes.len()));
+                let arrives = whole_ns(wire.response) + whole_ns(wire_time(bytes.len()));
                 (passed_ns + arrives, bytes)
             });
             continue;
@@ -223,14 +224,10 @@ impl Received {
         }
         let rest = self.bytes.split_off(length);
         let frame = std::mem::replace(&mut self.bytes, rest);
-        let passed_ns = self.until_ns.max(self.since_ns + whole(wire_time(frame.len())));
+        let passed_ns = self.until_ns.max(self.since_ns + whole_ns(wire_time(frame.len())));
         self.since_ns = passed_ns;
         Some((frame, passed_ns))
     }
-}
-
-fn whole(duration: Duration) -> i64 {
-    i64::try_from(duration.as_nanos()).unwrap_or(i64::MAX)
 }
 
 fn nanoseconds(ns: i64) -> Duration {
