@@ -9,6 +9,7 @@ mod error;
 mod fault;
 mod follow;
 pub mod interpcnc;
+mod pause;
 mod pty;
 mod ramp;
 mod rehearsal;

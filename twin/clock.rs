@@ -29,6 +29,13 @@ impl Clock {
             None => -nanoseconds(self.zero - now),
         }
     }
+
+    /// Sleeps until it reads `time_ns`; not at all if it does already.
+    pub(crate) fn sleep_until(&self, time_ns: i64) {
+        if let Ok(ahead_ns) = u64::try_from(time_ns.saturating_sub(self.now_ns())) {
+            std::thread::sleep(Duration::from_nanos(ahead_ns));
+        }
+    }
 }
 
 fn nanoseconds(duration: Duration) -> i64 {

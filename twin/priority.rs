@@ -16,7 +16,7 @@ const ORDINARY: u8 = 48;
 ///
 /// # Errors
 /// Where threads cannot be told apart.
-pub(crate) fn ordinary() -> Result<(), Error> {
+pub fn ordinary() -> Result<(), Error> {
     let value = ThreadPriorityValue::try_from(ORDINARY)
         .map_or(ThreadPriority::Min, ThreadPriority::Crossplatform);
     let policy = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);

@@ -7,7 +7,7 @@ use crate::machine::{Axis, Machine};
 use crate::number::significant;
 use crate::physics::MotorLoad;
 use crate::program::ProgramFile;
-use crate::session::OverrideChange;
+use crate::session::{OverrideChange, Punctuality};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use twin_motion::Place;
 
@@ -103,6 +103,9 @@ pub struct RunReport {
     pub override_changes: Vec<OverrideChangeReport>,
     /// How often the drives were heard of, if there were any.
     pub drive_samples: Option<DriveSamplesReport>,
+    /// How late the cycles were taken up, of a run in step with the wall clock.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cycle_lateness: Option<LatenessReport>,
     /// Errors of the tool tip.
     pub tool_error_mm: ComparisonReport,
     /// Errors per axis, in the axis's unit.
@@ -141,6 +144,31 @@ pub struct DriveSamplesReport {
     pub per_s: f64,
     /// Longest time without one, ms: while it lasts nobody corrects the drives.
     pub longest_gap_ms: f64,
+}
+
+/// How late the cycles of a run in step with the wall clock were taken up.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub struct LatenessReport {
+    /// Number of cycles.
+    pub cycles: u64,
+    /// Half of them were not later, µs.
+    pub p50_us: u64,
+    /// 99 % of them were not later, µs.
+    pub p99_us: u64,
+    /// The latest, µs.
+    pub max_us: u64,
+}
+
+impl LatenessReport {
+    /// Of what a session has recorded.
+    pub fn new(punctuality: &Punctuality) -> Self {
+        Self {
+            cycles: punctuality.cycles(),
+            p50_us: punctuality.percentile_us(50.0),
+            p99_us: punctuality.percentile_us(99.0),
+            max_us: punctuality.max_us(),
+        }
+    }
 }
 
 /// Statistics of one kind of error for each pair that was compared.

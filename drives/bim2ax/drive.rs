@@ -362,7 +362,9 @@ impl Drive for Bim2AxDrive {
 
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         self.prepared()?;
-        let pause_ns = i64::try_from(self.options.look_every.as_nanos()).unwrap_or(i64::MAX);
+        let every_ns = i64::try_from(self.options.look_every.as_nanos()).unwrap_or(i64::MAX);
+        // From the begin of one look to that of the next.
+        let pause_ns = (every_ns - self.timing.look_ns).max(0);
         let following = self.following;
         let wait_ns = match following {
             Following::Unknown => 0,

@@ -46,7 +46,7 @@ impl InterpCncDrive {
         })?;
         let board = {
             let _inside = runtime.enter();
-            InterpCnc::open(port, options)?
+            InterpCnc::open(port, options)?.alone()
         };
         let follower = Follower::new(&options.axes, options.line);
         let buffered = match options.following {

@@ -4,6 +4,7 @@ mod braking;
 mod history;
 mod m_calls;
 mod overrides;
+mod punctuality;
 mod run;
 
 use crate::clock::Clock;
@@ -20,6 +21,7 @@ use crate::setpoint::AxisSetpoint;
 pub use overrides::{
     LEAST_OVERRIDE, MOST_OVERRIDE, OverrideAt, OverrideAtError, OverrideChange, override_factor,
 };
+pub use punctuality::Punctuality;
 use run::Run;
 use std::time::Duration;
 use twin_kinematics::KinematicsError;
@@ -27,6 +29,9 @@ use twin_motion::Place;
 
 /// Set-points simulated in one go where nothing has to wait for the wall clock.
 const BATCH_NS: i64 = 100_000_000;
+
+/// Longest time between two looks at user and drives in step with the wall clock, ns.
+const ROUND_NS: i64 = 1_000_000;
 
 /// One cycle of the simulated machine.
 #[derive(Clone, Copy, Debug)]
@@ -102,6 +107,8 @@ pub struct Ending {
     pub overrides: Vec<OverrideChange>,
     /// How often the path went on as it was planned before because a new plan came too late.
     pub late_plans: u64,
+    /// How late the cycles were taken up, in step with the wall clock.
+    pub punctuality: Option<Punctuality>,
     /// Outputs of the drives that are perhaps still on although the run has ended early.
     pub left_on: Vec<u8>,
 }
@@ -118,6 +125,7 @@ impl Ending {
             off_path: None,
             overrides: Vec::new(),
             late_plans: 0,
+            punctuality: None,
             left_on: Vec::new(),
         }
     }
@@ -188,6 +196,9 @@ pub enum Stopped {
     Unsettled,
 }
 
+/// How often it is asked again for what a run without a clock waits for.
+const ASKED_AGAIN: Duration = Duration::from_micros(500);
+
 /// How long drives follow before the program begins: a few of their rounds.
 const LEAD: Duration = Duration::from_millis(100);
 
@@ -257,6 +268,7 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
         let lead = if run.hardware.is_some() { LEAD } else { Duration::ZERO };
         let clock = Clock::in_future(lead);
         run.begin(clock, paced);
+        let round_ns = self.machine.cycle_ns.clamp(1, ROUND_NS);
         while run.goes_on() {
             let now_ns = if paced { clock.now_ns() } else { run.executed_ns() + BATCH_NS };
             run.heed(interrupts());
@@ -266,11 +278,15 @@ impl<P: Plant<Error = PhysicsError>> Session<'_, P> {
             if !waits {
                 run.plan(now_ns + ahead_ns);
             }
+            run.take_up(now_ns);
             run.simulate(now_ns, observer);
             run.listen(observer);
             run.acknowledge(observer);
-            if paced || waits {
-                std::thread::sleep(Duration::from_micros(500));
+            if paced {
+                // What takes longer than a round is made up for: cycles are due by the clock, not by each other.
+                clock.sleep_until((now_ns.div_euclid(round_ns) + 1) * round_ns);
+            } else if waits {
+                std::thread::sleep(ASKED_AGAIN);
             }
         }
         run.arrive(observer);

@@ -3,6 +3,7 @@
 use super::braking::{braking, resting};
 use super::history::History;
 use super::overrides::{OverrideAt, Overrides};
+use super::punctuality::Punctuality;
 use super::{DriveSample, Ending, Observer, Stopped, TwinCycle};
 use crate::check;
 use crate::clock::Clock;
@@ -52,6 +53,8 @@ pub(super) struct Run<'a, 'i, P> {
     samples: VecDeque<AxisFeedback>,
     history: History,
     comparison: Comparison,
+    /// Of a run in step with the wall clock.
+    punctuality: Option<Punctuality>,
     /// Set-points that are planned and not yet due.
     planned: VecDeque<AxisSetpoint>,
     /// What comes behind them.
@@ -89,6 +92,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             samples: VecDeque::new(),
             history: History::new(machine),
             comparison: Comparison::new(machine.axes.len()),
+            punctuality: None,
             planned: VecDeque::new(),
             plan: Plan::GoesOn,
             stopped: None,
@@ -119,6 +123,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     /// From now on the drives follow the plan by `clock`.
     pub(super) fn begin(&mut self, clock: Clock, paced: bool) {
         self.clock = paced.then_some(clock);
+        self.punctuality = paced.then(Punctuality::new);
         if let Some(hardware) = &mut self.hardware {
             hardware.follow(clock);
         }
@@ -150,7 +155,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         let executed_ns = self.executed_ns();
         let late_plans = self.items.late_plans();
         let record = self.twin.record();
-        let Self { comparison, stopped, off_path, hardware, overrides, .. } = self;
+        let Self { comparison, punctuality, stopped, off_path, hardware, overrides, .. } = self;
         let left_on = hardware.map(|hardware| hardware.left_on().to_vec()).unwrap_or_default();
         let overrides = overrides.into_changes();
         Ending {
@@ -161,6 +166,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             off_path,
             overrides,
             late_plans,
+            punctuality,
             left_on,
         }
     }
@@ -292,6 +298,14 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     fn lose_plan(&mut self, reason: Stopped) {
         self.stopped.get_or_insert(reason);
         self.come_to_rest();
+    }
+
+    /// What is due is taken up now, in step with the wall clock.
+    pub(super) fn take_up(&mut self, now_ns: i64) {
+        let Some(punctuality) = &mut self.punctuality else { return };
+        for due in self.planned.iter().take_while(|next| next.time_ns <= now_ns) {
+            punctuality.record(due.time_ns, now_ns);
+        }
     }
 
     /// The simulated machine takes what is due.

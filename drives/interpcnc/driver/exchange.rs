@@ -12,6 +12,7 @@ use tokio_modbus::{
 };
 
 use super::{ATTEMPTS, InterpCnc, MOST_LEFTOVERS};
+use crate::pause::Pause;
 use crate::ramp::whole_ns;
 use crate::{
     Action, Clock, DriveError, ProtocolFault, Stamp,
@@ -90,7 +91,7 @@ impl InterpCnc {
         clock: &dyn Clock,
     ) -> Result<(Response, Stamp), DriveError> {
         if let Some(silence) = self.silence.take() {
-            silence.await;
+            silence.over().await;
         }
         if self.client.is_none() {
             self.clear(action).await?;
@@ -103,7 +104,7 @@ impl InterpCnc {
         let late = std::mem::replace(&mut self.late, true);
         let outcome = timeout(self.options.deadline, client.call(request)).await;
         let answered_ns = clock.now_ns();
-        self.silence = Some(Box::pin(sleep(self.options.silence())));
+        self.silence = Some(Pause::begin(self.options.silence(), self.alone));
         let at = self.at(action);
         let error = match outcome {
             Ok(Ok(Ok(response))) => {
@@ -137,7 +138,7 @@ impl InterpCnc {
     pub async fn broadcast(&mut self, command: &Command) -> Result<(), DriveError> {
         self.check(command)?;
         if let Some(silence) = self.silence.take() {
-            silence.await;
+            silence.over().await;
         }
         let action = command.action();
         self.client = None;
@@ -156,7 +157,7 @@ impl InterpCnc {
         let line = self.options.line;
         let quiet =
             line.duration(frame.len()) + self.options.silence() + self.options.broadcast_delay;
-        self.silence = Some(Box::pin(sleep(quiet)));
+        self.silence = Some(Pause::begin(quiet, self.alone));
         Ok(())
     }
 

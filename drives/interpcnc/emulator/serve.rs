@@ -47,14 +47,16 @@ pub async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
     control: Receiver<Control>,
 ) -> io::Result<Board> {
     let faults = FaultyWire::new(0);
-    serve_with(stream, board, (wire, faults), clock, control, &mut |_| Ok(())).await
+    // Others may need this thread.
+    let timer = Duration::ZERO;
+    serve_with(stream, board, (wire, faults, timer), clock, control, &mut |_| Ok(())).await
 }
 
-/// As [`serve`], on a wire with faults; `stored` is called whenever the EEPROM has stored something.
+/// As [`serve`], on a wire with faults; the last `timer` of a wait is slept away with the thread; `stored` is called whenever the EEPROM has stored something.
 pub(super) async fn serve_with<S: AsyncRead + AsyncWrite + Unpin>(
     mut stream: S,
     board: Board,
-    (wire, faults): (&Wire, FaultyWire),
+    (wire, faults, timer): (&Wire, FaultyWire, Duration),
     clock: &dyn Clock,
     mut control: Receiver<Control>,
     stored: &mut (dyn FnMut(&Board) -> io::Result<()> + Send),
@@ -75,7 +77,7 @@ pub(super) async fn serve_with<S: AsyncRead + AsyncWrite + Unpin>(
         served.execute_whole_frames(clock.now_ns());
         served.keep(stored)?;
         let due_ns = served.due_ns();
-        let pause = due_ns.map(|due_ns| nanoseconds(due_ns - clock.now_ns()));
+        let pause = due_ns.map(|due_ns| nanoseconds(due_ns - clock.now_ns()).saturating_sub(timer));
         tokio::select! {
             biased;
             message = control.recv() => {
@@ -96,6 +98,11 @@ pub(super) async fn serve_with<S: AsyncRead + AsyncWrite + Unpin>(
                 served.received.add(bytes, clock.now_ns());
             }
             () = sleep(pause.unwrap_or_default()), if pause.is_some() => {
+                let left = nanoseconds(due_ns.unwrap_or(i64::MIN).saturating_sub(clock.now_ns()));
+                if left > timer {
+                    continue;
+                }
+                std::thread::sleep(left);
                 let now_ns = clock.now_ns();
                 for bytes in served.take_due(now_ns) {
                     stream.write_all(&bytes).await?;

@@ -10,7 +10,7 @@ use tokio::{runtime, sync::mpsc};
 use tokio_serial::SerialStream;
 
 use super::{Bench, Board, BoardOptions, Control, Wire, serve::serve_with};
-use crate::{Clock, EmulatorError, FaultyWire, pty::PseudoTerminal};
+use crate::{Clock, EmulatorError, FaultyWire, pause::TIMER, pty::PseudoTerminal};
 
 /// What to emulate.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -70,7 +70,7 @@ impl EmulatedBoard {
                     Some(path) => replace(path, &board.eeprom()),
                     None => Ok(()),
                 };
-                let wire = (&wire, faults);
+                let wire = (&wire, faults, TIMER);
                 runtime.block_on(serve_with(stream, board, wire, &clock, messages, &mut stored))
             })
             .map_err(failed)?;

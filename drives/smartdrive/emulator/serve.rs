@@ -9,6 +9,7 @@ use tokio::{
 };
 
 use super::{Device, Input};
+use crate::pause::TIMER;
 use crate::ramp::whole_ns;
 use crate::{
     Clock,
@@ -17,10 +18,6 @@ use crate::{
 
 /// Longer than any frame: what exceeds it is noise, which silence ends.
 const MOST_BYTES: usize = 256;
-/// The runtime's timers are late by up to a millisecond and a bit: answers would take half as long again. What is left
-/// of a wait after a timer that was set this much earlier is slept away.
-const TIMER: Duration = Duration::from_micros(1200);
-
 /// How slow the wire and the devices are, and what else the line does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wire {

@@ -8,8 +8,8 @@ use crate::compare::{Comparison, ErrorStatistics, Statistics};
 use crate::machine::Machine;
 use crate::program::ProgramFile;
 use crate::report::{
-    AxisErrorReport, CheckReport, ComparisonReport, DriveSamplesReport, OverrideChangeReport,
-    PerAxis, RunReport, seconds,
+    AxisErrorReport, CheckReport, ComparisonReport, DriveSamplesReport, LatenessReport,
+    OverrideChangeReport, PerAxis, RunReport, seconds,
 };
 use crate::session::Ending;
 use std::io::{self, Write};
@@ -89,6 +89,13 @@ pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) 
             ending.late_plans
         )?;
     }
+    if let Some(punctuality) = &ending.punctuality {
+        let LatenessReport { p50_us, p99_us, max_us, .. } = LatenessReport::new(punctuality);
+        writeln!(
+            out,
+            "cycles: half of them at most {p50_us} µs late, 99 % at most {p99_us} µs, the latest {max_us} µs"
+        )?;
+    }
     if samples.count > 0 {
         writeln!(
             out,
@@ -158,6 +165,7 @@ impl Report<'_> {
             executed_s: seconds(ending.executed_ns),
             override_changes: ending.overrides.iter().map(OverrideChangeReport::new).collect(),
             drive_samples: (samples.count > 0).then(|| samples.report()),
+            cycle_lateness: ending.punctuality.as_ref().map(LatenessReport::new),
             tool_error_mm: ComparisonReport::new(tool, 1e3),
             axis_error: PerAxis(
                 axis_error
