@@ -102,16 +102,14 @@ impl InterpCncDrive {
     }
 
     pub(super) fn all_signals(&mut self, clock: &dyn Clock) -> Result<Signals, DriveError> {
-        let wiring = match self.wiring {
-            Some(wiring) => wiring,
-            None => {
-                let asked = self.board.parameters(0, INPUT_PARAMETERS, &no_clock);
-                let values = self.runtime.block_on(asked)?;
-                let wiring = Wiring::new(&values, self.axes());
-                self.wiring = Some(wiring);
-                wiring
-            }
+        let wiring = if let Some(wiring) = self.wiring {
+            wiring
+        } else {
+            let asked = self.board.parameters(0, INPUT_PARAMETERS, &no_clock);
+            let values = self.runtime.block_on(asked)?;
+            Wiring::new(&values, self.axes())
         };
+        self.wiring = Some(wiring);
         let sent_ns = clock.now_ns();
         let found = self.runtime.block_on(self.board.snapshot(clock))?;
         let inputs = Bits::new(found.inputs.into(), 32, &INPUT_NAMES);
