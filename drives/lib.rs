@@ -4,6 +4,7 @@
 
 pub mod bim2ax;
 mod clock;
+mod control;
 mod drive;
 mod error;
 mod fault;
@@ -12,11 +13,13 @@ pub mod interpcnc;
 mod pty;
 mod ramp;
 mod rehearsal;
+mod slave;
 pub mod smartdrive;
 mod stamp;
 mod transport;
 
-pub use clock::Clock;
+pub use clock::{Accelerated, Clock, Speed};
+pub use control::Control;
 pub use drive::{Drive, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample, SetpointStream};
 pub use error::{Action, DriveError, EmulatorError, Exchange, ProtocolFault};
 pub use fault::{Direction, FaultRule, FaultyWire, When, WireFault};
