@@ -1,5 +1,8 @@
-//! Faults of a wire: what becomes of a frame on its way. Pure and deterministic: the same seed and the same frames give
-//! the same faults.
+//! Faults of a wire or bus: what becomes of a frame on its way. Pure and deterministic: the same seed and the same
+//! frames give the same faults.
+//!
+//! A bus has no frames: there, what a host writes before an interrupt is a request, and what the module shows after
+//! it an answer (`drives/bim2ax/emulator/bus.rs` says what each fault means then).
 
 use std::fmt;
 
@@ -139,6 +142,11 @@ impl FaultyWire {
         self.disconnected = disconnected;
     }
 
+    /// Whether the plug is pulled.
+    pub fn is_disconnected(&self) -> bool {
+        self.disconnected
+    }
+
     /// What becomes of a frame.
     pub fn pass(&mut self, direction: Direction, frame: &[u8]) -> Passed {
         let mut passed = Passed::default();
@@ -146,10 +154,23 @@ impl FaultyWire {
             return passed;
         }
         passed.pieces.push((0, frame.to_vec()));
+        for fault in self.befalling(direction) {
+            self.befall(&fault, direction, &mut passed);
+        }
+        passed
+    }
+
+    /// What befalls the next frame, for those who are not to lose, change or delay bytes of a stream but something else.
+    /// Nothing where the plug is pulled ([`Self::is_disconnected`]).
+    pub(crate) fn befalling(&mut self, direction: Direction) -> Vec<WireFault> {
+        if self.disconnected {
+            return Vec::new();
+        }
+        let mut faults = Vec::new();
         let mut rules = std::mem::take(&mut self.rules);
         for (rule, seen) in rules.iter_mut().filter(|(rule, _)| rule.direction == direction) {
             if self.befalls(rule.when, *seen) {
-                self.befall(&rule.fault, direction, &mut passed);
+                faults.push(rule.fault);
             }
             *seen = seen.saturating_add(1);
         }
@@ -159,7 +180,7 @@ impl FaultyWire {
             _ => true,
         });
         self.rules = rules;
-        passed
+        faults
     }
 
     /// Whether a rule that has seen so many frames befalls this one.
@@ -217,7 +238,7 @@ impl FaultyWire {
     }
 
     /// Changes so many different bytes.
-    fn corrupt(&mut self, frame: &mut [u8], bytes: usize) {
+    pub(crate) fn corrupt(&mut self, frame: &mut [u8], bytes: usize) {
         let mut places: Vec<usize> = (0..frame.len()).collect();
         for _ in 0..bytes.min(frame.len()) {
             let place = places.swap_remove(self.place(places.len()));

@@ -4,6 +4,7 @@
 
 pub mod bim2ax;
 mod clock;
+mod control;
 mod device;
 mod drive;
 mod error;
@@ -14,13 +15,15 @@ mod pause;
 mod pty;
 mod ramp;
 mod rehearsal;
+mod slave;
 pub mod smartdrive;
 mod stamp;
 #[cfg(test)]
 mod tests;
 mod transport;
 
-pub use clock::Clock;
+pub use clock::{Accelerated, Clock, Speed};
+pub use control::Control;
 pub use device::{
     AxisSignals, Bits, DeviceLimits, Identity, ParameterId, ParameterInfo, Signals, UnitIdentity,
     Values,

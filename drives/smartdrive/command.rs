@@ -325,15 +325,24 @@ impl Command {
         }
     }
 
+    /// Lengths of the data that belong to CMD; `None` if there is no such code.
+    pub(crate) fn lengths(code: u8) -> Option<&'static [usize]> {
+        match code & 0x3F {
+            WRITE => Some(&[8]),
+            GOTO | STEP => Some(&[4, 8]),
+            RESET | PING | MODE | IOUPDATE | READ | SET..=LOAD | TRJINIT..=STOP => Some(&[4]),
+            _ => None,
+        }
+    }
+
     /// What a device understands of CMD and data, whose length is that which CMD says.
     ///
     /// # Errors
     /// The reason for which the device refuses it: an unknown code, a length that does not belong to the code (assumed
     /// to be a wrong parameter), a mode or operation that does not exist.
     pub fn decode(code: u8, data: &[u8]) -> Result<Self, RejectCode> {
+        let known = Self::lengths(code).is_some();
         let code = code & 0x3F;
-        let known = matches!(code, RESET | PING | MODE | IOUPDATE | WRITE | READ | SET..=LOAD)
-            || matches!(code, TRJINIT..=STEP);
         match *data {
             _ if !known => Err(RejectCode::NotAvailable),
             [a, b, c, d] => Self::decode_four(code, [a, b, c, d]),

@@ -9,11 +9,13 @@ use tokio::{
 use tokio_serial::{DataBits, FlowControl, Parity, SerialPortBuilderExt, StopBits};
 
 use super::{
-    BAUD, Command, RejectCode, SmartDriveOptions,
+    BAUD, Command, Execution, RejectCode, SmartDriveOptions,
     frame::{ANSWER_BYTES, Answer, FIRST_BITS, encode},
     wire_time,
 };
-use crate::{Action, Clock, DriveError, Exchange, ProtocolFault, Stamp, transport::Transport};
+use crate::{
+    Action, Clock, DriveError, Exchange, ProtocolFault, Stamp, ramp::whole_ns, transport::Transport,
+};
 
 /// Attempts at a command that may be sent again.
 const ATTEMPTS: u32 = 2;
@@ -232,7 +234,7 @@ impl SmartDrive {
             Ok(Ok(answer)) => {
                 self.late = false;
                 self.dirty = search.is_noisy();
-                Ok((answer, stamp(sent_ns, answered_ns, frame.len())))
+                Ok((answer, self.stamp(sent_ns, answered_ns, frame.len())))
             }
             Ok(Err(source)) => Err(DriveError::Transport { at, source }),
             Err(_) => match search.fault() {
@@ -241,16 +243,20 @@ impl SmartDrive {
             },
         }
     }
-}
 
-/// The drive executes a command between its last byte and the first of the answer.
-fn stamp(sent_ns: i64, answered_ns: i64, sent_bytes: usize) -> Stamp {
-    let whole = |bytes| i64::try_from(wire_time(bytes).as_nanos()).unwrap_or(i64::MAX);
-    let first = sent_ns + whole(sent_bytes);
-    let last = answered_ns - whole(ANSWER_BYTES);
-    // A line faster than its baud rate (a pseudo-terminal) may make the wire times exceed the exchange.
-    let executed_ns = i64::midpoint(first, last).clamp(sent_ns, answered_ns);
-    Stamp { sent_ns, executed_ns, uncertainty_ns: (last - first).max(0) / 2, answered_ns }
+    /// A drive carries a command out between its last byte and the first of the answer.
+    fn stamp(&self, sent_ns: i64, answered_ns: i64, sent_bytes: usize) -> Stamp {
+        let first = sent_ns + whole_ns(wire_time(sent_bytes));
+        let last = answered_ns - whole_ns(wire_time(ANSWER_BYTES));
+        let executed_ns = match self.options.execution {
+            Execution::Between => i64::midpoint(first, last),
+            Execution::OnArrival => first,
+            Execution::BeforeAnswer => last,
+        };
+        // A line faster than its baud rate (a pseudo-terminal) may make the wire times exceed the exchange.
+        let executed_ns = executed_ns.clamp(sent_ns, answered_ns);
+        Stamp { sent_ns, executed_ns, uncertainty_ns: (last - first).max(0) / 2, answered_ns }
+    }
 }
 
 /// Looks for the answer among the bytes that come.

@@ -28,7 +28,7 @@ mod vectors;
 pub use blocking::SmartDriveBus;
 pub use command::{Command, Init, IoUpdate, LoadSource, Mode};
 pub use driver::SmartDrive;
-pub use options::{ADDRESSES, AxisOptions, BAUD, SmartDriveOptions, wire_time};
+pub use options::{ADDRESSES, AxisOptions, BAUD, Execution, SmartDriveOptions, wire_time};
 pub use rehearsal::{BusDelays, SmartDriveRehearsal};
 pub use requests::{DriveState, IoState, ParameterValue};
 pub use status::{Alarms, RejectCode, Status, TagLayout, TrajectoryFlags};

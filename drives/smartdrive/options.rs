@@ -16,6 +16,18 @@ pub fn wire_time(bytes: usize) -> Duration {
     Duration::from_nanos(bits.saturating_mul(1_000_000_000) / u64::from(BAUD))
 }
 
+/// When a drive carries out a command, between its last byte and the first of the answer. Not documented.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Execution {
+    /// Somewhere between: the middle is never wrong by more than half of that time.
+    #[default]
+    Between,
+    /// When its last byte has come.
+    OnArrival,
+    /// Just before it answers.
+    BeforeAnswer,
+}
+
 /// One drive on the bus and the ceilings it is driven with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AxisOptions {
@@ -56,6 +68,8 @@ pub struct SmartDriveOptions {
     /// Time after which an answer that is late comes no more. After a missed deadline the driver waits so long before
     /// it asks anything but a stop, lest the late answer be taken for the next.
     pub worst_latency: Duration,
+    /// When drives carry out commands: samples are stamped with that instant.
+    pub execution: Execution,
     /// What the driver waits between an answer and the next command. Drives take bytes that follow each other within
     /// 10 bit times for one frame; a serial port and its operating system pause longer by themselves.
     pub silence: Duration,
@@ -76,6 +90,7 @@ impl SmartDriveOptions {
             axes,
             deadline: Duration::from_millis(100),
             worst_latency: Duration::from_millis(100),
+            execution: Execution::Between,
             silence: Duration::ZERO,
             broadcast_pause: Duration::from_millis(2),
             stop_broadcasts: 3,

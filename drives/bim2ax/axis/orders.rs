@@ -32,6 +32,11 @@ impl Axis {
         self.advance(self.now_ns);
     }
 
+    /// Refuses an order, whatever it is; what is under way goes on.
+    pub(crate) fn refuse(&mut self) {
+        self.latch(message::REFUSED, true);
+    }
+
     fn order_in_motion(&mut self, word: u16, moves: u16) {
         let manual = self.task == Task::Manual;
         if word & uc::HARD_STOP != 0 {

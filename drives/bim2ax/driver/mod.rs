@@ -157,10 +157,16 @@ impl Bim2Ax {
     fn check_running(&mut self, action: Action) -> Result<(), DriveError> {
         let running = self.window.running();
         if self.bus(action, running)? {
-            Ok(())
-        } else {
-            Err(DriveError::NotRunning { at: self.at(action) })
+            return Ok(());
         }
+        // Where nobody is, everything reads as if the software did not run.
+        let stranger = self.window.stranger();
+        Err(match self.bus(action, stranger)? {
+            Some(found) => {
+                DriveError::Identity { at: self.at(action), expected: BIM2AX_BOCM, found }
+            }
+            None => DriveError::NotRunning { at: self.at(action) },
+        })
     }
 
     /// Asks for a zone and reads it. Asked again once if no answer comes: it changes nothing.

@@ -1,13 +1,13 @@
 //! What an interrupt does: take what the host has written, refresh what the module says (9.2).
 
-use super::{Module, RAM_LENGTH, ZONES_AT_ONCE};
+use super::{Module, RAM_LENGTH, ZONES_AT_ONCE, bus::NO_ZONE};
 use crate::bim2ax::{
     AXES, ModuleAxis,
     axis::{Axis, AxisOrder},
-    bits::uc,
+    bits::{card, uc},
     memory::{
-        ENTRIES, HOST_PAGE, INTERRUPT_STATUS, MODULE_PAGE, RECEIPT_ORDERS, RECEIPT_PARAMETER,
-        RECEIPTS, WINDOW_LENGTH, ZONES,
+        ENTRIES, INTERRUPT_STATUS, MODULE_PAGE, RECEIPT_ORDERS, RECEIPT_PARAMETER, RECEIPTS,
+        WINDOW_LENGTH, ZONES,
     },
     parameter::AxisParameter,
     zone::{
@@ -16,46 +16,45 @@ use crate::bim2ax::{
     },
 };
 
-/// High nibble of [`ZONES`]: no zone to write.
-const NO_ZONE: u8 = 0xF;
-
 impl Module {
-    /// The interrupt takes effect.
-    pub(super) fn serve(&mut self) {
+    /// The interrupt takes effect; orders are refused or not.
+    pub(super) fn serve(&mut self, refused: bool) {
         self.served += 1;
-        if self.ram(HOST_PAGE, INTERRUPT_STATUS) & 1 == 0 {
+        if self.heard(INTERRUPT_STATUS) & 1 == 0 {
             return;
         }
-        let zones = self.ram(HOST_PAGE, ZONES);
+        let zones = self.heard(ZONES);
         if zones >> 4 != NO_ZONE {
-            self.take(zones >> 4);
+            self.take(zones >> 4, refused);
         }
         if self.options.version >= ZONES_AT_ONCE {
             for entry in ENTRIES..ENTRIES + 4 {
-                let zone = self.ram(HOST_PAGE, entry);
+                let zone = self.heard(entry);
                 if zone >> 4 != 0 {
-                    self.take(zone & 0xF);
+                    self.take(zone & 0xF, refused);
                 }
                 if !self.options.keeps_entries {
-                    self.set_ram(HOST_PAGE, entry, 0);
+                    self.forget_entry(entry);
                 }
             }
         }
-        if self.running && !self.faults.frozen {
+        if self.running {
             self.refresh(zones & 0xF);
         }
     }
 
     /// Takes a zone that the host has written.
-    fn take(&mut self, number: u8) {
+    fn take(&mut self, number: u8, refused: bool) {
         let Some(zone) = WriteZone::from_number(number) else { return };
-        let bytes = self.zone(HOST_PAGE, zone.offset());
+        let bytes = self.zone(zone.offset());
         let order = self.options.byte_order;
         let [one, two] = &mut self.targets;
         match zone {
             WriteZone::Orders => {
                 self.receive(RECEIPT_ORDERS);
-                if self.active.sound() {
+                if refused {
+                    self.axes.iter_mut().for_each(Axis::refuse);
+                } else if self.active.sound() {
                     self.order(&Orders::decode(&bytes, order));
                 }
             }
@@ -63,6 +62,11 @@ impl Module {
             WriteZone::Position2 => *two = Target::decode(&bytes, order),
             WriteZone::Parameter => {
                 self.receive(RECEIPT_PARAMETER);
+                if refused {
+                    self.errors = card::BAD_ORDER;
+                    self.answer = ParameterExchange::default();
+                    return;
+                }
                 self.parameter_order(&ParameterExchange::decode(&bytes, order));
             }
         }
@@ -93,20 +97,26 @@ impl Module {
     /// Writes what the module says into page 6.
     fn refresh(&mut self, asked: u8) {
         let all = self.options.version >= ZONES_AT_ONCE && self.options.refreshes_all;
-        for zone in ReadZone::ALL {
-            if all || zone.number() == asked {
-                let bytes = self.said(zone);
-                for (offset, byte) in (zone.offset()..).zip(bytes) {
-                    self.set_ram(MODULE_PAGE, offset, byte);
-                }
-            }
-        }
-        self.set_ram(MODULE_PAGE, INTERRUPT_STATUS, 1);
-        self.set_ram(MODULE_PAGE, ZONES, asked);
-        if let Some((offset, bits)) = self.faults.garbled {
+        let zones = ReadZone::ALL.into_iter().filter(|zone| all || zone.number() == asked);
+        let zones: Vec<_> = zones.map(|zone| (zone, self.shown(zone))).collect();
+        self.say(asked, &zones);
+        if let Some((offset, bits)) = self.garbled {
             let byte = self.ram(MODULE_PAGE, offset);
             self.set_ram(MODULE_PAGE, offset, byte ^ bits);
         }
+    }
+
+    /// What a zone says: as it is, or as it was when it got stuck.
+    fn shown(&self, zone: ReadZone) -> ZoneBytes {
+        match self.stuck {
+            Some(stuck) if zone == ReadZone::Positions => stuck,
+            _ => self.said(zone),
+        }
+    }
+
+    /// Positions and axis messages are shown as they are now for good (true), or as they are.
+    pub fn set_stuck_status(&mut self, stuck: bool) {
+        self.stuck = stuck.then(|| self.said(ReadZone::Positions));
     }
 
     /// What a zone says now.
@@ -158,10 +168,11 @@ impl Module {
         }
     }
 
-    fn zone(&self, page: u8, offset: u8) -> ZoneBytes {
+    /// A zone as the module has heard it.
+    fn zone(&self, offset: u8) -> ZoneBytes {
         let mut bytes = [0; ZONE_LENGTH];
         for (offset, byte) in (offset..).zip(&mut bytes) {
-            *byte = self.ram(page, offset);
+            *byte = self.heard(offset);
         }
         bytes
     }

@@ -11,11 +11,14 @@
 //! in motion; writing any parameter makes the check sum right, and the module works again after RESET; the last
 //! encoder position is stored in points; an axis with an absolute encoder starts where that shows it to be.
 
+mod bus;
+mod control;
 mod eeprom;
 mod interrupt;
 mod parameters;
 mod thread;
 
+pub use control::{Control, Event};
 pub use eeprom::Eeprom;
 pub use thread::{EmulatedModule, EmulatorOptions};
 
@@ -28,8 +31,10 @@ use super::{
         WINDOW_LENGTH,
     },
     parameter::{AxisParameter, Parameter},
-    zone::{ParameterExchange, Target},
+    zone::{ParameterExchange, Target, ZoneBytes},
 };
+use crate::{FaultyWire, control::Agenda};
+use bus::{LateAnswer, LateRequest, Page};
 
 /// Bytes of RAM.
 const RAM_LENGTH: usize = 1024;
@@ -90,24 +95,21 @@ pub struct Surroundings {
     pub plugs: [Option<u32>; AXES],
 }
 
-/// What goes wrong with the module itself.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ModuleFaults {
-    /// Interrupts are lost.
-    pub deaf: bool,
-    /// Orders are taken, but what the module says is not refreshed.
-    pub frozen: bool,
-    /// Interrupts take effect so much later, ns.
-    pub late_ns: i64,
-    /// After a refresh these bits of the byte at this offset of page 6 are wrong.
-    pub garbled: Option<(u8, u8)>,
-}
-
 /// The module at one instant.
 #[derive(Clone, Debug)]
 pub struct Module {
     options: ModuleOptions,
-    faults: ModuleFaults,
+    /// What the bus does to what is written.
+    bus: FaultyWire,
+    agenda: Agenda<Event>,
+    /// Page 7 as the module heard it last.
+    heard: Box<Page>,
+    late_requests: Vec<LateRequest>,
+    late_answers: Vec<LateAnswer>,
+    /// After a refresh these bits of the byte at this offset of page 6 are wrong.
+    garbled: Option<(u8, u8)>,
+    /// The zone "Position" that is shown instead of what is.
+    stuck: Option<ZoneBytes>,
     now_ns: i64,
     ram: [u8; RAM_LENGTH],
     page: u8,
@@ -143,7 +145,13 @@ impl Module {
         let stand = |bench: &Bench| Axis::power_up(0, &AxisSettings::default(), bench, 0, 0, 0);
         let mut module = Self {
             options: *options,
-            faults: ModuleFaults::default(),
+            bus: FaultyWire::new(0),
+            agenda: Agenda::default(),
+            heard: Box::new([0; WINDOW_LENGTH as usize]),
+            late_requests: Vec::new(),
+            late_answers: Vec::new(),
+            garbled: None,
+            stuck: None,
             now_ns: 0,
             ram: [0; RAM_LENGTH],
             page: 0,
@@ -175,6 +183,8 @@ impl Module {
                 (!self.running).then_some(self.running_ns),
                 self.interrupt_ns,
                 self.reading_plugs.map(|(_, due_ns)| due_ns),
+                self.late_requests.iter().map(|late| late.due_ns).min(),
+                self.late_answers.iter().map(|late| late.due_ns).min(),
             ];
             let Some(due_ns) = due.into_iter().flatten().min().filter(|due| *due <= time_ns) else {
                 break;
@@ -191,8 +201,10 @@ impl Module {
             }
             if self.interrupt_ns.is_some_and(|at_ns| at_ns <= due_ns) {
                 self.interrupt_ns = None;
-                self.serve();
+                self.hear();
             }
+            self.hear_late(due_ns);
+            self.say_late(due_ns);
         }
         self.pass(time_ns);
     }
@@ -212,6 +224,7 @@ impl Module {
     /// What the host reads at an offset from the module's base.
     pub fn bus_read(&self, offset: u8) -> u8 {
         match offset {
+            _ if self.bus.is_disconnected() => 0xFF,
             0..WINDOW_LENGTH => self.ram.get(self.ram_place(offset)).copied().unwrap_or(0xFF),
             PAGE_REGISTER if self.running => 0,
             PAGE_REGISTER => NOT_RUNNING,
@@ -223,6 +236,7 @@ impl Module {
     /// What the host writes at an offset from the module's base.
     pub fn bus_write(&mut self, offset: u8, value: u8) {
         match offset {
+            _ if self.bus.is_disconnected() => {}
             0..WINDOW_LENGTH => {
                 let place = self.ram_place(offset);
                 if let Some(byte) = self.ram.get_mut(place) {
@@ -243,21 +257,25 @@ impl Module {
 
     /// Interrupts the module. While its software does not run, interrupts are lost.
     fn interrupt(&mut self) {
-        if self.running && !self.faults.deaf {
-            let delay_ns = self.options.interrupt_ns + self.faults.late_ns.max(0);
+        if self.running {
             // One that is pending already is not served twice.
-            self.interrupt_ns.get_or_insert(self.now_ns + delay_ns.max(0));
+            self.interrupt_ns.get_or_insert(self.now_ns + self.options.interrupt_ns.max(0));
         }
     }
 
-    /// What goes wrong with it.
-    pub fn faults(&self) -> ModuleFaults {
-        self.faults
+    /// Whether the module is off the bus ([`Control::Disconnect`]).
+    pub fn is_disconnected(&self) -> bool {
+        self.bus.is_disconnected()
     }
 
-    /// Makes something go wrong with it.
-    pub fn set_faults(&mut self, faults: &ModuleFaults) {
-        self.faults = *faults;
+    /// After every refresh from now on, these bits of the byte at this offset of page 6 are wrong; or none.
+    pub fn set_garbled(&mut self, garbled: Option<(u8, u8)>) {
+        self.garbled = garbled;
+    }
+
+    /// What chance does to the bus is decided by this number from now on; its faults are gone.
+    pub fn set_seed(&mut self, seed: u64) {
+        self.bus = FaultyWire::new(seed);
     }
 
     /// What is connected.
@@ -276,11 +294,15 @@ impl Module {
         self.store_positions();
     }
 
-    /// Takes the module's power away for a moment: RAM and positions are lost, motors stand where they are.
-    pub fn brown_out(&mut self) {
+    /// Takes the module's power away for so long, ns: RAM and positions are lost, motors stand where they are.
+    pub fn brown_out(&mut self, off_ns: i64) {
         self.ram = [0; RAM_LENGTH];
+        self.heard.fill(0);
+        self.late_requests.clear();
+        self.late_answers.clear();
         self.page = 0;
         self.restart();
+        self.running_ns = self.running_ns.saturating_add(off_ns.max(0));
     }
 
     /// The EEPROM, as it would be found after power-down.

@@ -12,12 +12,12 @@ use std::{
     time::Duration,
 };
 
-use super::{Eeprom, Module, ModuleOptions, Surroundings};
+use super::{Control, Eeprom, Module, ModuleOptions, Surroundings};
 use crate::{
-    Clock, EmulatorError,
+    Accelerated, Clock, EmulatorError, Speed,
     bim2ax::memory::{
-        BIM2AX_BOCM, FILE_LENGTH, HOST_PAGE, INTERRUPT, MODULE_PAGE, Mapping, PAGE_REGISTER,
-        RECEIPTS, WINDOW_LENGTH, file_offset,
+        BIM2AX_BOCM, FILE_LENGTH, HOST_PAGE, IDENTIFIER, INTERRUPT, MODULE_PAGE, Mapping,
+        PAGE_REGISTER, RECEIPTS, WINDOW_LENGTH, file_offset,
     },
 };
 
@@ -37,6 +37,10 @@ pub struct EmulatorOptions {
     /// File with the image of the EEPROM, read at the start if it exists and written whenever something is stored;
     /// none for an EEPROM that is as new at every start.
     pub eeprom: Option<PathBuf>,
+    /// Decides what faults by chance do.
+    pub seed: u64,
+    /// How many times faster than its clock the module lives. It looks at its file no more often for that.
+    pub speed: Speed,
 }
 
 impl EmulatorOptions {
@@ -47,6 +51,8 @@ impl EmulatorOptions {
             module: ModuleOptions::default(),
             surroundings: Surroundings::default(),
             eeprom: None,
+            seed: 0,
+            speed: Speed::REAL,
         }
     }
 }
@@ -82,7 +88,9 @@ impl EmulatedModule {
         };
         let file = memory_file(&options.path)?;
         let mapping = Mapping::new(file, 0, FILE_LENGTH).map_err(failed(&options.path))?;
-        let module = Module::new(&options.module, &eeprom, &options.surroundings);
+        let mut module = Module::new(&options.module, &eeprom, &options.surroundings);
+        module.set_seed(options.seed);
+        let clock = Accelerated::new(clock, options.speed);
         let module = Arc::new(Mutex::new(module));
         let (end, ended) = sync_channel(1);
         let server = Server {
@@ -95,6 +103,7 @@ impl EmulatedModule {
             starts: 0,
             eeprom: options.eeprom.clone(),
             stores: 0,
+            gone: false,
         };
         let thread = Builder::new()
             .name(format!("bim2ax {}", options.path.display()))
@@ -111,6 +120,11 @@ impl EmulatedModule {
     /// The module, to press its switches and break it. While it is held it does not serve its host.
     pub fn module(&self) -> MutexGuard<'_, Module> {
         self.module.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Makes something happen to the module or its bus.
+    pub fn control(&self, what: Control) {
+        self.module().control(what);
     }
 
     /// Powers the module down and gives it back as it was then.
@@ -179,6 +193,8 @@ struct Server {
     starts: u64,
     eeprom: Option<PathBuf>,
     stores: u64,
+    /// The module is off the bus.
+    gone: bool,
 }
 
 impl Server {
@@ -194,10 +210,17 @@ impl Server {
                 let interrupts = self.mapping.load(file_offset::INTERRUPTS)?;
                 if interrupts != self.interrupts {
                     self.interrupts = interrupts;
-                    self.hear(&mut module)?;
+                    if !module.is_disconnected() {
+                        self.hear(&mut module)?;
+                    }
+                }
+                if module.is_disconnected() != self.gone {
+                    self.gone = module.is_disconnected();
+                    self.mapping.store(file_offset::IDENTIFIER, module.bus_read(IDENTIFIER))?;
+                    self.say(&module)?;
                 }
                 self.mapping.store(file_offset::STATUS, module.bus_read(PAGE_REGISTER))?;
-                if module.served() != self.served {
+                if module.served() != self.served && !self.gone {
                     self.served = module.served();
                     self.say(&module)?;
                     let count = self.mapping.load(file_offset::SERVED)?;
@@ -238,7 +261,9 @@ impl Server {
     /// Writes what the module says: which zone has been refreshed comes last, when the zone is there.
     fn say(&self, module: &Module) -> io::Result<()> {
         for offset in (0..WINDOW_LENGTH).rev() {
-            self.mapping.store(place(MODULE_PAGE, offset), module.ram(MODULE_PAGE, offset))?;
+            // Of a module that is gone nothing is seen.
+            let byte = if self.gone { 0xFF } else { module.ram(MODULE_PAGE, offset) };
+            self.mapping.store(place(MODULE_PAGE, offset), byte)?;
         }
         Ok(())
     }

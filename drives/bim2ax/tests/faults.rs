@@ -3,11 +3,11 @@
 
 use super::*;
 use crate::{
-    DriveError,
+    Direction, DriveError, FaultRule, When, WireFault,
     bim2ax::{
         Start,
         bits::{card, message},
-        emulator::ModuleFaults,
+        emulator::Control,
     },
 };
 
@@ -55,6 +55,19 @@ impl Rig {
         seen.messages[0] & message::MOVING != 0
     }
 
+    /// Something goes wrong with every interrupt from now on.
+    fn always(&self, direction: Direction, fault: WireFault) {
+        let rule = FaultRule { direction, when: When::Always, fault };
+        self.module.module().control(Control::Fault(rule));
+    }
+
+    /// Nothing goes wrong any more.
+    fn sound(&self) {
+        let mut module = self.module.module();
+        module.control(Control::NoFaults);
+        module.set_garbled(None);
+    }
+
     fn speed(&self) -> f64 {
         self.module.module().velocity(ModuleAxis::One).abs()
     }
@@ -76,7 +89,7 @@ async fn a_module_that_hears_nothing_is_a_timeout_and_motion_goes_on_to_its_end(
     for what in EVERYTHING {
         let mut rig = doing(what).await;
         let clock = &clock();
-        rig.module.module().set_faults(&ModuleFaults { deaf: true, ..ModuleFaults::default() });
+        rig.always(Direction::Request, WireFault::Drop);
         let error = rig.driver.positions(clock).await.unwrap_err();
         let text = error.to_string();
         assert_eq!(
@@ -87,7 +100,7 @@ async fn a_module_that_hears_nothing_is_a_timeout_and_motion_goes_on_to_its_end(
         let error = rig.driver.stop_hard(clock).await.unwrap_err();
         assert!(matches!(error, DriveError::Timeout { .. }), "{what:?}: {error}");
         assert_eq!(rig.speed() > 0.0, what != Doing::Idle, "{what:?}");
-        rig.module.module().set_faults(&ModuleFaults::default());
+        rig.sound();
         rig.driver.stop_hard(clock).await.unwrap();
         assert!(!rig.moves().await);
         rig.usable().await;
@@ -98,11 +111,11 @@ async fn a_module_that_hears_nothing_is_a_timeout_and_motion_goes_on_to_its_end(
 async fn a_module_that_says_nothing_still_stops() {
     for what in EVERYTHING {
         let mut rig = doing(what).await;
-        rig.module.module().set_faults(&ModuleFaults { frozen: true, ..ModuleFaults::default() });
+        rig.always(Direction::Answer, WireFault::Drop);
         let error = rig.driver.stop_hard(&clock()).await.unwrap_err();
         assert!(matches!(error, DriveError::Timeout { .. }), "{what:?}: {error}");
         assert!(rig.speed() == 0.0, "{what:?}");
-        rig.module.module().set_faults(&ModuleFaults::default());
+        rig.sound();
         rig.usable().await;
     }
 }
@@ -113,8 +126,7 @@ async fn late_answers_are_not_taken_for_those_to_the_next_question() {
         let mut rig = doing(what).await;
         let clock = &clock();
         // Later than the deadline, so that the answer to a question comes during the next.
-        let late = ModuleFaults { late_ns: 15_000_000, ..ModuleFaults::default() };
-        rig.module.module().set_faults(&late);
+        rig.always(Direction::Request, WireFault::Delay { ns: 15_000_000 });
         // A late answer is for one zone and the question for another: the zone's number tells.
         for _ in 0..5 {
             if let Err(error) = rig.driver.acknowledgements(clock).await {
@@ -128,7 +140,7 @@ async fn late_answers_are_not_taken_for_those_to_the_next_question() {
                 assert!((f64::from(seen.positions[0]) - now).abs() <= moved, "{what:?}: stale");
             }
         }
-        rig.module.module().set_faults(&ModuleFaults::default());
+        rig.sound();
         sleep(Duration::from_millis(50)).await;
         rig.usable().await;
     }
@@ -140,16 +152,14 @@ async fn garbled_zone_numbers_and_parameters_are_told() {
         let mut rig = doing(what).await;
         let clock = &clock();
         // Bits of the number of the parameter that the module echoes.
-        let garbled = ModuleFaults { garbled: Some((0x1D, 0x40)), ..ModuleFaults::default() };
-        rig.module.module().set_faults(&garbled);
+        rig.module.module().set_garbled(Some((0x1D, 0x40)));
         let error = rig.driver.parameter(Parameter::Version, clock).await.unwrap_err();
         assert!(matches!(error, DriveError::Protocol { .. }), "{what:?}: {error}");
         // The number of the zone: 1 instead of 0.
-        let garbled = ModuleFaults { garbled: Some((0x00, 0x01)), ..ModuleFaults::default() };
-        rig.module.module().set_faults(&garbled);
+        rig.module.module().set_garbled(Some((0x00, 0x01)));
         let error = rig.driver.positions(clock).await.unwrap_err();
         assert!(matches!(error, DriveError::Protocol { .. }), "{what:?}: {error}");
-        rig.module.module().set_faults(&ModuleFaults::default());
+        rig.sound();
         assert_eq!(rig.driver.parameter(Parameter::Version, clock).await.unwrap(), 15);
         rig.usable().await;
     }
@@ -161,7 +171,7 @@ async fn a_reset_on_the_way_stops_the_motor_and_is_told() {
         let mut rig = doing(what).await;
         let clock = &clock();
         let stood = rig.module.module().shaft(ModuleAxis::One);
-        rig.module.module().brown_out();
+        rig.module.module().brown_out(0);
         let error = rig.driver.positions(clock).await.unwrap_err();
         assert!(matches!(error, DriveError::NotRunning { .. }), "{what:?}: {error}");
         let error = rig.driver.stop_hard(clock).await.unwrap_err();

@@ -147,7 +147,7 @@ async fn the_last_position_is_stored_and_recalled_after_a_brown_out() {
     let clock = &clock();
     rig.driver.start([Some(Start::to(123)), Some(Start::to(-77))], clock).await.unwrap();
     rig.driver.rested(seconds(5), clock).await.unwrap();
-    rig.module.module().brown_out();
+    rig.module.module().brown_out(0);
     sleep(seconds(1)).await;
     let (seen, _) = rig.driver.positions(clock).await.unwrap();
     assert_eq!(seen.positions, [0, 0]);

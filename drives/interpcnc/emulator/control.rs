@@ -1,11 +1,14 @@
 //! What happens to a served board other than on the wire.
 
 use super::{Bench, Board, Condition};
-use crate::{FaultRule, FaultyWire, interpcnc::registers::BoardAxis};
+use crate::interpcnc::registers::BoardAxis;
 
-/// What happens to the board other than on the wire, and to the wire.
+/// What happens to the board, and to the wire.
+pub type Control = crate::Control<Event>;
+
+/// What happens to the board other than on the wire.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Control {
+pub enum Event {
     /// The ENABLE input closes (true) or opens.
     Enable(bool),
     /// A hand sets an input, also against a cam.
@@ -46,32 +49,23 @@ pub enum Control {
         /// Without supply for so long, ns.
         off_ns: i64,
     },
-    /// One more fault of the wire.
-    Fault(FaultRule),
-    /// The wire has no faults any more.
-    NoFaults,
-    /// The plug is pulled (true) or put back.
-    Disconnect(bool),
 }
 
-impl Control {
-    /// Makes it happen now.
-    pub(super) fn apply(self, board: &mut Board, wire: &mut FaultyWire) {
-        match self {
-            Self::Enable(closed) => board.set_enable(closed),
-            Self::Input { number, level } => board.set_input(number, level),
-            Self::ReleaseInput(number) => board.release_input(number),
-            Self::AnalogInput { number, value } => board.set_analog_input(number, value),
-            Self::Pulses { second, count } => board.add_pulses(second, count),
-            Self::Bench(bench) => board.set_bench(bench),
-            Self::Condition(condition, on) => board.set_condition(condition, on),
-            Self::Stall(axis, stalled) => board.set_stalled(axis, stalled),
-            Self::StuckStatus(stuck) => board.set_stuck_status(stuck),
-            Self::BreakEeprom(broken) => board.set_eeprom_broken(broken),
-            Self::BrownOut { off_ns } => board.brown_out(off_ns),
-            Self::Fault(rule) => wire.add(rule),
-            Self::NoFaults => wire.clear(),
-            Self::Disconnect(disconnected) => wire.set_disconnected(disconnected),
+impl Board {
+    /// Lets something happen now.
+    pub fn happen(&mut self, event: Event) {
+        match event {
+            Event::Enable(closed) => self.set_enable(closed),
+            Event::Input { number, level } => self.set_input(number, level),
+            Event::ReleaseInput(number) => self.release_input(number),
+            Event::AnalogInput { number, value } => self.set_analog_input(number, value),
+            Event::Pulses { second, count } => self.add_pulses(second, count),
+            Event::Bench(bench) => self.set_bench(bench),
+            Event::Condition(condition, on) => self.set_condition(condition, on),
+            Event::Stall(axis, stalled) => self.set_stalled(axis, stalled),
+            Event::StuckStatus(stuck) => self.set_stuck_status(stuck),
+            Event::BreakEeprom(broken) => self.set_eeprom_broken(broken),
+            Event::BrownOut { off_ns } => self.brown_out(off_ns),
         }
     }
 }

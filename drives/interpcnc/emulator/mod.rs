@@ -34,7 +34,7 @@ mod time;
 
 use bench::Surroundings;
 pub use bench::{Bench, Cam, Condition, EncoderLink};
-pub use control::Control;
+pub use control::{Control, Event};
 pub use eeprom::BadImage;
 use eeprom::Eeprom;
 use homing::Homings;

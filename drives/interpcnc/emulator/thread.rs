@@ -9,8 +9,8 @@ use std::{
 use tokio::{runtime, sync::mpsc};
 use tokio_serial::SerialStream;
 
-use super::{Bench, Board, BoardOptions, Control, Wire, serve::serve_with};
-use crate::{Clock, EmulatorError, FaultyWire, pause::TIMER, pty::PseudoTerminal};
+use super::{Bench, Board, BoardOptions, Control, Event, Wire, serve::serve_with};
+use crate::{Accelerated, Clock, EmulatorError, FaultyWire, Speed, pty::PseudoTerminal};
 
 /// What to emulate.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -28,6 +28,8 @@ pub struct EmulatorOptions {
     pub eeprom: Option<PathBuf>,
     /// Decides what faults by chance do.
     pub seed: u64,
+    /// How many times faster than its clock the board lives, its wire included.
+    pub speed: Speed,
 }
 
 /// A running emulator. Dropping it stops it.
@@ -62,6 +64,7 @@ impl EmulatedBoard {
         };
         let (control, messages) = mpsc::channel(64);
         let (wire, faults) = (options.wire, FaultyWire::new(options.seed));
+        let clock = Accelerated::new(clock, options.speed);
         let file = options.eeprom.clone();
         let thread = Builder::new()
             .name(format!("interpcnc {}", terminal.path().display()))
@@ -70,7 +73,7 @@ impl EmulatedBoard {
                     Some(path) => replace(path, &board.eeprom()),
                     None => Ok(()),
                 };
-                let wire = (&wire, faults, TIMER);
+                let wire = (&wire, faults);
                 runtime.block_on(serve_with(stream, board, wire, &clock, messages, &mut stored))
             })
             .map_err(failed)?;
@@ -87,7 +90,7 @@ impl EmulatedBoard {
     /// # Errors
     /// If the emulator has ended.
     pub fn set_enable(&self, closed: bool) -> Result<(), EmulatorError> {
-        self.send(Control::Enable(closed))
+        self.send(Control::Event(Event::Enable(closed)))
     }
 
     /// Sets input `number` (1 to 32).
@@ -95,7 +98,7 @@ impl EmulatedBoard {
     /// # Errors
     /// If the emulator has ended.
     pub fn set_input(&self, number: u8, level: bool) -> Result<(), EmulatorError> {
-        self.send(Control::Input { number, level })
+        self.send(Control::Event(Event::Input { number, level }))
     }
 
     /// Makes something happen to the board or the wire.

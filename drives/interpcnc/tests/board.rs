@@ -14,7 +14,7 @@ use crate::{
     interpcnc::{
         Assumptions, AxisMask, AxisOptions, BoardAxis, Command, HomeAxis, InterpCnc,
         InterpCncOptions, Line, MoveProfile, ProbeMove,
-        emulator::{Bench, Board, BoardOptions, Cam, Control, EncoderLink, Wire, serve},
+        emulator::{Bench, Board, BoardOptions, Cam, Control, EncoderLink, Event, Wire, serve},
         parameters,
         registers::Status,
     },
@@ -145,9 +145,14 @@ fn an_axis_that_something_else_stops_has_not_arrived() {
     let ((), _) = with_usual(|mut driver, hand| async move {
         driver.unlock(&no_clock).await.unwrap();
         driver.set_parameter(106, 8, LONG, &no_clock).await.unwrap();
-        hand.send(Control::Bench(on_bench(vec![switch(8, BoardAxis::X, 3000, 9000)])))
-            .await
-            .unwrap();
+        hand.send(Control::Event(Event::Bench(on_bench(vec![switch(
+            8,
+            BoardAxis::X,
+            3000,
+            9000,
+        )]))))
+        .await
+        .unwrap();
         let stopped = driver.move_axis(BoardAxis::X, &profile(8000), LONG, &no_clock).await;
         assert!(matches!(stopped, Err(DriveError::LimitSwitch { axes: 1, .. })), "{stopped:?}");
         // A ramp stop that another master has sent: the axis stands elsewhere.
@@ -342,10 +347,10 @@ fn an_eeprom_that_fails_is_an_error_of_its_own() {
             Bench::default(),
             |_| {},
             |mut driver, hand| async move {
-                hand.send(Control::BreakEeprom(true)).await.unwrap();
+                hand.send(Control::Event(Event::BreakEeprom(true))).await.unwrap();
                 let failed = driver.set_parameter(4, 78, LONG, &no_clock).await;
                 assert!(matches!(failed, Err(DriveError::EepromFailed { .. })), "{failed:?}");
-                hand.send(Control::BreakEeprom(false)).await.unwrap();
+                hand.send(Control::Event(Event::BreakEeprom(false))).await.unwrap();
                 driver.set_parameter(4, 79, LONG, &no_clock).await.unwrap();
             },
         );
@@ -438,10 +443,10 @@ fn inputs_and_outputs_are_those_of_the_board() {
                 assert!(matches!(outcome, Err(DriveError::Range { .. })), "{outcome:?}");
             }
             for control in [
-                Control::Input { number: 3, level: true },
-                Control::Input { number: 20, level: true },
-                Control::AnalogInput { number: 2, value: 512 },
-                Control::Pulses { second: true, count: 70_000 },
+                Control::Event(Event::Input { number: 3, level: true }),
+                Control::Event(Event::Input { number: 20, level: true }),
+                Control::Event(Event::AnalogInput { number: 2, value: 512 }),
+                Control::Event(Event::Pulses { second: true, count: 70_000 }),
             ] {
                 hand.send(control).await.unwrap();
             }

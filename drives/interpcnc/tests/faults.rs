@@ -10,7 +10,7 @@ use crate::{
     Direction, DriveError, FaultRule, When, WireFault,
     interpcnc::{
         AxisMask, BoardAxis, Command, InterpCnc, InterpCncOptions,
-        emulator::{Bench, Board, BoardOptions, Control},
+        emulator::{Bench, Board, BoardOptions, Control, Event},
     },
 };
 
@@ -251,7 +251,7 @@ fn a_brown_out_in_a_move_is_found_out_by_the_lock() {
             let later = hand.clone();
             let fails = async {
                 sleep(Duration::from_millis(700)).await;
-                later.send(Control::BrownOut { off_ns: 100_000_000 }).await.unwrap();
+                later.send(Control::Event(Event::BrownOut { off_ns: 100_000_000 })).await.unwrap();
             };
             let far = profile(100_000);
             let moves = driver.move_axis(BoardAxis::X, &far, LONG, &no_clock);
@@ -271,11 +271,11 @@ fn a_status_that_is_stuck_is_a_move_that_does_not_end() {
             driver.unlock(&no_clock).await.unwrap();
             let command = Command::Move { axis: BoardAxis::X, profile: profile(1000) };
             driver.send(&command, &no_clock).await.unwrap();
-            hand.send(Control::StuckStatus(true)).await.unwrap();
+            hand.send(Control::Event(Event::StuckStatus(true))).await.unwrap();
             let patience = Duration::from_secs(5);
             let stuck = driver.wait_for_rest(AxisMask::ALL, patience, &no_clock).await;
             assert!(matches!(stuck, Err(DriveError::Unfinished { .. })), "{stuck:?}");
-            hand.send(Control::StuckStatus(false)).await.unwrap();
+            hand.send(Control::Event(Event::StuckStatus(false))).await.unwrap();
             driver.wait_for_rest(AxisMask::ALL, patience, &no_clock).await.unwrap();
         },
     );
@@ -287,7 +287,7 @@ fn a_stall_shows_only_at_the_next_homing() {
         |_| {},
         |mut driver, hand| async move {
             driver.unlock(&no_clock).await.unwrap();
-            hand.send(Control::Stall(BoardAxis::X, true)).await.unwrap();
+            hand.send(Control::Event(Event::Stall(BoardAxis::X, true))).await.unwrap();
             // Without encoder the board cannot know.
             driver.move_axis(BoardAxis::X, &profile(2000), LONG, &no_clock).await.unwrap();
             driver.state(&no_clock).await.unwrap().0.positions[0]
@@ -330,13 +330,21 @@ fn fault_of_the_board(fault: BoardFault, doing: Doing) {
         |mut driver, hand| async move {
             begin(&mut driver, &hand, doing).await;
             let (before, after) = match fault {
-                BoardFault::BrownOut => (Control::BrownOut { off_ns: 1 }, Control::NoFaults),
-                BoardFault::EnableLost => (Control::Enable(false), Control::Enable(true)),
-                BoardFault::Disconnected => (Control::Disconnect(true), Control::Disconnect(false)),
-                BoardFault::Stalled => {
-                    (Control::Stall(BoardAxis::X, true), Control::Stall(BoardAxis::X, false))
+                BoardFault::BrownOut => {
+                    (Control::Event(Event::BrownOut { off_ns: 1 }), Control::NoFaults)
                 }
-                BoardFault::Stuck => (Control::StuckStatus(true), Control::StuckStatus(false)),
+                BoardFault::EnableLost => {
+                    (Control::Event(Event::Enable(false)), Control::Event(Event::Enable(true)))
+                }
+                BoardFault::Disconnected => (Control::Disconnect(true), Control::Disconnect(false)),
+                BoardFault::Stalled => (
+                    Control::Event(Event::Stall(BoardAxis::X, true)),
+                    Control::Event(Event::Stall(BoardAxis::X, false)),
+                ),
+                BoardFault::Stuck => (
+                    Control::Event(Event::StuckStatus(true)),
+                    Control::Event(Event::StuckStatus(false)),
+                ),
             };
             hand.send(before).await.unwrap();
             // Longer than the filter of the ENABLE input.

@@ -13,7 +13,9 @@ use crate::{
     WireFault,
     interpcnc::{
         AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions, Line, Parity,
-        emulator::{Bench, BoardOptions, Cam, Control, EmulatedBoard, EmulatorOptions, Wire, seal},
+        emulator::{
+            Bench, BoardOptions, Cam, Control, EmulatedBoard, EmulatorOptions, Event, Wire, seal,
+        },
         vectors::{bytes, vector},
     },
 };
@@ -322,7 +324,7 @@ fn a_bench_presses_switches_and_faults_come_on_demand() {
     };
     board.control(Control::Fault(rule)).unwrap();
     assert_eq!(drive.sample(&stream).unwrap().position[0], 700);
-    board.control(Control::BrownOut { off_ns: 0 }).unwrap();
+    board.control(Control::Event(Event::BrownOut { off_ns: 0 })).unwrap();
     assert!(matches!(drive.sample(&stream), Err(DriveError::Locked { .. })));
     let end = board.stop().unwrap();
     assert_eq!((end.counters()[0], end.inputs()), (0, 1 << 4));

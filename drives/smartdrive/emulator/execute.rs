@@ -1,6 +1,6 @@
 //! What a device does with its commands.
 
-use super::{Device, Phase, Work};
+use super::{Device, Phase, Work, control::Shown};
 use crate::smartdrive::{
     Alarms, Command, Init, Mode, RejectCode, Status, TrajectoryFlags,
     frame::Answer,
@@ -27,23 +27,22 @@ enum Reply {
 impl Device {
     pub(super) fn answer(&mut self, command: Result<Command, RejectCode>, address: u8) -> Answer {
         let reply = command.and_then(|command| self.perform(&command));
+        let Shown { status, position, tag } = self.stuck.unwrap_or_else(|| self.shown());
         // The answer comes from the address that was asked, even to the SET that changes it.
-        let status = Status(self.status().0 & 0xE0FF | u16::from(address & 0x1F) << 8);
-        let position = self.counter().to_le_bytes();
+        let status = Status(status.0 & 0xE0FF | u16::from(address & 0x1F) << 8);
+        let position = position.to_le_bytes();
         match reply {
             Err(code) => Answer {
                 status: status.with(Status::REJECT, true),
                 data: position,
                 tag: code.number(),
             },
-            Ok(Reply::Ping) if !self.alarms.is_empty() => Answer {
+            Ok(Reply::Ping) if !self.alarms.is_empty() && self.stuck.is_none() => Answer {
                 status: status.with(Status::ALARM, true),
                 data: position,
                 tag: self.alarms.0,
             },
-            Ok(Reply::Position | Reply::Ping) => {
-                Answer { status, data: position, tag: self.trajectory_tag() }
-            }
+            Ok(Reply::Position | Reply::Ping) => Answer { status, data: position, tag },
             Ok(Reply::Data(data)) => Answer { status, data, tag: 0 },
             Ok(Reply::Words { saved, working, factory }) => {
                 let ([a, b], [c, d]) = (saved.to_le_bytes(), working.to_le_bytes());

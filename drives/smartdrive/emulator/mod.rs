@@ -12,6 +12,7 @@
 //! use GO for GOP and START and DIR for GON; an alarm whose cause is still there comes back when a mode is chosen; the
 //! bootloader answers nothing.
 
+mod control;
 mod execute;
 mod homing;
 mod inputs;
@@ -23,11 +24,13 @@ mod serve;
 mod tests;
 mod thread;
 
+pub use control::{Control, Event, Happening};
 pub use inputs::Input;
 pub use options::{Assumptions, Cam, DeviceOptions, HomingOptions};
-pub use serve::{Control, Event, Wire, serve};
+pub use serve::{Wire, serve};
 pub use thread::{EmulatedBus, EmulatorOptions};
 
+use control::Shown;
 use homing::Homing;
 use inputs::{CAPTURE_NS, Pins};
 use memory::Memory;
@@ -89,6 +92,8 @@ pub struct Device {
     alarms: Alarms,
     /// Levels of GO and DIR that the present mode has seen.
     seen: modes::Seen,
+    /// What is shown instead of what is.
+    stuck: Option<Shown>,
     frames_handled: u64,
 }
 
@@ -111,6 +116,7 @@ impl Device {
             faults: Alarms::default(),
             alarms: Alarms::default(),
             seen: modes::Seen::default(),
+            stuck: None,
             frames_handled: 0,
         };
         device.start_up();
@@ -385,6 +391,10 @@ impl Device {
     /// Takes one frame and gives the answer, if the device answers.
     pub fn handle(&mut self, frame: &[u8]) -> Option<Vec<u8>> {
         let (address, command) = frame::decode(frame)?;
+        let command = command.map_err(|reason| match frame::has_wrong_length(frame) {
+            true => self.options.assumptions.wrong_length,
+            false => reason,
+        });
         let own = self.address();
         let alive = !matches!(self.phase, Phase::Booting { .. } | Phase::Dead);
         if !alive || address != own && address != 0 {

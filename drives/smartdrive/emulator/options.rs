@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::Input;
-use crate::smartdrive::{Mode, TagLayout};
+use crate::smartdrive::{Mode, RejectCode, TagLayout};
 
 /// A switch that the mechanics operate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +51,8 @@ pub struct Assumptions {
     pub silent_while_changing: bool,
     /// Each word of a 32-bit parameter counts as soon as it is set, instead of both with the high one.
     pub applies_words_at_once: bool,
+    /// With what a command is refused whose code goes with another length of data.
+    pub wrong_length: RejectCode,
 }
 
 impl Default for Assumptions {
@@ -61,6 +63,7 @@ impl Default for Assumptions {
             extends_signs: true,
             silent_while_changing: false,
             applies_words_at_once: false,
+            wrong_length: RejectCode::BadParams,
         }
     }
 }

@@ -9,8 +9,8 @@ use std::{
 use tokio::{runtime, sync::mpsc};
 use tokio_serial::SerialStream;
 
-use super::{Control, Device, DeviceOptions, Event, Wire, serve};
-use crate::{Clock, EmulatorError, pty::PseudoTerminal};
+use super::{Control, Device, DeviceOptions, Event, Wire, serve::serve_with};
+use crate::{Accelerated, Clock, EmulatorError, FaultyWire, Speed, pty::PseudoTerminal};
 
 /// What to emulate.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,6 +24,10 @@ pub struct EmulatorOptions {
     pub wire: Wire,
     /// Symbolic link to make to the pseudo-terminal; it is removed at the end.
     pub link: Option<PathBuf>,
+    /// Decides what faults by chance do.
+    pub seed: u64,
+    /// How many times faster than their clock the devices live, their wire included.
+    pub speed: Speed,
 }
 
 /// A running emulator. Dropping it stops it.
@@ -60,10 +64,11 @@ impl EmulatedBus {
             remembered.unwrap_or_else(|| Device::new(device))
         };
         let devices = options.devices.iter().enumerate().map(power_up).collect();
-        let wire = options.wire;
+        let wire = (options.wire, FaultyWire::new(options.seed));
+        let clock = Accelerated::new(clock, options.speed);
         let thread = Builder::new()
             .name(format!("smartdrive {}", terminal.path().display()))
-            .spawn(move || runtime.block_on(serve(stream, devices, &wire, &clock, messages)))
+            .spawn(move || runtime.block_on(serve_with(stream, devices, wire, &clock, messages)))
             .map_err(failed)?;
         Ok(Self { terminal, control: Some(control), thread: Some(thread) })
     }
@@ -78,9 +83,17 @@ impl EmulatedBus {
     /// # Errors
     /// If the emulator has ended.
     pub fn happen(&self, device: usize, event: Event) -> Result<(), EmulatorError> {
+        self.control(event.to(device))
+    }
+
+    /// Makes something happen to a device or the wire.
+    ///
+    /// # Errors
+    /// If the emulator has ended.
+    pub fn control(&self, what: Control) -> Result<(), EmulatorError> {
         // The emulator takes messages as they come: the queue is full only if it no longer runs.
         let control = self.control.as_ref().ok_or(EmulatorError::Ended)?;
-        control.try_send(Control { device, event }).map_err(|_unsent| EmulatorError::Ended)
+        control.try_send(what).map_err(|_unsent| EmulatorError::Ended)
     }
 
     /// Powers the devices down and gives them back as they were then.

@@ -18,8 +18,7 @@ use crate::{
         Command, Init, IoUpdate, LoadSource, Mode, RejectCode, SmartDrive, SmartDriveOptions,
         TagLayout, TrajectoryFlags,
         emulator::{
-            Assumptions, Cam, Control, Device, DeviceOptions, Event, HomingOptions, Input, Wire,
-            serve,
+            Assumptions, Cam, Device, DeviceOptions, Event, HomingOptions, Input, Wire, serve,
         },
         frame::command_length,
     },
@@ -101,7 +100,7 @@ fn modes_change_and_alarms_are_told() {
             let refused = bus.set_mode(1, Some(Mode::Remote)).await;
             let Err(DriveError::Alarm { alarms, .. }) = &refused else { panic!("{refused:?}") };
             assert_eq!(alarms.to_string(), "undervoltage");
-            control.send(Control { device: 0, event: Event::Supply(24) }).await.unwrap();
+            control.send(Event::Supply(24).to(0)).await.unwrap();
             bus.set_mode(1, Some(Mode::Remote)).await.unwrap();
             drop(control);
         };

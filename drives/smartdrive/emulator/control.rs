@@ -1,0 +1,112 @@
+//! What happens to served devices other than on the wire.
+
+use super::{Device, Input, Phase};
+use crate::smartdrive::{Alarms, Status, TrajectoryFlags, frame};
+
+/// What happens to devices on a line, and to the line.
+pub type Control = crate::Control<Happening>;
+
+/// What happens to a device other than on the wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// An input changes.
+    Input {
+        /// Which.
+        input: Input,
+        /// Its level.
+        level: bool,
+    },
+    /// Analog input 1 or 2 changes.
+    Analog {
+        /// 1 or 2.
+        number: u8,
+        /// 0 to 32767.
+        value: u16,
+    },
+    /// The supply changes, V.
+    Supply(u16),
+    /// The supply fails and is back after so many ns: the device starts anew.
+    BrownOut {
+        /// Without supply for so long, ns.
+        off_ns: i64,
+    },
+    /// The cause of alarms comes or goes.
+    Fault {
+        /// Which.
+        alarms: Alarms,
+        /// Comes or goes.
+        present: bool,
+    },
+    /// The rotor is blocked for a moment.
+    Stall,
+    /// Status, position and flags are shown as they are now for good (true), or as they are.
+    StuckStatus(bool),
+}
+
+/// An event and the device it happens to, counted from 0 in the order of the bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Happening {
+    /// Place on the bus, from 0.
+    pub device: usize,
+    /// What happens.
+    pub event: Event,
+}
+
+impl Event {
+    /// This, to the device at a place on the bus, from 0.
+    pub fn to(self, device: usize) -> Control {
+        Control::Event(Happening { device, event: self })
+    }
+}
+
+/// What a device shows of itself in the answers that tell where it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Shown {
+    pub(super) status: Status,
+    pub(super) position: i32,
+    pub(super) tag: u16,
+}
+
+impl Device {
+    /// Lets something happen.
+    pub fn happen(&mut self, event: Event) {
+        match event {
+            Event::Input { input, level } => self.set_input(input, level),
+            Event::Analog { number, value } => self.set_analog(number, value),
+            Event::Supply(volts) => self.set_supply(volts),
+            Event::BrownOut { off_ns } => self.brown_out(off_ns),
+            Event::Fault { alarms, present } => self.set_fault(alarms, present),
+            Event::Stall => self.stall(),
+            Event::StuckStatus(stuck) => self.set_stuck_status(stuck),
+        }
+    }
+
+    /// The supply fails and is back after so long, ns: the motor stands, and what is not in the flash memory is lost.
+    pub fn brown_out(&mut self, off_ns: i64) {
+        self.power_off(TrajectoryFlags::NONE);
+        let until_ns = self.after(self.options.boot).saturating_add(off_ns.max(0));
+        self.phase = Phase::Booting { until_ns };
+    }
+
+    /// Status, position and flags are shown as they are now, whatever happens, or as they are.
+    pub fn set_stuck_status(&mut self, stuck: bool) {
+        self.stuck = stuck.then(|| self.shown());
+    }
+
+    /// What the device shows of itself now.
+    pub(super) fn shown(&self) -> Shown {
+        let (status, position) = (self.status(), self.counter());
+        Shown { status, position, tag: self.trajectory_tag() }
+    }
+
+    /// The answer that refuses a command with a code, if it is one that this device would answer.
+    pub fn refusal(&self, command: &[u8], code: u16) -> Option<Vec<u8>> {
+        let (address, _) = frame::decode(command)?;
+        let alive = !matches!(self.phase, Phase::Booting { .. } | Phase::Dead);
+        (alive && address == self.address()).then(|| {
+            let status = self.status().with(Status::REJECT, true);
+            let data = self.counter().to_le_bytes();
+            frame::Answer { status, data, tag: code }.encode().to_vec()
+        })
+    }
+}
