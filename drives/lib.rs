@@ -20,5 +20,5 @@ pub use clock::Clock;
 pub use drive::{Drive, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample, SetpointStream};
 pub use error::{Action, DriveError, EmulatorError, Exchange, ProtocolFault};
 pub use fault::{Direction, FaultRule, FaultyWire, When, WireFault};
-pub use rehearsal::Rehearsal;
+pub use rehearsal::{Rehearsal, WireRates};
 pub use stamp::Stamp;

@@ -154,6 +154,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         return Ok(Status::Unfit);
     };
 
+    if let Some(predicted) = &outcome.following {
+        eprintln!("{}", show::following(&machine, predicted));
+    }
     let (done, interrupt) = match perform(arguments, &report, &start) {
         Ok(done) => done,
         Err(failure) => {
@@ -338,7 +341,8 @@ fn check_first(
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
     let acknowledge = arguments.m_functions.acknowledge;
     let limits = arguments.limits;
-    let options = CheckOptions { limits, acknowledge, ..CheckOptions::default() };
+    let drives = arguments.drives != Drives::None;
+    let options = CheckOptions { limits, acknowledge, drives, ..CheckOptions::default() };
     let bar = show::progress(bytes, "checking {bar:30} {percent:>3} % {bytes_per_sec}");
     let outcome = crate::check::check(machine, program, options, &mut |read| {
         bar.set_position(read);
