@@ -85,6 +85,23 @@ impl DrivesInLoop {
         (!devices.is_empty()).then_some(Self { devices, before: None, cycle_ns })
     }
 
+    /// How near drives in the loop of `machine` come to where they are sent, m: their largest increment, as far as turns move the
+    /// tool. 0 without any.
+    pub(crate) fn resolution(machine: &Machine) -> f64 {
+        let driven = machine.axes.iter().filter(|axis| {
+            let device = axis.drive.as_ref().and_then(|drive| machine.drives.get(drive.device));
+            device.is_some_and(|device| device.in_loop)
+        });
+        let increments = driven.map(|axis| {
+            let increment = 1.0 / axis.increments_per_si().abs();
+            match axis.kind {
+                AxisKind::Linear => increment,
+                AxisKind::Rotary => increment * machine.length_scale,
+            }
+        });
+        increments.fold(0.0, f64::max)
+    }
+
     /// The devices, by their places in [`Machine::drives`].
     pub(crate) fn rehearsals(&self) -> impl Iterator<Item = (usize, &dyn Rehearsal)> {
         self.devices.iter().map(|device| (device.index, &*device.rehearsal))
