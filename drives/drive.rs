@@ -1,6 +1,9 @@
 //! What every drive family offers the twin.
 
-use crate::DriveError;
+use crate::{
+    Action, Clock, DeviceLimits, DriveError, Exchange, Identity, ParameterId, ParameterInfo,
+    Signals,
+};
 
 /// The largest number of axes one device has (InterpCNC: X Y Z A B).
 pub const MAX_DRIVE_AXES: usize = 5;
@@ -65,10 +68,15 @@ pub trait SetpointStream: Sync {
     fn horizon_ns(&self) -> i64;
 }
 
+/// How far each axis may go at most to find its home switch, increments; `None` for axes that are not to be homed.
+pub type HomingWays = [Option<u32>; MAX_DRIVE_AXES];
+
 /// A device with one or more axes. Calls block until the exchange with the device is over or its deadline has
 /// passed; each device has a thread of its own.
 ///
 /// Nothing moves before [`Drive::enable`] and one of the moving calls.
+///
+/// What not every device has (homing, inputs, parameters) has a body here that says so.
 pub trait Drive: Send {
     /// Family, port and station, for messages.
     fn describe(&self) -> String;
@@ -76,7 +84,13 @@ pub trait Drive: Send {
     /// Number of axes in use; the first this many entries of every array count.
     fn axis_count(&self) -> usize;
 
-    /// Asks the device who and how it is; moves nothing and changes nothing.
+    /// Who the device is, for messages and start-up checks. Moves nothing, changes nothing.
+    ///
+    /// # Errors
+    /// If the device does not answer.
+    fn identity(&mut self) -> Result<Identity, DriveError>;
+
+    /// Asks the device whether it is what it should be, and how it is; moves nothing and changes nothing.
     ///
     /// # Errors
     /// If the device does not answer or is in a state from which it cannot be enabled, with the reason.
@@ -87,6 +101,43 @@ pub trait Drive: Send {
     /// # Errors
     /// If it stays locked (enable input open, alarm).
     fn enable(&mut self) -> Result<(), DriveError>;
+
+    /// Locks the device, whose axes must be at rest: it obeys no motion command until [`Self::enable`]. The motors may
+    /// lose their current, and the device its positions.
+    ///
+    /// # Errors
+    /// If an axis moves or the device did not confirm; [`DriveError::Unsupported`] if it cannot be locked.
+    fn disable(&mut self) -> Result<(), DriveError> {
+        Err(unsupported(&self.describe(), "lock"))
+    }
+
+    /// Starts the device's own homing of the axes that have a way, with the parameters the device has, and returns.
+    /// [`Self::sample`] tells by `moving` when it is over and [`Self::homed`] how it has ended.
+    ///
+    /// Boards that take the longest way are given it; other devices stop by their own limit switches or time.
+    ///
+    /// # Errors
+    /// If the device refuses; [`DriveError::Unsupported`] if an axis has no homing of its own.
+    fn begin_homing(&mut self, _ways: &HomingWays) -> Result<(), DriveError> {
+        Err(unsupported(&self.describe(), "homing"))
+    }
+
+    /// Which axes are homed; `None` where neither the device nor the driver knows: the device does not keep it, and the
+    /// driver has not homed the axis.
+    ///
+    /// # Errors
+    /// If the device does not answer.
+    fn homed(&mut self) -> Result<[Option<bool>; MAX_DRIVE_AXES], DriveError> {
+        Ok([None; MAX_DRIVE_AXES])
+    }
+
+    /// Inputs and outputs, now. A device without any shows none.
+    ///
+    /// # Errors
+    /// If the device does not answer.
+    fn signals(&mut self, clock: &dyn Clock) -> Result<Signals, DriveError> {
+        Ok(Signals { time_ns: clock.now_ns(), ..Signals::default() })
+    }
 
     /// Switches digital output `output`, from 1, and returns when the device has confirmed it.
     ///
@@ -134,4 +185,56 @@ pub trait Drive: Send {
     /// # Errors
     /// If the device did not confirm.
     fn hard_stop(&mut self) -> Result<(), DriveError>;
+
+    /// Limits of the axes as the device has them.
+    ///
+    /// # Errors
+    /// If the device does not answer.
+    fn limits(&mut self) -> Result<[DeviceLimits; MAX_DRIVE_AXES], DriveError> {
+        Ok([DeviceLimits::default(); MAX_DRIVE_AXES])
+    }
+
+    /// The parameters the device has, read-only ones included, in the order of their numbers.
+    ///
+    /// # Errors
+    /// If what they take depends on the device and it does not answer.
+    fn parameters(&mut self) -> Result<Vec<ParameterInfo>, DriveError> {
+        Ok(Vec::new())
+    }
+
+    /// The value of a parameter.
+    ///
+    /// # Errors
+    /// [`DriveError::NoParameter`]; or if the device does not answer.
+    fn parameter(&mut self, id: ParameterId) -> Result<i64, DriveError> {
+        Err(DriveError::NoParameter { at: nowhere(&self.describe()), id })
+    }
+
+    /// Sets a parameter, the axes being at rest, and reads it back. Whether it survives a restart without
+    /// [`Self::save_parameters`] depends on the family, and when it acts is in [`ParameterInfo::needs_restart`].
+    ///
+    /// # Errors
+    /// [`DriveError::NoParameter`], [`DriveError::ReadOnly`], [`DriveError::ParameterValue`]; or if the device refuses,
+    /// does not keep the value or does not answer.
+    fn set_parameter(&mut self, id: ParameterId, _value: i64) -> Result<(), DriveError> {
+        Err(DriveError::NoParameter { at: nowhere(&self.describe()), id })
+    }
+
+    /// Makes the device keep its parameters when it is switched off; nothing to do for devices that always do. The
+    /// axes must be at rest; a device may lose its positions.
+    ///
+    /// # Errors
+    /// If the device refuses or does not answer.
+    fn save_parameters(&mut self) -> Result<(), DriveError> {
+        Ok(())
+    }
+}
+
+/// A device that has said nothing but its name.
+fn nowhere(device: &str) -> Exchange {
+    Exchange { port: device.into(), station: 0, action: Action::Identify }
+}
+
+fn unsupported(device: &str, what: &'static str) -> DriveError {
+    DriveError::Unsupported { at: nowhere(device), what }
 }

@@ -2,7 +2,10 @@
 
 use std::{fmt, io, path::PathBuf, sync::Arc, time::Duration};
 
-use crate::smartdrive::{Alarms, RejectCode};
+use crate::{
+    ParameterId, Values,
+    smartdrive::{Alarms, RejectCode},
+};
 
 /// What was being done with a device when something went wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -428,6 +431,42 @@ pub enum DriveError {
         /// The module's message bits.
         messages: u32,
     },
+    /// The device has no such function.
+    #[error("{at}: the device has no {what}")]
+    Unsupported {
+        /// Where.
+        at: Exchange,
+        /// What it does not have.
+        what: &'static str,
+    },
+    /// There is no such parameter.
+    #[error("{at}: there is no {id}")]
+    NoParameter {
+        /// Where.
+        at: Exchange,
+        /// Which.
+        id: ParameterId,
+    },
+    /// The parameter cannot be set.
+    #[error("{at}: {id} is read-only")]
+    ReadOnly {
+        /// Where.
+        at: Exchange,
+        /// Which.
+        id: ParameterId,
+    },
+    /// The parameter cannot have this value.
+    #[error("{at}: {id} = {value} is impossible ({values})")]
+    ParameterValue {
+        /// Where.
+        at: Exchange,
+        /// Which.
+        id: ParameterId,
+        /// The value.
+        value: i64,
+        /// What it takes.
+        values: Values,
+    },
     /// A setting of the driver itself is impossible.
     #[error("{at}: {setting} = {value} is impossible ({low} to {high})")]
     Setting {
@@ -478,6 +517,10 @@ impl DriveError {
             | Self::AxisMessages { at, .. }
             | Self::CardMessages { at, .. }
             | Self::Range { at, .. }
+            | Self::Unsupported { at, .. }
+            | Self::NoParameter { at, .. }
+            | Self::ReadOnly { at, .. }
+            | Self::ParameterValue { at, .. }
             | Self::Setting { at, .. } => at,
         }
     }
@@ -568,6 +611,7 @@ mod tests {
 
     #[test]
     fn every_message_names_port_station_and_command() {
+        let id = ParameterId { station: 7, number: 44 };
         let errors = [
             DriveError::Transport { at: at(), source: io::ErrorKind::BrokenPipe.into() },
             DriveError::Timeout { at: at(), deadline: Duration::from_millis(250) },
@@ -599,6 +643,10 @@ mod tests {
             DriveError::AxisMessages { at: at(), axis: 1, messages: 0x4000 },
             DriveError::CardMessages { at: at(), messages: 8 },
             DriveError::Range { at: at(), register: 4103, value: 3e9, low: 0.0, high: 1.0 },
+            DriveError::Unsupported { at: at(), what: "homing" },
+            DriveError::NoParameter { at: at(), id },
+            DriveError::ReadOnly { at: at(), id },
+            DriveError::ParameterValue { at: at(), id, value: 7, values: Values::Between(0, 6) },
             DriveError::Setting { at: at(), setting: "station", value: 248, low: 1, high: 247 },
         ];
         for error in errors {
@@ -620,6 +668,18 @@ mod tests {
             text,
             "/dev/uio0: order $0100 (hard stop): axis 2: phase open, power absent, homing not done"
         );
+    }
+
+    #[test]
+    fn refused_values_are_named_with_what_is_taken() {
+        let id = ParameterId { station: 7, number: 44 };
+        let values = Values::OneOf(vec![1, 2, 4]);
+        let error = DriveError::ParameterValue { at: at(), id, value: 3, values };
+        let text = "parameter 44 of station 7 = 3 is impossible (1, 2, 4)";
+        assert!(error.to_string().ends_with(text), "{error}");
+        let id = ParameterId { station: 0, number: 9 };
+        let text = DriveError::ReadOnly { at: at(), id }.to_string();
+        assert!(text.ends_with(": parameter 9 is read-only"), "{text}");
     }
 
     #[test]

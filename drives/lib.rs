@@ -4,6 +4,7 @@
 
 pub mod bim2ax;
 mod clock;
+mod device;
 mod drive;
 mod error;
 mod fault;
@@ -14,10 +15,18 @@ mod ramp;
 mod rehearsal;
 pub mod smartdrive;
 mod stamp;
+#[cfg(test)]
+mod tests;
 mod transport;
 
 pub use clock::Clock;
-pub use drive::{Drive, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample, SetpointStream};
+pub use device::{
+    AxisSignals, Bits, DeviceLimits, Identity, ParameterId, ParameterInfo, Signals, UnitIdentity,
+    Values,
+};
+pub use drive::{
+    Drive, HomingWays, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
+};
 pub use error::{Action, DriveError, EmulatorError, Exchange, ProtocolFault};
 pub use fault::{Direction, FaultRule, FaultyWire, When, WireFault};
 pub use rehearsal::{Rehearsal, WireRates};

@@ -4,6 +4,7 @@
 //! the vendor's published sources; meanings of values that neither gives are among the [`super::Assumptions`].
 
 use super::registers::BoardAxis;
+use crate::{ParameterId, ParameterInfo, Values};
 
 /// First register of parameter 0, high word; the low word follows ("Paramètres sauvegardés", 4352 to 5119).
 pub const FIRST_PARAMETER: u16 = 4352;
@@ -87,4 +88,90 @@ pub fn home_input(axis: BoardAxis) -> u16 {
 /// 0 = NO, 1 = NC.
 pub fn limit_input(axis: BoardAxis, positive: bool) -> u16 {
     of_axis([104, 108, 112, 116, 120], axis) + if positive { 2 } else { 0 }
+}
+
+/// Number, name and unit of what belongs to the board as a whole.
+const NAMES: [(u16, &str, &str); 19] = [
+    (DEFAULT_ACCELERATION, "EE_DEFAULT_ACCEL", "1000 steps/s²"),
+    (DEFAULT_START_STOP, "EE_DEFAULT_STARTF", "steps/s"),
+    (HOME_START_STOP, "EE_ORIGINE_STARTF_RAPIDE", "steps/s"),
+    (HOME_SLOW_SPEED, "EE_ORIGINE_SPEED_LENTE", "steps/s"),
+    (EMERGENCY_STOP_INPUT, "EE_AU", ""),
+    (SPECIAL_POLARITY, "EE_POLARITY_FDC", ""),
+    (HOME_POLARITY, "EE_POLARITY_OM", ""),
+    (OUTPUTS_AT_START, "EE_OUTPUT_START", ""),
+    (COUPLING, "EE_COUPLAGE_AXE", ""),
+    (SET_WHEN_UNLOCKED, "EE_OUTPUT_SET_NC_READY", ""),
+    (UNLOCK_INPUT, "EE_INPUT_UNLOCK", ""),
+    (UNLOCK_POLARITY, "EE_INPUT_UNLOCK_POLARITY", ""),
+    (RESET_WHEN_UNLOCKED, "EE_OUTPUT_RESET_NC_READY", ""),
+    (SET_WHEN_LOCKED, "EE_OUTPUT_SET_NC_NOT_READY", ""),
+    (RESET_WHEN_LOCKED, "EE_OUTPUT_RESET_NC_NOT_READY", ""),
+    (MODBUS_SPEED, "EE_MODBUS_SPEED", ""),
+    (MODBUS_PARITY, "EE_MODBUS_POLARITY", ""),
+    (MODBUS_ADDRESS, "EE_MODBUS_BASE_ADRESS", ""),
+    (ZERO_AFTER_HOMING, "EE_ORIGINE_RESET_POS_SOFT", ""),
+];
+
+/// What is known about a parameter; `place` says which axis of the caller's an axis of the board is.
+pub(crate) fn describe(number: u16, place: impl Fn(BoardAxis) -> Option<usize>) -> ParameterInfo {
+    let id = ParameterId { station: 0, number };
+    let info = |name: String, unit| ParameterInfo {
+        unit,
+        of_the_line: (MODBUS_SPEED..=MODBUS_ADDRESS).contains(&number),
+        ..ParameterInfo::new(id, name, Values::Between(0, u32::MAX.into()))
+    };
+    if let Some((_, name, unit)) = NAMES.iter().find(|(known, ..)| *known == number) {
+        return info((*name).to_owned(), *unit);
+    }
+    for axis in BoardAxis::ALL {
+        let limit = |positive| limit_input(axis, positive);
+        let of_axis = [
+            (home_direction(axis), "home direction", ""),
+            (home_speed(axis), "home speed", "steps/s"),
+            (home_acceleration(axis), "home acceleration", "1000 steps/s²"),
+            (home_input(axis), "home switch input", ""),
+            (limit(false), "limit switch - input", ""),
+            (limit(false) + 1, "limit switch - polarity", ""),
+            (limit(true), "limit switch + input", ""),
+            (limit(true) + 1, "limit switch + polarity", ""),
+        ];
+        if let Some((_, name, unit)) = of_axis.into_iter().find(|(known, ..)| *known == number) {
+            let named = info(format!("{name} of {axis}"), unit);
+            return ParameterInfo { axis: place(axis), ..named };
+        }
+    }
+    match number.checked_sub(ANALOG_LOCKED) {
+        Some(output @ 0..=1) => info(format!("EE_AOUT{}_LOCKED_VALUE", output + 1), ""),
+        _ => info(format!("parameter {number}"), ""),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of the digest (section 4) and of published sources.
+    #[test]
+    fn parameters_are_described() {
+        let place = |axis| (axis == BoardAxis::Y).then_some(0);
+        let named = |number| describe(number, place).name;
+        assert_eq!((named(4), named(101)), ("EE_DEFAULT_ACCEL".into(), "EE_MODBUS_SPEED".into()));
+        assert_eq!(
+            (named(104), named(105)),
+            ("limit switch - input of X".into(), "limit switch - polarity of X".into())
+        );
+        assert_eq!(
+            (named(123), named(131)),
+            ("limit switch + polarity of B".into(), "EE_AOUT2_LOCKED_VALUE".into())
+        );
+        assert_eq!(named(383), "parameter 383");
+        assert_eq!((describe(30, place).axis, describe(29, place).axis), (Some(0), None));
+        let of_the_line: Vec<_> =
+            (0..PARAMETERS).filter(|number| describe(*number, place).of_the_line).collect();
+        assert_eq!(of_the_line, [101, 102, 103]);
+        let numbers: std::collections::HashSet<_> =
+            NAMES.iter().map(|(number, ..)| number).collect();
+        assert_eq!(numbers.len(), NAMES.len());
+    }
 }

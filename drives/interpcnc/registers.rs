@@ -307,6 +307,12 @@ impl AxisMask {
         Self(self.0 | other.0)
     }
 
+    /// Axes of this set that are not in the other.
+    #[must_use]
+    pub fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
     /// Axes in both sets.
     #[must_use]
     pub fn intersection(self, other: Self) -> Self {

@@ -14,7 +14,7 @@ use twin::plant::{AxisFeedback, Plant};
 use twin::session::{Ending, Session, Stopped};
 use twin::setpoint::AxisSetpoint;
 use twin_drives::{
-    Action, Drive, DriveError, Exchange, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
+    Action, Drive, DriveError, Exchange, Identity, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
 };
 use twin_kinematics::AxisVector;
 
@@ -37,6 +37,10 @@ impl Drive for Puppet {
 
     fn axis_count(&self) -> usize {
         3
+    }
+
+    fn identity(&mut self) -> Result<Identity, DriveError> {
+        Ok(Identity { family: "puppet", units: Vec::new() })
     }
 
     fn probe(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {

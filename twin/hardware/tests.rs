@@ -18,7 +18,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use twin_drives::{
-    Action, Drive, DriveError, Exchange, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample,
+    Action, Drive, DriveError, Exchange, Identity, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample,
     SetpointStream,
 };
 use twin_kinematics::{AxisMotion, AxisVector, Pose, ToolMotion};
@@ -79,6 +79,10 @@ impl Drive for Puppet {
 
     fn axis_count(&self) -> usize {
         3
+    }
+
+    fn identity(&mut self) -> Result<Identity, DriveError> {
+        Ok(Identity { family: "puppet", units: Vec::new() })
     }
 
     fn probe(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {

@@ -92,6 +92,15 @@ impl ProbeMove {
 }
 
 impl InterpCnc {
+    /// Starts homing, which goes on after the answer.
+    pub(crate) async fn begin(
+        &mut self,
+        command: &Command,
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        self.send_motion(command, clock).await.map(|_| ())
+    }
+
     /// Homes axes by the board's parameters (command 71), each with its longest way, and waits for the end.
     ///
     /// # Errors

@@ -35,7 +35,7 @@ impl SmartDriveBus {
             Err(DriveError::Mode { at: at(), expected, found: state.mode })
         } else if state.flags.contains(TrajectoryFlags::STALLED) {
             Err(DriveError::Stalled { at: at() })
-        } else if state.flags.contains(TrajectoryFlags::LIMITED) {
+        } else if state.flags.contains(TrajectoryFlags::LIMITED) && !state.homing {
             let index = self.axes().position(|other| other == address).unwrap_or(0);
             Err(DriveError::LimitSwitch { at: at(), axes: 1 << index.min(MAX_DRIVE_AXES) })
         } else {

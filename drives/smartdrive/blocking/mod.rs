@@ -1,19 +1,22 @@
 //! Up to five drives on one bus as a [`Drive`].
 
 mod checks;
+mod homing;
+mod settings;
 
 use std::time::Duration;
 
 use tokio::runtime::Runtime;
 
+use self::homing::Homing;
 use super::{
     Command, DriveState, Init, IoUpdate, Mode, RejectCode, SmartDrive, SmartDriveOptions,
     TrajectoryFlags,
     follow::{Follower, GoTo},
 };
 use crate::{
-    Action, Clock, Drive, DriveError, Exchange, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
-    Stamp,
+    Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
+    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, Stamp,
 };
 
 /// Clock for exchanges whose time matters to nobody.
@@ -46,6 +49,7 @@ pub struct SmartDriveBus {
     follower: Follower,
     /// Position of the caller where the drive's counter is 0.
     zeros: Increments,
+    homing: [Homing; MAX_DRIVE_AXES],
     /// Last, so that the port is closed while its runtime exists.
     runtime: Runtime,
 }
@@ -67,7 +71,8 @@ impl SmartDriveBus {
             SmartDrive::open(port, options)?
         };
         let follower = Follower::new(&options.axes, RESPONSE);
-        Ok(Self { bus, follower, zeros: [0; MAX_DRIVE_AXES], runtime })
+        let (zeros, homing) = ([0; MAX_DRIVE_AXES], Default::default());
+        Ok(Self { bus, follower, zeros, homing, runtime })
     }
 
     /// Homes these axes (indices of the arrays), all at once, and returns when they are home; their positions are those
@@ -84,8 +89,9 @@ impl SmartDriveBus {
         }
         for (index, address) in chosen {
             self.runtime.block_on(self.bus.homed(address))?;
-            if let Some(zero) = self.zeros.get_mut(index) {
-                *zero = 0;
+            self.position_lost(index);
+            if let Some(homing) = self.homing.get_mut(index) {
+                *homing = Homing::Home;
             }
         }
         Ok(())
@@ -161,6 +167,10 @@ impl Drive for SmartDriveBus {
         self.bus.options().axes.len()
     }
 
+    fn identity(&mut self) -> Result<Identity, DriveError> {
+        self.who()
+    }
+
     fn probe(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         for axis in self.bus.options().axes.clone() {
             self.identify(&axis)?;
@@ -187,9 +197,7 @@ impl Drive for SmartDriveBus {
         }
         for (index, address) in changing {
             let found = self.runtime.block_on(self.bus.changed(address, &command))?;
-            if let Some(zero) = self.zeros.get_mut(index) {
-                *zero = 0;
-            }
+            self.position_lost(index);
             let expected = Mode::Remote.number();
             if found != expected {
                 let at = self.bus.at(address, command.action());
@@ -197,6 +205,22 @@ impl Drive for SmartDriveBus {
             }
         }
         Ok(())
+    }
+
+    fn disable(&mut self) -> Result<(), DriveError> {
+        self.lock()
+    }
+
+    fn begin_homing(&mut self, ways: &HomingWays) -> Result<(), DriveError> {
+        self.start_homing(ways)
+    }
+
+    fn homed(&mut self) -> Result<[Option<bool>; MAX_DRIVE_AXES], DriveError> {
+        self.homed_axes()
+    }
+
+    fn signals(&mut self, clock: &dyn Clock) -> Result<Signals, DriveError> {
+        self.all_signals(clock)
     }
 
     fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError> {
@@ -229,13 +253,7 @@ impl Drive for SmartDriveBus {
 
     fn set_position(&mut self, position: &Increments) -> Result<(), DriveError> {
         let seen = self.states(&no_clock)?;
-        let moving =
-            seen.iter().enumerate().find(|(_, (state, _))| state.moving()).map(|(index, _)| index);
-        if let Some(index) = moving {
-            let address = self.axes().nth(index).unwrap_or(0);
-            let at = self.bus.at(address, Action::ReadState);
-            return Err(DriveError::Moving { at, axes: 1 << index.min(MAX_DRIVE_AXES) });
-        }
+        self.check_rest(&seen)?;
         self.follower.restart();
         for ((zero, position), (state, _)) in self.zeros.iter_mut().zip(position).zip(&seen) {
             *zero = position.saturating_sub(state.position.into());
@@ -351,6 +369,26 @@ impl Drive for SmartDriveBus {
             }
         }
         failed.map_or(Ok(()), Err)
+    }
+
+    fn limits(&mut self) -> Result<[DeviceLimits; MAX_DRIVE_AXES], DriveError> {
+        self.axis_limits()
+    }
+
+    fn parameters(&mut self) -> Result<Vec<ParameterInfo>, DriveError> {
+        Ok(self.all_parameters())
+    }
+
+    fn parameter(&mut self, id: ParameterId) -> Result<i64, DriveError> {
+        self.read_parameter(id)
+    }
+
+    fn set_parameter(&mut self, id: ParameterId, value: i64) -> Result<(), DriveError> {
+        self.write_parameter(id, value)
+    }
+
+    fn save_parameters(&mut self) -> Result<(), DriveError> {
+        self.save()
     }
 }
 

@@ -1,18 +1,23 @@
 //! The board as a [`Drive`].
 
+mod homing;
+mod settings;
+
 use std::time::Duration;
 
 use tokio::{runtime::Runtime, time::timeout};
 
+use self::{homing::Homing, settings::Wiring};
 use super::{
     AxisValues, BoardAxis, BoardState, Command, InterpCnc, InterpCncOptions, MoveProfile, Stamp,
     follow::{Buffered, Follower},
     options::Following,
     parameters,
-    registers::{AXES, AxisMask, COMMAND},
+    registers::{AXES, AxisMask, COMMAND, Status},
 };
 use crate::{
-    Action, Clock, Drive, DriveError, Exchange, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
+    Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
+    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
 };
 
 /// Clock for exchanges whose time matters to nobody.
@@ -29,6 +34,9 @@ pub struct InterpCncDrive {
     follower: Follower,
     /// Instead of the follower, where segments are buffered.
     buffered: Option<Buffered>,
+    homing: Homing,
+    /// What inputs are for, once the board has told.
+    wiring: Option<Wiring>,
     /// Last, so that the port is closed while its runtime exists.
     runtime: Runtime,
 }
@@ -55,13 +63,15 @@ impl InterpCncDrive {
                 Some(Buffered::new(&options.axes, options.line, start_stop_hz, rate))
             }
         };
-        Ok(Self { board, follower, buffered, runtime })
+        let (homing, wiring) = (Homing::default(), None);
+        Ok(Self { board, follower, buffered, homing, wiring, runtime })
     }
 
     /// The board itself, for everything that not all drives can do, and the runtime for its calls. What moves axes
     /// makes the next call of [`Drive::follow`] start from where they are.
     pub fn board(&mut self) -> (&mut InterpCnc, &Runtime) {
         self.restart();
+        self.wiring = None;
         (&mut self.board, &self.runtime)
     }
 
@@ -129,7 +139,10 @@ impl InterpCncDrive {
     }
 
     fn moving(&self, state: &BoardState) -> AxisMask {
-        state.status.moving().intersection(self.board.options().mask())
+        let mask = self.board.options().mask();
+        // Command 71 moves its axes one after the other on some boards: until it is over they are on their way.
+        let homing = state.status.has(Status::HOMING_IN_PROGRESS);
+        if homing { mask } else { state.status.moving().intersection(mask) }
     }
 
     fn to_sample(&self, state: &BoardState, stamp: Stamp) -> Sample {
@@ -145,7 +158,8 @@ impl InterpCncDrive {
         let (state, stamp) = self.state(clock)?;
         self.board.check_obeys(&state, Action::ReadState)?;
         let switches = state.status.on_limit_switch().intersection(self.board.options().mask());
-        if !switches.is_empty() {
+        // Some home on their limit switches.
+        if !switches.is_empty() && !state.status.has(Status::HOMING_IN_PROGRESS) {
             return Err(DriveError::LimitSwitch {
                 at: self.board.at(Action::ReadState),
                 axes: switches.bits(),
@@ -184,6 +198,10 @@ impl Drive for InterpCncDrive {
         self.board.options().axes.len()
     }
 
+    fn identity(&mut self) -> Result<Identity, DriveError> {
+        self.who()
+    }
+
     fn probe(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         let (state, stamp) = self.state(&|| stream.now_ns())?;
         if state.status.enable_open() {
@@ -195,6 +213,22 @@ impl Drive for InterpCncDrive {
     fn enable(&mut self) -> Result<(), DriveError> {
         self.check_ramps()?;
         self.runtime.block_on(self.board.unlock(&no_clock))
+    }
+
+    fn disable(&mut self) -> Result<(), DriveError> {
+        self.lock()
+    }
+
+    fn begin_homing(&mut self, ways: &HomingWays) -> Result<(), DriveError> {
+        self.start_homing(ways)
+    }
+
+    fn homed(&mut self) -> Result<[Option<bool>; MAX_DRIVE_AXES], DriveError> {
+        self.homed_axes()
+    }
+
+    fn signals(&mut self, clock: &dyn Clock) -> Result<Signals, DriveError> {
+        self.all_signals(clock)
     }
 
     fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError> {
@@ -346,17 +380,22 @@ impl Drive for InterpCncDrive {
     }
 
     fn hard_stop(&mut self) -> Result<(), DriveError> {
-        self.restart();
-        self.send(&Command::Stop, &no_clock)?;
-        let (state, _) = self.state(&no_clock)?;
-        let at = || self.board.at(Command::Stop.action());
-        let moving = self.moving(&state);
-        if !moving.is_empty() {
-            Err(DriveError::Moving { at: at(), axes: moving.bits() })
-        } else if state.status.locked() {
-            Ok(())
-        } else {
-            Err(DriveError::NotLocked { at: at() })
-        }
+        self.lock_at_once()
+    }
+
+    fn limits(&mut self) -> Result<[DeviceLimits; MAX_DRIVE_AXES], DriveError> {
+        Ok(self.axis_limits())
+    }
+
+    fn parameters(&mut self) -> Result<Vec<ParameterInfo>, DriveError> {
+        Ok(self.all_parameters())
+    }
+
+    fn parameter(&mut self, id: ParameterId) -> Result<i64, DriveError> {
+        self.read_parameter(id)
+    }
+
+    fn set_parameter(&mut self, id: ParameterId, value: i64) -> Result<(), DriveError> {
+        self.write_parameter(id, value)
     }
 }

@@ -1,5 +1,7 @@
 //! The module as a [`Drive`].
 
+mod settings;
+
 use std::time::Duration;
 
 use tokio::{runtime::Runtime, time::sleep};
@@ -12,7 +14,8 @@ use super::{
     zone::Positions,
 };
 use crate::{
-    Action, Clock, Drive, DriveError, Exchange, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
+    Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
+    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
     ramp::{nanoseconds, seconds},
 };
 
@@ -59,6 +62,8 @@ pub struct Bim2AxDrive {
     settings: Vec<AxisSettings>,
     follower: Follower,
     following: Following,
+    /// Homing has been begun and its end not been seen.
+    homing: bool,
     timing: Timing,
     runtime: Runtime,
 }
@@ -103,6 +108,7 @@ impl Bim2AxDrive {
             settings: Vec::new(),
             follower: Follower::new(&[], timing),
             following: Following::Unknown,
+            homing: false,
             timing,
             runtime,
         })
@@ -150,7 +156,13 @@ impl Bim2AxDrive {
     /// Looks at a module that is expected to obey.
     fn obeying(&mut self, clock: &dyn Clock) -> Result<(Positions, BusStamp), DriveError> {
         let seen = self.look(clock)?;
-        self.check(&seen.0, Action::ReadState, |messages| messages & STOPPED != 0)?;
+        // Homing turns round on end switches.
+        let turns = if self.homing { message::PLUS_SWITCH | message::MINUS_SWITCH } else { 0 };
+        self.homing &= self.moving(&seen.0) != 0;
+        self.check(&seen.0, Action::ReadState, |messages| {
+            let moving = messages & message::MOVING != 0;
+            messages & STOPPED & !if moving { turns } else { 0 } != 0
+        })?;
         Ok(seen)
     }
 
@@ -267,6 +279,10 @@ impl Drive for Bim2AxDrive {
         self.options.axes.len()
     }
 
+    fn identity(&mut self) -> Result<Identity, DriveError> {
+        self.who()
+    }
+
     fn probe(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         let clock = || stream.now_ns();
         self.runtime.block_on(self.module.identify(&clock))?;
@@ -288,6 +304,41 @@ impl Drive for Bim2AxDrive {
                 done => done,
             }
         })
+    }
+
+    fn disable(&mut self) -> Result<(), DriveError> {
+        self.following = Following::Unknown;
+        let (seen, _) = self.look(&no_clock)?;
+        let moving = self.moving(&seen);
+        if moving != 0 {
+            return Err(DriveError::Moving { at: self.module.at(Action::ReadState), axes: moving });
+        }
+        let axes = self.options.axes.clone();
+        self.runtime.block_on(self.module.set_phases(&axes, false, &no_clock))
+    }
+
+    fn begin_homing(&mut self, ways: &HomingWays) -> Result<(), DriveError> {
+        self.following = Following::Unknown;
+        let chosen = self.options.axes.iter().zip(ways).filter(|(_, way)| way.is_some());
+        let axes: Vec<_> = chosen.map(|(axis, _)| *axis).collect();
+        if axes.is_empty() {
+            return Ok(());
+        }
+        self.homing = true;
+        self.runtime.block_on(self.module.home(&axes, &no_clock))
+    }
+
+    fn homed(&mut self) -> Result<[Option<bool>; MAX_DRIVE_AXES], DriveError> {
+        let (seen, _) = self.look(&no_clock)?;
+        let mut homed = [None; MAX_DRIVE_AXES];
+        for (place, axis) in homed.iter_mut().zip(&self.options.axes) {
+            *place = seen.messages.get(axis.index()).map(|word| word & message::HOMED != 0);
+        }
+        Ok(homed)
+    }
+
+    fn signals(&mut self, clock: &dyn Clock) -> Result<Signals, DriveError> {
+        self.all_signals(clock)
     }
 
     fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError> {
@@ -406,5 +457,21 @@ impl Drive for Bim2AxDrive {
             return Ok(());
         }
         Err(DriveError::Moving { at: self.module.at(Action::ReadState), axes: moving })
+    }
+
+    fn limits(&mut self) -> Result<[DeviceLimits; MAX_DRIVE_AXES], DriveError> {
+        self.axis_limits()
+    }
+
+    fn parameters(&mut self) -> Result<Vec<ParameterInfo>, DriveError> {
+        self.all_parameters()
+    }
+
+    fn parameter(&mut self, id: ParameterId) -> Result<i64, DriveError> {
+        self.read_parameter(id)
+    }
+
+    fn set_parameter(&mut self, id: ParameterId, value: i64) -> Result<(), DriveError> {
+        self.write_parameter(id, value)
     }
 }

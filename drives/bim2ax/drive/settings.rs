@@ -1,0 +1,224 @@
+//! Who the module is, its inputs, parameters and limits as a [`crate::Drive`] offers them.
+
+use super::{Bim2AxDrive, no_clock};
+use crate::{
+    Action, AxisSignals, Bits, Clock, DeviceLimits, DriveError, Exchange, Identity, MAX_DRIVE_AXES,
+    ParameterId, ParameterInfo, Signals, UnitIdentity, Values,
+    bim2ax::{
+        DriveMode, MOST_POSITION, ModuleAxis,
+        bits::message,
+        parameter::{AxisParameter, Parameter, Range},
+        zone::Positions,
+    },
+    device::find,
+};
+
+/// Inputs of an axis, as the messages show them (2.2.1).
+const INPUT_NAMES: [&str; 3] = ["end switch +", "end switch -", "home cam"];
+const INPUT_MESSAGES: [u16; 3] = [message::PLUS_SWITCH, message::MINUS_SWITCH, message::ON_CAM];
+
+/// A parameter of a module of this rating, mA; `place` says which axis of the caller's one of the module is.
+fn describe(
+    number: u16,
+    rating_ma: i64,
+    place: impl Fn(ModuleAxis) -> Option<usize>,
+) -> Option<ParameterInfo> {
+    let parameter = Parameter::from_number(number)?;
+    let most = i64::from(MOST_POSITION);
+    let (values, unit) = match parameter.range() {
+        Range::Bits => (Values::Between(0, 0xFFFF), ""),
+        Range::Mode => {
+            let modes = (0..=u16::MAX).filter(|code| DriveMode::from_code(*code).is_some());
+            (Values::OneOf(modes.map(i64::from).collect()), "")
+        }
+        // 3.1.3: from 3 % of the rating on.
+        Range::Current => (Values::Between(rating_ma * 3 / 100, rating_ma), "mA"),
+        Range::Distance => (Values::Between(0, i32::MAX.into()), "µsteps"),
+        Range::Positive => (Values::Between(1, 0xFFFF), ""),
+        Range::Position => (Values::Between(-most, most), "µsteps"),
+        Range::EncoderBits => (Values::Between(0, 27), ""),
+        Range::Signed | Range::ReadOnly => (Values::Between(i32::MIN.into(), i32::MAX.into()), ""),
+        Range::Unused => (Values::Between(0, u32::MAX.into()), ""),
+    };
+    let (name, axis) = match parameter {
+        Parameter::Axis(AxisParameter::Reference(place), axis) => {
+            (format!("reference position {place} of axis {}", axis.number()), Some(axis))
+        }
+        Parameter::Axis(_, axis) => {
+            (format!("{} of axis {}", parameter.name(), axis.number()), Some(axis))
+        }
+        _ => (parameter.name().to_owned(), None),
+    };
+    Some(ParameterInfo {
+        axis: axis.and_then(place),
+        unit,
+        writable: parameter.range() != Range::ReadOnly,
+        needs_restart: parameter.needs_reset(),
+        ..ParameterInfo::new(ParameterId { station: 0, number }, name, values)
+    })
+}
+
+/// The 32 bits of a parameter as a number: with sign where it can have one.
+fn number(parameter: Parameter, bits: u32) -> i64 {
+    match parameter.range() {
+        Range::Position | Range::Signed | Range::ReadOnly => bits.cast_signed().into(),
+        _ => bits.into(),
+    }
+}
+
+/// The 32 bits of a number.
+fn bits(value: i64) -> Option<u32> {
+    u32::try_from(value).ok().or_else(|| i32::try_from(value).ok().map(i32::cast_unsigned))
+}
+
+impl Bim2AxDrive {
+    pub(super) fn who(&mut self) -> Result<Identity, DriveError> {
+        let told = self.runtime.block_on(self.module.identify(&no_clock))?;
+        let rating = match told.rating_ma {
+            -1 => "unknown".to_owned(),
+            rating_ma => format!("{rating_ma} mA"),
+        };
+        let unit = UnitIdentity {
+            station: 0,
+            firmware: Some(told.version.to_string()),
+            serial: None,
+            details: vec![("current rating", rating)],
+        };
+        Ok(Identity { family: "BIM2AX-BOCM", units: vec![unit] })
+    }
+
+    pub(super) fn all_signals(&mut self, clock: &dyn Clock) -> Result<Signals, DriveError> {
+        let (seen, stamp) = self.look(clock)?;
+        Ok(self.to_signals(&seen, stamp.middle_ns()))
+    }
+
+    fn to_signals(&self, seen: &Positions, time_ns: i64) -> Signals {
+        let mut signals = Signals { time_ns, ..Signals::default() };
+        let (mut levels, mut count) = (0_u64, 0_u8);
+        for (axis, signals) in self.options.axes.iter().zip(&mut signals.axes) {
+            let messages = seen.messages.get(axis.index()).copied().unwrap_or(0);
+            let [plus, minus, cam] = INPUT_MESSAGES.map(|bit| messages & bit != 0);
+            for (on, place) in [plus, minus, cam].into_iter().zip(count..) {
+                levels |= u64::from(on) << place;
+            }
+            count += 3;
+            *signals = AxisSignals {
+                positive_limit: Some(plus),
+                negative_limit: Some(minus),
+                home: Some(cam),
+            };
+        }
+        signals.inputs = Bits::new(levels, count, &INPUT_NAMES);
+        signals
+    }
+
+    /// Parameters $A, $14 and the soft limits, which count once the axis is homed.
+    pub(super) fn axis_limits(&mut self) -> Result<[DeviceLimits; MAX_DRIVE_AXES], DriveError> {
+        // What a host has written since is to count.
+        self.prepare()?;
+        let mut limits = [DeviceLimits::default(); MAX_DRIVE_AXES];
+        for (limits, settings) in limits.iter_mut().zip(&self.settings) {
+            *limits = DeviceLimits {
+                speed: Some(settings.speed(u16::MAX)),
+                acceleration: Some(settings.rate()),
+                deceleration: Some(settings.rate()),
+                lowest: Some(settings.soft_minus.into()),
+                highest: Some(settings.soft_plus.into()),
+            };
+        }
+        Ok(limits)
+    }
+
+    pub(super) fn all_parameters(&mut self) -> Result<Vec<ParameterInfo>, DriveError> {
+        let asked = self.module.parameter(Parameter::Rating, &no_clock);
+        let rating_ma = self.runtime.block_on(asked)?.cast_signed();
+        // Where the software does not know its rating, the largest module decides.
+        let rating_ma = if rating_ma > 0 { rating_ma } else { 5000 };
+        let axes = &self.options.axes;
+        let place = |axis| axes.iter().position(|used| *used == axis);
+        let known = (0..=0xFF).filter_map(|number| describe(number, rating_ma.into(), place));
+        Ok(known.collect())
+    }
+
+    fn parameter_at(&self, id: ParameterId, written: bool) -> Exchange {
+        let name = Parameter::from_number(id.number).map_or("unknown", Parameter::name);
+        self.module.at(Action::Parameter { number: id.number, name, written })
+    }
+
+    fn known(&self, id: ParameterId, written: bool) -> Result<Parameter, DriveError> {
+        let parameter = Parameter::from_number(id.number).filter(|_| id.station == 0);
+        let at = || self.parameter_at(id, written);
+        parameter.ok_or_else(|| DriveError::NoParameter { at: at(), id })
+    }
+
+    pub(super) fn read_parameter(&mut self, id: ParameterId) -> Result<i64, DriveError> {
+        let parameter = self.known(id, false)?;
+        let asked = self.module.parameter(parameter, &no_clock);
+        Ok(number(parameter, self.runtime.block_on(asked)?))
+    }
+
+    pub(super) fn write_parameter(
+        &mut self,
+        id: ParameterId,
+        value: i64,
+    ) -> Result<(), DriveError> {
+        let parameter = self.known(id, true)?;
+        let all = self.all_parameters()?;
+        let at = || self.parameter_at(id, true);
+        let info = find(all, id, at)?;
+        info.check(value, at)?;
+        let Some(bits) = bits(value) else {
+            return Err(DriveError::ParameterValue { at: at(), id, value, values: info.values });
+        };
+        // What the driver knows of the axes may be wrong from now on.
+        self.settings.clear();
+        self.runtime.block_on(self.module.set_parameter(parameter, bits, &no_clock))?;
+        let found = self.read_parameter(id)?;
+        if found == value {
+            return Ok(());
+        }
+        let found = self::bits(found).unwrap_or(0);
+        Err(DriveError::NotKept {
+            at: self.parameter_at(id, true),
+            address: id.number,
+            written: bits,
+            found,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is described takes what [`Parameter::takes`] takes, at every edge.
+    #[test]
+    fn described_values_are_those_that_are_taken() {
+        for number_of in 0..=0x63 {
+            let Some(parameter) = Parameter::from_number(number_of) else { continue };
+            let info = describe(number_of, 2000, |_| None).unwrap();
+            let edges = [-5_000_000, -4_194_304, -4_194_303, -1, 0, 1, 27, 28, 59, 60, 2000, 2001]
+                .into_iter()
+                .chain([0x400, 0x401, 65_535, 65_536, 4_194_303, 4_194_304, i32::MAX, i32::MIN]);
+            for value in edges {
+                let raw = value.cast_unsigned();
+                let takes = parameter.takes(raw, 2000);
+                let described = info.writable && info.values.contain(number(parameter, raw));
+                assert_eq!(described, takes, "{number_of:X} = {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_keep_their_bits() {
+        for value in [0, 1, -1, i64::from(i32::MIN), i64::from(u32::MAX)] {
+            let kept = bits(value).unwrap();
+            assert_eq!(i64::from(kept).rem_euclid(1 << 32), value.rem_euclid(1 << 32));
+        }
+        assert_eq!((bits(1 << 32), bits(i64::from(i32::MIN) - 1)), (None, None));
+        let one = |axis| (axis == ModuleAxis::Two).then_some(0);
+        let reference = describe(0x29, 1000, one).unwrap();
+        assert_eq!(reference.name, "reference position 10 of axis 2");
+        assert_eq!((reference.axis, describe(0x28, 1000, |_| None).unwrap().axis), (Some(0), None));
+    }
+}

@@ -1,0 +1,178 @@
+//! Who the drives are, their inputs, parameters and limits as a [`crate::Drive`] offers them.
+
+use super::{SmartDriveBus, no_clock};
+use crate::{
+    Action, AxisSignals, Bits, Clock, DeviceLimits, DriveError, Exchange, Identity, MAX_DRIVE_AXES,
+    ParameterId, ParameterInfo, Signals, UnitIdentity, Values,
+    device::find,
+    smartdrive::{
+        IoUpdate, StepsPerTurn,
+        parameters::{
+            ACCELERATION_MAX, ADDRESS, CID, DECELERATION_MAX, Entry, FULL_STEPS, PARAMETERS, PID,
+            POSITION_MAX, POSITION_MIN, RELEASE, STEP_DIVISOR, VELOCITY_MAX,
+        },
+    },
+};
+
+/// Outputs of a drive, from bit 0 of IOUPDATE on.
+const OUTPUT_NAMES: [&str; 3] = ["RDY", "BRK", "LED"];
+/// Inputs of a drive, from bit 3 of IOUPDATE on.
+const INPUT_NAMES: [&str; 5] = ["GO", "DIR", "OFF", "LIMP", "LIMN"];
+/// Bits of the limit switches.
+const LIMP: u8 = 1 << 6;
+const LIMN: u8 = 1 << 7;
+
+/// "Release": major in bits 15 to 12, minor in 11 to 4, fix in 3 to 0.
+fn release(bits: i64) -> String {
+    format!("{}.{}.{}", bits >> 12 & 0xF, bits >> 4 & 0xFF, bits & 0xF)
+}
+
+/// A parameter of the drive with this address, which is this axis.
+fn describe(entry: &Entry, station: u8, axis: usize) -> ParameterInfo {
+    let values = if entry.index == STEP_DIVISOR {
+        Values::OneOf((entry.low..=entry.high).filter(|value| entry.accepts(*value)).collect())
+    } else {
+        Values::Between(entry.low, entry.high)
+    };
+    let id = ParameterId { station, number: entry.index };
+    ParameterInfo {
+        axis: Some(axis),
+        unit: entry.unit,
+        writable: entry.writable,
+        of_the_line: entry.index == ADDRESS,
+        ..ParameterInfo::new(id, entry.name.to_owned(), values)
+    }
+}
+
+impl SmartDriveBus {
+    /// The working value of a parameter.
+    fn value(&mut self, address: u8, index: u16) -> Result<i64, DriveError> {
+        let asked = self.runtime.block_on(self.bus.parameter(address, index));
+        asked.map(|parameter| parameter.working)
+    }
+
+    pub(super) fn who(&mut self) -> Result<Identity, DriveError> {
+        let addresses: Vec<u8> = self.axes().collect();
+        let units = addresses.into_iter().map(|station| {
+            let firmware = Some(release(self.value(station, RELEASE)?));
+            let details = vec![
+                ("PID", format!("{:X}h", self.value(station, PID)?)),
+                ("CID", format!("{:X}h", self.value(station, CID)?)),
+            ];
+            Ok(UnitIdentity { station, firmware, serial: None, details })
+        });
+        Ok(Identity { family: "SmartDRIVE", units: units.collect::<Result<_, DriveError>>()? })
+    }
+
+    pub(super) fn all_signals(&mut self, clock: &dyn Clock) -> Result<Signals, DriveError> {
+        let addresses: Vec<u8> = self.axes().collect();
+        let sent_ns = clock.now_ns();
+        let mut signals = Signals::default();
+        let (mut inputs, mut outputs, mut count) = (0_u64, 0_u64, 0_u8);
+        for (address, axis) in addresses.into_iter().zip(&mut signals.axes) {
+            let shown = self.runtime.block_on(self.bus.io(address, IoUpdate::default()))?;
+            outputs |= u64::from(shown.levels & 0b111) << (3 * count);
+            inputs |= u64::from(shown.levels >> 3) << (5 * count);
+            count += 1;
+            // Which input is the home switch lies in CfgHome, which the manual does not explain.
+            *axis = AxisSignals {
+                positive_limit: Some(shown.levels & LIMP != 0),
+                negative_limit: Some(shown.levels & LIMN != 0),
+                home: None,
+            };
+        }
+        signals.time_ns = i64::midpoint(sent_ns, clock.now_ns());
+        signals.inputs = Bits::new(inputs, 5 * count, &INPUT_NAMES);
+        signals.outputs = Bits::new(outputs, 3 * count, &OUTPUT_NAMES);
+        Ok(signals)
+    }
+
+    pub(super) fn axis_limits(&mut self) -> Result<[DeviceLimits; MAX_DRIVE_AXES], DriveError> {
+        let addresses: Vec<u8> = self.axes().collect();
+        let mut limits = [DeviceLimits::default(); MAX_DRIVE_AXES];
+        for (index, (address, limits)) in addresses.into_iter().zip(&mut limits).enumerate() {
+            let mut value = |index| self.value(address, index);
+            let narrow = |value: i64| u16::try_from(value).unwrap_or(0);
+            let turn = StepsPerTurn::new(narrow(value(FULL_STEPS)?), narrow(value(STEP_DIVISOR)?));
+            let mut ceiling = |index| {
+                let rpm = narrow(value(index)?);
+                Ok::<_, DriveError>(turn.map(|turn| turn.steps(rpm.into())))
+            };
+            limits.speed = ceiling(VELOCITY_MAX)?;
+            limits.acceleration = ceiling(ACCELERATION_MAX)?;
+            // 0: as the acceleration.
+            let deceleration = ceiling(DECELERATION_MAX)?.filter(|rate| *rate > 0.0);
+            limits.deceleration = deceleration.or(limits.acceleration);
+            let (low, high) = (value(POSITION_MIN)?, value(POSITION_MAX)?);
+            if low < high {
+                let zero = self.zeros.get(index).copied().unwrap_or(0);
+                limits.lowest = Some(low.saturating_add(zero));
+                limits.highest = Some(high.saturating_add(zero));
+            }
+        }
+        Ok(limits)
+    }
+
+    pub(super) fn all_parameters(&self) -> Vec<ParameterInfo> {
+        let of_drive =
+            |(axis, station)| PARAMETERS.iter().map(move |entry| describe(entry, station, axis));
+        self.axes().enumerate().flat_map(of_drive).collect()
+    }
+
+    fn parameter_at(&self, id: ParameterId, written: bool) -> Exchange {
+        let action = Action::Parameter { number: id.number, name: "parameter", written };
+        self.bus.at(id.station, action)
+    }
+
+    pub(super) fn read_parameter(&mut self, id: ParameterId) -> Result<i64, DriveError> {
+        find(self.all_parameters(), id, || self.parameter_at(id, false))?;
+        self.value(id.station, id.number)
+    }
+
+    pub(super) fn write_parameter(
+        &mut self,
+        id: ParameterId,
+        value: i64,
+    ) -> Result<(), DriveError> {
+        let at = || self.parameter_at(id, true);
+        find(self.all_parameters(), id, at)?.check(value, at)?;
+        let set = self.bus.set_parameter(id.station, id.number, value);
+        self.runtime.block_on(set).map(|_| ())
+    }
+
+    /// SAVE for every drive, which makes its position 0.
+    pub(super) fn save(&mut self) -> Result<(), DriveError> {
+        let seen = self.states(&no_clock)?;
+        self.check_rest(&seen)?;
+        self.follower.restart();
+        let addresses: Vec<u8> = self.axes().collect();
+        for (index, address) in addresses.into_iter().enumerate() {
+            self.position_lost(index);
+            self.runtime.block_on(self.bus.save(address))?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Digest, section 4: 1020h is release 1.2.0; and its vector 28.
+    #[test]
+    fn releases_are_three_numbers() {
+        assert_eq!(release(0x1020), "1.2.0");
+        assert_eq!(release(0xFFFF), "15.255.15");
+    }
+
+    #[test]
+    fn parameters_are_those_of_the_table() {
+        let divisor = PARAMETERS.iter().find(|entry| entry.index == 44).unwrap();
+        let info = describe(divisor, 3, 1);
+        let powers = (0..=10).map(|power| 1 << power).collect();
+        assert_eq!((info.values, info.axis, info.id.station), (Values::OneOf(powers), Some(1), 3));
+        let deaf: Vec<_> = PARAMETERS.iter().map(|entry| describe(entry, 1, 0)).collect();
+        let deaf = deaf.into_iter().filter(|info| info.of_the_line).map(|info| info.name);
+        assert_eq!(deaf.collect::<Vec<_>>(), ["ATB_Address"]);
+    }
+}

@@ -1,0 +1,169 @@
+//! One device of every family, with switches on its way, behind the trait.
+
+use std::{any::Any, time::Duration, time::Instant};
+
+use crate::{
+    Drive, IncrementMotion, SetpointStream,
+    bim2ax::{
+        self, Bim2AxDrive, Bim2AxDriveOptions, Contact, MemoryFile, ModuleAxis,
+        bits::coefficient,
+        emulator::{Eeprom, EmulatedModule},
+        parameter::{AxisParameter, Parameter},
+    },
+    interpcnc::{
+        self, AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions, emulator::EmulatedBoard,
+    },
+    smartdrive::{
+        self, SmartDriveBus, SmartDriveOptions, StepsPerTurn,
+        emulator::{DeviceOptions, EmulatedBus, HomingOptions, Input},
+    },
+};
+
+/// A device of two axes. Its home switches are pressed at and below [`HOME`] increments from where the axes stand.
+pub(crate) struct Bench {
+    pub(crate) drive: Box<dyn Drive>,
+    /// The clock of its emulator.
+    pub(crate) clock: WallClock,
+    /// The emulator and its files.
+    _emulator: Box<dyn Any>,
+}
+
+/// First increment on which the home switches are not pressed.
+pub(crate) const HOME: i32 = -400;
+
+/// The clock of these tests: they run in real time.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WallClock(Instant);
+
+impl WallClock {
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "these tests run in real time and are their own session"
+    )]
+    pub(crate) fn new() -> Self {
+        Self(Instant::now())
+    }
+
+    pub(crate) fn now(self) -> i64 {
+        i64::try_from(self.0.elapsed().as_nanos()).unwrap()
+    }
+}
+
+/// A stream for its clock: nothing moves by it.
+impl SetpointStream for WallClock {
+    fn now_ns(&self) -> i64 {
+        self.now()
+    }
+
+    fn at(&self, _time_ns: i64) -> IncrementMotion {
+        IncrementMotion::default()
+    }
+
+    fn horizon_ns(&self) -> i64 {
+        0
+    }
+}
+
+impl Bench {
+    /// Waits until the axes are at rest.
+    pub(crate) fn rest(&mut self) {
+        while self.drive.sample(&self.clock).unwrap().moving {}
+    }
+}
+
+/// Axes X and Y of an InterpCNC with home switches on IN5 and IN6, normally open.
+pub(crate) fn interpcnc() -> Bench {
+    let clock = WallClock::new();
+    let cam = |axis, input| interpcnc::emulator::Cam {
+        input,
+        axis,
+        from: -1_000_000,
+        to: HOME,
+        normally_closed: false,
+    };
+    let mut options = interpcnc::emulator::EmulatorOptions::default();
+    options.bench.cams = vec![cam(BoardAxis::X, 5), cam(BoardAxis::Y, 6)];
+    let board = EmulatedBoard::start(&options, move || clock.now()).unwrap();
+    let axis = |axis| AxisOptions {
+        acceleration_khz_per_s: 500,
+        deceleration_khz_per_s: 500,
+        max_speed_hz: 100_000,
+        ..AxisOptions::new(axis)
+    };
+    let mut options = InterpCncOptions::new(vec![axis(BoardAxis::X), axis(BoardAxis::Y)]);
+    // Other tests and builds may keep the emulator waiting.
+    options.deadline = Duration::from_secs(2);
+    let drive = InterpCncDrive::open(board.path().to_str().unwrap(), &options).unwrap();
+    Bench { drive: Box::new(drive), clock, _emulator: Box::new(board) }
+}
+
+/// Drives 3 and 7 with home switches on DIR, sought in the negative direction.
+pub(crate) fn smartdrive() -> Bench {
+    let clock = WallClock::new();
+    let device = |address| DeviceOptions {
+        address,
+        homing: HomingOptions { input: Input::Dir, positive: false, ..HomingOptions::default() },
+        cams: vec![smartdrive::emulator::Cam {
+            input: Input::Dir,
+            from: -1e6,
+            to: f64::from(HOME),
+        }],
+        ..DeviceOptions::default()
+    };
+    let devices = vec![device(3), device(7)];
+    let options = smartdrive::emulator::EmulatorOptions { devices, ..Default::default() };
+    let bus = EmulatedBus::start(&options, move || clock.now()).unwrap();
+    let axis = |address| smartdrive::AxisOptions {
+        address,
+        turn: StepsPerTurn::new(200, 16).unwrap(),
+        velocity_rpm: 500,
+        acceleration_rpm_per_s: 2000,
+        deceleration_rpm_per_s: 0,
+    };
+    let mut options = SmartDriveOptions::new(vec![axis(3), axis(7)]);
+    options.deadline = Duration::from_secs(2);
+    options.mode_change = Duration::from_secs(10);
+    let drive = SmartDriveBus::open(bus.path().to_str().unwrap(), &options).unwrap();
+    Bench { drive: Box::new(drive), clock, _emulator: Box::new(bus) }
+}
+
+/// Both axes of a BIM2AX-BOCM with cams, and end switches at ±3000.
+pub(crate) fn bim2ax() -> Bench {
+    let clock = WallClock::new();
+    let folder = tempfile::tempdir().unwrap();
+    let image = folder.path().join("eeprom");
+    let mut eeprom = Eeprom::new(2000);
+    let bits = coefficient::PRESENT | coefficient::CAM_CLOSES | coefficient::SWITCHES_CLOSE;
+    for axis in ModuleAxis::ALL {
+        let mut set = |parameter, value| eeprom.set(Parameter::Axis(parameter, axis), value);
+        set(AxisParameter::Coefficient, bits.into());
+        set(AxisParameter::Mode, 0x0060);
+        set(AxisParameter::StartStopSpeed, 1000);
+        set(AxisParameter::FastSpeed, 10_000);
+        set(AxisParameter::Acceleration, 20_000);
+    }
+    std::fs::write(&image, eeprom.to_bytes()).unwrap();
+    let path = folder.path().join("module");
+    let mut options = bim2ax::emulator::EmulatorOptions::new(&path);
+    options.eeprom = Some(image);
+    options.module.boot_ns = 0;
+    for bench in &mut options.surroundings.benches {
+        bench.plus = Some(Contact::above(3000, true));
+        bench.minus = Some(Contact::below(-3000, true));
+        bench.cam = Some(Contact::between(-900, i64::from(HOME) - 1, true));
+    }
+    let module = EmulatedModule::start(&options, move || clock.now()).unwrap();
+    // Until its status is there, the file is that of a module that runs and has no identifier.
+    let mut memory = MemoryFile::open(module.path()).unwrap();
+    let mut identifier = [0];
+    while identifier != [0x4E] {
+        bim2ax::Memory::read(&mut memory, 0xFF, &mut identifier).unwrap();
+        std::thread::yield_now();
+    }
+    let mut options = Bim2AxDriveOptions::new();
+    options.driver.deadline = Duration::from_secs(5);
+    options.driver.reset_deadline = Duration::from_secs(20);
+    let memory = MemoryFile::open(module.path()).unwrap();
+    let drive = Bim2AxDrive::new(module.path().to_str().unwrap(), memory, &options).unwrap();
+    Bench { drive: Box::new(drive), clock, _emulator: Box::new((module, folder)) }
+}
