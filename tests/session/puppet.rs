@@ -14,7 +14,8 @@ use twin::plant::{AxisFeedback, Plant};
 use twin::session::{Ending, Session, Stopped};
 use twin::setpoint::AxisSetpoint;
 use twin_drives::{
-    Action, Drive, DriveError, Exchange, Identity, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
+    Action, Drive, DriveError, Exchange, Identity, Increments, MAX_DRIVE_AXES, Sample,
+    SetpointStream,
 };
 use twin_kinematics::AxisVector;
 

@@ -18,8 +18,8 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 use twin_drives::{
-    Action, Drive, DriveError, Exchange, Identity, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample,
-    SetpointStream,
+    Action, Drive, DriveError, Exchange, Identity, IncrementMotion, Increments, MAX_DRIVE_AXES,
+    Sample, SetpointStream,
 };
 use twin_kinematics::{AxisMotion, AxisVector, Pose, ToolMotion};
 use twin_motion::Place;
