@@ -33,5 +33,5 @@ pub use drive::{
 };
 pub use error::{Action, DriveError, EmulatorError, Exchange, ProtocolFault};
 pub use fault::{Direction, FaultRule, FaultyWire, When, WireFault};
-pub use rehearsal::Rehearsal;
+pub use rehearsal::{Rehearsal, WireRates};
 pub use stamp::Stamp;

@@ -22,8 +22,29 @@ pub trait Rehearsal: Send + std::fmt::Debug {
     /// Exchanges with the device so far: commands and samples.
     fn exchanges(&self) -> u64;
 
+    /// What the wire carries at most: as much as there is room for while every axis needs a command.
+    fn rates(&self) -> WireRates;
+
     /// The same once more, to go on from here twice.
     fn copied(&self) -> Box<dyn Rehearsal>;
+}
+
+/// How often a device can be spoken to, by the timing of its wire.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WireRates {
+    /// Commands for axes, all axes of the device together, 1/s.
+    pub commands_per_s: f64,
+    /// Samples of every axis, 1/s.
+    pub samples_per_s: f64,
+}
+
+impl WireRates {
+    /// Of rounds of so many s in which every axis gets so many commands and is seen once.
+    pub(crate) fn of_rounds(commands: usize, duration: f64) -> Self {
+        let samples_per_s = 1.0 / duration.max(1e-9);
+        let commands = f64::from(u32::try_from(commands).unwrap_or(u32::MAX));
+        Self { commands_per_s: commands * samples_per_s, samples_per_s }
+    }
 }
 
 /// A plan as it is seen at an instant of simulated time.

@@ -8,8 +8,8 @@ use crate::machine::{
 use std::time::Duration;
 use twin_drives::bim2ax::emulator::{Eeprom, Module, ModuleOptions, Surroundings};
 use twin_drives::bim2ax::{
-    self, AxisSettings, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxRehearsal, RehearsalOptions,
-    SharedModule,
+    self, AxisSettings, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxRehearsal, MOST_POSITION,
+    RehearsalOptions, SharedModule,
 };
 use twin_drives::interpcnc::emulator::{BoardOptions, EmulatedBoard, EmulatorOptions, Wire};
 use twin_drives::interpcnc::{
@@ -120,16 +120,19 @@ fn smartdrive(machine: &Machine, (device, entry): (usize, &SmartDriveEntry)) -> 
     let mut bus = SmartDriveBus::open(&port, &options)?;
     // Emulated drives come from the factory: they get the parameters that real ones have been given.
     bus.run(async |bus| {
-        for axis in &axes {
+        for (axis, (_, described)) in axes.iter().zip(machine.axes_of(device)) {
+            let [lowest, highest] = software_limits(described, [0; 2]);
             let deceleration = axis.deceleration_rpm_per_s.max(axis.acceleration_rpm_per_s);
             for (parameter, value) in [
-                (parameters::FULL_STEPS, entry.full_steps),
-                (parameters::STEP_DIVISOR, entry.microsteps),
-                (parameters::VELOCITY_MAX, axis.velocity_rpm),
-                (parameters::ACCELERATION_MAX, axis.acceleration_rpm_per_s),
-                (parameters::DECELERATION_MAX, deceleration),
+                (parameters::FULL_STEPS, i64::from(entry.full_steps)),
+                (parameters::STEP_DIVISOR, entry.microsteps.into()),
+                (parameters::VELOCITY_MAX, axis.velocity_rpm.into()),
+                (parameters::ACCELERATION_MAX, axis.acceleration_rpm_per_s.into()),
+                (parameters::DECELERATION_MAX, deceleration.into()),
+                (parameters::POSITION_MIN, lowest.into()),
+                (parameters::POSITION_MAX, highest.into()),
             ] {
-                bus.set_parameter(axis.address, parameter, value.into()).await?;
+                bus.set_parameter(axis.address, parameter, value).await?;
             }
         }
         Ok::<_, DriveError>(())
@@ -213,8 +216,21 @@ fn narrow(value: f64, most: u16) -> u16 {
     u16::try_from(counted(value, most.into())).unwrap_or(most)
 }
 
+/// Software limits for a device, increments: an increment beyond those of the axis, where an axis may stand; those given for
+/// an axis without.
+fn software_limits(axis: &Axis, none: [i32; 2]) -> [i32; 2] {
+    if !axis.limited {
+        return none;
+    }
+    let [one, other] = axis.position_limits.map(|limit| limit * axis.increments_per_si());
+    #[expect(clippy::cast_possible_truncation, reason = "saturates, as counters end there")]
+    let limits = [one.min(other).floor() as i32, one.max(other).ceil() as i32];
+    let [lowest, highest] = limits;
+    [lowest.saturating_sub(1), highest.saturating_add(1)]
+}
+
 /// What a drive on a bus is driven with.
-fn smartdrive_axis(axis: &Axis, entry: &SmartDriveEntry) -> smartdrive::AxisOptions {
+pub(crate) fn smartdrive_axis(axis: &Axis, entry: &SmartDriveEntry) -> smartdrive::AxisOptions {
     let address = axis.drive.as_ref().map_or(0, |drive| drive.index);
     smartdrive::AxisOptions {
         address: u8::try_from(address).unwrap_or(0),
@@ -226,9 +242,13 @@ fn smartdrive_axis(axis: &Axis, entry: &SmartDriveEntry) -> smartdrive::AxisOpti
 }
 
 /// The parameters of an axis of a module.
-fn bim2ax_axis(axis: &Axis, entry: &Bim2AxEntry) -> AxisSettings {
+pub(crate) fn bim2ax_axis(axis: &Axis, entry: &Bim2AxEntry) -> AxisSettings {
     let fastest = most_increments_per_s(axis) / entry.mode.speed_unit();
+    let [lowest, highest] = software_limits(axis, [-MOST_POSITION, MOST_POSITION])
+        .map(|limit| limit.clamp(-MOST_POSITION, MOST_POSITION));
     AxisSettings {
+        soft_minus: lowest,
+        soft_plus: highest,
         mode: entry.mode,
         fast_speed: narrow(fastest, u16::MAX),
         start_stop_speed: entry.start_stop_speed,
@@ -248,7 +268,10 @@ pub fn emulator_options(entry: &InterpCncEntry) -> EmulatorOptions {
 }
 
 /// How the driver is to speak to a board, with its place in the file, which moves axes of `machine`.
-fn driver_options(machine: &Machine, (index, entry): (usize, &InterpCncEntry)) -> InterpCncOptions {
+pub(crate) fn driver_options(
+    machine: &Machine,
+    (index, entry): (usize, &InterpCncEntry),
+) -> InterpCncOptions {
     let axes = machine.axes_of(index).filter_map(|(_, axis)| {
         let board_axis = BoardAxis::ALL.get(axis.drive.as_ref()?.index)?;
         Some(AxisOptions {

@@ -19,11 +19,13 @@ pub mod plant;
 pub mod priority;
 pub mod probe;
 pub mod program;
+pub mod real;
 pub mod report;
 pub mod session;
 pub mod setpoint;
 pub mod settings;
 pub mod simulated;
+pub mod startup;
 pub mod workspace;
 
 mod chart;

@@ -1,6 +1,6 @@
 //! The report as JSON: the shape is part of the command-line contract.
 
-use crate::check::{BlockClearance, Outcome};
+use crate::check::{BlockClearance, Outcome, PredictedFollowing};
 use crate::compare::{ErrorStatistics, Statistics};
 use crate::finding::Finding;
 use crate::machine::{Axis, Machine};
@@ -27,6 +27,9 @@ pub struct CheckReport {
     /// If the machine file says what is in the way.
     #[serde(skip_serializing_if = "Option::is_none")]
     clearance: Option<ClearanceReport>,
+    /// If the machine file names drives and they are wanted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    predicted_following: Option<PredictedFollowingReport>,
     findings: Vec<Finding>,
     findings_left_out: u64,
 }
@@ -56,8 +59,73 @@ impl CheckReport {
                     .collect(),
             ),
             clearance: outcome.clearances.least.map(|least| ClearanceReport::new(machine, &least)),
+            predicted_following: outcome
+                .following
+                .as_ref()
+                .map(|predicted| PredictedFollowingReport::new(machine, predicted)),
             findings: outcome.findings.clone(),
             findings_left_out: outcome.findings_left_out,
+        }
+    }
+}
+
+/// How well the drives will follow, as their rehearsal foresees it.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct PredictedFollowingReport {
+    /// Of the tool tip.
+    tool_mm: Option<StatisticsReport>,
+    axes: PerAxis<PredictedAxisReport>,
+    /// By their names in the machine file.
+    devices: PerAxis<PredictedDeviceReport>,
+}
+
+/// How far the drive of one axis will be from its plan.
+#[derive(Clone, Debug, serde::Serialize)]
+struct PredictedAxisReport {
+    unit: &'static str,
+    device: String,
+    /// `max_following_error` of the machine file.
+    limit: Option<f64>,
+    #[serde(flatten)]
+    error: StatisticsReport,
+}
+
+/// What is said on the wire of a device.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+struct PredictedDeviceReport {
+    family: &'static str,
+    /// At most.
+    commands_per_s: f64,
+    /// At most.
+    samples_per_s: f64,
+    /// Commands and samples while the program runs.
+    exchanges_per_s: f64,
+}
+
+impl PredictedFollowingReport {
+    /// For a machine.
+    fn new(machine: &Machine, predicted: &PredictedFollowing) -> Self {
+        let axes = machine.axes.iter().zip(&predicted.axes).filter_map(|(axis, statistics)| {
+            let device = machine.drives.get(axis.drive.as_ref()?.device)?.name.clone();
+            let error = StatisticsReport::new(statistics.as_ref()?, axis.from_si(1.0))?;
+            let limit = axis.max_following_error.map(|limit| rounded(axis.from_si(limit)));
+            let unit = axis.unit();
+            Some((axis.name.clone(), PredictedAxisReport { unit, device, limit, error }))
+        });
+        let devices = predicted.devices.iter().filter_map(|traffic| {
+            let device = machine.drives.get(traffic.device)?;
+            let report = PredictedDeviceReport {
+                family: device.family_name(),
+                commands_per_s: rounded(traffic.rates.commands_per_s),
+                samples_per_s: rounded(traffic.rates.samples_per_s),
+                exchanges_per_s: rounded(traffic.exchanges_per_s),
+            };
+            Some((device.name.clone(), report))
+        });
+        Self {
+            tool_mm: StatisticsReport::new(&predicted.tool, 1e3),
+            axes: PerAxis(axes.collect()),
+            devices: PerAxis(devices.collect()),
         }
     }
 }
@@ -195,17 +263,22 @@ struct StatisticsReport {
     block: Option<u32>,
 }
 
+impl StatisticsReport {
+    /// `scale` turns the SI values into the unit of the report; `None` where nothing was compared.
+    fn new(statistics: &Statistics, scale: f64) -> Option<Self> {
+        statistics.maximum().map(|(max, place)| Self {
+            max: rounded(max * scale),
+            rms: rounded(statistics.rms() * scale),
+            line: place.line,
+            block: place.block,
+        })
+    }
+}
+
 impl ComparisonReport {
     /// `scale` turns the SI values into the unit of the report.
     pub fn new(statistics: &ErrorStatistics, scale: f64) -> Self {
-        let one = |one: &Statistics| {
-            one.maximum().map(|(max, place)| StatisticsReport {
-                max: rounded(max * scale),
-                rms: rounded(one.rms() * scale),
-                line: place.line,
-                block: place.block,
-            })
-        };
+        let one = |one: &Statistics| StatisticsReport::new(one, scale);
         Self {
             twin: one(&statistics.twin),
             drives: one(&statistics.drives),

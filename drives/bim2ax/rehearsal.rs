@@ -6,7 +6,9 @@ use super::{
     bits::{bloc, coefficient, uc},
     follow::{Follower, Leg, Timing},
 };
-use crate::{IncrementMotion, Rehearsal, SetpointStream, rehearsal::SeenAt};
+use crate::{
+    IncrementMotion, Rehearsal, SetpointStream, WireRates, ramp::seconds, rehearsal::SeenAt,
+};
 
 /// What to rehearse.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -126,7 +128,7 @@ impl Bim2AxRehearsal {
                 };
                 if let Some(leg) = leg {
                     let until_ns = leg.end_ns + self.options.read_ns + self.options.order_ns;
-                    let duration = crate::ramp::seconds(until_ns - leg.start_ns);
+                    let duration = seconds(until_ns - leg.start_ns);
                     self.expected.0 += leg.error * leg.error * duration;
                     self.expected.1 += duration;
                     self.next = Next::Order(leg);
@@ -180,6 +182,15 @@ impl Rehearsal for Bim2AxRehearsal {
 
     fn exchanges(&self) -> u64 {
         self.exchanges
+    }
+
+    /// An order, which is for both axes, takes its time, and a look shows that its leg has ended; looks while axes move have a
+    /// pace of their own.
+    fn rates(&self) -> WireRates {
+        let RehearsalOptions { axes, order_ns, read_ns, look_every_ns } = &self.options;
+        let orders = WireRates::of_rounds(axes.len(), seconds(order_ns + read_ns));
+        let looks = WireRates::of_rounds(0, seconds(look_every_ns + read_ns));
+        WireRates { commands_per_s: orders.commands_per_s, ..looks }
     }
 
     fn copied(&self) -> Box<dyn Rehearsal> {

@@ -8,7 +8,9 @@ use super::{
     options::{AxisOptions, wire_time},
 };
 use crate::ramp::whole_ns;
-use crate::{IncrementMotion, Rehearsal, SetpointStream, Stamp, follow::Order, rehearsal::SeenAt};
+use crate::{
+    IncrementMotion, Rehearsal, SetpointStream, Stamp, WireRates, follow::Order, rehearsal::SeenAt,
+};
 
 /// Bytes of GOTO v,a, of PING and of an answer.
 const GOTO_BYTES: usize = 11;
@@ -169,6 +171,14 @@ impl Rehearsal for SmartDriveRehearsal {
 
     fn exchanges(&self) -> u64 {
         self.exchanges
+    }
+
+    /// Every answer to a command is a sample of its axis.
+    fn rates(&self) -> WireRates {
+        let exchange = wire_time(GOTO_BYTES) + self.delays.response + wire_time(ANSWER_BYTES);
+        let exchange = (exchange + self.delays.gap).as_secs_f64();
+        let axes = u32::try_from(self.axes.len()).unwrap_or(u32::MAX);
+        WireRates::of_rounds(self.axes.len(), f64::from(axes) * exchange)
     }
 
     fn copied(&self) -> Box<dyn Rehearsal> {

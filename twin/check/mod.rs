@@ -5,6 +5,9 @@ mod clearance;
 #[cfg(test)]
 mod direction_tests;
 mod findings;
+mod following;
+#[cfg(test)]
+mod following_tests;
 mod options;
 mod rehearsal;
 mod sentence;
@@ -27,6 +30,8 @@ use crate::setpoint::{AxisSetpoint, Transformer};
 pub use after::{faults_to_come, following_errors, happening, happenings};
 pub use clearance::{ClearanceCsv, ClearancePicture, ClearancePictureError};
 use findings::{About, Findings};
+use following::FollowingBeside;
+pub use following::{PredictedFollowing, PredictedTraffic, wire_rates};
 pub use options::{CheckFailure, CheckOptions};
 use rehearsal::Rehearsal;
 pub(crate) use sentence::{beyond_position, unreachable};
@@ -66,6 +71,8 @@ pub struct Outcome {
     pub loads: Vec<MotorLoad>,
     /// How near everything came to what is in the way; none if the machine file speaks of nothing.
     pub clearances: Clearances,
+    /// How well the drives will follow; none if that was not asked for, there are none, or the machine cannot take a set-point.
+    pub following: Option<PredictedFollowing>,
 }
 
 /// Checks a whole program. `progress` is told the bytes read so far.
@@ -93,7 +100,24 @@ pub fn check_watched(
     progress: &mut dyn FnMut(u64),
     watch: &mut dyn FnMut(&BlockClearance),
 ) -> Result<Outcome, CheckFailure> {
-    let CheckOptions { limits, physics, scenario, acknowledge } = options;
+    std::thread::scope(|scope| {
+        let following = options.drives.then(|| FollowingBeside::start(scope, machine));
+        let following = following.transpose()?.flatten();
+        checked(machine, program, options, following, (progress, watch))
+    })
+}
+
+/// What is told meanwhile: the bytes read so far, and how near everything is to what is in the way.
+type Watchers<'w> = (&'w mut dyn FnMut(u64), &'w mut dyn FnMut(&BlockClearance));
+
+fn checked(
+    machine: &Machine,
+    program: &ProgramFile,
+    options: CheckOptions,
+    mut following: Option<FollowingBeside<'_>>,
+    (progress, watch): Watchers<'_>,
+) -> Result<Outcome, CheckFailure> {
+    let CheckOptions { limits, physics, scenario, acknowledge, drives: _ } = options;
     let slack = match limits {
         Limits::Softmotion => CONTROLLER,
         Limits::Axes => WITHIN_AXES,
@@ -107,7 +131,14 @@ pub fn check_watched(
     while let Some(item) = items.next() {
         match item {
             ProgramItem::Setpoint(tool) => {
-                let Some(setpoint) = checker.setpoint(&tool) else { continue };
+                let Some(setpoint) = checker.setpoint(&tool) else {
+                    // There is no plan to follow.
+                    following = None;
+                    continue;
+                };
+                if let Some(following) = &mut following {
+                    following.take(&setpoint);
+                }
                 if let Some(way) = &mut way
                     && let Some(clearance) = way.look(machine, &setpoint, &mut checker.findings)
                 {
@@ -149,7 +180,14 @@ pub fn check_watched(
             checker.findings.add(Some(About::Axis(happening.axis)), finding);
         }
     }
+    let predicted = following.and_then(FollowingBeside::finish);
     let mut outcome = checker.finish();
+    if let Some((predicted, findings, left_out)) = predicted {
+        outcome.following = Some(predicted);
+        outcome.findings.extend(findings);
+        outcome.findings_left_out += left_out;
+        finding::sort(&mut outcome.findings);
+    }
     outcome.findings_left_out += record.left_out;
     outcome.loads = record.loads;
     outcome.clearances = way.map(Way::into_found).unwrap_or_default();
@@ -315,6 +353,7 @@ impl<'m> Checker<'m> {
             start: self.start,
             loads: Vec::new(),
             clearances: Clearances::default(),
+            following: None,
         }
     }
 }

@@ -39,6 +39,8 @@ pub struct CheckOptions {
     pub scenario: Scenario,
     /// Who acknowledges M functions.
     pub acknowledge: Acknowledge,
+    /// Also predict how well the drives of the machine file will follow.
+    pub drives: bool,
 }
 
 impl Default for CheckOptions {
@@ -49,6 +51,7 @@ impl Default for CheckOptions {
             physics: false,
             scenario: Scenario::default(),
             acknowledge: Acknowledge::Auto,
+            drives: false,
         }
     }
 }

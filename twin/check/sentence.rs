@@ -120,6 +120,13 @@ pub(super) fn too_far(axis: &Axis, place: Place, error: f64, limit: f64) -> Find
     too_much(axis, Rule::FollowingError, &quantity, place, error, limit)
 }
 
+/// A distance (rad or m) between set-point and drive above `limit`, as its rehearsal foresees it.
+pub(super) fn drive_too_far(axis: &Axis, place: Place, error: f64, limit: f64) -> Finding {
+    let quantity = Quantity { name: "predicted error of its drive", units: ["deg", "mm"] };
+    let finding = too_much(axis, Rule::FollowingError, &quantity, place, error, limit);
+    Finding { severity: Severity::Warning, ..finding }
+}
+
 /// Something that happened to the simulated machine; `None` if it is none of the program's business.
 pub(super) fn happened(machine: &Machine, happening: &Happening) -> Option<Finding> {
     let Happening { place, axis, kind } = *happening;

@@ -126,6 +126,9 @@ pub(crate) enum Failure {
     /// Emulated drives.
     #[error(transparent)]
     Connect(#[from] crate::emulated::ConnectError),
+    /// Homing before a run.
+    #[error(transparent)]
+    Homing(#[from] crate::startup::HomingError),
     /// An emulator on its own.
     #[error(transparent)]
     Emulator(#[from] twin_drives::EmulatorError),

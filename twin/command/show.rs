@@ -1,6 +1,8 @@
 //! How things look on a terminal.
 
 use super::underline;
+use crate::check::PredictedFollowing;
+use crate::compare::Statistics;
 use crate::finding::{Finding, Severity};
 use crate::machine::{Axis, Machine};
 use crate::physics::MotorLoad;
@@ -16,6 +18,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::io::{self, BufRead, IsTerminal, Read, Write};
 use std::ops::Range;
+use twin_drives::WireRates;
 use twin_motion::Place;
 
 /// How many findings a person is shown.
@@ -314,6 +317,56 @@ pub(super) fn loads(machine: &Machine, loads: &[MotorLoad]) -> Table {
         }));
     }
     table
+}
+
+/// The table of how well the drives will follow.
+pub(super) fn following(machine: &Machine, predicted: &PredictedFollowing) -> Table {
+    let mut table = table();
+    table.set_header([
+        "drives, predicted",
+        "largest error",
+        "limit",
+        "rms",
+        "line",
+        "wire carries",
+    ]);
+    let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
+    let mut row = |name: String,
+                   of: &Statistics,
+                   limit: Option<f64>,
+                   (scale, unit): (f64, &str),
+                   wire: String| {
+        let Some((max, place)) = of.maximum() else { return };
+        let largest = format!("{:.4} {unit}", max * scale);
+        table.add_row([
+            Cell::new(name),
+            against(largest, max, limit.unwrap_or(f64::INFINITY))
+                .set_alignment(CellAlignment::Right),
+            right(limit.map_or("–".to_owned(), |limit| format!("{:.4}", limit * scale))),
+            right(format!("{:.4} {unit}", of.rms() * scale)),
+            right(place.line.to_string()),
+            Cell::new(wire),
+        ]);
+    };
+    row("tool".to_owned(), &predicted.tool, None, (1e3, "mm"), String::new());
+    for traffic in &predicted.devices {
+        let Some(device) = machine.drives.get(traffic.device) else { continue };
+        // Once per device.
+        let mut wire = rates(&traffic.rates);
+        for (index, axis) in machine.axes_of(traffic.device) {
+            let Some(Some(statistics)) = predicted.axes.get(index) else { continue };
+            let name = format!("axis {} ({})", axis.name, device.name);
+            let scale = (axis.from_si(1.0), axis.unit());
+            let wire = std::mem::take(&mut wire);
+            row(name, statistics, axis.max_following_error, scale, wire);
+        }
+    }
+    table
+}
+
+/// What a wire carries, in words.
+pub(super) fn rates(rates: &WireRates) -> String {
+    format!("{:.0} commands/s, {:.0} samples/s", rates.commands_per_s, rates.samples_per_s)
 }
 
 /// The line of a peak; an axis that does not move has none.

@@ -9,7 +9,7 @@ mod tests;
 
 use crate::emulated;
 use crate::hardware::HORIZON_NS;
-use crate::machine::{AxisKind, Machine};
+use crate::machine::{AxisKind, DeviceEntry, Machine};
 use crate::report::seconds;
 use crate::setpoint::AxisSetpoint;
 use std::collections::VecDeque;
@@ -27,13 +27,15 @@ pub(crate) struct DrivesInLoop {
 
 #[derive(Debug)]
 struct Device {
+    /// Index into [`Machine::drives`].
+    index: usize,
     rehearsal: Box<dyn Rehearsal>,
     axes: Vec<DeviceAxis>,
 }
 
 impl Clone for Device {
     fn clone(&self) -> Self {
-        Self { rehearsal: self.rehearsal.copied(), axes: self.axes.clone() }
+        Self { index: self.index, rehearsal: self.rehearsal.copied(), axes: self.axes.clone() }
     }
 }
 
@@ -48,16 +50,35 @@ struct DeviceAxis {
 impl DrivesInLoop {
     /// The devices that the machine file puts there; `None` without any.
     pub(crate) fn of(machine: &Machine) -> Option<Self> {
-        let in_loop = machine.drives.iter().enumerate().filter(|(_, device)| device.in_loop);
-        let devices: Vec<_> = in_loop
+        Self::among(machine, |device| device.in_loop)
+    }
+
+    /// All devices of the machine file, wherever it puts them; `None` without any.
+    pub(crate) fn all(machine: &Machine) -> Option<Self> {
+        Self::among(machine, |_| true)
+    }
+
+    fn among(machine: &Machine, chosen: impl Fn(&DeviceEntry) -> bool) -> Option<Self> {
+        Self::rehearsing(machine, |index, entry| {
+            chosen(entry).then(|| emulated::rehearsal(machine, (index, entry)))
+        })
+    }
+
+    /// The devices that `rehearsal` gives one of, told which and what the machine file says of it; `None` without any.
+    pub(crate) fn rehearsing(
+        machine: &Machine,
+        rehearsal: impl Fn(usize, &DeviceEntry) -> Option<Box<dyn Rehearsal>>,
+    ) -> Option<Self> {
+        let devices = machine.drives.iter().enumerate();
+        let devices: Vec<_> = devices
             .filter_map(|(index, entry)| {
                 let axes = machine.axes_of(index).map(|(axis, described)| DeviceAxis {
                     axis,
                     increments_per_si: described.increments_per_si(),
                 });
                 let axes: Vec<_> = axes.collect();
-                let rehearsal = emulated::rehearsal(machine, (index, entry));
-                (!axes.is_empty()).then_some(Device { rehearsal, axes })
+                let rehearsal = if axes.is_empty() { None } else { rehearsal(index, entry) };
+                Some(Device { index, rehearsal: rehearsal?, axes })
             })
             .collect();
         let cycle_ns = machine.cycle_ns;
@@ -79,6 +100,11 @@ impl DrivesInLoop {
             }
         });
         increments.fold(0.0, f64::max)
+    }
+
+    /// The devices, by their places in [`Machine::drives`].
+    pub(crate) fn rehearsals(&self) -> impl Iterator<Item = (usize, &dyn Rehearsal)> {
+        self.devices.iter().map(|device| (device.index, &*device.rehearsal))
     }
 
     /// Whether what the motors get rests where the plan does, to an increment.

@@ -1,13 +1,15 @@
 //! A board that follows a plan by interpolated segments, in simulated time and without bytes.
 
 use crate::{
-    IncrementMotion, Rehearsal, SetpointStream, Stamp,
+    IncrementMotion, Rehearsal, SetpointStream, Stamp, WireRates,
     interpcnc::{
-        AxisOptions, Command,
+        AxisOptions, AxisValues, Command,
         emulator::{Board, BoardOptions, Wire},
         follow::{Buffered, SegmentOrder},
         parameters,
+        registers::AXES,
     },
+    ramp::seconds,
     rehearsal::SeenAt,
 };
 
@@ -114,8 +116,7 @@ impl BufferedRehearsal {
         self.next = match std::mem::replace(&mut self.next, Next::Survey) {
             Next::Survey => match self.follower.order(&SeenAt { plan, now_ns }, now_ns) {
                 Some(order) => {
-                    let words = order.command().registers().len();
-                    let (stamp, executed_ns) = self.exchange((9 + 2 * words, 8));
+                    let (stamp, executed_ns) = self.exchange(bytes(&order.command()));
                     self.due_ns = executed_ns;
                     Next::Execute(order, now_ns, stamp)
                 }
@@ -169,7 +170,26 @@ impl Rehearsal for BufferedRehearsal {
         self.exchanges
     }
 
+    /// A segment for all axes, then a sample.
+    fn rates(&self) -> WireRates {
+        let mut targets: AxisValues = [None; AXES];
+        for axis in &self.axes {
+            if let Some(target) = targets.get_mut(axis.axis.index()) {
+                *target = Some(0);
+            }
+        }
+        let segment = bytes(&Command::Interpolated { speed_hz: 1, targets });
+        let [segment, sample] =
+            [segment, STATE_BYTES].map(|bytes| super::exchange(&self.wire, 0, bytes).0.answered_ns);
+        WireRates::of_rounds(1, seconds(segment + sample))
+    }
+
     fn copied(&self) -> Box<dyn Rehearsal> {
         Box::new(self.clone())
     }
+}
+
+/// Bytes of a command and of its answer.
+fn bytes(command: &Command) -> (usize, usize) {
+    (9 + 2 * command.registers().len(), 8)
 }

@@ -13,8 +13,10 @@ use super::{
     follow::Follower,
     options::AxisOptions,
 };
-use crate::ramp::whole_ns;
-use crate::{IncrementMotion, Rehearsal, SetpointStream, follow::Order, rehearsal::SeenAt};
+use crate::ramp::{seconds, whole_ns};
+use crate::{
+    IncrementMotion, Rehearsal, SetpointStream, WireRates, follow::Order, rehearsal::SeenAt,
+};
 
 pub use predict::{Prediction, predict, rehearse};
 
@@ -169,6 +171,14 @@ impl Rehearsal for InterpCncRehearsal {
 
     fn exchanges(&self) -> u64 {
         self.exchanges
+    }
+
+    /// A command for each axis, then a sample.
+    fn rates(&self) -> WireRates {
+        let [command, sample] =
+            [COMMAND_BYTES, STATE_BYTES].map(|bytes| exchange(&self.wire, 0, bytes).0.answered_ns);
+        let commands = i64::try_from(self.axes.len()).unwrap_or(0);
+        WireRates::of_rounds(self.axes.len(), seconds(commands * command + sample))
     }
 
     fn copied(&self) -> Box<dyn Rehearsal> {

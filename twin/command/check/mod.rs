@@ -157,6 +157,7 @@ fn one(
             physics: arguments.physics,
             scenario: scenario.clone(),
             acknowledge: arguments.m_functions.acknowledge,
+            drives: true,
         },
         &mut |read| bar.set_position(read),
         &mut |clearance| files.include(clearance),
@@ -182,6 +183,9 @@ fn report(
         }
         Format::Human => {
             show::findings(program, &outcome.findings);
+            if let Some(predicted) = &outcome.following {
+                writeln!(out, "{}", show::following(machine, predicted))?;
+            }
             summary(&mut out, machine, program, outcome)
         }
     }

@@ -5,15 +5,20 @@ use std::io::{self, BufRead, IsTerminal, Write};
 
 /// Whether axes may move.
 #[derive(Clone, Copy, Debug, clap::Args)]
-pub(super) struct Consent {
+pub(in crate::command) struct Consent {
     /// Move without asking; needed where there is no terminal to ask at
     #[arg(long, global = true)]
     yes: bool,
 }
 
 impl Consent {
+    /// Whether it was given in advance.
+    pub(in crate::command) fn given(self) -> bool {
+        self.yes
+    }
+
     /// Says what is going to move where, and asks whether it may.
-    pub(super) fn ask(self, motion: &str) -> Result<(), Failure> {
+    pub(in crate::command) fn ask(self, motion: &str) -> Result<(), Failure> {
         let mut terminal = io::stderr();
         if self.yes {
             return writeln!(terminal, "{motion}").map_err(Failure::Stdio);

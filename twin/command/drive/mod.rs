@@ -2,7 +2,7 @@
 
 mod bim2ax;
 mod bim2ax_parameters;
-mod consent;
+pub(super) mod consent;
 mod interpcnc;
 mod interpcnc_parameters;
 mod session;

@@ -1,6 +1,7 @@
 //! A machine for people.
 
 use super::Facts;
+use crate::check::wire_rates;
 use crate::command::show;
 use crate::machine::{Axis, DriveFamily, Machine, VelocityLimit, VelocitySource};
 use crate::number::significant;
@@ -133,7 +134,8 @@ fn in_the_way(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
 
 /// The devices on the wires.
 fn drives(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
-    for device in &machine.drives {
+    let rates = wire_rates(machine);
+    for (index, device) in machine.drives.iter().enumerate() {
         let port = device.port.as_deref().unwrap_or("no port given");
         write!(out, "drive {}: {} on {port}", device.name, device.family_name())?;
         match &device.family {
@@ -152,6 +154,9 @@ fn drives(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
             "{}",
             if device.in_loop { ", in the loop of the simulated machine" } else { "" }
         )?;
+        if let Some((_, rates)) = rates.iter().find(|(of, _)| *of == index) {
+            writeln!(out, "  its wire carries {} at most", show::rates(rates))?;
+        }
     }
     Ok(())
 }

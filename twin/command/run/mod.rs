@@ -3,6 +3,7 @@
 mod interrupt;
 mod keys;
 mod prompt;
+mod startup;
 mod summary;
 mod watcher;
 
@@ -25,6 +26,7 @@ use crate::simulated::Simulated;
 use indicatif::ProgressBar;
 pub(super) use interrupt::Interrupt;
 use prompt::Prompt;
+use startup::{Ready, StartUpOptions};
 use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -75,6 +77,9 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value = "emulated")]
     drives: Drives,
 
+    #[command(flatten)]
+    start_up: StartUpOptions,
+
     /// Run in step with the wall clock also without drives
     #[arg(long)]
     realtime: bool,
@@ -105,7 +110,7 @@ enum Drives {
     None,
     /// Emulators of the drives named in the machine file, on pseudo-terminals, with the real driver code
     Emulated,
-    /// The drives on the ports of the machine file (not there yet)
+    /// The drives on the ports of the machine file, after start-up checks and a question
     Real,
 }
 
@@ -154,6 +159,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         return Ok(Status::Unfit);
     };
 
+    if let Some(predicted) = &outcome.following {
+        eprintln!("{}", show::following(&machine, predicted));
+    }
     let (done, interrupt) = match perform(arguments, &report, &start) {
         Ok(done) => done,
         Err(failure) => {
@@ -217,8 +225,12 @@ fn perform<'m>(
     about: &Report<'m>,
     start: &AxisVector,
 ) -> Result<(Done<'m>, Interrupt), Failure> {
-    let (machine, program) = (about.machine, about.program);
+    let (machine, program, outcome) = (about.machine, about.program, about.outcome);
     let emulated = arguments.drives == Drives::Emulated && !machine.drives.is_empty();
+    // Until here Ctrl-C ends everything, and so it does while the user is asked.
+    let real = (arguments.drives == Drives::Real)
+        .then(|| startup::real(&arguments.start_up, machine, (outcome, start), APPROACH))
+        .transpose()?;
     let scene = SceneOptions {
         record: arguments.record.clone(),
         serve: arguments.serve,
@@ -228,7 +240,12 @@ fn perform<'m>(
     };
     let mut families: Vec<_> = machine.drives.iter().map(DeviceEntry::family_name).collect();
     families.dedup();
-    let named = emulated.then(|| format!("{}, emulated", families.join(" and ")));
+    let families = families.join(" and ");
+    let named = match arguments.drives {
+        Drives::Emulated if emulated => Some(format!("{families}, emulated")),
+        Drives::Real => Some(families),
+        Drives::Emulated | Drives::None => None,
+    };
     let mut picture = Picture::open(&scene, machine, program, start, named.as_deref())?;
     if let Some(url) = picture.url() {
         eprintln!("live view: {url}");
@@ -239,7 +256,13 @@ fn perform<'m>(
     }
     let scenario = arguments.simulation.scenario(machine)?;
     let twin = Simulated::new(machine, start)?.in_scenario(&scenario);
-    let drives = if emulated { Some(connect(machine, start, &interrupt)?) } else { None };
+    let drives = if let Some(ready) = real {
+        Some((start_real(ready, machine, start, &interrupt)?, Vec::new()))
+    } else if emulated {
+        Some(connect(machine, (outcome, start), &interrupt)?)
+    } else {
+        None
+    };
     // They live until the drives have come to rest.
     let (hardware, emulators) = drives.unzip();
 
@@ -278,12 +301,8 @@ fn perform<'m>(
 impl Arguments {
     /// What is found out now rather than after a run of an hour.
     fn check(&self) -> Result<(), Failure> {
-        if self.drives == Drives::Real {
-            return Err(Failure::Usage(
-                "--drives real is not there yet: homing and the start-up checks that must come before a real axis \
-                 moves are missing; --drives emulated runs the same driver against an emulated board"
-                    .to_owned(),
-            ));
+        if self.drives != Drives::Real {
+            self.start_up.without_real()?;
         }
         let last = self.override_at.iter().max_by_key(|change| change.time_ns);
         if last.is_some_and(|last| last.factor <= 0.0) {
@@ -338,7 +357,8 @@ fn check_first(
     let bytes = program.size().map_err(|source| unreadable(program.path(), source))?;
     let acknowledge = arguments.m_functions.acknowledge;
     let limits = arguments.limits;
-    let options = CheckOptions { limits, acknowledge, ..CheckOptions::default() };
+    let drives = arguments.drives != Drives::None;
+    let options = CheckOptions { limits, acknowledge, drives, ..CheckOptions::default() };
     let bar = show::progress(bytes, "checking {bar:30} {percent:>3} % {bytes_per_sec}");
     let outcome = crate::check::check(machine, program, options, &mut |read| {
         bar.set_position(read);
@@ -347,24 +367,43 @@ fn check_first(
     outcome.map_err(|failure| Failure::check(program, failure))
 }
 
-/// Powers up the emulated drives of the machine file and lets their drivers bring the axes to `start`.
+/// Powers up the emulated drives of the machine file and lets their drivers bring the axes to the start.
 fn connect(
+    machine: &Machine,
+    (outcome, start): (&Outcome, &AxisVector),
+    interrupt: &Interrupt,
+) -> Result<(Hardware, Vec<Emulator>), Failure> {
+    ask_for_priority();
+    let mut connected = crate::emulated::connect(machine)?;
+    for (emulator, attached) in &mut connected {
+        let (described, place) = (attached.drive.describe(), emulator.place());
+        let count = startup::emulated(machine, attached, outcome)?;
+        eprintln!("emulated {described} on {place}: {count} start-up checks passed");
+    }
+    let (emulators, drives) = connected.into_iter().unzip();
+    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?;
+    Ok((approach(hardware, interrupt)?, emulators))
+}
+
+/// Homes what is to be homed and brings the axes to the start.
+fn start_real(
+    ready: Ready,
     machine: &Machine,
     start: &AxisVector,
     interrupt: &Interrupt,
-) -> Result<(Hardware, Vec<Emulator>), Failure> {
+) -> Result<Hardware, Failure> {
+    ask_for_priority();
+    let drives = ready.home(machine, interrupt)?;
+    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?;
+    approach(hardware, interrupt)
+}
+
+fn ask_for_priority() {
     if crate::priority::real_time().is_err() {
         eprintln!(
             "note: this user may not run the drives with real-time priority; on a busy computer they lag behind"
         );
     }
-    let connected = crate::emulated::connect(machine)?;
-    for (emulator, attached) in &connected {
-        eprintln!("emulated {} on {}", attached.drive.describe(), emulator.place());
-    }
-    let (emulators, drives) = connected.into_iter().unzip();
-    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?;
-    Ok((approach(hardware, interrupt)?, emulators))
 }
 
 /// Waits until the drives stand at the start of the program.

@@ -2,7 +2,7 @@
 
 use super::{Abilities, microseconds};
 use crate::machine::section::Section;
-use twin_drives::bim2ax::{DriveMode, MOST_POSITION};
+use twin_drives::bim2ax::{ByteOrder, DriveMode, MOST_POSITION};
 
 /// What the file says of a module, whose axes are alike.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,6 +15,10 @@ pub struct Bim2AxEntry {
     pub acceleration: u16,
     /// From an order to the begin of its motion, µs.
     pub order_us: u32,
+    /// Where the module's memory begins in the device that is to be mapped; `None` for a memory file.
+    pub map_offset: Option<u64>,
+    /// Byte order of the module's numbers.
+    pub byte_order: ByteOrder,
 }
 
 impl Bim2AxEntry {
@@ -45,10 +49,15 @@ pub(super) fn read(section: &Section<'_>) -> Option<Bim2AxEntry> {
     let start_stop = section.integer("start_stop_steps_per_s", 1..=65_535).unwrap_or(100);
     let acceleration = section.integer("acceleration_steps_per_s2", 1..=65_535).unwrap_or(65_535);
     let order_us = microseconds(section, "emulated_turnaround_ms", 10.0);
+    let map_offset = section.integer("map_offset", 0..=i64::MAX);
+    let orders = [("big", ByteOrder::Big), ("little", ByteOrder::Little)];
+    let byte_order = section.choice("byte_order", &orders).unwrap_or(ByteOrder::Big);
     Some(Bim2AxEntry {
         mode: DriveMode::from_code(code?)?,
         start_stop_speed: u16::try_from(start_stop).ok()?,
         acceleration: u16::try_from(acceleration).ok()?,
         order_us,
+        map_offset: map_offset.and_then(|offset| u64::try_from(offset).ok()),
+        byte_order,
     })
 }

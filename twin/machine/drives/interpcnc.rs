@@ -19,6 +19,8 @@ pub struct InterpCncEntry {
     pub start_stop_hz: u16,
     /// Acceleration and deceleration of its ramps, thousand steps/s².
     pub acceleration_khz_per_s: u16,
+    /// Whether the adapter of the real board hears what it sends.
+    pub echo: bool,
 }
 
 /// Parity of a serial line.
@@ -48,6 +50,7 @@ pub(super) fn read(section: &Section<'_>) -> Option<InterpCncEntry> {
     let turnaround_us = microseconds(section, "emulated_turnaround_ms", 2.0);
     let start_stop = section.integer("start_stop_hz", 1..=65_535).unwrap_or(200);
     let acceleration = section.integer("acceleration_khz_per_s", 1..=65_535).unwrap_or(2000);
+    let echo = section.flag("echo").unwrap_or(false);
     Some(InterpCncEntry {
         station: u8::try_from(station).ok()?,
         baud: u32::try_from(baud).ok()?,
@@ -55,5 +58,6 @@ pub(super) fn read(section: &Section<'_>) -> Option<InterpCncEntry> {
         turnaround_us,
         start_stop_hz: u16::try_from(start_stop).ok()?,
         acceleration_khz_per_s: u16::try_from(acceleration).ok()?,
+        echo,
     })
 }

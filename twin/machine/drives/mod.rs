@@ -17,6 +17,10 @@ pub struct DeviceEntry {
     pub name: String,
     /// Serial port of the real device, or file of its memory, if it is given.
     pub port: Option<String>,
+    /// Version of the firmware that the real device must have, as it tells it itself.
+    pub firmware: Option<String>,
+    /// Longest time an answer of the real device may take, ms, where it is not the family's usual.
+    pub answer_ms: Option<u32>,
     /// Whether it stands between set-points and motors of the simulated machine.
     pub in_loop: bool,
     /// What it is.
@@ -142,6 +146,9 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
     let name = section.required_text("name");
     let kind = section.required_choice("kind", &Kind::ALL);
     let port = section.text("port").map(str::to_owned);
+    let firmware = section.text("firmware").map(str::to_owned);
+    let answer_ms = section.integer("answer_deadline_ms", 1..=60_000);
+    let answer_ms = answer_ms.and_then(|time_ms| u32::try_from(time_ms).ok());
     let in_loop = section.flag("in_loop").unwrap_or(false);
     let Some(kind) = kind else {
         // What other keys there are is not known.
@@ -153,7 +160,8 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
         Kind::SmartDrive => smartdrive::read(section).map(DriveFamily::SmartDrive),
         Kind::Bim2Ax => bim2ax::read(section).map(DriveFamily::Bim2Ax),
     };
-    Some(DeviceEntry { name: name?.to_owned(), port, in_loop, family: family? })
+    let (name, family) = (name?.to_owned(), family?);
+    Some(DeviceEntry { name, port, firmware, answer_ms, in_loop, family })
 }
 
 /// A time in ms as microseconds.

@@ -1,0 +1,221 @@
+//! Drives before they move: their start-up checks, what will move where, whether it may, and homing.
+
+use super::interrupt::Interrupt;
+use crate::check::Outcome;
+use crate::command::drive::consent::Consent;
+use crate::command::{Failure, show};
+use crate::hardware::Attached;
+use crate::machine::{Axis, Machine};
+use crate::real;
+use crate::startup::{self, Check, Homed, Looked, Needs, longest_way};
+use comfy_table::{Cell, CellAlignment};
+use indicatif::ProgressBar;
+use std::time::Duration;
+use twin_drives::Increments;
+use twin_kinematics::AxisVector;
+
+/// How real drives are started up.
+#[derive(Clone, Debug, clap::Args)]
+pub(super) struct StartUpOptions {
+    #[command(flatten)]
+    consent: Consent,
+
+    /// With --drives real: home all axes first, or these, one after the other
+    #[arg(long, value_name = "AXIS,AXIS", num_args = 0..=1, value_delimiter = ',', require_equals = true)]
+    home: Option<Vec<String>>,
+
+    /// With --drives real: the axes are homed, also those whose devices cannot tell
+    #[arg(long)]
+    homed: bool,
+}
+
+impl StartUpOptions {
+    /// Refuses what says nothing without real drives.
+    pub(super) fn without_real(&self) -> Result<(), Failure> {
+        let given = [
+            ("--yes", self.consent.given()),
+            ("--home", self.home.is_some()),
+            ("--homed", self.homed),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            Some((name, _)) => {
+                Err(Failure::Usage(format!("{name} says nothing without --drives real")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The axes that are to be homed first, in this order, by their places in the machine file.
+    fn to_home(&self, machine: &Machine) -> Result<Vec<usize>, Failure> {
+        let driven = |axis: &Axis| axis.drive.is_some();
+        let Some(names) = &self.home else { return Ok(Vec::new()) };
+        if names.is_empty() {
+            let axes = machine.axes.iter().enumerate().filter(|(_, axis)| driven(axis));
+            return Ok(axes.map(|(index, _)| index).collect());
+        }
+        let find = |name: &String| {
+            let found = machine.axes.iter().position(|axis| axis.name == *name && driven(axis));
+            found.ok_or_else(|| {
+                let known: Vec<_> = machine.axes.iter().filter(|axis| driven(axis)).collect();
+                let known: Vec<_> = known.iter().map(|axis| axis.name.as_str()).collect();
+                let known = known.join(", ");
+                Failure::Usage(format!("--home: no axis `{name}` has a drive; {known} have"))
+            })
+        };
+        names.iter().map(find).collect()
+    }
+}
+
+/// Real drives that may move.
+pub(super) struct Ready {
+    drives: Vec<Attached>,
+    /// Axes to be homed first.
+    to_home: Vec<usize>,
+}
+
+/// Opens the ports of the machine file, looks whether everything is as it must be, shows what will move, and asks. Nothing moves.
+pub(super) fn real(
+    options: &StartUpOptions,
+    machine: &Machine,
+    (outcome, start): (&Outcome, &AxisVector),
+    approach: f64,
+) -> Result<Ready, Failure> {
+    let to_home = options.to_home(machine)?;
+    let needs = needs(outcome, |index| {
+        if to_home.contains(&index) {
+            Homed::First
+        } else if options.homed {
+            Homed::Said
+        } else {
+            Homed::Unknown
+        }
+    });
+    let mut drives = Vec::new();
+    let mut positions = Vec::new();
+    let mut checks = Vec::new();
+    for (index, entry) in machine.drives.iter().enumerate() {
+        if machine.axes_of(index).next().is_none() {
+            continue;
+        }
+        let Looked { checks: found, position } = match real::open(machine, (index, entry)) {
+            Ok(drive) => {
+                eprintln!("device `{}`: {}", entry.name, drive.describe());
+                let mut attached = Attached { device: index, drive };
+                let looked = startup::look(machine, &mut attached, &needs);
+                drives.push(attached);
+                looked
+            }
+            Err(error) => {
+                let check = Check { passed: false, told: error.to_string() };
+                Looked { checks: vec![check], position: None }
+            }
+        };
+        found.iter().for_each(|check| eprintln!("  {check}"));
+        positions.push((index, position));
+        checks.extend(found);
+    }
+    refuse_failed(&checks)?;
+    if drives.is_empty() {
+        let path = machine.path.display();
+        return Err(Failure::Usage(format!("{path}: no axis has a drive: nothing can move")));
+    }
+    eprintln!("{}", moves(machine, start, &positions, &to_home, approach));
+    let what = if to_home.is_empty() {
+        "move these axes to the start of the program, and run it"
+    } else {
+        "home axes, move all to the start of the program, and run it"
+    };
+    options.consent.ask(what)?;
+    Ok(Ready { drives, to_home })
+}
+
+/// What the program asks of every axis.
+fn needs(outcome: &Outcome, homed: impl Fn(usize) -> Homed) -> Vec<Needs> {
+    let peaks = outcome.peaks.iter().enumerate();
+    peaks.map(|(index, peak)| Needs { range: peak.position, homed: homed(index) }).collect()
+}
+
+/// All failures have been told, each.
+fn refuse_failed(checks: &[Check]) -> Result<(), Failure> {
+    let failed = checks.iter().filter(|check| !check.passed).count();
+    if failed == 0 {
+        return Ok(());
+    }
+    let plural = if failed == 1 { "check has" } else { "checks have" };
+    Err(Failure::Usage(format!("{failed} start-up {plural} failed: nothing has moved")))
+}
+
+/// The same checks of emulated drives, which are told only if they fail. How many there are.
+pub(super) fn emulated(
+    machine: &Machine,
+    attached: &mut Attached,
+    outcome: &Outcome,
+) -> Result<usize, Failure> {
+    let needs = needs(outcome, |_| Homed::Emulated);
+    let looked = startup::look(machine, attached, &needs);
+    let failed = looked.checks.iter().filter(|check| !check.passed);
+    failed.for_each(|check| eprintln!("  {check}"));
+    refuse_failed(&looked.checks)?;
+    Ok(looked.checks.len())
+}
+
+/// What will move where, as a table.
+fn moves(
+    machine: &Machine,
+    start: &AxisVector,
+    positions: &[(usize, Option<Increments>)],
+    to_home: &[usize],
+    approach: f64,
+) -> comfy_table::Table {
+    let mut table = show::table();
+    table.set_header(["axis", "device", "port", "stands at", "program starts at", "at most"]);
+    for (device, found) in positions {
+        let Some(entry) = machine.drives.get(*device) else { continue };
+        for (slot, (index, axis)) in machine.axes_of(*device).enumerate() {
+            let unit = axis.unit();
+            let stands = found.and_then(|found| startup::position(axis, slot, &found));
+            let mut stands = stands.map_or("?".to_owned(), |at| format!("{at:.3} {unit}"));
+            if to_home.contains(&index) {
+                let way = f64::from(longest_way(axis)) / axis.increments_per_si().abs();
+                stands = format!("{stands}, homes first: {:.1} {unit} at most", axis.from_si(way));
+            }
+            let begins = start.get(index).copied().unwrap_or_default();
+            let place = axis.drive.as_ref().map_or(0, |drive| drive.index);
+            let row = [
+                axis.name.clone(),
+                format!("{} {}", entry.name, entry.axis_name(place)),
+                entry.port.clone().unwrap_or_default(),
+                stands,
+                format!("{:.3} {unit}", axis.from_si(begins)),
+                format!("{:.1} {unit}/s", axis.from_si(axis.max_velocity * approach)),
+            ];
+            table.add_row(row.into_iter().enumerate().map(|(column, text)| {
+                let side = if column < 3 { CellAlignment::Left } else { CellAlignment::Right };
+                Cell::new(text).set_alignment(side)
+            }));
+        }
+    }
+    table
+}
+
+impl Ready {
+    /// Homes what is to be homed; the drives are ready to come to the start of the program then.
+    pub(super) fn home(
+        self,
+        machine: &Machine,
+        interrupt: &Interrupt,
+    ) -> Result<Vec<Attached>, Failure> {
+        let Self { mut drives, to_home } = self;
+        for index in to_home {
+            let Some(axis) = machine.axes.get(index) else { continue };
+            let bar = ProgressBar::new_spinner();
+            bar.enable_steady_tick(Duration::from_millis(100));
+            bar.set_message(format!("axis {} is homed", axis.name));
+            let homed = startup::home(machine, &mut drives, &[index], &|| interrupt.count() > 0);
+            bar.finish_and_clear();
+            homed?;
+            eprintln!("axis {} is home", axis.name);
+        }
+        Ok(drives)
+    }
+}

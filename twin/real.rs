@@ -1,0 +1,98 @@
+//! The real drives of a machine file, on the ports that it names.
+
+use crate::emulated::{driver_options, smartdrive_axis};
+use crate::machine::{Bim2AxEntry, DeviceEntry, DriveFamily, Machine};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+use twin_drives::bim2ax::{
+    Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, MappedMemory, MemoryFile, ModuleAxis,
+};
+use twin_drives::interpcnc::{InterpCncDrive, InterpCncOptions};
+use twin_drives::smartdrive::{SmartDriveBus, SmartDriveOptions};
+use twin_drives::{Action, Drive, DriveError, Exchange};
+
+/// Why no real drive can be had.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The machine file does not say where it is.
+    #[error("{file}: device `{device}` has no `port`, which says where it is")]
+    NoPort {
+        /// The machine file.
+        file: String,
+        /// The device's name in it.
+        device: String,
+    },
+    /// The port, or the driver.
+    #[error("device `{device}`: {source}")]
+    Drive {
+        /// The device's name in the machine file.
+        device: String,
+        /// Why.
+        source: DriveError,
+    },
+}
+
+/// Opens the port of a device, by its place in [`Machine::drives`], with its driver. Sends nothing.
+///
+/// # Errors
+/// [`OpenError`].
+pub fn open(
+    machine: &Machine,
+    (index, device): (usize, &DeviceEntry),
+) -> Result<Box<dyn Drive>, OpenError> {
+    let Some(port) = &device.port else {
+        let (file, device) = (machine.path.display().to_string(), device.name.clone());
+        return Err(OpenError::NoPort { file, device });
+    };
+    let deadline = device.answer_ms.map(|time_ms| Duration::from_millis(time_ms.into()));
+    let drive = match &device.family {
+        DriveFamily::InterpCnc(entry) => {
+            let mut options =
+                InterpCncOptions { echo: entry.echo, ..driver_options(machine, (index, entry)) };
+            if let Some(deadline) = deadline {
+                options.deadline = deadline;
+                options.worst_latency = 2 * deadline;
+            }
+            InterpCncDrive::open(port, &options).map(boxed)
+        }
+        DriveFamily::SmartDrive(entry) => {
+            let axes = machine.axes_of(index).map(|(_, axis)| smartdrive_axis(axis, entry));
+            let mut options = SmartDriveOptions::new(axes.collect());
+            if let Some(deadline) = deadline {
+                options.deadline = deadline;
+                options.worst_latency = 2 * deadline;
+            }
+            SmartDriveBus::open(port, &options).map(boxed)
+        }
+        DriveFamily::Bim2Ax(entry) => module(machine, (index, entry), (port, deadline)).map(boxed),
+    };
+    drive.map_err(|source| OpenError::Drive { device: device.name.clone(), source })
+}
+
+fn boxed<D: Drive + 'static>(drive: D) -> Box<dyn Drive> {
+    Box::new(drive)
+}
+
+fn module(
+    machine: &Machine,
+    (index, entry): (usize, &Bim2AxEntry),
+    (port, deadline): (&str, Option<Duration>),
+) -> Result<Bim2AxDrive, DriveError> {
+    let places = machine.axes_of(index).filter_map(|(_, axis)| Some(axis.drive.as_ref()?.index));
+    let axes = places.filter_map(|place| ModuleAxis::ALL.get(place).copied()).collect();
+    let mut driver = Bim2AxOptions { byte_order: entry.byte_order, ..Bim2AxOptions::default() };
+    driver.deadline = deadline.unwrap_or(driver.deadline);
+    let options = Bim2AxDriveOptions { driver, axes, ..Bim2AxDriveOptions::new() };
+    let failed = |source| {
+        let port: Arc<str> = port.into();
+        DriveError::Transport { at: Exchange { port, station: 0, action: Action::Open }, source }
+    };
+    let path = Path::new(port);
+    match entry.map_offset {
+        Some(start) => {
+            Bim2AxDrive::new(port, MappedMemory::open(path, start).map_err(failed)?, &options)
+        }
+        None => Bim2AxDrive::new(port, MemoryFile::open(path).map_err(failed)?, &options),
+    }
+}

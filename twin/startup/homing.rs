@@ -1,0 +1,140 @@
+//! Homing before a run, axis by axis.
+
+use super::Still;
+use crate::clock::Clock;
+use crate::hardware::Attached;
+use crate::machine::{Axis, DriveFamily, Machine};
+use twin_drives::{Drive, DriveError, HomingWays, MAX_DRIVE_AXES};
+
+/// A home switch may lie so much further away than the whole way between the software limits.
+const FURTHER: f64 = 1.2;
+
+/// Why axes are not homed. Those that moved have been brought to rest.
+#[derive(Debug, thiserror::Error)]
+pub enum HomingError {
+    /// The device or its wire.
+    #[error("homing axis {axis}: {source}")]
+    Drive {
+        /// The axis.
+        axis: String,
+        /// Why.
+        source: DriveError,
+    },
+    /// It has ended, and the axis is not home.
+    #[error("homing axis {axis}: it has not found its home")]
+    NotHome {
+        /// The axis.
+        axis: String,
+    },
+    /// The user does not want it any more.
+    #[error("stopped by the user while axis {axis} was homed")]
+    Stopped {
+        /// The axis.
+        axis: String,
+    },
+    /// The device could not be brought to rest.
+    #[error(
+        "homing axis {axis}: {why}; and it could not be stopped ({source}): use the emergency stop"
+    )]
+    NotStopped {
+        /// The axis.
+        axis: String,
+        /// Why it had to be.
+        why: String,
+        /// Why it could not.
+        source: DriveError,
+    },
+}
+
+/// Lets the devices home these axes (by their places in the machine file), one after the other; `stopped` is asked meanwhile.
+///
+/// # Errors
+/// [`HomingError`]; whatever moves is brought to rest first.
+pub fn home(
+    machine: &Machine,
+    drives: &mut [Attached],
+    axes: &[usize],
+    stopped: &dyn Fn() -> bool,
+) -> Result<(), HomingError> {
+    for index in axes {
+        let Some(axis) = machine.axes.get(*index) else { continue };
+        let device = axis.drive.as_ref().map(|drive| drive.device);
+        let attached = drives.iter_mut().find(|attached| Some(attached.device) == device);
+        let Some(attached) = attached else { continue };
+        let slot = machine.axes_of(attached.device).position(|(of, _)| of == *index);
+        let Some(slot) = slot.filter(|slot| *slot < MAX_DRIVE_AXES) else { continue };
+        let drive = &mut *attached.drive;
+        let name = || axis.name.clone();
+        let why = match one(drive, (axis, slot), stopped) {
+            Ok(Ended::Home) => continue,
+            Ok(Ended::NotHome) => HomingError::NotHome { axis: name() },
+            Ok(Ended::Stopped) => HomingError::Stopped { axis: name() },
+            Err(source) => HomingError::Drive { axis: name(), source },
+        };
+        return Err(match drive.soft_stop().or_else(|_| drive.hard_stop()) {
+            Ok(()) => why,
+            Err(source) => HomingError::NotStopped { axis: name(), why: why.to_string(), source },
+        });
+    }
+    Ok(())
+}
+
+enum Ended {
+    Home,
+    NotHome,
+    Stopped,
+}
+
+fn one(
+    drive: &mut dyn Drive,
+    (axis, slot): (&Axis, usize),
+    stopped: &dyn Fn() -> bool,
+) -> Result<Ended, DriveError> {
+    let stream = Still(Clock::start());
+    let mut ways: HomingWays = [None; MAX_DRIVE_AXES];
+    if let Some(way) = ways.get_mut(slot) {
+        *way = Some(longest_way(axis));
+    }
+    drive.enable()?;
+    drive.begin_homing(&ways)?;
+    loop {
+        if stopped() {
+            return Ok(Ended::Stopped);
+        }
+        if !drive.sample(&stream)?.moving {
+            let homed = drive.homed()?.get(slot).copied().flatten();
+            return Ok(if homed == Some(true) { Ended::Home } else { Ended::NotHome });
+        }
+    }
+}
+
+/// How far an axis may go to find its home, increments.
+pub fn longest_way(axis: &Axis) -> u32 {
+    let [low, high] = axis.position_limits;
+    let way = ((high - low) * axis.increments_per_si()).abs() * FURTHER;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+    let way = way.ceil().clamp(1.0, f64::from(i32::MAX)) as u32;
+    way
+}
+
+/// The command that homes an axis by hand; `None` if it has no drive.
+pub fn home_by_hand(machine: &Machine, axis: &Axis) -> Option<String> {
+    let place = axis.drive.as_ref()?;
+    let device = machine.drives.get(place.device)?;
+    let port = device.port.as_deref().unwrap_or("PORT");
+    Some(match &device.family {
+        DriveFamily::InterpCnc(board) => format!(
+            "twin drive interpcnc --port {port} --station {} home {} --max-stroke {}",
+            board.station,
+            device.axis_name(place.index),
+            longest_way(axis)
+        ),
+        DriveFamily::SmartDrive(_) => {
+            format!("twin drive smartdrive --port {port} --address {} home", place.index)
+        }
+        DriveFamily::Bim2Ax(module) => {
+            let map = module.map_offset.map_or(String::new(), |at| format!(" --map {at}"));
+            format!("twin drive bim2ax --port {port}{map} home {}", device.axis_name(place.index))
+        }
+    })
+}
