@@ -1,10 +1,14 @@
 //! A BIM2AX module.
 
 use super::control::{Obeys, Switch, parsed};
+use super::wire::{LATER, WireWord, nanoseconds, put_off};
 use super::{Common, Failure, Status, serve};
 use crate::clock::Clock;
-use twin_drives::bim2ax::emulator::{EmulatedModule, EmulatorOptions, ModuleFaults, ModuleOptions};
-use twin_drives::bim2ax::{ByteOrder, Contact, ModuleAxis};
+use twin_drives::Speed;
+use twin_drives::bim2ax::emulator::{
+    Control, EmulatedModule, EmulatorOptions, Event, ModuleOptions, Surroundings,
+};
+use twin_drives::bim2ax::{Bench, ByteOrder, Contact, ModuleAxis};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
@@ -36,6 +40,8 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     let emulator = EmulatorOptions {
         module,
         eeprom: options.common.eeprom.clone(),
+        seed: options.common.seed,
+        speed: Speed::times(options.common.speed),
         ..EmulatorOptions::new(&options.common.link)
     };
     let clock = Clock::start();
@@ -50,7 +56,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
 
 /// What can be done to a module.
 #[derive(Debug, clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
+#[command(no_binary_name = true, disable_help_flag = true, after_help = LATER)]
 enum Word {
     /// A contact of an axis that is always closed (on) or open (off) from now on, or obeys the axis again
     Contact {
@@ -81,22 +87,20 @@ enum Word {
         #[arg(value_enum)]
         state: Switch,
     },
-    /// Interrupts are lost
-    Deaf {
+    /// Positions and axis messages stay as they are now
+    StuckStatus {
         #[arg(value_enum)]
         state: Switch,
     },
-    /// What the module says is not refreshed
-    Frozen {
-        #[arg(value_enum)]
-        state: Switch,
+    /// The supply fails, for so many ms
+    BrownOut {
+        #[arg(default_value_t = 100)]
+        ms: u32,
     },
-    /// Interrupts take effect so many ms later
-    Late { ms: u32 },
-    /// The supply fails for a moment
-    BrownOut,
     /// The check sum of the EEPROM is wrong
     SpoilEeprom,
+    #[command(flatten)]
+    Wire(WireWord),
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -121,55 +125,61 @@ enum MotorWord {
     Stalled,
 }
 
+impl ContactWord {
+    fn of(self, bench: &mut Bench) -> &mut Option<Contact> {
+        match self {
+            Self::Plus => &mut bench.plus,
+            Self::Minus => &mut bench.minus,
+            Self::Cam => &mut bench.cam,
+        }
+    }
+}
+
+impl Word {
+    /// What it does to a module with these surroundings.
+    fn control(self, mut surroundings: Surroundings) -> Result<Control, String> {
+        let mut contact =
+            |axis: u8, contact: ContactWord, change: &dyn Fn(&mut Option<Contact>)| {
+                let bench = surroundings.benches.get_mut(usize::from(axis.saturating_sub(1)));
+                change(contact.of(bench.ok_or("no such axis")?));
+                Ok::<_, String>(Event::Surroundings(Box::new(surroundings)))
+            };
+        Ok(Control::Event(match self {
+            Self::Wire(word) => return word.control(),
+            Self::Contact { axis, contact: which, state } => contact(axis, which, &|found| {
+                // One that nothing actuates.
+                let nowhere = Contact::between(i64::MAX, i64::MAX, true);
+                found.get_or_insert(nowhere).stuck = match state {
+                    ContactState::On => Some(true),
+                    ContactState::Off => Some(false),
+                    ContactState::Free => None,
+                };
+            })?,
+            Self::Place { axis, contact: which, low, high } => {
+                contact(axis, which, &|found| *found = Some(Contact::between(low, high, true)))?
+            }
+            Self::Motor { axis, what, state } => {
+                let axis = if axis == 1 { ModuleAxis::One } else { ModuleAxis::Two };
+                match what {
+                    MotorWord::Power => Event::Power(axis, state.is_on()),
+                    MotorWord::PhaseOpen => Event::PhaseOpen(axis, state.is_on()),
+                    MotorWord::PhaseShort => Event::PhaseShort(axis, state.is_on()),
+                    MotorWord::Stalled => Event::Stall(axis, state.is_on()),
+                }
+            }
+            Self::StuckStatus { state } => Event::StuckStatus(state.is_on()),
+            Self::BrownOut { ms } => Event::BrownOut { off_ns: nanoseconds(ms) },
+            Self::SpoilEeprom => Event::SpoilEeprom,
+        }))
+    }
+}
+
 impl Obeys for EmulatedModule {
     fn obey(&mut self, words: &[&str]) -> Result<String, String> {
+        let (requests, words) = put_off(words)?;
         parsed::<Word>(words, |word| {
-            let mut module = self.module();
-            let mut surroundings = *module.surroundings();
-            let mut faults: ModuleFaults = module.faults();
-            let place = |axis: u8| usize::from(axis.saturating_sub(1));
-            match word {
-                Word::Contact { axis, contact, state } => {
-                    let bench = surroundings.benches.get_mut(place(axis)).ok_or("no such axis")?;
-                    let slot = match contact {
-                        ContactWord::Plus => &mut bench.plus,
-                        ContactWord::Minus => &mut bench.minus,
-                        ContactWord::Cam => &mut bench.cam,
-                    };
-                    // One that nothing actuates.
-                    let nowhere = Contact::between(i64::MAX, i64::MAX, true);
-                    slot.get_or_insert(nowhere).stuck = match state {
-                        ContactState::On => Some(true),
-                        ContactState::Off => Some(false),
-                        ContactState::Free => None,
-                    };
-                }
-                Word::Place { axis, contact, low, high } => {
-                    let bench = surroundings.benches.get_mut(place(axis)).ok_or("no such axis")?;
-                    let found = Some(Contact::between(low, high, true));
-                    match contact {
-                        ContactWord::Plus => bench.plus = found,
-                        ContactWord::Minus => bench.minus = found,
-                        ContactWord::Cam => bench.cam = found,
-                    }
-                }
-                Word::Motor { axis, what, state } => {
-                    let bench = surroundings.benches.get_mut(place(axis)).ok_or("no such axis")?;
-                    match what {
-                        MotorWord::Power => bench.power = state.is_on(),
-                        MotorWord::PhaseOpen => bench.phase_open = state.is_on(),
-                        MotorWord::PhaseShort => bench.phase_short = state.is_on(),
-                        MotorWord::Stalled => bench.stalled = state.is_on(),
-                    }
-                }
-                Word::Deaf { state } => faults.deaf = state.is_on(),
-                Word::Frozen { state } => faults.frozen = state.is_on(),
-                Word::Late { ms } => faults.late_ns = i64::from(ms) * 1_000_000,
-                Word::BrownOut => module.brown_out(),
-                Word::SpoilEeprom => module.spoil_eeprom(),
-            }
-            module.set_surroundings(&surroundings);
-            module.set_faults(&faults);
+            let surroundings = *self.module().surroundings();
+            EmulatedModule::control(self, word.control(surroundings)?.after(requests));
             Ok(String::new())
         })
     }

@@ -4,11 +4,13 @@ mod bim2ax;
 mod control;
 mod interpcnc;
 mod smartdrive;
+mod wire;
 
 use super::{Failure, Status, run};
 use control::{Console, Obeys};
 use std::path::PathBuf;
 use std::time::Duration;
+use twin_drives::Speed;
 
 /// How often the control socket is looked at.
 const PAUSE: Duration = Duration::from_millis(20);
@@ -20,6 +22,8 @@ const PAUSE: Duration = Duration::from_millis(20);
 ///
 ///   twin emulate interpcnc --link /tmp/board --control /tmp/board.control
 ///   echo "input 3 on" | nc -U -N /tmp/board.control
+///   echo "fault answer delay 300 --next 1" | nc -U -N /tmp/board.control
+///   echo "after 20 brown-out 100" | nc -U -N /tmp/board.control
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Arguments {
@@ -57,6 +61,14 @@ struct Common {
     /// File that keeps what the device stores (EEPROM, flash) from one start to the next
     #[arg(long, value_name = "FILE")]
     eeprom: Option<PathBuf>,
+
+    /// How many times faster than real the device lives, its wire included
+    #[arg(long, value_name = "TIMES", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(Speed::MOST)))]
+    speed: u32,
+
+    /// Decides what faults by chance do
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {

@@ -1,12 +1,14 @@
 //! `SmartDRIVE`s on a bus.
 
 use super::control::{Obeys, Switch, parsed};
+use super::wire::{LATER, WireWord, nanoseconds, put_off};
 use super::{Common, Failure, Status, milliseconds, serve};
 use crate::clock::Clock;
 use std::path::{Path, PathBuf};
+use twin_drives::Speed;
 use twin_drives::smartdrive::Alarms;
 use twin_drives::smartdrive::emulator::{
-    DeviceOptions, EmulatedBus, EmulatorOptions, Event, Input, Wire,
+    Control, DeviceOptions, EmulatedBus, EmulatorOptions, Event, Input, Wire,
 };
 
 #[derive(Debug, clap::Args)]
@@ -41,6 +43,8 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         flash,
         wire: Wire { response, echo: options.echo, ..Wire::default() },
         link: Some(options.common.link.clone()),
+        seed: options.common.seed,
+        speed: Speed::times(options.common.speed),
     };
     let clock = Clock::start();
     let bus = EmulatedBus::start(&emulator, move || clock.now_ns())?;
@@ -94,10 +98,19 @@ struct Bus {
     addresses: Vec<u8>,
 }
 
+/// What can be done to the bus.
+#[derive(Debug, clap::Parser)]
+#[command(no_binary_name = true, disable_help_flag = true, after_help = LATER)]
+#[command(before_help = "The address of a drive and a word: what happens to that drive (1 help)")]
+enum Line {
+    #[command(flatten)]
+    Wire(WireWord),
+}
+
 /// What can be done to a drive.
 #[derive(Debug, clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
-struct Line {
+#[command(no_binary_name = true, disable_help_flag = true, after_help = LATER)]
+struct DriveLine {
     /// Address of the drive
     address: u8,
     #[command(subcommand)]
@@ -131,6 +144,16 @@ enum Word {
     },
     /// The rotor is blocked for a moment
     Stall,
+    /// Status and position stay as they are now
+    StuckStatus {
+        #[arg(value_enum)]
+        state: Switch,
+    },
+    /// The supply fails, for so many ms
+    BrownOut {
+        #[arg(default_value_t = 100)]
+        ms: u32,
+    },
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -150,42 +173,61 @@ enum AlarmWord {
     Oscillator,
 }
 
+impl Word {
+    fn event(self) -> Event {
+        match self {
+            Self::Input { input, state } => {
+                let input = match input {
+                    InputWord::Go => Input::Go,
+                    InputWord::Dir => Input::Dir,
+                    InputWord::Off => Input::Off,
+                    InputWord::Limp => Input::LimP,
+                    InputWord::Limn => Input::LimN,
+                };
+                Event::Input { input, level: state.is_on() }
+            }
+            Self::Analog { number, value } => Event::Analog { number, value },
+            Self::Supply { volts } => Event::Supply(volts),
+            Self::Alarm { alarm, state } => {
+                let alarms = match alarm {
+                    AlarmWord::PowerDriver => Alarms::POWER_DRIVER,
+                    AlarmWord::Overtemperature => Alarms::OVERTEMPERATURE,
+                    AlarmWord::CurrentProbes => Alarms::CURRENT_PROBES,
+                    AlarmWord::Oscillator => Alarms::OSCILLATOR,
+                };
+                Event::Fault { alarms, present: state.is_on() }
+            }
+            Self::Stall => Event::Stall,
+            Self::StuckStatus { state } => Event::StuckStatus(state.is_on()),
+            Self::BrownOut { ms } => Event::BrownOut { off_ns: nanoseconds(ms) },
+        }
+    }
+}
+
+impl Bus {
+    fn control(&self, control: Control, requests: u32) -> Result<String, String> {
+        self.bus.control(control.after(requests)).map_err(|error| error.to_string())?;
+        Ok(String::new())
+    }
+}
+
 impl Obeys for Bus {
     fn obey(&mut self, words: &[&str]) -> Result<String, String> {
-        parsed::<Line>(words, |line| {
-            let Some(place) = self.addresses.iter().position(|address| *address == line.address)
-            else {
+        let (requests, words) = put_off(words)?;
+        if words.first().is_none_or(|word| word.parse::<u8>().is_err()) {
+            return parsed::<Line>(words, |Line::Wire(word)| {
+                self.control(word.control()?, requests)
+            });
+        }
+        parsed::<DriveLine>(words, |line| {
+            let place = self.addresses.iter().position(|address| *address == line.address);
+            let Some(place) = place else {
                 return Err(format!(
                     "no drive has address {}; there are {:?}",
                     line.address, self.addresses
                 ));
             };
-            let event = match line.word {
-                Word::Input { input, state } => {
-                    let input = match input {
-                        InputWord::Go => Input::Go,
-                        InputWord::Dir => Input::Dir,
-                        InputWord::Off => Input::Off,
-                        InputWord::Limp => Input::LimP,
-                        InputWord::Limn => Input::LimN,
-                    };
-                    Event::Input { input, level: state.is_on() }
-                }
-                Word::Analog { number, value } => Event::Analog { number, value },
-                Word::Supply { volts } => Event::Supply(volts),
-                Word::Alarm { alarm, state } => {
-                    let alarms = match alarm {
-                        AlarmWord::PowerDriver => Alarms::POWER_DRIVER,
-                        AlarmWord::Overtemperature => Alarms::OVERTEMPERATURE,
-                        AlarmWord::CurrentProbes => Alarms::CURRENT_PROBES,
-                        AlarmWord::Oscillator => Alarms::OSCILLATOR,
-                    };
-                    Event::Fault { alarms, present: state.is_on() }
-                }
-                Word::Stall => Event::Stall,
-            };
-            self.bus.happen(place, event).map_err(|error| error.to_string())?;
-            Ok(String::new())
+            self.control(line.word.event().to(place), requests)
         })
     }
 }
