@@ -45,6 +45,8 @@ const STRAYING_V2: f64 = 0.05;
 const STEP_V2: f64 = 0.1;
 /// A difference beyond so many times what is explained is an axis that does not do as modelled: the sample is right.
 const DOUBT: f64 = 5.0;
+/// So many samples in a row that nothing explains are no accident: after each, the model starts anew from it.
+const MOST_DOUBTS: u32 = 12;
 
 /// What the registers of one axis of a device can say about a move.
 pub(crate) trait Registers: Copy + Debug {
@@ -106,6 +108,8 @@ struct Tracked<R> {
     variance: f64,
     /// Whether the model has been started from a sample.
     started: bool,
+    /// Samples in a row that no model explains, and where the axis should have been at the last of them.
+    doubts: (u32, f64),
 }
 
 /// A command for an axis, computed for the instant at which it will probably be executed.
@@ -140,6 +144,7 @@ impl<R: Registers> Follower<R> {
             ramp: registers.limits(),
             variance: 0.0,
             started: false,
+            doubts: (0, 0.0),
         };
         Self {
             axes: axes.iter().map(tracked).collect(),
@@ -153,7 +158,18 @@ impl<R: Registers> Follower<R> {
 
     /// Forgets where the axes are: something else than [`Self::order`] has moved or stopped them.
     pub(crate) fn restart(&mut self) {
-        self.axes.iter_mut().for_each(|axis| axis.started = false);
+        for axis in &mut self.axes {
+            axis.started = false;
+            axis.doubts = (0, 0.0);
+        }
+    }
+
+    /// An axis that has not done for long what its commands say, and where they should have brought it: its status is
+    /// stuck, or something else holds or moves it.
+    pub(crate) fn astray(&self) -> Option<(usize, f64)> {
+        let astray = |axis: &Tracked<R>| axis.doubts.0 >= MOST_DOUBTS;
+        let index = self.axes.iter().position(astray)?;
+        self.axes.get(index).map(|axis| (index, axis.doubts.1))
     }
 
     /// Looks at the plan and names the axes that need a command.
@@ -258,6 +274,8 @@ impl<R: Registers> Tracked<R> {
         let shown = (speed * seconds(stamp.uncertainty_ns)).powi(2) + STEP_V2;
         let difference = counter - model.position;
         let doubtful = difference.abs() > DOUBT * (modelled + shown).sqrt() + 1.0;
+        let doubts = if self.started && doubtful { self.doubts.0.saturating_add(1) } else { 0 };
+        self.doubts = (doubts, model.position);
         if !self.started || !moving && (doubtful || !self.motion.moving(time_ns)) {
             self.motion = Motion::at_rest(counter);
             self.variance = 0.0;

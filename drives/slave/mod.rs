@@ -8,22 +8,33 @@
 
 mod received;
 
-use std::{io, time::Duration};
+use std::{
+    io,
+    sync::mpsc::{SyncSender, sync_channel},
+    time::Duration,
+};
 
 use tokio::{
     io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt},
-    sync::mpsc::Receiver,
+    sync::mpsc::{Receiver, Sender},
     time::sleep,
 };
 
-use crate::pause::TIMER;
-use crate::{Clock, Control, Direction, FaultyWire, control::Agenda, ramp::whole_ns};
+use crate::{
+    Clock, Control, Direction, EmulatorError, FaultyWire, control::Agenda, pause::TIMER,
+    ramp::whole_ns,
+};
 use received::Received;
 
 /// One or more devices at the end of a wire, pure and told the time.
 pub(crate) trait Slave {
     /// What can happen to it.
     type Event;
+    /// What somebody sees who looks at it.
+    type Seen;
+
+    /// What it is like now.
+    fn seen(&self) -> Self::Seen;
 
     /// Its own time, ns.
     fn now_ns(&self) -> i64;
@@ -74,18 +85,32 @@ pub(crate) trait Slave {
     }
 }
 
+/// What is asked of a served slave from the side.
+pub(crate) enum Message<T: Slave> {
+    /// Something happens.
+    Control(Control<T::Event>),
+    /// Somebody wants to see it as it is now.
+    Look(SyncSender<T::Seen>),
+}
+
+impl<T: Slave> From<Control<T::Event>> for Message<T> {
+    fn from(control: Control<T::Event>) -> Self {
+        Self::Control(control)
+    }
+}
+
 /// Serves `slave` on `stream` until `control` is closed or the stream ends, and gives the slave back.
 ///
 /// With `precise`, the last stretch of every wait is slept by the thread, which is to have nothing else to do.
 ///
 /// # Errors
 /// If the stream cannot be read or written, or the slave cannot keep what it stores.
-pub(crate) async fn serve<T: Slave, S: AsyncRead + AsyncWrite + Unpin>(
+pub(crate) async fn serve<T: Slave, S: AsyncRead + AsyncWrite + Unpin, M: Into<Message<T>>>(
     mut stream: S,
     slave: T,
     wire: FaultyWire,
     (clock, precise): (&dyn Clock, bool),
-    mut control: Receiver<Control<T::Event>>,
+    mut control: Receiver<M>,
 ) -> io::Result<T> {
     let mut served = Served {
         offset_ns: slave.now_ns() - clock.now_ns(),
@@ -112,7 +137,11 @@ pub(crate) async fn serve<T: Slave, S: AsyncRead + AsyncWrite + Unpin>(
                     served.slave.keep()?;
                     return Ok(served.slave);
                 };
-                served.obey(message);
+                match message.into() {
+                    Message::Control(control) => served.obey(control),
+                    // Who no longer waits is not told.
+                    Message::Look(to) => drop(to.try_send(served.slave.seen())),
+                }
             }
             count = stream.read(&mut chunk) => {
                 let bytes = chunk.get(..count?).unwrap_or_default();
@@ -188,7 +217,8 @@ impl<T: Slave> Served<T> {
 
     /// Silence has ended what has come, if it has.
     fn end_frame(&mut self, now_ns: i64) {
-        if now_ns >= self.busy_until_ns && self.received.silent_ns(self.slave.silence()) <= now_ns {
+        let silent = self.received.silent_ns(self.slave.silence()) <= now_ns;
+        if silent && now_ns >= self.busy_until_ns && !self.received.bytes.is_empty() {
             let (frame, since_ns, until_ns) = self.received.take(usize::MAX);
             self.arrived(&frame, since_ns, until_ns);
         }
@@ -264,4 +294,29 @@ impl<T: Slave> Served<T> {
         self.outgoing
             .extend(pieces.map(|(later_ns, piece)| (answered_ns.saturating_add(later_ns), piece)));
     }
+}
+
+/// Asks the slave served behind `control` for what it is like now.
+///
+/// # Errors
+/// If it is no longer served.
+pub(crate) fn look<T: Slave>(
+    control: Option<&Sender<Message<T>>>,
+) -> Result<T::Seen, EmulatorError> {
+    let (to, seen) = sync_channel(1);
+    send(control, Message::Look(to))?;
+    seen.recv().map_err(|_ended| EmulatorError::Ended)
+}
+
+/// Hands a message to the slave served behind `control`.
+///
+/// # Errors
+/// If it is no longer served.
+pub(crate) fn send<T: Slave>(
+    control: Option<&Sender<Message<T>>>,
+    message: Message<T>,
+) -> Result<(), EmulatorError> {
+    // The emulator takes messages as they come: the queue is full only if it no longer runs.
+    let control = control.ok_or(EmulatorError::Ended)?;
+    control.try_send(message).map_err(|_unsent| EmulatorError::Ended)
 }

@@ -100,6 +100,11 @@ impl SmartDrive {
         Exchange { port: Arc::clone(&self.port), station: address, action }
     }
 
+    /// Whether a command or an answer may still be on its way.
+    pub(crate) fn is_late(&self) -> bool {
+        self.late
+    }
+
     /// Options it was opened with.
     pub(crate) fn options(&self) -> &SmartDriveOptions {
         &self.options

@@ -55,3 +55,41 @@ fn what_a_device_stores_outlives_it() {
     desk.write("taken", "mine");
     desk.twin(&["emulate", "interpcnc", "--link", "taken"]).ended(2, "taken");
 }
+
+/// The wire of every family takes the same words; what goes wrong on it is told by whoever speaks to the device, and one lost
+/// answer is made up for.
+#[test]
+fn faults_of_the_wire_are_the_same_for_every_family() {
+    let desk = Desk::new();
+    for family in ["interpcnc", "smartdrive", "bim2ax"] {
+        let socket = desk.path("control");
+        let arguments =
+            ["emulate", family, "--link", family, "--control", "control", "--speed", "2"];
+        let status =
+            || desk.twin(&["drive", family, "--port", family, "--deadline", "700", "status"]);
+        let told = |line| assert_eq!(told(&socket, &[line]), ["ok"], "{family}: {line}");
+        let done = desk.meanwhile("-INT", "Ctrl-C ends it", &arguments, || {
+            status().ended(0, "");
+            told("plug off");
+            status().ended(2, family_word(family));
+            told("plug on");
+            told("fault answer drop --next 1");
+            status().ended(0, "");
+            told("after 2 plug off");
+            status().ended(2, family_word(family));
+            told("plug on");
+            told("no-faults");
+            status().ended(0, "");
+        });
+        done.ended(0, "");
+    }
+}
+
+/// What errors of a family begin with.
+fn family_word(family: &str) -> &'static str {
+    match family {
+        "interpcnc" => "station 1",
+        "smartdrive" => "1",
+        _ => "bim2ax",
+    }
+}

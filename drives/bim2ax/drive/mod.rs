@@ -51,6 +51,14 @@ enum Following {
     Leg(i64),
 }
 
+/// A leg that lasts so much longer than it should, ns, does not end.
+const OVERDUE_NS: i64 = 1_000_000_000;
+/// What keeps a move from being what was meant: phases are off after a reset, when positions are lost, and a move would
+/// switch them on.
+const NOT_READY: u16 = FAULTS | message::PHASES_OFF;
+/// Looks after which an axis that stands elsewhere than it was sent has not arrived: one may have been spoilt.
+const STRAY_LOOKS: u32 = 2;
+
 /// A BIM2AX-BOCM module behind a memory.
 ///
 /// Owns the runtime its exchanges run on; calls must not be made from within another runtime.
@@ -64,6 +72,8 @@ pub struct Bim2AxDrive {
     following: Following,
     /// Homing has been begun and its end not been seen.
     homing: bool,
+    /// Where the axes in use have been sent, until something else moves or stops them.
+    sent: Option<[i32; AXES]>,
     timing: Timing,
     runtime: Runtime,
 }
@@ -109,6 +119,7 @@ impl Bim2AxDrive {
             follower: Follower::new(&[], timing),
             following: Following::Unknown,
             homing: false,
+            sent: None,
             timing,
             runtime,
         })
@@ -119,7 +130,7 @@ impl Bim2AxDrive {
     /// # Errors
     /// If an axis does not start, has not ended after `patience`, or has not found its cam.
     pub fn home(&mut self, patience: Duration) -> Result<(), DriveError> {
-        self.following = Following::Unknown;
+        self.forget();
         let axes = self.options.axes.clone();
         let seen = self.runtime.block_on(async {
             self.module.home(&axes, &no_clock).await?;
@@ -153,17 +164,51 @@ impl Bim2AxDrive {
         self.runtime.block_on(self.module.positions(clock))
     }
 
-    /// Looks at a module that is expected to obey.
+    /// Something else than following and [`Drive::move_to`] moves or stops the axes.
+    fn forget(&mut self) {
+        self.following = Following::Unknown;
+        self.sent = None;
+    }
+
+    /// Looks at a module that is expected to obey, and whose axes, if they stand, are to stand where they were sent:
+    /// the bus has no check sums, so this is how a target that was spoilt on the way is found out.
     fn obeying(&mut self, clock: &dyn Clock) -> Result<(Positions, BusStamp), DriveError> {
-        let seen = self.look(clock)?;
-        // Homing turns round on end switches.
-        let turns = if self.homing { message::PLUS_SWITCH | message::MINUS_SWITCH } else { 0 };
-        self.homing &= self.moving(&seen.0) != 0;
-        self.check(&seen.0, Action::ReadState, |messages| {
-            let moving = messages & message::MOVING != 0;
-            messages & STOPPED & !if moving { turns } else { 0 } != 0
-        })?;
-        Ok(seen)
+        let mut looks = 0;
+        loop {
+            let seen = self.look(clock)?;
+            looks += 1;
+            // Homing turns round on end switches.
+            let turns = if self.homing { message::PLUS_SWITCH | message::MINUS_SWITCH } else { 0 };
+            self.homing &= self.moving(&seen.0) != 0;
+            let obeys = self.check(&seen.0, Action::ReadState, |messages| {
+                let moving = messages & message::MOVING != 0;
+                messages & STOPPED & !if moving { turns } else { 0 } != 0
+            });
+            let stray = self.stray(&seen.0);
+            if looks >= STRAY_LOOKS {
+                obeys?;
+                return stray.map_or(Ok(seen), |stray| {
+                    self.sent = None;
+                    Err(stray)
+                });
+            }
+            if obeys.is_ok() && stray.is_none() {
+                return Ok(seen);
+            }
+        }
+    }
+
+    /// The first axis that stands elsewhere than it was sent.
+    fn stray(&self, seen: &Positions) -> Option<DriveError> {
+        let sent = self.sent.filter(|_| self.moving(seen) == 0)?;
+        let places = (0_u8..).zip(sent).zip(self.in_order(seen)).take(self.options.axes.len());
+        let ((place, target), found) =
+            places.into_iter().find(|((_, target), found)| target != found)?;
+        let axis = self.options.axes.get(usize::from(place)).map_or(0, |axis| axis.index());
+        let axis = u8::try_from(axis).unwrap_or(0);
+        let (target, found) = (target.into(), found.into());
+        let at = self.module.at(Action::ReadState);
+        Some(DriveError::NotArrived { at, axis, target, found })
     }
 
     /// Fails for the first axis in use whose messages are wrong.
@@ -253,8 +298,9 @@ impl Bim2AxDrive {
         let starts: Vec<_> = leg.targets.into_iter().zip(leg.speeds).zip(rest).map(start).collect();
         let starts = self.by_axis(&starts);
         // Whether a lost order is carried out is unknown: the next look shows.
-        self.following = Following::Unknown;
+        self.forget();
         let stamp = self.runtime.block_on(self.module.start(starts, &clock))?;
+        self.sent = Some(leg.targets);
         let executed_ns = stamp.middle_ns();
         self.following = Following::Leg(leg.end_ns + executed_ns - leg.start_ns);
         self.timing.order_ns = mean(self.timing.order_ns, executed_ns - decided_ns);
@@ -318,7 +364,7 @@ impl Drive for Bim2AxDrive {
     }
 
     fn begin_homing(&mut self, ways: &HomingWays) -> Result<(), DriveError> {
-        self.following = Following::Unknown;
+        self.forget();
         let chosen = self.options.axes.iter().zip(ways).filter(|(_, way)| way.is_some());
         let axes: Vec<_> = chosen.map(|(axis, _)| *axis).collect();
         if axes.is_empty() {
@@ -349,7 +395,7 @@ impl Drive for Bim2AxDrive {
     }
 
     fn set_position(&mut self, position: &Increments) -> Result<(), DriveError> {
-        self.following = Following::Unknown;
+        self.forget();
         let axes = self.options.axes.clone();
         let mut wanted = Vec::with_capacity(AXES);
         for (axis, position) in axes.iter().zip(position) {
@@ -380,13 +426,20 @@ impl Drive for Bim2AxDrive {
         target: &Increments,
         speed: &[f64; MAX_DRIVE_AXES],
     ) -> Result<(), DriveError> {
-        self.following = Following::Unknown;
+        self.forget();
         self.prepared()?;
+        let (before, _) = self.look(&no_clock)?;
+        self.check(&before, Action::ReadState, |messages| messages & NOT_READY != 0)?;
+        let mut sent = [0; AXES];
         let mut starts = Vec::with_capacity(AXES);
         for ((axis, settings), (target, speed)) in
             self.options.axes.iter().zip(&self.settings).zip(target.iter().zip(speed))
         {
-            let to = Move::To(self.register(*axis, *target)?);
+            let target = self.register(*axis, *target)?;
+            if let Some(place) = sent.get_mut(starts.len()) {
+                *place = target;
+            }
+            let to = Move::To(target);
             let units = (speed / settings.mode.speed_unit()).round();
             if !(1.0..=65_535.0).contains(&units) {
                 let action = Action::Command { number: axis.number(), name: "speed of the axis" };
@@ -403,7 +456,9 @@ impl Drive for Bim2AxDrive {
             starts.push(Some(Start { to, speed: Some(units), directly: false }));
         }
         let starts = self.by_axis(&starts);
-        self.runtime.block_on(self.module.start(starts, &no_clock)).map(|_| ())
+        self.runtime.block_on(self.module.start(starts, &no_clock))?;
+        self.sent = Some(sent);
+        Ok(())
     }
 
     fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
@@ -427,32 +482,50 @@ impl Drive for Bim2AxDrive {
         if let Ok(wait_ns @ 1..) = u64::try_from(wait_ns) {
             self.runtime.block_on(async { sleep(Duration::from_nanos(wait_ns)).await });
         }
-        let (seen, stamp) = self
-            .obeying(&|| stream.now_ns())
-            .inspect_err(|_| self.following = Following::Unknown)?;
+        let (seen, stamp) = self.obeying(&|| stream.now_ns()).inspect_err(|_| self.forget())?;
         let look_ns = stamp.answered_ns - stamp.sent_ns;
         self.timing.look_ns = mean(self.timing.look_ns, look_ns);
         self.follower.set_timing(self.timing);
         if self.moving(&seen) == 0 {
             self.following = Following::Rest(self.in_order(&seen));
+        } else if let Following::Leg(end_ns) = following
+            && stamp.sent_ns > end_ns.saturating_add(OVERDUE_NS)
+        {
+            self.forget();
+            let patience = Duration::from_nanos(OVERDUE_NS.unsigned_abs());
+            return Err(DriveError::Unfinished { at: self.module.at(Action::ReadState), patience });
         }
         Ok(self.to_sample(&seen, &stamp))
     }
 
     fn soft_stop(&mut self) -> Result<(), DriveError> {
-        self.following = Following::Unknown;
+        self.forget();
         let ramps = self.settings.iter().map(|axis| axis.speed(u16::MAX) / axis.rate());
         let slowest = Duration::try_from_secs_f64(ramps.fold(0.0, f64::max)).unwrap_or_default();
         let patience = slowest + 20 * self.options.driver.deadline;
         self.runtime.block_on(async {
+            let late = self.module.is_late();
             self.module.abandon(&no_clock).await?;
+            if late {
+                // An order that was given before the stop may arrive after it.
+                self.module.outlast().await;
+                self.module.abandon(&no_clock).await?;
+            }
             self.module.rested(patience, &no_clock).await.map(|_| ())
         })
     }
 
     fn hard_stop(&mut self) -> Result<(), DriveError> {
-        self.following = Following::Unknown;
-        self.runtime.block_on(self.module.stop_hard(&no_clock))?;
+        self.forget();
+        self.runtime.block_on(async {
+            let late = self.module.is_late();
+            self.module.stop_hard(&no_clock).await?;
+            if late {
+                self.module.outlast().await;
+                self.module.stop_hard(&no_clock).await?;
+            }
+            Ok(())
+        })?;
         let (seen, _) = self.look(&no_clock)?;
         let moving = self.moving(&seen);
         if moving == 0 {

@@ -36,6 +36,9 @@ pub struct Bim2AxOptions {
     pub pause: Duration,
     /// Longest time an answer may take. The manual says 1 ms here and 10 ms there, of the same answer.
     pub deadline: Duration,
+    /// Time after which an answer that is late comes no more. After a missed deadline the driver waits so long before
+    /// it asks anything but a stop, lest the late answer be taken for the next.
+    pub worst_latency: Duration,
     /// Longest time that reading plugs may take; it takes about 700 ms.
     pub plugs_deadline: Duration,
     /// Longest time from RESET until the software runs; the manual says nothing.
@@ -45,12 +48,13 @@ pub struct Bim2AxOptions {
 }
 
 impl Default for Bim2AxOptions {
-    /// Big-endian, 1 ms, 10 ms, 1 s, 5 s, several zones at once where the module can.
+    /// Big-endian, 1 ms, 10 ms, 20 ms, 1 s, 5 s, several zones at once where the module can.
     fn default() -> Self {
         Self {
             byte_order: ByteOrder::Big,
             pause: Duration::from_millis(1),
             deadline: Duration::from_millis(10),
+            worst_latency: Duration::from_millis(20),
             plugs_deadline: Duration::from_secs(1),
             reset_deadline: Duration::from_secs(5),
             zones_at_once: true,
@@ -94,6 +98,8 @@ pub struct Bim2Ax {
     version: u16,
     /// Manual moves under way, which every order has to repeat.
     manual: [u16; AXES],
+    /// An answer may still be on its way.
+    late: bool,
 }
 
 impl Bim2Ax {
@@ -105,6 +111,7 @@ impl Bim2Ax {
             window: Window::new(memory),
             version: 0,
             manual: [0; AXES],
+            late: false,
         }
     }
 
@@ -169,7 +176,25 @@ impl Bim2Ax {
         })
     }
 
-    /// Asks for a zone and reads it. Asked again once if no answer comes: it changes nothing.
+    /// Whether an order or an answer may still be on its way.
+    pub(crate) fn is_late(&self) -> bool {
+        self.late
+    }
+
+    /// Waits until no late answer can come any more, if one can.
+    async fn settle(&mut self) {
+        if self.late {
+            self.outlast().await;
+        }
+    }
+
+    /// Waits until nothing that was given before can arrive any more.
+    pub(crate) async fn outlast(&mut self) {
+        sleep(self.options.worst_latency).await;
+        self.late = false;
+    }
+
+    /// Asks for a zone and reads it. Asked again once if no proper answer comes: it changes nothing.
     async fn exchange(
         &mut self,
         zone: ReadZone,
@@ -178,11 +203,14 @@ impl Bim2Ax {
         let action = Action::ReadZone { zone: zone.number(), name: zone.name() };
         let mut again = true;
         loop {
+            self.settle().await;
             self.check_running(action)?;
             let sent = self.window.forget_refreshed().and_then(|()| self.window.request(zone));
             self.bus(action, sent)?;
             match self.answer(action, zone, clock).await {
-                Err(DriveError::Timeout { .. }) if again => again = false,
+                Err(DriveError::Timeout { .. } | DriveError::Protocol { .. }) if again => {
+                    again = false;
+                }
                 done => return done,
             }
         }
@@ -197,24 +225,27 @@ impl Bim2Ax {
     ) -> Result<(ZoneBytes, BusStamp), DriveError> {
         let sent_ns = clock.now_ns();
         let (pause, deadline) = (self.options.pause, self.options.deadline);
-        let answered = async {
+        let answered = async |module: &mut Self| {
             loop {
                 sleep(pause).await;
-                let read = self.window.read_zone(zone);
-                let (refreshed, bytes) = self.bus(action, read)?;
+                let read = module.window.read_zone(zone);
+                let (refreshed, bytes) = module.bus(action, read)?;
                 match ReadZone::from_number(refreshed) {
                     Some(found) if found == zone => return Ok(bytes),
                     Some(_) => {
                         let fault = ProtocolFault::Garbled;
-                        return Err(DriveError::Protocol { at: self.at(action), fault });
+                        return Err(DriveError::Protocol { at: module.at(action), fault });
                     }
                     None => {}
                 }
             }
         };
-        let outcome = timeout(deadline, answered).await;
+        // If the caller gives up meanwhile, the answer may come later.
+        self.late = true;
+        let outcome = timeout(deadline, async { answered(self).await }).await;
         let bytes = outcome
             .unwrap_or_else(|_| Err(DriveError::Timeout { at: self.at(action), deadline }))?;
+        self.late = false;
         Ok((bytes, BusStamp { sent_ns, answered_ns: clock.now_ns() }))
     }
 

@@ -31,6 +31,10 @@ impl Bim2Ax {
         }
         let [one, two] = orders.uc;
         let action = Action::Order { bits: one | two, name };
+        // A stop does not wait: it stops, whatever is answered.
+        if (one | two) & (uc::ABANDON | uc::HARD_STOP) == 0 {
+            self.settle().await;
+        }
         let byte_order = self.options.byte_order;
         let zones: Vec<_> = ModuleAxis::ALL
             .into_iter()
@@ -189,7 +193,8 @@ impl Bim2Ax {
             .await
     }
 
-    /// Abandons moves: both axes brake on their ramps. Sent again once if no answer comes.
+    /// Abandons moves: both axes brake on their ramps. Sent again once if no answer comes
+    /// or an axis goes on without having acknowledged it.
     ///
     /// # Errors
     /// If the module does not answer.
@@ -197,7 +202,8 @@ impl Bim2Ax {
         self.stopping("abandon", uc::ABANDON, clock).await
     }
 
-    /// Stops both axes without ramp; homing is lost where one moved. Sent again once if no answer comes.
+    /// Stops both axes without ramp; homing is lost where one moved. Sent again once if no answer comes
+    /// or an axis goes on without having acknowledged it.
     ///
     /// # Errors
     /// If the module does not answer.
@@ -212,11 +218,23 @@ impl Bim2Ax {
         clock: &dyn Clock,
     ) -> Result<(), DriveError> {
         self.manual = [0; AXES];
-        let first = self.same(name, order, &ModuleAxis::ALL, clock).await;
-        if let Err(DriveError::Timeout { .. } | DriveError::Protocol { .. }) = first {
-            return self.same(name, order, &ModuleAxis::ALL, clock).await.map(|_| ());
+        match self.same(name, order, &ModuleAxis::ALL, clock).await {
+            Err(DriveError::Timeout { .. } | DriveError::Protocol { .. }) => {}
+            Ok(acknowledged) => {
+                let lacks = acknowledged.uc.map(|word| word & order == 0);
+                if lacks == [false; AXES] {
+                    return Ok(());
+                }
+                // An axis at rest acknowledges no stop.
+                let (seen, _) = self.positions(clock).await?;
+                let moves = seen.messages.map(|messages| messages & message::MOVING != 0);
+                if !lacks.into_iter().zip(moves).any(|(lacks, moves)| lacks && moves) {
+                    return Ok(());
+                }
+            }
+            Err(error) => return Err(error),
         }
-        first.map(|_| ())
+        self.same(name, order, &ModuleAxis::ALL, clock).await.map(|_| ())
     }
 
     /// Switches phases on or off at standstill (on: revision D).

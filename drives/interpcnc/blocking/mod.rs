@@ -350,12 +350,27 @@ impl Drive for InterpCncDrive {
             .iter()
             .map(|axis| (counter(&state, axis.axis), moving.contains(axis.axis)));
         self.follower.sampled(&stamp, counters);
+        let astray = self.follower.astray();
+        let astray = astray.and_then(|(index, expected)| Some((self.axes().nth(index)?, expected)));
+        if let Some((axis, expected)) = astray {
+            self.restart();
+            #[expect(clippy::cast_possible_truncation, reason = "a counter")]
+            let target = expected.round() as i64;
+            let (at, found) = (self.board.at(Action::ReadState), counter(&state, axis).into());
+            return Err(DriveError::NotArrived { at, axis: axis.number() - 1, target, found });
+        }
         Ok(self.to_sample(&state, stamp))
     }
 
     fn soft_stop(&mut self) -> Result<(), DriveError> {
         self.restart();
+        let late = self.board.is_late();
         self.send(&Command::RampStop, &no_clock)?;
+        if late {
+            // A move that was sent before the stop may arrive after it: the board is asked only when none can any more.
+            self.state(&no_clock)?;
+            self.send(&Command::RampStop, &no_clock)?;
+        }
         let options = self.board.options();
         let braking = |axis: &super::AxisOptions| {
             f64::from(axis.max_speed_hz) / (1e3 * f64::from(axis.deceleration_khz_per_s.max(1)))

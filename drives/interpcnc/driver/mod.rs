@@ -153,6 +153,11 @@ impl InterpCnc {
         Exchange { port: Arc::clone(&self.port), station: self.options.station, action }
     }
 
+    /// Whether a command or an answer may still be on its way.
+    pub(crate) fn is_late(&self) -> bool {
+        self.late
+    }
+
     /// Options it was opened with.
     pub fn options(&self) -> &InterpCncOptions {
         &self.options

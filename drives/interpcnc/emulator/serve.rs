@@ -11,7 +11,7 @@ use super::{Board, Control, Event, rtu};
 use crate::{
     Clock, FaultyWire,
     interpcnc::Line,
-    slave::{self, Slave},
+    slave::{self, Message, Slave},
 };
 
 /// How slow the wire and the board are. Pseudo-terminals pass bytes at once, so the emulator waits in their place.
@@ -45,8 +45,7 @@ pub async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
     clock: &dyn Clock,
     control: Receiver<Control>,
 ) -> io::Result<Board> {
-    let mut forget = |_: &Board| Ok(());
-    let served = Served::new(board, *wire, &mut forget);
+    let served = Served::new(board, *wire, Box::new(|_| Ok(())));
     let faults = FaultyWire::new(0);
     slave::serve(stream, served, faults, (clock, false), control).await.map(|served| served.board)
 }
@@ -58,36 +57,40 @@ pub(super) async fn serve_with<S: AsyncRead + AsyncWrite + Unpin>(
     board: Board,
     (wire, faults): (&Wire, FaultyWire),
     clock: &dyn Clock,
-    control: Receiver<Control>,
-    stored: &mut (dyn FnMut(&Board) -> io::Result<()> + Send),
+    control: Receiver<Message<Served>>,
+    stored: Box<Stored>,
 ) -> io::Result<Board> {
     let served = Served::new(board, *wire, stored);
     slave::serve(stream, served, faults, (clock, true), control).await.map(|served| served.board)
 }
 
+/// What is done with a board whose EEPROM has stored something.
+pub(super) type Stored = dyn FnMut(&Board) -> io::Result<()> + Send;
+
 /// A board that is being served.
-struct Served<'a> {
+pub(super) struct Served {
     board: Board,
     wire: Wire,
-    stored: &'a mut (dyn FnMut(&Board) -> io::Result<()> + Send),
+    stored: Box<Stored>,
     /// Of the EEPROM, as it was last looked at.
     generation: u64,
     /// The board's line, as it was last looked at.
     line: Line,
 }
 
-impl<'a> Served<'a> {
-    fn new(
-        board: Board,
-        wire: Wire,
-        stored: &'a mut (dyn FnMut(&Board) -> io::Result<()> + Send),
-    ) -> Self {
+impl Served {
+    fn new(board: Board, wire: Wire, stored: Box<Stored>) -> Self {
         Self { generation: board.eeprom_generation(), line: board.line(), board, wire, stored }
     }
 }
 
-impl Slave for Served<'_> {
+impl Slave for Served {
     type Event = Event;
+    type Seen = Box<Board>;
+
+    fn seen(&self) -> Box<Board> {
+        Box::new(self.board.clone())
+    }
 
     fn now_ns(&self) -> i64 {
         self.board.now_ns()

@@ -9,8 +9,15 @@ use std::{
 use tokio::{runtime, sync::mpsc};
 use tokio_serial::SerialStream;
 
-use super::{Bench, Board, BoardOptions, Control, Event, Wire, serve::serve_with};
-use crate::{Accelerated, Clock, EmulatorError, FaultyWire, Speed, pty::PseudoTerminal};
+use super::{
+    Bench, Board, BoardOptions, Control, Event, Wire,
+    serve::{Served, serve_with},
+};
+use crate::{
+    Accelerated, Clock, EmulatorError, FaultyWire, Speed,
+    pty::PseudoTerminal,
+    slave::{self, Message},
+};
 
 /// What to emulate.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -33,12 +40,17 @@ pub struct EmulatorOptions {
 }
 
 /// A running emulator. Dropping it stops it.
-#[derive(Debug)]
 pub struct EmulatedBoard {
     terminal: PseudoTerminal,
     /// Closed to end the thread.
-    control: Option<mpsc::Sender<Control>>,
+    control: Option<mpsc::Sender<Message<Served>>>,
     thread: Option<JoinHandle<io::Result<Board>>>,
+}
+
+impl std::fmt::Debug for EmulatedBoard {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("EmulatedBoard").field("path", &self.path()).finish_non_exhaustive()
+    }
 }
 
 impl EmulatedBoard {
@@ -69,12 +81,12 @@ impl EmulatedBoard {
         let thread = Builder::new()
             .name(format!("interpcnc {}", terminal.path().display()))
             .spawn(move || {
-                let mut stored = |board: &Board| match &file {
+                let stored = Box::new(move |board: &Board| match &file {
                     Some(path) => replace(path, &board.eeprom()),
                     None => Ok(()),
-                };
+                });
                 let wire = (&wire, faults);
-                runtime.block_on(serve_with(stream, board, wire, &clock, messages, &mut stored))
+                runtime.block_on(serve_with(stream, board, wire, &clock, messages, stored))
             })
             .map_err(failed)?;
         Ok(Self { terminal, control: Some(control), thread: Some(thread) })
@@ -90,7 +102,7 @@ impl EmulatedBoard {
     /// # Errors
     /// If the emulator has ended.
     pub fn set_enable(&self, closed: bool) -> Result<(), EmulatorError> {
-        self.send(Control::Event(Event::Enable(closed)))
+        self.control(Control::Event(Event::Enable(closed)))
     }
 
     /// Sets input `number` (1 to 32).
@@ -98,7 +110,7 @@ impl EmulatedBoard {
     /// # Errors
     /// If the emulator has ended.
     pub fn set_input(&self, number: u8, level: bool) -> Result<(), EmulatorError> {
-        self.send(Control::Event(Event::Input { number, level }))
+        self.control(Control::Event(Event::Input { number, level }))
     }
 
     /// Makes something happen to the board or the wire.
@@ -106,7 +118,15 @@ impl EmulatedBoard {
     /// # Errors
     /// If the emulator has ended.
     pub fn control(&self, what: Control) -> Result<(), EmulatorError> {
-        self.send(what)
+        slave::send(self.control.as_ref(), what.into())
+    }
+
+    /// The board as it is now.
+    ///
+    /// # Errors
+    /// If the emulator has ended.
+    pub fn look(&self) -> Result<Box<Board>, EmulatorError> {
+        slave::look(self.control.as_ref())
     }
 
     /// Powers the board down and gives it back as it was then.
@@ -120,12 +140,6 @@ impl EmulatedBoard {
             .join()
             .map_err(|_panic| EmulatorError::Ended)?
             .map_err(|source| EmulatorError::Terminal { source })
-    }
-
-    fn send(&self, message: Control) -> Result<(), EmulatorError> {
-        // The emulator takes messages as they come: the queue is full only if it no longer runs.
-        let control = self.control.as_ref().ok_or(EmulatorError::Ended)?;
-        control.try_send(message).map_err(|_unsent| EmulatorError::Ended)
     }
 }
 

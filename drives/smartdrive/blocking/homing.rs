@@ -23,7 +23,7 @@ pub(super) enum Homing {
 impl SmartDriveBus {
     /// TRJINIT 2 for the drives of the axes that have a way, which these drives cannot be given.
     pub(super) fn start_homing(&mut self, ways: &HomingWays) -> Result<(), DriveError> {
-        self.follower.restart();
+        self.restart();
         let chosen: Vec<(usize, u8)> = self
             .axes()
             .zip(ways)
@@ -84,7 +84,7 @@ impl SmartDriveBus {
     pub(super) fn lock(&mut self) -> Result<(), DriveError> {
         let seen = self.states(&no_clock)?;
         self.check_rest(&seen)?;
-        self.follower.restart();
+        self.restart();
         let addresses: Vec<u8> = self.axes().collect();
         for address in addresses {
             self.switched_off(address, &Command::Mode(Some(Mode::Off)))?;

@@ -50,6 +50,8 @@ pub struct SmartDriveBus {
     /// Position of the caller where the drive's counter is 0.
     zeros: Increments,
     homing: [Homing; MAX_DRIVE_AXES],
+    /// Counters that [`Drive::move_to`] has sent the drives to, until something else moves or stops them.
+    sent: Vec<i32>,
     /// Last, so that the port is closed while its runtime exists.
     runtime: Runtime,
 }
@@ -72,7 +74,7 @@ impl SmartDriveBus {
         };
         let follower = Follower::new(&options.axes, RESPONSE);
         let (zeros, homing) = ([0; MAX_DRIVE_AXES], Default::default());
-        Ok(Self { bus, follower, zeros, homing, runtime })
+        Ok(Self { bus, follower, zeros, homing, sent: Vec::new(), runtime })
     }
 
     /// Homes these axes (indices of the arrays), all at once, and returns when they are home; their positions are those
@@ -81,7 +83,7 @@ impl SmartDriveBus {
     /// # Errors
     /// If a drive refuses, is in alarm or does not find its switch; the others go on homing.
     pub fn home(&mut self, axes: &[usize]) -> Result<(), DriveError> {
-        self.follower.restart();
+        self.restart();
         let chosen: Vec<(usize, u8)> =
             self.axes().enumerate().filter(|(index, _)| axes.contains(index)).collect();
         for (_, address) in &chosen {
@@ -102,8 +104,36 @@ impl SmartDriveBus {
     /// What moves a drive or changes its mode, position or address leaves the driver's idea of it wrong until
     /// [`Drive::enable`] and [`Drive::set_position`] are called again.
     pub fn run<T>(&mut self, request: impl AsyncFnOnce(&mut SmartDrive) -> T) -> T {
-        self.follower.restart();
+        self.restart();
         self.runtime.block_on(request(&mut self.bus))
+    }
+
+    /// Something else than following or [`Drive::move_to`] moves or stops the drives.
+    fn restart(&mut self) {
+        self.follower.restart();
+        self.sent.clear();
+    }
+
+    /// The first drive that says it is done and is elsewhere than it was sent: a target that was spoilt on its way (two
+    /// bytes that have changed places leave the check sum as it is), or a status that is stuck.
+    fn stray(&self, seen: &[Seen]) -> Option<DriveError> {
+        let done = |state: &DriveState| state.flags.contains(TrajectoryFlags::DONE);
+        let drives = self.axes().zip(&self.sent).zip(seen);
+        let strays = drives.enumerate().filter_map(|(index, ((address, target), (state, _)))| {
+            let stray = done(state) && !state.moving() && state.position != *target;
+            stray.then(|| self.elsewhere(index, address, f64::from(*target), state.position))
+        });
+        strays.into_iter().next()
+    }
+
+    /// A drive is not where it should be; counters of the drive.
+    fn elsewhere(&self, index: usize, address: u8, expected: f64, found: i32) -> DriveError {
+        let zero = self.zeros.get(index).copied().unwrap_or(0);
+        #[expect(clippy::cast_possible_truncation, reason = "a counter")]
+        let target = (expected.round() as i64).saturating_add(zero);
+        let found = zero.saturating_add(found.into());
+        let axis = u8::try_from(index).unwrap_or(u8::MAX);
+        DriveError::NotArrived { at: self.bus.at(address, Action::ReadState), axis, target, found }
     }
 
     /// Addresses in use, in the order of the arrays.
@@ -118,6 +148,14 @@ impl SmartDriveBus {
     fn states(&mut self, clock: &dyn Clock) -> Result<Vec<Seen>, DriveError> {
         let addresses: Vec<u8> = self.axes().collect();
         addresses.into_iter().map(|address| self.state(address, clock)).collect()
+    }
+
+    /// Sends what stops to all drives of the line, as often as is set: nobody confirms it.
+    fn broadcast_stop(&mut self, stop: &Command) -> Result<(), DriveError> {
+        for _ in 0..self.bus.options().stop_broadcasts {
+            self.runtime.block_on(self.bus.broadcast(stop))?;
+        }
+        Ok(())
     }
 
     /// All positions at the middle of the time in which they were seen.
@@ -180,7 +218,7 @@ impl Drive for SmartDriveBus {
     }
 
     fn enable(&mut self) -> Result<(), DriveError> {
-        self.follower.restart();
+        self.restart();
         let command = Command::Mode(Some(Mode::Remote));
         let addresses: Vec<u8> = self.axes().collect();
         let mut changing = Vec::with_capacity(addresses.len());
@@ -254,7 +292,7 @@ impl Drive for SmartDriveBus {
     fn set_position(&mut self, position: &Increments) -> Result<(), DriveError> {
         let seen = self.states(&no_clock)?;
         self.check_rest(&seen)?;
-        self.follower.restart();
+        self.restart();
         for ((zero, position), (state, _)) in self.zeros.iter_mut().zip(position).zip(&seen) {
             *zero = position.saturating_sub(state.position.into());
         }
@@ -266,8 +304,9 @@ impl Drive for SmartDriveBus {
         target: &Increments,
         speed: &[f64; MAX_DRIVE_AXES],
     ) -> Result<(), DriveError> {
-        self.follower.restart();
+        self.restart();
         let axes = self.bus.options().axes.clone();
+        let mut sent = Vec::with_capacity(axes.len());
         let mut commands = Vec::with_capacity(axes.len());
         for (index, ((axis, target), speed)) in axes.iter().zip(target).zip(speed).enumerate() {
             let target = self.counter(index, axis.address, *target)?;
@@ -292,24 +331,31 @@ impl Drive for SmartDriveBus {
             )]
             let speed = rpm as u16;
             commands.push((axis.address, GoTo { target, speed, rate }.command()));
+            sent.push(target);
         }
         for (address, command) in commands {
-            let sent = self.runtime.block_on(self.bus.send(address, &command, &no_clock));
-            sent.map_err(|error| self.explain(address, error))?;
+            let done = self.runtime.block_on(self.bus.send(address, &command, &no_clock));
+            done.map_err(|error| self.explain(address, error))?;
         }
+        self.sent = sent;
         Ok(())
     }
 
     fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
-        let seen = self.states(&|| stream.now_ns())?;
+        let mut seen = self.states(&|| stream.now_ns())?;
+        if self.stray(&seen).is_some() {
+            // The answer may have been spoilt, and not the command.
+            seen = self.states(&|| stream.now_ns())?;
+        }
         let addresses: Vec<u8> = self.axes().collect();
         for (address, (state, _)) in addresses.into_iter().zip(&seen) {
             self.check(address, state, Action::ReadState)?;
         }
-        Ok(self.to_sample(&seen))
+        self.stray(&seen).map_or_else(|| Ok(self.to_sample(&seen)), Err)
     }
 
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        self.sent.clear();
         let clock = || stream.now_ns();
         let shifted = Shifted { stream, zeros: self.zeros };
         let needing = self.follower.survey(&shifted);
@@ -326,16 +372,20 @@ impl Drive for SmartDriveBus {
             let sent = self.runtime.block_on(self.bus.send(address, &command, &clock));
             // Whether a lost command was executed is unknown: start again from what the next sample shows.
             let (answer, stamp) = sent.map_err(|error| {
-                self.follower.restart();
+                self.restart();
                 self.explain(address, error)
             })?;
             let state = DriveState::from_answer(answer);
-            self.check(address, &state, command.action())
-                .inspect_err(|_| self.follower.restart())?;
+            self.check(address, &state, command.action()).inspect_err(|_| self.restart())?;
             let turning = state.flags.contains(TrajectoryFlags::IN_MOTION);
             self.follower.sampled_axis(index, &stamp, state.position, turning);
             if let Some(order) = &order {
                 self.follower.executed(order, decided_ns, &stamp);
+            }
+            if let Some((_, expected)) = self.follower.astray().filter(|(axis, _)| *axis == index) {
+                let astray = self.elsewhere(index, address, expected, state.position);
+                self.restart();
+                return Err(astray);
             }
             seen.push((state, stamp));
         }
@@ -345,21 +395,23 @@ impl Drive for SmartDriveBus {
     /// STOP to all drives of the line, also those not in use, several times: nobody confirms it. Then asks until the
     /// drives in use are at rest.
     fn soft_stop(&mut self) -> Result<(), DriveError> {
-        self.follower.restart();
+        self.restart();
         let stop = Command::Stop { rate: 0 };
-        for _ in 0..self.bus.options().stop_broadcasts {
-            self.runtime.block_on(self.bus.broadcast(&stop))?;
+        let late = if self.bus.is_late() { self.axes().next() } else { None };
+        self.broadcast_stop(&stop)?;
+        if let Some(address) = late {
+            // A move that was sent before the stop may arrive after it: the drive is asked only when none can any more.
+            self.state(address, &no_clock)?;
+            self.broadcast_stop(&stop)?;
         }
         self.wait_for_rest(stop.action())
     }
 
     /// MODE 0 to all drives of the line, also those not in use, then asks until those in use are off.
     fn hard_stop(&mut self) -> Result<(), DriveError> {
-        self.follower.restart();
+        self.restart();
         let off = Command::Mode(Some(Mode::Off));
-        for _ in 0..self.bus.options().stop_broadcasts {
-            self.runtime.block_on(self.bus.broadcast(&off))?;
-        }
+        self.broadcast_stop(&off)?;
         let addresses: Vec<u8> = self.axes().collect();
         let mut failed = None;
         for address in addresses {

@@ -144,7 +144,7 @@ impl SmartDriveBus {
     pub(super) fn save(&mut self) -> Result<(), DriveError> {
         let seen = self.states(&no_clock)?;
         self.check_rest(&seen)?;
-        self.follower.restart();
+        self.restart();
         let addresses: Vec<u8> = self.axes().collect();
         for (index, address) in addresses.into_iter().enumerate() {
             self.position_lost(index);

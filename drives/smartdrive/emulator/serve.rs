@@ -10,7 +10,7 @@ use tokio::{
 use super::{Control, Device, Happening};
 use crate::{
     Clock, FaultyWire,
-    slave::{self, Slave},
+    slave::{self, Message, Slave},
     smartdrive::{Execution, frame::command_length, wire_time},
 };
 
@@ -65,7 +65,7 @@ pub(super) async fn serve_with<S: AsyncRead + AsyncWrite + Unpin>(
     devices: Vec<Device>,
     (wire, faults): (Wire, FaultyWire),
     clock: &dyn Clock,
-    control: Receiver<Control>,
+    control: Receiver<Message<Bus>>,
 ) -> io::Result<Vec<Device>> {
     let bus = Bus::new(devices, wire);
     let served = slave::serve(stream, bus, faults, (clock, true), control).await?;
@@ -73,7 +73,7 @@ pub(super) async fn serve_with<S: AsyncRead + AsyncWrite + Unpin>(
 }
 
 /// Devices on one line.
-struct Bus {
+pub(super) struct Bus {
     devices: Vec<Device>,
     wire: Wire,
     now_ns: i64,
@@ -93,6 +93,11 @@ impl Bus {
 
 impl Slave for Bus {
     type Event = Happening;
+    type Seen = Vec<Device>;
+
+    fn seen(&self) -> Vec<Device> {
+        self.devices.clone()
+    }
 
     fn now_ns(&self) -> i64 {
         self.now_ns

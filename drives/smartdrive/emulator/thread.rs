@@ -9,8 +9,15 @@ use std::{
 use tokio::{runtime, sync::mpsc};
 use tokio_serial::SerialStream;
 
-use super::{Control, Device, DeviceOptions, Event, Wire, serve::serve_with};
-use crate::{Accelerated, Clock, EmulatorError, FaultyWire, Speed, pty::PseudoTerminal};
+use super::{
+    Control, Device, DeviceOptions, Event, Wire,
+    serve::{Bus, serve_with},
+};
+use crate::{
+    Accelerated, Clock, EmulatorError, FaultyWire, Speed,
+    pty::PseudoTerminal,
+    slave::{self, Message},
+};
 
 /// What to emulate.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -31,12 +38,17 @@ pub struct EmulatorOptions {
 }
 
 /// A running emulator. Dropping it stops it.
-#[derive(Debug)]
 pub struct EmulatedBus {
     terminal: PseudoTerminal,
     /// Closed to end the thread.
-    control: Option<mpsc::Sender<Control>>,
+    control: Option<mpsc::Sender<Message<Bus>>>,
     thread: Option<JoinHandle<io::Result<Vec<Device>>>>,
+}
+
+impl std::fmt::Debug for EmulatedBus {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("EmulatedBus").field("path", &self.path()).finish_non_exhaustive()
+    }
 }
 
 impl EmulatedBus {
@@ -91,9 +103,15 @@ impl EmulatedBus {
     /// # Errors
     /// If the emulator has ended.
     pub fn control(&self, what: Control) -> Result<(), EmulatorError> {
-        // The emulator takes messages as they come: the queue is full only if it no longer runs.
-        let control = self.control.as_ref().ok_or(EmulatorError::Ended)?;
-        control.try_send(what).map_err(|_unsent| EmulatorError::Ended)
+        slave::send(self.control.as_ref(), what.into())
+    }
+
+    /// The devices as they are now, in the order of the bus.
+    ///
+    /// # Errors
+    /// If the emulator has ended.
+    pub fn look(&self) -> Result<Vec<Device>, EmulatorError> {
+        slave::look(self.control.as_ref())
     }
 
     /// Powers the devices down and gives them back as they were then.

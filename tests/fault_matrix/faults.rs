@@ -1,0 +1,103 @@
+//! What can go wrong, and with what.
+
+use twin_drives::{Direction, WireFault};
+
+use crate::rig::DELAY_NS;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    InterpCnc,
+    SmartDrive,
+    Bim2Ax,
+}
+
+impl Family {
+    pub const ALL: [Self; 3] = [Self::InterpCnc, Self::SmartDrive, Self::Bim2Ax];
+}
+
+/// What the axis is doing when it goes wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Doing {
+    /// It stands; a move is asked for.
+    Idle,
+    /// It is being homed.
+    Homing,
+    /// It follows a plan.
+    Moving,
+    /// It has been told to stop.
+    Stopping,
+}
+
+impl Doing {
+    pub const ALL: [Self; 4] = [Self::Idle, Self::Homing, Self::Moving, Self::Stopping];
+}
+
+/// Faults of the device and its plug.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DeviceFault {
+    /// The supply fails for a moment: it starts anew.
+    BrownOut,
+    /// The shaft is held.
+    Stall,
+    /// ENABLE is lost (InterpCNC), overtemperature (SmartDRIVE), the power at the axis is gone (BIM2AX).
+    Alarm,
+    /// The status is shown as it was.
+    Stuck,
+    /// The plug is pulled, and put back.
+    Gone,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fault {
+    Wire(Direction, WireFault),
+    Device(DeviceFault),
+}
+
+impl Fault {
+    /// Every fault of the list.
+    pub fn all() -> Vec<Self> {
+        let both = [
+            WireFault::Drop,
+            WireFault::Delay { ns: DELAY_NS },
+            WireFault::Corrupt { bytes: 1 },
+            WireFault::Truncate { keep: 3 },
+            WireFault::Duplicate,
+            WireFault::Reorder,
+            WireFault::WrongCheck,
+        ];
+        let directions = [Direction::Request, Direction::Answer];
+        let both = both
+            .into_iter()
+            .flat_map(|fault| directions.map(|direction| Self::Wire(direction, fault)));
+        // Codes of the families: exception 4, reject 4 (not available); a module has but one refusal.
+        let refuse = WireFault::Refuse { code: 4 };
+        let requests = [refuse, WireFault::Echo].map(|fault| Self::Wire(Direction::Request, fault));
+        let device = [
+            DeviceFault::BrownOut,
+            DeviceFault::Stall,
+            DeviceFault::Alarm,
+            DeviceFault::Gone,
+            DeviceFault::Stuck,
+        ];
+        both.chain(requests).chain(device.map(Self::Device)).collect()
+    }
+
+    /// As the table calls it.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Wire(direction, fault) => {
+                let what = match fault {
+                    WireFault::Delay { .. } => "delay".to_owned(),
+                    other => other.to_string(),
+                };
+                let of = if *direction == Direction::Request { "request" } else { "answer" };
+                format!("{of}: {what}")
+            }
+            Self::Device(DeviceFault::BrownOut) => "brown-out, reset".to_owned(),
+            Self::Device(DeviceFault::Stall) => "stall".to_owned(),
+            Self::Device(DeviceFault::Alarm) => "alarm".to_owned(),
+            Self::Device(DeviceFault::Gone) => "disconnect, reconnect".to_owned(),
+            Self::Device(DeviceFault::Stuck) => "stuck status".to_owned(),
+        }
+    }
+}

@@ -1,0 +1,347 @@
+//! A device of each family, emulated at the far end of its real transport and driven by its real driver.
+
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+use twin_drives::{
+    Accelerated, Clock, Control, Direction, Drive, DriveError, FaultRule, IncrementMotion,
+    SetpointStream, Speed, When, WireFault,
+    bim2ax::{
+        self, Bim2AxDrive, Bim2AxDriveOptions, Contact, MemoryFile, ModuleAxis,
+        emulator::{EmulatedModule, Module},
+        parameter::{AxisParameter, Parameter},
+    },
+    interpcnc::{
+        self, BoardAxis, HomeAxis, InterpCncDrive, InterpCncOptions,
+        emulator::{Bench, Cam, EmulatedBoard},
+    },
+    smartdrive::{
+        self, Alarms, Mode, SmartDriveBus, SmartDriveOptions, StepsPerTurn,
+        emulator::{DeviceOptions, EmulatedBus, Input},
+    },
+};
+
+use crate::faults::{DeviceFault, Family};
+
+/// How many times faster than the wall clock devices and plans go.
+pub const SPEED: u32 = 8;
+/// Longest time the drivers wait for an answer: other tests and builds may keep the emulator waiting.
+pub const DEADLINE: Duration = Duration::from_millis(400);
+/// Frames that are delayed come after the deadline and before the driver trusts the wire again, ns of the device.
+pub const DELAY_NS: i64 = 500_000_000 * SPEED as i64;
+pub const WORST_LATENCY: Duration = Duration::from_millis(700);
+/// Longest time that homing may take.
+const HOMING: Duration = Duration::from_secs(2);
+
+/// The clock of devices and plans.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "drives on real transports need real time, if a fast one; nothing here is judged by it"
+)]
+pub fn clock() -> impl Clock + Copy + use<> {
+    let zero = Instant::now();
+    Accelerated::new(
+        move || i64::try_from(zero.elapsed().as_nanos()).expect("not for 292 years"),
+        Speed::times(SPEED),
+    )
+}
+
+/// Nobody's plan: rest at 0.
+pub struct Rest<C>(pub C);
+
+impl<C: Clock> SetpointStream for Rest<C> {
+    fn now_ns(&self) -> i64 {
+        self.0.now_ns()
+    }
+
+    fn at(&self, _: i64) -> IncrementMotion {
+        IncrementMotion::default()
+    }
+
+    fn horizon_ns(&self) -> i64 {
+        1_000_000_000
+    }
+}
+
+/// What is so of the device, whoever says what.
+#[derive(Clone, Copy, Debug)]
+pub struct Truth {
+    /// Counter, increments.
+    pub counter: i64,
+    /// Whether the axis moves.
+    pub moving: bool,
+    /// Where the mechanics are, increments from where they were at the start.
+    pub mechanical: f64,
+}
+
+enum Device {
+    Board(EmulatedBoard, InterpCncDrive),
+    Bus(EmulatedBus, SmartDriveBus),
+    Module(EmulatedModule, Bim2AxDrive, TempDir),
+}
+
+/// A device and its driver; one axis.
+pub struct Rig<C> {
+    device: Device,
+    pub clock: C,
+}
+
+impl<C: Clock + Copy + 'static> Rig<C> {
+    pub fn new(family: Family, clock: C) -> Self {
+        let device = match family {
+            Family::InterpCnc => board(clock),
+            Family::SmartDrive => bus(clock),
+            Family::Bim2Ax => module(clock),
+        };
+        Self { device, clock }
+    }
+
+    pub fn drive(&mut self) -> &mut dyn Drive {
+        match &mut self.device {
+            Device::Board(_, drive) => drive,
+            Device::Bus(_, drive) => drive,
+            Device::Module(_, drive, _) => drive,
+        }
+    }
+
+    /// Homes the axis, and waits for it.
+    pub fn home(&mut self) -> Result<(), DriveError> {
+        match &mut self.device {
+            Device::Board(_, drive) => {
+                let home = HomeAxis {
+                    axis: BoardAxis::X,
+                    input: 1,
+                    normally_open: true,
+                    acceleration_khz_per_s: 50,
+                    fast_hz: 2000,
+                    deceleration_khz_per_s: 50,
+                    max_stroke: -12_000,
+                    slow_hz: 1000,
+                    final_position: 0,
+                };
+                let (board, runtime) = drive.board();
+                runtime.block_on(board.home_axes(&[home], HOMING, &|| 0))
+            }
+            Device::Bus(_, drive) => drive.home(&[0]),
+            Device::Module(_, drive, _) => drive.home(HOMING),
+        }
+    }
+
+    pub fn truth(&self) -> Truth {
+        match &self.device {
+            Device::Board(board, _) => {
+                let board = board.look().expect("the emulator runs");
+                Truth {
+                    counter: board.counters()[0].into(),
+                    moving: board.velocity(BoardAxis::X) != 0.0,
+                    mechanical: board.mechanical(BoardAxis::X),
+                }
+            }
+            Device::Bus(bus, _) => {
+                let devices = bus.look().expect("the emulator runs");
+                let device = &devices[0];
+                Truth {
+                    counter: device.counter().into(),
+                    moving: device.motion().1 != 0.0,
+                    mechanical: device.mechanical(),
+                }
+            }
+            Device::Module(module, ..) => {
+                let module = module.module();
+                #[expect(clippy::cast_possible_truncation, reason = "a counter")]
+                let counter = module.position(ModuleAxis::One).round() as i64;
+                #[expect(clippy::cast_precision_loss, reason = "a counter")]
+                let mechanical = module.shaft(ModuleAxis::One) as f64;
+                let moving = module.velocity(ModuleAxis::One) != 0.0;
+                Truth { counter, moving, mechanical }
+            }
+        }
+    }
+
+    /// Something goes wrong with the wire, with so many frames from the next on; 0: with all.
+    pub fn spoil(&self, direction: Direction, fault: WireFault, frames: u32, after: u32) {
+        let when = if frames == 0 { When::Always } else { When::Next(frames) };
+        let rule = FaultRule { direction, when, fault };
+        match &self.device {
+            Device::Board(board, _) => {
+                board.control(Control::Fault(rule).after(after)).expect("the emulator runs");
+            }
+            Device::Bus(bus, _) => {
+                bus.control(Control::Fault(rule).after(after)).expect("the emulator runs");
+            }
+            Device::Module(module, ..) => module.control(Control::Fault(rule).after(after)),
+        }
+    }
+
+    /// Something goes wrong with the device (true), or no more, with the so-many-th request from now; 0: now.
+    pub fn upset(&self, fault: DeviceFault, on: bool, after: u32) {
+        match &self.device {
+            Device::Board(board, _) => {
+                use interpcnc::emulator::Event;
+                let event = |event| Control::Event(event);
+                let what = match fault {
+                    DeviceFault::BrownOut => event(Event::BrownOut { off_ns: 0 }),
+                    DeviceFault::Stall => event(Event::Stall(BoardAxis::X, on)),
+                    DeviceFault::Alarm => event(Event::Enable(!on)),
+                    DeviceFault::Stuck => event(Event::StuckStatus(on)),
+                    DeviceFault::Gone => Control::Disconnect(on),
+                };
+                board.control(what.after(after)).expect("the emulator runs");
+            }
+            Device::Bus(bus, _) => {
+                use smartdrive::emulator::Event;
+                let what = match fault {
+                    DeviceFault::BrownOut => Event::BrownOut { off_ns: 0 }.to(0),
+                    DeviceFault::Stall => Event::Stall.to(0),
+                    DeviceFault::Alarm => {
+                        Event::Fault { alarms: Alarms::OVERTEMPERATURE, present: on }.to(0)
+                    }
+                    DeviceFault::Stuck => Event::StuckStatus(on).to(0),
+                    DeviceFault::Gone => Control::Disconnect(on),
+                };
+                bus.control(what.after(after)).expect("the emulator runs");
+            }
+            Device::Module(module, ..) => {
+                use bim2ax::emulator::Event;
+                let what = match fault {
+                    DeviceFault::BrownOut => Control::Event(Event::BrownOut { off_ns: 0 }),
+                    DeviceFault::Stall => Control::Event(Event::Stall(ModuleAxis::One, on)),
+                    DeviceFault::Alarm => Control::Event(Event::Power(ModuleAxis::One, !on)),
+                    DeviceFault::Stuck => Control::Event(Event::StuckStatus(on)),
+                    DeviceFault::Gone => Control::Disconnect(on),
+                };
+                module.control(what.after(after));
+            }
+        }
+    }
+
+    /// The wire is sound again.
+    pub fn mend(&self) {
+        match &self.device {
+            Device::Board(board, _) => board.control(Control::NoFaults).expect("it runs"),
+            Device::Bus(bus, _) => bus.control(Control::NoFaults).expect("it runs"),
+            Device::Module(module, ..) => module.control(Control::NoFaults),
+        }
+    }
+
+    /// Waits until a fault of the device shows at its interface, as far as that takes time.
+    pub fn settle(&self, fault: DeviceFault) {
+        match (&self.device, fault) {
+            (Device::Board(board, _), DeviceFault::Alarm) => {
+                // The filter of the ENABLE input.
+                while !board.look().expect("the emulator runs").status().enable_open() {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+            }
+            (Device::Module(module, ..), DeviceFault::BrownOut | DeviceFault::Gone) => {
+                // The emulator writes its status byte into the file when it next looks at it.
+                let mut memory = MemoryFile::open(module.path()).expect("it is there");
+                let mut status = [0];
+                while status[0] & 1 == 0 {
+                    bim2ax::Memory::read(&mut memory, 0xFD, &mut status).expect("it is there");
+                    std::thread::sleep(Duration::from_millis(1));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// The supply off and on again by hand: what brings back a drive that nothing else does.
+    pub fn power_cycle(&self) {
+        if let Device::Bus(..) = &self.device {
+            self.upset(DeviceFault::BrownOut, true, 0);
+        }
+    }
+}
+
+fn board<C: Clock + 'static>(clock: C) -> Device {
+    let switch = Cam {
+        input: 1,
+        axis: BoardAxis::X,
+        from: -9000,
+        to: -3000,
+        normally_closed: false,
+    };
+    let options = interpcnc::emulator::EmulatorOptions {
+        bench: Bench { cams: vec![switch], encoder: None },
+        seed: 3,
+        ..interpcnc::emulator::EmulatorOptions::default()
+    };
+    let board = EmulatedBoard::start(&options, clock).expect("it starts");
+    let axis = interpcnc::AxisOptions {
+        acceleration_khz_per_s: 100,
+        deceleration_khz_per_s: 100,
+        max_speed_hz: 20_000,
+        ..interpcnc::AxisOptions::new(BoardAxis::X)
+    };
+    let mut options = InterpCncOptions::new(vec![axis]);
+    (options.deadline, options.worst_latency) = (DEADLINE, WORST_LATENCY);
+    let path = board.path().to_str().expect("a name").to_owned();
+    let drive = InterpCncDrive::open(&path, &options).expect("it opens");
+    Device::Board(board, drive)
+}
+
+fn bus<C: Clock + 'static>(clock: C) -> Device {
+    let device = DeviceOptions {
+        cams: vec![smartdrive::emulator::Cam { input: Input::Go, from: -90_000.0, to: -15_000.0 }],
+        configured_mode: Mode::Off,
+        ..DeviceOptions::default()
+    };
+    let options = smartdrive::emulator::EmulatorOptions {
+        devices: vec![device],
+        seed: 3,
+        ..smartdrive::emulator::EmulatorOptions::default()
+    };
+    let bus = EmulatedBus::start(&options, clock).expect("it starts");
+    let axis = smartdrive::AxisOptions {
+        address: 1,
+        turn: StepsPerTurn::new(200, 16).expect("a turn"),
+        velocity_rpm: 500,
+        acceleration_rpm_per_s: 2000,
+        deceleration_rpm_per_s: 2000,
+    };
+    let mut options = SmartDriveOptions::new(vec![axis]);
+    (options.deadline, options.worst_latency) = (DEADLINE, WORST_LATENCY);
+    (options.homing, options.mode_change) = (HOMING, Duration::from_secs(10));
+    let path = bus.path().to_str().expect("a name").to_owned();
+    let drive = SmartDriveBus::open(&path, &options).expect("it opens");
+    Device::Bus(bus, drive)
+}
+
+fn module<C: Clock + 'static>(clock: C) -> Device {
+    let folder = tempfile::tempdir().expect("a folder");
+    let image = folder.path().join("eeprom");
+    let mut eeprom = bim2ax::emulator::Eeprom::new(2000);
+    let values = [
+        (AxisParameter::Mode, 0x0060),
+        (AxisParameter::StartStopSpeed, 1000),
+        (AxisParameter::FastSpeed, 10_000),
+        (AxisParameter::Acceleration, 20_000),
+    ];
+    for (parameter, value) in values {
+        eeprom.set(Parameter::Axis(parameter, ModuleAxis::One), value);
+    }
+    std::fs::write(&image, eeprom.to_bytes()).expect("it is written");
+    let mut options =
+        bim2ax::emulator::EmulatorOptions::new(&folder.path().join("module"));
+    options.eeprom = Some(image);
+    options.seed = 3;
+    options.surroundings.benches[0].cam = Some(Contact::between(-9000, -1500, true));
+    // Long enough to be seen by a driver that has to wait for its turn.
+    options.module.boot_ns = 4_000_000_000;
+    let module = EmulatedModule::start(&options, clock).expect("it starts");
+    while !runs(&module.module()) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let mut options = Bim2AxDriveOptions::new();
+    options.axes = vec![ModuleAxis::One];
+    (options.driver.deadline, options.driver.worst_latency) = (DEADLINE, WORST_LATENCY);
+    let path = module.path().to_str().expect("a name").to_owned();
+    let memory = MemoryFile::open(module.path()).expect("it is there");
+    let drive = Bim2AxDrive::new(&path, memory, &options).expect("it opens");
+    Device::Module(module, drive, folder)
+}
+
+fn runs(module: &Module) -> bool {
+    module.bus_read(0xFD) & 1 == 0
+}
