@@ -70,8 +70,9 @@ fn a_board(link: &Path) -> board::EmulatedBoard {
 }
 
 fn a_bus(link: &Path) -> bus::EmulatedBus {
-    let options =
-        bus::EmulatorOptions { link: Some(link.to_owned()), ..bus::EmulatorOptions::default() };
+    let devices = vec![bus::DeviceOptions::default()];
+    let link = Some(link.to_owned());
+    let options = bus::EmulatorOptions { devices, link, ..bus::EmulatorOptions::default() };
     bus::EmulatedBus::start(&options, clock()).expect("it starts")
 }
 
