@@ -16,6 +16,7 @@ use super::{
 use crate::{
     Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
     MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
+    drive::is_zero,
     ramp::{nanoseconds, seconds},
 };
 
@@ -361,7 +362,10 @@ impl Drive for Bim2AxDrive {
             let at = self.module.at(Action::ReadState);
             return Err(DriveError::Moving { at, axes: moving });
         }
-        for (axis, position) in &wanted {
+        for ((axis, position), found) in wanted.iter().zip(self.in_order(&before)) {
+            if *position == found {
+                continue;
+            }
             self.runtime.block_on(self.module.preset(*axis, *position, &no_clock))?;
         }
         let (after, _) = self.look(&no_clock)?;
@@ -386,6 +390,10 @@ impl Drive for Bim2AxDrive {
         for ((axis, settings), (target, speed)) in
             self.options.axes.iter().zip(&self.settings).zip(target.iter().zip(speed))
         {
+            if is_zero(*speed) {
+                starts.push(None);
+                continue;
+            }
             let to = Move::To(self.register(*axis, *target)?);
             let units = (speed / settings.mode.speed_unit()).round();
             if !(1.0..=65_535.0).contains(&units) {

@@ -17,6 +17,7 @@ use super::{
 use crate::{
     Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
     MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, Stamp,
+    drive::is_zero,
 };
 
 /// Clock for exchanges whose time matters to nobody.
@@ -270,6 +271,9 @@ impl Drive for SmartDriveBus {
         let axes = self.bus.options().axes.clone();
         let mut commands = Vec::with_capacity(axes.len());
         for (index, ((axis, target), speed)) in axes.iter().zip(target).zip(speed).enumerate() {
+            if is_zero(*speed) {
+                continue;
+            }
             let target = self.counter(index, axis.address, *target)?;
             let rate = axis.acceleration_rpm_per_s.max(axis.deceleration_rpm_per_s);
             // No more than asked for: rounded down, but for what only rounding has made less than whole.
