@@ -151,7 +151,8 @@ pub trait Drive: Send {
     /// If the device refuses or an axis moves.
     fn set_position(&mut self, position: &Increments) -> Result<(), DriveError>;
 
-    /// Starts every axis towards `target` at no more than `speed` increments/s each, independently, and returns.
+    /// Starts every axis towards `target` at no more than `speed` increments/s each, independently, and returns. An axis
+    /// whose speed is 0 is told nothing.
     ///
     /// # Errors
     /// If the device refuses or a value does not fit its registers.
@@ -237,4 +238,10 @@ fn nowhere(device: &str) -> Exchange {
 
 fn unsupported(device: &str, what: &'static str) -> DriveError {
     DriveError::Unsupported { at: nowhere(device), what }
+}
+
+/// Whether an axis is told nothing.
+pub(crate) fn is_zero(speed: f64) -> bool {
+    // −0 is 0, too.
+    speed.abs().to_bits() == 0
 }

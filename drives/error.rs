@@ -526,6 +526,24 @@ impl DriveError {
     }
 }
 
+impl DriveError {
+    /// Whether nothing is wrong but that an axis is on its limit switch.
+    pub fn is_limit_switch(&self) -> bool {
+        match self {
+            Self::LimitSwitch { .. } => true,
+            Self::AxisMessages { messages, .. } => {
+                use crate::bim2ax::bits::message::{
+                    HARD_STOPPED, MINUS_SWITCH, PHASE_OPEN, PHASE_SHORT, PHASES_OFF, PLUS_SWITCH,
+                    POWER_ABSENT,
+                };
+                let wrong = HARD_STOPPED | PHASES_OFF | PHASE_OPEN | PHASE_SHORT | POWER_ABSENT;
+                messages & (PLUS_SWITCH | MINUS_SWITCH) != 0 && messages & wrong == 0
+            }
+            _ => false,
+        }
+    }
+}
+
 /// The manual's words for an exception code ("Traitement des erreurs").
 fn exception_meaning(code: u8) -> &'static str {
     match code {

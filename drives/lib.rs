@@ -2,6 +2,7 @@
 //!
 //! This crate knows increments, registers and wires; it never learns which machine hangs on the axes.
 
+pub mod axis;
 pub mod bim2ax;
 mod clock;
 mod control;

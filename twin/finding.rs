@@ -121,6 +121,9 @@ pub struct Finding {
     /// The largest feed with which this would not be found, mm/s, where that has a closed form.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub largest_feed_mm_per_s: Option<f64>,
+    /// What to do about it, for people.
+    #[serde(skip)]
+    pub hint: Option<String>,
     /// Bytes of the line to underline.
     #[serde(skip)]
     pub columns: Option<Range<usize>>,
@@ -140,6 +143,7 @@ impl Finding {
             limit: None,
             unit: None,
             largest_feed_mm_per_s: None,
+            hint: None,
             columns: None,
         }
     }

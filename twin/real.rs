@@ -2,11 +2,13 @@
 
 use crate::emulated::{driver_options, smartdrive_axis};
 use crate::machine::{Bim2AxEntry, DeviceEntry, DriveFamily, Machine};
+use std::fs::{File, TryLockError};
+use std::io;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use twin_drives::bim2ax::{
-    Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, MappedMemory, MemoryFile, ModuleAxis,
+    Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, MappedMemory, Memory, MemoryFile, ModuleAxis,
 };
 use twin_drives::interpcnc::{InterpCncDrive, InterpCncOptions};
 use twin_drives::smartdrive::{SmartDriveBus, SmartDriveOptions};
@@ -88,11 +90,44 @@ fn module(
         let port: Arc<str> = port.into();
         DriveError::Transport { at: Exchange { port, station: 0, action: Action::Open }, source }
     };
-    let path = Path::new(port);
-    match entry.map_offset {
-        Some(start) => {
-            Bim2AxDrive::new(port, MappedMemory::open(path, start).map_err(failed)?, &options)
+    let memory = module_memory(Path::new(port), entry.map_offset).map_err(failed)?;
+    Bim2AxDrive::new(port, memory, &options)
+}
+
+/// The memory of a module, of which nobody else may be the master meanwhile.
+///
+/// # Errors
+/// If it cannot be opened, or another program has it.
+pub(crate) fn module_memory(
+    path: &Path,
+    map_offset: Option<u64>,
+) -> io::Result<impl Memory + use<>> {
+    let memory: Box<dyn Memory> = match map_offset {
+        Some(start) => Box::new(MappedMemory::open(path, start)?),
+        None => Box::new(MemoryFile::open(path)?),
+    };
+    let lock = File::open(path)?;
+    match lock.try_lock() {
+        Ok(()) => Ok(Alone { memory, _lock: lock }),
+        Err(TryLockError::WouldBlock) => {
+            Err(io::Error::new(io::ErrorKind::ResourceBusy, "another program is its master"))
         }
-        None => Bim2AxDrive::new(port, MemoryFile::open(path).map_err(failed)?, &options),
+        Err(TryLockError::Error(error)) => Err(error),
+    }
+}
+
+/// A memory that others are kept from as long as this lives.
+struct Alone {
+    memory: Box<dyn Memory>,
+    _lock: File,
+}
+
+impl Memory for Alone {
+    fn read(&mut self, offset: u8, bytes: &mut [u8]) -> io::Result<()> {
+        self.memory.read(offset, bytes)
+    }
+
+    fn write(&mut self, offset: u8, bytes: &[u8]) -> io::Result<()> {
+        self.memory.write(offset, bytes)
     }
 }

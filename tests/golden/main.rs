@@ -22,6 +22,7 @@ mod machine;
 mod motors;
 mod path;
 mod process;
+mod real;
 mod recording;
 mod run_limits;
 mod surroundings;

@@ -2,6 +2,7 @@
 
 mod axes;
 mod axes_probe;
+mod causes;
 mod check;
 mod drive;
 mod emulate;

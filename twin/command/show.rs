@@ -1,6 +1,6 @@
 //! How things look on a terminal.
 
-use super::underline;
+use super::{causes, underline};
 use crate::check::PredictedFollowing;
 use crate::compare::Statistics;
 use crate::finding::{Finding, Severity};
@@ -14,7 +14,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use miette::{
     Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents,
 };
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::io::{self, BufRead, IsTerminal, Read, Write};
 use std::ops::Range;
@@ -24,11 +24,13 @@ use twin_motion::Place;
 /// How many findings a person is shown.
 const SHOWN_FINDINGS: usize = 20;
 
-/// Shows findings on standard error with the lines they are about, the worst first.
+/// Shows findings on standard error with the lines they are about, the worst first, and those of one cause once.
 pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
-    let shown = findings.get(..SHOWN_FINDINGS).unwrap_or(findings);
-    let lines = lines_of(program, shown);
-    for finding in shown {
+    let causes = causes::of(findings);
+    let shown = causes.get(..SHOWN_FINDINGS).unwrap_or(&causes);
+    let lines = lines_of(program, shown.iter().map(|cause| cause.first));
+    for cause in shown {
+        let finding = cause.first;
         let source = lines.get(&finding.line).map(|line| {
             let words = underline::words(line, finding);
             let (text, words) = excerpt(line, words);
@@ -42,9 +44,13 @@ pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
             // A message that cannot be shown must not end the command.
             writeln!(io::stderr(), "{}", text.trim_end()).unwrap_or_default();
         }
+        if let Some(others) = cause.others() {
+            writeln!(io::stderr(), "  {others}").unwrap_or_default();
+        }
     }
-    if findings.len() > shown.len() {
-        let rest = findings.len() - shown.len();
+    if causes.len() > shown.len() {
+        let told: usize = shown.iter().map(causes::Cause::count).sum();
+        let rest = findings.len() - told;
         writeln!(io::stderr(), "… and {rest} more").unwrap_or_default();
     }
 }
@@ -58,8 +64,12 @@ fn theme() -> miette::GraphicalTheme {
 }
 
 /// The beginnings of the lines that findings are about, read from the file again: nothing keeps the program in memory.
-fn lines_of(program: &ProgramFile, findings: &[Finding]) -> BTreeMap<u32, String> {
-    let Some(last) = findings.iter().map(|finding| finding.line).max() else {
+fn lines_of<'f>(
+    program: &ProgramFile,
+    findings: impl Iterator<Item = &'f Finding>,
+) -> BTreeMap<u32, String> {
+    let wanted: BTreeSet<_> = findings.map(|finding| finding.line).collect();
+    let Some(last) = wanted.last().copied() else {
         return BTreeMap::new();
     };
     // What is no file cannot be read twice.
@@ -79,7 +89,7 @@ fn lines_of(program: &ProgramFile, findings: &[Finding]) -> BTreeMap<u32, String
         if buffer.last() != Some(&b'\n') && reader.skip_until(b'\n').is_err() {
             break;
         }
-        if findings.iter().any(|finding| finding.line == number) {
+        if wanted.contains(&number) {
             lines.insert(number, printable(&buffer));
         }
     }
@@ -187,6 +197,9 @@ impl Diagnostic for ShownFinding<'_> {
     }
 
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        if let Some(hint) = &self.finding.hint {
+            return Some(Box::new(hint.as_str()));
+        }
         let feed = self.finding.largest_feed_mm_per_s.filter(|feed| *feed >= 1e-3)?;
         let feed = match self.dialect {
             Dialect::Din66025 => format!("F{}", floor_3(feed)),

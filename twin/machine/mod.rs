@@ -44,7 +44,7 @@ use std::sync::Arc;
 use tool::Tool;
 use twin_drives::MAX_DRIVE_AXES;
 use twin_kinematics::{AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
-use twin_urdf::{JointKind, Model, UrdfWarning};
+use twin_urdf::{Inertial, JointKind, Model, UrdfWarning};
 
 /// One set-point per millisecond.
 const CYCLE_NS: i64 = 1_000_000;
@@ -74,6 +74,10 @@ pub struct Machine {
     pub model: Model,
     /// What of a URDF that the file points to is not as it is written there.
     pub urdf_warnings: Vec<UrdfWarning>,
+    /// What of the file, or of its URDF, is perhaps not meant as it is written.
+    pub hints: Vec<String>,
+    /// What the tool holds, in the frame of the flange.
+    pub payload: Option<Inertial>,
     /// What may be in its way; `None`: nothing is looked for.
     pub collision: Option<Collision>,
     /// The devices on the wires.
@@ -225,6 +229,8 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         frame: frame?,
         axes: geometry.axes,
         urdf_warnings: geometry.warnings,
+        hints: geometry.hints,
+        payload,
         drives: devices.into_iter().collect::<Option<_>>()?,
         gravity: Vector3::from(gravity),
         conditions,

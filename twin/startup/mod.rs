@@ -132,7 +132,7 @@ impl Looker<'_> {
             Err(DriveError::Parameter { .. })
                 if self.looked.checks.iter().any(|check| !check.passed) =>
             {
-                Ok(())
+                self.homed(machine, drive, stream)
             }
             Err(error) => Err(error),
         }
@@ -189,7 +189,7 @@ impl Looker<'_> {
             self.add(false, format!("{whose}{} ({name}) is {found}{unit}; {value}", one.id));
         }
         if right == wanted.len() {
-            self.add(true, format!("parameters: {right} are as the machine file has them"));
+            self.add(true, format!("parameters: all {right} as the machine file has them"));
         }
         Ok(())
     }
@@ -200,13 +200,6 @@ impl Looker<'_> {
         let mut has_limits = false;
         for ((index, axis), limits) in self.axes.clone().into_iter().zip(limits) {
             let name = &axis.name;
-            let fastest = (axis.max_velocity * axis.increments_per_si()).abs();
-            if let Some(speed) = limits.speed.filter(|speed| *speed < fastest * (1.0 - 1e-9)) {
-                let message = format!(
-                    "axis {name}: the device goes up to {speed:.0} increments/s; {fastest:.0} are wanted"
-                );
-                self.add(false, message);
-            }
             let (Some(low), Some(high)) = (limits.lowest, limits.highest) else { continue };
             has_limits = true;
             let unit = axis.unit();

@@ -74,6 +74,7 @@ pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
                 let driven = bim2ax_axis(axis, module);
                 for (parameter, must) in [
                     (AxisParameter::Mode, Must::Be(driven.mode.code().into())),
+                    (AxisParameter::FastSpeed, Must::BeAtLeast(driven.fast_speed.into())),
                     (AxisParameter::StartStopSpeed, Must::Be(driven.start_stop_speed.into())),
                     (AxisParameter::Acceleration, Must::BeAtLeast(driven.acceleration.into())),
                 ] {

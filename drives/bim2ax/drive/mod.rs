@@ -16,6 +16,7 @@ use super::{
 use crate::{
     Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
     MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
+    drive::is_zero,
     ramp::{nanoseconds, seconds},
 };
 
@@ -407,7 +408,10 @@ impl Drive for Bim2AxDrive {
             let at = self.module.at(Action::ReadState);
             return Err(DriveError::Moving { at, axes: moving });
         }
-        for (axis, position) in &wanted {
+        for ((axis, position), found) in wanted.iter().zip(self.in_order(&before)) {
+            if *position == found {
+                continue;
+            }
             self.runtime.block_on(self.module.preset(*axis, *position, &no_clock))?;
         }
         let (after, _) = self.look(&no_clock)?;
@@ -430,11 +434,16 @@ impl Drive for Bim2AxDrive {
         self.prepared()?;
         let (before, _) = self.look(&no_clock)?;
         self.check(&before, Action::ReadState, |messages| messages & NOT_READY != 0)?;
-        let mut sent = [0; AXES];
+        // Axes that are left alone stay where they stand.
+        let mut sent = self.in_order(&before);
         let mut starts = Vec::with_capacity(AXES);
         for ((axis, settings), (target, speed)) in
             self.options.axes.iter().zip(&self.settings).zip(target.iter().zip(speed))
         {
+            if is_zero(*speed) {
+                starts.push(None);
+                continue;
+            }
             let target = self.register(*axis, *target)?;
             if let Some(place) = sent.get_mut(starts.len()) {
                 *place = target;
@@ -457,7 +466,8 @@ impl Drive for Bim2AxDrive {
         }
         let starts = self.by_axis(&starts);
         self.runtime.block_on(self.module.start(starts, &no_clock))?;
-        self.sent = Some(sent);
+        // Where one that moves already will stand is not known.
+        self.sent = (self.moving(&before) == 0).then_some(sent);
         Ok(())
     }
 

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
-    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
+    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, drive::is_zero,
 };
 
 /// Clock for exchanges whose time matters to nobody.
@@ -278,6 +278,9 @@ impl Drive for InterpCncDrive {
         let mut commands = Vec::with_capacity(AXES);
         let axes = self.board.options().axes.clone();
         for ((options, target), speed) in axes.iter().zip(target).zip(speed) {
+            if is_zero(*speed) {
+                continue;
+            }
             let profile = MoveProfile {
                 start_stop_hz: options.start_stop_hz,
                 acceleration_khz_per_s: options.acceleration_khz_per_s,

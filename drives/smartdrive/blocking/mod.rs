@@ -17,6 +17,7 @@ use super::{
 use crate::{
     Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
     MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, Stamp,
+    drive::is_zero,
 };
 
 /// Clock for exchanges whose time matters to nobody.
@@ -50,8 +51,9 @@ pub struct SmartDriveBus {
     /// Position of the caller where the drive's counter is 0.
     zeros: Increments,
     homing: [Homing; MAX_DRIVE_AXES],
-    /// Counters that [`Drive::move_to`] has sent the drives to, until something else moves or stops them.
-    sent: Vec<i32>,
+    /// Counters that [`Drive::move_to`] has sent the drives to, until something else moves or stops them; none of those
+    /// that it has left alone.
+    sent: Vec<Option<i32>>,
     /// Last, so that the port is closed while its runtime exists.
     runtime: Runtime,
 }
@@ -120,8 +122,9 @@ impl SmartDriveBus {
         let done = |state: &DriveState| state.flags.contains(TrajectoryFlags::DONE);
         let drives = self.axes().zip(&self.sent).zip(seen);
         let strays = drives.enumerate().filter_map(|(index, ((address, target), (state, _)))| {
-            let stray = done(state) && !state.moving() && state.position != *target;
-            stray.then(|| self.elsewhere(index, address, f64::from(*target), state.position))
+            let target = target
+                .filter(|target| done(state) && !state.moving() && state.position != *target)?;
+            Some(self.elsewhere(index, address, f64::from(target), state.position))
         });
         strays.into_iter().next()
     }
@@ -309,6 +312,10 @@ impl Drive for SmartDriveBus {
         let mut sent = Vec::with_capacity(axes.len());
         let mut commands = Vec::with_capacity(axes.len());
         for (index, ((axis, target), speed)) in axes.iter().zip(target).zip(speed).enumerate() {
+            if is_zero(*speed) {
+                sent.push(None);
+                continue;
+            }
             let target = self.counter(index, axis.address, *target)?;
             let rate = axis.acceleration_rpm_per_s.max(axis.deceleration_rpm_per_s);
             // No more than asked for: rounded down, but for what only rounding has made less than whole.
@@ -331,7 +338,7 @@ impl Drive for SmartDriveBus {
             )]
             let speed = rpm as u16;
             commands.push((axis.address, GoTo { target, speed, rate }.command()));
-            sent.push(target);
+            sent.push(Some(target));
         }
         for (address, command) in commands {
             let done = self.runtime.block_on(self.bus.send(address, &command, &no_clock));

@@ -5,14 +5,15 @@ use super::consent::Consent;
 use super::session::{BRAKING, Session, Stopping, no_clock};
 use super::words::{self, on_off};
 use crate::command::{Failure, Status, show};
+use crate::real::module_memory;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 use twin_drives::bim2ax::bits::{card, message};
 use twin_drives::bim2ax::zone::Positions;
 use twin_drives::bim2ax::{
-    AxisSettings, Bim2Ax, Bim2AxOptions, ByteOrder, Identity, MappedMemory, MemoryFile, ModuleAxis,
-    Move, Start, describe_messages,
+    AxisSettings, Bim2Ax, Bim2AxOptions, ByteOrder, Identity, ModuleAxis, Move, Start,
+    describe_messages,
 };
 use twin_drives::{Action as Doing, DriveError, Exchange};
 
@@ -169,12 +170,8 @@ impl Module {
             let at = Exchange { port: Arc::clone(&port), station: 0, action: Doing::Open };
             Failure::Drive(DriveError::Transport { at, source })
         };
-        let driver = match arguments.map {
-            Some(start) => {
-                Bim2Ax::new(&port, MappedMemory::open(path, start).map_err(failed)?, &options)
-            }
-            None => Bim2Ax::new(&port, MemoryFile::open(path).map_err(failed)?, &options),
-        };
+        let memory = module_memory(path, arguments.map).map_err(failed)?;
+        let driver = Bim2Ax::new(&port, memory, &options);
         Ok(Self { driver, port })
     }
 

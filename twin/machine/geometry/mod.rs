@@ -35,6 +35,7 @@ pub(super) struct Geometry {
     /// The axes, with what a URDF says of their friction.
     pub(super) axes: Vec<Axis>,
     pub(super) warnings: Vec<UrdfWarning>,
+    pub(super) hints: Vec<String>,
 }
 
 /// The machine file.
@@ -101,15 +102,15 @@ pub(super) fn read(
         let flange = Isometry3::from(Translation3::from(model.tip.point.coords - tool.tip));
         mount(payload, tool, &mut model, &flange, &body)?;
         let axes = axes.iter().map(|entry| entry.axis.clone()).collect();
-        Built { model, axes, warnings: Vec::new() }
+        Built { model, axes, warnings: Vec::new(), hints: Vec::new() }
     } else {
         let given =
             Given { root, body: &body, kind, design: &design, axes, tool, payload, sources };
         source?.build(&given, &machine_axes)?
     };
-    let Built { model, axes, warnings } = built;
+    let Built { model, axes, warnings, hints } = built;
     let (kind, kinematics) = (kind.name, machine_axes);
-    Some(Geometry { kind, kinematics, direction, length_scale, model, axes, warnings })
+    Some(Geometry { kind, kinematics, direction, length_scale, model, axes, warnings, hints })
 }
 
 /// Lets `model` carry `payload` at its `flange`, and gives its `tool` the shape it has.
@@ -134,6 +135,7 @@ struct Built {
     model: Model,
     axes: Vec<Axis>,
     warnings: Vec<UrdfWarning>,
+    hints: Vec<String>,
 }
 
 /// The links and joints that `build` makes, and those of additional axes.

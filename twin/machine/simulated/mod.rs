@@ -166,7 +166,8 @@ pub(super) fn read(
         AxisKind::Rotary => ("nm", "nm_s_per_rad", "kg_m2"),
         AxisKind::Linear => ("n", "n_s_per_m", "kg"),
     };
-    let most = section.number(&format!("max_{}_{effort}", kind.effort_name()), 1e-3..=1e7);
+    let most_key = format!("max_{}_{effort}", kind.effort_name());
+    let most = section.number(&most_key, 1e-3..=1e7);
     let bandwidth_hz = section
         .number("velocity_loop_bandwidth_hz", 1.0..=250.0)
         .unwrap_or(ServoParameters::DEFAULT_BANDWIDTH_HZ);
@@ -220,6 +221,14 @@ pub(super) fn read(
         noise: noise(section, kind, effort),
     };
     if let Some(most) = most {
+        if simulated.steps() {
+            section.complain_at(
+                &most_key,
+                format!(
+                    "`{most_key}` says nothing of a step motor, which gives what `holding_torque_nm` or `pull_out_rpm_nm` in [stepper] say"
+                ),
+            );
+        }
         simulated.limit_effort(most);
     }
     if simulated.transmission.is_some() && armature <= 0.0 {

@@ -134,16 +134,20 @@ impl Source {
             return None;
         }
         model.stand_at(self.base);
+        let mut hints = Vec::new();
         let axes: Vec<_> = given
             .axes
             .iter()
             .enumerate()
             .map(|(index, entry)| {
                 let joint = model.joints.iter_mut().find(|joint| joint.drive.axis() == Some(index));
-                match joint {
-                    Some(joint) => self.settle(given, index, entry, joint),
-                    None => entry.axis.clone(),
+                let Some(joint) = joint else { return entry.axis.clone() };
+                let placeholder = joint.effort_limit == Some(PLACEHOLDER);
+                let axis = self.settle(given, index, entry, joint);
+                if placeholder && axis.effort_limit() == Some(PLACEHOLDER) {
+                    hints.push(self.weak(&axis, joint));
                 }
+                axis
             })
             .collect();
         for (index, entry) in beside {
@@ -165,7 +169,18 @@ impl Source {
             .ok()?;
         mount(given.payload, given.tool, &mut model, &flange, body)?;
         agree::check(&self, given, machine, &model, &flange)?;
-        Some(Built { model, axes, warnings })
+        Some(Built { model, axes, warnings, hints })
+    }
+
+    /// What to say of a motor that the URDF allows next to nothing.
+    fn weak(&self, axis: &Axis, joint: &Joint) -> String {
+        let (name, unit) = (axis.kind.effort_name(), axis.kind.effort_unit());
+        let (key, file) = (format!("max_{name}_{}", unit.to_lowercase()), self.path.display());
+        format!(
+            "axis {}: its motor gives 1 {unit} at most, as effort=\"1\" of joint {} in {file} says; is that a placeholder? `{key}` in \
+             [axes.physics] says what it gives",
+            axis.name, joint.name
+        )
     }
 
     /// Where joints are held, m or rad.
@@ -304,6 +319,9 @@ impl Source {
         axis
     }
 }
+
+/// N or Nm: what generators of URDFs write where nobody has said a limit.
+const PLACEHOLDER: f64 = 1.0;
 
 /// The name of the joint that an axis moves.
 fn joint_name(entry: &AxisEntry) -> &str {

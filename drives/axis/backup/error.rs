@@ -1,0 +1,171 @@
+//! What can be wrong with a file of parameters, or with putting it back.
+
+use std::io;
+
+use crate::{DriveError, ParameterId, Values};
+
+/// A file of parameters that cannot be written, read or put back.
+#[derive(Debug, thiserror::Error)]
+pub enum BackupError {
+    /// The file cannot be written (`SMC_WDPF_CANNOT_CREATE_FILE`).
+    #[error("{file}: cannot be written: {source}")]
+    Write {
+        /// Name of the file.
+        file: String,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The file cannot be read.
+    #[error("{file}: cannot be read: {source}")]
+    Read {
+        /// Name of the file.
+        file: String,
+        /// What the operating system says.
+        source: io::Error,
+    },
+    /// The device does not tell its parameters (`SMC_WDPF_ERROR_WHEN_READING_PARAMS`).
+    #[error(transparent)]
+    Drive(#[from] DriveError),
+    /// Lines are wrong, all of those that are.
+    #[error("{}", lines(.0))]
+    Lines(Vec<LineError>),
+}
+
+fn lines(errors: &[LineError]) -> String {
+    let texts: Vec<_> = errors.iter().map(ToString::to_string).collect();
+    texts.join("\n")
+}
+
+impl BackupError {
+    /// Number of the manual's `SMC_Error`; `None` where it has none.
+    pub fn number(&self) -> Option<u16> {
+        match self {
+            Self::Write { .. } => Some(3002),
+            Self::Drive(_) => Some(3003),
+            Self::Read { .. } | Self::Lines(_) => None,
+        }
+    }
+}
+
+/// A line that is wrong.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{file}:{line}: {fault}")]
+pub struct LineError {
+    /// Name of the file.
+    pub file: String,
+    /// Line, from 1.
+    pub line: u32,
+    /// What is wrong.
+    pub fault: LineFault,
+}
+
+/// What is wrong with a line.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LineFault {
+    /// It is no XML.
+    #[error("{0}")]
+    Xml(String),
+    /// Neither of the two formats begins like this.
+    #[error("this is no file of drive parameters")]
+    Unknown,
+    /// A later version, or none.
+    #[error("version {found:?} is not known (1)")]
+    Version {
+        /// What it says.
+        found: String,
+    },
+    /// Something is missing.
+    #[error("{what} is missing")]
+    Missing {
+        /// What.
+        what: &'static str,
+    },
+    /// A word is no number, or one that does not fit.
+    #[error("{what}: {word:?} is no whole number from {low} to {high}")]
+    Number {
+        /// What it should be.
+        what: &'static str,
+        /// What is there.
+        word: String,
+        /// Smallest.
+        low: i64,
+        /// Largest.
+        high: i64,
+    },
+    /// There is more than should be there.
+    #[error("{word:?} is not expected here")]
+    Unexpected {
+        /// What is there.
+        word: String,
+    },
+    /// The parameters of another family.
+    #[error("these are parameters of {found}, the device is {expected}")]
+    Family {
+        /// Family of the file.
+        found: String,
+        /// Family of the device.
+        expected: String,
+    },
+    /// The device has no such parameter.
+    #[error("the device has no {id}")]
+    NoParameter {
+        /// Which.
+        id: ParameterId,
+    },
+    /// The same parameter is given before.
+    #[error("{id} is given in line {first} already")]
+    Twice {
+        /// Which.
+        id: ParameterId,
+        /// Where it is given first.
+        first: u32,
+    },
+    /// The parameter cannot have this value.
+    #[error("{id} ({name}) = {value} is impossible ({values})")]
+    Value {
+        /// Which.
+        id: ParameterId,
+        /// What the device calls it.
+        name: String,
+        /// The value.
+        value: i64,
+        /// What it takes.
+        values: Values,
+    },
+}
+
+/// Why a restore has ended. What has been written before stays written.
+#[derive(Debug, thiserror::Error)]
+pub enum RestoreError {
+    /// The device refuses a parameter or does not answer.
+    #[error("{id} ({name}) = {value}: {source}; {written} of {all} changes have been made")]
+    Write {
+        /// Which.
+        id: ParameterId,
+        /// What the device calls it.
+        name: String,
+        /// The value.
+        value: i64,
+        /// Changes made before.
+        written: usize,
+        /// Changes that were to be made.
+        all: usize,
+        /// What the device says.
+        source: DriveError,
+    },
+    /// A parameter does not say what was written, once all have been.
+    #[error("{id} ({name}) reads {found} after {value} was written")]
+    Differs {
+        /// Which.
+        id: ParameterId,
+        /// What the device calls it.
+        name: String,
+        /// Written.
+        value: i64,
+        /// Read back.
+        found: i64,
+    },
+    /// The device cannot be read back, or does not keep its parameters.
+    #[error(transparent)]
+    Drive(#[from] DriveError),
+}

@@ -1,0 +1,166 @@
+//! What a file would change, and the change itself.
+
+use std::fmt;
+
+use super::{Backup, BackupError, LineError, LineFault, RestoreError};
+use crate::{Drive, ParameterId, ParameterInfo};
+
+/// A parameter of which file and device say different things.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Change {
+    /// Line of the file.
+    pub line: u32,
+    /// Which.
+    pub id: ParameterId,
+    /// What the device calls it.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What the device has.
+    pub from: i64,
+    /// What the file has.
+    pub to: i64,
+    /// Whether it acts after a restart only.
+    pub needs_restart: bool,
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { id, name, unit, from, to, .. } = self;
+        let gap = if unit.is_empty() { "" } else { " " };
+        write!(f, "{id} ({name}): {from} -> {to}{gap}{unit}")?;
+        f.write_str(if self.needs_restart { ", after a restart" } else { "" })
+    }
+}
+
+/// What a file would change on a device: nothing has been written.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Plan {
+    /// What would be written, in the order of the file.
+    pub changes: Vec<Change>,
+    /// What differs and cannot be written.
+    pub read_only: Vec<Change>,
+    /// What differs and is not written, as the device would not be heard any more: address, speed and parity of the line.
+    pub of_the_line: Vec<Change>,
+    /// Parameters that are as in the file.
+    pub same: usize,
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for change in &self.changes {
+            writeln!(f, "{change}")?;
+        }
+        for change in &self.read_only {
+            writeln!(f, "{change}: left as it is, read-only")?;
+        }
+        for change in &self.of_the_line {
+            writeln!(f, "{change}: left as it is, the line depends on it")?;
+        }
+        write!(f, "{} to change, {} as they are", self.changes.len(), self.same)
+    }
+}
+
+/// Holds a file against a device and says what it would change. Writes nothing.
+///
+/// # Errors
+/// [`BackupError::Lines`] with every line that the device cannot have: another family, unknown parameters, parameters
+/// given twice, impossible values. [`BackupError::Drive`] if the device does not answer.
+pub fn plan(drive: &mut dyn Drive, backup: &Backup) -> Result<Plan, BackupError> {
+    let mut errors = Vec::new();
+    let mut error = |line, fault| errors.push(LineError { file: backup.file.clone(), line, fault });
+    let expected = drive.identity()?.family;
+    let (found, line) = &backup.family;
+    if !expected.eq_ignore_ascii_case(found) {
+        let (found, expected) = (found.clone(), expected.to_owned());
+        error(*line, LineFault::Family { found, expected });
+        return Err(BackupError::Lines(errors));
+    }
+    let known = drive.parameters()?;
+    let mut plan = Plan::default();
+    for (place, entry) in backup.entries.iter().enumerate() {
+        let id = entry.id;
+        let Some(info) = known.iter().find(|info| info.id == id) else {
+            error(entry.line, LineFault::NoParameter { id });
+            continue;
+        };
+        if let Some(first) = backup.entries.iter().take(place).find(|before| before.id == id) {
+            error(entry.line, LineFault::Twice { id, first: first.line });
+            continue;
+        }
+        let from = drive.parameter(id)?;
+        if from == entry.value {
+            plan.same += 1;
+        } else if info.writable && !info.values.contain(entry.value) {
+            let (name, values) = (info.name.clone(), info.values.clone());
+            error(entry.line, LineFault::Value { id, name, value: entry.value, values });
+        } else {
+            plan.of(info).push(Change {
+                line: entry.line,
+                id,
+                name: info.name.clone(),
+                unit: info.unit,
+                from,
+                to: entry.value,
+                needs_restart: info.needs_restart,
+            });
+        }
+    }
+    if errors.is_empty() { Ok(plan) } else { Err(BackupError::Lines(errors)) }
+}
+
+impl Plan {
+    fn of(&mut self, info: &ParameterInfo) -> &mut Vec<Change> {
+        if !info.writable {
+            &mut self.read_only
+        } else if info.of_the_line {
+            &mut self.of_the_line
+        } else {
+            &mut self.changes
+        }
+    }
+
+    /// Whether the device has everything that can be written.
+    pub fn is_empty(&self) -> bool {
+        self.changes.is_empty()
+    }
+
+    /// Whether a change acts after a restart of the device only.
+    pub fn needs_restart(&self) -> bool {
+        self.changes.iter().any(|change| change.needs_restart)
+    }
+
+    /// Writes the changes to the device, whose axes are at rest, and reads all of them back; `save` makes it keep them
+    /// ([`Drive::save_parameters`]), then they are read once more.
+    ///
+    /// # Errors
+    /// See [`RestoreError`]; the first thing that goes wrong ends it.
+    pub fn carry_out(&self, drive: &mut dyn Drive, save: bool) -> Result<(), RestoreError> {
+        let all = self.changes.len();
+        for (written, change) in self.changes.iter().enumerate() {
+            let (id, value) = (change.id, change.to);
+            drive.set_parameter(id, value).map_err(|source| {
+                let name = change.name.clone();
+                RestoreError::Write { id, name, value, written, all, source }
+            })?;
+        }
+        self.verify(drive)?;
+        if save && !self.is_empty() {
+            drive.save_parameters()?;
+            self.verify(drive)?;
+        }
+        Ok(())
+    }
+
+    fn verify(&self, drive: &mut dyn Drive) -> Result<(), RestoreError> {
+        for change in &self.changes {
+            let (id, value) = (change.id, change.to);
+            let found = drive.parameter(id)?;
+            if found != value {
+                let name = change.name.clone();
+                return Err(RestoreError::Differs { id, name, value, found });
+            }
+        }
+        Ok(())
+    }
+}

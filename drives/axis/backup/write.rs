@@ -1,0 +1,161 @@
+//! Writes parameters of a device to a file.
+
+use std::io::{self, Write};
+
+use super::{BackupError, HEAD, PARAMETER, ROOT, VERSION};
+use crate::{Drive, DriveError, ParameterId, ParameterInfo};
+
+/// `bXMLFormat`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Lines of words.
+    Text,
+    /// XML.
+    Xml,
+}
+
+/// `SMC_WriteDriveParamsToFile`: writes parameters of a device at rest, read-only ones included; those of `list`, in its
+/// order, or all. `file` is its name in messages. How many they are.
+///
+/// # Errors
+/// [`BackupError::Drive`] (3003) if the device does not answer or has no parameter of the list, before anything is
+/// written; [`BackupError::Write`] (3002).
+pub fn write_parameters(
+    drive: &mut dyn Drive,
+    list: Option<&[ParameterId]>,
+    format: Format,
+    file: &str,
+    output: &mut dyn Write,
+) -> Result<usize, BackupError> {
+    let family = drive.identity()?.family;
+    let device = drive.describe();
+    let known = drive.parameters()?;
+    let chosen = match list {
+        None => known,
+        Some(list) => chosen(drive, &known, list)?,
+    };
+    let mut values = Vec::with_capacity(chosen.len());
+    for info in chosen {
+        let value = drive.parameter(info.id)?;
+        values.push((info, value));
+    }
+    let written = match format {
+        Format::Text => text(family, &device, &values, output),
+        Format::Xml => xml(family, &device, &values, output),
+    };
+    let written = written.and_then(|()| output.flush());
+    written.map_err(|source| BackupError::Write { file: file.to_owned(), source })?;
+    Ok(values.len())
+}
+
+/// The parameters of a list, as the device describes them.
+fn chosen(
+    drive: &mut dyn Drive,
+    known: &[ParameterInfo],
+    list: &[ParameterId],
+) -> Result<Vec<ParameterInfo>, DriveError> {
+    let mut chosen = Vec::with_capacity(list.len());
+    for id in list {
+        match known.iter().find(|info| info.id == *id) {
+            Some(info) => chosen.push(info.clone()),
+            // The device says best that there is none.
+            None => {
+                return Err(drive.parameter(*id).map_or_else(|error| error, |_| none(drive, *id)));
+            }
+        }
+    }
+    Ok(chosen)
+}
+
+fn none(drive: &dyn Drive, id: ParameterId) -> DriveError {
+    let port = drive.describe().into();
+    let at = crate::Exchange { port, station: 0, action: crate::Action::Identify };
+    DriveError::NoParameter { at, id }
+}
+
+/// One line, whatever a name says.
+fn single_line(text: &str) -> String {
+    text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect()
+}
+
+fn text(
+    family: &str,
+    device: &str,
+    values: &[(ParameterInfo, i64)],
+    output: &mut dyn Write,
+) -> io::Result<()> {
+    writeln!(output, "{HEAD} {VERSION}")?;
+    writeln!(output, "# {}", single_line(device))?;
+    writeln!(output, "family {family}")?;
+    writeln!(output, "# station number value")?;
+    for (info, value) in values {
+        let ParameterId { station, number } = info.id;
+        write!(output, "{station} {number} {value} # {}", single_line(&info.name))?;
+        if !info.unit.is_empty() {
+            write!(output, " [{}]", info.unit)?;
+        }
+        if !info.writable {
+            write!(output, ", read-only")?;
+        }
+        writeln!(output)?;
+    }
+    Ok(())
+}
+
+/// As the value of an attribute: what XML would read as markup, or turn into a space, is written as a reference; what XML
+/// cannot say at all becomes a replacement character.
+fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            '\t' | '\n' | '\r' => escaped.push_str(&format!("&#{};", u32::from(letter))),
+            '\0'..'\u{20}' | '\u{FFFE}' | '\u{FFFF}' => escaped.push('\u{FFFD}'),
+            letter => escaped.push(letter),
+        }
+    }
+    escaped
+}
+
+fn xml(
+    family: &str,
+    device: &str,
+    values: &[(ParameterInfo, i64)],
+    output: &mut dyn Write,
+) -> io::Result<()> {
+    writeln!(output, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
+    let (family, device) = (escaped(family), escaped(device));
+    writeln!(output, r#"<{ROOT} version="{VERSION}" family="{family}" device="{device}">"#)?;
+    for (info, value) in values {
+        let ParameterId { station, number } = info.id;
+        let (name, unit) = (escaped(&info.name), escaped(info.unit));
+        write!(output, r#"  <{PARAMETER} station="{station}" number="{number}" value="{value}""#)?;
+        write!(output, r#" name="{name}""#)?;
+        if !unit.is_empty() {
+            write!(output, r#" unit="{unit}""#)?;
+        }
+        if !info.writable {
+            write!(output, r#" access="read-only""#)?;
+        }
+        writeln!(output, "/>")?;
+    }
+    writeln!(output, "</{ROOT}>")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn attributes_say_what_they_should() {
+        let text = "a<b> & \"c\"\té\u{1}";
+        let xml = format!("<x y=\"{}\"/>", escaped(text));
+        let document = roxmltree::Document::parse(&xml).unwrap();
+        let read = document.root_element().attribute("y").unwrap();
+        assert_eq!(read, "a<b> & \"c\"\té\u{FFFD}");
+        assert_eq!(single_line("a\nb"), "a b");
+    }
+}

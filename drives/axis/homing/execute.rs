@@ -1,0 +1,253 @@
+//! Homing with a device: looks at its switch and position as often as the wire lets it, and does what the sequence says.
+
+use super::{Homing, HomingOptions, Order, Seen};
+use crate::{
+    Bits, Drive, DriveError, Increments, MAX_DRIVE_AXES, SetpointStream, Signals, axis::AxisError,
+};
+
+/// Which signal of a device a switch is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Switch {
+    /// An input, from 1, which has this level while the switch is pressed.
+    Input {
+        /// Which.
+        number: u8,
+        /// Its level on the switch.
+        pressed: bool,
+    },
+    /// The home switch, which the device knows.
+    Home,
+    /// The limit switch towards larger positions.
+    PositiveLimit,
+    /// The limit switch towards smaller positions.
+    NegativeLimit,
+}
+
+impl Switch {
+    /// Whether the switch of an axis is pressed; `None` if the device does not show it.
+    pub fn pressed(self, signals: &Signals, axis: usize) -> Option<bool> {
+        let inputs: &Bits = &signals.inputs;
+        let of_axis = signals.axes.get(axis).copied().unwrap_or_default();
+        match self {
+            Self::Input { number, pressed } => inputs.get(number).map(|level| level == pressed),
+            Self::Home => of_axis.home,
+            Self::PositiveLimit => of_axis.positive_limit,
+            Self::NegativeLimit => of_axis.negative_limit,
+        }
+    }
+}
+
+/// Which axis of a device is homed, and how.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HomingRun {
+    /// Index of the arrays of [`Drive`].
+    pub axis: usize,
+    /// Its home switch.
+    pub switch: Switch,
+    /// In increments.
+    pub options: HomingOptions,
+}
+
+/// How homing has ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HomingReport {
+    /// Where the reference was in the count from before, increments.
+    pub reference: f64,
+    /// What positions have become more by, increments.
+    pub shift: i64,
+    /// Longest time from one look at the switch to the next, ns: of this depends how exact the reference is
+    /// ([`HomingOptions::uncertainty`]).
+    pub longest_look_ns: i64,
+}
+
+/// Why homing has failed. The axis has been stopped.
+#[derive(Debug, thiserror::Error)]
+pub enum HomingError {
+    /// What the axis did.
+    #[error("homing of axis {}: {error}", axis + 1)]
+    Axis {
+        /// Index of the arrays.
+        axis: usize,
+        /// What.
+        error: AxisError,
+    },
+    /// What the device did.
+    #[error(transparent)]
+    Drive(#[from] DriveError),
+    /// The device does not show the switch.
+    #[error("homing of axis {}: the device does not show {switch:?}", axis + 1)]
+    NoSwitch {
+        /// Index of the arrays.
+        axis: usize,
+        /// Which switch.
+        switch: Switch,
+    },
+    /// The axis moves already.
+    #[error("homing of axis {}: an axis of the device moves", axis + 1)]
+    Moving {
+        /// Index of the arrays.
+        axis: usize,
+    },
+    /// It was asked to stop.
+    #[error("homing of axis {}: stopped on request", axis + 1)]
+    Aborted {
+        /// Index of the arrays.
+        axis: usize,
+    },
+}
+
+/// Homes an axis of an enabled device by a switch. The other axes of the device must be at rest, too; they stay.
+///
+/// `stream` is for its clock. `index` is asked after every look once the switch has opened, with the signals and the
+/// position of the axis, and gives the position of the index pulse when there has been one; devices do not latch it.
+/// `abort` is asked before every look.
+///
+/// Device and driver keep watching limit switches; where [`HomingOptions::ignore_hardware_limit`] is set, what they tell of
+/// them does not end homing.
+///
+/// # Errors
+/// See [`HomingError`]. The axis has been stopped on its ramp, or hard if that failed.
+pub fn home_by_switch(
+    drive: &mut dyn Drive,
+    run: &HomingRun,
+    stream: &dyn SetpointStream,
+    index: &mut dyn FnMut(&Signals, f64) -> Option<f64>,
+    abort: &dyn Fn() -> bool,
+) -> Result<HomingReport, HomingError> {
+    let wrong = |error| HomingError::Axis { axis: run.axis, error };
+    let sequence = Homing::new(&run.options).map_err(wrong)?;
+    let mut runner =
+        Runner { drive, run, stream, sequence, longest_look_ns: 0, last_look_ns: None };
+    let outcome = runner.run(index, abort);
+    if outcome.is_err() && runner.drive.soft_stop().is_err() {
+        // What has gone wrong first is told; that the stop failed, too, shows at the next call.
+        runner.drive.hard_stop().unwrap_or_default();
+    }
+    outcome
+}
+
+struct Runner<'a> {
+    drive: &'a mut dyn Drive,
+    run: &'a HomingRun,
+    stream: &'a dyn SetpointStream,
+    sequence: Homing,
+    longest_look_ns: i64,
+    last_look_ns: Option<i64>,
+}
+
+/// Signals and positions of one look.
+struct Look {
+    seen: Seen,
+    signals: Signals,
+    positions: Increments,
+}
+
+impl Runner<'_> {
+    fn run(
+        &mut self,
+        index: &mut dyn FnMut(&Signals, f64) -> Option<f64>,
+        abort: &dyn Fn() -> bool,
+    ) -> Result<HomingReport, HomingError> {
+        let axis = self.run.axis;
+        let mut look = self.look()?;
+        if look.seen.moving {
+            return Err(HomingError::Moving { axis });
+        }
+        let mut shift = 0;
+        loop {
+            if abort() {
+                return Err(HomingError::Aborted { axis });
+            }
+            if self.sequence.awaits_index() {
+                look.seen.index = index(&look.signals, look.seen.position);
+            }
+            let order = self.sequence.step(&look.seen);
+            match order.map_err(|error| HomingError::Axis { axis, error })? {
+                Order::Wait => {}
+                Order::Go { target, velocity } => self.go(&look.positions, target, velocity)?,
+                Order::Stop => self.drive.soft_stop()?,
+                Order::Declare { position } => shift = self.declare(position)?,
+                Order::Done => {
+                    let reference = self.sequence.reference().unwrap_or(look.seen.position);
+                    let longest_look_ns = self.longest_look_ns;
+                    return Ok(HomingReport { reference, shift, longest_look_ns });
+                }
+            }
+            look = self.look()?;
+        }
+    }
+
+    /// Looks at the switch, then at the position, so that this is known on both sides of that.
+    fn look(&mut self) -> Result<Look, HomingError> {
+        let (axis, switch) = (self.run.axis, self.run.switch);
+        let stream = self.stream;
+        let signals = self.drive.signals(&|| stream.now_ns())?;
+        let pressed =
+            switch.pressed(&signals, axis).ok_or(HomingError::NoSwitch { axis, switch })?;
+        let ignore = self.run.options.ignore_hardware_limit;
+        let sample = match self.drive.sample(stream) {
+            // The device tells positions to who does not ask whether it obeys.
+            Err(error) if ignore && error.is_limit_switch() => self.drive.probe(stream)?,
+            sample => sample?,
+        };
+        let since = self.last_look_ns.replace(signals.time_ns);
+        let interval = since.map_or(0, |since| signals.time_ns.saturating_sub(since));
+        self.longest_look_ns = self.longest_look_ns.max(interval);
+        let of_axis = signals.axes.get(axis).copied().unwrap_or_default();
+        let limit = match (of_axis.positive_limit, of_axis.negative_limit) {
+            (Some(true), _) => Some(true),
+            (_, Some(true)) => Some(false),
+            _ => None,
+        };
+        #[expect(clippy::cast_precision_loss, reason = "counters have far less than 53 bits")]
+        let position = sample.position.get(axis).copied().unwrap_or(0) as f64;
+        let seen = Seen {
+            time_ns: sample.time_ns,
+            position,
+            moving: sample.moving,
+            switch_ns: signals.time_ns,
+            open: !pressed,
+            index: None,
+            limit,
+        };
+        Ok(Look { seen, signals, positions: sample.position })
+    }
+
+    fn go(
+        &mut self,
+        positions: &Increments,
+        target: f64,
+        velocity: f64,
+    ) -> Result<(), HomingError> {
+        let mut targets = *positions;
+        let mut speeds = [0.0; MAX_DRIVE_AXES];
+        let axis = self.run.axis;
+        if let (Some(place), Some(speed)) = (targets.get_mut(axis), speeds.get_mut(axis)) {
+            *place = whole(target);
+            *speed = velocity;
+        }
+        // The time of braking is no time between looks: the axis stands.
+        self.last_look_ns = Some(self.stream.now_ns());
+        Ok(self.drive.move_to(&targets, &speeds)?)
+    }
+
+    /// Declares a position of an axis at rest; what positions have become more by.
+    fn declare(&mut self, position: f64) -> Result<i64, HomingError> {
+        let mut positions = self.look()?.positions;
+        let mut shift = 0;
+        if let Some(place) = positions.get_mut(self.run.axis) {
+            let declared = whole(position);
+            shift = declared.saturating_sub(*place);
+            *place = declared;
+        }
+        self.drive.set_position(&positions)?;
+        Ok(shift)
+    }
+}
+
+/// The nearest whole increment.
+fn whole(position: f64) -> i64 {
+    #[expect(clippy::cast_possible_truncation, reason = "saturates; drivers check what they send")]
+    let whole = position.round() as i64;
+    whole
+}

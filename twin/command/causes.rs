@@ -1,0 +1,98 @@
+//! Findings for people, those of one cause together.
+
+use crate::finding::{Finding, Rule, Severity};
+
+/// More lines are not listed.
+const LISTED: usize = 8;
+
+/// Findings that say the same of several lines.
+#[derive(Debug)]
+pub(super) struct Cause<'f> {
+    /// The first of them.
+    pub(super) first: &'f Finding,
+    /// Lines of the others.
+    others: Vec<u32>,
+}
+
+/// What findings of one cause have in common: all but place and numbers.
+type Key<'f> = (Severity, Rule, Option<&'f str>, String);
+
+fn key(finding: &Finding) -> Key<'_> {
+    let numbers = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
+    let words = finding.message.split(numbers).filter(|part| !part.is_empty());
+    let words: Vec<_> = words.collect();
+    (finding.severity, finding.rule, finding.axis.as_deref(), words.concat())
+}
+
+/// The findings by their causes, in the order of the first of each.
+pub(super) fn of(findings: &[Finding]) -> Vec<Cause<'_>> {
+    let mut keys: Vec<Key<'_>> = Vec::new();
+    let mut causes: Vec<Cause<'_>> = Vec::new();
+    for finding in findings {
+        let key = key(finding);
+        let known = keys.iter().position(|known| *known == key);
+        match known.and_then(|known| causes.get_mut(known)) {
+            Some(cause) => cause.others.push(finding.line),
+            None => {
+                keys.push(key);
+                causes.push(Cause { first: finding, others: Vec::new() });
+            }
+        }
+    }
+    causes
+}
+
+impl Cause<'_> {
+    /// How many findings there are of it.
+    pub(super) fn count(&self) -> usize {
+        self.others.len() + 1
+    }
+
+    /// In which other lines the same is found, if it is.
+    pub(super) fn others(&self) -> Option<String> {
+        let mut lines = self.others.clone();
+        lines.sort_unstable();
+        lines.dedup();
+        lines.retain(|line| *line != self.first.line);
+        if lines.is_empty() {
+            return None;
+        }
+        let listed: Vec<_> = lines.iter().take(LISTED).map(ToString::to_string).collect();
+        let more = if lines.len() > LISTED { ", …" } else { "" };
+        let plural = if lines.len() == 1 { "line" } else { "lines" };
+        Some(format!("… and in {} more {plural}: {}{more}", lines.len(), listed.join(", ")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::of;
+    use crate::finding::{Finding, Rule};
+    use twin_motion::Place;
+
+    fn found(line: u32, axis: &str, message: &str) -> Finding {
+        let mut finding =
+            Finding::error(Rule::AxisVelocity, Place { line, block: None }, message.to_owned());
+        finding.axis = Some(axis.to_owned());
+        finding
+    }
+
+    #[test]
+    fn one_cause_is_told_once_with_the_lines_of_all() {
+        let mut findings: Vec<_> = (1..=12)
+            .map(|line| found(line, "X", &format!("velocity {line}.5 mm/s is above 400")))
+            .collect();
+        findings.push(found(3, "Y", "velocity 7.5 mm/s is above 400"));
+        findings.push(found(4, "X", "another matter"));
+        let causes = of(&findings);
+        let told: Vec<_> = causes.iter().map(|cause| (cause.first.line, cause.count())).collect();
+        assert_eq!(told, [(1, 12), (3, 1), (4, 1)]);
+        let others = causes[0].others().unwrap();
+        assert_eq!(others, "… and in 11 more lines: 2, 3, 4, 5, 6, 7, 8, 9, …");
+        assert_eq!(causes[1].others(), None);
+        // Twice in the same line is no other line.
+        let twice =
+            [found(5, "X", "velocity 1"), found(5, "X", "velocity 2"), found(6, "X", "velocity 3")];
+        assert_eq!(of(&twice)[0].others().as_deref(), Some("… and in 1 more line: 6"));
+    }
+}
