@@ -75,7 +75,7 @@ fn faults_of_the_wire_are_the_same_for_every_family() {
             told("plug on");
             told("fault answer drop --next 1");
             status().ended(0, "");
-            told("after 2 plug off");
+            told("after 1 plug off");
             status().ended(2, family_word(family));
             told("plug on");
             told("no-faults");
