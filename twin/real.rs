@@ -94,21 +94,17 @@ fn module(
     Bim2AxDrive::new(port, memory, &options)
 }
 
-/// The memory of a module, of which nobody else may be the master meanwhile.
+/// The memory of a module: a device, of which nobody else may be the master meanwhile, or an emulator's file, which that has
+/// locked for itself.
 ///
 /// # Errors
-/// If it cannot be opened, or another program has it.
-pub(crate) fn module_memory(
-    path: &Path,
-    map_offset: Option<u64>,
-) -> io::Result<impl Memory + use<>> {
-    let memory: Box<dyn Memory> = match map_offset {
-        Some(start) => Box::new(MappedMemory::open(path, start)?),
-        None => Box::new(MemoryFile::open(path)?),
-    };
+/// If it cannot be opened, or another program has the device.
+pub(crate) fn module_memory(path: &Path, map_offset: Option<u64>) -> io::Result<ModuleMemory> {
+    let Some(start) = map_offset else { return Ok(ModuleMemory::File(MemoryFile::open(path)?)) };
+    let memory = MappedMemory::open(path, start)?;
     let lock = File::open(path)?;
     match lock.try_lock() {
-        Ok(()) => Ok(Alone { memory, _lock: lock }),
+        Ok(()) => Ok(ModuleMemory::Device { memory, _lock: lock }),
         Err(TryLockError::WouldBlock) => {
             Err(io::Error::new(io::ErrorKind::ResourceBusy, "another program is its master"))
         }
@@ -116,18 +112,46 @@ pub(crate) fn module_memory(
     }
 }
 
-/// A memory that others are kept from as long as this lives.
-struct Alone {
-    memory: Box<dyn Memory>,
-    _lock: File,
+/// The memory of a module.
+#[derive(Debug)]
+pub(crate) enum ModuleMemory {
+    File(MemoryFile),
+    /// Others are kept from it as long as this lives.
+    Device {
+        memory: MappedMemory,
+        _lock: File,
+    },
 }
 
-impl Memory for Alone {
+impl Memory for ModuleMemory {
     fn read(&mut self, offset: u8, bytes: &mut [u8]) -> io::Result<()> {
-        self.memory.read(offset, bytes)
+        match self {
+            Self::File(memory) => memory.read(offset, bytes),
+            Self::Device { memory, .. } => memory.read(offset, bytes),
+        }
     }
 
     fn write(&mut self, offset: u8, bytes: &[u8]) -> io::Result<()> {
-        self.memory.write(offset, bytes)
+        match self {
+            Self::File(memory) => memory.write(offset, bytes),
+            Self::Device { memory, .. } => memory.write(offset, bytes),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::module_memory;
+    use std::io::ErrorKind;
+
+    #[test]
+    fn a_device_has_one_master() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("device");
+        std::fs::write(&path, [0; 512]).unwrap();
+        let first = module_memory(&path, Some(256)).unwrap();
+        assert_eq!(module_memory(&path, Some(0)).unwrap_err().kind(), ErrorKind::ResourceBusy);
+        drop(first);
+        assert!(module_memory(&path, Some(0)).is_ok());
     }
 }

@@ -4,6 +4,7 @@ use crate::simulated::CIRCLES;
 use crate::{Program, Recorder, SCARA2, machine, portal};
 use std::cell::{Cell, RefCell};
 use std::time::Duration;
+use twin::check::CheckOptions;
 use twin::emulated::{Emulator, connect};
 use twin::hardware::{Attached, Hardware, HardwareError};
 use twin::m_function::Acknowledge;
@@ -273,4 +274,30 @@ fn drives_dropped_on_their_way_to_the_start_come_to_rest() {
     }
     drop(hardware);
     assert!(board.stop().unwrap().status().moving().is_empty());
+}
+
+/// What a run on emulated drives shows is what was predicted: at most as much farther away as an axis moves in the longest time in
+/// which nobody corrected it and in what a time stamp is uncertain by (half of 2 ms of turnaround), and no order of magnitude nearer.
+#[test]
+fn a_run_is_as_far_from_its_plan_as_was_predicted() {
+    let machine = portal();
+    let program = Program::new(CIRCLES);
+    let options = CheckOptions { drives: true, ..CheckOptions::default() };
+    let checked = twin::check::check(&machine, &program.file, options, &mut |_| {}).unwrap();
+    let predicted = checked.following.unwrap();
+    let outcome = run(&machine, &program, |_, _, _| {});
+    assert!(outcome.ending.stopped.is_none(), "{:?}", outcome.ending.stopped);
+    let heard = outcome.recorder.heard.windows(2);
+    let gap = heard.map(|pair| pair[1].time_ns - pair[0].time_ns).max().unwrap() as f64 * 1e-9;
+    for axis in 0..2 {
+        let predicted = predicted.axes[axis].unwrap();
+        let found = outcome.ending.comparison.axes[axis].drives;
+        let speed = checked.peaks[axis].velocity.value;
+        let (largest, _) = predicted.maximum().unwrap();
+        let (found_largest, _) = found.maximum().unwrap();
+        let more = speed * (gap + 1e-3);
+        let told = format!("axis {axis}: {found_largest}, predicted {largest}, {more}");
+        assert!(found_largest <= largest + more && found_largest >= 0.1 * largest, "{told}");
+        assert!(found.rms() <= predicted.rms() + more && found.rms() >= 0.1 * predicted.rms());
+    }
 }

@@ -24,7 +24,7 @@ use crate::machine::{DirectionRule, Machine};
 use crate::physics::MotorLoad;
 use crate::planning::Planning;
 use crate::plant::PlantRecord;
-use crate::program::{ProgramFile, ProgramItem};
+use crate::program::{Dialect, ProgramFile, ProgramItem};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
 pub use after::{faults_to_come, following_errors, happening, happenings};
@@ -122,7 +122,9 @@ fn checked(
         Limits::Softmotion => CONTROLLER,
         Limits::Axes => WITHIN_AXES,
     };
-    let mut checker = Checker::new(machine, slack);
+    let rapids =
+        (program.dialect() == Dialect::Rs274).then_some(machine.conditions.rs274.rapid_velocity);
+    let mut checker = Checker::new(machine, rapids, slack);
     let mut rehearsal = physics.then(|| Rehearsal::new(machine, scenario));
     let mut way = Way::new(machine)?;
     let rules = Acknowledgement::for_check(machine, acknowledge);
@@ -202,6 +204,8 @@ fn checked(
 struct Checker<'m> {
     machine: &'m Machine,
     transformer: Transformer<'m>,
+    /// How fast rapids are that the machine file and not the program says, m/s.
+    rapids: Option<f64>,
     /// By which factors limits of velocity, acceleration and jerk may be exceeded.
     slack: [f64; 3],
     findings: Findings,
@@ -214,8 +218,9 @@ struct Checker<'m> {
 }
 
 impl<'m> Checker<'m> {
-    fn new(machine: &'m Machine, slack: [f64; 3]) -> Self {
+    fn new(machine: &'m Machine, rapids: Option<f64>, slack: [f64; 3]) -> Self {
         Self {
+            rapids,
             machine,
             transformer: Transformer::new(machine),
             slack,
@@ -261,7 +266,15 @@ impl<'m> Checker<'m> {
             let now = Instant::of(&setpoint, index);
             let turns = with_path && machine.kinematics.is_rotary(index);
             let before = last.as_ref().map(|last| Instant::of(last, index));
-            let mut report = |finding| self.findings.add(Some(About::Axis(index)), finding);
+            let rapids = self.rapids;
+            let mut report = |mut finding: Finding| {
+                if setpoint.feed.is_none()
+                    && let Some(velocity) = rapids
+                {
+                    finding.hint = Some(sentence::rapid_hint(velocity));
+                }
+                self.findings.add(Some(About::Axis(index)), finding);
+            };
             let [low, high] = peak.position.unwrap_or([now.position; 2]);
             peak.position = Some([low.min(now.position), high.max(now.position)]);
             if let Some(finding) = sentence::beyond_position(axis, tool.place, now.position) {

@@ -120,6 +120,14 @@ pub(super) fn too_far(axis: &Axis, place: Place, error: f64, limit: f64) -> Find
     too_much(axis, Rule::FollowingError, &quantity, place, error, limit)
 }
 
+/// What to do about a rapid in RS274 that is too fast, whose velocity is `velocity`, m/s.
+pub(super) fn rapid_hint(velocity: f64) -> String {
+    let velocity = crate::number::significant(velocity * 1e3, 6);
+    format!(
+        "G0 goes as fast as `rapid_velocity_mm_per_s` in [rs274] of the machine file says: {velocity} mm/s"
+    )
+}
+
 /// A distance (rad or m) between set-point and drive above `limit`, as its rehearsal foresees it.
 pub(super) fn drive_too_far(axis: &Axis, place: Place, error: f64, limit: f64) -> Finding {
     let quantity = Quantity { name: "predicted error of its drive", units: ["deg", "mm"] };

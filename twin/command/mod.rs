@@ -139,6 +139,15 @@ pub(crate) enum Failure {
     /// A drive that is talked to by hand.
     #[error(transparent)]
     Drive(#[from] twin_drives::DriveError),
+    /// Parameters of a drive on file.
+    #[error(transparent)]
+    Backup(#[from] twin_drives::axis::backup::BackupError),
+    /// Parameters that are given back to a drive.
+    #[error(transparent)]
+    Restore(#[from] twin_drives::axis::backup::RestoreError),
+    /// Homing by a switch.
+    #[error(transparent)]
+    BySwitch(#[from] twin_drives::axis::homing::HomingError),
     /// The view.
     #[error(transparent)]
     View(#[from] twin_viz::VizError),

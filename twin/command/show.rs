@@ -262,7 +262,7 @@ pub(super) fn peaks(machine: &Machine, peaks: &[AxisPeak]) -> Table {
     }
     table.set_header(header);
     for (axis, peak) in machine.axes.iter().zip(peaks) {
-        let show = |value: f64| format!("{:.1}", axis.from_si(value));
+        let show = |value: f64| amount(axis.from_si(value), 1, "");
         let unit = axis.unit();
         let position = peak
             .position
@@ -288,7 +288,7 @@ pub(super) fn peaks(machine: &Machine, peaks: &[AxisPeak]) -> Table {
         ];
         if physics {
             let error = peak.following_error.unwrap_or_default();
-            row.push(Cell::new(format!("{:.4} {unit}", axis.from_si(error.value))));
+            row.push(Cell::new(amount(axis.from_si(error.value), 4, unit)));
             row.push(line(&error));
         }
         table.add_row(row.into_iter().enumerate().map(|(column, cell)| {
@@ -310,15 +310,15 @@ pub(super) fn loads(machine: &Machine, loads: &[MotorLoad]) -> Table {
     for (axis, load) in machine.axes.iter().zip(loads) {
         let unit = axis.kind.effort_unit();
         let limit = axis.effort_limit();
-        let peak = format!("{:.1} {unit}", load.peak_effort);
+        let peak = amount(load.peak_effort, 1, unit);
         let mut row = vec![
             Cell::new(&axis.name),
             against(peak, load.peak_effort, limit.unwrap_or(f64::INFINITY)),
             Cell::new(limit.map_or("–".to_owned(), |limit| format!("{limit:.1}"))),
-            Cell::new(format!("{:.1} {unit}", load.rms_effort)),
-            Cell::new(format!("{:.1} W", load.peak_power)),
-            Cell::new(format!("{:.1} W", load.rms_power)),
-            Cell::new(format!("{:.1} J", load.driving_energy)),
+            Cell::new(amount(load.rms_effort, 1, unit)),
+            Cell::new(amount(load.peak_power, 1, "W")),
+            Cell::new(amount(load.rms_power, 1, "W")),
+            Cell::new(amount(load.driving_energy, 1, "J")),
         ];
         if knows_warmth {
             row.push(load.peak_warmth.map_or(Cell::new("–"), |warmth| {
@@ -350,13 +350,13 @@ pub(super) fn following(machine: &Machine, predicted: &PredictedFollowing) -> Ta
                    (scale, unit): (f64, &str),
                    wire: String| {
         let Some((max, place)) = of.maximum() else { return };
-        let largest = format!("{:.4} {unit}", max * scale);
+        let largest = amount(max * scale, 4, unit);
         table.add_row([
             Cell::new(name),
             against(largest, max, limit.unwrap_or(f64::INFINITY))
                 .set_alignment(CellAlignment::Right),
             right(limit.map_or("–".to_owned(), |limit| format!("{:.4}", limit * scale))),
-            right(format!("{:.4} {unit}", of.rms() * scale)),
+            right(amount(of.rms() * scale, 4, unit)),
             right(place.line.to_string()),
             Cell::new(wire),
         ]);
@@ -380,6 +380,22 @@ pub(super) fn following(machine: &Machine, predicted: &PredictedFollowing) -> Ta
 /// What a wire carries, in words.
 pub(super) fn rates(rates: &WireRates) -> String {
     format!("{:.0} commands/s, {:.0} samples/s", rates.commands_per_s, rates.samples_per_s)
+}
+
+/// Numbers beyond this say no more than that something has run away.
+const HUGE: f64 = 1e5;
+
+/// A number with so many decimals and its unit, for a table.
+pub(super) fn amount(value: f64, decimals: usize, unit: &str) -> String {
+    let space = if unit.is_empty() { "" } else { " " };
+    if value.abs() < HUGE {
+        format!("{value:.decimals$}{space}{unit}")
+    } else if value < 0.0 {
+        format!("< -{HUGE:.0}{space}{unit}")
+    } else {
+        // What is no number has run away, too.
+        format!("> {HUGE:.0}{space}{unit}")
+    }
 }
 
 /// The line of a peak; an axis that does not move has none.
@@ -422,7 +438,7 @@ pub(super) fn limits(axis: &Axis) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{SHOWN_BYTES, excerpt, floor_3, printable};
+    use super::{SHOWN_BYTES, amount, excerpt, floor_3, printable};
 
     #[test]
     #[expect(clippy::single_range_in_vec_init, reason = "one word is underlined")]
@@ -433,6 +449,14 @@ mod tests {
         assert_eq!(text.get(words[0].clone()), Some("X31O"));
         let (text, words) = excerpt("N1 X2", vec![3..5]);
         assert_eq!((text.as_str(), words), ("N1 X2", vec![3..5]));
+    }
+
+    #[test]
+    fn numbers_that_have_run_away_are_short() {
+        assert_eq!(amount(99_999.94, 1, "mm"), "99999.9 mm");
+        assert_eq!(amount(1.0e20, 4, "mm"), "> 100000 mm");
+        assert_eq!(amount(-3.0e7, 1, ""), "< -100000");
+        assert_eq!(amount(f64::NAN, 4, "W"), "> 100000 W");
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! Drives of every family between set-points and motors: bounds in closed form, from what their wires allow.
 
-use crate::check::{CheckOptions, Outcome, check};
-use crate::finding::{Rule, Severity};
+use crate::check::{CheckOptions, Outcome, check, wire_rates};
+use crate::finding::{Rule, Severity, unfit};
 use crate::hardware::HORIZON_NS;
 use crate::machine::Machine;
 use crate::plant::Plant;
 use crate::program::{Dialect, ProgramFile};
+use crate::report::AxisPeak;
 use crate::setpoint::AxisSetpoint;
 use crate::settings::ReadSettings;
 use crate::simulated::Simulated;
@@ -222,12 +223,49 @@ fn a_snapshot_goes_on_with_the_same_bits() {
 }
 
 fn checked(text: &str, program: &str) -> Outcome {
+    checked_on(&machine(text), program)
+}
+
+fn checked_on(machine: &Machine, program: &str) -> Outcome {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("program.ngc");
     std::fs::write(&path, program).unwrap();
     let program = ProgramFile::new(&path, Some(Dialect::Rs274), ReadSettings::default()).unwrap();
     let options = CheckOptions { physics: true, ..CheckOptions::default() };
-    check(&machine(text), &program, options, &mut |_| {}).unwrap()
+    check(machine, &program, options, &mut |_| {}).unwrap()
+}
+
+/// Machines whose axes are not the coordinates: arms, rods, belts that two motors pull. Every axis is off by no more than what its
+/// own acceleration makes of a round and a half, and an increment or two, beyond what its servo leaves; and by some of it.
+#[test]
+fn arms_rods_and_belts_are_as_near_as_their_rounds_allow() {
+    let shipped = [
+        include_str!("../../machines/scara2.toml"),
+        include_str!("../../machines/tripod.toml"),
+        include_str!("../../machines/gantry_h2.toml"),
+    ];
+    let program = "G91\nG1 X12 Y6 F3000\nG2 X8 Y8 I8 J0 F2400\nG1 X-20 Y-14 F3000\nM2\n";
+    for text in shipped {
+        let mut machine = machine(text);
+        let ideal = checked_on(&machine, program);
+        let name = &machine.name.clone();
+        assert!(!unfit(&ideal.findings), "{name}: {:#?}", ideal.findings);
+        let round = 1.0 / wire_rates(&machine)[0].1.samples_per_s;
+        machine.put_drives_in_loop();
+        let looped = checked_on(&machine, program);
+        assert!(!unfit(&looped.findings), "{name}: {:#?}", looped.findings);
+        let mut farther = 0;
+        for (axis, (ideal, looped)) in
+            machine.axes.iter().zip(ideal.peaks.iter().zip(&looped.peaks))
+        {
+            let error = |peak: &AxisPeak| peak.following_error.unwrap().value;
+            let (ideal, looped, rate) = (error(ideal), error(looped), ideal.acceleration.value);
+            let most = 0.5 * rate * (1.5 * round).powi(2) + 2.0 / axis.increments_per_si().abs();
+            assert!(looped <= ideal + most, "{name} {}: {looped}, {ideal}, {most}", axis.name);
+            farther += usize::from(looped > ideal + 0.02 * most);
+        }
+        assert!(farther >= 2, "{name}");
+    }
 }
 
 /// A point-to-point module cannot follow an arc at 6 m/min within half a millimetre, a board can; the line is told.

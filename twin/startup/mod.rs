@@ -62,7 +62,13 @@ pub struct Looked {
 
 /// A clock and no plan: for looks at drives that follow nothing.
 #[derive(Clone, Copy, Debug)]
-struct Still(Clock);
+pub(crate) struct Still(Clock);
+
+impl Still {
+    pub(crate) fn new(clock: Clock) -> Self {
+        Self(clock)
+    }
+}
 
 impl SetpointStream for Still {
     fn now_ns(&self) -> i64 {

@@ -1,19 +1,21 @@
 //! `twin drive bim2ax`.
 
 use super::bim2ax_parameters::{get, set};
+use super::by_switch::BySwitch;
 use super::consent::Consent;
+use super::on_file::OnFile;
 use super::session::{BRAKING, Session, Stopping, no_clock};
 use super::words::{self, on_off};
 use crate::command::{Failure, Status, show};
-use crate::real::module_memory;
-use std::path::{Path, PathBuf};
+use crate::real::{ModuleMemory, module_memory};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 use twin_drives::bim2ax::bits::{card, message};
 use twin_drives::bim2ax::zone::Positions;
 use twin_drives::bim2ax::{
-    AxisSettings, Bim2Ax, Bim2AxOptions, ByteOrder, Identity, ModuleAxis, Move, Start,
-    describe_messages,
+    AxisSettings, Bim2Ax, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, ByteOrder, Identity,
+    ModuleAxis, Move, Start, describe_messages,
 };
 use twin_drives::{Action as Doing, DriveError, Exchange};
 
@@ -72,7 +74,12 @@ enum Action {
         /// Longest time it may take, s
         #[arg(long, default_value_t = 60, value_name = "S", value_parser = clap::value_parser!(u64).range(1..=3600))]
         timeout: u64,
+
+        #[command(flatten)]
+        by_switch: BySwitch,
     },
+    #[command(flatten)]
+    OnFile(OnFile),
     /// Move one axis by a distance, µsteps (asks first)
     Jog {
         /// 1 or 2
@@ -159,18 +166,31 @@ struct Module {
     port: Arc<str>,
 }
 
-impl Module {
-    fn open(arguments: &Arguments) -> Result<Self, Failure> {
-        let path: &Path = &arguments.port;
-        let port: Arc<str> = path.display().to_string().into();
-        let byte_order = if arguments.little_endian { ByteOrder::Little } else { ByteOrder::Big };
-        let options =
-            Bim2AxOptions { byte_order, deadline: arguments.deadline, ..Default::default() };
-        let failed = |source| {
+impl Arguments {
+    /// The module's name and memory, and how it is spoken to.
+    fn memory(&self) -> Result<(Arc<str>, ModuleMemory, Bim2AxOptions), Failure> {
+        let port: Arc<str> = self.port.display().to_string().into();
+        let byte_order = if self.little_endian { ByteOrder::Little } else { ByteOrder::Big };
+        let options = Bim2AxOptions { byte_order, deadline: self.deadline, ..Default::default() };
+        let memory = module_memory(&self.port, self.map).map_err(|source| {
             let at = Exchange { port: Arc::clone(&port), station: 0, action: Doing::Open };
             Failure::Drive(DriveError::Transport { at, source })
-        };
-        let memory = module_memory(path, arguments.map).map_err(failed)?;
+        })?;
+        Ok((port, memory, options))
+    }
+
+    /// The module as runs drive it, of which these axes are in use.
+    fn drive(&self, axes: &[ModuleAxis]) -> Result<Bim2AxDrive, Failure> {
+        let (port, memory, driver) = self.memory()?;
+        let options =
+            Bim2AxDriveOptions { driver, axes: axes.to_vec(), ..Bim2AxDriveOptions::new() };
+        Ok(Bim2AxDrive::new(&port, memory, &options)?)
+    }
+}
+
+impl Module {
+    fn open(arguments: &Arguments) -> Result<Self, Failure> {
+        let (port, memory, options) = arguments.memory()?;
         let driver = Bim2Ax::new(&port, memory, &options);
         Ok(Self { driver, port })
     }
@@ -234,8 +254,24 @@ impl Stopping for Module {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let session = Session::start()?;
-    let mut module = Module::open(arguments)?;
     let consent = arguments.consent;
+    match &arguments.action {
+        Action::OnFile(on_file) => {
+            on_file.carry_out(&mut arguments.drive(&ModuleAxis::ALL)?, consent)?;
+            return Ok(Status::Fit);
+        }
+        Action::Home { axes, by_switch, .. } if by_switch.is_wanted() => {
+            let [axis] = **axes else {
+                let message = "home --by-switch homes one axis at a time";
+                return Err(Failure::Usage(message.to_owned()));
+            };
+            let name = format!("axis {}", axis.number());
+            by_switch.carry_out(&mut arguments.drive(&[axis])?, &name, consent)?;
+            return Ok(Status::Fit);
+        }
+        _ => {}
+    }
+    let mut module = Module::open(arguments)?;
     let identity = session.ask(module.driver.identify(&no_clock))?;
     match &arguments.action {
         Action::Scan => scan(&identity),
@@ -244,7 +280,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             status(&seen);
         }
         Action::Unlock { axes } => unlock(&session, &mut module, axes)?,
-        Action::Home { axes, timeout } => {
+        Action::OnFile(_) => {}
+        Action::Home { axes, timeout, .. } => {
             home(&session, &mut module, consent, axes, Duration::from_secs(*timeout))?;
         }
         Action::Jog { axis, distance, speed } => {

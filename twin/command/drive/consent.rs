@@ -6,7 +6,7 @@ use std::io::{self, BufRead, IsTerminal, Write};
 /// Whether axes may move.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(in crate::command) struct Consent {
-    /// Move without asking; needed where there is no terminal to ask at
+    /// Move, or write what is restored, without asking; needed where there is no terminal to ask at
     #[arg(long, global = true)]
     yes: bool,
 }
@@ -19,23 +19,32 @@ impl Consent {
 
     /// Says what is going to move where, and asks whether it may.
     pub(in crate::command) fn ask(self, motion: &str) -> Result<(), Failure> {
+        self.ask_for(motion, "nothing has moved", "moves")
+    }
+
+    /// Says what is going to be written where, and asks whether it may.
+    pub(super) fn ask_to_write(self, change: &str) -> Result<(), Failure> {
+        self.ask_for(change, "nothing has been written", "writes")
+    }
+
+    fn ask_for(self, what: &str, nothing: &str, does: &str) -> Result<(), Failure> {
         let mut terminal = io::stderr();
         if self.yes {
-            return writeln!(terminal, "{motion}").map_err(Failure::Stdio);
+            return writeln!(terminal, "{what}").map_err(Failure::Stdio);
         }
         if !io::stdin().is_terminal() {
             return Err(Failure::Usage(format!(
-                "{motion}: nothing has moved, as there is no terminal to ask at; --yes moves without asking"
+                "{what}: {nothing}, as there is no terminal to ask at; --yes {does} without asking"
             )));
         }
-        write!(terminal, "{motion}? [y/N] ").map_err(Failure::Stdio)?;
+        write!(terminal, "{what}? [y/N] ").map_err(Failure::Stdio)?;
         terminal.flush().map_err(Failure::Stdio)?;
         let mut answer = String::new();
         io::stdin().lock().read_line(&mut answer).map_err(Failure::Stdio)?;
         if is_yes(&answer) {
             Ok(())
         } else {
-            Err(Failure::Usage("not confirmed: nothing has moved".to_owned()))
+            Err(Failure::Usage(format!("not confirmed: {nothing}")))
         }
     }
 }

@@ -1,7 +1,9 @@
 //! `twin drive interpcnc`.
 
+use super::by_switch::BySwitch;
 use super::consent::Consent;
 use super::interpcnc_parameters::{get, set};
+use super::on_file::OnFile;
 use super::session::{BRAKING, Session, Stopping, no_clock};
 use super::words::{self, on_off, right};
 use crate::command::show;
@@ -11,8 +13,8 @@ use std::time::Duration;
 use twin_drives::DriveError;
 use twin_drives::interpcnc::registers::{INPUTS, MAX_SPEED_HZ, OUTPUTS, Status as Bits};
 use twin_drives::interpcnc::{
-    AxisOptions, AxisValues, BoardAxis, InterpCnc, InterpCncOptions, Line, MoveProfile, Parity,
-    Snapshot, parameters,
+    AxisOptions, AxisValues, BoardAxis, InterpCnc, InterpCncDrive, InterpCncOptions, Line,
+    MoveProfile, Parity, Snapshot, parameters,
 };
 
 /// SOPROLEC InterpCNC V2.1: five step axes X Y Z A B on Modbus RTU; positions in steps
@@ -83,7 +85,12 @@ enum Action {
         /// Longest way of each to its switch, steps
         #[arg(long, default_value_t = 100_000, value_name = "STEPS", value_parser = clap::value_parser!(i32).range(1..))]
         max_stroke: i32,
+
+        #[command(flatten)]
+        by_switch: BySwitch,
     },
+    #[command(flatten)]
+    OnFile(OnFile),
     /// Move one axis by a distance, steps (asks first)
     Jog {
         /// X, Y, Z, A or B
@@ -180,6 +187,13 @@ impl Stopping for InterpCnc {
 }
 
 impl Arguments {
+    /// The board as runs drive it, of which these axes are in use.
+    fn drive(&self, axes: &[BoardAxis]) -> Result<InterpCncDrive, Failure> {
+        let axes = axes.iter().copied().map(AxisOptions::new).collect();
+        let options = InterpCncOptions { axes, ..self.options(self.station) };
+        Ok(InterpCncDrive::open(&self.port, &options)?)
+    }
+
     fn options(&self, station: u8) -> InterpCncOptions {
         let parity = match self.parity {
             ParityOption::None => Parity::None,
@@ -204,17 +218,33 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if let Action::Scan { stations } = &arguments.action {
         return scan(&session, stations.clone(), open);
     }
-    let mut board = open(arguments.station)?;
     let consent = arguments.consent;
     match &arguments.action {
-        Action::Scan { .. } => {}
+        Action::OnFile(on_file) => {
+            on_file.carry_out(&mut arguments.drive(&BoardAxis::ALL)?, consent)?;
+            return Ok(Status::Fit);
+        }
+        Action::Home { axes, by_switch, .. } if by_switch.is_wanted() => {
+            let [axis] = **axes else {
+                let message = "home --by-switch homes one axis at a time";
+                return Err(Failure::Usage(message.to_owned()));
+            };
+            let mut drive = arguments.drive(&[axis])?;
+            by_switch.carry_out(&mut drive, &format!("axis {axis}"), consent)?;
+            return Ok(Status::Fit);
+        }
+        _ => {}
+    }
+    let mut board = open(arguments.station)?;
+    match &arguments.action {
+        Action::Scan { .. } | Action::OnFile(_) => {}
         Action::Status => status(&session.ask(board.snapshot(&no_clock))?),
         Action::Unlock => {
             session.ask(board.clear_errors(true, true, &no_clock))?;
             session.ask(board.unlock(&no_clock))?;
             println!("unlocked");
         }
-        Action::Home { axes, max_stroke } => {
+        Action::Home { axes, max_stroke, .. } => {
             home(&session, &mut board, consent, axes, *max_stroke)?;
         }
         Action::Jog { axis, distance, ramps } => {

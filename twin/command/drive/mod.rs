@@ -2,9 +2,11 @@
 
 mod bim2ax;
 mod bim2ax_parameters;
+mod by_switch;
 pub(super) mod consent;
 mod interpcnc;
 mod interpcnc_parameters;
+mod on_file;
 mod session;
 mod smartdrive;
 mod smartdrive_parameters;

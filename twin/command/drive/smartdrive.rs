@@ -1,6 +1,8 @@
 //! `twin drive smartdrive`.
 
+use super::by_switch::BySwitch;
 use super::consent::Consent;
+use super::on_file::OnFile;
 use super::session::{BRAKING, Session, Stopping, no_clock};
 use super::smartdrive_parameters::{get, set};
 use super::words::{self, on_off, right};
@@ -12,10 +14,10 @@ use std::time::Duration;
 use tokio::time::{sleep, timeout};
 use twin_drives::smartdrive::parameters::{self, FULL_STEPS, STEP_DIVISOR};
 use twin_drives::smartdrive::{
-    ADDRESSES, AxisOptions, Command, DriveState, IoUpdate, Mode, SmartDrive, SmartDriveOptions,
-    StepsPerTurn, TrajectoryFlags,
+    ADDRESSES, AxisOptions, Command, DriveState, IoUpdate, Mode, SmartDrive, SmartDriveBus,
+    SmartDriveOptions, StepsPerTurn, TrajectoryFlags,
 };
-use twin_drives::{Action as Doing, DriveError, Exchange};
+use twin_drives::{Action as Doing, Drive, DriveError, Exchange, ParameterId};
 
 /// Time between two looks at a drive that moves.
 const LOOK: Duration = Duration::from_millis(10);
@@ -71,7 +73,12 @@ enum Action {
         /// Longest time it may take, s
         #[arg(long, default_value_t = 60, value_name = "S", value_parser = clap::value_parser!(u64).range(1..=3600))]
         timeout: u64,
+
+        #[command(flatten)]
+        by_switch: BySwitch,
     },
+    #[command(flatten)]
+    OnFile(OnFile),
     /// Move by a distance, µsteps (asks first)
     Jog {
         /// µsteps; below 0: backwards
@@ -207,35 +214,80 @@ impl Stopping for Axis {
 }
 
 impl Arguments {
-    fn open(&self, session: &Session) -> Result<Axis, Failure> {
+    /// Of a drive whose turn has so many µsteps, and which goes at most so fast.
+    fn options(&self, turn: StepsPerTurn, velocity_rpm: u16) -> SmartDriveOptions {
         let homing = match &self.action {
-            Action::Home { timeout } => Duration::from_secs(*timeout),
+            Action::Home { timeout, .. } => Duration::from_secs(*timeout),
             _ => Duration::from_mins(1),
         };
-        // Ceilings and turn are those of following, which nothing here does.
-        let turn = StepsPerTurn::new(200, 16)
-            .ok_or_else(|| Failure::Usage("200 steps of 16 µsteps are no turn".to_owned()))?;
         let axis = AxisOptions {
             address: self.address,
             turn,
-            velocity_rpm: 1,
+            velocity_rpm,
             acceleration_rpm_per_s: 1,
             deceleration_rpm_per_s: 0,
         };
-        let options = SmartDriveOptions {
+        SmartDriveOptions {
             deadline: self.deadline,
             worst_latency: self.deadline,
             mode_change: Duration::from_secs(2).max(10 * self.deadline),
             homing,
             ..SmartDriveOptions::new(vec![axis])
-        };
+        }
+    }
+
+    /// Where ceilings and turn, which are those of following, do not count.
+    fn any_options(&self) -> Result<SmartDriveOptions, Failure> {
+        let turn = StepsPerTurn::new(200, 16)
+            .ok_or_else(|| Failure::Usage("200 steps of 16 µsteps are no turn".to_owned()))?;
+        Ok(self.options(turn, 1))
+    }
+
+    fn open(&self, session: &Session) -> Result<Axis, Failure> {
+        let options = self.any_options()?;
         let bus = session.inside(|| SmartDrive::open(&self.port, &options))?;
         Ok(Axis { bus, port: self.port.as_str().into(), address: self.address })
+    }
+
+    /// Homes the drive as runs drive it, with what its parameters say of turns and ramps.
+    fn home_by_switch(&self, by_switch: &BySwitch) -> Result<(), Failure> {
+        let mut drive = SmartDriveBus::open(&self.port, &self.any_options()?)?;
+        let mut value = |number| {
+            let id = ParameterId { station: self.address, number };
+            drive.parameter(id).map(|value| u16::try_from(value).unwrap_or(0))
+        };
+        let steps = [value(parameters::FULL_STEPS)?, value(parameters::STEP_DIVISOR)?];
+        let rate = value(parameters::ACCELERATION_MAX)?;
+        drop(drive);
+        let [full_steps, divisor] = steps;
+        let turn = StepsPerTurn::new(full_steps, divisor).ok_or_else(|| {
+            Failure::Usage(format!("{full_steps} steps of {divisor} µsteps are no turn"))
+        })?;
+        let rpm = turn.rpm(by_switch.fastest()).ceil().clamp(1.0, 32_767.0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+        let mut options = self.options(turn, rpm as u16);
+        for axis in &mut options.axes {
+            axis.acceleration_rpm_per_s = rate.max(1);
+        }
+        let mut drive = SmartDriveBus::open(&self.port, &options)?;
+        by_switch.carry_out(&mut drive, &format!("drive {}", self.address), self.consent)
     }
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let session = Session::start()?;
+    match &arguments.action {
+        Action::OnFile(on_file) => {
+            let mut drive = SmartDriveBus::open(&arguments.port, &arguments.any_options()?)?;
+            on_file.carry_out(&mut drive, arguments.consent)?;
+            return Ok(Status::Fit);
+        }
+        Action::Home { by_switch, .. } if by_switch.is_wanted() => {
+            arguments.home_by_switch(by_switch)?;
+            return Ok(Status::Fit);
+        }
+        _ => {}
+    }
     let mut axis = arguments.open(&session)?;
     let address = axis.address;
     match &arguments.action {
@@ -260,6 +312,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
                 println!("obeys the bus, at 0");
             }
         }
+        Action::OnFile(_) => {}
         Action::Home { .. } => home(&session, &mut axis, arguments.consent)?,
         Action::Jog { distance, ramps } => {
             let from = session.ask(axis.state())?.position;

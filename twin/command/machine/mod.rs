@@ -1,6 +1,7 @@
 //! `twin machine`: what a machine file describes, and what the machine can do.
 
 mod json;
+mod motors;
 mod text;
 
 use super::options::{self, DEFAULT_ADDRESS};

@@ -1,6 +1,6 @@
 //! A machine for people.
 
-use super::Facts;
+use super::{Facts, motors};
 use crate::check::wire_rates;
 use crate::command::show;
 use crate::machine::{Axis, DriveFamily, Machine, VelocityLimit, VelocitySource};
@@ -61,6 +61,7 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     }
     writeln!(out, "{table}")?;
     let mass = machine.moving_mass();
+    motors::write(out, machine)?;
     writeln!(out, "moving mass {mass:.2} kg in {} links", machine.model.links.len())?;
     in_the_way(out, machine)?;
     drives(out, machine)?;

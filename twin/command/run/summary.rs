@@ -121,8 +121,8 @@ pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) 
                 let block = place.block.map_or(String::new(), |block| format!(" (N{block})"));
                 table.add_row([
                     format!("{name}, {what}"),
-                    format!("{:.4} {unit}", max * scale),
-                    format!("{:.4} {unit}", one.rms() * scale),
+                    show::amount(max * scale, 4, unit),
+                    show::amount(one.rms() * scale, 4, unit),
                     format!("{}{block}", place.line),
                 ]);
             }

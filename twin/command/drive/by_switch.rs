@@ -1,0 +1,129 @@
+//! Homing by a switch that the drive only shows, as SoftMotion's `SMC_Homing` does it.
+
+use super::consent::Consent;
+use crate::clock::Clock;
+use crate::command::Failure;
+use crate::command::run::Interrupt;
+use crate::startup::Still;
+use twin_drives::Drive;
+use twin_drives::axis::Direction;
+use twin_drives::axis::homing::{HomingMode, HomingOptions, HomingRun, Switch, home_by_switch};
+
+/// How an axis is homed by a switch.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(super) struct BySwitch {
+    /// Home one axis by looking at a switch and moving the axis, not by the drive's own homing, in this mode of SMC_Homing: 0
+    /// fast onto the switch, slowly back off it, where it opens is home; 1 as 0, but where the axis then stands is home; 4 and 5
+    /// as 0 and 1, but slowly on over the switch
+    #[arg(long, value_name = "MODE", value_parser = mode)]
+    by_switch: Option<HomingMode>,
+
+    /// The switch is at this input [default: the home switch that the drive knows]
+    #[arg(long, value_name = "N", requires = "by_switch", value_parser = clap::value_parser!(u8).range(1..=64))]
+    input: Option<u8>,
+
+    /// The input is off while the switch is pressed
+    #[arg(long, requires = "input")]
+    normally_closed: bool,
+
+    /// Look for the switch towards larger positions
+    #[arg(long, requires = "by_switch")]
+    positive: bool,
+
+    /// Speed towards the switch, increments/s
+    #[arg(long, value_name = "PER_S", default_value_t = 2000, requires = "by_switch", value_parser = clap::value_parser!(u32).range(1..))]
+    fast: u32,
+
+    /// Speed off the switch, increments/s
+    #[arg(long, value_name = "PER_S", default_value_t = 200, requires = "by_switch", value_parser = clap::value_parser!(u32).range(1..))]
+    slow: u32,
+
+    /// Longest way to the switch, increments
+    #[arg(long, value_name = "INCREMENTS", default_value_t = 100_000, requires = "by_switch", value_parser = clap::value_parser!(u32).range(1..))]
+    max_way: u32,
+
+    /// Longest way off the switch, increments
+    #[arg(long, value_name = "INCREMENTS", default_value_t = 10_000, requires = "by_switch", value_parser = clap::value_parser!(u32).range(1..))]
+    max_slow_way: u32,
+
+    /// Position of the home, increments
+    #[arg(
+        long,
+        value_name = "INCREMENTS",
+        default_value_t = 0,
+        allow_negative_numbers = true,
+        requires = "by_switch"
+    )]
+    home_position: i32,
+}
+
+fn mode(text: &str) -> Result<HomingMode, String> {
+    let mode = text.parse().ok().and_then(HomingMode::from_number);
+    match mode {
+        Some(HomingMode::FastBslowISStop | HomingMode::FastSlowISStop) => {
+            Err("modes 2 and 6 need an index pulse, which no drive shows".to_owned())
+        }
+        Some(mode) => Ok(mode),
+        None => Err("the modes are 0, 1, 4 and 5".to_owned()),
+    }
+}
+
+impl BySwitch {
+    /// Whether it is wanted.
+    pub(super) fn is_wanted(&self) -> bool {
+        self.by_switch.is_some()
+    }
+
+    /// The fastest it goes, increments/s.
+    pub(super) fn fastest(&self) -> f64 {
+        f64::from(self.fast.max(self.slow))
+    }
+
+    /// Enables the drive and homes its only axis in use, which is called `name`.
+    pub(super) fn carry_out(
+        &self,
+        drive: &mut dyn Drive,
+        name: &str,
+        consent: Consent,
+    ) -> Result<(), Failure> {
+        let Some(mode) = self.by_switch else { return Ok(()) };
+        let stream = Still::new(Clock::start());
+        let from = drive.probe(&stream)?.position.first().copied().unwrap_or(0);
+        let direction = if self.positive { Direction::Positive } else { Direction::Negative };
+        let switch = match self.input {
+            Some(number) => Switch::Input { number, pressed: !self.normally_closed },
+            None => Switch::Home,
+        };
+        let (slow, fast) = (f64::from(self.slow), f64::from(self.fast));
+        let (most, most_slow) = (f64::from(self.max_way), f64::from(self.max_slow_way));
+        let options = HomingOptions {
+            home_position: f64::from(self.home_position),
+            velocity_fast: fast,
+            direction,
+            mode,
+            // Ramps are the drive's.
+            ..HomingOptions::new(slow, fast, most, most_slow)
+        };
+        options.check().map_err(|error| Failure::Usage(error.to_string()))?;
+        let sign = if self.positive { '+' } else { '-' };
+        let at = self.input.map_or("its home switch".to_owned(), |input| format!("input {input}"));
+        consent.ask(&format!(
+            "home {name} from {from} towards {sign} until {at} says so, {most} increments at most, at {fast} increments/s, and off \
+             it at {slow}"
+        ))?;
+        let interrupt = Interrupt::catch()?;
+        drive.enable()?;
+        let run = HomingRun { axis: 0, switch, options };
+        let stopped = || interrupt.count() > 0;
+        let report = home_by_switch(drive, &run, &stream, &mut |_, _| None, &stopped)?;
+        let stands = drive.sample(&stream)?.position.first().copied().unwrap_or(0);
+        #[expect(clippy::cast_precision_loss, reason = "milliseconds")]
+        let looks_s = report.longest_look_ns as f64 * 1e-9;
+        println!(
+            "{name} is home, at {stands}; the switch was at {:.1}, known to {:.1} increments",
+            report.reference,
+            options.uncertainty(looks_s)
+        );
+        Ok(())
+    }
+}

@@ -1,0 +1,71 @@
+//! Parameters of a device on file, and back.
+
+use super::consent::Consent;
+use crate::command::Failure;
+use crate::command::whole::WholeFile;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use twin_drives::Drive;
+use twin_drives::axis::backup::{BackupError, Format, plan, read, write_parameters};
+
+/// What is done with a file of parameters.
+#[derive(Clone, Debug, clap::Subcommand)]
+pub(super) enum OnFile {
+    /// Write all parameters to a file: as XML if it ends with .xml, else as text; changes nothing
+    Backup {
+        /// The file
+        file: PathBuf,
+    },
+    /// Give the drive the parameters of a file, after showing what differs (asks first); its axes must be at rest
+    Restore {
+        /// The file, text or XML
+        file: PathBuf,
+
+        /// Make the drive keep them when it is switched off; a SmartDRIVE's position becomes 0
+        #[arg(long)]
+        save: bool,
+    },
+}
+
+impl OnFile {
+    /// Does it.
+    pub(super) fn carry_out(&self, drive: &mut dyn Drive, consent: Consent) -> Result<(), Failure> {
+        match self {
+            Self::Backup { file } => backup(drive, file),
+            Self::Restore { file, save } => restore(drive, (file, *save), consent),
+        }
+    }
+}
+
+fn backup(drive: &mut dyn Drive, path: &Path) -> Result<(), Failure> {
+    let xml = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xml"));
+    let format = if xml { Format::Xml } else { Format::Text };
+    let mut file = WholeFile::create(path)?;
+    let name = path.display().to_string();
+    let count = write_parameters(drive, None, format, &name, &mut file)?;
+    file.finish()?;
+    println!("{count} parameters of {} are in {name}", drive.describe());
+    Ok(())
+}
+
+fn restore(
+    drive: &mut dyn Drive,
+    (path, save): (&Path, bool),
+    consent: Consent,
+) -> Result<(), Failure> {
+    let name = path.display().to_string();
+    let mut file =
+        File::open(path).map_err(|source| BackupError::Read { file: name.clone(), source })?;
+    let plan = plan(drive, &read(&name, &mut file)?)?;
+    println!("{plan}");
+    if plan.is_empty() {
+        return Ok(());
+    }
+    consent.ask_to_write(&format!("write {} parameters of {name}", plan.changes.len()))?;
+    plan.carry_out(drive, save)?;
+    println!("written, and read back");
+    if plan.needs_restart() {
+        println!("some act after a restart of the drive");
+    }
+    Ok(())
+}
