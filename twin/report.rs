@@ -172,7 +172,6 @@ pub struct RunReport {
     /// How often the drives were heard of, if there were any.
     pub drive_samples: Option<DriveSamplesReport>,
     /// How late the cycles were taken up, of a run in step with the wall clock.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub cycle_lateness: Option<LatenessReport>,
     /// Errors of the tool tip.
     pub tool_error_mm: ComparisonReport,

@@ -186,8 +186,15 @@ fn is_check(report: &Value, program: &str, more: &[&str]) {
 }
 
 /// The keys that a run adds.
-const RUN_KEYS: [&str; 6] =
-    ["completed", "stopped_because", "executed_s", "drive_samples", "tool_error_mm", "axis_error"];
+const RUN_KEYS: [&str; 7] = [
+    "completed",
+    "stopped_because",
+    "executed_s",
+    "drive_samples",
+    "cycle_lateness",
+    "tool_error_mm",
+    "axis_error",
+];
 
 /// The key that a simulated machine adds.
 const MOTOR_LOAD: &str = "motor_load";
@@ -233,6 +240,11 @@ fn a_request_to_terminate_stops_a_run_in_real_time() {
     assert_eq!(report["completed"], false);
     assert!(number(&report["executed_s"]) < number(&report["duration_s"]) - 1.0);
     assert_eq!(report["drive_samples"], Value::Null);
+    has_keys(&report["cycle_lateness"], &["cycles", "p50_us", "p99_us", "max_us"]);
+    assert_eq!(
+        number(&report["cycle_lateness"]["cycles"]),
+        1.0 + (1e3 * number(&report["executed_s"])).round()
+    );
 }
 
 #[test]
