@@ -280,6 +280,7 @@ fn perform<'m>(
     let mut watcher = Watcher {
         picture: &mut picture,
         bar: &bar,
+        lines: show::ProgressLines::new(format!("running {}", program.path().display())),
         last_shown_ns: i64::MIN,
         samples: DriveSamples::default(),
         prompt: Prompt::default(),
@@ -360,8 +361,10 @@ fn check_first(
     let drives = arguments.drives != Drives::None;
     let options = CheckOptions { limits, acknowledge, drives, ..CheckOptions::default() };
     let bar = show::progress(bytes, "checking {bar:30} {percent:>3} % {bytes_per_sec}");
+    let mut lines = show::ProgressLines::new(format!("checking {}", program.path().display()));
     let outcome = crate::check::check(machine, program, options, &mut |read| {
         bar.set_position(read);
+        lines.set(read, bytes);
     });
     bar.finish_and_clear();
     outcome.map_err(|failure| Failure::check(program, failure))
