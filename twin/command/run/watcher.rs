@@ -1,5 +1,6 @@
 //! Watches a run, shows it, and passes on what the user wants.
 
+use super::axis_watch::AxisWatch;
 use super::keys::{self, Keys};
 use super::prompt::Prompt;
 use super::summary::DriveSamples;
@@ -16,6 +17,7 @@ pub(super) struct Watcher<'a, 'm> {
     pub(super) picture: &'a mut Picture<'m>,
     pub(super) bar: &'a ProgressBar,
     pub(super) lines: ProgressLines,
+    pub(super) axes: AxisWatch<'m>,
     pub(super) last_shown_ns: i64,
     pub(super) samples: DriveSamples,
     pub(super) prompt: Prompt,
@@ -42,6 +44,7 @@ pub(super) fn open_keys(program: &ProgramFile) -> Option<Keys> {
 impl Observer for Watcher<'_, '_> {
     fn twin(&mut self, cycle: &TwinCycle<'_>) {
         self.picture.twin(cycle);
+        self.axes.twin(cycle);
         let time_ns = cycle.setpoint.time_ns;
         if time_ns.saturating_sub(self.last_shown_ns) >= 100_000_000 {
             self.last_shown_ns = time_ns;
@@ -91,5 +94,6 @@ impl Observer for Watcher<'_, '_> {
     fn drives(&mut self, sample: &DriveSample<'_>) {
         self.samples.include(sample.time_ns);
         self.picture.drives(sample);
+        self.axes.drives(sample);
     }
 }
