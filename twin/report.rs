@@ -9,6 +9,7 @@ use crate::physics::MotorLoad;
 use crate::program::ProgramFile;
 use crate::session::{OverrideChange, Punctuality};
 use serde::ser::{Serialize, SerializeMap, Serializer};
+use twin_drives::axis::Maximum;
 use twin_motion::Place;
 
 /// What `twin check` writes per program, and `twin run` as part of its report.
@@ -177,6 +178,38 @@ pub struct RunReport {
     pub tool_error_mm: ComparisonReport,
     /// Errors per axis, in the axis's unit.
     pub axis_error: PerAxis<AxisErrorReport>,
+    /// What SoftMotion's diagnosis blocks tell, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis_maxima: Option<PerAxis<AxisMaximaReport>>,
+}
+
+/// What SoftMotion's diagnosis blocks tell of an axis, in its unit.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub struct AxisMaximaReport {
+    unit: &'static str,
+    dead_time_cycles: u8,
+    tracking_error: MaximumReport,
+    set_velocity: MaximumReport,
+    set_acceleration: MaximumReport,
+}
+
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+struct MaximumReport {
+    max: f64,
+    time_s: f64,
+}
+
+impl AxisMaximaReport {
+    /// Of an axis: its tracking error against the set position so many cycles ago, its set velocity and acceleration; stamps are
+    /// in ms.
+    pub fn new(axis: &Axis, dead_time_cycles: u8, maxima: [Maximum; 3]) -> Self {
+        let report = |most: Maximum| MaximumReport {
+            max: rounded(most.value),
+            time_s: rounded(f64::from(most.time) * 1e-3),
+        };
+        let [tracking_error, set_velocity, set_acceleration] = maxima.map(report);
+        Self { unit: axis.unit(), dead_time_cycles, tracking_error, set_velocity, set_acceleration }
+    }
 }
 
 /// A change of the override.

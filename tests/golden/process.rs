@@ -196,6 +196,9 @@ const RUN_KEYS: [&str; 7] = [
     "axis_error",
 ];
 
+/// The key that drives of the machine file add, where they are wanted.
+const PREDICTED: &str = "predicted_following";
+
 /// The key that a simulated machine adds.
 const MOTOR_LOAD: &str = "motor_load";
 
@@ -219,7 +222,7 @@ fn ctrl_c_stops_a_run_with_drives_and_leaves_report_and_recording() {
     );
     done.ended(2, "stopped by the user at line 2 (N10)");
     let report = desk.read("r.json");
-    is_check(&report, "circles.cnc", &[&RUN_KEYS[..], &[MOTOR_LOAD]].concat());
+    is_check(&report, "circles.cnc", &[&RUN_KEYS[..], &[MOTOR_LOAD, PREDICTED]].concat());
     assert_eq!(report["completed"], false);
     assert!(report["stopped_because"].as_str().expect("a reason").contains("stopped by the user"));
     let (executed, duration) = (number(&report["executed_s"]), number(&report["duration_s"]));
@@ -265,7 +268,8 @@ fn a_run_reports_errors_of_twin_and_drives() {
         done.ended(0, "short.cnc is read as din66025");
         assert!(done.stdout.contains("fit for the machine") && done.stdout.contains("tool, twin"));
         let report = desk.read("r.json");
-        is_check(&report, "short.cnc", &[&RUN_KEYS[..], &[MOTOR_LOAD]].concat());
+        let predicted = if drives == "none" { &[][..] } else { &[PREDICTED] };
+        is_check(&report, "short.cnc", &[&RUN_KEYS[..], &[MOTOR_LOAD], predicted].concat());
         assert_eq!(
             (&report["completed"], &report["stopped_because"]),
             (&true.into(), &Value::Null)
@@ -343,7 +347,7 @@ fn an_unfit_program_moves_nothing_and_is_reported() {
     assert!(done.stdout.contains("NOT fit for the machine"));
     assert!(!done.stderr.contains("emulated InterpCNC"), "{}", done.stderr);
     let report = desk.read("r.json");
-    is_check(&report, "unfit.cnc", &RUN_KEYS);
+    is_check(&report, "unfit.cnc", &[&RUN_KEYS[..], &[PREDICTED]].concat());
     assert_eq!((&report["completed"], &report["executed_s"]), (&false.into(), &0.0.into()));
     assert_eq!(report["tool_error_mm"]["twin"], Value::Null);
 }
@@ -374,7 +378,7 @@ fn what_cannot_be_carried_out_is_status_2() {
     desk.twin(&["nonsense"]).ended(2, "nonsense");
     desk.twin(&[]).ended(2, "Usage");
     desk.twin(&["run", "short.cnc", "-m", "machine.toml", "--drives", "real"])
-        .ended(2, "--drives real");
+        .ended(2, "device `board`: /dev/ttyUSB0, station 1: opening the port");
     let help = desk.twin(&["--help"]);
     assert_eq!(help.status, Some(0));
     assert!(help.stdout.contains("Exit status"));
@@ -412,8 +416,14 @@ fn a_program_that_cannot_be_read_does_not_keep_others_from_being_checked() {
     done.ended(2, "cannot read program missing.cnc");
     let found = reports(&done);
     assert_eq!(found.len(), 2, "{}", done.stdout);
-    is_check(&found[0], "short.cnc", &[]);
-    is_check(&found[1], "unfit.cnc", &[]);
+    is_check(&found[0], "short.cnc", &[PREDICTED]);
+    is_check(&found[1], "unfit.cnc", &[PREDICTED]);
+    let predicted = &found[0][PREDICTED];
+    has_keys(predicted, &["tool_mm", "axes", "devices"]);
+    has_keys(&predicted["tool_mm"], &["max", "rms", "line", "block"]);
+    has_keys(&predicted["axes"]["X"], &["unit", "device", "limit", "max", "rms", "line", "block"]);
+    let rates = ["family", "commands_per_s", "samples_per_s", "exchanges_per_s"];
+    has_keys(&predicted["devices"]["board"], &rates);
     let done = check(&["unfit.cnc", "short.cnc"]);
     let found = reports(done.ended(1, ""));
     assert_eq!(
@@ -431,7 +441,7 @@ fn findings_carry_what_the_contract_promises() {
         desk.twin(&["check", "wrong.cnc", "-m", "machine.toml", "--format", "json", "--physics"]);
     done.ended(1, "");
     let report: Value = serde_json::from_str(&done.stdout).expect("one object");
-    is_check(&report, "wrong.cnc", &[MOTOR_LOAD]);
+    is_check(&report, "wrong.cnc", &[MOTOR_LOAD, PREDICTED]);
     has_keys(&report["peak"]["X"]["following_error"], &["value", "limit", "line", "block"]);
     let found = report["findings"].as_array().expect("a list");
     let of = |rule: &str| {

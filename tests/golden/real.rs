@@ -21,8 +21,8 @@ fn clock() -> impl Fn() -> i64 + Send + Sync {
 
 /// There and back, 0.7 s. All axes are at 0 where it begins.
 const SHORT: &str = "% short\nN10 G1 X10 Y5 Z-35 U8 F50 E500 E-500\nN20 G1 X0 Y0 Z-40 U0\n";
-/// 8 s.
-const LONG: &str = "% long\nN10 G1 X200 Y100 Z20 U60 F30 E300 E-300\nN20 G1 X0 Y0 Z-40 U0\n";
+/// Half a minute.
+const LONG: &str = "% long\nN10 G1 X200 Y100 Z20 U60 F15 E300 E-300\nN20 G1 X0 Y0 Z-40 U0\n";
 
 /// X and Y on a board, Z on a bus, U on a module; all of them have plenty of time to answer beside other tests.
 fn mixture(desk: &Desk) -> String {
@@ -373,10 +373,13 @@ fn a_device_that_dies_stops_all_others() {
         std::thread::sleep(Duration::from_millis(2500));
         drop(shop.bus.borrow_mut().take());
     });
-    done.ended(2, "the drives failed at line 2 (N10): bus, station 1:");
+    // How far they come until nobody answers any more is the deadline's business.
+    done.ended(2, "the drives failed at line");
+    done.ended(2, ": bus, station 1: ");
+    done.ended(2, "on the axes left the path and braked, each at its own limits");
     let [x, y, _, u] = shop.at_rest();
     let [x, y, u] = [x, y, u].map(|found| found.expect("it is there"));
-    assert!(x > 1.0 && x < 199.0 && y > 0.0 && u > 0.0, "{x} {y} {u}");
+    assert!(x > 1.0 && x < 200.0 && y > 0.0 && u > 0.0, "{x} {y} {u}");
 }
 
 #[test]

@@ -18,10 +18,11 @@ pub(super) struct Cause<'f> {
 type Key<'f> = (Severity, Rule, Option<&'f str>, String);
 
 fn key(finding: &Finding) -> Key<'_> {
-    let numbers = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
-    let words = finding.message.split(numbers).filter(|part| !part.is_empty());
+    let is_number =
+        |word: &str| word.trim_matches(|c: char| !c.is_ascii_alphanumeric()).parse::<f64>().is_ok();
+    let words = finding.message.split_whitespace().filter(|word| !is_number(word));
     let words: Vec<_> = words.collect();
-    (finding.severity, finding.rule, finding.axis.as_deref(), words.concat())
+    (finding.severity, finding.rule, finding.axis.as_deref(), words.join(" "))
 }
 
 /// The findings by their causes, in the order of the first of each.
@@ -90,6 +91,10 @@ mod tests {
         let others = causes[0].others().unwrap();
         assert_eq!(others, "… and in 11 more lines: 2, 3, 4, 5, 6, 7, 8, 9, …");
         assert_eq!(causes[1].others(), None);
+        // A word is no number.
+        let probes =
+            [found(1, "X", "G38.2 meets nothing at 5"), found(2, "X", "G38.3 meets nothing at 7")];
+        assert_eq!(of(&probes).len(), 2);
         // Twice in the same line is no other line.
         let twice =
             [found(5, "X", "velocity 1"), found(5, "X", "velocity 2"), found(6, "X", "velocity 3")];

@@ -195,7 +195,7 @@ impl Looker<'_> {
             self.add(false, format!("{whose}{} ({name}) is {found}{unit}; {value}", one.id));
         }
         if right == wanted.len() {
-            self.add(true, format!("parameters: all {right} as the machine file has them"));
+            self.add(true, format!("parameters: {right} of {right} as the machine file has them"));
         }
         Ok(())
     }

@@ -149,6 +149,7 @@ fn one(
     let bar = bars.add(show::progress(bytes, "{msg} {bar:30} {percent:>3} % {bytes_per_sec}"));
     bar.set_message(program.path().display().to_string());
     let mut files = ClearanceFiles::new(machine, &arguments.clearance)?;
+    let mut lines = show::ProgressLines::new(format!("checking {}", program.path().display()));
     let outcome = check::check_watched(
         machine,
         program,
@@ -159,7 +160,10 @@ fn one(
             acknowledge: arguments.m_functions.acknowledge,
             drives: true,
         },
-        &mut |read| bar.set_position(read),
+        &mut |read| {
+            bar.set_position(read);
+            lines.set(read, bytes);
+        },
         &mut |clearance| files.include(clearance),
     );
     bar.finish_and_clear();

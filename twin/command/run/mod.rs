@@ -1,5 +1,6 @@
 //! `twin run`: the program on the simulated machine and on the drives at once.
 
+mod axis_watch;
 mod interrupt;
 mod keys;
 mod prompt;
@@ -20,9 +21,10 @@ use crate::limit::Limits;
 use crate::machine::{DeviceEntry, Machine};
 use crate::picture::Picture;
 use crate::program::ProgramFile;
-use crate::report::seconds;
+use crate::report::{AxisMaximaReport, seconds};
 use crate::session::{Ending, OverrideAt, Session};
 use crate::simulated::Simulated;
+use axis_watch::AxisWatchOptions;
 use indicatif::ProgressBar;
 pub(super) use interrupt::Interrupt;
 use prompt::Prompt;
@@ -80,6 +82,9 @@ pub(super) struct Arguments {
     #[command(flatten)]
     start_up: StartUpOptions,
 
+    #[command(flatten)]
+    axis_watch: AxisWatchOptions,
+
     /// Run in step with the wall clock also without drives
     #[arg(long)]
     realtime: bool,
@@ -121,7 +126,8 @@ impl Arguments {
         let read = read.chain(self.simulation.faults_file());
         let record = self.record.iter().map(|path| ("--record", path.as_path()));
         let report = self.report.iter().map(|path| ("--report", path.as_path()));
-        whole::check_targets(Some(program.path()), read, record.chain(report))
+        let logs = self.axis_watch.targets();
+        whole::check_targets(Some(program.path()), read, record.chain(report).chain(logs))
     }
 }
 
@@ -184,7 +190,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 
     let reason = done.ending.reason();
     // First what was asked for in files: nobody may be reading what is printed.
-    report.write(&done.ending, done.samples, reason.clone())?;
+    report.write(&done.ending, (done.samples, done.maxima.clone()), reason.clone())?;
     let mut out = io::stdout().lock();
     check::summary(&mut out, &machine, &program, &outcome).map_err(Failure::Stdio)?;
     summary(&mut out, &machine, &done).map_err(Failure::Stdio)?;
@@ -210,6 +216,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 struct Done<'m> {
     ending: Ending,
     samples: DriveSamples,
+    /// Of the axes, if they are wanted.
+    maxima: Option<Vec<(String, AxisMaximaReport)>>,
     /// On the wall clock, s.
     took: f64,
     /// Still open: its page is served as long as it lives.
@@ -227,6 +235,8 @@ fn perform<'m>(
 ) -> Result<(Done<'m>, Interrupt), Failure> {
     let (machine, program, outcome) = (about.machine, about.program, about.outcome);
     let emulated = arguments.drives == Drives::Emulated && !machine.drives.is_empty();
+    let has_drives = emulated || arguments.drives == Drives::Real;
+    let axes = arguments.axis_watch.open(machine, has_drives)?;
     // Until here Ctrl-C ends everything, and so it does while the user is asked.
     let real = (arguments.drives == Drives::Real)
         .then(|| startup::real(&arguments.start_up, machine, (outcome, start), APPROACH))
@@ -274,12 +284,14 @@ fn perform<'m>(
     let realtime = arguments.realtime;
     let limits = arguments.limits;
     let overrides = &arguments.override_at;
-    let paced = realtime || hardware.is_some();
+    let paced = realtime || has_drives;
     let session =
         Session { machine, program, twin, hardware, limits, acknowledge, overrides, realtime };
     let mut watcher = Watcher {
         picture: &mut picture,
         bar: &bar,
+        axes,
+        lines: show::ProgressLines::new(format!("running {}", program.path().display())),
         last_shown_ns: i64::MIN,
         samples: DriveSamples::default(),
         prompt: Prompt::default(),
@@ -292,10 +304,12 @@ fn perform<'m>(
     let took = seconds(clock.now_ns());
     let samples = watcher.samples;
     drop(watcher.keys.take());
+    let maxima = watcher.axes.maxima();
+    let logged = watcher.axes.finish();
     bar.finish_and_clear();
     drop(emulators);
-    let shown = picture.finish().map_err(Failure::from);
-    Ok((Done { ending, samples, took, picture, shown }, interrupt))
+    let shown = picture.finish().map_err(Failure::from).and(logged);
+    Ok((Done { ending, samples, maxima, took, picture, shown }, interrupt))
 }
 
 impl Arguments {
@@ -360,8 +374,10 @@ fn check_first(
     let drives = arguments.drives != Drives::None;
     let options = CheckOptions { limits, acknowledge, drives, ..CheckOptions::default() };
     let bar = show::progress(bytes, "checking {bar:30} {percent:>3} % {bytes_per_sec}");
+    let mut lines = show::ProgressLines::new(format!("checking {}", program.path().display()));
     let outcome = crate::check::check(machine, program, options, &mut |read| {
         bar.set_position(read);
+        lines.set(read, bytes);
     });
     bar.finish_and_clear();
     outcome.map_err(|failure| Failure::check(program, failure))

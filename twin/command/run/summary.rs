@@ -8,8 +8,8 @@ use crate::compare::{Comparison, ErrorStatistics, Statistics};
 use crate::machine::Machine;
 use crate::program::ProgramFile;
 use crate::report::{
-    AxisErrorReport, CheckReport, ComparisonReport, DriveSamplesReport, LatenessReport,
-    OverrideChangeReport, PerAxis, RunReport, seconds,
+    AxisErrorReport, AxisMaximaReport, CheckReport, ComparisonReport, DriveSamplesReport,
+    LatenessReport, OverrideChangeReport, PerAxis, RunReport, seconds,
 };
 use crate::session::Ending;
 use std::io::{self, Write};
@@ -152,7 +152,7 @@ impl Report<'_> {
     pub(super) fn write(
         &self,
         ending: &Ending,
-        samples: DriveSamples,
+        (samples, maxima): (DriveSamples, Option<Vec<(String, AxisMaximaReport)>>),
         stopped_because: Option<String>,
     ) -> Result<(), Failure> {
         let Some(path) = self.path else { return Ok(()) };
@@ -172,6 +172,7 @@ impl Report<'_> {
                     .map(|(axis, one)| (axis.name.clone(), AxisErrorReport::new(axis, one)))
                     .collect(),
             ),
+            axis_maxima: maxima.map(PerAxis),
         };
         let mut file = WholeFile::create(path)?;
         write_json(&mut file, &report).map_err(|source| unwritable(path, source))?;
@@ -180,7 +181,8 @@ impl Report<'_> {
 
     /// Writes that a run came to nothing, and why.
     pub(super) fn write_nothing(&self, reason: &str) -> Result<(), Failure> {
-        self.write(&Ending::nothing(self.machine), DriveSamples::default(), Some(reason.to_owned()))
+        let nothing = (DriveSamples::default(), None);
+        self.write(&Ending::nothing(self.machine), nothing, Some(reason.to_owned()))
     }
 }
 

@@ -1,8 +1,10 @@
 //! Watches a run, shows it, and passes on what the user wants.
 
+use super::axis_watch::AxisWatch;
 use super::keys::{self, Keys};
 use super::prompt::Prompt;
 use super::summary::DriveSamples;
+use crate::command::show::ProgressLines;
 use crate::m_function::MCall;
 use crate::picture::Picture;
 use crate::program::ProgramFile;
@@ -14,6 +16,8 @@ use twin_motion::Place;
 pub(super) struct Watcher<'a, 'm> {
     pub(super) picture: &'a mut Picture<'m>,
     pub(super) bar: &'a ProgressBar,
+    pub(super) lines: ProgressLines,
+    pub(super) axes: AxisWatch<'m>,
     pub(super) last_shown_ns: i64,
     pub(super) samples: DriveSamples,
     pub(super) prompt: Prompt,
@@ -40,10 +44,13 @@ pub(super) fn open_keys(program: &ProgramFile) -> Option<Keys> {
 impl Observer for Watcher<'_, '_> {
     fn twin(&mut self, cycle: &TwinCycle<'_>) {
         self.picture.twin(cycle);
+        self.axes.twin(cycle);
         let time_ns = cycle.setpoint.time_ns;
         if time_ns.saturating_sub(self.last_shown_ns) >= 100_000_000 {
             self.last_shown_ns = time_ns;
-            self.bar.set_position(u64::try_from(time_ns / 1_000_000).unwrap_or(0));
+            let done = u64::try_from(time_ns / 1_000_000).unwrap_or(0);
+            self.bar.set_position(done);
+            self.lines.set(done, self.bar.length().unwrap_or(0));
             let error = (cycle.twin.tool - cycle.wanted.tool).norm() * 1e3;
             self.bar.set_message(format!("{}  twin {error:.3} mm off", cycle.setpoint.place));
         }
@@ -87,5 +94,6 @@ impl Observer for Watcher<'_, '_> {
     fn drives(&mut self, sample: &DriveSample<'_>) {
         self.samples.include(sample.time_ns);
         self.picture.drives(sample);
+        self.axes.drives(sample);
     }
 }
