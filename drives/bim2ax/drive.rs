@@ -53,7 +53,7 @@ const OVERDUE_NS: i64 = 1_000_000_000;
 /// What keeps a move from being what was meant: phases are off after a reset, when positions are lost, and a move would
 /// switch them on.
 const NOT_READY: u16 = FAULTS | message::PHASES_OFF;
-/// Looks after which an axis that stands elsewhere than it was sent has not arrived: one may have been spoilt.
+/// Looks that have to agree on something being wrong: one may have been spoilt on the bus, which has no check sums.
 const STRAY_LOOKS: u32 = 2;
 
 /// A BIM2AX-BOCM module behind a memory.
@@ -377,8 +377,16 @@ impl Drive for Bim2AxDrive {
     ) -> Result<(), DriveError> {
         self.forget();
         self.prepared()?;
-        let (before, _) = self.look(&no_clock)?;
-        self.check(&before, Action::ReadState, |messages| messages & NOT_READY != 0)?;
+        for looks in 1..=STRAY_LOOKS {
+            let (before, _) = self.look(&no_clock)?;
+            let ready = self.check(&before, Action::ReadState, |word| word & NOT_READY != 0);
+            if ready.is_ok() {
+                break;
+            }
+            if looks == STRAY_LOOKS {
+                return ready;
+            }
+        }
         let mut sent = [0; AXES];
         let mut starts = Vec::with_capacity(AXES);
         for ((axis, settings), (target, speed)) in
