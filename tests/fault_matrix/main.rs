@@ -25,7 +25,7 @@ use faults::{Doing, Family, Fault};
 use scenario::{Outcome, Trial, cell, is_meaningless};
 
 /// Cells made at the same time: most of the time they wait for deadlines.
-const WORKERS: usize = 16;
+const WORKERS: usize = 48;
 
 /// A cell that has been made.
 struct Made {

@@ -24,8 +24,9 @@ const STROKE: f64 = 6000.0;
 const DURATION_S: f64 = 2.0;
 /// Looks after which an axis no longer comes to rest.
 const MOST_LOOKS: u32 = 20_000;
-/// Looks in a row with the same position after which an axis rests, whatever its status says.
+/// Looks in a row with the same position after which an axis rests, and where its status says that it moves.
 const SAME_LOOKS: u32 = 20;
+const STUCK_LOOKS: u32 = 300;
 /// Cycles of following after the end of the plan.
 const CYCLES_AFTERWARDS: u32 = 40;
 /// Attempts at getting a device back, or looks whether it stands, and the pause between them.
@@ -113,9 +114,9 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         let (mut last, mut same) = (0, 0);
         for _ in 0..MOST_LOOKS {
             let Sample { position, moving, .. } = self.drive().sample(&rest)?;
-            same = if position[0] == last && !moving { same + 1 } else { 0 };
+            same = if position[0] == last { same + 1 } else { 0 };
             last = position[0];
-            if same >= SAME_LOOKS {
+            if same >= if moving { STUCK_LOOKS } else { SAME_LOOKS } {
                 break;
             }
         }

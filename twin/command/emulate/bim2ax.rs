@@ -1,9 +1,12 @@
 //! A BIM2AX module.
 
-use super::control::{Obeys, Switch, parsed};
+use super::control::{Obeys, Switch};
+use super::faults::{self, Said, WireWord};
 use super::{Common, Failure, Status, serve};
 use crate::clock::Clock;
-use twin_drives::bim2ax::emulator::{EmulatedModule, EmulatorOptions, ModuleFaults, ModuleOptions};
+use twin_drives::bim2ax::emulator::{
+    Control, EmulatedModule, EmulatorOptions, Event, ModuleOptions, Surroundings,
+};
 use twin_drives::bim2ax::{ByteOrder, Contact, ModuleAxis};
 
 #[derive(Debug, clap::Args)]
@@ -36,6 +39,8 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     let emulator = EmulatorOptions {
         module,
         eeprom: options.common.eeprom.clone(),
+        seed: options.common.seed,
+        speed: options.common.speed(),
         ..EmulatorOptions::new(&options.common.link)
     };
     let clock = Clock::start();
@@ -81,22 +86,27 @@ enum Word {
         #[arg(value_enum)]
         state: Switch,
     },
-    /// Interrupts are lost
-    Deaf {
+    /// The shaft of an axis is held, as by `motor AXIS stalled`
+    Stall {
+        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
+        axis: u8,
         #[arg(value_enum)]
         state: Switch,
     },
-    /// What the module says is not refreshed
-    Frozen {
+    /// Positions and axis messages stay as they are now
+    StuckStatus {
         #[arg(value_enum)]
         state: Switch,
     },
-    /// Interrupts take effect so many ms later
-    Late { ms: u32 },
-    /// The supply fails for a moment
-    BrownOut,
+    /// The supply fails, for so many ms
+    BrownOut {
+        #[arg(default_value_t = 100)]
+        ms: u32,
+    },
     /// The check sum of the EEPROM is wrong
     SpoilEeprom,
+    #[command(flatten)]
+    Wire(WireWord),
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -121,56 +131,71 @@ enum MotorWord {
     Stalled,
 }
 
+impl Word {
+    /// What happens to a module with these surroundings.
+    fn control(self, mut surroundings: Surroundings) -> Result<Control, Said> {
+        let axis = |axis: u8| if axis == 1 { ModuleAxis::One } else { ModuleAxis::Two };
+        let event = match self {
+            Self::Wire(word) => return word.control(|words| obeyed(words, surroundings)),
+            Self::Contact { axis: number, contact, state } => {
+                let slot = contact.of(&mut surroundings, axis(number))?;
+                // One that nothing actuates.
+                let nowhere = Contact::between(i64::MAX, i64::MAX, true);
+                slot.get_or_insert(nowhere).stuck = match state {
+                    ContactState::On => Some(true),
+                    ContactState::Off => Some(false),
+                    ContactState::Free => None,
+                };
+                Event::Surroundings(Box::new(surroundings))
+            }
+            Self::Place { axis: number, contact, low, high } => {
+                *contact.of(&mut surroundings, axis(number))? =
+                    Some(Contact::between(low, high, true));
+                Event::Surroundings(Box::new(surroundings))
+            }
+            Self::Motor { axis: number, what, state } => match what {
+                MotorWord::Power => Event::Power(axis(number), state.is_on()),
+                MotorWord::PhaseOpen => Event::PhaseOpen(axis(number), state.is_on()),
+                MotorWord::PhaseShort => Event::PhaseShort(axis(number), state.is_on()),
+                MotorWord::Stalled => Event::Stall(axis(number), state.is_on()),
+            },
+            Self::Stall { axis: number, state } => Event::Stall(axis(number), state.is_on()),
+            Self::StuckStatus { state } => Event::StuckStatus(state.is_on()),
+            Self::BrownOut { ms } => Event::BrownOut { off_ns: i64::from(ms) * 1_000_000 },
+            Self::SpoilEeprom => Event::SpoilEeprom,
+        };
+        Ok(Control::Event(event))
+    }
+}
+
+impl ContactWord {
+    /// The contact at an axis.
+    fn of(
+        self,
+        surroundings: &mut Surroundings,
+        axis: ModuleAxis,
+    ) -> Result<&mut Option<Contact>, Said> {
+        let bench = surroundings.benches.get_mut(axis.index());
+        let bench = bench.ok_or_else(|| Err("no such axis".to_owned()))?;
+        Ok(match self {
+            Self::Plus => &mut bench.plus,
+            Self::Minus => &mut bench.minus,
+            Self::Cam => &mut bench.cam,
+        })
+    }
+}
+
+fn obeyed(words: &[&str], surroundings: Surroundings) -> Result<Control, Said> {
+    faults::control(words, |word: Word| word.control(surroundings))
+}
+
 impl Obeys for EmulatedModule {
     fn obey(&mut self, words: &[&str]) -> Result<String, String> {
-        parsed::<Word>(words, |word| {
-            let mut module = self.module();
-            let mut surroundings = *module.surroundings();
-            let mut faults: ModuleFaults = module.faults();
-            let place = |axis: u8| usize::from(axis.saturating_sub(1));
-            match word {
-                Word::Contact { axis, contact, state } => {
-                    let bench = surroundings.benches.get_mut(place(axis)).ok_or("no such axis")?;
-                    let slot = match contact {
-                        ContactWord::Plus => &mut bench.plus,
-                        ContactWord::Minus => &mut bench.minus,
-                        ContactWord::Cam => &mut bench.cam,
-                    };
-                    // One that nothing actuates.
-                    let nowhere = Contact::between(i64::MAX, i64::MAX, true);
-                    slot.get_or_insert(nowhere).stuck = match state {
-                        ContactState::On => Some(true),
-                        ContactState::Off => Some(false),
-                        ContactState::Free => None,
-                    };
-                }
-                Word::Place { axis, contact, low, high } => {
-                    let bench = surroundings.benches.get_mut(place(axis)).ok_or("no such axis")?;
-                    let found = Some(Contact::between(low, high, true));
-                    match contact {
-                        ContactWord::Plus => bench.plus = found,
-                        ContactWord::Minus => bench.minus = found,
-                        ContactWord::Cam => bench.cam = found,
-                    }
-                }
-                Word::Motor { axis, what, state } => {
-                    let bench = surroundings.benches.get_mut(place(axis)).ok_or("no such axis")?;
-                    match what {
-                        MotorWord::Power => bench.power = state.is_on(),
-                        MotorWord::PhaseOpen => bench.phase_open = state.is_on(),
-                        MotorWord::PhaseShort => bench.phase_short = state.is_on(),
-                        MotorWord::Stalled => bench.stalled = state.is_on(),
-                    }
-                }
-                Word::Deaf { state } => faults.deaf = state.is_on(),
-                Word::Frozen { state } => faults.frozen = state.is_on(),
-                Word::Late { ms } => faults.late_ns = i64::from(ms) * 1_000_000,
-                Word::BrownOut => module.brown_out(),
-                Word::SpoilEeprom => module.spoil_eeprom(),
-            }
-            module.set_surroundings(&surroundings);
-            module.set_faults(&faults);
-            Ok(String::new())
-        })
+        let surroundings = *self.module().surroundings();
+        match obeyed(words, surroundings) {
+            Ok(control) => self.control(control),
+            Err(said) => return said,
+        }
+        Ok(String::new())
     }
 }

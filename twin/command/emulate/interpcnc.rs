@@ -1,13 +1,13 @@
 //! An InterpCNC board.
 
-use super::control::{Obeys, Switch, parsed};
+use super::control::{Obeys, Switch};
+use super::faults::{self, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
 use crate::clock::Clock;
 use twin_drives::interpcnc::emulator::{
-    BoardOptions, Control, EmulatedBoard, EmulatorOptions, Wire,
+    BoardOptions, Control, EmulatedBoard, EmulatorOptions, Event, Wire,
 };
 use twin_drives::interpcnc::{BoardAxis, Line, Parity};
-use twin_drives::{Direction, FaultRule, When, WireFault};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
@@ -33,10 +33,6 @@ pub(super) struct Options {
     /// Leave the ENABLE input open: the board stays locked
     #[arg(long)]
     enable_open: bool,
-
-    /// Seed of faults by chance
-    #[arg(long, default_value_t = 0)]
-    seed: u64,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -60,7 +56,8 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         wire: Wire { line, turnaround },
         link: Some(options.common.link.clone()),
         eeprom: options.common.eeprom.clone(),
-        seed: options.seed,
+        seed: options.common.seed,
+        speed: options.common.speed(),
         ..EmulatorOptions::default()
     };
     let clock = Clock::start();
@@ -128,27 +125,8 @@ enum Word {
         #[arg(default_value_t = 100)]
         ms: u32,
     },
-    /// The plug is pulled (off) or put back (on)
-    Plug {
-        #[arg(value_enum)]
-        state: Switch,
-    },
-    /// A fault of the wire: drop, delay MS, corrupt BYTES, truncate KEEP, duplicate, reorder, wrong-check, noise BYTES, refuse
-    /// CODE, echo
-    Fault {
-        #[arg(value_enum)]
-        direction: DirectionWord,
-        #[arg(value_enum)]
-        fault: FaultWord,
-        /// What it takes
-        #[arg(default_value_t = 1)]
-        value: u32,
-        /// Only the next so many frames
-        #[arg(long)]
-        next: Option<u32>,
-    },
-    /// The wire is good again
-    NoFaults,
+    #[command(flatten)]
+    Wire(WireWord),
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -160,28 +138,8 @@ enum AxisWord {
     B,
 }
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum DirectionWord {
-    Request,
-    Answer,
-}
-
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum FaultWord {
-    Drop,
-    Delay,
-    Corrupt,
-    Truncate,
-    Duplicate,
-    Reorder,
-    WrongCheck,
-    Noise,
-    Refuse,
-    Echo,
-}
-
 impl Word {
-    fn control(self) -> Result<Control, String> {
+    fn control(self) -> Result<Control, Said> {
         let axis = |axis: AxisWord| match axis {
             AxisWord::X => BoardAxis::X,
             AxisWord::Y => BoardAxis::Y,
@@ -189,49 +147,31 @@ impl Word {
             AxisWord::A => BoardAxis::A,
             AxisWord::B => BoardAxis::B,
         };
-        Ok(match self {
-            Self::Enable { state } => Control::Enable(state.is_on()),
-            Self::Input { number, state } => Control::Input { number, level: state.is_on() },
-            Self::Release { number } => Control::ReleaseInput(number),
-            Self::Analog { number, value } => Control::AnalogInput { number, value },
-            Self::Stall { axis: word, state } => Control::Stall(axis(word), state.is_on()),
-            Self::StuckStatus { state } => Control::StuckStatus(state.is_on()),
-            Self::BreakEeprom { state } => Control::BreakEeprom(state.is_on()),
-            Self::BrownOut { ms } => Control::BrownOut { off_ns: i64::from(ms) * 1_000_000 },
-            Self::Plug { state } => Control::Disconnect(!state.is_on()),
-            Self::NoFaults => Control::NoFaults,
-            Self::Fault { direction, fault, value, next } => {
-                let direction = match direction {
-                    DirectionWord::Request => Direction::Request,
-                    DirectionWord::Answer => Direction::Answer,
-                };
-                let count = || usize::try_from(value).unwrap_or(usize::MAX);
-                let fault = match fault {
-                    FaultWord::Drop => WireFault::Drop,
-                    FaultWord::Delay => WireFault::Delay { ns: i64::from(value) * 1_000_000 },
-                    FaultWord::Corrupt => WireFault::Corrupt { bytes: count() },
-                    FaultWord::Truncate => WireFault::Truncate { keep: count() },
-                    FaultWord::Duplicate => WireFault::Duplicate,
-                    FaultWord::Reorder => WireFault::Reorder,
-                    FaultWord::WrongCheck => WireFault::WrongCheck,
-                    FaultWord::Noise => WireFault::Noise { bytes: count() },
-                    FaultWord::Refuse => WireFault::Refuse {
-                        code: u8::try_from(value).map_err(|_beyond| format!("no code {value}"))?,
-                    },
-                    FaultWord::Echo => WireFault::Echo,
-                };
-                let when = next.map_or(When::Always, When::Next);
-                Control::Fault(FaultRule { direction, when, fault })
-            }
-        })
+        let event = match self {
+            Self::Wire(word) => return word.control(obeyed),
+            Self::Enable { state } => Event::Enable(state.is_on()),
+            Self::Input { number, state } => Event::Input { number, level: state.is_on() },
+            Self::Release { number } => Event::ReleaseInput(number),
+            Self::Analog { number, value } => Event::AnalogInput { number, value },
+            Self::Stall { axis: word, state } => Event::Stall(axis(word), state.is_on()),
+            Self::StuckStatus { state } => Event::StuckStatus(state.is_on()),
+            Self::BreakEeprom { state } => Event::BreakEeprom(state.is_on()),
+            Self::BrownOut { ms } => Event::BrownOut { off_ns: i64::from(ms) * 1_000_000 },
+        };
+        Ok(Control::Event(event))
     }
+}
+
+fn obeyed(words: &[&str]) -> Result<Control, Said> {
+    faults::control(words, Word::control)
 }
 
 impl Obeys for EmulatedBoard {
     fn obey(&mut self, words: &[&str]) -> Result<String, String> {
-        parsed::<Word>(words, |word| {
-            self.control(word.control()?).map_err(|error| error.to_string())?;
-            Ok(String::new())
-        })
+        match obeyed(words) {
+            Ok(control) => self.control(control).map_err(|error| error.to_string())?,
+            Err(said) => return said,
+        }
+        Ok(String::new())
     }
 }

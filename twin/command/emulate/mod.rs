@@ -2,6 +2,7 @@
 
 mod bim2ax;
 mod control;
+mod faults;
 mod interpcnc;
 mod smartdrive;
 
@@ -9,17 +10,21 @@ use super::{Failure, Status, run};
 use control::{Console, Obeys};
 use std::path::PathBuf;
 use std::time::Duration;
+use twin_drives::Speed;
 
 /// How often the control socket is looked at.
 const PAUSE: Duration = Duration::from_millis(20);
 
 /// Emulate a drive, for any master to talk to
 ///
-/// Serves until Ctrl-C. The device answers as the manual says and moves in real time. Through the socket of `--control`, a
-/// line at a time, switches are pressed and things go wrong; `help` there says what there is:
+/// Serves until Ctrl-C. The device answers as the manual says and moves in real time, or faster (`--speed`). Through the
+/// socket of `--control`, a line at a time, switches are pressed and things go wrong; `help` there says what there is, and
+/// the same words make the same faults of all three:
 ///
 ///   twin emulate interpcnc --link /tmp/board --control /tmp/board.control
 ///   echo "input 3 on" | nc -U -N /tmp/board.control
+///   echo "fault answer drop --next 1" | nc -U -N /tmp/board.control
+///   echo "after 20 brown-out" | nc -U -N /tmp/board.control
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Arguments {
@@ -57,6 +62,20 @@ struct Common {
     /// File that keeps what the device stores (EEPROM, flash) from one start to the next
     #[arg(long, value_name = "FILE")]
     eeprom: Option<PathBuf>,
+
+    /// So many times faster than the clock, delays of the wire included; a master's deadlines are its own
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Speed::MOST)))]
+    speed: u32,
+
+    /// Seed of faults by chance
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+impl Common {
+    fn speed(&self) -> Speed {
+        Speed::times(self.speed)
+    }
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {

@@ -1,12 +1,13 @@
 //! `SmartDRIVE`s on a bus.
 
-use super::control::{Obeys, Switch, parsed};
+use super::control::{Obeys, Switch};
+use super::faults::{self, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
 use crate::clock::Clock;
 use std::path::{Path, PathBuf};
 use twin_drives::smartdrive::Alarms;
 use twin_drives::smartdrive::emulator::{
-    DeviceOptions, EmulatedBus, EmulatorOptions, Event, Input, Wire,
+    Control, DeviceOptions, EmulatedBus, EmulatorOptions, Event, Input, Wire,
 };
 
 #[derive(Debug, clap::Args)]
@@ -41,6 +42,8 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         flash,
         wire: Wire { response, echo: options.echo, ..Wire::default() },
         link: Some(options.common.link.clone()),
+        seed: options.common.seed,
+        speed: options.common.speed(),
     };
     let clock = Clock::start();
     let bus = EmulatedBus::start(&emulator, move || clock.now_ns())?;
@@ -94,20 +97,13 @@ struct Bus {
     addresses: Vec<u8>,
 }
 
-/// What can be done to a drive.
+/// What can be done to drives, each by its address, and to their line.
 #[derive(Debug, clap::Parser)]
 #[command(no_binary_name = true, disable_help_flag = true)]
-struct Line {
-    /// Address of the drive
-    address: u8,
-    #[command(subcommand)]
-    word: Word,
-}
-
-#[derive(Debug, clap::Subcommand)]
 enum Word {
     /// An input
     Input {
+        address: u8,
         #[arg(value_enum)]
         input: InputWord,
         #[arg(value_enum)]
@@ -115,22 +111,38 @@ enum Word {
     },
     /// Analog input 1 or 2, 0 to 32767
     Analog {
+        address: u8,
         #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
         number: u8,
         #[arg(value_parser = clap::value_parser!(u16).range(0..=32_767))]
         value: u16,
     },
     /// The supply, V; below 9 the drive stops, and boots when it is back
-    Supply { volts: u16 },
+    Supply { address: u8, volts: u16 },
     /// The cause of an alarm
     Alarm {
+        address: u8,
         #[arg(value_enum)]
         alarm: AlarmWord,
         #[arg(value_enum)]
         state: Switch,
     },
     /// The rotor is blocked for a moment
-    Stall,
+    Stall { address: u8 },
+    /// Status, position and flags stay as they are now
+    StuckStatus {
+        address: u8,
+        #[arg(value_enum)]
+        state: Switch,
+    },
+    /// The supply fails, for so many ms
+    BrownOut {
+        address: u8,
+        #[arg(default_value_t = 100)]
+        ms: u32,
+    },
+    #[command(flatten)]
+    Wire(WireWord),
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -150,42 +162,55 @@ enum AlarmWord {
     Oscillator,
 }
 
+impl Word {
+    /// What happens, and the address of the drive.
+    fn event(self, addresses: &[u8]) -> Result<Control, Said> {
+        let (address, event) = match self {
+            Self::Wire(word) => return word.control(|words| obeyed(words, addresses)),
+            Self::Input { address, input, state } => {
+                let input = match input {
+                    InputWord::Go => Input::Go,
+                    InputWord::Dir => Input::Dir,
+                    InputWord::Off => Input::Off,
+                    InputWord::Limp => Input::LimP,
+                    InputWord::Limn => Input::LimN,
+                };
+                (address, Event::Input { input, level: state.is_on() })
+            }
+            Self::Analog { address, number, value } => (address, Event::Analog { number, value }),
+            Self::Supply { address, volts } => (address, Event::Supply(volts)),
+            Self::Alarm { address, alarm, state } => {
+                let alarms = match alarm {
+                    AlarmWord::PowerDriver => Alarms::POWER_DRIVER,
+                    AlarmWord::Overtemperature => Alarms::OVERTEMPERATURE,
+                    AlarmWord::CurrentProbes => Alarms::CURRENT_PROBES,
+                    AlarmWord::Oscillator => Alarms::OSCILLATOR,
+                };
+                (address, Event::Fault { alarms, present: state.is_on() })
+            }
+            Self::Stall { address } => (address, Event::Stall),
+            Self::StuckStatus { address, state } => (address, Event::StuckStatus(state.is_on())),
+            Self::BrownOut { address, ms } => {
+                (address, Event::BrownOut { off_ns: i64::from(ms) * 1_000_000 })
+            }
+        };
+        let place = addresses.iter().position(|other| *other == address);
+        place.map(|place| event.to(place)).ok_or_else(|| {
+            Err(format!("no drive has address {address}; there are {addresses:?}"))
+        })
+    }
+}
+
+fn obeyed(words: &[&str], addresses: &[u8]) -> Result<Control, Said> {
+    faults::control(words, |word: Word| word.event(addresses))
+}
+
 impl Obeys for Bus {
     fn obey(&mut self, words: &[&str]) -> Result<String, String> {
-        parsed::<Line>(words, |line| {
-            let Some(place) = self.addresses.iter().position(|address| *address == line.address)
-            else {
-                return Err(format!(
-                    "no drive has address {}; there are {:?}",
-                    line.address, self.addresses
-                ));
-            };
-            let event = match line.word {
-                Word::Input { input, state } => {
-                    let input = match input {
-                        InputWord::Go => Input::Go,
-                        InputWord::Dir => Input::Dir,
-                        InputWord::Off => Input::Off,
-                        InputWord::Limp => Input::LimP,
-                        InputWord::Limn => Input::LimN,
-                    };
-                    Event::Input { input, level: state.is_on() }
-                }
-                Word::Analog { number, value } => Event::Analog { number, value },
-                Word::Supply { volts } => Event::Supply(volts),
-                Word::Alarm { alarm, state } => {
-                    let alarms = match alarm {
-                        AlarmWord::PowerDriver => Alarms::POWER_DRIVER,
-                        AlarmWord::Overtemperature => Alarms::OVERTEMPERATURE,
-                        AlarmWord::CurrentProbes => Alarms::CURRENT_PROBES,
-                        AlarmWord::Oscillator => Alarms::OSCILLATOR,
-                    };
-                    Event::Fault { alarms, present: state.is_on() }
-                }
-                Word::Stall => Event::Stall,
-            };
-            self.bus.happen(place, event).map_err(|error| error.to_string())?;
-            Ok(String::new())
-        })
+        match obeyed(words, &self.addresses) {
+            Ok(control) => self.bus.control(control).map_err(|error| error.to_string())?,
+            Err(said) => return said,
+        }
+        Ok(String::new())
     }
 }
