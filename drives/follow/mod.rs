@@ -45,8 +45,9 @@ const STRAYING_V2: f64 = 0.05;
 const STEP_V2: f64 = 0.1;
 /// A difference beyond so many times what is explained is an axis that does not do as modelled: the sample is right.
 const DOUBT: f64 = 5.0;
-/// So many samples in a row that nothing explains are no accident: after each, the model starts anew from it.
-const MOST_DOUBTS: u32 = 12;
+/// So many samples in a row at the same place, while the axis should have gone so far, increments, are no accident.
+const STUCK_SAMPLES: u32 = 12;
+const STUCK_WAY: f64 = 50.0;
 
 /// What the registers of one axis of a device can say about a move.
 pub(crate) trait Registers: Copy + Debug {
@@ -98,6 +99,30 @@ impl Mean {
     }
 }
 
+/// How long samples have shown an axis at the same place.
+#[derive(Clone, Copy, Debug, Default)]
+struct Stuck {
+    counter: f64,
+    /// Samples in a row that have shown it.
+    samples: u32,
+    /// How far the axis should have gone meanwhile, increments.
+    way: f64,
+    /// Where it should have been at the last of them.
+    expected: f64,
+    /// Instant of the last of them, ns.
+    time_ns: i64,
+}
+
+impl Stuck {
+    /// Another sample, at which the axis should have gone so far since the one before.
+    fn sampled(&mut self, started: bool, counter: f64, expected: f64, way: f64) {
+        #[expect(clippy::float_cmp, reason = "whole numbers")]
+        let same = started && counter == self.counter;
+        (self.samples, self.way) = if same { (self.samples + 1, self.way + way) } else { (0, 0.0) };
+        (self.counter, self.expected) = (counter, expected);
+    }
+}
+
 /// What the driver believes about one axis.
 #[derive(Clone, Copy, Debug)]
 struct Tracked<R> {
@@ -108,8 +133,8 @@ struct Tracked<R> {
     variance: f64,
     /// Whether the model has been started from a sample.
     started: bool,
-    /// Samples in a row that no model explains, and where the axis should have been at the last of them.
-    doubts: (u32, f64),
+    /// Samples in a row that show it at the same place.
+    stuck: Stuck,
 }
 
 /// A command for an axis, computed for the instant at which it will probably be executed.
@@ -144,7 +169,7 @@ impl<R: Registers> Follower<R> {
             ramp: registers.limits(),
             variance: 0.0,
             started: false,
-            doubts: (0, 0.0),
+            stuck: Stuck::default(),
         };
         Self {
             axes: axes.iter().map(tracked).collect(),
@@ -160,16 +185,17 @@ impl<R: Registers> Follower<R> {
     pub(crate) fn restart(&mut self) {
         for axis in &mut self.axes {
             axis.started = false;
-            axis.doubts = (0, 0.0);
+            axis.stuck = Stuck::default();
         }
     }
 
-    /// An axis that has not done for long what its commands say, and where they should have brought it: its status is
-    /// stuck, or something else holds or moves it.
+    /// An axis that samples have shown at the same place for long although its commands move it, and where they should
+    /// have brought it: its status is stuck.
     pub(crate) fn astray(&self) -> Option<(usize, f64)> {
-        let astray = |axis: &Tracked<R>| axis.doubts.0 >= MOST_DOUBTS;
+        let astray =
+            |axis: &Tracked<R>| axis.stuck.samples >= STUCK_SAMPLES && axis.stuck.way > STUCK_WAY;
         let index = self.axes.iter().position(astray)?;
-        self.axes.get(index).map(|axis| (index, axis.doubts.1))
+        self.axes.get(index).map(|axis| (index, axis.stuck.expected))
     }
 
     /// Looks at the plan and names the axes that need a command.
@@ -274,8 +300,11 @@ impl<R: Registers> Tracked<R> {
         let shown = (speed * seconds(stamp.uncertainty_ns)).powi(2) + STEP_V2;
         let difference = counter - model.position;
         let doubtful = difference.abs() > DOUBT * (modelled + shown).sqrt() + 1.0;
-        let doubts = if self.started && doubtful { self.doubts.0.saturating_add(1) } else { 0 };
-        self.doubts = (doubts, model.position);
+        self.stuck.sampled(self.started, counter, model.position, {
+            let since = self.motion.at(self.stuck.time_ns).position;
+            (model.position - since).abs()
+        });
+        self.stuck.time_ns = time_ns;
         if !self.started || !moving && (doubtful || !self.motion.moving(time_ns)) {
             self.motion = Motion::at_rest(counter);
             self.variance = 0.0;

@@ -66,7 +66,7 @@ pub(crate) trait Slave {
     /// From the execution of a request to the first byte of its answer.
     fn turnaround(&self) -> Duration;
 
-    /// Whether requests come back to the master in any case, before their answers.
+    /// Whether whole requests come back to the master in any case, before their answers.
     fn echoes(&self) -> bool {
         false
     }
@@ -264,7 +264,7 @@ impl<T: Slave> Served<T> {
             self.obey(control);
         }
         let passed = self.wire.pass(Direction::Request, frame);
-        if passed.echo || self.slave.echoes() {
+        if passed.echo || self.slave.echoes() && self.slave.whole(frame).is_some() {
             self.outgoing.push((passed_ns, frame.to_vec()));
         }
         for (later_ns, frame) in passed.pieces {

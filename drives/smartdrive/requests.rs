@@ -360,7 +360,8 @@ impl SmartDrive {
     /// Homes and returns when it is done; the position then.
     ///
     /// # Errors
-    /// As [`SmartDrive::send`]; [`crate::DriveError::Alarm`] or [`crate::DriveError::NotHomed`] if it fails.
+    /// As [`SmartDrive::send`]; [`crate::DriveError::Alarm`], [`crate::DriveError::Mode`] or
+    /// [`crate::DriveError::NotHomed`] if it fails.
     pub async fn home(&mut self, address: u8) -> Result<i32, DriveError> {
         self.init(address, Init::Homing).await?;
         self.homed(address).await
@@ -383,6 +384,11 @@ impl SmartDrive {
         match outcome {
             Ok(Ok(state)) if !state.alarms.is_empty() => {
                 Err(DriveError::Alarm { at, alarms: state.alarms })
+            }
+            // One that has started anew meanwhile says that it is done, too.
+            Ok(Ok(state)) if state.mode != Mode::Remote.number() => {
+                let (expected, found) = (Mode::Remote.number(), state.mode);
+                Err(DriveError::Mode { at, expected, found })
             }
             Ok(Ok(state)) if state.flags.contains(TrajectoryFlags::DONE) => Ok(state.position),
             Ok(Err(error)) => Err(error),

@@ -5,19 +5,19 @@ use twin_drives::{Direction, WireFault};
 use crate::rig::DELAY_NS;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Family {
+pub(crate) enum Family {
     InterpCnc,
     SmartDrive,
     Bim2Ax,
 }
 
 impl Family {
-    pub const ALL: [Self; 3] = [Self::InterpCnc, Self::SmartDrive, Self::Bim2Ax];
+    pub(crate) const ALL: [Self; 3] = [Self::InterpCnc, Self::SmartDrive, Self::Bim2Ax];
 }
 
 /// What the axis is doing when it goes wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Doing {
+pub(crate) enum Doing {
     /// It stands; a move is asked for.
     Idle,
     /// It is being homed.
@@ -29,12 +29,12 @@ pub enum Doing {
 }
 
 impl Doing {
-    pub const ALL: [Self; 4] = [Self::Idle, Self::Homing, Self::Moving, Self::Stopping];
+    pub(crate) const ALL: [Self; 4] = [Self::Idle, Self::Homing, Self::Moving, Self::Stopping];
 }
 
 /// Faults of the device and its plug.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DeviceFault {
+pub(crate) enum DeviceFault {
     /// The supply fails for a moment: it starts anew.
     BrownOut,
     /// The shaft is held.
@@ -48,14 +48,14 @@ pub enum DeviceFault {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fault {
+pub(crate) enum Fault {
     Wire(Direction, WireFault),
     Device(DeviceFault),
 }
 
 impl Fault {
     /// Every fault of the list.
-    pub fn all() -> Vec<Self> {
+    pub(crate) fn all() -> Vec<Self> {
         let both = [
             WireFault::Drop,
             WireFault::Delay { ns: DELAY_NS },
@@ -83,7 +83,7 @@ impl Fault {
     }
 
     /// As the table calls it.
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         match self {
             Self::Wire(direction, fault) => {
                 let what = match fault {

@@ -24,12 +24,12 @@ use twin_drives::{
 use crate::faults::{DeviceFault, Family};
 
 /// How many times faster than the wall clock devices and plans go.
-pub const SPEED: u32 = 8;
+pub(crate) const SPEED: u32 = 8;
 /// Longest time the drivers wait for an answer: other tests and builds may keep the emulator waiting.
-pub const DEADLINE: Duration = Duration::from_millis(400);
+pub(crate) const DEADLINE: Duration = Duration::from_millis(250);
 /// Frames that are delayed come after the deadline and before the driver trusts the wire again, ns of the device.
-pub const DELAY_NS: i64 = 500_000_000 * SPEED as i64;
-pub const WORST_LATENCY: Duration = Duration::from_millis(700);
+pub(crate) const DELAY_NS: i64 = 320_000_000 * SPEED as i64;
+pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(400);
 /// Longest time that homing may take.
 const HOMING: Duration = Duration::from_secs(2);
 
@@ -38,7 +38,7 @@ const HOMING: Duration = Duration::from_secs(2);
     clippy::disallowed_methods,
     reason = "drives on real transports need real time, if a fast one; nothing here is judged by it"
 )]
-pub fn clock() -> impl Clock + Copy + use<> {
+pub(crate) fn clock() -> impl Clock + Copy + use<> {
     let zero = Instant::now();
     Accelerated::new(
         move || i64::try_from(zero.elapsed().as_nanos()).expect("not for 292 years"),
@@ -47,7 +47,7 @@ pub fn clock() -> impl Clock + Copy + use<> {
 }
 
 /// Nobody's plan: rest at 0.
-pub struct Rest<C>(pub C);
+pub(crate) struct Rest<C>(pub C);
 
 impl<C: Clock> SetpointStream for Rest<C> {
     fn now_ns(&self) -> i64 {
@@ -65,29 +65,30 @@ impl<C: Clock> SetpointStream for Rest<C> {
 
 /// What is so of the device, whoever says what.
 #[derive(Clone, Copy, Debug)]
-pub struct Truth {
+pub(crate) struct Truth {
     /// Counter, increments.
-    pub counter: i64,
+    pub(crate) counter: i64,
     /// Whether the axis moves.
-    pub moving: bool,
+    pub(crate) moving: bool,
     /// Where the mechanics are, increments from where they were at the start.
-    pub mechanical: f64,
+    pub(crate) mechanical: f64,
 }
 
 enum Device {
     Board(EmulatedBoard, InterpCncDrive),
     Bus(EmulatedBus, SmartDriveBus),
-    Module(EmulatedModule, Bim2AxDrive, TempDir),
+    /// Its files are in a folder that lives as long as it.
+    Module(EmulatedModule, Bim2AxDrive, #[expect(dead_code, reason = "kept")] TempDir),
 }
 
 /// A device and its driver; one axis.
-pub struct Rig<C> {
+pub(crate) struct Rig<C> {
     device: Device,
-    pub clock: C,
+    pub(crate) clock: C,
 }
 
 impl<C: Clock + Copy + 'static> Rig<C> {
-    pub fn new(family: Family, clock: C) -> Self {
+    pub(crate) fn new(family: Family, clock: C) -> Self {
         let device = match family {
             Family::InterpCnc => board(clock),
             Family::SmartDrive => bus(clock),
@@ -96,7 +97,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         Self { device, clock }
     }
 
-    pub fn drive(&mut self) -> &mut dyn Drive {
+    pub(crate) fn drive(&mut self) -> &mut dyn Drive {
         match &mut self.device {
             Device::Board(_, drive) => drive,
             Device::Bus(_, drive) => drive,
@@ -104,8 +105,22 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         }
     }
 
+    /// Where the axis is to be at the end of homing, increments from the start: the edge of its switch.
+    pub(crate) fn switch(&self) -> f64 {
+        match &self.device {
+            Device::Board(..) => -3000.0,
+            Device::Bus(..) => -15_000.0,
+            Device::Module(..) => -1500.0,
+        }
+    }
+
+    /// Which request of a move from rest says where to go: a module is looked at before.
+    pub(crate) fn order(&self) -> u32 {
+        if matches!(self.device, Device::Module(..)) { 2 } else { 1 }
+    }
+
     /// Homes the axis, and waits for it.
-    pub fn home(&mut self) -> Result<(), DriveError> {
+    pub(crate) fn home(&mut self) -> Result<(), DriveError> {
         match &mut self.device {
             Device::Board(_, drive) => {
                 let home = HomeAxis {
@@ -127,7 +142,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         }
     }
 
-    pub fn truth(&self) -> Truth {
+    pub(crate) fn truth(&self) -> Truth {
         match &self.device {
             Device::Board(board, _) => {
                 let board = board.look().expect("the emulator runs");
@@ -159,7 +174,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     }
 
     /// Something goes wrong with the wire, with so many frames from the next on; 0: with all.
-    pub fn spoil(&self, direction: Direction, fault: WireFault, frames: u32, after: u32) {
+    pub(crate) fn spoil(&self, direction: Direction, fault: WireFault, frames: u32, after: u32) {
         let when = if frames == 0 { When::Always } else { When::Next(frames) };
         let rule = FaultRule { direction, when, fault };
         match &self.device {
@@ -174,7 +189,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     }
 
     /// Something goes wrong with the device (true), or no more, with the so-many-th request from now; 0: now.
-    pub fn upset(&self, fault: DeviceFault, on: bool, after: u32) {
+    pub(crate) fn upset(&self, fault: DeviceFault, on: bool, after: u32) {
         match &self.device {
             Device::Board(board, _) => {
                 use interpcnc::emulator::Event;
@@ -216,7 +231,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     }
 
     /// The wire is sound again.
-    pub fn mend(&self) {
+    pub(crate) fn mend(&self) {
         match &self.device {
             Device::Board(board, _) => board.control(Control::NoFaults).expect("it runs"),
             Device::Bus(bus, _) => bus.control(Control::NoFaults).expect("it runs"),
@@ -225,7 +240,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     }
 
     /// Waits until a fault of the device shows at its interface, as far as that takes time.
-    pub fn settle(&self, fault: DeviceFault) {
+    pub(crate) fn settle(&self, fault: DeviceFault) {
         match (&self.device, fault) {
             (Device::Board(board, _), DeviceFault::Alarm) => {
                 // The filter of the ENABLE input.
@@ -247,7 +262,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     }
 
     /// The supply off and on again by hand: what brings back a drive that nothing else does.
-    pub fn power_cycle(&self) {
+    pub(crate) fn power_cycle(&self) {
         if let Device::Bus(..) = &self.device {
             self.upset(DeviceFault::BrownOut, true, 0);
         }
@@ -255,13 +270,8 @@ impl<C: Clock + Copy + 'static> Rig<C> {
 }
 
 fn board<C: Clock + 'static>(clock: C) -> Device {
-    let switch = Cam {
-        input: 1,
-        axis: BoardAxis::X,
-        from: -9000,
-        to: -3000,
-        normally_closed: false,
-    };
+    let switch =
+        Cam { input: 1, axis: BoardAxis::X, from: -9000, to: -3000, normally_closed: false };
     let options = interpcnc::emulator::EmulatorOptions {
         bench: Bench { cams: vec![switch], encoder: None },
         seed: 3,
@@ -322,13 +332,12 @@ fn module<C: Clock + 'static>(clock: C) -> Device {
         eeprom.set(Parameter::Axis(parameter, ModuleAxis::One), value);
     }
     std::fs::write(&image, eeprom.to_bytes()).expect("it is written");
-    let mut options =
-        bim2ax::emulator::EmulatorOptions::new(&folder.path().join("module"));
+    let mut options = bim2ax::emulator::EmulatorOptions::new(&folder.path().join("module"));
     options.eeprom = Some(image);
     options.seed = 3;
     options.surroundings.benches[0].cam = Some(Contact::between(-9000, -1500, true));
     // Long enough to be seen by a driver that has to wait for its turn.
-    options.module.boot_ns = 4_000_000_000;
+    options.module.boot_ns = 2_000_000_000;
     let module = EmulatedModule::start(&options, clock).expect("it starts");
     while !runs(&module.module()) {
         std::thread::sleep(Duration::from_millis(5));

@@ -22,7 +22,7 @@ fn every_family_listens_to_its_control_socket() {
     let desk = Desk::new();
     let families = [
         ("interpcnc", "input 3 on", "input 33 on"),
-        ("smartdrive", "1 input limp on", "2 stall"),
+        ("smartdrive", "input 1 limp on", "stall 2"),
         ("bim2ax", "contact 2 cam on", "contact 3 cam on"),
     ];
     for (family, good, bad) in families {

@@ -57,7 +57,7 @@ const OVERDUE_NS: i64 = 1_000_000_000;
 /// What keeps a move from being what was meant: phases are off after a reset, when positions are lost, and a move would
 /// switch them on.
 const NOT_READY: u16 = FAULTS | message::PHASES_OFF;
-/// Looks after which an axis that stands elsewhere than it was sent has not arrived: one may have been spoilt.
+/// Looks that have to agree on something being wrong: one may have been spoilt on the bus, which has no check sums.
 const STRAY_LOOKS: u32 = 2;
 
 /// A BIM2AX-BOCM module behind a memory.
@@ -195,6 +195,20 @@ impl Bim2AxDrive {
             }
             if obeys.is_ok() && stray.is_none() {
                 return Ok(seen);
+            }
+        }
+    }
+
+    /// Looks at a module whose axes are to be ready for an order; one look may be spoilt.
+    fn ready(&mut self) -> Result<Positions, DriveError> {
+        let mut looks = 0;
+        loop {
+            looks += 1;
+            let (seen, _) = self.look(&no_clock)?;
+            match self.check(&seen, Action::ReadState, |word| word & NOT_READY != 0) {
+                Err(error) if looks >= STRAY_LOOKS => return Err(error),
+                Err(_) => {}
+                Ok(()) => return Ok(seen),
             }
         }
     }
@@ -432,8 +446,7 @@ impl Drive for Bim2AxDrive {
     ) -> Result<(), DriveError> {
         self.forget();
         self.prepared()?;
-        let (before, _) = self.look(&no_clock)?;
-        self.check(&before, Action::ReadState, |messages| messages & NOT_READY != 0)?;
+        let before = self.ready()?;
         // Axes that are left alone stay where they stand.
         let mut sent = self.in_order(&before);
         let mut starts = Vec::with_capacity(AXES);

@@ -274,7 +274,8 @@ impl Bim2Ax {
         self.check_started(NAME, uc::MOTOR_TEST, axes, &nothing, tested, clock).await
     }
 
-    /// Waits until neither axis moves.
+    /// Waits until two looks in a row show that neither axis moves: one may have been spoilt on the bus, or be that at a
+    /// memory which a reset has cleared.
     ///
     /// # Errors
     /// If one still moves after `patience`, or the module does not answer.
@@ -284,6 +285,7 @@ impl Bim2Ax {
         clock: &dyn Clock,
     ) -> Result<(super::Positions, BusStamp), DriveError> {
         let mut moving = 0;
+        let mut resting_looks = 0;
         let pause = 4 * self.options.pause;
         let resting = async {
             loop {
@@ -292,10 +294,13 @@ impl Bim2Ax {
                     .zip(seen.0.messages)
                     .filter(|(_, messages)| messages & message::MOVING != 0)
                     .fold(0, |mask, (axis, _)| mask | 1 << axis);
-                if moving == 0 {
+                resting_looks = if moving == 0 { resting_looks + 1 } else { 0 };
+                if resting_looks == 2 {
                     return Ok(seen);
                 }
-                sleep(pause).await;
+                if moving != 0 {
+                    sleep(pause).await;
+                }
             }
         };
         let outcome = timeout(patience, resting).await;

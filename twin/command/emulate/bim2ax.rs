@@ -1,14 +1,13 @@
 //! A BIM2AX module.
 
-use super::control::{Obeys, Switch, parsed};
-use super::wire::{LATER, WireWord, nanoseconds, put_off};
+use super::control::{Obeys, Switch};
+use super::faults::{self, Said, WireWord};
 use super::{Common, Failure, Status, serve};
 use crate::clock::Clock;
-use twin_drives::Speed;
 use twin_drives::bim2ax::emulator::{
     Control, EmulatedModule, EmulatorOptions, Event, ModuleOptions, Surroundings,
 };
-use twin_drives::bim2ax::{Bench, ByteOrder, Contact, ModuleAxis};
+use twin_drives::bim2ax::{ByteOrder, Contact, ModuleAxis};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
@@ -41,7 +40,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         module,
         eeprom: options.common.eeprom.clone(),
         seed: options.common.seed,
-        speed: Speed::times(options.common.speed),
+        speed: options.common.speed(),
         ..EmulatorOptions::new(&options.common.link)
     };
     let clock = Clock::start();
@@ -56,7 +55,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
 
 /// What can be done to a module.
 #[derive(Debug, clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true, after_help = LATER)]
+#[command(no_binary_name = true, disable_help_flag = true)]
 enum Word {
     /// A contact of an axis that is always closed (on) or open (off) from now on, or obeys the axis again
     Contact {
@@ -84,6 +83,13 @@ enum Word {
         axis: u8,
         #[arg(value_enum)]
         what: MotorWord,
+        #[arg(value_enum)]
+        state: Switch,
+    },
+    /// The shaft of an axis is held, as by `motor AXIS stalled`
+    Stall {
+        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
+        axis: u8,
         #[arg(value_enum)]
         state: Switch,
     },
@@ -125,62 +131,71 @@ enum MotorWord {
     Stalled,
 }
 
-impl ContactWord {
-    fn of(self, bench: &mut Bench) -> &mut Option<Contact> {
-        match self {
-            Self::Plus => &mut bench.plus,
-            Self::Minus => &mut bench.minus,
-            Self::Cam => &mut bench.cam,
-        }
-    }
-}
-
 impl Word {
-    /// What it does to a module with these surroundings.
-    fn control(self, mut surroundings: Surroundings) -> Result<Control, String> {
-        let mut contact =
-            |axis: u8, contact: ContactWord, change: &dyn Fn(&mut Option<Contact>)| {
-                let bench = surroundings.benches.get_mut(usize::from(axis.saturating_sub(1)));
-                change(contact.of(bench.ok_or("no such axis")?));
-                Ok::<_, String>(Event::Surroundings(Box::new(surroundings)))
-            };
-        Ok(Control::Event(match self {
-            Self::Wire(word) => return word.control(),
-            Self::Contact { axis, contact: which, state } => contact(axis, which, &|found| {
+    /// What happens to a module with these surroundings.
+    fn control(self, mut surroundings: Surroundings) -> Result<Control, Said> {
+        let axis = |axis: u8| if axis == 1 { ModuleAxis::One } else { ModuleAxis::Two };
+        let event = match self {
+            Self::Wire(word) => return word.control(|words| obeyed(words, surroundings)),
+            Self::Contact { axis: number, contact, state } => {
+                let slot = contact.of(&mut surroundings, axis(number))?;
                 // One that nothing actuates.
                 let nowhere = Contact::between(i64::MAX, i64::MAX, true);
-                found.get_or_insert(nowhere).stuck = match state {
+                slot.get_or_insert(nowhere).stuck = match state {
                     ContactState::On => Some(true),
                     ContactState::Off => Some(false),
                     ContactState::Free => None,
                 };
-            })?,
-            Self::Place { axis, contact: which, low, high } => {
-                contact(axis, which, &|found| *found = Some(Contact::between(low, high, true)))?
+                Event::Surroundings(Box::new(surroundings))
             }
-            Self::Motor { axis, what, state } => {
-                let axis = if axis == 1 { ModuleAxis::One } else { ModuleAxis::Two };
-                match what {
-                    MotorWord::Power => Event::Power(axis, state.is_on()),
-                    MotorWord::PhaseOpen => Event::PhaseOpen(axis, state.is_on()),
-                    MotorWord::PhaseShort => Event::PhaseShort(axis, state.is_on()),
-                    MotorWord::Stalled => Event::Stall(axis, state.is_on()),
-                }
+            Self::Place { axis: number, contact, low, high } => {
+                *contact.of(&mut surroundings, axis(number))? =
+                    Some(Contact::between(low, high, true));
+                Event::Surroundings(Box::new(surroundings))
             }
+            Self::Motor { axis: number, what, state } => match what {
+                MotorWord::Power => Event::Power(axis(number), state.is_on()),
+                MotorWord::PhaseOpen => Event::PhaseOpen(axis(number), state.is_on()),
+                MotorWord::PhaseShort => Event::PhaseShort(axis(number), state.is_on()),
+                MotorWord::Stalled => Event::Stall(axis(number), state.is_on()),
+            },
+            Self::Stall { axis: number, state } => Event::Stall(axis(number), state.is_on()),
             Self::StuckStatus { state } => Event::StuckStatus(state.is_on()),
-            Self::BrownOut { ms } => Event::BrownOut { off_ns: nanoseconds(ms) },
+            Self::BrownOut { ms } => Event::BrownOut { off_ns: i64::from(ms) * 1_000_000 },
             Self::SpoilEeprom => Event::SpoilEeprom,
-        }))
+        };
+        Ok(Control::Event(event))
     }
+}
+
+impl ContactWord {
+    /// The contact at an axis.
+    fn of(
+        self,
+        surroundings: &mut Surroundings,
+        axis: ModuleAxis,
+    ) -> Result<&mut Option<Contact>, Said> {
+        let bench = surroundings.benches.get_mut(axis.index());
+        let bench = bench.ok_or_else(|| Err("no such axis".to_owned()))?;
+        Ok(match self {
+            Self::Plus => &mut bench.plus,
+            Self::Minus => &mut bench.minus,
+            Self::Cam => &mut bench.cam,
+        })
+    }
+}
+
+fn obeyed(words: &[&str], surroundings: Surroundings) -> Result<Control, Said> {
+    faults::control(words, |word: Word| word.control(surroundings))
 }
 
 impl Obeys for EmulatedModule {
     fn obey(&mut self, words: &[&str]) -> Result<String, String> {
-        let (requests, words) = put_off(words)?;
-        parsed::<Word>(words, |word| {
-            let surroundings = *self.module().surroundings();
-            EmulatedModule::control(self, word.control(surroundings)?.after(requests));
-            Ok(String::new())
-        })
+        let surroundings = *self.module().surroundings();
+        match obeyed(words, surroundings) {
+            Ok(control) => self.control(control),
+            Err(said) => return said,
+        }
+        Ok(String::new())
     }
 }

@@ -33,21 +33,20 @@ impl Switch {
     }
 }
 
-/// Parses the words of a line as `T` and lets `act` do it.
-pub(super) fn parsed<T: clap::Parser>(
-    words: &[&str],
-    act: impl FnOnce(T) -> Result<String, String>,
-) -> Result<String, String> {
-    match T::try_parse_from(words) {
-        Ok(command) => act(command),
+/// Parses the words of a line.
+///
+/// # Errors
+/// What is said instead: help, or what is wrong with them.
+pub(super) fn understood<T: clap::Parser>(words: &[&str]) -> Result<T, Result<String, String>> {
+    T::try_parse_from(words).map_err(|error| {
+        let text = error.to_string();
         // Help is no error.
-        Err(error) if !error.use_stderr() => Ok(error.to_string().trim_end().to_owned()),
-        Err(error) => {
-            let text = error.to_string();
-            let first = text.lines().next().unwrap_or_default();
-            Err(first.trim_start_matches("error: ").to_owned())
+        if !error.use_stderr() {
+            return Ok(text.trim_end().to_owned());
         }
-    }
+        let first = text.lines().next().unwrap_or_default();
+        Err(first.trim_start_matches("error: ").to_owned())
+    })
 }
 
 /// A socket and who talks to it.

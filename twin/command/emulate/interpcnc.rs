@@ -1,10 +1,9 @@
 //! An InterpCNC board.
 
-use super::control::{Obeys, Switch, parsed};
-use super::wire::{LATER, WireWord, nanoseconds, put_off};
+use super::control::{Obeys, Switch};
+use super::faults::{self, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
 use crate::clock::Clock;
-use twin_drives::Speed;
 use twin_drives::interpcnc::emulator::{
     BoardOptions, Control, EmulatedBoard, EmulatorOptions, Event, Wire,
 };
@@ -58,7 +57,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         link: Some(options.common.link.clone()),
         eeprom: options.common.eeprom.clone(),
         seed: options.common.seed,
-        speed: Speed::times(options.common.speed),
+        speed: options.common.speed(),
         ..EmulatorOptions::default()
     };
     let clock = Clock::start();
@@ -78,7 +77,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
 
 /// What can be done to a board.
 #[derive(Debug, clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true, after_help = LATER)]
+#[command(no_binary_name = true, disable_help_flag = true)]
 enum Word {
     /// The ENABLE input
     Enable {
@@ -126,12 +125,6 @@ enum Word {
         #[arg(default_value_t = 100)]
         ms: u32,
     },
-    /// Pulses at counter A or B
-    Pulses {
-        #[arg(value_enum)]
-        counter: CounterWord,
-        count: u32,
-    },
     #[command(flatten)]
     Wire(WireWord),
 }
@@ -145,14 +138,8 @@ enum AxisWord {
     B,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum CounterWord {
-    A,
-    B,
-}
-
 impl Word {
-    fn control(self) -> Result<Control, String> {
+    fn control(self) -> Result<Control, Said> {
         let axis = |axis: AxisWord| match axis {
             AxisWord::X => BoardAxis::X,
             AxisWord::Y => BoardAxis::Y,
@@ -160,8 +147,8 @@ impl Word {
             AxisWord::A => BoardAxis::A,
             AxisWord::B => BoardAxis::B,
         };
-        Ok(Control::Event(match self {
-            Self::Wire(word) => return word.control(),
+        let event = match self {
+            Self::Wire(word) => return word.control(obeyed),
             Self::Enable { state } => Event::Enable(state.is_on()),
             Self::Input { number, state } => Event::Input { number, level: state.is_on() },
             Self::Release { number } => Event::ReleaseInput(number),
@@ -169,21 +156,22 @@ impl Word {
             Self::Stall { axis: word, state } => Event::Stall(axis(word), state.is_on()),
             Self::StuckStatus { state } => Event::StuckStatus(state.is_on()),
             Self::BreakEeprom { state } => Event::BreakEeprom(state.is_on()),
-            Self::BrownOut { ms } => Event::BrownOut { off_ns: nanoseconds(ms) },
-            Self::Pulses { counter, count } => {
-                Event::Pulses { second: counter == CounterWord::B, count }
-            }
-        }))
+            Self::BrownOut { ms } => Event::BrownOut { off_ns: i64::from(ms) * 1_000_000 },
+        };
+        Ok(Control::Event(event))
     }
+}
+
+fn obeyed(words: &[&str]) -> Result<Control, Said> {
+    faults::control(words, Word::control)
 }
 
 impl Obeys for EmulatedBoard {
     fn obey(&mut self, words: &[&str]) -> Result<String, String> {
-        let (requests, words) = put_off(words)?;
-        parsed::<Word>(words, |word| {
-            let control = word.control()?.after(requests);
-            self.control(control).map_err(|error| error.to_string())?;
-            Ok(String::new())
-        })
+        match obeyed(words) {
+            Ok(control) => self.control(control).map_err(|error| error.to_string())?,
+            Err(said) => return said,
+        }
+        Ok(String::new())
     }
 }

@@ -2,9 +2,9 @@
 
 mod bim2ax;
 mod control;
+mod faults;
 mod interpcnc;
 mod smartdrive;
-mod wire;
 
 use super::{Failure, Status, run};
 use control::{Console, Obeys};
@@ -17,13 +17,14 @@ const PAUSE: Duration = Duration::from_millis(20);
 
 /// Emulate a drive, for any master to talk to
 ///
-/// Serves until Ctrl-C. The device answers as the manual says and moves in real time. Through the socket of `--control`, a
-/// line at a time, switches are pressed and things go wrong; `help` there says what there is:
+/// Serves until Ctrl-C. The device answers as the manual says and moves in real time, or faster (`--speed`). Through the
+/// socket of `--control`, a line at a time, switches are pressed and things go wrong; `help` there says what there is, and
+/// the same words make the same faults of all three:
 ///
 ///   twin emulate interpcnc --link /tmp/board --control /tmp/board.control
 ///   echo "input 3 on" | nc -U -N /tmp/board.control
-///   echo "fault answer delay 300 --next 1" | nc -U -N /tmp/board.control
-///   echo "after 20 brown-out 100" | nc -U -N /tmp/board.control
+///   echo "fault answer drop --next 1" | nc -U -N /tmp/board.control
+///   echo "after 20 brown-out" | nc -U -N /tmp/board.control
 #[derive(Debug, clap::Args)]
 #[command(verbatim_doc_comment)]
 pub(super) struct Arguments {
@@ -62,13 +63,19 @@ struct Common {
     #[arg(long, value_name = "FILE")]
     eeprom: Option<PathBuf>,
 
-    /// How many times faster than real the device lives, its wire included
-    #[arg(long, value_name = "TIMES", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=i64::from(Speed::MOST)))]
+    /// So many times faster than the clock, delays of the wire included; a master's deadlines are its own
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Speed::MOST)))]
     speed: u32,
 
-    /// Decides what faults by chance do
+    /// Seed of faults by chance
     #[arg(long, default_value_t = 0)]
     seed: u64,
+}
+
+impl Common {
+    fn speed(&self) -> Speed {
+        Speed::times(self.speed)
+    }
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {

@@ -1,11 +1,10 @@
 //! `SmartDRIVE`s on a bus.
 
-use super::control::{Obeys, Switch, parsed};
-use super::wire::{LATER, WireWord, nanoseconds, put_off};
+use super::control::{Obeys, Switch};
+use super::faults::{self, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
 use crate::clock::Clock;
 use std::path::{Path, PathBuf};
-use twin_drives::Speed;
 use twin_drives::smartdrive::Alarms;
 use twin_drives::smartdrive::emulator::{
     Control, DeviceOptions, EmulatedBus, EmulatorOptions, Event, Input, Wire,
@@ -44,7 +43,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         wire: Wire { response, echo: options.echo, ..Wire::default() },
         link: Some(options.common.link.clone()),
         seed: options.common.seed,
-        speed: Speed::times(options.common.speed),
+        speed: options.common.speed(),
     };
     let clock = Clock::start();
     let bus = EmulatedBus::start(&emulator, move || clock.now_ns())?;
@@ -98,29 +97,13 @@ struct Bus {
     addresses: Vec<u8>,
 }
 
-/// What can be done to the bus.
+/// What can be done to drives, each by its address, and to their line.
 #[derive(Debug, clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true, after_help = LATER)]
-#[command(before_help = "The address of a drive and a word: what happens to that drive (1 help)")]
-enum Line {
-    #[command(flatten)]
-    Wire(WireWord),
-}
-
-/// What can be done to a drive.
-#[derive(Debug, clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true, after_help = LATER)]
-struct DriveLine {
-    /// Address of the drive
-    address: u8,
-    #[command(subcommand)]
-    word: Word,
-}
-
-#[derive(Debug, clap::Subcommand)]
+#[command(no_binary_name = true, disable_help_flag = true)]
 enum Word {
     /// An input
     Input {
+        address: u8,
         #[arg(value_enum)]
         input: InputWord,
         #[arg(value_enum)]
@@ -128,32 +111,38 @@ enum Word {
     },
     /// Analog input 1 or 2, 0 to 32767
     Analog {
+        address: u8,
         #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
         number: u8,
         #[arg(value_parser = clap::value_parser!(u16).range(0..=32_767))]
         value: u16,
     },
     /// The supply, V; below 9 the drive stops, and boots when it is back
-    Supply { volts: u16 },
+    Supply { address: u8, volts: u16 },
     /// The cause of an alarm
     Alarm {
+        address: u8,
         #[arg(value_enum)]
         alarm: AlarmWord,
         #[arg(value_enum)]
         state: Switch,
     },
     /// The rotor is blocked for a moment
-    Stall,
-    /// Status and position stay as they are now
+    Stall { address: u8 },
+    /// Status, position and flags stay as they are now
     StuckStatus {
+        address: u8,
         #[arg(value_enum)]
         state: Switch,
     },
     /// The supply fails, for so many ms
     BrownOut {
+        address: u8,
         #[arg(default_value_t = 100)]
         ms: u32,
     },
+    #[command(flatten)]
+    Wire(WireWord),
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -174,9 +163,11 @@ enum AlarmWord {
 }
 
 impl Word {
-    fn event(self) -> Event {
-        match self {
-            Self::Input { input, state } => {
+    /// What happens, and the address of the drive.
+    fn event(self, addresses: &[u8]) -> Result<Control, Said> {
+        let (address, event) = match self {
+            Self::Wire(word) => return word.control(|words| obeyed(words, addresses)),
+            Self::Input { address, input, state } => {
                 let input = match input {
                     InputWord::Go => Input::Go,
                     InputWord::Dir => Input::Dir,
@@ -184,50 +175,42 @@ impl Word {
                     InputWord::Limp => Input::LimP,
                     InputWord::Limn => Input::LimN,
                 };
-                Event::Input { input, level: state.is_on() }
+                (address, Event::Input { input, level: state.is_on() })
             }
-            Self::Analog { number, value } => Event::Analog { number, value },
-            Self::Supply { volts } => Event::Supply(volts),
-            Self::Alarm { alarm, state } => {
+            Self::Analog { address, number, value } => (address, Event::Analog { number, value }),
+            Self::Supply { address, volts } => (address, Event::Supply(volts)),
+            Self::Alarm { address, alarm, state } => {
                 let alarms = match alarm {
                     AlarmWord::PowerDriver => Alarms::POWER_DRIVER,
                     AlarmWord::Overtemperature => Alarms::OVERTEMPERATURE,
                     AlarmWord::CurrentProbes => Alarms::CURRENT_PROBES,
                     AlarmWord::Oscillator => Alarms::OSCILLATOR,
                 };
-                Event::Fault { alarms, present: state.is_on() }
+                (address, Event::Fault { alarms, present: state.is_on() })
             }
-            Self::Stall => Event::Stall,
-            Self::StuckStatus { state } => Event::StuckStatus(state.is_on()),
-            Self::BrownOut { ms } => Event::BrownOut { off_ns: nanoseconds(ms) },
-        }
+            Self::Stall { address } => (address, Event::Stall),
+            Self::StuckStatus { address, state } => (address, Event::StuckStatus(state.is_on())),
+            Self::BrownOut { address, ms } => {
+                (address, Event::BrownOut { off_ns: i64::from(ms) * 1_000_000 })
+            }
+        };
+        let place = addresses.iter().position(|other| *other == address);
+        place
+            .map(|place| event.to(place))
+            .ok_or_else(|| Err(format!("no drive has address {address}; there are {addresses:?}")))
     }
 }
 
-impl Bus {
-    fn control(&self, control: Control, requests: u32) -> Result<String, String> {
-        self.bus.control(control.after(requests)).map_err(|error| error.to_string())?;
-        Ok(String::new())
-    }
+fn obeyed(words: &[&str], addresses: &[u8]) -> Result<Control, Said> {
+    faults::control(words, |word: Word| word.event(addresses))
 }
 
 impl Obeys for Bus {
     fn obey(&mut self, words: &[&str]) -> Result<String, String> {
-        let (requests, words) = put_off(words)?;
-        if words.first().is_none_or(|word| word.parse::<u8>().is_err()) {
-            return parsed::<Line>(words, |Line::Wire(word)| {
-                self.control(word.control()?, requests)
-            });
+        match obeyed(words, &self.addresses) {
+            Ok(control) => self.bus.control(control).map_err(|error| error.to_string())?,
+            Err(said) => return said,
         }
-        parsed::<DriveLine>(words, |line| {
-            let place = self.addresses.iter().position(|address| *address == line.address);
-            let Some(place) = place else {
-                return Err(format!(
-                    "no drive has address {}; there are {:?}",
-                    line.address, self.addresses
-                ));
-            };
-            self.control(line.word.event().to(place), requests)
-        })
+        Ok(String::new())
     }
 }

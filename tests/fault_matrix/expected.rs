@@ -1,0 +1,230 @@
+//! What is to come of every fault: from the manuals, and from what drivers promise (`drives-notes`, module pages).
+//!
+//! * Requests that change nothing or only say once more what was said are repeated: InterpCNC reads and stops, ATB PING
+//!   and GOTO, BIM2AX reads and stops. One that is spoilt is survived. Moves of InterpCNC (command 80) and orders of
+//!   BIM2AX are sent once: spoilt, they are told.
+//! * Both check sums find spoilt bytes, but the XOR of ATB does not find two that have changed places. The bus of
+//!   BIM2AX finds nothing: what was spoilt shows where the axis stands.
+//! * No family watches its master: what is not plugged in goes on to its target.
+//! * InterpCNC and BIM2AX without encoders do not know that a shaft is held.
+
+use twin_drives::{Direction, DriveError, WireFault};
+
+use crate::{
+    faults::{DeviceFault, Doing, Family, Fault},
+    scenario::{Cell, Outcome},
+};
+
+/// What an error says went wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Cause {
+    /// No answer, or one that is garbled, within the deadline.
+    NoAnswer,
+    /// The device refuses.
+    Refused,
+    /// ENABLE is lost, or the board is locked since.
+    Locked,
+    /// An alarm with its name, or the power that is absent.
+    Alarm,
+    /// The module is starting, or phases are off, or the drive is not in its mode any more: it has been reset.
+    Reset,
+    /// Nobody is there.
+    Gone,
+    /// What was begun does not end.
+    Unfinished,
+    /// The axis is elsewhere than it was sent.
+    Elsewhere,
+    /// Homing has ended without its switch.
+    NotHomed,
+}
+
+impl Cause {
+    pub(crate) fn of(error: &DriveError) -> Option<Self> {
+        let text = error.to_string();
+        Some(match error {
+            DriveError::Timeout { .. } | DriveError::Protocol { .. } => Self::NoAnswer,
+            DriveError::Device { .. } | DriveError::Rejected { .. } => Self::Refused,
+            DriveError::Locked { .. } | DriveError::EnableOpen { .. } => Self::Locked,
+            DriveError::Alarm { .. } | DriveError::Stalled { .. } => Self::Alarm,
+            DriveError::Mode { .. } | DriveError::NotRunning { .. } => Self::Reset,
+            DriveError::Identity { .. } => Self::Gone,
+            DriveError::Moving { .. } | DriveError::Unfinished { .. } => Self::Unfinished,
+            DriveError::NotArrived { .. } => Self::Elsewhere,
+            DriveError::NotHomed { .. } | DriveError::HomingFailed { .. } => Self::NotHomed,
+            DriveError::AxisMessages { .. } if text.contains("power absent") => Self::Alarm,
+            DriveError::AxisMessages { .. } if text.contains("phases off") => Self::Reset,
+            DriveError::AxisMessages { .. } if text.contains("order") => Self::Refused,
+            _ => return None,
+        })
+    }
+}
+
+/// What is to come of a fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Expected {
+    /// It is survived.
+    Survived,
+    /// It is told, with one of these causes, and the axis stops when it is told to.
+    Told(&'static [Cause]),
+    /// It is told; the device cannot be reached and goes on to where it was sent.
+    GoesOn(&'static [Cause]),
+    /// The driver cannot know: the counter is right and the mechanics are elsewhere.
+    Unseen,
+    /// Survived or told, by what the fault happens to hit; never lost.
+    Either,
+}
+
+impl Expected {
+    /// Whether a cell is as expected; else why not.
+    pub(crate) fn check(self, cell: &Cell) -> Result<(), String> {
+        cell.usable.as_ref().map_err(|why| format!("not usable afterwards: {why}"))?;
+        #[expect(clippy::cast_precision_loss, reason = "a counter")]
+        let apart = (cell.truth.counter as f64 - cell.truth.mechanical).abs();
+        match (self, &cell.outcome) {
+            (_, Outcome::Lost(what)) => return Err(format!("lost unnoticed: {what}")),
+            (Self::Unseen, Outcome::Survived) if apart < 100.0 => {
+                return Err("the mechanics have not been held".to_owned());
+            }
+            (Self::Survived | Self::Either | Self::Unseen, Outcome::Survived) => {}
+            (Self::Told(causes) | Self::GoesOn(causes), Outcome::Told(error)) => {
+                let cause = Cause::of(error);
+                if !cause.is_some_and(|cause| causes.contains(&cause)) {
+                    return Err(format!("{error} ({cause:?} instead of {causes:?})"));
+                }
+            }
+            (Self::Either, Outcome::Told(error)) => {
+                Cause::of(error).ok_or_else(|| format!("{error} names no cause"))?;
+            }
+            (_, outcome) => return Err(format!("{outcome:?}")),
+        }
+        if cell.stopped || matches!(self, Self::GoesOn(_)) {
+            Ok(())
+        } else {
+            Err("it cannot be stopped".to_owned())
+        }
+    }
+
+    /// As the table says it.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Survived => "survived",
+            Self::Told(_) => "told, stopped",
+            Self::GoesOn(_) => "told, goes on",
+            Self::Unseen => "unseen",
+            Self::Either => "either",
+        }
+    }
+}
+
+use Cause::{Alarm, Elsewhere, Gone, Locked, NoAnswer, NotHomed, Refused, Reset, Unfinished};
+use Expected::{Either, GoesOn, Survived, Told, Unseen};
+
+/// Frames that a fault of the wire befalls: one, but while a plan is followed as many as it takes to hit what is not
+/// repeated (two reads in a row, or a move; 0: until it is told).
+pub(crate) fn frames(family: Family, fault: Fault, doing: Doing) -> u32 {
+    let Fault::Wire(direction, wire) = fault else { return 1 };
+    match (family, doing) {
+        (Family::InterpCnc, Doing::Moving) => 2,
+        // Only orders count for what spoils what is written.
+        (Family::Bim2Ax, Doing::Moving) => match (direction, wire) {
+            (
+                Direction::Request,
+                WireFault::Refuse { .. } | WireFault::Truncate { .. } | WireFault::Reorder,
+            ) => 0,
+            (_, WireFault::Corrupt { .. } | WireFault::Duplicate) => 1,
+            (Direction::Answer, WireFault::Truncate { .. } | WireFault::Reorder) => 1,
+            _ => 2,
+        },
+        _ => 1,
+    }
+}
+
+pub(crate) fn expected(family: Family, fault: Fault, doing: Doing) -> Expected {
+    match fault {
+        Fault::Wire(direction, wire) => match family {
+            Family::InterpCnc => on_modbus(wire, doing),
+            Family::SmartDrive => on_atb(direction, wire, doing),
+            Family::Bim2Ax => on_bus(direction, wire, doing),
+        },
+        Fault::Device(fault) => of_device(family, fault, doing),
+    }
+}
+
+fn on_modbus(wire: WireFault, doing: Doing) -> Expected {
+    match (wire, doing) {
+        // Answered twice; what comes after an answer answers nothing.
+        (WireFault::Duplicate, _) => Survived,
+        // Reads and stops are repeated, but not where the board itself refuses.
+        (WireFault::Refuse { .. }, _) => Told(&[Refused]),
+        (_, Doing::Homing | Doing::Stopping) => Survived,
+        (_, Doing::Idle | Doing::Moving) => Told(&[NoAnswer]),
+    }
+}
+
+fn on_atb(direction: Direction, wire: WireFault, doing: Doing) -> Expected {
+    match (wire, doing) {
+        // Stops are broadcast three times, and broadcasts are not answered.
+        (WireFault::Refuse { .. }, Doing::Stopping) => Survived,
+        (WireFault::Refuse { .. }, _) => Told(&[Refused]),
+        // The XOR is the same; what comes of it depends on the bytes.
+        (WireFault::Reorder, Doing::Stopping) if direction == Direction::Request => Survived,
+        (WireFault::Reorder, _) => Either,
+        _ => Survived,
+    }
+}
+
+fn on_bus(direction: Direction, wire: WireFault, doing: Doing) -> Expected {
+    let request = direction == Direction::Request;
+    match (wire, doing) {
+        (WireFault::Duplicate, _) => Survived,
+        // Reads are not refused, and stops are repeated where they are not acknowledged.
+        (WireFault::Refuse { .. }, Doing::Homing | Doing::Stopping) => Survived,
+        (WireFault::Refuse { .. }, _) => Told(&[Refused]),
+        (WireFault::Drop | WireFault::Delay { .. }, Doing::Idle | Doing::Moving) => {
+            Told(&[NoAnswer])
+        }
+        // Orders that do not come whole or not first are not taken: there is no receipt.
+        (WireFault::Truncate { .. } | WireFault::Reorder, Doing::Idle | Doing::Moving)
+            if request =>
+        {
+            Told(&[NoAnswer])
+        }
+        (WireFault::Corrupt { .. }, Doing::Idle | Doing::Moving) if request => Either,
+        // What is read falsely once is read rightly the next time.
+        _ => Survived,
+    }
+}
+
+fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
+    match (fault, family, doing) {
+        // After power-up a board is locked, a drive off, a module without phases.
+        (DeviceFault::BrownOut, Family::InterpCnc, _) => Told(&[Locked]),
+        (DeviceFault::BrownOut, Family::SmartDrive, _) => Told(&[Reset, NoAnswer]),
+        (DeviceFault::BrownOut, Family::Bim2Ax, _) => Told(&[Reset, NoAnswer]),
+
+        // A rotor that is held for a moment while it stands anyway.
+        (DeviceFault::Stall, Family::SmartDrive, Doing::Idle) => Survived,
+        (DeviceFault::Stall, Family::SmartDrive, _) => Told(&[Alarm]),
+        // The switch does not come.
+        (DeviceFault::Stall, Family::InterpCnc, Doing::Homing) => Told(&[NotHomed, Unfinished]),
+        (DeviceFault::Stall, Family::Bim2Ax, Doing::Homing) => Told(&[Unfinished]),
+        // A stop needs no shaft that turns.
+        (DeviceFault::Stall, _, Doing::Stopping) => Survived,
+        (DeviceFault::Stall, _, _) => Unseen,
+
+        (DeviceFault::Alarm, Family::InterpCnc, _) => Told(&[Locked]),
+        (DeviceFault::Alarm, _, _) => Told(&[Alarm]),
+
+        (DeviceFault::Gone, Family::Bim2Ax, _) => GoesOn(&[Gone]),
+        (DeviceFault::Gone, _, _) => GoesOn(&[NoAnswer]),
+
+        // Counters of a board are no part of its status: moves are seen to end, stops and homing are not.
+        (DeviceFault::Stuck, Family::InterpCnc, Doing::Idle) => Survived,
+        (DeviceFault::Stuck, Family::InterpCnc, Doing::Moving) => Survived,
+        (DeviceFault::Stuck, Family::SmartDrive, Doing::Homing) => Told(&[NotHomed]),
+        (DeviceFault::Stuck, _, Doing::Homing | Doing::Stopping) => Told(&[Unfinished]),
+        (DeviceFault::Stuck, _, Doing::Idle) => Told(&[Elsewhere]),
+        (DeviceFault::Stuck, Family::Bim2Ax, Doing::Moving) => Told(&[Unfinished, Elsewhere]),
+        (DeviceFault::Stuck, Family::SmartDrive, Doing::Moving) => Told(&[Elsewhere]),
+    }
+}

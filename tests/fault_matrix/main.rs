@@ -1,0 +1,121 @@
+//! Every fault of every family in every state, over its real transport: what comes of it, as a table.
+//!
+//! `cargo test -p twin-drives --test fault_matrix -- --nocapture` prints it. What is expected of each cell stands in
+//! `expected.rs`, before anything is run; the device is asked for the truth behind the driver's back.
+
+#![expect(clippy::expect_used, reason = "a test that cannot be set up has failed")]
+#![expect(clippy::indexing_slicing, reason = "one axis, and one device")]
+#![expect(clippy::cast_possible_truncation, reason = "small whole numbers")]
+
+mod expected;
+mod faults;
+mod rig;
+mod scenario;
+
+use std::{
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
+    thread,
+};
+
+use expected::{Expected, expected, frames};
+use faults::{Doing, Family, Fault};
+use scenario::{Outcome, Trial, cell, is_meaningless};
+
+/// Cells made at the same time: most of the time they wait for deadlines.
+const WORKERS: usize = 48;
+
+/// A cell that has been made.
+struct Made {
+    expected: Expected,
+    /// What it came to, in a word, and what is wrong with that.
+    text: String,
+    wrong: Option<String>,
+}
+
+fn make(family: Family, fault: Fault, doing: Doing) -> Made {
+    let wanted = expected(family, fault, doing);
+    let trial = Trial { fault, doing, frames: frames(family, fault, doing) };
+    let made = cell(family, &trial, rig::clock());
+    let said = match &made.outcome {
+        Outcome::Told(error) => expected::Cause::of(error)
+            .map_or_else(|| "told".to_owned(), |cause| format!("told {cause:?}")),
+        Outcome::Survived if wanted == Expected::Unseen => "unseen".to_owned(),
+        Outcome::Survived => "survived".to_owned(),
+        Outcome::Lost(_) => "LOST".to_owned(),
+    };
+    let motion = if made.stopped { "" } else { ", goes on" };
+    let wrong = wanted.check(&made).err();
+    Made { expected: wanted, text: format!("{said}{motion}"), wrong }
+}
+
+#[test]
+fn every_fault_comes_to_what_it_should() {
+    // Some of them, for those who look into one: FAULT_MATRIX="InterpCnc/answer: drop/Idle".
+    let wanted = std::env::var("FAULT_MATRIX").unwrap_or_default();
+    let mut jobs = Vec::new();
+    for fault in Fault::all() {
+        for family in Family::ALL {
+            for doing in Doing::ALL {
+                let name = format!("{family:?}/{}/{doing:?}", fault.name());
+                let meant = name.contains(&wanted) && is_meaningless(family, fault).is_none();
+                jobs.push((fault, family, doing, meant));
+            }
+        }
+    }
+    let next = AtomicUsize::new(0);
+    let made: Vec<Mutex<Option<Made>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
+    thread::scope(|scope| {
+        for worker in 0..WORKERS {
+            let work = || {
+                while let Some((place, (fault, family, doing, meant))) =
+                    Some(next.fetch_add(1, Ordering::SeqCst)).and_then(|p| Some((p, jobs.get(p)?)))
+                {
+                    if *meant {
+                        let one = make(*family, *fault, *doing);
+                        *made[place].lock().expect("a cell") = Some(one);
+                    }
+                }
+            };
+            let name = format!("faults {worker}");
+            thread::Builder::new().name(name).spawn_scoped(scope, work).expect("a thread");
+        }
+    });
+
+    println!(
+        "{:<30} {:<11} {}",
+        "fault",
+        "family",
+        Doing::ALL.map(|doing| format!("{:<24}", format!("{doing:?}"))).concat()
+    );
+    let mut wrong = Vec::new();
+    let (mut count, mut rows) = (0, jobs.iter().zip(&made));
+    for fault in Fault::all() {
+        for family in Family::ALL {
+            let row: Vec<_> = rows.by_ref().take(Doing::ALL.len()).collect();
+            let cells = row.iter().map(|((fault, family, doing, _), made)| {
+                let made = made.lock().expect("a cell");
+                let Some(made) = &*made else {
+                    let why = is_meaningless(*family, *fault).map_or("", |_| "n/a");
+                    return format!("{why:<24}");
+                };
+                count += 1;
+                let mark = if let Some(why) = &made.wrong {
+                    let (name, wanted) = (fault.name(), made.expected.name());
+                    wrong.push(format!("{family:?}, {name}, {doing:?}: {wanted} expected, {why}"));
+                    "! "
+                } else {
+                    ""
+                };
+                format!("{:<24}", format!("{mark}{}", made.text))
+            });
+            let cells: Vec<String> = cells.collect();
+            let why = is_meaningless(family, fault).unwrap_or_default();
+            println!("{:<30} {:<11} {}{why}", fault.name(), format!("{family:?}"), cells.concat());
+        }
+    }
+    println!("{count} cells, {} not as expected", wrong.len());
+    assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
+}
