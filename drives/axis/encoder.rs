@@ -146,9 +146,10 @@ mod tests {
         let next = encoder.update(464, 100_000_000).unwrap();
         near(next.position, 180.0);
         near(next.velocity, 900.0);
-        encoder.set(10.0).unwrap();
-        near(encoder.update(464, 200_000_000).unwrap().position, 10.0);
-        near(encoder.update(364, 300_000_000).unwrap().position, 1.0);
+        // 9.02° is nearest to 100 increments.
+        encoder.set(9.02).unwrap();
+        near(encoder.update(464, 200_000_000).unwrap().position, 9.0);
+        near(encoder.update(364, 300_000_000).unwrap().position, 0.0);
         assert!(matches!(encoder.update(0x1_0000, 1), Err(AxisError::EncoderJump { .. })));
         assert!(matches!(encoder.set(f64::NAN), Err(AxisError::Overflow { .. })));
         assert_eq!(encoder.options().id, 3);

@@ -34,11 +34,9 @@ pub fn write_parameters(
         None => known,
         Some(list) => chosen(drive, &known, list)?,
     };
-    let mut values = Vec::with_capacity(chosen.len());
-    for info in chosen {
-        let value = drive.parameter(info.id)?;
-        values.push((info, value));
-    }
+    let ids: Vec<_> = chosen.iter().map(|info| info.id).collect();
+    let values = drive.parameter_values(&ids)?;
+    let values: Vec<_> = chosen.into_iter().zip(values).collect();
     let written = match format {
         Format::Text => text(family, &device, &values, output),
         Format::Xml => xml(family, &device, &values, output),
