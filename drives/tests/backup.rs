@@ -1,6 +1,6 @@
 //! Parameters of all families to a file and back.
 
-use super::bench::{Bench, bim2ax, interpcnc, smartdrive};
+use super::bench::{Bench, bim2ax, interpcnc, quick_interpcnc, smartdrive};
 use crate::{
     Drive, ParameterId, ParameterInfo, Values,
     axis::backup::{Format, plan, read, write_parameters},
@@ -76,7 +76,7 @@ fn survive(mut bench: Bench) {
 
 #[test]
 fn the_parameters_of_an_interpcnc_survive() {
-    survive(interpcnc());
+    survive(quick_interpcnc());
 }
 
 #[test]

@@ -12,7 +12,8 @@ use crate::{
         parameter::{AxisParameter, Parameter},
     },
     interpcnc::{
-        self, AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions, emulator::EmulatedBoard,
+        self, AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions,
+        emulator::{EmulatedBoard, Wire},
     },
     smartdrive::{
         self, SmartDriveBus, SmartDriveOptions, StepsPerTurn,
@@ -83,6 +84,18 @@ impl Bench {
 
 /// Axes X and Y of an InterpCNC with home switches on IN5 and IN6, normally open, and a limit switch of X on IN8.
 pub(crate) fn interpcnc() -> Bench {
+    interpcnc_with(Wire::default(), interpcnc::Assumptions::default())
+}
+
+/// The same behind a wire and with an EEPROM that take hardly any time, for tests that write all of it.
+pub(crate) fn quick_interpcnc() -> Bench {
+    let wire = Wire { turnaround: Duration::ZERO, ..Wire::default() };
+    let assumptions =
+        interpcnc::Assumptions { eeprom_write_ns: 10_000, ..interpcnc::Assumptions::default() };
+    interpcnc_with(wire, assumptions)
+}
+
+fn interpcnc_with(wire: Wire, assumptions: interpcnc::Assumptions) -> Bench {
     let clock = WallClock::new();
     let cam = |axis, input, from, to| interpcnc::emulator::Cam {
         input,
@@ -91,7 +104,8 @@ pub(crate) fn interpcnc() -> Bench {
         to,
         normally_closed: false,
     };
-    let mut options = interpcnc::emulator::EmulatorOptions::default();
+    let mut options = interpcnc::emulator::EmulatorOptions { wire, ..Default::default() };
+    options.board.assumptions = assumptions;
     options.bench.cams = vec![
         cam(BoardAxis::X, 5, FAR, HOME),
         cam(BoardAxis::Y, 6, FAR, HOME),
@@ -105,6 +119,7 @@ pub(crate) fn interpcnc() -> Bench {
         ..AxisOptions::new(axis)
     };
     let mut options = InterpCncOptions::new(vec![axis(BoardAxis::X), axis(BoardAxis::Y)]);
+    options.assumptions = assumptions;
     // Other tests and builds may keep the emulator waiting.
     options.deadline = Duration::from_secs(2);
     let drive = InterpCncDrive::open(board.path().to_str().unwrap(), &options).unwrap();

@@ -144,7 +144,7 @@ impl Plan {
         for (written, change) in self.changes.iter().enumerate() {
             let (id, value) = (change.id, change.to);
             drive.set_parameter(id, value).map_err(|source| {
-                let name = change.name.clone();
+                let (name, source) = (change.name.clone(), Box::new(source));
                 RestoreError::Write { id, name, value, written, all, source }
             })?;
         }

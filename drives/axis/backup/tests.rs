@@ -24,7 +24,7 @@ impl Shelf {
         Self { values: [1, 2, 77], refuses: false, forgets: false, restarted: false }
     }
 
-    fn place(&self, id: ParameterId) -> Result<usize, DriveError> {
+    fn place(id: ParameterId) -> Result<usize, DriveError> {
         let known = (id.station == 0).then(|| usize::from(id.number)).filter(|place| *place < 3);
         known.ok_or_else(|| DriveError::NoParameter { at: Self::at(), id })
     }
@@ -109,12 +109,12 @@ impl Drive for Shelf {
     }
 
     fn parameter(&mut self, id: ParameterId) -> Result<i64, DriveError> {
-        let place = self.place(id)?;
+        let place = Self::place(id)?;
         Ok(self.values[place])
     }
 
     fn set_parameter(&mut self, id: ParameterId, value: i64) -> Result<(), DriveError> {
-        let place = self.place(id)?;
+        let place = Self::place(id)?;
         if self.refuses && place == 1 {
             return Err(DriveError::ReadOnly { at: Self::at(), id });
         }

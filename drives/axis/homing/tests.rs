@@ -261,17 +261,17 @@ proptest! {
     /// between two looks.
     #[test]
     fn the_reference_is_as_exact_as_the_looks(
-        high in -150.0..-1.0, width in 5.0..70.0, look_ms in 1_i64..40, coasts in 0.0..4.0,
+        high in -150.0..-1.0, width in 5.0..70.0, look_ms in 1_i32..40, coasts in 0.0..4.0,
     ) {
-        let look_ns = look_ms * 1_000_000;
+        let (look_ns, look_s) = (i64::from(look_ms) * 1_000_000, f64::from(look_ms) * 1e-3);
         let mut axis = Axis { low: high - width, high, look_ns, coasts, ..Axis::new() };
         let options = HomingOptions {
             velocity_fast: 50.0, ..options(HomingMode::default())
         };
         // Fast it is seen twice at least.
-        prop_assume!(width > 2.0 * 50.0 * look_ms as f64 * 1e-3 + coasts);
+        prop_assume!(width > 2.0 * 50.0 * look_s + coasts);
         let homing = axis.home(&options).unwrap();
         let away = homing.reference().unwrap() - high;
-        prop_assert!((-1e-9..=options.uncertainty(look_ms as f64 * 1e-3)).contains(&away), "{away}");
+        prop_assert!((-1e-9..=options.uncertainty(look_s)).contains(&away), "{away}");
     }
 }
