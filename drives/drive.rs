@@ -211,6 +211,14 @@ pub trait Drive: Send {
         Err(DriveError::NoParameter { at: nowhere(&self.describe()), id })
     }
 
+    /// The values of parameters, in this order; devices that tell many at a time are asked for them so.
+    ///
+    /// # Errors
+    /// As [`Self::parameter`].
+    fn parameter_values(&mut self, ids: &[ParameterId]) -> Result<Vec<i64>, DriveError> {
+        ids.iter().map(|id| self.parameter(*id)).collect()
+    }
+
     /// Sets a parameter, the axes being at rest, and reads it back. Whether it survives a restart without
     /// [`Self::save_parameters`] depends on the family, and when it acts is in [`ParameterInfo::needs_restart`].
     ///
