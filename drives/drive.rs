@@ -187,7 +187,7 @@ pub trait Drive: Send {
     /// If the device did not confirm.
     fn hard_stop(&mut self) -> Result<(), DriveError>;
 
-    /// Limits of the axes as the device has them.
+    /// Limits of the axes as the device has them in its parameters, also where a new value waits for a restart.
     ///
     /// # Errors
     /// If the device does not answer.

@@ -3,4 +3,5 @@
 mod backup;
 mod bench;
 mod device;
+mod group;
 mod homing;
