@@ -25,7 +25,9 @@ use faults::{Doing, Family, Fault};
 use scenario::{Outcome, Trial, cell, is_meaningless};
 
 /// Cells made at the same time: most of the time they wait for deadlines.
-const WORKERS: usize = 48;
+const WORKERS: usize = 20;
+/// How often a cell that is not as expected is made again.
+const MOST_REPEATS: u32 = 2;
 
 /// A cell that has been made.
 struct Made {
@@ -84,6 +86,19 @@ fn every_fault_comes_to_what_it_should() {
         }
     });
 
+    // A machine that is too busy may keep sound devices waiting beyond their deadlines: what is not as expected is made
+    // again, alone. What is really wrong is wrong again.
+    let mut again = 0;
+    for ((fault, family, doing, _), made) in jobs.iter().zip(&made) {
+        let mut made = made.lock().expect("a cell");
+        for _ in 0..MOST_REPEATS {
+            if made.as_ref().is_some_and(|made| made.wrong.is_some()) {
+                again += 1;
+                *made = Some(make(*family, *fault, *doing));
+            }
+        }
+    }
+
     println!(
         "{:<30} {:<11} {}",
         "fault",
@@ -116,6 +131,6 @@ fn every_fault_comes_to_what_it_should() {
             println!("{:<30} {:<11} {}{why}", fault.name(), format!("{family:?}"), cells.concat());
         }
     }
-    println!("{count} cells, {} not as expected", wrong.len());
+    println!("{count} cells, {} not as expected, {again} made again", wrong.len());
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
 }

@@ -24,14 +24,14 @@ use twin_drives::{
 use crate::faults::{DeviceFault, Family};
 
 /// How many times faster than the wall clock devices and plans go.
-pub(crate) const SPEED: u32 = 8;
+pub(crate) const SPEED: u32 = 5;
 /// Longest time the drivers wait for an answer: other tests and builds may keep the emulator waiting.
-pub(crate) const DEADLINE: Duration = Duration::from_millis(250);
+pub(crate) const DEADLINE: Duration = Duration::from_millis(400);
 /// Frames that are delayed come after the deadline and before the driver trusts the wire again, ns of the device.
-pub(crate) const DELAY_NS: i64 = 320_000_000 * SPEED as i64;
-pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(400);
+pub(crate) const DELAY_NS: i64 = 500_000_000 * SPEED as i64;
+pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(650);
 /// Longest time that homing may take.
-const HOMING: Duration = Duration::from_secs(2);
+const HOMING: Duration = Duration::from_secs(3);
 
 /// The clock of devices and plans.
 #[expect(
