@@ -9,6 +9,7 @@
 
 mod expected;
 mod faults;
+mod kill;
 mod rig;
 mod scenario;
 
@@ -40,7 +41,7 @@ struct Made {
 fn make(family: Family, fault: Fault, doing: Doing) -> Made {
     let wanted = expected(family, fault, doing);
     let trial = Trial { fault, doing, frames: frames(family, fault, doing) };
-    let made = cell(family, &trial, rig::clock());
+    let made = cell(family, &trial, rig::clock(rig::SPEED));
     let said = match &made.outcome {
         Outcome::Told(error) => expected::Cause::of(error)
             .map_or_else(|| "told".to_owned(), |cause| format!("told {cause:?}")),
