@@ -48,6 +48,8 @@ const DOUBT: f64 = 5.0;
 /// So many samples in a row at the same place, while the axis should have gone so far, increments, are no accident.
 const STUCK_SAMPLES: u32 = 12;
 const STUCK_WAY: f64 = 50.0;
+/// What the model of an axis that rests may move between two samples, increments.
+const STUCK_STEP: f64 = 2.0;
 
 /// What the registers of one axis of a device can say about a move.
 pub(crate) trait Registers: Copy + Debug {
@@ -117,7 +119,7 @@ impl Stuck {
     /// Another sample, at which the axis should have gone so far since the one before.
     fn sampled(&mut self, started: bool, counter: f64, expected: f64, way: f64) {
         #[expect(clippy::float_cmp, reason = "whole numbers")]
-        let same = started && counter == self.counter;
+        let same = started && counter == self.counter && way > STUCK_STEP;
         (self.samples, self.way) = if same { (self.samples + 1, self.way + way) } else { (0, 0.0) };
         (self.counter, self.expected) = (counter, expected);
     }

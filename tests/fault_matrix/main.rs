@@ -9,6 +9,7 @@
 
 mod expected;
 mod faults;
+mod kill;
 mod rig;
 mod scenario;
 
@@ -25,7 +26,9 @@ use faults::{Doing, Family, Fault};
 use scenario::{Outcome, Trial, cell, is_meaningless};
 
 /// Cells made at the same time: most of the time they wait for deadlines.
-const WORKERS: usize = 48;
+const WORKERS: usize = 20;
+/// How often a cell that is not as expected is made again.
+const MOST_REPEATS: u32 = 2;
 
 /// A cell that has been made.
 struct Made {
@@ -38,7 +41,7 @@ struct Made {
 fn make(family: Family, fault: Fault, doing: Doing) -> Made {
     let wanted = expected(family, fault, doing);
     let trial = Trial { fault, doing, frames: frames(family, fault, doing) };
-    let made = cell(family, &trial, rig::clock());
+    let made = cell(family, &trial, rig::clock(rig::SPEED));
     let said = match &made.outcome {
         Outcome::Told(error) => expected::Cause::of(error)
             .map_or_else(|| "told".to_owned(), |cause| format!("told {cause:?}")),
@@ -84,6 +87,19 @@ fn every_fault_comes_to_what_it_should() {
         }
     });
 
+    // A machine that is too busy may keep sound devices waiting beyond their deadlines: what is not as expected is made
+    // again, alone. What is really wrong is wrong again.
+    let mut again = 0;
+    for ((fault, family, doing, _), made) in jobs.iter().zip(&made) {
+        let mut made = made.lock().expect("a cell");
+        for _ in 0..MOST_REPEATS {
+            if made.as_ref().is_some_and(|made| made.wrong.is_some()) {
+                again += 1;
+                *made = Some(make(*family, *fault, *doing));
+            }
+        }
+    }
+
     println!(
         "{:<30} {:<11} {}",
         "fault",
@@ -116,6 +132,6 @@ fn every_fault_comes_to_what_it_should() {
             println!("{:<30} {:<11} {}{why}", fault.name(), format!("{family:?}"), cells.concat());
         }
     }
-    println!("{count} cells, {} not as expected", wrong.len());
+    println!("{count} cells, {} not as expected, {again} made again", wrong.len());
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
 }

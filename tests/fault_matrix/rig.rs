@@ -24,25 +24,25 @@ use twin_drives::{
 use crate::faults::{DeviceFault, Family};
 
 /// How many times faster than the wall clock devices and plans go.
-pub(crate) const SPEED: u32 = 8;
+pub(crate) const SPEED: u32 = 5;
 /// Longest time the drivers wait for an answer: other tests and builds may keep the emulator waiting.
-pub(crate) const DEADLINE: Duration = Duration::from_millis(250);
+pub(crate) const DEADLINE: Duration = Duration::from_millis(400);
 /// Frames that are delayed come after the deadline and before the driver trusts the wire again, ns of the device.
-pub(crate) const DELAY_NS: i64 = 320_000_000 * SPEED as i64;
-pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(400);
+pub(crate) const DELAY_NS: i64 = 500_000_000 * SPEED as i64;
+pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(650);
 /// Longest time that homing may take.
-const HOMING: Duration = Duration::from_secs(2);
+const HOMING: Duration = Duration::from_secs(3);
 
-/// The clock of devices and plans.
+/// The clock of devices and plans, so many times faster than the wall clock.
 #[expect(
     clippy::disallowed_methods,
     reason = "drives on real transports need real time, if a fast one; nothing here is judged by it"
 )]
-pub(crate) fn clock() -> impl Clock + Copy + use<> {
+pub(crate) fn clock(speed: u32) -> impl Clock + Copy + use<> {
     let zero = Instant::now();
     Accelerated::new(
         move || i64::try_from(zero.elapsed().as_nanos()).expect("not for 292 years"),
-        Speed::times(SPEED),
+        Speed::times(speed),
     )
 }
 
@@ -75,8 +75,8 @@ pub(crate) struct Truth {
 }
 
 enum Device {
-    Board(EmulatedBoard, InterpCncDrive),
-    Bus(EmulatedBus, SmartDriveBus),
+    Board(EmulatedBoard, Option<InterpCncDrive>),
+    Bus(EmulatedBus, Option<SmartDriveBus>),
     /// Its files are in a folder that lives as long as it.
     Module(EmulatedModule, Bim2AxDrive, #[expect(dead_code, reason = "kept")] TempDir),
 }
@@ -97,10 +97,28 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         Self { device, clock }
     }
 
+    /// The driver leaves: another may open the port.
+    pub(crate) fn leave(&mut self) {
+        match &mut self.device {
+            Device::Board(_, drive) => *drive = None,
+            Device::Bus(_, drive) => *drive = None,
+            Device::Module(..) => {}
+        }
+    }
+
+    /// Where a driver finds the device.
+    pub(crate) fn port(&self) -> &str {
+        match &self.device {
+            Device::Board(board, _) => board.path().to_str().expect("a name"),
+            Device::Bus(bus, _) => bus.path().to_str().expect("a name"),
+            Device::Module(module, ..) => module.path().to_str().expect("a name"),
+        }
+    }
+
     pub(crate) fn drive(&mut self) -> &mut dyn Drive {
         match &mut self.device {
-            Device::Board(_, drive) => drive,
-            Device::Bus(_, drive) => drive,
+            Device::Board(_, drive) => drive.as_mut().expect("it has not left"),
+            Device::Bus(_, drive) => drive.as_mut().expect("it has not left"),
             Device::Module(_, drive, _) => drive,
         }
     }
@@ -134,10 +152,10 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                     slow_hz: 1000,
                     final_position: 0,
                 };
-                let (board, runtime) = drive.board();
+                let (board, runtime) = drive.as_mut().expect("it has not left").board();
                 runtime.block_on(board.home_axes(&[home], HOMING, &|| 0))
             }
-            Device::Bus(_, drive) => drive.home(&[0]),
+            Device::Bus(_, drive) => drive.as_mut().expect("it has not left").home(&[0]),
             Device::Module(_, drive, _) => drive.home(HOMING),
         }
     }
@@ -288,7 +306,7 @@ fn board<C: Clock + 'static>(clock: C) -> Device {
     (options.deadline, options.worst_latency) = (DEADLINE, WORST_LATENCY);
     let path = board.path().to_str().expect("a name").to_owned();
     let drive = InterpCncDrive::open(&path, &options).expect("it opens");
-    Device::Board(board, drive)
+    Device::Board(board, Some(drive))
 }
 
 fn bus<C: Clock + 'static>(clock: C) -> Device {
@@ -315,7 +333,7 @@ fn bus<C: Clock + 'static>(clock: C) -> Device {
     (options.homing, options.mode_change) = (HOMING, Duration::from_secs(10));
     let path = bus.path().to_str().expect("a name").to_owned();
     let drive = SmartDriveBus::open(&path, &options).expect("it opens");
-    Device::Bus(bus, drive)
+    Device::Bus(bus, Some(drive))
 }
 
 fn module<C: Clock + 'static>(clock: C) -> Device {

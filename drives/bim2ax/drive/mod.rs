@@ -194,7 +194,7 @@ impl Bim2AxDrive {
                 });
             }
             if obeys.is_ok() && stray.is_none() {
-                return Ok(seen);
+                return self.not_overdue(&seen).map(|()| seen);
             }
         }
     }
@@ -210,6 +210,21 @@ impl Bim2AxDrive {
                 Err(_) => {}
                 Ok(()) => return Ok(seen),
             }
+        }
+    }
+
+    /// Fails if a leg lasts much longer than it should.
+    fn not_overdue(&mut self, (seen, stamp): &(Positions, BusStamp)) -> Result<(), DriveError> {
+        match self.following {
+            Following::Leg(end_ns)
+                if self.moving(seen) != 0 && stamp.sent_ns > end_ns.saturating_add(OVERDUE_NS) =>
+            {
+                self.forget();
+                let at = self.module.at(Action::ReadState);
+                let patience = Duration::from_nanos(OVERDUE_NS.unsigned_abs());
+                Err(DriveError::Unfinished { at, patience })
+            }
+            _ => Ok(()),
         }
     }
 
@@ -511,12 +526,6 @@ impl Drive for Bim2AxDrive {
         self.follower.set_timing(self.timing);
         if self.moving(&seen) == 0 {
             self.following = Following::Rest(self.in_order(&seen));
-        } else if let Following::Leg(end_ns) = following
-            && stamp.sent_ns > end_ns.saturating_add(OVERDUE_NS)
-        {
-            self.forget();
-            let patience = Duration::from_nanos(OVERDUE_NS.unsigned_abs());
-            return Err(DriveError::Unfinished { at: self.module.at(Action::ReadState), patience });
         }
         Ok(self.to_sample(&seen, &stamp))
     }

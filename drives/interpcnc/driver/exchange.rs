@@ -1,6 +1,6 @@
 //! One exchange: a request, its answer within the deadline, and when it took place.
 
-use std::io;
+use std::{io, time::Duration};
 
 use tokio::{
     io::{AsyncReadExt, AsyncWriteExt},
@@ -83,6 +83,24 @@ impl InterpCnc {
         Ok(())
     }
 
+    /// Throws away what has come since the last answer, and so answers nothing (an answer that came twice), without
+    /// waiting for more.
+    async fn drain(&mut self, action: Action) -> Result<(), DriveError> {
+        // The client may hold some of it.
+        self.client = None;
+        let mut leftovers = [0; 256];
+        for _ in 0..MOST_LEFTOVERS {
+            match timeout(Duration::ZERO, self.transport.read(&mut leftovers)).await {
+                Err(_) | Ok(Ok(0)) => break,
+                Ok(Ok(_)) => {}
+                Ok(Err(source)) => {
+                    return Err(DriveError::Transport { at: self.at(action), source });
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// Sends a request and takes the answer, whichever it is, within the deadline.
     pub(super) async fn exchange(
         &mut self,
@@ -95,6 +113,8 @@ impl InterpCnc {
         }
         if self.client.is_none() {
             self.clear(action).await?;
+        } else {
+            self.drain(action).await?;
         }
         let attach = || rtu::attach_slave(self.transport.clone(), Slave(self.options.station));
         let mut client = self.client.take().unwrap_or_else(attach);

@@ -1,0 +1,221 @@
+//! The program dies in the middle of a move, without a word: what each device does then, and how far it goes.
+//!
+//! The driver runs in a process of its own (this binary again) and is killed. Whatever it has commanded last lies within
+//! the plan's horizon: the axis ends no farther than where the plan is `horizon` after the last instant at which the
+//! process lived, so it goes on for at most look-ahead × speed.
+
+use std::{
+    process::{Child, Command},
+    thread,
+    time::{Duration, SystemTime, UNIX_EPOCH},
+};
+
+use twin_drives::{
+    Drive, IncrementMotion, SetpointStream,
+    bim2ax::{Bim2Ax, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, MemoryFile, ModuleAxis},
+    interpcnc::{self, BoardAxis, Following, InterpCncDrive, InterpCncOptions},
+    smartdrive::{self, SmartDriveBus, SmartDriveOptions, StepsPerTurn},
+};
+
+use crate::{
+    faults::Family,
+    rig::{Rig, clock},
+};
+
+/// Speed of the plan, increments/s, and how far ahead of now it is known, ns.
+const SPEED: f64 = 2000.0;
+const HORIZON_NS: i64 = 300_000_000;
+/// Looks at the device at most, and the pause between them.
+const MOST_LOOKS: u32 = 3000;
+const PAUSE: Duration = Duration::from_millis(10);
+/// How the child is told what to do.
+const WHAT: &str = "FAULT_MATRIX_CHILD";
+const PORT: &str = "FAULT_MATRIX_PORT";
+const START: &str = "FAULT_MATRIX_START";
+
+/// What the process that is killed does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Doing {
+    /// InterpCNC, command 80.
+    Retargeted,
+    /// InterpCNC, command 6.
+    Buffered,
+    /// SmartDRIVE, GOTO.
+    GoTo,
+    /// BIM2AX, legs.
+    Legs,
+    /// BIM2AX, a manual move.
+    Manual,
+}
+
+impl Doing {
+    const ALL: [Self; 5] = [Self::Retargeted, Self::Buffered, Self::GoTo, Self::Legs, Self::Manual];
+
+    fn family(self) -> Family {
+        match self {
+            Self::Retargeted | Self::Buffered => Family::InterpCnc,
+            Self::GoTo => Family::SmartDrive,
+            Self::Legs | Self::Manual => Family::Bim2Ax,
+        }
+    }
+}
+
+/// Time that two processes share, ns.
+#[expect(clippy::disallowed_methods, reason = "two processes have no other clock in common")]
+fn now_ns() -> i64 {
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).expect("after 1970");
+    i64::try_from(now.as_nanos()).expect("before 2262")
+}
+
+/// A straight line that does not end.
+struct Line {
+    start_ns: i64,
+}
+
+impl SetpointStream for Line {
+    fn now_ns(&self) -> i64 {
+        now_ns() - self.start_ns
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "seconds")]
+    fn at(&self, time_ns: i64) -> IncrementMotion {
+        let mut motion = IncrementMotion::default();
+        motion.position[0] = SPEED * (time_ns as f64 * 1e-9).max(0.0);
+        motion.velocity[0] = if time_ns < 0 { 0.0 } else { SPEED };
+        motion
+    }
+
+    fn horizon_ns(&self) -> i64 {
+        HORIZON_NS
+    }
+}
+
+/// The process that is killed; nothing where nobody asks for it.
+#[test]
+fn child() {
+    let Ok(what) = std::env::var(WHAT) else { return };
+    let port = std::env::var(PORT).expect("where");
+    let start_ns = std::env::var(START).expect("when").parse().expect("ns");
+    let doing = Doing::ALL.into_iter().find(|doing| format!("{doing:?}") == what).expect("what");
+    let deadline = Duration::from_secs(5);
+    let mut drive: Box<dyn Drive> = match doing {
+        Doing::Retargeted | Doing::Buffered => {
+            let mut options =
+                InterpCncOptions::new(vec![interpcnc::AxisOptions::new(BoardAxis::X)]);
+            options.deadline = deadline;
+            if doing == Doing::Buffered {
+                options.following =
+                    Following::Buffered { start_stop_hz: 200, acceleration_khz_per_s: 50 };
+            }
+            Box::new(InterpCncDrive::open(&port, &options).expect("it opens"))
+        }
+        Doing::GoTo => {
+            let axis = smartdrive::AxisOptions {
+                address: 1,
+                turn: StepsPerTurn::new(200, 16).expect("a turn"),
+                velocity_rpm: 500,
+                acceleration_rpm_per_s: 2000,
+                deceleration_rpm_per_s: 2000,
+            };
+            let mut options = SmartDriveOptions::new(vec![axis]);
+            (options.deadline, options.mode_change) = (deadline, deadline);
+            Box::new(SmartDriveBus::open(&port, &options).expect("it opens"))
+        }
+        Doing::Legs => {
+            let mut options = Bim2AxDriveOptions::new();
+            options.axes = vec![ModuleAxis::One];
+            options.driver.deadline = deadline;
+            let memory = MemoryFile::open(port.as_ref()).expect("it is there");
+            Box::new(Bim2AxDrive::new(&port, memory, &options).expect("it opens"))
+        }
+        Doing::Manual => return manual(&port, true),
+    };
+    let line = Line { start_ns };
+    drive.probe(&line).expect("it answers");
+    drive.enable().expect("it obeys");
+    loop {
+        drive.follow(&line).expect("it follows");
+    }
+}
+
+/// Begins a manual move and does nothing any more, or ends it.
+fn manual(port: &str, on: bool) {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
+    let options = Bim2AxOptions { deadline: Duration::from_secs(5), ..Bim2AxOptions::default() };
+    let memory = MemoryFile::open(port.as_ref()).expect("it is there");
+    let mut module = Bim2Ax::new(port, memory, &options);
+    runtime.expect("a runtime").block_on(async {
+        module.identify(&|| 0).await.expect("it answers");
+        if on {
+            module.manual(ModuleAxis::One, true, &|| 0).await.expect("it moves");
+            loop {
+                tokio::time::sleep(PAUSE).await;
+            }
+        }
+        module.manual_stop(&|| 0).await.expect("it obeys");
+    });
+}
+
+fn spawn(doing: Doing, port: &str, start_ns: i64) -> Child {
+    Command::new(std::env::current_exe().expect("this"))
+        .args(["--exact", "kill::child", "--nocapture"])
+        .env(WHAT, format!("{doing:?}"))
+        .env(PORT, port)
+        .env(START, start_ns.to_string())
+        .spawn()
+        .expect("it starts")
+}
+
+/// Lets a process move an axis and kills it. Where the axis was when it was dead, and where its plan reached then.
+fn killed<C: twin_drives::Clock + Copy + 'static>(doing: Doing, rig: &Rig<C>) -> (i64, f64) {
+    // It has until then to begin.
+    let start_ns = now_ns() + 1_000_000_000;
+    let mut process = spawn(doing, rig.port(), start_ns);
+    let begun = (0..MOST_LOOKS).any(|_| {
+        thread::sleep(PAUSE);
+        rig.truth().counter > 500
+    });
+    process.kill().expect("it lives");
+    process.wait().expect("it is dead");
+    let line = Line { start_ns };
+    let reached = line.at(line.now_ns() + HORIZON_NS).position[0];
+    assert!(begun, "{doing:?} does not move");
+    (rig.truth().counter, reached)
+}
+
+#[test]
+fn a_move_whose_program_dies_ends_within_its_look_ahead() {
+    for doing in [Doing::Retargeted, Doing::Buffered, Doing::GoTo, Doing::Legs] {
+        let mut rig = Rig::new(doing.family(), clock(1));
+        rig.leave();
+        let (left, reached) = killed(doing, &rig);
+        let rests = (0..MOST_LOOKS).any(|_| {
+            thread::sleep(PAUSE);
+            !rig.truth().moving
+        });
+        let end = rig.truth().counter;
+        println!("{doing:?}: dead at {left}, ends at {end}, planned up to {reached:.0}");
+        assert!(rests, "{doing:?} goes on");
+        #[expect(clippy::cast_precision_loss, reason = "a counter")]
+        let beyond = end as f64 - reached;
+        assert!(end >= left && beyond <= 1.0, "{doing:?} ends at {end} instead of {reached}");
+    }
+}
+
+#[test]
+fn a_manual_move_whose_program_dies_goes_on_until_it_is_told() {
+    let rig = Rig::new(Family::Bim2Ax, clock(1));
+    let (left, _) = killed(Doing::Manual, &rig);
+    // Far beyond anything that was commanded ahead: nothing was.
+    let far = (0..MOST_LOOKS).any(|_| {
+        thread::sleep(PAUSE);
+        rig.truth().counter > left + 1000
+    });
+    assert!(far && rig.truth().moving);
+    manual(rig.port(), false);
+    let rests = (0..MOST_LOOKS).any(|_| {
+        thread::sleep(PAUSE);
+        !rig.truth().moving
+    });
+    assert!(rests);
+}
