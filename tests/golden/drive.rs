@@ -375,3 +375,71 @@ fn ctrl_c_and_stop_bring_a_bim2ax_to_rest() {
     assert_eq!(hand.does("stop --now").stdout, format!("at rest at {stands}, 0\n"));
     assert!(running.module().velocity(ModuleAxis::One).abs() < f64::EPSILON);
 }
+
+/// Out to a file and back, as text and as XML; what differs is shown and nothing is written without a yes.
+#[test]
+fn parameters_go_to_a_file_and_back() {
+    let (board, of_board) = a_board(1);
+    let (bus, of_bus) = a_bus(Vec::new());
+    let (module, of_module) = a_module();
+    for (hand, name, set, back, shown) in [
+        (&of_board, "12", "4000", "get home-speed-x", "parameter 12"),
+        (&of_bus, "Trj_VelMax", "300", "get Trj_VelMax", "(Trj_VelMax): 300 -> 500 rpm"),
+        (&of_module, "soft-limit-minus-2", "-100", "get soft-limit-minus-2", ": -100 -> -4194303"),
+    ] {
+        for file in ["kept.txt", "kept.XML"] {
+            let saved = hand.does(&format!("backup {file}"));
+            assert!(saved.stdout.contains("parameters of"), "{}", saved.stdout);
+            let text = std::fs::read_to_string(hand.desk.path(file)).expect("it was written");
+            assert_eq!(text.starts_with('<'), file.ends_with("XML"), "{text}");
+            let before = hand.does(back).stdout;
+            assert!(hand.does(&format!("restore {file} --yes")).stdout.contains("0 to change"));
+            hand.does(&format!("set {name} {set}"));
+            let refused = hand.tries(&format!("restore {file}"));
+            refused.ended(2, "write 1 parameters of");
+            refused.ended(2, "nothing has been written, as there is no terminal to ask at");
+            assert!(refused.stdout.contains(shown), "{}", refused.stdout);
+            let restored = hand.does(&format!("restore {file} --yes"));
+            assert!(restored.stdout.contains("written, and read back"), "{}", restored.stdout);
+            assert_eq!(hand.does(back).stdout, before);
+        }
+        std::fs::write(hand.desk.path("wrong.txt"), "nonsense\n").expect("written");
+        hand.tries("restore wrong.txt --yes").ended(2, "wrong.txt:1");
+        hand.tries("restore none.txt --yes").ended(2, "none.txt: cannot be read");
+    }
+    drop((board, bus, module));
+}
+
+/// The switch of X is pressed from 1500 to 3000 steps behind the start: backwards onto it, and slowly off it again, is home; that
+/// is seen as late as a look at the switch takes, some 20 steps of 500 a second with the time of this computer.
+#[test]
+fn an_axis_is_homed_by_a_switch_that_the_drive_only_shows() {
+    let (running, hand) = a_board(1);
+    hand.refuses("home X Y --by-switch 0 --yes", "homes one axis at a time");
+    hand.refuses("home X --by-switch 3 --yes", "the modes are 0, 1, 4 and 5");
+    hand.refuses("home X --by-switch 2 --yes", "need an index pulse, which no drive shows");
+    hand.refuses("home X --input 5", "--by-switch");
+    let ask = "home X --by-switch 0 --input 5 --fast 4000 --slow 500 --max-way 5000";
+    hand.refuses(
+        ask,
+        "home axis X from 0 towards - until input 5 says so, 5000 increments at most",
+    );
+    let homed = hand.does(&format!("{ask} --yes"));
+    assert!(homed.stdout.contains("axis X is home, at "), "{}", homed.stdout);
+    let counter = hand.does("status");
+    let counter: f64 = row(&counter, 0, "X")[1].parse().expect("a position");
+    let board = running.stop().expect("it runs");
+    let mechanical = board.mechanical(BoardAxis::X);
+    assert!(board.status().moving().is_empty() && mechanical > -1500.0, "{mechanical}");
+    // 0 is where the switch opened, at most a tenth of a second late.
+    let home = mechanical - counter;
+    assert!((home + 1500.0).abs() <= 50.0, "{mechanical}, {counter}");
+
+    // One that never comes.
+    let (running, hand) = a_board(1);
+    let done = hand.tries("home X --by-switch 0 --input 7 --fast 4000 --max-way 800 --yes");
+    assert_eq!(done.status, Some(2), "{}", done.stderr);
+    let board = running.stop().expect("it runs");
+    assert!(board.status().moving().is_empty());
+    assert!((board.mechanical(BoardAxis::X) + 800.0).abs() <= 1.0);
+}

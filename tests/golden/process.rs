@@ -496,3 +496,63 @@ fn an_axis_that_is_lost_in_a_run_is_an_error() {
     assert!(done.stderr.contains("following-error"), "{}", done.stderr);
     assert_eq!(desk.read("report.json")["findings"][0]["rule"], "following-error");
 }
+
+/// A record per cycle without drives; 10 mm at 100 mm/s with 500 mm/s² go there and back in 0.6 s and stand at both ends.
+#[test]
+fn axes_are_logged_and_their_maxima_reported() {
+    let desk = Desk::new();
+    desk.write("short.cnc", SHORT);
+    let run = |drives: &str, more: &[&str]| {
+        let run =
+            ["run", "short.cnc", "-m", "machine.toml", "--drives", drives, "--report", "r.json"];
+        desk.twin(&[&run, more].concat())
+    };
+    let log = "X=set-position,act-position,set-velocity:x.log";
+    let done =
+        run("none", &["--log-axis", log, "--log-axis", "Y=all:y.log", "--tracking-error", "2"]);
+    done.ended(0, "");
+    let text = std::fs::read_to_string(desk.path("x.log")).expect("it was written");
+    let records: Vec<Vec<f64>> = text
+        .split_terminator("\r\n")
+        .map(|record| record.split('\t').map(|value| value.parse().expect("a number")).collect())
+        .collect();
+    let report = desk.read("r.json");
+    let cycles = number(&report["duration_s"]) * 1e3;
+    #[expect(clippy::cast_precision_loss, reason = "hundreds")]
+    let count = records.len() as f64;
+    assert!((count - cycles).abs() <= 1.0 && records.iter().all(|record| record.len() == 3));
+    let largest = |column: usize| records.iter().map(|record| record[column]).fold(0.0, f64::max);
+    assert!((largest(0) - 10.0).abs() < 1e-9 && (largest(1) - 10.0).abs() < 0.1);
+    let peak = number(&report["peak"]["X"]["velocity"]["value"]);
+    assert!((largest(2) - peak).abs() < 0.01 * peak, "{}, {peak}", largest(2));
+    let y = std::fs::read_to_string(desk.path("y.log")).expect("it was written");
+    assert!(y.split_terminator("\r\n").all(|record| record.split('\t').count() == 6));
+    let maxima = &report["axis_maxima"]["X"];
+    has_keys(
+        maxima,
+        &["unit", "dead_time_cycles", "tracking_error", "set_velocity", "set_acceleration"],
+    );
+    assert_eq!(maxima["dead_time_cycles"], 2);
+    assert!((number(&maxima["set_velocity"]["max"]) - peak).abs() < 1e-6);
+    assert!((number(&maxima["set_acceleration"]["max"]) - 500.0).abs() < 1e-6);
+    // Two cycles at full speed more than the twin is off by itself.
+    let off = number(&report["axis_error"]["X"]["twin"]["max"]);
+    let tracking = number(&maxima["tracking_error"]["max"]);
+    assert!((tracking - 0.002 * peak).abs() <= off + 1e-9, "{tracking}, {peak}, {off}");
+
+    let done = run("emulated", &["--log-axis", "X=all:x.log", "--tracking-error"]);
+    done.ended(0, "");
+    let report = desk.read("r.json");
+    let records =
+        std::fs::read_to_string(desk.path("x.log")).expect("it was written").lines().count();
+    #[expect(clippy::cast_precision_loss, reason = "hundreds")]
+    let records = records as f64;
+    assert!((records - number(&report["drive_samples"]["count"])).abs() <= 1.0, "{records}");
+    let tracking = number(&report["axis_maxima"]["X"]["tracking_error"]["max"]);
+    let off = number(&report["axis_error"]["X"]["drives"]["max"]);
+    assert!((tracking - off).abs() < 1e-9, "{tracking}, {off}");
+
+    run("none", &["--log-axis", "Q=all:q.log"]).ended(2, "there is no axis `Q`; there are X, Y, Z");
+    run("none", &["--log-axis", "X=speed:q.log"]).ended(2, "`speed` is none of all, set-position");
+    run("none", &["--log-axis", "X"]).ended(2, "expected AXIS=VALUES:FILE");
+}

@@ -348,7 +348,7 @@ fn ctrl_c_brings_everything_to_rest_on_the_path_and_nobody_else_has_the_ports() 
     let shop = Shop::new();
     let run = Shop::arguments("long.cnc", "--homed --home=U --yes --report run.json");
     let done = shop.desk.meanwhile("-INT", "axis U is home", &run, || {
-        std::thread::sleep(Duration::from_millis(2000));
+        std::thread::sleep(Duration::from_secs(2));
         // They belong to somebody.
         for (family, port) in [("interpcnc", "board"), ("smartdrive", "bus")] {
             let other = shop.desk.twin(&["drive", family, "--port", port, "status"]);

@@ -146,7 +146,9 @@ impl<'scope> FollowingBeside<'scope> {
         let work = move || {
             let mut follower = Follower::new(machine, drives);
             for batch in batches {
-                batch.iter().for_each(|setpoint| follower.take(setpoint));
+                for setpoint in &batch {
+                    follower.take(setpoint);
+                }
             }
             follower.finish()
         };

@@ -117,7 +117,7 @@ fn a_late_device_is_speed_times_delay_behind() {
 fn wires_carry_what_their_timing_allows() {
     let of = |text: &str| wire_rates(&machine(text));
     let near = |found: f64, wanted: f64| {
-        assert!((found / wanted - 1.0).abs() < 0.01, "{found}, not {wanted}")
+        assert!((found / wanted - 1.0).abs() < 0.01, "{found}, not {wanted}");
     };
     let board = of(GANTRY3);
     let round = 3.0 * 8.53e-3 + 8.7e-3;
@@ -171,7 +171,7 @@ fn a_module_stands_while_its_plan_goes_on() {
     let outcome = checked(&on_module(), program, true);
     let predicted = outcome.following.unwrap();
     let (largest, place) = predicted.axes[0].unwrap().maximum().unwrap();
-    assert!(largest >= 0.5 * 0.1 * 0.011 && largest < 0.1 * 0.25, "{largest}");
+    assert!((0.5 * 0.1 * 0.011..0.1 * 0.25).contains(&largest), "{largest}");
     assert_eq!(place.line, 3);
     assert_eq!(predicted.devices.len(), 2);
     let warning = |finding: &&Finding| finding.rule == Rule::FollowingError;

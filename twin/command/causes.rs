@@ -32,12 +32,11 @@ pub(super) fn of(findings: &[Finding]) -> Vec<Cause<'_>> {
     for finding in findings {
         let key = key(finding);
         let known = keys.iter().position(|known| *known == key);
-        match known.and_then(|known| causes.get_mut(known)) {
-            Some(cause) => cause.others.push(finding.line),
-            None => {
-                keys.push(key);
-                causes.push(Cause { first: finding, others: Vec::new() });
-            }
+        if let Some(cause) = known.and_then(|known| causes.get_mut(known)) {
+            cause.others.push(finding.line);
+        } else {
+            keys.push(key);
+            causes.push(Cause { first: finding, others: Vec::new() });
         }
     }
     causes

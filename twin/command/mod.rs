@@ -67,7 +67,7 @@ Start with:
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    Run(run::Arguments),
+    Run(Box<run::Arguments>),
     Check(Box<check::Arguments>),
     Path(Box<path::Arguments>),
     Limit(Box<limit::Arguments>),
@@ -141,13 +141,13 @@ pub(crate) enum Failure {
     Drive(#[from] twin_drives::DriveError),
     /// Parameters of a drive on file.
     #[error(transparent)]
-    Backup(#[from] twin_drives::axis::backup::BackupError),
+    Backup(Box<twin_drives::axis::backup::BackupError>),
     /// Parameters that are given back to a drive.
     #[error(transparent)]
-    Restore(#[from] twin_drives::axis::backup::RestoreError),
+    Restore(Box<twin_drives::axis::backup::RestoreError>),
     /// Homing by a switch.
     #[error(transparent)]
-    BySwitch(#[from] twin_drives::axis::homing::HomingError),
+    BySwitch(Box<twin_drives::axis::homing::HomingError>),
     /// The view.
     #[error(transparent)]
     View(#[from] twin_viz::VizError),
@@ -183,6 +183,24 @@ pub(crate) enum Failure {
     /// A combination of options that makes no sense.
     #[error("{0}")]
     Usage(String),
+}
+
+impl From<twin_drives::axis::backup::BackupError> for Failure {
+    fn from(error: twin_drives::axis::backup::BackupError) -> Self {
+        Self::Backup(Box::new(error))
+    }
+}
+
+impl From<twin_drives::axis::backup::RestoreError> for Failure {
+    fn from(error: twin_drives::axis::backup::RestoreError) -> Self {
+        Self::Restore(Box::new(error))
+    }
+}
+
+impl From<twin_drives::axis::homing::HomingError> for Failure {
+    fn from(error: twin_drives::axis::homing::HomingError) -> Self {
+        Self::BySwitch(Box::new(error))
+    }
 }
 
 impl Failure {

@@ -18,7 +18,7 @@ pub enum HomingError {
         /// The axis.
         axis: String,
         /// Why.
-        source: DriveError,
+        source: Box<DriveError>,
     },
     /// It has ended, and the axis is not home.
     #[error("homing axis {axis}: it has not found its home")]
@@ -42,7 +42,7 @@ pub enum HomingError {
         /// Why it had to be.
         why: String,
         /// Why it could not.
-        source: DriveError,
+        source: Box<DriveError>,
     },
 }
 
@@ -69,11 +69,14 @@ pub fn home(
             Ok(Ended::Home) => continue,
             Ok(Ended::NotHome) => HomingError::NotHome { axis: name() },
             Ok(Ended::Stopped) => HomingError::Stopped { axis: name() },
-            Err(source) => HomingError::Drive { axis: name(), source },
+            Err(source) => HomingError::Drive { axis: name(), source: Box::new(source) },
         };
         return Err(match drive.soft_stop().or_else(|_| drive.hard_stop()) {
             Ok(()) => why,
-            Err(source) => HomingError::NotStopped { axis: name(), why: why.to_string(), source },
+            Err(source) => {
+                let (why, source) = (why.to_string(), Box::new(source));
+                HomingError::NotStopped { axis: name(), why, source }
+            }
         });
     }
     Ok(())

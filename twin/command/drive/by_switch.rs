@@ -12,11 +12,11 @@ use twin_drives::axis::homing::{HomingMode, HomingOptions, HomingRun, Switch, ho
 /// How an axis is homed by a switch.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct BySwitch {
-    /// Home one axis by looking at a switch and moving the axis, not by the drive's own homing, in this mode of SMC_Homing: 0
+    /// Home one axis by looking at a switch and moving the axis, not by the drive's own homing, in this mode of `SMC_Homing`: 0
     /// fast onto the switch, slowly back off it, where it opens is home; 1 as 0, but where the axis then stands is home; 4 and 5
     /// as 0 and 1, but slowly on over the switch
-    #[arg(long, value_name = "MODE", value_parser = mode)]
-    by_switch: Option<HomingMode>,
+    #[arg(long = "by-switch", id = "by_switch", value_name = "MODE", value_parser = mode)]
+    mode: Option<HomingMode>,
 
     /// The switch is at this input [default: the home switch that the drive knows]
     #[arg(long, value_name = "N", requires = "by_switch", value_parser = clap::value_parser!(u8).range(1..=64))]
@@ -71,7 +71,7 @@ fn mode(text: &str) -> Result<HomingMode, String> {
 impl BySwitch {
     /// Whether it is wanted.
     pub(super) fn is_wanted(&self) -> bool {
-        self.by_switch.is_some()
+        self.mode.is_some()
     }
 
     /// The fastest it goes, increments/s.
@@ -86,7 +86,7 @@ impl BySwitch {
         name: &str,
         consent: Consent,
     ) -> Result<(), Failure> {
-        let Some(mode) = self.by_switch else { return Ok(()) };
+        let Some(mode) = self.mode else { return Ok(()) };
         let stream = Still::new(Clock::start());
         let from = drive.probe(&stream)?.position.first().copied().unwrap_or(0);
         let direction = if self.positive { Direction::Positive } else { Direction::Negative };

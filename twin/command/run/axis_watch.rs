@@ -1,5 +1,5 @@
-//! What SoftMotion's diagnosis blocks tell of axes in a run: logs (SMC_AxisDiagnosticLog), the tracking error with dead time
-//! (SMC_GetTrackingError) and the largest set values (SMC_GetMaxSetVelocity, SMC_GetMaxSetAccDec).
+//! What SoftMotion's diagnosis blocks tell of axes in a run: logs (`SMC_AxisDiagnosticLog`), the tracking error with dead time
+//! (`SMC_GetTrackingError`) and the largest set values (`SMC_GetMaxSetVelocity`, `SMC_GetMaxSetAccDec`).
 
 use crate::command::Failure;
 use crate::command::whole::WholeFile;
@@ -23,13 +23,13 @@ const RECORDS: u32 = 16;
 /// What is watched of axes.
 #[derive(Clone, Debug, clap::Args)]
 pub(super) struct AxisWatchOptions {
-    /// Write values of an axis to a file, as SMC_AxisDiagnosticLog does, a record per sample of the drives, or per cycle without
+    /// Write values of an axis to a file, as `SMC_AxisDiagnosticLog` does, a record per sample of the drives, or per cycle without
     /// drives: AXIS=VALUES:FILE, with VALUES all or a list of set-position, act-position, set-velocity, act-velocity,
     /// set-acceleration, act-acceleration; may be given several times
     #[arg(long, value_name = "AXIS=VALUES:FILE")]
     log_axis: Vec<AxisLog>,
 
-    /// Report per axis the largest tracking error against the set position so many cycles ago (SMC_GetTrackingError), and the
+    /// Report per axis the largest tracking error against the set position so many cycles ago (`SMC_GetTrackingError`), and the
     /// largest set velocity and acceleration [default: 0 cycles]
     #[arg(long, value_name = "CYCLES", num_args = 0..=1, default_missing_value = "0")]
     tracking_error: Option<u8>,
@@ -104,7 +104,7 @@ impl AxisWatchOptions {
             let file = WholeFile::create(&wanted.file)?;
             let log = DiagnosticLog::start(|| Ok(file), wanted.selection, &LogFormat::default());
             let log = log.map_err(|error| unlogged(&error))?;
-            logs.push(Log { axis, log, waiting: 0, last: None });
+            logs.push(Log { axis, out: log, waiting: 0, last: None });
         }
         let tracking = TrackingError::new(0);
         let (velocity, acceleration) = (MaxSetVelocity::default(), MaxSetAccDec::default());
@@ -153,7 +153,7 @@ struct Watched {
 
 struct Log {
     axis: usize,
-    log: DiagnosticLog<WholeFile>,
+    out: DiagnosticLog<WholeFile>,
     /// Records in the buffer.
     waiting: u32,
     /// The record before, and when.
@@ -239,7 +239,7 @@ impl AxisWatch<'_> {
         let mut failure = self.failure;
         let mut files = Vec::with_capacity(self.logs.len());
         for mut log in self.logs {
-            match log.log.close() {
+            match log.out.close() {
                 Ok(file) => files.extend(file),
                 Err(error) => {
                     failure.get_or_insert(error);
@@ -274,11 +274,11 @@ impl Log {
             values.act_acceleration = (values.act_velocity - before.act_velocity) / since;
         }
         self.last = Some((time_ns, values));
-        self.log.record(&values)?;
+        self.out.record(&values)?;
         self.waiting += 1;
         if self.waiting >= RECORDS {
             self.waiting = 0;
-            self.log.write_to_file()?;
+            self.out.write_to_file()?;
         }
         Ok(())
     }

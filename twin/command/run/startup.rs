@@ -110,7 +110,9 @@ pub(super) fn real(
                 Looked { checks: vec![check], position: None }
             }
         };
-        found.iter().for_each(|check| eprintln!("  {check}"));
+        for check in &found {
+            eprintln!("  {check}");
+        }
         positions.push((index, position));
         checks.extend(found);
     }
@@ -153,8 +155,9 @@ pub(super) fn emulated(
 ) -> Result<usize, Failure> {
     let needs = needs(outcome, |_| Homed::Emulated);
     let looked = startup::look(machine, attached, &needs);
-    let failed = looked.checks.iter().filter(|check| !check.passed);
-    failed.for_each(|check| eprintln!("  {check}"));
+    for check in looked.checks.iter().filter(|check| !check.passed) {
+        eprintln!("  {check}");
+    }
     refuse_failed(&looked.checks)?;
     Ok(looked.checks.len())
 }
