@@ -187,7 +187,7 @@ pub trait Drive: Send {
     /// If the device did not confirm.
     fn hard_stop(&mut self) -> Result<(), DriveError>;
 
-    /// Limits of the axes as the device has them.
+    /// Limits of the axes as the device has them in its parameters, also where a new value waits for a restart.
     ///
     /// # Errors
     /// If the device does not answer.
@@ -209,6 +209,14 @@ pub trait Drive: Send {
     /// [`DriveError::NoParameter`]; or if the device does not answer.
     fn parameter(&mut self, id: ParameterId) -> Result<i64, DriveError> {
         Err(DriveError::NoParameter { at: nowhere(&self.describe()), id })
+    }
+
+    /// The values of parameters, in this order; devices that tell many at a time are asked for them so.
+    ///
+    /// # Errors
+    /// As [`Self::parameter`].
+    fn parameter_values(&mut self, ids: &[ParameterId]) -> Result<Vec<i64>, DriveError> {
+        ids.iter().map(|id| self.parameter(*id)).collect()
     }
 
     /// Sets a parameter, the axes being at rest, and reads it back. Whether it survives a restart without

@@ -74,18 +74,14 @@ impl Encoder {
     /// [`AxisError::EncoderJump`] if that is impossible, which leaves the position as it was;
     /// [`AxisError::SoftwareLimit`] (10) outside the window, until [`Self::reset`]; [`AxisError::Overflow`].
     pub fn update(&mut self, counter: u32, time_ns: i64) -> Result<EncoderState, AxisError> {
-        let (before, now, since_ns) = match &mut self.counter {
-            Some((unwrapped, at_ns)) => {
-                let before = unwrapped.total();
-                let now = unwrapped.update(counter)?;
-                let since_ns = time_ns.saturating_sub(std::mem::replace(at_ns, time_ns));
-                (before, now, since_ns)
-            }
-            None => {
-                let unwrapped = Unwrapped::new(self.options.modulo, counter)?;
-                self.counter = Some((unwrapped, time_ns));
-                (unwrapped.total(), unwrapped.total(), 0)
-            }
+        let (before, now, since_ns) = if let Some((unwrapped, at_ns)) = &mut self.counter {
+            let before = unwrapped.total();
+            let now = unwrapped.update(counter)?;
+            (before, now, time_ns.saturating_sub(std::mem::replace(at_ns, time_ns)))
+        } else {
+            let unwrapped = Unwrapped::new(self.options.modulo, counter)?;
+            self.counter = Some((unwrapped, time_ns));
+            (unwrapped.total(), unwrapped.total(), 0)
         };
         #[expect(clippy::cast_precision_loss, reason = "for a message")]
         let overflow = || AxisError::Overflow { position: now as f64 };
@@ -94,7 +90,7 @@ impl Encoder {
         let way = self.gearing.ratio().units(now.saturating_sub(before));
         #[expect(clippy::cast_precision_loss, reason = "nanoseconds between two looks")]
         let velocity = if since_ns > 0 { way / (since_ns as f64 * 1e-9) } else { 0.0 };
-        self.watch.look(position, &AxisSignals::default())?;
+        self.watch.look(position, AxisSignals::default())?;
         Ok(EncoderState { position, velocity })
     }
 
@@ -146,9 +142,10 @@ mod tests {
         let next = encoder.update(464, 100_000_000).unwrap();
         near(next.position, 180.0);
         near(next.velocity, 900.0);
-        encoder.set(10.0).unwrap();
-        near(encoder.update(464, 200_000_000).unwrap().position, 10.0);
-        near(encoder.update(364, 300_000_000).unwrap().position, 1.0);
+        // 9.02° is nearest to 100 increments.
+        encoder.set(9.02).unwrap();
+        near(encoder.update(464, 200_000_000).unwrap().position, 9.0);
+        near(encoder.update(364, 300_000_000).unwrap().position, 0.0);
         assert!(matches!(encoder.update(0x1_0000, 1), Err(AxisError::EncoderJump { .. })));
         assert!(matches!(encoder.set(f64::NAN), Err(AxisError::Overflow { .. })));
         assert_eq!(encoder.options().id, 3);

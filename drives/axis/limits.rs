@@ -91,14 +91,14 @@ impl LimitWatch {
     ///
     /// # Errors
     /// [`AxisError::SoftwareLimit`] or [`AxisError::HardwareLimit`] (10), now and until [`Self::reset`].
-    pub fn look(&mut self, position: f64, signals: &AxisSignals) -> Result<(), AxisError> {
+    pub fn look(&mut self, position: f64, signals: AxisSignals) -> Result<(), AxisError> {
         if self.error.is_none() {
             self.error = self.violation(position, signals);
         }
         self.error.clone().map_or(Ok(()), Err)
     }
 
-    fn violation(&self, position: f64, signals: &AxisSignals) -> Option<AxisError> {
+    fn violation(&self, position: f64, signals: AxisSignals) -> Option<AxisError> {
         if let Some((negative, positive)) = self.limits.software
             && !(negative..=positive).contains(&position)
         {
@@ -158,28 +158,28 @@ mod tests {
         let mut watch = LimitWatch::new(limits, Movement::Linear);
         let free = AxisSignals::default();
         for position in [-5.0, 0.0, 10.0] {
-            assert_eq!(watch.look(position, &free), Ok(()));
+            assert_eq!(watch.look(position, free), Ok(()));
         }
-        let error = watch.look(10.001, &free).unwrap_err();
+        let error = watch.look(10.001, free).unwrap_err();
         assert_eq!(error.number(), Some(10));
         assert_eq!(error.to_string(), "position 10.001 is outside the software limits (-5 to 10)");
-        assert_eq!(watch.look(0.0, &free), Err(error.clone()));
+        assert_eq!(watch.look(0.0, free), Err(error.clone()));
         assert_eq!(watch.error(), Some(&error));
         watch.reset();
-        assert_eq!(watch.look(0.0, &free), Ok(()));
+        assert_eq!(watch.look(0.0, free), Ok(()));
         let switch = AxisSignals { negative_limit: Some(true), ..free };
-        let error = watch.look(1.0, &switch).unwrap_err();
+        let error = watch.look(1.0, switch).unwrap_err();
         assert_eq!(error, AxisError::HardwareLimit { position: 1.0, positive: false });
-        assert!(watch.look(f64::NAN, &free).is_err());
+        assert!(watch.look(f64::NAN, free).is_err());
     }
 
     #[test]
     fn what_is_not_enabled_is_not_watched() {
         let switch = AxisSignals { positive_limit: Some(true), ..Default::default() };
         let mut off = LimitWatch::new(AxisLimits::default(), Movement::Linear);
-        assert_eq!(off.look(1e9, &switch), Ok(()));
+        assert_eq!(off.look(1e9, switch), Ok(()));
         let limits = AxisLimits { software: Some((0.0, 1.0)), hardware: true };
         let mut rotary = LimitWatch::new(limits, Movement::Rotary { period: 360.0 });
-        assert_eq!(rotary.look(350.0, &switch), Ok(()));
+        assert_eq!(rotary.look(350.0, switch), Ok(()));
     }
 }

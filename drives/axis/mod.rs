@@ -1,4 +1,4 @@
-//! An axis of a drive as SoftMotion's DriveBasic library sees it (manual 2.1.3 to 2.2.9, 2.5 and 10.4): technical units,
+//! An axis of a drive as SoftMotion's `DriveBasic` library sees it (manual 2.1.3 to 2.2.9, 2.5 and 10.4): technical units,
 //! limits, axis groups, homing by switch, diagnosis, and parameters on file.
 //!
 //! Everything here is pure and told the time, but for what moves a device through [`crate::Drive`]

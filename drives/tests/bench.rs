@@ -4,6 +4,7 @@ use std::{any::Any, time::Duration, time::Instant};
 
 use crate::{
     Drive, IncrementMotion, SetpointStream,
+    axis::homing::Switch,
     bim2ax::{
         self, Bim2AxDrive, Bim2AxDriveOptions, Contact, MemoryFile, ModuleAxis,
         bits::coefficient,
@@ -11,7 +12,8 @@ use crate::{
         parameter::{AxisParameter, Parameter},
     },
     interpcnc::{
-        self, AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions, emulator::EmulatedBoard,
+        self, AxisOptions, BoardAxis, InterpCncDrive, InterpCncOptions,
+        emulator::{EmulatedBoard, Wire},
     },
     smartdrive::{
         self, SmartDriveBus, SmartDriveOptions, StepsPerTurn,
@@ -19,17 +21,26 @@ use crate::{
     },
 };
 
-/// A device of two axes. Its home switches are pressed at and below [`HOME`] increments from where the axes stand.
+/// A device of two axes. Its home switches are pressed from [`FAR`] to [`HOME`] increments from where the axes stand, and
+/// limit switches below [`Bench::limit`].
 pub(crate) struct Bench {
     pub(crate) drive: Box<dyn Drive>,
     /// The clock of its emulator.
     pub(crate) clock: WallClock,
+    /// Home switch of the first axis.
+    pub(crate) home: Switch,
+    /// First increment on which the negative limit switch is not pressed.
+    pub(crate) limit: i32,
     /// The emulator and its files.
     _emulator: Box<dyn Any>,
 }
 
-/// First increment on which the home switches are not pressed.
+/// First increment on which the home switches are not pressed, in the positive direction.
 pub(crate) const HOME: i32 = -400;
+/// Last increment on which they are, in the negative direction.
+pub(crate) const FAR: i32 = -900;
+/// Where the limit switches of boards and drives are; a module's are further out.
+const LIMIT: i32 = -1500;
 
 /// The clock of these tests: they run in real time.
 #[derive(Clone, Copy, Debug)]
@@ -71,18 +82,35 @@ impl Bench {
     }
 }
 
-/// Axes X and Y of an InterpCNC with home switches on IN5 and IN6, normally open.
+/// Axes X and Y of an InterpCNC with home switches on IN5 and IN6, normally open, and a limit switch of X on IN8.
 pub(crate) fn interpcnc() -> Bench {
+    interpcnc_with(Wire::default(), interpcnc::Assumptions::default())
+}
+
+/// The same behind a wire and with an EEPROM that take hardly any time, for tests that write all of it.
+pub(crate) fn quick_interpcnc() -> Bench {
+    let wire = Wire { turnaround: Duration::ZERO, ..Wire::default() };
+    let assumptions =
+        interpcnc::Assumptions { eeprom_write_ns: 10_000, ..interpcnc::Assumptions::default() };
+    interpcnc_with(wire, assumptions)
+}
+
+fn interpcnc_with(wire: Wire, assumptions: interpcnc::Assumptions) -> Bench {
     let clock = WallClock::new();
-    let cam = |axis, input| interpcnc::emulator::Cam {
+    let cam = |axis, input, from, to| interpcnc::emulator::Cam {
         input,
         axis,
-        from: -1_000_000,
-        to: HOME,
+        from,
+        to,
         normally_closed: false,
     };
-    let mut options = interpcnc::emulator::EmulatorOptions::default();
-    options.bench.cams = vec![cam(BoardAxis::X, 5), cam(BoardAxis::Y, 6)];
+    let mut options = interpcnc::emulator::EmulatorOptions { wire, ..Default::default() };
+    options.board.assumptions = assumptions;
+    options.bench.cams = vec![
+        cam(BoardAxis::X, 5, FAR, HOME),
+        cam(BoardAxis::Y, 6, FAR, HOME),
+        cam(BoardAxis::X, 8, -1_000_000, LIMIT),
+    ];
     let board = EmulatedBoard::start(&options, move || clock.now()).unwrap();
     let axis = |axis| AxisOptions {
         acceleration_khz_per_s: 500,
@@ -91,10 +119,12 @@ pub(crate) fn interpcnc() -> Bench {
         ..AxisOptions::new(axis)
     };
     let mut options = InterpCncOptions::new(vec![axis(BoardAxis::X), axis(BoardAxis::Y)]);
+    options.assumptions = assumptions;
     // Other tests and builds may keep the emulator waiting.
     options.deadline = Duration::from_secs(2);
     let drive = InterpCncDrive::open(board.path().to_str().unwrap(), &options).unwrap();
-    Bench { drive: Box::new(drive), clock, _emulator: Box::new(board) }
+    let home = Switch::Input { number: 5, pressed: true };
+    Bench { drive: Box::new(drive), clock, home, limit: LIMIT, _emulator: Box::new(board) }
 }
 
 /// Drives 3 and 7 with home switches on DIR, sought in the negative direction.
@@ -103,11 +133,14 @@ pub(crate) fn smartdrive() -> Bench {
     let device = |address| DeviceOptions {
         address,
         homing: HomingOptions { input: Input::Dir, positive: false, ..HomingOptions::default() },
-        cams: vec![smartdrive::emulator::Cam {
-            input: Input::Dir,
-            from: -1e6,
-            to: f64::from(HOME),
-        }],
+        cams: vec![
+            smartdrive::emulator::Cam {
+                input: Input::Dir,
+                from: f64::from(FAR),
+                to: f64::from(HOME),
+            },
+            smartdrive::emulator::Cam { input: Input::LimN, from: -1e6, to: f64::from(LIMIT) },
+        ],
         ..DeviceOptions::default()
     };
     let devices = vec![device(3), device(7)];
@@ -124,7 +157,8 @@ pub(crate) fn smartdrive() -> Bench {
     options.deadline = Duration::from_secs(2);
     options.mode_change = Duration::from_secs(10);
     let drive = SmartDriveBus::open(bus.path().to_str().unwrap(), &options).unwrap();
-    Bench { drive: Box::new(drive), clock, _emulator: Box::new(bus) }
+    let home = Switch::Input { number: 2, pressed: true };
+    Bench { drive: Box::new(drive), clock, home, limit: LIMIT, _emulator: Box::new(bus) }
 }
 
 /// Both axes of a BIM2AX-BOCM with cams, and end switches at ±3000.
@@ -150,7 +184,7 @@ pub(crate) fn bim2ax() -> Bench {
     for bench in &mut options.surroundings.benches {
         bench.plus = Some(Contact::above(3000, true));
         bench.minus = Some(Contact::below(-3000, true));
-        bench.cam = Some(Contact::between(-900, i64::from(HOME) - 1, true));
+        bench.cam = Some(Contact::between(FAR.into(), i64::from(HOME) - 1, true));
     }
     let module = EmulatedModule::start(&options, move || clock.now()).unwrap();
     // Until its status is there, the file is that of a module that runs and has no identifier.
@@ -165,5 +199,6 @@ pub(crate) fn bim2ax() -> Bench {
     options.driver.reset_deadline = Duration::from_secs(20);
     let memory = MemoryFile::open(module.path()).unwrap();
     let drive = Bim2AxDrive::new(module.path().to_str().unwrap(), memory, &options).unwrap();
-    Bench { drive: Box::new(drive), clock, _emulator: Box::new((module, folder)) }
+    let (home, limit) = (Switch::Home, -2999);
+    Bench { drive: Box::new(drive), clock, home, limit, _emulator: Box::new((module, folder)) }
 }

@@ -151,7 +151,7 @@ pub enum RestoreError {
         /// Changes that were to be made.
         all: usize,
         /// What the device says.
-        source: DriveError,
+        source: Box<DriveError>,
     },
     /// A parameter does not say what was written, once all have been.
     #[error("{id} ({name}) reads {found} after {value} was written")]

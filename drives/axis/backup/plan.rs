@@ -77,10 +77,15 @@ pub fn plan(drive: &mut dyn Drive, backup: &Backup) -> Result<Plan, BackupError>
         return Err(BackupError::Lines(errors));
     }
     let known = drive.parameters()?;
+    let of_file = |info: &&ParameterInfo| backup.entries.iter().any(|entry| entry.id == info.id);
+    let known: Vec<_> = known.iter().filter(of_file).collect();
+    let ids: Vec<_> = known.iter().map(|info| info.id).collect();
+    let present = drive.parameter_values(&ids)?;
     let mut plan = Plan::default();
     for (place, entry) in backup.entries.iter().enumerate() {
         let id = entry.id;
-        let Some(info) = known.iter().find(|info| info.id == id) else {
+        let described = known.iter().zip(&present).find(|(info, _)| info.id == id);
+        let Some((info, from)) = described.map(|(info, from)| (*info, *from)) else {
             error(entry.line, LineFault::NoParameter { id });
             continue;
         };
@@ -88,7 +93,6 @@ pub fn plan(drive: &mut dyn Drive, backup: &Backup) -> Result<Plan, BackupError>
             error(entry.line, LineFault::Twice { id, first: first.line });
             continue;
         }
-        let from = drive.parameter(id)?;
         if from == entry.value {
             plan.same += 1;
         } else if info.writable && !info.values.contain(entry.value) {
@@ -140,7 +144,7 @@ impl Plan {
         for (written, change) in self.changes.iter().enumerate() {
             let (id, value) = (change.id, change.to);
             drive.set_parameter(id, value).map_err(|source| {
-                let name = change.name.clone();
+                let (name, source) = (change.name.clone(), Box::new(source));
                 RestoreError::Write { id, name, value, written, all, source }
             })?;
         }
@@ -153,9 +157,10 @@ impl Plan {
     }
 
     fn verify(&self, drive: &mut dyn Drive) -> Result<(), RestoreError> {
-        for change in &self.changes {
+        let ids: Vec<_> = self.changes.iter().map(|change| change.id).collect();
+        let present = drive.parameter_values(&ids)?;
+        for (change, found) in self.changes.iter().zip(present) {
             let (id, value) = (change.id, change.to);
-            let found = drive.parameter(id)?;
             if found != value {
                 let name = change.name.clone();
                 return Err(RestoreError::Differs { id, name, value, found });

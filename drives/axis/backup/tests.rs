@@ -1,1 +1,265 @@
+//! Files that are wrong, and devices that do not do as they are told.
 
+use std::io::{self, Read, Write};
+
+use super::*;
+use crate::{
+    Action, Drive, DriveError, Exchange, Identity, Increments, MAX_DRIVE_AXES, ParameterId,
+    ParameterInfo, Sample, SetpointStream, Values,
+};
+
+/// Two parameters and a version, no axes.
+#[derive(Debug)]
+struct Shelf {
+    values: [i64; 3],
+    /// Refuses the second.
+    refuses: bool,
+    /// Forgets what it is told when it is to save it.
+    forgets: bool,
+    restarted: bool,
+}
+
+impl Shelf {
+    fn new() -> Self {
+        Self { values: [1, 2, 77], refuses: false, forgets: false, restarted: false }
+    }
+
+    fn place(id: ParameterId) -> Result<usize, DriveError> {
+        let known = (id.station == 0).then(|| usize::from(id.number)).filter(|place| *place < 3);
+        known.ok_or_else(|| DriveError::NoParameter { at: Self::at(), id })
+    }
+
+    fn at() -> Exchange {
+        Exchange { port: "shelf".into(), station: 0, action: Action::Identify }
+    }
+
+    fn never<T>() -> Result<T, DriveError> {
+        Err(DriveError::Unsupported { at: Self::at(), what: "axis" })
+    }
+}
+
+impl Drive for Shelf {
+    fn describe(&self) -> String {
+        "a shelf\nwith two lines & <marks>".to_owned()
+    }
+
+    fn axis_count(&self) -> usize {
+        0
+    }
+
+    fn identity(&mut self) -> Result<Identity, DriveError> {
+        Ok(Identity { family: "Shelf", units: Vec::new() })
+    }
+
+    fn probe(&mut self, _stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        Self::never()
+    }
+
+    fn enable(&mut self) -> Result<(), DriveError> {
+        Self::never()
+    }
+
+    fn set_output(&mut self, _output: u8, _on: bool) -> Result<(), DriveError> {
+        Self::never()
+    }
+
+    fn set_position(&mut self, _position: &Increments) -> Result<(), DriveError> {
+        Self::never()
+    }
+
+    fn move_to(
+        &mut self,
+        _target: &Increments,
+        _speed: &[f64; MAX_DRIVE_AXES],
+    ) -> Result<(), DriveError> {
+        Self::never()
+    }
+
+    fn sample(&mut self, _stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        Self::never()
+    }
+
+    fn follow(&mut self, _stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        Self::never()
+    }
+
+    fn soft_stop(&mut self) -> Result<(), DriveError> {
+        Self::never()
+    }
+
+    fn hard_stop(&mut self) -> Result<(), DriveError> {
+        Self::never()
+    }
+
+    fn parameters(&mut self) -> Result<Vec<ParameterInfo>, DriveError> {
+        let id = |number| ParameterId { station: 0, number };
+        let speed = ParameterInfo {
+            unit: "rpm",
+            ..ParameterInfo::new(id(0), "speed".to_owned(), Values::Between(1, 500))
+        };
+        let mode = ParameterInfo {
+            needs_restart: true,
+            ..ParameterInfo::new(id(1), "\"mode\"".to_owned(), Values::OneOf(vec![2, 4]))
+        };
+        let version = ParameterInfo {
+            writable: false,
+            ..ParameterInfo::new(id(2), "version".to_owned(), Values::Between(0, 99))
+        };
+        Ok(vec![speed, mode, version])
+    }
+
+    fn parameter(&mut self, id: ParameterId) -> Result<i64, DriveError> {
+        let place = Self::place(id)?;
+        Ok(self.values[place])
+    }
+
+    fn set_parameter(&mut self, id: ParameterId, value: i64) -> Result<(), DriveError> {
+        let place = Self::place(id)?;
+        if self.refuses && place == 1 {
+            return Err(DriveError::ReadOnly { at: Self::at(), id });
+        }
+        self.values[place] = value;
+        Ok(())
+    }
+
+    fn save_parameters(&mut self) -> Result<(), DriveError> {
+        self.restarted = true;
+        if self.forgets {
+            self.values = [1, 2, 77];
+        }
+        Ok(())
+    }
+}
+
+fn from(text: &str) -> Result<Backup, BackupError> {
+    read("shelf.txt", &mut text.as_bytes())
+}
+
+const GOOD: &str = "drive-parameters 1\nfamily Shelf\n0 0 500 # the fastest\n\n0 1 4\n0 2 78\n";
+
+#[test]
+fn both_formats_are_what_they_say() {
+    let mut shelf = Shelf::new();
+    let mut text = Vec::new();
+    write_parameters(&mut shelf, None, Format::Text, "f", &mut text).unwrap();
+    let expected = "drive-parameters 1\n# a shelf with two lines & <marks>\nfamily Shelf\n\
+        # station number value\n0 0 1 # speed [rpm]\n0 1 2 # \"mode\"\n0 2 77 # version, read-only\n";
+    assert_eq!(String::from_utf8(text).unwrap(), expected);
+    let mut xml = Vec::new();
+    write_parameters(&mut shelf, None, Format::Xml, "f", &mut xml).unwrap();
+    let document = String::from_utf8(xml).unwrap();
+    let expected = r#"<?xml version="1.0" encoding="UTF-8"?>
+<DriveParameters version="1" family="Shelf" device="a shelf&#10;with two lines &amp; &lt;marks&gt;">
+  <Parameter station="0" number="0" value="1" name="speed" unit="rpm"/>
+  <Parameter station="0" number="1" value="2" name="&quot;mode&quot;"/>
+  <Parameter station="0" number="2" value="77" name="version" access="read-only"/>
+</DriveParameters>
+"#;
+    assert_eq!(document, expected);
+    let entries = from(&document).unwrap().entries;
+    let found: Vec<_> = entries.iter().map(|entry| (entry.line, entry.value)).collect();
+    assert_eq!(found, [(3, 1), (4, 2), (5, 77)]);
+}
+
+#[test]
+fn a_plan_says_what_would_change_and_changes_nothing() {
+    let mut shelf = Shelf::new();
+    let plan = plan(&mut shelf, &from(GOOD).unwrap()).unwrap();
+    assert_eq!(shelf.values, [1, 2, 77]);
+    let expected = "parameter 0 (speed): 1 -> 500 rpm\n\
+        parameter 1 (\"mode\"): 2 -> 4, after a restart\n\
+        parameter 2 (version): 77 -> 78: left as it is, read-only\n2 to change, 0 as they are";
+    assert_eq!(plan.to_string(), expected);
+    assert!(plan.needs_restart() && !plan.is_empty());
+    plan.carry_out(&mut shelf, false).unwrap();
+    assert_eq!((shelf.values, shelf.restarted), ([500, 4, 77], false));
+    let again = super::plan(&mut shelf, &from(GOOD).unwrap()).unwrap();
+    assert!(again.is_empty() && again.same == 2);
+    again.carry_out(&mut shelf, true).unwrap();
+    assert!(!shelf.restarted, "nothing to save");
+}
+
+#[test]
+fn a_device_that_does_otherwise_is_found_out() {
+    let backup = from(GOOD).unwrap();
+    let mut shelf = Shelf { refuses: true, ..Shelf::new() };
+    let error = plan(&mut shelf, &backup).unwrap().carry_out(&mut shelf, true).unwrap_err();
+    let text = error.to_string();
+    assert!(text.starts_with("parameter 1 (\"mode\") = 4: shelf: "), "{text}");
+    assert!(text.ends_with("; 1 of 2 changes have been made"), "{text}");
+    let mut shelf = Shelf { forgets: true, ..Shelf::new() };
+    let error = plan(&mut shelf, &backup).unwrap().carry_out(&mut shelf, true).unwrap_err();
+    assert_eq!(error.to_string(), "parameter 0 (speed) reads 1 after 500 was written");
+}
+
+#[test]
+fn every_wrong_line_is_told() {
+    let wrong = |text: &str| match from(text) {
+        Err(error @ BackupError::Lines(_)) => error.to_string(),
+        other => panic!("{other:?}"),
+    };
+    let text = "drive-parameters 2\nfamily\n0 0\n300 x 1 2\n0 70000 9223372036854775808\n";
+    let expected = "shelf.txt:1: version \"2\" is not known (1)\n\
+        shelf.txt:2: family is missing\n\
+        shelf.txt:3: value is missing\n\
+        shelf.txt:4: station: \"300\" is no whole number from 0 to 255\n\
+        shelf.txt:4: number: \"x\" is no whole number from 0 to 65535\n\
+        shelf.txt:4: \"2\" is not expected here\n\
+        shelf.txt:5: number: \"70000\" is no whole number from 0 to 65535\n\
+        shelf.txt:5: value: \"9223372036854775808\" is no whole number from \
+        -9223372036854775808 to 9223372036854775807";
+    assert_eq!(wrong(text), expected);
+    assert_eq!(wrong("hello"), "shelf.txt:1: this is no file of drive parameters");
+    assert_eq!(wrong(""), "shelf.txt:1: this is no file of drive parameters");
+    assert_eq!(wrong("drive-parameters 1\n"), "shelf.txt:1: family is missing");
+    assert_eq!(wrong("<a/>"), "shelf.txt:1: this is no file of drive parameters");
+    assert!(wrong("<DriveParameters>\n<b>\n</c>").starts_with("shelf.txt:3: "));
+    let xml = "<DriveParameters version='1'>\n <Parameter station='0' number='0'/>\n <Odd/>\n</DriveParameters>";
+    let expected = "shelf.txt:1: family is missing\nshelf.txt:2: value is missing\n\
+        shelf.txt:3: \"Odd\" is not expected here";
+    assert_eq!(wrong(xml), expected);
+}
+
+#[test]
+fn what_the_device_cannot_have_is_told_by_line() {
+    let mut shelf = Shelf::new();
+    let text = "drive-parameters 1\nfamily shelf\n0 0 501\n0 1 3\n0 9 1\n1 0 1\n0 0 7\n";
+    let error = plan(&mut shelf, &from(text).unwrap()).unwrap_err();
+    let expected = "shelf.txt:3: parameter 0 (speed) = 501 is impossible (1 to 500)\n\
+        shelf.txt:4: parameter 1 (\"mode\") = 3 is impossible (2, 4)\n\
+        shelf.txt:5: the device has no parameter 9\n\
+        shelf.txt:6: the device has no parameter 0 of station 1\n\
+        shelf.txt:7: parameter 0 is given in line 3 already";
+    assert_eq!((error.to_string().as_str(), error.number()), (expected, None));
+    assert_eq!(shelf.values, [1, 2, 77]);
+}
+
+/// A disk that is full, or gone.
+struct Broken;
+
+impl Write for Broken {
+    fn write(&mut self, _bytes: &[u8]) -> io::Result<usize> {
+        Err(io::ErrorKind::StorageFull.into())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Read for Broken {
+    fn read(&mut self, _bytes: &mut [u8]) -> io::Result<usize> {
+        Err(io::ErrorKind::NotFound.into())
+    }
+}
+
+#[test]
+fn files_that_fail_are_named() {
+    let mut shelf = Shelf::new();
+    let error =
+        write_parameters(&mut shelf, None, Format::Xml, "a/b.xml", &mut Broken).unwrap_err();
+    assert_eq!(error.number(), Some(3002));
+    assert!(error.to_string().starts_with("a/b.xml: cannot be written"), "{error}");
+    let error = read("a/b.xml", &mut Broken).unwrap_err();
+    assert!(error.to_string().starts_with("a/b.xml: cannot be read"), "{error}");
+}

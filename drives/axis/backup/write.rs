@@ -34,11 +34,9 @@ pub fn write_parameters(
         None => known,
         Some(list) => chosen(drive, &known, list)?,
     };
-    let mut values = Vec::with_capacity(chosen.len());
-    for info in chosen {
-        let value = drive.parameter(info.id)?;
-        values.push((info, value));
-    }
+    let ids: Vec<_> = chosen.iter().map(|info| info.id).collect();
+    let values = drive.parameter_values(&ids)?;
+    let values: Vec<_> = chosen.into_iter().zip(values).collect();
     let written = match format {
         Format::Text => text(family, &device, &values, output),
         Format::Xml => xml(family, &device, &values, output),
@@ -112,7 +110,9 @@ fn escaped(text: &str) -> String {
             '<' => escaped.push_str("&lt;"),
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
-            '\t' | '\n' | '\r' => escaped.push_str(&format!("&#{};", u32::from(letter))),
+            '\t' => escaped.push_str("&#9;"),
+            '\n' => escaped.push_str("&#10;"),
+            '\r' => escaped.push_str("&#13;"),
             '\0'..'\u{20}' | '\u{FFFE}' | '\u{FFFF}' => escaped.push('\u{FFFD}'),
             letter => escaped.push(letter),
         }

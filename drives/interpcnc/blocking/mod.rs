@@ -398,6 +398,10 @@ impl Drive for InterpCncDrive {
         self.read_parameter(id)
     }
 
+    fn parameter_values(&mut self, ids: &[ParameterId]) -> Result<Vec<i64>, DriveError> {
+        self.read_parameters(ids)
+    }
+
     fn set_parameter(&mut self, id: ParameterId, value: i64) -> Result<(), DriveError> {
         self.write_parameter(id, value)
     }

@@ -26,6 +26,9 @@ const OUTPUT_NAMES: [&str; 32] = [
 /// Parameters up to the last that says what an input is for.
 const INPUT_PARAMETERS: u16 = 124;
 
+/// So many parameters are asked for one by one; more by asking for all.
+const AT_ONCE: usize = 7;
+
 /// An input and the level that it has on its switch.
 type Switch = Option<(u8, bool)>;
 
@@ -150,6 +153,21 @@ impl InterpCncDrive {
         find(self.all_parameters(), id, || self.parameter_at(id, false))?;
         let value = self.runtime.block_on(self.board.parameter(id.number, &no_clock))?;
         Ok(value.into())
+    }
+
+    /// Many at a time: all of them take seven exchanges.
+    pub(super) fn read_parameters(&mut self, ids: &[ParameterId]) -> Result<Vec<i64>, DriveError> {
+        if ids.len() <= AT_ONCE {
+            return ids.iter().map(|id| self.read_parameter(*id)).collect();
+        }
+        let asked = self.board.parameters(0, PARAMETERS, &no_clock);
+        let all = self.runtime.block_on(asked)?;
+        let value = |id: &ParameterId| {
+            let value = all.get(usize::from(id.number)).filter(|_| id.station == 0);
+            let none = || DriveError::NoParameter { at: self.parameter_at(*id, false), id: *id };
+            value.map(|value| i64::from(*value)).ok_or_else(none)
+        };
+        ids.iter().map(value).collect()
     }
 
     pub(super) fn write_parameter(

@@ -1,0 +1,85 @@
+//! What the messages say.
+
+use super::*;
+
+fn at() -> Exchange {
+    let action = Action::Command { number: 80, name: "independent move" };
+    Exchange { port: "/dev/ttyUSB0".into(), station: 7, action }
+}
+
+#[test]
+fn every_message_names_port_station_and_command() {
+    let id = ParameterId { station: 7, number: 44 };
+    let errors = [
+        DriveError::Transport { at: at(), source: io::ErrorKind::BrokenPipe.into() },
+        DriveError::Timeout { at: at(), deadline: Duration::from_millis(250) },
+        DriveError::Protocol { at: at(), fault: ProtocolFault::Garbled },
+        DriveError::Device { at: at(), code: 3 },
+        DriveError::Rejected { at: at(), reason: RejectCode::Working },
+        DriveError::Alarm { at: at(), alarms: Alarms::STALL },
+        DriveError::Mode { at: at(), expected: 3, found: 0 },
+        DriveError::Stalled { at: at() },
+        DriveError::NotHomed { at: at() },
+        DriveError::Parameter { at: at(), name: "PID", expected: 21_314, found: 0 },
+        DriveError::Value { at: at(), what: "speed", value: 0.5, low: 1.0, high: 2.0 },
+        DriveError::Locked { at: at() },
+        DriveError::EnableOpen { at: at() },
+        DriveError::NotLocked { at: at() },
+        DriveError::LimitSwitch { at: at(), axes: 0b101 },
+        DriveError::Moving { at: at(), axes: 1 },
+        DriveError::Unfinished { at: at(), patience: Duration::from_secs(3) },
+        DriveError::NotArrived { at: at(), axis: 1, target: 5, found: 4 },
+        DriveError::HomingFailed { at: at(), axes: 3 },
+        DriveError::ProbeFailed { at: at() },
+        DriveError::EepromFailed { at: at() },
+        DriveError::ParameterDiffers { at: at(), number: 4, expected: 5, found: 4 },
+        DriveError::NotKept { at: at(), address: 4360, written: 5, found: 4 },
+        DriveError::NotWritten { at: at(), axis: 2, written: 5, found: 4 },
+        DriveError::Identity { at: at(), expected: 0x4E, found: 0xFF },
+        DriveError::NotRunning { at: at() },
+        DriveError::ByteOrder { at: at() },
+        DriveError::AxisMessages { at: at(), axis: 1, messages: 0x4000 },
+        DriveError::CardMessages { at: at(), messages: 8 },
+        DriveError::Range { at: at(), register: 4103, value: 3e9, low: 0.0, high: 1.0 },
+        DriveError::Unsupported { at: at(), what: "homing" },
+        DriveError::NoParameter { at: at(), id },
+        DriveError::ReadOnly { at: at(), id },
+        DriveError::ParameterValue { at: at(), id, value: 7, values: Values::Between(0, 6) },
+        DriveError::Setting { at: at(), setting: "station", value: 248, low: 1, high: 247 },
+    ];
+    for error in errors {
+        let text = error.to_string();
+        assert!(text.contains("/dev/ttyUSB0, station 7: command 80 (independent move)"), "{text}");
+        assert_eq!(*error.at(), at());
+    }
+}
+
+#[test]
+fn modules_on_a_bus_have_no_station() {
+    let action = Action::Order { bits: 0x0100, name: "hard stop" };
+    let at = Exchange { port: "/dev/uio0".into(), station: 0, action };
+    let text = DriveError::AxisMessages { at, axis: 2, messages: 0x0A00 }.to_string();
+    assert_eq!(
+        text,
+        "/dev/uio0: order $0100 (hard stop): axis 2: phase open, power absent, homing not done"
+    );
+}
+
+#[test]
+fn refused_values_are_named_with_what_is_taken() {
+    let id = ParameterId { station: 7, number: 44 };
+    let values = Values::OneOf(vec![1, 2, 4]);
+    let error = DriveError::ParameterValue { at: at(), id, value: 3, values };
+    let text = "parameter 44 of station 7 = 3 is impossible (1, 2, 4)";
+    assert!(error.to_string().ends_with(text), "{error}");
+    let id = ParameterId { station: 0, number: 9 };
+    let text = DriveError::ReadOnly { at: at(), id }.to_string();
+    assert!(text.ends_with(": parameter 9 is read-only"), "{text}");
+}
+
+#[test]
+fn axes_are_named_by_letter() {
+    assert_eq!(axis_letters(0b10101), "XZB");
+    let text = DriveError::LimitSwitch { at: at(), axes: 0b01010 }.to_string();
+    assert!(text.ends_with("axes YA"), "{text}");
+}

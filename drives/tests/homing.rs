@@ -1,0 +1,223 @@
+//! Homing by switch on the emulated devices of all families.
+
+use std::cell::Cell;
+
+use super::bench::{Bench, FAR, HOME, bim2ax, interpcnc, smartdrive};
+use crate::{
+    ParameterId, Signals,
+    axis::{
+        AxisError, Direction,
+        homing::{
+            HomingError, HomingMode, HomingOptions, HomingReport, HomingRun, Switch, home_by_switch,
+        },
+    },
+};
+
+/// Position of the reference.
+const REFERENCE: i64 = 1000;
+
+/// Where an index pulse would be, going back or on.
+const INDEX: [f64; 2] = [-300.0, -1000.0];
+
+/// Slowly 300 increments/s, so that a look takes a few of them; and so fast that the switch is pressed for a second: other
+/// tests and builds may keep this one from looking.
+fn options(mode: HomingMode) -> HomingOptions {
+    HomingOptions {
+        #[expect(clippy::cast_precision_loss, reason = "a thousand")]
+        home_position: REFERENCE as f64,
+        velocity_fast: 500.0,
+        mode,
+        ..HomingOptions::new(300.0, 20_000.0, 3500.0, 1500.0)
+    }
+}
+
+fn home(bench: &mut Bench, options: HomingOptions) -> Result<HomingReport, HomingError> {
+    let run = HomingRun { axis: 0, switch: bench.home, options };
+    // Latched by someone else.
+    let index = INDEX[usize::from(options.mode.number() / 4)];
+    let mut latched = |_: &Signals, position: f64| {
+        let passed = if index > -500.0 { position >= index } else { position <= index };
+        passed.then_some(index)
+    };
+    home_by_switch(&mut *bench.drive, &run, &bench.clock, &mut latched, &|| false)
+}
+
+/// Where the first axis stands.
+fn position(bench: &mut Bench) -> i64 {
+    let sample = bench.drive.sample(&bench.clock).unwrap();
+    assert!(!sample.moving);
+    assert_eq!(sample.position[1], 77, "the other axis stays");
+    sample.position[0]
+}
+
+#[expect(clippy::cast_precision_loss, reason = "small positions")]
+fn finds_its_reference_in_every_mode(start: impl Fn() -> Bench) {
+    let mut bench = start();
+    bench.drive.enable().unwrap();
+    bench.drive.set_position(&[0, 77, 0, 0, 0]).unwrap();
+    // What positions have become more by in all.
+    let mut shifted = 0;
+    for mode in HomingMode::ALL {
+        // From where it stood at first.
+        bench.drive.move_to(&[shifted, 0, 0, 0, 0], &[3000.0, 0.0, 0.0, 0.0, 0.0]).unwrap();
+        bench.rest();
+        let options = options(mode);
+        let report = home(&mut bench, options).unwrap();
+        let place = report.reference - shifted as f64;
+        let reverses = mode.number() < 4;
+        let edge = f64::from(if reverses { HOME } else { FAR });
+        let sense = if reverses { 1.0 } else { -1.0 };
+        let uncertain = options.uncertainty(report.longest_look_ns as f64 * 1e-9) + 2.0;
+        let at = position(&mut bench);
+        match mode.number() % 4 {
+            0 => assert!((place - edge).abs() <= uncertain, "{mode:?}: {report:?}, {uncertain}"),
+            1 => {
+                assert!((place - edge) * sense >= -2.0, "{mode:?}: {report:?}");
+                assert_eq!(at, REFERENCE);
+            }
+            _ => {
+                let index = INDEX[usize::from(!reverses)];
+                assert!((report.reference - index).abs() < f64::EPSILON, "{mode:?}: {report:?}");
+            }
+        }
+        // It stands as far from the reference as it did before that was declared.
+        let before = (at - report.shift) as f64;
+        let away = (at - REFERENCE) as f64 - (before - report.reference);
+        assert!(away.abs() <= 0.5, "{mode:?}: {report:?}, {at}");
+        shifted += report.shift;
+        if mode.number() % 4 == 1 {
+            // Indices are in the count of the mechanics.
+            let mut back = bench.drive.sample(&bench.clock).unwrap().position;
+            back[0] -= shifted;
+            bench.drive.set_position(&back).unwrap();
+            shifted = 0;
+        }
+    }
+}
+
+fn ends_where_it_should(start: impl Fn() -> Bench) {
+    let mut bench = start();
+    bench.drive.enable().unwrap();
+    bench.drive.set_position(&[0, 77, 0, 0, 0]).unwrap();
+    // No further than the user says: here the switch does not come.
+    let short = HomingOptions { max_fast_way: 200.0, ..options(HomingMode::default()) };
+    let error = home(&mut bench, short).unwrap_err();
+    let travel = |error: &AxisError| matches!(error, AxisError::Travel { travel, .. } if (*travel - 200.0).abs() < 1.0);
+    assert!(matches!(&error, HomingError::Axis { axis: 0, error } if travel(error)), "{error}");
+    assert_eq!(position(&mut bench), -200);
+    // A switch in the wrong direction.
+    let wrong = HomingOptions { direction: Direction::Positive, ..short };
+    assert!(home(&mut bench, wrong).is_err());
+    assert_eq!(position(&mut bench), 0);
+    // A request in the middle of the way.
+    let looks = Cell::new(0);
+    let run = HomingRun { axis: 0, switch: bench.home, options: options(HomingMode::default()) };
+    let abort = || {
+        looks.set(looks.get() + 1);
+        looks.get() > 3
+    };
+    let stopped = home_by_switch(&mut *bench.drive, &run, &bench.clock, &mut |_, _| None, &abort);
+    assert!(matches!(stopped, Err(HomingError::Aborted { axis: 0 })), "{stopped:?}");
+    let at = position(&mut bench);
+    assert!(at <= 0, "{at}");
+    // Onwards from there, and back to zero.
+    let back = HomingOptions { return_to_zero: true, ..options(HomingMode::default()) };
+    home(&mut bench, back).unwrap();
+    assert_eq!(position(&mut bench), 0);
+    // Nothing moves where something is wrong.
+    let none = Switch::Input { number: 60, pressed: true };
+    let run = HomingRun { switch: none, ..run };
+    let error = home_by_switch(&mut *bench.drive, &run, &bench.clock, &mut |_, _| None, &|| false);
+    assert!(matches!(error, Err(HomingError::NoSwitch { .. })), "{error:?}");
+    let zero = HomingOptions { velocity_slow: 0.0, ..options(HomingMode::default()) };
+    let error = home(&mut bench, zero).unwrap_err();
+    assert!(matches!(error, HomingError::Axis { error, .. } if error.number() == Some(50)));
+    bench.drive.move_to(&[-300, 0, 0, 0, 0], &[300.0, 0.0, 0.0, 0.0, 0.0]).unwrap();
+    let error = home(&mut bench, options(HomingMode::default())).unwrap_err();
+    assert!(matches!(error, HomingError::Moving { axis: 0 }), "{error}");
+    let at = position(&mut bench);
+    assert!((-300..=0).contains(&at), "it has been stopped");
+}
+
+/// The limit switch is the home switch: `bIgnoreHWLimit`.
+#[expect(clippy::cast_precision_loss, reason = "small positions")]
+fn homes_on_a_limit_switch(start: impl Fn() -> Bench) {
+    let mut bench = start();
+    bench.drive.enable().unwrap();
+    bench.drive.set_position(&[0, 77, 0, 0, 0]).unwrap();
+    let ignoring = HomingOptions {
+        ignore_hardware_limit: true,
+        velocity_fast: 1500.0,
+        ..options(HomingMode::default())
+    };
+    let run = HomingRun { axis: 0, switch: Switch::NegativeLimit, options: ignoring };
+    let report =
+        home_by_switch(&mut *bench.drive, &run, &bench.clock, &mut |_, _| None, &|| false).unwrap();
+    let uncertain = ignoring.uncertainty(report.longest_look_ns as f64 * 1e-9) + 2.0;
+    let away = report.reference - f64::from(bench.limit);
+    assert!(away.abs() <= uncertain, "{report:?}, {uncertain}");
+    let off = bench.drive.signals(&|| 0).unwrap().axes[0].negative_limit;
+    assert_eq!(off, Some(false));
+    // Watched, it ends homing.
+    let options = HomingOptions { ignore_hardware_limit: false, ..ignoring };
+    let run = HomingRun { options, ..run };
+    let failed = home_by_switch(&mut *bench.drive, &run, &bench.clock, &mut |_, _| None, &|| false);
+    let told = match &failed {
+        Err(HomingError::Drive(error)) => error.is_limit_switch(),
+        Err(HomingError::Axis { error, .. }) => error.number() == Some(10),
+        _ => false,
+    };
+    assert!(told, "{failed:?}");
+}
+
+/// The limit switch of X is known to the board by parameters 104 and 105.
+fn interpcnc_with_limit() -> Bench {
+    let mut bench = interpcnc();
+    bench.drive.set_parameter(ParameterId { station: 0, number: 104 }, 8).unwrap();
+    bench
+}
+
+#[test]
+fn an_interpcnc_homes_in_every_mode() {
+    finds_its_reference_in_every_mode(interpcnc);
+}
+
+#[test]
+fn smartdrives_home_in_every_mode() {
+    finds_its_reference_in_every_mode(smartdrive);
+}
+
+#[test]
+fn a_module_homes_in_every_mode() {
+    finds_its_reference_in_every_mode(bim2ax);
+}
+
+#[test]
+fn an_interpcnc_ends_homing_where_it_should() {
+    ends_where_it_should(interpcnc);
+}
+
+#[test]
+fn smartdrives_end_homing_where_they_should() {
+    ends_where_it_should(smartdrive);
+}
+
+#[test]
+fn a_module_ends_homing_where_it_should() {
+    ends_where_it_should(bim2ax);
+}
+
+#[test]
+fn an_interpcnc_homes_on_a_limit_switch() {
+    homes_on_a_limit_switch(interpcnc_with_limit);
+}
+
+#[test]
+fn smartdrives_home_on_a_limit_switch() {
+    homes_on_a_limit_switch(smartdrive);
+}
+
+#[test]
+fn a_module_homes_on_a_limit_switch() {
+    homes_on_a_limit_switch(bim2ax);
+}
