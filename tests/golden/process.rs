@@ -510,7 +510,8 @@ fn axes_are_logged_and_their_maxima_reported() {
     let count = records.len() as f64;
     assert!((count - cycles).abs() <= 1.0 && records.iter().all(|record| record.len() == 3));
     let largest = |column: usize| records.iter().map(|record| record[column]).fold(0.0, f64::max);
-    assert!((largest(0) - 10.0).abs() < 1e-9 && (largest(1) - 10.0).abs() < 0.1);
+    // It turns between two cycles.
+    assert!((largest(0) - 10.0).abs() < 1e-3 && (largest(1) - 10.0).abs() < 0.1);
     let peak = number(&report["peak"]["X"]["velocity"]["value"]);
     assert!((largest(2) - peak).abs() < 0.01 * peak, "{}, {peak}", largest(2));
     let y = std::fs::read_to_string(desk.path("y.log")).expect("it was written");
