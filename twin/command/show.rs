@@ -1,9 +1,6 @@
 //! How things look on a terminal.
 
 use super::{causes, underline};
-use crate::check::PredictedFollowing;
-use crate::clock::Clock;
-use crate::compare::Statistics;
 use crate::finding::{Finding, Severity};
 use crate::machine::{Axis, Machine};
 use crate::physics::MotorLoad;
@@ -19,7 +16,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::io::{self, BufRead, IsTerminal, Read, Write};
 use std::ops::Range;
-use twin_drives::WireRates;
 use twin_motion::Place;
 
 /// How many findings a person is shown.
@@ -333,56 +329,6 @@ pub(super) fn loads(machine: &Machine, loads: &[MotorLoad]) -> Table {
     table
 }
 
-/// The table of how well the drives will follow.
-pub(super) fn following(machine: &Machine, predicted: &PredictedFollowing) -> Table {
-    let mut table = table();
-    table.set_header([
-        "drives, predicted",
-        "largest error",
-        "limit",
-        "rms",
-        "line",
-        "wire carries",
-    ]);
-    let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
-    let mut row = |name: String,
-                   of: &Statistics,
-                   limit: Option<f64>,
-                   (scale, unit): (f64, &str),
-                   wire: String| {
-        let Some((max, place)) = of.maximum() else { return };
-        let largest = amount(max * scale, 4, unit);
-        table.add_row([
-            Cell::new(name),
-            against(largest, max, limit.unwrap_or(f64::INFINITY))
-                .set_alignment(CellAlignment::Right),
-            right(limit.map_or("–".to_owned(), |limit| format!("{:.4}", limit * scale))),
-            right(amount(of.rms() * scale, 4, unit)),
-            right(place.line.to_string()),
-            Cell::new(wire),
-        ]);
-    };
-    row("tool".to_owned(), &predicted.tool, None, (1e3, "mm"), String::new());
-    for traffic in &predicted.devices {
-        let Some(device) = machine.drives.get(traffic.device) else { continue };
-        // Once per device.
-        let mut wire = rates(&traffic.rates);
-        for (index, axis) in machine.axes_of(traffic.device) {
-            let Some(Some(statistics)) = predicted.axes.get(index) else { continue };
-            let name = format!("axis {} ({})", axis.name, device.name);
-            let scale = (axis.from_si(1.0), axis.unit());
-            let wire = std::mem::take(&mut wire);
-            row(name, statistics, axis.max_following_error, scale, wire);
-        }
-    }
-    table
-}
-
-/// What a wire carries, in words.
-pub(super) fn rates(rates: &WireRates) -> String {
-    format!("{:.0} commands/s, {:.0} samples/s", rates.commands_per_s, rates.samples_per_s)
-}
-
 /// Numbers beyond this say no more than that something has run away.
 const HUGE: f64 = 1e5;
 
@@ -405,7 +351,7 @@ fn line(peak: &Peak) -> Cell {
 }
 
 /// A cell that turns red beyond its limit and yellow close to it.
-fn against(text: String, value: f64, limit: f64) -> Cell {
+pub(super) fn against(text: String, value: f64, limit: f64) -> Cell {
     let cell = Cell::new(text);
     if value > limit * (1.0 + 1e-9) {
         cell.fg(Color::Red)
@@ -425,43 +371,6 @@ pub(super) fn progress(length: u64, template: &str) -> ProgressBar {
     bar
 }
 
-/// Progress lines of work that takes long, on standard error, where that is no terminal that shows a bar.
-#[derive(Debug)]
-pub(super) struct ProgressLines {
-    what: String,
-    clock: Clock,
-    /// When the last line was written, and how many of a hundred parts were done then.
-    last: (i64, u64),
-    silent: bool,
-}
-
-impl ProgressLines {
-    /// Of work called `what`, which begins now.
-    pub(super) fn new(what: String) -> Self {
-        let silent = io::stderr().is_terminal();
-        Self { what, clock: Clock::start(), last: (0, 0), silent }
-    }
-
-    /// So much of the whole is done.
-    pub(super) fn set(&mut self, done: u64, of: u64) {
-        if self.silent {
-            return;
-        }
-        if let Some(percent) = due(self.clock.now_ns(), self.last, (done, of)) {
-            self.last = (self.clock.now_ns(), percent);
-            writeln!(io::stderr(), "{}: {percent} %", self.what).unwrap_or_default();
-        }
-    }
-}
-
-/// The percentage, if a line is due: after 10 s and a tenth of the work, and after a minute in any case.
-fn due(now_ns: i64, (last_ns, last): (i64, u64), (done, of): (u64, u64)) -> Option<u64> {
-    let percent = done.saturating_mul(100).checked_div(of)?.min(100);
-    let since = now_ns.saturating_sub(last_ns) / 1_000_000_000;
-    let far = percent >= last.saturating_add(10);
-    (since >= 60 || since >= 10 && far).then_some(percent)
-}
-
 /// The software limits of an axis in its unit, or that it goes round and round.
 pub(super) fn limits(axis: &Axis) -> String {
     let show = |value: f64| format!("{:.1}", axis.from_si(value));
@@ -476,7 +385,7 @@ pub(super) fn limits(axis: &Axis) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{SHOWN_BYTES, amount, due, excerpt, floor_3, printable};
+    use super::{SHOWN_BYTES, amount, excerpt, floor_3, printable};
 
     #[test]
     #[expect(clippy::single_range_in_vec_init, reason = "one word is underlined")]
@@ -487,17 +396,6 @@ mod tests {
         assert_eq!(text.get(words[0].clone()), Some("X31O"));
         let (text, words) = excerpt("N1 X2", vec![3..5]);
         assert_eq!((text.as_str(), words), ("N1 X2", vec![3..5]));
-    }
-
-    #[test]
-    fn lines_of_progress_are_some() {
-        const S: i64 = 1_000_000_000;
-        assert_eq!(due(9 * S, (0, 0), (50, 100)), None);
-        assert_eq!(due(10 * S, (0, 0), (50, 100)), Some(50));
-        assert_eq!(due(21 * S, (10 * S, 50), (59, 100)), None);
-        assert_eq!(due(70 * S, (10 * S, 50), (51, 100)), Some(51));
-        assert_eq!(due(20 * S, (0, 0), (7, 0)), None);
-        assert_eq!(due(20 * S, (0, 0), (700, 7)), Some(100));
     }
 
     #[test]

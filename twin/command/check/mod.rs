@@ -6,7 +6,8 @@ use super::options::{
     AcknowledgeOption, MachineOption, ReadOptions, SimulationOptions, plans_without_inputs,
     unreadable,
 };
-use super::{Failure, Status, show};
+use super::progress::ProgressLines;
+use super::{Failure, Status, following, show};
 use crate::check::{self, CheckOptions, Outcome};
 use crate::finding;
 use crate::limit::Limits;
@@ -149,7 +150,7 @@ fn one(
     let bar = bars.add(show::progress(bytes, "{msg} {bar:30} {percent:>3} % {bytes_per_sec}"));
     bar.set_message(program.path().display().to_string());
     let mut files = ClearanceFiles::new(machine, &arguments.clearance)?;
-    let mut lines = show::ProgressLines::new(format!("checking {}", program.path().display()));
+    let mut lines = ProgressLines::new(format!("checking {}", program.path().display()));
     let outcome = check::check_watched(
         machine,
         program,
@@ -188,7 +189,7 @@ fn report(
         Format::Human => {
             show::findings(program, &outcome.findings);
             if let Some(predicted) = &outcome.following {
-                writeln!(out, "{}", show::following(machine, predicted))?;
+                writeln!(out, "{}", following::predicted(machine, predicted))?;
             }
             summary(&mut out, machine, program, outcome)
         }

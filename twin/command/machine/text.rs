@@ -2,7 +2,7 @@
 
 use super::{Facts, motors};
 use crate::check::wire_rates;
-use crate::command::show;
+use crate::command::{following, show};
 use crate::machine::{Axis, DriveFamily, Machine, VelocityLimit, VelocitySource};
 use crate::number::significant;
 use crate::workspace::{Cut, Example, MeasureAt, Section};
@@ -156,7 +156,7 @@ fn drives(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
             if device.in_loop { ", in the loop of the simulated machine" } else { "" }
         )?;
         if let Some((_, rates)) = rates.iter().find(|(of, _)| *of == index) {
-            writeln!(out, "  its wire carries {} at most", show::rates(rates))?;
+            writeln!(out, "  its wire carries {} at most", following::rates(rates))?;
         }
     }
     Ok(())

@@ -12,11 +12,10 @@ use super::options::{
     self, AcknowledgeOption, DEFAULT_ADDRESS, MachineOption, ReadOptions, SimulationOptions,
     plans_without_inputs, unreadable,
 };
-use super::{Failure, Status, check, show, whole};
+use super::progress::ProgressLines;
+use super::{Failure, Status, check, following, show, whole};
 use crate::check::{CheckOptions, Outcome};
-use crate::emulated::Emulator;
 use crate::finding;
-use crate::hardware::Hardware;
 use crate::limit::Limits;
 use crate::machine::{DeviceEntry, Machine};
 use crate::picture::Picture;
@@ -25,14 +24,12 @@ use crate::report::{AxisMaximaReport, seconds};
 use crate::session::{Ending, OverrideAt, Session};
 use crate::simulated::Simulated;
 use axis_watch::AxisWatchOptions;
-use indicatif::ProgressBar;
 pub(super) use interrupt::Interrupt;
 use prompt::Prompt;
-use startup::{Ready, StartUpOptions};
+use startup::StartUpOptions;
 use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 use summary::{DriveSamples, Report, summary};
 use twin_kinematics::AxisVector;
 use twin_viz::{Playback, SceneOptions};
@@ -166,7 +163,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     };
 
     if let Some(predicted) = &outcome.following {
-        eprintln!("{}", show::following(&machine, predicted));
+        eprintln!("{}", following::predicted(&machine, predicted));
     }
     let (done, interrupt) = match perform(arguments, &report, &start) {
         Ok(done) => done,
@@ -267,9 +264,9 @@ fn perform<'m>(
     let scenario = arguments.simulation.scenario(machine)?;
     let twin = Simulated::new(machine, start)?.in_scenario(&scenario);
     let drives = if let Some(ready) = real {
-        Some((start_real(ready, machine, start, &interrupt)?, Vec::new()))
+        Some((startup::start_real(ready, machine, start, &interrupt)?, Vec::new()))
     } else if emulated {
-        Some(connect(machine, (outcome, start), &interrupt)?)
+        Some(startup::connect(machine, (outcome, start), &interrupt)?)
     } else {
         None
     };
@@ -291,7 +288,7 @@ fn perform<'m>(
         picture: &mut picture,
         bar: &bar,
         axes,
-        lines: show::ProgressLines::new(format!("running {}", program.path().display())),
+        lines: ProgressLines::new(format!("running {}", program.path().display())),
         last_shown_ns: i64::MIN,
         samples: DriveSamples::default(),
         prompt: Prompt::default(),
@@ -374,67 +371,11 @@ fn check_first(
     let drives = arguments.drives != Drives::None;
     let options = CheckOptions { limits, acknowledge, drives, ..CheckOptions::default() };
     let bar = show::progress(bytes, "checking {bar:30} {percent:>3} % {bytes_per_sec}");
-    let mut lines = show::ProgressLines::new(format!("checking {}", program.path().display()));
+    let mut lines = ProgressLines::new(format!("checking {}", program.path().display()));
     let outcome = crate::check::check(machine, program, options, &mut |read| {
         bar.set_position(read);
         lines.set(read, bytes);
     });
     bar.finish_and_clear();
     outcome.map_err(|failure| Failure::check(program, failure))
-}
-
-/// Powers up the emulated drives of the machine file and lets their drivers bring the axes to the start.
-fn connect(
-    machine: &Machine,
-    (outcome, start): (&Outcome, &AxisVector),
-    interrupt: &Interrupt,
-) -> Result<(Hardware, Vec<Emulator>), Failure> {
-    ask_for_priority();
-    let mut connected = crate::emulated::connect(machine)?;
-    for (emulator, attached) in &mut connected {
-        let (described, place) = (attached.drive.describe(), emulator.place());
-        let count = startup::emulated(machine, attached, outcome)?;
-        eprintln!("emulated {described} on {place}: {count} start-up checks passed");
-    }
-    let (emulators, drives) = connected.into_iter().unzip();
-    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?;
-    Ok((approach(hardware, interrupt)?, emulators))
-}
-
-/// Homes what is to be homed and brings the axes to the start.
-fn start_real(
-    ready: Ready,
-    machine: &Machine,
-    start: &AxisVector,
-    interrupt: &Interrupt,
-) -> Result<Hardware, Failure> {
-    ask_for_priority();
-    let drives = ready.home(machine, interrupt)?;
-    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?;
-    approach(hardware, interrupt)
-}
-
-fn ask_for_priority() {
-    if crate::priority::real_time().is_err() {
-        eprintln!(
-            "note: this user may not run the drives with real-time priority; on a busy computer they lag behind"
-        );
-    }
-}
-
-/// Waits until the drives stand at the start of the program.
-fn approach(mut hardware: Hardware, interrupt: &Interrupt) -> Result<Hardware, Failure> {
-    let bar =
-        ProgressBar::new_spinner().with_message("the drives move to the start of the program");
-    bar.enable_steady_tick(Duration::from_millis(100));
-    loop {
-        if interrupt.count() > 0 {
-            return Err(Failure::StoppedOnTheWay);
-        }
-        if hardware.ready()? {
-            bar.finish_and_clear();
-            return Ok(hardware);
-        }
-        std::thread::sleep(Duration::from_millis(2));
-    }
 }

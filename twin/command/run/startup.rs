@@ -1,10 +1,12 @@
 //! Drives before they move: their start-up checks, what will move where, whether it may, and homing.
 
+use super::APPROACH;
 use super::interrupt::Interrupt;
 use crate::check::Outcome;
 use crate::command::drive::consent::Consent;
 use crate::command::{Failure, show};
-use crate::hardware::Attached;
+use crate::emulated::Emulator;
+use crate::hardware::{Attached, Hardware};
 use crate::machine::{Axis, Machine};
 use crate::real;
 use crate::startup::{self, Check, Homed, Looked, Needs, longest_way};
@@ -148,7 +150,7 @@ fn refuse_failed(checks: &[Check]) -> Result<(), Failure> {
 }
 
 /// The same checks of emulated drives, which are told only if they fail. How many there are.
-pub(super) fn emulated(
+fn emulated(
     machine: &Machine,
     attached: &mut Attached,
     outcome: &Outcome,
@@ -220,5 +222,61 @@ impl Ready {
             eprintln!("axis {} is home", axis.name);
         }
         Ok(drives)
+    }
+}
+
+/// Powers up the emulated drives of the machine file and lets their drivers bring the axes to the start.
+pub(super) fn connect(
+    machine: &Machine,
+    (outcome, start): (&Outcome, &AxisVector),
+    interrupt: &Interrupt,
+) -> Result<(Hardware, Vec<Emulator>), Failure> {
+    ask_for_priority();
+    let mut connected = crate::emulated::connect(machine)?;
+    for (emulator, attached) in &mut connected {
+        let (described, place) = (attached.drive.describe(), emulator.place());
+        let count = emulated(machine, attached, outcome)?;
+        eprintln!("emulated {described} on {place}: {count} start-up checks passed");
+    }
+    let (emulators, drives) = connected.into_iter().unzip();
+    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?;
+    Ok((approach(hardware, interrupt)?, emulators))
+}
+
+/// Homes what is to be homed and brings the axes to the start.
+pub(super) fn start_real(
+    ready: Ready,
+    machine: &Machine,
+    start: &AxisVector,
+    interrupt: &Interrupt,
+) -> Result<Hardware, Failure> {
+    ask_for_priority();
+    let drives = ready.home(machine, interrupt)?;
+    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?;
+    approach(hardware, interrupt)
+}
+
+fn ask_for_priority() {
+    if crate::priority::real_time().is_err() {
+        eprintln!(
+            "note: this user may not run the drives with real-time priority; on a busy computer they lag behind"
+        );
+    }
+}
+
+/// Waits until the drives stand at the start of the program.
+fn approach(mut hardware: Hardware, interrupt: &Interrupt) -> Result<Hardware, Failure> {
+    let bar =
+        ProgressBar::new_spinner().with_message("the drives move to the start of the program");
+    bar.enable_steady_tick(Duration::from_millis(100));
+    loop {
+        if interrupt.count() > 0 {
+            return Err(Failure::StoppedOnTheWay);
+        }
+        if hardware.ready()? {
+            bar.finish_and_clear();
+            return Ok(hardware);
+        }
+        std::thread::sleep(Duration::from_millis(2));
     }
 }

@@ -4,7 +4,7 @@ use super::axis_watch::AxisWatch;
 use super::keys::{self, Keys};
 use super::prompt::Prompt;
 use super::summary::DriveSamples;
-use crate::command::show::ProgressLines;
+use crate::command::progress::ProgressLines;
 use crate::m_function::MCall;
 use crate::picture::Picture;
 use crate::program::ProgramFile;

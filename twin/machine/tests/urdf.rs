@@ -86,6 +86,35 @@ fn messages(changes: &[(&str, &str)]) -> String {
     said.collect::<Vec<_>>().join("\n")
 }
 
+/// The tutorial with efforts of so much in its URDF, and `more` behind its machine file.
+fn with_effort(effort: &str, more: &str) -> Machine {
+    let folder = TempDir::new().unwrap();
+    let data = workspace().join("tests/data/urdf_scara");
+    let urdf = fs::read_to_string(data.join("scara.urdf")).unwrap();
+    assert!(urdf.contains("effort=\"1000.0\""));
+    let urdf = urdf.replace("effort=\"1000.0\"", &format!("effort=\"{effort}\""));
+    fs::write(folder.path().join("scara.urdf"), urdf).unwrap();
+    let text = fs::read_to_string(data.join("machine.toml")).unwrap();
+    let path = folder.path().join("machine.toml");
+    fs::write(&path, text + more).unwrap();
+    Machine::load(&path).unwrap_or_else(|error| panic!("{error:?}"))
+}
+
+/// Nobody has a motor of exactly 1 Nm by chance: what a generator has written is asked about, and only that.
+#[test]
+fn an_effort_of_one_is_perhaps_a_placeholder() {
+    let weak = with_effort("1", "");
+    assert_eq!(weak.hints.len(), 2, "{:?}", weak.hints);
+    for (hint, axis) in weak.hints.iter().zip(&weak.axes) {
+        assert_eq!(axis.effort_limit(), Some(1.0));
+        assert!(hint.starts_with(&format!("axis {}: its motor gives 1 Nm", axis.name)), "{hint}");
+        assert!(hint.contains("placeholder") && hint.contains("`max_torque_nm`"), "{hint}");
+    }
+    assert!(with_effort("1.5", "").hints.is_empty() && tutorial().hints.is_empty());
+    // Z is the last axis of the file, and slides.
+    assert_eq!(with_effort("1", "[axes.physics]\nmax_force_n = 900\n").hints.len(), 2);
+}
+
 /// Every number is in the URDF.
 #[test]
 fn the_tutorial_is_read() {

@@ -1,0 +1,58 @@
+//! How well drives will follow, for people.
+
+use super::show::{against, amount, table};
+use crate::check::PredictedFollowing;
+use crate::compare::Statistics;
+use crate::machine::Machine;
+use comfy_table::{Cell, CellAlignment, Table};
+use twin_drives::WireRates;
+
+/// The table of how well the drives will follow.
+pub(super) fn predicted(machine: &Machine, predicted: &PredictedFollowing) -> Table {
+    let mut table = table();
+    table.set_header([
+        "drives, predicted",
+        "largest error",
+        "limit",
+        "rms",
+        "line",
+        "wire carries",
+    ]);
+    let right = |text: String| Cell::new(text).set_alignment(CellAlignment::Right);
+    let mut row = |name: String,
+                   of: &Statistics,
+                   limit: Option<f64>,
+                   (scale, unit): (f64, &str),
+                   wire: String| {
+        let Some((max, place)) = of.maximum() else { return };
+        let largest = amount(max * scale, 4, unit);
+        table.add_row([
+            Cell::new(name),
+            against(largest, max, limit.unwrap_or(f64::INFINITY))
+                .set_alignment(CellAlignment::Right),
+            right(limit.map_or("–".to_owned(), |limit| format!("{:.4}", limit * scale))),
+            right(amount(of.rms() * scale, 4, unit)),
+            right(place.line.to_string()),
+            Cell::new(wire),
+        ]);
+    };
+    row("tool".to_owned(), &predicted.tool, None, (1e3, "mm"), String::new());
+    for traffic in &predicted.devices {
+        let Some(device) = machine.drives.get(traffic.device) else { continue };
+        // Once per device.
+        let mut wire = rates(&traffic.rates);
+        for (index, axis) in machine.axes_of(traffic.device) {
+            let Some(Some(statistics)) = predicted.axes.get(index) else { continue };
+            let name = format!("axis {} ({})", axis.name, device.name);
+            let scale = (axis.from_si(1.0), axis.unit());
+            let wire = std::mem::take(&mut wire);
+            row(name, statistics, axis.max_following_error, scale, wire);
+        }
+    }
+    table
+}
+
+/// What a wire carries, in words.
+pub(super) fn rates(rates: &WireRates) -> String {
+    format!("{:.0} commands/s, {:.0} samples/s", rates.commands_per_s, rates.samples_per_s)
+}
