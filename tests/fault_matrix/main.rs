@@ -6,6 +6,7 @@
 #![expect(clippy::expect_used, reason = "a test that cannot be set up has failed")]
 #![expect(clippy::indexing_slicing, reason = "one axis, and one device")]
 #![expect(clippy::cast_possible_truncation, reason = "small whole numbers")]
+#![expect(clippy::match_same_arms, reason = "tables: each line has its own reason")]
 
 mod expected;
 mod faults;

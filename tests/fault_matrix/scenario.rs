@@ -187,7 +187,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         if let Err(error) = self.to(FAR).and_then(|()| self.moves()) {
             return Outcome::Lost(format!("it does not begin: {error}"));
         }
-        self.goes_wrong(trial, if matches!(trial.fault, Fault::Wire(..)) { 0 } else { 1 });
+        self.goes_wrong(trial, u32::from(!matches!(trial.fault, Fault::Wire(..))));
         let stopped = self.drive().soft_stop();
         if let Fault::Device(fault) = trial.fault {
             self.settle(fault);

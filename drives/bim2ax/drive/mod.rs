@@ -1,5 +1,6 @@
 //! The module as a [`Drive`].
 
+mod checks;
 mod homing;
 mod settings;
 
@@ -34,12 +35,6 @@ const ORDER_NS: i64 = 10_000_000;
 const LOOK_NS: i64 = 2_000_000;
 /// What keeps a module from being enabled.
 const FAULTS: u16 = message::POWER_ABSENT | message::PHASE_OPEN | message::PHASE_SHORT;
-/// What shows that an axis has stopped obeying. An axis at a soft limit obeys in the other direction.
-const STOPPED: u16 = FAULTS
-    | message::PHASES_OFF
-    | message::HARD_STOPPED
-    | message::PLUS_SWITCH
-    | message::MINUS_SWITCH;
 
 /// Where following is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -53,8 +48,6 @@ enum Following {
     Leg(i64),
 }
 
-/// A leg that lasts so much longer than it should, ns, does not end.
-const OVERDUE_NS: i64 = 1_000_000_000;
 /// What keeps a move from being what was meant: phases are off after a reset, when positions are lost, and a move would
 /// switch them on.
 const NOT_READY: u16 = FAULTS | message::PHASES_OFF;
@@ -156,97 +149,6 @@ impl Bim2AxDrive {
     fn forget(&mut self) {
         self.following = Following::Unknown;
         self.sent = None;
-    }
-
-    /// Looks at a module that is expected to obey, and whose axes, if they stand, are to stand where they were sent:
-    /// the bus has no check sums, so this is how a target that was spoilt on the way is found out.
-    fn obeying(&mut self, clock: &dyn Clock) -> Result<(Positions, BusStamp), DriveError> {
-        let mut looks = 0;
-        loop {
-            let seen = self.look(clock)?;
-            looks += 1;
-            // Homing turns round on end switches.
-            let turns = if self.homing { message::PLUS_SWITCH | message::MINUS_SWITCH } else { 0 };
-            self.homing &= self.moving(&seen.0) != 0;
-            let obeys = self.check(&seen.0, Action::ReadState, |messages| {
-                let moving = messages & message::MOVING != 0;
-                messages & STOPPED & !if moving { turns } else { 0 } != 0
-            });
-            let stray = self.stray(&seen.0);
-            if looks >= STRAY_LOOKS {
-                obeys?;
-                return stray.map_or(Ok(seen), |stray| {
-                    self.sent = None;
-                    Err(stray)
-                });
-            }
-            if obeys.is_ok() && stray.is_none() {
-                return self.not_overdue(&seen).map(|()| seen);
-            }
-        }
-    }
-
-    /// Looks at a module whose axes are to be ready for an order; one look may be spoilt.
-    fn ready(&mut self) -> Result<Positions, DriveError> {
-        let mut looks = 0;
-        loop {
-            looks += 1;
-            let (seen, _) = self.look(&no_clock)?;
-            match self.check(&seen, Action::ReadState, |word| word & NOT_READY != 0) {
-                Err(error) if looks >= STRAY_LOOKS => return Err(error),
-                Err(_) => {}
-                Ok(()) => return Ok(seen),
-            }
-        }
-    }
-
-    /// Fails if a leg lasts much longer than it should.
-    fn not_overdue(&mut self, (seen, stamp): &(Positions, BusStamp)) -> Result<(), DriveError> {
-        match self.following {
-            Following::Leg(end_ns)
-                if self.moving(seen) != 0 && stamp.sent_ns > end_ns.saturating_add(OVERDUE_NS) =>
-            {
-                self.forget();
-                let at = self.module.at(Action::ReadState);
-                let patience = Duration::from_nanos(OVERDUE_NS.unsigned_abs());
-                Err(DriveError::Unfinished { at, patience })
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// The first axis that stands elsewhere than it was sent.
-    fn stray(&self, seen: &Positions) -> Option<DriveError> {
-        let sent = self.sent.filter(|_| self.moving(seen) == 0)?;
-        let places = (0_u8..).zip(sent).zip(self.in_order(seen)).take(self.options.axes.len());
-        let ((place, target), found) =
-            places.into_iter().find(|((_, target), found)| target != found)?;
-        let axis = self.options.axes.get(usize::from(place)).map_or(0, |axis| axis.index());
-        let axis = u8::try_from(axis).unwrap_or(0);
-        let (target, found) = (target.into(), found.into());
-        let at = self.module.at(Action::ReadState);
-        Some(DriveError::NotArrived { at, axis, target, found })
-    }
-
-    /// Fails for the first axis in use whose messages are wrong.
-    fn check(
-        &self,
-        seen: &Positions,
-        action: Action,
-        wrong: impl Fn(u16) -> bool,
-    ) -> Result<(), DriveError> {
-        for axis in &self.options.axes {
-            let messages = seen.messages.get(axis.index()).copied().unwrap_or(0);
-            if wrong(messages) {
-                let axis = u8::try_from(axis.number()).unwrap_or(0);
-                return Err(DriveError::AxisMessages {
-                    at: self.module.at(action),
-                    axis,
-                    messages,
-                });
-            }
-        }
-        Ok(())
     }
 
     /// Positions of the axes in use, in their order.

@@ -35,7 +35,7 @@ pub(super) type Page = [u8; WINDOW_LENGTH as usize];
 #[derive(Clone, Debug)]
 pub(super) struct LateRequest {
     pub(super) due_ns: i64,
-    page: Box<Page>,
+    page: Page,
     refused: bool,
 }
 
@@ -55,7 +55,7 @@ impl Module {
         if self.bus.is_disconnected() {
             return;
         }
-        let before = self.heard.clone();
+        let before = self.heard;
         let mut heard = self.host_page();
         let places = self.places(&heard);
         let (mut times, mut late_ns, mut refused) = (1, 0_i64, false);
@@ -77,7 +77,7 @@ impl Module {
                     }
                 }
                 WireFault::Duplicate => times *= 2,
-                WireFault::Reorder => heard.clone_from(&before),
+                WireFault::Reorder => heard = before,
                 WireFault::Refuse { .. } => refused = true,
                 WireFault::WrongCheck | WireFault::Noise { .. } | WireFault::Echo => {}
             }
@@ -85,9 +85,9 @@ impl Module {
         for _ in 0..times {
             if late_ns > 0 {
                 let due_ns = self.now_ns.saturating_add(late_ns);
-                self.late_requests.push(LateRequest { due_ns, page: heard.clone(), refused });
+                self.late_requests.push(LateRequest { due_ns, page: heard, refused });
             } else {
-                self.heard.clone_from(&heard);
+                self.heard = heard;
                 self.serve(refused);
             }
         }
@@ -108,8 +108,8 @@ impl Module {
     }
 
     /// Page 7 as the host has written it.
-    fn host_page(&self) -> Box<Page> {
-        let mut page = Box::new([0; WINDOW_LENGTH as usize]);
+    fn host_page(&self) -> Page {
+        let mut page = [0; WINDOW_LENGTH as usize];
         for (offset, byte) in (0..WINDOW_LENGTH).zip(page.iter_mut()) {
             *byte = self.ram(HOST_PAGE, offset);
         }

@@ -103,7 +103,7 @@ pub struct Module {
     bus: FaultyWire,
     agenda: Agenda<Event>,
     /// Page 7 as the module heard it last.
-    heard: Box<Page>,
+    heard: Page,
     late_requests: Vec<LateRequest>,
     late_answers: Vec<LateAnswer>,
     /// After a refresh these bits of the byte at this offset of page 6 are wrong.
@@ -147,7 +147,7 @@ impl Module {
             options: *options,
             bus: FaultyWire::new(0),
             agenda: Agenda::default(),
-            heard: Box::new([0; WINDOW_LENGTH as usize]),
+            heard: [0; WINDOW_LENGTH as usize],
             late_requests: Vec::new(),
             late_answers: Vec::new(),
             garbled: None,
@@ -297,7 +297,7 @@ impl Module {
     /// Takes the module's power away for so long, ns: RAM and positions are lost, motors stand where they are.
     pub fn brown_out(&mut self, off_ns: i64) {
         self.ram = [0; RAM_LENGTH];
-        self.heard.fill(0);
+        self.heard = [0; WINDOW_LENGTH as usize];
         self.late_requests.clear();
         self.late_answers.clear();
         self.page = 0;

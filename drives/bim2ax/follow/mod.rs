@@ -15,6 +15,14 @@
 //! the other, so legs of many durations are moved by the module's own profiles, and the one with the smallest mean
 //! square of the error up to the next leg is taken.
 //!
+//! # When the program dies
+//!
+//! Nothing in the module watches its host: the leg under way goes on to its end, where both axes stand. A leg ends where
+//! the plan is within its horizon, so they go on for at most horizon × speed. Only manual moves,
+//! with which no plan is followed, run until 0 is written (`kill` in `tests/fault_matrix`).
+//!
+//! # Turning points
+//!
 //! No leg passes a point at which the plan of an axis turns round: it may end there, so that corners are reached.
 
 #[cfg(test)]

@@ -391,9 +391,12 @@ impl Device {
     /// Takes one frame and gives the answer, if the device answers.
     pub fn handle(&mut self, frame: &[u8]) -> Option<Vec<u8>> {
         let (address, command) = frame::decode(frame)?;
-        let command = command.map_err(|reason| match frame::has_wrong_length(frame) {
-            true => self.options.assumptions.wrong_length,
-            false => reason,
+        let command = command.map_err(|reason| {
+            if frame::has_wrong_length(frame) {
+                self.options.assumptions.wrong_length
+            } else {
+                reason
+            }
         });
         let own = self.address();
         let alive = !matches!(self.phase, Phase::Booting { .. } | Phase::Dead);

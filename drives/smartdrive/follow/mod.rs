@@ -3,6 +3,12 @@
 //! Speeds are whole rpm, rounded up: an axis that is a bit too fast is slowed down again, one that is too slow would
 //! fall behind for ever. Rates are whole rpm/s, one for acceleration and deceleration. Every answer is a sample, so a
 //! round has one exchange for each axis, whether it needs a command or only a look.
+//!
+//! # When the program dies
+//!
+//! Nothing in a drive watches its master: it goes on to the target of its last GOTO and stands there. That target is a
+//! position of the plan within its horizon, so the drive goes on for at most horizon × speed (`kill` in
+//! `tests/fault_matrix`).
 
 #[cfg(test)]
 mod tests;
