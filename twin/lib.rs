@@ -6,6 +6,7 @@ pub mod check;
 pub mod clock;
 pub mod command;
 pub mod compare;
+pub mod drive_report;
 pub mod emulated;
 pub mod finding;
 pub mod hardware;

@@ -135,7 +135,7 @@ impl Looker<'_> {
                 self.homed(machine, drive, stream)
             }
             // Each of them is told already, with all others that are wrong.
-            Err(DriveError::Parameter { .. })
+            Err(DriveError::Parameter { .. } | DriveError::EnableOpen { .. })
                 if self.looked.checks.iter().any(|check| !check.passed) =>
             {
                 self.homed(machine, drive, stream)
@@ -276,7 +276,9 @@ impl Looker<'_> {
         let known = drive.homed()?;
         // A device that has been off or locked has lost its home; whether it has is known to devices that keep that.
         let obeys = match drive.sample(&stream) {
-            Err(DriveError::Locked { .. } | DriveError::Mode { .. }) => false,
+            Err(
+                DriveError::Locked { .. } | DriveError::Mode { .. } | DriveError::EnableOpen { .. },
+            ) => false,
             Err(DriveError::AxisMessages { .. }) | Ok(_) => true,
             Err(error) => return Err(error),
         };

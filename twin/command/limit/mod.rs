@@ -6,6 +6,7 @@ mod outputs;
 use super::options::{MachineOption, ReadOptions, plans_without_inputs, unreadable};
 use super::whole::{self, WholeFile, unwritable};
 use super::{Failure, Status, show};
+use crate::command::progress::ProgressLines;
 use crate::finding::{self, Finding};
 use crate::limit::{
     AxisRules, ControllerProfile, LimitFailure, LimitReport, LimitRules, LimitSummary, Limits,
@@ -284,6 +285,7 @@ impl<'a> Job<'a> {
     ) -> Result<(), Failure> {
         let bar = self.progress.bar();
         bar.set_message(self.program.path().display().to_string());
+        let mut lines = ProgressLines::new(format!("limiting {}", self.program.path().display()));
         let (mut line, mut countdown) = (0, 0u32);
         while let Some(item) = profile.next() {
             match item {
@@ -296,10 +298,12 @@ impl<'a> Job<'a> {
                 ProfileItem::Io(source) => return Err(unreadable(self.program.path(), source)),
             }
             countdown = countdown.checked_sub(1).unwrap_or_else(|| {
-                bar.set_position(match self.progress {
-                    Progress::Lines(_) => line,
-                    Progress::Bytes(_) => read(profile),
-                });
+                let (done, of) = match self.progress {
+                    Progress::Lines(lines) => (line, lines),
+                    Progress::Bytes(bytes) => (read(profile), bytes),
+                };
+                bar.set_position(done);
+                lines.set(done, of);
                 1000
             });
         }

@@ -3,8 +3,9 @@
 
 use crate::command::Failure;
 use crate::command::whole::WholeFile;
+use crate::drive_report::AxisMaximaReport;
 use crate::machine::{Axis, Machine};
-use crate::report::{AxisMaximaReport, seconds};
+use crate::report::seconds;
 use crate::session::{DriveSample, TwinCycle};
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};

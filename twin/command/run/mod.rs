@@ -15,12 +15,13 @@ use super::options::{
 use super::progress::ProgressLines;
 use super::{Failure, Status, check, following, show, whole};
 use crate::check::{CheckOptions, Outcome};
+use crate::drive_report::AxisMaximaReport;
 use crate::finding;
 use crate::limit::Limits;
 use crate::machine::{DeviceEntry, Machine};
 use crate::picture::Picture;
 use crate::program::ProgramFile;
-use crate::report::{AxisMaximaReport, seconds};
+use crate::report::seconds;
 use crate::session::{Ending, OverrideAt, Session};
 use crate::simulated::Simulated;
 use axis_watch::AxisWatchOptions;

@@ -5,11 +5,12 @@ use crate::check::Outcome;
 use crate::command::whole::{WholeFile, unwritable};
 use crate::command::{Failure, show};
 use crate::compare::{Comparison, ErrorStatistics, Statistics};
+use crate::drive_report::AxisMaximaReport;
 use crate::machine::Machine;
 use crate::program::ProgramFile;
 use crate::report::{
-    AxisErrorReport, AxisMaximaReport, CheckReport, ComparisonReport, DriveSamplesReport,
-    LatenessReport, OverrideChangeReport, PerAxis, RunReport, seconds,
+    AxisErrorReport, CheckReport, ComparisonReport, DriveSamplesReport, LatenessReport,
+    OverrideChangeReport, PerAxis, RunReport, seconds,
 };
 use crate::session::Ending;
 use std::io::{self, Write};

@@ -1,16 +1,14 @@
 //! The report as JSON: the shape is part of the command-line contract.
 
-mod drives;
-
 use crate::check::{BlockClearance, Outcome};
 use crate::compare::{ErrorStatistics, Statistics};
+use crate::drive_report::{AxisMaximaReport, PredictedFollowingReport};
 use crate::finding::Finding;
 use crate::machine::{Axis, Machine};
 use crate::number::significant;
 use crate::physics::MotorLoad;
 use crate::program::ProgramFile;
 use crate::session::{OverrideChange, Punctuality};
-pub use drives::{AxisMaximaReport, PredictedFollowingReport};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use twin_motion::Place;
 
@@ -210,7 +208,7 @@ pub struct StatisticsReport {
 
 impl StatisticsReport {
     /// `scale` turns the SI values into the unit of the report; `None` where nothing was compared.
-    fn new(statistics: &Statistics, scale: f64) -> Option<Self> {
+    pub(crate) fn new(statistics: &Statistics, scale: f64) -> Option<Self> {
         statistics.maximum().map(|(max, place)| Self {
             max: rounded(max * scale),
             rms: rounded(statistics.rms() * scale),

@@ -1,8 +1,8 @@
 //! What a report says of drives.
 
-use super::{PerAxis, StatisticsReport, rounded};
 use crate::check::PredictedFollowing;
 use crate::machine::{Axis, Machine};
+use crate::report::{PerAxis, StatisticsReport, rounded};
 use twin_drives::axis::Maximum;
 
 /// How well the drives will follow, as their rehearsal foresees it.
@@ -40,7 +40,7 @@ struct PredictedDeviceReport {
 
 impl PredictedFollowingReport {
     /// For a machine.
-    pub(super) fn new(machine: &Machine, predicted: &PredictedFollowing) -> Self {
+    pub(crate) fn new(machine: &Machine, predicted: &PredictedFollowing) -> Self {
         let axes = machine.axes.iter().zip(&predicted.axes).filter_map(|(axis, statistics)| {
             let device = machine.drives.get(axis.drive.as_ref()?.device)?.name.clone();
             let error = StatisticsReport::new(statistics.as_ref()?, axis.from_si(1.0))?;
