@@ -244,10 +244,9 @@ fn a_request_to_terminate_stops_a_run_in_real_time() {
     assert!(number(&report["executed_s"]) < number(&report["duration_s"]) - 1.0);
     assert_eq!(report["drive_samples"], Value::Null);
     has_keys(&report["cycle_lateness"], &["cycles", "p50_us", "p99_us", "max_us"]);
-    assert_eq!(
-        number(&report["cycle_lateness"]["cycles"]),
-        1.0 + (1e3 * number(&report["executed_s"])).round()
-    );
+    // One at the begin, and one per millisecond.
+    let cycles = number(&report["cycle_lateness"]["cycles"]) - 1.0;
+    assert!((cycles - 1e3 * number(&report["executed_s"])).abs() < 0.5, "{cycles}");
 }
 
 #[test]
