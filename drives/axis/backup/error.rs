@@ -26,6 +26,9 @@ pub enum BackupError {
     /// The device does not tell its parameters (`SMC_WDPF_ERROR_WHEN_READING_PARAMS`).
     #[error(transparent)]
     Drive(#[from] DriveError),
+    /// The device does not tell which parameters it has (`SMC_WDPF_TIMEOUT_PREPARING_LIST` if it does not answer).
+    #[error(transparent)]
+    List(DriveError),
     /// Lines are wrong, all of those that are.
     #[error("{}", lines(.0))]
     Lines(Vec<LineError>),
@@ -41,7 +44,8 @@ impl BackupError {
     pub fn number(&self) -> Option<u16> {
         match self {
             Self::Write { .. } => Some(3002),
-            Self::Drive(_) => Some(3003),
+            Self::List(DriveError::Timeout { .. }) => Some(3004),
+            Self::Drive(_) | Self::List(_) => Some(3003),
             Self::Read { .. } | Self::Lines(_) => None,
         }
     }

@@ -65,7 +65,7 @@ impl fmt::Display for Plan {
 ///
 /// # Errors
 /// [`BackupError::Lines`] with every line that the device cannot have: another family, unknown parameters, parameters
-/// given twice, impossible values. [`BackupError::Drive`] if the device does not answer.
+/// given twice, impossible values. [`BackupError::List`] or [`BackupError::Drive`] if the device does not answer.
 pub fn plan(drive: &mut dyn Drive, backup: &Backup) -> Result<Plan, BackupError> {
     let mut errors = Vec::new();
     let mut error = |line, fault| errors.push(LineError { file: backup.file.clone(), line, fault });
@@ -76,7 +76,7 @@ pub fn plan(drive: &mut dyn Drive, backup: &Backup) -> Result<Plan, BackupError>
         error(*line, LineFault::Family { found, expected });
         return Err(BackupError::Lines(errors));
     }
-    let known = drive.parameters()?;
+    let known = drive.parameters().map_err(BackupError::List)?;
     let of_file = |info: &&ParameterInfo| backup.entries.iter().any(|entry| entry.id == info.id);
     let known: Vec<_> = known.iter().filter(of_file).collect();
     let ids: Vec<_> = known.iter().map(|info| info.id).collect();

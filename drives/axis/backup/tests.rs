@@ -16,12 +16,13 @@ struct Shelf {
     refuses: bool,
     /// Forgets what it is told when it is to save it.
     forgets: bool,
-    restarted: bool,
+    saved: u32,
+    silent: bool,
 }
 
 impl Shelf {
     fn new() -> Self {
-        Self { values: [1, 2, 77], refuses: false, forgets: false, restarted: false }
+        Self { values: [1, 2, 77], refuses: false, forgets: false, saved: 0, silent: false }
     }
 
     fn place(id: ParameterId) -> Result<usize, DriveError> {
@@ -92,6 +93,10 @@ impl Drive for Shelf {
     }
 
     fn parameters(&mut self) -> Result<Vec<ParameterInfo>, DriveError> {
+        if self.silent {
+            let deadline = std::time::Duration::from_millis(1);
+            return Err(DriveError::Timeout { at: Self::at(), deadline });
+        }
         let id = |number| ParameterId { station: 0, number };
         let speed = ParameterInfo {
             unit: "rpm",
@@ -123,7 +128,7 @@ impl Drive for Shelf {
     }
 
     fn save_parameters(&mut self) -> Result<(), DriveError> {
-        self.restarted = true;
+        self.saved += 1;
         if self.forgets {
             self.values = [1, 2, 77];
         }
@@ -172,11 +177,11 @@ fn a_plan_says_what_would_change_and_changes_nothing() {
     assert_eq!(plan.to_string(), expected);
     assert!(plan.needs_restart() && !plan.is_empty());
     plan.carry_out(&mut shelf, false).unwrap();
-    assert_eq!((shelf.values, shelf.restarted), ([500, 4, 77], false));
+    assert_eq!((shelf.values, shelf.saved), ([500, 4, 77], 0));
     let again = super::plan(&mut shelf, &from(GOOD).unwrap()).unwrap();
     assert!(again.is_empty() && again.same == 2);
     again.carry_out(&mut shelf, true).unwrap();
-    assert!(!shelf.restarted, "nothing to save");
+    assert_eq!(shelf.saved, 0, "nothing to save");
 }
 
 #[test]
@@ -260,6 +265,10 @@ fn files_that_fail_are_named() {
         write_parameters(&mut shelf, None, Format::Xml, "a/b.xml", &mut Broken).unwrap_err();
     assert_eq!(error.number(), Some(3002));
     assert!(error.to_string().starts_with("a/b.xml: cannot be written"), "{error}");
+    let mut silent = Shelf { silent: true, ..Shelf::new() };
+    let mut file = Vec::new();
+    let error = write_parameters(&mut silent, None, Format::Xml, "f", &mut file).unwrap_err();
+    assert_eq!((error.number(), file.len()), (Some(3004), 0));
     let error = read("a/b.xml", &mut Broken).unwrap_err();
     assert!(error.to_string().starts_with("a/b.xml: cannot be read"), "{error}");
 }

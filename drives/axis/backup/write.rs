@@ -18,8 +18,8 @@ pub enum Format {
 /// order, or all. `file` is its name in messages. How many they are.
 ///
 /// # Errors
-/// [`BackupError::Drive`] (3003) if the device does not answer or has no parameter of the list, before anything is
-/// written; [`BackupError::Write`] (3002).
+/// [`BackupError::List`] (3004) and [`BackupError::Drive`] (3003) if the device does not answer or has no parameter of the
+/// list, before anything is written; [`BackupError::Write`] (3002).
 pub fn write_parameters(
     drive: &mut dyn Drive,
     list: Option<&[ParameterId]>,
@@ -29,7 +29,7 @@ pub fn write_parameters(
 ) -> Result<usize, BackupError> {
     let family = drive.identity()?.family;
     let device = drive.describe();
-    let known = drive.parameters()?;
+    let known = drive.parameters().map_err(BackupError::List)?;
     let chosen = match list {
         None => known,
         Some(list) => chosen(drive, &known, list)?,

@@ -1,5 +1,6 @@
 //! The module as a [`Drive`].
 
+mod homing;
 mod settings;
 
 use std::time::Duration;
@@ -113,20 +114,6 @@ impl Bim2AxDrive {
             timing,
             runtime,
         })
-    }
-
-    /// Homes the axes in use, both at a time, and waits for the end.
-    ///
-    /// # Errors
-    /// If an axis does not start, has not ended after `patience`, or has not found its cam.
-    pub fn home(&mut self, patience: Duration) -> Result<(), DriveError> {
-        self.following = Following::Unknown;
-        let axes = self.options.axes.clone();
-        let seen = self.runtime.block_on(async {
-            self.module.home(&axes, &no_clock).await?;
-            self.module.rested(patience, &no_clock).await
-        })?;
-        self.check(&seen.0, Action::ReadState, |messages| messages & message::HOMED == 0)
     }
 
     /// The settings of the axes in use.
@@ -308,34 +295,15 @@ impl Drive for Bim2AxDrive {
     }
 
     fn disable(&mut self) -> Result<(), DriveError> {
-        self.following = Following::Unknown;
-        let (seen, _) = self.look(&no_clock)?;
-        let moving = self.moving(&seen);
-        if moving != 0 {
-            return Err(DriveError::Moving { at: self.module.at(Action::ReadState), axes: moving });
-        }
-        let axes = self.options.axes.clone();
-        self.runtime.block_on(self.module.set_phases(&axes, false, &no_clock))
+        self.lock()
     }
 
     fn begin_homing(&mut self, ways: &HomingWays) -> Result<(), DriveError> {
-        self.following = Following::Unknown;
-        let chosen = self.options.axes.iter().zip(ways).filter(|(_, way)| way.is_some());
-        let axes: Vec<_> = chosen.map(|(axis, _)| *axis).collect();
-        if axes.is_empty() {
-            return Ok(());
-        }
-        self.homing = true;
-        self.runtime.block_on(self.module.home(&axes, &no_clock))
+        self.start_homing(ways)
     }
 
     fn homed(&mut self) -> Result<[Option<bool>; MAX_DRIVE_AXES], DriveError> {
-        let (seen, _) = self.look(&no_clock)?;
-        let mut homed = [None; MAX_DRIVE_AXES];
-        for (place, axis) in homed.iter_mut().zip(&self.options.axes) {
-            *place = seen.messages.get(axis.index()).map(|word| word & message::HOMED != 0);
-        }
-        Ok(homed)
+        self.homed_axes()
     }
 
     fn signals(&mut self, clock: &dyn Clock) -> Result<Signals, DriveError> {
