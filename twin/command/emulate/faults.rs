@@ -156,7 +156,8 @@ mod tests {
 
     #[test]
     fn every_fault_can_be_said() {
-        let rule = |direction, when, fault| Ok(Control::Fault(FaultRule { direction, when, fault }));
+        let rule =
+            |direction, when, fault| Ok(Control::Fault(FaultRule { direction, when, fault }));
         for (line, expected) in [
             ("fault request drop", rule(Direction::Request, When::Always, WireFault::Drop)),
             (

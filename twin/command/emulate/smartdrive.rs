@@ -195,9 +195,9 @@ impl Word {
             }
         };
         let place = addresses.iter().position(|other| *other == address);
-        place.map(|place| event.to(place)).ok_or_else(|| {
-            Err(format!("no drive has address {address}; there are {addresses:?}"))
-        })
+        place
+            .map(|place| event.to(place))
+            .ok_or_else(|| Err(format!("no drive has address {address}; there are {addresses:?}")))
     }
 }
 
