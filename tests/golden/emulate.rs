@@ -27,13 +27,24 @@ fn every_family_listens_to_its_control_socket() {
     ];
     for (family, good, bad) in families {
         let (link, socket) = (desk.path(family), desk.path("control"));
-        let arguments = ["emulate", family, "--link", family, "--control", "control"];
+        let arguments =
+            ["emulate", family, "--link", family, "--control", "control", "--speed", "10"];
         let done = desk.meanwhile("-INT", "Ctrl-C ends it", &arguments, || {
             // The socket is made before that is said; the device, too.
             assert!(link.symlink_metadata().is_ok(), "{family}");
             let said = told(&socket, &[good, bad, "dance"]);
             assert_eq!(said[0], "ok", "{family}");
             assert!(said[1].starts_with("error: ") && said[2].starts_with("error: "), "{said:?}");
+            // Faults have the same words for all of them.
+            let words = [
+                "fault answer drop --next 1",
+                "after 3 plug off",
+                "fault request melt",
+                "no-faults",
+            ];
+            let said = told(&socket, &words);
+            assert_eq!((&*said[0], &*said[1], &*said[3]), ("ok", "ok", "ok"), "{family}");
+            assert!(said[2].starts_with("error: "), "{said:?}");
         });
         done.ended(0, "");
         assert!(!link.exists() && !socket.exists(), "{family} leaves something behind");

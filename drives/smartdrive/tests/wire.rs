@@ -10,7 +10,7 @@ use tokio::{
 use crate::{
     Action, DriveError, ProtocolFault,
     smartdrive::{
-        AxisOptions, Command, Init, IoUpdate, LoadSource, Mode, RejectCode, SmartDrive,
+        AxisOptions, Command, Execution, Init, IoUpdate, LoadSource, Mode, RejectCode, SmartDrive,
         SmartDriveOptions, StepsPerTurn, TrajectoryFlags, vectors::vector,
     },
 };
@@ -339,4 +339,30 @@ fn exchanges_are_stamped_in_their_middle() {
         assert!((stamp.executed_ns - 1_977_430).abs() <= 2, "{stamp:?}");
         assert!((stamp.uncertainty_ns - 1_022_569).abs() <= 2, "{stamp:?}");
     });
+}
+
+/// Whoever knows when drives carry commands out stamps with that: here 0.608 ms after the begin, or 0.781 ms before the end.
+#[test]
+fn exchanges_are_stamped_when_drives_are_said_to_execute() {
+    use std::sync::atomic::{AtomicI64, Ordering};
+    for (execution, expected) in
+        [(Execution::OnArrival, 607_639), (Execution::BeforeAnswer, 3_000_000)]
+    {
+        run(async {
+            let (near, mut far) = duplex(4096);
+            let mut options = SmartDriveOptions::new(vec![axis(1)]);
+            options.execution = execution;
+            let mut driver = SmartDrive::attach(Arc::from("wire"), near, &options);
+            let now = AtomicI64::new(0);
+            let clock = || now.load(Ordering::Relaxed);
+            let device = async {
+                received(&mut far).await;
+                now.store(3_781_250, Ordering::Relaxed);
+                far.write_all(&vector(2)).await.unwrap();
+            };
+            let ((), answer) = tokio::join!(device, driver.send(1, &Command::Ping, &clock));
+            let (_, stamp) = answer.unwrap();
+            assert!((stamp.executed_ns - expected).abs() <= 2, "{stamp:?}");
+        });
+    }
 }

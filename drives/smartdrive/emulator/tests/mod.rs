@@ -1,6 +1,7 @@
 //! The emulated device against the digest's vectors and the behaviour that digest and manual describe.
 
 mod behaviour;
+mod faults;
 mod frames;
 mod homing;
 mod inputs;
