@@ -113,6 +113,16 @@ impl Shop {
         shop
     }
 
+    /// A cam that is never reached.
+    fn hide_the_cam(&self) {
+        let mut module = self.module.module();
+        let mut surroundings = *module.surroundings();
+        for bench in &mut surroundings.benches {
+            bench.cam = Some(Contact::between(-4_000_000, -3_900_000, true));
+        }
+        module.set_surroundings(&surroundings);
+    }
+
     fn commission_bus(&self) {
         for set in BUS {
             self.by_hand("smartdrive", "bus", &format!("set {set}"));
@@ -201,7 +211,7 @@ fn a_mixture_of_all_three_families_runs_to_its_end() {
         "✓ axis X: homed, as --homed says",
         "✓ axis U: will be homed first",
         "X board X board 10.000 mm 0.000 mm 100.0 mm/s",
-        "U module 1 module 0.000 mm, homes first: 240.0 mm at most",
+        "U module 1 module 0.000 mm, homes first: 360.0 mm at most",
     ] {
         done.ended(0, said);
     }
@@ -382,18 +392,37 @@ fn a_device_that_dies_stops_all_others() {
     assert!(x > 1.0 && x < 200.0 && y > 0.0 && u > 0.0, "{x} {y} {u}");
 }
 
+/// A module does not limit the way to its cam: the run does, at one and a half times 1.2 times the 12 mm between the limits.
+#[test]
+fn a_home_that_is_nowhere_is_given_up() {
+    let shop = Shop::new();
+    shop.hide_the_cam();
+    for action in
+        ["set soft-limit-plus-1 1921", "set soft-limit-minus-1 -1921", "reset", "unlock 1"]
+    {
+        shop.by_hand("bim2ax", "module", action);
+    }
+    let text = mixture(&shop.desk);
+    let wide = "position_min_mm = -100.0\nposition_max_mm = 100.0\nmax_velocity_mm_per_s = 100.0";
+    assert!(text.contains(wide));
+    let narrow = wide.replace("100.0\nposition", "6.0\nposition").replace("100.0\nmax", "6.0\nmax");
+    shop.desk.write("mixture.toml", &text.replace(wide, &narrow));
+    shop.desk.write("within.cnc", &SHORT.replace("U8", "U4"));
+    let run = Shop::arguments("within.cnc", "--homed --home=U --yes");
+    let done = shop.desk.twin(&run);
+    done.ended(2, "homing axis U: it has gone 21.6 mm and not found its home");
+    let [x, y, z, u] = shop.at_rest();
+    assert_eq!([x, y, z], [Some(0.0); 3]);
+    // 320 µsteps per mm; it brakes on its ramp behind that.
+    let u = u.expect("it is there");
+    assert!(u < -21.6 && u > -30.0, "{u} mm");
+}
+
 #[test]
 fn ctrl_c_stops_homing_and_the_approach() {
-    // A cam that is never reached: the module looks for it until it is told to stop.
+    // The module looks for its cam until it is told to stop.
     let shop = Shop::new();
-    {
-        let mut module = shop.module.module();
-        let mut surroundings = *module.surroundings();
-        for bench in &mut surroundings.benches {
-            bench.cam = Some(Contact::between(-4_000_000, -3_900_000, true));
-        }
-        module.set_surroundings(&surroundings);
-    }
+    shop.hide_the_cam();
     let run = Shop::arguments("short.cnc", "--homed --home=U --yes");
     let done = shop.desk.interrupted("-INT", "home axes, move all", &run);
     done.ended(2, "stopped by the user while axis U was homed");

@@ -3,6 +3,7 @@
 use super::stream::Stream;
 use super::{Event, HardwareError, Switch};
 use std::collections::BTreeSet;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError};
@@ -16,6 +17,8 @@ pub(super) const STOP: u8 = 3;
 
 /// A device and its side of the channel.
 pub(super) struct Device {
+    /// Its name in the machine file.
+    pub(super) name: String,
     pub(super) drive: Box<dyn Drive>,
     pub(super) stream: Arc<Stream>,
     pub(super) order: Arc<AtomicU8>,
@@ -32,16 +35,23 @@ const PATIENCE: u32 = 100;
 
 impl Device {
     pub(super) fn run(mut self, target: &Increments, speed: &[f64; MAX_DRIVE_AXES]) {
-        let unsaid = match self.work(target, speed) {
+        let unsaid = match self.guarded(|device| device.work(target, speed)) {
             Ok(()) => Some(Ok(Event::AtRest)),
             Err(error) => {
                 // The first error is the one to report, and at once: the session has a machine of its own to stop. The
                 // device is stopped if it still answers, which takes its time.
                 let unsaid = self.sender.try_send(Err(error)).err().map(unsent);
-                if self.drive.soft_stop().is_err() {
-                    self.drive.hard_stop().unwrap_or_default();
+                let stopped = self.guarded(|device| {
+                    Ok(device.drive.soft_stop().or_else(|_| device.drive.hard_stop())?)
+                });
+                if let Err(HardwareError::Drive(error)) = stopped {
+                    self.sender.try_send(Ok(Event::NotStopped(error))).unwrap_or_default();
                 }
-                self.switch_off();
+                self.guarded(|device| {
+                    device.switch_off();
+                    Ok(())
+                })
+                .unwrap_or_default();
                 unsaid
             }
         };
@@ -49,6 +59,15 @@ impl Device {
             // If nobody listens any more there is nobody to tell.
             self.sender.send(last).unwrap_or_default();
         }
+    }
+
+    /// A driver that panics leaves axes that go on to where they were sent: they are to be stopped as after any error.
+    fn guarded<T>(
+        &mut self,
+        act: impl FnOnce(&mut Self) -> Result<T, HardwareError>,
+    ) -> Result<T, HardwareError> {
+        let done = catch_unwind(AssertUnwindSafe(|| act(self)));
+        done.unwrap_or_else(|_panic| Err(HardwareError::Panicked { device: self.name.clone() }))
     }
 
     fn order(&self) -> u8 {
@@ -84,7 +103,8 @@ impl Device {
                     // Standing where the plan has ended and then catching up would be a leap.
                     let late_ns = self.stream.now_ns() - self.stream.end_ns();
                     if late_ns > 0 && self.order() == FOLLOW {
-                        return Err(HardwareError::Starved { late_ms: late_ns / 1_000_000 });
+                        let (device, late_ms) = (self.name.clone(), late_ns / 1_000_000);
+                        return Err(HardwareError::Starved { device, late_ms });
                     }
                     let sample = self.drive.follow(&*self.stream)?;
                     if !self.tell(Event::Sample(sample)) || !self.switch()? {
@@ -121,6 +141,7 @@ impl Device {
             if still > PATIENCE {
                 let list = |values: Option<&[i64]>| values.unwrap_or_default().to_vec();
                 return Err(HardwareError::Stuck {
+                    device: self.name.clone(),
                     position: list(position),
                     target: list(target),
                 });
@@ -160,7 +181,8 @@ impl Device {
                 let position = sample.position.iter().take(axes).copied().collect();
                 #[expect(clippy::cast_possible_truncation, reason = "for a message")]
                 let target = end.position.iter().take(axes).map(|end| end.round() as i64).collect();
-                return Err(HardwareError::Stuck { position, target });
+                let device = self.name.clone();
+                return Err(HardwareError::Stuck { device, position, target });
             }
         }
     }

@@ -15,6 +15,7 @@ use merge::{Measured, Track};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 use twin_drives::{Drive, DriveError, Sample};
 use twin_kinematics::AxisVector;
 use unit::Unit;
@@ -53,6 +54,8 @@ pub struct Hardware {
     /// The program does not go to its end.
     early: Arc<AtomicBool>,
     left_on: Vec<u8>,
+    /// Devices that could not be brought to rest, and why.
+    not_stopped: Vec<String>,
     /// Errors that have come while another one was told.
     failures: VecDeque<HardwareError>,
 }
@@ -74,6 +77,8 @@ enum Event {
     Switched,
     /// Outputs that could not be switched off at an early end.
     LeftOn(Vec<u8>),
+    /// The device has not confirmed that it stops.
+    NotStopped(DriveError),
     /// Finished or stopped: the axes are at rest.
     AtRest,
 }
@@ -95,25 +100,47 @@ pub enum HardwareError {
         unit: &'static str,
     },
     /// The axes stand still where they should not.
-    #[error("the drive stopped moving at {position:?} on its way to {target:?} increments")]
+    #[error(
+        "device `{device}`: the axes stopped moving at {position:?} on their way to {target:?} increments"
+    )]
     Stuck {
+        /// Which.
+        device: String,
         /// Where the axes are.
         position: Vec<i64>,
         /// Where they should be.
         target: Vec<i64>,
     },
     /// The plan ended before the program did: whoever plans was kept waiting.
-    #[error("the set-points came {late_ms} ms late; the axes were braked where they were")]
+    #[error(
+        "device `{device}`: the set-points came {late_ms} ms late; the axes were braked where they were"
+    )]
     Starved {
+        /// Which.
+        device: String,
         /// Behind the last planned instant, ms.
         late_ms: i64,
     },
+    /// The driver has failed in a way that nobody has foreseen; the device was stopped all the same.
+    #[error("device `{device}`: its driver has panicked; the axes were braked where they were")]
+    Panicked {
+        /// Which.
+        device: String,
+    },
     /// The device's thread ended without saying why.
-    #[error("the thread of the drive ended unexpectedly")]
-    Gone,
+    #[error("device `{device}`: its thread ended unexpectedly")]
+    Gone {
+        /// Which.
+        device: String,
+    },
     /// The device's thread could not be started.
-    #[error("the thread of the drive cannot be started: {0}")]
-    Thread(std::io::Error),
+    #[error("device `{device}`: its thread cannot be started: {source}")]
+    Thread {
+        /// Which.
+        device: String,
+        /// Why.
+        source: std::io::Error,
+    },
 }
 
 impl Hardware {
@@ -134,18 +161,23 @@ impl Hardware {
             let entry = machine.drives.get(attached.device);
             entry.is_some_and(|entry| matches!(entry.family, DriveFamily::InterpCnc(_)))
         });
-        let unit = |attached| Unit::start(machine, attached, start, (cycle_ns, approach), &early);
-        let units = drives.into_iter().map(unit).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self {
-            tracks: units.iter().map(|_| Track::default()).collect(),
-            units,
+        // From the first one on they are stopped together if another one does not start.
+        let mut hardware = Self {
+            tracks: drives.iter().map(|_| Track::default()).collect(),
+            units: Vec::with_capacity(drives.len()),
             switching_unit: boards.unwrap_or(0),
             axes: machine.axes.len(),
             switching: 0,
-            early,
+            early: Arc::clone(&early),
             left_on: Vec::new(),
+            not_stopped: Vec::new(),
             failures: VecDeque::new(),
-        })
+        };
+        for attached in drives {
+            let unit = Unit::start(machine, attached, start, (cycle_ns, approach), &early)?;
+            hardware.units.push(unit);
+        }
+        Ok(hardware)
     }
 
     /// True once the drives are enabled and stand at the start of the program.
@@ -215,6 +247,23 @@ impl Hardware {
         &self.left_on
     }
 
+    /// Devices that did not confirm that they stop, and why: whether their axes move is not known.
+    pub fn not_stopped(&self) -> &[String] {
+        &self.not_stopped
+    }
+
+    /// Stops all devices at once and waits until each has done what it can; what [`Self::not_stopped`] tells then.
+    #[must_use]
+    pub fn abandon(mut self) -> Vec<String> {
+        self.stop();
+        while self.is_running() {
+            self.listen();
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        self.listen();
+        std::mem::take(&mut self.not_stopped)
+    }
+
     /// True while a device's thread runs.
     pub fn is_running(&self) -> bool {
         self.units.iter().any(Unit::is_running)
@@ -228,6 +277,9 @@ impl Hardware {
                     Ok(Some(Event::Sample(sample))) => track.push(measured(unit, &sample)),
                     Ok(Some(Event::Ready)) => unit.ready = true,
                     Ok(Some(Event::LeftOn(outputs))) => self.left_on.extend(outputs),
+                    Ok(Some(Event::NotStopped(error))) => {
+                        self.not_stopped.push(format!("device `{}`: {error}", unit.device));
+                    }
                     Ok(Some(Event::Switched)) => self.switching = self.switching.saturating_sub(1),
                     Ok(Some(Event::AtRest)) => {
                         unit.ended = true;
@@ -242,6 +294,13 @@ impl Hardware {
                 }
             }
         }
+    }
+}
+
+impl Drop for Hardware {
+    /// All of them at once: the first may take its time, and the others move meanwhile.
+    fn drop(&mut self) {
+        self.stop();
     }
 }
 

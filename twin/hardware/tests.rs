@@ -41,6 +41,8 @@ struct Strings {
     follow_panics: bool,
     /// Stands still wherever it is sent.
     stuck: bool,
+    /// Confirms no stop.
+    goes_on: bool,
     /// `soft_stop` waits for a word from here.
     stop_waits: Option<Mutex<Receiver<()>>>,
     samples: AtomicU32,
@@ -54,6 +56,7 @@ struct Strings {
 #[derive(Debug)]
 struct Puppet {
     strings: Arc<Strings>,
+    axes: usize,
     position: Increments,
 }
 
@@ -78,7 +81,7 @@ impl Drive for Puppet {
     }
 
     fn axis_count(&self) -> usize {
-        3
+        self.axes
     }
 
     fn identity(&mut self) -> Result<Identity, DriveError> {
@@ -108,7 +111,7 @@ impl Drive for Puppet {
         target: &Increments,
         speed: &[f64; MAX_DRIVE_AXES],
     ) -> Result<(), DriveError> {
-        assert!(speed.iter().take(3).all(|speed| *speed >= 1.0), "{speed:?}");
+        assert!(speed.iter().take(self.axes).all(|speed| *speed >= 1.0), "{speed:?}");
         if !self.strings.stuck {
             self.position = *target;
         }
@@ -141,12 +144,15 @@ impl Drive for Puppet {
             // Without the word in a minute the test has failed; it must end all the same.
             waits.lock().unwrap().recv_timeout(Duration::from_mins(1)).unwrap_or_default();
         }
+        if self.strings.goes_on {
+            return Err(Self::refusal());
+        }
         self.strings.stopped.store(true, Ordering::SeqCst);
         Ok(())
     }
 
     fn hard_stop(&mut self) -> Result<(), DriveError> {
-        Ok(())
+        if self.strings.goes_on { Err(Self::refusal()) } else { Ok(()) }
     }
 }
 
@@ -159,7 +165,7 @@ const START: [f64; 3] = [0.1, -0.05, 0.06];
 
 fn start(strings: Strings) -> (Hardware, Arc<Strings>) {
     let strings = Arc::new(strings);
-    let puppet = Puppet { strings: Arc::clone(&strings), position: [0; MAX_DRIVE_AXES] };
+    let puppet = Puppet { strings: Arc::clone(&strings), axes: 3, position: [0; MAX_DRIVE_AXES] };
     let at = AxisVector::from_values(START);
     let hardware = Hardware::start(&machine(), only(puppet), &at, CYCLE_NS, 0.25).unwrap();
     (hardware, strings)
@@ -334,7 +340,7 @@ fn a_device_that_does_not_answer_is_an_error_of_the_approach() {
 #[test]
 fn an_axis_that_does_not_come_to_the_start_is_stuck() {
     let (mut hardware, _) = start(Strings { stuck: true, ..Strings::default() });
-    let Err(HardwareError::Stuck { position, target }) = approach(&mut hardware) else {
+    let Err(HardwareError::Stuck { device: _, position, target }) = approach(&mut hardware) else {
         panic!("it cannot be there")
     };
     assert_eq!(position, [0, 0, 0]);
@@ -343,13 +349,60 @@ fn an_axis_that_does_not_come_to_the_start_is_stuck() {
 }
 
 #[test]
-fn a_thread_that_ends_without_a_word_is_an_error() {
-    let (mut hardware, _) = start(Strings { follow_panics: true, ..Strings::default() });
+fn a_driver_that_panics_is_told_and_its_device_stopped() {
+    let (mut hardware, strings) = start(Strings { follow_panics: true, ..Strings::default() });
     approach(&mut hardware).unwrap();
     stand(&mut hardware, 60_000);
     hardware.follow(Clock::start());
     let (_, error) = listen(&mut hardware);
-    assert!(matches!(error, Some(HardwareError::Gone)), "{error:?}");
+    assert!(
+        matches!(&error, Some(HardwareError::Panicked { device }) if device == "board"),
+        "{error:?}"
+    );
+    assert_eq!(hardware.abandon(), [""; 0]);
+    assert_eq!(strings.soft_stops.load(Ordering::SeqCst), 1);
+}
+
+/// A device that nobody can stop is told as such, also if the user has given up on the way to the start.
+#[test]
+fn a_stop_that_is_not_confirmed_is_told() {
+    let strings = Strings { probe_fails: true, goes_on: true, ..Strings::default() };
+    let (mut hardware, _) = start(strings);
+    assert!(approach(&mut hardware).is_err());
+    let told = hardware.abandon();
+    assert_eq!(told.len(), 1, "{told:?}");
+    assert!(told[0].starts_with("device `board`: puppet, station 1"), "{told:?}");
+}
+
+/// The first device takes its time to stop; the second is stopped meanwhile.
+#[test]
+fn devices_are_stopped_at_once_not_one_after_the_other() {
+    let other = "[[drives]]\nname = \"other\"\nkind = \"interpcnc\"\n\n[[drives]]";
+    let text = GANTRY3
+        .replacen("[[drives]]", other, 1)
+        .replace("drive = \"board\"\ndrive_axis = \"X\"", "drive = \"other\"\ndrive_axis = \"X\"");
+    let machine = Machine::parse(Path::new("machine.toml"), &text).unwrap();
+    let (word, waits): (SyncSender<()>, _) = sync_channel(1);
+    let slow = Strings { stop_waits: Some(Mutex::new(waits)), ..Strings::default() };
+    let [slow, quick] = [slow, Strings::default()].map(Arc::new);
+    let drives = [(&slow, 1), (&quick, 2)].into_iter().enumerate();
+    let drives = drives.map(|(device, (strings, axes))| {
+        let strings = Arc::clone(strings);
+        let puppet = Puppet { strings, axes, position: [0; MAX_DRIVE_AXES] };
+        Attached { device, drive: Box::new(puppet) }
+    });
+    let at = AxisVector::from_values(START);
+    let mut hardware = Hardware::start(&machine, drives.collect(), &at, CYCLE_NS, 0.25).unwrap();
+    approach(&mut hardware).unwrap();
+    let dropped = std::thread::Builder::new().spawn(move || drop(hardware)).unwrap();
+    // Not before that the first one is let go.
+    while !quick.stopped.load(Ordering::SeqCst) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!(!slow.stopped.load(Ordering::SeqCst));
+    word.send(()).unwrap();
+    dropped.join().unwrap();
+    assert!(slow.stopped.load(Ordering::SeqCst));
 }
 
 #[test]
@@ -426,7 +479,7 @@ fn drives_whose_plan_runs_dry_brake_and_say_so() {
 
 #[test]
 fn a_start_beyond_the_counters_is_refused() {
-    let puppet = Puppet { strings: Arc::default(), position: [0; MAX_DRIVE_AXES] };
+    let puppet = Puppet { strings: Arc::default(), axes: 3, position: [0; MAX_DRIVE_AXES] };
     let far = AxisVector::from_values([0.0, -7000.0, 0.0]);
     let refused = Hardware::start(&machine(), only(puppet), &far, CYCLE_NS, 0.25);
     match refused {

@@ -32,6 +32,8 @@ pub(super) struct Mapping {
 /// A device at work.
 #[derive(Debug)]
 pub(super) struct Unit {
+    /// Its name in the machine file.
+    pub(super) device: String,
     stream: Arc<Stream>,
     order: Arc<AtomicU8>,
     events: Receiver<Result<Event, HardwareError>>,
@@ -67,11 +69,14 @@ impl Unit {
             *rest = position * increments_per_si;
             axes.push(Mapping { axis: index, increments_per_si });
         }
+        let name = machine.drives.get(attached.device).map(|entry| entry.name.clone());
+        let name = name.unwrap_or_default();
         let stream = Arc::new(Stream::new(rest, cycle_ns));
         let order = Arc::new(AtomicU8::new(APPROACH));
         let (sender, events) = sync_channel(WAITING_SAMPLES);
         let (switches, to_switch) = sync_channel(WAITING_SWITCHES);
         let device = Device {
+            name: name.clone(),
             drive: attached.drive,
             stream: Arc::clone(&stream),
             order: Arc::clone(&order),
@@ -81,11 +86,12 @@ impl Unit {
             early: Arc::clone(early),
         };
         let thread = std::thread::Builder::new()
-            .name("drive".to_owned())
+            .name(format!("drive {name}"))
             .spawn(move || device.run(&target, &speed))
-            .map_err(HardwareError::Thread)?;
-        let thread = Some(thread);
-        Ok(Self { stream, order, events, thread, axes, switches, ready: false, ended: false })
+            .map_err(|source| HardwareError::Thread { device: name.clone(), source })?;
+        let (device, thread) = (name, Some(thread));
+        let (ready, ended) = (false, false);
+        Ok(Self { device, stream, order, events, thread, axes, switches, ready, ended })
     }
 
     /// From now on it follows its stream by `clock`.
@@ -184,7 +190,7 @@ impl Unit {
             Err(TryRecvError::Disconnected) if self.ended => Ok(None),
             Err(TryRecvError::Disconnected) => {
                 self.ended = true;
-                Err(HardwareError::Gone)
+                Err(HardwareError::Gone { device: self.device.clone() })
             }
         }
     }

@@ -111,6 +111,8 @@ pub struct Ending {
     pub punctuality: Option<Punctuality>,
     /// Outputs of the drives that are perhaps still on although the run has ended early.
     pub left_on: Vec<u8>,
+    /// Devices that did not confirm that they stop, and why: whether their axes move is not known.
+    pub not_stopped: Vec<String>,
 }
 
 impl Ending {
@@ -127,6 +129,7 @@ impl Ending {
             late_plans: 0,
             punctuality: None,
             left_on: Vec::new(),
+            not_stopped: Vec::new(),
         }
     }
 

@@ -156,6 +156,8 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         let late_plans = self.items.late_plans();
         let record = self.twin.record();
         let Self { comparison, punctuality, stopped, off_path, hardware, overrides, .. } = self;
+        let told = |of: fn(&Hardware) -> Vec<String>| hardware.as_ref().map(of).unwrap_or_default();
+        let not_stopped = told(|hardware| hardware.not_stopped().to_vec());
         let left_on = hardware.map(|hardware| hardware.left_on().to_vec()).unwrap_or_default();
         let overrides = overrides.into_changes();
         Ending {
@@ -168,6 +170,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             late_plans,
             punctuality,
             left_on,
+            not_stopped,
         }
     }
 

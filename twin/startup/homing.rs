@@ -4,10 +4,19 @@ use super::Still;
 use crate::clock::Clock;
 use crate::hardware::Attached;
 use crate::machine::{Axis, DriveFamily, Machine};
-use twin_drives::{Drive, DriveError, HomingWays, MAX_DRIVE_AXES};
+use twin_drives::{Drive, DriveError, HomingWays, MAX_DRIVE_AXES, Sample};
 
 /// A home switch may lie so much further away than the whole way between the software limits.
 const FURTHER: f64 = 1.2;
+
+/// And an axis may go so much further than that in all, out and back: not every device limits the way itself.
+const IN_ALL: f64 = 1.5;
+
+/// Homing is given up after the time that this way takes at this part of the axis's largest velocity …
+const SLOWEST: f64 = 0.01;
+
+/// … and so much for what takes no way, s.
+const LONGEST_REST: f64 = 30.0;
 
 /// Why axes are not homed. Those that moved have been brought to rest.
 #[derive(Debug, thiserror::Error)]
@@ -25,6 +34,24 @@ pub enum HomingError {
     NotHome {
         /// The axis.
         axis: String,
+    },
+    /// It has gone farther than its home can be.
+    #[error("homing axis {axis}: it has gone {way:.1} {unit} and not found its home")]
+    TooFar {
+        /// The axis.
+        axis: String,
+        /// How far it may go, in `unit`.
+        way: f64,
+        /// "mm" or "deg".
+        unit: &'static str,
+    },
+    /// It takes longer than the way can take.
+    #[error("homing axis {axis}: it has not ended after {patience_s:.0} s")]
+    TooLong {
+        /// The axis.
+        axis: String,
+        /// How long it may take, s.
+        patience_s: f64,
     },
     /// The user does not want it any more.
     #[error("stopped by the user while axis {axis} was homed")]
@@ -69,6 +96,13 @@ pub fn home(
             Ok(Ended::Home) => continue,
             Ok(Ended::NotHome) => HomingError::NotHome { axis: name() },
             Ok(Ended::Stopped) => HomingError::Stopped { axis: name() },
+            Ok(Ended::TooFar) => {
+                let way = axis.from_si(way_in_all(axis) / axis.increments_per_si().abs());
+                HomingError::TooFar { axis: name(), way, unit: axis.unit() }
+            }
+            Ok(Ended::TooLong) => {
+                HomingError::TooLong { axis: name(), patience_s: patience_s(axis) }
+            }
             Err(source) => HomingError::Drive { axis: name(), source: Box::new(source) },
         };
         return Err(match drive.soft_stop().or_else(|_| drive.hard_stop()) {
@@ -86,6 +120,27 @@ enum Ended {
     Home,
     NotHome,
     Stopped,
+    TooFar,
+    TooLong,
+}
+
+/// How far an axis has gone, out and back.
+struct Way {
+    last: i64,
+    gone: f64,
+    /// Between two looks; more than that is another zero, not a way.
+    most: f64,
+}
+
+impl Way {
+    fn seen(&mut self, position: i64) {
+        #[expect(clippy::cast_precision_loss, reason = "counters have 32 bits")]
+        let step = position.abs_diff(self.last) as f64;
+        self.last = position;
+        if step <= self.most {
+            self.gone += step;
+        }
+    }
 }
 
 fn one(
@@ -93,18 +148,32 @@ fn one(
     (axis, slot): (&Axis, usize),
     stopped: &dyn Fn() -> bool,
 ) -> Result<Ended, DriveError> {
-    let stream = Still(Clock::start());
+    let clock = Clock::start();
+    let stream = Still(clock);
     let mut ways: HomingWays = [None; MAX_DRIVE_AXES];
     if let Some(way) = ways.get_mut(slot) {
         *way = Some(longest_way(axis));
     }
     drive.enable()?;
+    let at = |sample: &Sample| sample.position.get(slot).copied().unwrap_or_default();
+    let last = at(&drive.sample(&stream)?);
+    let mut way = Way { last, gone: 0.0, most: f64::from(longest_way(axis)) };
     drive.begin_homing(&ways)?;
+    #[expect(clippy::cast_possible_truncation, reason = "minutes")]
+    let deadline_ns = clock.now_ns() + (1e9 * patience_s(axis)) as i64;
     loop {
         if stopped() {
             return Ok(Ended::Stopped);
         }
-        if !drive.sample(&stream)?.moving {
+        let sample = drive.sample(&stream)?;
+        way.seen(at(&sample));
+        if sample.moving && way.gone > way_in_all(axis) {
+            return Ok(Ended::TooFar);
+        }
+        if sample.moving && clock.now_ns() > deadline_ns {
+            return Ok(Ended::TooLong);
+        }
+        if !sample.moving {
             let homed = drive.homed()?.get(slot).copied().flatten();
             return Ok(if homed == Some(true) { Ended::Home } else { Ended::NotHome });
         }
@@ -118,6 +187,17 @@ pub fn longest_way(axis: &Axis) -> u32 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let way = way.ceil().clamp(1.0, f64::from(i32::MAX)) as u32;
     way
+}
+
+/// How far an axis may go in all while it is homed, increments.
+pub fn way_in_all(axis: &Axis) -> f64 {
+    IN_ALL * f64::from(longest_way(axis))
+}
+
+/// How long homing an axis may take, s.
+fn patience_s(axis: &Axis) -> f64 {
+    let slowest = (SLOWEST * axis.max_velocity * axis.increments_per_si()).abs();
+    LONGEST_REST + way_in_all(axis) / slowest.max(1.0)
 }
 
 /// The command that homes an axis by hand; `None` if it has no drive.

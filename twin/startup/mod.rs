@@ -7,7 +7,7 @@ mod parameters;
 use crate::clock::Clock;
 use crate::hardware::Attached;
 use crate::machine::{Axis, DeviceEntry, Machine};
-pub use homing::{HomingError, home, home_by_hand, longest_way};
+pub use homing::{HomingError, home, home_by_hand, longest_way, way_in_all};
 use parameters::{Must, wanted};
 use std::fmt;
 use twin_drives::{
@@ -132,7 +132,9 @@ impl Looker<'_> {
                 if sample.moving {
                     self.add(false, format!("{}: an axis moves already", drive.describe()));
                 }
-                self.homed(machine, drive, stream)
+                self.homed(machine, drive, stream)?;
+                self.stands(&sample.position);
+                Ok(())
             }
             // Each of them is told already, with all others that are wrong.
             Err(DriveError::Parameter { .. } | DriveError::EnableOpen { .. })
@@ -265,6 +267,24 @@ impl Looker<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Axes that are home stand within their limits; where others stand says nothing yet.
+    fn stands(&mut self, found: &Increments) {
+        for (slot, (index, axis)) in self.axes.clone().into_iter().enumerate() {
+            let who = self.needs.get(index).map_or(Homed::Unknown, |needs| needs.homed);
+            let home = !matches!(who, Homed::First | Homed::Emulated);
+            let Some(at) = position(axis, slot, found).filter(|_| axis.limited && home) else {
+                continue;
+            };
+            let slack = axis.from_si(2.5 / axis.increments_per_si().abs());
+            let [least, most] = axis.position_limits.map(|limit| axis.from_si(limit));
+            if at < least - slack || at > most + slack {
+                let (name, unit) = (&axis.name, axis.unit());
+                let wanted = format!("{least:.4} … {most:.4} {unit} is wanted; is it homed?");
+                self.add(false, format!("axis {name}: it stands at {at:.4} {unit}; {wanted}"));
+            }
+        }
     }
 
     fn homed(

@@ -195,6 +195,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if let Some(reason) = &reason {
         eprintln!("{reason}");
     }
+    tell_not_stopped(&done.ending.not_stopped);
     for output in &done.ending.left_on {
         eprintln!(
             "output {output} of the drives could not be switched off: it is perhaps still on"
@@ -340,6 +341,13 @@ impl Arguments {
             }
         }
         Ok(())
+    }
+}
+
+/// Nothing is worse than an axis that nobody can stop.
+fn tell_not_stopped(devices: &[String]) {
+    for device in devices {
+        eprintln!("{device}: it has not confirmed that it stops; use the emergency stop");
     }
 }
 

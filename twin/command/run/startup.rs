@@ -1,7 +1,7 @@
 //! Drives before they move: their start-up checks, what will move where, whether it may, and homing.
 
-use super::APPROACH;
 use super::interrupt::Interrupt;
+use super::{APPROACH, tell_not_stopped};
 use crate::check::Outcome;
 use crate::command::drive::consent::Consent;
 use crate::command::{Failure, show};
@@ -9,7 +9,7 @@ use crate::emulated::Emulator;
 use crate::hardware::{Attached, Hardware};
 use crate::machine::{Axis, Machine};
 use crate::real;
-use crate::startup::{self, Check, Homed, Looked, Needs, longest_way};
+use crate::startup::{self, Check, Homed, Looked, Needs, way_in_all};
 use comfy_table::{Cell, CellAlignment};
 use indicatif::ProgressBar;
 use std::time::Duration;
@@ -181,7 +181,7 @@ fn moves(
             let stands = found.and_then(|found| startup::position(axis, slot, &found));
             let mut stands = stands.map_or("?".to_owned(), |at| format!("{at:.3} {unit}"));
             if to_home.contains(&index) {
-                let way = f64::from(longest_way(axis)) / axis.increments_per_si().abs();
+                let way = way_in_all(axis) / axis.increments_per_si().abs();
                 stands = format!("{stands}, homes first: {:.1} {unit} at most", axis.from_si(way));
             }
             let begins = start.get(index).copied().unwrap_or_default();
@@ -269,14 +269,20 @@ fn approach(mut hardware: Hardware, interrupt: &Interrupt) -> Result<Hardware, F
     let bar =
         ProgressBar::new_spinner().with_message("the drives move to the start of the program");
     bar.enable_steady_tick(Duration::from_millis(100));
-    loop {
+    let failure = loop {
         if interrupt.count() > 0 {
-            return Err(Failure::StoppedOnTheWay);
+            break Failure::StoppedOnTheWay;
         }
-        if hardware.ready()? {
-            bar.finish_and_clear();
-            return Ok(hardware);
+        match hardware.ready() {
+            Ok(true) => {
+                bar.finish_and_clear();
+                return Ok(hardware);
+            }
+            Ok(false) => std::thread::sleep(Duration::from_millis(2)),
+            Err(error) => break error.into(),
         }
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    };
+    bar.finish_and_clear();
+    tell_not_stopped(&hardware.abandon());
+    Err(failure)
 }
