@@ -13,7 +13,7 @@ use twin_drives::bim2ax::{
 };
 use twin_drives::interpcnc::emulator::{BoardOptions, EmulatedBoard, EmulatorOptions, Wire};
 use twin_drives::interpcnc::{
-    AxisOptions, InterpCncDrive, InterpCncOptions, InterpCncRehearsal, Line,
+    self, AxisOptions, Following, InterpCncDrive, InterpCncOptions, Line,
     registers::{BoardAxis, MAX_SPEED_HZ},
 };
 use twin_drives::smartdrive::emulator::EmulatedBus;
@@ -25,6 +25,9 @@ use twin_drives::{Drive, DriveError, EmulatorError, Rehearsal};
 /// How long an emulated board may take to answer. The kernel passes the bytes of a pseudo-terminal on when nothing
 /// more urgent is to be done, which on a busy computer can be a while; a wire does not wait.
 const EMULATED_DEADLINE: Duration = Duration::from_secs(2);
+
+/// A board may take so long to store a parameter.
+const LONGEST_STORING: Duration = Duration::from_secs(10);
 
 /// A drive that lags may go this much faster than its axis's largest velocity.
 const CATCH_UP: f64 = 1.2;
@@ -75,7 +78,7 @@ pub fn connect(machine: &Machine) -> Result<Vec<(Emulator, Attached)>, ConnectEr
     let connected = driven
         .map(|(device, entry)| {
             let (emulator, drive) = match &entry.family {
-                DriveFamily::InterpCnc(board) => interpcnc(machine, (device, board))?,
+                DriveFamily::InterpCnc(board) => self::board(machine, (device, board))?,
                 DriveFamily::SmartDrive(bus) => smartdrive(machine, (device, bus))?,
                 DriveFamily::Bim2Ax(module) => bim2ax(machine, (device, module))?,
             };
@@ -87,7 +90,7 @@ pub fn connect(machine: &Machine) -> Result<Vec<(Emulator, Attached)>, ConnectEr
 
 type Opened = Result<(Emulator, Box<dyn Drive>), ConnectError>;
 
-fn interpcnc(machine: &Machine, (device, entry): (usize, &InterpCncEntry)) -> Opened {
+fn board(machine: &Machine, (device, entry): (usize, &InterpCncEntry)) -> Opened {
     let clock = Clock::start();
     let board = EmulatedBoard::start(&emulator_options(entry), move || clock.now_ns())?;
     let port = board.path().display().to_string();
@@ -95,7 +98,19 @@ fn interpcnc(machine: &Machine, (device, entry): (usize, &InterpCncEntry)) -> Op
         deadline: EMULATED_DEADLINE,
         ..driver_options(machine, (device, entry))
     };
-    let drive = InterpCncDrive::open(&port, &options)?;
+    let mut drive = InterpCncDrive::open(&port, &options)?;
+    if let Following::Buffered { start_stop_hz, acceleration_khz_per_s } = options.following {
+        // The ramps of segments are parameters, which a real board has been given.
+        let assumed = options.assumptions;
+        for (number, value) in [
+            (assumed.segment_acceleration, acceleration_khz_per_s),
+            (assumed.segment_start_stop, start_stop_hz),
+        ] {
+            let (board, runtime) = drive.board();
+            let set = board.set_parameter(number, value.into(), LONGEST_STORING, &|| 0);
+            runtime.block_on(set)?;
+        }
+    }
     Ok((Emulator::InterpCnc(board), Box::new(drive)))
 }
 
@@ -181,7 +196,7 @@ pub(crate) fn rehearsal(
     match &device.family {
         DriveFamily::InterpCnc(entry) => {
             let options = driver_options(machine, (index, entry));
-            Box::new(InterpCncRehearsal::new(&options.axes, &wire(entry)))
+            interpcnc::rehearse(&options.axes, &wire(entry), options.following)
         }
         DriveFamily::SmartDrive(entry) => {
             let axes: Vec<_> =
@@ -285,6 +300,7 @@ pub(crate) fn driver_options(
     InterpCncOptions {
         station: entry.station,
         line: line(entry),
+        following: entry.following,
         ..InterpCncOptions::new(axes.collect())
     }
 }

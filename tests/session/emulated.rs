@@ -1,7 +1,7 @@
 //! The simulated machine beside an emulated board on a pseudo-terminal.
 
 use crate::simulated::CIRCLES;
-use crate::{Program, Recorder, SCARA2, machine, portal};
+use crate::{GANTRY3, Program, Recorder, SCARA2, machine, portal};
 use std::cell::{Cell, RefCell};
 use std::time::Duration;
 use twin::check::CheckOptions;
@@ -278,6 +278,30 @@ fn drives_dropped_on_their_way_to_the_start_come_to_rest() {
 
 /// What a run on emulated drives shows is what was predicted: at most as much farther away as an axis moves in the longest time in
 /// which nobody corrected it and in what a time stamp is uncertain by (half of 2 ms of turnaround), and no order of magnitude nearer.
+/// Segments of straight lines end where they should, and are as near to the plan on the way as is said beforehand: they
+/// are sent a few at a time, each from rest to rest.
+#[test]
+fn a_board_follows_by_segments() {
+    let text = GANTRY3.replace("start_mm = [0.0, 0.0, 20.0]", "start_mm = [0.0, 0.0, -40.0]");
+    let buffered = "kind = \"interpcnc\"\nfollowing = \"buffered\"\nstart_stop_hz = 2000";
+    let machine = machine(&text.replace("kind = \"interpcnc\"", buffered));
+    let program = Program::new("% lines\nN10 G1 X8 Y4 F40 E400 E-400\nN20 G1 X0 Y8 Z-35\n");
+    let options = CheckOptions { drives: true, ..CheckOptions::default() };
+    let checked = twin::check::check(&machine, &program.file, options, &mut |_| {}).unwrap();
+    let predicted = checked.following.unwrap();
+    let outcome = run(&machine, &program, |_, _, _| {});
+    assert!(outcome.ending.stopped.is_none(), "{:?}", outcome.ending.stopped);
+    let heard = outcome.recorder.heard.windows(2);
+    let gap = heard.map(|pair| pair[1].time_ns - pair[0].time_ns).max().unwrap() as f64 * 1e-9;
+    for axis in 0..3 {
+        let (predicted, _) = predicted.axes[axis].unwrap().maximum().unwrap();
+        let (found, _) = outcome.ending.comparison.axes[axis].drives.maximum().unwrap();
+        let more = checked.peaks[axis].velocity.value * (gap + 1e-3);
+        assert!(found <= predicted + more, "axis {axis}: {found}, predicted {predicted}, {more}");
+    }
+    outcome.assert_drives_where_the_twin_is(&machine);
+}
+
 #[test]
 fn a_run_is_as_far_from_its_plan_as_was_predicted() {
     let machine = portal();

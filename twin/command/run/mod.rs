@@ -133,6 +133,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     arguments.check()?;
     let mut machine = arguments.machine.load()?;
     arguments.simulation.in_loop.apply(&mut machine)?;
+    if arguments.drives == Drives::Real {
+        startup::expect_real(&mut machine);
+    }
     let program = arguments.read.program(&arguments.program, machine.conditions.rs274.units)?;
     eprintln!("{} is read as {}", program.path().display(), program.dialect().name());
     program.size().map_err(|source| unreadable(program.path(), source))?;

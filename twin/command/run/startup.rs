@@ -75,6 +75,19 @@ pub(super) struct Ready {
     to_home: Vec<usize>,
 }
 
+/// What is said of the drives beforehand is said of the real ones; where nobody knows how fast those answer, that is told.
+pub(super) fn expect_real(machine: &mut Machine) {
+    for device in &mut machine.drives {
+        if !device.expect_real() {
+            eprintln!(
+                "note: device `{}` is reckoned to answer after {} ms; `turnaround_ms` in the machine file says what it takes",
+                device.name,
+                f64::from(device.reckoned_us()) * 1e-3
+            );
+        }
+    }
+}
+
 /// Opens the ports of the machine file, looks whether everything is as it must be, shows what will move, and asks. Nothing moves.
 pub(super) fn real(
     options: &StartUpOptions,

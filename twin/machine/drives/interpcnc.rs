@@ -2,6 +2,7 @@
 
 use super::{Abilities, microseconds};
 use crate::machine::section::Section;
+use twin_drives::interpcnc::Following;
 use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
 
 /// What the file says of a board.
@@ -19,6 +20,8 @@ pub struct InterpCncEntry {
     pub start_stop_hz: u16,
     /// Acceleration and deceleration of its ramps, thousand steps/s².
     pub acceleration_khz_per_s: u16,
+    /// How the board follows a plan.
+    pub following: Following,
     /// Whether the adapter of the real board hears what it sends.
     pub echo: bool,
 }
@@ -51,13 +54,19 @@ pub(super) fn read(section: &Section<'_>) -> Option<InterpCncEntry> {
     let start_stop = section.integer("start_stop_hz", 1..=65_535).unwrap_or(200);
     let acceleration = section.integer("acceleration_khz_per_s", 1..=65_535).unwrap_or(2000);
     let echo = section.flag("echo").unwrap_or(false);
+    let start_stop_hz = u16::try_from(start_stop).ok()?;
+    let acceleration_khz_per_s = u16::try_from(acceleration).ok()?;
+    let buffered = Following::Buffered { start_stop_hz, acceleration_khz_per_s };
+    let ways = [("retargeted", Following::Retargeted), ("buffered", buffered)];
+    let following = section.choice("following", &ways).unwrap_or_default();
     Some(InterpCncEntry {
         station: u8::try_from(station).ok()?,
         baud: u32::try_from(baud).ok()?,
         parity,
         turnaround_us,
-        start_stop_hz: u16::try_from(start_stop).ok()?,
-        acceleration_khz_per_s: u16::try_from(acceleration).ok()?,
+        start_stop_hz,
+        acceleration_khz_per_s,
+        following,
         echo,
     })
 }

@@ -21,6 +21,9 @@ pub struct DeviceEntry {
     pub firmware: Option<String>,
     /// Longest time an answer of the real device may take, ms, where it is not the family's usual.
     pub answer_ms: Option<u32>,
+    /// Time the real device takes to answer, adapter and cable included, µs, where that is known: what is said beforehand of
+    /// a run with real drives reckons with it.
+    pub turnaround_us: Option<u32>,
     /// Whether it stands between set-points and motors of the simulated machine.
     pub in_loop: bool,
     /// What it is.
@@ -121,6 +124,26 @@ impl DeviceEntry {
         }
     }
 
+    /// Reckons with the real device from now on; false if the file does not say how fast that answers.
+    pub fn expect_real(&mut self) -> bool {
+        let Some(turnaround_us) = self.turnaround_us else { return false };
+        match &mut self.family {
+            DriveFamily::InterpCnc(entry) => entry.turnaround_us = turnaround_us,
+            DriveFamily::SmartDrive(entry) => entry.response_us = turnaround_us,
+            DriveFamily::Bim2Ax(entry) => entry.order_us = turnaround_us,
+        }
+        true
+    }
+
+    /// How long it is reckoned to take for an answer, µs.
+    pub fn reckoned_us(&self) -> u32 {
+        match &self.family {
+            DriveFamily::InterpCnc(entry) => entry.turnaround_us,
+            DriveFamily::SmartDrive(entry) => entry.response_us,
+            DriveFamily::Bim2Ax(entry) => entry.order_us,
+        }
+    }
+
     /// What an axis of the device is called.
     pub fn axis_name(&self, index: usize) -> String {
         match self.family {
@@ -147,6 +170,7 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
     let kind = section.required_choice("kind", &Kind::ALL);
     let port = section.text("port").map(str::to_owned);
     let firmware = section.text("firmware").map(str::to_owned);
+    let turnaround_us = section.number("turnaround_ms", 0.0..=1000.0).map(whole_microseconds);
     let answer_ms = section.integer("answer_deadline_ms", 1..=60_000);
     let answer_ms = answer_ms.and_then(|time_ms| u32::try_from(time_ms).ok());
     let in_loop = section.flag("in_loop").unwrap_or(false);
@@ -161,12 +185,15 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
         Kind::Bim2Ax => bim2ax::read(section).map(DriveFamily::Bim2Ax),
     };
     let (name, family) = (name?.to_owned(), family?);
-    Some(DeviceEntry { name, port, firmware, answer_ms, in_loop, family })
+    Some(DeviceEntry { name, port, firmware, answer_ms, turnaround_us, in_loop, family })
 }
 
 /// A time in ms as microseconds.
 fn microseconds(section: &Section<'_>, key: &str, default_ms: f64) -> u32 {
-    let time_ms = section.number(key, 0.0..=1000.0).unwrap_or(default_ms);
+    whole_microseconds(section.number(key, 0.0..=1000.0).unwrap_or(default_ms))
+}
+
+fn whole_microseconds(time_ms: f64) -> u32 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to a million")]
     let time_us = (time_ms * 1e3).round() as u32;
     time_us

@@ -22,6 +22,7 @@ use super::{
     Axis, AxisKind, DriveFamily, InterpCncEntry, Machine, MachineFileError, Parity, Problem,
 };
 use std::path::Path;
+use twin_drives::interpcnc::Following;
 use twin_kinematics::{AxisVector, Kinematics, Pose};
 
 const SCARA2: &str = include_str!("../../../machines/scara2.toml");
@@ -156,6 +157,22 @@ fn the_shipped_machines_are_as_their_comments_say() {
             machine.axes.iter().map(|axis| axis.drive.as_ref().unwrap().index).collect();
         assert_eq!(devices, [0, 1, 2]);
     }
+}
+
+/// A real drive answers as slowly as it does; an emulated one as fast as it is told to.
+#[test]
+fn real_devices_are_reckoned_with_by_their_own_time() {
+    let mut machine = load(GANTRY3);
+    assert!(!machine.drives[0].expect_real());
+    assert_eq!(machine.drives[0].reckoned_us(), 2000);
+    let slow = "kind = \"interpcnc\"\nturnaround_ms = 18.5\nfollowing = \"buffered\"\n\
+                start_stop_hz = 1500\n";
+    let mut machine = load(&GANTRY3.replace("kind = \"interpcnc\"\n", slow));
+    assert_eq!(board(&machine).turnaround_us, 2000);
+    let buffered = Following::Buffered { start_stop_hz: 1500, acceleration_khz_per_s: 2000 };
+    assert_eq!(board(&machine).following, buffered);
+    assert!(machine.drives[0].expect_real());
+    assert_eq!(board(&machine).turnaround_us, 18_500);
 }
 
 fn board(machine: &Machine) -> &InterpCncEntry {
@@ -306,6 +323,7 @@ fn a_number_beyond_its_range_is_shown_with_both_bounds() {
     in_drive("start_stop_hz = ", "65536", "between 1 and 65535");
     in_drive("acceleration_khz_per_s = ", "0", "between 1 and 65535");
     in_drive("emulated_turnaround_ms = ", "-1", "between 0 and 1000");
+    in_drive("turnaround_ms = ", "1001", "between 0 and 1000");
     let in_physics = |line: &str, number: &str, bounds: &str| {
         let to = format!("[axes.physics]\n{line}{number}\n[[axes]]\nname = \"Y\"\n");
         refused("[[axes]]\nname = \"Y\"\n", &to, number, &[bounds]);
