@@ -1,6 +1,6 @@
 //! What happens to served devices other than on the wire.
 
-use super::{Device, Input, Phase};
+use super::{Cam, Device, HomingOptions, Input, Phase};
 use crate::smartdrive::{Alarms, Status, TrajectoryFlags, frame};
 
 /// What happens to devices on a line, and to the line.
@@ -41,6 +41,19 @@ pub enum Event {
     Stall,
     /// Status, position and flags are shown as they are now for good (true), or as they are.
     StuckStatus(bool),
+    /// One more switch that the mechanics operate.
+    Cam {
+        /// Input it is wired to.
+        input: Input,
+        /// It is active from here, µsteps from where the axis stood when the emulator was started.
+        from: i32,
+        /// To here.
+        to: i32,
+    },
+    /// All switches that the mechanics operate at an input are gone: it is off.
+    NoCams(Input),
+    /// Homing works otherwise from now on.
+    Homing(HomingOptions),
 }
 
 /// An event and the device it happens to, counted from 0 in the order of the bus.
@@ -78,6 +91,15 @@ impl Device {
             Event::Fault { alarms, present } => self.set_fault(alarms, present),
             Event::Stall => self.stall(),
             Event::StuckStatus(stuck) => self.set_stuck_status(stuck),
+            Event::Cam { input, from, to } => {
+                self.options.cams.push(Cam { input, from: from.into(), to: to.into() });
+                self.operate_cams();
+            }
+            Event::NoCams(input) => {
+                self.options.cams.retain(|cam| cam.input != input);
+                self.set_input(input, false);
+            }
+            Event::Homing(homing) => self.options.homing = homing,
         }
     }
 

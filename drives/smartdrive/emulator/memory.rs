@@ -32,6 +32,8 @@ pub(super) struct Memory {
     working: Box<Words>,
     /// What the device goes by: as `working`, but 32-bit values change when their high word arrives.
     effective: Box<Words>,
+    /// How often something was saved.
+    saves: u64,
 }
 
 fn word(words: &Words, index: u16) -> u16 {
@@ -64,7 +66,7 @@ impl Memory {
         store(&mut factory, RELEASE, release);
         store(&mut factory, ADDRESS, address.into());
         let same = || factory.clone();
-        Self { saved: same(), working: same(), effective: same(), factory }
+        Self { saved: same(), working: same(), effective: same(), factory, saves: 0 }
     }
 
     /// The value the device goes by.
@@ -118,6 +120,12 @@ impl Memory {
     /// SAVE.
     pub(super) fn save(&mut self) {
         self.saved.clone_from(&self.working);
+        self.saves += 1;
+    }
+
+    /// How often something was saved.
+    pub(super) fn saves(&self) -> u64 {
+        self.saves
     }
 
     /// LOAD and reset.

@@ -135,6 +135,19 @@ impl Device {
         self.memory.to_bytes()
     }
 
+    /// How often SAVE has been carried out since power-up.
+    pub fn saves(&self) -> u64 {
+        self.memory.saves()
+    }
+
+    /// When the SAVE under way has been carried out, ns since power-up; none if there is none.
+    pub fn save_due_ns(&self) -> Option<i64> {
+        match self.phase {
+            Phase::Changing { until_ns, work: Work::Save, .. } => Some(until_ns),
+            _ => None,
+        }
+    }
+
     /// Time since power-up, ns.
     pub fn now_ns(&self) -> i64 {
         self.now_ns
@@ -347,9 +360,13 @@ impl Device {
     fn operate_cams(&mut self) {
         let position = self.mechanical();
         let mut changed = false;
-        for cam in &self.options.cams {
-            let level = (cam.from..=cam.to).contains(&position);
-            changed |= self.pins.set_input(self.now_ns, cam.input, level);
+        for input in Input::ALL {
+            let mut wired = self.options.cams.iter().filter(|cam| cam.input == input).peekable();
+            // Any of several switches on one wire makes it active.
+            if wired.peek().is_some() {
+                let level = wired.any(|cam| (cam.from..=cam.to).contains(&position));
+                changed |= self.pins.set_input(self.now_ns, input, level);
+            }
         }
         if changed {
             self.obey_limits();
