@@ -16,7 +16,7 @@ use tokio::time::{sleep, timeout};
 pub use programmed::{Move, Start};
 
 use super::{
-    AXES, ByteOrder, ModuleAxis,
+    AXES, Assumptions, ByteOrder, ModuleAxis,
     bits::card,
     memory::{BIM2AX_BOCM, Memory, RECEIPT_ORDERS, Window},
     parameter::Parameter,
@@ -45,6 +45,8 @@ pub struct Bim2AxOptions {
     pub reset_deadline: Duration,
     /// From version 15 on: write positions and orders with one interrupt and ask for receipts of orders.
     pub zones_at_once: bool,
+    /// What is assumed where the manual is silent.
+    pub assumptions: Assumptions,
 }
 
 impl Default for Bim2AxOptions {
@@ -58,6 +60,7 @@ impl Default for Bim2AxOptions {
             plugs_deadline: Duration::from_secs(1),
             reset_deadline: Duration::from_secs(5),
             zones_at_once: true,
+            assumptions: Assumptions::default(),
         }
     }
 }
