@@ -118,6 +118,9 @@ pub struct Assumptions {
     pub locked_exception: Option<u8>,
     /// How axes stop when ENABLE is lost. Default at once.
     pub enable_loss: BoardStop,
+    /// Whether segments that wait when ENABLE is lost are carried out once the board is unlocked; the driver then empties
+    /// the buffer (command 43) before it unlocks. Default false: the buffer is emptied.
+    pub enable_loss_keeps_segments: bool,
     /// How an axis stops that runs onto its limit switch. Default at once.
     pub limit_stop: BoardStop,
     /// How long B22 to B26 read 0 when a retargeted move reverses (firmware before 5.31), ns; 0: never. Default 0.
@@ -152,6 +155,7 @@ impl Default for Assumptions {
             broadcasts: true,
             locked_exception: None,
             enable_loss: BoardStop::AtOnce,
+            enable_loss_keeps_segments: false,
             limit_stop: BoardStop::AtOnce,
             reversal_gap_ns: 0,
             home_one_by_one: false,

@@ -8,6 +8,7 @@ use tokio_serial::{DataBits, FlowControl, SerialPortBuilderExt, StopBits};
 mod access;
 mod exchange;
 mod homing;
+mod lock;
 mod memory;
 mod motion;
 mod outcome;
@@ -253,18 +254,6 @@ impl InterpCnc {
             stamp = then;
         }
         Ok(stamp)
-    }
-
-    /// Clears "Board Locked" (command 66) and checks that it is cleared.
-    ///
-    /// # Errors
-    /// If the ENABLE input is open, the board stays locked, or no proper answer comes.
-    pub async fn unlock(&mut self, clock: &dyn Clock) -> Result<(), DriveError> {
-        let command = Command::Reset { unlock: true, homing_error: false, probe_error: false };
-        self.send(&command, clock).await?;
-        // The board answers normally even where it stays locked.
-        let (state, _) = self.state(clock).await?;
-        self.check_obeys(&state, command.action())
     }
 
     /// Switches output `output` (1 to 32) and reads it back: a locked board confirms the write and leaves the output

@@ -15,11 +15,9 @@ use super::wire::{axis, no_clock, run};
 use crate::{
     DriveError,
     smartdrive::{
-        Command, Init, IoUpdate, LoadSource, Mode, RejectCode, SmartDrive, SmartDriveOptions,
-        TagLayout, TrajectoryFlags,
-        emulator::{
-            Assumptions, Cam, Device, DeviceOptions, Event, HomingOptions, Input, Wire, serve,
-        },
+        Assumptions, Command, Init, IoUpdate, LoadSource, Mode, RejectCode, SmartDrive,
+        SmartDriveOptions, TagLayout, TrajectoryFlags,
+        emulator::{Cam, Device, DeviceOptions, Event, HomingOptions, Input, Wire, serve},
         frame::command_length,
     },
 };

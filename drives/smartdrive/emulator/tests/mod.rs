@@ -9,7 +9,7 @@ mod memory;
 
 use super::*;
 use crate::smartdrive::{
-    Command, Init, RejectCode,
+    Assumptions, Command, Init, RejectCode,
     frame::{Answer, encode},
 };
 

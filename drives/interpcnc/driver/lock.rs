@@ -1,0 +1,25 @@
+//! Unlocking the board.
+
+use super::{Clock, Command, DriveError, InterpCnc, Status};
+
+impl InterpCnc {
+    /// Clears "Board Locked" (command 66) and checks that it is cleared. Where the board keeps the segments that waited
+    /// when it lost ENABLE ([`crate::interpcnc::Assumptions::enable_loss_keeps_segments`]), they are thrown away first
+    /// (command 43), so that nothing moves by what has been forgotten.
+    ///
+    /// # Errors
+    /// If the ENABLE input is open, the board stays locked, or no proper answer comes.
+    pub async fn unlock(&mut self, clock: &dyn Clock) -> Result<(), DriveError> {
+        let command = Command::Reset { unlock: true, homing_error: false, probe_error: false };
+        if self.options().assumptions.enable_loss_keeps_segments {
+            let (state, _) = self.state(clock).await?;
+            if state.status.locked() {
+                self.send(&Command::Stop, clock).await?;
+            }
+        }
+        self.send(&command, clock).await?;
+        // The board answers normally even where it stays locked.
+        let (state, _) = self.state(clock).await?;
+        self.check_obeys(&state, command.action())
+    }
+}
