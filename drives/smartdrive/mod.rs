@@ -23,6 +23,7 @@ mod requests;
 mod status;
 #[cfg(test)]
 mod tests;
+mod travel;
 mod units;
 #[cfg(test)]
 mod vectors;

@@ -8,7 +8,7 @@ use super::{Alarms, Command, Init, IoUpdate, Mode, SmartDrive, TrajectoryFlags, 
 use crate::{Clock, DriveError, Stamp};
 
 /// Time between two looks at a drive that takes its time.
-const LOOK: Duration = Duration::from_millis(5);
+pub(super) const LOOK: Duration = Duration::from_millis(5);
 
 /// What a drive says about itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -177,15 +177,7 @@ impl Drive for Bim2AxDrive {
     fn enable(&mut self) -> Result<(), DriveError> {
         self.prepared()?;
         let axes = self.options.axes.clone();
-        self.runtime.block_on(async {
-            match self.module.set_phases(&axes, true, &no_clock).await {
-                // Modules from before revision D do not know that order; a motor test switches phases on, too (7.6).
-                Err(DriveError::AxisMessages { messages, .. }) if messages & FAULTS == 0 => {
-                    self.module.test_motors(&axes, &no_clock).await
-                }
-                done => done,
-            }
-        })
+        self.runtime.block_on(self.module.energise(&axes, &no_clock))
     }
 
     fn disable(&mut self) -> Result<(), DriveError> {

@@ -8,6 +8,7 @@
 mod orders;
 mod parameters;
 mod programmed;
+mod travel;
 
 use std::{io, sync::Arc, time::Duration};
 
