@@ -111,10 +111,11 @@ pub struct Assumptions {
     pub segment_acceleration: u16,
     /// Parameter with the start and stop frequency of interpolated moves, steps/s. Default 5.
     pub segment_start_stop: u16,
-    /// Whether broadcasts (station 0) are carried out; they are never answered. Default true.
+    /// Whether broadcasts (station 0) are carried out; they are never answered. If not, the driver sends none. Default
+    /// true.
     pub broadcasts: bool,
     /// Exception to motion commands and output writes on a locked board; none: they are answered as usual and do
-    /// nothing. Default none.
+    /// nothing. The driver says that the board is locked either way. Default none.
     pub locked_exception: Option<u8>,
     /// How axes stop when ENABLE is lost. Default at once.
     pub enable_loss: BoardStop,

@@ -230,4 +230,14 @@ mod tests {
             (Some(0), None)
         );
     }
+
+    /// The holding current acts after RESET, unless it is assumed to act at once; the motor current always does.
+    #[test]
+    fn a_restart_is_needed_where_it_is_assumed() {
+        for (at_once, number, needed) in [(false, 6, true), (true, 6, false), (true, 4, true)] {
+            let assumed = Assumptions { holding_current_at_once: at_once, ..Default::default() };
+            let info = describe(number, 2000, &assumed, |_| None).unwrap();
+            assert_eq!(info.needs_restart, needed, "{number}");
+        }
+    }
 }

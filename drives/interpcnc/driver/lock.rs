@@ -1,6 +1,6 @@
-//! Unlocking the board.
+//! Boards that are locked.
 
-use super::{Clock, Command, DriveError, InterpCnc, Status};
+use super::{Clock, Command, DriveError, InterpCnc};
 
 impl InterpCnc {
     /// Clears "Board Locked" (command 66) and checks that it is cleared. Where the board keeps the segments that waited
@@ -21,5 +21,18 @@ impl InterpCnc {
         // The board answers normally even where it stays locked.
         let (state, _) = self.state(clock).await?;
         self.check_obeys(&state, command.action())
+    }
+    /// What an error means, where locked boards refuse with an exception: with that exception, that the board is locked
+    /// if it is.
+    pub(super) async fn if_locked(&mut self, error: DriveError, clock: &dyn Clock) -> DriveError {
+        let DriveError::Device { at, code } = &error else { return error };
+        if self.options().assumptions.locked_exception != Some(*code) {
+            return error;
+        }
+        let action = at.action;
+        match self.state(clock).await {
+            Ok((state, _)) => self.check_obeys(&state, action).err().unwrap_or(error),
+            Err(other) => other,
+        }
     }
 }

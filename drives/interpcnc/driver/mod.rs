@@ -224,6 +224,7 @@ impl InterpCnc {
                 {
                     attempt += 1;
                 }
+                Err(error) => return Err(self.if_locked(error, clock).await),
                 done => return done,
             }
         }
@@ -280,7 +281,10 @@ impl InterpCnc {
         let coil = FIRST_OUTPUT + u16::from(output) - 1;
         let write = Request::WriteSingleCoil(coil, on);
         let done = Response::WriteSingleCoil(coil, on);
-        self.asked_twice(action, &write, clock, |answer| (*answer == done).then_some(())).await?;
+        let confirmed = |answer: &Response| (*answer == done).then_some(());
+        if let Err(error) = self.asked_twice(action, &write, clock, confirmed).await {
+            return Err(self.if_locked(error, clock).await);
+        }
         let read = Request::ReadCoils(coil, 1);
         let state = self.asked_twice(action, &read, clock, |answer| match answer {
             Response::ReadCoils(coils) => coils.first().copied(),

@@ -1,5 +1,6 @@
 //! The emulated device against the digest's vectors and the behaviour that digest and manual describe.
 
+mod assumptions;
 mod behaviour;
 mod faults;
 mod frames;
