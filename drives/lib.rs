@@ -12,6 +12,7 @@ mod error;
 mod fault;
 mod follow;
 pub mod interpcnc;
+mod kept;
 mod pause;
 mod pty;
 mod ramp;

@@ -11,6 +11,7 @@
 //!
 //! Source: "Module BIM2AX-BOCM, Manuel d'utilisation", MUT/0712/0206D, revision D of May 2013.
 
+mod assumptions;
 mod axis;
 pub mod bits;
 mod describe;
@@ -29,8 +30,9 @@ mod tests;
 mod vectors;
 pub mod zone;
 
+pub use assumptions::{Assumptions, CamStart, EntryOrder};
 pub use axis::{
-    Assumptions, AxisSettings, Bench, Contact, EncoderBench, EncoderKind, MOST_POSITION, REFERENCES,
+    AxisSettings, Bench, Contact, EncoderBench, EncoderKind, MOST_POSITION, REFERENCES,
 };
 pub(crate) use describe::describe_card;
 pub use describe::describe_messages;

@@ -111,13 +111,17 @@ pub struct Assumptions {
     pub segment_acceleration: u16,
     /// Parameter with the start and stop frequency of interpolated moves, steps/s. Default 5.
     pub segment_start_stop: u16,
-    /// Whether broadcasts (station 0) are carried out; they are never answered. Default true.
+    /// Whether broadcasts (station 0) are carried out; they are never answered. If not, the driver sends none. Default
+    /// true.
     pub broadcasts: bool,
     /// Exception to motion commands and output writes on a locked board; none: they are answered as usual and do
-    /// nothing. Default none.
+    /// nothing. The driver says that the board is locked either way. Default none.
     pub locked_exception: Option<u8>,
     /// How axes stop when ENABLE is lost. Default at once.
     pub enable_loss: BoardStop,
+    /// Whether segments that wait when ENABLE is lost are carried out once the board is unlocked; the driver then empties
+    /// the buffer (command 43) before it unlocks. Default false: the buffer is emptied.
+    pub enable_loss_keeps_segments: bool,
     /// How an axis stops that runs onto its limit switch. Default at once.
     pub limit_stop: BoardStop,
     /// How long B22 to B26 read 0 when a retargeted move reverses (firmware before 5.31), ns; 0: never. Default 0.
@@ -152,6 +156,7 @@ impl Default for Assumptions {
             broadcasts: true,
             locked_exception: None,
             enable_loss: BoardStop::AtOnce,
+            enable_loss_keeps_segments: false,
             limit_stop: BoardStop::AtOnce,
             reversal_gap_ns: 0,
             home_one_by_one: false,

@@ -9,7 +9,7 @@ use tokio::{
 use tokio_serial::{DataBits, FlowControl, Parity, SerialPortBuilderExt, StopBits};
 
 use super::{
-    BAUD, Command, Execution, RejectCode, SmartDriveOptions,
+    BAUD, BadFrame, Command, Execution, RejectCode, SmartDriveOptions,
     frame::{ANSWER_BYTES, Answer, FIRST_BITS, encode},
     wire_time,
 };
@@ -114,7 +114,8 @@ impl SmartDrive {
     /// accepted it, not that it is finished.
     ///
     /// Only commands that are idempotent ([`Command::is_idempotent`]) are sent again if no proper answer comes. After
-    /// an error of any other it is unknown whether the drive has executed it.
+    /// an error of any other it is unknown whether the drive has executed it. Where drives refuse frames that were spoilt
+    /// on their way ([`BadFrame::Refused`]), any command that is refused so is sent again once: it was not executed.
     ///
     /// # Errors
     /// If there is no such address, if the drive refuses the command, or if no proper answer comes.
@@ -130,6 +131,7 @@ impl SmartDrive {
             return Err(DriveError::Value { at, what: "address", value, low: 1.0, high: 31.0 });
         }
         let mut attempts = if command.is_idempotent() { ATTEMPTS } else { 1 };
+        let mut refusals = 0;
         loop {
             self.settle(&at).await?;
             attempts -= 1;
@@ -137,6 +139,12 @@ impl SmartDrive {
                 Err(DriveError::Timeout { .. } | DriveError::Protocol { .. }) if attempts > 0 => {}
                 Ok((answer, _)) if answer.status.rejected() => {
                     let reason = RejectCode::from_number(answer.tag).unwrap_or(RejectCode::Generic);
+                    let spoilt = self.options.assumptions.bad_frame == BadFrame::Refused(reason);
+                    refusals += 1;
+                    if spoilt && refusals < ATTEMPTS {
+                        attempts += 1;
+                        continue;
+                    }
                     return Err(DriveError::Rejected { at, reason });
                 }
                 done => return done,

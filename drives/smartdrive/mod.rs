@@ -7,12 +7,14 @@
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB".
 
+mod assumptions;
 mod blocking;
 mod command;
 mod driver;
 pub mod emulator;
 mod follow;
 pub mod frame;
+mod memory;
 mod motion;
 mod options;
 pub mod parameters;
@@ -21,15 +23,21 @@ mod requests;
 mod status;
 #[cfg(test)]
 mod tests;
+mod travel;
 mod units;
 #[cfg(test)]
 mod vectors;
 
+pub use assumptions::{
+    AccCurrent, Assumptions, BadFrame, BothBits, HomePosition, LimitStop, SetEffect, StepFrom,
+    ZeroRate,
+};
 pub use blocking::SmartDriveBus;
 pub use command::{Command, Init, IoUpdate, LoadSource, Mode};
 pub use driver::SmartDrive;
+pub use memory::{Accelerations, ParameterValue};
 pub use options::{ADDRESSES, AxisOptions, BAUD, Execution, SmartDriveOptions, wire_time};
 pub use rehearsal::{BusDelays, SmartDriveRehearsal};
-pub use requests::{DriveState, IoState, ParameterValue};
+pub use requests::{DriveState, IoState};
 pub use status::{Alarms, RejectCode, Status, TagLayout, TrajectoryFlags};
 pub use units::StepsPerTurn;

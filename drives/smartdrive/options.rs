@@ -2,7 +2,7 @@
 
 use std::{sync::Arc, time::Duration};
 
-use super::{motion::Ceilings, units::StepsPerTurn};
+use super::{Assumptions, motion::Ceilings, units::StepsPerTurn};
 use crate::{Action, DriveError, Exchange, MAX_DRIVE_AXES};
 
 /// Bits per second; the protocol knows no other speed ("Principes").
@@ -53,7 +53,7 @@ impl AxisOptions {
             deceleration: self.deceleration_rpm_per_s,
             emergency: self.deceleration_rpm_per_s,
             positions: (0, 0),
-            clamps_targets: false,
+            assumptions: Assumptions::default(),
         }
     }
 }
@@ -81,6 +81,8 @@ pub struct SmartDriveOptions {
     pub mode_change: Duration,
     /// Longest time homing may take.
     pub homing: Duration,
+    /// What is assumed where the manual is silent.
+    pub assumptions: Assumptions,
 }
 
 impl SmartDriveOptions {
@@ -96,6 +98,7 @@ impl SmartDriveOptions {
             stop_broadcasts: 3,
             mode_change: Duration::from_secs(1),
             homing: Duration::from_mins(1),
+            assumptions: Assumptions::default(),
         }
     }
 

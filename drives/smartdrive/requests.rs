@@ -4,15 +4,11 @@ use std::time::Duration;
 
 use tokio::time::{sleep, timeout};
 
-use super::{
-    Alarms, Command, Init, IoUpdate, LoadSource, Mode, SmartDrive, TrajectoryFlags,
-    frame::Answer,
-    parameters::{Entry, parameter_at, variable_at},
-};
+use super::{Alarms, Command, Init, IoUpdate, Mode, SmartDrive, TrajectoryFlags, frame::Answer};
 use crate::{Clock, DriveError, Stamp};
 
 /// Time between two looks at a drive that takes its time.
-const LOOK: Duration = Duration::from_millis(5);
+pub(super) const LOOK: Duration = Duration::from_millis(5);
 
 /// What a drive says about itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,17 +52,6 @@ impl DriveState {
     }
 }
 
-/// The three copies of a parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ParameterValue {
-    /// In the flash memory.
-    pub saved: i64,
-    /// In use.
-    pub working: i64,
-    /// From the factory.
-    pub factory: i64,
-}
-
 /// Inputs and outputs: 7 LIMN, 6 LIMP, 5 OFF, 4 DIR, 3 GO, 2 LED, 1 BRK, 0 RDY.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IoState {
@@ -78,17 +63,16 @@ pub struct IoState {
     pub reverse: u8,
 }
 
-fn no_clock() -> i64 {
+pub(super) fn no_clock() -> i64 {
     0
 }
 
-/// The 32 bits of two words.
-fn join(low: u16, high: u16) -> u32 {
-    u32::from(high) << 16 | u32::from(low)
-}
-
 impl SmartDrive {
-    async fn ask(&mut self, address: u8, command: Command) -> Result<Answer, DriveError> {
+    pub(super) async fn ask(
+        &mut self,
+        address: u8,
+        command: Command,
+    ) -> Result<Answer, DriveError> {
         self.send(address, &command, &no_clock).await.map(|(answer, _)| answer)
     }
 
@@ -179,105 +163,6 @@ impl SmartDrive {
         }
     }
 
-    /// READ: a variable.
-    ///
-    /// # Errors
-    /// As [`SmartDrive::send`]; [`crate::DriveError::Rejected`] if there is no such variable.
-    pub async fn read(&mut self, address: u8, variable: u16) -> Result<i64, DriveError> {
-        let number = self.ask(address, Command::Read { variable }).await?.number();
-        Ok(variable_at(variable).map_or(number.into(), |entry| entry.value(number.cast_unsigned())))
-    }
-
-    /// WRITE: changes a variable; its value afterwards.
-    ///
-    /// # Errors
-    /// As [`SmartDrive::send`]; [`crate::DriveError::Rejected`] if there is no such variable or it cannot be written.
-    pub async fn write_variable(
-        &mut self,
-        address: u8,
-        variable: u16,
-        value: u32,
-    ) -> Result<i64, DriveError> {
-        let number = self.ask(address, Command::Write { variable, value }).await?.number();
-        Ok(variable_at(variable).map_or(number.into(), |entry| entry.value(number.cast_unsigned())))
-    }
-
-    /// GET: the three copies of a parameter, 32-bit ones in two steps.
-    ///
-    /// # Errors
-    /// As [`SmartDrive::send`]; [`crate::DriveError::Rejected`] if there is no such parameter.
-    pub async fn parameter(
-        &mut self,
-        address: u8,
-        index: u16,
-    ) -> Result<ParameterValue, DriveError> {
-        let low = self.ask(address, Command::Get { parameter: index }).await?;
-        let entry = parameter_at(index).filter(|(_, is_high)| !is_high).map(|(entry, _)| entry);
-        let high = match entry {
-            Some(entry) if entry.kind.is_long() => {
-                Some(self.ask(address, Command::Get { parameter: index + 1 }).await?)
-            }
-            _ => None,
-        };
-        Ok(copies(entry, low, high))
-    }
-
-    /// SET: changes the working value of a parameter, 32-bit ones in two steps; the copies afterwards.
-    ///
-    /// # Errors
-    /// As [`SmartDrive::send`]; [`crate::DriveError::Value`] if the parameter cannot have this value, or the drive does
-    /// not show it afterwards; [`crate::DriveError::Rejected`] if the drive does not have the parameter.
-    pub async fn set_parameter(
-        &mut self,
-        address: u8,
-        index: u16,
-        value: i64,
-    ) -> Result<ParameterValue, DriveError> {
-        let [a, b, c, d, ..] = value.to_le_bytes();
-        let (low, high) = (u16::from_le_bytes([a, b]), u16::from_le_bytes([c, d]));
-        let command = Command::Set { parameter: index, value: low };
-        let entry = parameter_at(index).filter(|(_, is_high)| !is_high).map(|(entry, _)| entry);
-        let (least, most) = entry.map_or((0, 0xFFFF), |entry| (entry.low, entry.high));
-        let beyond = |at| {
-            #[expect(clippy::cast_precision_loss, reason = "for a message")]
-            let (value, low, high) = (value as f64, least as f64, most as f64);
-            let what = entry.map_or("parameter", |entry| entry.name);
-            DriveError::Value { at, what, value, low, high }
-        };
-        let possible = entry.map_or((least..=most).contains(&value), |entry| entry.accepts(value));
-        if !possible {
-            return Err(beyond(self.at(address, command.action())));
-        }
-        let first = self.ask(address, command).await?;
-        let second = match entry {
-            Some(entry) if entry.kind.is_long() => {
-                Some(self.ask(address, Command::Set { parameter: index + 1, value: high }).await?)
-            }
-            _ => None,
-        };
-        let now = copies(entry, first, second);
-        if now.working == value { Ok(now) } else { Err(beyond(self.at(address, command.action()))) }
-    }
-
-    /// SAVE: saves all working values; returns when the drive is back in its mode, at position 0.
-    ///
-    /// # Errors
-    /// As [`SmartDrive::set_mode`].
-    pub async fn save(&mut self, address: u8) -> Result<(), DriveError> {
-        self.ask(address, Command::Save).await?;
-        self.changed(address, &Command::Save).await.map(|_| ())
-    }
-
-    /// LOAD: takes all working values from the saved ones or the factory's; returns when the drive is back in its mode,
-    /// at position 0.
-    ///
-    /// # Errors
-    /// As [`SmartDrive::set_mode`].
-    pub async fn load(&mut self, address: u8, source: LoadSource) -> Result<(), DriveError> {
-        self.ask(address, Command::Load(source)).await?;
-        self.changed(address, &Command::Load(source)).await.map(|_| ())
-    }
-
     /// RESET: restarts the drive, which is silent for its bootloader's 250 ms and its start; or holds it in the
     /// bootloader.
     ///
@@ -287,11 +172,14 @@ impl SmartDrive {
         self.ask(address, Command::Reset { bootloader }).await.map(|_| ())
     }
 
-    /// IOUPDATE: switches outputs, clears captures; levels and captures, these as they were before.
+    /// IOUPDATE: switches outputs, clears captures; levels and captures, these as they were before. An output that is to
+    /// be set and cleared stays as it is: neither is sent, as drives may take both in more than one way.
     ///
     /// # Errors
     /// As [`SmartDrive::send`].
     pub async fn io(&mut self, address: u8, update: IoUpdate) -> Result<IoState, DriveError> {
+        let both = update.set & update.clear;
+        let update = IoUpdate { set: update.set & !both, clear: update.clear & !both, ..update };
         let [levels, _, active, reverse] = self.ask(address, Command::IoUpdate(update)).await?.data;
         Ok(IoState { levels, active, reverse })
     }
@@ -334,7 +222,8 @@ impl SmartDrive {
         Ok(DriveState::from_answer(answer))
     }
 
-    /// STEP: by `distance` µsteps, as [`SmartDrive::go_to`]. Never sent twice.
+    /// STEP: by `distance` µsteps, as [`SmartDrive::go_to`]. Never sent twice unless the drive says that it has not heard
+    /// it. On a drive that moves, where it counts from is [`super::StepFrom`].
     ///
     /// # Errors
     /// As [`SmartDrive::go_to`].
@@ -394,20 +283,5 @@ impl SmartDrive {
             Ok(Err(error)) => Err(error),
             Ok(Ok(_)) | Err(_) => Err(DriveError::NotHomed { at }),
         }
-    }
-}
-
-/// The copies of a parameter from the answers with its words.
-fn copies(entry: Option<&Entry>, low: Answer, high: Option<Answer>) -> ParameterValue {
-    let value = |low: u16, high: u16| {
-        let bits = join(low, high);
-        entry.map_or(bits.into(), |entry| entry.value(bits))
-    };
-    let (saved, working) = low.words();
-    let (saved_high, working_high) = high.map_or((0, 0), |high| high.words());
-    ParameterValue {
-        saved: value(saved, saved_high),
-        working: value(working, working_high),
-        factory: value(low.tag, high.map_or(0, |answer| answer.tag)),
     }
 }

@@ -1,7 +1,8 @@
 //! What all families offer alike, asked of the real drivers and their emulators in real time.
 
+mod assumptions;
 mod backup;
-mod bench;
+pub(crate) mod bench;
 mod device;
 mod group;
 mod homing;

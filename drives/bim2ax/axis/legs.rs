@@ -2,7 +2,10 @@
 
 use super::{Axis, Homing, Programmed, Task};
 use crate::{
-    bim2ax::bits::{coefficient, message},
+    bim2ax::{
+        CamStart,
+        bits::{coefficient, message},
+    },
     ramp::{Motion, Ramp},
 };
 
@@ -54,6 +57,9 @@ impl Axis {
         if on_cam && !self.settings.has(coefficient::STAY_ON_CAM) {
             self.task = Task::Homing(Homing::Leaving);
             self.run(-self.home_sense());
+        } else if on_cam && self.assumptions.cam_start == CamStart::FarEdge {
+            self.task = Task::Homing(Homing::Crossing);
+            self.run(self.home_sense());
         } else {
             // On a cam that is not cleared the edge counts as taken: it is "reached" at once.
             self.seek();

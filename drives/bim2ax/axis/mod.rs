@@ -8,8 +8,7 @@
 //! which the switches of the [`Bench`] see: shaft = offset ± counter; zeroing the counter changes the offset, not the
 //! shaft.
 //!
-//! Source: manual rev. D, chapters 5 to 7. What it leaves open is settled here as follows. A move that is refused
-//! leaves everything as it is. A soft limit or an end switch with ramp is overrun by the ramp. An order for a target
+//! Source: manual rev. D, chapters 5 to 7. Where it is silent the axis behaves by its [`Assumptions`]. Beyond those: A soft limit or an end switch with ramp is overrun by the ramp. An order for a target
 //! beyond ±4194303, for the forbidden preset, or to zero and to force at once, is refused with message bit 14.
 //! Distances of parameters are µsteps of the drive mode. A full turn of the encoder brings one index.
 
@@ -28,7 +27,10 @@ pub use encoder::{EncoderBench, EncoderKind};
 pub(crate) use orders::AxisOrder;
 pub use settings::{AxisSettings, REFERENCES};
 
-use super::bits::{coefficient, message, uc};
+use super::{
+    Assumptions,
+    bits::{coefficient, message, uc},
+};
 use crate::ramp::{Motion, State};
 
 /// Largest target and reference position, µsteps (2.1.2: 0x003FFFFF).
@@ -51,6 +53,8 @@ enum Homing {
     Leaving,
     /// The same direction, on by the hysteresis.
     Clearing,
+    /// In the direction of homing, over the cam to its other edge.
+    Crossing,
     /// In the direction of homing, to the edge of the cam (or the index of the encoder).
     Seeking,
     /// On by the "arrêt origine".
@@ -68,20 +72,6 @@ struct Programmed {
     overshooting: bool,
     /// Corrections made after what the encoder showed.
     corrections: u8,
-}
-
-/// How the module behaves where its manual says nothing. All false is what is thought most likely.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[expect(clippy::struct_excessive_bools, reason = "independent facts, each so or not")]
-pub struct Assumptions {
-    /// An order that is refused because of the move under way ends that move, with ramp.
-    pub refusal_stops: bool,
-    /// The order 0 ends every move, with ramp, not only manual ones.
-    pub zero_ends_every_move: bool,
-    /// A move that is abandoned costs homing.
-    pub abandon_loses_homing: bool,
-    /// The counter goes on counting through homing instead of being 0 at its end.
-    pub homing_keeps_position: bool,
 }
 
 /// One axis at one instant.

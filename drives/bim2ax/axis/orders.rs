@@ -39,6 +39,7 @@ impl Axis {
 
     fn order_in_motion(&mut self, word: u16, moves: u16) {
         let manual = self.task == Task::Manual;
+        let repeated = manual && moves == self.ack_uc && !self.assumptions.refuses_repeats;
         if word & uc::HARD_STOP != 0 {
             self.latch(message::REFUSED, false);
             self.stop_hard();
@@ -49,7 +50,7 @@ impl Axis {
                 self.latch(message::HOMED, false);
             }
             self.brake();
-        } else if manual && moves == self.ack_uc {
+        } else if repeated {
             // Repeated while it runs: it goes on.
         } else if moves != 0 {
             self.latch(message::REFUSED, true);

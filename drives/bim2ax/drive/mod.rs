@@ -2,11 +2,15 @@
 
 mod checks;
 mod homing;
+mod leg;
+mod positions;
 mod settings;
 
 use std::time::Duration;
 
 use tokio::{runtime::Runtime, time::sleep};
+
+use leg::mean;
 
 use super::{
     AXES, AxisSettings, Bim2Ax, Bim2AxDriveOptions, BusStamp, ModuleAxis, Move, Start,
@@ -17,9 +21,7 @@ use super::{
 };
 use crate::{
     Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
-    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
-    drive::is_zero,
-    ramp::{nanoseconds, seconds},
+    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, drive::is_zero,
 };
 
 /// Clock for exchanges whose time matters to nobody.
@@ -27,8 +29,6 @@ fn no_clock() -> i64 {
     0
 }
 
-/// Weight of an exchange in the running means.
-const MEAN_GAIN: f64 = 0.2;
 /// Order latency that the manual promises at most, ns (5.5: "au maximum de 10ms").
 const ORDER_NS: i64 = 10_000_000;
 /// Duration of a look until it is known better, ns.
@@ -150,89 +150,6 @@ impl Bim2AxDrive {
         self.following = Following::Unknown;
         self.sent = None;
     }
-
-    /// Positions of the axes in use, in their order.
-    fn in_order(&self, seen: &Positions) -> [i32; AXES] {
-        let mut positions = [0; AXES];
-        for (position, axis) in positions.iter_mut().zip(&self.options.axes) {
-            *position = seen.positions.get(axis.index()).copied().unwrap_or(0);
-        }
-        positions
-    }
-
-    /// Axes in use that move, bit by bit in their order.
-    fn moving(&self, seen: &Positions) -> u8 {
-        let moves = |axis: &ModuleAxis| {
-            seen.messages.get(axis.index()).is_some_and(|word| word & message::MOVING != 0)
-        };
-        let axes = (0_u8..).zip(&self.options.axes);
-        axes.filter(|(_, axis)| moves(axis)).fold(0, |mask, (place, _)| mask | 1 << place)
-    }
-
-    fn to_sample(&self, seen: &Positions, stamp: &BusStamp) -> Sample {
-        let mut position = [0; MAX_DRIVE_AXES];
-        for (place, found) in position.iter_mut().zip(self.in_order(seen)) {
-            *place = found.into();
-        }
-        Sample { time_ns: stamp.middle_ns(), position, moving: self.moving(seen) != 0 }
-    }
-
-    /// Sorts what is for the axes in use by the module's axes.
-    fn by_axis(&self, starts: &[Option<Start>]) -> [Option<Start>; AXES] {
-        let mut sorted = [None; AXES];
-        for (axis, start) in self.options.axes.iter().zip(starts) {
-            if let Some(place) = sorted.get_mut(axis.index()) {
-                *place = *start;
-            }
-        }
-        sorted
-    }
-
-    /// A position as a register holds it.
-    fn register(&self, axis: ModuleAxis, position: i64) -> Result<i32, DriveError> {
-        let most = i64::from(super::MOST_POSITION);
-        let fits = (-most..=most).contains(&position);
-        i32::try_from(position).ok().filter(|_| fits).ok_or_else(|| {
-            #[expect(clippy::cast_precision_loss, reason = "for a message")]
-            let (value, low, high) = (position as f64, -most as f64, most as f64);
-            let number = axis.number();
-            let action = Action::Command { number, name: "position of the axis" };
-            DriveError::Range { at: self.module.at(action), register: 0, value, low, high }
-        })
-    }
-
-    /// Decides for the next leg and gives its order; true if there was one.
-    fn next_leg(
-        &mut self,
-        stream: &dyn SetpointStream,
-        rest: [i32; AXES],
-    ) -> Result<bool, DriveError> {
-        let clock = || stream.now_ns();
-        let decided_ns = stream.now_ns();
-        let Some(leg) = self.follower.leg(stream, rest) else { return Ok(false) };
-        let start = |((target, speed), stands): ((i32, u16), i32)| {
-            let to = Start { to: Move::To(target), speed: Some(speed), directly: true };
-            (target != stands).then_some(to)
-        };
-        let starts: Vec<_> = leg.targets.into_iter().zip(leg.speeds).zip(rest).map(start).collect();
-        let starts = self.by_axis(&starts);
-        // Whether a lost order is carried out is unknown: the next look shows.
-        self.forget();
-        let stamp = self.runtime.block_on(self.module.start(starts, &clock))?;
-        self.sent = Some(leg.targets);
-        let executed_ns = stamp.middle_ns();
-        self.following = Following::Leg(leg.end_ns + executed_ns - leg.start_ns);
-        self.timing.order_ns = mean(self.timing.order_ns, executed_ns - decided_ns);
-        self.follower.set_timing(self.timing);
-        Ok(true)
-    }
-}
-
-/// A running mean of durations, ns.
-fn mean(so_far_ns: i64, new_ns: i64) -> i64 {
-    // One exchange that something else delayed says little.
-    let new_ns = new_ns.clamp(0, so_far_ns.saturating_mul(2));
-    so_far_ns + nanoseconds(MEAN_GAIN * seconds(new_ns - so_far_ns))
 }
 
 impl Drive for Bim2AxDrive {
@@ -260,15 +177,7 @@ impl Drive for Bim2AxDrive {
     fn enable(&mut self) -> Result<(), DriveError> {
         self.prepared()?;
         let axes = self.options.axes.clone();
-        self.runtime.block_on(async {
-            match self.module.set_phases(&axes, true, &no_clock).await {
-                // Modules from before revision D do not know that order; a motor test switches phases on, too (7.6).
-                Err(DriveError::AxisMessages { messages, .. }) if messages & FAULTS == 0 => {
-                    self.module.test_motors(&axes, &no_clock).await
-                }
-                done => done,
-            }
-        })
+        self.runtime.block_on(self.module.energise(&axes, &no_clock))
     }
 
     fn disable(&mut self) -> Result<(), DriveError> {

@@ -8,6 +8,7 @@
 mod orders;
 mod parameters;
 mod programmed;
+mod travel;
 
 use std::{io, sync::Arc, time::Duration};
 
@@ -16,7 +17,7 @@ use tokio::time::{sleep, timeout};
 pub use programmed::{Move, Start};
 
 use super::{
-    AXES, ByteOrder, ModuleAxis,
+    AXES, Assumptions, ByteOrder, ModuleAxis,
     bits::card,
     memory::{BIM2AX_BOCM, Memory, RECEIPT_ORDERS, Window},
     parameter::Parameter,
@@ -45,6 +46,8 @@ pub struct Bim2AxOptions {
     pub reset_deadline: Duration,
     /// From version 15 on: write positions and orders with one interrupt and ask for receipts of orders.
     pub zones_at_once: bool,
+    /// What is assumed where the manual is silent.
+    pub assumptions: Assumptions,
 }
 
 impl Default for Bim2AxOptions {
@@ -58,6 +61,7 @@ impl Default for Bim2AxOptions {
             plugs_deadline: Duration::from_secs(1),
             reset_deadline: Duration::from_secs(5),
             zones_at_once: true,
+            assumptions: Assumptions::default(),
         }
     }
 }
@@ -136,9 +140,7 @@ impl Bim2Ax {
             let at = self.at(action);
             return Err(DriveError::Identity { at, expected: BIM2AX_BOCM, found });
         }
-        let (bytes, _) = self.exchange(ReadZone::Parameter, clock).await?;
-        let [.., a, b, c, d] = bytes;
-        let told = ByteOrder::of_card_messages([a, b, c, d]);
+        let (bytes, told) = self.look_at_card(clock).await?;
         if told.is_some_and(|order| order != self.options.byte_order) {
             return Err(DriveError::ByteOrder { at: self.at(action) });
         }
@@ -153,6 +155,28 @@ impl Bim2Ax {
         let version = self.parameter(Parameter::Version, clock).await?;
         self.version = u16::try_from(version).unwrap_or(0);
         Ok(Identity { version: self.version, rating_ma, card_messages })
+    }
+
+    /// The zone with "Messages carte", and the byte order that these tell.
+    async fn look_at_card(
+        &mut self,
+        clock: &dyn Clock,
+    ) -> Result<(ZoneBytes, Option<ByteOrder>), DriveError> {
+        let (bytes, _) = self.exchange(ReadZone::Parameter, clock).await?;
+        let [.., a, b, c, d] = bytes;
+        Ok((bytes, ByteOrder::of_card_messages([a, b, c, d])))
+    }
+
+    /// Takes the byte order that the module itself tells, if it tells one; true if it is another than before. Changes
+    /// nothing in the module.
+    ///
+    /// # Errors
+    /// If it does not answer.
+    pub async fn adopt_byte_order(&mut self, clock: &dyn Clock) -> Result<bool, DriveError> {
+        let (_, told) = self.look_at_card(clock).await?;
+        let before = self.options.byte_order;
+        self.options.byte_order = told.unwrap_or(before);
+        Ok(self.options.byte_order != before)
     }
 
     /// True if the module, once identified, takes several zones at once and the driver may use it.

@@ -6,7 +6,10 @@ use super::{
     AXES, Action, Bim2Ax, BusStamp, Clock, DriveError, Duration, ModuleAxis, Orders,
     RECEIPT_ORDERS, ReadZone, Target, WriteZone, position_zone,
 };
-use crate::bim2ax::bits::{message, uc};
+use crate::bim2ax::{
+    EntryOrder,
+    bits::{message, uc},
+};
 
 /// Messages that tell why a move does not happen.
 const HINDRANCES: u16 =
@@ -22,7 +25,8 @@ impl Bim2Ax {
         targets: [Option<Target>; AXES],
         clock: &dyn Clock,
     ) -> Result<(Orders, BusStamp), DriveError> {
-        for (order, manual) in orders.uc.iter_mut().zip(&mut self.manual) {
+        let mut kept = self.manual;
+        for (order, manual) in orders.uc.iter_mut().zip(&mut kept) {
             if *order == 0 {
                 *order = *manual;
             } else {
@@ -35,13 +39,16 @@ impl Bim2Ax {
         if (one | two) & (uc::ABANDON | uc::HARD_STOP) == 0 {
             self.settle().await;
         }
+        self.check_others(action, &orders, clock).await?;
+        self.manual = kept;
         let byte_order = self.options.byte_order;
         let zones: Vec<_> = ModuleAxis::ALL
             .into_iter()
             .zip(targets)
             .filter_map(|(axis, target)| Some((position_zone(axis), target?.encode(byte_order))))
             .collect();
-        if !zones.is_empty() && self.at_once() {
+        let listed = self.options.assumptions.entry_order == EntryOrder::Listed;
+        if !zones.is_empty() && self.at_once() && listed {
             return self.order_at_once(action, zones, &orders, clock).await;
         }
         for (zone, bytes) in zones {
@@ -57,6 +64,25 @@ impl Bim2Ax {
         let (bytes, stamp) = self.write(action, WriteZone::Orders, &bytes, read, clock).await?;
         self.check_receipt(action)?;
         Ok((self.acknowledged(&bytes), stamp))
+    }
+
+    /// Where the order 0 ends every move, an order for one axis may not find the other in a move that it would end.
+    async fn check_others(
+        &mut self,
+        action: Action,
+        orders: &Orders,
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        let [one, two] = orders.uc;
+        if !self.options.assumptions.zero_ends_every_move || (one == 0) == (two == 0) {
+            return Ok(());
+        }
+        let (seen, _) = self.positions(clock).await?;
+        let axes = (0_u8..)
+            .zip(orders.uc.into_iter().zip(seen.messages))
+            .filter(|(_, (order, messages))| *order == 0 && messages & message::MOVING != 0)
+            .fold(0, |mask, (axis, _)| mask | 1 << axis);
+        if axes == 0 { Ok(()) } else { Err(DriveError::Moving { at: self.at(action), axes }) }
     }
 
     /// Positions and orders with one interrupt; what that refreshes is looked at in the zone of acknowledgements,

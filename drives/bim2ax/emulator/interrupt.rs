@@ -2,7 +2,7 @@
 
 use super::{Module, RAM_LENGTH, ZONES_AT_ONCE, bus::NO_ZONE};
 use crate::bim2ax::{
-    AXES, ModuleAxis,
+    AXES, EntryOrder, ModuleAxis,
     axis::{Axis, AxisOrder},
     bits::{card, uc},
     memory::{
@@ -20,7 +20,8 @@ impl Module {
     /// The interrupt takes effect; orders are refused or not.
     pub(super) fn serve(&mut self, refused: bool) {
         self.served += 1;
-        if self.heard(INTERRUPT_STATUS) & 1 == 0 {
+        let assumed = self.options.assumptions;
+        if assumed.needs_status && self.heard(INTERRUPT_STATUS) & 1 == 0 {
             return;
         }
         let zones = self.heard(ZONES);
@@ -28,14 +29,16 @@ impl Module {
             self.take(zones >> 4, refused);
         }
         if self.options.version >= ZONES_AT_ONCE {
-            for entry in ENTRIES..ENTRIES + 4 {
-                let zone = self.heard(entry);
-                if zone >> 4 != 0 {
-                    self.take(zone & 0xF, refused);
-                }
-                if !self.options.keeps_entries {
-                    self.forget_entry(entry);
-                }
+            let entries = ENTRIES..ENTRIES + 4;
+            let mut named: Vec<u8> = entries.clone().map(|entry| self.heard(entry)).collect();
+            if assumed.entry_order == EntryOrder::ByNumber {
+                named.sort_by_key(|zone| zone & 0xF);
+            }
+            for zone in named.into_iter().filter(|zone| zone >> 4 != 0) {
+                self.take(zone & 0xF, refused);
+            }
+            if !assumed.keeps_entries {
+                entries.for_each(|entry| self.forget_entry(entry));
             }
         }
         if self.running {
@@ -96,7 +99,7 @@ impl Module {
 
     /// Writes what the module says into page 6.
     fn refresh(&mut self, asked: u8) {
-        let all = self.options.version >= ZONES_AT_ONCE && self.options.refreshes_all;
+        let all = self.options.version >= ZONES_AT_ONCE && self.options.assumptions.refreshes_all;
         let zones = ReadZone::ALL.into_iter().filter(|zone| all || zone.number() == asked);
         let zones: Vec<_> = zones.map(|zone| (zone, self.shown(zone))).collect();
         self.say(asked, &zones);

@@ -4,7 +4,8 @@
 //! [`EmulatedModule`] serves one in real time on a memory file for other processes;
 //! [`super::SharedModule`] is for the same process.
 //!
-//! Where the manual is silent the emulator assumes, beside what `drives/bim2ax/axis` says: an interrupt takes
+//! Where the manual is silent the module behaves by its [`Assumptions`]. Beyond those, and what `drives/bim2ax/axis`
+//! says: an interrupt takes
 //! effect 300 µs later, which is how long the module needs for it (9.2.4); the RAM is 0 at the start; bytes that do
 //! not exist read $FF; values out of the range of a parameter are refused as numbers out of range are; a refused
 //! order of the zone "Paramètre" is echoed with the value 0; RESET is obeyed always, also with a wrong check sum and
@@ -23,8 +24,8 @@ pub use eeprom::Eeprom;
 pub use thread::{EmulatedModule, EmulatorOptions};
 
 use super::{
-    AXES, Bench, EncoderBench, ModuleAxis,
-    axis::{Assumptions, Axis, AxisSettings},
+    AXES, Assumptions, Bench, EncoderBench, ModuleAxis,
+    axis::{Axis, AxisSettings},
     bits::{coefficient, encoder_message, message},
     memory::{
         BIM2AX_BOCM, ByteOrder, HOST_PAGE, IDENTIFIER, INTERRUPT, NOT_RUNNING, PAGE_REGISTER,
@@ -56,13 +57,9 @@ pub struct ModuleOptions {
     pub boot_ns: i64,
     /// Duration of reading plugs, ns (2.2.6: "environ 700 millisecondes").
     pub plugs_ns: i64,
-    /// From version 15 on: one interrupt refreshes all zones, not only the one asked for.
-    pub refreshes_all: bool,
-    /// From version 15 on: entries at $70 to $73 are carried out again with every interrupt until they are cleared.
-    pub keeps_entries: bool,
     /// The order "phases on" is known, which revision D of the manual has added.
     pub phases_on_order: bool,
-    /// How the axes behave where the manual says nothing.
+    /// What is assumed where the manual is silent.
     pub assumptions: Assumptions,
 }
 
@@ -76,8 +73,6 @@ impl Default for ModuleOptions {
             interrupt_ns: 300_000,
             boot_ns: 500_000_000,
             plugs_ns: 700_000_000,
-            refreshes_all: true,
-            keeps_entries: true,
             phases_on_order: true,
             assumptions: Assumptions::default(),
         }

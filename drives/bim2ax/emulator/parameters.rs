@@ -48,17 +48,16 @@ impl Module {
         let Parameter::Axis(of_axis, axis) = parameter else { return Err(card::BAD_WRITE) };
         self.store(of_axis, axis, value);
         self.eeprom.seal();
-        if !parameter.needs_reset() {
+        let holding = of_axis == AxisParameter::HoldingCurrent;
+        if !parameter.needs_reset() || holding && self.options.assumptions.holding_current_at_once {
             self.active.set(parameter, value);
             let settings = self.active.settings(axis);
             if let Some(axis) = self.axes.get_mut(axis.index()) {
                 axis.set_settings(&settings);
             }
         }
-        // The current acts after RESET, but the phases are on at once (3, 7.6).
-        if of_axis == AxisParameter::HoldingCurrent
-            && let Some(axis) = self.axes.get_mut(axis.index())
-        {
+        // Even if the current acts after RESET, the phases are on at once (3, 7.6).
+        if holding && let Some(axis) = self.axes.get_mut(axis.index()) {
             axis.energise();
         }
         Ok(())

@@ -19,6 +19,7 @@ use crate::{
         BIM2AX_BOCM, FILE_LENGTH, HOST_PAGE, IDENTIFIER, INTERRUPT, MODULE_PAGE, Mapping,
         PAGE_REGISTER, RECEIPTS, WINDOW_LENGTH, file_offset,
     },
+    kept::replace,
 };
 
 /// Pause between two looks at the file.
@@ -34,7 +35,7 @@ pub struct EmulatorOptions {
     pub module: ModuleOptions,
     /// What is connected to it.
     pub surroundings: Surroundings,
-    /// File with the image of the EEPROM, read at the start if it exists and written whenever something is stored;
+    /// File with the image of the EEPROM, read at the start if it exists and replaced whenever something is stored;
     /// none for an EEPROM that is as new at every start.
     pub eeprom: Option<PathBuf>,
     /// Decides what faults by chance do.
@@ -233,7 +234,7 @@ impl Server {
                 if module.stores() != self.stores {
                     self.stores = module.stores();
                     if let Some(path) = &self.eeprom {
-                        fs::write(path, module.eeprom().to_bytes())?;
+                        replace(path, &module.eeprom().to_bytes())?;
                     }
                 }
             }

@@ -4,7 +4,7 @@ use super::*;
 use crate::{
     DriveError,
     bim2ax::{
-        ByteOrder, Move, Start,
+        Assumptions, ByteOrder, Move, Start,
         bits::{card, message, uc},
     },
 };
@@ -175,7 +175,8 @@ async fn samples_are_of_the_middle_of_their_exchange() {
 #[tokio::test(start_paused = true)]
 async fn it_does_not_matter_to_the_driver_how_the_module_treats_zones() {
     for (refreshes_all, keeps_entries) in [(true, false), (false, true), (false, false)] {
-        let module = ModuleOptions { refreshes_all, keeps_entries, ..ModuleOptions::default() };
+        let assumptions = Assumptions { refreshes_all, keeps_entries, ..Assumptions::default() };
+        let module = ModuleOptions { assumptions, ..ModuleOptions::default() };
         let options = Bim2AxOptions::default();
         let mut rig = Rig::new(&module, &options, &eeprom(), &surroundings()).await;
         let clock = &clock();

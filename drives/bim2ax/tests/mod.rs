@@ -1,5 +1,6 @@
 //! Driver and emulated module together, in virtual time and on a memory file.
 
+mod assumptions;
 mod drive;
 mod driver;
 mod faults;

@@ -154,9 +154,13 @@ impl InterpCnc {
     /// boards carry it out is assumed (they count broadcasts).
     ///
     /// # Errors
-    /// If a value is beyond what a board takes, or the port cannot be written.
+    /// If boards are assumed to ignore broadcasts, a value is beyond what a board takes, or the port cannot be written.
     pub async fn broadcast(&mut self, command: &Command) -> Result<(), DriveError> {
         self.check(command)?;
+        if !self.options.assumptions.broadcasts {
+            let (at, setting) = (self.at(command.action()), "broadcasts that boards carry out");
+            return Err(DriveError::Setting { at, setting, value: 0, low: 1, high: 1 });
+        }
         if let Some(silence) = self.silence.take() {
             silence.over().await;
         }

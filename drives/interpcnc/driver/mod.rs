@@ -8,6 +8,7 @@ use tokio_serial::{DataBits, FlowControl, SerialPortBuilderExt, StopBits};
 mod access;
 mod exchange;
 mod homing;
+mod lock;
 mod memory;
 mod motion;
 mod outcome;
@@ -223,6 +224,7 @@ impl InterpCnc {
                 {
                     attempt += 1;
                 }
+                Err(error) => return Err(self.if_locked(error, clock).await),
                 done => return done,
             }
         }
@@ -255,18 +257,6 @@ impl InterpCnc {
         Ok(stamp)
     }
 
-    /// Clears "Board Locked" (command 66) and checks that it is cleared.
-    ///
-    /// # Errors
-    /// If the ENABLE input is open, the board stays locked, or no proper answer comes.
-    pub async fn unlock(&mut self, clock: &dyn Clock) -> Result<(), DriveError> {
-        let command = Command::Reset { unlock: true, homing_error: false, probe_error: false };
-        self.send(&command, clock).await?;
-        // The board answers normally even where it stays locked.
-        let (state, _) = self.state(clock).await?;
-        self.check_obeys(&state, command.action())
-    }
-
     /// Switches output `output` (1 to 32) and reads it back: a locked board confirms the write and leaves the output
     /// alone. Asked again once if no proper answer comes.
     ///
@@ -291,7 +281,10 @@ impl InterpCnc {
         let coil = FIRST_OUTPUT + u16::from(output) - 1;
         let write = Request::WriteSingleCoil(coil, on);
         let done = Response::WriteSingleCoil(coil, on);
-        self.asked_twice(action, &write, clock, |answer| (*answer == done).then_some(())).await?;
+        let confirmed = |answer: &Response| (*answer == done).then_some(());
+        if let Err(error) = self.asked_twice(action, &write, clock, confirmed).await {
+            return Err(self.if_locked(error, clock).await);
+        }
         let read = Request::ReadCoils(coil, 1);
         let state = self.asked_twice(action, &read, clock, |answer| match answer {
             Response::ReadCoils(coils) => coils.first().copied(),

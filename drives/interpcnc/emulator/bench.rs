@@ -114,6 +114,11 @@ impl Board {
         self.settle();
     }
 
+    /// What stands around the board.
+    pub fn bench(&self) -> &Bench {
+        &self.surroundings.bench
+    }
+
     /// Sets input `number` (IN1 to IN32), also against a cam.
     pub fn set_input(&mut self, number: u8, level: bool) {
         let bit = input_bit(number.into());

@@ -36,7 +36,10 @@ impl Board {
         }
         self.open_since_ns = None;
         self.enabled = false;
-        self.lock(self.assumptions.enable_loss);
+        if !self.assumptions.enable_loss_keeps_segments {
+            self.buffer.clear();
+        }
+        self.halt(self.assumptions.enable_loss);
         true
     }
 
@@ -60,8 +63,13 @@ impl Board {
 
     /// Stops every axis, empties the command buffer and locks.
     pub(super) fn lock(&mut self, stop: BoardStop) {
-        let now = self.now_ns;
         self.buffer.clear();
+        self.halt(stop);
+    }
+
+    /// Stops every axis and locks.
+    fn halt(&mut self, stop: BoardStop) {
+        let now = self.now_ns;
         self.abandon_homing(AxisMask::ALL);
         match stop {
             BoardStop::AtOnce => self.for_axes(AxisMask::ALL, |axis| axis.stop(now)),

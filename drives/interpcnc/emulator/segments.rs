@@ -124,7 +124,7 @@ impl Board {
         };
         let moving = AxisMask::from_bits(self.axis_bits(|axis| axis.moving(now)));
         self.buffer.held = !segment.axes().intersection(moving).is_empty();
-        if self.buffer.held || self.is_frozen() {
+        if self.buffer.held || self.is_frozen() || self.locked {
             return false;
         }
         self.buffer.waiting.pop_front();

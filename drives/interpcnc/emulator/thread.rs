@@ -15,6 +15,7 @@ use super::{
 };
 use crate::{
     Accelerated, Clock, EmulatorError, FaultyWire, Speed,
+    kept::replace,
     pty::PseudoTerminal,
     slave::{self, Message},
 };
@@ -163,13 +164,4 @@ fn power_up(options: &EmulatorOptions) -> Result<Board, EmulatorError> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Board::new(&options.board)),
         Err(error) => Err(failed(error)),
     }
-}
-
-/// Replaces a file as a whole: whoever is killed meanwhile leaves the old or the new one.
-fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
-    let mut name = path.file_name().unwrap_or_default().to_owned();
-    name.push(".new");
-    let new = path.with_file_name(name);
-    std::fs::write(&new, content)?;
-    std::fs::rename(&new, path)
 }

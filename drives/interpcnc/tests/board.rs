@@ -21,7 +21,7 @@ use crate::{
 };
 
 /// Longer than anything here takes.
-const LONG: Duration = Duration::from_mins(1);
+pub(super) const LONG: Duration = Duration::from_mins(1);
 
 /// A clock for exchanges whose time matters to nobody.
 pub(super) fn no_clock() -> i64 {

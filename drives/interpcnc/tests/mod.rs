@@ -1,5 +1,6 @@
 //! The driver against frames computed elsewhere, and against the emulator on a pseudo-terminal.
 
+mod assumptions;
 mod board;
 mod faults;
 mod peers;

@@ -8,7 +8,7 @@ use super::{SmartDriveBus, no_clock};
 use crate::{
     Action, DriveError, MAX_DRIVE_AXES,
     smartdrive::{
-        AxisOptions, Command, DriveState, Mode, RejectCode, TrajectoryFlags,
+        AxisOptions, Command, DriveState, Mode, RejectCode, TrajectoryFlags, ZeroRate,
         parameters::{
             ACCELERATION_MAX, CID, DECELERATION_MAX, FULL_STEPS, PID, STEP_DIVISOR, VELOCITY_MAX,
         },
@@ -62,6 +62,7 @@ impl SmartDriveBus {
 
     /// Checks that a drive is one, and set as the options say.
     pub(super) fn identify(&mut self, axis: &AxisOptions) -> Result<(), DriveError> {
+        let assumed = self.bus.options().assumptions;
         let mut value = |index: u16| {
             let asked = self.runtime.block_on(self.bus.parameter(axis.address, index));
             asked.map(|parameter| parameter.working)
@@ -70,9 +71,10 @@ impl SmartDriveBus {
         let list = value(CID)?;
         let turn = value(FULL_STEPS)? * value(STEP_DIVISOR)?;
         let (velocity, acceleration) = (value(VELOCITY_MAX)?, value(ACCELERATION_MAX)?);
-        let deceleration = match value(DECELERATION_MAX)? {
-            0 => acceleration,
-            ceiling => ceiling,
+        let deceleration = match (value(DECELERATION_MAX)?, assumed.zero_rate) {
+            (0, ZeroRate::AsAcceleration) => acceleration,
+            (0, ZeroRate::Unlimited) => i64::MAX,
+            (ceiling, _) => ceiling,
         };
         let wanted = match axis.deceleration_rpm_per_s {
             0 => axis.acceleration_rpm_per_s,

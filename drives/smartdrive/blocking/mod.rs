@@ -2,16 +2,16 @@
 
 mod checks;
 mod homing;
+mod positions;
 mod settings;
 
 use std::time::Duration;
 
 use tokio::runtime::Runtime;
 
-use self::homing::Homing;
+use self::{homing::Homing, positions::Shifted};
 use super::{
-    Command, DriveState, Init, IoUpdate, Mode, RejectCode, SmartDrive, SmartDriveOptions,
-    TrajectoryFlags,
+    Command, DriveState, Init, Mode, SmartDrive, SmartDriveOptions, TrajectoryFlags,
     follow::{Follower, GoTo},
 };
 use crate::{
@@ -25,8 +25,6 @@ fn no_clock() -> i64 {
     0
 }
 
-/// Outputs of a drive: RDY, BRK, LED.
-const OUTPUTS: u8 = 3;
 /// What a drive takes for its answer until it is known better.
 const RESPONSE: Duration = Duration::from_millis(2);
 
@@ -35,7 +33,8 @@ type Seen = (DriveState, Stamp);
 
 /// SmartDRIVE devices on a serial port, one axis each; increments are µsteps.
 ///
-/// A drive forgets its position whenever its mode changes: [`Drive::enable`] makes it 0 unless the drive obeyed already.
+/// A drive forgets its position whenever its mode changes: [`Drive::enable`] makes it 0 unless the drive obeyed already
+/// and goes by its parameters (see [`crate::smartdrive::SetEffect`]).
 /// [`Drive::set_position`] gives positions another zero in the driver alone; the drive's own counter, and with it its
 /// position limits, stays as it is. Outputs are numbered 1 RDY, 2 BRK, 3 LED of the first drive, then those of the
 /// second.
@@ -51,6 +50,8 @@ pub struct SmartDriveBus {
     /// Position of the caller where the drive's counter is 0.
     zeros: Increments,
     homing: [Homing; MAX_DRIVE_AXES],
+    /// Drives that have been given parameters which count from their next mode on.
+    outdated: [bool; MAX_DRIVE_AXES],
     /// Counters that [`Drive::move_to`] has sent the drives to, until something else moves or stops them; none of those
     /// that it has left alone.
     sent: Vec<Option<i32>>,
@@ -76,11 +77,12 @@ impl SmartDriveBus {
         };
         let follower = Follower::new(&options.axes, RESPONSE);
         let (zeros, homing) = ([0; MAX_DRIVE_AXES], Default::default());
-        Ok(Self { bus, follower, zeros, homing, sent: Vec::new(), runtime })
+        let outdated = [false; MAX_DRIVE_AXES];
+        Ok(Self { bus, follower, zeros, homing, outdated, sent: Vec::new(), runtime })
     }
 
     /// Homes these axes (indices of the arrays), all at once, and returns when they are home; their positions are those
-    /// of the drives then, `PosOffset`.
+    /// of the drives then: `PosOffset`, or 0 after going so far ([`crate::smartdrive::HomePosition`]).
     ///
     /// # Errors
     /// If a drive refuses, is in alarm or does not find its switch; the others go on homing.
@@ -116,29 +118,6 @@ impl SmartDriveBus {
         self.sent.clear();
     }
 
-    /// The first drive that says it is done and is elsewhere than it was sent: a target that was spoilt on its way (two
-    /// bytes that have changed places leave the check sum as it is), or a status that is stuck.
-    fn stray(&self, seen: &[Seen]) -> Option<DriveError> {
-        let done = |state: &DriveState| state.flags.contains(TrajectoryFlags::DONE);
-        let drives = self.axes().zip(&self.sent).zip(seen);
-        let strays = drives.enumerate().filter_map(|(index, ((address, target), (state, _)))| {
-            let target = target
-                .filter(|target| done(state) && !state.moving() && state.position != *target)?;
-            Some(self.elsewhere(index, address, f64::from(target), state.position))
-        });
-        strays.into_iter().next()
-    }
-
-    /// A drive is not where it should be; counters of the drive.
-    fn elsewhere(&self, index: usize, address: u8, expected: f64, found: i32) -> DriveError {
-        let zero = self.zeros.get(index).copied().unwrap_or(0);
-        #[expect(clippy::cast_possible_truncation, reason = "a counter")]
-        let target = (expected.round() as i64).saturating_add(zero);
-        let found = zero.saturating_add(found.into());
-        let axis = u8::try_from(index).unwrap_or(u8::MAX);
-        DriveError::NotArrived { at: self.bus.at(address, Action::ReadState), axis, target, found }
-    }
-
     /// Addresses in use, in the order of the arrays.
     fn axes(&self) -> impl Iterator<Item = u8> + use<'_> {
         self.bus.options().axes.iter().map(|axis| axis.address)
@@ -159,40 +138,6 @@ impl SmartDriveBus {
             self.runtime.block_on(self.bus.broadcast(stop))?;
         }
         Ok(())
-    }
-
-    /// All positions at the middle of the time in which they were seen.
-    fn to_sample(&self, seen: &[Seen]) -> Sample {
-        let times = || seen.iter().map(|(_, stamp)| stamp.executed_ns);
-        let first = times().min().unwrap_or(0);
-        let time_ns = i64::midpoint(first, times().max().unwrap_or(first));
-        let mut position = self.zeros;
-        for (index, (position, (state, stamp))) in position.iter_mut().zip(seen).enumerate() {
-            let moved = self.follower.moved(index, stamp.executed_ns, time_ns);
-            #[expect(clippy::cast_possible_truncation, reason = "a few increments")]
-            let moved = moved.round() as i64;
-            *position = position.saturating_add(i64::from(state.position)).saturating_add(moved);
-        }
-        position.iter_mut().skip(seen.len()).for_each(|unused| *unused = 0);
-        Sample { time_ns, position, moving: seen.iter().any(|(state, _)| state.moving()) }
-    }
-
-    /// A position of the caller as the drive counts.
-    fn counter(&self, index: usize, address: u8, position: i64) -> Result<i32, DriveError> {
-        let zero = self.zeros.get(index).copied().unwrap_or(0);
-        let counter = position.checked_sub(zero).and_then(|counter| i32::try_from(counter).ok());
-        counter.ok_or_else(|| {
-            let command = GoTo { target: 0, speed: 1, rate: 1 }.command();
-            #[expect(clippy::cast_precision_loss, reason = "for a message")]
-            let value = position as f64 - zero as f64;
-            DriveError::Value {
-                at: self.bus.at(address, command.action()),
-                what: "target",
-                value,
-                low: i32::MIN.into(),
-                high: i32::MAX.into(),
-            }
-        })
     }
 }
 
@@ -227,7 +172,12 @@ impl Drive for SmartDriveBus {
         let mut changing = Vec::with_capacity(addresses.len());
         for (index, address) in addresses.into_iter().enumerate() {
             let (state, _) = self.state(address, &no_clock)?;
-            if state.mode != Mode::Remote.number() {
+            let outdated = self.outdated.get(index).copied().unwrap_or(false);
+            if outdated && state.moving() {
+                let at = self.bus.at(address, command.action());
+                return Err(DriveError::Moving { at, axes: 1 << index.min(MAX_DRIVE_AXES) });
+            }
+            if outdated || state.mode != Mode::Remote.number() {
                 // One that still changes would refuse.
                 if state.mode == Mode::Changing.number() {
                     self.runtime.block_on(self.bus.changed(address, &command))?;
@@ -239,6 +189,7 @@ impl Drive for SmartDriveBus {
         for (index, address) in changing {
             let found = self.runtime.block_on(self.bus.changed(address, &command))?;
             self.position_lost(index);
+            self.renewed(index);
             let expected = Mode::Remote.number();
             if found != expected {
                 let at = self.bus.at(address, command.action());
@@ -265,31 +216,7 @@ impl Drive for SmartDriveBus {
     }
 
     fn set_output(&mut self, output: u8, on: bool) -> Result<(), DriveError> {
-        let action = Action::SwitchOutput { output, on };
-        let place = output.checked_sub(1);
-        let axis = place.and_then(|place| self.axes().nth((place / OUTPUTS).into()));
-        let Some((place, address)) = place.zip(axis) else {
-            let count = u32::try_from(self.axis_count()).unwrap_or(u32::MAX);
-            return Err(DriveError::Value {
-                at: self.bus.at(self.axes().next().unwrap_or(0), action),
-                what: "output",
-                value: output.into(),
-                low: 1.0,
-                high: f64::from(count) * f64::from(OUTPUTS),
-            });
-        };
-        let mask = 1 << (place % OUTPUTS);
-        let (set, clear) = if on { (mask, 0) } else { (0, mask) };
-        let update = IoUpdate { clear, set, ..IoUpdate::default() };
-        let shown = self.runtime.block_on(self.bus.io(address, update))?;
-        if (shown.levels & mask != 0) == on {
-            Ok(())
-        } else {
-            Err(DriveError::Rejected {
-                at: self.bus.at(address, action),
-                reason: RejectCode::Generic,
-            })
-        }
+        self.switch_output(output, on)
     }
 
     fn set_position(&mut self, position: &Increments) -> Result<(), DriveError> {
@@ -448,34 +375,5 @@ impl Drive for SmartDriveBus {
 
     fn save_parameters(&mut self) -> Result<(), DriveError> {
         self.save()
-    }
-}
-
-/// A plan in the counts of the drives.
-struct Shifted<'a> {
-    stream: &'a dyn SetpointStream,
-    zeros: Increments,
-}
-
-impl SetpointStream for Shifted<'_> {
-    fn now_ns(&self) -> i64 {
-        self.stream.now_ns()
-    }
-
-    fn at(&self, time_ns: i64) -> crate::IncrementMotion {
-        let mut motion = self.stream.at(time_ns);
-        for (position, zero) in motion.position.iter_mut().zip(self.zeros) {
-            #[expect(
-                clippy::cast_precision_loss,
-                reason = "positions are of few more than 32 bits"
-            )]
-            let zero = zero as f64;
-            *position -= zero;
-        }
-        motion
-    }
-
-    fn horizon_ns(&self) -> i64 {
-        self.stream.horizon_ns()
     }
 }

@@ -6,7 +6,7 @@ use crate::{
     ParameterId, ParameterInfo, Signals, UnitIdentity, Values,
     device::find,
     smartdrive::{
-        IoUpdate, StepsPerTurn,
+        IoUpdate, RejectCode, SetEffect, StepsPerTurn, ZeroRate,
         parameters::{
             ACCELERATION_MAX, ADDRESS, CID, DECELERATION_MAX, Entry, FULL_STEPS, PARAMETERS, PID,
             POSITION_MAX, POSITION_MIN, RELEASE, STEP_DIVISOR, VELOCITY_MAX,
@@ -14,6 +14,8 @@ use crate::{
     },
 };
 
+/// Outputs of a drive: RDY, BRK, LED.
+const OUTPUTS: u8 = 3;
 /// Outputs of a drive, from bit 0 of IOUPDATE on.
 const OUTPUT_NAMES: [&str; 3] = ["RDY", "BRK", "LED"];
 /// Inputs of a drive, from bit 3 of IOUPDATE on.
@@ -87,9 +89,38 @@ impl SmartDriveBus {
         Ok(signals)
     }
 
+    pub(super) fn switch_output(&mut self, output: u8, on: bool) -> Result<(), DriveError> {
+        let action = Action::SwitchOutput { output, on };
+        let place = output.checked_sub(1);
+        let axis = place.and_then(|place| self.axes().nth((place / OUTPUTS).into()));
+        let Some((place, address)) = place.zip(axis) else {
+            let count = u32::try_from(self.axes().count()).unwrap_or(u32::MAX);
+            return Err(DriveError::Value {
+                at: self.bus.at(self.axes().next().unwrap_or(0), action),
+                what: "output",
+                value: output.into(),
+                low: 1.0,
+                high: f64::from(count) * f64::from(OUTPUTS),
+            });
+        };
+        let mask = 1 << (place % OUTPUTS);
+        let (set, clear) = if on { (mask, 0) } else { (0, mask) };
+        let update = IoUpdate { clear, set, ..IoUpdate::default() };
+        let shown = self.runtime.block_on(self.bus.io(address, update))?;
+        if (shown.levels & mask != 0) == on {
+            Ok(())
+        } else {
+            Err(DriveError::Rejected {
+                at: self.bus.at(address, action),
+                reason: RejectCode::Generic,
+            })
+        }
+    }
+
     pub(super) fn axis_limits(&mut self) -> Result<[DeviceLimits; MAX_DRIVE_AXES], DriveError> {
         let addresses: Vec<u8> = self.axes().collect();
         let mut limits = [DeviceLimits::default(); MAX_DRIVE_AXES];
+        let zero_rate = self.bus.options().assumptions.zero_rate;
         for (index, (address, limits)) in addresses.into_iter().zip(&mut limits).enumerate() {
             let mut value = |index| self.value(address, index);
             let narrow = |value: i64| u16::try_from(value).unwrap_or(0);
@@ -100,9 +131,11 @@ impl SmartDriveBus {
             };
             limits.speed = ceiling(VELOCITY_MAX)?;
             limits.acceleration = ceiling(ACCELERATION_MAX)?;
-            // 0: as the acceleration.
             let deceleration = ceiling(DECELERATION_MAX)?.filter(|rate| *rate > 0.0);
-            limits.deceleration = deceleration.or(limits.acceleration);
+            limits.deceleration = match zero_rate {
+                ZeroRate::AsAcceleration => deceleration.or(limits.acceleration),
+                ZeroRate::Unlimited => deceleration,
+            };
             let (low, high) = (value(POSITION_MIN)?, value(POSITION_MAX)?);
             if low < high {
                 let zero = self.zeros.get(index).copied().unwrap_or(0);
@@ -136,8 +169,33 @@ impl SmartDriveBus {
     ) -> Result<(), DriveError> {
         let at = || self.parameter_at(id, true);
         find(self.all_parameters(), id, at)?.check(value, at)?;
+        let index = self.axes().position(|address| address == id.station).unwrap_or(0);
+        match self.bus.options().assumptions.set_effect {
+            SetEffect::AtOnce => {}
+            SetEffect::WithMode => {
+                if let Some(outdated) = self.outdated.get_mut(index) {
+                    *outdated = true;
+                }
+            }
+            SetEffect::RestartsMode => {
+                let seen = self.state(id.station, &no_clock)?;
+                if seen.0.moving() {
+                    let axes = 1 << index.min(MAX_DRIVE_AXES);
+                    return Err(DriveError::Moving { at: self.parameter_at(id, true), axes });
+                }
+                self.restart();
+                self.position_lost(index);
+            }
+        }
         let set = self.bus.set_parameter(id.station, id.number, value);
         self.runtime.block_on(set).map(|_| ())
+    }
+
+    /// A drive goes by all its parameters: its mode has begun anew.
+    pub(super) fn renewed(&mut self, index: usize) {
+        if let Some(outdated) = self.outdated.get_mut(index) {
+            *outdated = false;
+        }
     }
 
     /// SAVE for every drive, which makes its position 0.
@@ -149,6 +207,7 @@ impl SmartDriveBus {
         for (index, address) in addresses.into_iter().enumerate() {
             self.position_lost(index);
             self.runtime.block_on(self.bus.save(address))?;
+            self.renewed(index);
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! What happens to served devices other than on the wire.
 
-use super::{Device, Input, Phase};
-use crate::smartdrive::{Alarms, Status, TrajectoryFlags, frame};
+use super::{Cam, Device, HomingOptions, Input, Phase};
+use crate::smartdrive::{Alarms, BadFrame, Status, TrajectoryFlags, frame};
 
 /// What happens to devices on a line, and to the line.
 pub type Control = crate::Control<Happening>;
@@ -41,6 +41,19 @@ pub enum Event {
     Stall,
     /// Status, position and flags are shown as they are now for good (true), or as they are.
     StuckStatus(bool),
+    /// One more switch that the mechanics operate.
+    Cam {
+        /// Input it is wired to.
+        input: Input,
+        /// It is active from here, µsteps from where the axis stood when the emulator was started.
+        from: i32,
+        /// To here.
+        to: i32,
+    },
+    /// All switches that the mechanics operate at an input are gone: it is off.
+    NoCams(Input),
+    /// Homing works otherwise from now on.
+    Homing(HomingOptions),
 }
 
 /// An event and the device it happens to, counted from 0 in the order of the bus.
@@ -78,6 +91,15 @@ impl Device {
             Event::Fault { alarms, present } => self.set_fault(alarms, present),
             Event::Stall => self.stall(),
             Event::StuckStatus(stuck) => self.set_stuck_status(stuck),
+            Event::Cam { input, from, to } => {
+                self.options.cams.push(Cam { input, from: from.into(), to: to.into() });
+                self.operate_cams();
+            }
+            Event::NoCams(input) => {
+                self.options.cams.retain(|cam| cam.input != input);
+                self.set_input(input, false);
+            }
+            Event::Homing(homing) => self.options.homing = homing,
         }
     }
 
@@ -102,11 +124,31 @@ impl Device {
     /// The answer that refuses a command with a code, if it is one that this device would answer.
     pub fn refusal(&self, command: &[u8], code: u16) -> Option<Vec<u8>> {
         let (address, _) = frame::decode(command)?;
-        let alive = !matches!(self.phase, Phase::Booting { .. } | Phase::Dead);
-        (alive && address == self.address()).then(|| {
-            let status = self.status().with(Status::REJECT, true);
-            let data = self.counter().to_le_bytes();
-            frame::Answer { status, data, tag: code }.encode().to_vec()
-        })
+        (self.is_alive() && address == self.address()).then(|| self.rejection(code))
+    }
+
+    /// Whether it hears anything at all.
+    pub(super) fn is_alive(&self) -> bool {
+        let changing = matches!(self.phase, Phase::Changing { .. });
+        !matches!(self.phase, Phase::Booting { .. } | Phase::Dead)
+            && !(changing && self.options.assumptions.silent_while_changing)
+    }
+
+    fn rejection(&self, code: u16) -> Vec<u8> {
+        let status = self.status().with(Status::REJECT, true);
+        let data = self.counter().to_le_bytes();
+        frame::Answer { status, data, tag: code }.encode().to_vec()
+    }
+
+    /// What it says to a frame whose check sum or length is wrong, if it is for this device as far as can be told.
+    pub(super) fn bad_frame(&self, frame: &[u8]) -> Option<Vec<u8>> {
+        match self.options.assumptions.bad_frame {
+            BadFrame::Refused(code)
+                if self.is_alive() && frame.first() == Some(&self.address()) =>
+            {
+                Some(self.rejection(code.number()))
+            }
+            BadFrame::Refused(_) | BadFrame::Silent => None,
+        }
     }
 }

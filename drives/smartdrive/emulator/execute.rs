@@ -1,14 +1,13 @@
 //! What a device does with its commands.
 
-use super::{Device, Phase, Work, control::Shown};
+use super::{Device, Phase, Work, control::Shown, memory::Copies};
 use crate::smartdrive::{
-    Alarms, Command, Init, Mode, RejectCode, Status, TrajectoryFlags,
+    Alarms, Command, Init, Mode, RejectCode, SetEffect, Status, TrajectoryFlags,
     frame::Answer,
     parameters::{
-        ACCELERATION_CURRENT, ACCELERATION_SETPOINT, ALARM_STATUS, ANALOG_1, ANALOG_2,
-        DECELERATION_SETPOINT, INPUT_GO, Kind, OUTPUT_LED, OUTPUT_RDY, POSITION_ACTUAL,
-        POSITION_SETPOINT, REVERSE_LIMN, SUPPLY, VAR_ENCODER_1, VAR_ENCODER_2, VELOCITY_ACTUAL,
-        VELOCITY_ATTENUATION, VELOCITY_SETPOINT, variable_at,
+        ACCELERATION_SETPOINT, ALARM_STATUS, ANALOG_1, ANALOG_2, INPUT_GO, Kind, OUTPUT_LED,
+        OUTPUT_RDY, POSITION_ACTUAL, POSITION_SETPOINT, REVERSE_LIMN, SUPPLY, VAR_ENCODER_1,
+        VAR_ENCODER_2, VELOCITY_ACTUAL, VELOCITY_ATTENUATION, VELOCITY_SETPOINT, variable_at,
     },
 };
 
@@ -22,6 +21,12 @@ enum Reply {
     Data([u8; 4]),
     /// A parameter.
     Words { saved: u16, working: u16, factory: u16 },
+}
+
+impl From<Copies> for Reply {
+    fn from(Copies { saved, working, factory }: Copies) -> Self {
+        Self::Words { saved, working, factory }
+    }
 }
 
 impl Device {
@@ -64,7 +69,10 @@ impl Device {
         }
         match *command {
             Command::Ping => return Ok(Reply::Ping),
-            Command::IoUpdate(update) => return Ok(Reply::Data(self.pins.update(update))),
+            Command::IoUpdate(update) => {
+                let both = self.options.assumptions.both_bits;
+                return Ok(Reply::Data(self.pins.update(update, both)));
+            }
             Command::Write { variable, value } => {
                 let entry = variable_at(variable).ok_or(RejectCode::NotAvailable)?;
                 // "Variables": the domain of all that can be written is 0/FFFFh.
@@ -78,21 +86,10 @@ impl Device {
                 return Ok(Reply::Data(self.read(variable)?.to_le_bytes()));
             }
             Command::Set { parameter, value } => {
-                let at_once = self.options.assumptions.applies_words_at_once;
-                let copies = self.memory.set(parameter, value, at_once)?;
-                return Ok(Reply::Words {
-                    saved: copies.saved,
-                    working: copies.working,
-                    factory: copies.factory,
-                });
+                return self.set_parameter(parameter, value).map(Reply::from);
             }
             Command::Get { parameter } => {
-                let copies = self.memory.copies(parameter)?;
-                return Ok(Reply::Words {
-                    saved: copies.saved,
-                    working: copies.working,
-                    factory: copies.factory,
-                });
+                return self.memory.copies(parameter).map(Reply::from);
             }
             Command::Mode(mode) => {
                 self.alarms = Alarms::default();
@@ -109,6 +106,20 @@ impl Device {
             _ => return Err(RejectCode::NotAvailable),
         }
         Ok(Reply::Position)
+    }
+
+    /// SET, and what follows from it.
+    fn set_parameter(&mut self, parameter: u16, value: u16) -> Result<Copies, RejectCode> {
+        let assumed = self.options.assumptions;
+        let (copies, is_whole) =
+            self.memory.set(parameter, value, assumed.applies_words_at_once)?;
+        match assumed.set_effect {
+            SetEffect::AtOnce => self.memory.take_effect(),
+            SetEffect::WithMode => {}
+            SetEffect::RestartsMode if is_whole => self.change_mode(self.mode, Work::None),
+            SetEffect::RestartsMode => {}
+        }
+        Ok(copies)
     }
 
     /// The commands that need the mode remote.
@@ -178,6 +189,7 @@ impl Device {
         let turn = self.ceilings().turn;
         let state = self.generator.state(self.now_ns);
         let (up, down) = self.generator.rates();
+        let assumed = self.options.assumptions.acc_current;
         Ok(match variable {
             ANALOG_1 => i32::from(self.analog[0]),
             ANALOG_2 => i32::from(self.analog[1]),
@@ -190,8 +202,8 @@ impl Device {
             // The scale that the device applies to its speeds: none.
             VELOCITY_ATTENUATION => 32_767,
             ACCELERATION_SETPOINT => whole(turn.rpm(up)),
-            DECELERATION_SETPOINT => whole(turn.rpm(down)),
-            ACCELERATION_CURRENT => {
+            _ if assumed.deceleration_index() == Some(variable) => whole(turn.rpm(down)),
+            _ if assumed.index() == variable => {
                 let soon = self.generator.state(self.now_ns + 1000);
                 whole(turn.rpm((soon.velocity - state.velocity) * 1e6))
             }

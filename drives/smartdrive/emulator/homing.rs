@@ -1,11 +1,12 @@
 //! Homing on a switch.
 //!
 //! The manual has the parameters and no sequence; this one is assumed: towards the switch at `VelEnterHome`, brake on
-//! it with `DecHome`, off it at `VelExitHome`, and where it releases the position is `PosOffset`.
+//! it with `DecHome`, off it at `VelExitHome`, and where it releases the position is `PosOffset`, or lies that far before
+//! position 0 ([`HomePosition`]).
 
 use super::{Device, Input};
 use crate::smartdrive::{
-    Alarms, RejectCode,
+    Alarms, HomePosition, RejectCode,
     motion::Ceilings,
     parameters::{
         ACCELERATION_HOME, DECELERATION_HOME, POSITION_OFFSET, VELOCITY_ENTER_HOME,
@@ -22,6 +23,8 @@ enum Step {
     Brake,
     /// On the way off it.
     Leave,
+    /// On by the offset.
+    Offset,
 }
 
 /// Homing under way.
@@ -61,6 +64,7 @@ impl Device {
                 self.generator.stop(self.now_ns, &self.home_ceilings(), rate);
             }
             Step::Leave => self.home_run(VELOCITY_EXIT_HOME, !positive),
+            Step::Offset => self.go_offset(),
         }
         if let Some(homing) = &mut self.homing {
             homing.step = step;
@@ -96,9 +100,31 @@ impl Device {
         } else if step == Step::Brake && !self.generator.is_under_way(self.now_ns) {
             self.begin_step(Step::Leave);
         } else if step == Step::Leave && !on_switch {
-            self.homing = None;
-            let offset = i32::try_from(self.memory.value(POSITION_OFFSET)).unwrap_or(0);
-            self.set_position(offset);
+            match self.options.assumptions.home_position {
+                HomePosition::IsOffset => self.homed_at(self.home_offset()),
+                HomePosition::GoesOffset => self.begin_step(Step::Offset),
+            }
+        } else if step == Step::Offset && !self.generator.is_under_way(self.now_ns) {
+            self.homed_at(0);
         }
+    }
+
+    fn homed_at(&mut self, position: i32) {
+        self.homing = None;
+        self.set_position(position);
+    }
+
+    fn home_offset(&self) -> i32 {
+        i32::try_from(self.memory.value(POSITION_OFFSET)).unwrap_or(0)
+    }
+
+    fn go_offset(&mut self) {
+        self.set_position(0);
+        let (offset, ceilings) = (self.home_offset(), self.home_ceilings());
+        let (speed, rate) =
+            (self.memory.word(VELOCITY_EXIT_HOME), self.memory.word(ACCELERATION_HOME));
+        let gone = self.generator.go_to(self.now_ns, &ceilings, offset, speed, rate);
+        // Without position limits there is no reason to refuse.
+        debug_assert!(gone.is_ok());
     }
 }

@@ -1,7 +1,7 @@
 //! The three copies of the parameters: factory, saved, working.
 
 use crate::smartdrive::{
-    RejectCode, StepsPerTurn,
+    Assumptions, RejectCode, StepsPerTurn,
     motion::Ceilings,
     parameters::{
         ACCELERATION_MAX, ADDRESS, DECELERATION_LIMIT, DECELERATION_MAX, Entry, FULL_STEPS,
@@ -30,8 +30,12 @@ pub(super) struct Memory {
     factory: Box<Words>,
     saved: Box<Words>,
     working: Box<Words>,
-    /// What the device goes by: as `working`, but 32-bit values change when their high word arrives.
+    /// As `working`, but 32-bit values change when their high word arrives.
+    whole: Box<Words>,
+    /// What the device goes by: `whole` as of the last time that it took effect.
     effective: Box<Words>,
+    /// How often something was saved.
+    saves: u64,
 }
 
 fn word(words: &Words, index: u16) -> u16 {
@@ -64,7 +68,8 @@ impl Memory {
         store(&mut factory, RELEASE, release);
         store(&mut factory, ADDRESS, address.into());
         let same = || factory.clone();
-        Self { saved: same(), working: same(), effective: same(), factory }
+        let whole = same();
+        Self { saved: same(), working: same(), whole, effective: same(), factory, saves: 0 }
     }
 
     /// The value the device goes by.
@@ -88,13 +93,14 @@ impl Memory {
         })
     }
 
-    /// Changes a word. The device goes by a value of two words when the high one is set, or by each at once.
+    /// Changes a word; the copies, and whether the value is a whole one now: that of two words is when the high one is
+    /// set, or with each of them. The device goes by it from [`Self::take_effect`] on.
     pub(super) fn set(
         &mut self,
         index: u16,
         new: u16,
         at_once: bool,
-    ) -> Result<Copies, RejectCode> {
+    ) -> Result<(Copies, bool), RejectCode> {
         let (entry, is_high) = parameter_at(index).ok_or(RejectCode::NotAvailable)?;
         if !entry.writable {
             return Err(RejectCode::BadParams);
@@ -109,25 +115,37 @@ impl Memory {
         if is_whole {
             for part in [entry.index, index] {
                 let new = word(&self.working, part);
-                store(&mut self.effective, part, new);
+                store(&mut self.whole, part, new);
             }
         }
-        self.copies(index)
+        Ok((self.copies(index)?, is_whole))
+    }
+
+    /// The device goes by what has been set.
+    pub(super) fn take_effect(&mut self) {
+        self.effective.clone_from(&self.whole);
     }
 
     /// SAVE.
     pub(super) fn save(&mut self) {
         self.saved.clone_from(&self.working);
+        self.saves += 1;
+    }
+
+    /// How often something was saved.
+    pub(super) fn saves(&self) -> u64 {
+        self.saves
     }
 
     /// LOAD and reset.
     pub(super) fn load(&mut self, factory: bool) {
         self.working.clone_from(if factory { &self.factory } else { &self.saved });
-        self.effective.clone_from(&self.working);
+        self.whole.clone_from(&self.working);
+        self.take_effect();
     }
 
     /// What the generator goes by.
-    pub(super) fn ceilings(&self) -> Ceilings {
+    pub(super) fn ceilings(&self, assumptions: &Assumptions) -> Ceilings {
         let turn = StepsPerTurn::new(self.word(FULL_STEPS), self.word(STEP_DIVISOR));
         let position = |index| i32::try_from(self.value(index)).unwrap_or(0);
         Ceilings {
@@ -137,7 +155,7 @@ impl Memory {
             deceleration: self.word(DECELERATION_MAX),
             emergency: self.word(DECELERATION_LIMIT),
             positions: (position(POSITION_MIN), position(POSITION_MAX)),
-            clamps_targets: false,
+            assumptions: *assumptions,
         }
     }
 

@@ -3,14 +3,12 @@
 //! [`Device`] is pure and deterministic: it is told how much time passes, which frames arrive and what happens to its
 //! inputs. [`EmulatedBus`] serves several in real time on a pseudo-terminal.
 //!
-//! Where the manual is silent the emulator assumes (see also `super::motion`; [`DeviceOptions`] and [`Assumptions`]
-//! can be chosen): while a mode changes, PING, READ and GET are answered and anything else is refused as WORKING; a
-//! 32-bit parameter changes when its high word arrives; an index that does not exist is NOTAVAILABLE, one that cannot
-//! be written and a value out of range are BADPARAMS; SET takes effect at once, a new address with the next command;
-//! homing approaches at `VelEnterHome`, brakes on the switch, leaves it at `VelExitHome` and is at `PosOffset` where
-//! the switch releases; while it runs STOP ends it and other motion commands are refused as WORKING; modes with inputs
-//! use GO for GOP and START and DIR for GON; an alarm whose cause is still there comes back when a mode is chosen; the
-//! bootloader answers nothing.
+//! Where the manual is silent the device behaves by its [`DeviceOptions`] and their [`Assumptions`]. Beyond those (see
+//! also `super::motion`): an index that does not exist is NOTAVAILABLE, one that cannot be written and a value out of
+//! range are BADPARAMS; a new address counts with the next command; homing approaches at `VelEnterHome`, brakes on the
+//! switch and leaves it at `VelExitHome`; while it runs STOP ends it and other motion commands are refused as WORKING;
+//! modes with inputs use GO for GOP and START and DIR for GON; an alarm whose cause is still there comes back when a
+//! mode is chosen; the bootloader answers nothing.
 
 mod control;
 mod execute;
@@ -19,6 +17,7 @@ mod inputs;
 mod memory;
 mod modes;
 mod options;
+mod power;
 mod serve;
 #[cfg(test)]
 mod tests;
@@ -26,7 +25,7 @@ mod thread;
 
 pub use control::{Control, Event, Happening};
 pub use inputs::Input;
-pub use options::{Assumptions, Cam, DeviceOptions, HomingOptions};
+pub use options::{Cam, DeviceOptions, HomingOptions};
 pub use serve::{Wire, serve};
 pub use thread::{EmulatedBus, EmulatorOptions};
 
@@ -36,7 +35,7 @@ use inputs::{CAPTURE_NS, Pins};
 use memory::Memory;
 
 use super::{
-    Alarms, LoadSource, Mode, Status, TrajectoryFlags, frame,
+    Alarms, LoadSource, Mode, RejectCode, SetEffect, Status, TrajectoryFlags, frame,
     motion::{Ceilings, Generator},
     parameters::{ADDRESS, ENCODER_1, ENCODER_2},
 };
@@ -133,6 +132,19 @@ impl Device {
     /// An image of the flash memory: the saved parameters.
     pub fn flash(&self) -> Vec<u8> {
         self.memory.to_bytes()
+    }
+
+    /// How often SAVE has been carried out since power-up.
+    pub fn saves(&self) -> u64 {
+        self.memory.saves()
+    }
+
+    /// When the SAVE under way has been carried out, ns since power-up; none if there is none.
+    pub fn save_due_ns(&self) -> Option<i64> {
+        match self.phase {
+            Phase::Changing { until_ns, work: Work::Save, .. } => Some(until_ns),
+            _ => None,
+        }
     }
 
     /// Time since power-up, ns.
@@ -245,69 +257,6 @@ impl Device {
         }
     }
 
-    /// Sets the supply, V. Too much or too little is an alarm; much too little stops the CPU, which boots when the
-    /// supply is back.
-    pub fn set_supply(&mut self, volts: u16) {
-        let was_dead = self.supply_v < self.options.brown_out_v;
-        self.supply_v = volts;
-        if volts < self.options.brown_out_v {
-            self.power_off(TrajectoryFlags::NONE);
-            self.phase = Phase::Dead;
-        } else if was_dead {
-            self.boot();
-        }
-        self.set_fault(Alarms::UNDERVOLTAGE, volts < self.options.undervoltage_v);
-        self.set_fault(Alarms::OVERVOLTAGE, volts > self.options.overvoltage_v);
-    }
-
-    /// The cause of alarms is there, or is gone; the alarms themselves go when a mode is chosen.
-    pub fn set_fault(&mut self, alarms: Alarms, present: bool) {
-        self.faults = if present { self.faults.union(alarms) } else { self.faults.without(alarms) };
-        if present && matches!(self.phase, Phase::Running | Phase::Changing { .. }) {
-            self.raise(alarms);
-        }
-    }
-
-    /// The rotor is blocked for a moment: a motion ends where it is.
-    pub fn stall(&mut self) {
-        if self.generator.in_motion(self.now_ns) {
-            self.homing = None;
-            self.generator.freeze(self.now_ns, TrajectoryFlags::STALLED);
-            if self.options.stall_is_alarm {
-                self.raise(Alarms::STALL);
-            }
-        }
-    }
-
-    fn raise(&mut self, alarms: Alarms) {
-        self.alarms = self.alarms.union(alarms);
-        self.power_off(TrajectoryFlags::NONE);
-        self.mode = Mode::Off;
-        self.phase = Phase::Running;
-    }
-
-    /// Whatever moves stands where it is.
-    fn power_off(&mut self, because: TrajectoryFlags) {
-        self.homing = None;
-        self.generator.freeze(self.now_ns, because);
-    }
-
-    /// RESET, or the supply is back.
-    fn boot(&mut self) {
-        self.power_off(TrajectoryFlags::NONE);
-        self.phase = Phase::Booting { until_ns: self.after(self.options.boot) };
-    }
-
-    fn start_up(&mut self) {
-        self.memory.load(false);
-        self.alarms = Alarms::default();
-        self.phase = Phase::Running;
-        self.encoder_zeros = [self.mechanical(); 2];
-        let outputs = 0..3;
-        outputs.for_each(|place| self.pins.set_output(place, false));
-        self.activate(self.options.configured_mode);
-    }
-
     /// Begins to change to a mode: the present one is switched off at once.
     fn change_mode(&mut self, mode: Mode, work: Work) {
         self.power_off(TrajectoryFlags::NONE);
@@ -318,6 +267,9 @@ impl Device {
     /// A mode begins: TRJINIT, unless the cause of an alarm is there.
     fn activate(&mut self, mode: Mode) {
         self.set_position(0);
+        if self.options.assumptions.set_effect != SetEffect::AtOnce {
+            self.memory.take_effect();
+        }
         self.mode = mode;
         self.seen = modes::Seen::now(&self.pins);
         if !self.faults.is_empty() {
@@ -340,16 +292,19 @@ impl Device {
     }
 
     fn ceilings(&self) -> Ceilings {
-        let clamps_targets = self.options.assumptions.clamps_targets;
-        Ceilings { clamps_targets, ..self.memory.ceilings() }
+        self.memory.ceilings(&self.options.assumptions)
     }
 
     fn operate_cams(&mut self) {
         let position = self.mechanical();
         let mut changed = false;
-        for cam in &self.options.cams {
-            let level = (cam.from..=cam.to).contains(&position);
-            changed |= self.pins.set_input(self.now_ns, cam.input, level);
+        for input in Input::ALL {
+            let mut wired = self.options.cams.iter().filter(|cam| cam.input == input).peekable();
+            // Any of several switches on one wire makes it active.
+            if wired.peek().is_some() {
+                let level = wired.any(|cam| (cam.from..=cam.to).contains(&position));
+                changed |= self.pins.set_input(self.now_ns, input, level);
+            }
         }
         if changed {
             self.obey_limits();
@@ -390,22 +345,16 @@ impl Device {
 
     /// Takes one frame and gives the answer, if the device answers.
     pub fn handle(&mut self, frame: &[u8]) -> Option<Vec<u8>> {
-        let (address, command) = frame::decode(frame)?;
-        let command = command.map_err(|reason| {
-            if frame::has_wrong_length(frame) {
-                self.options.assumptions.wrong_length
-            } else {
-                reason
-            }
+        let Some((address, command)) = frame::decode(frame) else { return self.bad_frame(frame) };
+        let assumed = &self.options.assumptions;
+        let command = command.map_err(|reason| match reason {
+            _ if frame::has_wrong_length(frame) => assumed.wrong_length,
+            // Of what can be decoded only unknown codes are.
+            RejectCode::NotAvailable => assumed.unknown_code,
+            reason => reason,
         });
         let own = self.address();
-        let alive = !matches!(self.phase, Phase::Booting { .. } | Phase::Dead);
-        if !alive || address != own && address != 0 {
-            return None;
-        }
-        if self.options.assumptions.silent_while_changing
-            && matches!(self.phase, Phase::Changing { .. })
-        {
+        if !self.is_alive() || address != own && address != 0 {
             return None;
         }
         self.frames_handled += 1;

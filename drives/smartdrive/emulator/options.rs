@@ -1,9 +1,9 @@
-//! What an emulated device is like, and what the manual leaves open about it.
+//! What an emulated device is like.
 
 use std::time::Duration;
 
 use super::Input;
-use crate::smartdrive::{Mode, RejectCode, TagLayout};
+use crate::smartdrive::{Assumptions, Mode, TagLayout};
 
 /// A switch that the mechanics operate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,40 +31,6 @@ impl Default for HomingOptions {
     /// GO, in the negative direction, 30 s.
     fn default() -> Self {
         Self { input: Input::Go, positive: false, timeout: Duration::from_secs(30) }
-    }
-}
-
-/// What the manual does not say; the defaults are what is most likely.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[expect(
-    clippy::struct_excessive_bools,
-    reason = "questions that have nothing to do with each other"
-)]
-pub struct Assumptions {
-    /// Speeds and rates beyond their ceilings are refused as BADPARAMS instead of clamped.
-    pub refuses_beyond_ceilings: bool,
-    /// Targets outside the position limits are moved to the limit instead of refused as BADPARAMS.
-    pub clamps_targets: bool,
-    /// Variables of 16 bits with sign fill the upper half of the answer with their sign; else it is 0.
-    pub extends_signs: bool,
-    /// While a mode changes the device is silent instead of answering PING, READ and GET and refusing the rest.
-    pub silent_while_changing: bool,
-    /// Each word of a 32-bit parameter counts as soon as it is set, instead of both with the high one.
-    pub applies_words_at_once: bool,
-    /// With what a command is refused whose code goes with another length of data.
-    pub wrong_length: RejectCode,
-}
-
-impl Default for Assumptions {
-    fn default() -> Self {
-        Self {
-            refuses_beyond_ceilings: false,
-            clamps_targets: false,
-            extends_signs: true,
-            silent_while_changing: false,
-            applies_words_at_once: false,
-            wrong_length: RejectCode::BadParams,
-        }
     }
 }
 

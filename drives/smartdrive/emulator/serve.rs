@@ -54,34 +54,43 @@ pub async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
     clock: &dyn Clock,
     control: Receiver<Control>,
 ) -> io::Result<Vec<Device>> {
-    let bus = Bus::new(devices, *wire);
+    let bus = Bus::new(devices, *wire, Box::new(|_, _| Ok(())));
     let served = slave::serve(stream, bus, FaultyWire::new(0), (clock, false), control).await?;
     Ok(served.devices)
 }
 
-/// As [`serve`] and as precise as the thread can, on a wire with faults.
+/// As [`serve`] and as precise as the thread can, on a wire with faults; `stored` is called whenever a device has saved
+/// its parameters.
 pub(super) async fn serve_with<S: AsyncRead + AsyncWrite + Unpin>(
     stream: S,
     devices: Vec<Device>,
     (wire, faults): (Wire, FaultyWire),
     clock: &dyn Clock,
     control: Receiver<Message<Bus>>,
+    stored: Box<Stored>,
 ) -> io::Result<Vec<Device>> {
-    let bus = Bus::new(devices, wire);
+    let bus = Bus::new(devices, wire, stored);
     let served = slave::serve(stream, bus, faults, (clock, true), control).await?;
     Ok(served.devices)
 }
+
+/// What is done with a device that has saved its parameters, and its place on the bus.
+pub(super) type Stored = dyn FnMut(usize, &Device) -> io::Result<()> + Send;
 
 /// Devices on one line.
 pub(super) struct Bus {
     devices: Vec<Device>,
     wire: Wire,
     now_ns: i64,
+    stored: Box<Stored>,
+    /// Of each device, as they were last looked at.
+    saves: Vec<u64>,
 }
 
 impl Bus {
-    fn new(devices: Vec<Device>, wire: Wire) -> Self {
-        Self { devices, wire, now_ns: 0 }
+    fn new(devices: Vec<Device>, wire: Wire, stored: Box<Stored>) -> Self {
+        let saves = devices.iter().map(Device::saves).collect();
+        Self { devices, wire, now_ns: 0, stored, saves }
     }
 
     /// What all devices answer. Two that have the same address answer at once, which leaves nothing to be read.
@@ -150,5 +159,20 @@ impl Slave for Bus {
 
     fn echoes(&self) -> bool {
         self.wire.echo
+    }
+
+    fn stores_at_ns(&self) -> Option<i64> {
+        let due = |device: &Device| Some(device.save_due_ns()? - device.now_ns() + self.now_ns);
+        self.devices.iter().filter_map(due).min()
+    }
+
+    fn keep(&mut self) -> io::Result<()> {
+        for (place, (device, known)) in self.devices.iter().zip(&mut self.saves).enumerate() {
+            if device.saves() != *known {
+                *known = device.saves();
+                (self.stored)(place, device)?;
+            }
+        }
+        Ok(())
     }
 }

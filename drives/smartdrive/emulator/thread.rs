@@ -15,6 +15,7 @@ use super::{
 };
 use crate::{
     Accelerated, Clock, EmulatorError, FaultyWire, Speed,
+    kept::replace,
     pty::PseudoTerminal,
     slave::{self, Message},
 };
@@ -27,6 +28,9 @@ pub struct EmulatorOptions {
     /// Images of their flash memories, in the same order; a device without one, or with one that is damaged, is as it
     /// left the factory.
     pub flash: Vec<Vec<u8>>,
+    /// Files that keep flash memories, in the same order. What is in a file counts instead of an image, a file that is
+    /// not there is made, and SAVE replaces it at once. A device without a file forgets.
+    pub files: Vec<PathBuf>,
     /// Emulated delays.
     pub wire: Wire,
     /// Symbolic link to make to the pseudo-terminal; it is removed at the end.
@@ -55,11 +59,13 @@ impl EmulatedBus {
     /// Powers the devices up. `clock` gives the time by which their axes move.
     ///
     /// # Errors
-    /// If there is no pseudo-terminal or no thread to be had, or the link cannot be made.
+    /// If there is no pseudo-terminal or no thread to be had, the link cannot be made, or a file of flash memory cannot be
+    /// read or made or is none.
     pub fn start(
         options: &EmulatorOptions,
         clock: impl Clock + 'static,
     ) -> Result<Self, EmulatorError> {
+        let devices = power_up(options)?;
         let (master, terminal) = PseudoTerminal::open(options.link.as_deref())?;
         let failed = |source| EmulatorError::Thread { source };
         let runtime =
@@ -70,17 +76,19 @@ impl EmulatedBus {
                 .map_err(|error| EmulatorError::Terminal { source: error.into() })?
         };
         let (control, messages) = mpsc::channel(64);
-        let power_up = |(place, device): (usize, &DeviceOptions)| {
-            let image = options.flash.get(place);
-            let remembered = image.and_then(|image| Device::with_flash(device, image));
-            remembered.unwrap_or_else(|| Device::new(device))
-        };
-        let devices = options.devices.iter().enumerate().map(power_up).collect();
         let wire = (options.wire, FaultyWire::new(options.seed));
         let clock = Accelerated::new(clock, options.speed);
+        let files = options.files.clone();
         let thread = Builder::new()
             .name(format!("smartdrive {}", terminal.path().display()))
-            .spawn(move || runtime.block_on(serve_with(stream, devices, wire, &clock, messages)))
+            .spawn(move || {
+                let stored =
+                    Box::new(move |place: usize, device: &Device| match files.get(place) {
+                        Some(path) => replace(path, &device.flash()),
+                        None => Ok(()),
+                    });
+                runtime.block_on(serve_with(stream, devices, wire, &clock, messages, stored))
+            })
             .map_err(failed)?;
         Ok(Self { terminal, control: Some(control), thread: Some(thread) })
     }
@@ -117,7 +125,7 @@ impl EmulatedBus {
     /// Powers the devices down and gives them back as they were then.
     ///
     /// # Errors
-    /// If the emulator has ended before, because of its terminal.
+    /// If the emulator has ended before, because of its terminal or a file of flash memory.
     pub fn stop(mut self) -> Result<Vec<Device>, EmulatorError> {
         self.control = None;
         let thread = self.thread.take().ok_or(EmulatorError::Ended)?;
@@ -135,5 +143,34 @@ impl Drop for EmulatedBus {
             // Its result matters to nobody any more.
             drop(thread.join());
         }
+    }
+}
+
+/// The devices with the flash memories of their files or images. A file that is not there is made.
+fn power_up(options: &EmulatorOptions) -> Result<Vec<Device>, EmulatorError> {
+    let one = |(place, device): (usize, &DeviceOptions)| {
+        let remembered = match options.files.get(place) {
+            Some(path) => kept(path, device)?,
+            None => options.flash.get(place).and_then(|image| Device::with_flash(device, image)),
+        };
+        Ok(remembered.unwrap_or_else(|| Device::new(device)))
+    };
+    options.devices.iter().enumerate().map(one).collect()
+}
+
+/// The device of a file; none if the file is new.
+fn kept(path: &Path, options: &DeviceOptions) -> Result<Option<Device>, EmulatorError> {
+    const NONE: &str = "this is no image of the flash memory of an emulated SmartDRIVE";
+    let failed = |source| EmulatorError::File { path: path.to_path_buf(), source };
+    match std::fs::read(path) {
+        Ok(image) => {
+            let bad = || failed(io::Error::new(io::ErrorKind::InvalidData, NONE));
+            Device::with_flash(options, &image).ok_or_else(bad).map(Some)
+        }
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            replace(path, &Device::new(options).flash()).map_err(failed)?;
+            Ok(None)
+        }
+        Err(error) => Err(failed(error)),
     }
 }

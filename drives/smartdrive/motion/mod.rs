@@ -4,16 +4,20 @@
 //! move by it.
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB", sections START to GOTO, "Paramètres de configuration" (ceilings).
-//! Where the manual is silent: larger speeds and rates than the ceilings are clamped to them; a ceiling of 0 for a
-//! deceleration means `AccMax`; STEP counts from the set-point where the axis is; targets outside the position limits are
-//! refused where the lower is below the upper, and START then stands still on the limit; a move towards an active limit
-//! switch stops where it is.
+//! Where the manual is silent it goes by [`Assumptions`]. Beyond those: larger speeds and rates than the ceilings are
+//! clamped to them unless the device refuses them first; position limits count where the lower is below the upper, and
+//! START then stands still on the limit; a move towards an active limit switch stops where it is.
 
 #[cfg(test)]
 mod tests;
 
-use super::{RejectCode, TrajectoryFlags, units::StepsPerTurn};
+use super::{
+    Assumptions, LimitStop, RejectCode, StepFrom, TrajectoryFlags, ZeroRate, units::StepsPerTurn,
+};
 use crate::ramp::{Motion, Ramp, State};
+
+/// A rate that brings any speed to rest within less than a µs, µsteps/s².
+const WITHOUT_RAMP: f64 = 1e12;
 
 /// Ceilings of speeds, rates and positions: parameters 26 to 33, 43 and 44.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,22 +28,36 @@ pub(crate) struct Ceilings {
     pub(crate) velocity: u16,
     /// `Trj_AccMax`, rpm/s.
     pub(crate) acceleration: u16,
-    /// `Trj_DecMax`, rpm/s; 0: as the acceleration.
+    /// `Trj_DecMax`, rpm/s; 0: see [`Assumptions::zero_rate`].
     pub(crate) deceleration: u16,
-    /// `Trj_DecLim`, rpm/s; 0: as the acceleration.
+    /// `Trj_DecLim`, rpm/s; 0: as with `Trj_DecMax`.
     pub(crate) emergency: u16,
     /// `Trj_PosMin` and `Trj_PosMax`, µsteps; they limit nothing unless the first is below the second.
     pub(crate) positions: (i32, i32),
-    /// Whether a target outside them becomes the limit; else it is refused.
-    pub(crate) clamps_targets: bool,
+    /// What the manual leaves open.
+    pub(crate) assumptions: Assumptions,
 }
 
 impl Ceilings {
     /// A rate, 0 for the largest, as µsteps/s².
     fn rate(&self, asked: u16, ceiling: u16) -> f64 {
-        let ceiling = if ceiling == 0 { self.acceleration } else { ceiling };
+        let ceiling = match (ceiling, self.assumptions.zero_rate) {
+            (0, ZeroRate::Unlimited) if asked == 0 => return WITHOUT_RAMP,
+            (0, ZeroRate::Unlimited) => u16::MAX,
+            (0, ZeroRate::AsAcceleration) => self.acceleration,
+            (ceiling, _) => ceiling,
+        };
         let rate = if asked == 0 { ceiling } else { asked.min(ceiling) };
         self.turn.steps(f64::from(rate.max(1)))
+    }
+
+    /// With what a motion brakes on a limit switch, µsteps/s².
+    fn limit_rate(&self) -> f64 {
+        match self.assumptions.limit_stop {
+            LimitStop::Emergency => self.rate(0, self.emergency),
+            LimitStop::Deceleration => self.rate(0, self.deceleration),
+            LimitStop::AtOnce => WITHOUT_RAMP,
+        }
     }
 
     /// A speed, 0 for the largest, as µsteps/s.
@@ -87,6 +105,8 @@ enum Goal {
 pub(crate) struct Generator {
     motion: Motion,
     goal: Goal,
+    /// Of the GOTO or STEP that the motion is for.
+    target: Option<i32>,
     /// Rates of the last command, for the variables that show them, µsteps/s².
     rates: (f64, f64),
     /// What has stopped the motion, until the next one begins.
@@ -101,6 +121,7 @@ impl Generator {
         Self {
             motion: Motion::at_rest(position),
             goal: Goal::End,
+            target: None,
             rates: (0.0, 0.0),
             stopped_by: TrajectoryFlags::NONE,
             switches: (false, false),
@@ -118,17 +139,18 @@ impl Generator {
     ) -> Result<(), RejectCode> {
         let mut ramp = ceilings.ramp(target, speed, rate);
         if let Some((low, high)) = ceilings.limits() {
-            if !(low..=high).contains(&ramp.target) && !ceilings.clamps_targets {
+            if !(low..=high).contains(&ramp.target) && !ceilings.assumptions.clamps_targets {
                 return Err(RejectCode::BadParams);
             }
             ramp.target = ramp.target.clamp(low, high);
         }
         self.begin(now_ns, ceilings, Motion::plan(now_ns, self.state(now_ns), &ramp), Goal::End);
+        self.target = (self.goal == Goal::End).then_some(saturated(ramp.target));
         self.rates = (ramp.acceleration, ramp.deceleration);
         Ok(())
     }
 
-    /// STEP: as GOTO, `distance` from where the set-point is.
+    /// STEP: as GOTO, `distance` from where the set-point is or is going.
     pub(crate) fn step(
         &mut self,
         now_ns: i64,
@@ -137,7 +159,11 @@ impl Generator {
         speed: u16,
         rate: u16,
     ) -> Result<(), RejectCode> {
-        let target = self.counter(now_ns).wrapping_add(distance);
+        let from = match ceilings.assumptions.step_from {
+            StepFrom::Setpoint => None,
+            StepFrom::Target => self.target,
+        };
+        let target = from.unwrap_or_else(|| self.counter(now_ns)).wrapping_add(distance);
         self.go_to(now_ns, ceilings, target, speed, rate)
     }
 
@@ -180,6 +206,7 @@ impl Generator {
             self.stopped_by = because;
         }
         self.motion = Motion::at_rest(f64::from(self.counter(now_ns)));
+        self.target = None;
     }
 
     /// Stands at `position`, which is where it is from now on; moves and flags are forgotten.
@@ -187,7 +214,7 @@ impl Generator {
         *self = Self { switches: self.switches, ..Self::at_rest(f64::from(position)) };
     }
 
-    /// LIMP and LIMN are active or not: a motion towards an active one brakes with `DecLim`.
+    /// LIMP and LIMN are active or not: a motion towards an active one brakes.
     pub(crate) fn set_switches(
         &mut self,
         now_ns: i64,
@@ -203,11 +230,12 @@ impl Generator {
         let before = self.motion;
         self.motion = motion;
         self.goal = goal;
+        self.target = None;
         self.stopped_by = TrajectoryFlags::NONE;
         if let Some(flag) = self.towards_switch(now_ns) {
             // From what it was doing: the new motion may have been away from the switch at first.
             self.motion = before;
-            self.brake(now_ns, ceilings.rate(0, ceilings.emergency));
+            self.brake(now_ns, ceilings.limit_rate());
             self.miss(flag);
         }
     }
@@ -231,7 +259,7 @@ impl Generator {
         if let Some(flag) = self.towards_switch(now_ns)
             && self.goal != Goal::Missed
         {
-            self.brake(now_ns, ceilings.rate(0, ceilings.emergency));
+            self.brake(now_ns, ceilings.limit_rate());
             self.miss(flag);
         }
     }
@@ -250,6 +278,7 @@ impl Generator {
             target: 0.0,
         };
         self.motion = Motion::stop(now_ns, self.state(now_ns), &ramp);
+        self.target = None;
     }
 
     /// Position and velocity between the µsteps, µsteps and µsteps/s.
@@ -294,4 +323,10 @@ impl Generator {
         }
         flags
     }
+}
+
+/// A target as GOTO has it.
+#[expect(clippy::cast_possible_truncation, reason = "a float cast saturates")]
+fn saturated(target: f64) -> i32 {
+    target as i32
 }

@@ -16,7 +16,7 @@ fn ceilings(positions: (i32, i32)) -> Ceilings {
         deceleration: 2000,
         emergency: 9000,
         positions,
-        clamps_targets: false,
+        assumptions: Assumptions::default(),
     }
 }
 

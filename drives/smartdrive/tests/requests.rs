@@ -15,20 +15,29 @@ use super::wire::{axis, no_clock, run};
 use crate::{
     DriveError,
     smartdrive::{
-        Command, Init, IoUpdate, LoadSource, Mode, RejectCode, SmartDrive, SmartDriveOptions,
-        TagLayout, TrajectoryFlags,
-        emulator::{
-            Assumptions, Cam, Device, DeviceOptions, Event, HomingOptions, Input, Wire, serve,
-        },
+        Assumptions, Command, Init, IoUpdate, LoadSource, Mode, RejectCode, SmartDrive,
+        SmartDriveOptions, TagLayout, TrajectoryFlags,
+        emulator::{Cam, Device, DeviceOptions, Event, HomingOptions, Input, Wire, serve},
         frame::command_length,
     },
 };
 
 /// Runs `test` with a master of devices whose time passes by 25 ms with every command they hear.
 fn with_devices(devices: &[DeviceOptions], test: impl AsyncFnOnce(&mut SmartDrive)) {
+    with_spoilt(devices, Assumptions::default(), |_| {}, test);
+}
+
+/// The same with a master that assumes something, and commands that are spoilt on their way.
+pub(super) fn with_spoilt(
+    devices: &[DeviceOptions],
+    assumptions: Assumptions,
+    mut spoil: impl FnMut(&mut [u8]),
+    test: impl AsyncFnOnce(&mut SmartDrive),
+) {
     run(async {
         let (near, mut far) = duplex(4096);
         let mut options = SmartDriveOptions::new(vec![axis(1)]);
+        options.assumptions = assumptions;
         options.worst_latency = Duration::from_millis(1);
         options.deadline = Duration::from_millis(200);
         let mut driver = SmartDrive::attach(Arc::from("wire"), near, &options);
@@ -41,6 +50,7 @@ fn with_devices(devices: &[DeviceOptions], test: impl AsyncFnOnce(&mut SmartDriv
                     return;
                 }
                 assert_eq!(command_length(&buffer), Some(count));
+                spoil(&mut buffer[..count]);
                 for device in &mut devices {
                     device.advance(25_000_000);
                     if let Some(answer) = device.handle(&buffer[..count]) {

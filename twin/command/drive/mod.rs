@@ -1,15 +1,12 @@
 //! `twin drive`: one drive by hand, on the driver that runs use.
 
 mod bim2ax;
-mod bim2ax_parameters;
 mod by_switch;
 pub(super) mod consent;
 mod interpcnc;
-mod interpcnc_parameters;
 mod on_file;
 mod session;
 mod smartdrive;
-mod smartdrive_parameters;
 mod words;
 
 use super::{Failure, Status};

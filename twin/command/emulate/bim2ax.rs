@@ -1,5 +1,6 @@
 //! A BIM2AX module.
 
+use super::bench::{self, stretch};
 use super::control::{Obeys, Switch};
 use super::faults::{self, Said, WireWord};
 use super::{Common, Failure, Status, serve};
@@ -7,7 +8,7 @@ use crate::clock::Clock;
 use twin_drives::bim2ax::emulator::{
     Control, EmulatedModule, EmulatorOptions, Event, ModuleOptions, Surroundings,
 };
-use twin_drives::bim2ax::{ByteOrder, Contact, ModuleAxis};
+use twin_drives::bim2ax::{ByteOrder, Contact, EncoderBench, EncoderKind, ModuleAxis};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
@@ -21,6 +22,15 @@ pub(super) struct Options {
     /// Version of its software; from 15 on, several zones go with one interrupt
     #[arg(long, default_value_t = 15)]
     software: u16,
+
+    /// Rating of the module, mA: 1000, 2000 or 5000
+    #[arg(long, default_value_t = 2000, value_name = "MA", value_parser = rating)]
+    rating_ma: u32,
+}
+
+fn rating(text: &str) -> Result<u32, String> {
+    let known = text.parse().ok().filter(|rating| [1000, 2000, 5000].contains(rating));
+    known.ok_or_else(|| "modules are rated 1000, 2000 or 5000 mA".to_owned())
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -34,10 +44,25 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         OrderWord::Big => ByteOrder::Big,
         OrderWord::Little => ByteOrder::Little,
     };
-    let module =
-        ModuleOptions { byte_order, version: options.software, ..ModuleOptions::default() };
+    let module = ModuleOptions {
+        byte_order,
+        version: options.software,
+        rating_ma: options.rating_ma,
+        ..ModuleOptions::default()
+    };
+    let mut surroundings = Surroundings::default();
+    let afterwards = bench::set_up(&options.common, |words| {
+        Ok(match obeyed(words, surroundings)? {
+            Control::Event(Event::Surroundings(changed)) => {
+                surroundings = *changed;
+                None
+            }
+            later => Some(later),
+        })
+    })?;
     let emulator = EmulatorOptions {
         module,
+        surroundings,
         eeprom: options.common.eeprom.clone(),
         seed: options.common.seed,
         speed: options.common.speed(),
@@ -45,6 +70,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     };
     let clock = Clock::start();
     let mut running = EmulatedModule::start(&emulator, move || clock.now_ns())?;
+    afterwards.into_iter().for_each(|what| running.control(what));
     eprintln!("BIM2AX-BOCM, memory file {}", running.path().display());
     serve(&options.common, &mut running)?;
     let module = running.stop()?;
@@ -66,16 +92,44 @@ enum Word {
         #[arg(value_enum)]
         state: ContactState,
     },
-    /// Where a contact is actuated, whole µsteps of the shaft
+    /// Where an end switch or a home cam is actuated
     Place {
         #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
         axis: u8,
         #[arg(value_enum)]
         contact: ContactWord,
-        #[arg(allow_negative_numbers = true)]
-        low: i64,
-        #[arg(allow_negative_numbers = true)]
-        high: i64,
+        /// FROM..TO, whole µsteps of the shaft, 0 where it stood at the start; without an end: from there on, or up to there
+        #[arg(value_parser = stretch, allow_hyphen_values = true)]
+        range: (Option<i32>, Option<i32>),
+        /// The contact opens when it is actuated
+        #[arg(long)]
+        opens: bool,
+    },
+    /// An end switch or a home cam is taken away: its input is open
+    Remove {
+        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
+        axis: u8,
+        #[arg(value_enum)]
+        contact: ContactWord,
+    },
+    /// The encoder of an axis; the module looks for its kind when it starts and on RESET, where its parameters declare one
+    Encoder(EncoderWord),
+    /// The encoder of an axis is taken away
+    NoEncoder {
+        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
+        axis: u8,
+    },
+    /// The plug of an axis has this value, 0 to 4294967294
+    AxisPlug {
+        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
+        axis: u8,
+        #[arg(value_parser = clap::value_parser!(u32).range(..i64::from(u32::MAX)))]
+        value: u32,
+    },
+    /// The plug of an axis is pulled out
+    NoAxisPlug {
+        #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
+        axis: u8,
     },
     /// Power, phases, or a shaft that is held
     Motor {
@@ -107,6 +161,75 @@ enum Word {
     SpoilEeprom,
     #[command(flatten)]
     Wire(WireWord),
+}
+
+/// An encoder on the shaft of an axis.
+#[derive(Clone, Copy, Debug, clap::Args)]
+#[expect(clippy::struct_excessive_bools, reason = "independent switches of a command")]
+struct EncoderWord {
+    #[arg(value_parser = clap::value_parser!(u8).range(1..=2))]
+    axis: u8,
+    #[arg(value_enum)]
+    kind: KindWord,
+    /// Points per turn: lines × 4 of an incremental encoder
+    #[arg(long, default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..))]
+    points: u32,
+    /// µsteps of the shaft per turn
+    #[arg(long, default_value_t = 3200, value_parser = clap::value_parser!(u32).range(1..))]
+    microsteps: u32,
+    /// It counts down where the shaft counts up
+    #[arg(long)]
+    inverted: bool,
+    /// Points that an absolute encoder shows with the shaft at 0
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
+    origin: i64,
+    /// Bits of an absolute encoder
+    #[arg(long, default_value_t = 24, value_parser = clap::value_parser!(u8).range(1..=32))]
+    bits: u8,
+    /// An SSI encoder that speaks Gray code
+    #[arg(long)]
+    gray: bool,
+    /// An SSI encoder that sends parity
+    #[arg(long)]
+    parity: bool,
+    /// An incremental encoder without the complements of A and B
+    #[arg(long)]
+    single_ended: bool,
+    /// It does not answer, or a channel is missing
+    #[arg(long)]
+    disconnected: bool,
+    /// The alarm bit of an EnDat encoder
+    #[arg(long)]
+    alarm: bool,
+}
+
+impl EncoderWord {
+    fn bench(self) -> EncoderBench {
+        EncoderBench {
+            kind: Some(match self.kind {
+                KindWord::Incremental => EncoderKind::Incremental,
+                KindWord::Ssi => EncoderKind::Ssi,
+                KindWord::Endat => EncoderKind::EnDat,
+            }),
+            points_per_turn: self.points,
+            microsteps_per_turn: self.microsteps,
+            inverted: self.inverted,
+            origin: self.origin,
+            bits: self.bits,
+            gray: self.gray,
+            parity: self.parity,
+            complemented: !self.single_ended,
+            disconnected: self.disconnected,
+            alarm: self.alarm,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum KindWord {
+    Incremental,
+    Ssi,
+    Endat,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
@@ -148,9 +271,31 @@ impl Word {
                 };
                 Event::Surroundings(Box::new(surroundings))
             }
-            Self::Place { axis: number, contact, low, high } => {
+            Self::Place { axis: number, contact, range: (low, high), opens } => {
+                let low = low.map_or(i64::MIN, i64::from);
+                let high = high.map_or(i64::MAX, i64::from);
                 *contact.of(&mut surroundings, axis(number))? =
-                    Some(Contact::between(low, high, true));
+                    Some(Contact::between(low, high, !opens));
+                Event::Surroundings(Box::new(surroundings))
+            }
+            Self::Remove { axis: number, contact } => {
+                *contact.of(&mut surroundings, axis(number))? = None;
+                Event::Surroundings(Box::new(surroundings))
+            }
+            Self::Encoder(encoder) => {
+                put(&mut surroundings.encoders, axis(encoder.axis), Some(encoder.bench()));
+                Event::Surroundings(Box::new(surroundings))
+            }
+            Self::NoEncoder { axis: number } => {
+                put(&mut surroundings.encoders, axis(number), None);
+                Event::Surroundings(Box::new(surroundings))
+            }
+            Self::AxisPlug { axis: number, value } => {
+                put(&mut surroundings.plugs, axis(number), Some(value));
+                Event::Surroundings(Box::new(surroundings))
+            }
+            Self::NoAxisPlug { axis: number } => {
+                put(&mut surroundings.plugs, axis(number), None);
                 Event::Surroundings(Box::new(surroundings))
             }
             Self::Motor { axis: number, what, state } => match what {
@@ -165,6 +310,13 @@ impl Word {
             Self::SpoilEeprom => Event::SpoilEeprom,
         };
         Ok(Control::Event(event))
+    }
+}
+
+/// What an axis has of something from now on.
+fn put<T>(slots: &mut [Option<T>], axis: ModuleAxis, value: Option<T>) {
+    if let Some(slot) = slots.get_mut(axis.index()) {
+        *slot = value;
     }
 }
 

@@ -1,5 +1,6 @@
 //! The control socket of an emulator: a line in, a line out.
 
+use clap::error::ErrorKind;
 use std::fs;
 use std::io::{self, Read, Write};
 use std::os::unix::fs::FileTypeExt;
@@ -44,8 +45,16 @@ pub(super) fn understood<T: clap::Parser>(words: &[&str]) -> Result<T, Result<St
         if !error.use_stderr() {
             return Ok(text.trim_end().to_owned());
         }
-        let first = text.lines().next().unwrap_or_default();
-        Err(first.trim_start_matches("error: ").to_owned())
+        // What is wrong and what is allowed; how to call it comes after an empty line.
+        let lines = text.lines().map(str::trim).take_while(|line| !line.is_empty());
+        let said = lines.collect::<Vec<_>>().join(" ");
+        let said = said.trim_start_matches("error: ");
+        if error.kind() != ErrorKind::InvalidSubcommand {
+            return Err(said.to_owned());
+        }
+        let command = T::command();
+        let known: Vec<_> = command.get_subcommands().map(clap::Command::get_name).collect();
+        Err(format!("{said}; there are {}, and help", known.join(", ")))
     })
 }
 

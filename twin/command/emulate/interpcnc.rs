@@ -1,11 +1,13 @@
 //! An InterpCNC board.
 
+use super::bench::{self, stretch};
 use super::control::{Obeys, Switch};
 use super::faults::{self, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
 use crate::clock::Clock;
 use twin_drives::interpcnc::emulator::{
-    BoardOptions, Control, EmulatedBoard, EmulatorOptions, Event, Wire,
+    Bench, BoardOptions, Cam, Condition, Control, EmulatedBoard, EmulatorOptions, EncoderLink,
+    Event, Wire,
 };
 use twin_drives::interpcnc::{BoardAxis, Line, Parity};
 
@@ -51,17 +53,28 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     };
     let line = Line { baud: options.baud, parity };
     let enable = !options.enable_open;
+    let mut bench = Bench::default();
+    let afterwards = bench::set_up(&options.common, |words| {
+        Ok(match obeyed(words, &bench)? {
+            Control::Event(Event::Bench(changed)) => {
+                bench = changed;
+                None
+            }
+            later => Some(later),
+        })
+    })?;
     let emulator = EmulatorOptions {
+        bench,
         board: BoardOptions { station: options.station, line, enable, ..BoardOptions::default() },
         wire: Wire { line, turnaround },
         link: Some(options.common.link.clone()),
         eeprom: options.common.eeprom.clone(),
         seed: options.common.seed,
         speed: options.common.speed(),
-        ..EmulatorOptions::default()
     };
     let clock = Clock::start();
     let mut running = EmulatedBoard::start(&emulator, move || clock.now_ns())?;
+    afterwards.into_iter().try_for_each(|what| running.control(what))?;
     eprintln!(
         "InterpCNC, station {}, {} baud, on {} ({})",
         options.station,
@@ -103,9 +116,55 @@ enum Word {
         #[arg(value_parser = clap::value_parser!(u16).range(0..=1023))]
         value: u16,
     },
+    /// One more switch at an input, pressed while an axis is on a stretch: a home or limit switch, or what a probe touches
+    Cam {
+        #[arg(value_parser = clap::value_parser!(u8).range(1..=32))]
+        number: u8,
+        #[arg(value_enum, ignore_case = true)]
+        axis: AxisWord,
+        /// FROM..TO, steps from where the axis stood at the start; without an end: from there on, or up to there
+        #[arg(value_parser = stretch, allow_hyphen_values = true)]
+        range: (Option<i32>, Option<i32>),
+        /// The contact opens when it is pressed (NC)
+        #[arg(long)]
+        opens: bool,
+    },
+    /// All switches at an input are taken away
+    NoCams {
+        #[arg(value_parser = clap::value_parser!(u8).range(1..=32))]
+        number: u8,
+    },
+    /// The encoder is on an axis and counts so many edges in so many steps of it
+    Encoder {
+        #[arg(value_enum, ignore_case = true)]
+        axis: AxisWord,
+        /// Below 0: it counts down where the axis counts up
+        #[arg(allow_negative_numbers = true)]
+        counts: i32,
+        #[arg(value_parser = clap::value_parser!(u32).range(1..))]
+        steps: u32,
+        /// Counts per turn, after which the index comes [default: no index]
+        #[arg(long, default_value_t = 0, hide_default_value = true)]
+        turn: u32,
+    },
+    /// The encoder is taken away
+    NoEncoder,
+    /// Pulses arrive at a counter
+    Pulses {
+        #[arg(value_enum, ignore_case = true)]
+        counter: CounterWord,
+        count: u32,
+    },
+    /// Something that nothing on Modbus brings about is so (on) or no more (off)
+    Condition {
+        #[arg(value_enum)]
+        condition: ConditionWord,
+        #[arg(value_enum)]
+        state: Switch,
+    },
     /// The motor of an axis does not follow
     Stall {
-        #[arg(value_enum)]
+        #[arg(value_enum, ignore_case = true)]
         axis: AxisWord,
         #[arg(value_enum)]
         state: Switch,
@@ -138,22 +197,95 @@ enum AxisWord {
     B,
 }
 
+impl AxisWord {
+    fn axis(self) -> BoardAxis {
+        match self {
+            Self::X => BoardAxis::X,
+            Self::Y => BoardAxis::Y,
+            Self::Z => BoardAxis::Z,
+            Self::A => BoardAxis::A,
+            Self::B => BoardAxis::B,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum CounterWord {
+    A,
+    B,
+}
+
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum ConditionWord {
+    BufferFrozen,
+    Overridden,
+    OverrideAllowed,
+    WaitingForInput,
+    WaitTimeout,
+    HeightControl,
+    BasicTxOverrun,
+    BasicRxOverrun,
+    BasicRunning,
+    RecipesChanged,
+}
+
+impl ConditionWord {
+    fn condition(self) -> Condition {
+        match self {
+            Self::BufferFrozen => Condition::BufferFrozen,
+            Self::Overridden => Condition::Overridden,
+            Self::OverrideAllowed => Condition::OverrideAllowed,
+            Self::WaitingForInput => Condition::WaitingForInput,
+            Self::WaitTimeout => Condition::WaitTimeout,
+            Self::HeightControl => Condition::HeightControl,
+            Self::BasicTxOverrun => Condition::BasicTxOverrun,
+            Self::BasicRxOverrun => Condition::BasicRxOverrun,
+            Self::BasicRunning => Condition::BasicRunning,
+            Self::RecipesChanged => Condition::RecipesChanged,
+        }
+    }
+}
+
 impl Word {
-    fn control(self) -> Result<Control, Said> {
-        let axis = |axis: AxisWord| match axis {
-            AxisWord::X => BoardAxis::X,
-            AxisWord::Y => BoardAxis::Y,
-            AxisWord::Z => BoardAxis::Z,
-            AxisWord::A => BoardAxis::A,
-            AxisWord::B => BoardAxis::B,
-        };
+    /// What happens to a board on this bench.
+    fn control(self, bench: &Bench) -> Result<Control, Said> {
+        let mut bench = bench.clone();
         let event = match self {
-            Self::Wire(word) => return word.control(obeyed),
+            Self::Wire(word) => return word.control(|words| obeyed(words, &bench)),
+            Self::Cam { number: input, axis, range: (from, to), opens } => {
+                bench.cams.push(Cam {
+                    input,
+                    axis: axis.axis(),
+                    from: from.unwrap_or(i32::MIN),
+                    to: to.unwrap_or(i32::MAX),
+                    normally_closed: opens,
+                });
+                Event::Bench(bench)
+            }
+            Self::NoCams { number } => {
+                bench.cams.retain(|cam| cam.input != number);
+                Event::Bench(bench)
+            }
+            Self::Encoder { axis, counts, steps, turn: counts_per_revolution } => {
+                let axis = axis.axis();
+                bench.encoder = Some(EncoderLink { axis, counts, steps, counts_per_revolution });
+                Event::Bench(bench)
+            }
+            Self::NoEncoder => {
+                bench.encoder = None;
+                Event::Bench(bench)
+            }
+            Self::Pulses { counter, count } => {
+                Event::Pulses { second: counter == CounterWord::B, count }
+            }
+            Self::Condition { condition, state } => {
+                Event::Condition(condition.condition(), state.is_on())
+            }
             Self::Enable { state } => Event::Enable(state.is_on()),
             Self::Input { number, state } => Event::Input { number, level: state.is_on() },
             Self::Release { number } => Event::ReleaseInput(number),
             Self::Analog { number, value } => Event::AnalogInput { number, value },
-            Self::Stall { axis: word, state } => Event::Stall(axis(word), state.is_on()),
+            Self::Stall { axis: word, state } => Event::Stall(word.axis(), state.is_on()),
             Self::StuckStatus { state } => Event::StuckStatus(state.is_on()),
             Self::BreakEeprom { state } => Event::BreakEeprom(state.is_on()),
             Self::BrownOut { ms } => Event::BrownOut { off_ns: i64::from(ms) * 1_000_000 },
@@ -162,13 +294,14 @@ impl Word {
     }
 }
 
-fn obeyed(words: &[&str]) -> Result<Control, Said> {
-    faults::control(words, Word::control)
+fn obeyed(words: &[&str], bench: &Bench) -> Result<Control, Said> {
+    faults::control(words, |word: Word| word.control(bench))
 }
 
 impl Obeys for EmulatedBoard {
     fn obey(&mut self, words: &[&str]) -> Result<String, String> {
-        match obeyed(words) {
+        let board = self.look().map_err(|error| error.to_string())?;
+        match obeyed(words, board.bench()) {
             Ok(control) => self.control(control).map_err(|error| error.to_string())?,
             Err(said) => return said,
         }

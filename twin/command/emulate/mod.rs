@@ -1,5 +1,6 @@
 //! `twin emulate`: a drive without hardware, for any master.
 
+mod bench;
 mod bim2ax;
 mod control;
 mod faults;
@@ -17,9 +18,16 @@ const PAUSE: Duration = Duration::from_millis(20);
 
 /// Emulate a drive, for any master to talk to
 ///
-/// Serves until Ctrl-C. The device answers as the manual says and moves in real time, or faster (`--speed`). Through the
-/// socket of `--control`, a line at a time, switches are pressed and things go wrong; `help` there says what there is, and
-/// the same words make the same faults of all three:
+/// Serves until Ctrl-C. The device answers as the manual says and moves in real time, or faster (`--speed`). What stands
+/// around it is told in words: before it starts by `--with` and by the lines of a file (`--bench`), and while it runs
+/// through the socket of `--control`. `--with help` says which words there are. A home switch and an encoder, for instance:
+///
+///   twin emulate interpcnc --link /tmp/board --with "cam 5 X -3000..-1500" --with "encoder X 4000 3200"
+///   twin emulate smartdrive --link /tmp/bus --with "cam 1 dir -3000..-1000" --with "homing 1 dir"
+///   twin emulate bim2ax --link /tmp/module --with "place 1 cam -900..-400" --with "encoder 1 incremental"
+///
+/// Through the socket, a line at a time, switches are pressed and things go wrong; the same words make the same faults of
+/// all three:
 ///
 ///   twin emulate interpcnc --link /tmp/board --control /tmp/board.control
 ///   echo "input 3 on" | nc -U -N /tmp/board.control
@@ -58,6 +66,15 @@ struct Common {
     /// Unix socket to make that takes commands, a line each
     #[arg(long, value_name = "PATH")]
     control: Option<PathBuf>,
+
+    /// What stands around the device and what happens to it, in words of the control socket, before it starts; may be given
+    /// several times. `--with help` lists the words, `--with "help cam"` explains one
+    #[arg(long, value_name = "WORDS")]
+    with: Vec<String>,
+
+    /// File of such words, a line each, before those of --with; what follows a # is a comment
+    #[arg(long, value_name = "FILE")]
+    bench: Vec<PathBuf>,
 
     /// File that keeps what the device stores (EEPROM, flash) from one start to the next
     #[arg(long, value_name = "FILE")]

@@ -1,13 +1,16 @@
 //! `SmartDRIVE`s on a bus.
 
+use super::bench::{self, stretch};
 use super::control::{Obeys, Switch};
 use super::faults::{self, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
 use crate::clock::Clock;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use std::time::Duration;
 use twin_drives::smartdrive::Alarms;
 use twin_drives::smartdrive::emulator::{
-    Control, DeviceOptions, EmulatedBus, EmulatorOptions, Event, Input, Wire,
+    Cam, Control, DeviceOptions, EmulatedBus, EmulatorOptions, Event, Happening, HomingOptions,
+    Input, Wire,
 };
 
 #[derive(Debug, clap::Args)]
@@ -34,12 +37,26 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         .address
         .iter()
         .map(|address| DeviceOptions { address: *address, ..DeviceOptions::default() });
-    let files: Vec<_> =
-        options.address.iter().map(|address| flash_file(options, *address)).collect();
-    let flash = files.iter().map(|file| remembered(file.as_deref())).collect::<Result<_, _>>()?;
+    let mut devices: Vec<_> = devices.collect();
+    let afterwards = bench::set_up(&options.common, |words| {
+        let later = obeyed(words, &options.address)?;
+        let Control::Event(Happening { device, event }) = later else { return Ok(Some(later)) };
+        let Some(device) = devices.get_mut(device) else { return Ok(Some(later)) };
+        match event {
+            Event::Cam { input, from, to } => {
+                device.cams.push(Cam { input, from: from.into(), to: to.into() });
+            }
+            Event::NoCams(input) => device.cams.retain(|cam| cam.input != input),
+            Event::Homing(homing) => device.homing = homing,
+            _ => return Ok(Some(later)),
+        }
+        Ok(None)
+    })?;
+    let files = options.address.iter().filter_map(|address| flash_file(options, *address));
     let emulator = EmulatorOptions {
-        devices: devices.collect(),
-        flash,
+        devices,
+        flash: Vec::new(),
+        files: files.collect(),
         wire: Wire { response, echo: options.echo, ..Wire::default() },
         link: Some(options.common.link.clone()),
         seed: options.common.seed,
@@ -47,6 +64,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     };
     let clock = Clock::start();
     let bus = EmulatedBus::start(&emulator, move || clock.now_ns())?;
+    afterwards.into_iter().try_for_each(|what| bus.control(what))?;
     eprintln!(
         "SmartDRIVE, addresses {:?}, on {} ({})",
         options.address,
@@ -56,15 +74,12 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     let mut bus = Bus { bus, addresses: options.address.clone() };
     serve(&options.common, &mut bus)?;
     let devices = bus.bus.stop()?;
-    for ((device, address), file) in devices.iter().zip(&options.address).zip(&files) {
+    for (device, address) in devices.iter().zip(&options.address) {
         eprintln!(
             "address {address}: {} frames, position {}",
             device.frames_handled(),
             device.counter()
         );
-        if let Some(file) = file {
-            std::fs::write(file, device.flash()).map_err(|source| unusable(file, &source))?;
-        }
     }
     Ok(Status::Fit)
 }
@@ -78,17 +93,6 @@ fn flash_file(options: &Options, address: u8) -> Option<PathBuf> {
     let mut name = path.into_os_string();
     name.push(format!(".{address}"));
     Some(name.into())
-}
-
-fn remembered(file: Option<&Path>) -> Result<Vec<u8>, Failure> {
-    match file.filter(|file| file.exists()) {
-        Some(file) => std::fs::read(file).map_err(|source| unusable(file, &source)),
-        None => Ok(Vec::new()),
-    }
-}
-
-fn unusable(file: &Path, source: &std::io::Error) -> Failure {
-    Failure::Usage(format!("--eeprom {}: {source}", file.display()))
 }
 
 /// The bus, and which drive is where on it.
@@ -108,6 +112,33 @@ enum Word {
         input: InputWord,
         #[arg(value_enum)]
         state: Switch,
+    },
+    /// One more switch at an input, active while the axis is on a stretch: a home or limit switch
+    Cam {
+        address: u8,
+        #[arg(value_enum)]
+        input: InputWord,
+        /// FROM..TO, µsteps from where the axis stood at the start; without an end: from there on, or up to there
+        #[arg(value_parser = stretch, allow_hyphen_values = true)]
+        range: (Option<i32>, Option<i32>),
+    },
+    /// All switches at an input are taken away
+    NoCams {
+        address: u8,
+        #[arg(value_enum)]
+        input: InputWord,
+    },
+    /// Homing looks for a switch at this input, towards smaller positions; the manual does not say where it is chosen
+    Homing {
+        address: u8,
+        #[arg(value_enum)]
+        input: InputWord,
+        /// Towards larger positions
+        #[arg(long)]
+        positive: bool,
+        /// Given up after so many s
+        #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u16).range(1..=3600))]
+        timeout: u16,
     },
     /// Analog input 1 or 2, 0 to 32767
     Analog {
@@ -162,20 +193,34 @@ enum AlarmWord {
     Oscillator,
 }
 
+impl InputWord {
+    fn input(self) -> Input {
+        match self {
+            Self::Go => Input::Go,
+            Self::Dir => Input::Dir,
+            Self::Off => Input::Off,
+            Self::Limp => Input::LimP,
+            Self::Limn => Input::LimN,
+        }
+    }
+}
+
 impl Word {
     /// What happens, and the address of the drive.
     fn event(self, addresses: &[u8]) -> Result<Control, Said> {
         let (address, event) = match self {
             Self::Wire(word) => return word.control(|words| obeyed(words, addresses)),
             Self::Input { address, input, state } => {
-                let input = match input {
-                    InputWord::Go => Input::Go,
-                    InputWord::Dir => Input::Dir,
-                    InputWord::Off => Input::Off,
-                    InputWord::Limp => Input::LimP,
-                    InputWord::Limn => Input::LimN,
-                };
-                (address, Event::Input { input, level: state.is_on() })
+                (address, Event::Input { input: input.input(), level: state.is_on() })
+            }
+            Self::Cam { address, input, range: (from, to) } => {
+                let (from, to) = (from.unwrap_or(i32::MIN), to.unwrap_or(i32::MAX));
+                (address, Event::Cam { input: input.input(), from, to })
+            }
+            Self::NoCams { address, input } => (address, Event::NoCams(input.input())),
+            Self::Homing { address, input, positive, timeout } => {
+                let timeout = Duration::from_secs(timeout.into());
+                (address, Event::Homing(HomingOptions { input: input.input(), positive, timeout }))
             }
             Self::Analog { address, number, value } => (address, Event::Analog { number, value }),
             Self::Supply { address, volts } => (address, Event::Supply(volts)),

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::bim2ax::{
-    Contact, EncoderBench,
+    Assumptions, CamStart, Contact, EncoderBench,
     axis::Encoder,
     bits::{definition, message},
 };
@@ -61,6 +61,22 @@ fn without_clearing_the_edge_counts_as_taken() {
         settings().coefficient | coefficient::STAY_ON_CAM | coefficient::IGNORE_SWITCHES;
     let settings = AxisSettings { coefficient, origin_stop: 20, hysteresis: 50, ..settings() };
     assert_eq!(home(&settings, &Bench { cam, ..Bench::default() }).0, -20);
+}
+
+#[test]
+fn a_cam_that_is_not_cleared_may_be_crossed() {
+    let cam = Some(Contact::between(-100, 300, true));
+    let coefficient =
+        settings().coefficient | coefficient::STAY_ON_CAM | coefficient::IGNORE_SWITCHES;
+    let settings = AxisSettings { coefficient, origin_stop: 20, ..settings() };
+    for (cam_start, end) in [(CamStart::EdgeTaken, -20), (CamStart::FarEdge, -121)] {
+        let mut axis = axis(&settings, &Bench { cam, ..Bench::default() });
+        axis.set_assumptions(Assumptions { cam_start, ..Assumptions::default() });
+        axis.order(&simple(uc::HOME));
+        finish(&mut axis);
+        assert_eq!((axis.shaft(), axis.counter()), (end, 0), "{cam_start:?}");
+        assert_ne!(axis.messages() & message::HOMED, 0);
+    }
 }
 
 #[test]

@@ -148,6 +148,21 @@ fn what_the_manual_does_not_say_can_be_otherwise() {
 }
 
 #[test]
+fn a_manual_move_that_is_repeated_may_be_refused_and_goes_on() {
+    for refuses_repeats in [false, true] {
+        let mut axis = axis(&settings(), &Bench::default());
+        axis.set_assumptions(crate::bim2ax::Assumptions { refuses_repeats, ..Default::default() });
+        axis.order(&simple(uc::MANUAL_PLUS));
+        axis.advance(100 * MS);
+        axis.order(&simple(uc::MANUAL_PLUS));
+        assert_eq!(axis.messages() & message::REFUSED != 0, refuses_repeats);
+        axis.advance(200 * MS);
+        // 1000 µsteps/s all the time.
+        assert_eq!((axis.moving(), axis.counter()), (true, 200));
+    }
+}
+
+#[test]
 fn reserved_bits_have_no_effect() {
     // Order bits 2 and 11 to 14, bloc bits 9, 10 and 12 up, coefficient bits 5 and 13.
     let reserved = AxisSettings { coefficient: settings().coefficient | 0x2020, ..settings() };

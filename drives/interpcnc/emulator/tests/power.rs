@@ -229,6 +229,25 @@ fn assumptions_can_be_others() {
     board.set_enable(false);
     board.advance(101 * MS);
     assert!(board.status().locked() && !board.status().moving().is_empty());
+    // Segments that wait are kept over the loss of ENABLE.
+    for (keeps, end) in [(false, 0), (true, 7000)] {
+        let mut board = with(Assumptions { enable_loss_keeps_segments: keeps, ..usual });
+        for target in [100_000, 7000] {
+            let targets = [Some(target), None, None, None, None];
+            send(&mut board, Command::Interpolated { speed_hz: 5000, targets });
+        }
+        board.advance(1000 * MS);
+        board.set_enable(false);
+        board.advance(1000 * MS);
+        let stands = board.counters()[0];
+        board.set_enable(true);
+        board.advance(1000 * MS);
+        assert_eq!((board.counters()[0], board.status().locked()), (stands, true));
+        assert_eq!(board.status().has(Status::BUFFER_EMPTY), !keeps);
+        board.handle(&vector(1)).unwrap();
+        board.advance(10_000 * MS);
+        assert_eq!(board.counters()[0], if keeps { end } else { stands });
+    }
     // Codes of one's own.
     let exceptions = ExceptionCodes { address: 11, value: 12, failure: 13 };
     let mut board = with(Assumptions { exceptions, buffer_segments: 0, ..usual });

@@ -1,5 +1,6 @@
 //! The emulated device against the digest's vectors and the behaviour that digest and manual describe.
 
+mod assumptions;
 mod behaviour;
 mod faults;
 mod frames;
@@ -9,7 +10,7 @@ mod memory;
 
 use super::*;
 use crate::smartdrive::{
-    Command, Init, RejectCode,
+    Assumptions, Command, Init, RejectCode,
     frame::{Answer, encode},
 };
 

@@ -1,8 +1,8 @@
 //! Parameters and variables of a SmartDRIVE by name and number.
 
-use super::session::Session;
-use super::smartdrive::Axis;
-use super::words::{self, right};
+use super::super::session::Session;
+use super::super::words::{self, right};
+use super::axis::Axis;
 use crate::command::{Failure, show};
 use twin_drives::smartdrive::parameters::{self, Entry, PARAMETERS, VARIABLES};
 

@@ -1,7 +1,7 @@
 //! Parameters of a BIM2AX-BOCM by name and number.
 
-use super::session::{Session, no_clock};
-use super::words::{self, right};
+use super::super::session::{Session, no_clock};
+use super::super::words::{self, right};
 use crate::command::{Failure, show};
 use twin_drives::bim2ax::parameter::{AxisParameter, Parameter, Range};
 use twin_drives::bim2ax::{Bim2Ax, DriveMode, ModuleAxis};

@@ -1,20 +1,23 @@
 //! `twin drive interpcnc`.
 
+mod motion;
+mod parameters;
+mod show;
+
 use super::by_switch::BySwitch;
 use super::consent::Consent;
-use super::interpcnc_parameters::{get, set};
 use super::on_file::OnFile;
-use super::session::{BRAKING, Session, Stopping, no_clock};
-use super::words::{self, on_off, right};
-use crate::command::show;
+use super::session::{BRAKING, Session, no_clock};
+use super::words;
 use crate::command::{Failure, Status};
+use motion::{home, position, travel};
+use parameters::{get, set};
+use show::{inputs, outputs, scan, status};
 use std::ops::RangeInclusive;
 use std::time::Duration;
-use twin_drives::DriveError;
-use twin_drives::interpcnc::registers::{INPUTS, MAX_SPEED_HZ, OUTPUTS, Status as Bits};
+use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
 use twin_drives::interpcnc::{
-    AxisOptions, AxisValues, BoardAxis, InterpCnc, InterpCncDrive, InterpCncOptions, Line,
-    MoveProfile, Parity, Snapshot, parameters,
+    AxisOptions, BoardAxis, InterpCnc, InterpCncDrive, InterpCncOptions, Line, Parity,
 };
 
 /// SOPROLEC InterpCNC V2.1: five step axes X Y Z A B on Modbus RTU; positions in steps
@@ -137,6 +140,8 @@ enum Action {
         #[arg(allow_negative_numbers = true, value_parser = words::value)]
         value: i64,
     },
+    /// Say that there is nothing to do: the board keeps parameters when they are set
+    Save,
     /// Show inputs
     Inputs,
     /// Show outputs, after switching some
@@ -174,16 +179,6 @@ fn axis(text: &str) -> Result<BoardAxis, String> {
 
 fn stations(text: &str) -> Result<RangeInclusive<u8>, String> {
     words::stations(text, 1..=247)
-}
-
-impl Stopping for InterpCnc {
-    async fn soft_stop(&mut self) -> Result<(), DriveError> {
-        self.ramp_stop(BRAKING, &no_clock).await.map(|_| ())
-    }
-
-    async fn hard_stop(&mut self) -> Result<(), DriveError> {
-        self.stop_and_lock(&no_clock).await.map(|_| ())
-    }
 }
 
 impl Arguments {
@@ -233,11 +228,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             by_switch.carry_out(&mut drive, &format!("axis {axis}"), consent)?;
             return Ok(Status::Fit);
         }
+        Action::Save => {
+            println!(
+                "an InterpCNC keeps parameters in its EEPROM when they are set: nothing to do"
+            );
+            return Ok(Status::Fit);
+        }
         _ => {}
     }
     let mut board = open(arguments.station)?;
     match &arguments.action {
-        Action::Scan { .. } | Action::OnFile(_) => {}
+        Action::Scan { .. } | Action::OnFile(_) | Action::Save => {}
         Action::Status => status(&session.ask(board.snapshot(&no_clock))?),
         Action::Unlock => {
             session.ask(board.clear_errors(true, true, &no_clock))?;
@@ -268,194 +269,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         }
         Action::Get { parameter } => get(&session, &mut board, parameter.as_deref())?,
         Action::Set { parameter, value } => set(&session, &mut board, parameter, *value)?,
-        Action::Inputs => {
-            let seen = session.ask(board.snapshot(&no_clock))?;
-            let mut table = show::table();
-            table.set_header(["input", "level"]);
-            for number in 1..=INPUTS {
-                let on = seen.inputs >> (number - 1) & 1 == 1;
-                table.add_row([right(number), on_off(on).into()]);
-            }
-            for (number, value) in (1..).zip(seen.analog_inputs) {
-                table.add_row([right(format!("analog {number}")), right(value)]);
-            }
-            println!("{table}");
-        }
+        Action::Inputs => inputs(&session, &mut board)?,
         Action::Outputs { switches } => outputs(&session, &mut board, switches)?,
     }
     Ok(Status::Fit)
-}
-
-fn scan(
-    session: &Session,
-    stations: RangeInclusive<u8>,
-    open: impl Fn(u8) -> Result<InterpCnc, Failure>,
-) -> Result<Status, Failure> {
-    let mut table = show::table();
-    table.set_header(["station", "line by its parameters", "recipes, command 78"]);
-    let mut found = 0;
-    for station in stations {
-        let mut board = open(station)?;
-        match session.ask(board.identify(&no_clock)) {
-            Ok(identity) => {
-                let line = identity.line.map_or("unknown codes".to_owned(), |line| {
-                    format!("{} baud, parity {:?}", line.baud, line.parity).to_lowercase()
-                });
-                let recipes = if identity.has_recipes { "yes" } else { "no" };
-                table.add_row([right(station), line.into(), recipes.into()]);
-                found += 1;
-            }
-            Err(Failure::Drive(DriveError::Timeout { .. })) => {}
-            // It is there, and has not what was asked.
-            Err(Failure::Drive(DriveError::Device { .. })) => {
-                table.add_row([right(station), "not told".into(), "not told".into()]);
-                found += 1;
-            }
-            // Something is there that speaks otherwise, or at another speed.
-            Err(Failure::Drive(error @ DriveError::Protocol { .. })) => {
-                eprintln!("{error}");
-            }
-            Err(other) => return Err(other),
-        }
-    }
-    if found == 0 {
-        eprintln!("no station answers");
-        return Ok(Status::Unfit);
-    }
-    println!("{table}");
-    Ok(Status::Fit)
-}
-
-fn status(seen: &Snapshot) {
-    let (status, extended) = (seen.state.status, seen.extended);
-    let facts = [
-        (status.enable_open(), "ENABLE open"),
-        (status.locked(), "locked"),
-        (!status.locked(), "unlocked"),
-        (status.has(Bits::HOMING_IN_PROGRESS), "homing"),
-        (status.has(Bits::HOMING_ERROR), "homing has failed"),
-        (status.probing(), "probing"),
-        (status.probe_failed(), "probing has failed"),
-        (status.has(Bits::EEPROM_BUSY), "EEPROM busy"),
-        (status.has(Bits::EEPROM_ERROR), "EEPROM has failed"),
-        (status.has(Bits::BUFFER_FROZEN), "buffer frozen"),
-        (status.has(Bits::OVERRIDDEN), "speed overridden"),
-    ];
-    let said: Vec<_> = facts.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
-    println!("{}", said.join(", "));
-    let mut table = show::table();
-    table.set_header(["axis", "position, steps", "state"]);
-    for (axis, position) in BoardAxis::ALL.into_iter().zip(seen.state.positions) {
-        let facts = [
-            (status.moving().contains(axis), "moving"),
-            (!status.moving().contains(axis), "at rest"),
-            (extended.homing().contains(axis), "homing"),
-            (extended.homing_failed().contains(axis), "homing has failed"),
-            (status.on_limit_switch().contains(axis), "on a limit switch"),
-        ];
-        let said: Vec<_> = facts.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
-        table.add_row([axis.to_string().into(), right(position), said.join(", ").into()]);
-    }
-    println!("{table}");
-}
-
-fn position(session: &Session, board: &mut InterpCnc, axis: BoardAxis) -> Result<i32, Failure> {
-    let (state, _) = session.ask(board.state(&no_clock))?;
-    Ok(state.positions.get(axis.index()).copied().unwrap_or(0))
-}
-
-fn travel(
-    session: &Session,
-    board: &mut InterpCnc,
-    consent: Consent,
-    axis: BoardAxis,
-    (from, target): (i32, i32),
-    ramps: Ramps,
-) -> Result<(), Failure> {
-    consent.ask(&format!(
-        "move axis {axis} from {from} to {target} steps at {} steps/s",
-        ramps.speed
-    ))?;
-    let profile = MoveProfile {
-        start_stop_hz: ramps.start_stop,
-        acceleration_khz_per_s: ramps.acceleration,
-        speed_hz: ramps.speed,
-        deceleration_khz_per_s: ramps.deceleration,
-        target,
-    };
-    let slowest = 1000.0 * f64::from(ramps.acceleration.min(ramps.deceleration));
-    let distance = f64::from(target) - f64::from(from);
-    let patience = words::patience(distance, ramps.speed.into(), slowest);
-    session
-        .motion(board, async |board| board.move_axis(axis, &profile, patience, &no_clock).await)?;
-    println!("axis {axis} stands at {target}");
-    Ok(())
-}
-
-fn home(
-    session: &Session,
-    board: &mut InterpCnc,
-    consent: Consent,
-    axes: &[BoardAxis],
-    max_stroke: i32,
-) -> Result<(), Failure> {
-    let (state, _) = session.ask(board.state(&no_clock))?;
-    let mut strokes = AxisValues::default();
-    let mut said = Vec::with_capacity(axes.len());
-    let mut patience = Duration::ZERO;
-    for axis in axes {
-        let mut parameter = |number| session.ask(board.parameter(number, &no_clock));
-        let input = parameter(parameters::home_input(*axis))?;
-        let speed = parameter(parameters::home_speed(*axis))?;
-        let positive = parameter(parameters::home_direction(*axis))? == 1;
-        if input == 0 {
-            let message = format!("axis {axis} has no home switch: set home-input-{axis}");
-            return Err(Failure::Usage(message.to_lowercase()));
-        }
-        if let Some(stroke) = strokes.get_mut(axis.index()) {
-            *stroke = Some(max_stroke);
-        }
-        let from = state.positions.get(axis.index()).copied().unwrap_or(0);
-        let sign = if positive { "+" } else { "-" };
-        said.push(format!(
-            "axis {axis} from {from} towards {sign} until input {input} says so, {max_stroke} steps at most, at {speed} steps/s"
-        ));
-        // There, and off the switch much slower; axes may go one after the other.
-        patience +=
-            words::patience(max_stroke.into(), speed.max(1).into(), f64::from(speed.max(1)));
-    }
-    consent.ask(&format!("home {}", said.join("; ")))?;
-    let patience = patience.saturating_add(Duration::from_mins(1));
-    let state = session
-        .motion(board, async |board| board.home_machine(&strokes, patience, &no_clock).await)?;
-    for axis in axes {
-        let position = state.positions.get(axis.index()).copied().unwrap_or(0);
-        println!("axis {axis} is home, at {position}");
-    }
-    Ok(())
-}
-
-fn outputs(
-    session: &Session,
-    board: &mut InterpCnc,
-    switches: &[(String, bool)],
-) -> Result<(), Failure> {
-    let mut wanted = Vec::with_capacity(switches.len());
-    for (name, on) in switches {
-        let number = name.parse().ok().filter(|number| (1..=OUTPUTS).contains(number));
-        let number: u8 = number
-            .ok_or_else(|| Failure::Usage(format!("output {name}: there are 1 to {OUTPUTS}")))?;
-        wanted.push((number, *on));
-    }
-    for (number, on) in wanted {
-        session.ask(board.set_output(number, on, &no_clock))?;
-    }
-    let levels = session.ask(board.outputs(&no_clock))?;
-    let mut table = show::table();
-    table.set_header(["output", "level"]);
-    for number in 1..=OUTPUTS {
-        table.add_row([right(number), on_off(levels >> (number - 1) & 1 == 1).into()]);
-    }
-    println!("{table}");
-    Ok(())
 }

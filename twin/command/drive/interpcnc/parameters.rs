@@ -1,7 +1,7 @@
 //! The parameters of an InterpCNC board that are known, by names of ours: the board has numbers only.
 
-use super::session::{Session, no_clock};
-use super::words::{self, right};
+use super::super::session::{Session, no_clock};
+use super::super::words::{self, right};
 use crate::command::{Failure, show};
 use std::time::Duration;
 use twin_drives::interpcnc::parameters as numbers;

@@ -1,0 +1,42 @@
+//! The legs of a plan that is followed.
+
+use super::{AXES, Bim2AxDrive, DriveError, Following, Move, SetpointStream, Start};
+use crate::ramp::{nanoseconds, seconds};
+
+/// Weight of an exchange in the running means.
+const MEAN_GAIN: f64 = 0.2;
+
+impl Bim2AxDrive {
+    /// Decides for the next leg and gives its order; true if there was one.
+    pub(super) fn next_leg(
+        &mut self,
+        stream: &dyn SetpointStream,
+        rest: [i32; AXES],
+    ) -> Result<bool, DriveError> {
+        let clock = || stream.now_ns();
+        let decided_ns = stream.now_ns();
+        let Some(leg) = self.follower.leg(stream, rest) else { return Ok(false) };
+        let start = |((target, speed), stands): ((i32, u16), i32)| {
+            let to = Start { to: Move::To(target), speed: Some(speed), directly: true };
+            (target != stands).then_some(to)
+        };
+        let starts: Vec<_> = leg.targets.into_iter().zip(leg.speeds).zip(rest).map(start).collect();
+        let starts = self.by_axis(&starts);
+        // Whether a lost order is carried out is unknown: the next look shows.
+        self.forget();
+        let stamp = self.runtime.block_on(self.module.start(starts, &clock))?;
+        self.sent = Some(leg.targets);
+        let executed_ns = stamp.middle_ns();
+        self.following = Following::Leg(leg.end_ns + executed_ns - leg.start_ns);
+        self.timing.order_ns = mean(self.timing.order_ns, executed_ns - decided_ns);
+        self.follower.set_timing(self.timing);
+        Ok(true)
+    }
+}
+
+/// A running mean of durations, ns.
+pub(super) fn mean(so_far_ns: i64, new_ns: i64) -> i64 {
+    // One exchange that something else delayed says little.
+    let new_ns = new_ns.clamp(0, so_far_ns.saturating_mul(2));
+    so_far_ns + nanoseconds(MEAN_GAIN * seconds(new_ns - so_far_ns))
+}

@@ -1,0 +1,38 @@
+//! Boards that are locked.
+
+use super::{Clock, Command, DriveError, InterpCnc};
+
+impl InterpCnc {
+    /// Clears "Board Locked" (command 66) and checks that it is cleared. Where the board keeps the segments that waited
+    /// when it lost ENABLE ([`crate::interpcnc::Assumptions::enable_loss_keeps_segments`]), they are thrown away first
+    /// (command 43), so that nothing moves by what has been forgotten.
+    ///
+    /// # Errors
+    /// If the ENABLE input is open, the board stays locked, or no proper answer comes.
+    pub async fn unlock(&mut self, clock: &dyn Clock) -> Result<(), DriveError> {
+        let command = Command::Reset { unlock: true, homing_error: false, probe_error: false };
+        if self.options().assumptions.enable_loss_keeps_segments {
+            let (state, _) = self.state(clock).await?;
+            if state.status.locked() {
+                self.send(&Command::Stop, clock).await?;
+            }
+        }
+        self.send(&command, clock).await?;
+        // The board answers normally even where it stays locked.
+        let (state, _) = self.state(clock).await?;
+        self.check_obeys(&state, command.action())
+    }
+    /// What an error means, where locked boards refuse with an exception: with that exception, that the board is locked
+    /// if it is.
+    pub(super) async fn if_locked(&mut self, error: DriveError, clock: &dyn Clock) -> DriveError {
+        let DriveError::Device { at, code } = &error else { return error };
+        if self.options().assumptions.locked_exception != Some(*code) {
+            return error;
+        }
+        let action = at.action;
+        match self.state(clock).await {
+            Ok((state, _)) => self.check_obeys(&state, action).err().unwrap_or(error),
+            Err(other) => other,
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! The driver with boards that do what the manual leaves open in every way that is known.
+
+use std::time::Duration;
+
+use tokio::time::sleep;
+
+use super::board::{Hand, LONG, no_clock, profile, with_board};
+use crate::{
+    DriveError,
+    interpcnc::{
+        Assumptions, AxisMask, BaudCode, BoardAxis, BoardStop, Command, ExceptionCodes, InterpCnc,
+        InterpCncOptions, OutputCode,
+        emulator::{Bench, BoardOptions, Control, Event},
+        registers::Status,
+    },
+};
+
+/// Every alternative, one at a time.
+fn alternatives() -> Vec<Assumptions> {
+    let usual = Assumptions::default();
+    let exceptions = ExceptionCodes { address: 11, value: 12, failure: 13 };
+    vec![
+        usual,
+        Assumptions { buffer_segments: 9, ..usual },
+        Assumptions { arguments_stay: false, ..usual },
+        Assumptions { lock_coil: false, ..usual },
+        Assumptions { silence: Some(Duration::from_millis(4)), ..usual },
+        Assumptions { most_read: 16, most_written: 16, ..usual },
+        Assumptions { segment_acceleration: 200, segment_start_stop: 201, ..usual },
+        Assumptions { broadcasts: false, ..usual },
+        Assumptions { locked_exception: Some(6), ..usual },
+        Assumptions { enable_loss: BoardStop::OnRamp, ..usual },
+        Assumptions { enable_loss_keeps_segments: true, ..usual },
+        Assumptions { limit_stop: BoardStop::OnRamp, ..usual },
+        Assumptions { reversal_gap_ns: 5_000_000, ..usual },
+        Assumptions { home_one_by_one: true, ..usual },
+        Assumptions { baud_code: BaudCode::Index, ..usual },
+        Assumptions { line_at_restart: false, ..usual },
+        Assumptions { output_code: OutputCode::Number, ..usual },
+        Assumptions { eeprom_write_ns: 50_000_000, ..usual },
+        Assumptions { eeprom_refuses: false, ..usual },
+        Assumptions { exceptions, ..usual },
+    ]
+}
+
+/// What is asked of every board: refuse while locked, move, take segments, lose ENABLE, move again.
+async fn session(mut driver: InterpCnc, hand: Hand) {
+    let assumed = driver.options().assumptions;
+    let locked = |done: &Result<(), DriveError>| matches!(done, Err(DriveError::Locked { .. }));
+    let refused = driver.move_axis(BoardAxis::X, &profile(500), LONG, &no_clock).await;
+    assert!(locked(&refused), "{assumed:?}: {refused:?}");
+    let refused = driver.set_output(3, true, &no_clock).await;
+    assert!(locked(&refused), "{assumed:?}: {refused:?}");
+    assert!(driver.lock_coil(&no_clock).await.unwrap(), "{assumed:?}");
+    driver.unlock(&no_clock).await.unwrap();
+    assert!(!driver.lock_coil(&no_clock).await.unwrap(), "{assumed:?}");
+    driver.set_output(3, true, &no_clock).await.unwrap();
+    for target in [500, -300] {
+        driver.move_axis(BoardAxis::X, &profile(target), LONG, &no_clock).await.unwrap();
+    }
+    for (number, value) in [(assumed.segment_acceleration, 50), (assumed.segment_start_stop, 200)] {
+        driver.set_parameter(number, value, LONG, &no_clock).await.unwrap();
+    }
+    for target in [700, 900] {
+        let targets = [Some(target), None, None, None, None];
+        driver.queue_segment(5000, &targets, LONG, &no_clock).await.unwrap();
+    }
+    driver.finish_segments(LONG, &no_clock).await.unwrap();
+    let (state, _) = driver.state(&no_clock).await.unwrap();
+    assert_eq!(state.positions[0], 900, "{assumed:?}");
+    for target in [90_000, 0] {
+        let targets = [Some(target), None, None, None, None];
+        driver.send(&Command::Interpolated { speed_hz: 5000, targets }, &no_clock).await.unwrap();
+    }
+    hand.send(Control::Event(Event::Enable(false))).await.unwrap();
+    sleep(Duration::from_secs(1)).await;
+    hand.send(Control::Event(Event::Enable(true))).await.unwrap();
+    sleep(Duration::from_secs(1)).await;
+    driver.unlock(&no_clock).await.unwrap();
+    let (then, _) = driver.state(&no_clock).await.unwrap();
+    sleep(Duration::from_secs(1)).await;
+    // Nothing moves by what was queued before.
+    let (now, _) = driver.state(&no_clock).await.unwrap();
+    assert_eq!(then.positions, now.positions, "{assumed:?}");
+    assert!(now.status.has(Status::BUFFER_EMPTY) && now.status.moving() == AxisMask::NONE);
+    driver.move_axis(BoardAxis::X, &profile(0), LONG, &no_clock).await.unwrap();
+    let all = driver.broadcast(&Command::RampStop).await;
+    assert_eq!(all.is_ok(), assumed.broadcasts, "{all:?}");
+}
+
+#[test]
+fn the_driver_copes_with_every_alternative() {
+    for assumptions in alternatives() {
+        let options = BoardOptions { assumptions, ..BoardOptions::default() };
+        let few = |settings: &mut InterpCncOptions| settings.most_segments = 4;
+        let ((), board) = with_board(&options, Bench::default(), few, session);
+        assert_eq!(board.counters()[0], 0, "{assumptions:?}");
+    }
+}
+
+/// What waits in a board that keeps it is carried out if the driver does not know.
+#[test]
+fn segments_that_are_kept_surprise_a_driver_that_does_not_expect_them() {
+    let keeps = Assumptions { enable_loss_keeps_segments: true, ..Assumptions::default() };
+    let board = BoardOptions { assumptions: keeps, ..BoardOptions::default() };
+    let usual = |settings: &mut InterpCncOptions| settings.assumptions = Assumptions::default();
+    let ((), board) = with_board(&board, Bench::default(), usual, |mut driver, hand| async move {
+        driver.unlock(&no_clock).await.unwrap();
+        for target in [90_000, 1234] {
+            let targets = [Some(target), None, None, None, None];
+            let segment = Command::Interpolated { speed_hz: 5000, targets };
+            driver.send(&segment, &no_clock).await.unwrap();
+        }
+        sleep(Duration::from_secs(1)).await;
+        hand.send(Control::Event(Event::Enable(false))).await.unwrap();
+        sleep(Duration::from_secs(1)).await;
+        hand.send(Control::Event(Event::Enable(true))).await.unwrap();
+        sleep(Duration::from_millis(10)).await;
+        driver.unlock(&no_clock).await.unwrap();
+        sleep(Duration::from_secs(10)).await;
+    });
+    assert_eq!(board.counters()[0], 1234);
+}

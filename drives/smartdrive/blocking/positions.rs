@@ -1,0 +1,106 @@
+//! Positions of the caller and counters of the drives.
+
+use super::{Seen, SmartDriveBus};
+use crate::{
+    Action, DriveError, IncrementMotion, Increments, Sample, SetpointStream,
+    smartdrive::{DriveState, TrajectoryFlags, follow::GoTo},
+};
+
+impl SmartDriveBus {
+    /// The first drive that says it is done and is elsewhere than it was sent: a target that was spoilt on its way (two
+    /// bytes that have changed places leave the check sum as it is), or a status that is stuck.
+    pub(super) fn stray(&self, seen: &[Seen]) -> Option<DriveError> {
+        let done = |state: &DriveState| state.flags.contains(TrajectoryFlags::DONE);
+        let drives = self.axes().zip(&self.sent).zip(seen);
+        let strays = drives.enumerate().filter_map(|(index, ((address, target), (state, _)))| {
+            let target = target
+                .filter(|target| done(state) && !state.moving() && state.position != *target)?;
+            Some(self.elsewhere(index, address, f64::from(target), state.position))
+        });
+        strays.into_iter().next()
+    }
+
+    /// A drive is not where it should be; counters of the drive.
+    pub(super) fn elsewhere(
+        &self,
+        index: usize,
+        address: u8,
+        expected: f64,
+        found: i32,
+    ) -> DriveError {
+        let zero = self.zeros.get(index).copied().unwrap_or(0);
+        #[expect(clippy::cast_possible_truncation, reason = "a counter")]
+        let target = (expected.round() as i64).saturating_add(zero);
+        let found = zero.saturating_add(found.into());
+        let axis = u8::try_from(index).unwrap_or(u8::MAX);
+        DriveError::NotArrived { at: self.bus.at(address, Action::ReadState), axis, target, found }
+    }
+
+    /// All positions at the middle of the time in which they were seen.
+    pub(super) fn to_sample(&self, seen: &[Seen]) -> Sample {
+        let times = || seen.iter().map(|(_, stamp)| stamp.executed_ns);
+        let first = times().min().unwrap_or(0);
+        let time_ns = i64::midpoint(first, times().max().unwrap_or(first));
+        let mut position = self.zeros;
+        for (index, (position, (state, stamp))) in position.iter_mut().zip(seen).enumerate() {
+            let moved = self.follower.moved(index, stamp.executed_ns, time_ns);
+            #[expect(clippy::cast_possible_truncation, reason = "a few increments")]
+            let moved = moved.round() as i64;
+            *position = position.saturating_add(i64::from(state.position)).saturating_add(moved);
+        }
+        position.iter_mut().skip(seen.len()).for_each(|unused| *unused = 0);
+        Sample { time_ns, position, moving: seen.iter().any(|(state, _)| state.moving()) }
+    }
+
+    /// A position of the caller as the drive counts.
+    pub(super) fn counter(
+        &self,
+        index: usize,
+        address: u8,
+        position: i64,
+    ) -> Result<i32, DriveError> {
+        let zero = self.zeros.get(index).copied().unwrap_or(0);
+        let counter = position.checked_sub(zero).and_then(|counter| i32::try_from(counter).ok());
+        counter.ok_or_else(|| {
+            let command = GoTo { target: 0, speed: 1, rate: 1 }.command();
+            #[expect(clippy::cast_precision_loss, reason = "for a message")]
+            let value = position as f64 - zero as f64;
+            DriveError::Value {
+                at: self.bus.at(address, command.action()),
+                what: "target",
+                value,
+                low: i32::MIN.into(),
+                high: i32::MAX.into(),
+            }
+        })
+    }
+}
+
+/// A plan in the counts of the drives.
+pub(super) struct Shifted<'a> {
+    pub(super) stream: &'a dyn SetpointStream,
+    pub(super) zeros: Increments,
+}
+
+impl SetpointStream for Shifted<'_> {
+    fn now_ns(&self) -> i64 {
+        self.stream.now_ns()
+    }
+
+    fn at(&self, time_ns: i64) -> IncrementMotion {
+        let mut motion = self.stream.at(time_ns);
+        for (position, zero) in motion.position.iter_mut().zip(self.zeros) {
+            #[expect(
+                clippy::cast_precision_loss,
+                reason = "positions are of few more than 32 bits"
+            )]
+            let zero = zero as f64;
+            *position -= zero;
+        }
+        motion
+    }
+
+    fn horizon_ns(&self) -> i64 {
+        self.stream.horizon_ns()
+    }
+}

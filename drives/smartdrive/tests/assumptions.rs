@@ -1,0 +1,222 @@
+//! The driver with devices that do what the manual leaves open in every way that is known.
+
+use std::{cell::Cell, time::Duration};
+
+use super::{
+    requests::with_spoilt,
+    wire::{axis, no_clock},
+};
+use crate::{
+    Drive, DriveError, ParameterId,
+    smartdrive::{
+        AccCurrent, Accelerations, Assumptions, BadFrame, BothBits, HomePosition, IoUpdate,
+        LimitStop, Mode, RejectCode, SetEffect, SmartDrive, SmartDriveBus, SmartDriveOptions,
+        StepFrom, ZeroRate,
+        emulator::{Cam, DeviceOptions, EmulatedBus, EmulatorOptions, HomingOptions, Input},
+    },
+    tests::bench::WallClock,
+};
+
+/// Every alternative, one at a time.
+fn alternatives() -> Vec<Assumptions> {
+    let usual = Assumptions::default();
+    vec![
+        usual,
+        Assumptions { bad_frame: BadFrame::Refused(RejectCode::Generic), ..usual },
+        Assumptions { wrong_length: RejectCode::NotAvailable, ..usual },
+        Assumptions { unknown_code: RejectCode::Generic, ..usual },
+        Assumptions { both_bits: BothBits::Set, ..usual },
+        Assumptions { both_bits: BothBits::Clear, ..usual },
+        Assumptions { silent_while_changing: true, ..usual },
+        Assumptions { refuses_beyond_ceilings: true, ..usual },
+        Assumptions { step_from: StepFrom::Target, ..usual },
+        Assumptions { clamps_targets: true, ..usual },
+        Assumptions { limit_stop: LimitStop::Deceleration, ..usual },
+        Assumptions { limit_stop: LimitStop::AtOnce, ..usual },
+        Assumptions { home_position: HomePosition::GoesOffset, ..usual },
+        Assumptions { applies_words_at_once: true, ..usual },
+        Assumptions { extends_signs: false, ..usual },
+        Assumptions { acc_current: AccCurrent::At85, ..usual },
+        Assumptions { zero_rate: ZeroRate::Unlimited, ..usual },
+        Assumptions { set_effect: SetEffect::WithMode, ..usual },
+        Assumptions { set_effect: SetEffect::RestartsMode, ..usual },
+    ]
+}
+
+/// A device with a home switch, which changes its mode quickly.
+fn device(assumptions: Assumptions) -> DeviceOptions {
+    DeviceOptions {
+        assumptions,
+        cams: vec![Cam { input: Input::Dir, from: -4000.0, to: -1000.0 }],
+        homing: HomingOptions { input: Input::Dir, ..HomingOptions::default() },
+        mode_change: Duration::from_millis(50),
+        ..DeviceOptions::default()
+    }
+}
+
+/// Where the drive is at rest.
+async fn rest(bus: &mut SmartDrive) -> i32 {
+    loop {
+        let (state, _) = bus.state(1, &no_clock).await.unwrap();
+        if !state.moving() {
+            return state.position;
+        }
+    }
+}
+
+#[test]
+fn the_driver_copes_with_every_alternative() {
+    for assumed in alternatives() {
+        with_spoilt(
+            &[device(assumed)],
+            assumed,
+            |_| {},
+            async |bus| {
+                bus.set_mode(1, Some(Mode::Remote)).await.unwrap();
+                // Among them 32-bit ones, with signs.
+                for (index, value) in [(26, -100_000), (28, 70_000), (32, 1500), (100, -50)] {
+                    let set = bus.set_parameter(1, index, value).await.unwrap();
+                    assert_eq!(set.working, value, "{assumed:?}");
+                }
+                bus.set_mode(1, Some(Mode::Remote)).await.unwrap();
+                bus.go_to(1, 3000, None).await.unwrap();
+                assert_eq!(rest(bus).await, 3000, "{assumed:?}");
+                let found = bus.accelerations(1).await.unwrap();
+                let deceleration = (assumed.acc_current == AccCurrent::At86).then_some(1500);
+                let expected = Accelerations { acceleration: 2000, deceleration, current: 0 };
+                assert_eq!(found, expected, "{assumed:?}");
+                bus.step(1, -100, None).await.unwrap();
+                assert_eq!(rest(bus).await, 2900, "{assumed:?}");
+                // LED on, BRK as it is.
+                let both = IoUpdate { set: 4 | 2, clear: 2, ..IoUpdate::default() };
+                assert_eq!(bus.io(1, both).await.unwrap().levels & 7, 4, "{assumed:?}");
+                bus.start(1, -300, 0).await.unwrap();
+                while bus.read(1, 79).await.unwrap() != -300 {}
+                bus.stop(1, 0).await.unwrap();
+                rest(bus).await;
+                // Outside the limits it goes as far as the limit, or not at all.
+                let beyond = bus.go_to(1, 70_001, None).await;
+                if assumed.clamps_targets {
+                    assert_eq!(rest(bus).await, 70_000);
+                } else {
+                    let Err(DriveError::Rejected { reason, .. }) = beyond else {
+                        panic!("{beyond:?}")
+                    };
+                    assert_eq!(reason, RejectCode::BadParams);
+                }
+                let home = if assumed.home_position == HomePosition::IsOffset { -50 } else { 0 };
+                assert_eq!(bus.home(1).await.unwrap(), home, "{assumed:?}");
+            },
+        );
+    }
+}
+
+/// A STEP that is spoilt on its way has not been executed where the drive says so, and only then it is sent again.
+#[test]
+fn what_a_drive_has_not_heard_is_sent_again_where_it_says_so() {
+    let usual = Assumptions::default();
+    let refuses = Assumptions { bad_frame: BadFrame::Refused(RejectCode::Generic), ..usual };
+    for (of_device, of_driver, end) in
+        [(refuses, refuses, 100), (refuses, usual, 0), (usual, usual, 0)]
+    {
+        let spoilt = Cell::new(false);
+        let spoil = |frame: &mut [u8]| {
+            if frame[1] == 0x24 && !spoilt.replace(true) {
+                frame[2] ^= 1;
+            }
+        };
+        with_spoilt(&[device(of_device)], of_driver, spoil, async |bus| {
+            bus.set_mode(1, Some(Mode::Remote)).await.unwrap();
+            let stepped = bus.step(1, 100, None).await;
+            match (of_device == refuses, of_driver == refuses) {
+                (true, true) => assert!(stepped.is_ok(), "{stepped:?}"),
+                (true, false) => {
+                    assert!(matches!(
+                        stepped,
+                        Err(DriveError::Rejected { reason: RejectCode::Generic, .. })
+                    ));
+                }
+                _ => assert!(matches!(stepped, Err(DriveError::Timeout { .. })), "{stepped:?}"),
+            }
+            assert_eq!(rest(bus).await, end);
+        });
+        assert!(spoilt.get());
+    }
+}
+
+/// A drive on a pseudo-terminal, and the driver that assumes the same.
+fn on_terminal(
+    assumptions: Assumptions,
+    deceleration_rpm_per_s: u16,
+) -> (EmulatedBus, SmartDriveBus, WallClock) {
+    let devices = vec![device(assumptions)];
+    let options = EmulatorOptions { devices, ..EmulatorOptions::default() };
+    let clock = WallClock::new();
+    let bus = EmulatedBus::start(&options, move || clock.now()).unwrap();
+    let axis = crate::smartdrive::AxisOptions { deceleration_rpm_per_s, ..axis(1) };
+    let mut options = SmartDriveOptions::new(vec![axis]);
+    options.deadline = Duration::from_secs(2);
+    options.mode_change = Duration::from_secs(10);
+    options.assumptions = assumptions;
+    let drive = SmartDriveBus::open(bus.path().to_str().unwrap(), &options).unwrap();
+    (bus, drive, clock)
+}
+
+#[test]
+fn parameters_take_effect_when_the_drive_is_enabled() {
+    let here = |drive: &mut SmartDriveBus| {
+        let (state, _) = drive.run(async |bus| bus.state(1, &no_clock).await).unwrap();
+        (state.position, state.mode, state.moving())
+    };
+    let highest = ParameterId { station: 1, number: 28 };
+    for set_effect in [SetEffect::AtOnce, SetEffect::WithMode, SetEffect::RestartsMode] {
+        let (_emulator, mut drive, _) =
+            on_terminal(Assumptions { set_effect, ..Assumptions::default() }, 0);
+        drive.enable().unwrap();
+        drive.move_to(&[300; 5], &[8e3; 5]).unwrap();
+        while here(&mut drive).2 {}
+        // A drive that obeys is left alone.
+        drive.enable().unwrap();
+        assert_eq!(here(&mut drive), (300, 3, false));
+        drive.set_parameter(highest, 100_000).unwrap();
+        let after = if set_effect == SetEffect::RestartsMode { 0 } else { 300 };
+        assert_eq!(here(&mut drive), (after, 3, false), "{set_effect:?}");
+        drive.enable().unwrap();
+        let after = if set_effect == SetEffect::AtOnce { 300 } else { 0 };
+        assert_eq!(here(&mut drive), (after, 3, false), "{set_effect:?}");
+        drive.enable().unwrap();
+        // What loses the position is not done on the way.
+        drive.run(async |bus| bus.start(1, 100, 0).await).unwrap();
+        let set = drive.set_parameter(highest, 90_000);
+        let enabled = drive.enable();
+        let moving = |done: &Result<(), DriveError>| matches!(done, Err(DriveError::Moving { .. }));
+        assert_eq!(moving(&set), set_effect == SetEffect::RestartsMode, "{set:?}");
+        assert_eq!(moving(&enabled), set_effect == SetEffect::WithMode, "{enabled:?}");
+        drive.soft_stop().unwrap();
+    }
+}
+
+#[test]
+fn a_deceleration_of_0_is_checked_as_it_is_assumed() {
+    for zero_rate in [ZeroRate::AsAcceleration, ZeroRate::Unlimited] {
+        let (_emulator, mut drive, clock) =
+            on_terminal(Assumptions { zero_rate, ..Assumptions::default() }, 3000);
+        drive.run(async |bus| bus.set_parameter(1, 32, 0).await).unwrap();
+        let limits = drive.limits().unwrap()[0];
+        let found = drive.probe(&clock);
+        match zero_rate {
+            // 3000 rpm/s are more than AccMax, 2000.
+            ZeroRate::AsAcceleration => {
+                assert_eq!(limits.deceleration, limits.acceleration);
+                let Err(DriveError::Parameter { name, expected, found, .. }) = found else {
+                    panic!("{found:?}")
+                };
+                assert_eq!((name, expected, found), ("Trj_DecMax", 3000, 2000));
+            }
+            ZeroRate::Unlimited => {
+                assert_eq!(limits.deceleration, None);
+                found.unwrap();
+            }
+        }
+    }
+}

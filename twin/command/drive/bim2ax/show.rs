@@ -1,0 +1,59 @@
+//! What a module says, for people.
+
+use super::super::session::{Session, no_clock};
+use super::super::words::{self, on_off};
+use super::module::{Module, of};
+use crate::command::{Failure, show};
+use twin_drives::bim2ax::bits::{card, message};
+use twin_drives::bim2ax::zone::Positions;
+use twin_drives::bim2ax::{Identity, ModuleAxis, describe_messages};
+
+pub(super) fn scan(identity: &Identity) {
+    let axes = [(card::AXIS_1, "1"), (card::AXIS_2, "2")];
+    let declared = axes.into_iter().filter(|(bit, _)| identity.card_messages & bit != 0);
+    let declared: Vec<_> = declared.map(|(_, axis)| axis).collect();
+    let rating = match identity.rating_ma {
+        -1 => "unknown".to_owned(),
+        rating => format!("{rating} mA"),
+    };
+    let mut table = show::table();
+    table.set_header(["module", "version", "rating", "axes declared"]);
+    table.add_row([
+        "BIM2AX-BOCM".to_owned(),
+        identity.version.to_string(),
+        rating,
+        declared.join(", "),
+    ]);
+    println!("{table}");
+}
+
+pub(super) fn status(seen: &Positions) {
+    let mut table = show::table();
+    table.set_header(["axis", "position, µsteps", "state"]);
+    for axis in ModuleAxis::ALL {
+        let (position, messages) = of(seen, axis);
+        let mut said = describe_messages(messages);
+        // What it says of an axis at rest that is home.
+        if messages & message::HOMED != 0 {
+            let others = messages & !(message::HOMED | message::ON_CAM) != 0;
+            said = if others { format!("home, {said}") } else { "home".to_owned() };
+        }
+        let number = axis.number().to_string();
+        table.add_row([number.into(), words::right(position), said.into()]);
+    }
+    println!("{table}");
+}
+
+pub(super) fn inputs(session: &Session, module: &mut Module) -> Result<(), Failure> {
+    let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
+    let mut table = show::table();
+    table.set_header(["axis", "+ end switch", "- end switch", "home cam"]);
+    for axis in ModuleAxis::ALL {
+        let (_, messages) = of(&seen, axis);
+        let bits = [message::PLUS_SWITCH, message::MINUS_SWITCH, message::ON_CAM];
+        let [plus, minus, cam] = bits.map(|bit| on_off(messages & bit != 0).to_owned());
+        table.add_row([axis.number().to_string(), plus, minus, cam]);
+    }
+    println!("{table}");
+    Ok(())
+}

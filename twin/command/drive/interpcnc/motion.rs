@@ -1,0 +1,100 @@
+//! What moves the axes of an InterpCNC board.
+
+use super::super::consent::Consent;
+use super::super::session::{BRAKING, Session, Stopping, no_clock};
+use super::super::words;
+use super::Ramps;
+use crate::command::Failure;
+use std::time::Duration;
+use twin_drives::DriveError;
+use twin_drives::interpcnc::{AxisValues, BoardAxis, InterpCnc, MoveProfile, parameters};
+
+impl Stopping for InterpCnc {
+    async fn soft_stop(&mut self) -> Result<(), DriveError> {
+        self.ramp_stop(BRAKING, &no_clock).await.map(|_| ())
+    }
+
+    async fn hard_stop(&mut self) -> Result<(), DriveError> {
+        self.stop_and_lock(&no_clock).await.map(|_| ())
+    }
+}
+
+pub(super) fn position(
+    session: &Session,
+    board: &mut InterpCnc,
+    axis: BoardAxis,
+) -> Result<i32, Failure> {
+    let (state, _) = session.ask(board.state(&no_clock))?;
+    Ok(state.positions.get(axis.index()).copied().unwrap_or(0))
+}
+
+pub(super) fn travel(
+    session: &Session,
+    board: &mut InterpCnc,
+    consent: Consent,
+    axis: BoardAxis,
+    (from, target): (i32, i32),
+    ramps: Ramps,
+) -> Result<(), Failure> {
+    consent.ask(&format!(
+        "move axis {axis} from {from} to {target} steps at {} steps/s",
+        ramps.speed
+    ))?;
+    let profile = MoveProfile {
+        start_stop_hz: ramps.start_stop,
+        acceleration_khz_per_s: ramps.acceleration,
+        speed_hz: ramps.speed,
+        deceleration_khz_per_s: ramps.deceleration,
+        target,
+    };
+    let slowest = 1000.0 * f64::from(ramps.acceleration.min(ramps.deceleration));
+    let distance = f64::from(target) - f64::from(from);
+    let patience = words::patience(distance, ramps.speed.into(), slowest);
+    session
+        .motion(board, async |board| board.move_axis(axis, &profile, patience, &no_clock).await)?;
+    println!("axis {axis} stands at {target}");
+    Ok(())
+}
+
+pub(super) fn home(
+    session: &Session,
+    board: &mut InterpCnc,
+    consent: Consent,
+    axes: &[BoardAxis],
+    max_stroke: i32,
+) -> Result<(), Failure> {
+    let (state, _) = session.ask(board.state(&no_clock))?;
+    let mut strokes = AxisValues::default();
+    let mut said = Vec::with_capacity(axes.len());
+    let mut patience = Duration::ZERO;
+    for axis in axes {
+        let mut parameter = |number| session.ask(board.parameter(number, &no_clock));
+        let input = parameter(parameters::home_input(*axis))?;
+        let speed = parameter(parameters::home_speed(*axis))?;
+        let positive = parameter(parameters::home_direction(*axis))? == 1;
+        if input == 0 {
+            let message = format!("axis {axis} has no home switch: set home-input-{axis}");
+            return Err(Failure::Usage(message.to_lowercase()));
+        }
+        if let Some(stroke) = strokes.get_mut(axis.index()) {
+            *stroke = Some(max_stroke);
+        }
+        let from = state.positions.get(axis.index()).copied().unwrap_or(0);
+        let sign = if positive { "+" } else { "-" };
+        said.push(format!(
+            "axis {axis} from {from} towards {sign} until input {input} says so, {max_stroke} steps at most, at {speed} steps/s"
+        ));
+        // There, and off the switch much slower; axes may go one after the other.
+        patience +=
+            words::patience(max_stroke.into(), speed.max(1).into(), f64::from(speed.max(1)));
+    }
+    consent.ask(&format!("home {}", said.join("; ")))?;
+    let patience = patience.saturating_add(Duration::from_mins(1));
+    let state = session
+        .motion(board, async |board| board.home_machine(&strokes, patience, &no_clock).await)?;
+    for axis in axes {
+        let position = state.positions.get(axis.index()).copied().unwrap_or(0);
+        println!("axis {axis} is home, at {position}");
+    }
+    Ok(())
+}

@@ -1,0 +1,123 @@
+//! What an InterpCNC board says, for people.
+
+use super::super::session::{Session, no_clock};
+use super::super::words::{on_off, right};
+use crate::command::show;
+use crate::command::{Failure, Status};
+use std::ops::RangeInclusive;
+use twin_drives::DriveError;
+use twin_drives::interpcnc::registers::{INPUTS, OUTPUTS, Status as Bits};
+use twin_drives::interpcnc::{BoardAxis, InterpCnc, Snapshot};
+
+pub(super) fn scan(
+    session: &Session,
+    stations: RangeInclusive<u8>,
+    open: impl Fn(u8) -> Result<InterpCnc, Failure>,
+) -> Result<Status, Failure> {
+    let mut table = show::table();
+    table.set_header(["station", "line by its parameters", "recipes, command 78"]);
+    let mut found = 0;
+    for station in stations {
+        let mut board = open(station)?;
+        match session.ask(board.identify(&no_clock)) {
+            Ok(identity) => {
+                let line = identity.line.map_or("unknown codes".to_owned(), |line| {
+                    format!("{} baud, parity {:?}", line.baud, line.parity).to_lowercase()
+                });
+                let recipes = if identity.has_recipes { "yes" } else { "no" };
+                table.add_row([right(station), line.into(), recipes.into()]);
+                found += 1;
+            }
+            Err(Failure::Drive(DriveError::Timeout { .. })) => {}
+            // It is there, and has not what was asked.
+            Err(Failure::Drive(DriveError::Device { .. })) => {
+                table.add_row([right(station), "not told".into(), "not told".into()]);
+                found += 1;
+            }
+            // Something is there that speaks otherwise, or at another speed.
+            Err(Failure::Drive(error @ DriveError::Protocol { .. })) => {
+                eprintln!("{error}");
+            }
+            Err(other) => return Err(other),
+        }
+    }
+    if found == 0 {
+        eprintln!("no station answers");
+        return Ok(Status::Unfit);
+    }
+    println!("{table}");
+    Ok(Status::Fit)
+}
+
+pub(super) fn status(seen: &Snapshot) {
+    let (status, extended) = (seen.state.status, seen.extended);
+    let facts = [
+        (status.enable_open(), "ENABLE open"),
+        (status.locked(), "locked"),
+        (!status.locked(), "unlocked"),
+        (status.has(Bits::HOMING_IN_PROGRESS), "homing"),
+        (status.has(Bits::HOMING_ERROR), "homing has failed"),
+        (status.probing(), "probing"),
+        (status.probe_failed(), "probing has failed"),
+        (status.has(Bits::EEPROM_BUSY), "EEPROM busy"),
+        (status.has(Bits::EEPROM_ERROR), "EEPROM has failed"),
+        (status.has(Bits::BUFFER_FROZEN), "buffer frozen"),
+        (status.has(Bits::OVERRIDDEN), "speed overridden"),
+    ];
+    let said: Vec<_> = facts.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
+    println!("{}", said.join(", "));
+    let mut table = show::table();
+    table.set_header(["axis", "position, steps", "state"]);
+    for (axis, position) in BoardAxis::ALL.into_iter().zip(seen.state.positions) {
+        let facts = [
+            (status.moving().contains(axis), "moving"),
+            (!status.moving().contains(axis), "at rest"),
+            (extended.homing().contains(axis), "homing"),
+            (extended.homing_failed().contains(axis), "homing has failed"),
+            (status.on_limit_switch().contains(axis), "on a limit switch"),
+        ];
+        let said: Vec<_> = facts.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
+        table.add_row([axis.to_string().into(), right(position), said.join(", ").into()]);
+    }
+    println!("{table}");
+}
+
+pub(super) fn inputs(session: &Session, board: &mut InterpCnc) -> Result<(), Failure> {
+    let seen = session.ask(board.snapshot(&no_clock))?;
+    let mut table = show::table();
+    table.set_header(["input", "level"]);
+    for number in 1..=INPUTS {
+        let on = seen.inputs >> (number - 1) & 1 == 1;
+        table.add_row([right(number), on_off(on).into()]);
+    }
+    for (number, value) in (1..).zip(seen.analog_inputs) {
+        table.add_row([right(format!("analog {number}")), right(value)]);
+    }
+    println!("{table}");
+    Ok(())
+}
+
+pub(super) fn outputs(
+    session: &Session,
+    board: &mut InterpCnc,
+    switches: &[(String, bool)],
+) -> Result<(), Failure> {
+    let mut wanted = Vec::with_capacity(switches.len());
+    for (name, on) in switches {
+        let number = name.parse().ok().filter(|number| (1..=OUTPUTS).contains(number));
+        let number: u8 = number
+            .ok_or_else(|| Failure::Usage(format!("output {name}: there are 1 to {OUTPUTS}")))?;
+        wanted.push((number, *on));
+    }
+    for (number, on) in wanted {
+        session.ask(board.set_output(number, on, &no_clock))?;
+    }
+    let levels = session.ask(board.outputs(&no_clock))?;
+    let mut table = show::table();
+    table.set_header(["output", "level"]);
+    for number in 1..=OUTPUTS {
+        table.add_row([right(number), on_off(levels >> (number - 1) & 1 == 1).into()]);
+    }
+    println!("{table}");
+    Ok(())
+}

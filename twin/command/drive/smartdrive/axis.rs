@@ -1,0 +1,39 @@
+//! One drive of a bus.
+
+use super::super::session::{BRAKING, Stopping, no_clock};
+use std::sync::Arc;
+use twin_drives::smartdrive::{DriveState, Mode, SmartDrive};
+use twin_drives::{Action as Doing, DriveError, Exchange};
+
+/// One drive of a bus.
+pub(super) struct Axis {
+    pub(super) bus: SmartDrive,
+    pub(super) port: Arc<str>,
+    pub(super) address: u8,
+}
+
+impl Axis {
+    pub(super) fn at(&self) -> Exchange {
+        Exchange { port: Arc::clone(&self.port), station: self.address, action: Doing::ReadState }
+    }
+
+    pub(super) async fn state(&mut self) -> Result<DriveState, DriveError> {
+        self.bus.state(self.address, &no_clock).await.map(|(state, _)| state)
+    }
+}
+
+impl Stopping for Axis {
+    async fn soft_stop(&mut self) -> Result<(), DriveError> {
+        match self.bus.stop(self.address, 0).await {
+            // A drive that is off or in alarm refuses; then it does not move.
+            Ok(_) | Err(DriveError::Rejected { .. }) => {
+                self.bus.rested(self.address, BRAKING).await.map(|_| ())
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    async fn hard_stop(&mut self) -> Result<(), DriveError> {
+        self.bus.set_mode(self.address, Some(Mode::Off)).await
+    }
+}

@@ -1,0 +1,80 @@
+//! What moves a SmartDRIVE, and what it has to be like before.
+
+use super::super::consent::Consent;
+use super::super::session::Session;
+use super::super::words;
+use super::Ramps;
+use super::axis::Axis;
+use super::show::{mode, turns};
+use crate::command::Failure;
+use twin_drives::smartdrive::parameters::{self, FULL_STEPS, STEP_DIVISOR};
+use twin_drives::smartdrive::{DriveState, Mode};
+
+/// The state of a drive that obeys and does not move.
+pub(super) fn standing(
+    session: &Session,
+    axis: &mut Axis,
+    what: &str,
+) -> Result<DriveState, Failure> {
+    let state = session.ask(axis.state())?;
+    if turns(&state) {
+        let message = format!("{}: it moves, which `{what}` would end: `stop` first", axis.at());
+        return Err(Failure::Usage(message));
+    }
+    Ok(state)
+}
+
+/// The same, which has to obey the bus.
+fn obeying(session: &Session, axis: &mut Axis, what: &str) -> Result<DriveState, Failure> {
+    let state = standing(session, axis, what)?;
+    if state.mode != Mode::Remote.number() {
+        let message = format!("{}: it is in mode {}: `unlock` first", axis.at(), mode(state.mode));
+        return Err(Failure::Usage(message));
+    }
+    Ok(state)
+}
+
+pub(super) fn home(session: &Session, axis: &mut Axis, consent: Consent) -> Result<(), Failure> {
+    let from = obeying(session, axis, "home")?.position;
+    let address = axis.address;
+    let mut working = |index| session.ask(axis.bus.parameter(address, index));
+    let enter = working(parameters::VELOCITY_ENTER_HOME)?.working;
+    let offset = working(parameters::POSITION_OFFSET)?.working;
+    consent.ask(&format!(
+        "home the axis at address {address} from {from} to its switch, which is at {offset} µsteps, at {enter} rpm"
+    ))?;
+    let position = session.motion(axis, async |axis| axis.bus.home(address).await)?;
+    println!("home, at {position}");
+    Ok(())
+}
+
+pub(super) fn travel(
+    session: &Session,
+    axis: &mut Axis,
+    consent: Consent,
+    target: i32,
+    ramps: Ramps,
+) -> Result<(), Failure> {
+    let from = obeying(session, axis, "move")?.position;
+    let address = axis.address;
+    let mut working = |index| {
+        let value = session.ask(axis.bus.parameter(address, index))?.working;
+        Ok::<u16, Failure>(u16::try_from(value).unwrap_or(u16::MAX))
+    };
+    let largest = [working(parameters::VELOCITY_MAX)?, working(parameters::ACCELERATION_MAX)?];
+    let turn = f64::from(working(FULL_STEPS)?) * f64::from(working(STEP_DIVISOR)?);
+    let [speed, acceleration] = largest;
+    // More than its ceilings no drive does.
+    let speed = ramps.speed.map_or(speed, |wanted| wanted.min(speed));
+    let acceleration = ramps.acceleration.map_or(acceleration, |wanted| wanted.min(acceleration));
+    consent.ask(&format!(
+        "move the axis at address {address} from {from} to {target} µsteps at {speed} rpm"
+    ))?;
+    let per_s = |rpm: u16| f64::from(rpm.max(1)) * turn / 60.0;
+    let distance = f64::from(target) - f64::from(from);
+    let patience = words::patience(distance, per_s(speed), per_s(acceleration));
+    let profile = Some((speed, acceleration));
+    session.motion(axis, async |axis| axis.bus.travel(address, target, profile, patience).await)?;
+    println!("stands at {target}");
+    Ok(())
+}
