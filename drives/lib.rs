@@ -14,6 +14,7 @@ mod follow;
 pub mod interpcnc;
 mod pause;
 mod pty;
+mod question;
 mod ramp;
 mod rehearsal;
 mod slave;
@@ -34,5 +35,6 @@ pub use drive::{
 };
 pub use error::{Action, DriveError, EmulatorError, Exchange, ProtocolFault};
 pub use fault::{Direction, FaultRule, FaultyWire, When, WireFault};
+pub use question::OpenQuestion;
 pub use rehearsal::{Rehearsal, WireRates};
 pub use stamp::Stamp;
