@@ -13,8 +13,8 @@ const HINDRANCES: u16 =
     message::REFUSED | message::POWER_ABSENT | message::PHASE_OPEN | message::PHASE_SHORT;
 
 impl Bim2Ax {
-    /// Writes the zone "Ordre UC", after Position zones if any, and gives the acknowledgements. Manual moves under
-    /// way are repeated for axes that get no order.
+    /// Writes the zone "Ordre UC", after Position zones if any, and gives the acknowledgements. Manual moves are
+    /// repeated for axes that get no order, while they are under way: one that has ended by itself would begin anew.
     pub(super) async fn order(
         &mut self,
         name: &'static str,
@@ -22,6 +22,12 @@ impl Bim2Ax {
         targets: [Option<Target>; AXES],
         clock: &dyn Clock,
     ) -> Result<(Orders, BusStamp), DriveError> {
+        if orders.uc.iter().zip(self.manual).any(|(order, manual)| *order == 0 && manual != 0) {
+            let now = self.acknowledgements(clock).await?;
+            for (manual, acknowledged) in self.manual.iter_mut().zip(now.uc) {
+                *manual &= acknowledged;
+            }
+        }
         for (order, manual) in orders.uc.iter_mut().zip(&mut self.manual) {
             if *order == 0 {
                 *order = *manual;
