@@ -16,8 +16,8 @@ use super::{
     zone::Positions,
 };
 use crate::{
-    Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
-    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
+    Action, Axes, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
+    Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
     drive::is_zero,
     ramp::{nanoseconds, seconds},
 };
@@ -169,6 +169,13 @@ impl Bim2AxDrive {
         axes.filter(|(_, axis)| moves(axis)).fold(0, |mask, (place, _)| mask | 1 << place)
     }
 
+    /// Axes in use, bit by bit in their order, by the module's numbers.
+    fn names(&self, mask: u8) -> Axes {
+        let axes = self.options.axes.iter().enumerate();
+        let chosen = axes.filter(|(place, _)| mask >> place & 1 == 1);
+        Axes::Numbers(chosen.fold(0, |mask, (_, axis)| mask | 1 << axis.index()))
+    }
+
     fn to_sample(&self, seen: &Positions, stamp: &BusStamp) -> Sample {
         let mut position = [0; MAX_DRIVE_AXES];
         for (place, found) in position.iter_mut().zip(self.in_order(seen)) {
@@ -305,7 +312,7 @@ impl Drive for Bim2AxDrive {
         let moving = self.moving(&before);
         if moving != 0 {
             let at = self.module.at(Action::ReadState);
-            return Err(DriveError::Moving { at, axes: moving });
+            return Err(DriveError::Moving { at, axes: self.names(moving) });
         }
         for ((axis, position), found) in wanted.iter().zip(self.in_order(&before)) {
             if *position == found {
@@ -318,7 +325,12 @@ impl Drive for Bim2AxDrive {
             if found != written {
                 let at = self.module.at(Action::ReadState);
                 let (written, found) = (written.into(), found.into());
-                return Err(DriveError::NotWritten { at, axis: place, written, found });
+                return Err(DriveError::NotWritten {
+                    at,
+                    axis: self.names(1 << place),
+                    written,
+                    found,
+                });
             }
         }
         Ok(())
@@ -433,7 +445,7 @@ impl Drive for Bim2AxDrive {
         if moving == 0 {
             return Ok(());
         }
-        Err(DriveError::Moving { at: self.module.at(Action::ReadState), axes: moving })
+        Err(DriveError::Moving { at: self.module.at(Action::ReadState), axes: self.names(moving) })
     }
 
     fn limits(&mut self) -> Result<[DeviceLimits; MAX_DRIVE_AXES], DriveError> {

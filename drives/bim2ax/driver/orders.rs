@@ -6,7 +6,10 @@ use super::{
     AXES, Action, Bim2Ax, BusStamp, Clock, DriveError, Duration, ModuleAxis, Orders,
     RECEIPT_ORDERS, ReadZone, Target, WriteZone, position_zone,
 };
-use crate::bim2ax::bits::{message, uc};
+use crate::{
+    Axes,
+    bim2ax::bits::{message, uc},
+};
 
 /// Messages that tell why a move does not happen.
 const HINDRANCES: u16 =
@@ -311,7 +314,7 @@ impl Bim2Ax {
         };
         let outcome = timeout(patience, resting).await;
         outcome.unwrap_or_else(|_| {
-            Err(DriveError::Moving { at: self.at(Action::ReadState), axes: moving })
+            Err(DriveError::Moving { at: self.at(Action::ReadState), axes: Axes::Numbers(moving) })
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    DriveError,
+    Axes, DriveError,
     bim2ax::{
         ByteOrder, Move, Start,
         bits::{card, message, uc},
@@ -163,7 +163,7 @@ async fn phases_tests_and_stops() {
     rig.driver.abandon(clock).await.unwrap();
     assert_eq!(rig.driver.acknowledgements(clock).await.unwrap().uc, [uc::ABANDON; 2]);
     let error = rig.driver.rested(Duration::from_millis(1), clock).await.unwrap_err();
-    assert!(matches!(error, DriveError::Moving { axes: 3, .. }), "{error}");
+    assert!(matches!(error, DriveError::Moving { axes: Axes::Numbers(3), .. }), "{error}");
     rig.driver.rested(seconds(1), clock).await.unwrap();
     rig.driver.start([Some(Start::to(0)), None], clock).await.unwrap();
     rig.driver.stop_hard(clock).await.unwrap();

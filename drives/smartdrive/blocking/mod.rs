@@ -10,13 +10,12 @@ use tokio::runtime::Runtime;
 
 use self::homing::Homing;
 use super::{
-    Command, DriveState, Init, IoUpdate, Mode, RejectCode, SmartDrive, SmartDriveOptions,
-    TrajectoryFlags,
+    Command, DriveState, Init, IoUpdate, Mode, SmartDrive, SmartDriveOptions, TrajectoryFlags,
     follow::{Follower, GoTo},
 };
 use crate::{
-    Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
-    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, Stamp,
+    Action, Axes, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
+    Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, Stamp,
     drive::is_zero,
 };
 
@@ -54,6 +53,8 @@ pub struct SmartDriveBus {
     /// Counters that [`Drive::move_to`] has sent the drives to, until something else moves or stops them; none of those
     /// that it has left alone.
     sent: Vec<Option<i32>>,
+    /// Drives that [`Drive::soft_stop`] has seen at rest, until something moves them.
+    standing: Vec<u8>,
     /// Last, so that the port is closed while its runtime exists.
     runtime: Runtime,
 }
@@ -76,7 +77,8 @@ impl SmartDriveBus {
         };
         let follower = Follower::new(&options.axes, RESPONSE);
         let (zeros, homing) = ([0; MAX_DRIVE_AXES], Default::default());
-        Ok(Self { bus, follower, zeros, homing, sent: Vec::new(), runtime })
+        let (sent, standing) = (Vec::new(), Vec::new());
+        Ok(Self { bus, follower, zeros, homing, sent, standing, runtime })
     }
 
     /// Homes these axes (indices of the arrays), all at once, and returns when they are home; their positions are those
@@ -114,6 +116,7 @@ impl SmartDriveBus {
     fn restart(&mut self) {
         self.follower.restart();
         self.sent.clear();
+        self.standing.clear();
     }
 
     /// The first drive that says it is done and is elsewhere than it was sent: a target that was spoilt on its way (two
@@ -135,8 +138,8 @@ impl SmartDriveBus {
         #[expect(clippy::cast_possible_truncation, reason = "a counter")]
         let target = (expected.round() as i64).saturating_add(zero);
         let found = zero.saturating_add(found.into());
-        let axis = u8::try_from(index).unwrap_or(u8::MAX);
-        DriveError::NotArrived { at: self.bus.at(address, Action::ReadState), axis, target, found }
+        let (at, axis) = (self.bus.at(address, Action::ReadState), Axes::Only);
+        DriveError::NotArrived { at, axis, target, found }
     }
 
     /// Addresses in use, in the order of the arrays.
@@ -285,10 +288,7 @@ impl Drive for SmartDriveBus {
         if (shown.levels & mask != 0) == on {
             Ok(())
         } else {
-            Err(DriveError::Rejected {
-                at: self.bus.at(address, action),
-                reason: RejectCode::Generic,
-            })
+            Err(DriveError::NotSwitched { at: self.bus.at(address, action), on })
         }
     }
 
@@ -363,6 +363,7 @@ impl Drive for SmartDriveBus {
 
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         self.sent.clear();
+        self.standing.clear();
         let clock = || stream.now_ns();
         let shifted = Shifted { stream, zeros: self.zeros };
         let needing = self.follower.survey(&shifted);
@@ -400,7 +401,7 @@ impl Drive for SmartDriveBus {
     }
 
     /// STOP to all drives of the line, also those not in use, several times: nobody confirms it. Then asks until the
-    /// drives in use are at rest.
+    /// drives in use are at rest, every one of them, whatever the others say.
     fn soft_stop(&mut self) -> Result<(), DriveError> {
         self.restart();
         let stop = Command::Stop { rate: 0 };
@@ -408,18 +409,31 @@ impl Drive for SmartDriveBus {
         self.broadcast_stop(&stop)?;
         if let Some(address) = late {
             // A move that was sent before the stop may arrive after it: the drive is asked only when none can any more.
-            self.state(address, &no_clock)?;
+            // If it does not answer that shows below.
+            drop(self.state(address, &no_clock));
             self.broadcast_stop(&stop)?;
         }
         self.wait_for_rest(stop.action())
     }
 
-    /// MODE 0 to all drives of the line, also those not in use, then asks until those in use are off.
+    /// After a [`Drive::soft_stop`] that some drives have confirmed: MODE 0 to those in use that have not, and the others
+    /// keep their current, for what hangs on them would fall. Else MODE 0 to all drives of the line, also those not in use.
+    /// Then asks until those are off.
     fn hard_stop(&mut self) -> Result<(), DriveError> {
+        let standing = std::mem::take(&mut self.standing);
         self.restart();
         let off = Command::Mode(Some(Mode::Off));
-        self.broadcast_stop(&off)?;
-        let addresses: Vec<u8> = self.axes().collect();
+        let addresses: Vec<u8> =
+            self.axes().filter(|address| !standing.contains(address)).collect();
+        if standing.is_empty() || addresses.is_empty() {
+            self.broadcast_stop(&off)?;
+        } else {
+            for address in &addresses {
+                // Whether it has been heard is asked below.
+                drop(self.runtime.block_on(self.bus.send(*address, &off, &no_clock)));
+            }
+        }
+        let addresses = if addresses.is_empty() { standing } else { addresses };
         let mut failed = None;
         for address in addresses {
             // Every drive is tried, whatever the others say.

@@ -17,7 +17,7 @@ use twin_drives::bim2ax::{
     AxisSettings, Bim2Ax, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, ByteOrder, Identity,
     ModuleAxis, Move, Start, describe_messages,
 };
-use twin_drives::{Action as Doing, DriveError, Exchange};
+use twin_drives::{Action as Doing, Axes, DriveError, Exchange};
 
 /// BIBOX BIM2AX-BOCM: two step axes behind a dual-port RAM; positions in µsteps, speeds as the axis's drive mode has them
 ///
@@ -235,8 +235,8 @@ impl Module {
         let why = message::MOVING | message::HOMED | message::ON_CAM;
         self.check(&seen, &[axis], |messages| messages & !why != 0)?;
         let at = Exchange { port: Arc::clone(&self.port), station: 0, action: Doing::ReadState };
-        let index = u8::try_from(axis.index()).unwrap_or(0);
-        Err(DriveError::NotArrived { at, axis: index, target: target.into(), found: found.into() })
+        let axis = Axes::Numbers(1 << axis.index());
+        Err(DriveError::NotArrived { at, axis, target: target.into(), found: found.into() })
     }
 }
 

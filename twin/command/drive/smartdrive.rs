@@ -17,7 +17,7 @@ use twin_drives::smartdrive::{
     ADDRESSES, AxisOptions, Command, DriveState, IoUpdate, Mode, SmartDrive, SmartDriveBus,
     SmartDriveOptions, StepsPerTurn, TrajectoryFlags,
 };
-use twin_drives::{Action as Doing, Drive, DriveError, Exchange, ParameterId};
+use twin_drives::{Action as Doing, Axes, Drive, DriveError, Exchange, ParameterId};
 
 /// Time between two looks at a drive that moves.
 const LOOK: Duration = Duration::from_millis(10);
@@ -195,7 +195,7 @@ impl Axis {
             return Ok(());
         }
         let (target, found) = (target.into(), state.position.into());
-        Err(DriveError::NotArrived { at: self.at(), axis: 0, target, found })
+        Err(DriveError::NotArrived { at: self.at(), axis: Axes::Only, target, found })
     }
 }
 
