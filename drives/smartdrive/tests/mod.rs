@@ -3,5 +3,6 @@
 mod faults;
 mod requests;
 mod terminal;
+mod vectors;
 mod wire;
 mod witness;

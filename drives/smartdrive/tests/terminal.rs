@@ -387,13 +387,14 @@ fn an_output_that_is_not_switched_is_told_as_such() {
     let mut options = SmartDriveOptions::new(vec![axis(1)]);
     options.deadline = Duration::from_secs(5);
     let mut drive = SmartDriveBus::open(&name, &options).unwrap();
-    let answering = std::thread::spawn(move || {
+    let answer = move || {
         serialport::SerialPort::set_timeout(&mut device, Duration::from_secs(5)).unwrap();
         device.read_exact(&mut [0; 7]).unwrap();
         // GO and LED are on.
         device.write_all(&vector(30)).unwrap();
         device
-    });
+    };
+    let answering = std::thread::Builder::new().name("drive".to_owned()).spawn(answer).unwrap();
     let error = drive.set_output(3, false).unwrap_err();
     drop(answering.join().unwrap());
     let text = error.to_string();
