@@ -181,7 +181,9 @@ pub trait Drive: Send {
     /// If the device did not confirm; the caller then tries [`Self::hard_stop`].
     fn soft_stop(&mut self) -> Result<(), DriveError>;
 
-    /// Stops every axis at once and locks the device.
+    /// Stops at once what moves and locks the device; how each family does is in its page of the manual and in
+    /// docs/drives.md. Of several devices behind one interface (SmartDRIVE) those that have confirmed the
+    /// [`Self::soft_stop`] before are left as they stand.
     ///
     /// # Errors
     /// If the device did not confirm.
@@ -241,7 +243,7 @@ pub trait Drive: Send {
 
 /// A device that has said nothing but its name.
 fn nowhere(device: &str) -> Exchange {
-    Exchange { port: device.into(), station: 0, action: Action::Identify }
+    Exchange { port: device.into(), station: 0, action: Action::Nothing }
 }
 
 fn unsupported(device: &str, what: &'static str) -> DriveError {

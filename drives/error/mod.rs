@@ -1,172 +1,22 @@
 //! What can go wrong between the twin and a device.
 
-use std::{fmt, io, path::PathBuf, sync::Arc, time::Duration};
+mod axes;
+mod emulator;
+mod exchange;
+mod meaning;
 
+use std::{io, time::Duration};
+
+use self::meaning::{exception_meaning, reject_meaning};
+pub use self::{
+    axes::Axes,
+    emulator::EmulatorError,
+    exchange::{Action, Exchange, ProtocolFault},
+};
 use crate::{
     ParameterId, Values,
     smartdrive::{Alarms, RejectCode},
 };
-
-/// What was being done with a device when something went wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Action {
-    /// Opening and configuring the port.
-    Open,
-    /// Reading status and positions.
-    ReadState,
-    /// Sending a command of the device's own numbering.
-    Command {
-        /// Number on the wire.
-        number: u16,
-        /// What the manual calls it.
-        name: &'static str,
-    },
-    /// Switching a digital output.
-    SwitchOutput {
-        /// Which, from 1.
-        output: u8,
-        /// On or off.
-        on: bool,
-    },
-    /// Reading registers or bits.
-    Read {
-        /// What they hold.
-        what: &'static str,
-        /// First address.
-        address: u16,
-        /// How many.
-        count: u16,
-    },
-    /// Writing registers or bits.
-    Write {
-        /// What they hold.
-        what: &'static str,
-        /// First address.
-        address: u16,
-        /// How many.
-        count: u16,
-    },
-    /// Looking at identifier and status of a module on a bus.
-    Identify,
-    /// Reading a zone of a module's memory.
-    ReadZone {
-        /// Number of the zone.
-        zone: u8,
-        /// What the manual calls it.
-        name: &'static str,
-    },
-    /// Writing a zone of a module's memory.
-    WriteZone {
-        /// Number of the zone.
-        zone: u8,
-        /// What the manual calls it.
-        name: &'static str,
-    },
-    /// Giving an order to the axes of a module.
-    Order {
-        /// The order's bits.
-        bits: u16,
-        /// What it is.
-        name: &'static str,
-    },
-    /// Reading or writing a parameter.
-    Parameter {
-        /// Its number.
-        number: u16,
-        /// What it is.
-        name: &'static str,
-        /// Written, else read.
-        written: bool,
-    },
-}
-
-impl fmt::Display for Action {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Open => f.write_str("opening the port"),
-            Self::ReadState => f.write_str("reading status and positions"),
-            Self::Command { number, name } => write!(f, "command {number} ({name})"),
-            Self::SwitchOutput { output, on } => {
-                write!(f, "switching output {output} {}", if *on { "on" } else { "off" })
-            }
-            Self::Read { what, address, count } => {
-                write!(f, "reading {what} ({count} from {address})")
-            }
-            Self::Write { what, address, count } => {
-                write!(f, "writing {what} ({count} from {address})")
-            }
-            Self::Identify => f.write_str("looking at identifier and status"),
-            Self::ReadZone { zone, name } => write!(f, "reading zone {zone} ({name})"),
-            Self::WriteZone { zone, name } => write!(f, "writing zone {zone} ({name})"),
-            Self::Order { bits, name } => write!(f, "order ${bits:04X} ({name})"),
-            Self::Parameter { number, name, written } => {
-                let what = if *written { "writing" } else { "reading" };
-                write!(f, "{what} parameter ${number:02X} ({name})")
-            }
-        }
-    }
-}
-
-/// Where and in the course of what an error happened.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Exchange {
-    /// Path of the port.
-    pub port: Arc<str>,
-    /// Station (slave) address on that port; 0 where the device has none.
-    pub station: u8,
-    /// What was being done.
-    pub action: Action,
-}
-
-impl fmt::Display for Exchange {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.station == 0 {
-            return write!(f, "{}: {}", self.port, self.action);
-        }
-        write!(f, "{}, station {}: {}", self.port, self.station, self.action)
-    }
-}
-
-/// An answer that arrived in time and is not the answer to what was asked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ProtocolFault {
-    /// Another station answered.
-    #[error("another station answered")]
-    Station,
-    /// The answer belongs to another function.
-    #[error("function {sent} was asked, the answer belongs to function {received}")]
-    Function {
-        /// Function code sent.
-        sent: u8,
-        /// Function code received.
-        received: u8,
-    },
-    /// The answer has another number of registers than asked for.
-    #[error("{expected} registers were asked for, {received} came")]
-    Length {
-        /// Registers asked for.
-        expected: usize,
-        /// Registers received.
-        received: usize,
-    },
-    /// A write was confirmed for other registers than those written.
-    #[error(
-        "{count} registers at {address} were written, the device confirms {confirmed_count} at {confirmed_address}"
-    )]
-    Confirmation {
-        /// First register written.
-        address: u16,
-        /// Registers written.
-        count: u16,
-        /// First register confirmed.
-        confirmed_address: u16,
-        /// Registers confirmed.
-        confirmed_count: u16,
-    },
-    /// The bytes make no frame (wrong check sum, noise).
-    #[error("the answer is garbled")]
-    Garbled,
-}
 
 /// A device that did not do what it was asked to, with the reason.
 #[derive(Debug, thiserror::Error)]
@@ -267,6 +117,14 @@ pub enum DriveError {
         /// Largest value possible.
         high: f64,
     },
+    /// An output that the device should have switched is as it was (SmartDRIVE).
+    #[error("{at}: the drive has confirmed it, and the output is still {}", if *on { "off" } else { "on" })]
+    NotSwitched {
+        /// Where.
+        at: Exchange,
+        /// As it should be.
+        on: bool,
+    },
     /// The device is locked: it accepts motion commands and does nothing.
     #[error("{at}: the board is locked")]
     Locked {
@@ -286,20 +144,20 @@ pub enum DriveError {
         at: Exchange,
     },
     /// An axis has run onto a limit switch.
-    #[error("{at}: a limit switch is active, axes {}", axis_letters(*axes))]
+    #[error("{at}: a limit switch is active{}", axes.listed())]
     LimitSwitch {
         /// Where.
         at: Exchange,
-        /// Axes, bit 0 = X … bit 4 = B.
-        axes: u8,
+        /// Which.
+        axes: Axes,
     },
     /// Axes move that must be at rest for what was asked.
-    #[error("{at}: still moving, axes {}", axis_letters(*axes))]
+    #[error("{at}: still moving{}", axes.listed())]
     Moving {
         /// Where.
         at: Exchange,
-        /// Axes, bit 0 = X … bit 4 = B.
-        axes: u8,
+        /// Which.
+        axes: Axes,
     },
     /// What was begun has not ended in the time it was given.
     #[error("{at}: not finished within {} ms", patience.as_millis())]
@@ -310,24 +168,24 @@ pub enum DriveError {
         patience: Duration,
     },
     /// An axis has stopped elsewhere than on its target: something else has stopped it.
-    #[error("{at}: axis {} stands at {found} instead of {target}", axis_letters(1 << axis))]
+    #[error("{at}: {axis} stands at {found} instead of {target}")]
     NotArrived {
         /// Where.
         at: Exchange,
-        /// Axis on the device, 0 = X … 4 = B.
-        axis: u8,
+        /// Which.
+        axis: Axes,
         /// Where it should be, increments.
         target: i64,
         /// Where it is, increments.
         found: i64,
     },
     /// Homing has failed: no switch within the stroke, or something else has stopped it.
-    #[error("{at}: homing has failed, axes {}", axis_letters(*axes))]
+    #[error("{at}: homing has failed{}", axes.listed())]
     HomingFailed {
         /// Where.
         at: Exchange,
-        /// Axes, bit 0 = X … bit 4 = B.
-        axes: u8,
+        /// Which.
+        axes: Axes,
     },
     /// The input that a probing move awaited did not come.
     #[error("{at}: the probe has found nothing")]
@@ -366,12 +224,12 @@ pub enum DriveError {
         found: u32,
     },
     /// A position counter does not hold what was just written to it.
-    #[error("{at}: counter of axis {} reads {found} after {written} was written", axis_letters(1 << axis))]
+    #[error("{at}: the counter of {axis} reads {found} after {written} was written")]
     NotWritten {
         /// Where.
         at: Exchange,
-        /// Axis on the device, 0 = X … 4 = B.
-        axis: u8,
+        /// Which.
+        axis: Axes,
         /// Increments written.
         written: i64,
         /// Increments read back.
@@ -402,13 +260,17 @@ pub enum DriveError {
         found: u8,
     },
     /// The module's software does not run: it has just been switched on or reset.
-    #[error("{at}: the module's software does not run")]
+    #[error(
+        "{at}: the module's software does not run: wait until it has started, or look at its supply"
+    )]
     NotRunning {
         /// Where.
         at: Exchange,
     },
     /// The module's numbers are not in the byte order that is set.
-    #[error("{at}: the bytes of the module's numbers come in the other order")]
+    #[error(
+        "{at}: the bytes of the module's numbers come in the other order: set the byte order to the other one"
+    )]
     ByteOrder {
         /// Where.
         at: Exchange,
@@ -498,6 +360,7 @@ impl DriveError {
             | Self::NotHomed { at }
             | Self::Parameter { at, .. }
             | Self::Value { at, .. }
+            | Self::NotSwitched { at, .. }
             | Self::Locked { at }
             | Self::EnableOpen { at }
             | Self::NotLocked { at }
@@ -524,9 +387,7 @@ impl DriveError {
             | Self::Setting { at, .. } => at,
         }
     }
-}
 
-impl DriveError {
     /// Whether nothing is wrong but that an axis is on its limit switch.
     pub fn is_limit_switch(&self) -> bool {
         match self {
@@ -542,80 +403,6 @@ impl DriveError {
             _ => false,
         }
     }
-}
-
-/// The manual's words for an exception code ("Traitement des erreurs").
-fn exception_meaning(code: u8) -> &'static str {
-    match code {
-        1 => "invalid function",
-        2 => "invalid address",
-        3 => "invalid count or value",
-        4 => "undetermined error",
-        _ => "unknown code",
-    }
-}
-
-/// The manual's words for a reason to refuse ("REJ").
-fn reject_meaning(reason: RejectCode) -> &'static str {
-    match reason {
-        RejectCode::Generic => "for no stated reason",
-        RejectCode::Working => "a long command is running",
-        RejectCode::BadMode => "not in this mode",
-        RejectCode::BadParams => "a parameter is wrong",
-        RejectCode::NotAvailable => "there is no such command or index",
-    }
-}
-
-/// "XZ" for bits 0 and 2.
-fn axis_letters(mask: u8) -> String {
-    "XYZAB"
-        .chars()
-        .enumerate()
-        .filter(|(axis, _)| mask >> axis & 1 == 1)
-        .map(|(_, letter)| letter)
-        .collect()
-}
-
-/// An emulator that cannot be started.
-#[derive(Debug, thiserror::Error)]
-pub enum EmulatorError {
-    /// No pseudo-terminal.
-    #[error("cannot open a pseudo-terminal: {source}")]
-    Terminal {
-        /// What the operating system says.
-        source: io::Error,
-    },
-    /// The path for the link is taken by something else, or by a link to a terminal that is in use.
-    #[error("{} is in use; remove it or choose another path", path.display())]
-    LinkTaken {
-        /// The path.
-        path: PathBuf,
-    },
-    /// The link cannot be made.
-    #[error("cannot link {}: {source}", path.display())]
-    Link {
-        /// The path.
-        path: PathBuf,
-        /// What the operating system says.
-        source: io::Error,
-    },
-    /// A file that the emulated device lives in cannot be made, read, written or mapped.
-    #[error("{}: {source}", path.display())]
-    File {
-        /// The path.
-        path: PathBuf,
-        /// What the operating system says.
-        source: io::Error,
-    },
-    /// The thread that serves the emulated device cannot be started.
-    #[error("cannot start the emulator's thread: {source}")]
-    Thread {
-        /// What the operating system says.
-        source: io::Error,
-    },
-    /// The emulator has ended.
-    #[error("the emulator has ended")]
-    Ended,
 }
 
 #[cfg(test)]

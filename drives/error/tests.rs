@@ -22,19 +22,20 @@ fn every_message_names_port_station_and_command() {
         DriveError::NotHomed { at: at() },
         DriveError::Parameter { at: at(), name: "PID", expected: 21_314, found: 0 },
         DriveError::Value { at: at(), what: "speed", value: 0.5, low: 1.0, high: 2.0 },
+        DriveError::NotSwitched { at: at(), on: true },
         DriveError::Locked { at: at() },
         DriveError::EnableOpen { at: at() },
         DriveError::NotLocked { at: at() },
-        DriveError::LimitSwitch { at: at(), axes: 0b101 },
-        DriveError::Moving { at: at(), axes: 1 },
+        DriveError::LimitSwitch { at: at(), axes: Axes::Letters(0b101) },
+        DriveError::Moving { at: at(), axes: Axes::Letters(1) },
         DriveError::Unfinished { at: at(), patience: Duration::from_secs(3) },
-        DriveError::NotArrived { at: at(), axis: 1, target: 5, found: 4 },
-        DriveError::HomingFailed { at: at(), axes: 3 },
+        DriveError::NotArrived { at: at(), axis: Axes::Numbers(2), target: 5, found: 4 },
+        DriveError::HomingFailed { at: at(), axes: Axes::Letters(3) },
         DriveError::ProbeFailed { at: at() },
         DriveError::EepromFailed { at: at() },
         DriveError::ParameterDiffers { at: at(), number: 4, expected: 5, found: 4 },
         DriveError::NotKept { at: at(), address: 4360, written: 5, found: 4 },
-        DriveError::NotWritten { at: at(), axis: 2, written: 5, found: 4 },
+        DriveError::NotWritten { at: at(), axis: Axes::Letters(4), written: 5, found: 4 },
         DriveError::Identity { at: at(), expected: 0x4E, found: 0xFF },
         DriveError::NotRunning { at: at() },
         DriveError::ByteOrder { at: at() },
@@ -79,7 +80,30 @@ fn refused_values_are_named_with_what_is_taken() {
 
 #[test]
 fn axes_are_named_by_letter() {
-    assert_eq!(axis_letters(0b10101), "XZB");
-    let text = DriveError::LimitSwitch { at: at(), axes: 0b01010 }.to_string();
+    assert_eq!(Axes::Letters(0b10101).to_string(), "axes XZB");
+    let text = DriveError::LimitSwitch { at: at(), axes: Axes::Letters(0b01010) }.to_string();
     assert!(text.ends_with("axes YA"), "{text}");
+}
+
+#[test]
+fn axes_are_named_as_their_family_does() {
+    let (found, target) = (4, 5);
+    for (axes, moving, elsewhere) in [
+        (Axes::Letters(0b100), "still moving, axis Z", "axis Z stands at 4 instead of 5"),
+        (Axes::Numbers(3), "still moving, axes 1, 2", "axes 1, 2 stands at 4 instead of 5"),
+        (Axes::Numbers(0b10), "still moving, axis 2", "axis 2 stands at 4 instead of 5"),
+        (Axes::Only, "still moving", "the axis stands at 4 instead of 5"),
+    ] {
+        let text = DriveError::Moving { at: at(), axes }.to_string();
+        assert_eq!(text, format!("{}: {moving}", at()));
+        let text = DriveError::NotArrived { at: at(), axis: axes, target, found }.to_string();
+        assert_eq!(text, format!("{}: {elsewhere}", at()));
+    }
+}
+
+#[test]
+fn what_needs_no_asking_names_no_command() {
+    let at = Exchange { action: Action::Nothing, ..at() };
+    let text = DriveError::Unsupported { at, what: "homing" }.to_string();
+    assert_eq!(text, "/dev/ttyUSB0, station 7: the device has no homing");
 }

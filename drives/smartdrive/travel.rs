@@ -5,7 +5,7 @@ use std::time::Duration;
 use tokio::time::{sleep, timeout};
 
 use super::{Command, DriveState, SmartDrive, TrajectoryFlags, requests::LOOK};
-use crate::{Action, DriveError};
+use crate::{Action, Axes, DriveError};
 
 impl SmartDrive {
     /// Waits until a drive does not move any more; its state then.
@@ -57,6 +57,6 @@ impl SmartDrive {
             return Ok(());
         }
         let (target, found) = (target.into(), state.position.into());
-        Err(DriveError::NotArrived { at, axis: 0, target, found })
+        Err(DriveError::NotArrived { at, axis: Axes::Only, target, found })
     }
 }

@@ -4,7 +4,8 @@ use std::cell::Cell;
 
 use super::bench::{Bench, FAR, HOME, bim2ax, interpcnc, smartdrive};
 use crate::{
-    ParameterId, Signals,
+    Action, Drive, DriveError, Exchange, Identity, Increments, MAX_DRIVE_AXES, ParameterId, Sample,
+    SetpointStream, Signals,
     axis::{
         AxisError, Direction,
         homing::{
@@ -220,4 +221,81 @@ fn smartdrives_home_on_a_limit_switch() {
 #[test]
 fn a_module_homes_on_a_limit_switch() {
     homes_on_a_limit_switch(bim2ax);
+}
+
+/// A device that does not stop, and has no switch.
+struct Runaway;
+
+impl Runaway {
+    fn deaf<T>() -> Result<T, DriveError> {
+        let at = Exchange { port: "wire".into(), station: 3, action: Action::ReadState };
+        Err(DriveError::Timeout { at, deadline: std::time::Duration::from_millis(7) })
+    }
+
+    fn rests() -> Sample {
+        Sample { time_ns: 0, position: [0; MAX_DRIVE_AXES], moving: false }
+    }
+}
+
+impl Drive for Runaway {
+    fn describe(&self) -> String {
+        "runaway".to_owned()
+    }
+
+    fn axis_count(&self) -> usize {
+        1
+    }
+
+    fn identity(&mut self) -> Result<Identity, DriveError> {
+        Self::deaf()
+    }
+
+    fn probe(&mut self, _: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        Ok(Self::rests())
+    }
+
+    fn enable(&mut self) -> Result<(), DriveError> {
+        Ok(())
+    }
+
+    fn set_output(&mut self, _: u8, _: bool) -> Result<(), DriveError> {
+        Self::deaf()
+    }
+
+    fn set_position(&mut self, _: &Increments) -> Result<(), DriveError> {
+        Self::deaf()
+    }
+
+    fn move_to(&mut self, _: &Increments, _: &[f64; MAX_DRIVE_AXES]) -> Result<(), DriveError> {
+        Self::deaf()
+    }
+
+    fn sample(&mut self, _: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        Ok(Self::rests())
+    }
+
+    fn follow(&mut self, _: &dyn SetpointStream) -> Result<Sample, DriveError> {
+        Self::deaf()
+    }
+
+    fn soft_stop(&mut self) -> Result<(), DriveError> {
+        Self::deaf()
+    }
+
+    fn hard_stop(&mut self) -> Result<(), DriveError> {
+        Self::deaf()
+    }
+}
+
+#[test]
+fn an_axis_that_could_not_be_stopped_is_told_with_what_went_wrong_before() {
+    let run = HomingRun { axis: 0, switch: Switch::Home, options: options(HomingMode::ALL[0]) };
+    let clock = super::bench::WallClock::new();
+    let error =
+        home_by_switch(&mut Runaway, &run, &clock, &mut |_, _| None, &|| false).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "homing of axis 1: the device does not show Home; and the axis could not be stopped: \
+         wire, station 3: reading status and positions: no answer within 7 ms; use the emergency stop"
+    );
 }

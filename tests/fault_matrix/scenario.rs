@@ -3,8 +3,8 @@
 use std::{f64::consts::PI, thread, time::Duration};
 
 use twin_drives::{
-    Action, Clock, Direction, DriveError, IncrementMotion, MAX_DRIVE_AXES, Sample, SetpointStream,
-    WireFault,
+    Action, Axes, Clock, Direction, DriveError, IncrementMotion, MAX_DRIVE_AXES, Sample,
+    SetpointStream, WireFault,
 };
 
 use crate::{
@@ -249,7 +249,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
             return Ok(());
         }
         let at = twin_drives::Exchange { port: "".into(), station: 0, action: Action::ReadState };
-        Err(DriveError::NotArrived { at, axis: 0, target: AFTERWARDS, found })
+        Err(DriveError::NotArrived { at, axis: Axes::Only, target: AFTERWARDS, found })
     }
 }
 

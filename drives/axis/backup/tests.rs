@@ -31,7 +31,7 @@ impl Shelf {
     }
 
     fn at() -> Exchange {
-        Exchange { port: "shelf".into(), station: 0, action: Action::Identify }
+        Exchange { port: "shelf".into(), station: 0, action: Action::Nothing }
     }
 
     fn never<T>() -> Result<T, DriveError> {

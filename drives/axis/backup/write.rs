@@ -67,7 +67,7 @@ fn chosen(
 
 fn none(drive: &dyn Drive, id: ParameterId) -> DriveError {
     let port = drive.describe().into();
-    let at = crate::Exchange { port, station: 0, action: crate::Action::Identify };
+    let at = crate::Exchange { port, station: 0, action: crate::Action::Nothing };
     DriveError::NoParameter { at, id }
 }
 

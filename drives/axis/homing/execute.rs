@@ -60,7 +60,7 @@ pub struct HomingReport {
     pub longest_look_ns: i64,
 }
 
-/// Why homing has failed. The axis has been stopped.
+/// Why homing has failed. The axis has been stopped, but where it is said that it has not.
 #[derive(Debug, thiserror::Error)]
 pub enum HomingError {
     /// What the axis did.
@@ -88,6 +88,14 @@ pub enum HomingError {
         /// Index of the arrays.
         axis: usize,
     },
+    /// Homing has failed, and the device has confirmed neither stop: whether the axis is at rest is not known.
+    #[error("{why}; and the axis could not be stopped: {source}; use the emergency stop")]
+    NotStopped {
+        /// Why homing has failed.
+        why: Box<HomingError>,
+        /// Why it could not be stopped.
+        source: Box<DriveError>,
+    },
     /// It was asked to stop.
     #[error("homing of axis {}: stopped on request", axis + 1)]
     Aborted {
@@ -106,7 +114,8 @@ pub enum HomingError {
 /// them does not end homing.
 ///
 /// # Errors
-/// See [`HomingError`]. The axis has been stopped on its ramp, or hard if that failed.
+/// See [`HomingError`]. The axis has been stopped on its ramp, or hard if that failed; [`HomingError::NotStopped`] if
+/// that failed, too.
 pub fn home_by_switch(
     drive: &mut dyn Drive,
     run: &HomingRun,
@@ -119,11 +128,10 @@ pub fn home_by_switch(
     let mut runner =
         Runner { drive, run, stream, sequence, longest_look_ns: 0, last_look_ns: None };
     let outcome = runner.run(index, abort);
-    if outcome.is_err() && runner.drive.soft_stop().is_err() {
-        // What has gone wrong first is told; that the stop failed, too, shows at the next call.
-        runner.drive.hard_stop().unwrap_or_default();
-    }
-    outcome
+    outcome.map_err(|why| match runner.drive.soft_stop().or_else(|_| runner.drive.hard_stop()) {
+        Ok(()) => why,
+        Err(source) => HomingError::NotStopped { why: Box::new(why), source: Box::new(source) },
+    })
 }
 
 struct Runner<'a> {

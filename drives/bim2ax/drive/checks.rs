@@ -81,8 +81,7 @@ impl Bim2AxDrive {
         let places = (0_u8..).zip(sent).zip(self.in_order(seen)).take(self.options.axes.len());
         let ((place, target), found) =
             places.into_iter().find(|((_, target), found)| target != found)?;
-        let axis = self.options.axes.get(usize::from(place)).map_or(0, |axis| axis.index());
-        let axis = u8::try_from(axis).unwrap_or(0);
+        let axis = self.names(1 << place);
         let (target, found) = (target.into(), found.into());
         let at = self.module.at(Action::ReadState);
         Some(DriveError::NotArrived { at, axis, target, found })

@@ -26,7 +26,10 @@ impl Bim2AxDrive {
         let (seen, _) = self.look(&no_clock)?;
         let moving = self.moving(&seen);
         if moving != 0 {
-            return Err(DriveError::Moving { at: self.module.at(Action::ReadState), axes: moving });
+            return Err(DriveError::Moving {
+                at: self.module.at(Action::ReadState),
+                axes: self.names(moving),
+            });
         }
         let axes = self.options.axes.clone();
         self.runtime.block_on(self.module.set_phases(&axes, false, &no_clock))

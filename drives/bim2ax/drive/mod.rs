@@ -214,7 +214,7 @@ impl Drive for Bim2AxDrive {
         let moving = self.moving(&before);
         if moving != 0 {
             let at = self.module.at(Action::ReadState);
-            return Err(DriveError::Moving { at, axes: moving });
+            return Err(DriveError::Moving { at, axes: self.names(moving) });
         }
         for ((axis, position), found) in wanted.iter().zip(self.in_order(&before)) {
             if *position == found {
@@ -227,7 +227,12 @@ impl Drive for Bim2AxDrive {
             if found != written {
                 let at = self.module.at(Action::ReadState);
                 let (written, found) = (written.into(), found.into());
-                return Err(DriveError::NotWritten { at, axis: place, written, found });
+                return Err(DriveError::NotWritten {
+                    at,
+                    axis: self.names(1 << place),
+                    written,
+                    found,
+                });
             }
         }
         Ok(())
@@ -342,7 +347,7 @@ impl Drive for Bim2AxDrive {
         if moving == 0 {
             return Ok(());
         }
-        Err(DriveError::Moving { at: self.module.at(Action::ReadState), axes: moving })
+        Err(DriveError::Moving { at: self.module.at(Action::ReadState), axes: self.names(moving) })
     }
 
     fn limits(&mut self) -> Result<[DeviceLimits; MAX_DRIVE_AXES], DriveError> {

@@ -4,7 +4,7 @@ use super::{
     AXES, Action, Bim2AxDrive, BusStamp, DriveError, MAX_DRIVE_AXES, ModuleAxis, Positions, Sample,
     Start, message,
 };
-use crate::bim2ax::MOST_POSITION;
+use crate::{Axes, bim2ax::MOST_POSITION};
 
 impl Bim2AxDrive {
     /// Positions of the axes in use, in their order.
@@ -23,6 +23,13 @@ impl Bim2AxDrive {
         };
         let axes = (0_u8..).zip(&self.options.axes);
         axes.filter(|(_, axis)| moves(axis)).fold(0, |mask, (place, _)| mask | 1 << place)
+    }
+
+    /// Axes in use, bit by bit in their order, by the module's numbers.
+    pub(super) fn names(&self, mask: u8) -> Axes {
+        let axes = self.options.axes.iter().enumerate();
+        let chosen = axes.filter(|(place, _)| mask >> place & 1 == 1);
+        Axes::Numbers(chosen.fold(0, |mask, (_, axis)| mask | 1 << axis.index()))
     }
 
     pub(super) fn to_sample(&self, seen: &Positions, stamp: &BusStamp) -> Sample {

@@ -42,7 +42,9 @@ pub struct Bim2AxOptions {
     pub worst_latency: Duration,
     /// Longest time that reading plugs may take; it takes about 700 ms.
     pub plugs_deadline: Duration,
-    /// Longest time from RESET until the software runs; the manual says nothing.
+    /// Longest time from RESET until $FD d0 shows that the software has stopped; the manual says nothing (A).
+    pub reset_start: Duration,
+    /// Longest time from then until the software runs; the manual says nothing (A).
     pub reset_deadline: Duration,
     /// From version 15 on: write positions and orders with one interrupt and ask for receipts of orders.
     pub zones_at_once: bool,
@@ -51,7 +53,7 @@ pub struct Bim2AxOptions {
 }
 
 impl Default for Bim2AxOptions {
-    /// Big-endian, 1 ms, 10 ms, 20 ms, 1 s, 5 s, several zones at once where the module can.
+    /// Big-endian, 1 ms, 10 ms, 20 ms, 1 s, 1 s, 5 s, several zones at once where the module can.
     fn default() -> Self {
         Self {
             byte_order: ByteOrder::Big,
@@ -59,6 +61,7 @@ impl Default for Bim2AxOptions {
             deadline: Duration::from_millis(10),
             worst_latency: Duration::from_millis(20),
             plugs_deadline: Duration::from_secs(1),
+            reset_start: Duration::from_secs(1),
             reset_deadline: Duration::from_secs(5),
             zones_at_once: true,
             assumptions: Assumptions::default(),

@@ -6,9 +6,12 @@ use super::{
     AXES, Action, Bim2Ax, BusStamp, Clock, DriveError, Duration, ModuleAxis, Orders,
     RECEIPT_ORDERS, ReadZone, Target, WriteZone, position_zone,
 };
-use crate::bim2ax::{
-    EntryOrder,
-    bits::{message, uc},
+use crate::{
+    Axes,
+    bim2ax::{
+        EntryOrder,
+        bits::{message, uc},
+    },
 };
 
 /// Messages that tell why a move does not happen.
@@ -16,8 +19,8 @@ const HINDRANCES: u16 =
     message::REFUSED | message::POWER_ABSENT | message::PHASE_OPEN | message::PHASE_SHORT;
 
 impl Bim2Ax {
-    /// Writes the zone "Ordre UC", after Position zones if any, and gives the acknowledgements. Manual moves under
-    /// way are repeated for axes that get no order.
+    /// Writes the zone "Ordre UC", after Position zones if any, and gives the acknowledgements. Manual moves are
+    /// repeated for axes that get no order, while they are under way: one that has ended by itself would begin anew.
     pub(super) async fn order(
         &mut self,
         name: &'static str,
@@ -26,6 +29,12 @@ impl Bim2Ax {
         clock: &dyn Clock,
     ) -> Result<(Orders, BusStamp), DriveError> {
         let mut kept = self.manual;
+        if orders.uc.iter().zip(kept).any(|(order, manual)| *order == 0 && manual != 0) {
+            let now = self.acknowledgements(clock).await?;
+            for (manual, acknowledged) in kept.iter_mut().zip(now.uc) {
+                *manual &= acknowledged;
+            }
+        }
         for (order, manual) in orders.uc.iter_mut().zip(&mut kept) {
             if *order == 0 {
                 *order = *manual;
@@ -82,7 +91,10 @@ impl Bim2Ax {
             .zip(orders.uc.into_iter().zip(seen.messages))
             .filter(|(_, (order, messages))| *order == 0 && messages & message::MOVING != 0)
             .fold(0, |mask, (axis, _)| mask | 1 << axis);
-        if axes == 0 { Ok(()) } else { Err(DriveError::Moving { at: self.at(action), axes }) }
+        if axes == 0 {
+            return Ok(());
+        }
+        Err(DriveError::Moving { at: self.at(action), axes: Axes::Numbers(axes) })
     }
 
     /// Positions and orders with one interrupt; what that refreshes is looked at in the zone of acknowledgements,
@@ -331,7 +343,7 @@ impl Bim2Ax {
         };
         let outcome = timeout(patience, resting).await;
         outcome.unwrap_or_else(|_| {
-            Err(DriveError::Moving { at: self.at(Action::ReadState), axes: moving })
+            Err(DriveError::Moving { at: self.at(Action::ReadState), axes: Axes::Numbers(moving) })
         })
     }
 }

@@ -165,11 +165,11 @@ impl Bim2Ax {
         outcome.unwrap_or_else(|_| Err(DriveError::Timeout { at: self.at(action), deadline }))
     }
 
-    /// Resets the module and waits until its software runs again. Positions, homing and manual moves are lost, the
-    /// watchdog relay drops, phases are off.
+    /// Resets the module and waits until its software has stopped and runs again. Positions, homing and manual moves
+    /// are lost, the watchdog relay drops, phases are off.
     ///
     /// # Errors
-    /// If it does not run before the deadline.
+    /// If it is not seen to stop within [`super::Bim2AxOptions::reset_start`], or to run before the deadline after that.
     pub async fn reset(&mut self) -> Result<(), DriveError> {
         let action = Action::Command { number: order::RESET, name: "RESET" };
         self.check_running(action)?;
@@ -178,18 +178,23 @@ impl Bim2Ax {
         let written = self.window.write_zone(WriteZone::Parameter, &bytes, ReadZone::Parameter);
         self.bus(action, written)?;
         self.manual = Default::default();
-        let (pause, deadline) = (self.options.deadline, self.options.reset_deadline);
-        let running = async {
-            // It has stopped by then.
-            loop {
-                sleep(pause).await;
-                let running = self.window.running();
-                if self.bus(action, running)? {
-                    return Ok(());
-                }
+        // It runs until it has read the order: only one that has been seen to stop runs again.
+        let deadline = self.options.reset_start;
+        let stopped = timeout(deadline, self.until_running(action, false)).await;
+        stopped.unwrap_or_else(|_| Err(DriveError::Timeout { at: self.at(action), deadline }))?;
+        let deadline = self.options.reset_deadline;
+        let runs = timeout(deadline, self.until_running(action, true)).await;
+        runs.unwrap_or_else(|_| Err(DriveError::NotRunning { at: self.at(action) }))
+    }
+
+    /// Looks until the module's software runs, or until it does not.
+    async fn until_running(&mut self, action: Action, wanted: bool) -> Result<(), DriveError> {
+        loop {
+            let running = self.window.running();
+            if self.bus(action, running)? == wanted {
+                return Ok(());
             }
-        };
-        let outcome = timeout(deadline, running).await;
-        outcome.unwrap_or_else(|_| Err(DriveError::NotRunning { at: self.at(action) }))
+            sleep(self.options.pause).await;
+        }
     }
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::{Action, Bim2Ax, Clock, DriveError, ModuleAxis, Positions, Start};
-use crate::bim2ax::bits::message;
+use crate::{Axes, bim2ax::bits::message};
 
 /// What keeps a motor from getting current.
 const FAULTS: u16 = message::POWER_ABSENT | message::PHASE_OPEN | message::PHASE_SHORT;
@@ -69,7 +69,7 @@ impl Bim2Ax {
         }
         let no_reason = message::MOVING | message::HOMED | message::ON_CAM;
         self.blame(&seen, axis, |messages| messages & !no_reason != 0)?;
-        let (at, axis) = (self.at(Action::ReadState), u8::try_from(axis.index()).unwrap_or(0));
+        let (at, axis) = (self.at(Action::ReadState), Axes::Numbers(1 << axis.index()));
         Err(DriveError::NotArrived { at, axis, target: target.into(), found: found.into() })
     }
 

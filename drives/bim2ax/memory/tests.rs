@@ -181,3 +181,14 @@ fn entries_left_over_are_cleared_before_a_single_zone_is_written() {
     window.write_zone(WriteZone::Orders, &bytes, ReadZone::Acknowledgements).unwrap();
     assert!(!log.take().iter().any(|access| access.starts_with("70")));
 }
+
+#[test]
+fn entries_of_a_program_that_died_are_cleared_before_the_first_order() {
+    let mut memory = module();
+    memory.write(PAGE_REGISTER, &[HOST_PAGE]).unwrap();
+    memory.write(ENTRIES, &[0x72, 0x70, 0, 0]).unwrap();
+    let log = Log::default();
+    let mut window = Window::new(Recorded(memory, log.clone()));
+    window.write_zone(WriteZone::Orders, &[0; 12], ReadZone::Acknowledgements).unwrap();
+    assert_eq!(log.take()[..3], ["FD←07", "70..73←00 00 00 00", "00←01"]);
+}

@@ -29,7 +29,8 @@ impl fmt::Debug for Window {
 
 impl Window {
     pub(crate) fn new(memory: impl Memory + 'static) -> Self {
-        Self { memory: Box::new(memory), page: None, entries_dirty: false }
+        // A program that died may have left some, which the first order would carry out again.
+        Self { memory: Box::new(memory), page: None, entries_dirty: true }
     }
 
     /// Selects a page. It is written even where it should be selected: another program may have been at the module.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    DriveError,
+    Axes, DriveError,
     bim2ax::{
         Assumptions, CamStart, EntryOrder, Start,
         bits::{message, uc},
@@ -101,7 +101,10 @@ async fn an_order_does_not_end_the_move_of_the_other_axis_unasked() {
         let other = rig.driver.start([None, Some(Start::to(50))], clock).await;
         let (seen, _) = rig.driver.rested(seconds(5), clock).await.unwrap();
         if position > 0 {
-            assert!(matches!(other, Err(DriveError::Moving { axes: 1, .. })), "{other:?}");
+            assert!(
+                matches!(other, Err(DriveError::Moving { axes: Axes::Numbers(1), .. })),
+                "{other:?}"
+            );
             assert_eq!(seen.positions, [position, 0]);
             rig.driver.start([None, Some(Start::to(50))], clock).await.unwrap();
         } else {

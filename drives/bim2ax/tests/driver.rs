@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::{
-    DriveError,
+    Axes, DriveError,
     bim2ax::{
         Assumptions, ByteOrder, Move, Start,
         bits::{card, message, uc},
@@ -93,6 +93,22 @@ async fn an_order_for_one_axis_lets_the_manual_move_of_the_other_go_on() {
 }
 
 #[tokio::test(start_paused = true)]
+async fn a_manual_move_that_has_ended_by_itself_is_not_begun_anew_by_an_order_for_the_other_axis() {
+    let mut rig = Rig::usual().await;
+    let clock = &clock();
+    rig.driver.manual(ModuleAxis::One, true, clock).await.unwrap();
+    let (seen, _) = rig.driver.rested(seconds(10), clock).await.unwrap();
+    let stands = seen.positions[0];
+    assert!((3000..3010).contains(&stands), "on its end switch: {seen:?}");
+    // Somebody lets the switch go.
+    rig.rewire(|surroundings| surroundings.benches[0].plus = None);
+    rig.driver.start([None, Some(Start::to(50))], clock).await.unwrap();
+    sleep(seconds(1)).await;
+    let (seen, _) = rig.driver.positions(clock).await.unwrap();
+    assert_eq!(seen.positions, [stands, 50]);
+}
+
+#[tokio::test(start_paused = true)]
 async fn what_an_axis_does_not_do_is_told_with_its_messages() {
     let mut rig = Rig::usual().await;
     let clock = &clock();
@@ -147,7 +163,7 @@ async fn phases_tests_and_stops() {
     rig.driver.abandon(clock).await.unwrap();
     assert_eq!(rig.driver.acknowledgements(clock).await.unwrap().uc, [uc::ABANDON; 2]);
     let error = rig.driver.rested(Duration::from_millis(1), clock).await.unwrap_err();
-    assert!(matches!(error, DriveError::Moving { axes: 3, .. }), "{error}");
+    assert!(matches!(error, DriveError::Moving { axes: Axes::Numbers(3), .. }), "{error}");
     rig.driver.rested(seconds(1), clock).await.unwrap();
     rig.driver.start([Some(Start::to(0)), None], clock).await.unwrap();
     rig.driver.stop_hard(clock).await.unwrap();

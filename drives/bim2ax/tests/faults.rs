@@ -268,6 +268,25 @@ async fn an_eeprom_that_fails_is_found_at_reset() {
 }
 
 #[tokio::test(start_paused = true)]
+async fn a_module_that_is_slow_to_reset_does_not_count_as_running_again() {
+    let mut rig = doing(Doing::Idle).await;
+    let starts = rig.module.module().starts();
+    // It reads the order long after it was given, and runs as before until then.
+    rig.always(Direction::Request, WireFault::Delay { ns: 200_000_000 });
+    rig.driver.reset().await.unwrap();
+    assert_eq!(rig.module.module().starts(), starts + 1);
+    rig.sound();
+    let (seen, _) = rig.driver.positions(&clock()).await.unwrap();
+    assert_eq!(seen.messages[0] & message::PHASES_OFF, message::PHASES_OFF);
+
+    rig.always(Direction::Request, WireFault::Drop);
+    let text = rig.driver.reset().await.unwrap_err().to_string();
+    assert_eq!(text, "/dev/uio0: command 32768 (RESET): no answer within 1000 ms");
+    rig.sound();
+    rig.usable().await;
+}
+
+#[tokio::test(start_paused = true)]
 async fn a_memory_that_is_gone_is_told() {
     struct Gone;
     impl crate::bim2ax::Memory for Gone {

@@ -2,7 +2,7 @@
 
 use super::{InterpCncDrive, no_clock};
 use crate::{
-    Action, DriveError, HomingWays, MAX_DRIVE_AXES,
+    Action, Axes, DriveError, HomingWays, MAX_DRIVE_AXES,
     interpcnc::{
         AxisValues, BoardState, Command, parameters,
         registers::{AXES, AxisMask, Status},
@@ -98,7 +98,7 @@ impl InterpCncDrive {
         let moving = self.moving(&state);
         if !moving.is_empty() {
             let at = self.board.at(Action::ReadState);
-            return Err(DriveError::Moving { at, axes: moving.bits() });
+            return Err(DriveError::Moving { at, axes: Axes::Letters(moving.bits()) });
         }
         // Nothing moved, so nothing is lost: what is home stays there.
         let homing = self.homing;
@@ -116,7 +116,7 @@ impl InterpCncDrive {
         let at = || self.board.at(Command::Stop.action());
         let moving = self.moving(&state);
         if !moving.is_empty() {
-            Err(DriveError::Moving { at: at(), axes: moving.bits() })
+            Err(DriveError::Moving { at: at(), axes: Axes::Letters(moving.bits()) })
         } else if state.status.locked() {
             Ok(())
         } else {

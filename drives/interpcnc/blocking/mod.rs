@@ -16,8 +16,9 @@ use super::{
     registers::{AXES, AxisMask, COMMAND, Status},
 };
 use crate::{
-    Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
-    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, drive::is_zero,
+    Action, Axes, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
+    Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
+    drive::is_zero,
 };
 
 /// Clock for exchanges whose time matters to nobody.
@@ -162,7 +163,7 @@ impl InterpCncDrive {
         if !switches.is_empty() && !state.status.has(Status::HOMING_IN_PROGRESS) {
             return Err(DriveError::LimitSwitch {
                 at: self.board.at(Action::ReadState),
-                axes: switches.bits(),
+                axes: Axes::Letters(switches.bits()),
             });
         }
         Ok((state, stamp))
@@ -253,7 +254,7 @@ impl Drive for InterpCncDrive {
         if !moving.is_empty() {
             return Err(DriveError::Moving {
                 at: self.board.at(command.action()),
-                axes: moving.bits(),
+                axes: Axes::Letters(moving.bits()),
             });
         }
         self.restart();
@@ -263,7 +264,12 @@ impl Drive for InterpCncDrive {
             let found = i64::from(counter(&after, axis));
             if found != written {
                 let at = self.board.at(command.action());
-                return Err(DriveError::NotWritten { at, axis: axis.number() - 1, written, found });
+                return Err(DriveError::NotWritten {
+                    at,
+                    axis: Axes::Letters(axis.mask().bits()),
+                    written,
+                    found,
+                });
             }
         }
         Ok(())
@@ -360,7 +366,12 @@ impl Drive for InterpCncDrive {
             #[expect(clippy::cast_possible_truncation, reason = "a counter")]
             let target = expected.round() as i64;
             let (at, found) = (self.board.at(Action::ReadState), counter(&state, axis).into());
-            return Err(DriveError::NotArrived { at, axis: axis.number() - 1, target, found });
+            return Err(DriveError::NotArrived {
+                at,
+                axis: Axes::Letters(axis.mask().bits()),
+                target,
+                found,
+            });
         }
         Ok(self.to_sample(&state, stamp))
     }
@@ -393,7 +404,7 @@ impl Drive for InterpCncDrive {
         let rested = self.runtime.block_on(async { timeout(patience, at_rest).await });
         rested.unwrap_or_else(|_| {
             let at = self.board.at(Command::RampStop.action());
-            Err(DriveError::Moving { at, axes: mask.bits() })
+            Err(DriveError::Moving { at, axes: Axes::Letters(mask.bits()) })
         })
     }
 

@@ -46,7 +46,7 @@ impl InterpCnc {
 
     /// An answer to something else came: answers may be out of step.
     pub(super) fn distrust(&mut self, action: Action, fault: ProtocolFault) -> DriveError {
-        self.client = None;
+        self.in_step = false;
         self.late = true;
         DriveError::Protocol { at: self.at(action), fault }
     }
@@ -59,10 +59,9 @@ impl InterpCnc {
         clock: &dyn Clock,
     ) -> Result<(Response, Stamp), DriveError> {
         if self.late {
-            self.client = None;
             sleep(self.options.worst_latency).await;
-            self.clear(action).await?;
-            self.late = false;
+            // What has come meanwhile is thrown away before the request is sent.
+            (self.late, self.in_step) = (false, false);
         }
         self.exchange(action, request, clock).await
     }
@@ -86,8 +85,6 @@ impl InterpCnc {
     /// Throws away what has come since the last answer, and so answers nothing (an answer that came twice), without
     /// waiting for more.
     async fn drain(&mut self, action: Action) -> Result<(), DriveError> {
-        // The client may hold some of it.
-        self.client = None;
         let mut leftovers = [0; 256];
         for _ in 0..MOST_LEFTOVERS {
             match timeout(Duration::ZERO, self.transport.read(&mut leftovers)).await {
@@ -111,13 +108,13 @@ impl InterpCnc {
         if let Some(silence) = self.silence.take() {
             silence.over().await;
         }
-        if self.client.is_none() {
-            self.clear(action).await?;
-        } else {
+        if std::mem::take(&mut self.in_step) {
             self.drain(action).await?;
+        } else {
+            self.clear(action).await?;
         }
-        let attach = || rtu::attach_slave(self.transport.clone(), Slave(self.options.station));
-        let mut client = self.client.take().unwrap_or_else(attach);
+        // A client keeps what it has read too much: each answers but one request.
+        let mut client = rtu::attach_slave(self.transport.clone(), Slave(self.options.station));
         let sent_bytes = request_bytes(&request);
         let sent_ns = clock.now_ns();
         // If the caller gives up meanwhile, the answer may come later.
@@ -128,15 +125,19 @@ impl InterpCnc {
         let at = self.at(action);
         let error = match outcome {
             Ok(Ok(Ok(response))) => {
-                self.client = Some(client);
-                self.late = late;
+                (self.in_step, self.late) = (true, late);
                 let stamp = self.stamp(sent_ns, answered_ns, sent_bytes, answer_bytes(&response));
                 return Ok((response, stamp));
             }
             Ok(Ok(Err(code))) => {
-                self.client = Some(client);
-                self.late = late;
-                return Err(DriveError::Device { at, code: code.into() });
+                (self.in_step, self.late) = (true, late);
+                let code = code.into();
+                let locked = self.options.assumptions.locked_exception == Some(code);
+                return Err(if locked {
+                    DriveError::Locked { at }
+                } else {
+                    DriveError::Device { at, code }
+                });
             }
             Ok(Err(Error::Protocol(mismatch))) => {
                 DriveError::Protocol { at, fault: fault(&mismatch) }
@@ -154,7 +155,8 @@ impl InterpCnc {
     /// boards carry it out is assumed (they count broadcasts).
     ///
     /// # Errors
-    /// If boards are assumed to ignore broadcasts, a value is beyond what a board takes, or the port cannot be written.
+    /// If boards are assumed to ignore broadcasts, a value is beyond what a board takes, or the port cannot be written before
+    /// the deadline.
     pub async fn broadcast(&mut self, command: &Command) -> Result<(), DriveError> {
         self.check(command)?;
         if !self.options.assumptions.broadcasts {
@@ -165,7 +167,7 @@ impl InterpCnc {
             silence.over().await;
         }
         let action = command.action();
-        self.client = None;
+        self.in_step = false;
         self.clear(action).await?;
         let registers = command.registers();
         let count = u8::try_from(registers.len()).unwrap_or(u8::MAX);
@@ -173,10 +175,16 @@ impl InterpCnc {
         let mut frame = vec![0, 16, high, low, 0, count, count.saturating_mul(2)];
         frame.extend(registers.iter().flat_map(|register| register.to_be_bytes()));
         let frame = seal(frame);
-        let lost = |source| DriveError::Transport { at: self.at(action), source };
-        let mut port = self.transport.clone();
-        port.write_all(&frame).await.map_err(lost)?;
-        port.flush().await.map_err(lost)?;
+        let (deadline, mut port) = (self.options.deadline, self.transport.clone());
+        let sending = timeout(deadline, async {
+            port.write_all(&frame).await?;
+            port.flush().await
+        });
+        match sending.await {
+            Ok(Ok(())) => {}
+            Ok(Err(source)) => return Err(DriveError::Transport { at: self.at(action), source }),
+            Err(_) => return Err(DriveError::Timeout { at: self.at(action), deadline }),
+        }
         // Boards need the silence and some time to carry it out ("turnaround delay" of Modbus over serial line).
         let line = self.options.line;
         let quiet =

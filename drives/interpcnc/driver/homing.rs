@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::{BoardState, InterpCnc, motion::targets_mask, outcome::Patience};
 use crate::{
-    Action, Clock, DriveError,
+    Action, Axes, Clock, DriveError,
     interpcnc::{
         AxisValues, Command,
         registers::{AxisMask, BoardAxis, ExtendedStatus, Status},
@@ -113,7 +113,7 @@ impl InterpCnc {
     ) -> Result<BoardState, DriveError> {
         let command = Command::HomeMachine { max_strokes: *max_strokes };
         self.send_motion(&command, clock).await?;
-        let (action, axes) = (command.action(), targets_mask(max_strokes).bits());
+        let (action, axes) = (command.action(), Axes::Letters(targets_mask(max_strokes).bits()));
         self.wait(action, patience, clock, |board, state| {
             if let Err(locked) = board.check_obeys(state, action) {
                 return Some(Err(locked));
@@ -178,7 +178,7 @@ impl InterpCnc {
         if failed.is_empty() {
             return Ok(());
         }
-        Err(DriveError::HomingFailed { at: self.at(action), axes: failed.bits() })
+        Err(DriveError::HomingFailed { at: self.at(action), axes: Axes::Letters(failed.bits()) })
     }
 
     /// Moves an axis until an input changes (command 40); the counter at the edge, before the deceleration.

@@ -2,7 +2,7 @@
 
 use std::{borrow::Cow, sync::Arc};
 
-use tokio_modbus::{Request, Response, client::Context};
+use tokio_modbus::{Request, Response};
 use tokio_serial::{DataBits, FlowControl, SerialPortBuilderExt, StopBits};
 
 mod access;
@@ -63,13 +63,14 @@ impl BoardState {
 /// The board as a Modbus station. All calls need a tokio runtime with I/O and time.
 ///
 /// After an exchange without a proper answer the answer may still come, and would be taken for that to the next
-/// request. The client is therefore dropped; before the next request, unless it is a stop, the driver waits until
-/// no answer can come any more and throws away what has come.
+/// request. Before the next request, unless it is a stop, the driver therefore waits until no answer can come any more
+/// and throws away what has come.
 pub struct InterpCnc {
     port: Arc<str>,
     options: InterpCncOptions,
     transport: SharedPort,
-    client: Option<Context>,
+    /// The last request has been answered: what comes now answers nothing, and there is no need to wait for silence.
+    in_step: bool,
     /// An answer may still be on its way.
     late: bool,
     /// Silence between the last frame and the next.
@@ -134,7 +135,7 @@ impl InterpCnc {
             port,
             options: options.clone(),
             transport,
-            client: None,
+            in_step: false,
             late: false,
             silence: None,
             alone: false,

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::{BoardState, InterpCnc};
 use crate::{
-    Clock, DriveError, Stamp,
+    Axes, Clock, DriveError, Stamp,
     interpcnc::{
         AxisValues, Command, MoveProfile,
         registers::{AXES, AxisMask, BoardAxis},
@@ -82,10 +82,10 @@ impl InterpCnc {
             let at = board.at(action);
             let on_switch = state.status.on_limit_switch().intersection(wanted);
             Some(Err(if on_switch.is_empty() {
-                let axis = axis.number() - 1;
+                let axis = Axes::Letters(axis.mask().bits());
                 DriveError::NotArrived { at, axis, target: target.into(), found: found.into() }
             } else {
-                DriveError::LimitSwitch { at, axes: on_switch.bits() }
+                DriveError::LimitSwitch { at, axes: Axes::Letters(on_switch.bits()) }
             }))
         })
         .await
@@ -159,7 +159,7 @@ impl InterpCnc {
         let at = self.at(command.action());
         let moving = state.status.moving();
         if !moving.is_empty() {
-            Err(DriveError::Moving { at, axes: moving.bits() })
+            Err(DriveError::Moving { at, axes: Axes::Letters(moving.bits()) })
         } else if state.status.locked() {
             Ok(state)
         } else {
@@ -181,7 +181,10 @@ impl InterpCnc {
         let (before, _) = self.state(clock).await?;
         let moving = before.status.moving().intersection(targets_mask(positions));
         if !moving.is_empty() {
-            return Err(DriveError::Moving { at: self.at(action), axes: moving.bits() });
+            return Err(DriveError::Moving {
+                at: self.at(action),
+                axes: Axes::Letters(moving.bits()),
+            });
         }
         self.send(&command, clock).await?;
         let (after, _) = self.state(clock).await?;
@@ -189,7 +192,7 @@ impl InterpCnc {
             None => Ok(()),
             Some((axis, written, found)) => Err(DriveError::NotWritten {
                 at: self.at(action),
-                axis: axis.number() - 1,
+                axis: Axes::Letters(axis.mask().bits()),
                 written: written.into(),
                 found: found.into(),
             }),

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use super::{InterpCnc, motion::targets_mask};
 use crate::{
-    Clock, DriveError, Stamp,
+    Axes, Clock, DriveError, Stamp,
     interpcnc::{AxisValues, Command, registers::Status},
 };
 
@@ -37,7 +37,10 @@ impl InterpCnc {
             let independent = state.status.independent().intersection(axes);
             if !independent.is_empty() {
                 let at = board.at(action);
-                return Some(Err(DriveError::Moving { at, axes: independent.bits() }));
+                return Some(Err(DriveError::Moving {
+                    at,
+                    axes: Axes::Letters(independent.bits()),
+                }));
             }
             if state.status.segments_finished() {
                 outstanding = 0;
@@ -78,7 +81,10 @@ impl InterpCnc {
             Some(if switches.is_empty() {
                 Ok(())
             } else {
-                Err(DriveError::LimitSwitch { at: board.at(action), axes: switches.bits() })
+                Err(DriveError::LimitSwitch {
+                    at: board.at(action),
+                    axes: Axes::Letters(switches.bits()),
+                })
             })
         })
         .await?;

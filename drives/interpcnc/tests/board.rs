@@ -10,7 +10,7 @@ use tokio::{
 };
 
 use crate::{
-    DriveError,
+    Axes, DriveError,
     interpcnc::{
         Assumptions, AxisMask, AxisOptions, BoardAxis, Command, HomeAxis, InterpCnc,
         InterpCncOptions, Line, MoveProfile, ProbeMove,
@@ -154,7 +154,10 @@ fn an_axis_that_something_else_stops_has_not_arrived() {
         .await
         .unwrap();
         let stopped = driver.move_axis(BoardAxis::X, &profile(8000), LONG, &no_clock).await;
-        assert!(matches!(stopped, Err(DriveError::LimitSwitch { axes: 1, .. })), "{stopped:?}");
+        assert!(
+            matches!(stopped, Err(DriveError::LimitSwitch { axes: Axes::Letters(1), .. })),
+            "{stopped:?}"
+        );
         // A ramp stop that another master has sent: the axis stands elsewhere.
         let elsewhere = Command::Move { axis: BoardAxis::Z, profile: profile(100_000) };
         driver.send(&elsewhere, &no_clock).await.unwrap();
@@ -163,7 +166,10 @@ fn an_axis_that_something_else_stops_has_not_arrived() {
         let targets = [None, None, Some(100_000), None, None];
         let outcome = driver.wait_for_targets(&elsewhere, &targets, LONG, &no_clock).await;
         assert!(
-            matches!(outcome, Err(DriveError::NotArrived { axis: 2, target: 100_000, .. })),
+            matches!(
+                outcome,
+                Err(DriveError::NotArrived { axis: Axes::Letters(4), target: 100_000, .. })
+            ),
             "{outcome:?}"
         );
     });
@@ -200,7 +206,10 @@ fn positions_are_written_and_read_back() {
         let command = Command::Move { axis: BoardAxis::Z, profile: profile(100_000) };
         driver.send(&command, &no_clock).await.unwrap();
         let moving = driver.write_positions(&positions, &no_clock).await;
-        assert!(matches!(moving, Err(DriveError::Moving { axes: 4, .. })), "{moving:?}");
+        assert!(
+            matches!(moving, Err(DriveError::Moving { axes: Axes::Letters(4), .. })),
+            "{moving:?}"
+        );
     });
     assert_eq!(board.counters()[0], 5);
 }
@@ -238,7 +247,10 @@ fn segments_of_axes_in_independent_moves_are_not_sent() {
         driver.send(&command, &no_clock).await.unwrap();
         let targets = [Some(1), Some(1), None, None, None];
         let refused = driver.queue_segment(5000, &targets, LONG, &no_clock).await;
-        assert!(matches!(refused, Err(DriveError::Moving { axes: 1, .. })), "{refused:?}");
+        assert!(
+            matches!(refused, Err(DriveError::Moving { axes: Axes::Letters(1), .. })),
+            "{refused:?}"
+        );
         // The board itself refuses with exception 4.
         let targets = Command::Interpolated { speed_hz: 5000, targets };
         let refused = driver.send(&targets, &no_clock).await;
@@ -264,7 +276,10 @@ fn homing_ends_well_or_says_which_axes_failed() {
             // The other way there is no switch.
             let wrong = [home(BoardAxis::X, 1, 2000), home(BoardAxis::B, 2, 2000)];
             let failed = driver.home_axes(&wrong, LONG, &no_clock).await;
-            assert!(matches!(failed, Err(DriveError::HomingFailed { axes: 1, .. })), "{failed:?}");
+            assert!(
+                matches!(failed, Err(DriveError::HomingFailed { axes: Axes::Letters(1), .. })),
+                "{failed:?}"
+            );
 
             for (number, value) in [(parameters::home_input(BoardAxis::X), 1), (14, 500)] {
                 driver.set_parameter(number, value, LONG, &no_clock).await.unwrap();
@@ -274,7 +289,10 @@ fn homing_ends_well_or_says_which_axes_failed() {
             assert_eq!(state.positions[0], 0);
             let y = [None, Some(1000), None, None, None];
             let failed = driver.home_machine(&y, LONG, &no_clock).await;
-            assert!(matches!(failed, Err(DriveError::HomingFailed { axes: 2, .. })), "{failed:?}");
+            assert!(
+                matches!(failed, Err(DriveError::HomingFailed { axes: Axes::Letters(2), .. })),
+                "{failed:?}"
+            );
             let (state, _) = driver.state(&no_clock).await.unwrap();
             assert!(state.status.has(Status::HOMING_ERROR));
             driver.clear_errors(true, false, &no_clock).await.unwrap();

@@ -185,6 +185,41 @@ fn an_exception_is_an_error_with_its_code_and_command() {
 }
 
 #[test]
+fn the_exception_of_a_locked_board_is_told_as_such_where_it_is_known() {
+    let refused = [1, 0x90, 6];
+    for (known, locked) in [(None, false), (Some(6), true), (Some(4), false)] {
+        let told = run(async {
+            let (near, mut far) = duplex(4096);
+            let mut options = InterpCncOptions::new(vec![AxisOptions::new(BoardAxis::X)]);
+            options.assumptions.locked_exception = known;
+            let mut driver = InterpCnc::attach(Arc::from("wire"), near, &options);
+            let command = move_x(20_000, 5);
+            let board = async {
+                request(&mut far).await;
+                far.write_all(&seal(refused.to_vec())).await.unwrap();
+            };
+            tokio::join!(driver.send(&command, &no_clock), board).0.unwrap_err()
+        });
+        let as_locked = matches!(told, DriveError::Locked { .. });
+        let as_refused = matches!(told, DriveError::Device { code: 6, .. });
+        assert_eq!((as_locked, as_refused), (locked, !locked), "{known:?}: {told}");
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn a_broadcast_into_a_port_that_takes_nothing_ends_at_the_deadline() {
+    // Eleven bytes into a port that has room for four.
+    let (near, _far) = duplex(4);
+    let mut options = InterpCncOptions::new(vec![AxisOptions::new(BoardAxis::X)]);
+    options.deadline = Duration::from_millis(70);
+    let mut driver = InterpCnc::attach(Arc::from("wire"), near, &options);
+    let error = driver.broadcast(&Command::RampStop).await.unwrap_err();
+    let text = error.to_string();
+    assert!(text.starts_with("wire, station 1: command 42 "), "{text}");
+    assert!(text.ends_with(": no answer within 70 ms"), "{text}");
+}
+
+#[test]
 fn values_beyond_the_board_are_not_sent() {
     run(async {
         let (mut driver, far) = attached(1000, 1);

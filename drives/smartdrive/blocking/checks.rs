@@ -6,7 +6,7 @@ use tokio::time::timeout;
 
 use super::{SmartDriveBus, no_clock};
 use crate::{
-    Action, DriveError, MAX_DRIVE_AXES,
+    Action, Axes, DriveError,
     smartdrive::{
         AxisOptions, Command, DriveState, Mode, RejectCode, TrajectoryFlags, ZeroRate,
         parameters::{
@@ -36,8 +36,7 @@ impl SmartDriveBus {
         } else if state.flags.contains(TrajectoryFlags::STALLED) {
             Err(DriveError::Stalled { at: at() })
         } else if state.flags.contains(TrajectoryFlags::LIMITED) && !state.homing {
-            let index = self.axes().position(|other| other == address).unwrap_or(0);
-            Err(DriveError::LimitSwitch { at: at(), axes: 1 << index.min(MAX_DRIVE_AXES) })
+            Err(DriveError::LimitSwitch { at: at(), axes: Axes::Only })
         } else {
             Ok(())
         }
@@ -101,7 +100,7 @@ impl SmartDriveBus {
         Ok(())
     }
 
-    /// Asks all drives until none moves.
+    /// Asks every drive until it does not move, and notes those that say so; what the first says that does not.
     pub(super) fn wait_for_rest(&mut self, action: Action) -> Result<(), DriveError> {
         let options = self.bus.options();
         let braking = |axis: &AxisOptions| {
@@ -116,7 +115,8 @@ impl SmartDriveBus {
         let exchange = 2 * (options.deadline + options.worst_latency);
         let patience = Duration::from_secs_f64(slowest) + exchange * count;
         let addresses: Vec<u8> = self.axes().collect();
-        for (index, address) in addresses.into_iter().enumerate() {
+        let mut failed = None;
+        for address in addresses {
             let at_rest = async {
                 loop {
                     let (state, _) = self.bus.state(address, &no_clock).await?;
@@ -126,12 +126,16 @@ impl SmartDriveBus {
                 }
             };
             let rested = self.runtime.block_on(async { timeout(patience, at_rest).await });
-            rested.unwrap_or_else(|_| {
+            let rested = rested.unwrap_or_else(|_| {
                 let at = self.bus.at(address, action);
-                Err(DriveError::Moving { at, axes: 1 << index.min(MAX_DRIVE_AXES) })
-            })?;
+                Err(DriveError::Moving { at, axes: Axes::Only })
+            });
+            match rested {
+                Ok(()) => self.standing.push(address),
+                Err(error) => drop(failed.get_or_insert(error)),
+            }
         }
-        Ok(())
+        failed.map_or(Ok(()), Err)
     }
 
     /// Waits until a drive is off, and tells it once more if it has not heard.

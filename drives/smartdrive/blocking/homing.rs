@@ -2,7 +2,7 @@
 
 use super::{Seen, SmartDriveBus, no_clock};
 use crate::{
-    Action, DriveError, HomingWays, MAX_DRIVE_AXES,
+    Action, Axes, DriveError, HomingWays, MAX_DRIVE_AXES,
     smartdrive::{Command, Init, Mode, TrajectoryFlags},
 };
 
@@ -77,7 +77,7 @@ impl SmartDriveBus {
         let Some(index) = moving else { return Ok(()) };
         let address = self.axes().nth(index).unwrap_or(0);
         let at = self.bus.at(address, Action::ReadState);
-        Err(DriveError::Moving { at, axes: 1 << index.min(MAX_DRIVE_AXES) })
+        Err(DriveError::Moving { at, axes: Axes::Only })
     }
 
     /// MODE 0, drive by drive, at rest.

@@ -15,8 +15,8 @@ use super::{
     follow::{Follower, GoTo},
 };
 use crate::{
-    Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
-    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, Stamp,
+    Action, Axes, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
+    Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, Stamp,
     drive::is_zero,
 };
 
@@ -55,6 +55,8 @@ pub struct SmartDriveBus {
     /// Counters that [`Drive::move_to`] has sent the drives to, until something else moves or stops them; none of those
     /// that it has left alone.
     sent: Vec<Option<i32>>,
+    /// Drives that [`Drive::soft_stop`] has seen at rest, until something moves them.
+    standing: Vec<u8>,
     /// Last, so that the port is closed while its runtime exists.
     runtime: Runtime,
 }
@@ -78,7 +80,8 @@ impl SmartDriveBus {
         let follower = Follower::new(&options.axes, RESPONSE);
         let (zeros, homing) = ([0; MAX_DRIVE_AXES], Default::default());
         let outdated = [false; MAX_DRIVE_AXES];
-        Ok(Self { bus, follower, zeros, homing, outdated, sent: Vec::new(), runtime })
+        let (sent, standing) = (Vec::new(), Vec::new());
+        Ok(Self { bus, follower, zeros, homing, outdated, sent, standing, runtime })
     }
 
     /// Homes these axes (indices of the arrays), all at once, and returns when they are home; their positions are those
@@ -116,6 +119,7 @@ impl SmartDriveBus {
     fn restart(&mut self) {
         self.follower.restart();
         self.sent.clear();
+        self.standing.clear();
     }
 
     /// Addresses in use, in the order of the arrays.
@@ -175,7 +179,7 @@ impl Drive for SmartDriveBus {
             let outdated = self.outdated.get(index).copied().unwrap_or(false);
             if outdated && state.moving() {
                 let at = self.bus.at(address, command.action());
-                return Err(DriveError::Moving { at, axes: 1 << index.min(MAX_DRIVE_AXES) });
+                return Err(DriveError::Moving { at, axes: Axes::Only });
             }
             if outdated || state.mode != Mode::Remote.number() {
                 // One that still changes would refuse.
@@ -290,6 +294,7 @@ impl Drive for SmartDriveBus {
 
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         self.sent.clear();
+        self.standing.clear();
         let clock = || stream.now_ns();
         let shifted = Shifted { stream, zeros: self.zeros };
         let needing = self.follower.survey(&shifted);
@@ -327,7 +332,7 @@ impl Drive for SmartDriveBus {
     }
 
     /// STOP to all drives of the line, also those not in use, several times: nobody confirms it. Then asks until the
-    /// drives in use are at rest.
+    /// drives in use are at rest, every one of them, whatever the others say.
     fn soft_stop(&mut self) -> Result<(), DriveError> {
         self.restart();
         let stop = Command::Stop { rate: 0 };
@@ -335,18 +340,31 @@ impl Drive for SmartDriveBus {
         self.broadcast_stop(&stop)?;
         if let Some(address) = late {
             // A move that was sent before the stop may arrive after it: the drive is asked only when none can any more.
-            self.state(address, &no_clock)?;
+            // If it does not answer that shows below.
+            drop(self.state(address, &no_clock));
             self.broadcast_stop(&stop)?;
         }
         self.wait_for_rest(stop.action())
     }
 
-    /// MODE 0 to all drives of the line, also those not in use, then asks until those in use are off.
+    /// After a [`Drive::soft_stop`] that some drives have confirmed: MODE 0 to those in use that have not, and the others
+    /// keep their current, for what hangs on them would fall. Else MODE 0 to all drives of the line, also those not in use.
+    /// Then asks until those are off.
     fn hard_stop(&mut self) -> Result<(), DriveError> {
+        let standing = std::mem::take(&mut self.standing);
         self.restart();
         let off = Command::Mode(Some(Mode::Off));
-        self.broadcast_stop(&off)?;
-        let addresses: Vec<u8> = self.axes().collect();
+        let addresses: Vec<u8> =
+            self.axes().filter(|address| !standing.contains(address)).collect();
+        if standing.is_empty() || addresses.is_empty() {
+            self.broadcast_stop(&off)?;
+        } else {
+            for address in &addresses {
+                // Whether it has been heard is asked below.
+                drop(self.runtime.block_on(self.bus.send(*address, &off, &no_clock)));
+            }
+        }
+        let addresses = if addresses.is_empty() { standing } else { addresses };
         let mut failed = None;
         for address in addresses {
             // Every drive is tried, whatever the others say.

@@ -2,7 +2,7 @@
 
 use super::{Seen, SmartDriveBus};
 use crate::{
-    Action, DriveError, IncrementMotion, Increments, Sample, SetpointStream,
+    Action, Axes, DriveError, IncrementMotion, Increments, Sample, SetpointStream,
     smartdrive::{DriveState, TrajectoryFlags, follow::GoTo},
 };
 
@@ -32,8 +32,8 @@ impl SmartDriveBus {
         #[expect(clippy::cast_possible_truncation, reason = "a counter")]
         let target = (expected.round() as i64).saturating_add(zero);
         let found = zero.saturating_add(found.into());
-        let axis = u8::try_from(index).unwrap_or(u8::MAX);
-        DriveError::NotArrived { at: self.bus.at(address, Action::ReadState), axis, target, found }
+        let (at, axis) = (self.bus.at(address, Action::ReadState), Axes::Only);
+        DriveError::NotArrived { at, axis, target, found }
     }
 
     /// All positions at the middle of the time in which they were seen.

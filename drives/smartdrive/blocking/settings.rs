@@ -2,11 +2,11 @@
 
 use super::{SmartDriveBus, no_clock};
 use crate::{
-    Action, AxisSignals, Bits, Clock, DeviceLimits, DriveError, Exchange, Identity, MAX_DRIVE_AXES,
-    ParameterId, ParameterInfo, Signals, UnitIdentity, Values,
+    Action, Axes, AxisSignals, Bits, Clock, DeviceLimits, DriveError, Exchange, Identity,
+    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Signals, UnitIdentity, Values,
     device::find,
     smartdrive::{
-        IoUpdate, RejectCode, SetEffect, StepsPerTurn, ZeroRate,
+        IoUpdate, SetEffect, StepsPerTurn, ZeroRate,
         parameters::{
             ACCELERATION_MAX, ADDRESS, CID, DECELERATION_MAX, Entry, FULL_STEPS, PARAMETERS, PID,
             POSITION_MAX, POSITION_MIN, RELEASE, STEP_DIVISOR, VELOCITY_MAX,
@@ -110,10 +110,7 @@ impl SmartDriveBus {
         if (shown.levels & mask != 0) == on {
             Ok(())
         } else {
-            Err(DriveError::Rejected {
-                at: self.bus.at(address, action),
-                reason: RejectCode::Generic,
-            })
+            Err(DriveError::NotSwitched { at: self.bus.at(address, action), on })
         }
     }
 
@@ -180,8 +177,8 @@ impl SmartDriveBus {
             SetEffect::RestartsMode => {
                 let seen = self.state(id.station, &no_clock)?;
                 if seen.0.moving() {
-                    let axes = 1 << index.min(MAX_DRIVE_AXES);
-                    return Err(DriveError::Moving { at: self.parameter_at(id, true), axes });
+                    let (at, axes) = (self.parameter_at(id, true), Axes::Only);
+                    return Err(DriveError::Moving { at, axes });
                 }
                 self.restart();
                 self.position_lost(index);

@@ -4,5 +4,6 @@ mod assumptions;
 mod faults;
 mod requests;
 mod terminal;
+mod vectors;
 mod wire;
 mod witness;

@@ -10,7 +10,7 @@ use serialport::TTYPort;
 
 use super::wire::axis;
 use crate::{
-    Drive, DriveError, IncrementMotion, MAX_DRIVE_AXES, SetpointStream,
+    Axes, Drive, DriveError, IncrementMotion, MAX_DRIVE_AXES, SetpointStream,
     smartdrive::{
         Alarms, Command, Mode, SmartDriveBus, SmartDriveOptions,
         emulator::{
@@ -202,7 +202,7 @@ fn drives_that_stop_obeying_say_why() {
     drive.move_to(&[-1_000_000, 0, 0, 0, 0], &[8e3; 5]).unwrap();
     bus.happen(0, Event::Input { input: Input::LimN, level: true }).unwrap();
     let limit = lost(&mut drive);
-    assert!(matches!(limit, DriveError::LimitSwitch { axes: 1, .. }), "{limit:?}");
+    assert!(matches!(limit, DriveError::LimitSwitch { axes: Axes::Only, .. }), "{limit:?}");
     // At rest it can be moved away from the switch.
     while drive.run(async |bus| bus.state(1, &clock).await).unwrap().0.moving() {}
     drive.move_to(&[100, 0, 0, 0, 0], &[8e3; 5]).unwrap();
@@ -345,4 +345,60 @@ fn what_is_saved_is_there_at_the_next_start() {
     let mut drive = open(&bus, 1);
     let value = drive.run(async |bus| bus.parameter(1, 30).await).unwrap();
     assert_eq!((value.saved, value.working, value.factory), (777, 777, 500));
+}
+
+#[test]
+fn a_drive_that_does_not_answer_does_not_cost_the_others_their_current() {
+    let clock = clock();
+    let bus = start(devices(2), Wire::default(), clock);
+    let mut options = SmartDriveOptions::new(vec![axis(1), axis(2)]);
+    // The deadlines of the silent one are waited for.
+    (options.deadline, options.worst_latency) = (Duration::from_millis(300), Duration::ZERO);
+    options.mode_change = Duration::from_secs(1);
+    let mut drive = SmartDriveBus::open(bus.path().to_str().unwrap(), &options).unwrap();
+    while drive.enable().is_err() {}
+    for silent in [1, 0] {
+        while drive.move_to(&[1_000_000, 1_000_000, 0, 0, 0], &[8e3; 5]).is_err() {}
+        // The supply of one fails, for so long that it is not back.
+        bus.control(Event::BrownOut { off_ns: 1_000_000_000_000 }.to(silent)).unwrap();
+        let other = 1 - silent;
+        let station = |place: usize| u8::try_from(place + 1).unwrap();
+        let mode = |place: usize| bus.look().unwrap()[place].mode();
+        let error = drive.soft_stop().unwrap_err();
+        assert_eq!(error.at().station, station(silent), "{error}");
+        assert_eq!(bus.look().unwrap()[other].motion().1.to_bits(), 0, "the other one stands");
+        let error = drive.hard_stop().unwrap_err();
+        assert_eq!(error.at().station, station(silent), "{error}");
+        assert_eq!(mode(other), Mode::Remote, "what has stopped keeps its current");
+        // Asked to stop at once without having been asked to stop: everything is switched off.
+        let error = drive.hard_stop().unwrap_err();
+        assert_eq!(error.at().station, station(silent), "{error}");
+        while mode(other) == Mode::Changing {}
+        assert_eq!(mode(other), Mode::Off);
+        bus.control(Event::BrownOut { off_ns: 0 }.to(silent)).unwrap();
+        while drive.enable().is_err() {}
+    }
+}
+
+#[test]
+fn an_output_that_is_not_switched_is_told_as_such() {
+    let (mut device, terminal) = TTYPort::pair().unwrap();
+    let name = serialport::SerialPort::name(&terminal).unwrap();
+    let mut options = SmartDriveOptions::new(vec![axis(1)]);
+    options.deadline = Duration::from_secs(5);
+    let mut drive = SmartDriveBus::open(&name, &options).unwrap();
+    let answer = move || {
+        serialport::SerialPort::set_timeout(&mut device, Duration::from_secs(5)).unwrap();
+        device.read_exact(&mut [0; 7]).unwrap();
+        // GO and LED are on.
+        device.write_all(&vector(30)).unwrap();
+        device
+    };
+    let answering = std::thread::Builder::new().name("drive".to_owned()).spawn(answer).unwrap();
+    let error = drive.set_output(3, false).unwrap_err();
+    drop(answering.join().unwrap());
+    let text = error.to_string();
+    let said =
+        "station 1: switching output 3 off: the drive has confirmed it, and the output is still on";
+    assert!(text.ends_with(said), "{text}");
 }

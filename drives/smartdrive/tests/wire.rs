@@ -8,10 +8,10 @@ use tokio::{
 };
 
 use crate::{
-    Action, DriveError, ProtocolFault,
+    DriveError, ProtocolFault,
     smartdrive::{
-        AxisOptions, Command, Execution, Init, IoUpdate, LoadSource, Mode, RejectCode, SmartDrive,
-        SmartDriveOptions, StepsPerTurn, TrajectoryFlags, vectors::vector,
+        AxisOptions, Command, Execution, Init, IoUpdate, LoadSource, SmartDrive, SmartDriveOptions,
+        StepsPerTurn, TrajectoryFlags, vectors::vector,
     },
 };
 
@@ -34,7 +34,7 @@ pub(super) fn axis(address: u8) -> AxisOptions {
 }
 
 /// A master and the other end of its wire.
-fn attached(deadline_ms: u64, worst_latency_ms: u64) -> (SmartDrive, DuplexStream) {
+pub(super) fn attached(deadline_ms: u64, worst_latency_ms: u64) -> (SmartDrive, DuplexStream) {
     let (near, far) = duplex(4096);
     let mut options = SmartDriveOptions::new(vec![axis(1)]);
     options.deadline = Duration::from_millis(deadline_ms);
@@ -43,7 +43,7 @@ fn attached(deadline_ms: u64, worst_latency_ms: u64) -> (SmartDrive, DuplexStrea
 }
 
 /// The next command; the driver writes each in one piece. Empty if the driver is gone.
-async fn received(far: &mut DuplexStream) -> Vec<u8> {
+pub(super) async fn received(far: &mut DuplexStream) -> Vec<u8> {
     let mut buffer = [0; 256];
     let count = far.read(&mut buffer).await.unwrap();
     buffer[..count].to_vec()
@@ -61,7 +61,7 @@ async fn unanswered(mut far: DuplexStream) -> Vec<Vec<u8>> {
 }
 
 /// Sends `command` to address 1, answered with `answer`; the bytes sent and what the answer shows.
-fn exchange(
+pub(super) fn exchange(
     command: Command,
     answer: &[u8],
 ) -> (Vec<u8>, Result<crate::smartdrive::frame::Answer, DriveError>) {
@@ -75,65 +75,6 @@ fn exchange(
         let (sent, outcome) = tokio::join!(device, driver.send(1, &command, &no_clock));
         (sent, outcome.map(|(answer, _)| answer))
     })
-}
-
-#[test]
-fn commands_and_answers_are_the_bytes_of_their_vectors() {
-    let go_to = |target, profile| Command::GoTo { target, profile };
-    let io = IoUpdate { set: 4, clear_active: 8, ..IoUpdate::default() };
-    // Command, its vector, the vector of an answer it may get.
-    let exchanges = [
-        (Command::Ping, 1, 2),
-        (Command::Ping, 1, 3),
-        (Command::Ping, 1, 8),
-        (Command::Mode(Some(Mode::Remote)), 4, 5),
-        (Command::TrajectoryInit(Init::Position), 6, 2),
-        (Command::TrajectoryInit(Init::Homing), 7, 8),
-        (go_to(3200, None), 9, 10),
-        (go_to(-6400, Some((300, 1000))), 11, 12),
-        (Command::Step { distance: 200, profile: None }, 13, 12),
-        (Command::Start { speed: 600, rate: 0 }, 14, 12),
-        (Command::Start { speed: -600, rate: 500 }, 15, 12),
-        (Command::Stop { rate: 0 }, 16, 12),
-        (Command::Stop { rate: 2000 }, 17, 12),
-        (Command::Read { variable: 75 }, 19, 20),
-        (Command::Write { variable: 130, value: 0xFFFF }, 21, 20),
-        (Command::Set { parameter: 30, value: 600 }, 22, 23),
-        (Command::Set { parameter: 26, value: 0x7960 }, 24, 23),
-        (Command::Set { parameter: 27, value: 0xFFFE }, 25, 23),
-        (Command::Set { parameter: 66, value: 9830 }, 26, 23),
-        (Command::Get { parameter: 0 }, 27, 28),
-        (Command::IoUpdate(io), 29, 30),
-        (Command::Save, 31, 2),
-        (Command::Load(LoadSource::Factory), 32, 2),
-        (Command::Reset { bootloader: false }, 33, 2),
-    ];
-    for (command, sent, answer) in exchanges {
-        let (bytes, outcome) = exchange(command, &vector(answer));
-        assert_eq!(bytes, vector(sent), "vector {sent}");
-        assert_eq!(outcome.unwrap().encode().to_vec(), vector(answer), "vector {answer}");
-    }
-}
-
-#[test]
-fn vectors_34_and_35_are_refusals() {
-    let refusals = [(34, RejectCode::BadMode), (35, RejectCode::Working)];
-    for (number, expected) in refusals {
-        let command = Command::GoTo { target: 3200, profile: None };
-        let (_, outcome) = exchange(command, &vector(number));
-        let Err(DriveError::Rejected { at, reason }) = outcome else { panic!("{outcome:?}") };
-        assert_eq!((reason, at.station), (expected, 1));
-        assert_eq!(at.action, Action::Command { number: 0x23, name: "GOTO" });
-    }
-}
-
-#[test]
-fn vector_18_is_sent_and_no_answer_waited_for() {
-    run(async {
-        let (mut driver, mut far) = attached(1000, 1);
-        driver.broadcast(&Command::Stop { rate: 0 }).await.unwrap();
-        assert_eq!(received(&mut far).await, vector(18));
-    });
 }
 
 #[test]

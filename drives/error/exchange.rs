@@ -1,0 +1,171 @@
+//! Where and in the course of what something goes wrong.
+
+use std::{fmt, sync::Arc};
+
+/// What was being done with a device when something went wrong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// Nothing: the driver knows the outcome without asking.
+    Nothing,
+    /// Opening and configuring the port.
+    Open,
+    /// Reading status and positions.
+    ReadState,
+    /// Sending a command of the device's own numbering.
+    Command {
+        /// Number on the wire.
+        number: u16,
+        /// What the manual calls it.
+        name: &'static str,
+    },
+    /// Switching a digital output.
+    SwitchOutput {
+        /// Which, from 1.
+        output: u8,
+        /// On or off.
+        on: bool,
+    },
+    /// Reading registers or bits.
+    Read {
+        /// What they hold.
+        what: &'static str,
+        /// First address.
+        address: u16,
+        /// How many.
+        count: u16,
+    },
+    /// Writing registers or bits.
+    Write {
+        /// What they hold.
+        what: &'static str,
+        /// First address.
+        address: u16,
+        /// How many.
+        count: u16,
+    },
+    /// Looking at identifier and status of a module on a bus.
+    Identify,
+    /// Reading a zone of a module's memory.
+    ReadZone {
+        /// Number of the zone.
+        zone: u8,
+        /// What the manual calls it.
+        name: &'static str,
+    },
+    /// Writing a zone of a module's memory.
+    WriteZone {
+        /// Number of the zone.
+        zone: u8,
+        /// What the manual calls it.
+        name: &'static str,
+    },
+    /// Giving an order to the axes of a module.
+    Order {
+        /// The order's bits.
+        bits: u16,
+        /// What it is.
+        name: &'static str,
+    },
+    /// Reading or writing a parameter.
+    Parameter {
+        /// Its number.
+        number: u16,
+        /// What it is.
+        name: &'static str,
+        /// Written, else read.
+        written: bool,
+    },
+}
+
+impl fmt::Display for Action {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Nothing => f.write_str("nothing"),
+            Self::Open => f.write_str("opening the port"),
+            Self::ReadState => f.write_str("reading status and positions"),
+            Self::Command { number, name } => write!(f, "command {number} ({name})"),
+            Self::SwitchOutput { output, on } => {
+                write!(f, "switching output {output} {}", if *on { "on" } else { "off" })
+            }
+            Self::Read { what, address, count } => {
+                write!(f, "reading {what} ({count} from {address})")
+            }
+            Self::Write { what, address, count } => {
+                write!(f, "writing {what} ({count} from {address})")
+            }
+            Self::Identify => f.write_str("looking at identifier and status"),
+            Self::ReadZone { zone, name } => write!(f, "reading zone {zone} ({name})"),
+            Self::WriteZone { zone, name } => write!(f, "writing zone {zone} ({name})"),
+            Self::Order { bits, name } => write!(f, "order ${bits:04X} ({name})"),
+            Self::Parameter { number, name, written } => {
+                let what = if *written { "writing" } else { "reading" };
+                write!(f, "{what} parameter ${number:02X} ({name})")
+            }
+        }
+    }
+}
+
+/// Where and in the course of what an error happened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Exchange {
+    /// Path of the port.
+    pub port: Arc<str>,
+    /// Station (slave) address on that port; 0 where the device has none.
+    pub station: u8,
+    /// What was being done.
+    pub action: Action,
+}
+
+impl fmt::Display for Exchange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.port)?;
+        if self.station != 0 {
+            write!(f, ", station {}", self.station)?;
+        }
+        if self.action == Action::Nothing {
+            return Ok(());
+        }
+        write!(f, ": {}", self.action)
+    }
+}
+
+/// An answer that arrived in time and is not the answer to what was asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ProtocolFault {
+    /// Another station answered.
+    #[error("another station answered")]
+    Station,
+    /// The answer belongs to another function.
+    #[error("function {sent} was asked, the answer belongs to function {received}")]
+    Function {
+        /// Function code sent.
+        sent: u8,
+        /// Function code received.
+        received: u8,
+    },
+    /// The answer has another number of registers than asked for.
+    #[error("{expected} registers were asked for, {received} came")]
+    Length {
+        /// Registers asked for.
+        expected: usize,
+        /// Registers received.
+        received: usize,
+    },
+    /// A write was confirmed for other registers than those written.
+    #[error(
+        "{count} registers at {address} were written, the device confirms {confirmed_count} at {confirmed_address}"
+    )]
+    Confirmation {
+        /// First register written.
+        address: u16,
+        /// Registers written.
+        count: u16,
+        /// First register confirmed.
+        confirmed_address: u16,
+        /// Registers confirmed.
+        confirmed_count: u16,
+    },
+    /// The bytes make no frame (wrong check sum, noise).
+    #[error("the answer is garbled")]
+    Garbled,
+}
