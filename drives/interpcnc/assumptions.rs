@@ -114,8 +114,7 @@ pub struct Assumptions {
     /// Parameter with the start and stop frequency of interpolated moves, steps/s (§2). Default 5.
     pub segment_start_stop: u16,
     /// Whether broadcasts (station 0) are carried out; they are never answered. If not, the driver sends none (§1).
-    /// Default
-    /// true.
+    /// Default true.
     pub broadcasts: bool,
     /// Exception to motion commands and output writes on a locked board; none: they are answered as usual and do
     /// nothing. The driver says that the board is locked either way (§3). Default none.
@@ -123,8 +122,7 @@ pub struct Assumptions {
     /// How axes stop when ENABLE is lost (§3). Default at once.
     pub enable_loss: BoardStop,
     /// Whether segments that wait when ENABLE is lost are carried out once the board is unlocked; the driver then
-    /// empties
-    /// the buffer (command 43) before it unlocks (§3). Default false: the buffer is emptied.
+    /// empties the buffer (command 43) before it unlocks (§3). Default false: the buffer is emptied.
     pub enable_loss_keeps_segments: bool,
     /// How an axis stops that runs onto its limit switch. Default at once.
     pub limit_stop: BoardStop,
