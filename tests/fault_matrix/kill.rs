@@ -111,7 +111,7 @@ fn child() {
         }
         Doing::GoTo => {
             let axis = smartdrive::AxisOptions {
-                address: 1,
+                address: 2,
                 turn: StepsPerTurn::new(200, 16).expect("a turn"),
                 velocity_rpm: 500,
                 acceleration_rpm_per_s: 2000,
@@ -186,7 +186,7 @@ fn killed<C: twin_drives::Clock + Copy + 'static>(doing: Doing, rig: &Rig<C>) ->
 #[test]
 fn a_move_whose_program_dies_ends_within_its_look_ahead() {
     for doing in [Doing::Retargeted, Doing::Buffered, Doing::GoTo, Doing::Legs] {
-        let mut rig = Rig::new(doing.family(), clock(1));
+        let mut rig = Rig::new(doing.family(), 0, clock(1));
         rig.leave();
         let (left, reached) = killed(doing, &rig);
         let rests = (0..MOST_LOOKS).any(|_| {
@@ -204,7 +204,7 @@ fn a_move_whose_program_dies_ends_within_its_look_ahead() {
 
 #[test]
 fn a_manual_move_whose_program_dies_goes_on_until_it_is_told() {
-    let rig = Rig::new(Family::Bim2Ax, clock(1));
+    let rig = Rig::new(Family::Bim2Ax, 0, clock(1));
     let (left, _) = killed(Doing::Manual, &rig);
     // Far beyond anything that was commanded ahead: nothing was.
     let far = (0..MOST_LOOKS).any(|_| {
