@@ -155,12 +155,8 @@ impl<C: Clock + Copy + 'static> Rig<C> {
 
     /// What a device must be told before it homes the first time.
     pub(crate) fn prepare_homing(&mut self) -> Result<(), DriveError> {
-        let Device::Board(..) = &self.device else { return Ok(()) };
-        // Switch on IN1, speed, acceleration, start-stop, slow.
-        for (number, value) in [(29, 1), (12, 2000), (13, 50), (14, 400), (15, 1000)] {
-            self.drive().set_parameter(ParameterId { station: 0, number }, value)?;
-        }
-        Ok(())
+        let is_board = matches!(self.device, Device::Board(..));
+        if is_board { prepare_homing(self.drive()) } else { Ok(()) }
     }
 
     /// Homes the axis as `twin run` does, and waits for it.
@@ -310,6 +306,15 @@ impl<C: Clock + Copy + 'static> Rig<C> {
             self.upset(DeviceFault::BrownOut, true, 0);
         }
     }
+}
+
+/// The parameters with which an InterpCNC homes.
+pub(crate) fn prepare_homing(drive: &mut dyn Drive) -> Result<(), DriveError> {
+    // Switch on IN1, speed, acceleration, start-stop, slow.
+    let parameters = [(29, 1), (12, 2000), (13, 50), (14, 400), (15, 1000)];
+    parameters.into_iter().try_for_each(|(number, value)| {
+        drive.set_parameter(ParameterId { station: 0, number }, value)
+    })
 }
 
 fn board<C: Clock + 'static>(clock: C, seed: u64, following: Following) -> Device {

@@ -242,7 +242,10 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         if stopped.is_ok() && (truth.moving || truth.other_moves) {
             return Outcome::Lost(format!("said to be stopped, and moves: {truth:?}"));
         }
-        if stopped.is_ok() && !(1..FAR / 2).contains(&truth.counter) {
+        // A device that has started anew counts from 0, and its mechanics have not moved by that.
+        #[expect(clippy::cast_precision_loss, reason = "a small number")]
+        let near = 0.0..FAR as f64 / 2.0;
+        if stopped.is_ok() && !near.contains(&truth.mechanical) {
             return Outcome::Lost(format!("said to be stopped, and has gone on: {truth:?}"));
         }
         if let Fault::Device(fault) = trial.fault {
@@ -385,9 +388,9 @@ fn usual<C: Clock + Copy + 'static>(family: Family, clock: C) -> f64 {
     *USUAL[place].get_or_init(|| {
         let (outcome, track) = sound(family, 0, clock).moving(None, 0.0);
         assert!(matches!(outcome, Outcome::Survived), "{family:?} without faults: {outcome:?}");
-        let farthest = track.farthest();
-        println!("{family:?} is {farthest:.0} increments off the plan without faults");
-        farthest
+        let usual = track.usual(PEAK);
+        println!("{family:?} is {usual:.0} increments off the plan without faults");
+        usual
     })
 }
 
