@@ -202,6 +202,8 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         let mut spoilt = trial.is_none();
         // Long enough after its end that what is left undone is made good, whatever was lost on the way.
         let mut left = CYCLES_AFTERWARDS;
+        // It rests where the plan begins; from now on it is looked at.
+        track.note((plan.now_ns(), plan.now_ns()), (0.0, 0.0), 0.0);
         while left > 0 {
             if is_over(&plan) {
                 left -= 1;
