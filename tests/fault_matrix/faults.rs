@@ -7,12 +7,17 @@ use crate::rig::DELAY_NS;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Family {
     InterpCnc,
+    /// It follows by segments (command 6).
+    Segments,
     SmartDrive,
+    /// Two drives on a line, of which the first goes wrong.
+    Pair,
     Bim2Ax,
 }
 
 impl Family {
-    pub(crate) const ALL: [Self; 3] = [Self::InterpCnc, Self::SmartDrive, Self::Bim2Ax];
+    pub(crate) const ALL: [Self; 5] =
+        [Self::InterpCnc, Self::Segments, Self::SmartDrive, Self::Pair, Self::Bim2Ax];
 }
 
 /// What the axis is doing when it goes wrong.
@@ -20,6 +25,8 @@ impl Family {
 pub(crate) enum Doing {
     /// It stands; a move is asked for.
     Idle,
+    /// It moves to a target, and is asked where it is.
+    Looking,
     /// It is being homed.
     Homing,
     /// It follows a plan.
@@ -29,7 +36,8 @@ pub(crate) enum Doing {
 }
 
 impl Doing {
-    pub(crate) const ALL: [Self; 4] = [Self::Idle, Self::Homing, Self::Moving, Self::Stopping];
+    pub(crate) const ALL: [Self; 5] =
+        [Self::Idle, Self::Looking, Self::Homing, Self::Moving, Self::Stopping];
 }
 
 /// Faults of the device and its plug.

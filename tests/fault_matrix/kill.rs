@@ -2,7 +2,9 @@
 //!
 //! The driver runs in a process of its own (this binary again) and is killed. Whatever it has commanded last lies within
 //! the plan's horizon: the axis ends no farther than where the plan is `horizon` after the last instant at which the
-//! process lived, so it goes on for at most look-ahead × speed.
+//! process lived, so it goes on for at most look-ahead × speed. A move to a target (the approach to the start of a
+//! program) and homing are one order: they go on to their end, which is the whole way to the target, and to the home
+//! switch or the longest way that the board was given.
 
 use std::{
     process::{Child, Command},
@@ -11,7 +13,7 @@ use std::{
 };
 
 use twin_drives::{
-    Drive, IncrementMotion, SetpointStream,
+    Drive, IncrementMotion, MAX_DRIVE_AXES, SetpointStream,
     bim2ax::{Bim2Ax, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, MemoryFile, ModuleAxis},
     interpcnc::{self, BoardAxis, Following, InterpCncDrive, InterpCncOptions},
     smartdrive::{self, SmartDriveBus, SmartDriveOptions, StepsPerTurn},
@@ -19,12 +21,16 @@ use twin_drives::{
 
 use crate::{
     faults::Family,
-    rig::{Rig, clock},
+    rig::{HOMING_WAY, Rig, clock},
 };
 
 /// Speed of the plan, increments/s, and how far ahead of now it is known, ns.
 const SPEED: f64 = 2000.0;
 const HORIZON_NS: i64 = 300_000_000;
+/// Where an approach goes, increments.
+const TARGET: i64 = 4000;
+/// The longest way that homing may go where it is not to find its switch, increments.
+const NEARBY: u32 = 1000;
 /// Looks at the device at most, and the pause between them.
 const MOST_LOOKS: u32 = 3000;
 const PAUSE: Duration = Duration::from_millis(10);
@@ -46,14 +52,34 @@ enum Doing {
     Legs,
     /// BIM2AX, a manual move.
     Manual,
+    /// A move to a target.
+    Approach(Family),
+    /// The device's own homing.
+    Homing(Family),
+    /// InterpCNC, homing that is not allowed to go as far as its switch.
+    HomingNearby,
 }
 
 impl Doing {
-    const ALL: [Self; 5] = [Self::Retargeted, Self::Buffered, Self::GoTo, Self::Legs, Self::Manual];
+    const ALL: [Self; 12] = [
+        Self::Retargeted,
+        Self::Buffered,
+        Self::GoTo,
+        Self::Legs,
+        Self::Manual,
+        Self::Approach(Family::InterpCnc),
+        Self::Approach(Family::SmartDrive),
+        Self::Approach(Family::Bim2Ax),
+        Self::Homing(Family::InterpCnc),
+        Self::Homing(Family::SmartDrive),
+        Self::Homing(Family::Bim2Ax),
+        Self::HomingNearby,
+    ];
 
     fn family(self) -> Family {
         match self {
-            Self::Retargeted | Self::Buffered => Family::InterpCnc,
+            Self::Retargeted | Self::Buffered | Self::HomingNearby => Family::InterpCnc,
+            Self::Approach(family) | Self::Homing(family) => family,
             Self::GoTo => Family::SmartDrive,
             Self::Legs | Self::Manual => Family::Bim2Ax,
         }
@@ -97,9 +123,41 @@ fn child() {
     let port = std::env::var(PORT).expect("where");
     let start_ns = std::env::var(START).expect("when").parse().expect("ns");
     let doing = Doing::ALL.into_iter().find(|doing| format!("{doing:?}") == what).expect("what");
+    if doing == Doing::Manual {
+        return manual(&port, true);
+    }
+    let mut drive = open(doing, &port);
+    let line = Line { start_ns };
+    drive.probe(&line).expect("it answers");
+    drive.enable().expect("it obeys");
+    match doing {
+        Doing::Approach(_) => {
+            drive.move_to(&[TARGET; MAX_DRIVE_AXES], &[SPEED; MAX_DRIVE_AXES]).expect("it moves");
+        }
+        Doing::Homing(_) => home(&mut *drive, HOMING_WAY),
+        Doing::HomingNearby => home(&mut *drive, NEARBY),
+        _ => loop {
+            drive.follow(&line).expect("it follows");
+        },
+    }
+    loop {
+        thread::sleep(PAUSE);
+    }
+}
+
+fn home(drive: &mut dyn Drive, way: u32) {
+    if drive.describe().starts_with("InterpCNC") {
+        crate::rig::prepare_homing(drive).expect("it takes parameters");
+    }
+    let mut ways = [None; MAX_DRIVE_AXES];
+    ways[0] = Some(way);
+    drive.begin_homing(&ways).expect("it homes");
+}
+
+fn open(doing: Doing, port: &str) -> Box<dyn Drive> {
     let deadline = Duration::from_secs(5);
-    let mut drive: Box<dyn Drive> = match doing {
-        Doing::Retargeted | Doing::Buffered => {
+    match doing.family() {
+        Family::InterpCnc | Family::Segments => {
             let mut options =
                 InterpCncOptions::new(vec![interpcnc::AxisOptions::new(BoardAxis::X)]);
             options.deadline = deadline;
@@ -107,11 +165,11 @@ fn child() {
                 options.following =
                     Following::Buffered { start_stop_hz: 200, acceleration_khz_per_s: 50 };
             }
-            Box::new(InterpCncDrive::open(&port, &options).expect("it opens"))
+            Box::new(InterpCncDrive::open(port, &options).expect("it opens"))
         }
-        Doing::GoTo => {
+        Family::SmartDrive | Family::Pair => {
             let axis = smartdrive::AxisOptions {
-                address: 1,
+                address: 2,
                 turn: StepsPerTurn::new(200, 16).expect("a turn"),
                 velocity_rpm: 500,
                 acceleration_rpm_per_s: 2000,
@@ -119,22 +177,15 @@ fn child() {
             };
             let mut options = SmartDriveOptions::new(vec![axis]);
             (options.deadline, options.mode_change) = (deadline, deadline);
-            Box::new(SmartDriveBus::open(&port, &options).expect("it opens"))
+            Box::new(SmartDriveBus::open(port, &options).expect("it opens"))
         }
-        Doing::Legs => {
+        Family::Bim2Ax => {
             let mut options = Bim2AxDriveOptions::new();
             options.axes = vec![ModuleAxis::One];
             options.driver.deadline = deadline;
             let memory = MemoryFile::open(port.as_ref()).expect("it is there");
-            Box::new(Bim2AxDrive::new(&port, memory, &options).expect("it opens"))
+            Box::new(Bim2AxDrive::new(port, memory, &options).expect("it opens"))
         }
-        Doing::Manual => return manual(&port, true),
-    };
-    let line = Line { start_ns };
-    drive.probe(&line).expect("it answers");
-    drive.enable().expect("it obeys");
-    loop {
-        drive.follow(&line).expect("it follows");
     }
 }
 
@@ -173,7 +224,7 @@ fn killed<C: twin_drives::Clock + Copy + 'static>(doing: Doing, rig: &Rig<C>) ->
     let mut process = spawn(doing, rig.port(), start_ns);
     let begun = (0..MOST_LOOKS).any(|_| {
         thread::sleep(PAUSE);
-        rig.truth().counter > 500
+        rig.truth().mechanical.abs() > 500.0
     });
     process.kill().expect("it lives");
     process.wait().expect("it is dead");
@@ -186,7 +237,7 @@ fn killed<C: twin_drives::Clock + Copy + 'static>(doing: Doing, rig: &Rig<C>) ->
 #[test]
 fn a_move_whose_program_dies_ends_within_its_look_ahead() {
     for doing in [Doing::Retargeted, Doing::Buffered, Doing::GoTo, Doing::Legs] {
-        let mut rig = Rig::new(doing.family(), clock(1));
+        let mut rig = Rig::new(doing.family(), 0, clock(1));
         rig.leave();
         let (left, reached) = killed(doing, &rig);
         let rests = (0..MOST_LOOKS).any(|_| {
@@ -202,9 +253,44 @@ fn a_move_whose_program_dies_ends_within_its_look_ahead() {
     }
 }
 
+/// Kills the process that has begun something with a device of its own; where the axis comes to rest.
+fn ends(doing: Doing) -> (Rig<impl twin_drives::Clock + Copy + 'static>, crate::rig::Truth) {
+    let mut rig = Rig::new(doing.family(), 0, clock(1));
+    rig.leave();
+    let (left, _) = killed(doing, &rig);
+    let rests = (0..MOST_LOOKS).any(|_| {
+        thread::sleep(PAUSE);
+        !rig.truth().moving
+    });
+    let end = rig.truth();
+    println!("{doing:?}: dead at {left}, ends at {:.0}", end.mechanical);
+    assert!(rests, "{doing:?} goes on");
+    (rig, end)
+}
+
+#[test]
+fn an_approach_whose_program_dies_goes_the_whole_way_and_no_farther() {
+    for family in [Family::InterpCnc, Family::SmartDrive, Family::Bim2Ax] {
+        let (_, end) = ends(Doing::Approach(family));
+        assert_eq!(end.counter, TARGET, "{family:?}");
+    }
+}
+
+#[test]
+fn homing_whose_program_dies_goes_on_to_its_switch_or_as_far_as_it_was_allowed() {
+    for family in [Family::InterpCnc, Family::SmartDrive, Family::Bim2Ax] {
+        let (rig, end) = ends(Doing::Homing(family));
+        assert!((end.mechanical - rig.switch()).abs() < 300.0, "{family:?}: {end:?}");
+    }
+    let (_, end) = ends(Doing::HomingNearby);
+    // The way, and the ramp from 2000 steps/s at 50000 steps/s².
+    let most = -(f64::from(NEARBY) + 40.0 + 1.0);
+    assert!((most..-500.0).contains(&end.mechanical), "{end:?}");
+}
+
 #[test]
 fn a_manual_move_whose_program_dies_goes_on_until_it_is_told() {
-    let rig = Rig::new(Family::Bim2Ax, clock(1));
+    let rig = Rig::new(Family::Bim2Ax, 0, clock(1));
     let (left, _) = killed(Doing::Manual, &rig);
     // Far beyond anything that was commanded ahead: nothing was.
     let far = (0..MOST_LOOKS).any(|_| {

@@ -4,15 +4,15 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 use twin_drives::{
-    Accelerated, Clock, Control, Direction, Drive, DriveError, FaultRule, IncrementMotion,
-    SetpointStream, Speed, When, WireFault,
+    Accelerated, Action, Clock, Control, Direction, Drive, DriveError, Exchange, FaultRule,
+    IncrementMotion, MAX_DRIVE_AXES, ParameterId, SetpointStream, Speed, When, WireFault,
     bim2ax::{
         self, Bim2AxDrive, Bim2AxDriveOptions, Contact, MemoryFile, ModuleAxis,
         emulator::{EmulatedModule, Module},
         parameter::{AxisParameter, Parameter},
     },
     interpcnc::{
-        self, BoardAxis, HomeAxis, InterpCncDrive, InterpCncOptions,
+        self, BoardAxis, Following, InterpCncDrive, InterpCncOptions,
         emulator::{Bench, Cam, EmulatedBoard},
     },
     smartdrive::{
@@ -30,8 +30,10 @@ pub(crate) const DEADLINE: Duration = Duration::from_millis(400);
 /// Frames that are delayed come after the deadline and before the driver trusts the wire again, ns of the device.
 pub(crate) const DELAY_NS: i64 = 500_000_000 * SPEED as i64;
 pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(650);
-/// Longest time that homing may take.
-const HOMING: Duration = Duration::from_secs(3);
+/// Longest time that homing may take, ns of the device.
+const HOMING_NS: i64 = 4_000_000_000 * SPEED as i64;
+/// The longest way to the home switch, increments, for devices that take one.
+pub(crate) const HOMING_WAY: u32 = 12_000;
 
 /// The clock of devices and plans, so many times faster than the wall clock.
 #[expect(
@@ -70,6 +72,8 @@ pub(crate) struct Truth {
     pub(crate) counter: i64,
     /// Whether the axis moves.
     pub(crate) moving: bool,
+    /// Whether another axis of its line moves.
+    pub(crate) other_moves: bool,
     /// Where the mechanics are, increments from where they were at the start.
     pub(crate) mechanical: f64,
 }
@@ -85,16 +89,28 @@ enum Device {
 pub(crate) struct Rig<C> {
     device: Device,
     pub(crate) clock: C,
+    /// Where the plan that was followed reached when something went wrong.
+    pub(crate) reached: Option<f64>,
 }
 
 impl<C: Clock + Copy + 'static> Rig<C> {
-    pub(crate) fn new(family: Family, clock: C) -> Self {
+    /// The seed decides which bytes faults befall.
+    pub(crate) fn new(family: Family, seed: u64, clock: C) -> Self {
         let device = match family {
-            Family::InterpCnc => board(clock),
-            Family::SmartDrive => bus(clock),
-            Family::Bim2Ax => module(clock),
+            Family::InterpCnc => board(clock, seed, Following::Retargeted),
+            Family::Segments => {
+                let acceleration_khz_per_s = 50;
+                board(
+                    clock,
+                    seed,
+                    Following::Buffered { start_stop_hz: 200, acceleration_khz_per_s },
+                )
+            }
+            Family::SmartDrive => bus(clock, seed, 1),
+            Family::Pair => bus(clock, seed, 2),
+            Family::Bim2Ax => module(clock, seed),
         };
-        Self { device, clock }
+        Self { device, clock, reached: None }
     }
 
     /// The driver leaves: another may open the port.
@@ -137,26 +153,29 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         if matches!(self.device, Device::Module(..)) { 2 } else { 1 }
     }
 
-    /// Homes the axis, and waits for it.
+    /// What a device must be told before it homes the first time.
+    pub(crate) fn prepare_homing(&mut self) -> Result<(), DriveError> {
+        let is_board = matches!(self.device, Device::Board(..));
+        if is_board { prepare_homing(self.drive()) } else { Ok(()) }
+    }
+
+    /// Homes the axis as `twin run` does, and waits for it.
     pub(crate) fn home(&mut self) -> Result<(), DriveError> {
-        match &mut self.device {
-            Device::Board(_, drive) => {
-                let home = HomeAxis {
-                    axis: BoardAxis::X,
-                    input: 1,
-                    normally_open: true,
-                    acceleration_khz_per_s: 50,
-                    fast_hz: 2000,
-                    deceleration_khz_per_s: 50,
-                    max_stroke: -12_000,
-                    slow_hz: 1000,
-                    final_position: 0,
-                };
-                let (board, runtime) = drive.as_mut().expect("it has not left").board();
-                runtime.block_on(board.home_axes(&[home], HOMING, &|| 0))
+        let rest = Rest(self.clock);
+        let mut ways = [None; MAX_DRIVE_AXES];
+        ways[0] = Some(HOMING_WAY);
+        let begun_ns = self.clock.now_ns();
+        self.drive().begin_homing(&ways)?;
+        let at = || Exchange { port: "rig".into(), station: 1, action: Action::ReadState };
+        while self.drive().sample(&rest)?.moving {
+            if self.clock.now_ns() - begun_ns > HOMING_NS {
+                let patience = Duration::from_nanos(HOMING_NS.unsigned_abs());
+                return Err(DriveError::Unfinished { at: at(), patience });
             }
-            Device::Bus(_, drive) => drive.as_mut().expect("it has not left").home(&[0]),
-            Device::Module(_, drive, _) => drive.home(HOMING),
+        }
+        match self.drive().homed()?[0] {
+            Some(true) => Ok(()),
+            _ => Err(DriveError::NotHomed { at: at() }),
         }
     }
 
@@ -168,6 +187,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                     counter: board.counters()[0].into(),
                     moving: board.velocity(BoardAxis::X) != 0.0,
                     mechanical: board.mechanical(BoardAxis::X),
+                    other_moves: false,
                 }
             }
             Device::Bus(bus, _) => {
@@ -177,6 +197,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                     counter: device.counter().into(),
                     moving: device.motion().1 != 0.0,
                     mechanical: device.mechanical(),
+                    other_moves: devices.iter().skip(1).any(|device| device.motion().1 != 0.0),
                 }
             }
             Device::Module(module, ..) => {
@@ -186,7 +207,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                 #[expect(clippy::cast_precision_loss, reason = "a counter")]
                 let mechanical = module.shaft(ModuleAxis::One) as f64;
                 let moving = module.velocity(ModuleAxis::One) != 0.0;
-                Truth { counter, moving, mechanical }
+                Truth { counter, moving, mechanical, other_moves: false }
             }
         }
     }
@@ -287,12 +308,21 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     }
 }
 
-fn board<C: Clock + 'static>(clock: C) -> Device {
+/// The parameters with which an InterpCNC homes.
+pub(crate) fn prepare_homing(drive: &mut dyn Drive) -> Result<(), DriveError> {
+    // Switch on IN1, speed, acceleration, start-stop, slow.
+    let parameters = [(29, 1), (12, 2000), (13, 50), (14, 400), (15, 1000)];
+    parameters.into_iter().try_for_each(|(number, value)| {
+        drive.set_parameter(ParameterId { station: 0, number }, value)
+    })
+}
+
+fn board<C: Clock + 'static>(clock: C, seed: u64, following: Following) -> Device {
     let switch =
         Cam { input: 1, axis: BoardAxis::X, from: -9000, to: -3000, normally_closed: false };
     let options = interpcnc::emulator::EmulatorOptions {
         bench: Bench { cams: vec![switch], encoder: None },
-        seed: 3,
+        seed,
         ..interpcnc::emulator::EmulatorOptions::default()
     };
     let board = EmulatedBoard::start(&options, clock).expect("it starts");
@@ -303,40 +333,46 @@ fn board<C: Clock + 'static>(clock: C) -> Device {
         ..interpcnc::AxisOptions::new(BoardAxis::X)
     };
     let mut options = InterpCncOptions::new(vec![axis]);
+    options.following = following;
     (options.deadline, options.worst_latency) = (DEADLINE, WORST_LATENCY);
     let path = board.path().to_str().expect("a name").to_owned();
     let drive = InterpCncDrive::open(&path, &options).expect("it opens");
     Device::Board(board, Some(drive))
 }
 
-fn bus<C: Clock + 'static>(clock: C) -> Device {
-    let device = DeviceOptions {
+/// Addresses of drives. Not 1, with which two bytes of a PING that change places make a RESET.
+const FIRST: u8 = 2;
+
+fn bus<C: Clock + 'static>(clock: C, seed: u64, count: u8) -> Device {
+    let addresses = FIRST..FIRST + count;
+    let device = |address| DeviceOptions {
+        address,
         cams: vec![smartdrive::emulator::Cam { input: Input::Go, from: -90_000.0, to: -15_000.0 }],
         configured_mode: Mode::Off,
         ..DeviceOptions::default()
     };
     let options = smartdrive::emulator::EmulatorOptions {
-        devices: vec![device],
-        seed: 3,
+        devices: addresses.clone().map(device).collect(),
+        seed,
         ..smartdrive::emulator::EmulatorOptions::default()
     };
     let bus = EmulatedBus::start(&options, clock).expect("it starts");
-    let axis = smartdrive::AxisOptions {
-        address: 1,
+    let axis = |address| smartdrive::AxisOptions {
+        address,
         turn: StepsPerTurn::new(200, 16).expect("a turn"),
         velocity_rpm: 500,
         acceleration_rpm_per_s: 2000,
         deceleration_rpm_per_s: 2000,
     };
-    let mut options = SmartDriveOptions::new(vec![axis]);
+    let mut options = SmartDriveOptions::new(addresses.map(axis).collect());
     (options.deadline, options.worst_latency) = (DEADLINE, WORST_LATENCY);
-    (options.homing, options.mode_change) = (HOMING, Duration::from_secs(10));
+    options.mode_change = Duration::from_secs(10);
     let path = bus.path().to_str().expect("a name").to_owned();
     let drive = SmartDriveBus::open(&path, &options).expect("it opens");
     Device::Bus(bus, Some(drive))
 }
 
-fn module<C: Clock + 'static>(clock: C) -> Device {
+fn module<C: Clock + 'static>(clock: C, seed: u64) -> Device {
     let folder = tempfile::tempdir().expect("a folder");
     let image = folder.path().join("eeprom");
     let mut eeprom = bim2ax::emulator::Eeprom::new(2000);
@@ -352,7 +388,7 @@ fn module<C: Clock + 'static>(clock: C) -> Device {
     std::fs::write(&image, eeprom.to_bytes()).expect("it is written");
     let mut options = bim2ax::emulator::EmulatorOptions::new(&folder.path().join("module"));
     options.eeprom = Some(image);
-    options.seed = 3;
+    options.seed = seed;
     options.surroundings.benches[0].cam = Some(Contact::between(-9000, -1500, true));
     // Long enough to be seen by a driver that has to wait for its turn.
     options.module.boot_ns = 2_000_000_000;

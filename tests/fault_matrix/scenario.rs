@@ -1,6 +1,6 @@
 //! What is done with the axis while something goes wrong, and what comes of it.
 
-use std::{f64::consts::PI, thread, time::Duration};
+use std::{f64::consts::PI, sync::OnceLock, thread, time::Duration};
 
 use twin_drives::{
     Action, Axes, Clock, Direction, DriveError, IncrementMotion, MAX_DRIVE_AXES, Sample,
@@ -10,18 +10,23 @@ use twin_drives::{
 use crate::{
     faults::{DeviceFault, Doing, Family, Fault},
     rig::{Rest, Rig, Truth},
+    track::Track,
 };
 
 /// Where moves from rest go, and how fast, increments and increments/s.
 const TARGET: i64 = 4000;
 const SPEED: f64 = 4000.0;
-/// Far enough that it is not reached while something is stopped.
-const FAR: i64 = 1_000_000;
+/// Far enough that it is not half reached while something is stopped.
+const FAR: i64 = 100_000;
 /// Where the last move of all goes.
 const AFTERWARDS: i64 = 321;
 /// Plan: half a cosine from 0 to there in so many seconds.
-const STROKE: f64 = 6000.0;
-const DURATION_S: f64 = 2.0;
+const STROKE: f64 = 16_000.0;
+const DURATION_S: f64 = 16.0;
+/// Its highest speed, increments/s.
+const PEAK: f64 = 0.5 * STROKE * PI / DURATION_S;
+/// How far ahead of now it is known, ns.
+const HORIZON_NS: i64 = 500_000_000;
 /// Looks after which an axis no longer comes to rest.
 const MOST_LOOKS: u32 = 20_000;
 /// Looks in a row with the same position after which an axis rests, and where its status says that it moves.
@@ -53,6 +58,8 @@ pub(crate) struct Cell {
     pub(crate) truth: Truth,
     /// Getting it going again, and moving it.
     pub(crate) usable: Result<(), String>,
+    /// Where an axis whose plug was pulled went on to; nothing for other faults.
+    pub(crate) goes_on: Option<Result<(), String>>,
 }
 
 /// A plan of one axis: at rest, half a cosine, at rest.
@@ -70,19 +77,22 @@ impl<C: Clock> SetpointStream for Plan<C> {
     fn at(&self, time_ns: i64) -> IncrementMotion {
         let angle = PI * (time_ns as f64 * 1e-9 / DURATION_S).clamp(0.0, 1.0);
         let mut motion = IncrementMotion::default();
-        motion.position[0] = 0.5 * STROKE * (1.0 - angle.cos());
-        motion.velocity[0] = 0.5 * STROKE * angle.sin() * PI / DURATION_S;
+        // The second axis, where there is one, goes the same way.
+        for axis in 0..2 {
+            motion.position[axis] = 0.5 * STROKE * (1.0 - angle.cos());
+            motion.velocity[axis] = PEAK * angle.sin();
+        }
         motion
     }
 
     fn horizon_ns(&self) -> i64 {
-        500_000_000
+        HORIZON_NS
     }
 }
 
 /// Whether a plan has ended for so long that a stuck status shows.
 fn is_over(plan: &impl SetpointStream) -> bool {
-    plan.now_ns() > 4_000_000_000
+    plan.now_ns() > 18_000_000_000
 }
 
 /// What a cell is made of, beside its family.
@@ -90,6 +100,8 @@ fn is_over(plan: &impl SetpointStream) -> bool {
 pub(crate) struct Trial {
     pub(crate) fault: Fault,
     pub(crate) doing: Doing,
+    /// What decides by chance.
+    pub(crate) seed: u64,
     /// Frames that a fault of the wire befalls; 0: all, until something is said.
     pub(crate) frames: u32,
 }
@@ -103,9 +115,8 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     }
 
     fn to(&mut self, target: i64) -> Result<(), DriveError> {
-        let (mut targets, speeds) = ([0; MAX_DRIVE_AXES], [SPEED; MAX_DRIVE_AXES]);
-        targets[0] = target;
-        self.drive().move_to(&targets, &speeds)
+        // The second axis, where there is one, goes the same way.
+        self.drive().move_to(&[target; MAX_DRIVE_AXES], &[SPEED; MAX_DRIVE_AXES])
     }
 
     /// Looks until the axis has stood for a while; where.
@@ -145,7 +156,23 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         }
     }
 
+    /// On its way to a target; the next request asks where it is.
+    fn looking(&mut self, trial: &Trial) -> Outcome {
+        if let Err(error) = self.to(TARGET).and_then(|()| self.moves()) {
+            return Outcome::Lost(format!("it does not begin: {error}"));
+        }
+        self.goes_wrong(trial, 0);
+        match self.rests() {
+            Ok(TARGET) => Outcome::Survived,
+            Ok(found) => Outcome::Lost(format!("{found} instead of {TARGET}")),
+            Err(error) => Outcome::Told(error),
+        }
+    }
+
     fn homing(&mut self, trial: &Trial) -> Outcome {
+        if let Err(error) = self.prepare_homing() {
+            return Outcome::Lost(format!("it does not begin: {error}"));
+        }
         // The first requests begin homing; later ones ask how far it is.
         self.goes_wrong(trial, 8);
         match self.home() {
@@ -157,12 +184,26 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         }
     }
 
-    fn moving(&mut self, trial: &Trial) -> Outcome {
+    /// Follows a plan, and something goes wrong on the way if it is to. How far the axis is away from the plan without
+    /// that is `usual`; where the plan reached when it went wrong is noted.
+    fn moving(&mut self, trial: Option<&Trial>, usual: f64) -> (Outcome, Track) {
+        let mut track = Track::default();
+        let outcome = self.follows(trial, &mut track);
+        let outcome = match (outcome, track.check(usual, PEAK)) {
+            (Outcome::Survived, Err(lost)) if trial.is_some() => Outcome::Lost(lost),
+            (outcome, _) => outcome,
+        };
+        (outcome, track)
+    }
+
+    fn follows(&mut self, trial: Option<&Trial>, track: &mut Track) -> Outcome {
         let start_ns = self.clock.now_ns() + 100_000_000;
         let plan = Plan { clock: self.clock, start_ns };
-        let mut spoilt = false;
+        let mut spoilt = trial.is_none();
         // Long enough after its end that what is left undone is made good, whatever was lost on the way.
         let mut left = CYCLES_AFTERWARDS;
+        // It rests where the plan begins; from now on it is looked at.
+        track.note((plan.now_ns(), plan.now_ns()), (0.0, 0.0), 0.0);
         while left > 0 {
             if is_over(&plan) {
                 left -= 1;
@@ -171,10 +212,19 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                 Err(error) => return Outcome::Told(error),
                 Ok(sample) if sample.moving && !spoilt && sample.position[0] > 300 => {
                     spoilt = true;
-                    self.goes_wrong(trial, 0);
+                    if let Some(trial) = trial {
+                        self.goes_wrong(trial, 0);
+                        self.reached = Some(plan.at(plan.now_ns() + HORIZON_NS).position[0]);
+                    }
                 }
                 Ok(_) => {}
             }
+            let from_ns = plan.now_ns();
+            let truth = self.truth();
+            let to_ns = plan.now_ns();
+            let between = (plan.at(from_ns).position[0], plan.at(to_ns).position[0]);
+            #[expect(clippy::cast_precision_loss, reason = "a counter")]
+            track.note((from_ns, to_ns), between, truth.counter as f64);
         }
         match self.rests() {
             Ok(found) if found == (STROKE as i64) => Outcome::Survived,
@@ -189,6 +239,17 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         }
         self.goes_wrong(trial, u32::from(!matches!(trial.fault, Fault::Wire(..))));
         let stopped = self.drive().soft_stop();
+        let truth = self.truth();
+        // What the driver says is compared with the device at once, and with where it was sent.
+        if stopped.is_ok() && (truth.moving || truth.other_moves) {
+            return Outcome::Lost(format!("said to be stopped, and moves: {truth:?}"));
+        }
+        // A device that has started anew counts from 0, and its mechanics have not moved by that.
+        #[expect(clippy::cast_precision_loss, reason = "a small number")]
+        let near = 0.0..FAR as f64 / 2.0;
+        if stopped.is_ok() && !near.contains(&truth.mechanical) {
+            return Outcome::Lost(format!("said to be stopped, and has gone on: {truth:?}"));
+        }
         if let Fault::Device(fault) = trial.fault {
             self.settle(fault);
         }
@@ -206,12 +267,41 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         }
         // On its ramp, where its status does not tell.
         for _ in 0..MOST_ATTEMPTS {
-            if !self.truth().moving {
+            let truth = self.truth();
+            if !truth.moving && !truth.other_moves {
                 return true;
             }
             thread::sleep(PAUSE);
         }
         false
+    }
+
+    /// An axis that cannot be reached goes on to where it was sent, and no farther.
+    fn goes_on(&mut self, doing: Doing, told: &Truth) -> Result<(), String> {
+        for _ in 0..MOST_LOOKS {
+            if !self.truth().moving {
+                break;
+            }
+            thread::sleep(PAUSE);
+        }
+        let end = self.truth();
+        #[expect(clippy::cast_precision_loss, reason = "a counter")]
+        let counter = end.counter as f64;
+        let right = match doing {
+            // The plug was pulled before it was told anything.
+            Doing::Idle => end.counter == 0,
+            Doing::Looking => end.counter == TARGET,
+            Doing::Homing => (end.mechanical - self.switch()).abs() < 300.0,
+            Doing::Moving => {
+                let reached = self.reached.unwrap_or(0.0);
+                end.counter >= told.counter && counter > 300.0 && counter <= reached + 1.0
+            }
+            Doing::Stopping => end.counter == FAR && told.counter < FAR,
+        };
+        if right && !end.moving {
+            return Ok(());
+        }
+        Err(format!("goes on to {end:?}, from {told:?}, planned up to {:?}", self.reached))
     }
 
     /// Back to work, as the manuals demand: the fault is gone, the device is stopped, enabled, told where it is.
@@ -255,15 +345,13 @@ impl<C: Clock + Copy + 'static> Rig<C> {
 
 /// Makes a cell of the table.
 pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clock: C) -> Cell {
-    let mut rig = Rig::new(family, clock);
     let rest = Rest(clock);
-    // A machine that is busy may keep even a sound device waiting for too long.
-    let mut begin = || rig.drive().probe(&rest).and_then(|_| rig.drive().enable());
-    (0..MOST_ATTEMPTS).find(|_| begin().is_ok()).expect("it is sound");
+    let mut rig = sound(family, trial.seed, clock);
     let outcome = match trial.doing {
         Doing::Idle => rig.idle(trial),
+        Doing::Looking => rig.looking(trial),
         Doing::Homing => rig.homing(trial),
-        Doing::Moving => rig.moving(trial),
+        Doing::Moving => rig.moving(Some(trial), usual(family, clock)).0,
         Doing::Stopping => rig.stopping(trial),
     };
     if trial.frames == 0 && matches!(trial.fault, Fault::Wire(Direction::Request, _)) {
@@ -272,6 +360,8 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
     }
     let truth = rig.truth();
     let stopped = rig.stops();
+    let gone = trial.fault == Fault::Device(DeviceFault::Gone);
+    let goes_on = gone.then(|| rig.goes_on(trial.doing, &truth));
     let usable = rig.recover(trial, family);
     let usable = usable.and_then(|()| {
         let truth = rig.truth();
@@ -280,7 +370,43 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
         let agree = !truth.moving && told.position[0] == AFTERWARDS;
         if agree { Ok(()) } else { Err(format!("{told:?}, and in truth {truth:?}")) }
     });
-    Cell { outcome, stopped, truth, usable }
+    Cell { outcome, stopped, truth, usable, goes_on }
+}
+
+/// A device that obeys.
+fn sound<C: Clock + Copy + 'static>(family: Family, seed: u64, clock: C) -> Rig<C> {
+    let mut rig = Rig::new(family, seed, clock);
+    let rest = Rest(clock);
+    // A machine that is busy may keep even a sound device waiting for too long.
+    let mut begin = || rig.drive().probe(&rest).and_then(|_| rig.drive().enable());
+    (0..MOST_ATTEMPTS).find(|_| begin().is_ok()).expect("it is sound");
+    rig
+}
+
+/// How far an axis of a family is away from the plan at most when nothing goes wrong, increments. Measured once.
+fn usual<C: Clock + Copy + 'static>(family: Family, clock: C) -> f64 {
+    static USUAL: [OnceLock<f64>; Family::ALL.len()] = [const { OnceLock::new() }; 5];
+    let place = Family::ALL.iter().position(|other| *other == family).expect("one of all");
+    *USUAL[place].get_or_init(|| {
+        let (outcome, track) = sound(family, 0, clock).moving(None, 0.0);
+        assert!(matches!(outcome, Outcome::Survived), "{family:?} without faults: {outcome:?}");
+        let usual = track.usual(PEAK);
+        println!("{family:?} is {usual:.0} increments off the plan without faults");
+        usual
+    })
+}
+
+/// Whether a cell is made: the columns of the variants are those in which they differ from their families.
+pub(crate) fn is_meant(family: Family, fault: Fault, doing: Doing) -> bool {
+    let of_wire = matches!(fault, Fault::Wire(..));
+    let differs = match family {
+        Family::Segments => doing == Doing::Moving,
+        Family::Pair => !of_wire && matches!(doing, Doing::Moving | Doing::Stopping),
+        _ => true,
+    };
+    // What becomes of a device that moves shows in the other columns.
+    let looks = doing != Doing::Looking || of_wire;
+    differs && looks && is_meaningless(family, fault).is_none()
 }
 
 /// Whether a fault means nothing to a family.

@@ -1,0 +1,89 @@
+//! Whether the way of an axis that follows a plan is that of the plan, as seen behind the driver's back.
+//!
+//! A driver that loses a set-point without noticing believes that the axis is under way while it stands. So the axis may
+//! be away from the plan by what following costs without faults, and by what the plan goes on while the driver waits for
+//! the device: outage × speed. For a while after an outage it makes good what it has missed; then it has to be as near as
+//! ever.
+
+/// How long an axis may take to make good what it has missed during an outage, ns of the device.
+const CATCHING_UP_NS: i64 = 2_000_000_000;
+
+/// One look at the device.
+#[derive(Clone, Copy, Debug)]
+struct Look {
+    time_ns: i64,
+    /// Since the look before, ns.
+    gap_ns: i64,
+    /// Away from the plan, increments.
+    off: f64,
+}
+
+/// The way of an axis.
+#[derive(Debug, Default)]
+pub(crate) struct Track(Vec<Look>);
+
+impl Track {
+    /// The device was seen at `counter` at some instant between these, at which the plan was between those positions.
+    pub(crate) fn note(&mut self, (from_ns, to_ns): (i64, i64), plan: (f64, f64), counter: f64) {
+        let off = (plan.0 - counter).max(counter - plan.1).max(0.0);
+        let gap_ns = self.0.last().map_or(0, |last| to_ns - last.time_ns);
+        debug_assert!(from_ns <= to_ns);
+        self.0.push(Look { time_ns: to_ns, gap_ns, off });
+    }
+
+    /// How far it was away at most beyond what outages explain, increments.
+    pub(crate) fn usual(&self, speed: f64) -> f64 {
+        let beyond = (0..self.0.len()).map(|place| self.0[place].off - self.outage(place, speed));
+        beyond.fold(0.0, f64::max)
+    }
+
+    /// Fails if it was ever farther away than twice what is usual and what outages explain.
+    pub(crate) fn check(&self, usual: f64, speed: f64) -> Result<(), String> {
+        for (place, look) in self.0.iter().enumerate() {
+            let allowed = 2.0 * usual + self.outage(place, speed);
+            if look.off > allowed {
+                return Err(format!(
+                    "{:.0} off the plan at {} ms, {allowed:.0} would be the outage",
+                    look.off,
+                    look.time_ns / 1_000_000
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// The way of the plan during the longest outage of late, twice: what was decided before it is acted on during it, and
+    /// made good with the exchange after it, which knows the device as late.
+    fn outage(&self, place: usize, speed: f64) -> f64 {
+        let now_ns = self.0[place].time_ns;
+        let of_late = self.0[..=place].iter().rev();
+        let of_late = of_late.take_while(|look| now_ns - look.time_ns < CATCHING_UP_NS);
+        let outage_ns = of_late.map(|look| look.gap_ns).max().unwrap_or(0);
+        #[expect(clippy::cast_precision_loss, reason = "seconds")]
+        let seconds = outage_ns as f64 * 1e-9;
+        2.0 * speed * seconds
+    }
+}
+
+#[test]
+fn a_set_point_that_is_lost_shows_and_an_outage_is_allowed_for() {
+    const MS: i64 = 1_000_000;
+    // 1000 increments/s, 10 off as usual, looked at every 10 ms; from 1 s on the axis stands for 300 ms.
+    let track = |outage: bool| {
+        let mut track = Track::default();
+        for time_ms in (0_i64..3000).step_by(10) {
+            let stands = (1000..1300).contains(&time_ms);
+            if !(outage && stands) {
+                let plan = f64::from(u32::try_from(time_ms).expect("small"));
+                let counter = if stands { 990.0 } else { plan - 10.0 };
+                track.note((time_ms * MS, time_ms * MS), (plan, plan), counter);
+            }
+        }
+        track
+    };
+    assert!(track(true).check(10.0, 1000.0).is_ok(), "the driver was waiting");
+    let lost = track(false).check(10.0, 1000.0).unwrap_err();
+    assert!(lost.starts_with("50 off the plan at 1040 ms"), "{lost}");
+    // 300 when it goes on, of which 20 are explained by looks every 10 ms.
+    assert!((track(false).usual(1000.0) - 280.0).abs() < 1e-9);
+}
