@@ -15,6 +15,7 @@ pub mod interpcnc;
 mod kept;
 mod pause;
 mod pty;
+mod question;
 mod ramp;
 mod rehearsal;
 mod slave;
@@ -35,5 +36,6 @@ pub use drive::{
 };
 pub use error::{Action, DriveError, EmulatorError, Exchange, ProtocolFault};
 pub use fault::{Direction, FaultRule, FaultyWire, When, WireFault};
+pub use question::OpenQuestion;
 pub use rehearsal::{Rehearsal, WireRates};
 pub use stamp::Stamp;

@@ -23,6 +23,7 @@ pub mod memory;
 mod mode;
 mod options;
 pub mod parameter;
+mod questions;
 mod rehearsal;
 #[cfg(test)]
 mod tests;
@@ -44,6 +45,7 @@ pub use memory::{
 pub use mode::DriveMode;
 pub use options::Bim2AxDriveOptions;
 pub use parameter::ModuleAxis;
+pub use questions::OPEN_QUESTIONS;
 pub use rehearsal::{Bim2AxRehearsal, RehearsalOptions};
 
 /// Axes of a module.

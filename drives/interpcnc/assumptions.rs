@@ -1,4 +1,6 @@
 //! What manual and published sources leave open about the board, and what is assumed instead.
+//!
+//! Paragraphs are those of the digest that the tests list (`drives/tests/assumptions.rs`).
 
 use std::time::Duration;
 
@@ -95,32 +97,32 @@ pub struct ExceptionCodes {
     reason = "each is a question of its own, answered by yes or no"
 )]
 pub struct Assumptions {
-    /// Segments that wait in the command buffer; the one that is carried out is not in it. Default 64.
+    /// Segments that wait in the command buffer; the one that is carried out is not in it (§2). Default 64.
     pub buffer_segments: u16,
-    /// Whether arguments absent from a command keep their last value; else they are 0. Default true.
+    /// Whether arguments absent from a command keep their last value; else they are 0 (§2). Default true.
     pub arguments_stay: bool,
-    /// What coil 288 reads on a locked board; writing the opposite tries to unlock. Default true.
+    /// What coil 288 reads on a locked board; writing the opposite tries to unlock (§1). Default true.
     pub lock_coil: bool,
-    /// Silence that ends a frame; none: what "MODBUS over serial line" asks for ([`Line::silence`]). Default none.
+    /// Silence that ends a frame; none: what "MODBUS over serial line" asks for ([`Line::silence`]) (§1). Default none.
     pub silence: Option<Duration>,
-    /// Registers that one frame reads at most. Default 125, as Modbus has it.
+    /// Registers that one frame reads at most (§1). Default 125, as Modbus has it.
     pub most_read: u16,
-    /// Registers that one frame writes at most. Default 123, as Modbus has it.
+    /// Registers that one frame writes at most (§1). Default 123, as Modbus has it.
     pub most_written: u16,
-    /// Parameter with the acceleration and deceleration of interpolated moves, 1000 steps/s². Default 4.
+    /// Parameter with the acceleration and deceleration of interpolated moves, 1000 steps/s² (§2). Default 4.
     pub segment_acceleration: u16,
-    /// Parameter with the start and stop frequency of interpolated moves, steps/s. Default 5.
+    /// Parameter with the start and stop frequency of interpolated moves, steps/s (§2). Default 5.
     pub segment_start_stop: u16,
-    /// Whether broadcasts (station 0) are carried out; they are never answered. If not, the driver sends none. Default
-    /// true.
+    /// Whether broadcasts (station 0) are carried out; they are never answered. If not, the driver sends none (§1).
+    /// Default true.
     pub broadcasts: bool,
     /// Exception to motion commands and output writes on a locked board; none: they are answered as usual and do
-    /// nothing. The driver says that the board is locked either way. Default none.
+    /// nothing. The driver says that the board is locked either way (§3). Default none.
     pub locked_exception: Option<u8>,
-    /// How axes stop when ENABLE is lost. Default at once.
+    /// How axes stop when ENABLE is lost (§3). Default at once.
     pub enable_loss: BoardStop,
-    /// Whether segments that wait when ENABLE is lost are carried out once the board is unlocked; the driver then empties
-    /// the buffer (command 43) before it unlocks. Default false: the buffer is emptied.
+    /// Whether segments that wait when ENABLE is lost are carried out once the board is unlocked; the driver then
+    /// empties the buffer (command 43) before it unlocks (§3). Default false: the buffer is emptied.
     pub enable_loss_keeps_segments: bool,
     /// How an axis stops that runs onto its limit switch. Default at once.
     pub limit_stop: BoardStop,
@@ -128,7 +130,7 @@ pub struct Assumptions {
     pub reversal_gap_ns: i64,
     /// Whether command 71 homes its axes one after the other, X first; else all at once. Default false.
     pub home_one_by_one: bool,
-    /// How parameter 101 says the speed. Default raw.
+    /// How parameter 101 says the speed (§4). Default raw.
     pub baud_code: BaudCode,
     /// Whether parameters 101 to 103 count from the next power-up on; else at once. Default true.
     pub line_at_restart: bool,
@@ -138,7 +140,7 @@ pub struct Assumptions {
     pub eeprom_write_ns: i64,
     /// Whether a write to a failing EEPROM is also refused with [`ExceptionCodes::failure`]. Default true.
     pub eeprom_refuses: bool,
-    /// Exception codes. Default 2, 3, 4.
+    /// Exception codes (§5). Default 2, 3, 4.
     pub exceptions: ExceptionCodes,
 }
 

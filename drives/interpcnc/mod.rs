@@ -14,6 +14,7 @@ mod follow;
 mod options;
 pub mod parameters;
 mod port;
+mod questions;
 pub mod registers;
 mod rehearsal;
 #[cfg(test)]
@@ -27,5 +28,6 @@ pub use blocking::InterpCncDrive;
 pub use command::{AxisValues, BadCommand, Command, CommandRegisters, MoveProfile};
 pub use driver::{BoardState, HomeAxis, Identity, InterpCnc, ProbeMove, Recipes, Snapshot};
 pub use options::{AxisOptions, Following, InterpCncOptions, Line, Parity};
+pub use questions::OPEN_QUESTIONS;
 pub use registers::{AxisMask, BoardAxis};
 pub use rehearsal::{InterpCncRehearsal, Prediction, predict, rehearse};

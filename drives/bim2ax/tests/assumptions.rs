@@ -143,6 +143,27 @@ async fn the_holding_current_acts_after_reset_or_at_once() {
     }
 }
 
+#[tokio::test(start_paused = true)]
+async fn homing_that_begins_on_a_cam_ends_on_one_of_its_edges() {
+    let mut eeprom = eeprom();
+    let bits = coefficient::PRESENT
+        | coefficient::CAM_CLOSES
+        | coefficient::SWITCHES_CLOSE
+        | coefficient::STAY_ON_CAM;
+    set(&mut eeprom, ModuleAxis::One, AxisParameter::Coefficient, bits.into());
+    for (cam_start, end) in [(CamStart::EdgeTaken, 0), (CamStart::FarEdge, -101)] {
+        let assumptions = Assumptions { cam_start, ..Assumptions::default() };
+        let module = ModuleOptions { assumptions, ..ModuleOptions::default() };
+        let options = Bim2AxOptions { assumptions, ..Bim2AxOptions::default() };
+        let mut rig = Rig::new(&module, &options, &eeprom, &surroundings()).await;
+        rig.rewire(|around| around.benches[0].cam = Some(Contact::between(-100, 300, true)));
+        rig.driver.home(&[ModuleAxis::One], &clock()).await.unwrap();
+        let (seen, _) = rig.driver.rested(seconds(5), &clock()).await.unwrap();
+        assert_eq!((seen.positions[0], rig.module.module().shaft(ModuleAxis::One)), (0, end));
+        assert_ne!(seen.messages[0] & message::HOMED, 0);
+    }
+}
+
 #[test]
 fn an_interrupt_may_count_without_its_status() {
     for needs_status in [true, false] {

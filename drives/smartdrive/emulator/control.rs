@@ -129,9 +129,11 @@ impl Device {
 
     /// Whether it hears anything at all.
     pub(super) fn is_alive(&self) -> bool {
-        let changing = matches!(self.phase, Phase::Changing { .. });
-        !matches!(self.phase, Phase::Booting { .. } | Phase::Dead)
-            && !(changing && self.options.assumptions.silent_while_changing)
+        match self.phase {
+            Phase::Running => true,
+            Phase::Changing { .. } => !self.options.assumptions.silent_while_changing,
+            Phase::Booting { .. } | Phase::Dead => false,
+        }
     }
 
     fn rejection(&self, code: u16) -> Vec<u8> {

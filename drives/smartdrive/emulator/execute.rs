@@ -115,9 +115,8 @@ impl Device {
             self.memory.set(parameter, value, assumed.applies_words_at_once)?;
         match assumed.set_effect {
             SetEffect::AtOnce => self.memory.take_effect(),
-            SetEffect::WithMode => {}
             SetEffect::RestartsMode if is_whole => self.change_mode(self.mode, Work::None),
-            SetEffect::RestartsMode => {}
+            SetEffect::RestartsMode | SetEffect::WithMode => {}
         }
         Ok(copies)
     }

@@ -3,8 +3,8 @@
 //! [`Device`] is pure and deterministic: it is told how much time passes, which frames arrive and what happens to its
 //! inputs. [`EmulatedBus`] serves several in real time on a pseudo-terminal.
 //!
-//! Where the manual is silent the device behaves by its [`DeviceOptions`] and their [`Assumptions`]. Beyond those (see
-//! also `super::motion`): an index that does not exist is NOTAVAILABLE, one that cannot be written and a value out of
+//! Where the manual is silent the device behaves by its [`DeviceOptions`] and their [`super::Assumptions`]. Beyond those
+//! (see also `super::motion`): an index that does not exist is NOTAVAILABLE, one that cannot be written and a value out of
 //! range are BADPARAMS; a new address counts with the next command; homing approaches at `VelEnterHome`, brakes on the
 //! switch and leaves it at `VelExitHome`; while it runs STOP ends it and other motion commands are refused as WORKING;
 //! modes with inputs use GO for GOP and START and DIR for GON; an alarm whose cause is still there comes back when a

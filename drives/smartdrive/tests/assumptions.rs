@@ -11,7 +11,7 @@ use crate::{
     smartdrive::{
         AccCurrent, Accelerations, Assumptions, BadFrame, BothBits, HomePosition, IoUpdate,
         LimitStop, Mode, RejectCode, SetEffect, SmartDrive, SmartDriveBus, SmartDriveOptions,
-        StepFrom, ZeroRate,
+        StepFrom, TrajectoryFlags, ZeroRate,
         emulator::{Cam, DeviceOptions, EmulatedBus, EmulatorOptions, HomingOptions, Input},
     },
     tests::bench::WallClock,
@@ -43,11 +43,14 @@ fn alternatives() -> Vec<Assumptions> {
     ]
 }
 
-/// A device with a home switch, which changes its mode quickly.
+/// A device with a home switch and one at its end, which changes its mode quickly.
 fn device(assumptions: Assumptions) -> DeviceOptions {
     DeviceOptions {
         assumptions,
-        cams: vec![Cam { input: Input::Dir, from: -4000.0, to: -1000.0 }],
+        cams: vec![
+            Cam { input: Input::Dir, from: -4000.0, to: -1000.0 },
+            Cam { input: Input::LimP, from: 75_000.0, to: 1e6 },
+        ],
         homing: HomingOptions { input: Input::Dir, ..HomingOptions::default() },
         mode_change: Duration::from_millis(50),
         ..DeviceOptions::default()
@@ -87,6 +90,11 @@ fn the_driver_copes_with_every_alternative() {
                 assert_eq!(found, expected, "{assumed:?}");
                 bus.step(1, -100, None).await.unwrap();
                 assert_eq!(rest(bus).await, 2900, "{assumed:?}");
+                // From the target under way, or from somewhere before it.
+                bus.go_to(1, 8000, None).await.unwrap();
+                bus.step(1, 100, None).await.unwrap();
+                let stepped = rest(bus).await;
+                assert_eq!(stepped == 8100, assumed.step_from == StepFrom::Target, "{assumed:?}");
                 // LED on, BRK as it is.
                 let both = IoUpdate { set: 4 | 2, clear: 2, ..IoUpdate::default() };
                 assert_eq!(bus.io(1, both).await.unwrap().levels & 7, 4, "{assumed:?}");
@@ -106,6 +114,15 @@ fn the_driver_copes_with_every_alternative() {
                 }
                 let home = if assumed.home_position == HomePosition::IsOffset { -50 } else { 0 };
                 assert_eq!(bus.home(1).await.unwrap(), home, "{assumed:?}");
+                // Onto the limit switch and back.
+                bus.set_parameter(1, 28, -100_000).await.unwrap();
+                bus.set_mode(1, Some(Mode::Remote)).await.unwrap();
+                bus.start(1, 500, 0).await.unwrap();
+                let stands = rest(bus).await;
+                let (state, _) = bus.state(1, &no_clock).await.unwrap();
+                assert!(state.flags.contains(TrajectoryFlags::LIMITED_P), "{assumed:?}");
+                bus.go_to(1, stands - 500, None).await.unwrap();
+                assert_eq!(rest(bus).await, stands - 500, "{assumed:?}");
             },
         );
     }

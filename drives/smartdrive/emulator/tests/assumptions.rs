@@ -66,7 +66,7 @@ fn codes_and_lengths_may_be_refused_otherwise() {
 
 #[test]
 fn a_bit_in_both_bytes_of_ioupdate_sets_or_clears() {
-    let update = |set, clear| Command::IoUpdate(IoUpdate { set, clear, ..IoUpdate::default() });
+    let update = |set, clear| Command::IoUpdate(IoUpdate { clear, set, ..IoUpdate::default() });
     for (both_bits, expected) in
         [(BothBits::Unchanged, [0, 4]), (BothBits::Set, [4, 4]), (BothBits::Clear, [0, 0])]
     {
