@@ -11,20 +11,20 @@ use twin_drives::interpcnc::emulator as board;
 use twin_drives::smartdrive::Mode;
 use twin_drives::smartdrive::emulator as bus;
 
-fn clock() -> impl Fn() -> i64 + Send + Sync {
+pub(crate) fn clock() -> impl Fn() -> i64 + Send + Sync {
     let clock = Clock::start();
     move || clock.now_ns()
 }
 
 /// `twin drive FAMILY --port PATH OPTIONS ACTION`.
-struct Hand {
-    desk: Desk,
+pub(crate) struct Hand {
+    pub(crate) desk: Desk,
     words: Vec<String>,
 }
 
 impl Hand {
     /// With a deadline that an emulator keeps beside other tests and builds.
-    fn new(family: &str, port: &str, options: &[&str]) -> Self {
+    pub(crate) fn new(family: &str, port: &str, options: &[&str]) -> Self {
         let words = [&["drive", family, "--port", port][..], options].concat();
         Self { desk: Desk::new(), words: words.into_iter().map(str::to_owned).collect() }
     }
@@ -33,14 +33,14 @@ impl Hand {
         self.words.iter().map(String::as_str).chain(action.iter().copied()).collect()
     }
 
-    fn tries(&self, action: &str) -> Done {
+    pub(crate) fn tries(&self, action: &str) -> Done {
         let words: Vec<_> = action.split(' ').collect();
         self.desk.twin(&self.arguments(&words))
     }
 
     /// It is done.
     #[track_caller]
-    fn does(&self, action: &str) -> Done {
+    pub(crate) fn does(&self, action: &str) -> Done {
         let done = self.tries(action);
         done.ended(0, "");
         done
@@ -48,7 +48,7 @@ impl Hand {
 
     /// It is refused, with these words.
     #[track_caller]
-    fn refuses(&self, action: &str, words: &str) {
+    pub(crate) fn refuses(&self, action: &str, words: &str) {
         let done = self.tries(action);
         done.ended(2, words);
         assert_eq!(done.stdout, "");
@@ -63,7 +63,7 @@ impl Hand {
 
 /// The row of a table that has this word in this column, in words.
 #[track_caller]
-fn row<'a>(done: &'a Done, column: usize, word: &str) -> Vec<&'a str> {
+pub(crate) fn row<'a>(done: &'a Done, column: usize, word: &str) -> Vec<&'a str> {
     let mut rows = done.stdout.lines().map(|line| line.split_whitespace().collect::<Vec<_>>());
     let found = rows.find(|row| row.get(column) == Some(&word));
     found.unwrap_or_else(|| panic!("no {word} in column {column} of\n{}", done.stdout))
@@ -186,7 +186,7 @@ fn a_port_that_is_not_there_is_named_with_station_and_command() {
 }
 
 /// Drives at addresses 1 and 3, the home switch of the first on DIR, 1000 to 3000 µsteps behind the start.
-fn a_bus(flash: Vec<Vec<u8>>) -> (bus::EmulatedBus, Hand) {
+pub(crate) fn a_bus(flash: Vec<Vec<u8>>) -> (bus::EmulatedBus, Hand) {
     let first = bus::DeviceOptions {
         cams: vec![bus::Cam { input: bus::Input::Dir, from: -3000.0, to: -1000.0 }],
         homing: bus::HomingOptions { input: bus::Input::Dir, ..bus::HomingOptions::default() },
@@ -281,7 +281,7 @@ fn ctrl_c_and_stop_bring_a_smartdrive_to_rest() {
 }
 
 /// A module on a memory file, both cams from −900 to −400 µsteps, a + end switch at 8000.
-fn a_module() -> (module::EmulatedModule, Hand) {
+pub(crate) fn a_module() -> (module::EmulatedModule, Hand) {
     let hand = Hand::new("bim2ax", "module", &["--deadline", "1500"]);
     let mut options = module::EmulatorOptions::new(&hand.desk.path("module"));
     options.module.boot_ns = 1_000_000;
@@ -442,4 +442,25 @@ fn an_axis_is_homed_by_a_switch_that_the_drive_only_shows() {
     let board = running.stop().expect("it runs");
     assert!(board.status().moving().is_empty());
     assert!((board.mechanical(BoardAxis::X) + 800.0).abs() <= 1.0);
+}
+
+/// What a family has no need of, or has not, is told in words.
+#[test]
+fn what_a_family_does_not_have_is_said() {
+    let none = |family| Hand::new(family, "nowhere", &[]);
+    for (family, word) in [("interpcnc", "an InterpCNC keeps"), ("bim2ax", "a BIM2AX keeps")] {
+        let said = none(family).does("save").stdout;
+        assert!(said.contains(word) && said.contains("when they are set"), "{said}");
+    }
+    none("bim2ax").refuses("outputs", "a BIM2AX has no outputs");
+    none("bim2ax").refuses("outputs 1=on", "a BIM2AX has no outputs");
+    // Wrong words come with those there are.
+    none("interpcnc").refuses("jog Q 5", "the axes are X, Y, Z, A, B");
+    none("bim2ax").refuses("move 3 5", "the axes are 1 and 2");
+    none("smartdrive").refuses("scan --addresses 0-40", "FIRST-LAST within 1-31");
+    none("smartdrive").refuses("--address 32 status", "1..=31");
+    for (family, word) in [("interpcnc", "sttaus"), ("smartdrive", "sttaus"), ("bim2ax", "sttaus")]
+    {
+        none(family).refuses(word, "status");
+    }
 }

@@ -1,5 +1,6 @@
 //! Emulated drives as processes of their own, and what is done to them through their control sockets.
 
+use crate::drive::row;
 use crate::process::Desk;
 use std::io::{BufRead, BufReader, Write};
 use std::os::unix::net::UnixStream;
@@ -104,4 +105,176 @@ fn family_word(family: &str) -> &'static str {
         "smartdrive" => "1",
         _ => "bim2ax",
     }
+}
+
+/// The board's home switch, limit switch and encoder, from a file and from the command line.
+#[test]
+fn a_board_starts_with_switches_and_an_encoder() {
+    let desk = Desk::new();
+    let bench = "# around the board\ncam 5 x ..-300  # home\n\nencoder X 4000 3200 --turn 4000\n";
+    desk.write("bench.txt", bench);
+    let start = ["emulate", "interpcnc", "--link", "board", "--bench", "bench.txt"];
+    let more = ["--with", "cam 7 X 900.. --opens", "--with", "input 9 on", "--speed", "4"];
+    let drive = |action: &str| {
+        let words = ["drive", "interpcnc", "--port", "board", "--deadline", "1500", "--yes"];
+        let words = words.into_iter().chain(action.split(' '));
+        desk.twin(&words.collect::<Vec<_>>())
+    };
+    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &[&start[..], &more].concat(), || {
+        let inputs = drive("inputs");
+        let level = |number| row(&inputs, 0, number)[1].to_owned();
+        // One that opens is closed until it is pressed.
+        assert_eq!([level("5"), level("7"), level("9")], ["off", "on", "on"]);
+        drive("unlock").ended(0, "");
+        for setting in [
+            "home-input-x 5",
+            "home-direction-x 0",
+            "home-speed-x 4000",
+            "home-acceleration-x 100",
+            "home-start-stop 200",
+            "home-slow-speed 500",
+            "home-polarity 0",
+            "zero-after-homing 1",
+            "limit-plus-input-x 7",
+            "limit-plus-polarity-x 1",
+        ] {
+            drive(&format!("set {setting}")).ended(0, "");
+        }
+        // 640 steps forth are 800 edges.
+        drive("move X 640").ended(0, "");
+        assert_eq!(row(&drive("inputs"), 0, "encoder")[1], "800");
+        drive("home X").ended(0, "");
+        // Home is where the switch opens, 300 steps behind the start: -375 edges.
+        let edges: i32 = row(&drive("inputs"), 0, "encoder")[1].parse().expect("a number");
+        assert!((-377..=-373).contains(&edges), "{edges}");
+        // The limit switch is 900 steps from the start, 1200 from home.
+        assert_eq!(drive("move X 3000").status, Some(2));
+        let status = drive("status");
+        assert!(status.stdout.contains("on a limit switch"), "{}", status.stdout);
+        let stands: i32 = row(&status, 0, "X")[1].parse().expect("a position");
+        assert!((1200..1250).contains(&stands), "{stands}");
+    });
+    done.ended(0, "");
+}
+
+/// Home switch, limit switch and homing input of two drives.
+#[test]
+fn drives_of_a_bus_start_with_switches() {
+    let desk = Desk::new();
+    let start = ["emulate", "smartdrive", "--link", "bus", "--address", "1,3", "--speed", "2"];
+    let with = ["cam 3 dir -3000..-1000", "homing 3 dir", "cam 3 limp 2000..", "cam 1 go ..500"];
+    let with: Vec<_> = with.into_iter().flat_map(|words| ["--with", words]).collect();
+    let drive = |action: &str| {
+        let words = ["drive", "smartdrive", "--port", "bus", "--deadline", "1500", "--yes"];
+        let words = words.into_iter().chain(action.split(' '));
+        desk.twin(&words.collect::<Vec<_>>())
+    };
+    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &[&start[..], &with].concat(), || {
+        while drive("status").status != Some(0) {}
+        assert_eq!(row(&drive("--address 3 inputs"), 0, "DIR")[1], "off");
+        drive("--address 3 unlock").ended(0, "");
+        drive("--address 3 home").ended(0, "");
+        let found = drive("--address 3 status");
+        assert_eq!(row(&found, 0, "3")[5], "0");
+        // 1000 µsteps behind the start is home: the limit switch is 3000 µsteps from there.
+        assert_eq!(drive("--address 3 move 9000").status, Some(2));
+        let found = drive("--address 3 status");
+        assert!(found.stdout.contains("stopped by LIMP"), "{}", found.stdout);
+        assert_eq!(row(&drive("--address 3 inputs"), 0, "LIMP")[1], "on");
+        drive("unlock").ended(0, "");
+        drive("jog -10").ended(0, "");
+        assert_eq!(row(&drive("inputs"), 0, "GO")[1], "on");
+    });
+    done.ended(0, "");
+}
+
+/// Cam, end switch, encoder and rating of a module.
+#[test]
+fn a_module_starts_with_switches_and_an_encoder() {
+    let desk = Desk::new();
+    let start = ["emulate", "bim2ax", "--link", "module", "--rating-ma", "1000", "--speed", "2"];
+    let with = ["place 1 cam -900..-400", "place 1 plus 9000.. --opens", "axis-plug 2 1234"];
+    let encoder = "encoder 1 incremental --points 2000 --microsteps 3200";
+    let with: Vec<_> =
+        with.into_iter().chain([encoder]).flat_map(|words| ["--with", words]).collect();
+    let drive = |action: &str| {
+        let words = ["drive", "bim2ax", "--port", "module", "--deadline", "1500", "--yes"];
+        let words = words.into_iter().chain(action.split(' '));
+        desk.twin(&words.collect::<Vec<_>>())
+    };
+    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &[&start[..], &with].concat(), || {
+        while drive("status").status != Some(0) {}
+        assert_eq!(row(&drive("scan"), 0, "BIM2AX-BOCM")[2..4], ["1000", "mA"]);
+        drive("set encoder-definition-1 1").ended(0, "");
+        drive("reset").ended(0, "");
+        drive("unlock 1").ended(0, "");
+        drive("move 1 3200").ended(0, "");
+        let inputs = drive("inputs");
+        assert!(inputs.stdout.contains("incremental"), "{}", inputs.stdout);
+        let points = inputs.stdout.lines().find(|line| line.contains("incremental"));
+        let points = points.and_then(|line| line.split_whitespace().nth(2)).expect("a row");
+        assert_eq!(points, "2000");
+        drive("home 1").ended(0, "");
+        assert_eq!(row(&drive("status"), 0, "1")[1..3], ["0", "home"]);
+    });
+    done.ended(0, "");
+}
+
+/// What a device is told to store is there although it was killed.
+#[test]
+fn what_is_stored_survives_a_kill() {
+    let desk = Desk::new();
+    let families = [
+        ("interpcnc", &["set home-speed-x 4321"][..], "get home-speed-x", "4321"),
+        ("smartdrive", &["set trj_velmax 321", "save"], "get trj_velmax", "321"),
+        ("bim2ax", &["set fast-speed-1 432"], "get fast-speed-1", "432"),
+    ];
+    for (family, actions, question, answer) in families {
+        let store = format!("{family}.store");
+        for (link, signal) in [("first", "-KILL"), ("second", "-INT")] {
+            let link = format!("{family}.{link}");
+            let start = ["emulate", family, "--link", &link, "--eeprom", &store];
+            let drive = |action: &str| {
+                let words = ["drive", family, "--port", &link, "--deadline", "1500"];
+                desk.twin(&words.into_iter().chain(action.split(' ')).collect::<Vec<_>>())
+            };
+            let done = desk.meanwhile(signal, "Ctrl-C ends it", &start, || {
+                while drive("status").status != Some(0) {}
+                if signal == "-KILL" {
+                    for action in actions {
+                        drive(action).ended(0, "");
+                    }
+                }
+                let found = drive(question);
+                assert!(found.stdout.contains(answer), "{family}: {}", found.stdout);
+            });
+            assert_eq!(done.status, if signal == "-KILL" { None } else { Some(0) });
+        }
+    }
+    desk.write("wrong.store", "mine");
+    for family in ["interpcnc", "smartdrive"] {
+        desk.twin(&["emulate", family, "--link", "other", "--eeprom", "wrong.store"])
+            .ended(2, "wrong.store: this is no image");
+    }
+}
+
+/// What is wrong with words, where they stand, and what is allowed.
+#[test]
+fn words_that_are_wrong_are_named_with_their_line() {
+    let desk = Desk::new();
+    desk.write("bench.txt", "cam 5 X ..-300\ncam 33 X 1..2\n");
+    let said = |family: &str, option: &str, value: &str, why: &str| {
+        desk.twin(&["emulate", family, "--link", "link", option, value]).ended(2, why);
+    };
+    said("interpcnc", "--bench", "bench.txt", "bench.txt:2: `cam 33 X 1..2`: invalid value '33'");
+    said("interpcnc", "--bench", "bench.txt", "33 is not in 1..=32");
+    said("interpcnc", "--bench", "none.txt", "--bench none.txt: No such file");
+    said("interpcnc", "--with", "cam 5 Q 1..2", "[possible values: x, y, z, a, b]");
+    said("interpcnc", "--with", "cam 5 X 9..2", "begins at 9, which must lie below its end 2");
+    said("interpcnc", "--with", "dance", "there are enable, input");
+    said("interpcnc", "--with", "cam 5", "<AXIS>");
+    said("smartdrive", "--with", "cam 9 dir 1..2", "no drive has address 9; there are [1]");
+    said("bim2ax", "--with", "place 1 cam 5", "expected FROM..TO");
+    said("bim2ax", "--with", "help place", "--opens");
+    said("bim2ax", "--rating-ma", "3000", "1000, 2000 or 5000 mA");
 }

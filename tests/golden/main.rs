@@ -15,6 +15,8 @@ mod check_limits;
 mod collision;
 mod compare;
 mod drive;
+mod drive_home;
+mod drive_stop;
 mod emulate;
 mod in_loop;
 mod limit;

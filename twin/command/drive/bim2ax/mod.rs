@@ -133,7 +133,7 @@ enum Action {
     Reset,
     /// Say that there is nothing to do: the module keeps parameters when they are set
     Save,
-    /// Show end switches and home cams
+    /// Show end switches, home cams and encoders
     Inputs,
     /// Say that there are none
     Outputs {

@@ -4,7 +4,7 @@ use super::super::session::{Session, no_clock};
 use super::super::words::{self, on_off};
 use super::module::{Module, of};
 use crate::command::{Failure, show};
-use twin_drives::bim2ax::bits::{card, message};
+use twin_drives::bim2ax::bits::{card, encoder_message, message};
 use twin_drives::bim2ax::zone::Positions;
 use twin_drives::bim2ax::{Identity, ModuleAxis, describe_messages};
 
@@ -55,5 +55,41 @@ pub(super) fn inputs(session: &Session, module: &mut Module) -> Result<(), Failu
         table.add_row([axis.number().to_string(), plus, minus, cam]);
     }
     println!("{table}");
+    encoders(session, module)
+}
+
+/// The encoders that the module has recognised.
+fn encoders(session: &Session, module: &mut Module) -> Result<(), Failure> {
+    const KINDS: [(u16, &str); 3] = [
+        (encoder_message::INCREMENTAL, "incremental"),
+        (encoder_message::SSI, "SSI"),
+        (encoder_message::ENDAT, "EnDat"),
+    ];
+    let (seen, _) = session.ask(module.driver.encoder_points(&no_clock))?;
+    let mut table = show::table();
+    table.set_header(["axis", "encoder", "points", "state"]);
+    let mut any = false;
+    for axis in ModuleAxis::ALL {
+        let (points, messages) = of(&seen, axis);
+        let Some((_, kind)) = KINDS.iter().find(|(bit, _)| messages & bit != 0) else { continue };
+        let facts = [
+            (encoder_message::FAULT, "fault"),
+            (encoder_message::ALARM, "alarm"),
+            (encoder_message::DIVISOR_ZERO, "divisor is 0"),
+        ];
+        let said: Vec<_> = facts.iter().filter(|(bit, _)| messages & bit != 0).collect();
+        let said: Vec<_> = said.into_iter().map(|(_, what)| *what).collect();
+        let number = axis.number().to_string();
+        table.add_row([
+            number.into(),
+            (*kind).into(),
+            words::right(points),
+            said.join(", ").into(),
+        ]);
+        any = true;
+    }
+    if any {
+        println!("{table}");
+    }
     Ok(())
 }

@@ -142,7 +142,7 @@ enum Action {
     },
     /// Say that there is nothing to do: the board keeps parameters when they are set
     Save,
-    /// Show inputs
+    /// Show inputs, encoder and pulse counters
     Inputs,
     /// Show outputs, after switching some
     Outputs {

@@ -93,6 +93,16 @@ pub(super) fn inputs(session: &Session, board: &mut InterpCnc) -> Result<(), Fai
     for (number, value) in (1..).zip(seen.analog_inputs) {
         table.add_row([right(format!("analog {number}")), right(value)]);
     }
+    match session.ask(board.counters(&no_clock)) {
+        Ok((encoder, [a, b])) => {
+            table.add_row([right("encoder"), right(encoder)]);
+            table.add_row([right("pulses A"), right(a)]);
+            table.add_row([right("pulses B"), right(b)]);
+        }
+        // Boards have them from V2.1D on.
+        Err(Failure::Drive(DriveError::Device { .. })) => {}
+        Err(other) => return Err(other),
+    }
     println!("{table}");
     Ok(())
 }

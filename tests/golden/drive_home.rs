@@ -1,0 +1,44 @@
+//! `twin drive … home --by-switch`: switches that the drive only shows.
+
+use crate::drive::{a_bus, a_module, row};
+use twin_drives::bim2ax::emulator::Event;
+use twin_drives::bim2ax::{Contact, ModuleAxis};
+
+/// As a look at the switch takes, some tens of µsteps at the slow speed, with the time of this computer.
+const LATE: f64 = 150.0;
+
+/// The switch on DIR is pressed from 3000 to 1000 µsteps behind the start: backwards onto it, and slowly off it again, is home.
+#[test]
+fn a_smartdrive_is_homed_by_a_switch_at_an_input() {
+    let (running, hand) = a_bus(Vec::new());
+    // Inputs are GO, DIR, OFF, LIMP, LIMN. No home switch is known of this drive.
+    hand.refuses("home --by-switch 0 --yes", "home switch");
+    let ask = "home --by-switch 0 --input 2 --fast 3200 --slow 534 --max-way 5000";
+    hand.refuses(ask, "towards - until input 2 says so, 5000 increments at most");
+    let homed = hand.does(&format!("{ask} --yes"));
+    assert!(homed.stdout.contains("drive 1 is home, at "), "{}", homed.stdout);
+    let seen = hand.does("status");
+    let counter: f64 = row(&seen, 0, "1")[5].parse().expect("a position");
+    let devices = running.stop().expect("it runs");
+    let home = devices[0].mechanical() - counter;
+    assert!((home + 1000.0).abs() <= LATE, "{home}");
+}
+
+/// The cam of axis 1 reaches from 400 µsteps behind the start on backwards.
+#[test]
+fn an_axis_of_a_bim2ax_is_homed_by_its_cam_and_by_an_input() {
+    let (running, hand) = a_module();
+    let mut surroundings = *running.module().surroundings();
+    surroundings.benches[0].cam = Some(Contact::below(-400, true));
+    running.module().happen(Event::Surroundings(Box::new(surroundings)));
+    hand.refuses("home 1 2 --by-switch 0 --yes", "homes one axis at a time");
+    // Inputs of the axis are its end switches + and -, and its cam.
+    for switch in ["", " --input 3"] {
+        let ask = format!("home 1 --by-switch 0{switch} --fast 3200 --slow 800 --max-way 8000");
+        let homed = hand.does(&format!("{ask} --yes"));
+        assert!(homed.stdout.contains("axis 1 is home, at "), "{}", homed.stdout);
+        let module = running.module();
+        let counted = module.shaft(ModuleAxis::One) - i64::from(module.position(ModuleAxis::One));
+        assert!((-400..=-400 + 150).contains(&counted), "{counted}");
+    }
+}

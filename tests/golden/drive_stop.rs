@@ -1,0 +1,73 @@
+//! `twin drive … stop` goes out first, whatever else is wrong.
+
+use crate::drive::{Hand, a_bus, a_module};
+use std::time::Duration;
+use twin_drives::bim2ax::emulator::{EmulatedModule, Event};
+use twin_drives::bim2ax::{Bim2AxDrive, Bim2AxDriveOptions, MemoryFile, ModuleAxis};
+use twin_drives::smartdrive::emulator as bus;
+use twin_drives::{Drive, MAX_DRIVE_AXES};
+
+/// A module whose axis 1 runs far, left alone by its master.
+fn runaway() -> (EmulatedModule, Hand) {
+    let (running, hand) = a_module();
+    let memory = MemoryFile::open(running.path()).expect("a memory file");
+    let mut options = Bim2AxDriveOptions::new();
+    options.axes = vec![ModuleAxis::One];
+    options.driver.deadline = Duration::from_millis(1500);
+    let mut drive = Bim2AxDrive::new("module", memory, &options).expect("it is there");
+    drive.enable().expect("it is in order");
+    let mut target = [0; MAX_DRIVE_AXES];
+    target[0] = -4_000_000;
+    let mut speed = [0.0; MAX_DRIVE_AXES];
+    speed[0] = 4000.0;
+    drive.move_to(&target, &speed).expect("it moves");
+    drop(drive);
+    (running, hand)
+}
+
+fn stands(running: &EmulatedModule) -> bool {
+    running.module().velocity(ModuleAxis::One).abs() < f64::EPSILON
+}
+
+#[test]
+fn a_bim2ax_with_a_wrong_check_sum_is_stopped() {
+    for stop in ["stop", "stop --now"] {
+        let (running, hand) = runaway();
+        running.module().happen(Event::SpoilEeprom);
+        // Nothing else is possible.
+        hand.refuses("status", "check sum");
+        assert!(!stands(&running));
+        hand.does(stop);
+        assert!(stands(&running), "{stop}");
+    }
+}
+
+/// Read in the other byte order, the order for a hard stop would be that for homing.
+#[test]
+fn a_bim2ax_in_the_other_byte_order_is_stopped() {
+    for stop in ["--little-endian stop", "--little-endian stop --now"] {
+        let (running, hand) = runaway();
+        hand.refuses("--little-endian status", "byte order");
+        assert!(!stands(&running));
+        let done = hand.does(stop);
+        done.ended(0, "see --little-endian");
+        assert!(stands(&running), "{stop}");
+        let stood = running.module().shaft(ModuleAxis::One);
+        // At rest, neither stop makes it move.
+        hand.does(stop);
+        assert!(running.module().shaft(ModuleAxis::One) == stood && stands(&running), "{stop}");
+    }
+}
+
+/// One that is in alarm has stopped by itself; a stop of it is no error, and the others of the bus are left alone.
+#[test]
+fn a_smartdrive_is_stopped_whatever_state_it_is_in() {
+    let (running, hand) = a_bus(Vec::new());
+    hand.does("stop");
+    hand.does("unlock");
+    let alarms = twin_drives::smartdrive::Alarms::OVERTEMPERATURE;
+    running.happen(0, bus::Event::Fault { alarms, present: true }).expect("it runs");
+    hand.does("stop");
+    running.happen(0, bus::Event::Fault { alarms, present: false }).expect("it runs");
+    assert_eq!(hand.does("stop --now").stdout, "off\n");
+}
