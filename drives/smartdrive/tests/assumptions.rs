@@ -2,6 +2,12 @@
 
 use std::{cell::Cell, time::Duration};
 
+use tokio::{
+    io::{AsyncReadExt, AsyncWriteExt, duplex},
+    sync::mpsc,
+    time::{Instant, sleep, timeout},
+};
+
 use super::{
     requests::with_spoilt,
     wire::{axis, no_clock},
@@ -9,10 +15,14 @@ use super::{
 use crate::{
     Drive, DriveError, ParameterId,
     smartdrive::{
-        AccCurrent, Accelerations, Assumptions, BadFrame, BothBits, HomePosition, IoUpdate,
-        LimitStop, Mode, RejectCode, SetEffect, SmartDrive, SmartDriveBus, SmartDriveOptions,
-        StepFrom, TrajectoryFlags, ZeroRate,
-        emulator::{Cam, DeviceOptions, EmulatedBus, EmulatorOptions, HomingOptions, Input},
+        AccCurrent, Accelerations, Assumptions, BadFrame, BothBits, Command, Execution,
+        HomePosition, IoUpdate, LimitStop, Mode, RejectCode, SetEffect, SmartDrive, SmartDriveBus,
+        SmartDriveOptions, StepFrom, TrajectoryFlags, ZeroRate,
+        emulator::{
+            Cam, Device, DeviceOptions, EmulatedBus, EmulatorOptions, HomingOptions, Input, Wire,
+            serve,
+        },
+        frame::{Answer, encode},
     },
     tests::bench::WallClock,
 };
@@ -236,4 +246,52 @@ fn a_deceleration_of_0_is_checked_as_it_is_assumed() {
             }
         }
     }
+}
+
+/// What a device in mode remote, which runs at 300 rpm, answers to a PING that comes in two pieces.
+async fn answer_to_pieces(wire: Wire, pause: Duration) -> Option<i32> {
+    let options = DeviceOptions { configured_mode: Mode::Remote, ..DeviceOptions::default() };
+    let mut device = Device::new(&options);
+    device.handle(&encode(1, &Command::Start { speed: 300, rate: 0 })).unwrap();
+    device.advance(1_000_000_000);
+    let (mut near, far) = duplex(4096);
+    let (_hand, control) = mpsc::channel(1);
+    let served = tokio::spawn(async move {
+        let zero = Instant::now();
+        let clock = move || i64::try_from(zero.elapsed().as_nanos()).unwrap();
+        serve(far, vec![device], &wire, &clock, control).await
+    });
+    let ping = encode(1, &Command::Ping);
+    near.write_all(&ping[..3]).await.unwrap();
+    sleep(pause).await;
+    near.write_all(&ping[3..]).await.unwrap();
+    let mut answer = [0; 9];
+    let answered = timeout(Duration::from_secs(1), near.read_exact(&mut answer)).await;
+    served.abort();
+    answered.ok().map(|read| {
+        read.unwrap();
+        Answer::decode(&answer).unwrap().number()
+    })
+}
+
+#[tokio::test(start_paused = true)]
+async fn the_silence_that_ends_a_frame_can_be_chosen() {
+    let pause = Duration::from_millis(10);
+    for (silence_ms, answers) in [(5, false), (20, true)] {
+        let frame_timeout = Duration::from_millis(silence_ms);
+        let wire = Wire { frame_timeout, ..Wire::default() };
+        assert_eq!(answer_to_pieces(wire, pause).await.is_some(), answers, "{silence_ms}");
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn the_instant_of_execution_can_be_chosen() {
+    let mut shown = Vec::new();
+    for execution in [Execution::OnArrival, Execution::Between, Execution::BeforeAnswer] {
+        let wire = Wire { response: Duration::from_millis(40), execution, ..Wire::default() };
+        shown.push(answer_to_pieces(wire, Duration::ZERO).await.unwrap());
+    }
+    // 16000 µsteps/s: 320 µsteps in 20 ms.
+    let later: Vec<_> = shown.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    assert!(later.iter().all(|way| (way - 320).abs() <= 1), "{shown:?}");
 }
