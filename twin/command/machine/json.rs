@@ -1,6 +1,6 @@
 //! A machine for other programs: one object on one line.
 
-use super::Facts;
+use super::{Facts, devices};
 use crate::machine::{Axis, Collision, Machine};
 use crate::physics::{Obstacle, ObstacleKind, Part};
 use crate::workspace::{Cut, Example, MeasureAt, Section};
@@ -19,7 +19,9 @@ pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()
         "file": machine.path.display().to_string(),
         "kind": machine.kind,
         "kinematics": dimensions,
-        "axes": machine.axes.iter().map(axis).collect::<Vec<_>>(),
+        "axes": machine.axes.iter().map(|one| axis(machine, one)).collect::<Vec<_>>(),
+        "drives": devices::drives(machine),
+        "payload": devices::payload(machine),
         "moving_mass_kg": machine.moving_mass(),
         "links": machine.model.links.iter().map(|link| &link.name).collect::<Vec<_>>(),
         "collision": machine.collision.as_ref().map(|collision| self::collision(machine, collision)),
@@ -99,7 +101,7 @@ fn millimetres<const N: usize>(metres: [f64; N]) -> Vec<f64> {
     metres.map(|value| value * 1e3).to_vec()
 }
 
-fn axis(axis: &Axis) -> Value {
+fn axis(machine: &Machine, axis: &Axis) -> Value {
     json!({
         "name": axis.name,
         "kind": format!("{:?}", axis.kind).to_lowercase(),
@@ -111,6 +113,8 @@ fn axis(axis: &Axis) -> Value {
         "headroom_percent": (axis.headroom * 1e4).round() / 1e2,
         "acceleration": axis.from_si(axis.max_acceleration),
         "jerk": axis.max_jerk.map(|jerk| axis.from_si(jerk)),
+        "motor": devices::motor(axis),
+        "drive": devices::of_axis(machine, axis),
     })
 }
 

@@ -1,5 +1,6 @@
 //! `twin machine`: what a machine file describes, and what the machine can do.
 
+mod devices;
 mod json;
 mod motors;
 mod text;
