@@ -209,6 +209,7 @@ fn the_device_takes_every_command_and_gives_every_answer() {
         bench.play(number).unwrap();
         assert_eq!(bench.parameter(parameter).1, value, "vector {number}");
     }
+    assert!(bench.play(6).is_some(), "refusals show the position");
     bench.play(31).unwrap();
     assert_eq!(bench.play(9), Some(vector(35)));
     bench.device.advance(250 * MS);
@@ -229,6 +230,9 @@ fn the_device_takes_every_command_and_gives_every_answer() {
     bench.play(7).unwrap();
     bench.device.advance(21 * MS);
     assert_eq!(bench.play(1), Some(vector(8)));
+    let Bench { ledger, .. } = bench;
+
+    let mut bench = Bench::remote(ledger);
     bench.device.set_supply(12);
     assert_eq!(bench.play(1), Some(vector(3)));
     bench.ledger.assert_complete();
