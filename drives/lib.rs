@@ -2,6 +2,7 @@
 //!
 //! This crate knows increments, registers and wires; it never learns which machine hangs on the axes.
 
+mod assumed;
 pub mod axis;
 pub mod bim2ax;
 mod clock;
@@ -25,6 +26,7 @@ mod stamp;
 mod tests;
 mod transport;
 
+pub use assumed::{Assumed, AssumedError};
 pub use clock::{Accelerated, Clock, Speed};
 pub use control::Control;
 pub use device::{

@@ -11,6 +11,7 @@
 //!
 //! Source: "Module BIM2AX-BOCM, Manuel d'utilisation", MUT/0712/0206D, revision D of May 2013.
 
+mod assumed;
 mod assumptions;
 mod axis;
 pub mod bits;

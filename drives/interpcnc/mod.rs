@@ -5,6 +5,7 @@
 //!
 //! Source: "Carte d'axe SOPROLEC InterpCNC V2.1, Protocole de communication MODBUS" (firmware up to 5.30).
 
+mod assumed;
 mod assumptions;
 mod blocking;
 mod command;

@@ -7,6 +7,7 @@
 //!
 //! Source: "SmartDRIVE v1.2 - Protocole série ATB".
 
+mod assumed;
 mod assumptions;
 mod blocking;
 mod command;

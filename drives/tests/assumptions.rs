@@ -10,7 +10,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::{OpenQuestion, bim2ax, interpcnc, smartdrive};
+use crate::{Assumed, AssumedError, OpenQuestion, bim2ax, interpcnc, smartdrive};
 
 /// Lines of the digest of InterpCNC, and how many assumptions stand on each.
 const INTERPCNC: [(u16, usize); 9] =
@@ -155,4 +155,39 @@ fn fields_are_told_apart() {
     let seen = fields(&Outer { one: 1, many: Some((2, 3)), last: Inner { one: 4 } });
     let expected = [("last", "Inner{one:4}"), ("many", "Some((23))"), ("one", "1")];
     assert!(seen.iter().map(|(name, value)| (name.as_str(), value.as_str())).eq(expected));
+}
+
+/// Every field can be set by its name, to everything that is said to be allowed, and to nothing else.
+fn check_names<A: Assumed + std::fmt::Debug + PartialEq>() {
+    let assumed = fields(&A::default());
+    for field in assumed.keys() {
+        assert!(A::NAMES.iter().any(|name| name.starts_with(field.as_str())), "{field}");
+    }
+    for name in A::NAMES {
+        assert!(A::question(name).is_some(), "{name} answers no question");
+        let allowed = A::allowed(name).unwrap();
+        let (mut seen, mut count) = (Vec::new(), 0);
+        for value in allowed.split(" or ").flat_map(|part| part.split(" to ")) {
+            let mut changed = A::default();
+            changed.set(&name.replace('_', "-"), value).unwrap();
+            if !seen.contains(&changed) {
+                seen.push(changed);
+            }
+            count += 1;
+        }
+        // Each value is another assumption, and not all are the usual one.
+        assert_eq!(seen.len(), count, "{name}: {allowed}");
+        assert!(count > 1, "{name}: {allowed}");
+        let wrong = A::default().set(name, "perhaps");
+        assert!(matches!(wrong, Err(AssumedError::Value { .. })), "{wrong:?}");
+    }
+    let unknown = A::default().set("nonsense", "true").unwrap_err().to_string();
+    assert!(A::NAMES.iter().all(|name| unknown.contains(name)), "{unknown}");
+}
+
+#[test]
+fn every_assumption_has_a_name() {
+    check_names::<interpcnc::Assumptions>();
+    check_names::<smartdrive::Assumptions>();
+    check_names::<bim2ax::Assumptions>();
 }

@@ -278,3 +278,38 @@ fn words_that_are_wrong_are_named_with_their_line() {
     said("bim2ax", "--with", "help place", "--opens");
     said("bim2ax", "--rating-ma", "3000", "1000, 2000 or 5000 mA");
 }
+
+/// Assumptions by name, for device and driver.
+#[test]
+fn assumptions_are_chosen_by_name() {
+    let desk = Desk::new();
+    let families = [
+        ("interpcnc", "locked_exception", "none or 1 to 255"),
+        ("smartdrive", "step_from", "setpoint or target"),
+        ("bim2ax", "cam_start", "edge-taken or far-edge"),
+    ];
+    for (family, name, allowed) in families {
+        for start in [["emulate", family, "--link", "link"], ["drive", family, "--port", "nowhere"]]
+        {
+            let assume = |said: &str, action: &[&str]| {
+                desk.twin(&[&start[..], &["--assume", said], action].concat())
+            };
+            let action = if start[0] == "drive" { &["status"][..] } else { &[] };
+            let listed = assume("help", action);
+            listed.ended(0, "");
+            assert!(listed.stdout.contains(name), "{}", listed.stdout);
+            let wrong = assume(&format!("{name}=5000"), action);
+            wrong.ended(2, &format!("{name} = `5000`: it can be {allowed}"));
+            assume("nonsense=1", action).ended(2, name);
+            assume(name, action).ended(2, "expected NAME=VALUE");
+        }
+    }
+    // A board that refuses moves while it is locked says so itself.
+    let start = ["emulate", "interpcnc", "--link", "board", "--assume", "locked-exception=4"];
+    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &start, || {
+        let drive = ["drive", "interpcnc", "--port", "board", "--deadline", "1500"];
+        let assumed = ["--assume", "locked-exception=4", "--yes", "move", "X", "100"];
+        desk.twin(&[&drive[..], &assumed].concat()).ended(2, "the board is locked");
+    });
+    done.ended(0, "");
+}

@@ -1,5 +1,6 @@
 //! The command line: one module per command, exit status as the contract says.
 
+mod assume;
 mod axes;
 mod axes_probe;
 mod causes;

@@ -8,7 +8,7 @@ use crate::clock::Clock;
 use twin_drives::bim2ax::emulator::{
     Control, EmulatedModule, EmulatorOptions, Event, ModuleOptions, Surroundings,
 };
-use twin_drives::bim2ax::{ByteOrder, Contact, EncoderBench, EncoderKind, ModuleAxis};
+use twin_drives::bim2ax::{Assumptions, ByteOrder, Contact, EncoderBench, EncoderKind, ModuleAxis};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
@@ -40,6 +40,9 @@ enum OrderWord {
 }
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
+    if options.common.assume.helps::<Assumptions>() {
+        return Ok(Status::Fit);
+    }
     let byte_order = match options.byte_order {
         OrderWord::Big => ByteOrder::Big,
         OrderWord::Little => ByteOrder::Little,
@@ -48,6 +51,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         byte_order,
         version: options.software,
         rating_ma: options.rating_ma,
+        assumptions: options.common.assume.take()?,
         ..ModuleOptions::default()
     };
     let mut surroundings = Surroundings::default();

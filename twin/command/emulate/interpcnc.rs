@@ -9,7 +9,7 @@ use twin_drives::interpcnc::emulator::{
     Bench, BoardOptions, Cam, Condition, Control, EmulatedBoard, EmulatorOptions, EncoderLink,
     Event, Wire,
 };
-use twin_drives::interpcnc::{BoardAxis, Line, Parity};
+use twin_drives::interpcnc::{Assumptions, BoardAxis, Line, Parity};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
@@ -45,6 +45,10 @@ enum ParityOption {
 }
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
+    if options.common.assume.helps::<Assumptions>() {
+        return Ok(Status::Fit);
+    }
+    let assumptions = options.common.assume.take()?;
     let turnaround = milliseconds("--turnaround-ms", options.turnaround_ms)?;
     let parity = match options.parity {
         ParityOption::None => Parity::None,
@@ -65,7 +69,13 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     })?;
     let emulator = EmulatorOptions {
         bench,
-        board: BoardOptions { station: options.station, line, enable, ..BoardOptions::default() },
+        board: BoardOptions {
+            station: options.station,
+            line,
+            enable,
+            assumptions,
+            ..BoardOptions::default()
+        },
         wire: Wire { line, turnaround },
         link: Some(options.common.link.clone()),
         eeprom: options.common.eeprom.clone(),

@@ -7,6 +7,7 @@ mod faults;
 mod interpcnc;
 mod smartdrive;
 
+use super::assume::Assume;
 use super::{Failure, Status, run};
 use control::{Console, Obeys};
 use std::path::PathBuf;
@@ -75,6 +76,9 @@ struct Common {
     /// File of such words, a line each, before those of --with; what follows a # is a comment
     #[arg(long, value_name = "FILE")]
     bench: Vec<PathBuf>,
+
+    #[command(flatten)]
+    assume: Assume,
 
     /// File that keeps what the device stores (EEPROM, flash) from one start to the next
     #[arg(long, value_name = "FILE")]

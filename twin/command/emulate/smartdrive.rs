@@ -7,11 +7,11 @@ use super::{Common, Failure, Status, milliseconds, serve};
 use crate::clock::Clock;
 use std::path::PathBuf;
 use std::time::Duration;
-use twin_drives::smartdrive::Alarms;
 use twin_drives::smartdrive::emulator::{
     Cam, Control, DeviceOptions, EmulatedBus, EmulatorOptions, Event, Happening, HomingOptions,
     Input, Wire,
 };
+use twin_drives::smartdrive::{Alarms, Assumptions};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
@@ -32,11 +32,16 @@ pub(super) struct Options {
 }
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
+    if options.common.assume.helps::<Assumptions>() {
+        return Ok(Status::Fit);
+    }
+    let assumptions = options.common.assume.take()?;
     let response = milliseconds("--turnaround-ms", options.turnaround_ms)?;
-    let devices = options
-        .address
-        .iter()
-        .map(|address| DeviceOptions { address: *address, ..DeviceOptions::default() });
+    let devices = options.address.iter().map(|address| DeviceOptions {
+        address: *address,
+        assumptions,
+        ..DeviceOptions::default()
+    });
     let mut devices: Vec<_> = devices.collect();
     let afterwards = bench::set_up(&options.common, |words| {
         let later = obeyed(words, &options.address)?;

@@ -10,6 +10,7 @@ use super::consent::Consent;
 use super::on_file::OnFile;
 use super::session::{Session, no_clock};
 use super::words;
+use crate::command::assume::Assume;
 use crate::command::{Failure, Status};
 use crate::real::{ModuleMemory, module_memory};
 use module::{Module, of};
@@ -19,7 +20,9 @@ use show::{inputs, scan, status};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-use twin_drives::bim2ax::{Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, ByteOrder, ModuleAxis};
+use twin_drives::bim2ax::{
+    Assumptions, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, ByteOrder, ModuleAxis,
+};
 use twin_drives::{Action as Doing, DriveError, Exchange};
 
 /// BIBOX BIM2AX-BOCM: two step axes behind a dual-port RAM; positions in µsteps, speeds as the axis's drive mode has them
@@ -51,6 +54,9 @@ pub(super) struct Arguments {
 
     #[command(flatten)]
     consent: Consent,
+
+    #[command(flatten)]
+    assume: Assume,
 
     #[command(subcommand)]
     action: Action,
@@ -169,7 +175,12 @@ impl Arguments {
     fn memory(&self) -> Result<(Arc<str>, ModuleMemory, Bim2AxOptions), Failure> {
         let port: Arc<str> = self.port.display().to_string().into();
         let byte_order = if self.little_endian { ByteOrder::Little } else { ByteOrder::Big };
-        let options = Bim2AxOptions { byte_order, deadline: self.deadline, ..Default::default() };
+        let options = Bim2AxOptions {
+            byte_order,
+            deadline: self.deadline,
+            assumptions: self.assume.take()?,
+            ..Default::default()
+        };
         let memory = module_memory(&self.port, self.map).map_err(|source| {
             let at = Exchange { port: Arc::clone(&port), station: 0, action: Doing::Open };
             Failure::Drive(DriveError::Transport { at, source })
@@ -187,6 +198,9 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    if arguments.assume.helps::<Assumptions>() {
+        return Ok(Status::Fit);
+    }
     let session = Session::start()?;
     let consent = arguments.consent;
     match &arguments.action {

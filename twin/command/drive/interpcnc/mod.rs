@@ -9,6 +9,7 @@ use super::consent::Consent;
 use super::on_file::OnFile;
 use super::session::{BRAKING, Session, no_clock};
 use super::words;
+use crate::command::assume::Assume;
 use crate::command::{Failure, Status};
 use motion::{home, position, travel};
 use parameters::{get, set};
@@ -17,7 +18,7 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
 use twin_drives::interpcnc::{
-    AxisOptions, BoardAxis, InterpCnc, InterpCncDrive, InterpCncOptions, Line, Parity,
+    Assumptions, AxisOptions, BoardAxis, InterpCnc, InterpCncDrive, InterpCncOptions, Line, Parity,
 };
 
 /// SOPROLEC InterpCNC V2.1: five step axes X Y Z A B on Modbus RTU; positions in steps
@@ -55,6 +56,9 @@ pub(super) struct Arguments {
 
     #[command(flatten)]
     consent: Consent,
+
+    #[command(flatten)]
+    assume: Assume,
 
     #[command(subcommand)]
     action: Action,
@@ -185,31 +189,37 @@ impl Arguments {
     /// The board as runs drive it, of which these axes are in use.
     fn drive(&self, axes: &[BoardAxis]) -> Result<InterpCncDrive, Failure> {
         let axes = axes.iter().copied().map(AxisOptions::new).collect();
-        let options = InterpCncOptions { axes, ..self.options(self.station) };
+        let options = InterpCncOptions { axes, ..self.options(self.station)? };
         Ok(InterpCncDrive::open(&self.port, &options)?)
     }
 
-    fn options(&self, station: u8) -> InterpCncOptions {
+    fn options(&self, station: u8) -> Result<InterpCncOptions, Failure> {
         let parity = match self.parity {
             ParityOption::None => Parity::None,
             ParityOption::Even => Parity::Even,
             ParityOption::Odd => Parity::Odd,
         };
-        InterpCncOptions {
+        Ok(InterpCncOptions {
+            assumptions: self.assume.take()?,
             station,
             line: Line { baud: self.baud, parity },
             deadline: self.deadline,
             worst_latency: 2 * self.deadline,
             echo: self.echo,
             ..InterpCncOptions::new(BoardAxis::ALL.map(AxisOptions::new).to_vec())
-        }
+        })
     }
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    if arguments.assume.helps::<Assumptions>() {
+        return Ok(Status::Fit);
+    }
     let session = Session::start()?;
-    let open =
-        |station| session.inside(|| InterpCnc::open(&arguments.port, &arguments.options(station)));
+    let open = |station| {
+        let options = arguments.options(station)?;
+        session.inside(|| InterpCnc::open(&arguments.port, &options))
+    };
     if let Action::Scan { stations } = &arguments.action {
         return scan(&session, stations.clone(), open);
     }

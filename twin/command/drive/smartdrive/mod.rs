@@ -10,6 +10,7 @@ use super::consent::Consent;
 use super::on_file::OnFile;
 use super::session::{Session, Stopping};
 use super::words;
+use crate::command::assume::Assume;
 use crate::command::{Failure, Status};
 use axis::Axis;
 use motion::{home, standing, travel};
@@ -19,7 +20,8 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 use twin_drives::smartdrive::parameters::{ACCELERATION_MAX, FULL_STEPS, STEP_DIVISOR};
 use twin_drives::smartdrive::{
-    ADDRESSES, AxisOptions, Mode, SmartDrive, SmartDriveBus, SmartDriveOptions, StepsPerTurn,
+    ADDRESSES, Assumptions, AxisOptions, Mode, SmartDrive, SmartDriveBus, SmartDriveOptions,
+    StepsPerTurn,
 };
 use twin_drives::{Drive, ParameterId};
 
@@ -46,6 +48,9 @@ pub(super) struct Arguments {
 
     #[command(flatten)]
     consent: Consent,
+
+    #[command(flatten)]
+    assume: Assume,
 
     #[command(subcommand)]
     action: Action,
@@ -144,7 +149,7 @@ fn addresses(text: &str) -> Result<RangeInclusive<u8>, String> {
 
 impl Arguments {
     /// Of a drive whose turn has so many µsteps, and which goes at most so fast.
-    fn options(&self, turn: StepsPerTurn, velocity_rpm: u16) -> SmartDriveOptions {
+    fn options(&self, turn: StepsPerTurn, velocity_rpm: u16) -> Result<SmartDriveOptions, Failure> {
         let homing = match &self.action {
             Action::Home { timeout, .. } => Duration::from_secs(*timeout),
             _ => Duration::from_mins(1),
@@ -156,20 +161,21 @@ impl Arguments {
             acceleration_rpm_per_s: 1,
             deceleration_rpm_per_s: 0,
         };
-        SmartDriveOptions {
+        Ok(SmartDriveOptions {
+            assumptions: self.assume.take()?,
             deadline: self.deadline,
             worst_latency: self.deadline,
             mode_change: Duration::from_secs(2).max(10 * self.deadline),
             homing,
             ..SmartDriveOptions::new(vec![axis])
-        }
+        })
     }
 
     /// Where ceilings and turn, which are those of following, do not count.
     fn any_options(&self) -> Result<SmartDriveOptions, Failure> {
         let turn = StepsPerTurn::new(200, 16)
             .ok_or_else(|| Failure::Usage("200 steps of 16 µsteps are no turn".to_owned()))?;
-        Ok(self.options(turn, 1))
+        self.options(turn, 1)
     }
 
     fn open(&self, session: &Session) -> Result<Axis, Failure> {
@@ -194,7 +200,7 @@ impl Arguments {
         })?;
         let rpm = turn.rpm(by_switch.fastest()).ceil().clamp(1.0, 32_767.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-        let mut options = self.options(turn, rpm as u16);
+        let mut options = self.options(turn, rpm as u16)?;
         for axis in &mut options.axes {
             axis.acceleration_rpm_per_s = rate.max(1);
         }
@@ -204,6 +210,9 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    if arguments.assume.helps::<Assumptions>() {
+        return Ok(Status::Fit);
+    }
     let session = Session::start()?;
     match &arguments.action {
         Action::OnFile(on_file) => {
