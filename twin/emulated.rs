@@ -8,8 +8,8 @@ use crate::machine::{
 use std::time::Duration;
 use twin_drives::bim2ax::emulator::{Eeprom, Module, ModuleOptions, Surroundings};
 use twin_drives::bim2ax::{
-    self, AxisSettings, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxRehearsal, MOST_POSITION,
-    RehearsalOptions, SharedModule,
+    self, AxisSettings, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, Bim2AxRehearsal,
+    MOST_POSITION, RehearsalOptions, SharedModule,
 };
 use twin_drives::interpcnc::emulator::{BoardOptions, EmulatedBoard, EmulatorOptions, Wire};
 use twin_drives::interpcnc::{
@@ -120,6 +120,7 @@ fn smartdrive(machine: &Machine, (device, entry): (usize, &SmartDriveEntry)) -> 
         machine.axes_of(device).map(|(_, axis)| smartdrive_axis(axis, entry)).collect();
     let devices = axes.iter().map(|axis| smartdrive::emulator::DeviceOptions {
         address: axis.address,
+        assumptions: entry.assumptions,
         ..smartdrive::emulator::DeviceOptions::default()
     });
     let response = Duration::from_micros(entry.response_us.into());
@@ -130,8 +131,11 @@ fn smartdrive(machine: &Machine, (device, entry): (usize, &SmartDriveEntry)) -> 
     };
     let emulator = EmulatedBus::start(&options, move || clock.now_ns())?;
     let port = emulator.path().display().to_string();
-    let options =
-        SmartDriveOptions { deadline: EMULATED_DEADLINE, ..SmartDriveOptions::new(axes.clone()) };
+    let options = SmartDriveOptions {
+        deadline: EMULATED_DEADLINE,
+        assumptions: entry.assumptions,
+        ..SmartDriveOptions::new(axes.clone())
+    };
     let mut bus = SmartDriveBus::open(&port, &options)?;
     // Emulated drives come from the factory: they get the parameters that real ones have been given.
     bus.run(async |bus| {
@@ -157,7 +161,8 @@ fn smartdrive(machine: &Machine, (device, entry): (usize, &SmartDriveEntry)) -> 
 
 fn bim2ax(machine: &Machine, (device, entry): (usize, &Bim2AxEntry)) -> Opened {
     use bim2ax::parameter::{AxisParameter, Parameter};
-    let options = ModuleOptions::default();
+    let assumptions = entry.assumptions;
+    let options = ModuleOptions { assumptions, ..ModuleOptions::default() };
     let mut eeprom = Eeprom::new(options.rating_ma);
     let mut axes = Vec::new();
     for (_, axis) in machine.axes_of(device) {
@@ -182,7 +187,8 @@ fn bim2ax(machine: &Machine, (device, entry): (usize, &Bim2AxEntry)) -> Opened {
     // It has been switched on before.
     let on_for_ns = options.boot_ns;
     let module = SharedModule::new(module, move || clock.now_ns() + on_for_ns);
-    let options = Bim2AxDriveOptions { axes, ..Bim2AxDriveOptions::new() };
+    let driver = Bim2AxOptions { assumptions, ..Bim2AxOptions::default() };
+    let options = Bim2AxDriveOptions { axes, driver, ..Bim2AxDriveOptions::new() };
     let drive = Bim2AxDrive::new("module", module.clone(), &options)?;
     Ok((Emulator::Bim2Ax(module), Box::new(drive)))
 }
@@ -276,7 +282,12 @@ pub(crate) fn bim2ax_axis(axis: &Axis, entry: &Bim2AxEntry) -> AxisSettings {
 pub fn emulator_options(entry: &InterpCncEntry) -> EmulatorOptions {
     let line = line(entry);
     EmulatorOptions {
-        board: BoardOptions { station: entry.station, line, ..BoardOptions::default() },
+        board: BoardOptions {
+            station: entry.station,
+            line,
+            assumptions: entry.assumptions,
+            ..BoardOptions::default()
+        },
         wire: wire(entry),
         ..EmulatorOptions::default()
     }
@@ -301,6 +312,7 @@ pub(crate) fn driver_options(
         station: entry.station,
         line: line(entry),
         following: entry.following,
+        assumptions: entry.assumptions,
         ..InterpCncOptions::new(axes.collect())
     }
 }

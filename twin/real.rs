@@ -60,7 +60,9 @@ pub fn open(
         }
         DriveFamily::SmartDrive(entry) => {
             let axes = machine.axes_of(index).map(|(_, axis)| smartdrive_axis(axis, entry));
-            let mut options = SmartDriveOptions::new(axes.collect());
+            let assumptions = entry.assumptions;
+            let mut options =
+                SmartDriveOptions { assumptions, ..SmartDriveOptions::new(axes.collect()) };
             if let Some(deadline) = deadline {
                 options.deadline = deadline;
                 options.worst_latency = 2 * deadline;
@@ -83,7 +85,8 @@ fn module(
 ) -> Result<Bim2AxDrive, DriveError> {
     let places = machine.axes_of(index).filter_map(|(_, axis)| Some(axis.drive.as_ref()?.index));
     let axes = places.filter_map(|place| ModuleAxis::ALL.get(place).copied()).collect();
-    let mut driver = Bim2AxOptions { byte_order: entry.byte_order, ..Bim2AxOptions::default() };
+    let Bim2AxEntry { byte_order, assumptions, .. } = *entry;
+    let mut driver = Bim2AxOptions { byte_order, assumptions, ..Bim2AxOptions::default() };
     driver.deadline = deadline.unwrap_or(driver.deadline);
     let options = Bim2AxDriveOptions { driver, axes, ..Bim2AxDriveOptions::new() };
     let failed = |source| {

@@ -1,8 +1,8 @@
 //! BIM2AX modules.
 
-use super::{Abilities, microseconds};
+use super::{Abilities, assumptions, microseconds};
 use crate::machine::section::Section;
-use twin_drives::bim2ax::{ByteOrder, DriveMode, MOST_POSITION};
+use twin_drives::bim2ax::{Assumptions, ByteOrder, DriveMode, MOST_POSITION};
 
 /// What the file says of a module, whose axes are alike.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,6 +13,8 @@ pub struct Bim2AxEntry {
     pub start_stop_speed: u16,
     /// Acceleration (parameters $14 and $15), steps/s².
     pub acceleration: u16,
+    /// What is assumed where the manual is silent.
+    pub assumptions: Assumptions,
     /// From an order to the begin of its motion, µs.
     pub order_us: u32,
     /// Where the module's memory begins in the device that is to be mapped; `None` for a memory file.
@@ -56,6 +58,7 @@ pub(super) fn read(section: &Section<'_>) -> Option<Bim2AxEntry> {
         mode: DriveMode::from_code(code?)?,
         start_stop_speed: u16::try_from(start_stop).ok()?,
         acceleration: u16::try_from(acceleration).ok()?,
+        assumptions: assumptions(section),
         order_us,
         map_offset: map_offset.and_then(|offset| u64::try_from(offset).ok()),
         byte_order,

@@ -1,9 +1,9 @@
 //! InterpCNC boards.
 
-use super::{Abilities, microseconds};
+use super::{Abilities, assumptions, microseconds};
 use crate::machine::section::Section;
-use twin_drives::interpcnc::Following;
 use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
+use twin_drives::interpcnc::{Assumptions, Following};
 
 /// What the file says of a board.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -20,6 +20,8 @@ pub struct InterpCncEntry {
     pub start_stop_hz: u16,
     /// Acceleration and deceleration of its ramps, thousand steps/s².
     pub acceleration_khz_per_s: u16,
+    /// What is assumed where the manual is silent.
+    pub assumptions: Assumptions,
     /// How the board follows a plan.
     pub following: Following,
     /// Whether the adapter of the real board hears what it sends.
@@ -66,6 +68,7 @@ pub(super) fn read(section: &Section<'_>) -> Option<InterpCncEntry> {
         turnaround_us,
         start_stop_hz,
         acceleration_khz_per_s,
+        assumptions: assumptions(section),
         following,
         echo,
     })

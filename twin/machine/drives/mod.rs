@@ -9,6 +9,7 @@ pub use bim2ax::Bim2AxEntry;
 pub use interpcnc::{InterpCncEntry, Parity};
 pub use smartdrive::SmartDriveEntry;
 use std::ops::RangeInclusive;
+use twin_drives::Assumed;
 
 /// A device that moves one or more axes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -186,6 +187,23 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
     };
     let (name, family) = (name?.to_owned(), family?);
     Some(DeviceEntry { name, port, firmware, answer_ms, turnaround_us, in_loop, family })
+}
+
+/// What `[drives.assumptions]` says, over what is assumed of any device of the family.
+fn assumptions<A: Assumed>(section: &Section<'_>) -> A {
+    let mut assumed = A::default();
+    if !section.has("assumptions") {
+        return assumed;
+    }
+    let said = section.section("assumptions");
+    for name in said.keys() {
+        if let Some(value) = said.text(name)
+            && let Err(error) = assumed.set(name, value)
+        {
+            said.complain_at(name, error.to_string());
+        }
+    }
+    assumed
 }
 
 /// A time in ms as microseconds.

@@ -1,8 +1,8 @@
 //! SmartDRIVE buses.
 
-use super::{Abilities, microseconds};
+use super::{Abilities, assumptions, microseconds};
 use crate::machine::section::Section;
-use twin_drives::smartdrive::StepsPerTurn;
+use twin_drives::smartdrive::{Assumptions, StepsPerTurn};
 
 /// What the file says of the drives on a bus, which are alike.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,6 +17,8 @@ pub struct SmartDriveEntry {
     pub acceleration_rpm_per_s: u16,
     /// Deceleration, rpm/s, at most parameter 32; 0: as the acceleration.
     pub deceleration_rpm_per_s: u16,
+    /// What is assumed where the manual is silent.
+    pub assumptions: Assumptions,
     /// Time an emulated drive takes to answer, µs.
     pub response_us: u32,
 }
@@ -48,6 +50,7 @@ pub(super) fn read(section: &Section<'_>) -> Option<SmartDriveEntry> {
         microsteps,
         acceleration_rpm_per_s: u16::try_from(acceleration).ok()?,
         deceleration_rpm_per_s: u16::try_from(deceleration).ok()?,
+        assumptions: assumptions(section),
         response_us,
     })
 }

@@ -175,6 +175,27 @@ fn real_devices_are_reckoned_with_by_their_own_time() {
     assert_eq!(board(&machine).turnaround_us, 18_500);
 }
 
+/// What a manual leaves open is a question of the device at hand: the machine file may answer it.
+#[test]
+fn assumptions_are_taken_from_the_file() {
+    use twin_drives::interpcnc::Assumptions;
+    let with = |line: &str| {
+        let table = format!("[drives.assumptions]\n{line}\n\n[preparation]");
+        GANTRY3.replacen("[preparation]", &table, 1)
+    };
+    assert_eq!(board(&load(GANTRY3)).assumptions, Assumptions::default());
+    let expected = Assumptions { most_read: 32, broadcasts: false, ..Assumptions::default() };
+    let said = "most_read = \"32\"\nbroadcasts = \"false\"";
+    assert_eq!(board(&load(&with(said))).assumptions, expected);
+    for (line, what) in [
+        ("most_read = \"many\"", "it can be"),
+        ("most_red = \"32\"", "there is no assumption `most_red`"),
+    ] {
+        let problems = Machine::parse(Path::new("machine.toml"), &with(line)).unwrap_err();
+        assert!(problems.iter().any(|one| one.message.contains(what)), "{problems:#?}");
+    }
+}
+
 fn board(machine: &Machine) -> &InterpCncEntry {
     let DriveFamily::InterpCnc(entry) = &machine.drives[0].family else { panic!("{machine:?}") };
     entry
