@@ -284,18 +284,26 @@ fn ctrl_c_and_stop_bring_a_smartdrive_to_rest() {
 pub(crate) fn a_module() -> (module::EmulatedModule, Hand) {
     let hand = Hand::new("bim2ax", "module", &["--deadline", "1500"]);
     let mut options = module::EmulatorOptions::new(&hand.desk.path("module"));
-    options.module.boot_ns = 1_000_000;
+    options.module.boot_ns = QUICK_BOOT_NS;
     for bench in &mut options.surroundings.benches {
         bench.cam = Some(Contact::between(-900, -400, true));
         bench.plus = Some(Contact::above(8000, true));
     }
-    let running = module::EmulatedModule::start(&options, clock()).expect("it starts");
+    (started(&options), hand)
+}
+
+/// A module restarts faster than a real one, and slowly enough to be seen to.
+pub(crate) const QUICK_BOOT_NS: i64 = 200_000_000;
+
+/// A module whose software runs.
+pub(crate) fn started(options: &module::EmulatorOptions) -> module::EmulatedModule {
+    let running = module::EmulatedModule::start(options, clock()).expect("it starts");
     let runs = |_| {
         std::thread::sleep(Duration::from_millis(10));
         running.module().watchdog()
     };
     assert!((0..1000).any(runs), "its software does not start");
-    (running, hand)
+    running
 }
 
 #[test]

@@ -79,11 +79,11 @@ fn a_bus(link: &Path) -> bus::EmulatedBus {
 /// Its cam is 400 to 900 µsteps behind the start.
 fn a_module(path: &Path) -> module::EmulatedModule {
     let mut options = module::EmulatorOptions::new(path);
-    options.module.boot_ns = 1_000_000;
+    options.module.boot_ns = crate::drive::QUICK_BOOT_NS;
     for bench in &mut options.surroundings.benches {
         bench.cam = Some(Contact::between(-900, -400, true));
     }
-    module::EmulatedModule::start(&options, clock()).expect("it starts")
+    crate::drive::started(&options)
 }
 
 /// The firmware of drives starts within 300 ms: until then nobody answers.
