@@ -74,7 +74,9 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     };
     let clock = Clock::start();
     let mut running = EmulatedModule::start(&emulator, move || clock.now_ns())?;
-    afterwards.into_iter().for_each(|what| running.control(what));
+    for what in afterwards {
+        running.control(what);
+    }
     eprintln!("BIM2AX-BOCM, memory file {}", running.path().display());
     serve(&options.common, &mut running)?;
     let module = running.stop()?;

@@ -69,13 +69,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     })?;
     let emulator = EmulatorOptions {
         bench,
-        board: BoardOptions {
-            station: options.station,
-            line,
-            enable,
-            assumptions,
-            ..BoardOptions::default()
-        },
+        board: BoardOptions { station: options.station, line, enable, assumptions },
         wire: Wire { line, turnaround },
         link: Some(options.common.link.clone()),
         eeprom: options.common.eeprom.clone(),
