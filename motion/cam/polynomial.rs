@@ -49,15 +49,16 @@ pub(crate) fn derivative(c: &Coefficients) -> Coefficients {
 
 /// The roots within [0, `width`] at which the sign changes, and ends that are roots.
 pub(crate) fn roots(c: &Coefficients, width: f64) -> Roots {
+    let degree = c.iter().rposition(|c| *c != 0.0).unwrap_or(0);
     let mut chain = [*c; MOST];
     let mut last = *c;
-    for slot in chain.iter_mut().skip(1) {
+    for slot in chain.iter_mut().take(degree).skip(1) {
         last = derivative(&last);
         *slot = last;
     }
     let mut found = Roots::default();
-    // The last of the chain is constant.
-    for c in chain.iter().rev().skip(1) {
+    // The last of the chain is a line.
+    for c in chain.iter().take(degree).rev() {
         found = between(c, &found, width);
     }
     found
@@ -99,7 +100,7 @@ fn bracketed(c: &Coefficients, mut low: f64, mut high: f64, rises: bool) -> f64 
         }
         let newton = u - at / value(&slope, u);
         let next = if newton > low && newton < high { newton } else { f64::midpoint(low, high) };
-        if next == u || high - low <= f64::EPSILON * high {
+        if (next - u).abs() <= f64::EPSILON * u || high - low <= f64::EPSILON * high {
             return next;
         }
         u = next;

@@ -43,7 +43,7 @@ pub enum Element {
 
 impl Element {
     /// Begin and end; of a point, the point twice.
-    fn ends(&self) -> [Knot; 2] {
+    pub(crate) fn ends(&self) -> [Knot; 2] {
         match *self {
             Self::Point(knot) => [knot, knot],
             Self::Line { from, to } => {
@@ -149,7 +149,7 @@ impl Source {
         self.tappets.insert(at, tappet);
     }
 
-    fn insert(&mut self, element: Element) {
+    pub(crate) fn insert(&mut self, element: Element) {
         let begin = |element: &Element| element.ends()[0].master;
         let at = self.elements.partition_point(|other| begin(other) <= begin(&element));
         self.elements.insert(at, element);

@@ -1,9 +1,11 @@
 //! Cam curves and tables, bounds, tappets (manual 4, 5.4, 5.5).
 
 use super::vector::{Vector, check};
+use std::sync::Arc;
 use twin_motion::cam::{
-    Curve, Derivatives, Equidistant, Factors, Interpolation, Knot, MasterMotion, PairTable,
-    TableScale, VariableType, quintic,
+    AxisState, Cam, CamCoupling, CamInput, CamRegister, CamTable, Curve, Derivatives,
+    DigitalCamSwitch, Equidistant, Factors, Interpolation, Knot, MasterMotion, PairTable, Passage,
+    RegisterInput, Shape, Switch, SwitchMode, TableScale, Track, VariableType, quintic,
 };
 
 fn knot(vector: &Vector, name: &str) -> Knot {
@@ -116,5 +118,95 @@ pub(crate) fn bounds() {
         vector.expect("dMaxAccDec", [found.acceleration.max]);
         vector.expect("dMaxAccDec", [-found.acceleration.min]);
         vector.expect("dMaxAccDec_a0", [bounds(0.0).acceleration.max]);
+    });
+}
+
+fn cam(knots: &[Knot]) -> Arc<Cam> {
+    Arc::new(Cam::new("cam", Shape::Polynomial(knots.to_vec()), Vec::new()).expect("a cam"))
+}
+
+fn at(position: f64) -> AxisState {
+    AxisState { position, ..AxisState::default() }
+}
+
+#[test]
+pub(crate) fn scaling() {
+    check("cam-camin-scaling", |vector| {
+        let cam = cam(&[Knot::at_rest(0.0, 0.0), Knot::at_rest(100.0, 50.0)]);
+        let input = CamInput {
+            master_scaling: vector.number("ms"),
+            master_offset: vector.number("mo"),
+            slave_scaling: vector.number("ss"),
+            slave_offset: vector.number("so"),
+            ..CamInput::default()
+        };
+        let master = at(vector.number("master"));
+        let coupling = CamCoupling::start(CamTable::new(cam), input, &master, &at(0.0), 0);
+        let coupling = coupling.expect("a start");
+        vector.expect("x", [coupling.place()]);
+        vector.expect("y", [coupling.output().slave.position]);
+    });
+}
+
+#[test]
+pub(crate) fn periodic_offsets() {
+    check("cam-periodic-offsets", |vector| {
+        let (width, span) = (vector.number("width"), vector.number("slave_span"));
+        let velocity = span / width;
+        let line = |master: f64| Knot { velocity, ..Knot::at_rest(master, master * velocity) };
+        let table = CamTable::new(cam(&[line(0.0), line(width)]));
+        let start = CamCoupling::start(table, CamInput::default(), &at(0.0), &at(0.0), 0);
+        let mut coupling = start.expect("a start");
+        let found = *coupling.step(&at(vector.number("master")), 1_000_000).expect("somewhere");
+        let (master, slave) = coupling.offsets();
+        vector.expect("Offset1", [master]);
+        vector.expect("Offset2", [slave]);
+        vector.expect("y", [found.slave.position]);
+        assert!(found.end_of_profile);
+    });
+}
+
+#[test]
+pub(crate) fn dead_time() {
+    check("cam-register-deadtime", |vector| {
+        let input = RegisterInput {
+            master_scaling: vector.number("ms"),
+            master_offset: vector.number("mo"),
+            dead_time_s: vector.number("dt"),
+            ..RegisterInput::default()
+        };
+        let cam = cam(&[Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)]);
+        let register = CamRegister::new(cam, input);
+        vector.expect("x", [register.looks_at(vector.number("master"), vector.number("v"))]);
+    });
+}
+
+/// The switches of the manual's example (5.5).
+#[test]
+pub(crate) fn digital_cam() {
+    check("digital-cam", |vector| {
+        let by_position = |track, first_on, last_on, direction| Switch {
+            track,
+            first_on,
+            direction,
+            mode: SwitchMode::Position { last_on },
+        };
+        let mode = SwitchMode::Time { duration_ns: 2_000_000_000 };
+        let switches = [
+            by_position(1, 200.0, 300.0, Passage::Negative),
+            by_position(2, 100.0, 300.0, Passage::Every),
+            Switch { track: 3, first_on: 10.0, direction: Passage::Every, mode },
+            by_position(1, 0.0, 100.0, Passage::Positive),
+        ];
+        for (direction, velocity) in [("positive", 10.0), ("negative", -10.0)] {
+            for (index, position) in vector.numbers("pos").into_iter().enumerate() {
+                let block = DigitalCamSwitch::new(&switches, [Track::default(); 32], None);
+                let mut block = block.expect("switches");
+                block.step(position, velocity, 0, u32::MAX);
+                for (name, track) in [("out1", 1), ("out2", 2)] {
+                    vector.expect_that(&format!("{direction}/{name}/{index}"), block.output(track));
+                }
+            }
+        }
     });
 }

@@ -1,8 +1,11 @@
 //! Cams against closed forms and against dense sampling.
 
 mod bounds;
+mod coupling;
 mod curve;
+mod files;
 mod source;
+mod tappets;
 
 use super::{Curve, Knot};
 use proptest::prelude::*;

@@ -1,0 +1,255 @@
+//! Tappets, registers and switches (manual 4.4.2, 5.5).
+
+use crate::cam::{
+    Action, AxisState, Cam, CamCoupling, CamInput, CamRegister, CamTable, DigitalCamSwitch, Knot,
+    Passage, RegisterInput, Shape, Switch, SwitchError, SwitchMode, Tappet, TappetBit, TappetValue,
+    Track, Trigger,
+};
+use proptest::prelude::*;
+use std::sync::Arc;
+
+const CYCLE_NS: i64 = 1_000_000;
+
+fn tappet(group: i16, master: f64, passage: Passage, action: Action) -> Tappet {
+    Tappet { group, master, passage, action }
+}
+
+fn register(tappets: Vec<Tappet>, input: RegisterInput) -> CamRegister {
+    let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
+    let cam = Cam::new("register", Shape::Polynomial(knots), tappets).expect("a cam");
+    CamRegister::new(Arc::new(cam), input)
+}
+
+/// The bit of group 1 after each position, a cycle apart.
+fn bits(register: &mut CamRegister, positions: &[f64]) -> Vec<bool> {
+    (0..)
+        .zip(positions)
+        .map(|(cycle, position)| {
+            register.step(*position, 0.0, cycle * CYCLE_NS);
+            register.bit(1).expect("group 1")
+        })
+        .collect()
+}
+
+/// Every passage with every lasting action: on 50 and back.
+#[test]
+fn passages_and_actions() {
+    let way = [40.0, 60.0, 40.0, 60.0, 40.0];
+    for (passage, action, expected) in [
+        (Passage::Positive, Action::On, [false, true, true, true, true]),
+        (Passage::Negative, Action::On, [false, false, true, true, true]),
+        (Passage::Every, Action::Invert, [false, true, false, true, false]),
+        (Passage::Positive, Action::Invert, [false, true, true, false, false]),
+        (Passage::Negative, Action::Invert, [false, false, true, true, false]),
+        (Passage::Every, Action::Off, [false; 5]),
+    ] {
+        let mut register =
+            register(vec![tappet(1, 50.0, passage, action)], RegisterInput::default());
+        assert_eq!(bits(&mut register, &way), expected, "{passage:?} {action:?}");
+    }
+}
+
+/// Two tappets of one group act in the order in which they are passed, forwards and back.
+#[test]
+fn tappets_of_a_group_in_order() {
+    let both = vec![
+        tappet(1, 50.0, Passage::Every, Action::On),
+        tappet(1, 55.0, Passage::Every, Action::Off),
+    ];
+    let mut register = register(both, RegisterInput::default());
+    assert_eq!(
+        bits(&mut register, &[40.0, 60.0, 40.0, 52.0, 60.0]),
+        [false, false, true, true, false]
+    );
+    assert_eq!(register.bit(2), None);
+    assert_eq!(register.bits().collect::<Vec<_>>(), [(1, false)]);
+}
+
+#[test]
+fn a_tappet_acts_once_where_the_master_stops_on_it() {
+    let invert = vec![tappet(1, 50.0, Passage::Every, Action::Invert)];
+    let mut plain = register(invert.clone(), RegisterInput::default());
+    assert_eq!(bits(&mut plain, &[40.0, 50.0, 50.0, 60.0]), [false, true, true, true]);
+    // Noise around it: without a band every passage counts, with one the first does.
+    let noise = [49.0, 50.4, 49.7, 50.2, 49.6, 50.3, 60.0, 49.9];
+    let mut plain = register(invert.clone(), RegisterInput::default());
+    let found = bits(&mut plain, &noise);
+    assert_eq!(found, [false, true, false, true, false, true, true, false]);
+    let band = RegisterInput { hysteresis: 0.5, ..RegisterInput::default() };
+    let found = bits(&mut register(invert, band), &noise);
+    assert_eq!(found, [false, true, true, true, true, true, true, false]);
+}
+
+#[test]
+fn timed_tappets_have_delay_and_duration() {
+    // Passed half way between the cycles at 0 and 1 ms: on at 3.5 ms, off at 5.6 ms.
+    let timed = Action::Timed { delay_ns: 3_000_000, duration_ns: 2_100_000 };
+    let mut slow = register(vec![tappet(1, 50.0, Passage::Every, timed)], RegisterInput::default());
+    let way = [45.0, 55.0, 60.0, 60.0, 60.0, 60.0, 60.0];
+    assert_eq!(bits(&mut slow, &way), [false, false, false, false, true, true, false]);
+    // Shorter than a cycle: seen in one.
+    let short = Action::Timed { delay_ns: 1_100_000, duration_ns: 1000 };
+    let mut short =
+        register(vec![tappet(1, 50.0, Passage::Every, short)], RegisterInput::default());
+    assert_eq!(bits(&mut short, &way), [false, false, true, false, false, false, false]);
+}
+
+#[test]
+fn pulses_overlap() {
+    let mut bit = TappetBit::default();
+    let timed = Action::Timed { delay_ns: 10, duration_ns: 100 };
+    let trigger = |time_ns, action| Trigger { group: 1, action, time_ns };
+    bit.take(&trigger(0, timed));
+    assert_eq!([9, 10].map(|now| bit.at(now)), [false, true]);
+    bit.take(&trigger(50, timed));
+    // 10 to 110 and 60 to 160.
+    let times = [109, 110, 159, 160];
+    assert_eq!(times.map(|now| bit.at(now)), [true, true, true, false]);
+    // What is switched off within a pulse stays off.
+    bit.take(&trigger(200, timed));
+    assert!(bit.at(250));
+    bit.take(&trigger(260, Action::Off));
+    assert_eq!([270, 309, 400].map(|now| bit.at(now)), [false; 3]);
+}
+
+#[test]
+fn the_bit_of_a_coupling_begins_again() {
+    let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(100.0, 50.0)];
+    let on = vec![
+        tappet(1, 50.0, Passage::Every, Action::On),
+        tappet(2, 60.0, Passage::Every, Action::On),
+    ];
+    let cam = Cam::new("cam", Shape::Polynomial(knots), on).expect("a cam");
+    let table = CamTable::new(Arc::new(cam));
+    let at = |position| AxisState { position, ..AxisState::default() };
+    let start = || {
+        CamCoupling::start(table.clone(), CamInput::default(), &at(0.0), &at(0.0), 0)
+            .expect("a start")
+    };
+    for (reset, expected) in [(true, false), (false, true)] {
+        let mut value = TappetValue::new(1, false, reset);
+        let mut coupling = start();
+        assert!(!value.step(&coupling.output().tappets));
+        assert!(value.step(&coupling.step(&at(55.0), CYCLE_NS).expect("somewhere").tappets));
+        assert_eq!(value.step(&start().output().tappets), expected);
+        assert_eq!(value.value(), expected);
+        assert!(TappetValue::new(1, true, reset).step(&start().output().tappets), "bInitValue");
+    }
+}
+
+/// 10 passes of a rotary master over a cam of half its turn.
+#[test]
+fn passes_over_the_end() {
+    let input = RegisterInput { master_period: Some(720.0), ..RegisterInput::default() };
+    let invert = vec![tappet(1, 0.0, Passage::Positive, Action::Invert)];
+    let mut register = register(invert, input);
+    let (mut ends, mut changes, mut before) = (0, 0, false);
+    for step in 0..=720_i32 {
+        register.step(f64::from(step) * 5.0 % 720.0, 0.0, i64::from(step) * CYCLE_NS);
+        let bit = register.bit(1).expect("group 1");
+        changes += i32::from(bit != before);
+        before = bit;
+        ends += i32::from(register.end_of_profile());
+    }
+    assert_eq!((ends, changes), (10, 10));
+}
+
+proptest! {
+    /// However a way is cut into cycles, an inverting tappet is passed as often.
+    #[test]
+    fn every_passage_counts(cuts in prop::collection::vec(0.0..1000.0_f64, 1..40), place in 0.0..360.0_f64) {
+        let mut sorted = cuts;
+        sorted.extend([0.0, 1000.0]);
+        sorted.sort_by(f64::total_cmp);
+        let invert = vec![tappet(1, place, Passage::Positive, Action::Invert)];
+        let mut register = register(invert, RegisterInput::default());
+        let bit = *bits(&mut register, &sorted).last().expect("cycles");
+        let passages = (0..3).filter(|pass| {
+            let at = place + 360.0 * f64::from(*pass);
+            at > 0.0 && at <= 1000.0
+        });
+        prop_assert_eq!(bit, passages.count() % 2 == 1);
+    }
+}
+
+fn switch(track: u8, first_on: f64, last_on: f64) -> Switch {
+    let mode = SwitchMode::Position { last_on };
+    Switch { track, first_on, direction: Passage::Every, mode }
+}
+
+fn run(block: &mut DigitalCamSwitch, way: &[f64], velocity: f64) -> Vec<bool> {
+    (0..)
+        .zip(way)
+        .map(|(cycle, position)| {
+            block.step(*position, velocity, cycle * CYCLE_NS, u32::MAX);
+            block.output(1)
+        })
+        .collect()
+}
+
+#[test]
+fn switches_of_a_track_are_ored_and_masked() {
+    let list = [switch(1, 0.0, 10.0), switch(1, 20.0, 30.0), switch(32, 5.0, 25.0)];
+    let mut block = DigitalCamSwitch::new(&list, [Track::default(); 32], None).expect("switches");
+    assert_eq!(
+        run(&mut block, &[-1.0, 0.0, 10.0, 15.0, 20.0, 31.0], 1.0),
+        [false, true, true, false, true, false]
+    );
+    assert_eq!(block.step(22.0, 1.0, 0, u32::MAX), 1 << 31 | 1);
+    assert_eq!(block.step(22.0, 1.0, 0, 1), 1);
+    assert!(!block.output(32) && !block.output(0) && !block.output(33));
+    let refuse =
+        |switch| DigitalCamSwitch::new(&[switch], [Track::default(); 32], None).map(|_| ());
+    assert_eq!(refuse(switch(0, 0.0, 1.0)), Err(SwitchError::NoSuchTrack { index: 1, track: 0 }));
+    assert_eq!(refuse(switch(33, 0.0, 1.0)), Err(SwitchError::NoSuchTrack { index: 1, track: 33 }));
+    let empty = SwitchError::NoRange { index: 1, first_on: 5.0, last_on: 1.0 };
+    assert_eq!(refuse(switch(1, 5.0, 1.0)), Err(empty));
+}
+
+/// On a rotary axis a range may go over the end of the turn.
+#[test]
+fn ranges_over_the_end() {
+    let mut block =
+        DigitalCamSwitch::new(&[switch(1, 350.0, 10.0)], [Track::default(); 32], Some(360.0))
+            .expect("switches");
+    let way = [340.0, 355.0, 5.0, 15.0, 350.0];
+    assert_eq!(run(&mut block, &way, 1.0), [false, true, true, false, true]);
+}
+
+/// At 100 u/s: on 20 ms early is 2 u before, off 30 ms late 3 u behind; backwards likewise.
+#[test]
+fn compensations_move_edges() {
+    let mut tracks = [Track::default(); 32];
+    tracks[0] = Track { on_compensation_s: -0.02, off_compensation_s: 0.03, hysteresis: 0.0 };
+    let mut block =
+        DigitalCamSwitch::new(&[switch(1, 10.0, 20.0)], tracks, None).expect("switches");
+    let way = [7.9, 8.0, 15.0, 22.9, 23.1];
+    assert_eq!(run(&mut block, &way, 100.0), [false, true, true, true, false]);
+    let way = [22.1, 21.9, 15.0, 7.1, 6.9];
+    assert_eq!(run(&mut block, &way, -100.0), [false, true, true, true, false]);
+}
+
+#[test]
+fn hysteresis_of_a_switch() {
+    let mut tracks = [Track::default(); 32];
+    tracks[0].hysteresis = 0.5;
+    let mut block =
+        DigitalCamSwitch::new(&[switch(1, 10.0, 20.0)], tracks, None).expect("switches");
+    let way = [9.0, 10.1, 9.9, 10.1, 9.8, 9.5];
+    assert_eq!(run(&mut block, &way, 1.0), [false, true, true, true, true, false]);
+}
+
+/// The manual's third switch: 10 and 2 s, in both directions.
+#[test]
+fn switches_by_time() {
+    let mode = SwitchMode::Time { duration_ns: 2_000_000_000 };
+    let switch = Switch { track: 3, first_on: 10.0, direction: Passage::Every, mode };
+    let mut block =
+        DigitalCamSwitch::new(&[switch], [Track::default(); 32], None).expect("switches");
+    let mut at = |position: f64, velocity: f64, seconds: i64| {
+        block.step(position, velocity, seconds * 1_000_000_000, u32::MAX) == 4
+    };
+    assert!(!at(9.0, 1.0, 0));
+    assert!(at(11.0, 1.0, 1) && at(12.0, 1.0, 2) && !at(13.0, 1.0, 3));
+    assert!(at(9.0, -1.0, 4) && !at(8.0, -1.0, 6));
+}
