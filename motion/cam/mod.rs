@@ -24,6 +24,7 @@ mod table;
 mod tappet;
 #[cfg(test)]
 mod tests;
+pub mod tune;
 mod unwrap;
 mod value;
 

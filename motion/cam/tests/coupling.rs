@@ -171,7 +171,7 @@ fn cams_in_turn() {
         CamCoupling::start(select(&first), CamInput::default(), &master(0), &at(500.0), 0)
             .expect("a start");
     let (mut before, mut changes) = (*coupling.output(), 0);
-    for step in 1..1000_i32 {
+    for step in 1..1100_i32 {
         let now = i64::from(step) * CYCLE_NS;
         let mut found = *coupling.step(&master(step), now).expect("somewhere");
         if found.end_of_profile && changes == 0 {
