@@ -5,9 +5,9 @@
 //! every pass and the second one gains what the cam gains (manual 4.6.2).
 
 use super::bridge::{Bridge, BridgeLimits};
-use super::cam::Cam;
 use super::knot::Derivatives;
 use super::passage::{Move, Trigger, Watch};
+use super::reference::Cam;
 use super::unwrap::Unwrap;
 use crate::short::Short;
 use std::sync::Arc;
@@ -366,6 +366,7 @@ impl CamCoupling {
         Ok(&self.output)
     }
 
+    #[expect(clippy::float_cmp, reason = "counts of passes; an end that is stood on")]
     fn passes_end(&mut self, from: f64) -> bool {
         let curve = self.table.cam.curve();
         if self.table.periodic {

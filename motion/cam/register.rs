@@ -1,8 +1,8 @@
 //! Tappets without a slave (`SMC_CAMRegister`, manual 5.5).
 
 use super::bit::TappetBit;
-use super::cam::Cam;
 use super::passage::{Move, Watch};
+use super::reference::Cam;
 use super::unwrap::Unwrap;
 use std::sync::Arc;
 
@@ -79,14 +79,11 @@ impl CamRegister {
     }
 
     /// A cycle: the master's position (u), velocity (u/s) and the time.
+    #[expect(clippy::float_cmp, reason = "counts of passes")]
     pub fn step(&mut self, position: f64, velocity: f64, now_ns: i64) {
-        let whole = match &mut self.unwrap {
-            Some(unwrap) => unwrap.follow(position),
-            None => {
-                self.unwrap = Some(Unwrap::new(self.input.master_period, position));
-                position
-            }
-        };
+        let period = self.input.master_period;
+        let unwrap = self.unwrap.get_or_insert_with(|| Unwrap::new(period, position));
+        let whole = unwrap.follow(position);
         let to = self.looks_at(whole, velocity);
         let (_, passes) = self.cam.curve().wrap(to);
         if let Some((from, from_ns)) = self.last {

@@ -1,9 +1,9 @@
 //! Cams as people make them: points, straight lines and tappets on a scale, and what is compiled from them (manual 4.2 to
 //! 4.4).
 
-use super::cam::{Cam, Shape};
 use super::error::CamError;
 use super::knot::Knot;
+use super::reference::{Cam, Shape};
 use super::table::{Equidistant, Interpolation, PairTable, TableScale, VariableType};
 use super::tappet::Tappet;
 
@@ -159,6 +159,7 @@ impl Source {
     ///
     /// # Errors
     /// [`CamError`] if elements overlap, meet with different values, lie outside the scale, or an end is missing.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
     pub fn knots(&self) -> Result<Vec<Knot>, CamError> {
         let mut knots: Vec<Knot> = Vec::with_capacity(2 * self.elements.len() + 1);
         for (index, element) in (1..).zip(&self.elements) {
@@ -192,6 +193,7 @@ impl Source {
     }
 
     /// Both ends are where the scale has them; the end of a periodic cam goes on as its begin does.
+    #[expect(clippy::float_cmp, reason = "the same number or another one")]
     fn close(&self, knots: &mut Vec<Knot>) -> Result<(), CamError> {
         let found = knots.len();
         let (Some(first), Some(last)) = (knots.first().copied(), knots.last().copied()) else {

@@ -132,6 +132,7 @@ impl TableScale {
     /// A table in the axis's own units.
     pub const IDENTITY: Self = Self { min: 0.0, max: 1.0, table_min: 0.0, table_max: 1.0 };
 
+    #[expect(clippy::float_cmp, reason = "a range of no width")]
     fn check(&self, axis: &'static str) -> Result<(), CamError> {
         let Self { min, max, table_min, table_max } = *self;
         let finite = [min, max, table_min, table_max].iter().all(|value| value.is_finite());

@@ -3,9 +3,9 @@
 use super::vector::{Vector, check};
 use std::sync::Arc;
 use twin_motion::cam::{
-    AxisState, Cam, CamCoupling, CamInput, CamRegister, CamTable, Curve, Derivatives,
-    DigitalCamSwitch, Equidistant, Factors, Interpolation, Knot, MasterMotion, PairTable, Passage,
-    RegisterInput, Shape, Switch, SwitchMode, TableScale, Track, VariableType, quintic,
+    AxisState, Cam, CamCoupling, CamInput, CamRegister, CamTable, Curve, Derivatives, Equidistant,
+    Factors, Interpolation, Knot, MasterMotion, PairTable, RegisterInput, Shape, TableScale,
+    VariableType, quintic,
 };
 
 fn knot(vector: &Vector, name: &str) -> Knot {
@@ -178,35 +178,5 @@ pub(crate) fn dead_time() {
         let cam = cam(&[Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)]);
         let register = CamRegister::new(cam, input);
         vector.expect("x", [register.looks_at(vector.number("master"), vector.number("v"))]);
-    });
-}
-
-/// The switches of the manual's example (5.5).
-#[test]
-pub(crate) fn digital_cam() {
-    check("digital-cam", |vector| {
-        let by_position = |track, first_on, last_on, direction| Switch {
-            track,
-            first_on,
-            direction,
-            mode: SwitchMode::Position { last_on },
-        };
-        let mode = SwitchMode::Time { duration_ns: 2_000_000_000 };
-        let switches = [
-            by_position(1, 200.0, 300.0, Passage::Negative),
-            by_position(2, 100.0, 300.0, Passage::Every),
-            Switch { track: 3, first_on: 10.0, direction: Passage::Every, mode },
-            by_position(1, 0.0, 100.0, Passage::Positive),
-        ];
-        for (direction, velocity) in [("positive", 10.0), ("negative", -10.0)] {
-            for (index, position) in vector.numbers("pos").into_iter().enumerate() {
-                let block = DigitalCamSwitch::new(&switches, [Track::default(); 32], None);
-                let mut block = block.expect("switches");
-                block.step(position, velocity, 0, u32::MAX);
-                for (name, track) in [("out1", 1), ("out2", 2)] {
-                    vector.expect_that(&format!("{direction}/{name}/{index}"), block.output(track));
-                }
-            }
-        }
     });
 }

@@ -24,9 +24,7 @@ impl Owner {
     /// By how the ids begin; none for what this project does not do.
     fn of(id: &str) -> Option<Self> {
         let begins = |groups: &[&str]| groups.iter().any(|group| id.starts_with(group));
-        if begins(&["cam-", "cnc-", "prep-", "ipo-"])
-            || ["digital-cam", "x-interpolator"].contains(&id)
-        {
+        if begins(&["cam-", "cnc-", "prep-", "ipo-"]) || id == "x-interpolator" {
             Some(Self::Motion)
         } else if begins(&["trafo-", "trafov-"]) {
             Some(Self::Kinematics)

@@ -106,6 +106,7 @@ pub fn read_knots(reader: impl BufRead) -> Result<Vec<Knot>, AsciiError> {
     Ok(rows.into_iter().map(knot).collect())
 }
 
+#[expect(clippy::float_cmp, reason = "the same number or another one")]
 fn rows<const N: usize>(mut reader: impl BufRead) -> Result<Vec<[f64; N]>, AsciiError> {
     let mut rows: Vec<(usize, [f64; N])> = Vec::new();
     let mut bytes = Vec::new();

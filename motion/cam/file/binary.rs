@@ -1,7 +1,7 @@
 //! `*.CAM` files.
 
-use super::super::cam::{Cam, Shape};
 use super::super::knot::Knot;
+use super::super::reference::{Cam, Shape};
 use super::super::table::{Equidistant, Interpolation, PairTable, TableScale, VariableType};
 use super::super::tappet::{Action, Passage, Tappet};
 use super::{CamReadError, CamWriteError, MAX_ELEMENTS, MAX_TAPPETS};
@@ -266,7 +266,7 @@ impl Content<'_> {
     }
 
     fn cam(&mut self, kind: u8, periodic: bool) -> Result<Cam, CamReadError> {
-        let name = self.list("bytes of the name", MAX_NAME, |this| Ok(this.array::<1>()?))?;
+        let name = self.list("bytes of the name", MAX_NAME, Self::array::<1>)?;
         let name: Vec<u8> = name.into_iter().flatten().collect();
         let name = String::from_utf8(name).map_err(|error| CamReadError::Unknown {
             offset: (HEADER_BYTES + 4 + error.utf8_error().valid_up_to()) as u64,

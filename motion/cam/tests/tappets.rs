@@ -1,9 +1,8 @@
-//! Tappets, registers and switches (manual 4.4.2, 5.5).
+//! Tappets and registers (manual 4.4.2, 5.5).
 
 use crate::cam::{
-    Action, AxisState, Cam, CamCoupling, CamInput, CamRegister, CamTable, DigitalCamSwitch, Knot,
-    Passage, RegisterInput, Shape, Switch, SwitchError, SwitchMode, Tappet, TappetBit, TappetValue,
-    Track, Trigger,
+    Action, AxisState, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage,
+    RegisterInput, Shape, Tappet, TappetBit, TappetValue, Trigger,
 };
 use proptest::prelude::*;
 use std::sync::Arc;
@@ -170,86 +169,4 @@ proptest! {
         });
         prop_assert_eq!(bit, passages.count() % 2 == 1);
     }
-}
-
-fn switch(track: u8, first_on: f64, last_on: f64) -> Switch {
-    let mode = SwitchMode::Position { last_on };
-    Switch { track, first_on, direction: Passage::Every, mode }
-}
-
-fn run(block: &mut DigitalCamSwitch, way: &[f64], velocity: f64) -> Vec<bool> {
-    (0..)
-        .zip(way)
-        .map(|(cycle, position)| {
-            block.step(*position, velocity, cycle * CYCLE_NS, u32::MAX);
-            block.output(1)
-        })
-        .collect()
-}
-
-#[test]
-fn switches_of_a_track_are_ored_and_masked() {
-    let list = [switch(1, 0.0, 10.0), switch(1, 20.0, 30.0), switch(32, 5.0, 25.0)];
-    let mut block = DigitalCamSwitch::new(&list, [Track::default(); 32], None).expect("switches");
-    assert_eq!(
-        run(&mut block, &[-1.0, 0.0, 10.0, 15.0, 20.0, 31.0], 1.0),
-        [false, true, true, false, true, false]
-    );
-    assert_eq!(block.step(22.0, 1.0, 0, u32::MAX), 1 << 31 | 1);
-    assert_eq!(block.step(22.0, 1.0, 0, 1), 1);
-    assert!(!block.output(32) && !block.output(0) && !block.output(33));
-    let refuse =
-        |switch| DigitalCamSwitch::new(&[switch], [Track::default(); 32], None).map(|_| ());
-    assert_eq!(refuse(switch(0, 0.0, 1.0)), Err(SwitchError::NoSuchTrack { index: 1, track: 0 }));
-    assert_eq!(refuse(switch(33, 0.0, 1.0)), Err(SwitchError::NoSuchTrack { index: 1, track: 33 }));
-    let empty = SwitchError::NoRange { index: 1, first_on: 5.0, last_on: 1.0 };
-    assert_eq!(refuse(switch(1, 5.0, 1.0)), Err(empty));
-}
-
-/// On a rotary axis a range may go over the end of the turn.
-#[test]
-fn ranges_over_the_end() {
-    let mut block =
-        DigitalCamSwitch::new(&[switch(1, 350.0, 10.0)], [Track::default(); 32], Some(360.0))
-            .expect("switches");
-    let way = [340.0, 355.0, 5.0, 15.0, 350.0];
-    assert_eq!(run(&mut block, &way, 1.0), [false, true, true, false, true]);
-}
-
-/// At 100 u/s: on 20 ms early is 2 u before, off 30 ms late 3 u behind; backwards likewise.
-#[test]
-fn compensations_move_edges() {
-    let mut tracks = [Track::default(); 32];
-    tracks[0] = Track { on_compensation_s: -0.02, off_compensation_s: 0.03, hysteresis: 0.0 };
-    let mut block =
-        DigitalCamSwitch::new(&[switch(1, 10.0, 20.0)], tracks, None).expect("switches");
-    let way = [7.9, 8.0, 15.0, 22.9, 23.1];
-    assert_eq!(run(&mut block, &way, 100.0), [false, true, true, true, false]);
-    let way = [22.1, 21.9, 15.0, 7.1, 6.9];
-    assert_eq!(run(&mut block, &way, -100.0), [false, true, true, true, false]);
-}
-
-#[test]
-fn hysteresis_of_a_switch() {
-    let mut tracks = [Track::default(); 32];
-    tracks[0].hysteresis = 0.5;
-    let mut block =
-        DigitalCamSwitch::new(&[switch(1, 10.0, 20.0)], tracks, None).expect("switches");
-    let way = [9.0, 10.1, 9.9, 10.1, 9.8, 9.5];
-    assert_eq!(run(&mut block, &way, 1.0), [false, true, true, true, true, false]);
-}
-
-/// The manual's third switch: 10 and 2 s, in both directions.
-#[test]
-fn switches_by_time() {
-    let mode = SwitchMode::Time { duration_ns: 2_000_000_000 };
-    let switch = Switch { track: 3, first_on: 10.0, direction: Passage::Every, mode };
-    let mut block =
-        DigitalCamSwitch::new(&[switch], [Track::default(); 32], None).expect("switches");
-    let mut at = |position: f64, velocity: f64, seconds: i64| {
-        block.step(position, velocity, seconds * 1_000_000_000, u32::MAX) == 4
-    };
-    assert!(!at(9.0, 1.0, 0));
-    assert!(at(11.0, 1.0, 1) && at(12.0, 1.0, 2) && !at(13.0, 1.0, 3));
-    assert!(at(9.0, -1.0, 4) && !at(8.0, -1.0, 6));
 }

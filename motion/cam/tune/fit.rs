@@ -22,6 +22,7 @@ pub struct Sample {
 
 /// What is looked for; the others stay as they are given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "one for each input of the block")]
 pub struct Free {
     /// `MasterOffset`.
     pub master_offset: bool,

@@ -1,5 +1,7 @@
 //! Estimates against known truths, and shapes against the best that is known.
 
+#![expect(clippy::float_cmp, reason = "given, or to be the same bit for bit")]
+
 mod fit;
 mod reshape;
 
