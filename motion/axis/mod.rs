@@ -1,5 +1,46 @@
-//! Single axes: how they move from point to point and from velocity to velocity (manual chapters 2 and 5).
+//! Single axes after PLCopen: their state, their parameters and the blocks that move them (manual chapters 2 and 5).
 //!
 //! All quantities are in the technical unit u of the axis, as SoftMotion has them: u, u/s, u/s², u/s³.
+//!
+//! ```text
+//! Feedback ─▶ Axis::begin_cycle ─▶ blocks (Power, MoveAbsolute, GearIn …) ─▶ Axis::end_cycle ─▶ Command
+//! ```
+//!
+//! [`Axis`] is the manual's `AXIS_REF` with its drive interface. [`Block`] gives the rules of function blocks to whatever
+//! is a [`Motion`]. The blocks carry the manual's names without their prefix; the prefixed ones find them in the search
+//! of this documentation (`MC_MoveAbsolute`).
+//!
+//! No clock and no input or output: the cycle time is told, and what the drive says is given.
 
+mod axis_ref;
+mod block;
+mod config;
+mod cycle;
+mod direction;
+mod drive;
+mod error;
+mod errors;
+mod latch;
+mod master;
+mod moves;
+mod ownership;
 pub mod profile;
+mod single;
+mod state;
+#[cfg(test)]
+mod tests;
+
+pub use axis_ref::{Access, PARAMETERS, Parameter, Value};
+pub use block::{Block, Motion, Progress, Stage};
+pub use config::{AxisConfig, Movement};
+pub use direction::Direction;
+pub use drive::{Capture, Command, ControllerMode, Feedback, Homing, VirtualDrive};
+pub use error::{Language, SmcError};
+pub use latch::Outputs;
+pub use master::Master;
+pub use moves::{
+    Halt, MoveAbsolute, MoveAdditive, MoveRelative, MoveVelocity, Power, PowerStatus, Stop,
+};
+pub use ownership::{Refusal, Start};
+pub use single::{Axis, fmod};
+pub use state::AxisState;
