@@ -36,6 +36,8 @@ pub struct AxisConfig {
     pub software_limits: Option<[f64; 2]>,
     /// Whether an open limit switch is an error (`bHWLimitEnable`). Linear axes only.
     pub hardware_limits: bool,
+    /// Whether the drive can limit a capture to a window of positions.
+    pub capture_window: bool,
     /// Increments to u: numerator and denominator (`iRatioTechUnitsNum`, `dwRatioTechUnitsDenom`).
     pub ratio: [i64; 2],
     /// Whether the configuration made the axis (`bRealDrive`), not a program.
@@ -55,6 +57,7 @@ impl Default for AxisConfig {
             max_deceleration: 100.0,
             software_limits: None,
             hardware_limits: false,
+            capture_window: true,
             ratio: [1, 1],
             real_drive: true,
         }

@@ -1,6 +1,6 @@
 //! Beginning and end of a cycle, and what the axis does on its own.
 
-use super::drive::{Command, Feedback};
+use super::drive::{Command, ControllerMode, Feedback};
 use super::profile::{Profile, State};
 use super::single::DriveReport;
 use super::state::AxisState;
@@ -18,7 +18,7 @@ impl Axis {
             self.fail_with(SmcError::DiGeneralCommunicationError.number());
         } else if let Some(error) = feedback.error {
             self.fail_with(error);
-        } else if self.values.hw_limit_enable && feedback.limit_switch {
+        } else if self.values.hw_limit_enable && feedback.limit_switch && !self.ignores_limit_switch {
             self.fail_with(SmcError::DiSwlimitsExceeded.number());
         }
         self.drive.known |= feedback.communicating;
@@ -29,7 +29,8 @@ impl Axis {
             _ if !powered => self.lose_power(),
             _ => {}
         }
-        if !powered {
+        let unregulated = matches!(feedback.mode, ControllerMode::Torque | ControllerMode::Current);
+        if !powered || (unregulated && self.values.owner == 0) {
             self.follow_drive();
         }
     }
@@ -75,7 +76,6 @@ impl Axis {
         self.drive = DriveReport {
             position: feedback.position,
             velocity: feedback.velocity,
-            acceleration,
             homing: feedback.homing,
             error: feedback.error,
             known: self.drive.known,
@@ -141,7 +141,7 @@ impl Axis {
     fn desert(&mut self) {
         self.values.owner = 0;
         self.overlay_owner = 0;
-        self.home = None;
+        self.stop_homing();
         self.aim = None;
     }
 

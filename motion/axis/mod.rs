@@ -16,12 +16,15 @@ mod axis_ref;
 mod block;
 mod config;
 mod cycle;
+mod diagnose;
 mod direction;
 mod drive;
 mod error;
 mod errors;
+mod gear;
 mod latch;
 mod master;
+mod math;
 mod moves;
 mod ownership;
 pub mod profile;
@@ -29,18 +32,29 @@ mod single;
 mod state;
 #[cfg(test)]
 mod tests;
+mod virtual_axes;
 
 pub use axis_ref::{Access, PARAMETERS, Parameter, Value};
 pub use block::{Block, Motion, Progress, Stage};
 pub use config::{AxisConfig, Movement};
 pub use direction::Direction;
+pub use diagnose::{Largest, TrackingError};
 pub use drive::{Capture, Command, ControllerMode, Feedback, Homing, VirtualDrive};
 pub use error::{Language, SmcError};
+pub use gear::{
+    CamSwitch, Decouple, DigitalCamSwitch, GearIn, GearInPos, GearInPosRun, Phasing, SwitchDirection,
+    SwitchOutputs, TappetMode, Track,
+};
 pub use latch::Outputs;
 pub use master::Master;
+pub use math::{atan2, fmod, sgn};
 pub use moves::{
-    Halt, MoveAbsolute, MoveAdditive, MoveRelative, MoveVelocity, Power, PowerStatus, Stop,
+    AbortTrigger, AxisStatus, ControlAxis, ControlAxisBy, ControlOutputs, Follow, Halt, Home,
+    HomingBySwitch, HomingMode, MoveAbsolute, MoveAdditive, MoveContinuousAbsolute,
+    MoveContinuousRelative, MoveRelative, MoveSuperImposed, MoveVelocity, Planned, Power,
+    PowerStatus, Probed, Reset, SetControllerMode, Stop, TouchProbe, Trigger,
 };
 pub use ownership::{Refusal, Start};
-pub use single::{Axis, fmod};
+pub use single::Axis;
 pub use state::AxisState;
+pub use virtual_axes::{Encoder, EncoderConfig, EncoderOutputs, TimeAxis, units};

@@ -1,5 +1,6 @@
 //! One owner at a time (`iOwner`, `iNoOwner`; manual 5.2).
 
+use super::config::Movement;
 use super::profile::State;
 use super::state::AxisState;
 use super::{Axis, SmcError};
@@ -37,10 +38,13 @@ impl Axis {
     /// It takes over from the set-point of the last cycle and gives this cycle's anew, whatever the block before has
     /// made of it. Where that block has ended in this cycle, it goes on from its end.
     pub(crate) fn start(&self) -> Start {
-        let ended = self.values.moved_in_this_cycle && self.values.owner == 0;
+        let ended = self.values.moved_in_this_cycle && self.values.owner == 0 && self.overlay_owner == 0;
         let (state, lead) =
             if ended { (self.total(), 0.0) } else { (self.saved, self.values.task_cycle) };
-        let position = self.to_drive(self.from_drive(state.position));
+        let position = match self.movement {
+            Movement::Linear => state.position,
+            Movement::Rotary { .. } => self.to_drive(self.from_drive(state.position)),
+        };
         let aim = self.aim.map(|aim| aim - state.position + position);
         Start { state: State { position, ..state }, lead, aim }
     }
@@ -68,6 +72,7 @@ impl Axis {
         self.overlay_owner = 0;
         self.base = start.state;
         self.aim = None;
+        self.stop_homing();
         self.values.mark_position = self.from_drive(start.state.position);
         self.values.mark_velocity = start.state.velocity;
         self.values.mark_acceleration = start.state.acceleration;
@@ -98,6 +103,13 @@ impl Axis {
     /// Whether `owner` has the axis.
     pub(crate) fn owns(&self, owner: i64) -> bool {
         self.values.owner == owner
+    }
+
+    /// The drive's own homing is over, or the block that asked for it.
+    pub(crate) fn stop_homing(&mut self) {
+        self.home = None;
+        self.values.start_reference = false;
+        self.ignores_limit_switch = false;
     }
 
     /// The set-point of the owner for this cycle, in the drive's coordinates, unwound.

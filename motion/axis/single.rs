@@ -4,6 +4,7 @@ use super::axis_ref::AxisRef;
 use super::config::{AxisConfig, Movement};
 use super::drive::{Capture, ControllerMode};
 use super::errors::BlockErrors;
+use super::math::fmod;
 use super::profile::{AxisLimits, Profile, RampType, State};
 use super::state::AxisState;
 
@@ -61,6 +62,9 @@ pub struct Axis {
     pub(super) capture: Option<Capture>,
     pub(super) captured: Option<f64>,
     pub(super) home: Option<f64>,
+    /// Homing runs onto a switch that is the limit switch, too.
+    pub(super) ignores_limit_switch: bool,
+    pub(super) has_capture_window: bool,
     pub(super) drive: DriveReport,
 }
 
@@ -69,7 +73,6 @@ pub struct Axis {
 pub(super) struct DriveReport {
     pub(super) position: f64,
     pub(super) velocity: f64,
-    pub(super) acceleration: f64,
     pub(super) homing: super::drive::Homing,
     pub(super) error: Option<u16>,
     pub(super) known: bool,
@@ -119,6 +122,8 @@ impl Axis {
             capture: None,
             captured: None,
             home: None,
+            ignores_limit_switch: false,
+            has_capture_window: config.capture_window,
             drive: DriveReport::default(),
         }
     }
@@ -129,7 +134,8 @@ impl Axis {
         self.state
     }
 
-    /// Set position (`fSetPosition`), u; of a rotary axis in [0, period).
+    /// Set position (`fSetPosition`, `SMC_ReadSetPosition`), u; of a rotary axis in [0, period).
+    #[doc(alias = "SMC_ReadSetPosition")]
     #[must_use]
     pub fn set_position(&self) -> f64 {
         self.values.set_position
@@ -174,7 +180,8 @@ impl Axis {
         }
     }
 
-    /// Number of the axis's error (`wErrorID`): of [`SmcError`](super::SmcError) or, above 0, of the drive.
+    /// Number of the axis's error (`wErrorID`, `MC_ReadAxisError`): of [`SmcError`](super::SmcError) or, above 0, of the drive.
+    #[doc(alias = "MC_ReadAxisError")]
     #[must_use]
     pub fn error_id(&self) -> Option<i64> {
         self.values.error.then_some(self.values.error_id)
@@ -240,13 +247,4 @@ impl Axis {
     pub(super) fn mode(&self) -> ControllerMode {
         ControllerMode::from_number(self.values.controller_mode).unwrap_or_default()
     }
-}
-
-/// `x` modulo the period `m`, in [0, m) (`SMC_fmod`, manual 2.2.1).
-#[doc(alias = "SMC_fmod")]
-#[must_use]
-pub fn fmod(x: f64, m: f64) -> f64 {
-    let rest = x.rem_euclid(m);
-    // A tiny negative x plus m rounds to m itself.
-    if rest < m { rest } else { 0.0 }
 }

@@ -1,7 +1,7 @@
 //! A planned motion on its way.
 
 use crate::axis::ownership::Start;
-use crate::axis::profile::{AxisLimits, Profile, ProfileError, State};
+use crate::axis::profile::{AxisLimits, Profile, ProfileError};
 use crate::axis::{Axis, Progress, Stage};
 
 /// A profile and how far it has come.
@@ -65,10 +65,5 @@ impl Planned {
             self.profile.at(self.time)
         };
         Progress { setpoint, stage: if ended { end } else { Stage::Busy } }
-    }
-
-    /// Its state at this cycle, without going on.
-    pub(crate) fn state(&self) -> State {
-        self.profile.at(self.time)
     }
 }
