@@ -18,7 +18,8 @@ impl Axis {
             self.fail_with(SmcError::DiGeneralCommunicationError.number());
         } else if let Some(error) = feedback.error {
             self.fail_with(error);
-        } else if self.values.hw_limit_enable && feedback.limit_switch && !self.ignores_limit_switch {
+        } else if self.values.hw_limit_enable && feedback.limit_switch && !self.ignores_limit_switch
+        {
             self.fail_with(SmcError::DiSwlimitsExceeded.number());
         }
         self.drive.known |= feedback.communicating;

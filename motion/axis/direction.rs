@@ -1,8 +1,8 @@
 //! Which way round (manual 5.3).
 
-use super::profile::{AxisLimits, Profile, State};
 use super::Axis;
 use super::math::fmod;
+use super::profile::{AxisLimits, Profile, State};
 
 /// Positions closer than this part of a period are the same.
 const SAME: f64 = 1e-9;

@@ -37,13 +37,13 @@ mod virtual_axes;
 pub use axis_ref::{Access, PARAMETERS, Parameter, Value};
 pub use block::{Block, Motion, Progress, Stage};
 pub use config::{AxisConfig, Movement};
-pub use direction::Direction;
 pub use diagnose::{Largest, TrackingError};
+pub use direction::Direction;
 pub use drive::{Capture, Command, ControllerMode, Feedback, Homing, VirtualDrive};
 pub use error::{Language, SmcError};
 pub use gear::{
-    CamSwitch, Decouple, DigitalCamSwitch, GearIn, GearInPos, GearInPosRun, Phasing, SwitchDirection,
-    SwitchOutputs, TappetMode, Track,
+    CamSwitch, Decouple, DigitalCamSwitch, GearIn, GearInPos, GearInPosRun, Phasing,
+    SwitchDirection, SwitchOutputs, TappetMode, Track,
 };
 pub use latch::Outputs;
 pub use master::Master;

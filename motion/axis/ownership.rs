@@ -38,7 +38,8 @@ impl Axis {
     /// It takes over from the set-point of the last cycle and gives this cycle's anew, whatever the block before has
     /// made of it. Where that block has ended in this cycle, it goes on from its end.
     pub(crate) fn start(&self) -> Start {
-        let ended = self.values.moved_in_this_cycle && self.values.owner == 0 && self.overlay_owner == 0;
+        let ended =
+            self.values.moved_in_this_cycle && self.values.owner == 0 && self.overlay_owner == 0;
         let (state, lead) =
             if ended { (self.total(), 0.0) } else { (self.saved, self.values.task_cycle) };
         let position = match self.movement {
@@ -84,6 +85,7 @@ impl Axis {
     pub(crate) fn release(&mut self, owner: i64) {
         if self.owns(owner) {
             self.values.owner = 0;
+            self.stop_homing();
             if self.overlay_owner == 0 {
                 self.rest();
             } else {

@@ -57,11 +57,7 @@ impl TimeAxis {
         }
         position = self.axis.wrapped(position);
         let velocity = if execute { self.speed } else { 0.0 };
-        self.axis.enter(if execute {
-            AxisState::ContinuousMotion
-        } else {
-            AxisState::Standstill
-        });
+        self.axis.enter(if execute { AxisState::ContinuousMotion } else { AxisState::Standstill });
         self.axis.drive_to(State { position, velocity, acceleration: 0.0 });
         &self.axis
     }
@@ -157,11 +153,8 @@ impl Encoder {
         self.last = Some(raw);
         let position = units(self.counted, self.config.ratio);
         let cycle = self.axis.cycle();
-        let velocity = if known && cycle > 0.0 {
-            (position - self.axis.drive.position) / cycle
-        } else {
-            0.0
-        };
+        let velocity =
+            if known && cycle > 0.0 { (position - self.axis.drive.position) / cycle } else { 0.0 };
         self.axis.drive.position = position;
         if let Some(value) = set.filter(|value| value.is_finite()) {
             self.axis.values.offset_position = value - position;

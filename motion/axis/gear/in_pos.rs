@@ -117,9 +117,9 @@ impl GearInPos {
         let target = axis.to_drive(self.slave_sync_position);
         // A rotary slave goes to the place that is nearest to the way of the mean velocity.
         let natural = from.position + 0.5 * (slopes[0] + slopes[1]) * way;
-        let target = axis.period().map_or(target, |period| {
-            target + period * ((natural - target) / period).round()
-        });
+        let target = axis
+            .period()
+            .map_or(target, |period| target + period * ((natural - target) / period).round());
         Some(Quintic::new([unwound, unwound + way], [from.position, target], slopes))
     }
 }

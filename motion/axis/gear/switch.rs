@@ -215,7 +215,8 @@ impl Switched {
         let [before, now] = [seen.before, seen.position].map(|position| seen.way(place, position));
         // Close to the place only: on the far side of a period the short way changes its sign, too.
         let close = (now - before).abs() <= 2.0 * seen.way(seen.before, seen.position).abs();
-        let crossed = if seen.forward { before < 0.0 && now >= 0.0 } else { before > 0.0 && now <= 0.0 };
+        let crossed =
+            if seen.forward { before < 0.0 && now >= 0.0 } else { before > 0.0 && now <= 0.0 };
         if counts && close && crossed {
             self.left = duration;
         }

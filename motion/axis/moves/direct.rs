@@ -62,11 +62,8 @@ impl Motion for Follow {
 
     fn step(&self, (): &mut (), axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
         // What is no number is no set-point: the axis stays where it is.
-        let setpoint = if self.is_finite() {
-            self.wanted(axis)
-        } else {
-            State::resting(axis.saved.position)
-        };
+        let setpoint =
+            if self.is_finite() { self.wanted(axis) } else { State::resting(axis.saved.position) };
         Ok(Progress { setpoint, stage: Stage::Busy })
     }
 }
@@ -199,7 +196,13 @@ impl ControlAxis {
 }
 
 /// Whether a set-point asks for more than the axis's software maxima.
-pub(crate) fn exceeds(wanted: State, before: State, axis: &Axis, velocity: bool, rates: bool) -> bool {
+pub(crate) fn exceeds(
+    wanted: State,
+    before: State,
+    axis: &Axis,
+    velocity: bool,
+    rates: bool,
+) -> bool {
     /// What rounding may add.
     const SLACK: f64 = 1.0 + 1e-6;
     let limits = axis.implicit_limits();

@@ -55,7 +55,9 @@ impl Axis {
     /// [`SmcError::StWrongControllerMode`] (75) in another mode; the set torque stays.
     #[doc(alias = "SMC_SetTorque")]
     pub fn set_torque(&mut self, torque: f64) -> Result<(), SmcError> {
-        if self.values.real_controller_mode != ControllerMode::Torque.number() || !torque.is_finite() {
+        if self.values.real_controller_mode != ControllerMode::Torque.number()
+            || !torque.is_finite()
+        {
             return Err(SmcError::StWrongControllerMode);
         }
         self.values.set_torque = torque;

@@ -76,9 +76,11 @@ fn a_superimposed_motion_outlives_one_that_ends_and_dies_with_one_that_is_aborte
 
 #[test]
 fn a_continuous_move_has_its_end_velocity_at_the_position() {
-    for (end, direction, expected) in
-        [(4.0, Direction::Positive, 4.0), (4.0, Direction::Negative, -4.0), (0.0, Direction::Current, 0.0)]
-    {
+    for (end, direction, expected) in [
+        (4.0, Direction::Positive, 4.0),
+        (4.0, Direction::Negative, -4.0),
+        (0.0, Direction::Current, 0.0),
+    ] {
         let mut rig = linear();
         let mut block = Block::new(MoveContinuousAbsolute {
             position: 5.0,
@@ -121,9 +123,8 @@ fn continuous_moves_refuse_what_is_no_direction() {
         direction: Direction::Fastest,
     };
     let mut rig = linear();
-    let mut error = |block: MoveContinuousRelative| {
-        rig.cycle(|axis| Block::new(block).call(true, axis)).error
-    };
+    let mut error =
+        |block: MoveContinuousRelative| rig.cycle(|axis| Block::new(block).call(true, axis)).error;
     assert_eq!(error(relative), Some(SmcError::McrInvalidDirection));
     let faster = MoveContinuousRelative {
         end_velocity: 11.0,
@@ -131,9 +132,8 @@ fn continuous_moves_refuse_what_is_no_direction() {
         ..relative
     };
     assert_eq!(error(faster), Some(SmcError::McrInvalidVelaccValues));
-    let mut error = |block: MoveContinuousAbsolute| {
-        rig.cycle(|axis| Block::new(block).call(true, axis)).error
-    };
+    let mut error =
+        |block: MoveContinuousAbsolute| rig.cycle(|axis| Block::new(block).call(true, axis)).error;
     assert_eq!(error(absolute), Some(SmcError::McaDirectionNotApplicable));
     let no_end = MoveContinuousAbsolute {
         direction: Direction::Positive,

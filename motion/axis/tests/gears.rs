@@ -17,7 +17,12 @@ fn pair<T>(
 }
 
 fn gear(ratio_numerator: i32, ratio_denominator: u32) -> Block<GearIn> {
-    Block::new(GearIn { ratio_numerator, ratio_denominator, acceleration: 50.0, deceleration: 50.0 })
+    Block::new(GearIn {
+        ratio_numerator,
+        ratio_denominator,
+        acceleration: 50.0,
+        deceleration: 50.0,
+    })
 }
 
 #[test]
@@ -73,6 +78,7 @@ fn a_gear_follows_actual_values_of_a_master_without_power() {
         master.drive.feedback_mut().position = turned;
         master.drive.feedback_mut().velocity = 5.0;
         master.axis.begin_cycle(&master.drive.feedback());
+        master.power.call(true, &mut master.axis);
         shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
     }
     assert!(shown.done);

@@ -25,7 +25,12 @@ fn homing(mode: HomingMode) -> Block<HomingBySwitch> {
 }
 
 /// Runs it with a switch that is closed between two drive positions; the drive position of the home position then.
-fn run(rig: &mut Rig, block: &mut Block<HomingBySwitch>, closed: [f64; 2], index: Option<f64>) -> f64 {
+fn run(
+    rig: &mut Rig,
+    block: &mut Block<HomingBySwitch>,
+    closed: [f64; 2],
+    index: Option<f64>,
+) -> f64 {
     for _ in 0..10_000 {
         let at = rig.drive.feedback().position;
         let offset = rig.axis.read_parameter(1215).expect("fOffsetPosition");

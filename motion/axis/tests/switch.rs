@@ -14,7 +14,7 @@ fn on(switch: CamSwitch, track: Track, velocity: f64) -> Vec<[f64; 2]> {
     tracks[0] = track;
     let (mut rig, mut moving) = (rotary(), endless(velocity));
     let mut block = DigitalCamSwitch::new(&[switch], tracks);
-    let (mut spans, mut was) = (Vec::new(), false);
+    let (mut spans, mut was, mut ended) = (Vec::<[f64; 2]>::new(), false, None);
     // The first turn is to get up to speed; the second, from 0 on, counts.
     let mut turned = 0.0;
     while turned < 720.0 {
@@ -27,15 +27,18 @@ fn on(switch: CamSwitch, track: Track, velocity: f64) -> Vec<[f64; 2]> {
             let at = rig.axis.set_position();
             match (was, shown) {
                 (false, true) => spans.push([at, f64::NAN]),
-                (true, false) => {
-                    if let Some(span) = spans.last_mut() {
-                        span[1] = at;
-                    }
-                }
+                (true, false) => match spans.last_mut() {
+                    Some(span) => span[1] = at,
+                    // It was on when the turn began.
+                    None => ended = Some(at),
+                },
                 _ => {}
             }
         }
         was = shown;
+    }
+    if let (Some(span), Some(at)) = (spans.last_mut(), ended) {
+        span[1] = at;
     }
     spans
 }
