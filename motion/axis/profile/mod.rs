@@ -14,6 +14,7 @@
 //! No clock and no allocation: a profile is a plain value with room for all the segments it can have.
 
 mod error;
+mod parabolic;
 mod planned;
 mod segment;
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! A motion that is planned to its end.
 
 use super::segment::{Segment, Track};
-use super::{AxisLimits, ProfileError, RampType, State, trapezoid};
+use super::{AxisLimits, ProfileError, RampType, State, parabolic, trapezoid};
 
 /// Motion of an axis over time, from a state at time 0 to an end with constant velocity, and on with that.
 ///
@@ -44,7 +44,12 @@ impl Profile {
         finite("target position", target)?;
         end_velocity_within(end_velocity, limits)?;
         let mut track = Track::new(from);
-        trapezoid::to_position(&mut track, target, end_velocity, limits);
+        match ramp {
+            RampType::Trapezoid => trapezoid::to_position(&mut track, target, end_velocity, limits),
+            RampType::Sigmoid | RampType::Parabolic => {
+                parabolic::to_position(&mut track, target, end_velocity, &limits);
+            }
+        }
         let end = State { position: target, velocity: end_velocity, acceleration: 0.0 };
         Self::new(track, from, end, target)
     }
@@ -63,7 +68,10 @@ impl Profile {
         check(from, limits, ramp)?;
         end_velocity_within(velocity, limits)?;
         let mut track = Track::new(from);
-        trapezoid::ramp(&mut track, velocity, limits);
+        match ramp {
+            RampType::Trapezoid => trapezoid::ramp(&mut track, velocity, limits),
+            RampType::Sigmoid | RampType::Parabolic => parabolic::ramp(&mut track, velocity, &limits),
+        }
         let end = State { velocity, acceleration: 0.0, ..track.state };
         Self::new(track, from, end, velocity)
     }

@@ -1,6 +1,9 @@
 //! Profiles against closed forms and against what must hold for all of them.
 
+mod parabolic;
+mod random;
 mod refused;
+mod ruckig;
 mod trapezoid;
 
 use super::{AxisLimits, Profile, State};
