@@ -1,7 +1,7 @@
 //! A motion that is planned to its end.
 
 use super::segment::{Segment, Track};
-use super::{AxisLimits, ProfileError, RampType, State, parabolic, trapezoid};
+use super::{AxisLimits, ProfileError, RampType, State, parabolic, sigmoid, trapezoid};
 
 /// Motion of an axis over time, from a state at time 0 to an end with constant velocity, and on with that.
 ///
@@ -46,7 +46,8 @@ impl Profile {
         let mut track = Track::new(from);
         match ramp {
             RampType::Trapezoid => trapezoid::to_position(&mut track, target, end_velocity, limits),
-            RampType::Sigmoid | RampType::Parabolic => {
+            RampType::Sigmoid => sigmoid::to_position(&mut track, target, end_velocity, &limits),
+            RampType::Parabolic => {
                 parabolic::to_position(&mut track, target, end_velocity, &limits);
             }
         }
@@ -70,7 +71,8 @@ impl Profile {
         let mut track = Track::new(from);
         match ramp {
             RampType::Trapezoid => trapezoid::ramp(&mut track, velocity, limits),
-            RampType::Sigmoid | RampType::Parabolic => parabolic::ramp(&mut track, velocity, &limits),
+            RampType::Sigmoid => sigmoid::ramp(&mut track, velocity, &limits),
+            RampType::Parabolic => parabolic::ramp(&mut track, velocity, &limits),
         }
         let end = State { velocity, acceleration: 0.0, ..track.state };
         Self::new(track, from, end, velocity)

@@ -32,8 +32,7 @@ pub(super) struct Up {
     second: Option<Hump>,
     /// Velocity at the end, u/s.
     to: f64,
-    /// Time and way, s and u.
-    pub(super) time: f64,
+    /// From the beginning to the end, u.
     pub(super) way: f64,
 }
 
@@ -63,11 +62,6 @@ impl Up {
 }
 
 impl AxisLimits {
-    /// Velocity at which the acceleration gets 0 if it is taken back from now on.
-    pub(super) fn settled(&self, velocity: f64, acceleration: f64) -> f64 {
-        velocity + 0.5 * acceleration * acceleration.abs() / self.jerk
-    }
-
     /// The ramp from a velocity and an acceleration up to a velocity.
     pub(super) fn up(&self, velocity: f64, acceleration: f64, to: f64) -> Up {
         let (half, up, down) = (0.5 / self.jerk, self.acceleration, self.deceleration);
@@ -85,19 +79,19 @@ impl AxisLimits {
             // Through 0 before it has risen as far.
             return self.single(v0, a0, to, up);
         }
-        let (first, time, way) = self.hump([v0, 0.0], [a0, middle], down);
-        let (second, more_time, more_way) = self.hump([0.0, to], [middle, 0.0], up);
-        Up { first, second: Some(second), to, time: time + more_time, way: way + more_way }
+        let (first, way) = self.hump([v0, 0.0], [a0, middle], down);
+        let (second, more) = self.hump([0.0, to], [middle, 0.0], up);
+        Up { first, second: Some(second), to, way: way + more }
     }
 
     fn single(&self, velocity: f64, acceleration: f64, to: f64, limit: f64) -> Up {
-        let (first, time, way) = self.hump([velocity, to], [acceleration, 0.0], limit);
-        Up { first, second: None, to, time, way }
+        let (first, way) = self.hump([velocity, to], [acceleration, 0.0], limit);
+        Up { first, second: None, to, way }
     }
 
-    /// A hump between velocities and accelerations, its time and its way.
+    /// A hump between velocities and accelerations, and its way.
     #[inline]
-    fn hump(&self, [v0, v1]: [f64; 2], [a0, a1]: [f64; 2], limit: f64) -> (Hump, f64, f64) {
+    fn hump(&self, [v0, v1]: [f64; 2], [a0, a1]: [f64; 2], limit: f64) -> (Hump, f64) {
         let jerk = self.jerk;
         let half = 0.5 / jerk;
         let square = jerk * (v1 - v0) + 0.5 * (a0 * a0 + a1 * a1);
@@ -114,6 +108,6 @@ impl AxisLimits {
         let way = rise * (v0 + rise * (0.5 * a0 + rising * rise / 6.0))
             + hold * (at_peak + 0.5 * peak * hold)
             + fall * (v1 - fall * (0.5 * a1 + jerk * fall / 6.0));
-        (Hump { from: a0, peak, rise, hold, fall }, rise + hold + fall, way)
+        (Hump { from: a0, peak, rise, hold, fall }, way)
     }
 }

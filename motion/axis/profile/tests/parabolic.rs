@@ -4,9 +4,9 @@ use super::random::{Case, Random};
 use super::{close, sampled};
 use crate::axis::profile::{AxisLimits, Profile, RampType, State};
 
-fn plan(case: &Case) -> Profile {
+fn plan(case: &Case, ramp: RampType) -> Profile {
     let Case { from, target, end_velocity, limits } = *case;
-    Profile::to_position(from, target, end_velocity, limits, RampType::Parabolic).unwrap()
+    Profile::to_position(from, target, end_velocity, limits, ramp).unwrap()
 }
 
 /// The greatest value for a check: the limits for a velocity.
@@ -40,13 +40,44 @@ fn keeps_everything(case: &Case, profile: &Profile) {
 
 #[test]
 fn limits_and_ends_of_random_moves() {
-    let mut random = Random(1);
+    for (seed, ramp, equal) in [
+        (1, RampType::Parabolic, true),
+        (2, RampType::Parabolic, false),
+        (3, RampType::Sigmoid, true),
+        (4, RampType::Sigmoid, false),
+    ] {
+        let mut random = Random(seed);
+        let mut count = 0;
+        while count < 5000 {
+            let case = Case::new(&mut random, equal);
+            if case.keeps_velocity() {
+                keeps_everything(&case, &plan(&case, ramp));
+                count += 1;
+            }
+        }
+    }
+}
+
+/// With limits that differ the time lies between those with both as large and both as small as the larger and the
+/// smaller one.
+#[test]
+fn limits_that_differ_are_between_equal_ones() {
+    let mut random = Random(5);
     let mut count = 0;
     while count < 5000 {
-        let case = Case::new(&mut random, true);
-        if case.keeps_velocity() {
-            keeps_everything(&case, &plan(&case));
-            count += 1;
+        let case = Case::new(&mut random, false);
+        if !case.keeps_velocity() {
+            continue;
         }
+        count += 1;
+        let with = |rate: f64| {
+            let limits = AxisLimits { acceleration: rate, deceleration: rate, ..case.limits };
+            plan(&Case { limits, ..case }, RampType::Parabolic).duration()
+        };
+        let AxisLimits { acceleration, deceleration, .. } = case.limits;
+        let (least, most) =
+            (with(acceleration.max(deceleration)), with(acceleration.min(deceleration)));
+        let time = plan(&case, RampType::Parabolic).duration();
+        assert!(least * (1.0 - 1e-9) <= time && time <= most * (1.0 + 1e-9), "{least} {time} {most}: {case:?}");
     }
 }
