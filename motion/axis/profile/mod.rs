@@ -18,12 +18,14 @@ mod parabolic;
 mod planned;
 mod segment;
 mod sigmoid;
+mod table;
 #[cfg(test)]
 mod tests;
 mod trapezoid;
 
 pub use error::ProfileError;
 pub use planned::Profile;
+pub use table::{MOST_POINTS, ProfilePoint, ProfileTable, TableProfile};
 
 /// Where an axis is and how it moves, in units of the axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

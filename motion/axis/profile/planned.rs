@@ -43,16 +43,16 @@ impl Profile {
         check(from, limits, ramp)?;
         finite("target position", target)?;
         end_velocity_within(end_velocity, limits)?;
-        let mut track = Track::new(from);
-        match ramp {
-            RampType::Trapezoid => trapezoid::to_position(&mut track, target, end_velocity, limits),
-            RampType::Sigmoid => sigmoid::to_position(&mut track, target, end_velocity, &limits),
-            RampType::Parabolic => {
-                parabolic::to_position(&mut track, target, end_velocity, &limits);
-            }
-        }
         let end = State { position: target, velocity: end_velocity, acceleration: 0.0 };
-        Self::new(track, from, end, target)
+        let mut profile = Self { track: Track::new(from), start: from, end };
+        let track = &mut profile.track;
+        match ramp {
+            RampType::Trapezoid => trapezoid::to_position(track, target, end_velocity, limits),
+            RampType::Sigmoid => sigmoid::to_position(track, target, end_velocity, &limits),
+            RampType::Parabolic => parabolic::to_position(track, target, end_velocity, &limits),
+        }
+        profile.check(target)?;
+        Ok(profile)
     }
 
     /// From the state to a constant `velocity` u/s, in the direction of its sign, as fast as the limits allow.
@@ -68,14 +68,16 @@ impl Profile {
     ) -> Result<Self, ProfileError> {
         check(from, limits, ramp)?;
         end_velocity_within(velocity, limits)?;
-        let mut track = Track::new(from);
+        let mut profile = Self { track: Track::new(from), start: from, end: from };
+        let track = &mut profile.track;
         match ramp {
-            RampType::Trapezoid => trapezoid::ramp(&mut track, velocity, limits),
-            RampType::Sigmoid => sigmoid::ramp(&mut track, velocity, &limits),
-            RampType::Parabolic => parabolic::ramp(&mut track, velocity, &limits),
+            RampType::Trapezoid => trapezoid::ramp(track, velocity, limits),
+            RampType::Sigmoid => sigmoid::ramp(track, velocity, &limits),
+            RampType::Parabolic => parabolic::ramp(track, velocity, &limits),
         }
-        let end = State { velocity, acceleration: 0.0, ..track.state };
-        Self::new(track, from, end, velocity)
+        profile.end = State { velocity, acceleration: 0.0, ..track.state };
+        profile.check(velocity)?;
+        Ok(profile)
     }
 
     /// From the state to a standstill, as fast as the limits allow.
@@ -87,9 +89,10 @@ impl Profile {
         Self::to_velocity(from, 0.0, limits, ramp)
     }
 
-    fn new(track: Track, start: State, end: State, target: f64) -> Result<Self, ProfileError> {
-        if (track.duration + track.state.position).is_finite() {
-            Ok(Self { track, start, end })
+    /// Whether all of it could be reckoned.
+    fn check(&self, target: f64) -> Result<(), ProfileError> {
+        if (self.track.duration + self.track.state.position).is_finite() {
+            Ok(())
         } else {
             Err(ProfileError::TooLarge { target })
         }

@@ -13,8 +13,8 @@
 //! that is held where it is the limit. They are not the fastest: of this form there is one for every target.
 
 use super::AxisLimits;
-use super::segment::{Segment, Track};
 use super::State;
+use super::segment::{Segment, Track};
 
 /// Steps of a search; each second one at least halves the bracket.
 const MOST_STEPS: u32 = 160;
@@ -39,7 +39,9 @@ impl Up {
 
     fn add(&mut self, duration: f64, jerk: f64, angular: f64) {
         let part = [duration, self.end.acceleration, jerk, angular];
-        if duration > 0.0 && let Some(place) = self.parts.get_mut(self.count) {
+        if duration > 0.0
+            && let Some(place) = self.parts.get_mut(self.count)
+        {
             *place = part;
             self.count += 1;
             self.end = Segment { start: 0.0, state: self.end, jerk, angular }.after(duration);
@@ -184,7 +186,10 @@ fn zero(function: impl Fn(f64) -> f64, [below, above]: [f64; 2], tolerance: f64)
         let inside = (secant - below) * (secant - above) < 0.0;
         let place = if inside && step % 3 != 2 { secant } else { 0.5 * (below + above) };
         let value = function(place);
-        if value.abs() <= tolerance || place.total_cmp(&below).is_eq() || place.total_cmp(&above).is_eq() {
+        if value.abs() <= tolerance
+            || place.total_cmp(&below).is_eq()
+            || place.total_cmp(&above).is_eq()
+        {
             return place;
         }
         if value < 0.0 {

@@ -64,7 +64,7 @@ impl Ease<'_> {
             let slope = -2.0 / jerk * (1.0 - alpha / peak) * along;
             let next = alpha - excess / slope;
             let next = if far < next && next < near { next } else { 0.5 * (far + near) };
-            if next == alpha {
+            if next.total_cmp(&alpha).is_eq() {
                 break;
             }
             alpha = next;

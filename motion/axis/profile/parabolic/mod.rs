@@ -41,9 +41,11 @@ const PRECISION: f64 = 1e-13;
 pub(super) fn ramp(track: &mut Track, velocity: f64, limits: &AxisLimits) {
     let start = track.state;
     let sign = side(velocity - limits.settled(start.velocity, start.acceleration));
-    limits
-        .up(sign * start.velocity, sign * start.acceleration, sign * velocity)
-        .push(track, sign, limits.jerk);
+    limits.up(sign * start.velocity, sign * start.acceleration, sign * velocity).push(
+        track,
+        sign,
+        limits.jerk,
+    );
 }
 
 /// Goes to a position and has `end_velocity`, at most the limit, there.
@@ -72,11 +74,8 @@ pub(super) fn to_position(track: &mut Track, target: f64, end_velocity: f64, lim
 
 /// Brakes from beyond the velocity limit until it is kept.
 fn brake(track: &mut Track, limits: &AxisLimits) {
-    let sign = if track.state.velocity.abs() > limits.velocity {
-        side(track.state.velocity)
-    } else {
-        side(track.state.acceleration)
-    };
+    let settled = limits.settled(track.state.velocity, track.state.acceleration);
+    let sign = side(if settled.abs() > limits.velocity { settled } else { track.state.velocity });
     let (excess, acceleration) =
         (sign * track.state.velocity - limits.velocity, sign * track.state.acceleration);
     let AxisLimits { deceleration, jerk, .. } = *limits;
@@ -194,7 +193,7 @@ fn over_a_peak(way: &Way, lowest: f64, limits: &AxisLimits) -> (f64, f64) {
         let slope = 2.0 * x * (peak * (1.0 / p + 1.0 / q) + half * (p + q));
         let next = x - excess / slope;
         let next = if low < next && next < high { next } else { 0.5 * (low + high) };
-        if next == x {
+        if next.total_cmp(&x).is_eq() {
             break;
         }
         x = next;

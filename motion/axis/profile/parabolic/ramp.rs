@@ -67,7 +67,7 @@ impl AxisLimits {
         let (half, up, down) = (0.5 / self.jerk, self.acceleration, self.deceleration);
         let (v0, a0) = (velocity, acceleration);
         let lowest = if a0 < 0.0 { v0 - half * a0 * a0 } else { v0 };
-        if lowest >= 0.0 || to <= 0.0 || up == down {
+        if lowest >= 0.0 || to <= 0.0 || up.total_cmp(&down).is_eq() {
             return self.single(v0, a0, to, if to > 0.0 { up } else { down });
         }
         let middle = up.min(down);

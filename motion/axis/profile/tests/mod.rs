@@ -4,6 +4,7 @@ mod parabolic;
 mod random;
 mod refused;
 mod ruckig;
+mod table;
 mod trapezoid;
 
 use super::{AxisLimits, Profile, State};

@@ -2,7 +2,7 @@
 
 use crate::axis::profile::{AxisLimits, State};
 
-/// A reproducible sequence of numbers (SplitMix64).
+/// A reproducible sequence of numbers (`SplitMix64`).
 #[derive(Clone, Debug)]
 pub(super) struct Random(pub(super) u64);
 
