@@ -59,23 +59,25 @@ pub(super) fn to_position(track: &mut Track, target: f64, end_velocity: f64, lim
     // Too fast, or bound to be: back to the limit as soon as can be, or so that it can be kept from there on. Which of
     // them is faster in the end depends on how far it is.
     let mut hard = *track;
-    brake(&mut hard, limits);
+    let over = side(if settled.abs() > most { settled } else { track.state.velocity });
+    brake(&mut hard, over, limits);
+    if limits.settled(hard.state.velocity, hard.state.acceleration).abs() > most {
+        // That would be too much, so only as much as leads to the limit on the other side.
+        hard = *track;
+        ramp(&mut hard, -over * most, limits);
+    }
+    plan(&mut hard, target, end_velocity, limits);
     if settled.abs() > most {
-        ramp(track, most.copysign(settled), limits);
+        ramp(track, over * most, limits);
     }
     plan(track, target, end_velocity, limits);
-    if limits.settled(hard.state.velocity, hard.state.acceleration).abs() <= most {
-        plan(&mut hard, target, end_velocity, limits);
-        if hard.duration < track.duration {
-            *track = hard;
-        }
+    if hard.duration < track.duration {
+        *track = hard;
     }
 }
 
-/// Brakes from beyond the velocity limit until it is kept.
-fn brake(track: &mut Track, limits: &AxisLimits) {
-    let settled = limits.settled(track.state.velocity, track.state.acceleration);
-    let sign = side(if settled.abs() > limits.velocity { settled } else { track.state.velocity });
+/// Brakes from beyond the velocity limit on the side of `sign` until it is kept.
+fn brake(track: &mut Track, sign: f64, limits: &AxisLimits) {
     let (excess, acceleration) =
         (sign * track.state.velocity - limits.velocity, sign * track.state.acceleration);
     let AxisLimits { deceleration, jerk, .. } = *limits;
