@@ -33,4 +33,30 @@ pub enum ProfileError {
         /// The position (u) or the velocity (u/s) to go to.
         target: f64,
     },
+    /// A table has no points or too many.
+    #[error("the table has {count} points; it must have 1 to {most}")]
+    Points {
+        /// How many there are.
+        count: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// The times of a table do not grow.
+    #[error("point {point} comes {step} s after the one before; it must come later")]
+    TimeStep {
+        /// Which one, from 1.
+        point: usize,
+        /// As given, s.
+        step: f64,
+    },
+    /// The first point of a table asks for a step.
+    #[error("the first point has the {quantity} {asked}, where the axis has {is}")]
+    Jump {
+        /// What would step.
+        quantity: &'static str,
+        /// At the start.
+        is: f64,
+        /// In the table.
+        asked: f64,
+    },
 }

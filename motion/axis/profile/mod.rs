@@ -14,14 +14,18 @@
 //! No clock and no allocation: a profile is a plain value with room for all the segments it can have.
 
 mod error;
+mod parabolic;
 mod planned;
 mod segment;
+mod sigmoid;
+mod table;
 #[cfg(test)]
 mod tests;
 mod trapezoid;
 
 pub use error::ProfileError;
 pub use planned::Profile;
+pub use table::{MOST_POINTS, ProfilePoint, ProfileTable, TableProfile};
 
 /// Where an axis is and how it moves, in units of the axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -68,6 +72,11 @@ pub struct AxisLimits {
 }
 
 impl AxisLimits {
+    /// Velocity at which the acceleration gets 0 if it is taken back from now on with the largest jerk, u/s.
+    fn settled(&self, velocity: f64, acceleration: f64) -> f64 {
+        velocity + 0.5 * acceleration * acceleration.abs() / self.jerk
+    }
+
     /// Largest growth (`true`) or fall of the speed, u/s².
     fn rate(self, grows: bool) -> f64 {
         if grows { self.acceleration } else { self.deceleration }

@@ -1,7 +1,7 @@
 //! A motion that is planned to its end.
 
 use super::segment::{Segment, Track};
-use super::{AxisLimits, ProfileError, RampType, State, trapezoid};
+use super::{AxisLimits, ProfileError, RampType, State, parabolic, sigmoid, trapezoid};
 
 /// Motion of an axis over time, from a state at time 0 to an end with constant velocity, and on with that.
 ///
@@ -43,10 +43,16 @@ impl Profile {
         check(from, limits, ramp)?;
         finite("target position", target)?;
         end_velocity_within(end_velocity, limits)?;
-        let mut track = Track::new(from);
-        trapezoid::to_position(&mut track, target, end_velocity, limits);
         let end = State { position: target, velocity: end_velocity, acceleration: 0.0 };
-        Self::new(track, from, end, target)
+        let mut profile = Self { track: Track::new(from), start: from, end };
+        let track = &mut profile.track;
+        match ramp {
+            RampType::Trapezoid => trapezoid::to_position(track, target, end_velocity, limits),
+            RampType::Sigmoid => sigmoid::to_position(track, target, end_velocity, &limits),
+            RampType::Parabolic => parabolic::to_position(track, target, end_velocity, &limits),
+        }
+        profile.check(target)?;
+        Ok(profile)
     }
 
     /// From the state to a constant `velocity` u/s, in the direction of its sign, as fast as the limits allow.
@@ -62,10 +68,16 @@ impl Profile {
     ) -> Result<Self, ProfileError> {
         check(from, limits, ramp)?;
         end_velocity_within(velocity, limits)?;
-        let mut track = Track::new(from);
-        trapezoid::ramp(&mut track, velocity, limits);
-        let end = State { velocity, acceleration: 0.0, ..track.state };
-        Self::new(track, from, end, velocity)
+        let mut profile = Self { track: Track::new(from), start: from, end: from };
+        let track = &mut profile.track;
+        match ramp {
+            RampType::Trapezoid => trapezoid::ramp(track, velocity, limits),
+            RampType::Sigmoid => sigmoid::ramp(track, velocity, &limits),
+            RampType::Parabolic => parabolic::ramp(track, velocity, &limits),
+        }
+        profile.end = State { velocity, acceleration: 0.0, ..track.state };
+        profile.check(velocity)?;
+        Ok(profile)
     }
 
     /// From the state to a standstill, as fast as the limits allow.
@@ -77,9 +89,10 @@ impl Profile {
         Self::to_velocity(from, 0.0, limits, ramp)
     }
 
-    fn new(track: Track, start: State, end: State, target: f64) -> Result<Self, ProfileError> {
-        if (track.duration + track.state.position).is_finite() {
-            Ok(Self { track, start, end })
+    /// Whether all of it could be reckoned.
+    fn check(&self, target: f64) -> Result<(), ProfileError> {
+        if (self.track.duration + self.track.state.position).is_finite() {
+            Ok(())
         } else {
             Err(ProfileError::TooLarge { target })
         }

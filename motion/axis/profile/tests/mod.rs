@@ -1,6 +1,10 @@
 //! Profiles against closed forms and against what must hold for all of them.
 
+mod parabolic;
+mod random;
 mod refused;
+mod ruckig;
+mod table;
 mod trapezoid;
 
 use super::{AxisLimits, Profile, State};
