@@ -49,10 +49,11 @@ pub use latch::Outputs;
 pub use master::Master;
 pub use math::{atan2, fmod, sgn};
 pub use moves::{
-    AbortTrigger, AxisStatus, ControlAxis, ControlAxisBy, ControlOutputs, Follow, Halt, Home,
-    HomingBySwitch, HomingMode, MoveAbsolute, MoveAdditive, MoveContinuousAbsolute,
-    MoveContinuousRelative, MoveRelative, MoveSuperImposed, MoveVelocity, Planned, Power,
-    PowerStatus, Probed, Reset, SetControllerMode, Stop, TouchProbe, Trigger,
+    AbortTrigger, AccelerationProfile, AxisStatus, ControlAxis, ControlAxisBy, ControlOutputs,
+    Follow, Halt, Home, HomingBySwitch, HomingMode, MoveAbsolute, MoveAdditive,
+    MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, MoveSuperImposed, MoveVelocity,
+    Planned, Points, PositionProfile, Power, PowerStatus, Probed, Reset, SetControllerMode, Stop,
+    TableRun, TouchProbe, Trigger, VelocityProfile,
 };
 pub use ownership::{Refusal, Start};
 pub use single::Axis;

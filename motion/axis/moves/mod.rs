@@ -11,6 +11,7 @@ mod probe;
 mod reset;
 mod stop;
 mod superimposed;
+mod table;
 mod target;
 mod velocity;
 
@@ -26,5 +27,6 @@ pub use probe::{AbortTrigger, Probed, TouchProbe, Trigger};
 pub use reset::{AxisStatus, Reset};
 pub use stop::{Halt, Stop};
 pub use superimposed::MoveSuperImposed;
+pub use table::{AccelerationProfile, Points, PositionProfile, TableRun, VelocityProfile};
 pub use target::{MoveAbsolute, MoveAdditive, MoveRelative};
 pub use velocity::MoveVelocity;
