@@ -49,6 +49,12 @@ impl Planned {
         Ok(Self::new(profile, start, axis))
     }
 
+    /// How long it takes from its beginning, s.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.profile.duration()
+    }
+
     /// Where it ends, u (the drive's coordinates).
     pub(crate) fn target(&self) -> f64 {
         self.profile.end().position

@@ -8,8 +8,8 @@ use crate::axis::{
     MoveSuperImposed, MoveVelocity, Movement, Outputs, Power, Reset, Stop, VirtualDrive,
 };
 
-/// Calls of blocks to each axis.
-const CALLS: u32 = 10_000;
+/// Calls of blocks to each axis, at least.
+const CALLS: u32 = 50_000;
 /// Largest velocity that a block, or two on top of each other, are given, u/s.
 const FASTEST: f64 = 30.0;
 /// Largest rate that a block is given, u/s²; on top of each other two of them.
