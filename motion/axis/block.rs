@@ -121,10 +121,12 @@ impl<M: Motion + Clone> Block<M> {
             self.begin(axis, with);
         }
         self.advance(axis, with);
-        if M::LOCKS && !execute && self.latch.is_done() {
-            if let Some(taken) = self.taken.take() {
-                axis.release(taken.owner);
-            }
+        if M::LOCKS
+            && !execute
+            && self.latch.is_done()
+            && let Some(taken) = self.taken.take()
+        {
+            axis.release(taken.owner);
         }
         self.latch.outputs(self.taken.is_some())
     }

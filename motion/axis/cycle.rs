@@ -58,7 +58,7 @@ impl Axis {
         } else {
             0.0
         };
-        let position = self.from_drive(feedback.position);
+        let position = self.in_program(feedback.position);
         let values = &mut self.values;
         values.last_position = values.act_position;
         values.act_jerk =
@@ -97,8 +97,8 @@ impl Axis {
     /// The set values as they follow from base and overlay.
     pub(super) fn show_set_values(&mut self) {
         let total = self.total();
-        let position = self.from_drive(total.position);
-        let aim = self.aim.map(|aim| self.from_drive(aim));
+        let position = self.in_program(total.position);
+        let aim = self.aim.map(|aim| self.in_program(aim));
         let values = &mut self.values;
         values.set_position = position;
         values.set_velocity = total.velocity;
@@ -180,17 +180,13 @@ impl Axis {
             return;
         }
         let cycle = self.values.task_cycle;
-        let (profile, elapsed) = match self.braking {
-            Some((profile, elapsed)) => (Some(profile), elapsed),
-            None => {
-                // What a block has given in this very cycle stands; the axis brakes from there.
-                let limits = self.implicit_limits();
-                let fits = super::profile::AxisLimits {
-                    velocity: limits.velocity.max(self.saved.velocity.abs()),
-                    ..limits
-                };
-                (Profile::halt(self.saved, fits, self.ramp).ok(), 0.0)
-            }
+        let (profile, elapsed) = if let Some((profile, elapsed)) = self.braking {
+            (Some(profile), elapsed)
+        } else {
+            let limits = self.implicit_limits();
+            let velocity = limits.velocity.max(self.saved.velocity.abs());
+            let limits = super::profile::AxisLimits { velocity, ..limits };
+            (Profile::halt(self.saved, limits, self.ramp).ok(), 0.0)
         };
         self.overlay = State::default();
         let elapsed = elapsed + cycle;
@@ -201,7 +197,7 @@ impl Axis {
 
     fn watch_software_limits(&mut self) {
         let total = self.total();
-        let position = self.from_drive(total.position);
+        let position = self.in_program(total.position);
         let values = &mut self.values;
         let watched = values.sw_limit_enable && self.movement == super::Movement::Linear;
         let above = watched && position > values.sw_limit_positive;

@@ -42,9 +42,11 @@ impl Direction {
         match self {
             Self::Negative => Some(-1.0),
             Self::Positive => Some(1.0),
-            Self::Current if start.velocity < 0.0 => Some(-1.0),
-            Self::Current if start.velocity > 0.0 || !axis.was_negative() => Some(1.0),
-            Self::Current => Some(-1.0),
+            Self::Current => {
+                let rests = start.velocity == 0.0;
+                let negative = start.velocity < 0.0 || (rests && axis.was_negative());
+                Some(if negative { -1.0 } else { 1.0 })
+            }
             Self::Shortest | Self::Fastest => None,
         }
     }

@@ -1,6 +1,7 @@
 //! What an axis and its drive tell each other every cycle, and the drive that does as it is told.
 
 /// What the drive says at the beginning of a cycle. Positions are the drive's, without `fOffsetPosition`.
+#[expect(clippy::struct_excessive_bools, reason = "each is a signal of its own")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feedback {
     /// Actual position, u.

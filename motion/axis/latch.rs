@@ -75,7 +75,7 @@ impl Latch {
         self.outcome = None;
     }
 
-    pub(crate) fn is_done(&self) -> bool {
+    pub(crate) fn is_done(self) -> bool {
         self.outcome == Some(Outcome::Done)
     }
 

@@ -44,7 +44,7 @@ impl Axis {
             if ended { (self.total(), 0.0) } else { (self.saved, self.values.task_cycle) };
         let position = match self.movement {
             Movement::Linear => state.position,
-            Movement::Rotary { .. } => self.to_drive(self.from_drive(state.position)),
+            Movement::Rotary { .. } => self.to_drive(self.in_program(state.position)),
         };
         let aim = self.aim.map(|aim| aim - state.position + position);
         Start { state: State { position, ..state }, lead, aim }
@@ -74,7 +74,7 @@ impl Axis {
         self.base = start.state;
         self.aim = None;
         self.stop_homing();
-        self.values.mark_position = self.from_drive(start.state.position);
+        self.values.mark_position = self.in_program(start.state.position);
         self.values.mark_velocity = start.state.velocity;
         self.values.mark_acceleration = start.state.acceleration;
         self.enter(state);

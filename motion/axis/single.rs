@@ -234,7 +234,7 @@ impl Axis {
     }
 
     /// The program's position where the drive says `position`, u; within the period.
-    pub(crate) fn from_drive(&self, position: f64) -> f64 {
+    pub(crate) fn in_program(&self, position: f64) -> f64 {
         self.wrapped(position + self.values.offset_position)
     }
 

@@ -75,9 +75,8 @@ impl AxisState {
             (Self::ErrorStop, next) => {
                 matches!(next, Self::ErrorStop | Self::Standstill | Self::PowerOff)
             }
-            (_, Self::ErrorStop | Self::PowerOff) => true,
+            (_, Self::ErrorStop | Self::PowerOff) | (Self::Standstill, _) => true,
             (Self::PowerOff, next) => matches!(next, Self::Standstill),
-            (Self::Standstill, _) => true,
             (Self::Homing, next) => {
                 matches!(next, Self::Homing | Self::Standstill | Self::Stopping)
             }

@@ -1,5 +1,10 @@
 //! The parameters by number.
 
+#![allow(
+    clippy::float_cmp,
+    reason = "set-points that are exact: targets, values at rest, what was written"
+)]
+
 use super::{Access, PARAMETERS, Parameter, Value};
 use crate::axis::{Axis, AxisConfig, Movement, SmcError};
 

@@ -102,5 +102,5 @@ fn on_from(
     axis: &Axis,
 ) -> Option<Planned> {
     let profile = Profile::to_position(start.state, target, end_velocity, limits, axis.ramp());
-    Some(Planned::new(profile.ok()?, start, axis))
+    Some(Planned::new(&profile.ok()?, start, axis))
 }

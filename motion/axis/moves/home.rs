@@ -86,7 +86,7 @@ impl Axis {
     pub(crate) fn set_offset(&mut self, offset: f64) {
         let shift = offset - self.values.offset_position;
         self.values.offset_position = offset;
-        self.values.act_position = self.from_drive(self.drive.position);
+        self.values.act_position = self.in_program(self.drive.position);
         self.values.save_position = self.wrapped(self.values.save_position + shift);
         self.values.mark_position = self.wrapped(self.values.mark_position + shift);
         self.values.aim_position = self.wrapped(self.values.aim_position + shift);

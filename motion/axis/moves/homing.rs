@@ -45,6 +45,7 @@ impl HomingMode {
 /// Fast in `direction` until the switch closes, then slowly until it opens again: there is the reference. The inputs of
 /// the switch and the index pulse count every cycle, the others are taken over at the rising edge.
 #[doc(alias = "SMC_Homing")]
+#[expect(clippy::struct_excessive_bools, reason = "each is a signal of its own")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HomingBySwitch {
     /// `fHomePosition`: position of the reference, u.
@@ -230,7 +231,10 @@ impl Motion for HomingBySwitch {
                 run.set_reference(setpoint.position, axis);
             }
             if run.inputs.return_to_zero {
-                return Ok(Progress { setpoint: run.to_zero(setpoint, axis)?, stage: Stage::Busy });
+                return Ok(Progress {
+                    setpoint: run.go_to_zero(setpoint, axis)?,
+                    stage: Stage::Busy,
+                });
             }
         }
         Ok(Progress { setpoint, stage })
@@ -249,7 +253,7 @@ impl HomingRun {
     }
 
     /// Plans the way to 0 from rest; this cycle it still rests.
-    fn to_zero(&mut self, rest: State, axis: &Axis) -> Result<State, SmcError> {
+    fn go_to_zero(&mut self, rest: State, axis: &Axis) -> Result<State, SmcError> {
         let inputs = self.inputs;
         let limits = axis.limits(inputs.velocity_fast, inputs.acceleration, inputs.deceleration);
         let start = Start { state: rest, lead: axis.cycle(), aim: None };

@@ -14,9 +14,9 @@ pub struct Planned {
 
 impl Planned {
     /// Begins a profile; its first set-point is that of this cycle.
-    pub(crate) fn new(profile: Profile, start: Start, axis: &Axis) -> Self {
+    pub(crate) fn new(profile: &Profile, start: Start, axis: &Axis) -> Self {
         // The time is moved on before it is used.
-        Self { profile, time: start.lead - axis.cycle() }
+        Self { profile: *profile, time: start.lead - axis.cycle() }
     }
 
     /// From `start` to `target` u (the drive's coordinates), to rest there.
@@ -27,7 +27,7 @@ impl Planned {
         axis: &Axis,
     ) -> Result<Self, ProfileError> {
         let profile = Profile::to_position(start.state, target, 0.0, limits, axis.ramp())?;
-        Ok(Self::new(profile, start, axis))
+        Ok(Self::new(&profile, start, axis))
     }
 
     /// From `start` to rest, wherever that is.
@@ -35,7 +35,7 @@ impl Planned {
         let velocity = start.state.velocity.abs().max(f64::MIN_POSITIVE);
         let limits = axis.limits(velocity, deceleration, deceleration);
         let profile = Profile::halt(start.state, limits, axis.ramp())?;
-        Ok(Self::new(profile, start, axis))
+        Ok(Self::new(&profile, start, axis))
     }
 
     /// From `start` to a velocity u/s with its sign, and on with it.
@@ -46,7 +46,7 @@ impl Planned {
         axis: &Axis,
     ) -> Result<Self, ProfileError> {
         let profile = Profile::to_velocity(start.state, velocity, limits, axis.ramp())?;
-        Ok(Self::new(profile, start, axis))
+        Ok(Self::new(&profile, start, axis))
     }
 
     /// How long it takes from its beginning, s.

@@ -45,9 +45,15 @@ pub struct TouchProbe {
     /// reach over the end of the period.
     pub window: Option<[f64; 2]>,
     /// The window as taken over, while it waits.
-    waiting: Option<Option<[f64; 2]>>,
+    waiting: Option<Waiting>,
     recorded: f64,
     latch: Latch,
+}
+
+/// A latch that is waited for, with its window.
+#[derive(Clone, Copy, Debug)]
+struct Waiting {
+    window: Option<[f64; 2]>,
 }
 
 /// What [`TouchProbe`] shows.
@@ -76,10 +82,10 @@ impl TouchProbe {
                 free(axis, trigger);
             }
             match self.begin(axis, trigger) {
-                Ok(()) => self.waiting = Some(self.window),
+                Ok(()) => self.waiting = Some(Waiting { window: self.window }),
                 Err(error) => self.latch.end(Outcome::Failed(error), axis),
             }
-        } else if let Some(window) = self.waiting {
+        } else if let Some(Waiting { window }) = self.waiting {
             // The drive latches before the cycle that tells.
             self.wait(window, axis, trigger);
         }
@@ -115,7 +121,7 @@ impl TouchProbe {
     fn wait(&mut self, window: Option<[f64; 2]>, axis: &mut Axis, trigger: &mut Trigger) {
         let here = axis.act_position();
         let latched = if trigger.fast_latching {
-            axis.captured.map(|position| axis.from_drive(position))
+            axis.captured.map(|position| axis.in_program(position))
         } else {
             let inside = window.is_none_or(|window| is_inside(window, here, axis));
             (trigger.input && inside).then_some(here)

@@ -55,6 +55,7 @@ impl Reset {
 }
 
 /// What `MC_ReadStatus` shows (manual 5.3).
+#[expect(clippy::struct_excessive_bools, reason = "each is a signal of its own")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AxisStatus {
     /// `Errorstop` … `Homing`: one of them, or none in `power_off`.

@@ -1,4 +1,4 @@
-//! Execute, Done, CommandAborted, Error and the owner (manual 5.2).
+//! Execute, Done, `CommandAborted`, Error and the owner (manual 5.2).
 
 use super::rig::{Rig, linear};
 use crate::axis::{

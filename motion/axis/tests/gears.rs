@@ -3,7 +3,9 @@
 use super::blocks::endless;
 use super::framework::to;
 use super::rig::{CYCLE, Rig, linear, rotary};
-use crate::axis::{AxisState, Block, Decouple, GearIn, GearInPos, Outputs, Phasing, SmcError};
+use crate::axis::{
+    AxisState, Block, Decouple, GearIn, GearInPos, GearInPosRun, Outputs, Phasing, SmcError,
+};
 
 /// One cycle of a master and its slave.
 fn pair<T>(
@@ -144,7 +146,7 @@ fn a_gear_in_position_waits_for_its_window() {
             |master, axis| block.follow(true, master, axis),
         );
         let at = master.axis.set_position();
-        let coupling = block.running().is_some_and(|run| run.is_coupling());
+        let coupling = block.running().is_some_and(GearInPosRun::is_coupling);
         assert!(slave.axis.set_position() == 0.0 || at > 10.0 - 1e-9);
         if coupling && began.is_none() {
             began = Some(at);
