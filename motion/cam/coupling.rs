@@ -387,6 +387,11 @@ impl CamCoupling {
         self.ended
     }
 
+    /// Says in the last cycle's tappets that it is the first one, for who steps in the cycle of the start.
+    pub(crate) fn mark_restarted(&mut self) {
+        self.output.tappets.restarted = true;
+    }
+
     /// What the last cycle, or the start, gave.
     pub fn output(&self) -> &Coupled {
         &self.output

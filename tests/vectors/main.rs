@@ -1,4 +1,4 @@
-//! The worked vectors of the SoftMotion manual: language, preparation, interpolator and cams.
+//! The worked vectors of the SoftMotion manual: language, preparation, interpolator, cams and axes.
 //!
 //! The numbers are data (`tests/data/softmotion-vectors.json`), inputs and expectations both. Every vector has one
 //! test here that takes the inputs through the stages a program goes through and compares everything expected. The
@@ -13,6 +13,7 @@
 )]
 
 mod arcs;
+mod blocks;
 mod cams;
 mod curves;
 mod interpolation;
@@ -26,7 +27,7 @@ mod words;
 use table::{Exercise, Owner};
 
 /// Which test exercises which vector.
-const EXERCISED: [Exercise; 40] = [
+const EXERCISED: [Exercise; 46] = [
     ("cnc-arc-R-semicircle", arcs::by_radius_semicircle),
     ("cnc-arc-IJ-same", arcs::by_center),
     ("cnc-arc-R-minor", arcs::by_radius_minor),
@@ -67,6 +68,12 @@ const EXERCISED: [Exercise; 40] = [
     ("cam-camin-scaling", cams::scaling),
     ("cam-periodic-offsets", cams::periodic_offsets),
     ("cam-register-deadtime", cams::dead_time),
+    ("axis-direction", blocks::direction),
+    ("axis-units", blocks::conversions),
+    ("gear-in-pos", blocks::gear_in_position),
+    ("time-axis", blocks::time_axis),
+    ("diag-tracking", blocks::tracking_error),
+    ("digital-cam", blocks::digital_cam),
 ];
 
 #[test]
