@@ -7,6 +7,8 @@
 //!
 //! Inside, lengths are metres and times seconds; millimetres become metres once, in the decoder.
 
+pub mod axis;
+pub mod cam;
 pub mod decode;
 pub mod din66025;
 pub mod dxf;

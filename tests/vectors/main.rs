@@ -1,4 +1,4 @@
-//! The worked vectors of the SoftMotion manual: language, preparation and interpolator.
+//! The worked vectors of the SoftMotion manual: language, preparation, interpolator, cams and axes.
 //!
 //! The numbers are data (`tests/data/softmotion-vectors.json`), inputs and expectations both. Every vector has one
 //! test here that takes the inputs through the stages a program goes through and compares everything expected. The
@@ -13,6 +13,8 @@
 )]
 
 mod arcs;
+mod blocks;
+mod cams;
 mod curves;
 mod interpolation;
 mod operations;
@@ -25,7 +27,7 @@ mod words;
 use table::{Exercise, Owner};
 
 /// Which test exercises which vector.
-const EXERCISED: [Exercise; 31] = [
+const EXERCISED: [Exercise; 46] = [
     ("cnc-arc-R-semicircle", arcs::by_radius_semicircle),
     ("cnc-arc-IJ-same", arcs::by_center),
     ("cnc-arc-R-minor", arcs::by_radius_minor),
@@ -57,6 +59,21 @@ const EXERCISED: [Exercise; 31] = [
     ("ipo-sigmoid", interpolation::sigmoid),
     ("ipo-triangle", interpolation::triangle),
     ("x-interpolator", interpolation::by_position),
+    ("cam-rest-rest", cams::rest_to_rest),
+    ("cam-general", cams::general),
+    ("cam-line", cams::line),
+    ("cam-table-equi", cams::equidistant_table),
+    ("cam-table-scaling", cams::table_scaling),
+    ("cam-bounds", cams::bounds),
+    ("cam-camin-scaling", cams::scaling),
+    ("cam-periodic-offsets", cams::periodic_offsets),
+    ("cam-register-deadtime", cams::dead_time),
+    ("axis-direction", blocks::direction),
+    ("axis-units", blocks::conversions),
+    ("gear-in-pos", blocks::gear_in_position),
+    ("time-axis", blocks::time_axis),
+    ("diag-tracking", blocks::tracking_error),
+    ("digital-cam", blocks::digital_cam),
 ];
 
 #[test]

@@ -118,6 +118,13 @@ impl Vector {
         assert_eq!(expected, [Value::Bool(found)], "`{}`: {name}", self.id);
     }
 
+    /// Compares an expected word.
+    #[track_caller]
+    pub(crate) fn expect_word(&self, name: &str, found: &str) {
+        let expected = self.values(&format!("expected/{name}"));
+        assert_eq!(expected, [Value::from(found)], "`{}`: {name}", self.id);
+    }
+
     /// The values below a path, from now on used. There is at least one.
     #[track_caller]
     fn values(&self, path: &str) -> Vec<Value> {

@@ -1,0 +1,196 @@
+//! What all blocks that move an axis have in common (PLCopen; manual 5.2).
+
+use super::latch::{Latch, Outcome, Outputs};
+use super::ownership::{Refusal, Start};
+use super::profile::State;
+use super::state::AxisState;
+use super::{Axis, Master, SmcError};
+use std::fmt;
+
+/// What a block does with its axis, as inputs that are taken over at a rising edge of Execute.
+///
+/// [`Block`] gives it the rules of all blocks.
+pub trait Motion {
+    /// What it needs every cycle beside the axis: nothing, or the [`Master`](super::Master).
+    type With: Copy;
+    /// What goes on between the edge and the end.
+    type Run: fmt::Debug + Clone;
+    /// State of the axis meanwhile.
+    const STATE: AxisState;
+    /// Whether it keeps the axis after its end until Execute falls (`MC_Stop`).
+    const LOCKS: bool = false;
+    /// Whether the inputs are set-points that count every cycle, not only at the rising edge (`SMC_Follow…`).
+    const LIVE: bool = false;
+
+    /// Checks the inputs and plans.
+    ///
+    /// # Errors
+    ///
+    /// The manual's error for inputs that are not valid; whoever moves the axis goes on then.
+    fn plan(&self, start: Start, axis: &Axis, with: Self::With) -> Result<Self::Run, SmcError>;
+
+    /// Where the motion ends, if it does, in the drive's coordinates (`fAimPosition`).
+    fn aim(_run: &Self::Run) -> Option<f64> {
+        None
+    }
+
+    /// Whether the axis may begin; as [`Axis::admits`] if nothing is said.
+    ///
+    /// # Errors
+    ///
+    /// A [`Refusal`].
+    fn admitted(&self, axis: &Axis) -> Result<(), Refusal> {
+        axis.admits(Self::STATE)
+    }
+
+    /// This cycle's set-point.
+    ///
+    /// # Errors
+    ///
+    /// An error that ends the motion; the axis goes into errorstop with it.
+    fn step(
+        &self,
+        run: &mut Self::Run,
+        axis: &mut Axis,
+        with: Self::With,
+    ) -> Result<Progress, SmcError>;
+}
+
+/// One cycle of a motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// The set-point, in the drive's coordinates, unwound.
+    pub setpoint: State,
+    /// How far it has come.
+    pub stage: Stage,
+}
+
+/// How far a motion has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// On the way.
+    Busy,
+    /// What was asked for holds now (`InVelocity` and the like); the block goes on.
+    Reached,
+    /// At the end; the axis is given back.
+    Done,
+}
+
+/// A block that moves an axis.
+///
+/// A rising edge of Execute takes over the inputs and begins. Until it is done the block has to be called every cycle,
+/// whatever Execute does. `done`, `command_aborted` and `error` stay while Execute is TRUE; if it fell earlier, they
+/// show for one cycle. A new edge begins anew, from whatever motion there is.
+#[derive(Clone, Debug)]
+pub struct Block<M: Motion> {
+    /// The inputs; taken over at the next rising edge.
+    pub inputs: M,
+    taken: Option<Taken<M>>,
+    latch: Latch,
+}
+
+/// The inputs as taken over, what goes on, and who moves the axis.
+#[derive(Clone, Debug)]
+struct Taken<M: Motion> {
+    inputs: M,
+    run: M::Run,
+    owner: i64,
+}
+
+impl<M: Motion + Clone> Block<M> {
+    /// A block with these inputs, not begun.
+    pub fn new(inputs: M) -> Self {
+        Self { inputs, taken: None, latch: Latch::default() }
+    }
+
+    /// Who it is while it moves the axis (`iOwner`).
+    #[must_use]
+    pub fn owner(&self) -> Option<i64> {
+        self.taken.as_ref().map(|taken| taken.owner)
+    }
+
+    /// What goes on in it.
+    #[must_use]
+    pub fn running(&self) -> Option<&M::Run> {
+        self.taken.as_ref().map(|taken| &taken.run)
+    }
+
+    /// Calls it, for a cycle, with Execute, its axis and what else it needs.
+    pub fn call_with(&mut self, execute: bool, axis: &mut Axis, with: M::With) -> Outputs {
+        if self.latch.rises(execute) {
+            self.begin(axis, with);
+        }
+        self.advance(axis, with);
+        if M::LOCKS
+            && !execute
+            && self.latch.is_done()
+            && let Some(taken) = self.taken.take()
+        {
+            axis.release(taken.owner);
+        }
+        self.latch.outputs(self.taken.is_some())
+    }
+
+    fn begin(&mut self, axis: &mut Axis, with: M::With) {
+        let own = self.taken.take().is_some_and(|taken| axis.owns(taken.owner));
+        let start = axis.start();
+        let admitted = if own && M::LOCKS { Ok(()) } else { self.inputs.admitted(axis) };
+        let planned = admitted.and_then(|()| Ok(self.inputs.plan(start, axis, with)?));
+        match planned {
+            Ok(run) => {
+                let owner = axis.claim(M::STATE, start);
+                axis.aim = M::aim(&run);
+                self.taken = Some(Taken { inputs: self.inputs.clone(), run, owner });
+            }
+            Err(refusal) => self.latch.end(refusal.into(), axis),
+        }
+    }
+
+    fn advance(&mut self, axis: &mut Axis, with: M::With) {
+        let Some(Taken { inputs, run, owner }) = &mut self.taken else { return };
+        let owner = *owner;
+        let latched = if M::LIVE { &self.inputs } else { &*inputs };
+        if !axis.owns(owner) {
+            self.taken = None;
+            // A stop that is done has nothing left to lose.
+            if !(M::LOCKS && self.latch.is_done()) {
+                self.latch.end(axis.loss().map_or(Outcome::Aborted, Outcome::Failed), axis);
+            }
+            return;
+        }
+        match latched.step(run, axis, with) {
+            Ok(progress) => {
+                axis.drive_to(progress.setpoint);
+                match progress.stage {
+                    Stage::Busy => self.latch.reopen(),
+                    Stage::Reached => self.latch.reach(),
+                    Stage::Done if M::LOCKS => self.latch.reach(),
+                    Stage::Done => {
+                        self.taken = None;
+                        axis.release(owner);
+                        self.latch.end(Outcome::Done, axis);
+                    }
+                }
+            }
+            Err(error) => {
+                self.taken = None;
+                axis.fail_with(error.number());
+                self.latch.end(Outcome::Failed(error), axis);
+            }
+        }
+    }
+}
+
+impl<M: Motion<With = ()> + Clone> Block<M> {
+    /// Calls it, for a cycle, with Execute and its axis.
+    pub fn call(&mut self, execute: bool, axis: &mut Axis) -> Outputs {
+        self.call_with(execute, axis, ())
+    }
+}
+
+impl<M: Motion<With = Master> + Clone> Block<M> {
+    /// Calls it, for a cycle, with Execute, the axis it follows and the axis it moves.
+    pub fn follow(&mut self, execute: bool, master: &Axis, slave: &mut Axis) -> Outputs {
+        self.call_with(execute, slave, Master::of(master))
+    }
+}

@@ -1,0 +1,65 @@
+//! How an axis is configured (manual 2.1.3).
+
+use super::profile::RampType;
+
+/// Linear, or rotary with a period (`iMovementType`, `fPositionPeriod`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Movement {
+    /// Positions without an end.
+    Linear,
+    /// Positions in [0, period).
+    Rotary {
+        /// Length of a period, u; positive.
+        period: f64,
+    },
+}
+
+/// What the configuration dialogue of a drive sets (manual 2.1.3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisConfig {
+    /// Linear or rotary.
+    pub movement: Movement,
+    /// Cycle time (`fTaskCycle`), s.
+    pub cycle: f64,
+    /// Shape of the velocity ramps.
+    pub ramp: RampType,
+    /// Jerk of sigmoid and parabolic ramps (`fMaxJerk`, `fSWMaxJerk`), u/s³.
+    pub jerk: f64,
+    /// Largest velocity of direct set-points and implicit motion (`fSWMaxVelocity`), u/s.
+    pub max_velocity: f64,
+    /// Largest acceleration of the same (`fSWMaxAcceleration`), u/s².
+    pub max_acceleration: f64,
+    /// Largest deceleration of the same (`fSWMaxDeceleration`), u/s². An axis in errorstop brakes with it.
+    pub max_deceleration: f64,
+    /// Software limits, negative and positive (`bSWLimitEnable`, `fSWLimitNegative`, `fSWLimitPositive`), u. Linear axes
+    /// only.
+    pub software_limits: Option<[f64; 2]>,
+    /// Whether an open limit switch is an error (`bHWLimitEnable`). Linear axes only.
+    pub hardware_limits: bool,
+    /// Whether the drive can limit a capture to a window of positions.
+    pub capture_window: bool,
+    /// Increments to u: numerator and denominator (`iRatioTechUnitsNum`, `dwRatioTechUnitsDenom`).
+    pub ratio: [i64; 2],
+    /// Whether the configuration made the axis (`bRealDrive`), not a program.
+    pub real_drive: bool,
+}
+
+impl Default for AxisConfig {
+    /// A linear axis of 1 ms with the manual's initial values: 100 u/s, 100 u/s², 100 u/s³.
+    fn default() -> Self {
+        Self {
+            movement: Movement::Linear,
+            cycle: 0.001,
+            ramp: RampType::Trapezoid,
+            jerk: 100.0,
+            max_velocity: 100.0,
+            max_acceleration: 100.0,
+            max_deceleration: 100.0,
+            software_limits: None,
+            hardware_limits: false,
+            capture_window: true,
+            ratio: [1, 1],
+            real_drive: true,
+        }
+    }
+}

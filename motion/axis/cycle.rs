@@ -1,0 +1,228 @@
+//! Beginning and end of a cycle, and what the axis does on its own.
+
+use super::drive::{Command, ControllerMode, Feedback};
+use super::profile::{Profile, State};
+use super::single::DriveReport;
+use super::state::AxisState;
+use super::{Axis, SmcError};
+
+impl Axis {
+    /// Takes in what the drive says (the drive interface before the program).
+    ///
+    /// Without power, or with the brake on, the set position follows the actual one. An error of the drive, or an open
+    /// limit switch where they are watched, brings the axis into errorstop.
+    pub fn begin_cycle(&mut self, feedback: &Feedback) {
+        self.take_in(feedback);
+        self.save();
+        if !feedback.communicating && self.drive.known {
+            self.fail_with(SmcError::DiGeneralCommunicationError.number());
+        } else if let Some(error) = feedback.error {
+            self.fail_with(error);
+        } else if self.values.hw_limit_enable && feedback.limit_switch && !self.ignores_limit_switch
+        {
+            self.fail_with(SmcError::DiSwlimitsExceeded.number());
+        }
+        self.drive.known |= feedback.communicating;
+        let powered = self.is_powered();
+        match self.state {
+            AxisState::PowerOff if powered => self.enter(AxisState::Standstill),
+            AxisState::ErrorStop => {}
+            _ if !powered => self.lose_power(),
+            _ => {}
+        }
+        let unregulated = matches!(feedback.mode, ControllerMode::Torque | ControllerMode::Current);
+        if !powered || (unregulated && self.values.owner == 0) {
+            self.follow_drive();
+        }
+    }
+
+    /// Watches over the cycle and gives the drive its set-point (the drive interface after the program).
+    ///
+    /// A block that was to move the axis and was not called, and a set position that leaves the software limits, bring
+    /// the axis into errorstop, where it brakes with `fSWMaxDeceleration` on its own.
+    pub fn end_cycle(&mut self) -> Command {
+        if self.is_deserted() {
+            self.fail_with(SmcError::FbWasntCalledDuringMotion.number());
+        }
+        self.brake();
+        self.show_set_values();
+        self.watch_software_limits();
+        self.values.axis_state = self.state.number();
+        self.drive_command()
+    }
+
+    fn take_in(&mut self, feedback: &Feedback) {
+        let cycle = self.values.task_cycle;
+        let acceleration = if cycle > 0.0 && self.drive.known {
+            (feedback.velocity - self.drive.velocity) / cycle
+        } else {
+            0.0
+        };
+        let position = self.in_program(feedback.position);
+        let values = &mut self.values;
+        values.last_position = values.act_position;
+        values.act_jerk =
+            if cycle > 0.0 { (acceleration - values.act_acceleration) / cycle } else { 0.0 };
+        values.act_position = position;
+        values.act_velocity = feedback.velocity;
+        values.act_acceleration = acceleration;
+        values.act_deceleration = (-acceleration * feedback.velocity.signum()).max(0.0);
+        values.act_torque = feedback.torque;
+        values.act_current = feedback.current;
+        values.regulator_real_state = feedback.regulator_on;
+        values.drive_start_real_state = feedback.brake_released;
+        values.communication = feedback.communicating;
+        values.real_controller_mode = feedback.mode.number();
+        self.captured = feedback.captured;
+        self.drive = DriveReport {
+            position: feedback.position,
+            velocity: feedback.velocity,
+            homing: feedback.homing,
+            error: feedback.error,
+            known: self.drive.known,
+        };
+    }
+
+    fn save(&mut self) {
+        self.saved = self.total();
+        self.overlay_moved = false;
+        let values = &mut self.values;
+        values.moved_in_this_cycle = false;
+        values.save_position = values.set_position;
+        values.save_velocity = values.set_velocity;
+        values.save_acceleration = values.set_acceleration;
+        values.save_deceleration = values.set_deceleration;
+    }
+
+    /// The set values as they follow from base and overlay.
+    pub(super) fn show_set_values(&mut self) {
+        let total = self.total();
+        let position = self.in_program(total.position);
+        let aim = self.aim.map(|aim| self.in_program(aim));
+        let values = &mut self.values;
+        values.set_position = position;
+        values.set_velocity = total.velocity;
+        values.set_acceleration = total.acceleration;
+        let growth = if total.velocity == 0.0 {
+            total.acceleration.abs()
+        } else {
+            total.acceleration * total.velocity.signum()
+        };
+        values.set_deceleration = (-growth).max(0.0);
+        values.accelerating = growth > 0.0;
+        values.decelerating = growth < 0.0;
+        values.constant_velocity = total.velocity != 0.0 && total.acceleration == 0.0;
+        // At rest it stays that of the last motion.
+        if total.velocity != 0.0 {
+            values.direction = if total.velocity < 0.0 { -1 } else { 1 };
+        }
+        if values.task_cycle > 0.0 {
+            values.set_jerk = (total.acceleration - values.save_acceleration) / values.task_cycle;
+        }
+        values.aim_position = aim.unwrap_or(values.aim_position);
+        values.axis_state = self.state.number();
+    }
+
+    /// Power on and brake released.
+    pub(super) fn is_powered(&self) -> bool {
+        self.values.regulator_real_state && self.values.drive_start_real_state
+    }
+
+    pub(super) fn enter(&mut self, state: AxisState) {
+        self.state = state;
+        self.values.axis_state = state.number();
+    }
+
+    fn lose_power(&mut self) {
+        self.desert();
+        self.enter(AxisState::PowerOff);
+    }
+
+    /// Takes the axis from whoever moves it.
+    fn desert(&mut self) {
+        self.values.owner = 0;
+        self.overlay_owner = 0;
+        self.stop_homing();
+        self.aim = None;
+    }
+
+    /// The set-point is where the axis is.
+    pub(super) fn follow_drive(&mut self) {
+        self.base = State::resting(self.drive.position);
+        self.overlay = State::default();
+        self.braking = None;
+        self.saved = self.base;
+        self.show_set_values();
+    }
+
+    /// Into errorstop, with the number of an error; the first one stays.
+    pub(crate) fn fail_with(&mut self, number: u16) {
+        self.values.error = true;
+        if self.state == AxisState::ErrorStop {
+            return;
+        }
+        self.values.error_id = number.into();
+        self.desert();
+        self.enter(AxisState::ErrorStop);
+    }
+
+    /// Whether a block that was to move the axis has not.
+    fn is_deserted(&self) -> bool {
+        let held = self.state == AxisState::Stopping && self.base.velocity == 0.0;
+        let owner = self.values.owner != 0 && !self.values.moved_in_this_cycle && !held;
+        owner || (self.overlay_owner != 0 && !self.overlay_moved)
+    }
+
+    /// In errorstop the axis brakes itself.
+    fn brake(&mut self) {
+        if self.state != AxisState::ErrorStop || !self.is_powered() {
+            self.braking = None;
+            return;
+        }
+        let cycle = self.values.task_cycle;
+        let (profile, elapsed) = if let Some((profile, elapsed)) = self.braking {
+            (Some(profile), elapsed)
+        } else {
+            let limits = self.implicit_limits();
+            let velocity = limits.velocity.max(self.saved.velocity.abs());
+            let limits = super::profile::AxisLimits { velocity, ..limits };
+            (Profile::halt(self.saved, limits, self.ramp).ok(), 0.0)
+        };
+        self.overlay = State::default();
+        let elapsed = elapsed + cycle;
+        // Without a valid deceleration there is no way to brake; it stands at once.
+        self.base = profile.map_or(State::resting(self.saved.position), |it| it.at(elapsed));
+        self.braking = profile.map(|profile| (profile, elapsed));
+    }
+
+    fn watch_software_limits(&mut self) {
+        let total = self.total();
+        let position = self.in_program(total.position);
+        let values = &mut self.values;
+        let watched = values.sw_limit_enable && self.movement == super::Movement::Linear;
+        let above = watched && position > values.sw_limit_positive;
+        let below = watched && position < values.sw_limit_negative;
+        values.sw_end_switch_active = above || below;
+        // The way back inside is free.
+        let outward = (above && total.velocity > 0.0) || (below && total.velocity < 0.0);
+        if outward && self.is_powered() {
+            self.fail_with(SmcError::DiSwlimitsExceeded.number());
+        }
+    }
+
+    fn drive_command(&self) -> Command {
+        let total = self.total();
+        Command {
+            position: self.wrapped(total.position),
+            velocity: total.velocity,
+            acceleration: total.acceleration,
+            torque: self.values.set_torque,
+            mode: self.mode(),
+            regulator_on: self.values.regulator_on,
+            release_brake: self.values.drive_start,
+            capture: self.capture,
+            home: self.home,
+            reset: self.values.error_acknowledged,
+        }
+    }
+}

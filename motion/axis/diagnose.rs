@@ -1,0 +1,79 @@
+//! What an axis does, watched (manual 2.2.5, 2.2.8).
+
+use super::Axis;
+use super::moves::exceeds;
+use std::collections::VecDeque;
+
+impl Axis {
+    /// Whether the set values exceed `fSWMaxVelocity` (`bCheckVel`) or `fSWMaxAcceleration` and `fSWMaxDeceleration`
+    /// (`bCheckAccDec`) (`SMC_CheckLimits`, manual 2.2.5).
+    #[doc(alias = "SMC_CheckLimits")]
+    #[must_use]
+    pub fn exceeds_limits(&self, velocity: bool, rates: bool) -> bool {
+        exceeds(self.total(), self.saved, self, velocity, rates)
+    }
+}
+
+/// A largest value, and when that was.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Largest {
+    /// Without sign.
+    pub value: f64,
+    /// `dwTimeAtMax`: the stamp of that call.
+    pub time: u32,
+}
+
+impl Largest {
+    fn take(&mut self, value: f64, time: u32) {
+        if value.abs() > self.value {
+            *self = Self { value: value.abs(), time };
+        }
+    }
+
+    /// Largest set velocity, u/s (`SMC_GetMaxSetVelocity`, manual 2.2.8): call it every cycle to be watched; with
+    /// `reset` it is 0. `time` is any stamp.
+    #[doc(alias = "SMC_GetMaxSetVelocity")]
+    pub fn set_velocity(&mut self, axis: &Axis, reset: bool, time: u32) {
+        if reset { *self = Self::default() } else { self.take(axis.set_velocity(), time) }
+    }
+
+    /// Largest set acceleration or deceleration, u/s² (`SMC_GetMaxSetAccDec`, manual 2.2.8).
+    #[doc(alias = "SMC_GetMaxSetAccDec")]
+    pub fn set_acceleration(&mut self, axis: &Axis, reset: bool, time: u32) {
+        if reset { *self = Self::default() } else { self.take(axis.set_acceleration(), time) }
+    }
+}
+
+/// How far the axis is behind its set position (`SMC_GetTrackingError`, manual 2.2.8), the time that the bus takes
+/// left out.
+#[doc(alias = "SMC_GetTrackingError")]
+#[derive(Clone, Debug, Default)]
+pub struct TrackingError {
+    /// `byDeadTimeCycles`: how many cycles the bus takes.
+    pub dead_time_cycles: u8,
+    /// Set positions, the latest first.
+    sent: VecDeque<f64>,
+    /// Present error, u: set position then less actual position now.
+    pub error: f64,
+    /// The largest so far.
+    pub largest: Largest,
+}
+
+impl TrackingError {
+    /// Nothing watched yet.
+    #[must_use]
+    pub fn new(dead_time_cycles: u8) -> Self {
+        Self { dead_time_cycles, ..Self::default() }
+    }
+
+    /// Watches a cycle; with `reset` the largest is 0. `time` is any stamp.
+    pub fn call(&mut self, axis: &Axis, reset: bool, time: u32) {
+        self.sent.push_front(axis.set_position());
+        self.sent.truncate(usize::from(self.dead_time_cycles) + 1);
+        // Before there is one that old, the oldest stands for it.
+        let Some(set) = self.sent.back() else { return };
+        let error = set - axis.act_position();
+        self.error = axis.period().map_or(error, |it| error - it * (error / it).round());
+        if reset { self.largest = Largest::default() } else { self.largest.take(self.error, time) }
+    }
+}

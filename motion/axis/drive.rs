@@ -1,0 +1,186 @@
+//! What an axis and its drive tell each other every cycle, and the drive that does as it is told.
+
+/// What the drive says at the beginning of a cycle. Positions are the drive's, without `fOffsetPosition`.
+#[expect(clippy::struct_excessive_bools, reason = "each is a signal of its own")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Feedback {
+    /// Actual position, u.
+    pub position: f64,
+    /// Actual velocity, u/s.
+    pub velocity: f64,
+    /// Actual torque, Nm, or force, N.
+    pub torque: f64,
+    /// Actual current, A.
+    pub current: f64,
+    /// Power is on.
+    pub regulator_on: bool,
+    /// The brake is released.
+    pub brake_released: bool,
+    /// The drive answers.
+    pub communicating: bool,
+    /// Number of the drive's own error, by its maker.
+    pub error: Option<u16>,
+    /// A limit switch is open.
+    pub limit_switch: bool,
+    /// Controller mode at work.
+    pub mode: ControllerMode,
+    /// A position the drive has captured for [`Command::capture`], u.
+    pub captured: Option<f64>,
+    /// Where the drive's homing stands.
+    pub homing: Homing,
+}
+
+/// Where a drive's own homing stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Homing {
+    /// Not asked for or not begun.
+    #[default]
+    Idle,
+    /// On the way.
+    Busy,
+    /// Finished; positions count from the reference now.
+    Done,
+    /// The drive could not stop behind the reference.
+    StopFailed,
+}
+
+/// Controller mode (`SMC_CONTROLLER_MODE`, manual 2.2.4).
+#[doc(alias = "SMC_CONTROLLER_MODE")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ControllerMode {
+    /// 1 `SMC_torque`.
+    Torque,
+    /// 2 `SMC_velocity`.
+    Velocity,
+    /// 3 `SMC_position`.
+    #[default]
+    Position,
+    /// 4 `SMC_current`.
+    Current,
+}
+
+impl ControllerMode {
+    /// Its number.
+    #[must_use]
+    pub const fn number(self) -> i64 {
+        match self {
+            Self::Torque => 1,
+            Self::Velocity => 2,
+            Self::Position => 3,
+            Self::Current => 4,
+        }
+    }
+
+    /// The mode of a number.
+    #[must_use]
+    pub const fn from_number(number: i64) -> Option<Self> {
+        match number {
+            1 => Some(Self::Torque),
+            2 => Some(Self::Velocity),
+            3 => Some(Self::Position),
+            4 => Some(Self::Current),
+            _ => None,
+        }
+    }
+}
+
+/// What the drive is told at the end of a cycle. Positions are the drive's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Command {
+    /// Set position, u; of a rotary axis within its period.
+    pub position: f64,
+    /// Set velocity, u/s.
+    pub velocity: f64,
+    /// Set acceleration, u/s².
+    pub acceleration: f64,
+    /// Set torque, Nm, or force, N; counts in [`ControllerMode::Torque`].
+    pub torque: f64,
+    /// Controller mode wanted.
+    pub mode: ControllerMode,
+    /// Power wanted.
+    pub regulator_on: bool,
+    /// Release of the brake wanted.
+    pub release_brake: bool,
+    /// Capture asked for: at this trigger.
+    pub capture: Option<Capture>,
+    /// Homing asked for: the position the reference is to have, u.
+    pub home: Option<f64>,
+    /// Reset of the drive's error asked for.
+    pub reset: bool,
+}
+
+/// A capture by the drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Capture {
+    /// Trigger of the drive.
+    pub trigger: i64,
+    /// Positions, u, between which it counts.
+    pub window: Option<[f64; 2]>,
+}
+
+/// A drive that is where it is told to be, one cycle later (a bus of kind Dummy, manual 2.1.3).
+///
+/// Its own homing takes one cycle: the reference is where it stands.
+#[derive(Clone, Copy, Debug)]
+pub struct VirtualDrive {
+    feedback: Feedback,
+}
+
+impl VirtualDrive {
+    /// At rest at `position` u, without power.
+    #[must_use]
+    pub fn new(position: f64) -> Self {
+        let feedback = Feedback {
+            position,
+            velocity: 0.0,
+            torque: 0.0,
+            current: 0.0,
+            regulator_on: false,
+            brake_released: false,
+            communicating: true,
+            error: None,
+            limit_switch: false,
+            mode: ControllerMode::Position,
+            captured: None,
+            homing: Homing::Idle,
+        };
+        Self { feedback }
+    }
+
+    /// What it says now.
+    #[must_use]
+    pub fn feedback(&self) -> Feedback {
+        self.feedback
+    }
+
+    /// What it says, to be changed: the way a test makes it fail.
+    pub fn feedback_mut(&mut self) -> &mut Feedback {
+        &mut self.feedback
+    }
+
+    /// Does as it is told.
+    pub fn follow(&mut self, command: &Command) {
+        let it = &mut self.feedback;
+        it.regulator_on = command.regulator_on;
+        it.brake_released = command.release_brake;
+        it.mode = command.mode;
+        if it.regulator_on && it.brake_released {
+            it.position = command.position;
+            it.velocity = command.velocity;
+            it.torque = command.torque;
+        } else {
+            it.velocity = 0.0;
+            it.torque = 0.0;
+        }
+        it.homing = match command.home {
+            Some(reference) => {
+                it.position = reference;
+                Homing::Done
+            }
+            None => Homing::Idle,
+        };
+        if command.reset {
+            it.error = None;
+        }
+    }
+}

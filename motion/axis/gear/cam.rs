@@ -1,0 +1,101 @@
+//! `MC_CamIn`.
+
+use crate::axis::ownership::Start;
+use crate::axis::profile::State;
+use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
+use crate::cam::{self, CamCoupling, CamInput, CamTable, CouplingError, StartMode};
+
+/// The slave follows a cam (`MC_CamIn`, manual 5.4); `done` is `InSync`. What `MC_CamTableSelect` gives is a
+/// [`CamTable`]; the periods of master and slave are those of the axes.
+///
+/// [`CamRun::coupling`] tells `EndOfProfile` and the tappets. Beside the master's position and velocity its acceleration
+/// counts, so that the slave's acceleration is exact.
+#[doc(alias = "MC_CamIn")]
+#[doc(alias = "MC_CamTableSelect")]
+#[derive(Clone, Debug)]
+pub struct CamIn {
+    /// `CamTableID`: the cam selected, if one is.
+    pub table: Option<CamTable>,
+    /// The other inputs.
+    pub input: CamInput,
+}
+
+/// A cam that is followed.
+#[derive(Clone, Debug)]
+pub struct CamRun {
+    coupling: CamCoupling,
+    /// From positions of the program to set-points, which are unwound and the drive's.
+    shift: f64,
+    seconds: f64,
+    restarted: bool,
+}
+
+impl CamRun {
+    /// The coupling as it is.
+    pub fn coupling(&self) -> &CamCoupling {
+        &self.coupling
+    }
+}
+
+impl Motion for CamIn {
+    type With = Master;
+    type Run = CamRun;
+    const STATE: AxisState = AxisState::SynchronizedMotion;
+
+    fn plan(&self, start: Start, axis: &Axis, master: Master) -> Result<CamRun, SmcError> {
+        let Some(table) = self.table.clone() else { return Err(SmcError::CiNoCamSelected) };
+        let table = CamTable { master_period: master.period, slave_period: axis.period(), ..table };
+        // Where another block has moved the slave in this cycle already, the cam takes over from there (manual 4.6.2).
+        let moved = axis.values.moved_in_this_cycle;
+        let (state, lead) = if moved { (axis.total(), 0.0) } else { (start.state, start.lead) };
+        let State { position, velocity, acceleration } = state;
+        let slave = cam::AxisState { position: axis.in_program(position), velocity, acceleration };
+        let mut from = now(master);
+        if !matches!(self.input.start_mode, StartMode::Absolute | StartMode::Relative) {
+            // A bridge begins where the slave was a cycle ago, and so at where the master was.
+            from.velocity -= master.acceleration * lead;
+            from.position -= f64::midpoint(from.velocity, master.velocity) * lead;
+        }
+        let begin = |master: &cam::AxisState| {
+            CamCoupling::start(table.clone(), self.input, master, &slave, 0)
+        };
+        // A master that has come onto the cam in this very cycle is on it.
+        let coupling = begin(&from).or_else(|_beside| begin(&now(master))).map_err(number)?;
+        let seconds = lead - axis.cycle();
+        Ok(CamRun { coupling, shift: position - slave.position, seconds, restarted: true })
+    }
+
+    fn step(
+        &self,
+        run: &mut CamRun,
+        axis: &mut Axis,
+        master: Master,
+    ) -> Result<Progress, SmcError> {
+        run.seconds += axis.cycle();
+        #[expect(clippy::cast_possible_truncation, reason = "saturates after three hundred years")]
+        let now_ns = (run.seconds * 1e9).round() as i64;
+        run.coupling.step(&now(master), now_ns).map_err(number)?;
+        if std::mem::take(&mut run.restarted) {
+            run.coupling.mark_restarted();
+        }
+        let coupled = run.coupling.output();
+        let cam::AxisState { position, velocity, acceleration } = coupled.slave;
+        let setpoint = State { position: position + run.shift, velocity, acceleration };
+        let stage = if coupled.in_sync { Stage::Reached } else { Stage::Busy };
+        Ok(Progress { setpoint, stage })
+    }
+}
+
+fn now(master: Master) -> cam::AxisState {
+    let Master { position, velocity, acceleration, .. } = master;
+    cam::AxisState { position, velocity, acceleration }
+}
+
+fn number(error: CouplingError) -> SmcError {
+    match error {
+        CouplingError::MasterOutOfRange { .. } => SmcError::CiMasterOutOfScale,
+        CouplingError::RampNeedsValues { .. } => SmcError::CiRampinNeedsVelaccValues,
+        CouplingError::NotFinite { .. } => SmcError::CiScalingIncorrect,
+        CouplingError::OtherSize { .. } => SmcError::CiNoCamSelected,
+    }
+}

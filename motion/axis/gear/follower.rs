@@ -1,0 +1,49 @@
+//! A slave that takes up a multiple of its master's velocity.
+
+use crate::axis::profile::{AxisLimits, Profile, ProfileError, State};
+use crate::axis::{Axis, Master};
+
+/// Where a slave stands to its master.
+#[derive(Clone, Copy, Debug)]
+pub struct Follower {
+    limits: AxisLimits,
+    /// Master in the cycle before.
+    master: f64,
+    coupled: bool,
+}
+
+impl Follower {
+    pub(super) fn new(master: Master, limits: AxisLimits) -> Self {
+        Self { limits, master: master.position, coupled: false }
+    }
+
+    /// Whether the velocities have met.
+    pub(super) fn is_coupled(&self) -> bool {
+        self.coupled
+    }
+
+    /// The slave's next state, from `from`, with `ratio` times the master's velocity.
+    ///
+    /// Until it has that velocity it goes towards it under its limits; then its way is `ratio` times the master's.
+    pub(super) fn step(
+        &mut self,
+        from: State,
+        master: Master,
+        ratio: f64,
+        axis: &Axis,
+    ) -> Result<State, ProfileError> {
+        let way = ratio * master.travel_since(self.master);
+        self.master = master.position;
+        let [velocity, acceleration] = [ratio * master.velocity, ratio * master.acceleration];
+        if self.coupled {
+            return Ok(State { position: from.position + way, velocity, acceleration });
+        }
+        let limit = velocity.abs().max(f64::MIN_POSITIVE);
+        let limits = AxisLimits { velocity: limit, ..self.limits };
+        let profile = Profile::to_velocity(from, velocity, limits, axis.ramp())?;
+        self.coupled = profile.duration() <= axis.cycle() * (1.0 + 1e-9);
+        let state = profile.at(axis.cycle());
+        let joined = if self.coupled { acceleration } else { state.acceleration };
+        Ok(State { acceleration: joined, ..state })
+    }
+}

@@ -1,0 +1,199 @@
+//! `SMC_GearInPos`.
+
+use crate::axis::ownership::Start;
+use crate::axis::profile::State;
+use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
+
+/// Velocity and position follow the master from a place on (`SMC_GearInPos`, manual 5.4). `done` is `InSync`.
+///
+/// When the master is at `master_sync_position`, the slave is at `slave_sync_position` with the ratio of velocities.
+/// Before that it goes along a polynomial of fifth degree over the master's position, from its own velocity to that of
+/// the ratio, with the curvature 0 at both ends; the manual says a polynomial only. It may reverse for a moment.
+///
+/// With a `master_start_distance` above 0 the slave goes on as it does until the master is so close to the place; with 0
+/// it begins at once. A master that reverses meanwhile is an error 775.
+#[doc(alias = "SMC_GearInPos")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GearInPos {
+    /// `RatioNumerator`.
+    pub ratio_numerator: i32,
+    /// `RatioDenominator`, not 0.
+    pub ratio_denominator: i32,
+    /// `MasterSyncPosition`, u of the master.
+    pub master_sync_position: f64,
+    /// `SlaveSyncPosition`, u.
+    pub slave_sync_position: f64,
+    /// `MasterStartDistance`, u of the master, not negative.
+    pub master_start_distance: f64,
+}
+
+/// Coupling on its way.
+#[derive(Clone, Debug)]
+pub struct GearInPosRun {
+    /// The master in the cycle before: within its period, and unwound.
+    master: f64,
+    unwound: f64,
+    phase: Phase,
+}
+
+#[derive(Clone, Debug)]
+enum Phase {
+    /// The master is not there yet.
+    Waiting,
+    /// On the polynomial.
+    Coupling(Quintic),
+    /// Coupled: places of master (unwound) and slave that belong to each other.
+    Coupled([f64; 2]),
+}
+
+impl GearInPosRun {
+    /// `StartSync`: the slave is being coupled.
+    #[must_use]
+    pub fn is_coupling(&self) -> bool {
+        matches!(self.phase, Phase::Coupling(_))
+    }
+}
+
+/// y over x from (x0, y0) with slope v0 on by h, curvature 0 at both ends.
+#[derive(Clone, Copy, Debug)]
+struct Quintic {
+    x0: f64,
+    h: f64,
+    /// By powers of (x − x0) / h.
+    coefficients: [f64; 6],
+    /// Sync position of the slave, unwound.
+    end: f64,
+}
+
+impl Quintic {
+    fn new([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], [v0, v1]: [f64; 2]) -> Self {
+        let h = x1 - x0;
+        let rise = y1 - y0 - v0 * h;
+        let p = h * (v1 - v0);
+        let coefficients =
+            [y0, v0 * h, 0.0, 10.0 * rise - 4.0 * p, -15.0 * rise + 7.0 * p, 6.0 * rise - 3.0 * p];
+        Self { x0, h, coefficients, end: y1 }
+    }
+
+    /// Value, slope and curvature at x.
+    fn at(&self, x: f64) -> [f64; 3] {
+        let w = (x - self.x0) / self.h;
+        let [c0, c1, c2, c3, c4, c5] = self.coefficients;
+        let value = c0 + w * (c1 + w * (c2 + w * (c3 + w * (c4 + w * c5))));
+        let slope = c1 + w * (2.0 * c2 + w * (3.0 * c3 + w * (4.0 * c4 + w * 5.0 * c5)));
+        let curvature = 2.0 * c2 + w * (6.0 * c3 + w * (12.0 * c4 + w * 20.0 * c5));
+        [value, slope / self.h, curvature / (self.h * self.h)]
+    }
+}
+
+impl GearInPos {
+    fn ratio(&self) -> f64 {
+        f64::from(self.ratio_numerator) / f64::from(self.ratio_denominator)
+    }
+
+    /// The polynomial, if the master, which goes from `unwound` on in the direction `sign`, is close enough.
+    fn polynomial(
+        &self,
+        unwound: f64,
+        velocity: f64,
+        period: Option<f64>,
+        axis: &Axis,
+    ) -> Option<Quintic> {
+        let sign = velocity.signum();
+        // The place ahead of the master, on a rotary one the next time round.
+        let ahead = sign * (self.master_sync_position - unwound);
+        let ahead = period.map_or(ahead, |period| {
+            let ahead = crate::axis::fmod(ahead, period);
+            if ahead > 0.0 { ahead } else { period }
+        });
+        let near = self.master_start_distance == 0.0
+            || ahead <= self.master_start_distance * (1.0 + 1e-12);
+        if velocity == 0.0 || ahead <= 0.0 || !near {
+            return None;
+        }
+        let from = axis.saved;
+        let slopes = [from.velocity / velocity, self.ratio()];
+        let way = sign * ahead;
+        let target = axis.to_drive(self.slave_sync_position);
+        // A rotary slave goes to the place that is nearest to the way of the mean velocity.
+        let natural = from.position + 0.5 * (slopes[0] + slopes[1]) * way;
+        let target = axis
+            .period()
+            .map_or(target, |period| target + period * ((natural - target) / period).round());
+        Some(Quintic::new([unwound, unwound + way], [from.position, target], slopes))
+    }
+}
+
+impl Motion for GearInPos {
+    type With = Master;
+    type Run = GearInPosRun;
+    const STATE: AxisState = AxisState::SynchronizedMotion;
+
+    fn plan(&self, _start: Start, _axis: &Axis, master: Master) -> Result<GearInPosRun, SmcError> {
+        let places =
+            [self.master_sync_position, self.slave_sync_position, self.master_start_distance];
+        // The manual has no error of this block's own for wrong inputs; it shows MC_GearIn's.
+        if self.ratio_denominator == 0 {
+            return Err(SmcError::GiRatioDenom);
+        }
+        if !places.iter().all(|place| place.is_finite()) || self.master_start_distance < 0.0 {
+            return Err(SmcError::GiInvalidAcc);
+        }
+        let at = master.position;
+        Ok(GearInPosRun { master: at, unwound: at, phase: Phase::Waiting })
+    }
+
+    fn step(
+        &self,
+        run: &mut GearInPosRun,
+        axis: &mut Axis,
+        master: Master,
+    ) -> Result<Progress, SmcError> {
+        let travel = master.travel_since(run.master);
+        let before = run.unwound;
+        run.master = master.position;
+        run.unwound += travel;
+        if matches!(run.phase, Phase::Waiting) {
+            // From the cycle before, whose set-point the slave has, so that nothing steps.
+            let polynomial = self.polynomial(before, master.velocity, master.period, axis);
+            if let Some(polynomial) = polynomial.filter(|_| travel != 0.0) {
+                run.phase = Phase::Coupling(polynomial);
+            }
+        }
+        if let Phase::Coupling(polynomial) = &run.phase {
+            if travel * polynomial.h < 0.0 {
+                return Err(SmcError::GipMasterDirectionChange);
+            }
+            if (run.unwound - polynomial.x0) / polynomial.h >= 1.0 {
+                let place = polynomial.x0 + polynomial.h;
+                run.phase = Phase::Coupled([place, polynomial.end]);
+            }
+        }
+        let on = |[value, slope, curvature]: [f64; 3]| State {
+            position: value,
+            velocity: slope * master.velocity,
+            acceleration: slope * master.acceleration + curvature * master.velocity.powi(2),
+        };
+        let (setpoint, stage) = match &run.phase {
+            Phase::Waiting => (axis.goes_on(), Stage::Busy),
+            Phase::Coupling(polynomial) => (on(polynomial.at(run.unwound)), Stage::Busy),
+            Phase::Coupled([place, slave]) => {
+                let value = slave + self.ratio() * (run.unwound - place);
+                (on([value, self.ratio(), 0.0]), Stage::Reached)
+            }
+        };
+        Ok(Progress { setpoint, stage })
+    }
+}
+
+impl Axis {
+    /// One cycle on with the velocity there is.
+    fn goes_on(&self) -> State {
+        let it = self.saved;
+        State {
+            position: it.position + it.velocity * self.cycle(),
+            velocity: it.velocity,
+            acceleration: 0.0,
+        }
+    }
+}

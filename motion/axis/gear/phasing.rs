@@ -1,0 +1,86 @@
+//! `MC_Phasing`.
+
+use super::follower::Follower;
+use crate::axis::moves::Planned;
+use crate::axis::ownership::Start;
+use crate::axis::profile::{AxisLimits, State};
+use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
+
+/// A slave at a constant distance from its master (`MC_Phasing`, manual 5.4).
+///
+/// It takes up the master's velocity; then the distance they have changes by `phase_shift`, as a motion on top. `done`
+/// when it has; the block goes on until another one moves the slave. The names of the inputs are PLCopen's: the picture
+/// in the manual is lost.
+#[doc(alias = "MC_Phasing")]
+#[doc(alias = "MC_Phase")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phasing {
+    /// `PhaseShift`, u, with its sign: how much the slave's lead grows.
+    pub phase_shift: f64,
+    /// Largest velocity of the shift relative to the master, u/s.
+    pub velocity: f64,
+    /// Acceleration, u/s².
+    pub acceleration: f64,
+    /// Deceleration, u/s².
+    pub deceleration: f64,
+}
+
+/// Phasing on its way.
+#[derive(Clone, Debug)]
+pub struct PhasingRun {
+    follower: Follower,
+    /// The slave without the shift.
+    slave: State,
+    shift: Option<Planned>,
+}
+
+impl Phasing {
+    fn limits(&self, axis: &Axis) -> AxisLimits {
+        axis.limits(self.velocity, self.acceleration, self.deceleration)
+    }
+}
+
+impl Motion for Phasing {
+    type With = Master;
+    type Run = PhasingRun;
+    const STATE: AxisState = AxisState::SynchronizedMotion;
+
+    fn plan(&self, start: Start, axis: &Axis, master: Master) -> Result<PhasingRun, SmcError> {
+        let rotary_without_period = |period: Option<f64>| period.is_some_and(|it| it <= 0.0);
+        if rotary_without_period(axis.period()) || rotary_without_period(master.period) {
+            return Err(SmcError::PhRotaryaxisPeriod0);
+        }
+        // The shift has to be possible, before anything moves.
+        let rest = Start { state: State::default(), lead: axis.cycle(), aim: None };
+        Planned::to(self.phase_shift, self.limits(axis), rest, axis)
+            .map_err(|_invalid| SmcError::PhInvalidVelaccdec)?;
+        let follower = Follower::new(master, self.limits(axis));
+        Ok(PhasingRun { follower, slave: start.state, shift: None })
+    }
+
+    fn step(
+        &self,
+        run: &mut PhasingRun,
+        axis: &mut Axis,
+        master: Master,
+    ) -> Result<Progress, SmcError> {
+        let slave = run.follower.step(run.slave, master, 1.0, axis);
+        run.slave = slave.map_err(|_invalid| SmcError::PhInvalidVelaccdec)?;
+        let progress = match &mut run.shift {
+            Some(shift) => shift.step(axis, Stage::Reached),
+            None => Progress { setpoint: State::default(), stage: Stage::Busy },
+        };
+        if run.follower.is_coupled() && run.shift.is_none() {
+            let rest = Start { state: State::default(), lead: axis.cycle(), aim: None };
+            let shift = Planned::to(self.phase_shift, self.limits(axis), rest, axis);
+            run.shift = Some(shift.map_err(|_invalid| SmcError::PhInvalidVelaccdec)?);
+        }
+        let Progress { setpoint: shift, stage } = progress;
+        let setpoint = State {
+            position: run.slave.position + shift.position,
+            velocity: run.slave.velocity + shift.velocity,
+            acceleration: run.slave.acceleration + shift.acceleration,
+        };
+        Ok(Progress { setpoint, stage })
+    }
+}

@@ -1,0 +1,96 @@
+//! What a block with Execute shows, and how long (manual 5.2).
+
+use super::ownership::Refusal;
+use super::{Axis, SmcError};
+
+/// What a block shows. At most one of `done`, `command_aborted` and `error` is set.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Outputs {
+    /// `Done`; of endless motion `InVelocity`, `InEndVelocity`, `InGear` or `InSync`.
+    pub done: bool,
+    /// `Busy`: the block is not finished and has to be called.
+    pub busy: bool,
+    /// `CommandAborted`: another block has taken the axis, or `MC_Stop` or homing holds it.
+    pub command_aborted: bool,
+    /// `Error` and `ErrorID`.
+    pub error: Option<SmcError>,
+}
+
+/// How a block has come to its end, or what it has reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    Done,
+    Aborted,
+    Failed(SmcError),
+}
+
+impl From<Refusal> for Outcome {
+    fn from(refusal: Refusal) -> Self {
+        match refusal {
+            Refusal::Locked => Self::Aborted,
+            Refusal::Error(error) => Self::Failed(error),
+        }
+    }
+}
+
+/// Execute and what is shown: it stays while Execute is TRUE; if that fell earlier, it shows for one cycle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Latch {
+    execute: bool,
+    outcome: Option<Outcome>,
+    shown: bool,
+}
+
+impl Latch {
+    /// Takes in Execute; whether it rises, which clears what was shown.
+    pub(crate) fn rises(&mut self, execute: bool) -> bool {
+        let rises = execute && !self.execute;
+        self.execute = execute;
+        if rises {
+            self.outcome = None;
+            self.shown = false;
+        }
+        rises
+    }
+
+    /// The block ends; its axis keeps the error.
+    pub(crate) fn end(&mut self, outcome: Outcome, axis: &mut Axis) {
+        if let Outcome::Failed(error) = outcome {
+            axis.report(error);
+        }
+        self.outcome = Some(outcome);
+        self.shown = false;
+    }
+
+    /// What was asked for holds, and the block goes on.
+    pub(crate) fn reach(&mut self) {
+        if !self.is_done() {
+            self.outcome = Some(Outcome::Done);
+            self.shown = false;
+        }
+    }
+
+    /// What was asked for does not hold (any more).
+    pub(crate) fn reopen(&mut self) {
+        self.outcome = None;
+    }
+
+    pub(crate) fn is_done(self) -> bool {
+        self.outcome == Some(Outcome::Done)
+    }
+
+    /// What shows this cycle.
+    pub(crate) fn outputs(&mut self, busy: bool) -> Outputs {
+        let showing = self.outcome.filter(|_| self.execute || !self.shown);
+        self.shown |= showing.is_some();
+        Outputs {
+            done: showing == Some(Outcome::Done),
+            busy,
+            command_aborted: showing == Some(Outcome::Aborted),
+            error: match showing {
+                Some(Outcome::Failed(error)) => Some(error),
+                _ => None,
+            },
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! The axis that another one follows.
+
+use super::Axis;
+
+/// How a master moves (manual 5.4): by its set values if its `bRegulatorOn` is TRUE, else by its actual ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Master {
+    /// Position, u; of a rotary master in [0, period).
+    pub position: f64,
+    /// Velocity, u/s.
+    pub velocity: f64,
+    /// Acceleration, u/s².
+    pub acceleration: f64,
+    /// Period of a rotary master, u.
+    pub period: Option<f64>,
+}
+
+impl Master {
+    /// How `axis` moves in this cycle, as far as its blocks have been called.
+    #[must_use]
+    pub fn of(axis: &Axis) -> Self {
+        let values = &axis.values;
+        let [position, velocity, acceleration] = if values.regulator_on {
+            [values.set_position, values.set_velocity, values.set_acceleration]
+        } else {
+            [values.act_position, values.act_velocity, values.act_acceleration]
+        };
+        Self { position, velocity, acceleration, period: axis.period() }
+    }
+
+    /// How far it has come since it was at `before` u: the short way round.
+    #[must_use]
+    pub fn travel_since(&self, before: f64) -> f64 {
+        let way = self.position - before;
+        self.period.map_or(way, |period| way - period * (way / period).round())
+    }
+}

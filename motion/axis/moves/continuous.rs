@@ -1,0 +1,106 @@
+//! To a position, and on from there.
+
+use super::Planned;
+use crate::axis::ownership::Start;
+use crate::axis::profile::{AxisLimits, Profile};
+use crate::axis::{Axis, AxisState, Direction, Motion, Progress, SmcError, Stage};
+
+/// To a position with a velocity there, and on with it (`SMC_MoveContinuousAbsolute`, manual 5.3).
+///
+/// Where the way is too short for the velocity, the axis backs up first. `done` is `InEndVelocity`.
+#[doc(alias = "SMC_MoveContinuousAbsolute")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MoveContinuousAbsolute {
+    /// Position, u; of a rotary axis its place within the period.
+    pub position: f64,
+    /// Largest velocity on the way, u/s; it need not be reached.
+    pub velocity: f64,
+    /// Speed at the position and after it, u/s.
+    pub end_velocity: f64,
+    /// Direction of that: positive, negative or current.
+    pub end_velocity_direction: Direction,
+    /// Acceleration, u/s².
+    pub acceleration: f64,
+    /// Deceleration, u/s².
+    pub deceleration: f64,
+    /// Which way round a rotary axis goes; not fastest.
+    pub direction: Direction,
+}
+
+impl Motion for MoveContinuousAbsolute {
+    type With = ();
+    type Run = Planned;
+    const STATE: AxisState = AxisState::ContinuousMotion;
+
+    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+        if self.direction == Direction::Fastest {
+            return Err(SmcError::McaDirectionNotApplicable);
+        }
+        let sign = self.end_velocity_direction.sign(axis, start.state);
+        let sign = sign.ok_or(SmcError::McaInvalidDirection)?;
+        let end_velocity = speed(self.end_velocity).ok_or(SmcError::McaInvalidVelaccValues)? * sign;
+        let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
+        let target = axis.to_drive(self.position);
+        let target = self.direction.unwound(axis, start.state, target, limits, end_velocity);
+        on_from(target, end_velocity, limits, start, axis).ok_or(SmcError::McaInvalidVelaccValues)
+    }
+
+    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        Ok(run.step(axis, Stage::Reached))
+    }
+}
+
+/// By a distance to a velocity, and on with it (`SMC_MoveContinuousRelative`, manual 5.3).
+///
+/// The distance counts from where the axis is at the edge to where it has the velocity. `done` is `InEndVelocity`.
+#[doc(alias = "SMC_MoveContinuousRelative")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MoveContinuousRelative {
+    /// Way, u, with its sign.
+    pub distance: f64,
+    /// Largest velocity on the way, u/s; it need not be reached.
+    pub velocity: f64,
+    /// Speed at the end of the way and after it, u/s.
+    pub end_velocity: f64,
+    /// Direction of that: positive, negative or current.
+    pub end_velocity_direction: Direction,
+    /// Acceleration, u/s².
+    pub acceleration: f64,
+    /// Deceleration, u/s².
+    pub deceleration: f64,
+}
+
+impl Motion for MoveContinuousRelative {
+    type With = ();
+    type Run = Planned;
+    const STATE: AxisState = AxisState::ContinuousMotion;
+
+    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+        let sign = self.end_velocity_direction.sign(axis, start.state);
+        let sign = sign.ok_or(SmcError::McrInvalidDirection)?;
+        let end_velocity = speed(self.end_velocity).ok_or(SmcError::McrInvalidVelaccValues)? * sign;
+        let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
+        let target = start.state.position + self.distance;
+        on_from(target, end_velocity, limits, start, axis).ok_or(SmcError::McrInvalidVelaccValues)
+    }
+
+    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        Ok(run.step(axis, Stage::Reached))
+    }
+}
+
+/// A velocity without a sign.
+fn speed(velocity: f64) -> Option<f64> {
+    (velocity >= 0.0).then_some(velocity)
+}
+
+fn on_from(
+    target: f64,
+    end_velocity: f64,
+    limits: AxisLimits,
+    start: Start,
+    axis: &Axis,
+) -> Option<Planned> {
+    let profile = Profile::to_position(start.state, target, end_velocity, limits, axis.ramp());
+    Some(Planned::new(&profile.ok()?, start, axis))
+}

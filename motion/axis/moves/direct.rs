@@ -1,0 +1,213 @@
+//! Set-points straight from a program (manual 2.2.5).
+
+use crate::axis::ownership::Start;
+use crate::axis::profile::{AxisLimits, Profile, State};
+use crate::axis::{Axis, AxisState, Block, Motion, Progress, SmcError, Stage};
+
+/// A set-point that a program gives every cycle. Nothing is checked by the `SMC_Follow…` blocks.
+///
+/// As a [`Block`] it is `SMC_FollowPosition`, `SMC_FollowVelocity` or `SMC_FollowPositionVelocity`: it moves the axis from
+/// the rising edge until another block does.
+#[doc(alias = "SMC_FollowPosition")]
+#[doc(alias = "SMC_FollowVelocity")]
+#[doc(alias = "SMC_FollowPositionVelocity")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Follow {
+    /// A position, u.
+    Position(f64),
+    /// A velocity, u/s.
+    Velocity(f64),
+    /// A position, u, and a velocity, u/s, that fit each other.
+    PositionVelocity(f64, f64),
+}
+
+impl Follow {
+    /// The state it asks for, one cycle after the axis's last set-point.
+    fn wanted(self, axis: &Axis) -> State {
+        let (before, cycle) = (axis.saved, axis.cycle());
+        let to = |position: f64| before.position + short_way(axis, position);
+        let (position, velocity) = match self {
+            Self::Position(position) => (to(position), short_way(axis, position) / cycle),
+            Self::Velocity(velocity) => {
+                (before.position + 0.5 * (before.velocity + velocity) * cycle, velocity)
+            }
+            Self::PositionVelocity(position, velocity) => (to(position), velocity),
+        };
+        State { position, velocity, acceleration: (velocity - before.velocity) / cycle }
+    }
+
+    fn is_finite(self) -> bool {
+        match self {
+            Self::Position(value) | Self::Velocity(value) => value.is_finite(),
+            Self::PositionVelocity(position, velocity) => (position + velocity).is_finite(),
+        }
+    }
+}
+
+/// From the last set-point to the program's `position`, on a rotary axis the short way round, u.
+fn short_way(axis: &Axis, position: f64) -> f64 {
+    let way = axis.to_drive(position) - axis.saved.position;
+    axis.period().map_or(way, |period| way - period * (way / period).round())
+}
+
+impl Motion for Follow {
+    type With = ();
+    type Run = ();
+    const STATE: AxisState = AxisState::SynchronizedMotion;
+    const LIVE: bool = true;
+
+    fn plan(&self, _start: Start, _axis: &Axis, (): ()) -> Result<(), SmcError> {
+        Ok(())
+    }
+
+    fn step(&self, (): &mut (), axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        // What is no number is no set-point: the axis stays where it is.
+        let setpoint =
+            if self.is_finite() { self.wanted(axis) } else { State::resting(axis.saved.position) };
+        Ok(Progress { setpoint, stage: Stage::Busy })
+    }
+}
+
+/// A set-point that is watched: a jump is bridged (`SMC_ControlAxisByPos`, `SMC_ControlAxisByPosVel`,
+/// `SMC_ControlAxisByVel`, manual 2.2.5).
+///
+/// With `avoid_gaps`, a set-point that asks for more than `fSWMaxVelocity`, `fSWMaxAcceleration` or `fSWMaxDeceleration`
+/// is a jump: [`ControlAxis::stop_ipo`] holds the interpolator while the axis goes to the set-point with the gap values.
+/// Gap values that are not positive are replaced by the axis's own.
+#[doc(alias = "SMC_ControlAxisByPos")]
+#[doc(alias = "SMC_ControlAxisByPosVel")]
+#[doc(alias = "SMC_ControlAxisByVel")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ControlAxisBy {
+    /// The set-point.
+    pub setpoint: Follow,
+    /// `bAvoidGaps`: bridge jumps.
+    pub avoid_gaps: bool,
+    /// `fGapVelocity`, u/s.
+    pub gap_velocity: f64,
+    /// `fGapAcceleration`, u/s².
+    pub gap_acceleration: f64,
+    /// `fGapDeceleration`, u/s².
+    pub gap_deceleration: f64,
+}
+
+impl ControlAxisBy {
+    fn gap_limits(&self, axis: &Axis) -> AxisLimits {
+        let own = axis.implicit_limits();
+        let or = |value: f64, own: f64| if value > 0.0 && value.is_finite() { value } else { own };
+        AxisLimits {
+            velocity: or(self.gap_velocity, own.velocity),
+            acceleration: or(self.gap_acceleration, own.acceleration),
+            deceleration: or(self.gap_deceleration, own.deceleration),
+            jerk: own.jerk,
+        }
+    }
+
+    /// One cycle of the bridge; whether it ends with it.
+    fn bridge(&self, wanted: State, axis: &Axis) -> Option<(State, bool)> {
+        let (from, limits, ramp) = (axis.saved, self.gap_limits(axis), axis.ramp());
+        let profile = match self.setpoint {
+            Follow::Velocity(velocity) => Profile::to_velocity(from, velocity, limits, ramp),
+            _ => Profile::to_position(from, wanted.position, 0.0, limits, ramp),
+        };
+        let profile = profile.ok()?;
+        let cycle = axis.cycle();
+        let ends = profile.duration() <= cycle * (1.0 + 1e-9);
+        Some((if ends { profile.end() } else { profile.at(cycle) }, ends))
+    }
+}
+
+impl Motion for ControlAxisBy {
+    type With = ();
+    /// Whether a jump is being bridged.
+    type Run = bool;
+    const STATE: AxisState = AxisState::SynchronizedMotion;
+    const LIVE: bool = true;
+
+    fn plan(&self, _start: Start, _axis: &Axis, (): ()) -> Result<bool, SmcError> {
+        Ok(false)
+    }
+
+    fn step(&self, bridging: &mut bool, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        if !self.setpoint.is_finite() {
+            let setpoint = State::resting(axis.saved.position);
+            return Ok(Progress { setpoint, stage: Stage::Busy });
+        }
+        let wanted = self.setpoint.wanted(axis);
+        *bridging |= self.avoid_gaps && exceeds(wanted, axis.saved, axis, true, true);
+        let setpoint = if *bridging {
+            // The manual has no error of its own for limits with which there is no way.
+            let bridge = self.bridge(wanted, axis).ok_or(SmcError::MaInvalidVelaccValues)?;
+            *bridging = !bridge.1;
+            bridge.0
+        } else {
+            wanted
+        };
+        Ok(Progress { setpoint, stage: Stage::Busy })
+    }
+}
+
+/// [`ControlAxisBy`] with `bEnable`.
+#[derive(Clone, Debug)]
+pub struct ControlAxis {
+    block: Block<ControlAxisBy>,
+}
+
+/// What [`ControlAxis`] shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ControlOutputs {
+    /// `bCommandAborted`: another block has taken the axis.
+    pub command_aborted: bool,
+    /// `bError` and `iErrorID`.
+    pub error: Option<SmcError>,
+    /// `bStopIpo`: the interpolator has to wait (`bEmergency_Stop`).
+    pub stop_ipo: bool,
+}
+
+impl ControlAxis {
+    /// A block with these inputs, not enabled.
+    #[must_use]
+    pub fn new(inputs: ControlAxisBy) -> Self {
+        Self { block: Block::new(inputs) }
+    }
+
+    /// The inputs; they count every cycle.
+    pub fn inputs(&mut self) -> &mut ControlAxisBy {
+        &mut self.block.inputs
+    }
+
+    /// Calls it, for a cycle, with `bEnable` and its axis. Not enabled, it gives the axis back, which halts where it
+    /// stands; from motion that is an error 30, as for every block that is not called any more.
+    pub fn call(&mut self, enable: bool, axis: &mut Axis) -> ControlOutputs {
+        if !enable && axis.set_velocity() == 0.0 {
+            if let Some(owner) = self.block.owner() {
+                axis.release(owner);
+            }
+            self.block = Block::new(self.block.inputs);
+            return ControlOutputs::default();
+        }
+        if !enable {
+            return ControlOutputs::default();
+        }
+        let shown = self.block.call(true, axis);
+        let stop_ipo = self.block.running().is_some_and(|bridging| *bridging);
+        ControlOutputs { command_aborted: shown.command_aborted, error: shown.error, stop_ipo }
+    }
+}
+
+/// Whether a set-point asks for more than the axis's software maxima.
+pub(crate) fn exceeds(
+    wanted: State,
+    before: State,
+    axis: &Axis,
+    velocity: bool,
+    rates: bool,
+) -> bool {
+    /// What rounding may add.
+    const SLACK: f64 = 1.0 + 1e-6;
+    let limits = axis.implicit_limits();
+    let grows = wanted.velocity.abs() >= before.velocity.abs();
+    let rate = if grows { limits.acceleration } else { limits.deceleration };
+    (velocity && wanted.velocity.abs() > limits.velocity * SLACK)
+        || (rates && wanted.acceleration.abs() > rate * SLACK)
+}

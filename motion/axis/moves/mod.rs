@@ -1,0 +1,32 @@
+//! Blocks that power, move and stop an axis (manual 2.2, 5.3).
+
+mod continuous;
+mod direct;
+mod home;
+mod homing;
+mod mode;
+mod planned;
+mod power;
+mod probe;
+mod reset;
+mod stop;
+mod superimposed;
+mod table;
+mod target;
+mod velocity;
+
+pub use continuous::{MoveContinuousAbsolute, MoveContinuousRelative};
+pub(crate) use direct::exceeds;
+pub use direct::{ControlAxis, ControlAxisBy, ControlOutputs, Follow};
+pub use home::Home;
+pub use homing::{HomingBySwitch, HomingMode};
+pub use mode::SetControllerMode;
+pub use planned::Planned;
+pub use power::{Power, PowerStatus};
+pub use probe::{AbortTrigger, Probed, TouchProbe, Trigger};
+pub use reset::{AxisStatus, Reset};
+pub use stop::{Halt, Stop};
+pub use superimposed::MoveSuperImposed;
+pub use table::{AccelerationProfile, Points, PositionProfile, TableRun, VelocityProfile};
+pub use target::{MoveAbsolute, MoveAdditive, MoveRelative};
+pub use velocity::MoveVelocity;

@@ -1,0 +1,75 @@
+//! A planned motion on its way.
+
+use crate::axis::ownership::Start;
+use crate::axis::profile::{AxisLimits, Profile, ProfileError};
+use crate::axis::{Axis, Progress, Stage};
+
+/// A profile and how far it has come.
+#[derive(Clone, Debug)]
+pub struct Planned {
+    profile: Profile,
+    /// Time of this cycle's set-point after the beginning, s.
+    time: f64,
+}
+
+impl Planned {
+    /// Begins a profile; its first set-point is that of this cycle.
+    pub(crate) fn new(profile: &Profile, start: Start, axis: &Axis) -> Self {
+        // The time is moved on before it is used.
+        Self { profile: *profile, time: start.lead - axis.cycle() }
+    }
+
+    /// From `start` to `target` u (the drive's coordinates), to rest there.
+    pub(crate) fn to(
+        target: f64,
+        limits: AxisLimits,
+        start: Start,
+        axis: &Axis,
+    ) -> Result<Self, ProfileError> {
+        let profile = Profile::to_position(start.state, target, 0.0, limits, axis.ramp())?;
+        Ok(Self::new(&profile, start, axis))
+    }
+
+    /// From `start` to rest, wherever that is.
+    pub(crate) fn halt(deceleration: f64, start: Start, axis: &Axis) -> Result<Self, ProfileError> {
+        let velocity = start.state.velocity.abs().max(f64::MIN_POSITIVE);
+        let limits = axis.limits(velocity, deceleration, deceleration);
+        let profile = Profile::halt(start.state, limits, axis.ramp())?;
+        Ok(Self::new(&profile, start, axis))
+    }
+
+    /// From `start` to a velocity u/s with its sign, and on with it.
+    pub(crate) fn to_velocity(
+        velocity: f64,
+        limits: AxisLimits,
+        start: Start,
+        axis: &Axis,
+    ) -> Result<Self, ProfileError> {
+        let profile = Profile::to_velocity(start.state, velocity, limits, axis.ramp())?;
+        Ok(Self::new(&profile, start, axis))
+    }
+
+    /// How long it takes from its beginning, s.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.profile.duration()
+    }
+
+    /// Where it ends, u (the drive's coordinates).
+    pub(crate) fn target(&self) -> f64 {
+        self.profile.end().position
+    }
+
+    /// Goes on by a cycle; `end` says what comes at the end of the profile.
+    pub(crate) fn step(&mut self, axis: &Axis, end: Stage) -> Progress {
+        self.time += axis.cycle();
+        // A cycle that rounds to just before the end is the end.
+        let ended = self.time >= self.profile.duration() - 1e-9 * axis.cycle();
+        let setpoint = if ended && end == Stage::Done {
+            self.profile.end()
+        } else {
+            self.profile.at(self.time)
+        };
+        Progress { setpoint, stage: if ended { end } else { Stage::Busy } }
+    }
+}

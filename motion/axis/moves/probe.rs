@@ -1,0 +1,184 @@
+//! Latching a position (manual 5.3).
+
+use crate::axis::latch::{Latch, Outcome, Outputs};
+use crate::axis::{Axis, Capture, SmcError, fmod};
+
+/// An input that latches (`TRIGGER_REF`).
+#[doc(alias = "TRIGGER_REF")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Trigger {
+    /// `bFastLatching`: the drive latches; else the block does, once a cycle.
+    pub fast_latching: bool,
+    /// `iTriggerNumber`: which of the drive's triggers; for fast latching.
+    pub number: i64,
+    /// `bInput`: TRUE latches; without fast latching (the manual's table has it the wrong way round).
+    pub input: bool,
+    /// `bActive`: a block waits for it.
+    active: bool,
+}
+
+impl Trigger {
+    /// A trigger of the drive.
+    #[must_use]
+    pub fn of_drive(number: i64) -> Self {
+        Self { fast_latching: true, number, input: false, active: false }
+    }
+
+    /// An input of the program.
+    #[must_use]
+    pub fn of_program() -> Self {
+        Self { fast_latching: false, number: -1, input: false, active: false }
+    }
+
+    /// Whether a block waits for it (`bActive`).
+    #[must_use]
+    pub fn is_active(&self) -> bool {
+        self.active
+    }
+}
+
+/// Latches the position at a trigger (`MC_TouchProbe`, manual 5.3), whatever the axis is doing.
+#[doc(alias = "MC_TouchProbe")]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TouchProbe {
+    /// `WindowOnly`, `FirstPosition`, `LastPosition`: positions, u, between which it counts; on a rotary axis it may
+    /// reach over the end of the period.
+    pub window: Option<[f64; 2]>,
+    /// The window as taken over, while it waits.
+    waiting: Option<Waiting>,
+    recorded: f64,
+    latch: Latch,
+}
+
+/// A latch that is waited for, with its window.
+#[derive(Clone, Copy, Debug)]
+struct Waiting {
+    window: Option<[f64; 2]>,
+}
+
+/// What [`TouchProbe`] shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Probed {
+    /// `Done`, `CommandAborted`, `Error`.
+    pub outputs: Outputs,
+    /// `RecordedPosition`, u; counts when done.
+    pub recorded_position: f64,
+}
+
+impl TouchProbe {
+    /// A block with or without a window, not begun.
+    #[must_use]
+    pub fn new(window: Option<[f64; 2]>) -> Self {
+        Self { window, ..Self::default() }
+    }
+
+    /// Calls it, for a cycle, with Execute, its axis and its trigger.
+    ///
+    /// 400 if the trigger (or the drive's capture) is in use, 401 if the drive has no windows, 402 if it does not answer.
+    pub fn call(&mut self, execute: bool, axis: &mut Axis, trigger: &mut Trigger) -> Probed {
+        if self.latch.rises(execute) {
+            // Anew: what it waited for itself does not stand in its way.
+            if self.waiting.take().is_some() {
+                free(axis, trigger);
+            }
+            match self.begin(axis, trigger) {
+                Ok(()) => self.waiting = Some(Waiting { window: self.window }),
+                Err(error) => self.latch.end(Outcome::Failed(error), axis),
+            }
+        } else if let Some(Waiting { window }) = self.waiting {
+            // The drive latches before the cycle that tells.
+            self.wait(window, axis, trigger);
+        }
+        let outputs = self.latch.outputs(self.waiting.is_some());
+        Probed { outputs, recorded_position: self.recorded }
+    }
+
+    fn begin(&self, axis: &mut Axis, trigger: &mut Trigger) -> Result<(), SmcError> {
+        if trigger.active || (trigger.fast_latching && axis.capture.is_some()) {
+            return Err(SmcError::TpTriggeroccupied);
+        }
+        if trigger.fast_latching {
+            if self.window.is_some() && !axis.has_capture_window {
+                return Err(SmcError::TpCouldntSetWindow);
+            }
+            if !axis.values.communication {
+                return Err(SmcError::TpCommError);
+            }
+            let window = self.window.map(|window| window.map(|position| axis.to_drive(position)));
+            axis.capture = Some(Capture { trigger: trigger.number, window });
+        }
+        let [first, last] = self.window.unwrap_or_default();
+        axis.values.first_capture_position = first;
+        axis.values.last_capture_position = last;
+        axis.values.capture_window_active = self.window.is_some();
+        axis.values.trigger_number = trigger.number;
+        axis.values.start_capturing = true;
+        axis.values.capture_occurred = false;
+        trigger.active = true;
+        Ok(())
+    }
+
+    fn wait(&mut self, window: Option<[f64; 2]>, axis: &mut Axis, trigger: &mut Trigger) {
+        let here = axis.act_position();
+        let latched = if trigger.fast_latching {
+            axis.captured.map(|position| axis.in_program(position))
+        } else {
+            let inside = window.is_none_or(|window| is_inside(window, here, axis));
+            (trigger.input && inside).then_some(here)
+        };
+        let outcome = if !trigger.active {
+            Outcome::Aborted
+        } else if let Some(position) = latched {
+            self.recorded = position;
+            axis.values.captured_position = position;
+            axis.values.capture_occurred = true;
+            Outcome::Done
+        } else if trigger.fast_latching && !axis.values.communication {
+            Outcome::Failed(SmcError::TpCommError)
+        } else {
+            return;
+        };
+        self.waiting = None;
+        free(axis, trigger);
+        self.latch.end(outcome, axis);
+    }
+}
+
+/// Nobody waits for the trigger any more.
+fn free(axis: &mut Axis, trigger: &mut Trigger) {
+    trigger.active = false;
+    axis.values.start_capturing = false;
+    if trigger.fast_latching {
+        axis.capture = None;
+    }
+}
+
+fn is_inside([first, last]: [f64; 2], position: f64, axis: &Axis) -> bool {
+    match axis.period() {
+        Some(period) => fmod(position - first, period) <= fmod(last - first, period),
+        None => (first..=last).contains(&position),
+    }
+}
+
+/// Lets go of a trigger (`MC_AbortTrigger`, manual 5.3): the block that waits for it shows `CommandAborted`.
+#[doc(alias = "MC_AbortTrigger")]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AbortTrigger {
+    latch: Latch,
+}
+
+impl AbortTrigger {
+    /// Calls it, for a cycle, with Execute, the axis and the trigger; 410 if nobody waits for it.
+    pub fn call(&mut self, execute: bool, axis: &mut Axis, trigger: &mut Trigger) -> Outputs {
+        if self.latch.rises(execute) {
+            let outcome = if trigger.active {
+                free(axis, trigger);
+                Outcome::Done
+            } else {
+                Outcome::Failed(SmcError::AtTriggernotoccupied)
+            };
+            self.latch.end(outcome, axis);
+        }
+        self.latch.outputs(false)
+    }
+}

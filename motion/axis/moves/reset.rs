@@ -1,0 +1,116 @@
+//! `MC_Reset` and what is read of an axis.
+
+use super::home::ANSWER_S;
+use crate::axis::latch::{Latch, Outcome, Outputs};
+use crate::axis::{Axis, AxisState, SmcError};
+
+/// Out of errorstop (`MC_Reset`, manual 5.3): to standstill, without power to `power_off`.
+///
+/// It waits until the axis has come to rest and the drive has let go of its own error.
+#[doc(alias = "MC_Reset")]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Reset {
+    /// Time it has waited for the drive, s.
+    waited: Option<f64>,
+    latch: Latch,
+}
+
+impl Reset {
+    /// Calls it, for a cycle, with Execute and its axis.
+    pub fn call(&mut self, execute: bool, axis: &mut Axis) -> Outputs {
+        if self.latch.rises(execute) {
+            self.waited = axis.values.error.then_some(0.0);
+            if self.waited.is_none() {
+                self.latch.end(Outcome::Failed(SmcError::RNoErrorToReset), axis);
+            }
+        }
+        if let Some(waited) = &mut self.waited {
+            axis.values.error_acknowledged = true;
+            let rests = axis.total().velocity == 0.0;
+            let outcome = if !axis.values.error {
+                // Another reset was faster.
+                Some(Outcome::Done)
+            } else if axis.drive.error.is_none() && axis.values.communication && rests {
+                axis.leave_errorstop();
+                Some(Outcome::Done)
+            } else if *waited > ANSWER_S && rests {
+                let silent = !axis.values.communication;
+                Some(Outcome::Failed(if silent {
+                    SmcError::RDriveDoesntAnswerInTime
+                } else {
+                    SmcError::RDriveDoesntAnswer
+                }))
+            } else {
+                *waited += axis.cycle();
+                None
+            };
+            if let Some(outcome) = outcome {
+                self.waited = None;
+                axis.values.error_acknowledged = false;
+                self.latch.end(outcome, axis);
+            }
+        }
+        self.latch.outputs(self.waited.is_some())
+    }
+}
+
+/// What `MC_ReadStatus` shows (manual 5.3).
+#[expect(clippy::struct_excessive_bools, reason = "each is a signal of its own")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AxisStatus {
+    /// `Errorstop` … `Homing`: one of them, or none in `power_off`.
+    pub state: AxisState,
+    /// `ConstantVelocity`.
+    pub constant_velocity: bool,
+    /// `Accelerating`: the speed grows.
+    pub accelerating: bool,
+    /// `Decelerating`: the speed falls.
+    pub decelerating: bool,
+    /// `FBErrorOccured`.
+    pub fb_error_occurred: bool,
+}
+
+impl Axis {
+    fn leave_errorstop(&mut self) {
+        self.values.error = false;
+        self.values.error_id = 0;
+        self.rest();
+        if !self.is_powered() {
+            self.enter(AxisState::PowerOff);
+        }
+    }
+
+    /// State and motion (`MC_ReadStatus`, manual 5.3).
+    #[doc(alias = "MC_ReadStatus")]
+    #[must_use]
+    pub fn status(&self) -> AxisStatus {
+        AxisStatus {
+            state: self.state(),
+            constant_velocity: self.values.constant_velocity,
+            accelerating: self.values.accelerating,
+            decelerating: self.values.decelerating,
+            fb_error_occurred: self.fb_error_occurred(),
+        }
+    }
+
+    /// Actual position (`MC_ReadActualPosition`), u; of a rotary axis in [0, period).
+    #[doc(alias = "MC_ReadActualPosition")]
+    #[must_use]
+    pub fn act_position(&self) -> f64 {
+        self.values.act_position
+    }
+
+    /// Actual velocity (`MC_ReadActualVelocity`), u/s.
+    #[doc(alias = "MC_ReadActualVelocity")]
+    #[must_use]
+    pub fn act_velocity(&self) -> f64 {
+        self.values.act_velocity
+    }
+
+    /// Actual torque, Nm, or force, N (`MC_ReadActualTorque`).
+    #[doc(alias = "MC_ReadActualTorque")]
+    #[must_use]
+    pub fn act_torque(&self) -> f64 {
+        self.values.act_torque
+    }
+}

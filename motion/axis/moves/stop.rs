@@ -1,0 +1,68 @@
+//! `MC_Stop` and `MC_Halt`.
+
+use super::Planned;
+use crate::axis::ownership::{Refusal, Start};
+use crate::axis::{Axis, AxisState, Motion, Progress, SmcError, Stage};
+
+/// Brakes and locks the axis (`MC_Stop`, manual 5.3).
+///
+/// Nothing can interrupt it: the axis is locked until it stands and Execute is FALSE.
+#[doc(alias = "MC_Stop")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stop {
+    /// Deceleration, u/s².
+    pub deceleration: f64,
+}
+
+impl Motion for Stop {
+    type With = ();
+    type Run = Planned;
+    const STATE: AxisState = AxisState::Stopping;
+    const LOCKS: bool = true;
+
+    fn admitted(&self, axis: &Axis) -> Result<(), Refusal> {
+        match axis.state() {
+            AxisState::ErrorStop => Err(SmcError::MsAxisInErrorstop.into()),
+            // Another stop holds the axis; MC_Stop has no CommandAborted.
+            AxisState::Stopping => Err(SmcError::MsUnknownStoppingError.into()),
+            _ => axis.admits(Self::STATE),
+        }
+    }
+
+    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+        Planned::halt(self.deceleration, start, axis)
+            .map_err(|_invalid| SmcError::MsInvalidAccdecValues)
+    }
+
+    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        Ok(run.step(axis, Stage::Done))
+    }
+}
+
+/// Brakes the axis, without locking it (`MC_Halt`, manual 5.3).
+#[doc(alias = "MC_Halt")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Halt {
+    /// Deceleration, u/s².
+    pub deceleration: f64,
+}
+
+impl Motion for Halt {
+    type With = ();
+    type Run = Planned;
+    const STATE: AxisState = AxisState::DiscreteMotion;
+
+    // The manual has no error of MC_Halt's own; it shows MC_Stop's.
+    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+        Planned::halt(self.deceleration, start, axis)
+            .map_err(|_invalid| SmcError::MsInvalidAccdecValues)
+    }
+
+    fn aim(run: &Planned) -> Option<f64> {
+        Some(run.target())
+    }
+
+    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        Ok(run.step(axis, Stage::Done))
+    }
+}

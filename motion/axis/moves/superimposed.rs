@@ -1,0 +1,102 @@
+//! A motion on top of another one.
+
+use super::Planned;
+use crate::axis::latch::{Latch, Outcome, Outputs};
+use crate::axis::ownership::{Refusal, Start};
+use crate::axis::profile::State;
+use crate::axis::{Axis, AxisState, SmcError, Stage};
+
+/// A distance on top of the motion there is (`MC_MoveSuperImposed`, manual 5.3).
+///
+/// Velocity, acceleration and deceleration count relative to the motion below, which goes on and is not aborted. When
+/// another block takes the axis from that, this one is aborted, too. It has to be called after the block below. Without
+/// a motion below it moves the axis alone.
+#[doc(alias = "MC_MoveSuperImposed")]
+#[derive(Clone, Debug)]
+pub struct MoveSuperImposed {
+    /// Way to add, u, with its sign.
+    pub distance: f64,
+    /// Largest velocity on top, u/s; it need not be reached.
+    pub velocity_diff: f64,
+    /// Acceleration, u/s².
+    pub acceleration: f64,
+    /// Deceleration, u/s².
+    pub deceleration: f64,
+    taken: Option<(Planned, i64)>,
+    latch: Latch,
+}
+
+impl MoveSuperImposed {
+    /// A block with these inputs, not begun.
+    #[must_use]
+    pub fn new(distance: f64, velocity_diff: f64, acceleration: f64, deceleration: f64) -> Self {
+        let latch = Latch::default();
+        Self { distance, velocity_diff, acceleration, deceleration, taken: None, latch }
+    }
+
+    /// Calls it, for a cycle, with Execute and its axis.
+    pub fn call(&mut self, execute: bool, axis: &mut Axis) -> Outputs {
+        if self.latch.rises(execute) {
+            self.taken = None;
+            match self.begin(axis) {
+                Ok(planned) => self.taken = Some((planned, axis.claim_overlay())),
+                Err(refusal) => self.latch.end(refusal.into(), axis),
+            }
+        }
+        self.advance(axis);
+        self.latch.outputs(self.taken.is_some())
+    }
+
+    fn begin(&self, axis: &Axis) -> Result<Planned, Refusal> {
+        axis.admits(AxisState::DiscreteMotion)?;
+        let limits = axis.limits(self.velocity_diff, self.acceleration, self.deceleration);
+        let state = axis.overlay;
+        let lead = if axis.overlay_moved { 0.0 } else { axis.cycle() };
+        let start = Start { state, lead, aim: None };
+        Planned::to(state.position + self.distance, limits, start, axis)
+            .map_err(|_invalid| SmcError::MsiInvalidVelaccValues.into())
+    }
+
+    fn advance(&mut self, axis: &mut Axis) {
+        let Some((planned, owner)) = &mut self.taken else { return };
+        let owner = *owner;
+        if axis.overlay_owner != owner {
+            self.taken = None;
+            let outcome = axis.loss().map_or(Outcome::Aborted, Outcome::Failed);
+            return self.latch.end(outcome, axis);
+        }
+        let progress = planned.step(axis, Stage::Done);
+        axis.overlay_to(progress.setpoint);
+        if progress.stage == Stage::Done {
+            self.taken = None;
+            axis.release_overlay();
+            self.latch.end(Outcome::Done, axis);
+        }
+    }
+}
+
+impl Axis {
+    /// Gives what is on top of the motion to a new owner.
+    fn claim_overlay(&mut self) -> i64 {
+        self.values.owners += 1;
+        self.overlay_owner = self.values.owners;
+        if self.values.owner == 0 {
+            self.enter(AxisState::DiscreteMotion);
+        }
+        self.overlay_owner
+    }
+
+    fn overlay_to(&mut self, overlay: State) {
+        self.overlay = overlay;
+        self.overlay_moved = true;
+        self.show_set_values();
+    }
+
+    fn release_overlay(&mut self) {
+        self.overlay_owner = 0;
+        if self.values.owner == 0 {
+            self.values.moved_in_this_cycle = true;
+            self.rest();
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! Motion through the points of a table.
+
+use crate::axis::ownership::Start;
+use crate::axis::profile::{MOST_POINTS, ProfilePoint, ProfileTable, TableProfile};
+use crate::axis::{Axis, AxisState, Motion, Progress, SmcError, Stage};
+
+/// Points over time (`MC_TP_REF`, `MC_TV_REF`, `MC_TA_REF`) and how a block reads them.
+#[doc(alias = "MC_TP_REF")]
+#[doc(alias = "MC_TV_REF")]
+#[doc(alias = "MC_TA_REF")]
+#[derive(Clone, Debug, PartialEq)]
+pub struct Points {
+    /// The points; their number is `Number_of_pairs`.
+    pub points: Vec<ProfilePoint>,
+    /// `IsAbsolute`: whether values count from 0 or from what there is at the start.
+    pub absolute: bool,
+    /// `ArraySize`: how many of the points count, 1 to 100.
+    pub array_size: usize,
+    /// `Scale`; the manual's default is 1.
+    pub scale: f64,
+    /// `Offset`.
+    pub offset: f64,
+}
+
+impl Points {
+    /// All of these points as they are: absolute, not scaled.
+    #[must_use]
+    pub fn new(points: Vec<ProfilePoint>) -> Self {
+        Self { array_size: points.len(), points, absolute: true, scale: 1.0, offset: 0.0 }
+    }
+
+    /// The points that count, or the block's error for their number or a step without time.
+    fn table(&self, size: SmcError, step: SmcError) -> Result<ProfileTable<'_>, SmcError> {
+        let within = (1..=MOST_POINTS).contains(&self.array_size);
+        let points = self.points.get(..self.array_size).filter(|_| within).ok_or(size)?;
+        // Only the first point may be at the very start.
+        if points.iter().skip(1).any(|point| point.delta_time <= 0.0) {
+            return Err(step);
+        }
+        let (absolute, scale, offset) = (self.absolute, self.scale, self.offset);
+        Ok(ProfileTable { points, absolute, scale, offset })
+    }
+}
+
+/// Through positions over time, with continuous velocity and acceleration, to rest (`MC_PositionProfile`, manual 5.3).
+#[doc(alias = "MC_PositionProfile")]
+#[derive(Clone, Debug, PartialEq)]
+pub struct PositionProfile(pub Points);
+
+/// Through velocities over time, by parabolas (`MC_VelocityProfile`, manual 5.3). Where it does not end at rest, the axis
+/// goes on with the last velocity and the block with it.
+#[doc(alias = "MC_VelocityProfile")]
+#[derive(Clone, Debug, PartialEq)]
+pub struct VelocityProfile(pub Points);
+
+/// Through accelerations over time, by straight lines (`MC_AccelerationProfile`, manual 5.3); the end as for
+/// [`VelocityProfile`].
+#[doc(alias = "MC_AccelerationProfile")]
+#[derive(Clone, Debug, PartialEq)]
+pub struct AccelerationProfile(pub Points);
+
+/// A table on its way.
+#[derive(Clone, Debug)]
+pub struct TableRun {
+    profile: TableProfile,
+    /// Time of this cycle's set-point after the beginning, s.
+    time: f64,
+}
+
+impl TableRun {
+    fn new(profile: TableProfile, start: Start, axis: &Axis) -> Self {
+        Self { profile, time: start.lead - axis.cycle() }
+    }
+
+    fn step(&mut self, axis: &Axis) -> Progress {
+        self.time += axis.cycle();
+        let ended = self.time >= self.profile.duration() - 1e-9 * axis.cycle();
+        let rests = self.profile.end().velocity == 0.0;
+        let (setpoint, stage) = match (ended, rests) {
+            (true, true) => (self.profile.end(), Stage::Done),
+            (true, false) => (self.profile.at(self.time), Stage::Reached),
+            (false, _) => (self.profile.at(self.time), Stage::Busy),
+        };
+        Progress { setpoint, stage }
+    }
+}
+
+impl Motion for PositionProfile {
+    type With = ();
+    type Run = TableRun;
+    const STATE: AxisState = AxisState::DiscreteMotion;
+
+    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<TableRun, SmcError> {
+        let mut table = self.0.table(SmcError::PpArraysize, SmcError::PpStep0ms)?;
+        if table.absolute {
+            table.offset = axis.to_drive(table.offset);
+        }
+        let profile = TableProfile::positions(start.state, table);
+        Ok(TableRun::new(profile.map_err(|_invalid| SmcError::PpStep0ms)?, start, axis))
+    }
+
+    fn aim(run: &TableRun) -> Option<f64> {
+        Some(run.profile.end().position)
+    }
+
+    fn step(&self, run: &mut TableRun, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        Ok(run.step(axis))
+    }
+}
+
+impl Motion for VelocityProfile {
+    type With = ();
+    type Run = TableRun;
+    const STATE: AxisState = AxisState::ContinuousMotion;
+
+    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<TableRun, SmcError> {
+        let table = self.0.table(SmcError::VpArraysize, SmcError::VpStep0ms)?;
+        let profile = TableProfile::velocities(start.state, table);
+        Ok(TableRun::new(profile.map_err(|_invalid| SmcError::VpStep0ms)?, start, axis))
+    }
+
+    fn step(&self, run: &mut TableRun, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        Ok(run.step(axis))
+    }
+}
+
+impl Motion for AccelerationProfile {
+    type With = ();
+    type Run = TableRun;
+    const STATE: AxisState = AxisState::ContinuousMotion;
+
+    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<TableRun, SmcError> {
+        let table = self.0.table(SmcError::ApArraysize, SmcError::ApStep0ms)?;
+        let profile = TableProfile::accelerations(start.state, table);
+        Ok(TableRun::new(profile.map_err(|_invalid| SmcError::ApStep0ms)?, start, axis))
+    }
+
+    fn step(&self, run: &mut TableRun, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        Ok(run.step(axis))
+    }
+}

@@ -1,0 +1,116 @@
+//! Moves to a position and by a distance.
+
+use super::Planned;
+use crate::axis::ownership::Start;
+use crate::axis::{Axis, AxisState, Direction, Motion, Progress, SmcError, Stage};
+
+/// To a position (`MC_MoveAbsolute`, manual 5.3).
+///
+/// From motion the axis goes on without a step of the velocity; where it cannot brake in time, it goes past and comes
+/// back.
+#[doc(alias = "MC_MoveAbsolute")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MoveAbsolute {
+    /// Target, u; of a rotary axis its place within the period.
+    pub position: f64,
+    /// Largest velocity, u/s; it need not be reached.
+    pub velocity: f64,
+    /// Acceleration, u/s².
+    pub acceleration: f64,
+    /// Deceleration, u/s².
+    pub deceleration: f64,
+    /// Which way round a rotary axis goes.
+    pub direction: Direction,
+}
+
+impl Motion for MoveAbsolute {
+    type With = ();
+    type Run = Planned;
+    const STATE: AxisState = AxisState::DiscreteMotion;
+
+    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+        let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
+        let target = axis.to_drive(self.position);
+        let target = self.direction.unwound(axis, start.state, target, limits, 0.0);
+        Planned::to(target, limits, start, axis).map_err(|_invalid| SmcError::MaInvalidVelaccValues)
+    }
+
+    fn aim(run: &Planned) -> Option<f64> {
+        Some(run.target())
+    }
+
+    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        Ok(run.step(axis, Stage::Done))
+    }
+}
+
+/// By a distance from where the axis is (`MC_MoveRelative`, manual 5.3).
+#[doc(alias = "MC_MoveRelative")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MoveRelative {
+    /// Way to go, u, with its sign.
+    pub distance: f64,
+    /// Largest velocity, u/s; it need not be reached.
+    pub velocity: f64,
+    /// Acceleration, u/s².
+    pub acceleration: f64,
+    /// Deceleration, u/s².
+    pub deceleration: f64,
+}
+
+impl Motion for MoveRelative {
+    type With = ();
+    type Run = Planned;
+    const STATE: AxisState = AxisState::DiscreteMotion;
+
+    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+        let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
+        Planned::to(start.state.position + self.distance, limits, start, axis)
+            .map_err(|_invalid| SmcError::MrInvalidVelaccValues)
+    }
+
+    fn aim(run: &Planned) -> Option<f64> {
+        Some(run.target())
+    }
+
+    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        Ok(run.step(axis, Stage::Done))
+    }
+}
+
+/// By a distance from the target of the motion there is (`MC_MoveAdditive`, manual 5.3).
+///
+/// In `discrete_motion` the distance adds to the pending target; else it counts from where the axis is.
+#[doc(alias = "MC_MoveAdditive")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MoveAdditive {
+    /// Way to add, u, with its sign.
+    pub distance: f64,
+    /// Largest velocity, u/s; it need not be reached.
+    pub velocity: f64,
+    /// Acceleration, u/s².
+    pub acceleration: f64,
+    /// Deceleration, u/s².
+    pub deceleration: f64,
+}
+
+impl Motion for MoveAdditive {
+    type With = ();
+    type Run = Planned;
+    const STATE: AxisState = AxisState::DiscreteMotion;
+
+    fn plan(&self, start: Start, axis: &Axis, (): ()) -> Result<Planned, SmcError> {
+        let limits = axis.limits(self.velocity, self.acceleration, self.deceleration);
+        let from = start.aim.unwrap_or(start.state.position);
+        Planned::to(from + self.distance, limits, start, axis)
+            .map_err(|_invalid| SmcError::MadInvalidVelaccValues)
+    }
+
+    fn aim(run: &Planned) -> Option<f64> {
+        Some(run.target())
+    }
+
+    fn step(&self, run: &mut Planned, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
+        Ok(run.step(axis, Stage::Done))
+    }
+}

@@ -1,0 +1,140 @@
+//! One owner at a time (`iOwner`, `iNoOwner`; manual 5.2).
+
+use super::config::Movement;
+use super::profile::State;
+use super::state::AxisState;
+use super::{Axis, SmcError};
+
+/// Why a block does not get the axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// `MC_Stop` or homing holds the axis: the block shows `CommandAborted`.
+    Locked,
+    /// The block shows this error.
+    Error(SmcError),
+}
+
+impl From<SmcError> for Refusal {
+    fn from(error: SmcError) -> Self {
+        Self::Error(error)
+    }
+}
+
+/// Where a block's motion begins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// How the axis moves there, in the drive's coordinates; of a rotary axis within one period of the program's.
+    pub state: State,
+    /// Time of the beginning before this cycle's set-point, s: one cycle, or none where another block has come to its
+    /// end in this cycle.
+    pub lead: f64,
+    /// Target of the discrete motion that is being replaced, in the same coordinates.
+    pub aim: Option<f64>,
+}
+
+impl Axis {
+    /// Where a block that begins now takes over.
+    ///
+    /// It takes over from the set-point of the last cycle and gives this cycle's anew, whatever the block before has
+    /// made of it. Where that block has ended in this cycle, it goes on from its end.
+    pub(crate) fn start(&self) -> Start {
+        let ended =
+            self.values.moved_in_this_cycle && self.values.owner == 0 && self.overlay_owner == 0;
+        let (state, lead) =
+            if ended { (self.total(), 0.0) } else { (self.saved, self.values.task_cycle) };
+        let position = match self.movement {
+            Movement::Linear => state.position,
+            Movement::Rotary { .. } => self.to_drive(self.in_program(state.position)),
+        };
+        let aim = self.aim.map(|aim| aim - state.position + position);
+        Start { state: State { position, ..state }, lead, aim }
+    }
+
+    /// Whether a block that moves the axis in `state` may begin.
+    ///
+    /// # Errors
+    ///
+    /// [`Refusal::Error`] with the axis's error in errorstop and with 20 without power or with the brake on;
+    /// [`Refusal::Locked`] where the state does not lead there.
+    pub(crate) fn admits(&self, state: AxisState) -> Result<(), Refusal> {
+        match self.state {
+            AxisState::ErrorStop => Err(self.error_of_blocks().into()),
+            _ if !self.is_powered() => Err(SmcError::RegulatorOrStartNotSet.into()),
+            current if current.leads_to(state) && current != AxisState::Stopping => Ok(()),
+            _ => Err(Refusal::Locked),
+        }
+    }
+
+    /// Gives the axis to a new owner, in `state`, and says who that is.
+    pub(crate) fn claim(&mut self, state: AxisState, start: Start) -> i64 {
+        self.values.owners += 1;
+        self.values.owner = self.values.owners;
+        self.overlay = State::default();
+        self.overlay_owner = 0;
+        self.base = start.state;
+        self.aim = None;
+        self.stop_homing();
+        self.values.mark_position = self.in_program(start.state.position);
+        self.values.mark_velocity = start.state.velocity;
+        self.values.mark_acceleration = start.state.acceleration;
+        self.enter(state);
+        self.values.owner
+    }
+
+    /// Gives the axis back after the last set-point; it stands still unless something moves on top.
+    pub(crate) fn release(&mut self, owner: i64) {
+        if self.owns(owner) {
+            self.values.owner = 0;
+            self.stop_homing();
+            if self.overlay_owner == 0 {
+                self.rest();
+            } else {
+                self.enter(AxisState::DiscreteMotion);
+            }
+        }
+    }
+
+    /// Nobody moves the axis any more: what was on top belongs to it now.
+    pub(super) fn rest(&mut self) {
+        self.base = self.total();
+        self.overlay = State::default();
+        self.aim = None;
+        self.enter(AxisState::Standstill);
+    }
+
+    /// Whether `owner` has the axis.
+    pub(crate) fn owns(&self, owner: i64) -> bool {
+        self.values.owner == owner
+    }
+
+    /// The drive's own homing is over, or the block that asked for it.
+    pub(crate) fn stop_homing(&mut self) {
+        self.home = None;
+        self.values.start_reference = false;
+        self.ignores_limit_switch = false;
+    }
+
+    /// The set-point of the owner for this cycle, in the drive's coordinates, unwound.
+    pub(crate) fn drive_to(&mut self, base: State) {
+        self.base = base;
+        self.values.moved_in_this_cycle = true;
+        self.show_set_values();
+    }
+
+    /// What a block that has lost the axis shows: the axis's error, 20 where the power went, none where another block
+    /// took it.
+    pub(crate) fn loss(&self) -> Option<SmcError> {
+        match self.state {
+            AxisState::ErrorStop => Some(self.error_of_blocks()),
+            AxisState::PowerOff => Some(SmcError::RegulatorOrStartNotSet),
+            _ => None,
+        }
+    }
+
+    /// The axis's error as blocks show it; 1 for one of the drive's own numbers.
+    fn error_of_blocks(&self) -> SmcError {
+        let number = if self.drive.error.is_some() { None } else { self.error_id() };
+        let known = number.and_then(|number| u16::try_from(number).ok());
+        known.and_then(SmcError::from_number).unwrap_or(SmcError::DiGeneralCommunicationError)
+    }
+}

@@ -1,0 +1,162 @@
+//! A motion that is planned to its end.
+
+use super::segment::{Segment, Track};
+use super::{AxisLimits, ProfileError, RampType, State, parabolic, sigmoid, trapezoid};
+
+/// Motion of an axis over time, from a state at time 0 to an end with constant velocity, and on with that.
+///
+/// ```
+/// use twin_motion::axis::profile::{AxisLimits, Profile, RampType, State};
+///
+/// let limits = AxisLimits { velocity: 10.0, acceleration: 20.0, deceleration: 20.0, jerk: 200.0 };
+/// let profile =
+///     Profile::to_position(State::resting(0.0), 100.0, 0.0, limits, RampType::Trapezoid)?;
+/// assert_eq!(profile.duration(), 10.5);
+/// assert_eq!(profile.at(0.5).velocity, 10.0);
+/// assert_eq!(profile.at(20.0), State::resting(100.0));
+/// # Ok::<(), twin_motion::axis::profile::ProfileError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Profile {
+    track: Track,
+    start: State,
+    end: State,
+}
+
+impl Profile {
+    /// The way to `target` u, with `end_velocity` u/s there, in the direction of its sign; it goes on from there.
+    ///
+    /// Where it has to, the axis first backs up, goes past the target and returns, or brakes to a velocity limit that
+    /// it exceeds.
+    ///
+    /// # Errors
+    ///
+    /// A [`ProfileError`] for what is no finite number, for a limit that is not positive, for an end velocity above the
+    /// limit, and where times or ways get too large for a number.
+    pub fn to_position(
+        from: State,
+        target: f64,
+        end_velocity: f64,
+        limits: AxisLimits,
+        ramp: RampType,
+    ) -> Result<Self, ProfileError> {
+        check(from, limits, ramp)?;
+        finite("target position", target)?;
+        end_velocity_within(end_velocity, limits)?;
+        let end = State { position: target, velocity: end_velocity, acceleration: 0.0 };
+        let mut profile = Self { track: Track::new(from), start: from, end };
+        let track = &mut profile.track;
+        match ramp {
+            RampType::Trapezoid => trapezoid::to_position(track, target, end_velocity, limits),
+            RampType::Sigmoid => sigmoid::to_position(track, target, end_velocity, &limits),
+            RampType::Parabolic => parabolic::to_position(track, target, end_velocity, &limits),
+        }
+        profile.check(target)?;
+        Ok(profile)
+    }
+
+    /// From the state to a constant `velocity` u/s, in the direction of its sign, as fast as the limits allow.
+    ///
+    /// # Errors
+    ///
+    /// Like [`Self::to_position`].
+    pub fn to_velocity(
+        from: State,
+        velocity: f64,
+        limits: AxisLimits,
+        ramp: RampType,
+    ) -> Result<Self, ProfileError> {
+        check(from, limits, ramp)?;
+        end_velocity_within(velocity, limits)?;
+        let mut profile = Self { track: Track::new(from), start: from, end: from };
+        let track = &mut profile.track;
+        match ramp {
+            RampType::Trapezoid => trapezoid::ramp(track, velocity, limits),
+            RampType::Sigmoid => sigmoid::ramp(track, velocity, &limits),
+            RampType::Parabolic => parabolic::ramp(track, velocity, &limits),
+        }
+        profile.end = State { velocity, acceleration: 0.0, ..track.state };
+        profile.check(velocity)?;
+        Ok(profile)
+    }
+
+    /// From the state to a standstill, as fast as the limits allow.
+    ///
+    /// # Errors
+    ///
+    /// Like [`Self::to_position`].
+    pub fn halt(from: State, limits: AxisLimits, ramp: RampType) -> Result<Self, ProfileError> {
+        Self::to_velocity(from, 0.0, limits, ramp)
+    }
+
+    /// Whether all of it could be reckoned.
+    fn check(&self, target: f64) -> Result<(), ProfileError> {
+        if (self.track.duration + self.track.state.position).is_finite() {
+            Ok(())
+        } else {
+            Err(ProfileError::TooLarge { target })
+        }
+    }
+
+    /// Time from the start to the end, s.
+    pub fn duration(&self) -> f64 {
+        self.track.duration
+    }
+
+    /// How it starts.
+    pub fn start(&self) -> State {
+        self.start
+    }
+
+    /// How it ends, [`Self::duration`] s after the start.
+    pub fn end(&self) -> State {
+        self.end
+    }
+
+    /// State `time` s after the start, for times before that the start itself. After the end the motion goes on with
+    /// the velocity it has there. Where the acceleration steps, it is that after the step.
+    pub fn at(&self, time: f64) -> State {
+        let after = time - self.track.duration;
+        if after >= 0.0 {
+            let position = self.end.position + self.end.velocity * after;
+            return State { position, ..self.end };
+        }
+        let segments = self.track.segments();
+        let current = segments.iter().rev().find(|segment| segment.start <= time);
+        current
+            .or(segments.first())
+            .map_or(self.start, |segment: &Segment| segment.after((time - segment.start).max(0.0)))
+    }
+}
+
+/// Everything that moves is finite, and the limits that count are positive.
+fn check(from: State, limits: AxisLimits, ramp: RampType) -> Result<(), ProfileError> {
+    finite("position", from.position)?;
+    finite("velocity", from.velocity)?;
+    finite("acceleration", from.acceleration)?;
+    positive("velocity", limits.velocity)?;
+    positive("acceleration", limits.acceleration)?;
+    positive("deceleration", limits.deceleration)?;
+    if ramp == RampType::Trapezoid { Ok(()) } else { positive("jerk", limits.jerk) }
+}
+
+fn finite(quantity: &'static str, value: f64) -> Result<(), ProfileError> {
+    if value.is_finite() { Ok(()) } else { Err(ProfileError::NotFinite { quantity, value }) }
+}
+
+fn positive(quantity: &'static str, value: f64) -> Result<(), ProfileError> {
+    if value.is_finite() && value > 0.0 {
+        Ok(())
+    } else {
+        Err(ProfileError::NotPositive { quantity, value })
+    }
+}
+
+fn end_velocity_within(velocity: f64, limits: AxisLimits) -> Result<(), ProfileError> {
+    finite("end velocity", velocity)?;
+    let limit = limits.velocity;
+    if velocity.abs() > limit {
+        return Err(ProfileError::EndVelocity { velocity, limit });
+    }
+    Ok(())
+}

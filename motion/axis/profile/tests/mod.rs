@@ -1,0 +1,28 @@
+//! Profiles against closed forms and against what must hold for all of them.
+
+mod parabolic;
+mod random;
+mod refused;
+mod ruckig;
+mod table;
+mod trapezoid;
+
+use super::{AxisLimits, Profile, State};
+
+pub(super) fn limits(velocity: f64, acceleration: f64, deceleration: f64) -> AxisLimits {
+    AxisLimits { velocity, acceleration, deceleration, jerk: 200.0 }
+}
+
+/// Whether two numbers agree within 1e-9, relative to the larger of them and 1.
+pub(super) fn close(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-9 * a.abs().max(b.abs()).max(1.0)
+}
+
+/// States from start to end, `count` equal steps and the end itself.
+pub(super) fn sampled(profile: &Profile, count: u32) -> Vec<(f64, State)> {
+    let at = |index: u32| {
+        let time = profile.duration() * f64::from(index) / f64::from(count);
+        (time, profile.at(time))
+    };
+    (0..=count).map(at).collect()
+}

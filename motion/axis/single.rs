@@ -1,0 +1,250 @@
+//! The axis: its values, how it moves, and who moves it.
+
+use super::axis_ref::AxisRef;
+use super::config::{AxisConfig, Movement};
+use super::drive::{Capture, ControllerMode};
+use super::errors::BlockErrors;
+use super::math::fmod;
+use super::profile::{AxisLimits, Profile, RampType, State};
+use super::state::AxisState;
+
+/// An axis (`AXIS_REF`, manual 2.4), cycle by cycle.
+///
+/// A cycle begins with [`Axis::begin_cycle`], which takes in what the drive says; then the program calls its blocks in
+/// the order it likes; [`Axis::end_cycle`] watches over what they did and gives the set-point for the drive.
+///
+/// The set-points of a running block count in the drive's coordinates. [`Axis::shift_zero`] moves the zero under it
+/// without moving the axis.
+///
+/// ```
+/// use twin_motion::axis::{Axis, AxisConfig, Block, Direction, MoveAbsolute, Power, VirtualDrive};
+///
+/// let mut axis = Axis::new(AxisConfig { cycle: 0.01, ..AxisConfig::default() });
+/// let mut drive = VirtualDrive::new(0.0);
+/// let mut to_five = Block::new(MoveAbsolute {
+///     position: 5.0,
+///     velocity: 50.0,
+///     acceleration: 100.0,
+///     deceleration: 100.0,
+///     direction: Direction::Shortest,
+/// });
+/// for _ in 0..100 {
+///     axis.begin_cycle(&drive.feedback());
+///     let power = Power { regulator_on: true, drive_start: true }.call(true, &mut axis);
+///     let moved = to_five.call(power.status, &mut axis);
+///     drive.follow(&axis.end_cycle());
+///     if moved.done {
+///         break;
+///     }
+/// }
+/// assert_eq!(axis.set_position(), 5.0);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Axis {
+    pub(super) values: AxisRef,
+    pub(super) state: AxisState,
+    pub(super) movement: Movement,
+    pub(super) ramp: RampType,
+    pub(super) errors: BlockErrors,
+    /// Motion by the owner, in the drive's coordinates, unwound.
+    pub(super) base: State,
+    /// Motion on top of it.
+    pub(super) overlay: State,
+    /// Who moves on top of it, 0 for nobody.
+    pub(super) overlay_owner: i64,
+    pub(super) overlay_moved: bool,
+    /// Base and overlay together when the cycle began.
+    pub(super) saved: State,
+    /// The target of a discrete motion, in the coordinates of `base`.
+    pub(super) aim: Option<f64>,
+    /// How the axis brakes on its own, and for how long it has, s.
+    pub(super) braking: Option<(Profile, f64)>,
+    pub(super) capture: Option<Capture>,
+    pub(super) captured: Option<f64>,
+    pub(super) home: Option<f64>,
+    /// Homing runs onto a switch that is the limit switch, too.
+    pub(super) ignores_limit_switch: bool,
+    pub(super) has_capture_window: bool,
+    pub(super) drive: DriveReport,
+}
+
+/// What the drive said this cycle beside its values.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct DriveReport {
+    pub(super) position: f64,
+    pub(super) velocity: f64,
+    pub(super) homing: super::drive::Homing,
+    pub(super) error: Option<u16>,
+    pub(super) known: bool,
+}
+
+impl Axis {
+    /// An axis at rest, without power, that knows nothing of its drive yet.
+    #[must_use]
+    pub fn new(config: AxisConfig) -> Self {
+        let (movement_type, period) = match config.movement {
+            Movement::Linear => (1, AxisRef::default().position_period),
+            Movement::Rotary { period } => (0, period),
+        };
+        let [negative, positive] = config.software_limits.unwrap_or_default();
+        let [numerator, denominator] = config.ratio;
+        let values = AxisRef {
+            movement_type,
+            position_period: period,
+            task_cycle: config.cycle,
+            real_drive: config.real_drive,
+            max_jerk: config.jerk,
+            sw_max_jerk: config.jerk,
+            sw_max_velocity: config.max_velocity,
+            sw_max_acceleration: config.max_acceleration,
+            sw_max_deceleration: config.max_deceleration,
+            sw_limit_enable: config.software_limits.is_some(),
+            sw_limit_negative: negative,
+            sw_limit_positive: positive,
+            hw_limit_enable: config.hardware_limits,
+            ratio_numerator: numerator,
+            ratio_denominator: denominator,
+            ..AxisRef::default()
+        };
+        Self {
+            values,
+            state: AxisState::Standstill,
+            movement: config.movement,
+            ramp: config.ramp,
+            errors: BlockErrors::default(),
+            base: State::default(),
+            overlay: State::default(),
+            overlay_owner: 0,
+            overlay_moved: false,
+            saved: State::default(),
+            aim: None,
+            braking: None,
+            capture: None,
+            captured: None,
+            home: None,
+            ignores_limit_switch: false,
+            has_capture_window: config.capture_window,
+            drive: DriveReport::default(),
+        }
+    }
+
+    /// What the axis is doing (`nAxisState`).
+    #[must_use]
+    pub fn state(&self) -> AxisState {
+        self.state
+    }
+
+    /// Set position (`fSetPosition`, `SMC_ReadSetPosition`), u; of a rotary axis in [0, period).
+    #[doc(alias = "SMC_ReadSetPosition")]
+    #[must_use]
+    pub fn set_position(&self) -> f64 {
+        self.values.set_position
+    }
+
+    /// Set velocity (`fSetVelocity`), u/s.
+    #[must_use]
+    pub fn set_velocity(&self) -> f64 {
+        self.values.set_velocity
+    }
+
+    /// Set acceleration (`fSetAcceleration`), u/s²: that of the velocity with its sign.
+    #[must_use]
+    pub fn set_acceleration(&self) -> f64 {
+        self.values.set_acceleration
+    }
+
+    /// Cycle time (`fTaskCycle`), s.
+    #[must_use]
+    pub fn cycle(&self) -> f64 {
+        self.values.task_cycle
+    }
+
+    /// Linear or rotary.
+    #[must_use]
+    pub fn movement(&self) -> Movement {
+        self.movement
+    }
+
+    /// Shape of its velocity ramps.
+    #[must_use]
+    pub fn ramp(&self) -> RampType {
+        self.ramp
+    }
+
+    /// Period of a rotary axis, u.
+    #[must_use]
+    pub fn period(&self) -> Option<f64> {
+        match self.movement {
+            Movement::Linear => None,
+            Movement::Rotary { period } => Some(period),
+        }
+    }
+
+    /// Number of the axis's error (`wErrorID`, `MC_ReadAxisError`): of [`SmcError`](super::SmcError) or, above 0, of the drive.
+    #[doc(alias = "MC_ReadAxisError")]
+    #[must_use]
+    pub fn error_id(&self) -> Option<i64> {
+        self.values.error.then_some(self.values.error_id)
+    }
+
+    /// The block that moves the axis (`iOwner`), 0 for none.
+    #[must_use]
+    pub fn owner(&self) -> i64 {
+        self.values.owner
+    }
+
+    /// Limits of a motion with its own velocity, acceleration and deceleration; the jerk is the axis's.
+    #[must_use]
+    pub fn limits(&self, velocity: f64, acceleration: f64, deceleration: f64) -> AxisLimits {
+        AxisLimits { velocity, acceleration, deceleration, jerk: self.values.max_jerk }
+    }
+
+    /// Limits of implicit motion: braking in errorstop.
+    pub(super) fn implicit_limits(&self) -> AxisLimits {
+        let it = &self.values;
+        AxisLimits {
+            velocity: it.sw_max_velocity,
+            acceleration: it.sw_max_acceleration,
+            deceleration: it.sw_max_deceleration,
+            jerk: it.sw_max_jerk,
+        }
+    }
+
+    /// A position within the period of a rotary axis (`SMC_fmod`, manual 2.2.1); any of a linear one.
+    #[must_use]
+    pub fn wrapped(&self, position: f64) -> f64 {
+        match self.movement {
+            Movement::Linear => position,
+            Movement::Rotary { period } => fmod(position, period),
+        }
+    }
+
+    /// Base and overlay together, in the drive's coordinates, unwound.
+    pub(super) fn total(&self) -> State {
+        State {
+            position: self.base.position + self.overlay.position,
+            velocity: self.base.velocity + self.overlay.velocity,
+            acceleration: self.base.acceleration + self.overlay.acceleration,
+        }
+    }
+
+    /// The drive's position where the program says `position`, u.
+    pub(crate) fn to_drive(&self, position: f64) -> f64 {
+        position - self.values.offset_position
+    }
+
+    /// The program's position where the drive says `position`, u; within the period.
+    pub(crate) fn in_program(&self, position: f64) -> f64 {
+        self.wrapped(position + self.values.offset_position)
+    }
+
+    /// Whether the last motion was in negative direction.
+    pub(super) fn was_negative(&self) -> bool {
+        self.values.direction < 0
+    }
+
+    /// Controller mode wanted.
+    pub(super) fn mode(&self) -> ControllerMode {
+        ControllerMode::from_number(self.values.controller_mode).unwrap_or_default()
+    }
+}

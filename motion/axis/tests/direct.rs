@@ -1,0 +1,211 @@
+//! Direct set-points, diagnosis, virtual axes (manual 2.2.5–2.2.9).
+
+use super::rig::{CYCLE, Rig, linear};
+use crate::axis::{
+    Axis, AxisConfig, AxisState, Block, ControlAxis, ControlAxisBy, Encoder, EncoderConfig, Follow,
+    Halt, Largest, Movement, SmcError, TimeAxis, TrackingError, atan2, fmod, sgn, units,
+};
+
+#[test]
+fn followed_set_points_are_not_checked() {
+    let mut rig = linear();
+    let mut block = Block::new(Follow::Position(0.0));
+    rig.cycle(|axis| block.call(true, axis));
+    assert_eq!(rig.axis.state(), AxisState::SynchronizedMotion);
+    block.inputs = Follow::Position(50.0);
+    rig.cycle(|axis| block.call(true, axis));
+    assert_eq!(rig.axis.set_position(), 50.0);
+    assert_eq!(rig.axis.set_velocity(), 50.0 / CYCLE);
+    assert!(rig.axis.exceeds_limits(true, false) && rig.axis.exceeds_limits(false, true));
+    assert!(!rig.axis.exceeds_limits(false, false));
+    block.inputs = Follow::PositionVelocity(50.0, 0.0);
+    rig.cycle(|axis| block.call(true, axis));
+    block.inputs = Follow::Velocity(10.0);
+    rig.cycle(|axis| block.call(true, axis));
+    rig.cycle(|axis| block.call(true, axis));
+    // The mean of 0 and 10 u/s for a cycle, then 10 u/s.
+    assert!((rig.axis.set_position() - 50.15).abs() < 1e-9);
+    let mut halt = Block::new(Halt { deceleration: 100.0 });
+    rig.cycle(|axis| halt.call(true, axis));
+    assert!(rig.cycle(|axis| (halt.call(true, axis), block.call(true, axis)).1).command_aborted);
+}
+
+#[test]
+fn a_jump_is_bridged_while_the_interpolator_waits() {
+    let mut rig = Rig::new(AxisConfig {
+        max_velocity: 20.0,
+        max_acceleration: 1e4,
+        max_deceleration: 1e4,
+        ..AxisConfig::default()
+    });
+    let mut block = ControlAxis::new(ControlAxisBy {
+        setpoint: Follow::Position(0.0),
+        avoid_gaps: true,
+        gap_velocity: 10.0,
+        gap_acceleration: 100.0,
+        gap_deceleration: 100.0,
+    });
+    for index in 0..10_u8 {
+        block.inputs().setpoint = Follow::Position(0.1 * f64::from(index));
+        assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo, "10 u/s are allowed");
+    }
+    // The next program begins elsewhere.
+    block.inputs().setpoint = Follow::Position(5.0);
+    let (mut fastest, mut before) = (0.0_f64, rig.axis.set_position());
+    let count = rig.until(|axis| {
+        let held = block.call(true, axis).stop_ipo;
+        assert!((axis.set_position() - before).abs() <= 10.0 * CYCLE + 1e-9);
+        before = axis.set_position();
+        fastest = fastest.max(axis.set_velocity());
+        !held
+    });
+    assert!(count > 10 && fastest <= 10.0 + 1e-9, "{count} {fastest}");
+    assert!((rig.axis.set_position() - 5.0).abs() < 1e-9);
+    assert_eq!(rig.axis.set_velocity(), 0.0);
+    // Without bAvoidGaps it jumps.
+    block.inputs().avoid_gaps = false;
+    block.inputs().setpoint = Follow::Position(0.0);
+    assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo);
+    assert_eq!(rig.axis.set_position(), 0.0);
+}
+
+#[test]
+fn a_control_block_that_is_not_enabled_gives_the_axis_back() {
+    let mut rig = linear();
+    let mut block = ControlAxis::new(ControlAxisBy {
+        setpoint: Follow::Position(0.0),
+        avoid_gaps: true,
+        gap_velocity: 0.0,
+        gap_acceleration: 0.0,
+        gap_deceleration: 0.0,
+    });
+    rig.cycle(|axis| block.call(true, axis));
+    assert!(rig.axis.owner() != 0);
+    rig.cycle(|axis| block.call(false, axis));
+    assert_eq!((rig.axis.owner(), rig.axis.state()), (0, AxisState::Standstill));
+    // Gap values of 0: the axis's own are used.
+    block.inputs().setpoint = Follow::Position(5.0);
+    rig.until(|axis| {
+        block.call(true, axis);
+        axis.set_position() == 5.0
+    });
+    assert_eq!(rig.axis.error_id(), None);
+}
+
+#[test]
+fn the_largest_velocity_is_kept_with_its_time() {
+    let mut rig = linear();
+    let mut block = super::blocks::endless(-10.0);
+    let (mut velocity, mut acceleration) = (Largest::default(), Largest::default());
+    for time in 0..50 {
+        rig.cycle(|axis| block.call(true, axis));
+        velocity.set_velocity(&rig.axis, false, time);
+        acceleration.set_acceleration(&rig.axis, false, time);
+    }
+    // 10 u/s are reached in the tenth cycle.
+    assert!((velocity.value - 10.0).abs() < 1e-9 && velocity.time == 9);
+    assert_eq!(acceleration, Largest { value: 100.0, time: 0 });
+    velocity.set_velocity(&rig.axis, true, 50);
+    assert_eq!(velocity, Largest::default());
+}
+
+#[test]
+fn the_tracking_error_leaves_the_bus_out() {
+    let mut rig = linear();
+    let mut block = super::blocks::endless(10.0);
+    let (mut with, mut without) = (TrackingError::new(1), TrackingError::new(0));
+    for time in 0..50 {
+        rig.cycle(|axis| block.call(true, axis));
+        with.call(&rig.axis, false, time);
+        without.call(&rig.axis, false, time);
+    }
+    // The virtual drive is one cycle behind.
+    assert!(with.error.abs() < 1e-12, "{}", with.error);
+    assert!((without.error - 0.1).abs() < 1e-12);
+    assert!((without.largest.value - 0.1).abs() < 1e-12);
+}
+
+#[test]
+fn the_time_is_an_axis() {
+    let mut time = TimeAxis::new(0.1, None);
+    time.call(false);
+    assert_eq!(time.axis().set_position(), 0.0);
+    for _ in 0..=10 {
+        time.call(true);
+    }
+    assert!((time.axis().set_position() - 1.0).abs() < 1e-12);
+    // From 1 to 3 within 1 s: 2 s go by in it, and then 0.3 s each 0.1 s.
+    time.time_override = 3.0;
+    time.ramp_in_time = 1.0;
+    for _ in 0..10 {
+        time.call(true);
+    }
+    assert!((time.axis().set_position() - 3.0).abs() < 1e-12);
+    time.call(true);
+    assert!((time.axis().set_position() - 3.3).abs() < 1e-12);
+    time.call(false);
+    assert!((time.axis().set_position() - 3.3).abs() < 1e-12 && time.axis().set_velocity() == 0.0);
+    time.call(true);
+    assert_eq!(time.axis().set_position(), 0.0, "a new edge counts from 0");
+}
+
+fn encoder(modulo: u32, ratio: [i64; 2]) -> Encoder {
+    Encoder::new(EncoderConfig {
+        id: 1,
+        ratio,
+        movement: Movement::Rotary { period: 360.0 },
+        software_limits: None,
+        modulo,
+        cycle: CYCLE,
+    })
+}
+
+#[test]
+fn an_encoder_counts_over_its_end() {
+    // 16 bit, a turn of 65536 increments.
+    let mut it = encoder(0x1_0000, [360, 65_536]);
+    let position = |axis: &Axis| axis.act_position();
+    assert!(it.call(0x8000, None).valid);
+    assert_eq!(position(it.axis()), 180.0);
+    it.call(0xC000, None);
+    it.call(0x0000, None);
+    assert_eq!(position(it.axis()), 0.0);
+    assert_eq!(it.axis().act_velocity(), 90.0 / CYCLE);
+    it.call(0xFFFF, None);
+    assert!((position(it.axis()) - (360.0 - 360.0 / 65_536.0)).abs() < 1e-9);
+    it.call(0x0000, Some(10.0));
+    assert_eq!(position(it.axis()), 10.0, "bSet");
+    it.call(0x4000, None);
+    assert_eq!(position(it.axis()), 100.0);
+    // 32 bit.
+    let mut it = encoder(0, [1, 1]);
+    it.call(1, None);
+    it.call(u32::MAX, None);
+    assert_eq!(position(it.axis()), 359.0, "two back from 1");
+}
+
+#[test]
+fn encoders_refuse_a_denominator_of_0_and_blocks() {
+    let mut it = encoder(0, [1, 0]);
+    assert_eq!(it.call(0, None).error, Some(SmcError::EncDenomZero));
+    let mut it = Encoder::new(EncoderConfig {
+        id: 1,
+        ratio: [1, 1],
+        movement: Movement::Linear,
+        software_limits: Some([-5.0, 5.0]),
+        modulo: 0,
+        cycle: CYCLE,
+    });
+    it.call(3, None);
+    assert_eq!(it.axis().error_id(), None);
+    it.call(7, None);
+    assert_eq!(it.axis().error_id(), Some(10));
+}
+
+#[test]
+fn the_auxiliary_functions_are_the_manuals() {
+    assert_eq!([-3.0, 0.0, 2.0].map(sgn), [-1.0, 0.0, 1.0]);
+    assert_eq!([fmod(-30.0, 360.0), fmod(360.0, 360.0), fmod(-1e-20, 360.0)], [330.0, 0.0, 0.0]);
+    assert!((atan2(-1.0, 0.0) - 1.5 * std::f64::consts::PI).abs() < 1e-15);
+    assert_eq!(units(-65_536, [360, 65_536]), -360.0);
+}

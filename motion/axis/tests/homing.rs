@@ -1,0 +1,155 @@
+//! Homing onto a switch (manual 2.2.7).
+
+use super::rig::{Rig, linear};
+use crate::axis::{AxisConfig, AxisState, Block, Direction, HomingBySwitch, HomingMode, SmcError};
+
+/// The switch is closed below this drive position, u.
+const SWITCH: f64 = -2.0;
+
+fn homing(mode: HomingMode) -> Block<HomingBySwitch> {
+    Block::new(HomingBySwitch {
+        home_position: 10.0,
+        velocity_slow: 1.0,
+        velocity_fast: 10.0,
+        acceleration: 100.0,
+        deceleration: 100.0,
+        direction: Direction::Negative,
+        end_switch: true,
+        signal_delay: 0.0,
+        mode,
+        return_to_zero: false,
+        index_occurred: false,
+        index_position: 0.0,
+        ignore_hw_limit: false,
+    })
+}
+
+/// Runs it with a switch that is closed between two drive positions; the drive position of the home position then.
+fn run(
+    rig: &mut Rig,
+    block: &mut Block<HomingBySwitch>,
+    closed: [f64; 2],
+    index: Option<f64>,
+) -> f64 {
+    for _ in 0..10_000 {
+        let at = rig.drive.feedback().position;
+        let offset = rig.axis.read_parameter(1215).expect("fOffsetPosition");
+        block.inputs.end_switch = !(closed[0]..closed[1]).contains(&at);
+        if let Some(index) = index {
+            block.inputs.index_occurred = at >= index;
+            block.inputs.index_position = index + offset;
+        }
+        let shown = rig.cycle(|axis| block.call(true, axis));
+        assert!(shown.error.is_none() && !shown.command_aborted, "{shown:?}");
+        if shown.done {
+            assert_eq!(rig.axis.state(), AxisState::Standstill);
+            assert_eq!(rig.axis.set_velocity(), 0.0);
+            let offset = rig.axis.read_parameter(1215).expect("fOffsetPosition");
+            return block.inputs.home_position - offset;
+        }
+        assert_eq!(rig.axis.state(), AxisState::Homing);
+    }
+    panic!("it does not come to an end");
+}
+
+#[test]
+fn off_the_switch_again_is_the_reference() {
+    let mut rig = linear();
+    let place = run(&mut rig, &mut homing(HomingMode::FastBackSlowSetStop), [-100.0, SWITCH], None);
+    // The slow velocity is 0.01 u a cycle.
+    assert!((place - SWITCH).abs() <= 0.0101, "{place}");
+    // Braking from 1 u/s with 100 u/s² takes 5 mm beyond.
+    assert!(rig.axis.set_position() > 10.0 && rig.axis.set_position() < 10.03);
+}
+
+#[test]
+fn stop_first_sets_the_reference_at_rest() {
+    let mut rig = linear();
+    run(&mut rig, &mut homing(HomingMode::FastBackSlowStopSet), [-100.0, SWITCH], None);
+    assert!((rig.axis.set_position() - 10.0).abs() < 1e-12);
+}
+
+#[test]
+fn the_index_pulse_is_the_reference() {
+    let mut rig = linear();
+    let mut block = homing(HomingMode::FastBackSlowIndexSetStop);
+    let place = run(&mut rig, &mut block, [-100.0, SWITCH], Some(-1.2345));
+    assert!((place + 1.2345).abs() < 1e-9, "{place}");
+}
+
+#[test]
+fn without_turning_it_goes_across_the_switch() {
+    let mut rig = linear();
+    let place = run(&mut rig, &mut homing(HomingMode::FastSlowSetStop), [-3.0, SWITCH], None);
+    assert!((place + 3.0).abs() <= 0.0101, "{place}");
+    let mut rig = linear();
+    run(&mut rig, &mut homing(HomingMode::FastSlowStopSet), [-3.0, SWITCH], None);
+    assert!((rig.axis.set_position() - 10.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_late_signal_is_made_up_for() {
+    let mut rig = linear();
+    let mut block = homing(HomingMode::FastBackSlowSetStop);
+    block.inputs.signal_delay = 0.1;
+    // What the program reads is 10 cycles old.
+    let mut was = std::collections::VecDeque::from(vec![0.0; 10]);
+    let mut place = f64::NAN;
+    for _ in 0..10_000 {
+        was.push_back(rig.drive.feedback().position);
+        let old = was.pop_front().expect("ten");
+        block.inputs.end_switch = old >= SWITCH;
+        if rig.cycle(|axis| block.call(true, axis)).done {
+            place = 10.0 - rig.axis.read_parameter(1215).expect("fOffsetPosition");
+            break;
+        }
+    }
+    assert!((place - SWITCH).abs() <= 0.0101, "{place}");
+}
+
+#[test]
+fn it_may_return_to_zero() {
+    let mut rig = linear();
+    let mut block = homing(HomingMode::FastBackSlowSetStop);
+    block.inputs.return_to_zero = true;
+    run(&mut rig, &mut block, [-100.0, SWITCH], None);
+    assert!(rig.axis.set_position().abs() < 1e-12);
+}
+
+#[test]
+fn the_limit_switch_may_be_the_same_one() {
+    for (ignore, expected) in [(true, None), (false, Some(10))] {
+        let mut rig = Rig::new(AxisConfig { hardware_limits: true, ..AxisConfig::default() });
+        let mut block = homing(HomingMode::FastBackSlowSetStop);
+        block.inputs.ignore_hw_limit = ignore;
+        for _ in 0..2_000 {
+            let closed = rig.drive.feedback().position < SWITCH;
+            block.inputs.end_switch = !closed;
+            rig.drive.feedback_mut().limit_switch = closed;
+            if rig.cycle(|axis| block.call(true, axis)).done {
+                break;
+            }
+        }
+        assert_eq!(rig.axis.error_id(), expected);
+        // Afterwards it is watched again.
+        rig.drive.feedback_mut().limit_switch = true;
+        rig.cycle(|_| ());
+        assert_eq!(rig.axis.error_id(), Some(10));
+    }
+}
+
+#[test]
+fn wrong_inputs_are_refused() {
+    let mut rig = linear();
+    let mut error = |change: fn(&mut HomingBySwitch)| {
+        let mut block = homing(HomingMode::FastSlowSetStop);
+        change(&mut block.inputs);
+        rig.cycle(|axis| block.call(true, axis)).error
+    };
+    assert_eq!(error(|it| it.ignore_hw_limit = true), Some(SmcError::HomingModeNeedsHwlimit));
+    let invalid = Some(SmcError::HomingInvalidVelaccValues);
+    assert_eq!(error(|it| it.velocity_slow = 0.0), invalid);
+    assert_eq!(error(|it| it.velocity_fast = f64::NAN), invalid);
+    assert_eq!(error(|it| it.deceleration = -1.0), invalid);
+    assert_eq!(error(|it| it.direction = Direction::Shortest), invalid);
+}

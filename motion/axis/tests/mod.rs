@@ -1,0 +1,19 @@
+//! How axes and their blocks behave, cycle by cycle.
+
+#![allow(
+    clippy::float_cmp,
+    reason = "set-points that are exact: targets, values at rest, what was written"
+)]
+
+mod blocks;
+mod cams;
+mod direct;
+mod framework;
+mod gears;
+mod homing;
+mod invariants;
+mod rig;
+mod states;
+mod switch;
+mod tables;
+mod targets;

@@ -1,0 +1,136 @@
+//! Moves to positions and by distances.
+
+use super::framework::to;
+use super::rig::{linear, rotary};
+use crate::axis::{Block, Direction, MoveAdditive, MoveVelocity, SmcError};
+
+/// Where a rotary axis at 350 u that rests goes for 10 u, in u.
+fn way(direction: Direction) -> f64 {
+    let mut rig = rotary();
+    let mut there = to(350.0);
+    rig.until(|axis| there.call(true, axis).done);
+    assert_eq!(rig.axis.set_position(), 350.0);
+    let mut block = to(10.0);
+    block.inputs.direction = direction;
+    let (mut way, mut before) = (0.0, 350.0_f64);
+    rig.until(|axis| {
+        let done = block.call(true, axis).done;
+        let step = axis.set_position() - before;
+        way += step - 360.0 * (step / 360.0).round();
+        before = axis.set_position();
+        assert!((0.0..360.0).contains(&before));
+        done
+    });
+    assert_eq!(rig.axis.set_position(), 10.0);
+    way
+}
+
+#[test]
+fn a_rotary_axis_goes_the_way_it_is_told() {
+    for (direction, expected) in [
+        (Direction::Shortest, 20.0),
+        (Direction::Positive, 20.0),
+        (Direction::Negative, -340.0),
+        (Direction::Fastest, 20.0),
+        // It came to 350 the short way, backwards.
+        (Direction::Current, -340.0),
+    ] {
+        let way = way(direction);
+        assert!((way - expected).abs() < 1e-6, "{direction:?}: {way}");
+    }
+}
+
+#[test]
+fn an_absolute_move_from_motion_goes_past_and_comes_back() {
+    let mut rig = linear();
+    let mut first = to(100.0);
+    rig.until(|axis| {
+        first.call(true, axis);
+        axis.set_position() > 2.0
+    });
+    let mut back = to(2.2);
+    let mut furthest = 0.0_f64;
+    rig.until(|axis| {
+        let done = back.call(true, axis).done;
+        furthest = furthest.max(axis.set_position());
+        done
+    });
+    assert_eq!(rig.axis.set_position(), 2.2);
+    // 10 u/s need 0.5 u.
+    assert!(furthest > 2.45 && furthest < 2.65, "{furthest}");
+}
+
+fn add(distance: f64) -> Block<MoveAdditive> {
+    Block::new(MoveAdditive { distance, velocity: 10.0, acceleration: 100.0, deceleration: 100.0 })
+}
+
+#[test]
+fn an_additive_move_adds_to_the_pending_target() {
+    let mut rig = linear();
+    let mut first = to(10.0);
+    for _ in 0..20 {
+        rig.cycle(|axis| first.call(true, axis));
+    }
+    let mut more = add(5.0);
+    rig.until(|axis| more.call(true, axis).done);
+    assert!((rig.axis.set_position() - 15.0).abs() < 1e-12);
+    assert_eq!(rig.axis.read_parameter(1105), Ok(15.0), "fAimPosition");
+    // At a standstill it counts from where the axis is, and forward.
+    let mut again = add(5.0);
+    rig.until(|axis| again.call(true, axis).done);
+    assert!((rig.axis.set_position() - 20.0).abs() < 1e-12);
+}
+
+#[test]
+fn an_additive_move_of_a_rotary_axis_adds_across_the_period() {
+    let mut rig = rotary();
+    let mut first = to(355.0);
+    rig.until(|axis| first.call(true, axis).done);
+    let mut on = to(5.0);
+    for _ in 0..50 {
+        rig.cycle(|axis| on.call(true, axis));
+    }
+    let mut more = add(4.0);
+    rig.until(|axis| more.call(true, axis).done);
+    assert!((rig.axis.set_position() - 9.0).abs() < 1e-9, "{}", rig.axis.set_position());
+}
+
+#[test]
+fn in_continuous_motion_an_additive_move_counts_from_here() {
+    let mut rig = linear();
+    let mut endless = Block::new(MoveVelocity {
+        velocity: 10.0,
+        acceleration: 100.0,
+        deceleration: 100.0,
+        direction: Direction::Negative,
+    });
+    let reached = rig.until(|axis| endless.call(true, axis).done);
+    assert_eq!(reached, 10, "10 u/s under 100 u/s²");
+    let here = rig.axis.set_position();
+    let mut more = add(-5.0);
+    rig.until(|axis| more.call(true, axis).done);
+    assert!((rig.axis.set_position() - (here - 5.0)).abs() < 1e-9);
+}
+
+#[test]
+fn an_endless_motion_needs_a_direction() {
+    for (direction, expected) in [
+        (Direction::Shortest, Some(SmcError::MvDirectionNotApplicable)),
+        (Direction::Fastest, Some(SmcError::MvDirectionNotApplicable)),
+        (Direction::Current, None),
+    ] {
+        let mut rig = linear();
+        let mut block = Block::new(MoveVelocity {
+            velocity: 10.0,
+            acceleration: 100.0,
+            deceleration: 100.0,
+            direction,
+        });
+        assert_eq!(rig.cycle(|axis| block.call(true, axis)).error, expected);
+        block.inputs.velocity = -10.0;
+        block.inputs.direction = Direction::Positive;
+        rig.cycle(|axis| block.call(false, axis));
+        let shown = rig.cycle(|axis| block.call(true, axis));
+        assert_eq!(shown.error, Some(SmcError::MvInvalidAccdecValues), "{direction:?}");
+    }
+}

@@ -1,0 +1,222 @@
+//! Axes that nothing drives: the time and an encoder (manual 2.1.4, 2.2.6, 2.2.9).
+
+use super::profile::State;
+use super::{Axis, AxisConfig, AxisState, Movement, SmcError};
+
+/// An axis whose position is the time, s (`SMC_TimeAxisFB`, manual 2.2.6).
+///
+/// It counts from 0 while Execute is TRUE, from the rising edge on, and stands still when it is FALSE.
+#[doc(alias = "SMC_TimeAxisFB")]
+#[derive(Clone, Debug)]
+pub struct TimeAxis {
+    /// `fOverride`: how fast the time goes; 1 as usual.
+    pub time_override: f64,
+    /// `fRampInTime`: how long a change of the override takes, s.
+    pub ramp_in_time: f64,
+    axis: Axis,
+    execute: bool,
+    /// Override at work, the one it comes from and the one it goes to.
+    speed: f64,
+    ramp: [f64; 2],
+}
+
+impl TimeAxis {
+    /// Counts in cycles of `cycle` s (`fTaskCycle`), from 0 again after `period` s (`bPeriodic`, `fPeriod`).
+    #[must_use]
+    pub fn new(cycle: f64, period: Option<f64>) -> Self {
+        let movement = period.map_or(Movement::Linear, |period| Movement::Rotary { period });
+        let config = AxisConfig { movement, cycle, real_drive: false, ..AxisConfig::default() };
+        let mut axis = Axis::new(config);
+        // Its set values are what a follower takes.
+        axis.values.regulator_on = true;
+        Self {
+            time_override: 1.0,
+            ramp_in_time: 0.0,
+            axis,
+            execute: false,
+            speed: 1.0,
+            ramp: [1.0, 1.0],
+        }
+    }
+
+    /// Calls it, for a cycle.
+    pub fn call(&mut self, execute: bool) -> &Axis {
+        let rising = execute && !self.execute;
+        self.execute = execute;
+        let cycle = self.axis.cycle();
+        self.axis.saved = self.axis.total();
+        let mut position = self.axis.saved.position;
+        if rising {
+            self.speed = self.time_override;
+            self.ramp = [self.speed; 2];
+            position = 0.0;
+        } else if execute {
+            let before = self.speed;
+            self.change_speed(cycle);
+            position += 0.5 * (before + self.speed) * cycle;
+        }
+        position = self.axis.wrapped(position);
+        let velocity = if execute { self.speed } else { 0.0 };
+        self.axis.enter(if execute { AxisState::ContinuousMotion } else { AxisState::Standstill });
+        self.axis.drive_to(State { position, velocity, acceleration: 0.0 });
+        &self.axis
+    }
+
+    /// The axis, to be followed.
+    #[must_use]
+    pub fn axis(&self) -> &Axis {
+        &self.axis
+    }
+
+    fn change_speed(&mut self, cycle: f64) {
+        if !self.time_override.is_finite() {
+            return;
+        }
+        let [_, to] = self.ramp;
+        if (self.time_override - to).abs() > 0.0 {
+            self.ramp = [self.speed, self.time_override];
+        }
+        let [from, to] = self.ramp;
+        let step = if self.ramp_in_time > cycle {
+            (to - from).abs() * cycle / self.ramp_in_time
+        } else {
+            f64::INFINITY
+        };
+        let left = to - self.speed;
+        self.speed = if left.abs() <= step { to } else { self.speed + step.copysign(left) };
+    }
+}
+
+/// An encoder (`SMC_ENCODER_REF`, manual 2.1.4).
+#[doc(alias = "SMC_ENCODER_REF")]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EncoderConfig {
+    /// `wEncoderId`.
+    pub id: u16,
+    /// Increments to u: `iRatioTechUnitsNum` and `dwRatioTechUnitsDenom`.
+    pub ratio: [i64; 2],
+    /// `iMovementType` and `fPositionPeriod`.
+    pub movement: Movement,
+    /// `bSWLimitEnable`, `fSWLimitNegative`, `fSWLimitPositive`, u.
+    pub software_limits: Option<[f64; 2]>,
+    /// `dwEncoderModulo`: where the encoder wraps, increments; 0 for 32 bit.
+    pub modulo: u32,
+    /// Cycle time, s.
+    pub cycle: f64,
+}
+
+/// An encoder as an axis that others follow (`SMC_Encoder`, manual 2.2.9).
+#[doc(alias = "SMC_Encoder")]
+#[derive(Clone, Debug)]
+pub struct Encoder {
+    config: EncoderConfig,
+    axis: Axis,
+    /// Increments counted so far, without wrapping, and the last raw value.
+    counted: i64,
+    last: Option<u32>,
+}
+
+/// What [`Encoder`] shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct EncoderOutputs {
+    /// `bValid`: the axis may be followed.
+    pub valid: bool,
+    /// 5000 for a ratio with the denominator 0, 5001 if a block moves the axis.
+    pub error: Option<SmcError>,
+}
+
+impl Encoder {
+    /// Nothing counted yet.
+    #[must_use]
+    pub fn new(config: EncoderConfig) -> Self {
+        let axis = Axis::new(AxisConfig {
+            movement: config.movement,
+            cycle: config.cycle,
+            ratio: config.ratio,
+            software_limits: config.software_limits,
+            real_drive: false,
+            ..AxisConfig::default()
+        });
+        Self { config, axis, counted: 0, last: None }
+    }
+
+    /// Takes in the encoder's value for a cycle. `set` (`bSet`, `fSetValue`) makes the present position that value, u.
+    pub fn call(&mut self, raw: u32, set: Option<f64>) -> EncoderOutputs {
+        if self.config.ratio[1] == 0 {
+            return EncoderOutputs { valid: false, error: Some(SmcError::EncDenomZero) };
+        }
+        if self.axis.owner() != 0 {
+            return EncoderOutputs { valid: false, error: Some(SmcError::EncAxisusedbyotherfb) };
+        }
+        let known = self.last.is_some();
+        self.counted += self.travel(raw);
+        self.last = Some(raw);
+        let position = units(self.counted, self.config.ratio);
+        let cycle = self.axis.cycle();
+        let velocity =
+            if known && cycle > 0.0 { (position - self.axis.drive.position) / cycle } else { 0.0 };
+        self.axis.drive.position = position;
+        if let Some(value) = set.filter(|value| value.is_finite()) {
+            self.axis.values.offset_position = value - position;
+        }
+        self.axis.base = State { position, velocity, acceleration: 0.0 };
+        self.axis.saved = self.axis.base;
+        self.axis.show_set_values();
+        self.axis.values.act_position = self.axis.set_position();
+        self.axis.values.act_velocity = velocity;
+        self.axis.values.communication = true;
+        self.axis.watch_encoder_limits();
+        EncoderOutputs { valid: true, error: None }
+    }
+
+    /// The axis, to be followed; its actual values count.
+    #[must_use]
+    pub fn axis(&self) -> &Axis {
+        &self.axis
+    }
+
+    /// The same, for blocks that need it to themselves.
+    pub fn axis_mut(&mut self) -> &mut Axis {
+        &mut self.axis
+    }
+
+    /// Increments since the last value, the short way round.
+    fn travel(&self, raw: u32) -> i64 {
+        let modulo = match self.config.modulo {
+            0 => 1_i64 << 32,
+            modulo => i64::from(modulo),
+        };
+        // The first value counts from 0.
+        let Some(last) = self.last else { return i64::from(raw) };
+        let way = (i64::from(raw) - i64::from(last)).rem_euclid(modulo);
+        if way * 2 > modulo { way - modulo } else { way }
+    }
+}
+
+impl Axis {
+    fn watch_encoder_limits(&mut self) {
+        let watched = self.values.sw_limit_enable && self.movement == Movement::Linear;
+        let inside = (self.values.sw_limit_negative..=self.values.sw_limit_positive)
+            .contains(&self.values.act_position);
+        self.values.sw_end_switch_active = watched && !inside;
+        if self.values.sw_end_switch_active {
+            self.fail_with(SmcError::DiSwlimitsExceeded.number());
+        }
+    }
+}
+
+/// Increments in u, by numerator and denominator (manual 2.1.3).
+#[must_use]
+pub fn units(increments: i64, [numerator, denominator]: [i64; 2]) -> f64 {
+    // Whole turns and rest apart, so that a large count loses nothing.
+    let number = |value: i64| {
+        #[expect(clippy::cast_precision_loss, reason = "counts below 2^53 are exact")]
+        let number = value as f64;
+        number
+    };
+    if denominator == 0 {
+        return 0.0;
+    }
+    let (whole, rest) = (increments.div_euclid(denominator), increments.rem_euclid(denominator));
+    number(whole) * number(numerator) + number(rest) * number(numerator) / number(denominator)
+}

@@ -1,0 +1,509 @@
+//! A slave that follows a cam (`MC_CamTableSelect`, `MC_CamIn`, `MC_CamOut`, manual 4.6 and 5.4).
+//!
+//! With x = master · scaling + offset, both of the master, the slave is at scaling · y(x) + offset, both of the slave. A
+//! cam that is put end to end goes on as y(x + Offset1) + Offset2, where the first one loses the width of the cam in
+//! every pass and the second one gains what the cam gains (manual 4.6.2).
+
+use super::bridge::{Bridge, BridgeLimits};
+use super::knot::Derivatives;
+use super::passage::{Move, Trigger, Watch};
+use super::reference::Cam;
+use super::unwrap::Unwrap;
+use crate::short::Short;
+use std::sync::Arc;
+
+/// A cam chosen for a pair of axes (`MC_CamTableSelect`, manual 5.4): what its output `CamTableID` stands for.
+#[derive(Clone, Debug)]
+pub struct CamTable {
+    /// The cam.
+    pub cam: Arc<Cam>,
+    /// Whether it is put end to end; else the slave stays at its ends.
+    pub periodic: bool,
+    /// Whether the cam is about the master's position; else its zero is laid to where the master is at the start.
+    pub master_absolute: bool,
+    /// Whether it is about the slave's position; see [`StartMode`].
+    pub slave_absolute: bool,
+    /// The master's period, if it is a rotary axis, u.
+    pub master_period: Option<f64>,
+    /// The slave's period, if it is a rotary axis, u.
+    pub slave_period: Option<f64>,
+}
+
+impl CamTable {
+    /// Selects a cam as the block does by default: periodic, absolute, for linear axes.
+    pub fn new(cam: Arc<Cam>) -> Self {
+        Self {
+            cam,
+            periodic: true,
+            master_absolute: true,
+            slave_absolute: true,
+            master_period: None,
+            slave_period: None,
+        }
+    }
+}
+
+/// How a slave comes onto its cam (`MC_StartMode`, manual 4.6.1).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum StartMode {
+    /// The slave is where the cam says, with a jump if it was not there; as `Relative` if the cam is not about the
+    /// slave's position.
+    #[default]
+    Absolute,
+    /// The cam is added to where the slave is.
+    Relative,
+    /// What would be a jump is bridged on the shortest way.
+    RampIn,
+    /// As `RampIn`, forwards on rotary slaves.
+    RampInPositive,
+    /// As `RampIn`, backwards on rotary slaves.
+    RampInNegative,
+}
+
+/// Inputs of `MC_CamIn`; what it does not say is 0, the scalings are 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CamInput {
+    /// `MasterOffset`, u of the cam.
+    pub master_offset: f64,
+    /// `MasterScaling`.
+    pub master_scaling: f64,
+    /// `SlaveOffset`, u of the slave.
+    pub slave_offset: f64,
+    /// `SlaveScaling`.
+    pub slave_scaling: f64,
+    /// `StartMode`.
+    pub start_mode: StartMode,
+    /// `VelocityDiff`: what a bridge may add to the cam's velocity, u/s.
+    pub velocity_difference: f64,
+    /// `Acceleration` of a bridge, u/s².
+    pub acceleration: f64,
+    /// `Deceleration` of a bridge, u/s².
+    pub deceleration: f64,
+    /// `TappetHysteresis`, u of the cam.
+    pub tappet_hysteresis: f64,
+}
+
+impl Default for CamInput {
+    fn default() -> Self {
+        Self {
+            master_offset: 0.0,
+            master_scaling: 1.0,
+            slave_offset: 0.0,
+            slave_scaling: 1.0,
+            start_mode: StartMode::Absolute,
+            velocity_difference: 0.0,
+            acceleration: 0.0,
+            deceleration: 0.0,
+            tappet_hysteresis: 0.0,
+        }
+    }
+}
+
+/// Where an axis is and how it moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AxisState {
+    /// u.
+    pub position: f64,
+    /// u/s.
+    pub velocity: f64,
+    /// u/s².
+    pub acceleration: f64,
+}
+
+impl AxisState {
+    fn check(&self, axis: &'static str) -> Result<(), CouplingError> {
+        let all = [self.position, self.velocity, self.acceleration];
+        match all.into_iter().find(|value| !value.is_finite()) {
+            Some(value) => Err(CouplingError::NotFinite { what: axis, value }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Tappets that can be told in one cycle (`SMC_TappetData`); a register has no such limit.
+pub const MAX_TRIGGERS: usize = 3;
+
+/// Tappets that acted in a cycle (`SMC_TappetData`): the first [`MAX_TRIGGERS`] of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TappetData {
+    triggers: [Option<Trigger>; MAX_TRIGGERS],
+    /// How many more there were, which are lost.
+    pub lost: usize,
+    /// Whether this is the first cycle after a start of `MC_CamIn`.
+    pub restarted: bool,
+    /// Time of the cycle, ns.
+    pub now_ns: i64,
+}
+
+impl TappetData {
+    /// In the order in which the master passed them.
+    pub fn triggers(&self) -> impl Iterator<Item = &Trigger> {
+        self.triggers.iter().flatten()
+    }
+}
+
+/// What a coupling gives in a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coupled {
+    /// The slave's set-point. Its position does not jump at the ends of a period.
+    pub slave: AxisState,
+    /// Whether the slave is on the cam.
+    pub in_sync: bool,
+    /// Whether the cam has been left at an end; of one that is put end to end, in this cycle only.
+    pub end_of_profile: bool,
+    /// Tappets.
+    pub tappets: TappetData,
+}
+
+/// Why a coupling does not start.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum CouplingError {
+    /// Error 626, `SMC_CI_MASTER_OUT_OF_SCALE`.
+    #[error("the master is at {} of the cam, which goes from {} to {} (error 626)", Short(*.master), Short(*.min), Short(*.max))]
+    MasterOutOfRange {
+        /// Where, u of the cam.
+        master: f64,
+        /// Begin of the cam.
+        min: f64,
+        /// End of the cam.
+        max: f64,
+    },
+    /// Error 627, `SMC_CI_RAMPIN_NEEDS_VELACC_VALUES`.
+    #[error("a start with a ramp needs {name} greater than 0, it is {value} (error 627)")]
+    RampNeedsValues {
+        /// Which input.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A position, velocity or input is no finite number.
+    #[error("{what}: {value} is no finite number")]
+    NotFinite {
+        /// What.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A cam that runs may only be exchanged for one with as many elements and tappets (manual 4.5).
+    #[error("the cam has {found} {what}, the one that runs {expected}")]
+    OtherSize {
+        /// Elements or tappets.
+        what: &'static str,
+        /// How many the new one has.
+        found: usize,
+        /// How many the old one has.
+        expected: usize,
+    },
+}
+
+impl CouplingError {
+    /// The manual's number (`SMC_ERROR`, 9.3); none for what it has no number for.
+    pub const fn number(&self) -> Option<u16> {
+        match self {
+            Self::MasterOutOfRange { .. } => Some(626),
+            Self::RampNeedsValues { .. } => Some(627),
+            Self::NotFinite { .. } | Self::OtherSize { .. } => None,
+        }
+    }
+}
+
+/// A slave on its cam, cycle by cycle.
+#[derive(Clone, Debug)]
+pub struct CamCoupling {
+    table: CamTable,
+    input: CamInput,
+    unwrap: Unwrap,
+    /// Added to the master's position before it is scaled.
+    master_shift: f64,
+    /// Added to the slave's position at the end: where it was for relative starts, whole periods otherwise.
+    slave_shift: f64,
+    bridge: Option<Bridge>,
+    watch: Watch,
+    start_ns: i64,
+    now_ns: i64,
+    x: f64,
+    passes: f64,
+    ended: bool,
+    output: Coupled,
+}
+
+impl CamCoupling {
+    /// Couples a slave to its master (`MC_CamIn`, rising edge of `Execute`); the first set-point is in
+    /// [`Self::output`]. Offsets of a coupling before are forgotten.
+    ///
+    /// # Errors
+    /// [`CouplingError`] if the master stands beside the cam (626), a ramp lacks its limits (627), or a value is not
+    /// finite.
+    pub fn start(
+        table: CamTable,
+        input: CamInput,
+        master: &AxisState,
+        slave: &AxisState,
+        now_ns: i64,
+    ) -> Result<Self, CouplingError> {
+        master.check("master")?;
+        slave.check("slave")?;
+        check(&input)?;
+        let limits = match input.start_mode {
+            StartMode::Absolute | StartMode::Relative => None,
+            _ => Some(limits(&input)?),
+        };
+        let master_shift = if table.master_absolute { 0.0 } else { -master.position };
+        let x = (master.position + master_shift) * input.master_scaling + input.master_offset;
+        let curve = table.cam.curve();
+        if !curve.contains(x) {
+            let (min, max) = (curve.start(), curve.end());
+            return Err(CouplingError::MasterOutOfRange { master: x, min, max });
+        }
+        let width = curve.end() - curve.start();
+        let repeated = table.periodic.then_some(width);
+        let watch = Watch::new(table.cam.tappets(), input.tappet_hysteresis, repeated);
+        let unwrap = Unwrap::new(table.master_period, master.position);
+        let (_, passes) = if table.periodic { curve.wrap(x) } else { (x, 0.0) };
+        let relative = input.start_mode == StartMode::Relative || !table.slave_absolute;
+        let output = Coupled {
+            slave: *slave,
+            in_sync: false,
+            end_of_profile: false,
+            tappets: TappetData { restarted: true, now_ns, ..TappetData::default() },
+        };
+        let mut coupling = Self {
+            table,
+            input,
+            unwrap,
+            master_shift,
+            slave_shift: if relative { slave.position } else { 0.0 },
+            bridge: None,
+            watch,
+            start_ns: now_ns,
+            now_ns,
+            x,
+            passes,
+            ended: false,
+            output,
+        };
+        if let Some(limits) = limits {
+            coupling.lay_bridge(master, slave, &limits);
+        }
+        coupling.set_output(master);
+        Ok(coupling)
+    }
+
+    /// From where the slave is, and as it moves, to the cam as it moves.
+    fn lay_bridge(&mut self, master: &AxisState, slave: &AxisState, limits: &BridgeLimits) {
+        let cam = self.on_cam(master);
+        let velocity = slave.velocity - cam.velocity;
+        let mut distance = cam.position - slave.position;
+        if let Some(period) = self.table.slave_period.filter(|period| *period > 0.0) {
+            let stop = limits.stop(velocity);
+            let turns = match self.input.start_mode {
+                // As far ahead as a slave that is too fast goes until it stands, and less than a turn further.
+                StartMode::RampInPositive => ((distance - stop.max(0.0)) / period).floor(),
+                StartMode::RampInNegative => ((distance - stop.min(0.0)) / period).ceil(),
+                _ => (distance / period).round(),
+            };
+            distance -= turns * period;
+            self.slave_shift -= turns * period;
+        }
+        self.bridge = Some(Bridge::new(distance, velocity, limits));
+    }
+
+    /// Where the cam has the slave, bridges aside.
+    fn on_cam(&self, master: &AxisState) -> AxisState {
+        let curve = self.table.cam.curve();
+        let Derivatives { position, velocity, acceleration, .. } =
+            if self.table.periodic { curve.repeated(self.x) } else { curve.at(self.x) };
+        let CamInput { master_scaling, slave_scaling, slave_offset, .. } = self.input;
+        let v = master.velocity * master_scaling;
+        let a = master.acceleration * master_scaling;
+        AxisState {
+            position: slave_scaling * position + slave_offset + self.slave_shift,
+            velocity: slave_scaling * velocity * v,
+            acceleration: slave_scaling * (acceleration * v * v + velocity * a),
+        }
+    }
+
+    fn set_output(&mut self, master: &AxisState) {
+        let mut slave = self.on_cam(master);
+        let mut in_sync = true;
+        if let Some(bridge) = &self.bridge {
+            #[expect(clippy::cast_precision_loss, reason = "a time since the start")]
+            let seconds = self.now_ns.saturating_sub(self.start_ns) as f64 * 1e-9;
+            let (left, velocity, acceleration, over) = bridge.at(seconds);
+            slave.position -= left;
+            slave.velocity += velocity;
+            slave.acceleration += acceleration;
+            in_sync = over;
+            if over {
+                self.bridge = None;
+            }
+        }
+        self.output.slave = slave;
+        self.output.in_sync = in_sync;
+    }
+
+    /// A cycle: the master as it is now.
+    ///
+    /// # Errors
+    /// [`CouplingError::NotFinite`] if it is nowhere; nothing has changed then.
+    pub fn step(&mut self, master: &AxisState, now_ns: i64) -> Result<&Coupled, CouplingError> {
+        master.check("master")?;
+        let (from, from_ns) = (self.x, self.now_ns);
+        let position = self.unwrap.follow(master.position);
+        let CamInput { master_scaling, master_offset, .. } = self.input;
+        self.x = (position + self.master_shift) * master_scaling + master_offset;
+        self.now_ns = now_ns;
+        self.output.end_of_profile = self.passes_end(from);
+        let step = Move { from, to: self.x, from_ns, to_ns: now_ns };
+        let mut tappets = TappetData { now_ns, ..TappetData::default() };
+        let mut found = self.watch.passed(&step);
+        for slot in &mut tappets.triggers {
+            *slot = found.next();
+        }
+        tappets.lost = found.count();
+        self.output.tappets = tappets;
+        self.set_output(master);
+        Ok(&self.output)
+    }
+
+    #[expect(clippy::float_cmp, reason = "counts of passes; an end that is stood on")]
+    fn passes_end(&mut self, from: f64) -> bool {
+        let curve = self.table.cam.curve();
+        if self.table.periodic {
+            let (_, passes) = curve.wrap(self.x);
+            let changed = passes != self.passes;
+            self.passes = passes;
+            return changed;
+        }
+        let (start, end) = (curve.start(), curve.end());
+        if self.x > end || self.x < start {
+            self.ended = true;
+        } else if self.x == end || self.x == start {
+            // It has come here from inside, or has not left again.
+            self.ended |= self.x != from;
+        } else {
+            self.ended = false;
+        }
+        self.ended
+    }
+
+    /// Says in the last cycle's tappets that it is the first one, for who steps in the cycle of the start.
+    pub(crate) fn mark_restarted(&mut self) {
+        self.output.tappets.restarted = true;
+    }
+
+    /// What the last cycle, or the start, gave.
+    pub fn output(&self) -> &Coupled {
+        &self.output
+    }
+
+    /// The cam it follows.
+    pub fn table(&self) -> &CamTable {
+        &self.table
+    }
+
+    /// Where the master is on the scale of the cam, passes included.
+    pub fn place(&self) -> f64 {
+        self.x
+    }
+
+    /// Offset1 and Offset2 of the manual (4.6.2): the slave is at y(x + Offset1) + Offset2, before it is scaled.
+    pub fn offsets(&self) -> (f64, f64) {
+        let curve = self.table.cam.curve();
+        (-self.passes * (curve.end() - curve.start()), self.passes * curve.rise())
+    }
+
+    /// How far the slave's set-points of the start are from what it did before: the jump of position (on a rotary slave
+    /// the shortest), velocity and acceleration. Cams that are switched between have to match (manual 4.6.2).
+    pub fn jump_from(&self, slave: &AxisState) -> AxisState {
+        let mut position = self.output.slave.position - slave.position;
+        if let Some(period) = self.table.slave_period.filter(|period| *period > 0.0) {
+            position -= (position / period).round() * period;
+        }
+        AxisState {
+            position,
+            velocity: self.output.slave.velocity - slave.velocity,
+            acceleration: self.output.slave.acceleration - slave.acceleration,
+        }
+    }
+
+    /// Follows an edited cam from the next cycle on (manual 4.5): elements and tappets may be moved, but there must be as
+    /// many. The slave jumps if the cam has been changed where it is. Tappets forget that the master stands on them.
+    ///
+    /// # Errors
+    /// [`CouplingError::OtherSize`] if the cam has other numbers of them; the old one goes on then.
+    pub fn exchange(&mut self, cam: Arc<Cam>) -> Result<(), CouplingError> {
+        let old = &self.table.cam;
+        for (what, found, expected) in [
+            ("elements", cam.shape().len(), old.shape().len()),
+            ("tappets", cam.tappets().len(), old.tappets().len()),
+        ] {
+            if found != expected {
+                return Err(CouplingError::OtherSize { what, found, expected });
+            }
+        }
+        let width = self.table.periodic.then(|| cam.curve().end() - cam.curve().start());
+        self.watch = Watch::new(cam.tappets(), self.input.tappet_hysteresis, width);
+        if self.table.periodic {
+            (_, self.passes) = cam.curve().wrap(self.x);
+        }
+        self.table.cam = cam;
+        Ok(())
+    }
+
+    /// Lets the slave go (`MC_CamOut`): it moves on with this velocity, u/s.
+    pub fn release(self) -> f64 {
+        self.output.slave.velocity
+    }
+}
+
+/// Where a slave would be if it were coupled now (`SMC_GetCamSlaveSetPosition`, manual 5.5), ramps aside; nothing moves.
+///
+/// # Errors
+/// As [`CamCoupling::start`].
+pub fn slave_set_position(
+    table: CamTable,
+    input: CamInput,
+    master: &AxisState,
+    slave: &AxisState,
+) -> Result<f64, CouplingError> {
+    let relative = input.start_mode == StartMode::Relative;
+    let start_mode = if relative { StartMode::Relative } else { StartMode::Absolute };
+    let coupling = CamCoupling::start(table, CamInput { start_mode, ..input }, master, slave, 0)?;
+    Ok(coupling.output.slave.position)
+}
+
+fn limits(input: &CamInput) -> Result<BridgeLimits, CouplingError> {
+    for (name, value) in [
+        ("VelocityDiff", input.velocity_difference),
+        ("Acceleration", input.acceleration),
+        ("Deceleration", input.deceleration),
+    ] {
+        if value <= 0.0 {
+            return Err(CouplingError::RampNeedsValues { name, value });
+        }
+    }
+    Ok(BridgeLimits {
+        velocity: input.velocity_difference,
+        acceleration: input.acceleration,
+        deceleration: input.deceleration,
+    })
+}
+
+fn check(input: &CamInput) -> Result<(), CouplingError> {
+    for (what, value) in [
+        ("MasterOffset", input.master_offset),
+        ("MasterScaling", input.master_scaling),
+        ("SlaveOffset", input.slave_offset),
+        ("SlaveScaling", input.slave_scaling),
+        ("VelocityDiff", input.velocity_difference),
+        ("Acceleration", input.acceleration),
+        ("Deceleration", input.deceleration),
+        ("TappetHysteresis", input.tappet_hysteresis),
+    ] {
+        if !value.is_finite() {
+            return Err(CouplingError::NotFinite { what, value });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,335 @@
+//! Cam curves: what the slave does where the master is.
+
+use super::error::CamError;
+use super::knot::{Derivatives, Knot, Piece};
+use super::polynomial::{Extremes, extremes};
+
+/// The most points a curve may have.
+pub const MAX_POINTS: usize = 1 << 24;
+
+/// A cam curve: polynomials of degree 5 or less, piece by piece over a range of the master (manual 4.2).
+///
+/// Finding a piece takes the same time wherever the master is: a table of equal cells says which piece each begins in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    pieces: Box<[Piece]>,
+    start: f64,
+    end: f64,
+    /// What the slave has gained at the end.
+    rise: f64,
+    /// The piece at the begin of each cell; one more than there are cells.
+    cells: Box<[u32]>,
+    cells_per_unit: f64,
+}
+
+/// Where two pieces meet with different derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jump {
+    /// Where, master u.
+    pub master: f64,
+    /// By how much the value rises there.
+    pub by: f64,
+}
+
+/// The largest jumps of a curve: 0 everywhere for one that is twice continuously differentiable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jumps {
+    /// Of the position, u.
+    pub position: Jump,
+    /// Of y′.
+    pub velocity: Jump,
+    /// Of y″, 1/u.
+    pub acceleration: Jump,
+}
+
+impl Curve {
+    /// Polynomials of degree 5 through the points (`byType` 3, manual 4.7), straight where the points say so.
+    ///
+    /// # Errors
+    /// [`CamError`] if there are less than two points, one of them is not finite, or their masters do not ascend.
+    pub fn polynomial(knots: &[Knot]) -> Result<Self, CamError> {
+        check(knots)?;
+        Self::from_pieces(pairs(knots).map(|(from, to)| Piece::between(from, to)).collect())
+    }
+
+    /// Straight lines between points, of which only the positions count (`byInterpolationQuality` 1).
+    ///
+    /// # Errors
+    /// As [`Self::polynomial`].
+    pub(crate) fn linear(knots: &[Knot]) -> Result<Self, CamError> {
+        check(knots)?;
+        Self::from_pieces(pairs(knots).map(|(from, to)| Piece::linear(from, to)).collect())
+    }
+
+    /// Cubics between points with tangents (`byInterpolationQuality` 3).
+    ///
+    /// # Errors
+    /// As [`Self::polynomial`].
+    pub(crate) fn cubic(knots: &[Knot]) -> Result<Self, CamError> {
+        check(knots)?;
+        Self::from_pieces(pairs(knots).map(|(from, to)| Piece::cubic(from, to)).collect())
+    }
+
+    fn from_pieces(pieces: Vec<Piece>) -> Result<Self, CamError> {
+        let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
+            return Err(CamError::TooFewPoints { found: pieces.len() });
+        };
+        let (start, end) = (first.start, last.start + last.width);
+        let rise = last.end().position - first.begin().position;
+        let finite = |piece: &Piece| piece.c.iter().all(|c| c.is_finite()) && piece.width > 0.0;
+        if let Some(index) = pieces.iter().position(|piece| !finite(piece)) {
+            return Err(CamError::NotFinite { index: index + 2, value: f64::INFINITY });
+        }
+        let (cells, cells_per_unit) = lay_cells(&pieces, start, end);
+        Ok(Self { start, end, rise, cells, cells_per_unit, pieces: pieces.into() })
+    }
+
+    /// Begin of the master's range (`xStart`), u.
+    pub fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// End of the master's range (`xEnd`), u.
+    pub fn end(&self) -> f64 {
+        self.end
+    }
+
+    /// What the slave gains from begin to end, u.
+    pub fn rise(&self) -> f64 {
+        self.rise
+    }
+
+    /// Whether the master's range holds `master`, both ends included.
+    pub fn contains(&self, master: f64) -> bool {
+        (self.start..=self.end).contains(&master)
+    }
+
+    /// Where pieces begin, and the end.
+    pub fn joints(&self) -> impl Iterator<Item = f64> + '_ {
+        self.pieces.iter().map(|piece| piece.start).chain([self.end])
+    }
+
+    pub(crate) fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// The slave where the master is; beyond the ends it stays where they are (manual 4.6.1, `Periodic` FALSE).
+    #[inline]
+    pub fn at(&self, master: f64) -> Derivatives {
+        if master >= self.start && master <= self.end {
+            self.inside(master)
+        } else {
+            self.beyond(master)
+        }
+    }
+
+    /// The slave where the master is, with the curve put end to end (manual 4.6.1, `Periodic` TRUE): every pass goes on
+    /// where the one before has led.
+    #[inline]
+    pub fn repeated(&self, master: f64) -> Derivatives {
+        let (inside, passes) = self.wrap(master);
+        let mut found = self.inside(inside);
+        found.position += passes * self.rise;
+        found
+    }
+
+    /// The place in the range, begin included and end not, and how often the range fits in between.
+    #[inline]
+    pub fn wrap(&self, master: f64) -> (f64, f64) {
+        if master >= self.start && master < self.end {
+            return (master, 0.0);
+        }
+        let width = self.end - self.start;
+        let passes = ((master - self.start) / width).floor();
+        let inside = master - passes * width;
+        // Rounding may put it on the wrong side of an end.
+        if inside < self.start {
+            (self.start, passes)
+        } else if inside >= self.end {
+            (self.start, passes + 1.0)
+        } else {
+            (inside, passes)
+        }
+    }
+
+    #[cold]
+    fn beyond(&self, master: f64) -> Derivatives {
+        let edge = if master > self.end { self.end } else { self.start };
+        Derivatives { position: self.inside(edge).position, ..Derivatives::default() }
+    }
+
+    #[inline]
+    fn inside(&self, master: f64) -> Derivatives {
+        self.piece(master).map_or_else(Derivatives::default, |piece| piece.at(master - piece.start))
+    }
+
+    /// The piece that holds `master`.
+    #[inline]
+    fn piece(&self, master: f64) -> Option<&Piece> {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "saturates; a cell too far is walked back from"
+        )]
+        let cell = ((master - self.start) * self.cells_per_unit) as usize;
+        let cell = cell.min(self.cells.len().saturating_sub(2));
+        let low = *self.cells.get(cell)? as usize;
+        let high = *self.cells.get(cell + 1)? as usize;
+        let mut index = if high - low > WALK { self.search(low, high, master) } else { low };
+        while index > 0 && self.pieces.get(index)?.start > master {
+            index -= 1;
+        }
+        while let Some(next) = self.pieces.get(index + 1) {
+            if next.start > master {
+                break;
+            }
+            index += 1;
+        }
+        self.pieces.get(index)
+    }
+
+    /// The piece in a cell of many.
+    fn search(&self, low: usize, high: usize, master: f64) -> usize {
+        let part = self.pieces.get(low..=high).unwrap_or_default();
+        (low + part.partition_point(|piece| piece.start <= master)).saturating_sub(1)
+    }
+
+    /// Extremes of position, velocity and acceleration (manual 4.4.3, "show extremes"), exact: at the ends of pieces and
+    /// at the roots of their derivatives.
+    pub fn extremes(&self) -> CurveExtremes {
+        let mut found = [Extremes::NONE; 4];
+        for piece in &self.pieces {
+            for (found, c) in found.iter_mut().zip(piece.polynomials()) {
+                found.join(&extremes(&c, piece.width), piece.start);
+            }
+        }
+        let [position, velocity, acceleration, jerk] = found.map(Range::from);
+        CurveExtremes { position, velocity, acceleration, jerk }
+    }
+
+    /// The largest jumps at the joints between pieces, and with `repeated` also at the one between end and begin.
+    pub fn jumps(&self, repeated: bool) -> Jumps {
+        let none = Jump { master: self.start, by: 0.0 };
+        let mut found = Jumps { position: none, velocity: none, acceleration: none };
+        let take = |jump: &mut Jump, master: f64, by: f64| {
+            if by.abs() > jump.by.abs() {
+                *jump = Jump { master, by };
+            }
+        };
+        let inner = self.pieces.iter().zip(self.pieces.iter().skip(1));
+        for (before, after) in inner {
+            let (end, begin) = (before.end(), after.begin());
+            take(&mut found.position, after.start, begin.position - end.position);
+            take(&mut found.velocity, after.start, begin.velocity - end.velocity);
+            take(&mut found.acceleration, after.start, begin.acceleration - end.acceleration);
+        }
+        if let (true, Some(first), Some(last)) = (repeated, self.pieces.first(), self.pieces.last())
+        {
+            let (end, begin) = (last.end(), first.begin());
+            take(&mut found.velocity, self.end, begin.velocity - end.velocity);
+            take(&mut found.acceleration, self.end, begin.acceleration - end.acceleration);
+        }
+        found
+    }
+}
+
+/// A least and a greatest value, and where the master is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// The least value.
+    pub min: f64,
+    /// Where it is, master u.
+    pub at_min: f64,
+    /// The greatest value.
+    pub max: f64,
+    /// Where it is, master u.
+    pub at_max: f64,
+}
+
+impl Range {
+    /// The larger of both magnitudes.
+    pub fn magnitude(&self) -> f64 {
+        self.min.abs().max(self.max.abs())
+    }
+}
+
+impl From<Extremes> for Range {
+    fn from(extremes: Extremes) -> Self {
+        let Extremes { min, at_min, max, at_max } = extremes;
+        Self { min, at_min, max, at_max }
+    }
+}
+
+/// Extremes of a curve and of its derivatives by the master.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurveExtremes {
+    /// y, u.
+    pub position: Range,
+    /// y′.
+    pub velocity: Range,
+    /// y″, 1/u.
+    pub acceleration: Range,
+    /// y‴, 1/u².
+    pub jerk: Range,
+}
+
+/// Cells that hold more pieces than this are searched by halving.
+const WALK: usize = 4;
+
+/// Cells for so many pieces, if the pieces differ much in width.
+const CELLS_PER_PIECE: usize = 8;
+
+fn lay_cells(pieces: &[Piece], start: f64, end: f64) -> (Box<[u32]>, f64) {
+    let least = pieces.iter().map(|piece| piece.width).fold(f64::INFINITY, f64::min);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "saturates, and is limited at once"
+    )]
+    let wanted = ((end - start) / least).ceil() as usize;
+    let count = wanted.clamp(pieces.len(), CELLS_PER_PIECE * pieces.len());
+    #[expect(clippy::cast_precision_loss, reason = "2^27 at most")]
+    let width = (end - start) / count as f64;
+    let mut cells = Vec::with_capacity(count + 1);
+    let mut piece = 0u32;
+    let mut rest = pieces.iter().skip(1).peekable();
+    for cell in 0..=count {
+        #[expect(clippy::cast_precision_loss, reason = "2^27 at most")]
+        let edge = start + width * cell as f64;
+        while rest.next_if(|next| next.start <= edge).is_some() {
+            piece += 1;
+        }
+        cells.push(piece);
+    }
+    (cells.into(), 1.0 / width)
+}
+
+fn pairs(knots: &[Knot]) -> impl Iterator<Item = (&Knot, &Knot)> {
+    knots.iter().zip(knots.iter().skip(1))
+}
+
+fn check(knots: &[Knot]) -> Result<(), CamError> {
+    if knots.len() < 2 {
+        return Err(CamError::TooFewPoints { found: knots.len() });
+    }
+    if knots.len() > MAX_POINTS {
+        return Err(CamError::TooManyPoints { found: knots.len(), limit: MAX_POINTS });
+    }
+    for (index, knot) in knots.iter().enumerate() {
+        if !knot.is_finite() {
+            let all = [knot.master, knot.slave, knot.velocity, knot.acceleration];
+            let value = all.into_iter().find(|value| !value.is_finite()).unwrap_or(f64::NAN);
+            return Err(CamError::NotFinite { index: index + 1, value });
+        }
+    }
+    for (index, (from, to)) in pairs(knots).enumerate() {
+        if to.master <= from.master {
+            return Err(CamError::NotAscending {
+                index: index + 2,
+                master: to.master,
+                before: from.master,
+            });
+        }
+    }
+    Ok(())
+}

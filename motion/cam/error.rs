@@ -1,0 +1,123 @@
+//! What is wrong with a cam.
+
+use crate::short::Short;
+
+/// Why points, tables or elements make no cam.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CamError {
+    /// Too few points.
+    #[error("a cam needs 2 points, there are {found}")]
+    TooFewPoints {
+        /// How many there are.
+        found: usize,
+    },
+    /// Points, elements or table values are more than can be counted here.
+    #[error("{found} points are more than the {limit} a cam may have")]
+    TooManyPoints {
+        /// How many there are.
+        found: usize,
+        /// The most there may be.
+        limit: usize,
+    },
+    /// A value is infinite or not a number.
+    #[error("point {index}: {value} is no finite number")]
+    NotFinite {
+        /// Which point, from 1.
+        index: usize,
+        /// The value.
+        value: f64,
+    },
+    /// A point does not lie behind the one before it.
+    #[error("point {index}: master {} does not lie behind {} of the point before", Short(*.master), Short(*.before))]
+    NotAscending {
+        /// Which point, from 1.
+        index: usize,
+        /// Its master position.
+        master: f64,
+        /// That of the one before.
+        before: f64,
+    },
+    /// Two elements meet with different values: the curve would not be twice continuously differentiable.
+    #[error(
+        "element {index}: {what} {} at master {} where the element before ends with {}",
+        Short(*.value), Short(*.master), Short(*.before)
+    )]
+    Kink {
+        /// Which element, from 1.
+        index: usize,
+        /// What differs: slave, velocity or acceleration.
+        what: &'static str,
+        /// Where, master.
+        master: f64,
+        /// The value.
+        value: f64,
+        /// That of the element before.
+        before: f64,
+    },
+    /// Something lies beyond the scale of the master.
+    #[error(
+        "{what} {index}: master {} lies outside {} to {}",
+        Short(*.master), Short(*.min), Short(*.max)
+    )]
+    OutsideScale {
+        /// Element or tappet.
+        what: &'static str,
+        /// Which, from 1.
+        index: usize,
+        /// Its master position.
+        master: f64,
+        /// Begin of the scale.
+        min: f64,
+        /// End of the scale.
+        max: f64,
+    },
+    /// The elements do not begin or end with the scale of the master ("both ends are always included", manual 4.7).
+    #[error("the elements {what} at master {}, the scale at {}", Short(*.master), Short(*.scale))]
+    EndMissing {
+        /// Begin or end.
+        what: &'static str,
+        /// Where they do.
+        master: f64,
+        /// Where they should.
+        scale: f64,
+    },
+    /// A value does not fit the type of a table's variables.
+    #[error("value {index}: {} does not fit {kind} ({} to {})", Short(*.value), Short(*.min), Short(*.max))]
+    OutsideType {
+        /// Which value, from 1.
+        index: usize,
+        /// The value, in units of the table.
+        value: f64,
+        /// The type's name.
+        kind: &'static str,
+        /// Its least value.
+        min: f64,
+        /// Its greatest.
+        max: f64,
+    },
+    /// The scaling of a table maps nothing or everything onto a point (error 628, `SMC_CI_SCALING_INCORRECT`).
+    #[error("scaling of the {axis}: {} to {} cannot stand for {} to {} (error 628)",
+        Short(*.table_min), Short(*.table_max), Short(*.min), Short(*.max))]
+    Scaling {
+        /// Master or slave.
+        axis: &'static str,
+        /// Begin, u.
+        min: f64,
+        /// End, u.
+        max: f64,
+        /// Begin in units of the table.
+        table_min: f64,
+        /// End in units of the table.
+        table_max: f64,
+    },
+    /// A tappet's times are negative or no numbers.
+    #[error("tappet {index}: {what} of {} ns is less than 0", .value)]
+    TappetTime {
+        /// Which, from 1.
+        index: usize,
+        /// Delay or duration.
+        what: &'static str,
+        /// The time, ns.
+        value: i64,
+    },
+}

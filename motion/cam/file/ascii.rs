@@ -1,0 +1,207 @@
+//! Tables of positions as text (manual 4.4.3): a line per point, `master;slave`.
+
+use super::super::curve::Curve;
+use super::super::knot::Knot;
+use std::io::{self, BufRead, Write};
+
+/// The most lines a table may have.
+pub const MAX_LINES: usize = 1 << 22;
+/// The longest line, bytes.
+const MAX_LINE: usize = 1000;
+
+/// Why a table cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum AsciiError {
+    /// The file could not be read.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// A line has more or fewer columns than it should.
+    #[error("line {line}: {found} columns instead of {expected}")]
+    Columns {
+        /// Which line, from 1.
+        line: usize,
+        /// How many there should be.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// A column holds no finite number.
+    #[error("line {line}: {column} `{text}` is no number")]
+    NoNumber {
+        /// Which line, from 1.
+        line: usize,
+        /// Which column.
+        column: &'static str,
+        /// What stands there.
+        text: String,
+    },
+    /// Two lines have the same master position.
+    #[error("line {line}: master {master} stands in line {before} already")]
+    Twice {
+        /// The later line, from 1.
+        line: usize,
+        /// The earlier one.
+        before: usize,
+        /// The position.
+        master: f64,
+    },
+    /// A line or the table is too long.
+    #[error("line {line}: more than {limit} {what}")]
+    TooLong {
+        /// Which line, from 1.
+        line: usize,
+        /// Bytes or lines.
+        what: &'static str,
+        /// How many there may be.
+        limit: usize,
+    },
+    /// Too few points.
+    #[error("a table needs 2 points, there are {found}")]
+    TooFew {
+        /// How many there are.
+        found: usize,
+    },
+}
+
+const COLUMNS: [&str; 4] = ["master", "slave", "velocity", "acceleration"];
+
+/// Writes `points` positions of a curve, both ends included, one to a line that ends with CR LF (manual 4.4.3). The numbers
+/// are the shortest that read back as they were. Less than 2 points are 2.
+///
+/// # Errors
+/// If they cannot be written.
+pub fn write_ascii(curve: &Curve, points: usize, mut writer: impl Write) -> io::Result<()> {
+    let last = points.max(2) - 1;
+    for index in 0..=last {
+        #[expect(clippy::cast_precision_loss, reason = "nobody writes 2^53 points")]
+        let share = index as f64 / last as f64;
+        let inside = curve.start() + (curve.end() - curve.start()) * share;
+        let master = if index == last { curve.end() } else { inside };
+        write!(writer, "{master};{}\r\n", curve.at(master).position)?;
+    }
+    writer.flush()
+}
+
+/// Reads positions of master and slave, a point to a line, and sorts them by their masters. Columns are parted by `;` or
+/// `:`; a decimal comma is read as a point; empty lines and those that begin with `#` do not count.
+///
+/// # Errors
+/// [`AsciiError`] with the line.
+pub fn read_ascii(reader: impl BufRead) -> Result<Vec<[f64; 2]>, AsciiError> {
+    rows::<2>(reader)
+}
+
+/// Reads points with velocity and acceleration, in four columns, otherwise as [`read_ascii`].
+///
+/// # Errors
+/// [`AsciiError`] with the line.
+pub fn read_knots(reader: impl BufRead) -> Result<Vec<Knot>, AsciiError> {
+    let rows = rows::<4>(reader)?;
+    let knot = |[master, slave, velocity, acceleration]: [f64; 4]| Knot {
+        master,
+        slave,
+        velocity,
+        acceleration,
+    };
+    Ok(rows.into_iter().map(knot).collect())
+}
+
+#[expect(clippy::float_cmp, reason = "the same number or another one")]
+fn rows<const N: usize>(mut reader: impl BufRead) -> Result<Vec<[f64; N]>, AsciiError> {
+    let mut rows: Vec<(usize, [f64; N])> = Vec::new();
+    let mut bytes = Vec::new();
+    for line in 1.. {
+        bytes.clear();
+        let most = u64::try_from(MAX_LINE + 1).unwrap_or(u64::MAX);
+        if io::Read::take(&mut reader, most).read_until(b'\n', &mut bytes)? == 0 {
+            break;
+        }
+        if bytes.len() > MAX_LINE {
+            return Err(AsciiError::TooLong { line, what: "bytes", limit: MAX_LINE });
+        }
+        let text = String::from_utf8_lossy(&bytes);
+        let text = text.trim().trim_start_matches('\u{feff}');
+        if text.is_empty() || text.starts_with('#') {
+            continue;
+        }
+        if rows.len() >= MAX_LINES {
+            return Err(AsciiError::TooLong { line, what: "lines", limit: MAX_LINES });
+        }
+        rows.push((line, row(line, text)?));
+    }
+    rows.sort_by(|(_, a), (_, b)| first(a).total_cmp(&first(b)));
+    for pair in rows.windows(2) {
+        if let [(before, a), (line, b)] = pair
+            && first(a) == first(b)
+        {
+            let [before, line] = [*before.min(line), *before.max(line)];
+            return Err(AsciiError::Twice { line, before, master: first(a) });
+        }
+    }
+    if rows.len() < 2 {
+        return Err(AsciiError::TooFew { found: rows.len() });
+    }
+    Ok(rows.into_iter().map(|(_, row)| row).collect())
+}
+
+fn first<const N: usize>(row: &[f64; N]) -> f64 {
+    row.first().copied().unwrap_or(f64::NAN)
+}
+
+fn row<const N: usize>(line: usize, text: &str) -> Result<[f64; N], AsciiError> {
+    let found = text.split([';', ':']).count();
+    if found != N {
+        return Err(AsciiError::Columns { line, expected: N, found });
+    }
+    let mut row = [0.0; N];
+    for ((slot, text), column) in row.iter_mut().zip(text.split([';', ':'])).zip(COLUMNS) {
+        let text = text.trim();
+        let number = text.replacen(',', ".", 1).parse().ok();
+        *slot = number
+            .filter(|number: &f64| number.is_finite())
+            .ok_or_else(|| AsciiError::NoNumber { line, column, text: text.to_owned() })?;
+    }
+    Ok(row)
+}
+
+/// Leaves out points, by ascending masters, that straight lines between the others miss by no more than `tolerance`
+/// (manual 4.4.3): from each point to the furthest one that can be reached. The first and the last one stay.
+///
+/// The error against the line through all points is greatest at one of those left out, so it is at most `tolerance`
+/// everywhere.
+pub fn reduce(points: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
+    let mut kept = Vec::new();
+    let mut rest = points;
+    while let [from, others @ ..] = rest {
+        kept.push(*from);
+        // Slopes that pass all points so far, and the points that can be reached, the furthest last.
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let mut reached = Vec::new();
+        for (index, to) in others.iter().enumerate() {
+            let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+            if low <= dy / dx && dy / dx <= high {
+                reached.push(index);
+            }
+            low = low.max((dy - tolerance) / dx);
+            high = high.min((dy + tolerance) / dx);
+            if low > high {
+                break;
+            }
+        }
+        let keeps = |index: &usize| {
+            let (between, to) = (others.get(..*index), others.get(*index));
+            to.is_some_and(|to| keeps(from, to, between.unwrap_or_default(), tolerance))
+        };
+        let furthest = reached.into_iter().rev().find(keeps).unwrap_or(0);
+        rest = others.get(furthest..).unwrap_or_default();
+    }
+    kept
+}
+
+/// Whether the line between two points keeps the tolerance at those between them; slopes alone are rounded.
+fn keeps(from: &[f64; 2], to: &[f64; 2], between: &[[f64; 2]], tolerance: f64) -> bool {
+    let slope = (to[1] - from[1]) / (to[0] - from[0]);
+    between
+        .iter()
+        .all(|point| (from[1] + slope * (point[0] - from[0]) - point[1]).abs() <= tolerance)
+}

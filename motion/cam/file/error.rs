@@ -1,0 +1,90 @@
+//! What goes wrong with `*.CAM` files.
+
+use super::super::error::CamError;
+use std::io;
+
+/// Why a file cannot be read.
+#[derive(Debug, thiserror::Error)]
+pub enum CamReadError {
+    /// The file could not be read.
+    #[error("byte {offset}: {source}")]
+    Io {
+        /// Where.
+        offset: u64,
+        /// Why.
+        source: io::Error,
+    },
+    /// It does not begin as a cam does.
+    #[error("byte {offset}: this is no cam file")]
+    NotACam {
+        /// The first byte that is wrong.
+        offset: u64,
+    },
+    /// It is of another version.
+    #[error("version {version} of cam files is not known, {} is", super::VERSION)]
+    Version {
+        /// Its version.
+        version: u16,
+    },
+    /// It ends too early.
+    #[error("byte {offset}: the file ends within the cam")]
+    Truncated {
+        /// Where it ends.
+        offset: u64,
+    },
+    /// A checksum is wrong: the file has been damaged.
+    #[error("byte {offset}: the checksum is wrong")]
+    Checksum {
+        /// Where the checksum stands.
+        offset: u64,
+    },
+    /// Something follows the end.
+    #[error("byte {offset}: something follows the end of the cam")]
+    Trailing {
+        /// Where.
+        offset: u64,
+    },
+    /// A number has no meaning here.
+    #[error("byte {offset}: {value} is no {field}")]
+    Unknown {
+        /// Where.
+        offset: u64,
+        /// What it should be.
+        field: &'static str,
+        /// What it is.
+        value: u64,
+    },
+    /// There is more than a cam may have.
+    #[error("byte {offset}: {value} {field} are more than {limit}")]
+    TooMany {
+        /// Where.
+        offset: u64,
+        /// Of what.
+        field: &'static str,
+        /// How many.
+        value: u64,
+        /// The most there may be.
+        limit: u64,
+    },
+    /// What it describes is no cam.
+    #[error(transparent)]
+    Cam(#[from] CamError),
+}
+
+/// Why a file cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub enum CamWriteError {
+    /// The file could not be written.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// There is more than a file may have.
+    #[error("{value} {field} are more than {limit}")]
+    TooMany {
+        /// Of what.
+        field: &'static str,
+        /// How many.
+        value: usize,
+        /// The most there may be.
+        limit: usize,
+    },
+}

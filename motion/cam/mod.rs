@@ -1,0 +1,45 @@
+//! Cams: a slave axis as a function of a master axis (manual 4, 5.4, 5.5, 10.3).
+//!
+//! [`Source`] is what people edit: points, straight lines and tappets on a scale. It is compiled to a [`Cam`], polynomial
+//! or a table, whose [`Curve`] gives the slave's position and derivatives anywhere. [`CamCoupling`] makes a slave follow one
+//! cycle by cycle; [`CamRegister`] switches bits where a master is, without a slave.
+//!
+//! Everything is in the axes' technical units u. There is no clock: who works cycle by cycle is told the time.
+
+mod bit;
+mod bounds;
+mod bridge;
+mod coupling;
+mod curve;
+mod error;
+pub mod file;
+mod knot;
+mod passage;
+mod polynomial;
+mod reference;
+mod register;
+mod source;
+mod table;
+mod tappet;
+#[cfg(test)]
+mod tests;
+pub mod tune;
+mod unwrap;
+mod value;
+
+pub use bit::{MAX_PULSES, TappetBit};
+pub use bounds::{Bounds, Factors, Largest, LimitError, MasterMotion, Peak, Quantity, SlaveLimits};
+pub use coupling::{
+    AxisState, CamCoupling, CamInput, CamTable, Coupled, CouplingError, MAX_TRIGGERS, StartMode,
+    TappetData, slave_set_position,
+};
+pub use curve::{Curve, CurveExtremes, Jump, Jumps, MAX_POINTS, Range};
+pub use error::CamError;
+pub use knot::{Derivatives, Knot, quintic};
+pub use passage::Trigger;
+pub use reference::{Cam, Shape};
+pub use register::{CamRegister, RegisterInput};
+pub use source::{Compile, Element, Kind, Scale, Source};
+pub use table::{Equidistant, Interpolation, PairTable, TableScale, VariableType};
+pub use tappet::{Action, Passage, Tappet};
+pub use value::TappetValue;

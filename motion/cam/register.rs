@@ -1,0 +1,121 @@
+//! Tappets without a slave (`SMC_CAMRegister`, manual 5.5).
+
+use super::bit::TappetBit;
+use super::passage::{Move, Watch};
+use super::reference::Cam;
+use super::unwrap::Unwrap;
+use std::sync::Arc;
+
+/// Inputs of a register; what it does not say is 0, the scaling 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RegisterInput {
+    /// `MasterOffset`, u of the cam.
+    pub master_offset: f64,
+    /// `MasterScaling`.
+    pub master_scaling: f64,
+    /// `TappetHysteresis`: a tappet acts again only when the master has left this band on both sides of it, u of the
+    /// cam.
+    pub hysteresis: f64,
+    /// `DeadTimeCompensation`: tappets are looked for where the master will be this much later, s.
+    pub dead_time_s: f64,
+    /// The master's period, if it is a rotary axis, u.
+    pub master_period: Option<f64>,
+}
+
+impl Default for RegisterInput {
+    fn default() -> Self {
+        Self {
+            master_offset: 0.0,
+            master_scaling: 1.0,
+            hysteresis: 0.0,
+            dead_time_s: 0.0,
+            master_period: None,
+        }
+    }
+}
+
+/// Switches the bits of a cam's tappets as a master moves; the curve does not count (`SMC_CAMRegister`, manual 5.5). The
+/// cam is put end to end.
+///
+/// There are as many bits as the cam has groups: `MAX_NUM_TAPPETS` is not needed.
+#[derive(Clone, Debug)]
+pub struct CamRegister {
+    cam: Arc<Cam>,
+    input: RegisterInput,
+    unwrap: Option<Unwrap>,
+    watch: Watch,
+    last: Option<(f64, i64)>,
+    passes: f64,
+    end_of_profile: bool,
+    bits: Vec<(i16, TappetBit)>,
+}
+
+impl CamRegister {
+    /// Enables the block: all bits are off.
+    pub fn new(cam: Arc<Cam>, input: RegisterInput) -> Self {
+        let width = cam.curve().end() - cam.curve().start();
+        let mut groups: Vec<_> = cam.tappets().iter().map(|tappet| tappet.group).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        let watch = Watch::new(cam.tappets(), input.hysteresis, Some(width));
+        let bits = groups.into_iter().map(|group| (group, TappetBit::default())).collect();
+        Self {
+            cam,
+            input,
+            unwrap: None,
+            watch,
+            last: None,
+            passes: 0.0,
+            end_of_profile: false,
+            bits,
+        }
+    }
+
+    /// Where the register looks for tappets, on the scale of the cam: (position + velocity · dead time) · scaling +
+    /// offset.
+    pub fn looks_at(&self, position: f64, velocity: f64) -> f64 {
+        let ahead = position + velocity * self.input.dead_time_s;
+        ahead * self.input.master_scaling + self.input.master_offset
+    }
+
+    /// A cycle: the master's position (u), velocity (u/s) and the time.
+    #[expect(clippy::float_cmp, reason = "counts of passes")]
+    pub fn step(&mut self, position: f64, velocity: f64, now_ns: i64) {
+        let period = self.input.master_period;
+        let unwrap = self.unwrap.get_or_insert_with(|| Unwrap::new(period, position));
+        let whole = unwrap.follow(position);
+        let to = self.looks_at(whole, velocity);
+        let (_, passes) = self.cam.curve().wrap(to);
+        if let Some((from, from_ns)) = self.last {
+            self.end_of_profile = passes != self.passes;
+            for trigger in self.watch.passed(&Move { from, to, from_ns, to_ns: now_ns }) {
+                if let Ok(index) = self.bits.binary_search_by_key(&trigger.group, |(id, _)| *id)
+                    && let Some((_, bit)) = self.bits.get_mut(index)
+                {
+                    bit.take(&trigger);
+                }
+            }
+        }
+        for (_, bit) in &mut self.bits {
+            bit.at(now_ns);
+        }
+        self.passes = passes;
+        self.last = Some((to, now_ns));
+    }
+
+    /// `EndOfProfile`: in this cycle the master has passed from the end of the cam to its begin, or back.
+    pub fn end_of_profile(&self) -> bool {
+        self.end_of_profile
+    }
+
+    /// The bit of a group; none if the cam has no such group.
+    pub fn bit(&self, group: i16) -> Option<bool> {
+        let index = self.bits.binary_search_by_key(&group, |(id, _)| *id).ok()?;
+        self.bits.get(index).map(|(_, bit)| bit.value())
+    }
+
+    /// Groups and their bits (`bTappet`), by ascending groups.
+    pub fn bits(&self) -> impl Iterator<Item = (i16, bool)> + '_ {
+        self.bits.iter().map(|(group, bit)| (*group, bit.value()))
+    }
+}

@@ -1,0 +1,172 @@
+//! Tappets and registers (manual 4.4.2, 5.5).
+
+use crate::cam::{
+    Action, AxisState, Cam, CamCoupling, CamInput, CamRegister, CamTable, Knot, Passage,
+    RegisterInput, Shape, Tappet, TappetBit, TappetValue, Trigger,
+};
+use proptest::prelude::*;
+use std::sync::Arc;
+
+const CYCLE_NS: i64 = 1_000_000;
+
+fn tappet(group: i16, master: f64, passage: Passage, action: Action) -> Tappet {
+    Tappet { group, master, passage, action }
+}
+
+fn register(tappets: Vec<Tappet>, input: RegisterInput) -> CamRegister {
+    let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
+    let cam = Cam::new("register", Shape::Polynomial(knots), tappets).expect("a cam");
+    CamRegister::new(Arc::new(cam), input)
+}
+
+/// The bit of group 1 after each position, a cycle apart.
+fn bits(register: &mut CamRegister, positions: &[f64]) -> Vec<bool> {
+    (0..)
+        .zip(positions)
+        .map(|(cycle, position)| {
+            register.step(*position, 0.0, cycle * CYCLE_NS);
+            register.bit(1).expect("group 1")
+        })
+        .collect()
+}
+
+/// Every passage with every lasting action: on 50 and back.
+#[test]
+fn passages_and_actions() {
+    let way = [40.0, 60.0, 40.0, 60.0, 40.0];
+    for (passage, action, expected) in [
+        (Passage::Positive, Action::On, [false, true, true, true, true]),
+        (Passage::Negative, Action::On, [false, false, true, true, true]),
+        (Passage::Every, Action::Invert, [false, true, false, true, false]),
+        (Passage::Positive, Action::Invert, [false, true, true, false, false]),
+        (Passage::Negative, Action::Invert, [false, false, true, true, false]),
+        (Passage::Every, Action::Off, [false; 5]),
+    ] {
+        let mut register =
+            register(vec![tappet(1, 50.0, passage, action)], RegisterInput::default());
+        assert_eq!(bits(&mut register, &way), expected, "{passage:?} {action:?}");
+    }
+}
+
+/// Two tappets of one group act in the order in which they are passed, forwards and back.
+#[test]
+fn tappets_of_a_group_in_order() {
+    let both = vec![
+        tappet(1, 50.0, Passage::Every, Action::On),
+        tappet(1, 55.0, Passage::Every, Action::Off),
+    ];
+    let mut register = register(both, RegisterInput::default());
+    assert_eq!(
+        bits(&mut register, &[40.0, 60.0, 40.0, 52.0, 60.0]),
+        [false, false, true, true, false]
+    );
+    assert_eq!(register.bit(2), None);
+    assert_eq!(register.bits().collect::<Vec<_>>(), [(1, false)]);
+}
+
+#[test]
+fn a_tappet_acts_once_where_the_master_stops_on_it() {
+    let invert = vec![tappet(1, 50.0, Passage::Every, Action::Invert)];
+    let mut plain = register(invert.clone(), RegisterInput::default());
+    assert_eq!(bits(&mut plain, &[40.0, 50.0, 50.0, 60.0]), [false, true, true, true]);
+    // Noise around it: without a band every passage counts, with one the first does.
+    let noise = [49.0, 50.4, 49.7, 50.2, 49.6, 50.3, 60.0, 49.9];
+    let mut plain = register(invert.clone(), RegisterInput::default());
+    let found = bits(&mut plain, &noise);
+    assert_eq!(found, [false, true, false, true, false, true, true, false]);
+    let band = RegisterInput { hysteresis: 0.5, ..RegisterInput::default() };
+    let found = bits(&mut register(invert, band), &noise);
+    assert_eq!(found, [false, true, true, true, true, true, true, false]);
+}
+
+#[test]
+fn timed_tappets_have_delay_and_duration() {
+    // Passed half way between the cycles at 0 and 1 ms: on at 3.5 ms, off at 5.6 ms.
+    let timed = Action::Timed { delay_ns: 3_000_000, duration_ns: 2_100_000 };
+    let mut slow = register(vec![tappet(1, 50.0, Passage::Every, timed)], RegisterInput::default());
+    let way = [45.0, 55.0, 60.0, 60.0, 60.0, 60.0, 60.0];
+    assert_eq!(bits(&mut slow, &way), [false, false, false, false, true, true, false]);
+    // Shorter than a cycle: seen in one.
+    let short = Action::Timed { delay_ns: 1_100_000, duration_ns: 1000 };
+    let mut short =
+        register(vec![tappet(1, 50.0, Passage::Every, short)], RegisterInput::default());
+    assert_eq!(bits(&mut short, &way), [false, false, true, false, false, false, false]);
+}
+
+#[test]
+fn pulses_overlap() {
+    let mut bit = TappetBit::default();
+    let timed = Action::Timed { delay_ns: 10, duration_ns: 100 };
+    let trigger = |time_ns, action| Trigger { group: 1, action, time_ns };
+    bit.take(&trigger(0, timed));
+    assert_eq!([9, 10].map(|now| bit.at(now)), [false, true]);
+    bit.take(&trigger(50, timed));
+    // 10 to 110 and 60 to 160.
+    let times = [109, 110, 159, 160];
+    assert_eq!(times.map(|now| bit.at(now)), [true, true, true, false]);
+    // What is switched off within a pulse stays off.
+    bit.take(&trigger(200, timed));
+    assert!(bit.at(250));
+    bit.take(&trigger(260, Action::Off));
+    assert_eq!([270, 309, 400].map(|now| bit.at(now)), [false; 3]);
+}
+
+#[test]
+fn the_bit_of_a_coupling_begins_again() {
+    let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(100.0, 50.0)];
+    let on = vec![
+        tappet(1, 50.0, Passage::Every, Action::On),
+        tappet(2, 60.0, Passage::Every, Action::On),
+    ];
+    let cam = Cam::new("cam", Shape::Polynomial(knots), on).expect("a cam");
+    let table = CamTable::new(Arc::new(cam));
+    let at = |position| AxisState { position, ..AxisState::default() };
+    let start = || {
+        CamCoupling::start(table.clone(), CamInput::default(), &at(0.0), &at(0.0), 0)
+            .expect("a start")
+    };
+    for (reset, expected) in [(true, false), (false, true)] {
+        let mut value = TappetValue::new(1, false, reset);
+        let mut coupling = start();
+        assert!(!value.step(&coupling.output().tappets));
+        assert!(value.step(&coupling.step(&at(55.0), CYCLE_NS).expect("somewhere").tappets));
+        assert_eq!(value.step(&start().output().tappets), expected);
+        assert_eq!(value.value(), expected);
+        assert!(TappetValue::new(1, true, reset).step(&start().output().tappets), "bInitValue");
+    }
+}
+
+/// 10 passes of a rotary master over a cam of half its turn.
+#[test]
+fn passes_over_the_end() {
+    let input = RegisterInput { master_period: Some(720.0), ..RegisterInput::default() };
+    let invert = vec![tappet(1, 0.0, Passage::Positive, Action::Invert)];
+    let mut register = register(invert, input);
+    let (mut ends, mut changes, mut before) = (0, 0, false);
+    for step in 0..=720_i32 {
+        register.step(f64::from(step) * 5.0 % 720.0, 0.0, i64::from(step) * CYCLE_NS);
+        let bit = register.bit(1).expect("group 1");
+        changes += i32::from(bit != before);
+        before = bit;
+        ends += i32::from(register.end_of_profile());
+    }
+    assert_eq!((ends, changes), (10, 10));
+}
+
+proptest! {
+    /// However a way is cut into cycles, an inverting tappet is passed as often.
+    #[test]
+    fn every_passage_counts(cuts in prop::collection::vec(0.0..1000.0_f64, 1..40), place in 0.0..360.0_f64) {
+        let mut sorted = cuts;
+        sorted.extend([0.0, 1000.0]);
+        sorted.sort_by(f64::total_cmp);
+        let invert = vec![tappet(1, place, Passage::Positive, Action::Invert)];
+        let mut register = register(invert, RegisterInput::default());
+        let bit = *bits(&mut register, &sorted).last().expect("cycles");
+        let passages = (0..3).filter(|pass| {
+            let at = place + 360.0 * f64::from(*pass);
+            at > 0.0 && at <= 1000.0
+        });
+        prop_assert_eq!(bit, passages.count() % 2 == 1);
+    }
+}

@@ -1,0 +1,98 @@
+//! Tuning a cam offline: from a recorded run to offsets and scalings, from switchings to a dead time, and from tolerances
+//! to a shape that lets the master go faster.
+//!
+//! What is estimated comes with an interval that holds the true value in 95 % of all runs, if the noise of the slave's
+//! positions is normal and independent from sample to sample; the master's positions are taken as they are. Data that do
+//! not say what is asked for, or contradict it, are refused.
+
+mod dead_time;
+mod fit;
+mod reshape;
+mod student;
+#[cfg(test)]
+mod tests;
+
+pub use dead_time::{DeadTime, Switching, dead_time};
+pub use fit::{Fit, FitOptions, Free, Sample, fit};
+pub use reshape::{ReshapeError, Reshaped, Tolerance, Wish, reshape};
+pub use student::student_975;
+
+use crate::short::Short;
+
+/// A value and how far the true one is from it at most, in 95 % of all runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Estimate {
+    /// The value.
+    pub value: f64,
+    /// Half the width of the interval; 0 for what was given.
+    pub half_width: f64,
+}
+
+impl Estimate {
+    pub(crate) const fn given(value: f64) -> Self {
+        Self { value, half_width: 0.0 }
+    }
+
+    /// Whether the interval holds a value.
+    pub fn holds(&self, value: f64) -> bool {
+        (value - self.value).abs() <= self.half_width
+    }
+}
+
+/// Why data are not fitted.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FitError {
+    /// Too few samples.
+    #[error("{found} samples are too few for {unknowns} unknowns: {needed} are needed")]
+    TooFew {
+        /// How many there are.
+        found: usize,
+        /// How many are needed.
+        needed: usize,
+        /// For how many unknowns.
+        unknowns: usize,
+    },
+    /// Nothing is to be found.
+    #[error("nothing is left to be found")]
+    NothingFree,
+    /// A sample is no finite number, or its weight is not greater than 0.
+    #[error("sample {index}: {value} is no {what}")]
+    NoNumber {
+        /// Which, from 1.
+        index: usize,
+        /// Of what.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// The data do not tell unknowns apart.
+    #[error("the data do not tell {} apart", .unknowns.join(" and "))]
+    Undetermined {
+        /// Which.
+        unknowns: Vec<&'static str>,
+    },
+    /// Two different answers fit alike.
+    #[error("{} and {} fit alike as {unknown}", Short(*.one), Short(*.other))]
+    Ambiguous {
+        /// Of what.
+        unknown: &'static str,
+        /// One answer.
+        one: f64,
+        /// The other one.
+        other: f64,
+    },
+    /// The model does not describe the data.
+    #[error("the data do not follow the cam: {} are left over of a spread of {}", Short(*.rms), Short(*.spread))]
+    Unexplained {
+        /// What is left over, root mean square, u.
+        rms: f64,
+        /// Spread of the data, root mean square, u.
+        spread: f64,
+    },
+    /// The first and the second half of the data ask for different answers.
+    #[error("both halves of the data contradict each other (F = {})", Short(*.f))]
+    Contradictory {
+        /// How many times larger than by chance the difference is.
+        f: f64,
+    },
+}

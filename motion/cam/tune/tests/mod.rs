@@ -1,0 +1,31 @@
+//! Estimates against known truths, and shapes against the best that is known.
+
+#![expect(clippy::float_cmp, reason = "given, or to be the same bit for bit")]
+
+mod fit;
+mod reshape;
+
+/// Numbers that come again with their seed (splitmix64).
+struct Random(u64);
+
+impl Random {
+    /// 0 to 1, neither included.
+    fn share(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut bits = self.0;
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        let high = u32::try_from((bits ^ (bits >> 31)) >> 32).expect("32 bits");
+        (f64::from(high) + 0.5) / 4_294_967_296.0
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.share()
+    }
+
+    /// Normal, of mean 0 and variance 1 (Box and Muller).
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * self.share().ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.share()).cos()
+    }
+}

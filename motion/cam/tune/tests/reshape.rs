@@ -1,0 +1,121 @@
+//! Reshaped cams: faster, within their tolerances, and as fast as can be.
+
+use super::Random;
+use crate::cam::tune::{ReshapeError, Tolerance, Wish, reshape};
+use crate::cam::{Curve, Factors, Knot, MasterMotion, Quantity, SlaveLimits};
+
+fn wish(tolerances: Vec<Tolerance>, limits: SlaveLimits) -> Wish {
+    Wish { tolerances, held: Vec::new(), limits, master_acceleration: 0.0, repeated: false }
+}
+
+fn acceleration(acceleration: f64) -> SlaveLimits {
+    SlaveLimits { acceleration, ..SlaveLimits::NONE }
+}
+
+/// From rest to rest through a point half way: whatever that point does, the peak of the acceleration over 2 · 90 is at
+/// least that of two parabolas, 4 · 100 / 180²; the best two quintics have to be above.
+#[test]
+fn a_free_middle_point() {
+    let knots = [Knot::at_rest(0.0, 0.0), Knot::at_rest(90.0, 50.0), Knot::at_rest(180.0, 100.0)];
+    let free = Tolerance { slave: 0.0, velocity: 10.0, acceleration: 0.0 };
+    let none = Tolerance::default();
+    let limits = acceleration(100.0);
+    let found = reshape(&knots, &wish(vec![none, free, none], limits)).expect("a shape");
+    let bound = (100.0 / (4.0 * 100.0 / (180.0 * 180.0_f64))).sqrt();
+    assert!(found.after.value > found.before.value, "{found:?}");
+    assert!(found.after.value < bound);
+    // One unknown: the peak over all velocities of the middle point, one by one.
+    let speed = |velocity: f64| {
+        let mut moved = knots;
+        moved[1].velocity = velocity;
+        let curve = Curve::polynomial(&moved).expect("a curve");
+        let master = MasterMotion::default();
+        curve
+            .largest_master_velocity(&limits, &master, Factors::default(), false)
+            .expect("a velocity")
+    };
+    let best = (0..20_000_i32).map(|i| speed(f64::from(i) * 1e-4).value).fold(0.0, f64::max);
+    assert!((found.after.value / best - 1.0).abs() < 1e-5, "{} {best}", found.after.value);
+    assert_eq!(speed(found.knots[1].velocity).value, found.after.value, "what is told is exact");
+}
+
+/// Tolerances, tappets and the ends of periodic cams are kept; nothing gets slower.
+#[test]
+fn random_cams_get_faster_within_their_tolerances() {
+    for seed in 0..25 {
+        let mut random = Random(seed);
+        let mut knots = Vec::new();
+        for index in 0..7_i32 {
+            knots.push(Knot {
+                master: 60.0 * f64::from(index),
+                slave: random.between(0.0, 100.0),
+                velocity: random.between(-1.0, 1.0),
+                acceleration: random.between(-0.02, 0.02),
+            });
+        }
+        knots[6] = Knot { master: 360.0, ..knots[0] };
+        let tolerances: Vec<_> = (0..7)
+            .map(|_| Tolerance {
+                slave: if random.share() < 0.5 { 0.0 } else { random.between(0.0, 5.0) },
+                velocity: random.between(0.0, 0.5),
+                acceleration: random.between(0.0, 0.02),
+            })
+            .collect();
+        let limits = SlaveLimits {
+            velocity: 500.0,
+            acceleration: 2000.0,
+            jerk: if seed % 2 == 0 { f64::INFINITY } else { 1e5 },
+        };
+        let held = vec![100.0, 215.5];
+        let pull = if seed % 3 == 0 { 5.0 } else { 0.0 };
+        let wish = Wish {
+            held: held.clone(),
+            master_acceleration: pull,
+            repeated: true,
+            ..wish(tolerances.clone(), limits)
+        };
+        // With jerk limits the points have to join with one jerk limit only, which quintics do.
+        let found = reshape(&knots, &wish).unwrap_or_else(|error| panic!("{seed}: {error}"));
+        assert!(found.after.value > found.before.value, "{seed}: {found:?}");
+        let [old, new] =
+            [&knots, &found.knots].map(|knots| Curve::polynomial(knots).expect("a curve"));
+        for master in held {
+            let [a, b] = [&old, &new].map(|curve| curve.at(master).position);
+            assert!((a - b).abs() < 1e-5, "{seed}: {a} {b}");
+        }
+        for ((before, after), tolerance) in knots.iter().zip(&found.knots).zip(&tolerances).take(6)
+        {
+            assert_eq!(before.master, after.master);
+            assert!((before.slave - after.slave).abs() <= tolerance.slave + 1e-12);
+            assert!((before.velocity - after.velocity).abs() <= tolerance.velocity + 1e-12);
+            assert!(
+                (before.acceleration - after.acceleration).abs() <= tolerance.acceleration + 1e-12
+            );
+        }
+        let jumps = new.jumps(true);
+        assert!(jumps.velocity.by.abs() < 1e-9 && jumps.acceleration.by.abs() < 1e-9, "C2");
+        assert!((new.rise()).abs() < 1e-9);
+        let master = MasterMotion { velocity: found.after.value, acceleration: pull, jerk: 0.0 };
+        for (quantity, limit) in
+            Quantity::ALL.into_iter().zip([limits.velocity, limits.acceleration, limits.jerk])
+        {
+            let peak = new.peak(quantity, &master, Factors::default());
+            assert!(peak.value <= limit * (1.0 + 1e-12), "{seed}: {quantity} {peak:?}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_reshaped() {
+    let knots = [Knot::at_rest(0.0, 0.0), Knot::at_rest(90.0, 50.0)];
+    let none = vec![Tolerance::default(); 2];
+    let fixed = reshape(&knots, &wish(none.clone(), acceleration(1.0))).expect("as it was");
+    assert_eq!((fixed.knots.as_slice(), fixed.before), (&knots[..], fixed.after));
+    let free = reshape(&knots, &wish(none, SlaveLimits::NONE));
+    assert_eq!(free, Err(ReshapeError::NoLimit));
+    let one = reshape(&knots, &wish(vec![Tolerance::default()], acceleration(1.0)));
+    assert_eq!(one, Err(ReshapeError::Tolerances { found: 1, expected: 2 }));
+    let negative = Tolerance { slave: -1.0, ..Tolerance::default() };
+    let wrong = reshape(&knots, &wish(vec![Tolerance::default(), negative], acceleration(1.0)));
+    assert_eq!(wrong, Err(ReshapeError::NoMagnitude { index: 2, value: -1.0 }));
+}
