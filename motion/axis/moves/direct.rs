@@ -72,7 +72,7 @@ impl Motion for Follow {
 /// `SMC_ControlAxisByVel`, manual 2.2.5).
 ///
 /// With `avoid_gaps`, a set-point that asks for more than `fSWMaxVelocity`, `fSWMaxAcceleration` or `fSWMaxDeceleration`
-/// is a jump: [`ControlAxis::stop_ipo`] holds the interpolator while the axis goes to the set-point with the gap values.
+/// is a jump: [`ControlOutputs::stop_ipo`] holds the interpolator while the axis goes to the set-point with the gap values.
 /// Gap values that are not positive are replaced by the axis's own.
 #[doc(alias = "SMC_ControlAxisByPos")]
 #[doc(alias = "SMC_ControlAxisByPosVel")]
