@@ -1,4 +1,4 @@
-//! The worked vectors of the SoftMotion manual: language, preparation and interpolator.
+//! The worked vectors of the SoftMotion manual: language, preparation, interpolator and single axes.
 //!
 //! The numbers are data (`tests/data/softmotion-vectors.json`), inputs and expectations both. Every vector has one
 //! test here that takes the inputs through the stages a program goes through and compares everything expected. The
@@ -13,6 +13,7 @@
 )]
 
 mod arcs;
+mod axis;
 mod curves;
 mod interpolation;
 mod operations;
@@ -25,7 +26,7 @@ mod words;
 use table::{Exercise, Owner};
 
 /// Which test exercises which vector.
-const EXERCISED: [Exercise; 31] = [
+const EXERCISED: [Exercise; 34] = [
     ("cnc-arc-R-semicircle", arcs::by_radius_semicircle),
     ("cnc-arc-IJ-same", arcs::by_center),
     ("cnc-arc-R-minor", arcs::by_radius_minor),
@@ -57,6 +58,9 @@ const EXERCISED: [Exercise; 31] = [
     ("ipo-sigmoid", interpolation::sigmoid),
     ("ipo-triangle", interpolation::triangle),
     ("x-interpolator", interpolation::by_position),
+    ("axis-ramps", axis::ramps),
+    ("axis-position-profile", axis::position_profile),
+    ("axis-acceleration-profile", axis::acceleration_profile),
 ];
 
 #[test]

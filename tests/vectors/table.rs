@@ -24,7 +24,8 @@ impl Owner {
     /// By how the ids begin; none for what this project does not do.
     fn of(id: &str) -> Option<Self> {
         let begins = |groups: &[&str]| groups.iter().any(|group| id.starts_with(group));
-        if begins(&["cnc-", "prep-", "ipo-"]) || id == "x-interpolator" {
+        let axes = ["axis-ramps", "axis-position-profile", "axis-acceleration-profile"];
+        if begins(&["cnc-", "prep-", "ipo-"]) || id == "x-interpolator" || axes.contains(&id) {
             Some(Self::Motion)
         } else if begins(&["trafo-", "trafov-"]) {
             Some(Self::Kinematics)
