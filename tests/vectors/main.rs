@@ -13,6 +13,7 @@
 )]
 
 mod arcs;
+mod axis;
 mod blocks;
 mod curves;
 mod interpolation;
@@ -26,7 +27,7 @@ mod words;
 use table::{Exercise, Owner};
 
 /// Which test exercises which vector.
-const EXERCISED: [Exercise; 37] = [
+const EXERCISED: [Exercise; 40] = [
     ("cnc-arc-R-semicircle", arcs::by_radius_semicircle),
     ("cnc-arc-IJ-same", arcs::by_center),
     ("cnc-arc-R-minor", arcs::by_radius_minor),
@@ -58,6 +59,9 @@ const EXERCISED: [Exercise; 37] = [
     ("ipo-sigmoid", interpolation::sigmoid),
     ("ipo-triangle", interpolation::triangle),
     ("x-interpolator", interpolation::by_position),
+    ("axis-ramps", axis::ramps),
+    ("axis-position-profile", axis::position_profile),
+    ("axis-acceleration-profile", axis::acceleration_profile),
     ("axis-direction", blocks::direction),
     ("axis-units", blocks::conversions),
     ("gear-in-pos", blocks::gear_in_position),
