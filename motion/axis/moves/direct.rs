@@ -134,7 +134,12 @@ impl Motion for ControlAxisBy {
             return Ok(Progress { setpoint, stage: Stage::Busy });
         }
         let wanted = self.setpoint.wanted(axis);
-        *bridging |= self.avoid_gaps && exceeds(wanted, axis.saved, axis, true, true);
+        // A position may jump that comes with a velocity of its own.
+        let way =
+            State { velocity: (wanted.position - axis.saved.position) / axis.cycle(), ..wanted };
+        let jumps = exceeds(wanted, axis.saved, axis, true, true)
+            || exceeds(way, axis.saved, axis, true, false);
+        *bridging |= self.avoid_gaps && jumps;
         let setpoint = if *bridging {
             // The manual has no error of its own for limits with which there is no way.
             let bridge = self.bridge(wanted, axis).ok_or(SmcError::MaInvalidVelaccValues)?;
