@@ -37,7 +37,10 @@ impl Move {
     pub fn duration(&self, ramp: RampType) -> f64 {
         let Self { from, target, end_velocity, limits } = *self;
         let profile = Profile::to_position(from, target, end_velocity, limits, ramp);
-        profile.map_or(f64::NAN, |profile| black_box(&profile).duration())
+        match &profile {
+            Ok(profile) => black_box(profile).duration(),
+            Err(_) => f64::NAN,
+        }
     }
 }
 
