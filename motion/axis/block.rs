@@ -95,6 +95,8 @@ struct Taken<M: Motion> {
     inputs: M,
     run: M::Run,
     owner: i64,
+    /// `wDriveId` of the axis.
+    drive: i64,
 }
 
 impl<M: Motion + Clone> Block<M> {
@@ -140,16 +142,25 @@ impl<M: Motion + Clone> Block<M> {
             Ok(run) => {
                 let owner = axis.claim(M::STATE, start);
                 axis.aim = M::aim(&run);
-                self.taken = Some(Taken { inputs: self.inputs.clone(), run, owner });
+                self.taken = Some(Taken {
+                    inputs: self.inputs.clone(),
+                    run,
+                    owner,
+                    drive: axis.values.drive_id,
+                });
             }
             Err(refusal) => self.latch.end(refusal.into(), axis),
         }
     }
 
     fn advance(&mut self, axis: &mut Axis, with: M::With) {
-        let Some(Taken { inputs, run, owner }) = &mut self.taken else { return };
-        let owner = *owner;
+        let Some(Taken { inputs, run, owner, drive }) = &mut self.taken else { return };
+        let (owner, drive) = (*owner, *drive);
         let latched = if M::LIVE { &self.inputs } else { &*inputs };
+        if drive != axis.values.drive_id {
+            self.taken = None;
+            return self.latch.end(Outcome::Failed(SmcError::AxisRefChangedDuringOperation), axis);
+        }
         if !axis.owns(owner) {
             self.taken = None;
             // A stop that is done has nothing left to lose.

@@ -40,6 +40,8 @@ pub struct AxisConfig {
     pub capture_window: bool,
     /// Increments to u: numerator and denominator (`iRatioTechUnitsNum`, `dwRatioTechUnitsDenom`).
     pub ratio: [i64; 2],
+    /// Number of the drive (`wId`, `wDriveId`); blocks tell axes by it.
+    pub drive_id: u16,
     /// Whether the configuration made the axis (`bRealDrive`), not a program.
     pub real_drive: bool,
 }
@@ -59,6 +61,7 @@ impl Default for AxisConfig {
             hardware_limits: false,
             capture_window: true,
             ratio: [1, 1],
+            drive_id: 0,
             real_drive: true,
         }
     }

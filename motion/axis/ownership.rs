@@ -56,7 +56,7 @@ impl Axis {
     ///
     /// [`Refusal::Error`] with the axis's error in errorstop and with 20 without power or with the brake on;
     /// [`Refusal::Locked`] where the state does not lead there.
-    pub(crate) fn admits(&self, state: AxisState) -> Result<(), Refusal> {
+    pub fn admits(&self, state: AxisState) -> Result<(), Refusal> {
         match self.state {
             AxisState::ErrorStop => Err(self.error_of_blocks().into()),
             _ if !self.is_powered() => Err(SmcError::RegulatorOrStartNotSet.into()),
@@ -119,6 +119,12 @@ impl Axis {
         self.base = base;
         self.values.moved_in_this_cycle = true;
         self.show_set_values();
+    }
+
+    /// The set-point of the last cycle, which a block goes on from: in the drive's coordinates, unwound.
+    #[must_use]
+    pub fn last_setpoint(&self) -> State {
+        self.saved
     }
 
     /// What a block that has lost the axis shows: the axis's error, 20 where the power went, none where another block

@@ -93,6 +93,7 @@ impl Axis {
             position_period: period,
             task_cycle: config.cycle,
             real_drive: config.real_drive,
+            drive_id: config.drive_id.into(),
             max_jerk: config.jerk,
             sw_max_jerk: config.jerk,
             sw_max_velocity: config.max_velocity,
@@ -229,12 +230,14 @@ impl Axis {
     }
 
     /// The drive's position where the program says `position`, u.
-    pub(crate) fn to_drive(&self, position: f64) -> f64 {
+    #[must_use]
+    pub fn to_drive(&self, position: f64) -> f64 {
         position - self.values.offset_position
     }
 
     /// The program's position where the drive says `position`, u; within the period.
-    pub(crate) fn in_program(&self, position: f64) -> f64 {
+    #[must_use]
+    pub fn in_program(&self, position: f64) -> f64 {
         self.wrapped(position + self.values.offset_position)
     }
 

@@ -134,7 +134,7 @@ pub(crate) fn gear_in_position() {
             lead.inputs = Follow::Position(f64::from(place));
             master.cycle(|axis| lead.call(true, axis));
             slave.cycle(|axis| block.follow(true, &master.axis, axis));
-            if f64::from(place) == vector.number("master") {
+            if place.to_string() == vector.word("master") {
                 vector.expect("slave", [slave.axis.set_position()]);
                 let gear = slave.axis.set_velocity() / master.axis.set_velocity();
                 vector.expect("gear", [gear]);

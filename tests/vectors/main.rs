@@ -13,6 +13,7 @@
 )]
 
 mod arcs;
+mod axis;
 mod blocks;
 mod cams;
 mod curves;
@@ -27,7 +28,7 @@ mod words;
 use table::{Exercise, Owner};
 
 /// Which test exercises which vector.
-const EXERCISED: [Exercise; 46] = [
+const EXERCISED: [Exercise; 49] = [
     ("cnc-arc-R-semicircle", arcs::by_radius_semicircle),
     ("cnc-arc-IJ-same", arcs::by_center),
     ("cnc-arc-R-minor", arcs::by_radius_minor),
@@ -68,6 +69,9 @@ const EXERCISED: [Exercise; 46] = [
     ("cam-camin-scaling", cams::scaling),
     ("cam-periodic-offsets", cams::periodic_offsets),
     ("cam-register-deadtime", cams::dead_time),
+    ("axis-ramps", axis::ramps),
+    ("axis-position-profile", axis::position_profile),
+    ("axis-acceleration-profile", axis::acceleration_profile),
     ("axis-direction", blocks::direction),
     ("axis-units", blocks::conversions),
     ("gear-in-pos", blocks::gear_in_position),

@@ -72,7 +72,7 @@ impl Motion for Follow {
 /// `SMC_ControlAxisByVel`, manual 2.2.5).
 ///
 /// With `avoid_gaps`, a set-point that asks for more than `fSWMaxVelocity`, `fSWMaxAcceleration` or `fSWMaxDeceleration`
-/// is a jump: [`ControlAxis::stop_ipo`] holds the interpolator while the axis goes to the set-point with the gap values.
+/// is a jump: [`ControlOutputs::stop_ipo`] holds the interpolator while the axis goes to the set-point with the gap values.
 /// Gap values that are not positive are replaced by the axis's own.
 #[doc(alias = "SMC_ControlAxisByPos")]
 #[doc(alias = "SMC_ControlAxisByPosVel")]
@@ -134,7 +134,12 @@ impl Motion for ControlAxisBy {
             return Ok(Progress { setpoint, stage: Stage::Busy });
         }
         let wanted = self.setpoint.wanted(axis);
-        *bridging |= self.avoid_gaps && exceeds(wanted, axis.saved, axis, true, true);
+        // A position may jump that comes with a velocity of its own.
+        let way =
+            State { velocity: (wanted.position - axis.saved.position) / axis.cycle(), ..wanted };
+        let jumps = exceeds(wanted, axis.saved, axis, true, true)
+            || exceeds(way, axis.saved, axis, true, false);
+        *bridging |= self.avoid_gaps && jumps;
         let setpoint = if *bridging {
             // The manual has no error of its own for limits with which there is no way.
             let bridge = self.bridge(wanted, axis).ok_or(SmcError::MaInvalidVelaccValues)?;

@@ -4,12 +4,12 @@
 //! is a parabola, whichever signs the velocities have:
 //!
 //! ```text
-//! way(v) = K·v² − c,  K = (1/A + 1/D)/2,  c = v0²/2A₀ + v1²/2A₁
+//! way(v) = way(straight) + K·(v² − m²),  K = (1/A + 1/D)/2,  m = max(v0, v1)
 //! ```
 //!
-//! for v not below v0 and v1, with A₀ the acceleration A or, where v0 is negative, the deceleration D, and A₁ the other
-//! way round. The other direction is its mirror image. Further than straight from v0 to v1 leads the upper side only,
-//! and the fastest way there is the rising branch of the parabola: in the same time nothing gets further.
+//! for v not below m, with the acceleration A and the deceleration D. The other direction is its mirror image. Further
+//! than straight from v0 to v1 leads the upper side only, and the fastest way there is the rising branch of the parabola:
+//! in the same time nothing gets further.
 
 use super::AxisLimits;
 use super::segment::Track;
@@ -49,19 +49,19 @@ pub(super) fn to_position(track: &mut Track, target: f64, end_velocity: f64, lim
     if start.abs() > most {
         ramp(track, most.copysign(start), limits);
     }
-    let way_to_go = target - track.state.position;
     let start = track.state.velocity;
-    let excess = way_to_go - way(limits, start, end_velocity);
+    let excess = target - track.state.position - way(limits, start, end_velocity);
     // The mirror image, so that it is always further than straight to the end velocity.
     let sign = if excess < 0.0 { -1.0 } else { 1.0 };
-    let [way_to_go, v0, v1] = [way_to_go, start, end_velocity].map(|value| sign * value);
+    let excess = excess.abs();
+    // Straight leads the way over the larger of the two; so no constant is left that would take digits.
+    let least = (sign * start).max(sign * end_velocity);
     let curvature = 0.5 * (1.0 / acceleration + 1.0 / deceleration);
-    let offset = 0.5 * (v0 * v0 / limits.rate(v0 >= 0.0) + v1 * v1 / limits.rate(v1 < 0.0));
-    let peak = ((way_to_go + offset) / curvature).max(0.0).sqrt().max(v0).max(v1);
+    let peak = (least * least + excess / curvature).sqrt();
     let (peak, cruise) = if peak < most {
         (peak, 0.0)
     } else {
-        (most, (way_to_go + offset) / most - curvature * most)
+        (most, (excess / most - curvature * (most - least) * (1.0 + least / most)).max(0.0))
     };
     ramp(track, sign * peak, limits);
     track.push(cruise, 0.0, 0.0);

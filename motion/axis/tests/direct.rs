@@ -70,6 +70,33 @@ fn a_jump_is_bridged_while_the_interpolator_waits() {
 }
 
 #[test]
+fn jumps_of_velocity_and_of_position_with_velocity_are_bridged() {
+    // 5 u/s with 20 u/s² take 25 cycles; 2 u with 20 u/s² take 2·√(2/20) s, 64 cycles.
+    for (setpoint, gap, cycles, velocity) in [
+        (Follow::Velocity(0.0), Follow::Velocity(5.0), 25, 5.0),
+        (Follow::PositionVelocity(0.0, 0.0), Follow::PositionVelocity(2.0, 0.0), 64, 0.0),
+    ] {
+        let mut rig = Rig::new(AxisConfig { max_acceleration: 50.0, ..AxisConfig::default() });
+        let mut block = ControlAxis::new(ControlAxisBy {
+            setpoint,
+            avoid_gaps: true,
+            gap_velocity: 10.0,
+            gap_acceleration: 20.0,
+            gap_deceleration: 20.0,
+        });
+        assert!(!rig.cycle(|axis| block.call(true, axis)).stop_ipo);
+        block.inputs().setpoint = gap;
+        let count = rig.until(|axis| {
+            let held = block.call(true, axis).stop_ipo;
+            assert!(axis.set_acceleration().abs() <= 20.0 + 1e-9);
+            !held
+        });
+        assert_eq!(count, cycles);
+        assert!((rig.axis.set_velocity() - velocity).abs() < 1e-9);
+    }
+}
+
+#[test]
 fn a_control_block_that_is_not_enabled_gives_the_axis_back() {
     let mut rig = linear();
     let mut block = ControlAxis::new(ControlAxisBy {

@@ -2,8 +2,8 @@
 
 use super::rig::{Rig, linear};
 use crate::axis::{
-    Axis, AxisState, Block, Direction, Halt, MoveAbsolute, MoveRelative, MoveVelocity, Outputs,
-    SmcError, Stop,
+    Axis, AxisConfig, AxisState, Block, Direction, Halt, MoveAbsolute, MoveRelative, MoveVelocity,
+    Outputs, SmcError, Stop,
 };
 
 pub(super) fn to(position: f64) -> Block<MoveAbsolute> {
@@ -206,6 +206,22 @@ fn a_stop_whose_execute_fell_frees_the_axis_when_it_stands() {
     rig.cycle(|axis| stop.call(true, axis));
     rig.until(|axis| stop.call(false, axis).done);
     assert_eq!(rig.axis.state(), AxisState::Standstill);
+}
+
+#[test]
+fn an_axis_swapped_for_another_is_an_error_32() {
+    let (mut rig, mut other) =
+        (linear(), Rig::new(AxisConfig { drive_id: 7, ..AxisConfig::default() }));
+    let (mut block, mut others) = (to(5.0), to(9.0));
+    rig.cycle(|axis| block.call(true, axis));
+    other.cycle(|axis| others.call(true, axis));
+    let shown = other.cycle(|axis| [others.call(true, axis), block.call(true, axis)]);
+    assert_eq!(shown[1].error, Some(SmcError::AxisRefChangedDuringOperation));
+    // The other axis is not disturbed; the block's own one is left alone.
+    other.until(|axis| others.call(true, axis).done);
+    assert_eq!(other.axis.set_position(), 9.0);
+    rig.cycle(|_| ());
+    assert_eq!(rig.axis.error_id(), Some(30));
 }
 
 #[test]

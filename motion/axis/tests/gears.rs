@@ -4,7 +4,8 @@ use super::blocks::endless;
 use super::framework::to;
 use super::rig::{CYCLE, Rig, linear, rotary};
 use crate::axis::{
-    AxisState, Block, Decouple, GearIn, GearInPos, GearInPosRun, Outputs, Phasing, SmcError,
+    AxisConfig, AxisState, Block, Decouple, GearIn, GearInPos, GearInPosRun, Movement, Outputs,
+    Phasing, SmcError,
 };
 
 /// One cycle of a master and its slave.
@@ -97,6 +98,16 @@ fn gears_refuse_wrong_inputs() {
     assert_eq!(error(GearIn { ratio_denominator: 0, ..good }), Some(SmcError::GiRatioDenom));
     assert_eq!(error(GearIn { acceleration: 0.0, ..good }), Some(SmcError::GiInvalidAcc));
     assert_eq!(error(GearIn { deceleration: -1.0, ..good }), Some(SmcError::GiInvalidDec));
+}
+
+#[test]
+fn phasing_refuses_a_rotary_axis_without_a_period() {
+    let movement = Movement::Rotary { period: 0.0 };
+    let master = Rig::new(AxisConfig { movement, ..AxisConfig::default() });
+    let mut slave = linear();
+    let phasing = Phasing { phase_shift: 1.0, velocity: 1.0, acceleration: 1.0, deceleration: 1.0 };
+    let shown = slave.cycle(|axis| Block::new(phasing).follow(true, &master.axis, axis));
+    assert_eq!(shown.error, Some(SmcError::PhRotaryaxisPeriod0));
 }
 
 #[test]

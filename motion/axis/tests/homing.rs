@@ -78,6 +78,16 @@ fn the_index_pulse_is_the_reference() {
 }
 
 #[test]
+fn without_turning_it_may_wait_for_the_index_pulse_too() {
+    let mut rig = linear();
+    let mut block = homing(HomingMode::FastSlowIndexSetStop);
+    block.inputs.direction = Direction::Positive;
+    // Across a switch from 2 to 3, on to the pulse behind it.
+    let place = run(&mut rig, &mut block, [2.0, 3.0], Some(3.4567));
+    assert!((place - 3.4567).abs() < 1e-9, "{place}");
+}
+
+#[test]
 fn without_turning_it_goes_across_the_switch() {
     let mut rig = linear();
     let place = run(&mut rig, &mut homing(HomingMode::FastSlowSetStop), [-3.0, SWITCH], None);

@@ -2,7 +2,10 @@
 
 use super::framework::to;
 use super::rig::{linear, rotary};
-use crate::axis::{Block, Direction, MoveAdditive, MoveVelocity, SmcError};
+use crate::axis::{
+    Block, Direction, Halt, MoveAdditive, MoveContinuousAbsolute, MoveRelative, MoveSuperImposed,
+    MoveVelocity, SmcError, Stop,
+};
 
 /// Where a rotary axis at 350 u that rests goes for 10 u, in u.
 fn way(direction: Direction) -> f64 {
@@ -110,6 +113,37 @@ fn in_continuous_motion_an_additive_move_counts_from_here() {
     let mut more = add(-5.0);
     rig.until(|axis| more.call(true, axis).done);
     assert!((rig.axis.set_position() - (here - 5.0)).abs() < 1e-9);
+}
+
+#[test]
+fn every_block_refuses_wrong_limits_with_its_own_number() {
+    let mut rig = linear();
+    let (velocity, acceleration, deceleration) = (10.0, 0.0, 100.0);
+    let relative = MoveRelative { distance: 1.0, velocity, acceleration, deceleration };
+    let continuous = MoveContinuousAbsolute {
+        position: 5.0,
+        velocity,
+        end_velocity: 1.0,
+        end_velocity_direction: Direction::Positive,
+        acceleration,
+        deceleration,
+        direction: Direction::Positive,
+    };
+    let mut additive = add(1.0);
+    additive.inputs.acceleration = f64::NAN;
+    let mut on_top = MoveSuperImposed::new(1.0, -1.0, 100.0, 100.0);
+    let shown = rig.cycle(|axis| {
+        [
+            Block::new(relative).call(true, axis),
+            additive.call(true, axis),
+            on_top.call(true, axis),
+            Block::new(continuous).call(true, axis),
+            Block::new(Stop { deceleration: 0.0 }).call(true, axis),
+            Block::new(Halt { deceleration: -1.0 }).call(true, axis),
+        ]
+    });
+    let numbers = shown.map(|shown| shown.error.map(SmcError::number));
+    assert_eq!(numbers, [226, 251, 276, 451, 181, 181].map(Some));
 }
 
 #[test]

@@ -1,13 +1,13 @@
 //! Braking less at first: for ways between the straight ramp and the one over a constant velocity.
 
+use super::ramp::Rates;
 use super::{MOST_STEPS, Way};
-use crate::axis::profile::AxisLimits;
 
 /// What the axis does with the acceleration −α instead of its first one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ease<'a> {
     pub(super) way: &'a Way,
-    pub(super) limits: &'a AxisLimits,
+    pub(super) limits: &'a Rates,
     /// Velocity with α = 0.
     pub(super) settled: f64,
 }
@@ -76,7 +76,7 @@ impl Ease<'_> {
     /// limits and √(α² + k), with k for a ramp to the end velocity and to a standstill at the smaller limit. What is no
     /// zero after all only divides a piece.
     fn turns(&self) -> [f64; 8] {
-        let AxisLimits { acceleration, deceleration, jerk, .. } = *self.limits;
+        let Rates { acceleration, deceleration, jerk, .. } = *self.limits;
         let c = 2.0 * jerk * self.settled;
         let middle = acceleration.min(deceleration);
         let held = |limit: f64, sign: f64| {

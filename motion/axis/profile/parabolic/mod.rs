@@ -30,6 +30,7 @@ mod ramp;
 use super::AxisLimits;
 use super::segment::Track;
 use ease::Ease;
+use ramp::{Rates, Up};
 
 /// Steps of a search. Halving the bracket alone gets to the last bit of a number that is not extremely small.
 const MOST_STEPS: u32 = 80;
@@ -39,6 +40,10 @@ const PRECISION: f64 = 1e-13;
 
 /// Goes to a velocity.
 pub(super) fn ramp(track: &mut Track, velocity: f64, limits: &AxisLimits) {
+    to_velocity(track, velocity, &limits.into());
+}
+
+fn to_velocity(track: &mut Track, velocity: f64, limits: &Rates) {
     let start = track.state;
     let sign = side(velocity - limits.settled(start.velocity, start.acceleration));
     limits.up(sign * start.velocity, sign * start.acceleration, sign * velocity).push(
@@ -50,6 +55,7 @@ pub(super) fn ramp(track: &mut Track, velocity: f64, limits: &AxisLimits) {
 
 /// Goes to a position and has `end_velocity`, at most the limit, there.
 pub(super) fn to_position(track: &mut Track, target: f64, end_velocity: f64, limits: &AxisLimits) {
+    let limits = &Rates::from(limits);
     let most = limits.velocity;
     let settled = limits.settled(track.state.velocity, track.state.acceleration);
     if track.state.velocity.abs() <= most && settled.abs() <= most {
@@ -64,11 +70,11 @@ pub(super) fn to_position(track: &mut Track, target: f64, end_velocity: f64, lim
     if limits.settled(hard.state.velocity, hard.state.acceleration).abs() > most {
         // That would be too much, so only as much as leads to the limit on the other side.
         hard = *track;
-        ramp(&mut hard, -over * most, limits);
+        to_velocity(&mut hard, -over * most, limits);
     }
     plan(&mut hard, target, end_velocity, limits);
     if settled.abs() > most {
-        ramp(track, over * most, limits);
+        to_velocity(track, over * most, limits);
     }
     plan(track, target, end_velocity, limits);
     if hard.duration < track.duration {
@@ -77,10 +83,10 @@ pub(super) fn to_position(track: &mut Track, target: f64, end_velocity: f64, lim
 }
 
 /// Brakes from beyond the velocity limit on the side of `sign` until it is kept.
-fn brake(track: &mut Track, sign: f64, limits: &AxisLimits) {
+fn brake(track: &mut Track, sign: f64, limits: &Rates) {
     let (excess, acceleration) =
         (sign * track.state.velocity - limits.velocity, sign * track.state.acceleration);
-    let AxisLimits { deceleration, jerk, .. } = *limits;
+    let Rates { deceleration, jerk, .. } = *limits;
     if acceleration < -deceleration {
         let ease = (-deceleration - acceleration) / jerk;
         // The velocity may get below the limit within this time; it is kept then.
@@ -122,7 +128,7 @@ struct Way {
 }
 
 /// From a state that keeps the velocity limit and can go on keeping it.
-fn plan(track: &mut Track, target: f64, end_velocity: f64, limits: &AxisLimits) {
+fn plan(track: &mut Track, target: f64, end_velocity: f64, limits: &Rates) {
     let start = track.state;
     let jerk = limits.jerk;
     let length = target - start.position;
@@ -154,51 +160,64 @@ fn plan(track: &mut Track, target: f64, end_velocity: f64, limits: &AxisLimits) 
         return;
     }
     let lowest = settled.max(way.v1).min(limits.velocity);
-    let (peak, cruise) = over_a_peak(&way, lowest, limits);
-    limits.up(way.v0, way.a0, peak).push(track, sign, jerk);
+    let (up, down, cruise) = over_a_peak(&way, lowest, excess.abs(), limits);
+    up.push(track, sign, jerk);
     track.push(cruise, 0.0, 0.0);
-    limits.up(-peak, 0.0, -way.v1).push(track, -sign, jerk);
+    down.push(track, -sign, jerk);
 }
 
-/// The velocity of the peak, from `lowest` on, and how long it lasts.
-fn over_a_peak(way: &Way, lowest: f64, limits: &AxisLimits) -> (f64, f64) {
-    let most = limits.velocity;
-    // Excess, and what determines its slope.
-    let at = |peak: f64| {
-        let (up, down) = (limits.up(way.v0, way.a0, peak), limits.up(-peak, 0.0, -way.v1));
-        (up.way - down.way - way.length, up.last_peak(), down.first_peak())
+/// The ramps up to the velocity of the peak, which is at least `lowest`, and down from it, and how long it lasts. The
+/// straight ramp ends `missing` before the target.
+fn over_a_peak(way: &Way, lowest: f64, missing: f64, limits: &Rates) -> (Up, Up, f64) {
+    let Rates { velocity: most, acceleration, deceleration, jerk, inverse } = *limits;
+    let at = |peak: f64| (limits.up(way.v0, way.a0, peak), limits.up(-peak, 0.0, -way.v1));
+    let excess = |up: &Up, down: &Up| up.way - down.way - way.length;
+    // The derivative of the way, divided by the derivative of the time.
+    let rates = |up: &Up, down: &Up| {
+        let (p, q) = (up.last_peak(), down.first_peak());
+        (1.0 / p + 1.0 / q, 0.5 * inverse * (p + q))
     };
-    let (excess, p, q) = at(most);
-    if excess <= 0.0 {
-        return (most, -excess / most);
+    let (mut up, mut down) = at(most);
+    let more = excess(&up, &down);
+    if more <= 0.0 {
+        return (up, down, -more / most);
     }
-    // Where both peaks are at their limits the way is a parabola over the velocity.
-    let half = 0.5 / limits.jerk;
-    let (curvature, slope) = (1.0 / p + 1.0 / q, half * (p + q));
-    let rest = most * (curvature * most + 2.0 * slope) - 2.0 * excess;
-    let root = slope * slope + curvature * rest;
-    let guess = (root.max(0.0).sqrt() - slope) / curvature;
     // The peaks go to 0 with the root of v − lowest, so that the way is smooth over x = √(v − lowest).
     let (mut low, mut high) = (0.0, (most - lowest).sqrt());
-    let mut x = if guess > lowest { (guess - lowest).sqrt() } else { 0.5 * high };
+    // Where both peaks are at their limits the way is a parabola over the velocity; near the lowest velocity it is about
+    // 2·x³ + 4·lowest·x, divided by √j.
+    let (curvature, slope) = rates(&up, &down);
+    let rest = most * (curvature * most + 2.0 * slope) - 2.0 * more;
+    let held = ((slope * slope + curvature * rest).max(0.0).sqrt() - slope) / curvature - lowest;
+    let limit = acceleration.max(deceleration);
+    let mut x = if held * jerk > limit * limit {
+        held.sqrt()
+    } else {
+        let scaled = 0.5 * missing * jerk.sqrt();
+        let cubic = scaled.cbrt();
+        if scaled > 2.0 * lowest * cubic { cubic } else { scaled / (2.0 * lowest) }
+    };
     for _ in 0..MOST_STEPS {
+        if !(low < x && x < high) {
+            x = 0.5 * (low + high);
+        }
         let peak = lowest + x * x;
-        let (excess, p, q) = at(peak);
-        if excess.abs() <= way.tolerance {
+        (up, down) = at(peak);
+        let more = excess(&up, &down);
+        if more.abs() <= way.tolerance {
             break;
         }
-        if excess > 0.0 {
+        if more > 0.0 {
             high = x;
         } else {
             low = x;
         }
-        let slope = 2.0 * x * (peak * (1.0 / p + 1.0 / q) + half * (p + q));
-        let next = x - excess / slope;
-        let next = if low < next && next < high { next } else { 0.5 * (low + high) };
+        let (curvature, slope) = rates(&up, &down);
+        let next = x - more / (2.0 * x * (peak * curvature + slope));
         if next.total_cmp(&x).is_eq() {
             break;
         }
         x = next;
     }
-    (lowest + x * x, 0.0)
+    (up, down, 0.0)
 }

@@ -61,10 +61,34 @@ impl Up {
     }
 }
 
-impl AxisLimits {
+/// Limits, and what is reckoned from them once for all ramps.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rates {
+    /// Largest velocity, u/s, growth and fall of the speed, u/s².
+    pub(super) velocity: f64,
+    pub(super) acceleration: f64,
+    pub(super) deceleration: f64,
+    /// Largest jerk, u/s³, and its reciprocal.
+    pub(super) jerk: f64,
+    pub(super) inverse: f64,
+}
+
+impl From<&AxisLimits> for Rates {
+    fn from(limits: &AxisLimits) -> Self {
+        let AxisLimits { velocity, acceleration, deceleration, jerk } = *limits;
+        Self { velocity, acceleration, deceleration, jerk, inverse: jerk.recip() }
+    }
+}
+
+impl Rates {
+    /// Velocity at which the acceleration gets 0 if it is taken back from now on with the largest jerk, u/s.
+    pub(super) fn settled(&self, velocity: f64, acceleration: f64) -> f64 {
+        velocity + 0.5 * acceleration * acceleration.abs() * self.inverse
+    }
+
     /// The ramp from a velocity and an acceleration up to a velocity.
     pub(super) fn up(&self, velocity: f64, acceleration: f64, to: f64) -> Up {
-        let (half, up, down) = (0.5 / self.jerk, self.acceleration, self.deceleration);
+        let (half, up, down) = (0.5 * self.inverse, self.acceleration, self.deceleration);
         let (v0, a0) = (velocity, acceleration);
         let lowest = if a0 < 0.0 { v0 - half * a0 * a0 } else { v0 };
         if lowest >= 0.0 || to <= 0.0 || up.total_cmp(&down).is_eq() {
@@ -92,18 +116,19 @@ impl AxisLimits {
     /// A hump between velocities and accelerations, and its way.
     #[inline]
     fn hump(&self, [v0, v1]: [f64; 2], [a0, a1]: [f64; 2], limit: f64) -> (Hump, f64) {
-        let jerk = self.jerk;
-        let half = 0.5 / jerk;
+        let Self { jerk, inverse, .. } = *self;
+        let half = 0.5 * inverse;
         let square = jerk * (v1 - v0) + 0.5 * (a0 * a0 + a1 * a1);
-        let (peak, hold, rising) = if square < limit * limit {
-            (square.max(0.0).sqrt().max(a0).max(a1), 0.0, jerk)
+        let (peak, hold, side) = if square < limit * limit {
+            (square.max(0.0).sqrt().max(a0).max(a1), 0.0, 1.0)
         } else {
             let sign = if a0 > limit { -1.0 } else { 1.0 };
             let rise = sign * half * (limit * limit - a0 * a0);
             let fall = half * (limit * limit - a1 * a1);
-            (limit, ((v1 - v0 - rise - fall) / limit).max(0.0), sign * jerk)
+            (limit, ((v1 - v0 - rise - fall) / limit).max(0.0), sign)
         };
-        let (rise, fall) = ((peak - a0) / rising, (peak - a1) / jerk);
+        let (rise, fall) = (side * (peak - a0) * inverse, (peak - a1) * inverse);
+        let rising = side * jerk;
         let at_peak = v0 + rise * (a0 + 0.5 * rising * rise);
         let way = rise * (v0 + rise * (0.5 * a0 + rising * rise / 6.0))
             + hold * (at_peak + 0.5 * peak * hold)

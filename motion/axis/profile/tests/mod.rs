@@ -1,5 +1,6 @@
 //! Profiles against closed forms and against what must hold for all of them.
 
+mod absurd;
 mod parabolic;
 mod random;
 mod refused;
