@@ -103,3 +103,32 @@ fn limits_that_differ_are_between_equal_ones() {
         );
     }
 }
+
+/// From rest to rest with equal limits, where the duration has closed forms.
+#[test]
+fn rest_to_rest_takes_what_the_closed_forms_say() {
+    let mut random = Random(6);
+    let mut forms = [0; 3];
+    for _ in 0..5000 {
+        let case = Case::new(&mut random, true);
+        let AxisLimits { velocity, acceleration: rate, jerk, .. } = case.limits;
+        let from = State::resting(case.from.position);
+        let length = (case.target - from.position).abs();
+        // Digest 6.2: T = Δv/a + a/j, or 2·√(Δv/j) for Δv < a²/j.
+        let ramp = |v: f64| {
+            if v < rate * rate / jerk { 2.0 * (v / jerk).sqrt() } else { v / rate + rate / jerk }
+        };
+        let (form, expected) = if length >= velocity * ramp(velocity) {
+            (0, length / velocity + ramp(velocity))
+        } else if length >= 2.0 * rate.powi(3) / (jerk * jerk) {
+            let part = rate / jerk;
+            (1, part + (part * part + 4.0 * length / rate).sqrt())
+        } else {
+            (2, 4.0 * (0.5 * length / jerk).cbrt())
+        };
+        forms[form] += 1;
+        let profile = plan(&Case { from, end_velocity: 0.0, ..case }, RampType::Parabolic);
+        assert!(close(profile.duration(), expected), "{case:?}: {} {expected}", profile.duration());
+    }
+    assert!(forms.iter().all(|&count| count > 100), "{forms:?}");
+}
