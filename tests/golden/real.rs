@@ -113,6 +113,15 @@ impl Shop {
         shop
     }
 
+    /// Waits until the program has X on its way.
+    fn under_way(&self) {
+        let begun = |_| {
+            std::thread::sleep(Duration::from_millis(10));
+            self.board.look().expect("it runs").position(BoardAxis::X) > 5.0 * 320.0
+        };
+        assert!((0..6000).any(begun), "X does not move");
+    }
+
     /// A cam that is never reached.
     fn hide_the_cam(&self) {
         let mut module = self.module.module();
@@ -358,7 +367,7 @@ fn ctrl_c_brings_everything_to_rest_on_the_path_and_nobody_else_has_the_ports() 
     let shop = Shop::new();
     let run = Shop::arguments("long.cnc", "--homed --home=U --yes --report run.json");
     let done = shop.desk.meanwhile("-INT", "axis U is home", &run, || {
-        std::thread::sleep(Duration::from_secs(2));
+        shop.under_way();
         // They belong to somebody.
         for (family, port) in [("interpcnc", "board"), ("smartdrive", "bus")] {
             let other = shop.desk.twin(&["drive", family, "--port", port, "status"]);
@@ -380,7 +389,7 @@ fn a_device_that_dies_stops_all_others() {
     let shop = Shop::new();
     let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
     let done = shop.desk.meanwhile("-CONT", "axis U is home", &run, || {
-        std::thread::sleep(Duration::from_millis(2500));
+        shop.under_way();
         drop(shop.bus.borrow_mut().take());
     });
     // How far they come until nobody answers any more is the deadline's business.
@@ -450,7 +459,7 @@ fn alone(desk: &Desk, family: &str, axes: &[(&str, &str)]) {
         .iter()
         .fold(text, |text, (axis, place)| text.replace(&format!("drive_axis = \"{axis}\""), place));
     desk.write("mixture.toml", &text);
-    desk.write("short.cnc", "% short\nN10 G1 X10 Y5 Z-35 F50 E500 E-500\nN20 G1 X0 Y0 Z-40\n");
+    desk.write("short.cnc", "% short\nN10 G1 X10 Y5 Z-35 F5 E50 E-50\nN20 G1 X0 Y0 Z-40\n");
 }
 
 #[test]
