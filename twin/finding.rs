@@ -16,6 +16,10 @@ pub enum Rule {
     ArcGeometry,
     /// Where a probing move ends, or that it does not end as it must, or that nobody knows where it ends.
     Probe,
+    /// A block of a job that ends with an error, or a job that does not end.
+    FunctionBlock,
+    /// An axis that follows another one and is moved by the program, or cannot follow.
+    Coupling,
     /// A point the machine cannot reach.
     Reach,
     /// An axis beyond its software limits.
@@ -60,6 +64,8 @@ impl Rule {
             Self::UnsupportedWord => "unsupported-word",
             Self::ArcGeometry => "arc-geometry",
             Self::Probe => "probe",
+            Self::FunctionBlock => "function-block",
+            Self::Coupling => "coupling",
             Self::Reach => "reach",
             Self::AxisPosition => "axis-position",
             Self::AxisVelocity => "axis-velocity",

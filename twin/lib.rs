@@ -6,6 +6,7 @@ pub mod check;
 pub mod clock;
 pub mod command;
 pub mod compare;
+pub mod coupled;
 pub mod drive_report;
 pub mod emulated;
 pub mod finding;
@@ -31,6 +32,7 @@ pub mod workspace;
 
 mod chart;
 mod in_loop;
+mod job;
 mod page;
 mod planning;
 mod table;

@@ -13,9 +13,8 @@ use crate::hardware::{HORIZON_NS, Hardware, HardwareError};
 use crate::m_function::MCall;
 use crate::machine::{Machine, SimulationError};
 use crate::physics::PhysicsError;
-use crate::planning::Planning;
+use crate::planning::{PlanItem, Planning};
 use crate::plant::{AxisFeedback, Plant};
-use crate::program::ProgramItem;
 use crate::setpoint::{AxisSetpoint, Transformer, resting_behind};
 use std::collections::VecDeque;
 use std::task::Poll;
@@ -244,30 +243,27 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             }
             let Poll::Ready(item) = self.items.poll(waits) else { break };
             match item {
-                Some(ProgramItem::Setpoint(tool)) => {
+                Some(PlanItem::Tool(tool)) => {
                     self.overrides.see(tool.time_ns, &self.items);
                     let call = self.items.m_call();
                     match self.transformer.axes(&tool, call) {
-                        Ok(setpoint) => {
-                            self.planned.push_back(setpoint);
-                            if let Some(hardware) = &mut self.hardware
-                                && let Err(source) = hardware.command(&setpoint)
-                            {
-                                self.lose_drives(source);
-                            }
-                        }
+                        Ok(setpoint) => self.take(&setpoint),
                         Err(source) => self.lose_plan(Stopped::Path { place: tool.place, source }),
                     }
                 }
+                Some(PlanItem::Axes(setpoint)) => {
+                    self.overrides.see(setpoint.time_ns, &self.items);
+                    self.take(&setpoint);
+                }
                 // The check has refused programs with errors; warnings have been shown by it.
-                Some(ProgramItem::Diagnostic(finding)) => {
+                Some(PlanItem::Diagnostic(finding)) => {
                     if finding.severity == Severity::Error {
                         let Finding { line, block, message, .. } = finding;
                         let place = Place { line, block };
                         self.lose_plan(Stopped::Program { place, message });
                     }
                 }
-                Some(ProgramItem::Io(error)) => self.lose_plan(Stopped::Read(error)),
+                Some(PlanItem::Io(error)) => self.lose_plan(Stopped::Read(error)),
                 None => {
                     self.plan = Plan::Ends;
                     self.settle_stop();
@@ -278,6 +274,16 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             && let Some(hardware) = &mut self.hardware
         {
             hardware.finish(self.stopped.is_some());
+        }
+    }
+
+    /// A set-point more is planned.
+    fn take(&mut self, setpoint: &AxisSetpoint) {
+        self.planned.push_back(*setpoint);
+        if let Some(hardware) = &mut self.hardware
+            && let Err(source) = hardware.command(setpoint)
+        {
+            self.lose_drives(source);
         }
     }
 

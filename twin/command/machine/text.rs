@@ -63,6 +63,9 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     let mass = machine.moving_mass();
     motors::write(out, machine)?;
     writeln!(out, "moving mass {mass:.2} kg in {} links", machine.model.links.len())?;
+    for coupling in &machine.couplings {
+        writeln!(out, "{}", coupling.describe(&machine.axes))?;
+    }
     in_the_way(out, machine)?;
     drives(out, machine)?;
     let [x, y, z] = machine.conditions.start.map(|value| significant(value * 1e3, 9));
