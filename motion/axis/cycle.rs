@@ -84,7 +84,14 @@ impl Axis {
     }
 
     fn save(&mut self) {
+        if self.home.is_some() {
+            // The drive homes itself: wherever it is, and however it counts by now, is where a block or an error goes on.
+            let DriveReport { position, velocity, .. } = self.drive;
+            self.base = State { position, velocity, acceleration: 0.0 };
+            self.overlay = State::default();
+        }
         self.saved = self.total();
+        self.saved_base = self.base;
         self.overlay_moved = false;
         let values = &mut self.values;
         values.moved_in_this_cycle = false;
@@ -152,6 +159,7 @@ impl Axis {
         self.overlay = State::default();
         self.braking = None;
         self.saved = self.base;
+        self.saved_base = self.base;
         self.show_set_values();
     }
 

@@ -72,6 +72,7 @@ impl Axis {
         self.overlay = State::default();
         self.overlay_owner = 0;
         self.base = start.state;
+        self.saved_base = self.saved;
         self.aim = None;
         self.stop_homing();
         self.values.mark_position = self.in_program(start.state.position);

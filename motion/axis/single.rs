@@ -55,6 +55,8 @@ pub struct Axis {
     pub(super) overlay_moved: bool,
     /// Base and overlay together when the cycle began.
     pub(super) saved: State,
+    /// The base of it, which the owner goes on from.
+    pub(super) saved_base: State,
     /// The target of a discrete motion, in the coordinates of `base`.
     pub(super) aim: Option<f64>,
     /// How the axis brakes on its own, and for how long it has, s.
@@ -118,6 +120,7 @@ impl Axis {
             overlay_owner: 0,
             overlay_moved: false,
             saved: State::default(),
+            saved_base: State::default(),
             aim: None,
             braking: None,
             capture: None,
@@ -227,6 +230,14 @@ impl Axis {
             velocity: self.base.velocity + self.overlay.velocity,
             acceleration: self.base.acceleration + self.overlay.acceleration,
         }
+    }
+
+    /// The same once all of this cycle's set-points are there: a motion on top is called last, and goes on until then.
+    pub(super) fn total_after_cycle(&self) -> State {
+        let total = self.total();
+        let on_top = self.overlay_owner != 0 && !self.overlay_moved;
+        let way = if on_top { self.overlay.velocity * self.values.task_cycle } else { 0.0 };
+        State { position: total.position + way, ..total }
     }
 
     /// The drive's position where the program says `position`, u.

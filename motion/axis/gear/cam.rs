@@ -47,22 +47,26 @@ impl Motion for CamIn {
         let table = CamTable { master_period: master.period, slave_period: axis.period(), ..table };
         // Where another block has moved the slave in this cycle already, the cam takes over from there (manual 4.6.2).
         let moved = axis.values.moved_in_this_cycle;
-        let (state, lead) = if moved { (axis.total(), 0.0) } else { (start.state, start.lead) };
+        let (state, lead) =
+            if moved { (axis.total_after_cycle(), 0.0) } else { (start.state, start.lead) };
         let State { position, velocity, acceleration } = state;
-        let slave = cam::AxisState { position: axis.in_program(position), velocity, acceleration };
         let mut from = now(master);
         if !matches!(self.input.start_mode, StartMode::Absolute | StartMode::Relative) {
             // A bridge begins where the slave was a cycle ago, and so at where the master was.
             from.velocity -= master.acceleration * lead;
             from.position -= f64::midpoint(from.velocity, master.velocity) * lead;
         }
-        let begin = |master: &cam::AxisState| {
-            CamCoupling::start(table.clone(), self.input, master, &slave, 0)
+        let begin = |master: &cam::AxisState, position: f64, lead: f64| {
+            let inside = axis.in_program(position);
+            let slave = cam::AxisState { position: inside, velocity, acceleration };
+            let coupling = CamCoupling::start(table.clone(), self.input, master, &slave, 0)?;
+            let seconds = lead - axis.cycle();
+            Ok(CamRun { coupling, shift: position - inside, seconds, restarted: true })
         };
-        // A master that has come onto the cam in this very cycle is on it.
-        let coupling = begin(&from).or_else(|_beside| begin(&now(master))).map_err(number)?;
-        let seconds = lead - axis.cycle();
-        Ok(CamRun { coupling, shift: position - slave.position, seconds, restarted: true })
+        // A master that has come onto the cam in this very cycle is on it; the slave goes on until then.
+        begin(&from, position, lead)
+            .or_else(|_beside| begin(&now(master), position + velocity * lead, 0.0))
+            .map_err(number)
     }
 
     fn step(

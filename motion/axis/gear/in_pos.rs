@@ -111,7 +111,7 @@ impl GearInPos {
         if velocity == 0.0 || ahead <= 0.0 || !near {
             return None;
         }
-        let from = axis.saved;
+        let from = axis.saved_base;
         let slopes = [from.velocity / velocity, self.ratio()];
         let way = sign * ahead;
         let target = axis.to_drive(self.slave_sync_position);
@@ -189,7 +189,7 @@ impl Motion for GearInPos {
 impl Axis {
     /// One cycle on with the velocity there is.
     fn goes_on(&self) -> State {
-        let it = self.saved;
+        let it = self.saved_base;
         State {
             position: it.position + it.velocity * self.cycle(),
             velocity: it.velocity,
