@@ -134,12 +134,13 @@ impl Motion for ControlAxisBy {
             let setpoint = State::resting(axis.saved_base.position);
             return Ok(Progress { setpoint, stage: Stage::Busy });
         }
-        let wanted = self.setpoint.wanted(axis);
-        // A position may jump that comes with a velocity of its own.
-        let way =
-            State { velocity: (wanted.position - axis.saved_base.position) / axis.cycle(), ..wanted };
-        let jumps = exceeds(wanted, axis.saved_base, axis, true, true)
-            || exceeds(way, axis.saved_base, axis, true, false);
+        let (wanted, before) = (self.setpoint.wanted(axis), axis.saved_base);
+        // A position may jump that comes with a velocity of its own: its way is not that of the velocities then.
+        let mean = 0.5 * (before.velocity + wanted.velocity);
+        let excess = (wanted.position - before.position) / axis.cycle() - mean;
+        let beside = State { velocity: 0.0, acceleration: 2.0 * excess / axis.cycle(), ..wanted };
+        let jumps = exceeds(wanted, before, axis, true, true)
+            || exceeds(beside, State::resting(0.0), axis, false, true);
         *bridging |= self.avoid_gaps && jumps;
         let setpoint = if *bridging {
             // The manual has no error of its own for limits with which there is no way.

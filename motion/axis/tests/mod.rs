@@ -14,6 +14,7 @@ mod homing;
 mod invariants;
 mod rig;
 mod states;
+mod steps;
 mod switch;
 mod tables;
 mod targets;

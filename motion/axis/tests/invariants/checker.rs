@@ -99,12 +99,14 @@ impl Checker {
         Ok(())
     }
 
-    /// What the axis does in this cycle; `owners` are who the blocks say they are.
+    /// What the axis does in this cycle; `owners` are who the blocks say they are. `followed` u/s² is what the master's
+    /// change of velocity makes of the slave's.
     pub(super) fn cycle(
         &mut self,
         axis: &Axis,
         owners: &[i64],
         promise: Promise,
+        followed: f64,
     ) -> Result<(), String> {
         // States: every step of this cycle is a way of the diagram (two of them at most).
         let legal = self.state.leads_to(axis.state())
@@ -129,13 +131,13 @@ impl Checker {
         if may_be_owned && !moving {
             return Err(format!("nobody moves it in {:?}", axis.state()));
         }
-        self.motion(axis, promise)?;
+        self.motion(axis, promise, followed)?;
         self.state = axis.state();
         Ok(())
     }
 
     /// Continuous, and within the limits. Positions are the drive's: where the zero is moves nothing.
-    fn motion(&mut self, axis: &Axis, promise: Promise) -> Result<(), String> {
+    fn motion(&mut self, axis: &Axis, promise: Promise, followed: f64) -> Result<(), String> {
         let wrapped = axis.set_position();
         if axis.period().is_some_and(|period| !(0.0..period).contains(&wrapped)) {
             return Err(format!("{wrapped} is outside the period"));
@@ -156,9 +158,10 @@ impl Checker {
         if !axis.is_powered() || promise == Promise::Nothing {
             return Ok(());
         }
+        let on_top = if axis.overlay_moved { STEEPEST } else { 0.0 };
         let (Promise::Limits([fastest, steep]) | Promise::Rates([fastest, steep])) = promise else {
             // What the accelerations at both ends allow, and half as much for what was between them.
-            let steepest = steepest.max(STEEPEST);
+            let steepest = steepest.max(STEEPEST) + on_top + followed;
             if off > 0.75 * steepest * CYCLE * CYCLE + 1e-9 {
                 return Err(format!("a way of {way} with {velocity} after {v0} u/s"));
             }
@@ -168,7 +171,10 @@ impl Checker {
             return Ok(());
         };
         // Beyond the limits it first comes back to them; an acceleration takes its time under limited jerk.
-        let (from, base, overlay) = (axis.saved_base, axis.base, axis.overlay);
+        let (base, overlay) = (axis.base, axis.overlay);
+        // An axis in errorstop brakes both together.
+        let stopping = axis.state() == AxisState::ErrorStop;
+        let from = if stopping { axis.saved } else { axis.saved_base };
         let settling = 0.5 * from.acceleration * from.acceleration / JERK;
         let settling = if axis.ramp() == RampType::Trapezoid { 0.0 } else { settling };
         let allowed = fastest.max(from.velocity.abs() + settling);
@@ -183,7 +189,7 @@ impl Checker {
             return Err(format!("{overlay:?} on top"));
         }
         // Both together from here on.
-        let rate = (steep + if axis.overlay_moved { STEEPEST } else { 0.0 }).max(a0.abs());
+        let rate = (steep + on_top).max(a0.abs());
         // No step of the position: the way is the mean velocity's, but for what the rate can add.
         if off > 0.5 * rate * CYCLE * CYCLE + 1e-9 {
             return Err(format!("a way of {way} with {velocity} after {v0} u/s"));

@@ -100,6 +100,8 @@ struct Run {
     reset: Reset,
     around: Around,
     without_power: u32,
+    /// What a follower of the master's positions gets from its change of velocity, u/s².
+    followed: f64,
     seen: Vec<Seen>,
     resets: u32,
     calls: u32,
@@ -133,6 +135,7 @@ impl Run {
             reset: Reset::default(),
             around,
             without_power: 0,
+            followed: 0.0,
             resets: 0,
             calls: 0,
         };
@@ -152,7 +155,11 @@ impl Run {
     ) -> Result<(), String> {
         let mut checker = Checker::new(&self.axis, self.blocks.len());
         while self.calls < calls {
+            let before = self.lead.axis.set_velocity();
             self.lead.cycle(&mut self.random);
+            // So much steeper than the master's is what follows its positions.
+            let slope = if before == 0.0 { 0.0 } else { self.axis.set_velocity() / before };
+            self.followed = (slope * (self.lead.axis.set_velocity() - before)).abs() / CYCLE;
             self.cycle(&mut checker, &mut spoil)
                 .map_err(|what| format!("call {}: {what}", self.calls))?;
         }
@@ -185,7 +192,7 @@ impl Run {
         let owners: Vec<_> = self.blocks.iter().map(|block| block.owner()).collect();
         // A block that is not called does not know yet that it has lost the axis.
         let promise = self.promise(was_moving);
-        checker.cycle(&self.axis, &owners, promise).map_err(|what| {
+        checker.cycle(&self.axis, &owners, promise, self.followed).map_err(|what| {
             let name = |index: Option<usize>| index.map_or("", |index| self.blocks[index].name());
             format!("{what}, moved by {} after {}", name(self.mover()), name(was_moving))
         })

@@ -1,0 +1,157 @@
+//! Takeovers that once made the set position or its velocity step; random sequences found them.
+
+use super::blocks::endless;
+use super::rig::{CYCLE, Rig, linear};
+use crate::axis::{
+    AxisConfig, AxisState, Block, ControlAxisBy, Follow, GearIn, GearInPos, GearInPosRun, Home,
+    MoveSuperImposed, MoveVelocity,
+};
+
+fn gear() -> Block<GearIn> {
+    Block::new(GearIn {
+        ratio_numerator: 1,
+        ratio_denominator: 1,
+        acceleration: 100.0,
+        deceleration: 100.0,
+    })
+}
+
+/// Beside a gear goes its own way, and the motion on top comes once.
+#[test]
+fn a_motion_on_top_of_a_gear_comes_once() {
+    let (mut master, mut slave) = (linear(), linear());
+    let (mut lead, mut block) = (endless(10.0), gear());
+    let mut on_top = MoveSuperImposed::new(7.0, 5.0, 50.0, 50.0);
+    let mut done = false;
+    let mut before = 0.0;
+    for cycle in 0..500 {
+        master.cycle(|axis| lead.call(true, axis));
+        done |= slave.cycle(|axis| {
+            block.follow(true, &master.axis, axis);
+            on_top.call(cycle > 100, axis).done
+        });
+        let position = slave.axis.set_position();
+        assert!((0.0..=15.0 * CYCLE + 1e-9).contains(&(position - before)), "{cycle}: {position}");
+        before = position;
+    }
+    assert!(done);
+    // 10 u/s are reached together; then the master's way and 7 u.
+    assert!((before - master.axis.set_position() - 7.0).abs() < 1e-9, "{before}");
+}
+
+/// The same of set-points that a program gives: they are below it.
+#[test]
+fn a_motion_on_top_of_direct_set_points_comes_once() {
+    let mut rig = linear();
+    let mut block = Block::new(Follow::Position(0.0));
+    let mut on_top = MoveSuperImposed::new(2.0, 5.0, 50.0, 50.0);
+    let mut place = 0.0;
+    rig.until(|axis| {
+        place += 0.01;
+        block.inputs = Follow::Position(place);
+        block.call(true, axis);
+        let done = on_top.call(true, axis).done;
+        let velocity = axis.set_velocity();
+        assert!((1.0 - 1e-9..=6.0 + 1e-9).contains(&velocity), "{velocity}");
+        done
+    });
+    assert!((rig.axis.set_position() - place - 2.0).abs() < 1e-9);
+}
+
+fn control(setpoint: Follow) -> Block<ControlAxisBy> {
+    Block::new(ControlAxisBy {
+        setpoint,
+        avoid_gaps: true,
+        gap_velocity: 10.0,
+        gap_acceleration: 70.0,
+        gap_deceleration: 70.0,
+    })
+}
+
+/// 5 u/s with 70 u/s² are reached in the middle of the eighth cycle; the rest of it the axis goes on.
+#[test]
+fn a_bridged_velocity_goes_on_for_the_rest_of_the_cycle() {
+    let mut rig = linear();
+    let mut block = control(Follow::Velocity(5.0));
+    for _ in 0..8 {
+        rig.cycle(|axis| block.call(true, axis));
+    }
+    let ramp = 5.0 / 70.0;
+    let expected = 5.0 * (8.0 * CYCLE - 0.5 * ramp);
+    assert!((rig.axis.set_position() - expected).abs() < 1e-9, "{}", rig.axis.set_position());
+}
+
+/// A place and a velocity that do not fit each other are a jump, however near the place is.
+#[test]
+fn a_position_beside_its_velocity_is_bridged() {
+    let mut rig = linear();
+    let mut block = control(Follow::PositionVelocity(0.0, 0.0));
+    rig.cycle(|axis| block.call(true, axis));
+    // 0.1 u in a cycle of 10 ms are 10 u/s: no velocity that is too much, but the axis rests before and after.
+    block.inputs.setpoint = Follow::PositionVelocity(0.1, 0.0);
+    rig.cycle(|axis| block.call(true, axis));
+    let bridging = block.running().copied();
+    assert_eq!(bridging, Some(true));
+    assert!((rig.axis.set_position() - 0.5 * 70.0 * CYCLE * CYCLE).abs() < 1e-12);
+    rig.until(|axis| {
+        block.call(true, axis);
+        axis.set_velocity() == 0.0
+    });
+    assert!((rig.axis.set_position() - 0.1).abs() < 1e-12);
+}
+
+/// Homing by the drive that is left off keeps the axis where the drive says it is by then.
+#[test]
+fn homing_that_is_left_off_does_not_go_back() {
+    let mut rig = linear();
+    rig.drive.feedback_mut().position = 33.0;
+    rig.power.regulator_on = false;
+    rig.cycle(|_| ());
+    rig.cycle(|_| ());
+    rig.power.regulator_on = true;
+    rig.cycle(|_| ());
+    rig.cycle(|_| ());
+    let mut home = Block::new(Home { position: 5.0 });
+    rig.cycle(|axis| home.call(true, axis));
+    // The drive counts from its reference by now: 33 is 5. The program does not call the block any more.
+    rig.cycle(|_| ());
+    assert_eq!((rig.axis.state(), rig.axis.error_id()), (AxisState::ErrorStop, Some(30)));
+    assert_eq!((rig.axis.set_position(), rig.drive.feedback().position), (5.0, 5.0));
+}
+
+/// Over the positions of a master that starts from rest a moving slave would be infinitely fast: it goes on until the
+/// master's velocity is steady.
+#[test]
+fn a_moving_slave_waits_for_a_steady_master() {
+    let (mut master, mut slave) = (linear(), Rig::new(AxisConfig::default()));
+    let mut alone = endless(8.0);
+    for _ in 0..50 {
+        master.cycle(|_| ());
+        slave.cycle(|axis| alone.call(true, axis));
+    }
+    let mut lead = Block::new(MoveVelocity { acceleration: 40.0, ..endless(10.0).inputs });
+    let mut block = Block::new(GearInPos {
+        ratio_numerator: 1,
+        ratio_denominator: 1,
+        master_sync_position: 20.0,
+        slave_sync_position: slave.axis.set_position() + 25.0,
+        master_start_distance: 0.0,
+    });
+    let (mut began, mut before) = (None, slave.axis.set_velocity());
+    for cycle in 0..400 {
+        master.cycle(|axis| lead.call(true, axis));
+        let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
+        let velocity = slave.axis.set_velocity();
+        if block.running().is_some_and(GearInPosRun::is_coupling) && began.is_none() {
+            began = Some(cycle);
+            // A quarter more than 8 u/s at most, as the master's.
+            assert!((velocity - before).abs() <= 0.25 * 8.0 + 1e-9, "{velocity}");
+        }
+        assert_eq!(shown.done, master.axis.set_position() >= 20.0 - 1e-9);
+        before = velocity;
+    }
+    // 0.4 u/s more each cycle: the fifth is a quarter more than the fourth.
+    assert_eq!(began, Some(4));
+    let behind = slave.axis.set_position() - block.inputs.slave_sync_position;
+    assert!((behind - (master.axis.set_position() - 20.0)).abs() < 1e-9);
+}
