@@ -78,6 +78,7 @@ impl Axis {
         self.values.mark_position = self.in_program(start.state.position);
         self.values.mark_velocity = start.state.velocity;
         self.values.mark_acceleration = start.state.acceleration;
+        self.values.mark_jerk = self.values.set_jerk;
         self.enter(state);
         self.values.owner
     }

@@ -2,7 +2,7 @@
 
 use super::axis_ref::AxisRef;
 use super::config::{AxisConfig, Movement};
-use super::drive::{Capture, ControllerMode};
+use super::drive::{Answer, Capture, ControllerMode, Transfer};
 use super::errors::BlockErrors;
 use super::math::fmod;
 use super::profile::{AxisLimits, Profile, RampType, State};
@@ -64,6 +64,9 @@ pub struct Axis {
     pub(super) capture: Option<Capture>,
     pub(super) captured: Option<f64>,
     pub(super) home: Option<f64>,
+    /// Parameter of the drive that a block waits for, and whether it has been called in this cycle.
+    pub(super) transfer: Option<Transfer>,
+    pub(super) transfer_called: bool,
     /// Homing runs onto a switch that is the limit switch, too.
     pub(super) ignores_limit_switch: bool,
     pub(super) has_capture_window: bool,
@@ -77,6 +80,8 @@ pub(super) struct DriveReport {
     pub(super) velocity: f64,
     pub(super) homing: super::drive::Homing,
     pub(super) error: Option<u16>,
+    pub(super) resettable: bool,
+    pub(super) answer: Option<Answer>,
     pub(super) known: bool,
 }
 
@@ -126,6 +131,8 @@ impl Axis {
             capture: None,
             captured: None,
             home: None,
+            transfer: None,
+            transfer_called: false,
             ignores_limit_switch: false,
             has_capture_window: config.capture_window,
             drive: DriveReport::default(),

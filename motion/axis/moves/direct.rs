@@ -62,8 +62,11 @@ impl Motion for Follow {
 
     fn step(&self, (): &mut (), axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
         // What is no number is no set-point: the axis stays where it is.
-        let setpoint =
-            if self.is_finite() { self.wanted(axis) } else { State::resting(axis.saved_base.position) };
+        let setpoint = if self.is_finite() {
+            self.wanted(axis)
+        } else {
+            State::resting(axis.saved_base.position)
+        };
         Ok(Progress { setpoint, stage: Stage::Busy })
     }
 }

@@ -13,8 +13,8 @@
 //! that is held where it is the limit. They are not the fastest: of this form there is one for every target.
 
 use super::rates::Rates;
-use super::{AxisLimits, State};
 use super::segment::{Segment, Track};
+use super::{AxisLimits, State};
 
 /// Steps of a search; each second one at least halves the bracket.
 const MOST_STEPS: u32 = 160;

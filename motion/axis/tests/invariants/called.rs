@@ -5,10 +5,11 @@ use super::random::Random;
 use super::{FASTEST, STEEPEST};
 use crate::axis::profile::{ProfilePoint, State};
 use crate::axis::{
-    AbortTrigger, AccelerationProfile, Axis, Block, CamIn, ControlAxisBy, Decouple, Direction, Follow, GearIn,
-    GearInPos, Halt, Home, HomingBySwitch, HomingMode, Master, Motion, MoveAbsolute, MoveAdditive,
-    MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, MoveSuperImposed, MoveVelocity,
-    Outputs, Phasing, Points, PositionProfile, Stop, TouchProbe, Trigger, VelocityProfile,
+    AbortTrigger, AccelerationProfile, Axis, Block, CamIn, ControlAxisBy, Decouple, Direction,
+    Follow, GearIn, GearInPos, Halt, Home, HomingBySwitch, HomingMode, Master, Motion,
+    MoveAbsolute, MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative,
+    MoveSuperImposed, MoveVelocity, Outputs, Phasing, Points, PositionProfile, Stop, TouchProbe,
+    Trigger, VelocityProfile,
 };
 use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
 use std::any::type_name;
@@ -271,8 +272,16 @@ fn continued() -> Vec<Box<dyn Called>> {
             |random, _, _| PositionProfile(Points { absolute: false, ..points(random, 3.0, None) }),
             |_, _, _, _| (),
         ),
-        any(smooth, |random, _, _| VelocityProfile(points(random, 10.0, Some(0.0))), |_, _, _, _| ()),
-        any(smooth, |random, _, _| AccelerationProfile(points(random, 20.0, None)), |_, _, _, _| ()),
+        any(
+            smooth,
+            |random, _, _| VelocityProfile(points(random, 10.0, Some(0.0))),
+            |_, _, _, _| (),
+        ),
+        any(
+            smooth,
+            |random, _, _| AccelerationProfile(points(random, 20.0, None)),
+            |_, _, _, _| (),
+        ),
     ]
 }
 

@@ -143,8 +143,7 @@ impl Checker {
             return Err(format!("{wrapped} is outside the period"));
         }
         let [before, v0, a0] = self.motion;
-        let now =
-            [axis.to_drive(wrapped), axis.set_velocity(), axis.set_acceleration()];
+        let now = [axis.to_drive(wrapped), axis.set_velocity(), axis.set_acceleration()];
         self.motion = now;
         let [position, velocity, acceleration] = now;
         if !now.iter().all(|value| value.is_finite()) {

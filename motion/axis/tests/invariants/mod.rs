@@ -63,8 +63,7 @@ impl Lead {
             self.to.inputs.position = random.between(0.0, 90.0);
             self.to.inputs.direction = random.direction();
             self.on.inputs.velocity = random.between(0.0, 10.0);
-            self.on.inputs.direction =
-                random.one_of(&[Direction::Positive, Direction::Negative]);
+            self.on.inputs.direction = random.one_of(&[Direction::Positive, Direction::Negative]);
         }
         self.axis.begin_cycle(&self.drive.feedback());
         let powered = POWER.call(true, &mut self.axis).status;
@@ -321,7 +320,10 @@ fn random_blocks_of_all_kinds_keep_what_has_to_hold() {
         // a probe of the program cannot fail, and nothing gets between homing or a stop and its end.
         for (block, seen) in called::all().iter().zip(&sum) {
             let [endless, safe, locked] = block.exceptions();
-            if (seen.done == 0 && !endless) || (seen.failed == 0 && !safe) || (seen.aborted == 0 && !locked) {
+            if (seen.done == 0 && !endless)
+                || (seen.failed == 0 && !safe)
+                || (seen.aborted == 0 && !locked)
+            {
                 writeln!(broken, "{kind:?}: {}: {seen:?}", block.name()).unwrap();
             }
         }
