@@ -6,8 +6,10 @@
 )]
 
 mod blocks;
+mod cam_starts;
 mod cams;
 mod direct;
+mod examples;
 mod framework;
 mod gears;
 mod homing;

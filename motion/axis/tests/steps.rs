@@ -2,6 +2,7 @@
 
 use super::blocks::endless;
 use super::rig::{CYCLE, Rig, linear};
+use crate::axis::profile::RampType;
 use crate::axis::{
     AxisConfig, AxisState, Block, ControlAxisBy, Follow, GearIn, GearInPos, GearInPosRun, Home,
     MoveSuperImposed, MoveVelocity,
@@ -37,6 +38,38 @@ fn a_motion_on_top_of_a_gear_comes_once() {
     assert!(done);
     // 10 u/s are reached together; then the master's way and 7 u.
     assert!((before - master.axis.set_position() - 7.0).abs() < 1e-9, "{before}");
+}
+
+/// Two axes that go alike are coupled; while the master accelerates, a slave with limited jerk that has its velocity but
+/// no acceleration yet is not.
+#[test]
+fn a_gear_with_limited_jerk_takes_up_no_step_of_acceleration() {
+    // 1000 u/s³ for a cycle of 10 ms, and as much where one ramp is given up for another.
+    const MOST: f64 = 20.0;
+    for ramp in [RampType::Sigmoid, RampType::Parabolic] {
+        let config = AxisConfig { ramp, jerk: 1_000.0, ..AxisConfig::default() };
+        let (mut master, mut slave) = (linear(), Rig::new(config));
+        let (mut lead, mut alone, mut block) = (endless(10.0), endless(5.0), gear());
+        for _ in 0..100 {
+            slave.cycle(|axis| alone.call(true, axis));
+        }
+        // 100 u/s² of the master: 5 u/s after 5 cycles, where the slave is already.
+        let (mut before, mut coupled) = (0.0, false);
+        for cycle in 0..200 {
+            master.cycle(|axis| lead.call(true, axis));
+            slave.cycle(|axis| {
+                alone.call(true, axis);
+                if cycle >= 4 {
+                    coupled = block.follow(true, &master.axis, axis).done;
+                }
+            });
+            let acceleration = slave.axis.set_acceleration();
+            let change = (acceleration - before).abs();
+            assert!(change <= MOST + 1e-9, "{ramp:?}, cycle {cycle}: {before} to {acceleration}");
+            before = acceleration;
+        }
+        assert!(coupled && (slave.axis.set_velocity() - 10.0).abs() < 1e-9);
+    }
 }
 
 /// The same of set-points that a program gives: they are below it.
