@@ -1,12 +1,15 @@
 //! Takeovers that once made the set position or its velocity step; random sequences found them.
 
 use super::blocks::endless;
+use super::framework::to;
 use super::rig::{CYCLE, Rig, linear};
 use crate::axis::profile::RampType;
 use crate::axis::{
-    AxisConfig, AxisState, Block, ControlAxisBy, Follow, GearIn, GearInPos, GearInPosRun, Home,
-    MoveSuperImposed, MoveVelocity,
+    AxisConfig, AxisState, Block, CamIn, ControlAxisBy, Follow, GearIn, GearInPos, GearInPosRun,
+    Home, MoveSuperImposed, MoveVelocity,
 };
+use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+use std::sync::Arc;
 
 fn gear() -> Block<GearIn> {
     Block::new(GearIn {
@@ -187,4 +190,69 @@ fn a_moving_slave_waits_for_a_steady_master() {
     assert_eq!(began, Some(4));
     let behind = slave.axis.set_position() - block.inputs.slave_sync_position;
     assert!((behind - (master.axis.set_position() - 20.0)).abs() < 1e-9);
+}
+
+/// Half the master from 0 to 100, come onto with a ramp.
+fn cam_in() -> Block<CamIn> {
+    let knot = |x: f64| Knot { velocity: 0.5, ..Knot::at_rest(x, 0.5 * x) };
+    let shape = Shape::Polynomial(vec![knot(0.0), knot(100.0)]);
+    let cam = Cam::new("half", shape, Vec::new()).expect("a cam");
+    let input = CamInput {
+        start_mode: StartMode::RampIn,
+        velocity_difference: 20.0,
+        acceleration: 50.0,
+        deceleration: 50.0,
+        ..CamInput::default()
+    };
+    Block::new(CamIn { table: Some(CamTable::new(Arc::new(cam))), input })
+}
+
+/// Where the master was a cycle ago there was no cam yet.
+#[test]
+fn a_master_that_comes_onto_the_cam_in_the_cycle_of_the_start() {
+    let (mut master, mut slave) = (linear(), linear());
+    let (mut back, mut lead) = (to(-1.0), endless(10.0));
+    master.until(|axis| back.call(true, axis).done);
+    let (mut alone, mut block) = (endless(8.0), cam_in());
+    let (mut before, mut began) = (0.0, false);
+    for _ in 0..200 {
+        master.cycle(|axis| lead.call(true, axis));
+        let on_it = master.axis.set_position() >= 0.0;
+        slave.cycle(|axis| {
+            if !on_it {
+                alone.call(true, axis);
+            } else {
+                assert!(block.follow(true, &master.axis, axis).error.is_none());
+            }
+        });
+        let way = slave.axis.set_position() - before;
+        before = slave.axis.set_position();
+        if on_it && !began {
+            began = true;
+            assert!(master.axis.set_position() < 10.0 * CYCLE);
+            assert!((way - 8.0 * CYCLE).abs() < 1e-9, "{way}");
+        }
+    }
+    assert!(began);
+}
+
+/// The block below has been called in this cycle already, the one on top has not.
+#[test]
+fn a_cam_takes_over_both_motions_that_there_are() {
+    let (master, mut slave) = (linear(), linear());
+    let (mut below, mut block) = (endless(5.0), cam_in());
+    let mut on_top = MoveSuperImposed::new(50.0, 3.0, 100.0, 100.0);
+    for _ in 0..50 {
+        slave.cycle(|axis| (below.call(true, axis), on_top.call(true, axis)));
+    }
+    assert!((slave.axis.set_velocity() - 8.0).abs() < 1e-9);
+    let before = slave.axis.set_position();
+    slave.cycle(|axis| {
+        below.call(true, axis);
+        block.follow(true, &master.axis, axis);
+        on_top.call(true, axis);
+    });
+    let way = slave.axis.set_position() - before;
+    assert!((way - 8.0 * CYCLE).abs() < 1e-9, "{way}");
+    assert!((slave.axis.set_velocity() - 8.0).abs() < 1e-9);
 }
