@@ -86,7 +86,12 @@ enum Around {
     Forgotten,
     /// Beside that, the zero moves, the power fails, the drive has errors and captures positions.
     Everything,
+    /// As the first, on an axis with software limits.
+    Limits,
 }
+
+/// Software limits, u.
+const WINDOW: [f64; 2] = [-40.0, 40.0];
 
 /// Calls the blocks of an axis at random; `spoil` may break a rule on the way.
 struct Run {
@@ -121,6 +126,7 @@ impl Run {
             max_velocity: FASTEST,
             max_acceleration: STEEPEST,
             max_deceleration: STEEPEST,
+            software_limits: (around == Around::Limits).then_some(WINDOW),
             ..AxisConfig::default()
         };
         let mut run = Self {
@@ -295,6 +301,26 @@ fn random_moves_keep_what_has_to_hold() {
             assert!(seen.done > 20 && seen.aborted > 20 && seen.failed > 5, "{seen:?}");
             assert!(run.resets > 0);
         }
+    }
+}
+
+/// Beyond its software limits an axis comes no further than it takes to brake, however often it is reset there and sent
+/// on: 2.25 u from 30 u/s with 200 u/s², 3 u more until the jerk allows it, and as much again for an acceleration that is
+/// still there.
+#[test]
+fn random_moves_stay_within_the_software_limits() {
+    for ramp in [RampType::Trapezoid, RampType::Sigmoid, RampType::Parabolic] {
+        let mut beyond = 0;
+        for seed in 0..8 {
+            let mut run = Run::new(seed, (LINEAR, ramp), called::single(), Around::Limits);
+            let found = run.calls(50_000, |_, axis, _| {
+                let place = axis.set_position();
+                assert!(place.abs() < WINDOW[1] + 8.25, "{ramp:?} {seed}: {place}");
+                beyond += u32::from(axis.error_id() == Some(10));
+            });
+            found.unwrap_or_else(|what| panic!("{ramp:?} {seed}: {what}"));
+        }
+        assert!(beyond > 100, "{beyond}");
     }
 }
 
