@@ -208,7 +208,8 @@ pub(crate) fn rehearsal(
             let axes: Vec<_> =
                 machine.axes_of(index).map(|(_, axis)| smartdrive_axis(axis, entry)).collect();
             let response = Duration::from_micros(entry.response_us.into());
-            let delays = BusDelays { response, ..BusDelays::default() };
+            let answers = entry.assumptions.answer_length;
+            let delays = BusDelays { response, answers, ..BusDelays::default() };
             Box::new(SmartDriveRehearsal::new(&axes, delays))
         }
         DriveFamily::Bim2Ax(entry) => {

@@ -4,6 +4,8 @@
 //! them. Errata: `VelExitHome` is printed in rpm/s and is a speed; `Dec_Setpoint` and `Acc_Current` both are printed
 //! with index 85, of which the second is assumed to be 86.
 
+use crate::Values;
+
 /// How a number is stored: its size and its sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -73,6 +75,15 @@ impl Entry {
 
     const fn read_only(self) -> Self {
         Self { writable: false, ..self }
+    }
+
+    /// What it takes: of `StepDivisor` the powers of 2.
+    pub fn values(&self) -> Values {
+        if self.index == STEP_DIVISOR {
+            Values::OneOf((self.low..=self.high).filter(|value| self.accepts(*value)).collect())
+        } else {
+            Values::Between(self.low, self.high)
+        }
     }
 
     /// Whether it can have this value.

@@ -179,9 +179,9 @@ fn ctrl_c_brings_the_axes_of_an_interpcnc_board_to_rest() {
 #[test]
 fn a_port_that_is_not_there_is_named_with_station_and_command() {
     Hand::new("interpcnc", "no-such-port", &["--station", "9"])
-        .refuses("status", "no-such-port, station 9: opening the port");
+        .refuses("status", "no-such-port, address 9: opening the port");
     Hand::new("smartdrive", "no-such-port", &["--address", "9"])
-        .refuses("status", "no-such-port, station 9: opening the port");
+        .refuses("status", "no-such-port, address 9: opening the port");
     Hand::new("bim2ax", "no-such-file", &[]).refuses("status", "no-such-file: opening the port");
 }
 

@@ -101,7 +101,7 @@ fn faults_of_the_wire_are_the_same_for_every_family() {
 /// What errors of a family begin with.
 fn family_word(family: &str) -> &'static str {
     match family {
-        "interpcnc" => "station 1",
+        "interpcnc" => "address 1",
         "smartdrive" => "1",
         _ => "bim2ax",
     }

@@ -214,7 +214,7 @@ fn a_mixture_of_all_three_families_runs_to_its_end() {
     let done = shop.homed("short.cnc", "--report run.json");
     done.ended(0, "axis U is home");
     for said in [
-        "✓ connected: SmartDRIVE, station 1, firmware 1.2.0",
+        "✓ connected: SmartDRIVE, address 1, firmware 1.2.0",
         "✓ the ENABLE input is closed",
         "✓ axis Z: the device's software limits are -60.0000 … 120.0000 mm",
         "✓ axis X: homed, as --homed says",
@@ -243,9 +243,9 @@ fn every_check_that_fails_is_told_with_what_was_found_and_what_is_wanted() {
     shop.desk.write("mixture.toml", &text.replace("\"1.2.0\"", "\"1.3.0\""));
     let done = shop.run("short.cnc", "--homed --yes");
     for said in [
-        "✗ device `board`: InterpCNC at board, station 1: the ENABLE input is open; closed is wanted",
-        "✗ device `bus`: station 1: the firmware is 1.2.0; 1.3.0 is wanted",
-        "✗ device `bus`: axis Z: parameter 30 of station 1 (Trj_VelMax) is 500 rpm; at least 2880 rpm is wanted",
+        "✗ device `board`: InterpCNC at board, address 1: the ENABLE input is open; closed is wanted",
+        "✗ device `bus`: address 1: the firmware is 1.2.0; 1.3.0 is wanted",
+        "✗ device `bus`: axis Z: parameter 30 at address 1 (Trj_VelMax) is 500 rpm; at least 2880 rpm is wanted",
         "✗ device `bus`: axis Z: the device's software limits are -60.0000 … 140.6250 mm; at least as tight as -60.0000 … 120.0000 mm is wanted",
         "✗ device `module`: axis U: not homed; `twin drive bim2ax --port module home 1` homes it",
         "start-up checks have failed: nothing has moved",
@@ -264,8 +264,8 @@ fn ports_that_others_have_are_named() {
     let done = shop.desk.meanwhile("-INT", "axis U is home", &run, || {
         let run = ["run", "short.cnc", "-m", "other.toml", "--drives", "real", "--homed", "--yes"];
         let other = shop.desk.twin(&run);
-        other.ended(2, "✗ device `board`: board, station 1: opening the port: Unable to acquire");
-        other.ended(2, "✗ device `bus`: bus, station 1: opening the port: Unable to acquire");
+        other.ended(2, "✗ device `board`: board, address 1: opening the port: Unable to acquire");
+        other.ended(2, "✗ device `bus`: bus, address 1: opening the port: Unable to acquire");
         other.ended(2, "✗ device `module`: none: opening the port: No such file or directory");
     });
     done.ended(2, "stopped by the user");
@@ -309,7 +309,7 @@ fn devices_that_are_not_there_are_named() {
     let text = text.replace("port = \"module\"\n", "").replace("station = 1", "station = 2");
     shop.desk.write("mixture.toml", &text);
     let done = shop.homed("short.cnc", "--report run.json");
-    done.ended(2, "✗ device `bus`: bus, station 1: opening the port");
+    done.ended(2, "✗ device `bus`: bus, address 1: opening the port");
     done.ended(2, "✗ mixture.toml: device `module` has no `port`, which says where it is");
     done.ended(2, "2 start-up checks have failed: nothing has moved");
     let report = shop.desk.read("run.json");
@@ -327,7 +327,7 @@ fn a_station_that_does_not_answer_is_named() {
         &text.replacen("answer_deadline_ms = 2000", "answer_deadline_ms = 300", 1),
     );
     let done = shop.homed("short.cnc", "");
-    done.ended(2, "✗ device `board`: board, station 9: reading parameter");
+    done.ended(2, "✗ device `board`: board, address 9: reading parameter");
     done.ended(2, "no answer within 300 ms");
     shop.untouched();
 }
@@ -371,7 +371,7 @@ fn ctrl_c_brings_everything_to_rest_on_the_path_and_nobody_else_has_the_ports() 
         // They belong to somebody.
         for (family, port) in [("interpcnc", "board"), ("smartdrive", "bus")] {
             let other = shop.desk.twin(&["drive", family, "--port", port, "status"]);
-            other.ended(2, &format!("{port}, station 1: opening the port"));
+            other.ended(2, &format!("{port}, address 1: opening the port"));
         }
     });
     done.ended(2, "stopped by the user at line 2 (N10)");
@@ -394,7 +394,7 @@ fn a_device_that_dies_stops_all_others() {
     });
     // How far they come until nobody answers any more is the deadline's business.
     done.ended(2, "the drives failed at line");
-    done.ended(2, ": bus, station 1: ");
+    done.ended(2, ": bus, address 1: ");
     done.ended(2, "on the axes left the path and braked, each at its own limits");
     let [x, y, _, u] = shop.at_rest();
     let [x, y, u] = [x, y, u].map(|found| found.expect("it is there"));

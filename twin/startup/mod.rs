@@ -158,7 +158,7 @@ impl Looker<'_> {
             let station = if unit.station == 0 {
                 String::new()
             } else {
-                format!("station {}: ", unit.station)
+                format!("address {}: ", unit.station)
             };
             self.add(false, format!("{station}the firmware is {found}; {wanted} is wanted"));
         }

@@ -31,11 +31,7 @@ fn release(bits: i64) -> String {
 
 /// A parameter of the drive with this address, which is this axis.
 fn describe(entry: &Entry, station: u8, axis: usize) -> ParameterInfo {
-    let values = if entry.index == STEP_DIVISOR {
-        Values::OneOf((entry.low..=entry.high).filter(|value| entry.accepts(*value)).collect())
-    } else {
-        Values::Between(entry.low, entry.high)
-    };
+    let values = entry.values();
     let id = ParameterId { station, number: entry.index };
     ParameterInfo {
         axis: Some(axis),

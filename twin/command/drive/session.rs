@@ -157,7 +157,7 @@ mod tests {
         assert_eq!((said, told), (Ok("the axes were stopped at once"), vec!["soft", "hard"]));
         let (said, told) = stop([false, false]);
         let said = said.expect_err("nothing is confirmed");
-        assert!(said.contains("p, station 7") && said.contains("emergency stop"), "{said}");
+        assert!(said.contains("p, address 7") && said.contains("emergency stop"), "{said}");
         assert_eq!(told, ["soft", "hard"]);
     }
 

@@ -80,7 +80,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     let mut running = EmulatedBoard::start(&emulator, move || clock.now_ns())?;
     afterwards.into_iter().try_for_each(|what| running.control(what))?;
     eprintln!(
-        "InterpCNC, station {}, {} baud, on {} ({})",
+        "InterpCNC, address {}, {} baud, on {} ({})",
         options.station,
         options.baud,
         options.common.link.display(),
