@@ -106,7 +106,7 @@ impl SmartDrive {
     }
 
     /// Options it was opened with.
-    pub(crate) fn options(&self) -> &SmartDriveOptions {
+    pub fn options(&self) -> &SmartDriveOptions {
         &self.options
     }
 

@@ -139,6 +139,8 @@ pub const POSITION_OFFSET: u16 = 100;
 pub const PUSH_PULL_DISTANCE: u16 = 102;
 /// Speed towards the home switch.
 pub const VELOCITY_ENTER_HOME: u16 = 116;
+/// How homing goes, in bits that the manual does not explain.
+pub const HOME_CONFIGURATION: u16 = 120;
 /// Speed off the home switch.
 pub const VELOCITY_EXIT_HOME: u16 = 117;
 /// Acceleration of homing.
@@ -205,7 +207,7 @@ pub const PARAMETERS: [Entry; 29] = [
         .range(0, P16)
         .unit("rpm/s")
         .factory(2000),
-    Entry::new(120, "App_CfgHome", Kind::Word),
+    Entry::new(HOME_CONFIGURATION, "App_CfgHome", Kind::Word),
 ];
 
 /// The parameter that has a word at `index`, and whether that is its high word.

@@ -277,8 +277,35 @@ fn words_that_are_wrong_are_named_with_their_line() {
     said("interpcnc", "--with", "cam 5", "<AXIS>");
     said("smartdrive", "--with", "cam 9 dir 1..2", "no drive has address 9; there are [1]");
     said("bim2ax", "--with", "place 1 cam 5", "expected FROM..TO");
-    said("bim2ax", "--with", "help place", "--opens");
     said("bim2ax", "--rating-ma", "3000", "1000, 2000 or 5000 mA");
+}
+
+/// Which words there are is told without a device, and so is what is missing.
+#[test]
+fn words_are_listed_without_a_device() {
+    let desk = Desk::new();
+    let families = [
+        ("interpcnc", "cam", "stretch"),
+        ("smartdrive", "homing", "timeout"),
+        ("bim2ax", "place", "--opens"),
+    ];
+    for (family, word, about) in families {
+        for start in [vec!["emulate", family], vec!["emulate", family, "--link", "link"]] {
+            let all = desk.twin(&[&start[..], &["--with", "help"]].concat());
+            all.ended(0, "");
+            assert!(
+                all.stdout.contains(word) && all.stdout.contains("no-faults"),
+                "{}",
+                all.stdout
+            );
+            let help = format!("help {word}");
+            let one = desk.twin(&[&start[..], &["--with", &help]].concat());
+            one.ended(0, "");
+            assert!(one.stdout.contains(about), "{}", one.stdout);
+        }
+        desk.twin(&["emulate", family]).ended(2, "--link PATH is missing");
+        desk.twin(&["emulate", family, "--assume", "help"]).ended(0, "");
+    }
 }
 
 /// Assumptions by name, for device and driver.

@@ -5,7 +5,7 @@ use crate::{
     Action, AxisSignals, Bits, Clock, DeviceLimits, DriveError, Exchange, Identity, MAX_DRIVE_AXES,
     ParameterId, ParameterInfo, Signals, UnitIdentity, Values,
     bim2ax::{
-        Assumptions, DriveMode, MOST_POSITION, ModuleAxis,
+        Assumptions, ModuleAxis,
         bits::message,
         parameter::{AxisParameter, Parameter, Range},
         zone::Positions,

@@ -21,6 +21,9 @@ pub(super) enum OnFile {
         /// The file, text or XML
         file: PathBuf,
 
+        #[command(flatten)]
+        consent: Consent,
+
         /// Make the drive keep them when it is switched off; a SmartDRIVE's position becomes 0
         #[arg(long)]
         save: bool,
@@ -28,11 +31,19 @@ pub(super) enum OnFile {
 }
 
 impl OnFile {
+    /// Whether it was given with it.
+    pub(super) fn consent(&self) -> Option<Consent> {
+        match self {
+            Self::Backup { .. } => None,
+            Self::Restore { consent, .. } => Some(*consent),
+        }
+    }
+
     /// Does it.
     pub(super) fn carry_out(&self, drive: &mut dyn Drive, consent: Consent) -> Result<(), Failure> {
         match self {
             Self::Backup { file } => backup(drive, file),
-            Self::Restore { file, save } => restore(drive, (file, *save), consent),
+            Self::Restore { file, save, .. } => restore(drive, (file, *save), consent),
         }
     }
 }

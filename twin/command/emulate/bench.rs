@@ -38,6 +38,21 @@ pub(super) fn set_up<E>(
     Ok(afterwards)
 }
 
+/// Says what words there are, or about one of them, if `--with` asks for that; true if it did.
+pub(super) fn help(common: &Common, obey: impl Fn(&[&str]) -> Result<(), Said>) -> bool {
+    let mut helped = false;
+    for said in &common.with {
+        let words: Vec<_> = said.split_whitespace().collect();
+        if words.first() == Some(&"help")
+            && let Err(Ok(text)) = obey(&words)
+        {
+            println!("{text}");
+            helped = true;
+        }
+    }
+    helped
+}
+
 /// All lines in their order: files first.
 fn lines(common: &Common) -> Result<Vec<Line>, Failure> {
     let mut lines = Vec::new();

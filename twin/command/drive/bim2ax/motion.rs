@@ -64,7 +64,8 @@ pub(super) fn home(
             axis.number()
         ));
     }
-    consent.ask(&format!("home {}", said.join("; ")))?;
+    let longest = patience.as_secs();
+    consent.ask(&format!("home {}, for {longest} s at most", said.join("; ")))?;
     let seen = session.motion(module, async |module| {
         module.driver.home_to_end(axes, patience, &no_clock).await
     })?;

@@ -3,6 +3,7 @@
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, on_off};
 use super::module::{Module, of};
+use crate::advice;
 use crate::command::{Failure, show};
 use twin_drives::bim2ax::bits::{card, encoder_message, message};
 use twin_drives::bim2ax::zone::Positions;
@@ -42,6 +43,14 @@ pub(super) fn status(seen: &Positions) {
         table.add_row([number.into(), words::right(position), said.into()]);
     }
     println!("{table}");
+    for axis in ModuleAxis::ALL {
+        let (_, messages) = of(seen, axis);
+        if messages & message::MOVING == 0
+            && let Some(next) = advice::of_axis(messages)
+        {
+            println!("next for axis {}: {next}", axis.number());
+        }
+    }
 }
 
 pub(super) fn inputs(session: &Session, module: &mut Module) -> Result<(), Failure> {

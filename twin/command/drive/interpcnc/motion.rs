@@ -17,6 +17,13 @@ impl Stopping for InterpCnc {
     async fn hard_stop(&mut self) -> Result<(), DriveError> {
         self.stop_and_lock(&no_clock).await.map(|_| ())
     }
+
+    async fn stands(&mut self) -> Result<String, DriveError> {
+        let (state, _) = self.state(&no_clock).await?;
+        let axes = BoardAxis::ALL.into_iter().zip(state.positions);
+        let said: Vec<_> = axes.map(|(axis, at)| format!("{axis} {at}")).collect();
+        Ok(said.join(", "))
+    }
 }
 
 pub(super) fn position(
@@ -88,8 +95,9 @@ pub(super) fn home(
         patience +=
             words::patience(max_stroke.into(), speed.max(1).into(), f64::from(speed.max(1)));
     }
-    consent.ask(&format!("home {}", said.join("; ")))?;
     let patience = patience.saturating_add(Duration::from_mins(1));
+    let longest = patience.as_secs();
+    consent.ask(&format!("home {}, for {longest} s at most", said.join("; ")))?;
     let state = session
         .motion(board, async |board| board.home_machine(&strokes, patience, &no_clock).await)?;
     for axis in axes {

@@ -54,6 +54,26 @@ pub(super) fn status(found: &[(u8, DriveState)]) {
     println!("{table}");
 }
 
+/// What a drive in this state waits for.
+pub(super) fn next(state: &DriveState) -> Option<&'static str> {
+    let flags = state.flags;
+    if !state.alarms.is_empty() {
+        Some(
+            "remove the cause of the alarm, then `unlock`, which clears it, then `home`: the position is lost",
+        )
+    } else if state.mode == Mode::Off.number() {
+        Some("`unlock`, which makes the position 0, then `home`")
+    } else if flags.contains(TrajectoryFlags::STALLED) {
+        Some("free the axis, then `home`: the position may be lost")
+    } else if flags.contains(TrajectoryFlags::LIMITED_P) {
+        Some("`jog` backwards, off the limit switch")
+    } else if flags.contains(TrajectoryFlags::LIMITED_N) {
+        Some("`jog` forwards, off the limit switch")
+    } else {
+        None
+    }
+}
+
 pub(super) fn inputs(session: &Session, axis: &mut Axis) -> Result<(), Failure> {
     let seen = session.ask(axis.bus.io(axis.address, IoUpdate::default()))?;
     let mut table = show::table();
