@@ -139,6 +139,23 @@ impl Shop {
         self.by_hand("smartdrive", "bus", "unlock");
     }
 
+    /// Carries out every command of the start-up checks that sets something.
+    #[track_caller]
+    fn copy_commands(&self, done: &Done) {
+        let said = ["set it: twin ", "then:   twin "];
+        let commands = done.stderr.lines().filter_map(|line| {
+            said.iter().find_map(|start| line.trim().strip_prefix(start)).map(|rest| {
+                let command = rest.split("   (").next().unwrap_or(rest);
+                command.split_whitespace().collect::<Vec<_>>()
+            })
+        });
+        let commands: Vec<_> = commands.collect();
+        assert!(commands.len() >= 3, "{}", done.stderr);
+        for command in commands {
+            self.desk.twin(&command).ended(0, "");
+        }
+    }
+
     #[track_caller]
     fn by_hand(&self, family: &str, port: &str, action: &str) {
         let words = ["drive", family, "--port", port, "--deadline", "2000"];
@@ -247,12 +264,56 @@ fn every_check_that_fails_is_told_with_what_was_found_and_what_is_wanted() {
         "✗ device `bus`: address 1: the firmware is 1.2.0; 1.3.0 is wanted",
         "✗ device `bus`: axis Z: parameter 30 at address 1 (Trj_VelMax) is 500 rpm; at least 2880 rpm is wanted",
         "✗ device `bus`: axis Z: the device's software limits are -60.0000 … 140.6250 mm; at least as tight as -60.0000 … 120.0000 mm is wanted",
-        "✗ device `module`: axis U: not homed; `twin drive bim2ax --port module home 1` homes it",
+        "✗ device `module`: axis U: not homed; `twin drive bim2ax --port module --deadline 2000 home 1` homes it",
+        "set it: twin drive smartdrive --port bus --address 1 --deadline 2000 set Trj_VelMax 2880",
+        "then: twin drive smartdrive --port bus --address 1 --deadline 2000 save",
+        "of axis Z in mixture.toml",
+        "set it: twin drive smartdrive --port bus --address 1 --deadline 2000 set Trj_PosMax 76801",
+        "or `position_min_mm` and `position_max_mm` of axis Z in mixture.toml",
+        "help: release the emergency stop",
         "start-up checks have failed: nothing has moved",
     ] {
         done.ended(2, said);
     }
+    // What is said can be copied: the parameters are right then.
+    shop.copy_commands(&done);
+    let done = shop.run("short.cnc", "--homed --yes");
+    done.ended(2, "axis Z: not homed: its device has been locked or off");
+    assert!(
+        !done.stderr.contains("Trj_VelMax") && !done.stderr.contains("140.6250"),
+        "{}",
+        done.stderr
+    );
     shop.untouched();
+}
+
+/// 500 rpm of 3200 µsteps are 26667/s, of which a drive keeps some to catch up with; the value that is named passes, whatever
+/// it is, and one that is a little larger does not.
+#[test]
+fn the_key_of_the_machine_file_that_would_match_is_named_with_its_value() {
+    let shop = Shop::new();
+    shop.by_hand("smartdrive", "bus", "set Trj_VelMax 500");
+    let done = shop.homed("short.cnc", "");
+    let flat = done.stderr.split_whitespace().collect::<Vec<_>>().join(" ");
+    let value =
+        flat.split("or `max_velocity_mm_per_s = ").nth(1).and_then(|rest| rest.split('`').next());
+    let value: f64 = value.and_then(|text| text.parse().ok()).expect("a velocity");
+    assert!((20.0..26_666.7 / 640.0).contains(&value), "{value}");
+    let text = mixture(&shop.desk);
+    for (velocity, passes) in [(value, true), (value + 0.1, false)] {
+        let (before, of_z) = text.split_once("name = \"Z\"").expect("an axis");
+        let old =
+            of_z.lines().find(|line| line.starts_with("max_velocity_mm_per_s")).expect("a limit");
+        let of_z = of_z.replacen(old, &format!("max_velocity_mm_per_s = {velocity:.3}"), 1);
+        shop.desk.write("mixture.toml", &format!("{before}name = \"Z\"{of_z}"));
+        let done = shop.homed("short.cnc", "");
+        assert_eq!(
+            !done.stderr.contains("(Trj_VelMax) is 500"),
+            passes,
+            "{velocity}: {}",
+            done.stderr
+        );
+    }
 }
 
 #[test]
@@ -286,8 +347,8 @@ fn what_is_not_known_to_be_homed_does_not_run() {
     let done = shop.run("short.cnc", "--yes --home=U");
     for said in [
         "axis X: not known to be homed: its device does not keep that; if it is, --homed says so",
-        "`twin drive interpcnc --port board --station 1 home Y --max-stroke 268800` homes it",
-        "`twin drive smartdrive --port bus --address 1 home` homes it",
+        "`twin drive interpcnc --port board --address 1 --deadline 2000 home Y --max-stroke 268800` homes it",
+        "`twin drive smartdrive --port bus --address 1 --deadline 2000 home` homes it",
         "3 start-up checks have failed",
     ] {
         done.ended(2, said);

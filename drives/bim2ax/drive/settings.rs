@@ -3,7 +3,7 @@
 use super::{Bim2AxDrive, no_clock};
 use crate::{
     Action, AxisSignals, Bits, Clock, DeviceLimits, DriveError, Exchange, Identity, MAX_DRIVE_AXES,
-    ParameterId, ParameterInfo, Signals, UnitIdentity, Values,
+    ParameterId, ParameterInfo, Signals, UnitIdentity,
     bim2ax::{
         Assumptions, ModuleAxis,
         bits::message,

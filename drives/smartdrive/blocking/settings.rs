@@ -3,7 +3,7 @@
 use super::{SmartDriveBus, no_clock};
 use crate::{
     Action, Axes, AxisSignals, Bits, Clock, DeviceLimits, DriveError, Exchange, Identity,
-    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Signals, UnitIdentity, Values,
+    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Signals, UnitIdentity,
     device::find,
     smartdrive::{
         IoUpdate, SetEffect, StepsPerTurn, ZeroRate,
