@@ -59,7 +59,7 @@ impl Port {
         let Ok(metadata) = fs::metadata(path) else {
             return match fs::read_link(path) {
                 Ok(target) => {
-                    Err(io::Error::new(io::ErrorKind::NotFound, WrongPort::DeadLink { target }))
+                    Err(io::Error::new(io::ErrorKind::NotConnected, WrongPort::DeadLink { target }))
                 }
                 Err(_) => Ok(()),
             };

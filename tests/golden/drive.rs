@@ -123,7 +123,7 @@ fn an_interpcnc_board_homes_by_the_parameters_that_were_set() {
     hand.refuses("set 40000 1", "there is no parameter 40000: they are 0 to 383");
     hand.refuses("set home-speed-x -1", "it takes 0 to ");
     hand.does("set home-input-x 0");
-    hand.refuses("home X --yes", "axis x has no home switch: set home-input-x");
+    hand.refuses("home X --yes", "axis X has no home switch: `set home-input-x N`");
     let changed = hand.does("set home-input-x 5");
     assert!(changed.stdout.contains("parameter 29 (home-input-x): 0 -> 5"), "{}", changed.stdout);
     // Number 12 is EE_ORIGINE_SPEED_RAPIDE.
@@ -356,7 +356,7 @@ fn parameters_of_a_bim2ax_are_stored_and_act_after_a_reset() {
         "set motor-current-1 2001",
         "($04) = 2001 is impossible: it takes 60 to 2000 (mA)",
     );
-    hand.refuses("set mode-1 7", "is impossible: it takes 0, 1, 2, 4, 16, ");
+    hand.refuses("set drive-mode-1 7", "is impossible: it takes 0, 1, 2, 4, 16, ");
     hand.refuses("set software-version 3", "parameter cannot be written");
     let changed = hand.does("set fast-speed-1 500");
     assert_eq!(changed.stdout, "fast-speed-1: 1000 -> 500 steps/s\nit acts after `reset`\n");

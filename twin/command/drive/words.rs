@@ -97,7 +97,7 @@ pub(super) fn unknown_name<'a>(
         known.into_iter().map(|known| (distance(known), known)).collect();
     let hint = match nearest.first_key_value() {
         Some((distance, name)) if *distance <= 4 => format!("; is `{name}` meant?"),
-        _ => String::new(),
+        _ => "; `get` lists all".to_owned(),
     };
     Failure::Usage(format!("there is no {what} `{name}`{hint}"))
 }

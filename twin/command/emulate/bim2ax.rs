@@ -40,8 +40,8 @@ enum OrderWord {
 }
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
-    if options.common.assume.helps::<Assumptions>()
-        || bench::help(&options.common, |words| obeyed(words, Surroundings::default()).map(drop))
+    if options.common.assume.helps::<Assumptions>()?
+        || bench::help(&options.common, |words| obeyed(words, Surroundings::default()).map(drop))?
     {
         return Ok(Status::Fit);
     }
@@ -90,7 +90,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
 
 /// What can be done to a module.
 #[derive(Debug, clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
+#[command(no_binary_name = true, disable_help_flag = true, override_usage = "WORD ...")]
 enum Word {
     /// A contact of an axis that is always closed (on) or open (off) from now on, or obeys the axis again
     Contact {

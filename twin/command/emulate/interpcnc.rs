@@ -49,8 +49,8 @@ enum ParityOption {
 }
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
-    if options.common.assume.helps::<Assumptions>()
-        || bench::help(&options.common, |words| obeyed(words, &Bench::default()).map(drop))
+    if options.common.assume.helps::<Assumptions>()?
+        || bench::help(&options.common, |words| obeyed(words, &Bench::default()).map(drop))?
     {
         return Ok(Status::Fit);
     }
@@ -102,7 +102,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
 
 /// What can be done to a board.
 #[derive(Debug, clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
+#[command(no_binary_name = true, disable_help_flag = true, override_usage = "WORD ...")]
 enum Word {
     /// The ENABLE input
     Enable {

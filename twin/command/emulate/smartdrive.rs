@@ -36,8 +36,8 @@ pub(super) struct Options {
 }
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
-    if options.common.assume.helps::<Assumptions>()
-        || bench::help(&options.common, |words| obeyed(words, &options.address).map(drop))
+    if options.common.assume.helps::<Assumptions>()?
+        || bench::help(&options.common, |words| obeyed(words, &options.address).map(drop))?
     {
         return Ok(Status::Fit);
     }
@@ -116,7 +116,7 @@ struct Bus {
 
 /// What can be done to drives, each by its address, and to their line.
 #[derive(Debug, clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
+#[command(no_binary_name = true, disable_help_flag = true, override_usage = "WORD ...")]
 enum Word {
     /// An input
     Input {

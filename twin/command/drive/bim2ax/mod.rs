@@ -218,7 +218,7 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.assume.helps::<Assumptions>() {
+    if arguments.assume.helps::<Assumptions>()? {
         return Ok(Status::Fit);
     }
     let session = Session::start()?;
@@ -238,7 +238,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             return Ok(Status::Fit);
         }
         Action::Save => {
-            println!("a BIM2AX keeps parameters in its EEPROM when they are set: nothing to do");
+            say!("a BIM2AX keeps parameters in its EEPROM when they are set: nothing to do");
             return Ok(Status::Fit);
         }
         Action::Outputs { .. } => {
@@ -254,10 +254,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     }
     let identity = session.ask(module.driver.identify(&no_clock))?;
     match &arguments.action {
-        Action::Scan => scan(&identity),
+        Action::Scan => scan(&identity)?,
         Action::Status => {
             let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
-            status(&seen);
+            status(&seen)?;
         }
         Action::Unlock { axes } => unlock(&session, &mut module, axes)?,
         Action::Home { axes, timeout, .. } => {
@@ -278,7 +278,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         Action::Reset => {
             standing(&session, &mut module, "reset")?;
             session.ask(module.driver.reset())?;
-            println!("running again; both axes have to be homed");
+            say!("running again; both axes have to be homed");
         }
         Action::Inputs => inputs(&session, &mut module)?,
     }
@@ -291,6 +291,6 @@ fn stop(session: &Session, module: &mut Module, now: bool) -> Result<(), Failure
     }
     let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
     let [one, two] = seen.positions;
-    println!("at rest at {one}, {two}");
+    say!("at rest at {one}, {two}");
     Ok(())
 }

@@ -96,7 +96,7 @@ pub(super) fn get(
             unit(parameter, per_step).into(),
         ]);
     }
-    println!("{table}");
+    say!("{table}");
     Ok(())
 }
 
@@ -122,7 +122,7 @@ pub(super) fn set(
     let bits = bits.ok_or_else(|| Failure::Usage(format!("{value} has more than 32 bits")))?;
     let old = session.ask(module.parameter(parameter, &no_clock))?;
     session.ask(module.set_parameter(parameter, bits, &no_clock))?;
-    println!(
+    say!(
         "{}: {} -> {} {}",
         name(parameter),
         shown(parameter, old),
@@ -130,7 +130,7 @@ pub(super) fn set(
         unit(parameter, per_step)
     );
     if parameter.needs_reset() {
-        println!("it acts after `reset`");
+        say!("it acts after `reset`");
     }
     Ok(())
 }

@@ -232,7 +232,7 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.assume.helps::<Assumptions>() {
+    if arguments.assume.helps::<Assumptions>()? {
         return Ok(Status::Fit);
     }
     let session = Session::start()?;
@@ -259,9 +259,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             return Ok(Status::Fit);
         }
         Action::Save => {
-            println!(
-                "an InterpCNC keeps parameters in its EEPROM when they are set: nothing to do"
-            );
+            say!("an InterpCNC keeps parameters in its EEPROM when they are set: nothing to do");
             return Ok(Status::Fit);
         }
         _ => {}
@@ -269,11 +267,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let mut board = open(arguments.address)?;
     match &arguments.action {
         Action::Scan { .. } | Action::OnFile(_) | Action::Save => {}
-        Action::Status => status(&session.ask(board.snapshot(&no_clock))?),
+        Action::Status => status(&session.ask(board.snapshot(&no_clock))?)?,
         Action::Unlock => {
             session.ask(board.clear_errors(true, true, &no_clock))?;
             session.ask(board.unlock(&no_clock))?;
-            println!("unlocked");
+            say!("unlocked");
         }
         Action::Home { axes, max_stroke, .. } => {
             home(&session, &mut board, consent, axes, *max_stroke)?;
@@ -295,7 +293,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             } else {
                 session.ask(board.ramp_stop(BRAKING, &no_clock))?
             };
-            println!("at rest at {}", state.positions.map(|one| one.to_string()).join(", "));
+            say!("at rest at {}", state.positions.map(|one| one.to_string()).join(", "));
         }
         Action::Get { parameter } => get(&session, &mut board, parameter.as_deref())?,
         Action::Set { parameter, value } => set(&session, &mut board, parameter, *value)?,

@@ -59,7 +59,7 @@ pub(super) fn travel(
     let patience = words::patience(distance, ramps.speed.into(), slowest);
     session
         .motion(board, async |board| board.move_axis(axis, &profile, patience, &no_clock).await)?;
-    println!("axis {axis} stands at {target}");
+    say!("axis {axis} stands at {target}");
     Ok(())
 }
 
@@ -80,8 +80,11 @@ pub(super) fn home(
         let speed = parameter(parameters::home_speed(*axis))?;
         let positive = parameter(parameters::home_direction(*axis))? == 1;
         if input == 0 {
-            let message = format!("axis {axis} has no home switch: set home-input-{axis}");
-            return Err(Failure::Usage(message.to_lowercase()));
+            let name = axis.to_string().to_lowercase();
+            let message = format!(
+                "axis {axis} has no home switch: `set home-input-{name} N` says at which input it is"
+            );
+            return Err(Failure::Usage(message));
         }
         if let Some(stroke) = strokes.get_mut(axis.index()) {
             *stroke = Some(max_stroke);
@@ -102,7 +105,7 @@ pub(super) fn home(
         .motion(board, async |board| board.home_machine(&strokes, patience, &no_clock).await)?;
     for axis in axes {
         let position = state.positions.get(axis.index()).copied().unwrap_or(0);
-        println!("axis {axis} is home, at {position}");
+        say!("axis {axis} is home, at {position}");
     }
     Ok(())
 }

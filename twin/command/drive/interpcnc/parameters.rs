@@ -113,7 +113,7 @@ pub(super) fn get(
         let value = session.ask(board.parameter(one.number, &no_clock))?;
         table.add_row([right(one.number), one.name.into(), right(value), one.unit.into()]);
     }
-    println!("{table}");
+    say!("{table}");
     Ok(())
 }
 
@@ -132,7 +132,7 @@ pub(super) fn set(
     };
     let old = session.ask(board.parameter(one.number, &no_clock))?;
     session.ask(board.set_parameter(one.number, value, STORING, &no_clock))?;
-    println!("parameter {} ({}): {old} -> {value} {}", one.number, one.name, one.unit);
+    say!("parameter {} ({}): {old} -> {value} {}", one.number, one.name, one.unit);
     Ok(())
 }
 

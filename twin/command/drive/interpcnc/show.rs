@@ -46,11 +46,11 @@ pub(super) fn scan(
         eprintln!("no address answers: {}", advice::NOBODY);
         return Ok(Status::Unfit);
     }
-    println!("{table}");
+    say!("{table}");
     Ok(Status::Fit)
 }
 
-pub(super) fn status(seen: &Snapshot) {
+pub(super) fn status(seen: &Snapshot) -> Result<(), Failure> {
     let (status, extended) = (seen.state.status, seen.extended);
     let facts = [
         (status.enable_open(), "ENABLE open"),
@@ -66,7 +66,7 @@ pub(super) fn status(seen: &Snapshot) {
         (status.has(Bits::OVERRIDDEN), "speed overridden"),
     ];
     let said: Vec<_> = facts.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
-    println!("{}", said.join(", "));
+    say!("{}", said.join(", "));
     let mut table = show::table();
     table.set_header(["axis", "position, steps", "state"]);
     for (axis, position) in BoardAxis::ALL.into_iter().zip(seen.state.positions) {
@@ -80,10 +80,11 @@ pub(super) fn status(seen: &Snapshot) {
         let said: Vec<_> = facts.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
         table.add_row([axis.to_string().into(), right(position), said.join(", ").into()]);
     }
-    println!("{table}");
+    say!("{table}");
     if let Some(next) = next(status) {
-        println!("next: {next}");
+        say!("next: {next}");
     }
+    Ok(())
 }
 
 /// What a board in this state waits for.
@@ -128,7 +129,7 @@ pub(super) fn inputs(session: &Session, board: &mut InterpCnc) -> Result<(), Fai
         Err(Failure::Drive(DriveError::Device { .. })) => {}
         Err(other) => return Err(other),
     }
-    println!("{table}");
+    say!("{table}");
     Ok(())
 }
 
@@ -153,6 +154,6 @@ pub(super) fn outputs(
     for number in 1..=OUTPUTS {
         table.add_row([right(number), on_off(levels >> (number - 1) & 1 == 1).into()]);
     }
-    println!("{table}");
+    say!("{table}");
     Ok(())
 }

@@ -231,7 +231,7 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.assume.helps::<Assumptions>() {
+    if arguments.assume.helps::<Assumptions>()? {
         return Ok(Status::Fit);
     }
     let session = Session::start()?;
@@ -256,22 +256,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
                 eprintln!("no address answers: {}", advice::NOBODY);
                 return Ok(Status::Unfit);
             }
-            status(&found);
+            status(&found)?;
         }
         Action::Status => {
             let state = session.ask(axis.state())?;
-            status(&[(address, state)]);
+            status(&[(address, state)])?;
             if let Some(next) = next(&state) {
-                println!("next: {next}");
+                say!("next: {next}");
             }
         }
         Action::Unlock => {
             let state = standing(&session, &mut axis, "unlock")?;
             if state.mode == Mode::Remote.number() && state.alarms.is_empty() {
-                println!("obeys the bus already, at {}", state.position);
+                say!("obeys the bus already, at {}", state.position);
             } else {
                 session.ask(axis.bus.set_mode(address, Some(Mode::Remote)))?;
-                println!("obeys the bus, at 0");
+                say!("obeys the bus, at 0");
             }
         }
         Action::OnFile(_) => {}
@@ -288,19 +288,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         }
         Action::Stop { now: true } => {
             session.ask(axis.hard_stop())?;
-            println!("off");
+            say!("off");
         }
         Action::Stop { now: false } => {
             session.ask(axis.soft_stop())?;
             let state = session.ask(axis.state())?;
-            println!("at rest at {}", state.position);
+            say!("at rest at {}", state.position);
         }
         Action::Get { parameter } => get(&session, &mut axis, parameter.as_deref())?,
         Action::Set { parameter, value } => set(&session, &mut axis, parameter, *value)?,
         Action::Save => {
             standing(&session, &mut axis, "save")?;
             session.ask(axis.bus.save(address))?;
-            println!("saved; the position is 0");
+            say!("saved; the position is 0");
         }
         Action::Inputs => inputs(&session, &mut axis)?,
         Action::Outputs { switches } => outputs(&session, &mut axis, switches)?,

@@ -49,7 +49,7 @@ pub(super) fn home(session: &Session, axis: &mut Axis, consent: Consent) -> Resu
          axis may go either way)"
     ))?;
     let position = session.motion(axis, async |axis| axis.bus.home(address).await)?;
-    println!("home, at {position}");
+    say!("home, at {position}");
     Ok(())
 }
 
@@ -80,6 +80,6 @@ pub(super) fn travel(
     let patience = words::patience(distance, per_s(speed), per_s(acceleration));
     let profile = Some((speed, acceleration));
     session.motion(axis, async |axis| axis.bus.travel(address, target, profile, patience).await)?;
-    println!("stands at {target}");
+    say!("stands at {target}");
     Ok(())
 }

@@ -61,7 +61,7 @@ pub(super) fn get(session: &Session, axis: &mut Axis, name: Option<&str>) -> Res
             entry.unit.into(),
         ]);
     }
-    println!("{table}");
+    say!("{table}");
     Ok(())
 }
 
@@ -93,6 +93,6 @@ pub(super) fn set(
             (entry, old, session.ask(axis.bus.write_variable(address, entry.index, wanted))?)
         }
     };
-    println!("{} ({}): {old} -> {new} {}", entry.name, entry.index, entry.unit);
+    say!("{} ({}): {old} -> {new} {}", entry.name, entry.index, entry.unit);
     Ok(())
 }

@@ -28,7 +28,7 @@ pub(super) fn turns(state: &DriveState) -> bool {
     state.homing || state.flags.contains(TrajectoryFlags::IN_MOTION)
 }
 
-pub(super) fn status(found: &[(u8, DriveState)]) {
+pub(super) fn status(found: &[(u8, DriveState)]) -> Result<(), Failure> {
     let mut table = show::table();
     table.set_header(["address", "mode", "position, µsteps", "state"]);
     for (address, state) in found {
@@ -51,7 +51,8 @@ pub(super) fn status(found: &[(u8, DriveState)]) {
             said.into(),
         ]);
     }
-    println!("{table}");
+    say!("{table}");
+    Ok(())
 }
 
 /// What a drive in this state waits for.
@@ -82,7 +83,7 @@ pub(super) fn inputs(session: &Session, axis: &mut Axis) -> Result<(), Failure> 
         let bit = |word: u8| on_off(word >> place & 1 == 1);
         table.add_row([*name, bit(seen.levels), bit(seen.active), bit(seen.reverse)]);
     }
-    println!("{table}");
+    say!("{table}");
     Ok(())
 }
 
@@ -111,7 +112,7 @@ pub(super) fn outputs(
     for (place, name) in PINS.iter().enumerate().take(OUTPUTS) {
         table.add_row([*name, on_off(seen.levels >> place & 1 == 1)]);
     }
-    println!("{table}");
+    say!("{table}");
     let command = Command::IoUpdate(update);
     let wrong = update.set & !seen.levels | update.clear & seen.levels;
     if wrong == 0 {
