@@ -278,7 +278,7 @@ fn every_check_that_fails_is_told_with_what_was_found_and_what_is_wanted() {
     // What is said can be copied: the parameters are right then.
     shop.copy_commands(&done);
     let done = shop.run("short.cnc", "--homed --yes");
-    done.ended(2, "axis Z: not homed: its device has been locked or off");
+    done.ended(2, "or `firmware = \"1.2.0\"` of [[drives]] \"bus\" in mixture.toml");
     assert!(
         !done.stderr.contains("Trj_VelMax") && !done.stderr.contains("140.6250"),
         "{}",
@@ -390,6 +390,7 @@ fn a_station_that_does_not_answer_is_named() {
     let done = shop.homed("short.cnc", "");
     done.ended(2, "✗ device `board`: board, address 9: reading parameter");
     done.ended(2, "no answer within 300 ms");
+    done.ended(2, "help: is the device powered? Are A and B of the line swapped");
     shop.untouched();
 }
 

@@ -56,7 +56,7 @@ impl<'a> Looker<'a> {
         match step {
             // Whoever looks has opened the port.
             StartStep::Connecting => Ok(()),
-            StartStep::Identity => self.identity(drive),
+            StartStep::Identity => self.identity(machine, drive),
             StartStep::Parameters => self.parameters(machine, (index, drive)),
             StartStep::Limits => self.limits(machine, (index, drive)),
             StartStep::Enabling => self.may_be_enabled(drive, stream),
@@ -91,7 +91,7 @@ impl<'a> Looker<'a> {
         }
     }
 
-    fn identity(&mut self, drive: &mut dyn Drive) -> Result<(), DriveError> {
+    fn identity(&mut self, machine: &Machine, drive: &mut dyn Drive) -> Result<(), DriveError> {
         let identity = drive.identity()?;
         self.add(true, format!("connected: {identity}"));
         let Some(wanted) = self.firmware else { return Ok(()) };
@@ -105,7 +105,12 @@ impl<'a> Looker<'a> {
             } else {
                 format!("address {}: ", unit.station)
             };
-            self.add(false, format!("{station}the firmware is {found}; {wanted} is wanted"));
+            let told = format!("{station}the firmware is {found}; {wanted} is wanted");
+            let (name, file) = (self.name, machine.path.display());
+            let key = unit.firmware.as_ref().map(|found| {
+                format!("or `firmware = \"{found}\"` of [[drives]] \"{name}\" in {file}")
+            });
+            self.add_with(false, told, key.into_iter().collect());
         }
         Ok(())
     }
