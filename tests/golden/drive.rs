@@ -91,7 +91,7 @@ fn an_interpcnc_board_is_found_unlocked_and_moved() {
     let scan = Hand::new("interpcnc", port, &["--deadline", "300"]);
     let found = scan.does("scan --stations 3-4");
     assert_eq!(row(&found, 0, "4")[1..3], ["115200", "baud,"]);
-    scan.tries("scan --stations 7").ended(1, "no station answers");
+    scan.tries("scan --stations 7").ended(1, "no address answers");
     assert!(hand.does("status").stdout.contains("locked"));
     // A locked board takes moves and does nothing.
     hand.refuses("move X 100 --yes", "the board is locked; the axes are at rest");
