@@ -206,9 +206,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let link = folder.path().join("board");
         // Made before the terminal it leads to, as a link is that was left behind.
-        let (_other, other) = PseudoTerminal::open(None).unwrap();
-        let number = other.path().to_path_buf();
-        drop((_other, other));
+        let terminal = PseudoTerminal::open(None).unwrap();
+        let number = terminal.1.path().to_path_buf();
+        drop(terminal);
         symlink(&number, &link).unwrap();
         // Timestamps go by ticks of the kernel.
         std::thread::sleep(std::time::Duration::from_millis(50));

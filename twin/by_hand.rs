@@ -13,19 +13,20 @@ use twin_drives::smartdrive::parameters::{PARAMETERS, POSITION_MAX, POSITION_MIN
 pub(crate) fn command(machine: &Machine, device: usize, address: usize) -> Option<String> {
     let entry = machine.drives.get(device)?;
     let port = quoted(entry.port.as_deref().unwrap_or("PORT"));
-    let mut command = match &entry.family {
+    let command = match &entry.family {
         DriveFamily::InterpCnc(board) => {
-            let mut said =
-                format!("twin drive interpcnc --port {port} --address {}", board.station);
-            if board.baud != 115_200 {
-                said += &format!(" --baud {}", board.baud);
-            }
-            said += match board.parity {
+            let address = board.station;
+            let baud = match board.baud {
+                115_200 => String::new(),
+                baud => format!(" --baud {baud}"),
+            };
+            let parity = match board.parity {
                 Parity::None => "",
                 Parity::Even => " --parity even",
                 Parity::Odd => " --parity odd",
             };
-            if board.echo { said + " --echo" } else { said }
+            let echo = if board.echo { " --echo" } else { "" };
+            format!("twin drive interpcnc --port {port} --address {address}{baud}{parity}{echo}")
         }
         DriveFamily::SmartDrive(_) => {
             format!("twin drive smartdrive --port {port} --address {address}")
@@ -37,10 +38,8 @@ pub(crate) fn command(machine: &Machine, device: usize, address: usize) -> Optio
             format!("twin drive bim2ax --port {port}{map}{little}")
         }
     };
-    if let Some(deadline) = entry.answer_ms {
-        command += &format!(" --deadline {deadline}");
-    }
-    Some(command)
+    let deadline = entry.answer_ms.map_or(String::new(), |ms| format!(" --deadline {ms}"));
+    Some(command + &deadline)
 }
 
 /// The commands that give a parameter of a device a value, and let it count.

@@ -209,6 +209,7 @@ impl SmartDriveBus {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Values;
 
     /// Digest, section 4: 1020h is release 1.2.0; and its vector 28.
     #[test]

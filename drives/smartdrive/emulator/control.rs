@@ -139,11 +139,11 @@ impl Device {
     fn rejection(&self, command: &[u8], code: u16) -> Vec<u8> {
         let status = self.status().with(Status::REJECT, true);
         let data = self.counter().to_le_bytes();
-        self.sealed(command, &frame::Answer { status, data, tag: code })
+        self.sealed(command, frame::Answer { status, data, tag: code })
     }
 
     /// An answer to a command as bytes.
-    pub(super) fn sealed(&self, command: &[u8], answer: &frame::Answer) -> Vec<u8> {
+    pub(super) fn sealed(&self, command: &[u8], answer: frame::Answer) -> Vec<u8> {
         let assumed = self.options.assumptions.answer_length;
         answer.encode_in(frame::answer_length(command, assumed))
     }

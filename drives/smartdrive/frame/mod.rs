@@ -87,7 +87,7 @@ impl Answer {
     }
 
     /// The frame with zeros behind the data, `length` bytes in all. They leave the check sum as it is.
-    pub(crate) fn encode_in(&self, length: usize) -> Vec<u8> {
+    pub(crate) fn encode_in(self, length: usize) -> Vec<u8> {
         let mut frame = self.encode().to_vec();
         let zeros = length.saturating_sub(ANSWER_BYTES);
         frame.splice(6..6, std::iter::repeat_n(0, zeros));
