@@ -30,6 +30,8 @@ pub mod simulated;
 pub mod startup;
 pub mod workspace;
 
+mod advice;
+mod by_hand;
 mod chart;
 mod in_loop;
 mod job;

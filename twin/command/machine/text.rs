@@ -144,7 +144,7 @@ fn drives(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
         write!(out, "drive {}: {} on {port}", device.name, device.family_name())?;
         match &device.family {
             DriveFamily::InterpCnc(board) => {
-                write!(out, ", station {}, {} baud", board.station, board.baud)?;
+                write!(out, ", address {}, {} baud", board.station, board.baud)?;
             }
             DriveFamily::SmartDrive(bus) => {
                 write!(out, ", {} µsteps per turn", bus.turn.get())?;

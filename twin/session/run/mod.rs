@@ -1,6 +1,7 @@
 //! A run under way, in rounds: plan, simulate what is due, listen to the drives.
 
-use super::braking::{braking, resting};
+mod stopping;
+
 use super::history::History;
 use super::overrides::{OverrideAt, Overrides};
 use super::punctuality::Punctuality;
@@ -9,7 +10,7 @@ use crate::check;
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
 use crate::finding::{Finding, Severity};
-use crate::hardware::{HORIZON_NS, Hardware, HardwareError};
+use crate::hardware::{HORIZON_NS, Hardware};
 use crate::m_function::MCall;
 use crate::machine::{Machine, SimulationError};
 use crate::physics::PhysicsError;
@@ -173,60 +174,6 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
-    /// Obeys the user, who has interrupted so many times.
-    pub(super) fn heed(&mut self, interrupts: u32) {
-        while self.interrupts < interrupts {
-            self.interrupts += 1;
-            if self.interrupts == 1 {
-                // What is planned to its end goes to its end.
-                if self.plan == Plan::GoesOn && self.stopped.is_none() {
-                    self.stopped = Some(Stopped::Interrupted(self.place()));
-                    self.items.request_stop();
-                }
-                continue;
-            }
-            self.stopped.get_or_insert(Stopped::Interrupted(self.place()));
-            if self.plan != Plan::Brakes && self.goes_on() {
-                self.brake();
-            } else if let Some(hardware) = &mut self.hardware {
-                hardware.stop();
-            }
-        }
-    }
-
-    /// From now on every axis brakes at its own limits, on the simulated machine and on the drives.
-    fn brake(&mut self) {
-        if self.plan == Plan::Brakes || !self.goes_on() {
-            return;
-        }
-        // Where planning has kept everything else waiting, the drives are ahead of the simulated machine.
-        let now_ns = self.clock.map_or(self.executed_ns(), |clock| clock.now_ns());
-        let due = self.planned.iter().take_while(|next| next.time_ns <= now_ns).count();
-        // Everything stands at the first.
-        self.planned.truncate(due.max(usize::from(self.executed.is_none())));
-        self.come_to_rest();
-    }
-
-    /// Every axis brakes at its own limits from the end of what is planned.
-    fn come_to_rest(&mut self) {
-        self.plan = Plan::Brakes;
-        let kept = self.planned.len();
-        let moving = self.executed.is_some() || kept > 1;
-        let from = self.planned.back().or(self.executed.as_ref()).copied();
-        let rest = from.filter(|_| moving).map(|from| (from, braking(self.machine, &from)));
-        if let Some((from, Ok(rest))) = rest {
-            self.planned.extend(rest);
-            if self.planned.len() > kept {
-                self.off_path = Some(from.place);
-            }
-            if let Some(hardware) = &mut self.hardware {
-                hardware.replan(from.time_ns, &self.planned.iter().skip(kept));
-            }
-        } else if let Some(hardware) = &mut self.hardware {
-            hardware.stop();
-        }
-    }
-
     /// Plans beyond `until_ns`, and hands the drives what is planned.
     pub(super) fn plan(&mut self, until_ns: i64) {
         let paced = self.hardware.is_some() || self.realtime;
@@ -287,28 +234,6 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
-    /// What brakes as hard as the axes allow is followed to rest.
-    fn settle_stop(&mut self) {
-        if self.stopped.is_none() || !self.items.is_within_axes() {
-            return;
-        }
-        let Some(last) = self.planned.back().or(self.executed.as_ref()).copied() else { return };
-        for setpoint in resting(self.machine, &last) {
-            self.planned.push_back(setpoint);
-            if let Some(hardware) = &mut self.hardware
-                && let Err(source) = hardware.command(&setpoint)
-            {
-                return self.lose_drives(source);
-            }
-        }
-    }
-
-    /// No set-points any more that lead to rest on the path: what is planned is still good, and the axes brake from its end.
-    fn lose_plan(&mut self, reason: Stopped) {
-        self.stopped.get_or_insert(reason);
-        self.come_to_rest();
-    }
-
     /// What is due is taken up now, in step with the wall clock.
     pub(super) fn take_up(&mut self, now_ns: i64) {
         let Some(punctuality) = &mut self.punctuality else { return };
@@ -364,22 +289,6 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
         // The program has ended when its last set-point was there.
         self.executed = Some(last);
-    }
-
-    /// Nothing to compare with any more: the drives brake, and that is the end.
-    fn lose_twin(&mut self, source: SimulationError) {
-        self.twin_failed = true;
-        self.stopped.get_or_insert(Stopped::Twin { place: self.place(), source });
-        self.brake();
-    }
-
-    /// The drives are off the path or nobody knows where they are: the simulated machine has nothing to gain from staying on
-    /// it. That the drives fail is worth more words than that the user has stopped them before.
-    fn lose_drives(&mut self, source: HardwareError) {
-        if matches!(self.stopped, None | Some(Stopped::Interrupted(_) | Stopped::Unsettled)) {
-            self.stopped = Some(Stopped::Drives { place: self.place(), source });
-        }
-        self.brake();
     }
 
     /// Takes what the drives have said and compares what is comparable.
