@@ -134,7 +134,7 @@ fn checked(
     while let Some(item) = items.next() {
         let setpoint = match item {
             PlanItem::Tool(tool) => checker.tool(&tool),
-            PlanItem::Axes(setpoint) => Some(checker.axes(*setpoint)),
+            PlanItem::Axes(setpoint) => Some(*checker.axes(&setpoint)),
             PlanItem::Diagnostic(finding) => {
                 checker.findings.add(None, finding);
                 continue;
@@ -253,7 +253,7 @@ impl<'m> Checker<'m> {
             }
         }
         match self.transformer.axes(tool, None) {
-            Ok(setpoint) => Some(self.axes(setpoint)),
+            Ok(setpoint) => Some(*self.axes(&setpoint)),
             Err(error) => {
                 self.findings.add(None, no_axes(tool.place, &error));
                 self.last = None;
@@ -263,16 +263,16 @@ impl<'m> Checker<'m> {
     }
 
     /// Looks at a set-point of the axes, and hands it back.
-    fn axes(&mut self, setpoint: AxisSetpoint) -> AxisSetpoint {
+    fn axes<'s>(&mut self, setpoint: &'s AxisSetpoint) -> &'s AxisSetpoint {
         self.duration_ns = setpoint.time_ns;
-        let last = self.last.replace(setpoint);
+        let last = self.last.replace(*setpoint);
         self.start.get_or_insert(setpoint.axes.position);
         let machine = self.machine;
         let [faster, harder, jerkier] = self.slack;
         let cycle = seconds(machine.cycle_ns);
         let with_path = matches!(machine.direction, DirectionRule::Path(..));
         for (index, (axis, peak)) in machine.axes.iter().zip(&mut self.peaks).enumerate() {
-            let now = Instant::of(&setpoint, index);
+            let now = Instant::of(setpoint, index);
             let turns = with_path && machine.kinematics.is_rotary(index);
             let before = last.as_ref().map(|last| Instant::of(last, index));
             let rapids = self.rapids;

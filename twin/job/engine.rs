@@ -128,7 +128,7 @@ impl Engine {
     ///
     /// # Errors
     /// What a block says is wrong, what never ends.
-    pub(super) fn step(&mut self) -> Result<bool, Finding> {
+    pub(super) fn step(&mut self) -> Result<bool, Box<Finding>> {
         if self.is_over()? {
             return Ok(false);
         }
@@ -149,7 +149,7 @@ impl Engine {
                 let error = u16::try_from(id).ok().and_then(SmcError::from_number);
                 let said = error.map_or(format!("error {id}"), told);
                 let message = format!("axis {} stops by itself: {said}", moved.name);
-                Err(Finding::error(Rule::FunctionBlock, self.place(), message))
+                Err(Finding::error(Rule::FunctionBlock, self.place(), message).into())
             }
             None => Ok(true),
         }
@@ -181,7 +181,7 @@ impl Engine {
     }
 
     /// Calls a block, if it has begun.
-    fn call(&mut self, index: usize) -> Result<(), Finding> {
+    fn call(&mut self, index: usize) -> Result<(), Box<Finding>> {
         let Some(running) = self.calls.get_mut(index) else { return Ok(()) };
         if running.begun_ns.is_none() {
             return Ok(());
@@ -198,7 +198,7 @@ impl Engine {
             let mut finding = Finding::error(Rule::FunctionBlock, place, message);
             finding.axis = Some(moved.name.clone());
             finding.hint = Some(format!("`twin explain {}` says more", error.number()));
-            return Err(finding);
+            return Err(finding.into());
         }
         if done || command_aborted {
             running.over_ns.get_or_insert(self.now_ns);
@@ -211,7 +211,7 @@ impl Engine {
     }
 
     /// Whether everything is done and stands.
-    fn is_over(&self) -> Result<bool, Finding> {
+    fn is_over(&self) -> Result<bool, Box<Finding>> {
         let stand = self.axes.iter().all(Moved::stands);
         if self.is_halting() {
             return Ok(stand);
@@ -227,7 +227,7 @@ impl Engine {
                 let Call { line, name, .. } = running.call;
                 let place = Place { line, block: None };
                 let message = format!("{name} waits for ever: its axis and its master stand");
-                return Err(Finding::error(Rule::FunctionBlock, place, message));
+                return Err(Finding::error(Rule::FunctionBlock, place, message).into());
             }
             return self.in_time();
         }
@@ -238,7 +238,7 @@ impl Engine {
                  `duration_s`, or call MC_Halt",
                 moved.name, moved.state.velocity
             );
-            return Err(Finding::error(Rule::FunctionBlock, self.place(), message));
+            return Err(Finding::error(Rule::FunctionBlock, self.place(), message).into());
         }
         if ends { self.in_time() } else { Ok(stand) }
     }
@@ -250,12 +250,12 @@ impl Engine {
         })
     }
 
-    fn in_time(&self) -> Result<bool, Finding> {
+    fn in_time(&self) -> Result<bool, Box<Finding>> {
         if seconds(self.now_ns) <= LONGEST {
             return Ok(false);
         }
         let message = format!("the job has not ended after {LONGEST:.0} s");
-        Err(Finding::error(Rule::FunctionBlock, self.place(), message))
+        Err(Finding::error(Rule::FunctionBlock, self.place(), message).into())
     }
 }
 
@@ -333,7 +333,6 @@ impl Moved {
         }
     }
 
-    #[expect(clippy::float_cmp, reason = "what stands moves by nothing")]
     fn stands(&self) -> bool {
         self.state.velocity == 0.0 && self.state.acceleration == 0.0
     }

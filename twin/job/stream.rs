@@ -129,7 +129,7 @@ impl<'m> JobSetpoints<'m> {
     }
 
     /// The next cycle of the job.
-    fn go_on(&mut self, engine: &mut Engine) -> Result<(), Finding> {
+    fn go_on(&mut self, engine: &mut Engine) -> Result<(), Box<Finding>> {
         std::mem::swap(&mut self.from, &mut self.to);
         if engine.step()? {
             self.to.states.clear();
@@ -143,7 +143,7 @@ impl<'m> JobSetpoints<'m> {
     }
 
     /// The set-point at `time_ns`; `before` is the pace a cycle ago.
-    fn setpoint(&mut self, time_ns: i64, before: f64) -> Result<AxisSetpoint, Finding> {
+    fn setpoint(&mut self, time_ns: i64, before: f64) -> Result<AxisSetpoint, Box<Finding>> {
         let cycle = seconds(self.machine.cycle_ns);
         let mut axes = AxisMotion::at_rest(AxisVector::zeros(self.machine.axes.len()));
         let AxisMotion { position, velocity, acceleration } = &mut axes;
@@ -157,7 +157,7 @@ impl<'m> JobSetpoints<'m> {
         }
         let place = self.from.place;
         let tool = self.machine.kinematics.forward_motion(&axes).map_err(|error| {
-            Finding::error(Rule::Reach, place, format!("the tool is nowhere: {error}"))
+            Box::new(Finding::error(Rule::Reach, place, format!("the tool is nowhere: {error}")))
         })?;
         // Where only an axis moves that does not move the tool, something moves all the same.
         let fastest =
@@ -175,7 +175,7 @@ impl<'m> JobSetpoints<'m> {
         })
     }
 
-    fn poll(&mut self, engine: &mut Engine) -> Option<Result<AxisSetpoint, Finding>> {
+    fn poll(&mut self, engine: &mut Engine) -> Option<Result<AxisSetpoint, Box<Finding>>> {
         let Some(last_ns) = self.time_ns else {
             if let Err(finding) = self.go_on(engine) {
                 return Some(Err(finding));
@@ -218,7 +218,7 @@ impl Iterator for JobSetpoints<'_> {
                 Some(PlanItem::Axes(Box::new(setpoint)))
             }
             // Nothing comes behind it.
-            Err(finding) => Some(PlanItem::Diagnostic(finding)),
+            Err(finding) => Some(PlanItem::Diagnostic(*finding)),
         }
     }
 }

@@ -48,18 +48,19 @@ pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()
 /// An axis that follows another one.
 fn coupling(machine: &Machine, coupling: &Coupling) -> Value {
     let name = |index: usize| machine.axes.get(index).map(|axis| &axis.name);
-    let mut object = json!({
+    let (ratio, cam) = match &coupling.by {
+        CoupledBy::Gear(numerator, denominator) => {
+            (Some([i64::from(*numerator), i64::from(*denominator)]), None)
+        }
+        CoupledBy::Cam(selection) => (None, Some(selection.table.cam.name())),
+    };
+    json!({
         "kind": coupling.name(),
         "axis": name(coupling.axis),
         "master": name(coupling.master),
-    });
-    match &coupling.by {
-        CoupledBy::Gear(numerator, denominator) => {
-            object["ratio"] = json!([numerator, denominator]);
-        }
-        CoupledBy::Cam(cam) => object["cam"] = json!(cam.table.cam.name()),
-    }
-    object
+        "ratio": ratio,
+        "cam": cam,
+    })
 }
 
 /// What is looked for in the way of the machine.
