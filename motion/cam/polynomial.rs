@@ -47,6 +47,20 @@ pub(crate) fn derivative(c: &Coefficients) -> Coefficients {
     result
 }
 
+/// The polynomial counted from `by` on: its value at u is that of `c` at u + `by`.
+pub(crate) fn shifted(c: &Coefficients, by: f64) -> Coefficients {
+    let mut result = *c;
+    // Horner's scheme again and again: each round leaves one coefficient of the new polynomial behind.
+    for done in 0..MOST {
+        let mut carried = 0.0;
+        for slot in result.iter_mut().skip(done).rev() {
+            *slot += by * carried;
+            carried = *slot;
+        }
+    }
+    result
+}
+
 /// The roots within [0, `width`] at which the sign changes, and ends that are roots.
 pub(crate) fn roots(c: &Coefficients, width: f64) -> Roots {
     let degree = c.iter().rposition(|c| *c != 0.0).unwrap_or(0);
@@ -150,7 +164,7 @@ pub(crate) fn extremes(c: &Coefficients, width: f64) -> Extremes {
 
 #[cfg(test)]
 mod tests {
-    use super::{Coefficients, extremes, roots, value};
+    use super::{Coefficients, extremes, roots, shifted, value};
     use proptest::prelude::*;
 
     /// The polynomial with these roots.
@@ -200,6 +214,13 @@ mod tests {
     }
 
     proptest! {
+        /// The same values from elsewhere.
+        #[test]
+        fn shifts(c in prop::array::uniform7(-10.0..10.0_f64), by in -2.0..2.0_f64, u in -2.0..2.0_f64) {
+            let size = c.iter().rev().fold(0.0, |sum, c| sum * 4.0 + c.abs());
+            prop_assert!((value(&shifted(&c, by), u) - value(&c, by + u)).abs() < 1e-13 * size);
+        }
+
         /// No sample lies outside the extremes, and each of them is a value of the polynomial.
         #[test]
         fn extremes_hold(c in prop::array::uniform7(-10.0..10.0_f64), width in 1e-3..10.0_f64) {
