@@ -48,7 +48,7 @@ impl Curve {
     /// [`CamError`] if there are less than two points, one of them is not finite, or their masters do not ascend.
     pub fn polynomial(knots: &[Knot]) -> Result<Self, CamError> {
         check(knots)?;
-        Self::from_pieces(pairs(knots).map(|(from, to)| Piece::between(from, to)).collect())
+        Self::from_pieces(knots, pairs(knots).map(|(from, to)| Piece::between(from, to)).collect())
     }
 
     /// Straight lines between points, of which only the positions count (`byInterpolationQuality` 1).
@@ -57,7 +57,7 @@ impl Curve {
     /// As [`Self::polynomial`].
     pub(crate) fn linear(knots: &[Knot]) -> Result<Self, CamError> {
         check(knots)?;
-        Self::from_pieces(pairs(knots).map(|(from, to)| Piece::linear(from, to)).collect())
+        Self::from_pieces(knots, pairs(knots).map(|(from, to)| Piece::linear(from, to)).collect())
     }
 
     /// Cubics between points with tangents (`byInterpolationQuality` 3).
@@ -66,15 +66,17 @@ impl Curve {
     /// As [`Self::polynomial`].
     pub(crate) fn cubic(knots: &[Knot]) -> Result<Self, CamError> {
         check(knots)?;
-        Self::from_pieces(pairs(knots).map(|(from, to)| Piece::cubic(from, to)).collect())
+        Self::from_pieces(knots, pairs(knots).map(|(from, to)| Piece::cubic(from, to)).collect())
     }
 
-    fn from_pieces(pieces: Vec<Piece>) -> Result<Self, CamError> {
+    fn from_pieces(knots: &[Knot], pieces: Vec<Piece>) -> Result<Self, CamError> {
         let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
             return Err(CamError::TooFewPoints { found: pieces.len() });
         };
         let (start, end) = (first.start, last.start + last.width);
-        let rise = last.end().position - first.begin().position;
+        // Of the points: a cam that comes back to where it began gains nothing, not a rounding.
+        let ends = [knots.first(), knots.last()].map(|knot| knot.map_or(0.0, |knot| knot.slave));
+        let rise = ends[1] - ends[0];
         let finite = |piece: &Piece| piece.c.iter().all(|c| c.is_finite()) && piece.width > 0.0;
         if let Some(index) = pieces.iter().position(|piece| !finite(piece)) {
             return Err(CamError::NotFinite { index: index + 2, value: f64::INFINITY });

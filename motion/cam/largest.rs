@@ -5,7 +5,7 @@
 //! begun above, comes down to without ever passing it.
 
 use super::bounds::{Factors, MasterMotion, Peak, Quantity, SlaveLimits, scaled};
-use super::curve::{Curve, Jump, Range};
+use super::curve::{Curve, Jump};
 use super::knot::Derivatives;
 use crate::short::Short;
 
@@ -174,28 +174,31 @@ impl Curve {
         Some(Peak { value, master: peak.master })
     }
 
-    fn refuse_jumps(&self, limits: &SlaveLimits, repeated: bool) -> Result<(), LimitError> {
+    /// Where position, velocity and acceleration jump most, if they do: jumps that are rounding alone are none. With
+    /// `repeated` also from end to begin.
+    pub fn real_jumps(&self, repeated: bool) -> [Option<Jump>; 3] {
         let jumps = self.jumps(repeated);
         let extremes = self.extremes();
-        let too_large = |jump: &Jump, range: &Range| jump.by.abs() > ROUNDING * range.magnitude();
         let width = self.end() - self.start();
+        let position = extremes.position.magnitude();
         // A curve that is almost a line has an acceleration of rounding alone.
-        let floor = |range: Range, scale: f64| Range { max: range.magnitude().max(scale), ..range };
-        let velocity = floor(extremes.velocity, extremes.position.magnitude() / width);
-        let acceleration = floor(extremes.acceleration, velocity.magnitude() / width);
-        let unbounded = |quantity, jump| Err(LimitError::Unbounded { quantity, jump });
-        if limits.velocity.is_finite() && too_large(&jumps.position, &extremes.position) {
-            return unbounded(Quantity::Velocity, jumps.position);
-        }
-        if limits.acceleration.is_finite() && too_large(&jumps.velocity, &velocity) {
-            return unbounded(Quantity::Acceleration, jumps.velocity);
-        }
-        if limits.jerk.is_finite() {
-            if too_large(&jumps.velocity, &velocity) {
-                return unbounded(Quantity::Acceleration, jumps.velocity);
-            }
-            if too_large(&jumps.acceleration, &acceleration) {
-                return unbounded(Quantity::Jerk, jumps.acceleration);
+        let velocity = extremes.velocity.magnitude().max(position / width);
+        let acceleration = extremes.acceleration.magnitude().max(velocity / width);
+        [(jumps.position, position), (jumps.velocity, velocity), (jumps.acceleration, acceleration)]
+            .map(|(jump, size)| (jump.by.abs() > ROUNDING * size).then_some(jump))
+    }
+
+    fn refuse_jumps(&self, limits: &SlaveLimits, repeated: bool) -> Result<(), LimitError> {
+        let [position, velocity, acceleration] = self.real_jumps(repeated);
+        // What follows a jump has no bound either.
+        for (limit, jumps) in [
+            (limits.velocity, &[(Quantity::Velocity, position)][..]),
+            (limits.acceleration, &[(Quantity::Acceleration, velocity)]),
+            (limits.jerk, &[(Quantity::Acceleration, velocity), (Quantity::Jerk, acceleration)]),
+        ] {
+            let first = jumps.iter().find_map(|(quantity, jump)| Some((*quantity, (*jump)?)));
+            if let Some((quantity, jump)) = first.filter(|_| limit.is_finite()) {
+                return Err(LimitError::Unbounded { quantity, jump });
             }
         }
         Ok(())

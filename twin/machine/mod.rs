@@ -9,10 +9,10 @@ mod geometry;
 mod limits;
 mod m_functions;
 mod payload;
-mod problem;
+pub(crate) mod problem;
 mod refusal;
 mod scenario;
-mod section;
+pub(crate) mod section;
 mod simulated;
 mod surroundings;
 #[cfg(test)]
