@@ -19,5 +19,5 @@ pub mod tune;
 
 pub use error::CamFileError;
 pub use file::{CamFile, Form, csv_of, write_file};
-pub use form::{AxisScale, Coupling};
+pub use form::{AxisScale, Coupling, START_MODES};
 pub use toml_writer::write_toml;
