@@ -2,6 +2,7 @@
 //!
 //! This library is what the `twin` command is made of; ARCHITECTURE.md says how it hangs together.
 
+pub mod cam;
 pub mod check;
 pub mod clock;
 pub mod command;

@@ -3,10 +3,12 @@
 mod assume;
 mod axes;
 mod axes_probe;
+mod cam;
 mod causes;
 mod check;
 mod drive;
 mod emulate;
+mod explain;
 mod following;
 mod limit;
 mod machine;
@@ -15,11 +17,13 @@ mod path;
 mod progress;
 mod run;
 mod show;
+mod tune;
 mod underline;
 mod view;
 mod whole;
 
 use crate::advice::advice;
+use crate::cam::CamFileError;
 use crate::check::CheckFailure;
 use crate::hardware::HardwareError;
 use crate::machine::MachineFileError;
@@ -83,6 +87,9 @@ enum Command {
     Drive(Box<drive::Arguments>),
     View(view::Arguments),
     Machine(machine::Arguments),
+    Explain(explain::Arguments),
+    Cam(cam::Arguments),
+    Tune(tune::Arguments),
 }
 
 /// Carries out the command line.
@@ -98,6 +105,9 @@ pub fn main() -> ExitCode {
         Command::Drive(arguments) => drive::run(&arguments),
         Command::View(arguments) => view::run(&arguments),
         Command::Machine(arguments) => machine::run(&arguments),
+        Command::Explain(arguments) => explain::run(&arguments),
+        Command::Cam(arguments) => cam::run(&arguments),
+        Command::Tune(arguments) => tune::run(&arguments),
     };
     match result {
         Ok(status) => status.into(),
@@ -163,6 +173,9 @@ pub(crate) enum Failure {
     /// Homing by a switch.
     #[error(transparent)]
     BySwitch(Box<twin_drives::axis::homing::HomingError>),
+    /// The file of a cam.
+    #[error(transparent)]
+    Cam(#[from] Box<crate::cam::CamFileError>),
     /// The view.
     #[error(transparent)]
     View(#[from] twin_viz::VizError),
@@ -234,6 +247,14 @@ impl Failure {
                     eprintln!("{report:?}");
                 }
             }
+            Self::Cam(error) => match *error {
+                CamFileError::Toml(error) => {
+                    for report in error.reports() {
+                        eprintln!("{report:?}");
+                    }
+                }
+                other => eprintln!("{:?}", miette::Report::msg(other.to_string())),
+            },
             // Whoever reads our output has gone: not worth a message.
             Self::Stdio(error) if error.kind() == std::io::ErrorKind::BrokenPipe => {}
             other => {

@@ -187,7 +187,7 @@ impl Reader<'_> {
                 alone(MoveAdditive { distance, velocity, acceleration, deceleration })
             }
             Kind::MoveSuperImposed => {
-                let (distance, rates) = (of.length("distance"), of.rates("velocity_diff"));
+                let (distance, rates) = (of.length("distance"), of.rates("velocity_difference"));
                 let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
                 Box::new(MoveSuperImposed::new(distance, velocity, acceleration, deceleration))
             }

@@ -2,9 +2,10 @@
 
 use super::axis::{Axis, AxisKind};
 use super::section::Section;
+use crate::cam::{CamFile, CamFileError, START_MODES};
 use std::path::Path;
 use std::sync::Arc;
-use twin_motion::cam::{Cam, CamInput, CamTable, StartMode};
+use twin_motion::cam::{CamInput, CamTable, Interpolation};
 
 /// Farthest offset and largest factor of a coupling.
 const FAR: f64 = 1e9;
@@ -148,57 +149,55 @@ pub(crate) fn read_ratio(section: &Section<'_>) -> Option<(i32, i32)> {
     Some((i32::try_from(numerator?).ok()?, i32::try_from(denominator).ok()?))
 }
 
-/// A cam and how the slave comes onto it; `path` is the file that names it.
+/// A cam and how the slave comes onto it; `path` is the file that names it. What is not said is as the cam's own file says.
 pub(crate) fn read_cam(
     section: &Section<'_>,
     path: &Path,
     slave: AxisKind,
     master: AxisKind,
 ) -> Option<CamSelection> {
-    let cam = section.required_text("cam").and_then(|name| {
+    let between = [("linear", Interpolation::Linear), ("cubic", Interpolation::Cubic)];
+    let between = section.choice("interpolation", &between).unwrap_or(Interpolation::Linear);
+    let file = section.required_text("cam").and_then(|name| {
         let path = path.parent().unwrap_or(Path::new("")).join(name);
-        let said = |message: String| section.complain_at("cam", message);
-        load(&path).map_err(said).ok()
+        let file = CamFile::load(&path, between);
+        file.map_err(|error| section.complain_at("cam", told(&path, &error))).ok()
     });
-    let flag = |key| section.flag(key).unwrap_or(true);
-    let [periodic, master_absolute, slave_absolute] =
-        ["periodic", "master_absolute", "slave_absolute"].map(flag);
-    let modes = [
-        ("absolute", StartMode::Absolute),
-        ("relative", StartMode::Relative),
-        ("ramp_in", StartMode::RampIn),
-        ("ramp_in_pos", StartMode::RampInPositive),
-        ("ramp_in_neg", StartMode::RampInNegative),
-    ];
-    let start_mode = section.choice("start_mode", &modes).unwrap_or_default();
-    let number = |key: &str, kind: AxisKind, suffix: &str, least: f64| {
-        section.number(&format!("{key}_{}{suffix}", kind.unit()), least..=FAR).unwrap_or(0.0)
+    let own = file.as_ref().map(|file| file.coupling.input).unwrap_or_default();
+    let repeated = file.as_ref().is_some_and(|file| file.repeated);
+    let flag = |key, otherwise| section.flag(key).unwrap_or(otherwise);
+    let periodic = flag("periodic", repeated);
+    let [master_absolute, slave_absolute] =
+        ["master_absolute", "slave_absolute"].map(|key| flag(key, true));
+    let start_mode = section.choice("start_mode", &START_MODES).unwrap_or(own.start_mode);
+    let number = |(key, own): (&str, f64), kind: AxisKind, suffix: &str, least: f64| {
+        section.number(&format!("{key}_{}{suffix}", kind.unit()), least..=FAR).unwrap_or(own)
     };
-    let scaling = |key| section.number(key, -FAR..=FAR).unwrap_or(1.0);
+    let scaling = |key, own| section.number(key, -FAR..=FAR).unwrap_or(own);
     let input = CamInput {
-        master_offset: number("master_offset", master, "", -FAR),
-        master_scaling: scaling("master_scaling"),
-        slave_offset: number("slave_offset", slave, "", -FAR),
-        slave_scaling: scaling("slave_scaling"),
+        master_offset: number(("master_offset", own.master_offset), master, "", -FAR),
+        master_scaling: scaling("master_scaling", own.master_scaling),
+        slave_offset: number(("slave_offset", own.slave_offset), slave, "", -FAR),
+        slave_scaling: scaling("slave_scaling", own.slave_scaling),
         start_mode,
-        velocity_difference: number("velocity_diff", slave, "_per_s", 0.0),
-        acceleration: number("acceleration", slave, "_per_s2", 0.0),
-        deceleration: number("deceleration", slave, "_per_s2", 0.0),
-        tappet_hysteresis: number("tappet_hysteresis", master, "", 0.0),
+        velocity_difference: number(
+            ("velocity_difference", own.velocity_difference),
+            slave,
+            "_per_s",
+            0.0,
+        ),
+        acceleration: number(("acceleration", own.acceleration), slave, "_per_s2", 0.0),
+        deceleration: number(("deceleration", own.deceleration), slave, "_per_s2", 0.0),
+        tappet_hysteresis: number(("tappet_hysteresis", own.tappet_hysteresis), master, "", 0.0),
     };
-    let table =
-        CamTable { periodic, master_absolute, slave_absolute, ..CamTable::new(Arc::new(cam?)) };
+    let cam = Arc::new(file?.cam);
+    let table = CamTable { periodic, master_absolute, slave_absolute, ..CamTable::new(cam) };
     Some(CamSelection { table, input })
 }
 
-/// The cam in a file.
-fn load(path: &Path) -> Result<Cam, String> {
-    let said = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let bytes = std::fs::read(path).map_err(|error| said(&error))?;
-    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("cam")) {
-        return twin_motion::cam::file::read(bytes.as_slice()).map_err(|error| said(&error));
-    }
-    let text = String::from_utf8(bytes).map_err(|error| said(&error))?;
-    let source = twin_motion::cam::file::read_text(&text).map_err(|error| said(&error))?;
-    source.compile(twin_motion::cam::Compile::Polynomial).map_err(|error| said(&error))
+/// What is wrong with a cam's file, in a line.
+fn told(path: &Path, error: &CamFileError) -> String {
+    let said = error.to_string();
+    let named = path.display().to_string();
+    if said.contains(&named) { said } else { format!("{named}: {said}") }
 }

@@ -10,7 +10,7 @@ mod geometry;
 mod limits;
 mod m_functions;
 mod payload;
-mod problem;
+pub(crate) mod problem;
 mod refusal;
 mod scenario;
 pub(crate) mod section;

@@ -260,6 +260,22 @@ impl<'a> Section<'a> {
         pairs.into_iter().collect()
     }
 
+    /// As many numbers as there are, each within `range`; none if the key is absent.
+    pub(crate) fn list(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<f64>> {
+        let value = self.value(key)?;
+        let Some(array) = value.get_ref().as_array() else {
+            self.wrong_type(key, value, "an array of numbers");
+            return None;
+        };
+        let list: Vec<_> = array.iter().map(|item| self.checked_number(key, item, range)).collect();
+        list.into_iter().collect()
+    }
+
+    /// Where it is.
+    pub(crate) fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+
     /// `true` or `false`.
     pub(crate) fn flag(&self, key: &str) -> Option<bool> {
         let value = self.value(key)?;
