@@ -43,9 +43,8 @@ impl Axis {
         if self.is_deserted() {
             self.fail_with(SmcError::FbWasntCalledDuringMotion.number());
         }
-        if !std::mem::take(&mut self.transfer_called) {
-            self.transfer = None;
-        }
+        self.transfer = self.transfer.filter(|(_, called)| *called);
+        self.transfer = self.transfer.map(|(transfer, _)| (transfer, false));
         self.brake();
         self.show_set_values();
         self.watch_software_limits();
@@ -244,7 +243,7 @@ impl Axis {
             capture: self.capture,
             home: self.home,
             reset: self.values.error_acknowledged,
-            transfer: self.transfer,
+            transfer: self.transfer.map(|(transfer, _)| transfer),
         }
     }
 }

@@ -65,8 +65,7 @@ pub struct Axis {
     pub(super) captured: Option<f64>,
     pub(super) home: Option<f64>,
     /// Parameter of the drive that a block waits for, and whether it has been called in this cycle.
-    pub(super) transfer: Option<Transfer>,
-    pub(super) transfer_called: bool,
+    pub(super) transfer: Option<(Transfer, bool)>,
     /// Homing runs onto a switch that is the limit switch, too.
     pub(super) ignores_limit_switch: bool,
     pub(super) has_capture_window: bool,
@@ -132,7 +131,6 @@ impl Axis {
             captured: None,
             home: None,
             transfer: None,
-            transfer_called: false,
             ignores_limit_switch: false,
             has_capture_window: config.capture_window,
             drive: DriveReport::default(),

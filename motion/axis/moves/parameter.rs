@@ -37,7 +37,7 @@ impl Asked {
 
     /// A cycle of it. One block after the other has the bus.
     fn go_on(&mut self, axis: &mut Axis) -> Progress {
-        let ours = self.sent && axis.transfer == Some(self.transfer);
+        let ours = self.has_the_bus(axis);
         let answer = axis.drive.answer.filter(|_| ours);
         let ended = match answer {
             Some(Answer::Value(value)) if value.is_finite() => Progress::Value(value),
@@ -45,10 +45,11 @@ impl Asked {
             None if self.waited > ANSWER_S || !axis.values.communication => Progress::Failed,
             None => {
                 if !self.sent && axis.transfer.is_none() {
-                    axis.transfer = Some(self.transfer);
                     self.sent = true;
+                    axis.transfer = Some((self.transfer, true));
+                } else if ours {
+                    axis.transfer = Some((self.transfer, true));
                 }
-                axis.transfer_called |= axis.transfer == Some(self.transfer);
                 self.waited += axis.cycle();
                 return Progress::Waits;
             }
@@ -57,8 +58,12 @@ impl Asked {
         ended
     }
 
+    fn has_the_bus(&self, axis: &Axis) -> bool {
+        self.sent && axis.transfer.is_some_and(|(transfer, _)| transfer == self.transfer)
+    }
+
     fn let_go(&self, axis: &mut Axis) {
-        if self.sent && axis.transfer == Some(self.transfer) {
+        if self.has_the_bus(axis) {
             axis.transfer = None;
         }
     }

@@ -1,9 +1,9 @@
-//! The example programs of the manual (11.3–11.5), cycle by cycle.
+//! The examples of the manual (11.2–11.5), cycle by cycle.
 
 use super::rig::{CYCLE, Rig, linear, rotary};
 use crate::axis::{
-    Axis, AxisConfig, AxisState, Block, CamIn, Direction, MoveAbsolute, MoveVelocity, Power,
-    TimeAxis, VirtualDrive,
+    Axis, AxisConfig, AxisState, Block, CamIn, ControllerMode, Direction, MoveAbsolute,
+    MoveVelocity, Movement, Power, SetControllerMode, SmcError, TimeAxis, VirtualDrive, units,
 };
 use crate::cam::{
     Action, Cam, CamInput, CamTable, Knot, Passage, Shape, StartMode, Tappet, TappetValue,
@@ -13,6 +13,49 @@ use std::sync::Arc;
 fn absolute(position: f64, direction: Direction) -> Block<MoveAbsolute> {
     let (velocity, acceleration, deceleration) = (100.0, 100.0, 100.0);
     Block::new(MoveAbsolute { position, velocity, acceleration, deceleration, direction })
+}
+
+/// 11.2: three linear drives of a gantry from −50 to +50 cm, counted in 10⁻⁷ m and told in mm, and a rotary one of 65536
+/// increments a turn, told in degrees, which goes over from position to torque. (The manual prints ±5000 mm.)
+#[test]
+fn a_gantry_and_a_rotary_drive() {
+    let gantry = AxisConfig {
+        ratio: [1, 10_000],
+        software_limits: Some([-500.0, 500.0]),
+        max_velocity: 500.0,
+        max_acceleration: 5_000.0,
+        max_deceleration: 5_000.0,
+        ..AxisConfig::default()
+    };
+    assert_eq!(units(5_000_000, gantry.ratio), 500.0, "50 cm are 5 million increments");
+    for (drive_id, end) in [(1, 500.0), (2, -500.0), (3, 500.0)] {
+        let mut rig = Rig::new(AxisConfig { drive_id, ..gantry });
+        assert_eq!(rig.axis.read_parameter(1021), Ok(f64::from(drive_id)), "wDriveId");
+        let mut fast = absolute(end, Direction::Shortest);
+        fast.inputs.velocity = 400.0;
+        rig.until(|axis| fast.call(true, axis).done);
+        assert_eq!((rig.axis.set_position(), rig.axis.error_id()), (end, None));
+        let mut beyond = absolute(end * 1.01, Direction::Shortest);
+        rig.until(|axis| beyond.call(true, axis).error.is_some());
+        assert_eq!(rig.axis.error_id(), Some(10), "SMC_DI_SWLIMITS_EXCEEDED");
+    }
+    let mut rig = Rig::new(AxisConfig {
+        ratio: [360, 65_536],
+        movement: Movement::Rotary { period: 360.0 },
+        drive_id: 4,
+        ..AxisConfig::default()
+    });
+    assert_eq!(units(16_384, [360, 65_536]), 90.0);
+    // Onto the bottle's cap, and tight.
+    let mut turn = absolute(270.0, Direction::Positive);
+    rig.until(|axis| turn.call(true, axis).done);
+    assert_eq!(rig.axis.set_torque(1.5), Err(SmcError::StWrongControllerMode));
+    let mut mode = SetControllerMode::new(ControllerMode::Torque);
+    rig.until(|axis| mode.call(true, axis).done);
+    rig.axis.set_torque(1.5).expect("torque mode");
+    rig.cycle(|_| ());
+    rig.cycle(|_| ());
+    assert_eq!((rig.axis.act_torque(), rig.axis.act_position()), (1.5, 270.0));
 }
 
 /// 11.3: power until `Status`, then to `p` again and again; another `p` is gone to after the one before.

@@ -219,10 +219,10 @@ fn a_master_that_comes_onto_the_cam_in_the_cycle_of_the_start() {
         master.cycle(|axis| lead.call(true, axis));
         let on_it = master.axis.set_position() >= 0.0;
         slave.cycle(|axis| {
-            if !on_it {
-                alone.call(true, axis);
-            } else {
+            if on_it {
                 assert!(block.follow(true, &master.axis, axis).error.is_none());
+            } else {
+                alone.call(true, axis);
             }
         });
         let way = slave.axis.set_position() - before;
