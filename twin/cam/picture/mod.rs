@@ -122,10 +122,22 @@ impl<'a> Page<'a> {
     fn add(
         &mut self,
         name: &'static str,
-        unit: String,
-        curves: Vec<Vec<Vec<(f64, f64)>>>,
-        limits: Vec<f64>,
+        mut unit: String,
+        mut curves: Vec<Vec<Vec<(f64, f64)>>>,
+        mut limits: Vec<f64>,
     ) {
+        // Numbers of more than five digits have no room beside the row.
+        let reached = curves.iter().flatten().flatten().map(|(_, value)| value.abs());
+        let most = reached.filter(|value| value.is_finite()).fold(0.0, f64::max);
+        if most >= 1e5 {
+            #[expect(clippy::cast_possible_truncation, reason = "a power of ten")]
+            let power = (most.log10() / 3.0).floor() as i32 * 3;
+            let scale = 10_f64.powi(power);
+            let points = curves.iter_mut().flatten().flatten();
+            points.for_each(|(_, value)| *value /= scale);
+            limits.iter_mut().for_each(|limit| *limit /= scale);
+            unit = format!("10{} {unit}", superscript(power));
+        }
         let values = curves.iter().flatten().flatten().map(|(_, value)| *value);
         let of_run = self.recorded.points.iter().map(|(_, slave)| *slave);
         let of_run = of_run.filter(|_| name == "position");
