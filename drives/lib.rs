@@ -34,7 +34,8 @@ pub use device::{
     Values,
 };
 pub use drive::{
-    Commanded, Drive, HomingWays, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
+    Commanded, Drive, HomingWays, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample,
+    SetpointStream,
 };
 pub use error::{Action, Axes, DriveError, EmulatorError, Exchange, ProtocolFault};
 pub use fault::{Direction, FaultRule, FaultyWire, When, WireFault};

@@ -4,8 +4,7 @@ use std::{f64::consts::PI, sync::OnceLock, thread, time::Duration};
 
 use twin_drives::{
     Action, Axes, Clock, Direction, DriveError, IncrementMotion, MAX_DRIVE_AXES, Sample,
-    SetpointStream, WireFault,
-    axis::Ratio,
+    SetpointStream, WireFault, axis::Ratio,
 };
 
 use crate::{

@@ -20,8 +20,9 @@ use super::{
     zone::Positions,
 };
 use crate::{
-    Action, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
-    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, drive::is_zero,
+    Action, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
+    Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
+    drive::is_zero,
 };
 
 /// Clock for exchanges whose time matters to nobody.

@@ -84,7 +84,10 @@ mod tests {
             let refused = Master::of_file(name).unwrap_err();
             assert_eq!(refused.kind(), io::ErrorKind::ResourceBusy);
             let said = refused.to_string();
-            assert!(said.contains(&name.display().to_string()) && said.contains("end it"), "{said}");
+            assert!(
+                said.contains(&name.display().to_string()) && said.contains("end it"),
+                "{said}"
+            );
         }
         drop(first);
         // What stays behind is a file, not a lock.

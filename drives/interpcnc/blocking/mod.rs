@@ -17,9 +17,9 @@ use super::{
     registers::{AXES, AxisMask, COMMAND, Status},
 };
 use crate::{
-    Action, Axes, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
-    Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
-    drive::is_zero,
+    Action, Axes, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays,
+    Identity, Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream,
+    Signals, drive::is_zero,
 };
 
 /// Clock for exchanges whose time matters to nobody.

@@ -58,8 +58,8 @@ impl Buffer {
 
     /// The last target of an axis that waits.
     pub(super) fn last_target(&self, axis: BoardAxis) -> Option<i32> {
-        let targets = self.waiting.iter().rev();
-        targets.filter_map(|segment| segment.targets.get(axis.index()).copied().flatten()).next()
+        let mut latest = self.waiting.iter().rev();
+        latest.find_map(|segment| segment.targets.get(axis.index()).copied().flatten())
     }
 
     pub(super) fn clear(&mut self) {

@@ -16,9 +16,9 @@ use super::{
     follow::{Follower, GoTo},
 };
 use crate::{
-    Action, Axes, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
-    Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, Stamp,
-    drive::is_zero,
+    Action, Axes, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays,
+    Identity, Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream,
+    Signals, Stamp, drive::is_zero,
 };
 
 /// Clock for exchanges whose time matters to nobody.

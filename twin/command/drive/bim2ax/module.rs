@@ -8,8 +8,8 @@ use std::time::Duration;
 use tokio::time::{sleep, timeout};
 use twin_drives::bim2ax::bits::message;
 use twin_drives::bim2ax::zone::Positions;
-use twin_drives::{Action, Axes, DriveError, Exchange};
 use twin_drives::bim2ax::{Bim2Ax, ModuleAxis};
+use twin_drives::{Action, Axes, DriveError, Exchange};
 
 /// Position and messages of an axis.
 pub(super) fn of(seen: &Positions, axis: ModuleAxis) -> (i32, u16) {
@@ -64,11 +64,8 @@ impl Module {
             stopped = self.stop(hard).await;
         }
         stopped.and_then(|_| {
-            let at = Exchange {
-                port: Arc::clone(&self.port),
-                station: 0,
-                action: Action::ReadState,
-            };
+            let at =
+                Exchange { port: Arc::clone(&self.port), station: 0, action: Action::ReadState };
             Err(DriveError::Moving { at, axes: Axes::Numbers(0b11) })
         })
     }
