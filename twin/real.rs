@@ -135,6 +135,16 @@ pub(crate) enum ModuleMemory {
     Beside(Box<dyn Memory>),
 }
 
+impl std::fmt::Debug for ModuleMemory {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::File(_) => "a memory file",
+            Self::Device { .. } => "a device",
+            Self::Beside(_) => "a module that has another master",
+        })
+    }
+}
+
 impl ModuleMemory {
     /// Whether another program is the master of the module.
     pub(crate) fn is_beside(&self) -> bool {

@@ -9,7 +9,7 @@ use crate::check;
 use crate::clock::Clock;
 use crate::compare::Comparison;
 use crate::finding::{Finding, Severity};
-use crate::hardware::{HORIZON_NS, Hardware, HardwareError};
+use crate::hardware::{HORIZON_NS, Hardware};
 use crate::m_function::MCall;
 use crate::machine::{Machine, SimulationError};
 use crate::physics::PhysicsError;

@@ -50,15 +50,7 @@ impl Module {
             return stopped;
         }
         for _ in 1..MOST_STOPS {
-            let stands = async {
-                // The master asks, too, and each may miss what the module answers to it: not known is not standing.
-                while let Ok((seen, _)) = self.driver.positions(&no_clock).await
-                    && seen.messages.iter().all(|messages| messages & message::MOVING == 0)
-                {
-                    sleep(LOOK).await;
-                }
-            };
-            if stopped.is_ok() && timeout(STANDING, stands).await.is_err() {
+            if stopped.is_ok() && self.stands().await {
                 return stopped;
             }
             stopped = self.stop(hard).await;
@@ -68,6 +60,19 @@ impl Module {
                 Exchange { port: Arc::clone(&self.port), station: 0, action: Action::ReadState };
             Err(DriveError::Moving { at, axes: Axes::Numbers(0b11) })
         })
+    }
+
+    /// Whether both axes stand for as long as the master may take to notice. The two ask at the same time, and each may miss
+    /// what the module answers to it: not known is not standing.
+    async fn stands(&mut self) -> bool {
+        let moves = async {
+            while let Ok((seen, _)) = self.driver.positions(&no_clock).await
+                && seen.messages.iter().all(|messages| messages & message::MOVING == 0)
+            {
+                sleep(LOOK).await;
+            }
+        };
+        timeout(STANDING, moves).await.is_err()
     }
 
     /// Stops both axes: whatever else is wrong with the module, the order goes out first.
