@@ -16,6 +16,10 @@ pub enum Rule {
     ArcGeometry,
     /// Where a probing move ends, or that it does not end as it must, or that nobody knows where it ends.
     Probe,
+    /// A block of a job that ends with an error, or a job that does not end.
+    FunctionBlock,
+    /// An axis that follows another one and is moved by the program, or cannot follow.
+    Coupling,
     /// A point the machine cannot reach.
     Reach,
     /// An axis beyond its software limits.
@@ -50,9 +54,39 @@ pub enum Rule {
     Collision,
     /// A fault of the simulated machine that was asked for.
     Fault,
+    /// A cam whose position, velocity or acceleration jumps.
+    CamContinuity,
 }
 
 impl Rule {
+    /// All of them.
+    pub const ALL: [Self; 24] = [
+        Self::Syntax,
+        Self::UnsupportedWord,
+        Self::ArcGeometry,
+        Self::Probe,
+        Self::FunctionBlock,
+        Self::Coupling,
+        Self::Reach,
+        Self::AxisPosition,
+        Self::AxisVelocity,
+        Self::AxisAcceleration,
+        Self::AxisJerk,
+        Self::AxisEffort,
+        Self::FeedReduced,
+        Self::Singularity,
+        Self::CompensationGouge,
+        Self::LoopCut,
+        Self::SwitchLost,
+        Self::FollowingError,
+        Self::LostSteps,
+        Self::MotorOverload,
+        Self::LimitSwitch,
+        Self::Collision,
+        Self::Fault,
+        Self::CamContinuity,
+    ];
+
     /// The rule's name as in reports.
     pub const fn name(self) -> &'static str {
         match self {
@@ -60,6 +94,8 @@ impl Rule {
             Self::UnsupportedWord => "unsupported-word",
             Self::ArcGeometry => "arc-geometry",
             Self::Probe => "probe",
+            Self::FunctionBlock => "function-block",
+            Self::Coupling => "coupling",
             Self::Reach => "reach",
             Self::AxisPosition => "axis-position",
             Self::AxisVelocity => "axis-velocity",
@@ -77,6 +113,109 @@ impl Rule {
             Self::LimitSwitch => "limit-switch",
             Self::Collision => "collision",
             Self::Fault => "fault",
+            Self::CamContinuity => "cam-continuity",
+        }
+    }
+
+    /// What it means, and what to do about it.
+    pub const fn meaning(self) -> [&'static str; 2] {
+        match self {
+            Self::Syntax => [
+                "the text is not a program of its dialect",
+                "correct the line; --dialect says in which dialect it is read",
+            ],
+            Self::UnsupportedWord => [
+                "a word that the dialect, or this version of twin, does not know",
+                "leave the word out, or write the program in the other dialect",
+            ],
+            Self::ArcGeometry => [
+                "centre or radius do not fit the ends of an arc, which is a straight line then (manual 3.2)",
+                "correct I, J, K or R, or the ends of the arc",
+            ],
+            Self::Probe => [
+                "where a probing move trips, or that it does not as it must, or that nobody knows",
+                "say in the machine file what is around the machine, and begin the move where the tool is free",
+            ],
+            Self::FunctionBlock => [
+                "a block of a job that ends with an error, or a job that does not end",
+                "`twin explain NUMBER` says what the error means; give endless motions a duration_s or an MC_Halt",
+            ],
+            Self::Coupling => [
+                "an axis that follows another one by a gear or cam of the machine file, and is moved by the program or cannot follow",
+                "leave the slave out of the program, or the coupling out of the machine file",
+            ],
+            Self::Reach => [
+                "a point the arms cannot reach",
+                "move the work nearer, turn it, or choose the other side of the elbow",
+            ],
+            Self::AxisPosition => [
+                "an axis beyond its software limits",
+                "move the path or the work, or correct the limits in the machine file",
+            ],
+            Self::AxisVelocity => [
+                "an axis asked for more than its velocity",
+                "lower F to the feed that is told, or plan with --limits axes",
+            ],
+            Self::AxisAcceleration => [
+                "an axis asked for more than its acceleration",
+                "lower E or F, round corners (G52), or plan with --limits axes",
+            ],
+            Self::AxisJerk => [
+                "an axis asked for more than its jerk",
+                "plan with --limits axes, or with --profile jerk-limited",
+            ],
+            Self::AxisEffort => [
+                "a motor that cannot give what its axis takes",
+                "lower what the axis carries or moves with, or take a stronger motor",
+            ],
+            Self::FeedReduced => [
+                "a line whose programmed feed cannot be held within the limits of the axes",
+                "`twin limit` says which limit holds it back, and by how much",
+            ],
+            Self::Singularity => [
+                "the arms are stretched or folded while the tool moves",
+                "keep the path away from there, or slow down on that line",
+            ],
+            Self::CompensationGouge => [
+                "a tool of that radius damages the part, or does not get everywhere",
+                "take a smaller tool, or a contour without inner corners narrower than it",
+            ],
+            Self::LoopCut => [
+                "loop avoidance has cut a loop off the path",
+                "look whether the loop was meant; without G61 it stays",
+            ],
+            Self::SwitchLost => [
+                "a switch point lay on a piece of path that preparation has removed",
+                "put the switch where the prepared path goes",
+            ],
+            Self::FollowingError => [
+                "an axis that the simulated machine cannot keep near its set-point",
+                "go slower there, tune its control loop, or allow a larger error in the machine file",
+            ],
+            Self::LostSteps => [
+                "a step motor of the simulated machine that lost steps",
+                "go slower there, accelerate less, or take a stronger motor",
+            ],
+            Self::MotorOverload => [
+                "a motor of the simulated machine that gave more than it bears for ever, for too long",
+                "let it rest in between, accelerate less, or take a larger motor",
+            ],
+            Self::LimitSwitch => [
+                "an axis of the simulated machine that ran on a limit switch",
+                "keep clear of the switches: software limits should lie within them",
+            ],
+            Self::Collision => [
+                "something in the way of the machine, or nearer than wanted",
+                "move what is in the way, lift the tool over it, or shorten the tool",
+            ],
+            Self::Fault => [
+                "a fault of the simulated machine that was asked for",
+                "nothing: --faults asked for it",
+            ],
+            Self::CamContinuity => [
+                "a cam whose slave position, velocity or acceleration jumps",
+                "join points and lines with equal velocity and acceleration, and let the end of a periodic cam go on as its begin does",
+            ],
         }
     }
 }

@@ -2,10 +2,12 @@
 //!
 //! This library is what the `twin` command is made of; ARCHITECTURE.md says how it hangs together.
 
+pub mod cam;
 pub mod check;
 pub mod clock;
 pub mod command;
 pub mod compare;
+pub mod coupled;
 pub mod drive_report;
 pub mod emulated;
 pub mod finding;
@@ -29,8 +31,11 @@ pub mod simulated;
 pub mod startup;
 pub mod workspace;
 
+mod advice;
+mod by_hand;
 mod chart;
 mod in_loop;
+mod job;
 mod page;
 mod planning;
 mod table;

@@ -1,5 +1,6 @@
 //! The real drives of a machine file, on the ports that it names.
 
+use crate::advice::advice;
 use crate::emulated::{driver_options, smartdrive_axis};
 use crate::machine::{Bim2AxEntry, DeviceEntry, DriveFamily, Machine};
 use std::io;
@@ -33,6 +34,16 @@ pub enum OpenError {
         /// Why.
         source: DriveError,
     },
+}
+
+impl OpenError {
+    /// What can be done about it.
+    pub fn advice(&self) -> Option<String> {
+        match self {
+            Self::NoPort { .. } => None,
+            Self::Drive { source, .. } => advice(source).map(|advice| format!("help: {advice}")),
+        }
+    }
 }
 
 /// Opens the port of a device, by its place in [`Machine::drives`], with its driver. Sends nothing.

@@ -54,6 +54,16 @@ impl Bridge {
         Self { pieces, velocity, distance }
     }
 
+    /// The pieces: how long each takes in seconds, and its acceleration.
+    pub(crate) fn pieces(&self) -> [(f64, f64); 4] {
+        self.pieces
+    }
+
+    /// The velocity it begins with.
+    pub(crate) fn velocity(&self) -> f64 {
+        self.velocity
+    }
+
     /// What is still to go, velocity and acceleration `t` seconds after the begin; whether it is over.
     pub(crate) fn at(&self, t: f64) -> (f64, f64, f64, bool) {
         let (mut gone, mut velocity, mut left) = (0.0, self.velocity, t);

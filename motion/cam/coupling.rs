@@ -8,96 +8,10 @@ use super::bridge::{Bridge, BridgeLimits};
 use super::knot::Derivatives;
 use super::passage::{Move, Trigger, Watch};
 use super::reference::Cam;
+use super::selection::{CamInput, CamTable, StartMode};
 use super::unwrap::Unwrap;
 use crate::short::Short;
 use std::sync::Arc;
-
-/// A cam chosen for a pair of axes (`MC_CamTableSelect`, manual 5.4): what its output `CamTableID` stands for.
-#[derive(Clone, Debug)]
-pub struct CamTable {
-    /// The cam.
-    pub cam: Arc<Cam>,
-    /// Whether it is put end to end; else the slave stays at its ends.
-    pub periodic: bool,
-    /// Whether the cam is about the master's position; else its zero is laid to where the master is at the start.
-    pub master_absolute: bool,
-    /// Whether it is about the slave's position; see [`StartMode`].
-    pub slave_absolute: bool,
-    /// The master's period, if it is a rotary axis, u.
-    pub master_period: Option<f64>,
-    /// The slave's period, if it is a rotary axis, u.
-    pub slave_period: Option<f64>,
-}
-
-impl CamTable {
-    /// Selects a cam as the block does by default: periodic, absolute, for linear axes.
-    pub fn new(cam: Arc<Cam>) -> Self {
-        Self {
-            cam,
-            periodic: true,
-            master_absolute: true,
-            slave_absolute: true,
-            master_period: None,
-            slave_period: None,
-        }
-    }
-}
-
-/// How a slave comes onto its cam (`MC_StartMode`, manual 4.6.1).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum StartMode {
-    /// The slave is where the cam says, with a jump if it was not there; as `Relative` if the cam is not about the
-    /// slave's position.
-    #[default]
-    Absolute,
-    /// The cam is added to where the slave is.
-    Relative,
-    /// What would be a jump is bridged on the shortest way.
-    RampIn,
-    /// As `RampIn`, forwards on rotary slaves.
-    RampInPositive,
-    /// As `RampIn`, backwards on rotary slaves.
-    RampInNegative,
-}
-
-/// Inputs of `MC_CamIn`; what it does not say is 0, the scalings are 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CamInput {
-    /// `MasterOffset`, u of the cam.
-    pub master_offset: f64,
-    /// `MasterScaling`.
-    pub master_scaling: f64,
-    /// `SlaveOffset`, u of the slave.
-    pub slave_offset: f64,
-    /// `SlaveScaling`.
-    pub slave_scaling: f64,
-    /// `StartMode`.
-    pub start_mode: StartMode,
-    /// `VelocityDiff`: what a bridge may add to the cam's velocity, u/s.
-    pub velocity_difference: f64,
-    /// `Acceleration` of a bridge, u/s².
-    pub acceleration: f64,
-    /// `Deceleration` of a bridge, u/s².
-    pub deceleration: f64,
-    /// `TappetHysteresis`, u of the cam.
-    pub tappet_hysteresis: f64,
-}
-
-impl Default for CamInput {
-    fn default() -> Self {
-        Self {
-            master_offset: 0.0,
-            master_scaling: 1.0,
-            slave_offset: 0.0,
-            slave_scaling: 1.0,
-            start_mode: StartMode::Absolute,
-            velocity_difference: 0.0,
-            acceleration: 0.0,
-            deceleration: 0.0,
-            tappet_hysteresis: 0.0,
-        }
-    }
-}
 
 /// Where an axis is and how it moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -243,10 +157,10 @@ impl CamCoupling {
     ) -> Result<Self, CouplingError> {
         master.check("master")?;
         slave.check("slave")?;
-        check(&input)?;
+        input.check()?;
         let limits = match input.start_mode {
             StartMode::Absolute | StartMode::Relative => None,
-            _ => Some(limits(&input)?),
+            _ => Some(input.ramp_limits()?),
         };
         let master_shift = if table.master_absolute { 0.0 } else { -master.position };
         let x = (master.position + master_shift) * input.master_scaling + input.master_offset;
@@ -402,6 +316,11 @@ impl CamCoupling {
         &self.table
     }
 
+    /// The way to the cam, as long as the slave is on it.
+    pub(crate) fn bridge(&self) -> Option<&Bridge> {
+        self.bridge.as_ref()
+    }
+
     /// Where the master is on the scale of the cam, passes included.
     pub fn place(&self) -> f64 {
         self.x
@@ -471,39 +390,4 @@ pub fn slave_set_position(
     let start_mode = if relative { StartMode::Relative } else { StartMode::Absolute };
     let coupling = CamCoupling::start(table, CamInput { start_mode, ..input }, master, slave, 0)?;
     Ok(coupling.output.slave.position)
-}
-
-fn limits(input: &CamInput) -> Result<BridgeLimits, CouplingError> {
-    for (name, value) in [
-        ("VelocityDiff", input.velocity_difference),
-        ("Acceleration", input.acceleration),
-        ("Deceleration", input.deceleration),
-    ] {
-        if value <= 0.0 {
-            return Err(CouplingError::RampNeedsValues { name, value });
-        }
-    }
-    Ok(BridgeLimits {
-        velocity: input.velocity_difference,
-        acceleration: input.acceleration,
-        deceleration: input.deceleration,
-    })
-}
-
-fn check(input: &CamInput) -> Result<(), CouplingError> {
-    for (what, value) in [
-        ("MasterOffset", input.master_offset),
-        ("MasterScaling", input.master_scaling),
-        ("SlaveOffset", input.slave_offset),
-        ("SlaveScaling", input.slave_scaling),
-        ("VelocityDiff", input.velocity_difference),
-        ("Acceleration", input.acceleration),
-        ("Deceleration", input.deceleration),
-        ("TappetHysteresis", input.tappet_hysteresis),
-    ] {
-        if !value.is_finite() {
-            return Err(CouplingError::NotFinite { what, value });
-        }
-    }
-    Ok(())
 }

@@ -1,5 +1,6 @@
 //! Cam curves: what the slave does where the master is.
 
+use super::cells::Cells;
 use super::error::CamError;
 use super::knot::{Derivatives, Knot, Piece};
 use super::polynomial::{Extremes, extremes};
@@ -17,9 +18,7 @@ pub struct Curve {
     end: f64,
     /// What the slave has gained at the end.
     rise: f64,
-    /// The piece at the begin of each cell; one more than there are cells.
-    cells: Box<[u32]>,
-    cells_per_unit: f64,
+    cells: Cells,
 }
 
 /// Where two pieces meet with different derivatives.
@@ -49,7 +48,7 @@ impl Curve {
     /// [`CamError`] if there are less than two points, one of them is not finite, or their masters do not ascend.
     pub fn polynomial(knots: &[Knot]) -> Result<Self, CamError> {
         check(knots)?;
-        Self::from_pieces(pairs(knots).map(|(from, to)| Piece::between(from, to)).collect())
+        Self::from_pieces(knots, pairs(knots).map(|(from, to)| Piece::between(from, to)).collect())
     }
 
     /// Straight lines between points, of which only the positions count (`byInterpolationQuality` 1).
@@ -58,7 +57,7 @@ impl Curve {
     /// As [`Self::polynomial`].
     pub(crate) fn linear(knots: &[Knot]) -> Result<Self, CamError> {
         check(knots)?;
-        Self::from_pieces(pairs(knots).map(|(from, to)| Piece::linear(from, to)).collect())
+        Self::from_pieces(knots, pairs(knots).map(|(from, to)| Piece::linear(from, to)).collect())
     }
 
     /// Cubics between points with tangents (`byInterpolationQuality` 3).
@@ -67,21 +66,23 @@ impl Curve {
     /// As [`Self::polynomial`].
     pub(crate) fn cubic(knots: &[Knot]) -> Result<Self, CamError> {
         check(knots)?;
-        Self::from_pieces(pairs(knots).map(|(from, to)| Piece::cubic(from, to)).collect())
+        Self::from_pieces(knots, pairs(knots).map(|(from, to)| Piece::cubic(from, to)).collect())
     }
 
-    fn from_pieces(pieces: Vec<Piece>) -> Result<Self, CamError> {
+    fn from_pieces(knots: &[Knot], pieces: Vec<Piece>) -> Result<Self, CamError> {
         let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else {
             return Err(CamError::TooFewPoints { found: pieces.len() });
         };
         let (start, end) = (first.start, last.start + last.width);
-        let rise = last.end().position - first.begin().position;
+        // Of the points: a cam that comes back to where it began gains nothing, not a rounding.
+        let ends = [knots.first(), knots.last()].map(|knot| knot.map_or(0.0, |knot| knot.slave));
+        let rise = ends[1] - ends[0];
         let finite = |piece: &Piece| piece.c.iter().all(|c| c.is_finite()) && piece.width > 0.0;
         if let Some(index) = pieces.iter().position(|piece| !finite(piece)) {
             return Err(CamError::NotFinite { index: index + 2, value: f64::INFINITY });
         }
-        let (cells, cells_per_unit) = lay_cells(&pieces, start, end);
-        Ok(Self { start, end, rise, cells, cells_per_unit, pieces: pieces.into() })
+        let begins: Vec<_> = pieces.iter().map(|piece| piece.start).collect();
+        Ok(Self { start, end, rise, cells: Cells::new(&begins, end), pieces: pieces.into() })
     }
 
     /// Begin of the master's range (`xStart`), u.
@@ -160,38 +161,9 @@ impl Curve {
 
     #[inline]
     fn inside(&self, master: f64) -> Derivatives {
-        self.piece(master).map_or_else(Derivatives::default, |piece| piece.at(master - piece.start))
-    }
-
-    /// The piece that holds `master`.
-    #[inline]
-    fn piece(&self, master: f64) -> Option<&Piece> {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "saturates; a cell too far is walked back from"
-        )]
-        let cell = ((master - self.start) * self.cells_per_unit) as usize;
-        let cell = cell.min(self.cells.len().saturating_sub(2));
-        let low = *self.cells.get(cell)? as usize;
-        let high = *self.cells.get(cell + 1)? as usize;
-        let mut index = if high - low > WALK { self.search(low, high, master) } else { low };
-        while index > 0 && self.pieces.get(index)?.start > master {
-            index -= 1;
-        }
-        while let Some(next) = self.pieces.get(index + 1) {
-            if next.start > master {
-                break;
-            }
-            index += 1;
-        }
-        self.pieces.get(index)
-    }
-
-    /// The piece in a cell of many.
-    fn search(&self, low: usize, high: usize, master: f64) -> usize {
-        let part = self.pieces.get(low..=high).unwrap_or_default();
-        (low + part.partition_point(|piece| piece.start <= master)).saturating_sub(1)
+        self.pieces
+            .get(self.cells.piece(master))
+            .map_or_else(Derivatives::default, |piece| piece.at(master - piece.start))
     }
 
     /// Extremes of position, velocity and acceleration (manual 4.4.3, "show extremes"), exact: at the ends of pieces and
@@ -271,37 +243,6 @@ pub struct CurveExtremes {
     pub acceleration: Range,
     /// y‴, 1/u².
     pub jerk: Range,
-}
-
-/// Cells that hold more pieces than this are searched by halving.
-const WALK: usize = 4;
-
-/// Cells for so many pieces, if the pieces differ much in width.
-const CELLS_PER_PIECE: usize = 8;
-
-fn lay_cells(pieces: &[Piece], start: f64, end: f64) -> (Box<[u32]>, f64) {
-    let least = pieces.iter().map(|piece| piece.width).fold(f64::INFINITY, f64::min);
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "saturates, and is limited at once"
-    )]
-    let wanted = ((end - start) / least).ceil() as usize;
-    let count = wanted.clamp(pieces.len(), CELLS_PER_PIECE * pieces.len());
-    #[expect(clippy::cast_precision_loss, reason = "2^27 at most")]
-    let width = (end - start) / count as f64;
-    let mut cells = Vec::with_capacity(count + 1);
-    let mut piece = 0u32;
-    let mut rest = pieces.iter().skip(1).peekable();
-    for cell in 0..=count {
-        #[expect(clippy::cast_precision_loss, reason = "2^27 at most")]
-        let edge = start + width * cell as f64;
-        while rest.next_if(|next| next.start <= edge).is_some() {
-            piece += 1;
-        }
-        cells.push(piece);
-    }
-    (cells.into(), 1.0 / width)
 }
 
 fn pairs(knots: &[Knot]) -> impl Iterator<Item = (&Knot, &Knot)> {

@@ -9,15 +9,18 @@
 mod bit;
 mod bounds;
 mod bridge;
+mod cells;
 mod coupling;
 mod curve;
 mod error;
 pub mod file;
 mod knot;
+mod largest;
 mod passage;
 mod polynomial;
 mod reference;
 mod register;
+mod selection;
 mod source;
 mod table;
 mod tappet;
@@ -28,17 +31,18 @@ mod unwrap;
 mod value;
 
 pub use bit::{MAX_PULSES, TappetBit};
-pub use bounds::{Bounds, Factors, Largest, LimitError, MasterMotion, Peak, Quantity, SlaveLimits};
+pub use bounds::{Bounds, Factors, MasterMotion, Peak, Quantity, SlaveLimits};
 pub use coupling::{
-    AxisState, CamCoupling, CamInput, CamTable, Coupled, CouplingError, MAX_TRIGGERS, StartMode,
-    TappetData, slave_set_position,
+    AxisState, CamCoupling, Coupled, CouplingError, MAX_TRIGGERS, TappetData, slave_set_position,
 };
 pub use curve::{Curve, CurveExtremes, Jump, Jumps, MAX_POINTS, Range};
 pub use error::CamError;
 pub use knot::{Derivatives, Knot, quintic};
+pub use largest::{Largest, LimitError};
 pub use passage::Trigger;
 pub use reference::{Cam, Shape};
 pub use register::{CamRegister, RegisterInput};
+pub use selection::{CamInput, CamTable, StartMode};
 pub use source::{Compile, Element, Kind, Scale, Source};
 pub use table::{Equidistant, Interpolation, PairTable, TableScale, VariableType};
 pub use tappet::{Action, Passage, Tappet};

@@ -94,7 +94,7 @@ fn evaluation(criterion: &mut Criterion) {
 fn bounds(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("exact bounds");
     let master = MasterMotion { velocity: 10.0, acceleration: 20.0, jerk: 0.0 };
-    let limits = SlaveLimits { velocity: 1e4, acceleration: 1e6, jerk: f64::INFINITY };
+    let limits = SlaveLimits { velocity: 1e6, acceleration: 1e9, jerk: f64::INFINITY };
     for points in [20, 1000] {
         let curve = polynomial(points);
         group.throughput(Throughput::Elements(u64::from(points) - 1));

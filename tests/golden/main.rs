@@ -11,6 +11,7 @@
     reason = "a test that cannot be set up has failed"
 )]
 
+mod cam;
 mod check_limits;
 mod collision;
 mod compare;
@@ -18,6 +19,7 @@ mod drive;
 mod drive_home;
 mod drive_stop;
 mod emulate;
+mod explain;
 mod in_loop;
 mod limit;
 mod machine;
@@ -29,6 +31,7 @@ mod recording;
 mod run_limits;
 mod surroundings;
 mod targets;
+mod tune_cam;
 mod urdf;
 
 use serde::Deserialize;

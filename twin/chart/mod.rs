@@ -9,7 +9,7 @@ pub(crate) use colors::color_of;
 pub(crate) use envelope::{Envelope, Input};
 pub(crate) use page::{
     Area, Failure, GAP, LEFT, LINE, RIGHT, Row, Sign, TOP, WIDTH, dashes, legend, legend_places,
-    line, title, words,
+    line, ticks, title, words,
 };
 pub(crate) use strips::Strips;
 

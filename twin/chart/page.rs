@@ -141,14 +141,25 @@ impl Row {
         time: &Time,
         name: [&str; 2],
     ) -> Result<(), Failure> {
+        let at: Vec<_> = time.ticks().0.into_iter().map(|(x, _)| x).collect();
+        self.draw_over(root, &at, name)
+    }
+
+    /// As [`Self::draw`], with ticks at these places from left to right.
+    pub(crate) fn draw_over(
+        &self,
+        root: &Area<'_>,
+        at: &[f64],
+        name: [&str; 2],
+    ) -> Result<(), Failure> {
         let numbers = font(13.0, INK).pos(Pos::new(HPos::Right, VPos::Center));
         for (value, text) in ticks(self.range[0], self.range[1], 6.0) {
             let y = self.y(value);
             line(root, [(LEFT, y), (RIGHT, y)], GRID.stroke_width(stroke(0.8)))?;
             root.draw_text(&text, &numbers, (fine(LEFT - 7.0), fine(y)))?;
         }
-        for (x, _) in time.ticks().0 {
-            line(root, [(x, self.top), (x, self.bottom())], GRID.stroke_width(stroke(0.8)))?;
+        for x in at {
+            line(root, [(*x, self.top), (*x, self.bottom())], GRID.stroke_width(stroke(0.8)))?;
         }
         self.frame(root)?;
         let style = font(14.0, INK).pos(Pos::new(HPos::Center, VPos::Center));

@@ -3,10 +3,12 @@
 mod assume;
 mod axes;
 mod axes_probe;
+mod cam;
 mod causes;
 mod check;
 mod drive;
 mod emulate;
+mod explain;
 mod following;
 mod limit;
 mod machine;
@@ -15,14 +17,20 @@ mod path;
 mod progress;
 mod run;
 mod show;
+mod tune;
 mod underline;
 mod view;
 mod whole;
 
+use crate::advice::advice;
+use crate::cam::CamFileError;
 use crate::check::CheckFailure;
+use crate::hardware::HardwareError;
 use crate::machine::MachineFileError;
 use crate::program::ProgramFile;
+use crate::startup::HomingError;
 use clap::{Parser, Subcommand};
+use miette::MietteDiagnostic;
 use std::process::ExitCode;
 
 /// How a command ended, in the order of the exit status.
@@ -79,6 +87,9 @@ enum Command {
     Drive(Box<drive::Arguments>),
     View(view::Arguments),
     Machine(machine::Arguments),
+    Explain(explain::Arguments),
+    Cam(cam::Arguments),
+    Tune(tune::Arguments),
 }
 
 /// Carries out the command line.
@@ -94,6 +105,9 @@ pub fn main() -> ExitCode {
         Command::Drive(arguments) => drive::run(&arguments),
         Command::View(arguments) => view::run(&arguments),
         Command::Machine(arguments) => machine::run(&arguments),
+        Command::Explain(arguments) => explain::run(&arguments),
+        Command::Cam(arguments) => cam::run(&arguments),
+        Command::Tune(arguments) => tune::run(&arguments),
     };
     match result {
         Ok(status) => status.into(),
@@ -142,6 +156,14 @@ pub(crate) enum Failure {
     /// A drive that is talked to by hand.
     #[error(transparent)]
     Drive(#[from] twin_drives::DriveError),
+    /// A motion by hand that went wrong, after which the axes were stopped.
+    #[error("{source}; {at_rest}")]
+    Motion {
+        /// What went wrong.
+        source: Box<twin_drives::DriveError>,
+        /// How the axes came to rest, and where.
+        at_rest: String,
+    },
     /// Parameters of a drive on file.
     #[error(transparent)]
     Backup(Box<twin_drives::axis::backup::BackupError>),
@@ -151,6 +173,9 @@ pub(crate) enum Failure {
     /// Homing by a switch.
     #[error(transparent)]
     BySwitch(Box<twin_drives::axis::homing::HomingError>),
+    /// The file of a cam.
+    #[error(transparent)]
+    Cam(#[from] Box<crate::cam::CamFileError>),
     /// The view.
     #[error(transparent)]
     View(#[from] twin_viz::VizError),
@@ -222,9 +247,33 @@ impl Failure {
                     eprintln!("{report:?}");
                 }
             }
+            Self::Cam(error) => match *error {
+                CamFileError::Toml(error) => {
+                    for report in error.reports() {
+                        eprintln!("{report:?}");
+                    }
+                }
+                other => eprintln!("{:?}", miette::Report::msg(other.to_string())),
+            },
             // Whoever reads our output has gone: not worth a message.
             Self::Stdio(error) if error.kind() == std::io::ErrorKind::BrokenPipe => {}
-            other => eprintln!("{:?}", miette::Report::msg(other.to_string())),
+            other => {
+                let mut diagnostic = MietteDiagnostic::new(other.to_string());
+                diagnostic.help = other.advice().map(str::to_owned);
+                eprintln!("{:?}", miette::Report::new(diagnostic));
+            }
+        }
+    }
+
+    /// What to look at or to do next.
+    fn advice(&self) -> Option<&'static str> {
+        match self {
+            Self::Drive(error) | Self::Hardware(HardwareError::Drive(error)) => advice(error),
+            Self::Motion { source, .. }
+            | Self::Homing(
+                HomingError::Drive { source, .. } | HomingError::NotStopped { source, .. },
+            ) => advice(source),
+            _ => None,
         }
     }
 }

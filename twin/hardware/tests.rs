@@ -377,7 +377,7 @@ fn a_stop_that_is_not_confirmed_is_told() {
     assert!(approach(&mut hardware).is_err());
     let told = hardware.abandon();
     assert_eq!(told.len(), 1, "{told:?}");
-    assert!(told[0].starts_with("device `board`: puppet, station 1"), "{told:?}");
+    assert!(told[0].starts_with("device `board`: puppet, address 1"), "{told:?}");
 }
 
 /// The first device takes its time to stop; the second is stopped meanwhile.

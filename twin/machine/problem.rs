@@ -94,7 +94,7 @@ impl Diagnostic for Shown {
 }
 
 /// The text of a file.
-pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
+pub(crate) fn read_text(what: &'static str, path: &Path) -> Result<String, MachineFileError> {
     let text = std::fs::read(path).and_then(|bytes| {
         String::from_utf8(bytes).map_err(|error| {
             std::io::Error::new(std::io::ErrorKind::InvalidData, error.utf8_error())

@@ -8,16 +8,16 @@ use toml::de::{DeTable, DeValue};
 
 /// Gathers what is wrong with a file, so that a user sees all of it at once.
 #[derive(Debug, Default)]
-pub(super) struct Complaints {
+pub(crate) struct Complaints {
     list: RefCell<Vec<Problem>>,
 }
 
 impl Complaints {
-    pub(super) fn add(&self, span: Range<usize>, message: String, help: Option<String>) {
+    pub(crate) fn add(&self, span: Range<usize>, message: String, help: Option<String>) {
         self.list.borrow_mut().push(Problem { span, message, help });
     }
 
-    pub(super) fn into_list(self) -> Vec<Problem> {
+    pub(crate) fn into_list(self) -> Vec<Problem> {
         let mut list = self.list.into_inner();
         list.sort_by_key(|problem| problem.span.start);
         list
@@ -28,7 +28,7 @@ impl Complaints {
 ///
 /// # Errors
 /// With everything that is wrong with it, in file order.
-pub(super) fn parse<T>(
+pub(crate) fn parse<T>(
     text: &str,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
 ) -> Result<T, Vec<Problem>> {
@@ -44,7 +44,7 @@ pub(super) fn parse<T>(
 
 /// One table of the file. Remembers which keys were asked for: the others are unknown keys.
 #[derive(Debug)]
-pub(super) struct Section<'a> {
+pub(crate) struct Section<'a> {
     name: String,
     table: Option<&'a DeTable<'a>>,
     span: Range<usize>,
@@ -53,7 +53,7 @@ pub(super) struct Section<'a> {
 }
 
 impl<'a> Section<'a> {
-    pub(super) fn root(table: &'a Spanned<DeTable<'a>>, complaints: &'a Complaints) -> Self {
+    pub(crate) fn root(table: &'a Spanned<DeTable<'a>>, complaints: &'a Complaints) -> Self {
         Self::new("the file".to_owned(), Some(table.get_ref()), 0..0, complaints)
     }
 
@@ -67,47 +67,47 @@ impl<'a> Section<'a> {
     }
 
     /// Complains about this section as a whole.
-    pub(super) fn complain(&self, message: String) {
+    pub(crate) fn complain(&self, message: String) {
         self.complaints.add(self.span.clone(), message, None);
     }
 
     /// Complains about the value of `key`, or about the section if the key is absent.
-    pub(super) fn complain_at(&self, key: &str, message: String) {
+    pub(crate) fn complain_at(&self, key: &str, message: String) {
         self.complaints.add(self.span_of(key), message, None);
     }
 
     /// Complains about the value of `key`, with what would be right.
-    pub(super) fn complain_with_help(&self, key: &str, message: String, help: Option<String>) {
+    pub(crate) fn complain_with_help(&self, key: &str, message: String, help: Option<String>) {
         self.complaints.add(self.span_of(key), message, help);
     }
 
     /// The keys that are there, none of which is unknown then.
-    pub(super) fn keys(&self) -> Vec<&'a str> {
+    pub(crate) fn keys(&self) -> Vec<&'a str> {
         self.accept_all();
         self.table.into_iter().flatten().map(|(key, _)| key.get_ref().as_ref()).collect()
     }
 
     /// Complains about a place known from before.
-    pub(super) fn complain_over(&self, span: &Range<usize>, message: String) {
+    pub(crate) fn complain_over(&self, span: &Range<usize>, message: String) {
         self.complaints.add(span.clone(), message, None);
     }
 
     /// Where the value of `key` is; where the section is, if the key is absent.
-    pub(super) fn span_of(&self, key: &str) -> Range<usize> {
+    pub(crate) fn span_of(&self, key: &str) -> Range<usize> {
         self.look_up(key).map_or_else(|| self.span.clone(), Spanned::span)
     }
 
     /// The text of `key`, if that is what it is; complains about nothing and leaves the key unknown.
-    pub(super) fn glance_at_text(&self, key: &str) -> Option<&'a str> {
+    pub(crate) fn glance_at_text(&self, key: &str) -> Option<&'a str> {
         self.look_up(key)?.get_ref().as_str()
     }
 
-    pub(super) fn has(&self, key: &str) -> bool {
+    pub(crate) fn has(&self, key: &str) -> bool {
         self.look_up(key).is_some()
     }
 
     /// Notes that `key` is known, whatever it is.
-    pub(super) fn accept(&self, key: &str) {
+    pub(crate) fn accept(&self, key: &str) {
         self.value(key);
     }
 
@@ -136,7 +136,7 @@ impl<'a> Section<'a> {
     }
 
     /// A table; an absent one is read as empty, so that its keys take their defaults.
-    pub(super) fn section(&self, key: &str) -> Section<'a> {
+    pub(crate) fn section(&self, key: &str) -> Section<'a> {
         let value = self.value(key);
         let table = value.and_then(|value| {
             let table = value.get_ref().as_table();
@@ -150,7 +150,7 @@ impl<'a> Section<'a> {
     }
 
     /// An array of tables (`[[key]]`), empty if absent.
-    pub(super) fn sections(&self, key: &str) -> Vec<Section<'a>> {
+    pub(crate) fn sections(&self, key: &str) -> Vec<Section<'a>> {
         let Some(value) = self.value(key) else { return Vec::new() };
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, &format!("tables headed [[{key}]]"));
@@ -171,7 +171,7 @@ impl<'a> Section<'a> {
         sections
     }
 
-    pub(super) fn text(&self, key: &str) -> Option<&'a str> {
+    pub(crate) fn text(&self, key: &str) -> Option<&'a str> {
         let value = self.value(key)?;
         let Some(text) = value.get_ref().as_str() else {
             self.wrong_type(key, value, "a string");
@@ -184,7 +184,7 @@ impl<'a> Section<'a> {
         Some(text)
     }
 
-    pub(super) fn required_text(&self, key: &str) -> Option<&'a str> {
+    pub(crate) fn required_text(&self, key: &str) -> Option<&'a str> {
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -194,7 +194,7 @@ impl<'a> Section<'a> {
     }
 
     /// One of a few words, each with its meaning.
-    pub(super) fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
+    pub(crate) fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
         let text = self.text(key)?;
         let found = choices.iter().find(|(word, _)| *word == text).map(|(_, meaning)| *meaning);
         if found.is_none() {
@@ -210,7 +210,7 @@ impl<'a> Section<'a> {
         found
     }
 
-    pub(super) fn required_choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
+    pub(crate) fn required_choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -220,12 +220,12 @@ impl<'a> Section<'a> {
     }
 
     /// A number within `range`, as written (in the unit its key names).
-    pub(super) fn number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
+    pub(crate) fn number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
         let value = self.value(key)?;
         self.checked_number(key, value, &range)
     }
 
-    pub(super) fn required_number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
+    pub(crate) fn required_number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -235,7 +235,7 @@ impl<'a> Section<'a> {
     }
 
     /// `N` numbers, each within `range`.
-    pub(super) fn numbers<const N: usize>(
+    pub(crate) fn numbers<const N: usize>(
         &self,
         key: &str,
         range: RangeInclusive<f64>,
@@ -245,7 +245,7 @@ impl<'a> Section<'a> {
     }
 
     /// Pairs of numbers, each within `range`; `None` if there are none.
-    pub(super) fn pairs(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<[f64; 2]>> {
+    pub(crate) fn pairs(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<[f64; 2]>> {
         let value = self.value(key)?;
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "an array of pairs of numbers");
@@ -260,8 +260,24 @@ impl<'a> Section<'a> {
         pairs.into_iter().collect()
     }
 
+    /// As many numbers as there are, each within `range`; none if the key is absent.
+    pub(crate) fn list(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<f64>> {
+        let value = self.value(key)?;
+        let Some(array) = value.get_ref().as_array() else {
+            self.wrong_type(key, value, "an array of numbers");
+            return None;
+        };
+        let list: Vec<_> = array.iter().map(|item| self.checked_number(key, item, range)).collect();
+        list.into_iter().collect()
+    }
+
+    /// Where it is.
+    pub(crate) fn span(&self) -> Range<usize> {
+        self.span.clone()
+    }
+
     /// `true` or `false`.
-    pub(super) fn flag(&self, key: &str) -> Option<bool> {
+    pub(crate) fn flag(&self, key: &str) -> Option<bool> {
         let value = self.value(key)?;
         let flag = value.get_ref().as_bool();
         if flag.is_none() {
@@ -271,7 +287,7 @@ impl<'a> Section<'a> {
     }
 
     /// Pairs of names, each with its place in the file; none if the key is absent.
-    pub(super) fn pairs_of_names(&self, key: &str) -> Vec<([String; 2], Range<usize>)> {
+    pub(crate) fn pairs_of_names(&self, key: &str) -> Vec<([String; 2], Range<usize>)> {
         let Some(value) = self.value(key) else { return Vec::new() };
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "an array of pairs of names");
@@ -320,7 +336,7 @@ impl<'a> Section<'a> {
         complete.then_some(numbers)
     }
 
-    pub(super) fn required_integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
+    pub(crate) fn required_integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
         if !self.has(key) {
             self.value(key);
             self.missing(key);
@@ -330,7 +346,7 @@ impl<'a> Section<'a> {
     }
 
     /// Whole numbers within `range`, up to `most` of them; none if the key is absent.
-    pub(super) fn integers(&self, key: &str, range: &RangeInclusive<i64>, most: usize) -> Vec<i64> {
+    pub(crate) fn integers(&self, key: &str, range: &RangeInclusive<i64>, most: usize) -> Vec<i64> {
         let Some(value) = self.value(key) else { return Vec::new() };
         let Some(array) = value.get_ref().as_array() else {
             self.wrong_type(key, value, "an array of whole numbers");
@@ -344,7 +360,7 @@ impl<'a> Section<'a> {
         array.iter().filter_map(|item| self.checked_integer(key, item, range)).collect()
     }
 
-    pub(super) fn required_numbers<const N: usize>(
+    pub(crate) fn required_numbers<const N: usize>(
         &self,
         key: &str,
         range: RangeInclusive<f64>,
@@ -358,7 +374,7 @@ impl<'a> Section<'a> {
     }
 
     /// A whole number within `range`.
-    pub(super) fn integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
+    pub(crate) fn integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
         let value = self.value(key)?;
         self.checked_integer(key, value, &range)
     }
@@ -422,18 +438,18 @@ impl<'a> Section<'a> {
     }
 
     /// Lets every key pass, where an earlier complaint keeps the section from being read.
-    pub(super) fn accept_all(&self) {
+    pub(crate) fn accept_all(&self) {
         let keys = self.table.into_iter().flatten().map(|(key, _)| key.get_ref().to_string());
         self.known.borrow_mut().extend(keys);
     }
 
     /// To be called when everything has been read: keys nobody asked for are unknown.
-    pub(super) fn finish(self) {
+    pub(crate) fn finish(self) {
         self.check_unknown();
     }
 
     /// As [`Self::finish`], for a section that is still used.
-    pub(super) fn check_unknown(&self) {
+    pub(crate) fn check_unknown(&self) {
         let Some(table) = self.table else { return };
         let known = self.known.borrow();
         for (key, _) in table {

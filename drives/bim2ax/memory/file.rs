@@ -17,6 +17,8 @@
 
 use std::{fs::OpenOptions, io, path::Path};
 
+use crate::Port;
+
 use super::{
     HOST_PAGE, IDENTIFIER, INTERRUPT, Mapping, Master, Memory, PAGE_REGISTER, WINDOW_LENGTH,
     offsets,
@@ -66,6 +68,7 @@ impl MemoryFile {
     /// # Errors
     /// If it cannot be opened for reading and writing, or is too short.
     pub fn beside(path: &Path) -> io::Result<Self> {
+        Port::Memory.check(path)?;
         let file = OpenOptions::new().read(true).write(true).open(path)?;
         let mapping = Mapping::new(file, 0, FILE_LENGTH)?;
         let page = mapping.load(file_offset::PAGE)? & 7;

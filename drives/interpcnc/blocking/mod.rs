@@ -176,7 +176,7 @@ fn counter(state: &BoardState, axis: BoardAxis) -> i32 {
 impl Drive for InterpCncDrive {
     fn describe(&self) -> String {
         let Exchange { port, station, .. } = self.board.at(Action::Open);
-        format!("InterpCNC at {port}, station {station}")
+        format!("InterpCNC at {port}, address {station}")
     }
 
     fn axis_count(&self) -> usize {

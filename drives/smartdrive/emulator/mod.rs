@@ -364,6 +364,6 @@ impl Device {
         }
         self.frames_handled += 1;
         let answer = self.answer(command, own);
-        (address != 0).then(|| answer.encode().to_vec())
+        (address != 0).then(|| self.sealed(frame, answer))
     }
 }

@@ -15,6 +15,7 @@ mod english;
 mod french;
 mod german;
 mod number;
+mod remedy;
 #[cfg(test)]
 mod tests;
 

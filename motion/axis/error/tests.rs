@@ -61,6 +61,9 @@ fn every_error_has_a_text_in_three_languages() {
         let [english, german, french] = texts;
         assert!(english != german && german != french && french != english, "{error}");
     }
+    for error in SmcError::ALL {
+        assert!(error.remedy().len() >= 15, "{error}: {}", error.remedy());
+    }
     let error = SmcError::CiMasterOutOfScale;
     assert_eq!(
         error.text(Language::German),

@@ -21,11 +21,13 @@ mod ascii;
 mod binary;
 mod error;
 mod text;
+mod text_writer;
 
 pub use ascii::{AsciiError, MAX_LINES, read_ascii, read_knots, reduce, write_ascii};
 pub use binary::{VERSION, read, write};
 pub use error::{CamReadError, CamWriteError};
-pub use text::{TextError, read_text, write_text};
+pub use text::{TextError, read_text};
+pub use text_writer::write_text;
 
 /// The most points a file may have (`gc_SMC_FILE_MAXCAMEL`).
 pub const MAX_ELEMENTS: u32 = 1 << 20;

@@ -1,12 +1,14 @@
-//! Tuning a cam offline: from a recorded run to offsets and scalings, from switchings to a dead time, and from tolerances
-//! to a shape that lets the master go faster.
+//! Tuning a cam offline: from a recorded run to offsets and scalings, from switchings to a dead time, from tolerances to a
+//! shape that lets the master go faster, and from the limits of the slave to the ramp it begins with.
 //!
 //! What is estimated comes with an interval that holds the true value in 95 % of all runs, if the noise of the slave's
 //! positions is normal and independent from sample to sample; the master's positions are taken as they are. Data that do
 //! not say what is asked for, or contradict it, are refused.
 
+mod along;
 mod dead_time;
 mod fit;
+mod ramp_in;
 mod reshape;
 mod student;
 #[cfg(test)]
@@ -14,7 +16,8 @@ mod tests;
 
 pub use dead_time::{DeadTime, Switching, dead_time};
 pub use fit::{Fit, FitOptions, Free, Sample, fit};
-pub use reshape::{ReshapeError, Reshaped, Tolerance, Wish, reshape};
+pub use ramp_in::{RampError, RampGoal, RampIn, RampWish, ramp_in};
+pub use reshape::{ReshapeError, Reshaped, Softened, Tolerance, Wish, reshape, soften};
 pub use student::student_975;
 
 use crate::short::Short;

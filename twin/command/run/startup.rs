@@ -121,7 +121,7 @@ pub(super) fn real(
                 looked
             }
             Err(error) => {
-                let check = Check { passed: false, told: error.to_string() };
+                let check = Check::failed(error.to_string(), error.advice());
                 Looked { checks: vec![check], position: None }
             }
         };

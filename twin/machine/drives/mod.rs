@@ -147,6 +147,15 @@ impl DeviceEntry {
         }
     }
 
+    /// Where the real device is, which no other can be: its port, and the offset in it of a module that is mapped.
+    pub(super) fn place(&self) -> Option<(&str, Option<u64>)> {
+        let offset = match &self.family {
+            DriveFamily::Bim2Ax(entry) => entry.map_offset,
+            DriveFamily::InterpCnc(_) | DriveFamily::SmartDrive(_) => None,
+        };
+        Some((self.port.as_deref()?, offset))
+    }
+
     /// What an axis of the device is called.
     pub fn axis_name(&self, index: usize) -> String {
         match self.family {

@@ -3,6 +3,7 @@
 #![expect(clippy::float_cmp, reason = "given, or to be the same bit for bit")]
 
 mod fit;
+mod ramp_in;
 mod reshape;
 
 /// Numbers that come again with their seed (splitmix64).

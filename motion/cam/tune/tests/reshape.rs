@@ -1,7 +1,7 @@
 //! Reshaped cams: faster, within their tolerances, and as fast as can be.
 
 use super::Random;
-use crate::cam::tune::{ReshapeError, Tolerance, Wish, reshape};
+use crate::cam::tune::{ReshapeError, Tolerance, Wish, reshape, soften};
 use crate::cam::{Curve, Factors, Knot, MasterMotion, Quantity, SlaveLimits};
 
 fn wish(tolerances: Vec<Tolerance>, limits: SlaveLimits) -> Wish {
@@ -118,4 +118,42 @@ fn what_cannot_be_reshaped() {
     let negative = Tolerance { slave: -1.0, ..Tolerance::default() };
     let wrong = reshape(&knots, &wish(vec![Tolerance::default(), negative], acceleration(1.0)));
     assert_eq!(wrong, Err(ReshapeError::NoMagnitude { index: 2, value: -1.0 }));
+}
+
+/// The most gentle lift through a middle point that may have any velocity: by the symmetry of the closed form above, and
+/// never above what trying velocities one by one finds.
+#[test]
+fn gentle_at_a_given_velocity() {
+    let knots = [Knot::at_rest(0.0, 0.0), Knot::at_rest(90.0, 50.0), Knot::at_rest(180.0, 100.0)];
+    let free = Tolerance { slave: 0.0, velocity: 10.0, acceleration: 0.0 };
+    let none = Tolerance::default();
+    let wish = wish(vec![none, free, none], SlaveLimits::NONE);
+    let found = soften(&knots, &wish, Quantity::Acceleration, 100.0).expect("a shape");
+    let master = MasterMotion { velocity: 100.0, ..MasterMotion::default() };
+    let peak = |velocity: f64| {
+        let mut moved = knots;
+        moved[1].velocity = velocity;
+        let curve = Curve::polynomial(&moved).expect("a curve");
+        curve.peak(Quantity::Acceleration, &master, Factors::default()).value
+    };
+    let best = (0..20_000_i32).map(|i| peak(f64::from(i) * 1e-4)).fold(f64::INFINITY, f64::min);
+    assert!(found.after.value < found.before.value);
+    assert!((found.after.value / best - 1.0).abs() < 1e-5, "{} {best}", found.after.value);
+    assert_eq!(peak(found.knots[1].velocity), found.after.value, "what is told is exact");
+    // With the velocity limited the peak is larger, and the limit kept.
+    let reached = |knots: &[Knot], quantity| {
+        let curve = Curve::polynomial(knots).expect("a curve");
+        curve.peak(quantity, &master, Factors::default()).value
+    };
+    let fastest = reached(&found.knots, Quantity::Velocity);
+    let limited = SlaveLimits { velocity: fastest * 0.97, ..SlaveLimits::NONE };
+    let wish = Wish { limits: limited, ..wish };
+    let slower = soften(&knots, &wish, Quantity::Acceleration, 100.0).expect("a shape");
+    assert!(reached(&slower.knots, Quantity::Velocity) <= limited.velocity * (1.0 + 1e-6));
+    assert!(slower.after.value > found.after.value);
+    // No lift over 180 is slower than evenly: 100/180 · 100 u/s.
+    let limited = SlaveLimits { velocity: 50.0, ..SlaveLimits::NONE };
+    let wish = Wish { limits: limited, ..wish };
+    let none = soften(&knots, &wish, Quantity::Acceleration, 100.0);
+    assert_eq!(none, Err(ReshapeError::NoShape));
 }

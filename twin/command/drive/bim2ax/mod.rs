@@ -6,7 +6,7 @@ mod parameters;
 mod show;
 
 use super::by_switch::BySwitch;
-use super::consent::Consent;
+use super::consent::{Beforehand, Consent};
 use super::on_file::OnFile;
 use super::session::{Session, no_clock};
 use super::words;
@@ -53,7 +53,7 @@ pub(super) struct Arguments {
     deadline: Duration,
 
     #[command(flatten)]
-    consent: Consent,
+    consent: Beforehand,
 
     #[command(flatten)]
     assume: Assume,
@@ -86,6 +86,9 @@ enum Action {
 
         #[command(flatten)]
         by_switch: BySwitch,
+
+        #[command(flatten)]
+        consent: Consent,
     },
     #[command(flatten)]
     OnFile(OnFile),
@@ -101,6 +104,9 @@ enum Action {
 
         #[command(flatten)]
         speed: Speed,
+
+        #[command(flatten)]
+        consent: Consent,
     },
     /// Move one axis to a position, µsteps (asks first)
     Move {
@@ -114,6 +120,9 @@ enum Action {
 
         #[command(flatten)]
         speed: Speed,
+
+        #[command(flatten)]
+        consent: Consent,
     },
     /// Bring both axes to rest on their ramps
     Stop {
@@ -171,6 +180,17 @@ fn offset(text: &str) -> Result<u64, String> {
 }
 
 impl Arguments {
+    /// Whether what the action asks about may be done.
+    fn consent(&self) -> Consent {
+        self.consent.or(match &self.action {
+            Action::Home { consent, .. }
+            | Action::Jog { consent, .. }
+            | Action::Move { consent, .. } => Some(*consent),
+            Action::OnFile(on_file) => on_file.consent(),
+            _ => None,
+        })
+    }
+
     /// The module's name and memory, and how it is spoken to. Only a stop goes to a module that has another master.
     fn memory(&self) -> Result<(Arc<str>, ModuleMemory, Bim2AxOptions), Failure> {
         let port: Arc<str> = self.port.display().to_string().into();
@@ -200,11 +220,11 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.assume.helps::<Assumptions>() {
+    if arguments.assume.helps::<Assumptions>()? {
         return Ok(Status::Fit);
     }
     let session = Session::start()?;
-    let consent = arguments.consent;
+    let consent = arguments.consent();
     match &arguments.action {
         Action::OnFile(on_file) => {
             on_file.carry_out(&mut arguments.drive(&ModuleAxis::ALL)?, consent)?;
@@ -220,7 +240,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             return Ok(Status::Fit);
         }
         Action::Save => {
-            println!("a BIM2AX keeps parameters in its EEPROM when they are set: nothing to do");
+            say!("a BIM2AX keeps parameters in its EEPROM when they are set: nothing to do");
             return Ok(Status::Fit);
         }
         Action::Outputs { .. } => {
@@ -236,22 +256,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     }
     let identity = session.ask(module.driver.identify(&no_clock))?;
     match &arguments.action {
-        Action::Scan => scan(&identity),
+        Action::Scan => scan(&identity)?,
         Action::Status => {
             let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
-            status(&seen);
+            status(&seen)?;
         }
         Action::Unlock { axes } => unlock(&session, &mut module, axes)?,
         Action::Home { axes, timeout, .. } => {
             home(&session, &mut module, consent, axes, Duration::from_secs(*timeout))?;
         }
-        Action::Jog { axis, distance, speed } => {
+        Action::Jog { axis, distance, speed, .. } => {
             let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
             let (from, _) = of(&seen, *axis);
             let target = from.saturating_add(*distance);
             travel(&session, &mut module, consent, *axis, target, speed.speed)?;
         }
-        Action::Move { axis, position, speed } => {
+        Action::Move { axis, position, speed, .. } => {
             travel(&session, &mut module, consent, *axis, *position, speed.speed)?;
         }
         Action::Stop { .. } | Action::Save | Action::Outputs { .. } | Action::OnFile(_) => {}
@@ -260,7 +280,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         Action::Reset => {
             standing(&session, &mut module, "reset")?;
             session.ask(module.driver.reset())?;
-            println!("running again; both axes have to be homed");
+            say!("running again; both axes have to be homed");
         }
         Action::Inputs => inputs(&session, &mut module)?,
     }
@@ -273,6 +293,6 @@ fn stop(session: &Session, module: &mut Module, now: bool) -> Result<(), Failure
     }
     let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
     let [one, two] = seen.positions;
-    println!("at rest at {one}, {two}");
+    say!("at rest at {one}, {two}");
     Ok(())
 }

@@ -106,4 +106,10 @@ impl Stopping for Module {
         self.driver.stop_hard(&no_clock).await?;
         self.driver.rested(BRAKING, &no_clock).await.map(|_| ())
     }
+
+    async fn stands(&mut self) -> Result<String, DriveError> {
+        let (seen, _) = self.driver.positions(&no_clock).await?;
+        let [one, two] = seen.positions;
+        Ok(format!("1: {one}, 2: {two}"))
+    }
 }

@@ -33,7 +33,7 @@ pub(super) fn turns(state: &DriveState) -> bool {
 
 /// Each drive, and the levels of its pins where they have been asked for. A drive forgets that a limit switch has stopped it
 /// with the next command; its inputs still tell that it stands on one.
-pub(super) fn status(found: &[(u8, DriveState, Option<u8>)]) {
+pub(super) fn status(found: &[(u8, DriveState, Option<u8>)]) -> Result<(), Failure> {
     let mut table = show::table();
     table.set_header(["address", "mode", "position, µsteps", "state"]);
     for (address, state, levels) in found {
@@ -59,7 +59,28 @@ pub(super) fn status(found: &[(u8, DriveState, Option<u8>)]) {
             said.into(),
         ]);
     }
-    println!("{table}");
+    say!("{table}");
+    Ok(())
+}
+
+/// What a drive in this state waits for.
+pub(super) fn next(state: &DriveState) -> Option<&'static str> {
+    let flags = state.flags;
+    if !state.alarms.is_empty() {
+        Some(
+            "remove the cause of the alarm, then `unlock`, which clears it, then `home`: the position is lost",
+        )
+    } else if state.mode == Mode::Off.number() {
+        Some("`unlock`, which makes the position 0, then `home`")
+    } else if flags.contains(TrajectoryFlags::STALLED) {
+        Some("free the axis, then `home`: the position may be lost")
+    } else if flags.contains(TrajectoryFlags::LIMITED_P) {
+        Some("`jog` backwards, off the limit switch")
+    } else if flags.contains(TrajectoryFlags::LIMITED_N) {
+        Some("`jog` forwards, off the limit switch")
+    } else {
+        None
+    }
 }
 
 pub(super) fn inputs(session: &Session, axis: &mut Axis) -> Result<(), Failure> {
@@ -70,7 +91,7 @@ pub(super) fn inputs(session: &Session, axis: &mut Axis) -> Result<(), Failure> 
         let bit = |word: u8| on_off(word >> place & 1 == 1);
         table.add_row([*name, bit(seen.levels), bit(seen.active), bit(seen.reverse)]);
     }
-    println!("{table}");
+    say!("{table}");
     Ok(())
 }
 
@@ -99,7 +120,7 @@ pub(super) fn outputs(
     for (place, name) in PINS.iter().enumerate().take(OUTPUTS) {
         table.add_row([*name, on_off(seen.levels >> place & 1 == 1)]);
     }
-    println!("{table}");
+    say!("{table}");
     let command = Command::IoUpdate(update);
     let wrong = update.set & !seen.levels | update.clear & seen.levels;
     if wrong == 0 {

@@ -4,6 +4,9 @@
 //! the other two follow from a line, so these are looked for on a grid first; the best of every valley is then improved by
 //! Gauss and Newton's method with exact derivatives, all together.
 
+mod refuse;
+mod search;
+
 use super::super::curve::Curve;
 use super::student::student_975;
 use super::{Estimate, FitError};
@@ -108,15 +111,6 @@ impl Fit {
     }
 }
 
-/// Samples that the search looks at; the fit then takes them all.
-const SEARCHED: usize = 256;
-/// Valleys that are gone down.
-const VALLEYS: usize = 6;
-/// Of the spread of the slave this part at most may be left over.
-const UNEXPLAINED: f64 = 0.5;
-/// Two answers fit alike if the worse one leaves over less than this many times what chance does.
-const ALIKE: f64 = 25.0;
-
 type Parameters = [f64; 4];
 
 /// Finds offsets and scalings.
@@ -191,83 +185,6 @@ impl Problem<'_> {
         (factor * d.position + shift, [slope, slope * master, 1.0, d.position])
     }
 
-    /// Starts at the bottom of the best valleys of a grid over what concerns the master.
-    fn valleys(&self, options: &FitOptions) -> Vec<Parameters> {
-        let stride = self.samples.len().div_ceil(SEARCHED);
-        let some: Vec<_> = self.samples.iter().step_by(stride).copied().collect();
-        let few = Problem { samples: &some, ..*self };
-        let Free { master_offset, master_scaling, .. } = options.free;
-        let masters = some.iter().map(|sample| sample.master);
-        let (low, high) =
-            masters.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), m| (a.min(m), b.max(m)));
-        let scalings = if master_scaling {
-            // So fine that the ends of the run differ by a small part of the cam.
-            let range = options.scaling_range.abs() * options.master_scaling.abs();
-            let step = self.width() / 24.0 / (high - low).max(f64::MIN_POSITIVE);
-            steps(options.master_scaling - range, options.master_scaling + range, step, 60)
-        } else {
-            vec![options.master_scaling]
-        };
-        let mut found: Vec<(f64, Parameters)> = Vec::new();
-        for scaling in scalings {
-            let offsets = if master_offset {
-                let half = self.width() / 2.0;
-                // Without an end to end cam the run may lie anywhere on it.
-                let middle = if self.repeated {
-                    0.0
-                } else {
-                    self.curve.start() + half - f64::midpoint(low, high) * scaling
-                };
-                let reach = if self.repeated { half } else { 2.0 * half };
-                let pieces = self.curve.pieces().len();
-                steps(middle - reach, middle + reach, self.width() / 64.0, 8 * pieces.clamp(16, 64))
-            } else {
-                vec![options.master_offset]
-            };
-            let row: Vec<_> = offsets
-                .into_iter()
-                .map(|offset| {
-                    let given = [offset, scaling, options.slave_offset, options.slave_scaling];
-                    few.project(given, options.free)
-                })
-                .collect();
-            for (index, (left, start)) in row.iter().enumerate() {
-                let beside = |index: Option<usize>| {
-                    index.and_then(|index| row.get(index)).is_none_or(|(other, _)| left <= other)
-                };
-                if beside(index.checked_sub(1)) && beside(Some(index + 1)) {
-                    found.push((*left, *start));
-                }
-            }
-        }
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        found.into_iter().take(VALLEYS).map(|(_, start)| start).collect()
-    }
-
-    /// The best slave offset and scaling for given values of the master.
-    fn project(&self, mut p: Parameters, free: Free) -> (f64, Parameters) {
-        let [mut w, mut wy, mut wyy, mut ws, mut wys] = [0.0; 5];
-        for sample in self.samples {
-            let y = self.model([p[0], p[1], 0.0, 1.0], sample.master).0;
-            w += sample.weight;
-            wy += sample.weight * y;
-            wyy += sample.weight * y * y;
-            ws += sample.weight * sample.slave;
-            wys += sample.weight * y * sample.slave;
-        }
-        let spread = wyy - wy * wy / w;
-        match (free.slave_offset, free.slave_scaling) {
-            (true, true) if spread > 1e-12 * wyy => {
-                p[3] = (wys - wy * ws / w) / spread;
-                p[2] = (ws - p[3] * wy) / w;
-            }
-            (true, _) => p[2] = (ws - p[3] * wy) / w,
-            (false, true) if wyy > 0.0 => p[3] = (wys - p[2] * wy) / wyy,
-            (false, _) => {}
-        }
-        (self.left(p), p)
-    }
-
     /// Weighted sum of the squares of what is left over.
     fn left(&self, p: Parameters) -> f64 {
         let square = |s: &Sample| s.weight * (s.slave - self.model(p, s.master).0).powi(2);
@@ -295,38 +212,6 @@ impl Problem<'_> {
             }
         }
         p
-    }
-
-    /// Down to the bottom, with steps damped where they do not lead down.
-    fn descend(&self, start: Parameters) -> Option<(f64, Parameters)> {
-        let (mut p, mut left) = (start, self.left(start));
-        let mut damping = 1e-6;
-        for _ in 0..100 {
-            let (matrix, right) = self.normal(p, self.samples);
-            let mut damped = matrix.clone();
-            for index in 0..self.free.len() {
-                if let Some(value) = damped.get_mut((index, index)) {
-                    *value *= 1.0 + damping;
-                }
-            }
-            let step = damped.cholesky()?.solve(&right);
-            let next = self.moved(p, &step);
-            let after = self.left(next);
-            if after.is_finite() && after <= left {
-                let gained = left - after;
-                (p, left) = (next, after);
-                damping = (damping * 0.1).max(1e-12);
-                if gained <= 1e-13 * left {
-                    break;
-                }
-            } else {
-                damping *= 10.0;
-                if damping > 1e8 {
-                    break;
-                }
-            }
-        }
-        Some((left, p))
     }
 
     fn report(
@@ -389,67 +274,6 @@ impl Problem<'_> {
             .ok_or_else(|| FitError::Undetermined { unknowns: self.names() })
     }
 
-    fn refuse_unexplained(&self, left: f64) -> Result<(), FitError> {
-        let sum = |of: &dyn Fn(&Sample) -> f64| {
-            self.samples.iter().map(|s| s.weight * of(s)).sum::<f64>()
-        };
-        let weights = sum(&|_| 1.0);
-        let mean = sum(&|s| s.slave) / weights;
-        let spread = (sum(&|s| (s.slave - mean).powi(2)) / weights).sqrt();
-        let rms = (left / weights).sqrt();
-        if rms > UNEXPLAINED * spread { Err(FitError::Unexplained { rms, spread }) } else { Ok(()) }
-    }
-
-    /// Lets both halves have their own answers and looks whether that leaves over much less.
-    fn refuse_contradiction(&self, p: Parameters, left: f64) -> Result<(), FitError> {
-        let unknowns = self.free.len();
-        let Some(freedom) = self.samples.len().checked_sub(2 * unknowns + 20) else {
-            return Ok(());
-        };
-        let (first, second) = self.samples.split_at(self.samples.len() / 2);
-        let mut gained = 0.0;
-        for half in [first, second] {
-            let (matrix, right) = self.normal(p, half);
-            let Some(factors) = matrix.cholesky() else { return Ok(()) };
-            gained += right.dot(&factors.solve(&right));
-        }
-        #[expect(clippy::cast_precision_loss, reason = "counts of samples and unknowns")]
-        let (freedom, unknowns) = ((freedom + 20) as f64, unknowns as f64);
-        let rest = (left - gained).max(f64::MIN_POSITIVE);
-        let f = (gained / unknowns) / (rest / freedom);
-        // Rounding of data without noise is not a contradiction.
-        let size: f64 = self.samples.iter().map(|s| s.weight * s.slave.powi(2)).sum();
-        if f > ALIKE && gained > 1e-18 * size { Err(FitError::Contradictory { f }) } else { Ok(()) }
-    }
-
-    /// Whether another valley is as deep as the best one.
-    fn refuse_second(
-        &self,
-        left: f64,
-        best: &Parameters,
-        answers: &[(f64, Parameters)],
-        variance: f64,
-    ) -> Result<(), FitError> {
-        for (other_left, other) in answers {
-            for index in self.free {
-                let (Some(one), Some(two)) = (best.get(*index), other.get(*index)) else {
-                    continue;
-                };
-                let scale = [self.width(), 1.0, f64::INFINITY, f64::INFINITY];
-                let scale = scale.get(*index).copied().unwrap_or(1.0);
-                let mut apart = (one - two).abs() / scale;
-                if self.repeated && *index == 0 {
-                    apart = (apart - apart.round()).abs();
-                }
-                if apart > 1e-3 && other_left - left <= ALIKE * variance {
-                    let unknown = NAMES.get(*index).copied().unwrap_or_default();
-                    return Err(FitError::Ambiguous { unknown, one: *one, other: *two });
-                }
-            }
-        }
-        Ok(())
-    }
-
     fn correlation(&self, p: Parameters) -> f64 {
         let over = |s: &Sample| s.weight.sqrt() * (s.slave - self.model(p, s.master).0);
         let rest: Vec<_> = self.samples.iter().map(over).collect();
@@ -457,17 +281,4 @@ impl Problem<'_> {
         let beside: f64 = rest.iter().zip(rest.iter().skip(1)).map(|(a, b)| a * b).sum();
         if square > 0.0 { beside / square } else { 0.0 }
     }
-}
-
-/// Values from one to another, both included, so many at most.
-fn steps(from: f64, to: f64, step: f64, most: usize) -> Vec<f64> {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "saturates, and is limited at once"
-    )]
-    let count = (((to - from) / step).ceil() as usize).clamp(1, most);
-    #[expect(clippy::cast_precision_loss, reason = "a few hundred")]
-    let at = |index: usize| from + (to - from) * index as f64 / count as f64;
-    (0..=count).map(at).collect()
 }

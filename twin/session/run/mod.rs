@@ -1,6 +1,7 @@
 //! A run under way, in rounds: plan, simulate what is due, listen to the drives.
 
-use super::braking::{braking, resting};
+mod stopping;
+
 use super::history::History;
 use super::overrides::{OverrideAt, Overrides};
 use super::punctuality::Punctuality;
@@ -13,9 +14,8 @@ use crate::hardware::{HORIZON_NS, Hardware};
 use crate::m_function::MCall;
 use crate::machine::{Machine, SimulationError};
 use crate::physics::PhysicsError;
-use crate::planning::Planning;
+use crate::planning::{PlanItem, Planning};
 use crate::plant::{AxisFeedback, Plant};
-use crate::program::ProgramItem;
 use crate::setpoint::{AxisSetpoint, Transformer, resting_behind};
 use std::collections::VecDeque;
 use std::task::Poll;
@@ -170,60 +170,6 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
-    /// Obeys the user, who has interrupted so many times.
-    pub(super) fn heed(&mut self, interrupts: u32) {
-        while self.interrupts < interrupts {
-            self.interrupts += 1;
-            if self.interrupts == 1 {
-                // What is planned to its end goes to its end.
-                if self.plan == Plan::GoesOn && self.stopped.is_none() {
-                    self.stopped = Some(Stopped::Interrupted(self.place()));
-                    self.items.request_stop();
-                }
-                continue;
-            }
-            self.stopped.get_or_insert(Stopped::Interrupted(self.place()));
-            if self.plan != Plan::Brakes && self.goes_on() {
-                self.brake();
-            } else if let Some(hardware) = &mut self.hardware {
-                hardware.stop();
-            }
-        }
-    }
-
-    /// From now on every axis brakes at its own limits, on the simulated machine and on the drives.
-    pub(super) fn brake(&mut self) {
-        if self.plan == Plan::Brakes || !self.goes_on() {
-            return;
-        }
-        // Where planning has kept everything else waiting, the drives are ahead of the simulated machine.
-        let now_ns = self.clock.map_or(self.executed_ns(), |clock| clock.now_ns());
-        let due = self.planned.iter().take_while(|next| next.time_ns <= now_ns).count();
-        // Everything stands at the first.
-        self.planned.truncate(due.max(usize::from(self.executed.is_none())));
-        self.come_to_rest();
-    }
-
-    /// Every axis brakes at its own limits from the end of what is planned.
-    fn come_to_rest(&mut self) {
-        self.plan = Plan::Brakes;
-        let kept = self.planned.len();
-        let moving = self.executed.is_some() || kept > 1;
-        let from = self.planned.back().or(self.executed.as_ref()).copied();
-        let rest = from.filter(|_| moving).map(|from| (from, braking(self.machine, &from)));
-        if let Some((from, Ok(rest))) = rest {
-            self.planned.extend(rest);
-            if self.planned.len() > kept {
-                self.off_path = Some(from.place);
-            }
-            if let Some(hardware) = &mut self.hardware {
-                hardware.replan(from.time_ns, &self.planned.iter().skip(kept));
-            }
-        } else if let Some(hardware) = &mut self.hardware {
-            hardware.stop();
-        }
-    }
-
     /// Plans beyond `until_ns`, and hands the drives what is planned.
     pub(super) fn plan(&mut self, until_ns: i64) {
         let paced = self.hardware.is_some() || self.realtime;
@@ -240,30 +186,27 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             }
             let Poll::Ready(item) = self.items.poll(waits) else { break };
             match item {
-                Some(ProgramItem::Setpoint(tool)) => {
+                Some(PlanItem::Tool(tool)) => {
                     self.overrides.see(tool.time_ns, &self.items);
                     let call = self.items.m_call();
                     match self.transformer.axes(&tool, call) {
-                        Ok(setpoint) => {
-                            self.planned.push_back(setpoint);
-                            if let Some(hardware) = &mut self.hardware
-                                && let Err(source) = hardware.command(&setpoint)
-                            {
-                                self.lose_drives(source);
-                            }
-                        }
+                        Ok(setpoint) => self.take(&setpoint),
                         Err(source) => self.lose_plan(Stopped::Path { place: tool.place, source }),
                     }
                 }
+                Some(PlanItem::Axes(setpoint)) => {
+                    self.overrides.see(setpoint.time_ns, &self.items);
+                    self.take(&setpoint);
+                }
                 // The check has refused programs with errors; warnings have been shown by it.
-                Some(ProgramItem::Diagnostic(finding)) => {
+                Some(PlanItem::Diagnostic(finding)) => {
                     if finding.severity == Severity::Error {
                         let Finding { line, block, message, .. } = finding;
                         let place = Place { line, block };
                         self.lose_plan(Stopped::Program { place, message });
                     }
                 }
-                Some(ProgramItem::Io(error)) => self.lose_plan(Stopped::Read(error)),
+                Some(PlanItem::Io(error)) => self.lose_plan(Stopped::Read(error)),
                 None => {
                     self.plan = Plan::Ends;
                     self.settle_stop();
@@ -277,26 +220,14 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
-    /// What brakes as hard as the axes allow is followed to rest.
-    fn settle_stop(&mut self) {
-        if self.stopped.is_none() || !self.items.is_within_axes() {
-            return;
+    /// A set-point more is planned.
+    fn take(&mut self, setpoint: &AxisSetpoint) {
+        self.planned.push_back(*setpoint);
+        if let Some(hardware) = &mut self.hardware
+            && let Err(source) = hardware.command(setpoint)
+        {
+            self.lose_drives(source);
         }
-        let Some(last) = self.planned.back().or(self.executed.as_ref()).copied() else { return };
-        for setpoint in resting(self.machine, &last) {
-            self.planned.push_back(setpoint);
-            if let Some(hardware) = &mut self.hardware
-                && let Err(source) = hardware.command(&setpoint)
-            {
-                return self.lose_drives(source);
-            }
-        }
-    }
-
-    /// No set-points any more that lead to rest on the path: what is planned is still good, and the axes brake from its end.
-    fn lose_plan(&mut self, reason: Stopped) {
-        self.stopped.get_or_insert(reason);
-        self.come_to_rest();
     }
 
     /// What is due is taken up now, in step with the wall clock.
@@ -354,12 +285,5 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
         // The program has ended when its last set-point was there.
         self.executed = Some(last);
-    }
-
-    /// Nothing to compare with any more: the drives brake, and that is the end.
-    fn lose_twin(&mut self, source: SimulationError) {
-        self.twin_failed = true;
-        self.stopped.get_or_insert(Stopped::Twin { place: self.place(), source });
-        self.brake();
     }
 }

@@ -1,0 +1,131 @@
+//! Which cam a slave follows, and how: `MC_CamTableSelect` and the inputs of `MC_CamIn` (manual 4.6.1, 5.4).
+
+use super::bridge::BridgeLimits;
+use super::coupling::CouplingError;
+use super::reference::Cam;
+use std::sync::Arc;
+
+/// A cam chosen for a pair of axes (`MC_CamTableSelect`, manual 5.4): what its output `CamTableID` stands for.
+#[derive(Clone, Debug)]
+pub struct CamTable {
+    /// The cam.
+    pub cam: Arc<Cam>,
+    /// Whether it is put end to end; else the slave stays at its ends.
+    pub periodic: bool,
+    /// Whether the cam is about the master's position; else its zero is laid to where the master is at the start.
+    pub master_absolute: bool,
+    /// Whether it is about the slave's position; see [`StartMode`].
+    pub slave_absolute: bool,
+    /// The master's period, if it is a rotary axis, u.
+    pub master_period: Option<f64>,
+    /// The slave's period, if it is a rotary axis, u.
+    pub slave_period: Option<f64>,
+}
+
+impl CamTable {
+    /// Selects a cam as the block does by default: periodic, absolute, for linear axes.
+    pub fn new(cam: Arc<Cam>) -> Self {
+        Self {
+            cam,
+            periodic: true,
+            master_absolute: true,
+            slave_absolute: true,
+            master_period: None,
+            slave_period: None,
+        }
+    }
+}
+
+/// How a slave comes onto its cam (`MC_StartMode`, manual 4.6.1).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum StartMode {
+    /// The slave is where the cam says, with a jump if it was not there; as `Relative` if the cam is not about the
+    /// slave's position.
+    #[default]
+    Absolute,
+    /// The cam is added to where the slave is.
+    Relative,
+    /// What would be a jump is bridged on the shortest way.
+    RampIn,
+    /// As `RampIn`, forwards on rotary slaves.
+    RampInPositive,
+    /// As `RampIn`, backwards on rotary slaves.
+    RampInNegative,
+}
+
+/// Inputs of `MC_CamIn`; what it does not say is 0, the scalings are 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CamInput {
+    /// `MasterOffset`, u of the cam.
+    pub master_offset: f64,
+    /// `MasterScaling`.
+    pub master_scaling: f64,
+    /// `SlaveOffset`, u of the slave.
+    pub slave_offset: f64,
+    /// `SlaveScaling`.
+    pub slave_scaling: f64,
+    /// `StartMode`.
+    pub start_mode: StartMode,
+    /// `VelocityDiff`: what a bridge may add to the cam's velocity, u/s.
+    pub velocity_difference: f64,
+    /// `Acceleration` of a bridge, u/s².
+    pub acceleration: f64,
+    /// `Deceleration` of a bridge, u/s².
+    pub deceleration: f64,
+    /// `TappetHysteresis`, u of the cam.
+    pub tappet_hysteresis: f64,
+}
+
+impl Default for CamInput {
+    fn default() -> Self {
+        Self {
+            master_offset: 0.0,
+            master_scaling: 1.0,
+            slave_offset: 0.0,
+            slave_scaling: 1.0,
+            start_mode: StartMode::Absolute,
+            velocity_difference: 0.0,
+            acceleration: 0.0,
+            deceleration: 0.0,
+            tappet_hysteresis: 0.0,
+        }
+    }
+}
+
+impl CamInput {
+    /// What a ramp may use (error 627 without).
+    pub(super) fn ramp_limits(&self) -> Result<BridgeLimits, CouplingError> {
+        for (name, value) in [
+            ("VelocityDiff", self.velocity_difference),
+            ("Acceleration", self.acceleration),
+            ("Deceleration", self.deceleration),
+        ] {
+            if value <= 0.0 {
+                return Err(CouplingError::RampNeedsValues { name, value });
+            }
+        }
+        Ok(BridgeLimits {
+            velocity: self.velocity_difference,
+            acceleration: self.acceleration,
+            deceleration: self.deceleration,
+        })
+    }
+
+    pub(super) fn check(&self) -> Result<(), CouplingError> {
+        for (what, value) in [
+            ("MasterOffset", self.master_offset),
+            ("MasterScaling", self.master_scaling),
+            ("SlaveOffset", self.slave_offset),
+            ("SlaveScaling", self.slave_scaling),
+            ("VelocityDiff", self.velocity_difference),
+            ("Acceleration", self.acceleration),
+            ("Deceleration", self.deceleration),
+            ("TappetHysteresis", self.tappet_hysteresis),
+        ] {
+            if !value.is_finite() {
+                return Err(CouplingError::NotFinite { what, value });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,72 @@
+//! Answers that are none: the data contradict the cam, themselves, or fit another one alike.
+
+use super::super::FitError;
+use super::{NAMES, Parameters, Problem, Sample};
+
+/// Of the spread of the slave this part at most may be left over.
+const UNEXPLAINED: f64 = 0.5;
+/// Two answers fit alike if the worse one leaves over less than this many times what chance does.
+const ALIKE: f64 = 25.0;
+
+impl Problem<'_> {
+    pub(super) fn refuse_unexplained(&self, left: f64) -> Result<(), FitError> {
+        let sum = |of: &dyn Fn(&Sample) -> f64| {
+            self.samples.iter().map(|s| s.weight * of(s)).sum::<f64>()
+        };
+        let weights = sum(&|_| 1.0);
+        let mean = sum(&|s| s.slave) / weights;
+        let spread = (sum(&|s| (s.slave - mean).powi(2)) / weights).sqrt();
+        let rms = (left / weights).sqrt();
+        if rms > UNEXPLAINED * spread { Err(FitError::Unexplained { rms, spread }) } else { Ok(()) }
+    }
+
+    /// Lets both halves have their own answers and looks whether that leaves over much less.
+    pub(super) fn refuse_contradiction(&self, p: Parameters, left: f64) -> Result<(), FitError> {
+        let unknowns = self.free.len();
+        let Some(freedom) = self.samples.len().checked_sub(2 * unknowns + 20) else {
+            return Ok(());
+        };
+        let (first, second) = self.samples.split_at(self.samples.len() / 2);
+        let mut gained = 0.0;
+        for half in [first, second] {
+            let (matrix, right) = self.normal(p, half);
+            let Some(factors) = matrix.cholesky() else { return Ok(()) };
+            gained += right.dot(&factors.solve(&right));
+        }
+        #[expect(clippy::cast_precision_loss, reason = "counts of samples and unknowns")]
+        let (freedom, unknowns) = ((freedom + 20) as f64, unknowns as f64);
+        let rest = (left - gained).max(f64::MIN_POSITIVE);
+        let f = (gained / unknowns) / (rest / freedom);
+        // Rounding of data without noise is not a contradiction.
+        let size: f64 = self.samples.iter().map(|s| s.weight * s.slave.powi(2)).sum();
+        if f > ALIKE && gained > 1e-18 * size { Err(FitError::Contradictory { f }) } else { Ok(()) }
+    }
+
+    /// Whether another valley is as deep as the best one.
+    pub(super) fn refuse_second(
+        &self,
+        left: f64,
+        best: &Parameters,
+        answers: &[(f64, Parameters)],
+        variance: f64,
+    ) -> Result<(), FitError> {
+        for (other_left, other) in answers {
+            for index in self.free {
+                let (Some(one), Some(two)) = (best.get(*index), other.get(*index)) else {
+                    continue;
+                };
+                let scale = [self.width(), 1.0, f64::INFINITY, f64::INFINITY];
+                let scale = scale.get(*index).copied().unwrap_or(1.0);
+                let mut apart = (one - two).abs() / scale;
+                if self.repeated && *index == 0 {
+                    apart = (apart - apart.round()).abs();
+                }
+                if apart > 1e-3 && other_left - left <= ALIKE * variance {
+                    let unknown = NAMES.get(*index).copied().unwrap_or_default();
+                    return Err(FitError::Ambiguous { unknown, one: *one, other: *two });
+                }
+            }
+        }
+        Ok(())
+    }
+}

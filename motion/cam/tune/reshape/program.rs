@@ -1,0 +1,227 @@
+//! The linear program of a shape, and the places it looks at.
+
+use super::super::super::knot::{Derivatives, Knot, Piece};
+use super::super::super::polynomial::{Coefficients, extremes};
+use super::rows::Rows;
+use super::weight::Weights;
+use super::{PEAK, ROUNDS, ReshapeError, Wish};
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{
+    DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
+};
+
+/// What may be changed: which value of which point, and of which other one with it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Unknown {
+    point: usize,
+    value: usize,
+    twin: Option<usize>,
+    tolerance: f64,
+}
+
+/// At a place of a piece this sum of y′, y″ and y‴ is limited.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Place {
+    piece: usize,
+    u: f64,
+    /// Which row of the weights.
+    row: usize,
+}
+
+pub(super) struct Problem<'a> {
+    knots: &'a [Knot],
+    wish: &'a Wish,
+    pub(super) unknowns: Vec<Unknown>,
+    places: Vec<Place>,
+    pub(super) programs: usize,
+}
+
+fn values(knot: &Knot) -> [f64; 3] {
+    [knot.slave, knot.velocity, knot.acceleration]
+}
+
+fn set(knot: &mut Knot, value: usize, by: f64) {
+    match value {
+        0 => knot.slave += by,
+        1 => knot.velocity += by,
+        _ => knot.acceleration += by,
+    }
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(knots: &'a [Knot], wish: &'a Wish, weights: &Weights) -> Self {
+        let last = knots.len() - 1;
+        let mut unknowns = Vec::new();
+        for (point, tolerance) in wish.tolerances.iter().enumerate() {
+            let all = [tolerance.slave, tolerance.velocity, tolerance.acceleration];
+            for (value, tolerance) in all.into_iter().enumerate() {
+                let twin = (wish.repeated && point == 0).then_some(last);
+                if tolerance > 0.0 && !(wish.repeated && point == last) {
+                    unknowns.push(Unknown { point, value, twin, tolerance });
+                }
+            }
+        }
+        let rows = weights.rows.len();
+        let places = (0..last)
+            .flat_map(|piece| (0..rows).map(move |row| (piece, row)))
+            .filter_map(|(piece, row)| {
+                let width = knots.get(piece + 1)?.master - knots.get(piece)?.master;
+                Some([0.0, 0.25, 0.5, 0.75, 1.0].map(|share| Place {
+                    piece,
+                    u: share * width,
+                    row,
+                }))
+            })
+            .flatten()
+            .collect();
+        Self { knots, wish, unknowns, places, programs: 0 }
+    }
+
+    /// The points that make the largest part of a limit smallest.
+    pub(super) fn solve(&mut self, weights: &Weights) -> Result<Vec<Knot>, ReshapeError> {
+        let mut moved = self.knots.to_vec();
+        for _ in 0..ROUNDS {
+            let (shares, part) = self.program(weights)?;
+            moved = self.knots.to_vec();
+            for (unknown, share) in self.unknowns.iter().zip(&shares) {
+                let by = share.clamp(-1.0, 1.0) * unknown.tolerance;
+                for point in [Some(unknown.point), unknown.twin].into_iter().flatten() {
+                    if let Some(knot) = moved.get_mut(point) {
+                        set(knot, unknown.value, by);
+                    }
+                }
+            }
+            if !self.add_peaks(&moved, weights, part) {
+                break;
+            }
+        }
+        Ok(moved)
+    }
+
+    /// Adds the places where the new points exceed what the program says; whether there were any.
+    fn add_peaks(&mut self, moved: &[Knot], weights: &Weights, part: f64) -> bool {
+        let before = self.places.len();
+        for (piece, pair) in moved.windows(2).enumerate() {
+            let [from, to] = pair else { continue };
+            let polynomial = Piece::between(from, to);
+            let [_, first, second, third] = polynomial.polynomials();
+            for (row, weight) in weights.rows.iter().enumerate() {
+                let [a, b, c] = weight.factors;
+                let most = if weight.counts { part } else { 1.0 };
+                let mut sum: Coefficients = [0.0; 7];
+                for (((sum, first), second), third) in
+                    sum.iter_mut().zip(first).zip(second).zip(third)
+                {
+                    *sum = a * first + b * second + c * third;
+                }
+                let found = extremes(&sum, polynomial.width);
+                for (u, value) in [(found.at_min, found.min), (found.at_max, found.max)] {
+                    let place = Place { piece, u, row };
+                    if value.abs() > most * (1.0 + PEAK) && !self.places.contains(&place) {
+                        self.places.push(place);
+                    }
+                }
+            }
+        }
+        self.places.len() > before
+    }
+
+    /// How much one value of one end of a piece adds to y, y′, y″ and y‴ at a place.
+    fn basis(&self, piece: usize, end: usize, value: usize, u: f64) -> Derivatives {
+        let (Some(from), Some(to)) = (self.knots.get(piece), self.knots.get(piece + 1)) else {
+            return Derivatives::default();
+        };
+        let mut ends = [from, to].map(|knot| Knot::at_rest(knot.master, 0.0));
+        if let Some(knot) = ends.get_mut(end) {
+            set(knot, value, 1.0);
+        }
+        Piece::between(&ends[0], &ends[1]).at(u)
+    }
+
+    /// A linear form of the unknowns: its value without changes, and what each of them, at its tolerance, adds.
+    fn form(
+        &self,
+        piece: usize,
+        u: f64,
+        of: &dyn Fn(&Derivatives) -> f64,
+    ) -> (f64, Vec<(usize, f64)>) {
+        let mut constant = 0.0;
+        let mut factors = Vec::new();
+        for end in 0..2 {
+            let point = piece + end;
+            let Some(knot) = self.knots.get(point) else { continue };
+            for (value, present) in values(knot).into_iter().enumerate() {
+                let by = of(&self.basis(piece, end, value, u));
+                constant += present * by;
+                let column = self.unknowns.iter().position(|unknown| {
+                    unknown.value == value
+                        && (unknown.point == point || unknown.twin == Some(point))
+                });
+                if let Some(column) = column
+                    && let Some(unknown) = self.unknowns.get(column)
+                {
+                    factors.push((column, by * unknown.tolerance));
+                }
+            }
+        }
+        (constant, factors)
+    }
+
+    /// Solves the linear program: shares of the tolerances, and the largest part of a limit.
+    fn program(&mut self, weights: &Weights) -> Result<(Vec<f64>, f64), ReshapeError> {
+        self.programs += 1;
+        let n = self.unknowns.len();
+        let mut rows = Rows::new(n + 1);
+        // Held places first: what is equal.
+        for held in &self.wish.held {
+            let piece = self.knots.partition_point(|knot| knot.master <= *held).max(1) - 1;
+            let piece = piece.min(self.knots.len() - 2);
+            let Some(from) = self.knots.get(piece) else { continue };
+            let (_, factors) = self.form(piece, held - from.master, &|d| d.position);
+            let size = factors.iter().map(|(_, factor)| factor.abs()).fold(0.0, f64::max);
+            if size > 0.0 {
+                rows.add(factors.into_iter().map(|(column, f)| (column, f / size)), 0.0);
+            }
+        }
+        let equal = rows.count();
+        for place in &self.places {
+            let Some(weight) = weights.rows.get(place.row) else { continue };
+            let [a, b, c] = weight.factors;
+            let of = |d: &Derivatives| a * d.velocity + b * d.acceleration + c * d.jerk;
+            let (constant, factors) = self.form(place.piece, place.u, &of);
+            for sign in [1.0, -1.0] {
+                let entries = factors.iter().map(|(column, factor)| (*column, sign * factor));
+                // What counts is the part that is made small, the others keep their limits.
+                let (part, most) = if weight.counts { (-1.0, 0.0) } else { (0.0, 1.0) };
+                rows.add(entries.chain([(n, part)]), most - sign * constant);
+            }
+        }
+        for column in 0..n {
+            rows.add([(column, 1.0)].into_iter(), 1.0);
+            rows.add([(column, -1.0)].into_iter(), 1.0);
+        }
+        let unequal = rows.count() - equal;
+        let (matrix, right) = rows.into_matrix();
+        let mut cost = vec![0.0; n];
+        cost.push(1.0);
+        let cones = [SupportedConeT::ZeroConeT(equal), SupportedConeT::NonnegativeConeT(unequal)];
+        let settings: DefaultSettings<f64> =
+            DefaultSettingsBuilder::default().verbose(false).build().unwrap_or_default();
+        let none = CscMatrix::zeros((n + 1, n + 1));
+        let solver = DefaultSolver::new(&none, &cost, &matrix, &right, &cones, settings);
+        let Ok(mut solver) = solver else {
+            return Err(ReshapeError::NotSolved { status: SolverStatus::Unsolved });
+        };
+        solver.solve();
+        let status = solver.solution.status;
+        if matches!(status, SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible) {
+            return Err(ReshapeError::NoShape);
+        }
+        if !matches!(status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
+            return Err(ReshapeError::NotSolved { status });
+        }
+        let mut shares = std::mem::take(&mut solver.solution.x);
+        let part = shares.pop().unwrap_or(f64::INFINITY);
+        Ok((shares, part))
+    }
+}

@@ -1,0 +1,62 @@
+//! `twin explain` as a process. Numbers, names and raisers are those of manual 9.3.
+
+use crate::process::Desk;
+use serde_json::Value;
+
+#[test]
+fn an_error_in_the_language_asked_for() {
+    let desk = Desk::new();
+    let said = |arguments: &[&str]| {
+        let done = desk.twin(&[&["explain"], arguments].concat());
+        done.ended(0, "");
+        done.stdout
+    };
+    let english = said(&["626", "--language", "en"]);
+    for part in
+        ["626 SMC_CI_MASTER_OUT_OF_SCALE", "raised by: MC_CamIn", "what to do: bring the master"]
+    {
+        assert!(english.contains(part), "{english}");
+    }
+    assert!(said(&["smc_gi_ratio_denom", "--language", "de"]).contains("675 SMC_GI_RATIO_DENOM"));
+    let all = said(&["775", "1003", "--language", "all"]);
+    for part in [
+        "775 SMC_GIP_MASTER_DIRECTION_CHANGE",
+        "1003 SMC_INT_DATA_UNDERRUN",
+        "Deutsch: ",
+        "français : ",
+    ] {
+        assert!(all.contains(part), "{all}");
+    }
+    assert!(said(&["axis-velocity"]).contains("an axis asked for more than its velocity"));
+}
+
+#[test]
+fn all_errors_as_a_table_and_as_objects() {
+    let desk = Desk::new();
+    let done = desk.twin(&["explain", "--list", "--language", "en"]);
+    done.ended(0, "");
+    for part in ["5001", "SMC_ENC_AXISUSEDBYOTHERFB", "SMC_Encoder", "following-error"] {
+        assert!(done.stdout.contains(part), "{part}");
+    }
+    let done = desk.twin(&["explain", "--list", "--format", "json"]);
+    done.ended(0, "");
+    let objects: Vec<Value> =
+        done.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    // 113 rows in the table of manual 9.3.
+    assert_eq!(objects.iter().filter(|object| object["number"].is_u64()).count(), 113);
+    let error = objects.iter().find(|object| object["number"] == 10).expect("10");
+    assert_eq!(error["name"], "SMC_DI_SWLIMITS_EXCEEDED");
+    for language in ["en", "de", "fr"] {
+        assert!(error["text"][language].as_str().is_some_and(|text| text.len() > 10), "{error}");
+    }
+}
+
+#[test]
+fn what_is_not_known_is_suggested() {
+    let desk = Desk::new();
+    desk.twin(&["explain", "629"]).ended(2, "628 SMC_CI_SCALING_INCORRECT");
+    let done = desk.twin(&["explain", "SMC_CI_MASTER_OUT_OF_SCAL", "10"]);
+    done.ended(2, "did you mean SMC_CI_MASTER_OUT_OF_SCALE");
+    assert!(done.stdout.contains("10 SMC_DI_SWLIMITS_EXCEEDED"), "{}", done.stdout);
+    desk.twin(&["explain"]).ended(2, "NUMBER|NAME");
+}

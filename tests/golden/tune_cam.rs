@@ -1,0 +1,198 @@
+//! `twin tune cam` as a process, on runs whose truth is known.
+
+use crate::process::Desk;
+use serde_json::Value;
+use std::fmt::Write;
+
+const LIFT: &str = r#"name = "lift"  # as drawn
+master = { min = 0, max = 360, unit = "deg" }
+slave = { min = 0, max = 100, unit = "mm", period = 100 }
+elements = [
+  { master = 0, slave = 0 },      # down
+  { master = 120, slave = 70 },   # on the way
+  { master = 180, slave = 100 },  # up
+  { master = 360, slave = 0 },
+]
+tappets = [
+  { group = 1, master = 50, passage = "positive", action = "on" },
+  { group = 1, master = 200, passage = "positive", action = "off" },
+]
+"#;
+
+/// The quintic of two points at rest, at a part of the way.
+fn rest_to_rest(from: f64, to: f64, part: f64) -> f64 {
+    from + (to - from) * part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part)
+}
+
+/// The lift, from its points alone.
+fn lift(place: f64) -> f64 {
+    let at = place.rem_euclid(360.0);
+    match at {
+        at if at < 120.0 => rest_to_rest(0.0, 70.0, at / 120.0),
+        at if at < 180.0 => rest_to_rest(70.0, 100.0, (at - 120.0) / 60.0),
+        at => rest_to_rest(100.0, 0.0, (at - 180.0) / 180.0),
+    }
+}
+
+/// Three seconds at 400 deg/s, with a little noise: MasterOffset 25, SlaveOffset −4, tappets 8 ms late.
+fn recorded() -> String {
+    let mut text = String::from("time_s,master_deg,slave_mm,tappet_1\n");
+    for index in 0..1500_u32 {
+        let time = f64::from(index) * 0.002 + 0.0007;
+        let master = 400.0 * time;
+        let noise = 0.05 * (f64::from(index * 7919 % 1000) / 500.0 - 1.0);
+        let seen = (400.0 * (time - 0.008) + 25.0).rem_euclid(360.0);
+        let output = u8::from((50.0..200.0).contains(&seen) && time > 0.1);
+        writeln!(text, "{time},{master},{},{output}", lift(master + 25.0) - 4.0 + noise)
+            .expect("text");
+    }
+    text
+}
+
+fn object(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error} in\n{text}"))
+}
+
+#[test]
+fn a_run_tells_offsets_and_the_dead_time() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    desk.write("run.csv", &recorded());
+    let tune = ["tune", "cam", "lift.toml", "--run", "run.csv"];
+    let done = desk.twin(&[&tune[..], &["--format", "json", "-o", "fit.svg"]].concat());
+    done.ended(0, "");
+    let found = object(&done.stdout);
+    for (name, truth) in [("MasterOffset", 25.0), ("SlaveOffset", -4.0)] {
+        let estimate = &found["fit"]["estimates"][name];
+        let (value, half) = (estimate["value"].as_f64(), estimate["half_width_95"].as_f64());
+        let (value, half) = (value.expect("a value"), half.expect("an interval"));
+        assert!((value - truth).abs() < 0.05 && half > 0.0 && half < 0.1, "{name}: {estimate}");
+    }
+    let dead = found["dead_time"]["dead_time_s"]["value"].as_f64().expect("a dead time");
+    assert!((dead - 0.008).abs() < 0.001, "{dead}");
+    let picture = std::fs::read_to_string(desk.path("fit.svg")).expect("written");
+    for word in ["before", "after", "recorded", "error of the slave"] {
+        assert!(picture.contains(word), "{word}");
+    }
+    // Nothing was written, and what is written keeps comments and is what was found.
+    let text = || std::fs::read_to_string(desk.path("lift.toml")).expect("there");
+    assert_eq!(text(), LIFT);
+    let done = desk.twin(&tune);
+    done.ended(0, "");
+    assert!(done.stdout.contains("nothing is written without --write"), "{}", done.stdout);
+    assert!(done.stdout.contains("MasterOffset := "), "{}", done.stdout);
+    desk.twin(&[&tune[..], &["--write"]].concat()).ended(0, "written to lift.toml");
+    let after = text();
+    assert!(after.starts_with(LIFT) && after.contains("\n[coupling]\nmaster_offset = "), "{after}");
+    // Another time there is nothing left to be found: the error is the noise.
+    let done = desk.twin(&[&tune[..], &["--format", "json"]].concat());
+    let again = object(&done.stdout);
+    let (before, now) = (&again["fit"]["rms_before"], &again["fit"]["rms_after"]);
+    assert!(
+        (before.as_f64().expect("rms") - now.as_f64().expect("rms")).abs() < 1e-6,
+        "{before} {now}"
+    );
+}
+
+#[test]
+fn what_the_data_do_not_say_is_said() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let run = |rows: std::ops::Range<u32>, slave: fn(u32) -> f64| {
+        let mut text = String::from("time,master,slave\n");
+        for index in rows {
+            let master = f64::from(index) * 3.0;
+            writeln!(text, "{},{master},{}", f64::from(index) * 0.01, slave(index)).expect("text");
+        }
+        text
+    };
+    desk.write("few.csv", &run(0..7, |index| lift(f64::from(index) * 3.0)));
+    let tune =
+        |name: &str| desk.twin(&["tune", "cam", "lift.toml", "--run", name, "--write", "new.toml"]);
+    tune("few.csv").ended(1, "7 samples are too few for 2 unknowns");
+    // The coupling slipped by 10 half way.
+    desk.write(
+        "slip.csv",
+        &run(0..400, |index| lift(f64::from(index) * 3.0 + if index < 200 { 0.0 } else { 10.0 })),
+    );
+    tune("slip.csv").ended(1, "contradict each other");
+    desk.write("other.csv", &run(0..400, |index| f64::from(index * 7919 % 1000)));
+    tune("other.csv").ended(1, "offsets and scalings");
+    assert!(!desk.path("new.toml").exists());
+    desk.write("wrong.csv", "time,master,slave\n0,1,2\n0,2,3\n");
+    tune("wrong.csv").ended(2, "wrong.csv: line 3: time 0 s is not later");
+}
+
+#[test]
+fn a_shape_lets_the_master_go_faster() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let tune =
+        ["tune", "cam", "lift.toml", "--max-acceleration", "3000", "--reshape", "120:5,1,0.05"];
+    let done = desk.twin(
+        &[&tune[..], &["--write", "faster.toml", "--format", "json", "-o", "shape.svg"]].concat(),
+    );
+    done.ended(0, "written to faster.toml");
+    let found = object(&done.stdout);
+    let [before, after] =
+        ["before", "after"].map(|key| found["shape"][key].as_f64().expect("a velocity"));
+    assert!(after > before * 1.1, "{before} {after}");
+    let text = std::fs::read_to_string(desk.path("faster.toml")).expect("written");
+    assert!(text.contains("# on the way") && text.contains("{ master = 120, slave = "), "{text}");
+    // Both velocities are what the check says of both cams, and the slave is where it was at the tappets.
+    let check = |name: &str| {
+        let done =
+            desk.twin(&["cam", "check", name, "--max-acceleration", "3000", "--format", "json"]);
+        done.ended(0, "");
+        object(&done.stdout)
+    };
+    let [old, new] = ["lift.toml", "faster.toml"].map(check);
+    for (found, expected) in [(&old, before), (&new, after)] {
+        let velocity = found["largest_master"]["velocity"].as_f64().expect("a velocity");
+        assert!((velocity / expected - 1.0).abs() < 1e-12, "{velocity} {expected}");
+    }
+    assert_eq!(new["continuity"], "C2");
+    for index in 0..2 {
+        let [old, new] =
+            [&old, &new].map(|found| found["tappets"][index]["slave"].as_f64().expect("a place"));
+        assert!((old - new).abs() < 1e-5, "{old} {new}");
+    }
+    assert_eq!(std::fs::read_to_string(desk.path("lift.toml")).expect("there"), LIFT);
+    desk.twin(&["tune", "cam", "lift.toml", "--reshape", "121:1", "--max-velocity", "9"])
+        .ended(1, "no point stands at master 121");
+    desk.twin(&["tune", "cam", "lift.toml", "--reshape", "120:1"])
+        .ended(1, "no limit of the slave");
+    desk.twin(&["tune", "cam", "lift.toml"]).ended(2, "nothing is to be found");
+}
+
+/// Onto a cam that rests at 10 mm, from 0: 10/2 + 2/1 s with 2 mm/s and 1 mm/s².
+#[test]
+fn a_ramp_and_what_it_takes() {
+    let desk = Desk::new();
+    desk.write("rest.toml", "name = \"rest\"\nmaster = { min = 0, max = 100 }\nslave = { min = 0, max = 20, period = 20 }\nelements = [{ master = 0, slave = 10 }]\n");
+    let tune = [
+        "tune",
+        "cam",
+        "rest.toml",
+        "--max-velocity",
+        "2",
+        "--max-acceleration",
+        "1",
+        "--ramp-in",
+        "0,0",
+    ];
+    let done = desk.twin(&[&tune[..], &["--format", "json"]].concat());
+    done.ended(0, "");
+    let found = object(&done.stdout);
+    let duration = found["ramp"]["duration_s"].as_f64().expect("a duration");
+    assert!((duration - 7.0).abs() < 1e-5, "{duration}");
+    let done = desk.twin(&[&tune[..], &["--within", "8", "--write"]].concat());
+    done.ended(0, "written to rest.toml");
+    let text = std::fs::read_to_string(desk.path("rest.toml")).expect("there");
+    for key in
+        ["velocity_difference = ", "acceleration = ", "deceleration = ", "start_mode = \"ramp_in\""]
+    {
+        assert!(text.contains(key), "{text}");
+    }
+    desk.twin(&[&tune[..], &["--within", "1"]].concat()).ended(1, "not within 1 s");
+}

@@ -1,0 +1,352 @@
+//! What a cam asks of its slave, against what the slave can do.
+
+use super::{AxisScale, CamFile, Coupling};
+use crate::finding::{Finding, Rule, Severity};
+use crate::machine::{Axis, AxisKind};
+use serde_json::{Value, json};
+use twin_motion::Place;
+use twin_motion::cam::{
+    Bounds, Factors, Jump, Largest, LimitError, MasterMotion, Quantity, Range, SlaveLimits, Tappet,
+};
+
+/// What the slave can do, u; infinite where there is no limit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisLimits {
+    /// Least and greatest position.
+    pub position: [f64; 2],
+    /// Velocity, acceleration and jerk.
+    pub motion: SlaveLimits,
+}
+
+impl AxisLimits {
+    /// Nothing is limited.
+    pub const NONE: Self =
+        Self { position: [f64::NEG_INFINITY, f64::INFINITY], motion: SlaveLimits::NONE };
+
+    /// Those of an axis of a machine, in degrees or mm.
+    pub fn of(axis: &Axis) -> Self {
+        Self {
+            position: if axis.limited {
+                axis.position_limits.map(|limit| axis.from_si(limit))
+            } else {
+                Self::NONE.position
+            },
+            motion: SlaveLimits {
+                velocity: axis.from_si(axis.max_velocity),
+                acceleration: axis.from_si(axis.max_acceleration),
+                jerk: axis.max_jerk.map_or(f64::INFINITY, |jerk| axis.from_si(jerk)),
+            },
+        }
+    }
+}
+
+/// Whether a scale that names its unit fits an axis.
+pub fn unit_fits(scale: &AxisScale, axis: &Axis) -> bool {
+    let known: &[&str] = match axis.kind {
+        AxisKind::Rotary => &["deg", "°", "degree", "degrees"],
+        AxisKind::Linear => &["mm"],
+    };
+    scale.unit.is_empty() || known.contains(&scale.unit.trim())
+}
+
+/// What a cam is checked with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CamUse {
+    /// What the master does at most, in its own units.
+    pub master: MasterMotion,
+    /// Offsets and scalings.
+    pub coupling: Coupling,
+    /// Whether the cam is put end to end.
+    pub repeated: bool,
+    /// What the slave can do.
+    pub limits: AxisLimits,
+}
+
+impl CamUse {
+    /// Factors of master and slave.
+    pub fn factors(&self) -> Factors {
+        let input = &self.coupling.input;
+        Factors { master: input.master_scaling, slave: input.slave_scaling }
+    }
+
+    /// Where the master is when the cam is at `place` (of the pass that begins there).
+    pub fn master_at(&self, place: f64) -> f64 {
+        let input = &self.coupling.input;
+        (place - input.master_offset) / input.master_scaling
+    }
+
+    /// Where the slave is when the cam says `y`.
+    pub fn slave_at(&self, y: f64) -> f64 {
+        let input = &self.coupling.input;
+        y * input.slave_scaling + input.slave_offset
+    }
+}
+
+/// What came of it. Places are positions of the master.
+#[derive(Clone, Debug)]
+pub struct CamCheck<'a> {
+    file: &'a CamFile,
+    using: CamUse,
+    /// Position, velocity and acceleration of the slave.
+    pub bounds: Bounds,
+    /// Its jerk; no larger with any motion of the master up to what is given.
+    pub jerk: Range,
+    /// Where position, velocity and acceleration jump.
+    pub jumps: [Option<Jump>; 3],
+    /// The largest velocity of the master.
+    pub largest: Result<Largest, LimitError>,
+    /// What is wrong.
+    pub findings: Vec<Finding>,
+}
+
+impl<'a> CamCheck<'a> {
+    /// Checks a cam; everything is found exactly, nothing is sampled.
+    pub fn new(file: &'a CamFile, using: CamUse) -> Self {
+        let curve = file.cam.curve();
+        let factors = using.factors();
+        let place = |range: Range| Range {
+            at_min: using.master_at(range.at_min),
+            at_max: using.master_at(range.at_max),
+            ..range
+        };
+        let Bounds { position, velocity, acceleration } = curve.bounds(&using.master, factors);
+        let offset = using.coupling.input.slave_offset;
+        let position = Range { min: position.min + offset, max: position.max + offset, ..position };
+        let bounds = Bounds {
+            position: place(position),
+            velocity: place(velocity),
+            acceleration: place(acceleration),
+        };
+        let peak = curve.peak(Quantity::Jerk, &using.master, factors);
+        let at = using.master_at(peak.master);
+        let jerk = Range { min: -peak.value, at_min: at, max: peak.value, at_max: at };
+        let scaled = |jump: Jump, by: f64| Jump {
+            master: using.master_at(jump.master),
+            by: jump.by * by * factors.slave,
+        };
+        let v = using.master.velocity * factors.master;
+        let [one, two, three] = curve.real_jumps(using.repeated);
+        let jumps = [
+            one.map(|jump| scaled(jump, 1.0)),
+            two.map(|jump| scaled(jump, v)),
+            three.map(|jump| scaled(jump, v * v)),
+        ];
+        let largest = curve.largest_master_velocity(
+            &using.limits.motion,
+            &using.master,
+            factors,
+            using.repeated,
+        );
+        let mut check = Self { file, using, bounds, jerk, jumps, largest, findings: Vec::new() };
+        check.find();
+        check
+    }
+
+    /// The slave's unit, with that of a derivative by time.
+    fn unit(&self, derivative: usize) -> String {
+        let unit = self.file.slave.unit();
+        match derivative {
+            0 => unit.to_owned(),
+            1 => format!("{unit}/s"),
+            2 => format!("{unit}/s²"),
+            _ => format!("{unit}/s³"),
+        }
+    }
+
+    fn find(&mut self) {
+        let limits = self.using.limits;
+        let [low, high] = limits.position;
+        let unbounded = self.using.repeated && self.file.cam.curve().rise() != 0.0;
+        // What gains in every pass goes everywhere: only an axis with a period follows it.
+        if unbounded && (low.is_finite() || high.is_finite()) && self.file.period.is_none() {
+            let message = format!(
+                "the slave gains {} {} in every pass of the cam and leaves its limits, {low} to {high}",
+                super::file::digits(self.file.cam.curve().rise()),
+                self.unit(0)
+            );
+            self.add(Rule::AxisPosition, Severity::Error, message, None, "");
+        } else if !unbounded {
+            let Range { min, at_min, max, at_max } = self.bounds.position;
+            for (outside, value, limit, at) in
+                [(min < low, min, low, at_min), (max > high, max, high, at_max)]
+            {
+                if outside {
+                    let hint = "--slave-offset moves it, --slave-scaling makes it smaller";
+                    self.exceeds(Rule::AxisPosition, 0, value, limit, at, hint);
+                }
+            }
+        }
+        let hint = match &self.largest {
+            Ok(Largest { value, .. }) if value.is_finite() => format!(
+                "the master may go {} {}/s at most",
+                super::file::digits(*value),
+                self.file.master.unit()
+            ),
+            _ => String::new(),
+        };
+        for (derivative, rule, range, limit) in [
+            (1, Rule::AxisVelocity, self.bounds.velocity, limits.motion.velocity),
+            (2, Rule::AxisAcceleration, self.bounds.acceleration, limits.motion.acceleration),
+            (3, Rule::AxisJerk, self.jerk, limits.motion.jerk),
+        ] {
+            let (value, at) = if range.max >= -range.min {
+                (range.max, range.at_max)
+            } else {
+                (range.min, range.at_min)
+            };
+            if value.abs() > limit {
+                self.exceeds(rule, derivative, value, limit, at, &hint);
+            }
+        }
+        self.find_jumps();
+        crate::finding::sort(&mut self.findings);
+    }
+
+    fn exceeds(
+        &mut self,
+        rule: Rule,
+        derivative: usize,
+        value: f64,
+        limit: f64,
+        at: f64,
+        hint: &str,
+    ) {
+        let what = ["position", "velocity", "acceleration", "jerk"];
+        let what = what.get(derivative).copied().unwrap_or_default();
+        let digits = super::file::digits;
+        let message = format!(
+            "the slave's {what} is {} {unit} at master {} {}, its limit is {} {unit}",
+            digits(value),
+            digits(at),
+            self.file.master.unit(),
+            digits(limit),
+            unit = self.unit(derivative),
+        );
+        self.add(rule, Severity::Error, message, Some((value, limit)), hint);
+    }
+
+    fn find_jumps(&mut self) {
+        let SlaveLimits { acceleration, jerk, .. } = self.using.limits.motion;
+        let names = ["position", "velocity", "acceleration"];
+        for (derivative, name) in names.into_iter().enumerate() {
+            let Some(jump) = self.jumps.get(derivative).copied().flatten() else { continue };
+            // A jump asks for more than any limit of what comes next.
+            let severity = match derivative {
+                0 => Severity::Error,
+                1 if acceleration.is_finite() || jerk.is_finite() => Severity::Error,
+                1 => Severity::Warning,
+                _ if jerk.is_finite() => Severity::Error,
+                _ => Severity::Note,
+            };
+            let message = format!(
+                "the slave's {name} jumps by {} {} at master {} {}",
+                super::file::digits(jump.by),
+                self.unit(derivative),
+                super::file::digits(jump.master),
+                self.file.master.unit(),
+            );
+            let hint = match derivative {
+                0 => "no axis follows a jump",
+                1 => {
+                    "between the points of a table cubics have no such jumps (interpolation = \"cubic\"), points and lines neither"
+                }
+                _ => "points and lines with equal velocity and acceleration have no such jumps",
+            };
+            self.add(Rule::CamContinuity, severity, message, None, hint);
+        }
+    }
+
+    fn add(
+        &mut self,
+        rule: Rule,
+        severity: Severity,
+        message: String,
+        value: Option<(f64, f64)>,
+        hint: &str,
+    ) {
+        let mut finding = Finding::error(rule, Place { line: 0, block: None }, message);
+        finding.severity = severity;
+        finding.value = value.map(|(value, _)| value);
+        finding.limit = value.map(|(_, limit)| limit);
+        finding.hint = (!hint.is_empty()).then(|| hint.to_owned());
+        self.findings.push(finding);
+    }
+
+    /// Tappets with where the master is at each and where the slave is then.
+    pub fn tappets(&self) -> impl Iterator<Item = (&Tappet, f64, f64)> {
+        self.file.cam.tappets().iter().map(|tappet| {
+            let y = self.file.cam.curve().at(tappet.master).position;
+            (tappet, self.using.master_at(tappet.master), self.using.slave_at(y))
+        })
+    }
+
+    /// How smooth the cam is: how many of its derivatives, the position counted, do not jump.
+    pub fn smoothness(&self) -> &'static str {
+        match self.jumps {
+            [Some(_), ..] => "discontinuous",
+            [_, Some(_), _] => "C0",
+            [_, _, Some(_)] => "C1",
+            _ => "C2",
+        }
+    }
+
+    /// It as an object.
+    pub fn json(&self) -> Value {
+        let finite = |value: f64| value.is_finite().then_some(value);
+        let range = |range: &Range, limit: [f64; 2]| {
+            json!({
+                "min": range.min, "at_min": range.at_min, "max": range.max, "at_max": range.at_max,
+                "limit": limit.map(finite),
+            })
+        };
+        let both = |limit: f64| [-limit, limit];
+        let SlaveLimits { velocity, acceleration, jerk } = self.using.limits.motion;
+        let jump =
+            |jump: &Option<Jump>| jump.map(|jump| json!({ "master": jump.master, "by": jump.by }));
+        let [one, two, three] = &self.jumps;
+        let largest = match &self.largest {
+            Ok(Largest { value, limited }) => json!({
+                "velocity": finite(*value),
+                "limited_by": limited.map(|(quantity, _)| quantity.to_string()),
+                "at_master": limited.map(|(_, place)| self.using.master_at(place)),
+            }),
+            Err(error) => json!({ "velocity": Value::Null, "reason": error.to_string() }),
+        };
+        let findings = self.findings.iter().map(|finding| {
+            json!({
+                "rule": finding.rule, "severity": finding.severity, "message": finding.message,
+                "value": finding.value, "limit": finding.limit,
+            })
+        });
+        let tappets = self.tappets().map(|(tappet, master, slave)| {
+            json!({ "group": tappet.group, "master": master, "slave": slave })
+        });
+        let curve = self.file.cam.curve();
+        let input = &self.using.coupling.input;
+        json!({
+            "cam": self.file.cam.name(),
+            "file": self.file.path.display().to_string(),
+            "master": {
+                "unit": self.file.master.unit(), "min": curve.start(), "max": curve.end(),
+                "velocity": self.using.master.velocity,
+                "acceleration": self.using.master.acceleration,
+                "jerk": self.using.master.jerk,
+                "offset": input.master_offset, "scaling": input.master_scaling,
+            },
+            "slave": {
+                "unit": self.file.slave.unit(), "offset": input.slave_offset,
+                "scaling": input.slave_scaling, "rise": curve.rise() * input.slave_scaling,
+            },
+            "repeated": self.using.repeated,
+            "position": range(&self.bounds.position, self.using.limits.position),
+            "velocity": range(&self.bounds.velocity, both(velocity)),
+            "acceleration": range(&self.bounds.acceleration, both(acceleration)),
+            "jerk": range(&self.jerk, both(jerk)),
+            "continuity": self.smoothness(),
+            "jumps": { "position": jump(one), "velocity": jump(two), "acceleration": jump(three) },
+            "largest_master": largest,
+            "tappets": tappets.collect::<Vec<_>>(),
+            "findings": findings.collect::<Vec<_>>(),
+        })
+    }
+}

@@ -1,0 +1,110 @@
+//! Tables of numbers with or without a header, and with the lines they come from.
+
+use super::CamFileError;
+use std::path::Path;
+
+/// More rows are not read.
+pub(super) const MOST_ROWS: usize = 1 << 22;
+
+/// Numbers in columns.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Columns {
+    /// The header, if there is one.
+    pub(super) names: Option<Vec<String>>,
+    /// Numbers and the line they stand in, from 1; all rows are as long.
+    pub(super) rows: Vec<(u64, Vec<f64>)>,
+}
+
+/// Reads a table: columns are parted by semicolons, tabs or commas, whichever stands in the first line that says anything; a
+/// decimal comma is read as a point where commas part no columns. Lines that begin with `#` do not count.
+pub(super) fn read(path: &Path, bytes: &[u8]) -> Result<Columns, CamFileError> {
+    let wrong = |line, message| CamFileError::Table { path: path.to_owned(), line, message };
+    let first = bytes
+        .split(|byte| *byte == b'\n')
+        .find(|line| !line.trim_ascii().is_empty() && line.first() != Some(&b'#'))
+        .unwrap_or_default();
+    let parting = [b';', b'\t'].into_iter().find(|byte| first.contains(byte)).unwrap_or(b',');
+    let mut reader = csv::ReaderBuilder::new()
+        .delimiter(parting)
+        .comment(Some(b'#'))
+        .has_headers(false)
+        .flexible(true)
+        .trim(csv::Trim::All)
+        .from_reader(bytes);
+    let mut columns = Columns { names: None, rows: Vec::new() };
+    let mut width = None;
+    let mut record = csv::StringRecord::new();
+    loop {
+        match reader.read_record(&mut record) {
+            Ok(true) => {}
+            Ok(false) => break,
+            Err(error) => {
+                let line = error.position().map_or(0, csv::Position::line);
+                return Err(wrong(line, error.to_string()));
+            }
+        }
+        let line = record.position().map_or(0, |at| line_of(at, bytes));
+        let number = |text: &str| {
+            let text = text.trim_start_matches('\u{feff}');
+            let text = if parting == b',' { text.to_owned() } else { text.replacen(',', ".", 1) };
+            text.parse::<f64>().ok().filter(|number| number.is_finite())
+        };
+        let found = record.len();
+        let expected = *width.get_or_insert(found);
+        if found != expected {
+            return Err(wrong(line, format!("{found} columns instead of {expected}")));
+        }
+        if columns.names.is_none()
+            && columns.rows.is_empty()
+            && record.iter().all(|text| number(text).is_none())
+        {
+            columns.names = Some(
+                record.iter().map(|name| name.trim_start_matches('\u{feff}').to_owned()).collect(),
+            );
+            continue;
+        }
+        let mut row = Vec::with_capacity(found);
+        for (index, text) in record.iter().enumerate() {
+            let name = columns.names.as_ref().and_then(|names| names.get(index));
+            let column =
+                name.map_or_else(|| format!("column {}", index + 1), |name| format!("`{name}`"));
+            let value = number(text);
+            row.push(
+                value.ok_or_else(|| {
+                    wrong(line, format!("{column} is `{text}`, which is no number"))
+                })?,
+            );
+        }
+        if columns.rows.len() >= MOST_ROWS {
+            return Err(wrong(line, format!("more than {MOST_ROWS} rows")));
+        }
+        columns.rows.push((line, row));
+    }
+    if columns.rows.is_empty() {
+        return Err(wrong(1, "there is no row of numbers".to_owned()));
+    }
+    Ok(columns)
+}
+
+/// The line of a record: its position is that of the empty lines and comments before it.
+fn line_of(at: &csv::Position, bytes: &[u8]) -> u64 {
+    let begin = usize::try_from(at.byte()).unwrap_or(usize::MAX);
+    let lines = bytes.get(begin..).unwrap_or_default().split(|byte| *byte == b'\n');
+    let silent = lines.take_while(|line| {
+        let line = line.trim_ascii_end();
+        line.is_empty() || line.first() == Some(&b'#')
+    });
+    at.line() + silent.map(|_| 1).sum::<u64>()
+}
+
+/// The name of a column without its unit, in small letters: `time` of `Time (ms)`, `slave` of `slave_mm`.
+pub(super) fn plain(name: &str) -> String {
+    let end = name.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(name.len());
+    name.get(..end).unwrap_or_default().to_lowercase()
+}
+
+/// What stands behind the name: `ms` of `Time (ms)` and of `time_ms`.
+pub(super) fn unit(name: &str) -> &str {
+    let end = name.find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(name.len());
+    name.get(end..).unwrap_or_default().trim_matches(|c: char| " _()[]/".contains(c))
+}

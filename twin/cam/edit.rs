@@ -1,0 +1,132 @@
+//! Changes to the text of a cam's TOML file that leave everything else as it is, comments included.
+
+use super::toml_writer::Number;
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+use twin_motion::cam::Knot;
+
+/// A change.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// A number of `[coupling]`.
+    Coupling(&'static str, f64),
+    /// A word of `[coupling]`.
+    CouplingWord(&'static str, &'static str),
+    /// Slave, velocity and acceleration of the point that stands at this master in `elements`.
+    Point(Knot),
+}
+
+/// Why a text is not changed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum EditError {
+    /// It is no TOML.
+    #[error("the text is no TOML: {0}")]
+    Toml(String),
+    /// A point that is to be changed is not there.
+    #[error("no point of `elements` stands at master {0}")]
+    NoPoint(String),
+    /// Something stands where numbers cannot be written.
+    #[error("`{0}` is no table that numbers can be written into")]
+    NoTable(&'static str),
+}
+
+/// The text with all changes.
+///
+/// # Errors
+/// [`EditError`] if there is no place for one of them.
+pub fn apply(text: &str, changes: &[Change]) -> Result<String, EditError> {
+    let mut text = text.to_owned();
+    // One after the other: places move with every change.
+    for change in changes {
+        text = match change {
+            Change::Coupling(key, value) => coupling(&text, key, &Number(*value).to_string())?,
+            Change::CouplingWord(key, word) => coupling(&text, key, &format!("\"{word}\""))?,
+            Change::Point(knot) => point(text, knot)?,
+        };
+    }
+    Ok(text)
+}
+
+fn parse(text: &str) -> Result<Spanned<DeTable<'_>>, EditError> {
+    DeTable::parse(text).map_err(|error| EditError::Toml(error.message().to_owned()))
+}
+
+fn replaced(text: &str, range: Range<usize>, with: &str) -> String {
+    let mut changed = text.to_owned();
+    changed.replace_range(range, with);
+    changed
+}
+
+fn coupling(text: &str, key: &str, value: &str) -> Result<String, EditError> {
+    let root = parse(text)?;
+    let section = root.get_ref().iter().find(|(name, _)| name.get_ref() == "coupling");
+    let Some((name, section)) = section else {
+        let gap = if text.ends_with('\n') { "\n" } else { "\n\n" };
+        return Ok(format!("{text}{gap}[coupling]\n{key} = {value}\n"));
+    };
+    let table = section.get_ref().as_table().ok_or(EditError::NoTable("coupling"))?;
+    Ok(set(text, table, section.span(), name.span().end, key, value))
+}
+
+/// Sets a key of a table that is there: over its value, or behind what the table ends with.
+fn set(
+    text: &str,
+    table: &DeTable<'_>,
+    span: Range<usize>,
+    head: usize,
+    key: &str,
+    value: &str,
+) -> String {
+    if let Some(old) = table.get(key) {
+        return replaced(text, old.span(), value);
+    }
+    let last = table.iter().map(|(_, value)| value.span().end).max();
+    let inline = text.get(span.clone()).is_some_and(|text| text.trim_start().starts_with('{'));
+    if inline {
+        return match last {
+            Some(end) => replaced(text, end..end, &format!(", {key} = {value}")),
+            None => replaced(text, span, &format!("{{ {key} = {value} }}")),
+        };
+    }
+    // On a line of its own, behind the comment of the line before.
+    let from = last.unwrap_or(head);
+    let end = text.get(from..).and_then(|rest| rest.find('\n')).map(|by| from + by);
+    match end {
+        Some(end) => replaced(text, end..end, &format!("\n{key} = {value}")),
+        None => format!("{text}\n{key} = {value}\n"),
+    }
+}
+
+fn point(mut text: String, knot: &Knot) -> Result<String, EditError> {
+    let Knot { master, slave, velocity, acceleration } = *knot;
+    for (key, value) in [("slave", slave), ("velocity", velocity), ("acceleration", acceleration)] {
+        let root = parse(&text)?;
+        let elements = root.get_ref().get("elements").map(Spanned::get_ref);
+        let elements =
+            elements.and_then(DeValue::as_array).ok_or(EditError::NoTable("elements"))?;
+        let here = elements.iter().find_map(|item| {
+            let table = item.get_ref().as_table()?;
+            let at = number(table.get("master")?.get_ref())?;
+            (at.to_bits() == master.to_bits() || at == master).then_some((item.span(), table))
+        });
+        let Some((span, table)) = here else {
+            return Err(EditError::NoPoint(Number(master).to_string()));
+        };
+        let same = table.get(key).and_then(|old| number(old.get_ref()));
+        // What is as it was stays as it is written, and what is 0 need not be said.
+        if same.is_some_and(|old| old == value) || (same.is_none() && value == 0.0) {
+            continue;
+        }
+        text = set(&text, table, span.clone(), span.start, key, &Number(value).to_string());
+    }
+    Ok(text)
+}
+
+fn number(value: &DeValue<'_>) -> Option<f64> {
+    match value {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        DeValue::Integer(integer) => integer.as_str().parse().ok(),
+        _ => None,
+    }
+}

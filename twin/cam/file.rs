@@ -1,0 +1,406 @@
+//! Cams read from files and written to them, in the form that their ending says.
+
+use super::columns::{self, Columns};
+use super::toml_form::{self, TomlCam};
+use super::{AxisScale, CamFileError, Coupling, write_toml};
+use crate::machine::MachineFileError;
+use crate::machine::problem::read_text;
+use crate::machine::section;
+use crate::number::significant;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use twin_motion::cam::file::{
+    read as read_binary, read_ascii, read_text as read_words, write as write_binary, write_ascii,
+    write_text,
+};
+use twin_motion::cam::{
+    Cam, Compile, Interpolation, Kind, Knot, PairTable, Scale, Shape, Source, TableScale,
+    VariableType,
+};
+
+/// How a cam is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// `.toml`: by hand, with everything a cam has.
+    Toml,
+    /// `.txt`: by hand, a line for everything.
+    Words,
+    /// `.csv`: positions, or points with velocity and acceleration, with a header.
+    Csv,
+    /// `.asc`: positions, `master;slave` in each line (manual 4.4.3).
+    Ascii,
+    /// `.cam`: bit for bit (manual 10.3).
+    Binary,
+}
+
+impl Form {
+    /// What the ending of a file says.
+    ///
+    /// # Errors
+    /// [`CamFileError::Ending`] if it is none of these.
+    pub fn of(path: &Path) -> Result<Self, CamFileError> {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        match ending.as_deref() {
+            Some("toml") => Ok(Self::Toml),
+            Some("txt") => Ok(Self::Words),
+            Some("csv") => Ok(Self::Csv),
+            Some("asc") => Ok(Self::Ascii),
+            Some("cam") => Ok(Self::Binary),
+            _ => Err(CamFileError::Ending { path: path.to_owned() }),
+        }
+    }
+}
+
+/// A cam and what its file says beside it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CamFile {
+    /// The file.
+    pub path: PathBuf,
+    /// In which form it was.
+    pub form: Form,
+    /// The cam.
+    pub cam: Cam,
+    /// What people edit; none of tables and of `.CAM` files.
+    pub source: Option<Source>,
+    /// Whether it is put end to end, as far as the file says so: by the slave's period, by a table's flag, or by an end that
+    /// goes on as the begin does.
+    pub repeated: bool,
+    /// The slave's period, u.
+    pub period: Option<f64>,
+    /// Scale of the master.
+    pub master: AxisScale,
+    /// Scale of the slave.
+    pub slave: AxisScale,
+    /// `[coupling]`; what it is by default if the file does not say.
+    pub coupling: Coupling,
+    /// The text, of those that are text.
+    pub text: Option<String>,
+}
+
+impl CamFile {
+    /// Reads a cam. Tables as text are interpolated as `interpolation` says; TOML and `.CAM` files say it themselves.
+    ///
+    /// # Errors
+    /// [`CamFileError`] with file, line, value and limit.
+    pub fn load(path: &Path, interpolation: Interpolation) -> Result<Self, CamFileError> {
+        let form = Form::of(path)?;
+        match form {
+            Form::Toml => {
+                let what = "cam";
+                let text = read_text(what, path)?;
+                Self::from_toml(path, text)
+            }
+            Form::Words => {
+                let text = String::from_utf8_lossy(&bytes(path)?).into_owned();
+                let source = read_words(&text)
+                    .map_err(|source| CamFileError::Text { path: path.to_owned(), source })?;
+                let cam = compile(path, &source)?;
+                Ok(Self::of_source(path, form, source, cam, text))
+            }
+            Form::Csv => {
+                let read = columns::read(path, &bytes(path)?)?;
+                Self::of_table(path, form, csv_shape(path, &read, interpolation)?)
+            }
+            Form::Ascii => {
+                let pairs = read_ascii(bytes(path)?.as_slice())
+                    .map_err(|source| CamFileError::Ascii { path: path.to_owned(), source })?;
+                Self::of_table(path, form, pair_table(pairs, interpolation))
+            }
+            Form::Binary => {
+                let cam = read_binary(bytes(path)?.as_slice())
+                    .map_err(|source| CamFileError::Binary { path: path.to_owned(), source })?;
+                Ok(Self::of_cam(path, form, cam))
+            }
+        }
+    }
+
+    /// A cam of the text of a TOML file; `path` is for messages.
+    ///
+    /// # Errors
+    /// [`CamFileError::Toml`] with everything that is wrong with it.
+    pub fn from_toml(path: &Path, text: String) -> Result<Self, CamFileError> {
+        match section::parse(&text, toml_form::read) {
+            Ok(TomlCam { source, table, coupling, cam }) => {
+                let repeated = source.period.is_some()
+                    || table.as_ref().is_some_and(|table| periodic(table) == Some(true));
+                let mut file = Self::of_source(path, Form::Toml, source, cam, text);
+                (file.coupling, file.repeated) = (coupling, repeated);
+                if table.is_some() {
+                    file.source = None;
+                }
+                Ok(file)
+            }
+            Err(problems) => {
+                let path = path.to_owned();
+                Err(MachineFileError::Content { what: "cam", path, text, problems }.into())
+            }
+        }
+    }
+
+    fn of_source(path: &Path, form: Form, source: Source, cam: Cam, text: String) -> Self {
+        Self {
+            path: path.to_owned(),
+            form,
+            cam,
+            repeated: source.period.is_some(),
+            period: source.period,
+            master: (&source.master).into(),
+            slave: (&source.slave).into(),
+            coupling: Coupling::default(),
+            source: Some(source),
+            text: Some(text),
+        }
+    }
+
+    fn of_table(path: &Path, form: Form, shape: Shape) -> Result<Self, CamFileError> {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let cam = Cam::new(&name, shape, Vec::new())
+            .map_err(|source| CamFileError::Cam { path: path.to_owned(), source })?;
+        Ok(Self::of_cam(path, form, cam))
+    }
+
+    fn of_cam(path: &Path, form: Form, cam: Cam) -> Self {
+        let curve = cam.curve();
+        let slave = curve.extremes().position;
+        let scale = |min, max| AxisScale { min, max, unit: String::new() };
+        let goes_on = curve.real_jumps(true).into_iter().all(|jump| jump.is_none());
+        Self {
+            path: path.to_owned(),
+            form,
+            repeated: periodic(cam.shape()).unwrap_or(goes_on),
+            period: None,
+            master: scale(curve.start(), curve.end()),
+            slave: scale(slave.min, slave.max),
+            source: None,
+            coupling: Coupling::default(),
+            text: None,
+            cam,
+        }
+    }
+
+    /// What people could edit of it: its own source, or its points and tappets.
+    ///
+    /// # Errors
+    /// [`CamFileError::Unsayable`] of tables, which have no elements.
+    pub fn to_source(&self) -> Result<Source, CamFileError> {
+        if let Some(source) = &self.source {
+            return Ok(source.clone());
+        }
+        let mut source = self.frame();
+        let Shape::Polynomial(knots) = self.cam.shape() else {
+            let message = "a table has no points and lines; write it as .toml, .csv, .cam or .asc";
+            return Err(CamFileError::Unsayable { path: self.path.clone(), message });
+        };
+        source.elements = knots.iter().copied().map(twin_motion::cam::Element::Point).collect();
+        Ok(source)
+    }
+
+    /// Its name, scales and tappets, without elements.
+    fn frame(&self) -> Source {
+        let scale = |axis: &AxisScale| Scale {
+            min: axis.min,
+            // A slave that rests has a scale, too.
+            max: if axis.max > axis.min { axis.max } else { axis.min + 1.0 },
+            step: if axis.max > axis.min { (axis.max - axis.min) / 10.0 } else { 0.1 },
+            unit: axis.unit.clone(),
+        };
+        let name = self.cam.name();
+        Source {
+            name: if name.trim().is_empty() { "cam".to_owned() } else { name.to_owned() },
+            kind: Kind::Cam,
+            master: scale(&self.master),
+            slave: scale(&self.slave),
+            period: self.period,
+            elements: Vec::new(),
+            tappets: self.cam.tappets().to_vec(),
+        }
+    }
+
+    /// It as TOML.
+    ///
+    /// # Errors
+    /// None that is known: tables are written as tables.
+    pub fn to_toml(&self) -> Result<String, CamFileError> {
+        match self.cam.shape() {
+            Shape::Polynomial(_) => Ok(write_toml(&self.to_source()?, None, &self.coupling)),
+            table => Ok(write_toml(&self.frame(), Some(table), &self.coupling)),
+        }
+    }
+}
+
+fn bytes(path: &Path) -> Result<Vec<u8>, CamFileError> {
+    fs::read(path).map_err(|source| CamFileError::Read { path: path.to_owned(), source })
+}
+
+fn compile(path: &Path, source: &Source) -> Result<Cam, CamFileError> {
+    let cam = source.compile(Compile::Polynomial);
+    cam.map_err(|source| CamFileError::Cam { path: path.to_owned(), source })
+}
+
+fn periodic(shape: &Shape) -> Option<bool> {
+    match shape {
+        Shape::Equidistant(table) => Some(table.periodic),
+        Shape::Pairs(table) => Some(table.periodic),
+        Shape::Polynomial(_) => None,
+    }
+}
+
+pub(super) fn pair_table(pairs: Vec<[f64; 2]>, interpolation: Interpolation) -> Shape {
+    // A table that comes back to where it began is put end to end.
+    let ends = [pairs.first(), pairs.last()].map(|pair| pair.map(|[_, slave]| slave.to_bits()));
+    Shape::Pairs(PairTable {
+        variable: VariableType::Lreal,
+        master: TableScale::IDENTITY,
+        slave: TableScale::IDENTITY,
+        periodic: ends[0] == ends[1],
+        interpolation,
+        pairs,
+    })
+}
+
+/// Two columns are a table of pairs, four are points with velocity and acceleration.
+fn csv_shape(
+    path: &Path,
+    read: &Columns,
+    interpolation: Interpolation,
+) -> Result<Shape, CamFileError> {
+    let wrong = |line, message| CamFileError::Table { path: path.to_owned(), line, message };
+    let names = ["master", "slave", "velocity", "acceleration"];
+    for (found, expected) in read.names.iter().flatten().zip(names) {
+        if columns::plain(found) != expected {
+            let message = format!("column `{found}` stands where `{expected}` should");
+            return Err(wrong(1, message));
+        }
+    }
+    let mut before: Option<(u64, f64)> = None;
+    let mut pairs = Vec::with_capacity(read.rows.len());
+    let mut knots = Vec::new();
+    for (line, row) in &read.rows {
+        match *row.as_slice() {
+            [master, slave] => pairs.push([master, slave]),
+            [master, slave, velocity, acceleration] => {
+                knots.push(Knot { master, slave, velocity, acceleration });
+            }
+            _ => {
+                let message = format!(
+                    "{} columns; expected master and slave, or these with velocity and acceleration",
+                    row.len()
+                );
+                return Err(wrong(*line, message));
+            }
+        }
+        let master = row.first().copied().unwrap_or_default();
+        if let Some((earlier, last)) = before.filter(|(_, last)| master <= *last) {
+            let message = format!("master {master} does not lie behind {last} of line {earlier}");
+            return Err(wrong(*line, message));
+        }
+        before = Some((*line, master));
+    }
+    if pairs.is_empty() {
+        Ok(Shape::Polynomial(knots))
+    } else {
+        Ok(pair_table(pairs, interpolation))
+    }
+}
+
+/// A table as CSV: its pairs, or the points of a polynomial with velocity and acceleration; `points` positions of a curve
+/// instead, both ends included.
+pub fn csv_of(file: &CamFile, points: Option<usize>) -> String {
+    let (master, slave) = (file.master.key(), file.slave.key());
+    let number = |value: f64| super::toml_writer::Number(value).to_string();
+    let mut text = String::new();
+    let mut row = |cells: &[String]| {
+        text.push_str(&cells.join(","));
+        text.push('\n');
+    };
+    let positions = |row: &mut dyn FnMut(&[String]), pairs: &mut dyn Iterator<Item = [f64; 2]>| {
+        row(&[format!("master_{master}"), format!("slave_{slave}")]);
+        for [x, y] in pairs {
+            row(&[number(x), number(y)]);
+        }
+    };
+    match (file.cam.shape(), points) {
+        (Shape::Polynomial(knots), None) => {
+            row(&["master", "slave", "velocity", "acceleration"].map(str::to_owned));
+            for Knot { master, slave, velocity, acceleration } in knots {
+                row(&[*master, *slave, *velocity, *acceleration].map(number));
+            }
+        }
+        (Shape::Pairs(table), None) => {
+            let pair = |[x, y]: &[f64; 2]| [table.master.position(*x), table.slave.position(*y)];
+            positions(&mut row, &mut table.pairs.iter().map(pair));
+        }
+        (Shape::Equidistant(_), None) => {
+            let curve = file.cam.curve();
+            positions(&mut row, &mut curve.joints().map(|x| [x, curve.at(x).position]));
+        }
+        (_, Some(points)) => {
+            let curve = file.cam.curve();
+            positions(&mut row, &mut evenly(file, points).map(|x| [x, curve.at(x).position]));
+        }
+    }
+    text
+}
+
+/// Masters at equal distances, both ends included; at least two.
+pub(super) fn evenly(file: &CamFile, points: usize) -> impl Iterator<Item = f64> {
+    let (start, end) = (file.cam.curve().start(), file.cam.curve().end());
+    let last = points.max(2) - 1;
+    (0..=last).map(move |index| {
+        #[expect(clippy::cast_precision_loss, reason = "nobody writes 2^53 points")]
+        let share = index as f64 / last as f64;
+        if index == last { end } else { start + (end - start) * share }
+    })
+}
+
+/// Positions that are written of a curve if nothing else is said.
+const POINTS: usize = 361;
+
+/// What is written into a file of this form.
+///
+/// # Errors
+/// [`CamFileError`] if the form cannot say it, or it is larger than a file may be.
+pub fn write_file(
+    file: &CamFile,
+    target: &Path,
+    points: Option<usize>,
+) -> Result<Vec<u8>, CamFileError> {
+    let unsayable = |message| CamFileError::Unsayable { path: target.to_owned(), message };
+    match Form::of(target)? {
+        Form::Toml => Ok(file.to_toml()?.into_bytes()),
+        Form::Words if file.coupling != Coupling::default() => {
+            Err(unsayable("lines of words have no [coupling]; write it as .toml"))
+        }
+        Form::Words => Ok(write_text(&file.to_source()?).into_bytes()),
+        Form::Csv => Ok(csv_of(file, points).into_bytes()),
+        Form::Ascii => {
+            let mut bytes = Vec::new();
+            match (file.cam.shape(), points) {
+                (Shape::Pairs(table), None) => {
+                    for [x, y] in &table.pairs {
+                        let (x, y) = (table.master.position(*x), table.slave.position(*y));
+                        write!(bytes, "{x};{y}\r\n").map_err(|source| CamFileError::Read {
+                            path: target.to_owned(),
+                            source,
+                        })?;
+                    }
+                }
+                _ => write_ascii(file.cam.curve(), points.unwrap_or(POINTS), &mut bytes)
+                    .map_err(|source| CamFileError::Read { path: target.to_owned(), source })?,
+            }
+            Ok(bytes)
+        }
+        Form::Binary => {
+            let mut bytes = Vec::new();
+            write_binary(&file.cam, &mut bytes)
+                .map_err(|source| CamFileError::Large { path: target.to_owned(), source })?;
+            Ok(bytes)
+        }
+    }
+}
+
+/// Twelve significant digits.
+pub(super) fn digits(value: f64) -> String {
+    significant(value, 12)
+}

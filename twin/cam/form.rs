@@ -1,0 +1,76 @@
+//! What a cam's file says beside the cam itself.
+
+use twin_motion::cam::{CamInput, Scale, StartMode};
+
+/// Range and unit of master or slave, for tables and pictures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisScale {
+    /// Least value, u.
+    pub min: f64,
+    /// Greatest value, u.
+    pub max: f64,
+    /// What u is; empty if the file does not say.
+    pub unit: String,
+}
+
+impl AxisScale {
+    /// The unit in words for people: `u` if it is not known.
+    pub fn unit(&self) -> &str {
+        if self.unit.is_empty() { "u" } else { &self.unit }
+    }
+
+    /// The unit as part of a key or a column: letters and digits only.
+    pub fn key(&self) -> String {
+        let unit = self.unit.replace('°', "deg");
+        let plain: String = unit.chars().filter(char::is_ascii_alphanumeric).collect();
+        if plain.is_empty() { "u".to_owned() } else { plain }
+    }
+}
+
+impl From<&Scale> for AxisScale {
+    fn from(scale: &Scale) -> Self {
+        Self { min: scale.min, max: scale.max, unit: scale.unit.clone() }
+    }
+}
+
+/// `[coupling]`: how the cam is used, the inputs of `MC_CamIn` and `SMC_CAMRegister` (manual 5.4, 5.5).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Coupling {
+    /// Inputs of `MC_CamIn`.
+    pub input: CamInput,
+    /// `DeadTimeCompensation` of the tappets, s.
+    pub dead_time_s: f64,
+}
+
+/// The start modes by their names in files.
+pub const START_MODES: [(&str, StartMode); 5] = [
+    ("absolute", StartMode::Absolute),
+    ("relative", StartMode::Relative),
+    ("ramp_in", StartMode::RampIn),
+    ("ramp_in_pos", StartMode::RampInPositive),
+    ("ramp_in_neg", StartMode::RampInNegative),
+];
+
+impl Coupling {
+    /// Keys of `[coupling]` with the names of the inputs and their values, but for the start mode.
+    pub fn numbers(&self) -> [(&'static str, &'static str, f64); 9] {
+        let input = &self.input;
+        [
+            ("master_offset", "MasterOffset", input.master_offset),
+            ("master_scaling", "MasterScaling", input.master_scaling),
+            ("slave_offset", "SlaveOffset", input.slave_offset),
+            ("slave_scaling", "SlaveScaling", input.slave_scaling),
+            ("velocity_difference", "VelocityDiff", input.velocity_difference),
+            ("acceleration", "Acceleration", input.acceleration),
+            ("deceleration", "Deceleration", input.deceleration),
+            ("tappet_hysteresis", "TappetHysteresis", input.tappet_hysteresis),
+            ("dead_time_s", "DeadTimeCompensation", self.dead_time_s),
+        ]
+    }
+
+    /// The name of the start mode in files.
+    pub fn start_mode(&self) -> &'static str {
+        let mode = self.input.start_mode;
+        START_MODES.iter().find(|(_, other)| *other == mode).map_or("absolute", |(name, _)| name)
+    }
+}

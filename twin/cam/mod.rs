@@ -1,0 +1,23 @@
+//! Cams in files: written by hand as TOML, tables of positions as CSV or text, and `.CAM`; checked, drawn and tuned.
+//!
+//! `examples/cams/*.toml` are commented as documentation of the format.
+
+pub mod check;
+mod columns;
+pub mod edit;
+mod error;
+mod file;
+mod form;
+pub mod picture;
+pub mod run;
+pub mod sample;
+#[cfg(test)]
+mod tests;
+mod toml_form;
+mod toml_writer;
+pub mod tune;
+
+pub use error::CamFileError;
+pub use file::{CamFile, Form, csv_of, write_file};
+pub use form::{AxisScale, Coupling};
+pub use toml_writer::write_toml;

@@ -1,0 +1,413 @@
+//! Pictures of cams: position, velocity, acceleration and jerk over the master, and the tappets below.
+
+use super::CamFile;
+use super::check::CamUse;
+use super::file::digits;
+use super::sample::at;
+use crate::chart::{
+    Area, Failure, GAP, LEFT, RIGHT, Row, Sign, TOP, WIDTH, color_of, dashes, legend,
+    legend_places, line, ticks, title, words,
+};
+use crate::page::{FAINT, INK, MARK, color, fine, font, resized, stroke};
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use twin_motion::cam::{Action, Passage, SlaveLimits};
+
+/// Height of a row of curves, pixels.
+const HEIGHT: f64 = 150.0;
+/// Height of the bars of a group of tappets, and between them, pixels.
+const BAR: f64 = 14.0;
+const BETWEEN: f64 = 6.0;
+/// Room for the numbers and the name of the master, pixels.
+const MASTERS: f64 = 50.0;
+/// Points of a curve over the whole width.
+const POINTS: f64 = 1800.0;
+
+/// A picture that could not be drawn.
+#[derive(Debug, thiserror::Error)]
+#[error("the picture cannot be drawn: {0}")]
+pub struct CamPictureError(String);
+
+/// A cam in a picture.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown<'a> {
+    /// The cam.
+    pub file: &'a CamFile,
+    /// How it is used; its limits are drawn where they are of the last one.
+    pub using: &'a CamUse,
+    /// What it is called in the legend.
+    pub name: &'a str,
+}
+
+/// Recorded positions.
+#[derive(Clone, Debug, Default)]
+pub struct Recorded {
+    /// Master, on the scale of the picture, and slave.
+    pub points: Vec<(f64, f64)>,
+    /// Master and error of the slave, before and after.
+    pub errors: [Vec<(f64, f64)>; 2],
+}
+
+/// Draws cams over each other as SVG, the last one in front.
+///
+/// # Errors
+/// What plotters says.
+pub fn draw(
+    heading: &str,
+    below: &str,
+    cams: &[Shown<'_>],
+    recorded: &Recorded,
+) -> Result<String, CamPictureError> {
+    let page = Page::new(cams, recorded);
+    page.draw(heading, below).map_err(|error| CamPictureError(error.to_string()))
+}
+
+/// Curves of one quantity.
+struct Strip {
+    name: &'static str,
+    unit: String,
+    row: Row,
+    curves: Vec<Vec<Vec<(f64, f64)>>>,
+    limits: Vec<f64>,
+}
+
+struct Page<'a> {
+    cams: &'a [Shown<'a>],
+    recorded: &'a Recorded,
+    range: [f64; 2],
+    strips: Vec<Strip>,
+    bottom: f64,
+}
+
+const QUANTITIES: [(&str, &str); 4] =
+    [("position", ""), ("velocity", "/s"), ("acceleration", "/s²"), ("jerk", "/s³")];
+
+impl<'a> Page<'a> {
+    fn new(cams: &'a [Shown<'a>], recorded: &'a Recorded) -> Self {
+        let ends = cams.iter().flat_map(|shown| {
+            let curve = shown.file.cam.curve();
+            [curve.start(), curve.end()].map(|place| shown.using.master_at(place))
+        });
+        let ends = ends.chain(recorded.points.iter().map(|(master, _)| *master));
+        let range = reach(ends).unwrap_or([0.0, 1.0]);
+        let mut page = Self { cams, recorded, range, strips: Vec::new(), bottom: TOP };
+        let unit = cams.last().map_or("u", |shown| shown.file.slave.unit());
+        for (index, (name, per)) in QUANTITIES.into_iter().enumerate() {
+            let curves: Vec<_> = cams.iter().map(|shown| curve(shown, index)).collect();
+            page.add(name, format!("{unit}{per}"), curves, page.limits(index));
+        }
+        if recorded.errors.iter().any(|errors| !errors.is_empty()) {
+            let curves = recorded.errors.iter().map(|errors| vec![errors.clone()]).collect();
+            page.add("error of the slave", unit.to_owned(), curves, vec![0.0]);
+        }
+        page
+    }
+
+    fn limits(&self, quantity: usize) -> Vec<f64> {
+        let Some(shown) = self.cams.last() else { return Vec::new() };
+        let SlaveLimits { velocity, acceleration, jerk } = shown.using.limits.motion;
+        let limits = match quantity {
+            0 => shown.using.limits.position,
+            1 => [-velocity, velocity],
+            2 => [-acceleration, acceleration],
+            _ => [-jerk, jerk],
+        };
+        limits.into_iter().filter(|limit| limit.is_finite()).collect()
+    }
+
+    fn add(
+        &mut self,
+        name: &'static str,
+        unit: String,
+        curves: Vec<Vec<Vec<(f64, f64)>>>,
+        limits: Vec<f64>,
+    ) {
+        let values = curves.iter().flatten().flatten().map(|(_, value)| *value);
+        let of_run = self.recorded.points.iter().map(|(_, slave)| *slave);
+        let of_run = of_run.filter(|_| name == "position");
+        let [low, high] = reach(values.chain(of_run)).unwrap_or([0.0, 1.0]);
+        // Limits that are far away would make a line of the curve.
+        let size = high - low;
+        let near: Vec<_> = limits
+            .into_iter()
+            .filter(|limit| *limit >= low - 0.6 * size && *limit <= high + 0.6 * size)
+            .collect();
+        let [low, high] = reach(near.iter().copied().chain([low, high])).unwrap_or([low, high]);
+        let room = ((high - low) * 0.12).max(f64::MIN_POSITIVE);
+        let range = if high > low { [low - room, high + room] } else { [low - 1.0, high + 1.0] };
+        let row = Row { top: self.bottom, height: HEIGHT, range };
+        self.strips.push(Strip { name, unit, row, curves, limits: near });
+        self.bottom += HEIGHT + GAP;
+    }
+
+    fn x(&self, master: f64) -> f64 {
+        let [low, high] = self.range;
+        LEFT + (master - low) / (high - low) * (RIGHT - LEFT)
+    }
+
+    fn groups(&self) -> Vec<i16> {
+        let Some(shown) = self.cams.last() else { return Vec::new() };
+        let mut groups: Vec<_> =
+            shown.file.cam.tappets().iter().map(|tappet| tappet.group).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        groups
+    }
+
+    fn draw(&self, heading: &str, below: &str) -> Result<String, Failure> {
+        let groups = self.groups();
+        let bars = groups.iter().fold(0.0, |height, _| height + BAR + BETWEEN);
+        let items = self.items(!groups.is_empty());
+        let masters = self.bottom - GAP + if groups.is_empty() { 0.0 } else { BETWEEN + bars };
+        let end = masters + MASTERS + 18.0 + legend_places(&items).1;
+        let size = (stroke(WIDTH), stroke(end));
+        let mut text = String::new();
+        {
+            let root = SVGBackend::with_string(&mut text, size).into_drawing_area();
+            root.fill(&WHITE)?;
+            title(&root, heading, below)?;
+            for strip in &self.strips {
+                self.strip(&root, strip)?;
+            }
+            let mut top = self.bottom - GAP + BETWEEN;
+            for (index, group) in groups.into_iter().enumerate() {
+                self.bars(&root, group, index, top)?;
+                top += BAR + BETWEEN;
+            }
+            self.masters(&root, masters)?;
+            legend(&root, &items, masters + MASTERS + 14.0)?;
+            root.present()?;
+        }
+        Ok(resized(&text, size))
+    }
+
+    fn strip(&self, root: &Area<'_>, strip: &Strip) -> Result<(), Failure> {
+        let Strip { name, unit, row, curves, limits } = strip;
+        let at: Vec<_> = self.ticks().into_iter().map(|(x, _)| x).collect();
+        row.draw_over(root, &at, [name, &format!("({unit})")])?;
+        if *name == "position" {
+            for (master, slave) in &self.recorded.points {
+                let place = (fine(self.x(*master)), fine(row.y(*slave)));
+                root.draw(&Circle::new(place, stroke(1.5), MARK.mix(0.55).filled()))?;
+            }
+        }
+        for (index, pieces) in curves.iter().enumerate() {
+            let style = self.color(index, curves.len()).stroke_width(stroke(1.6));
+            for piece in pieces {
+                for inside in row.within(piece) {
+                    let mut points: Vec<(i32, i32)> = Vec::with_capacity(inside.len());
+                    for (master, value) in inside {
+                        let point = (fine(self.x(master)), fine(row.y(value)));
+                        if points.last() != Some(&point) {
+                            points.push(point);
+                        }
+                    }
+                    root.draw(&PathElement::new(points, style))?;
+                }
+            }
+        }
+        for limit in limits {
+            dashes(root, [(LEFT, row.y(*limit)), (RIGHT, row.y(*limit))], MARK)?;
+        }
+        // Beside the row: what each curve reaches.
+        let mut y = row.top + 9.0;
+        for (index, pieces) in curves.iter().enumerate() {
+            if let Some([low, high]) = reach(pieces.iter().flatten().map(|(_, value)| *value)) {
+                let text = format!("{} … {}", short(low), short(high));
+                words(root, &text, (RIGHT + 12.0, y), self.color(index, curves.len()))?;
+                y += 18.0;
+            }
+        }
+        Ok(())
+    }
+
+    fn color(&self, index: usize, count: usize) -> RGBColor {
+        // What was before stands back behind what is now.
+        if index + 1 < count { color([160, 166, 176]) } else { color_of(0) }
+    }
+
+    fn ticks(&self) -> Vec<(f64, String)> {
+        let [low, high] = self.range;
+        ticks(low, high, 12.0).into_iter().map(|(value, text)| (self.x(value), text)).collect()
+    }
+
+    fn masters(&self, root: &Area<'_>, y: f64) -> Result<(), Failure> {
+        let style = font(13.0, INK).pos(Pos::new(HPos::Center, VPos::Top));
+        for (x, text) in self.ticks() {
+            line(root, [(x, y), (x, y + 4.0)], FAINT.stroke_width(stroke(0.8)))?;
+            root.draw_text(&text, &style, (fine(x), fine(y + 7.0)))?;
+        }
+        let unit = self.cams.last().map_or("u", |shown| shown.file.master.unit());
+        let style = font(14.0, INK).pos(Pos::new(HPos::Center, VPos::Top));
+        let name = format!("master ({unit})");
+        root.draw_text(&name, &style, (fine(LEFT.midpoint(RIGHT)), fine(y + 26.0)))
+    }
+
+    /// When the bit of a group is on, while the master goes forwards at its velocity.
+    fn bars(&self, root: &Area<'_>, group: i16, index: usize, top: f64) -> Result<(), Failure> {
+        let Some(shown) = self.cams.last() else { return Ok(()) };
+        let row = Row { top, height: BAR, range: [0.0, 1.0] };
+        for [begin, end] in on_stretches(shown, group) {
+            let [begin, end] = [begin, end].map(|place| self.x(shown.using.master_at(place)));
+            let corners = [(begin.min(end), row.top), (begin.max(end), row.bottom())];
+            let corners = corners.map(|(x, y)| (fine(x), fine(y)));
+            root.draw(&Rectangle::new(corners, color_of(index + 1).mix(0.75).filled()))?;
+        }
+        row.frame(root)?;
+        for tappet in shown.file.cam.tappets().iter().filter(|tappet| tappet.group == group) {
+            let x = self.x(shown.using.master_at(tappet.master));
+            line(
+                root,
+                [(x, row.top - 2.0), (x, row.bottom() + 2.0)],
+                INK.stroke_width(stroke(1.3)),
+            )?;
+        }
+        words(root, &format!("tappets of group {group}"), (RIGHT + 12.0, top + BAR / 2.0), INK)
+    }
+
+    fn items(&self, tappets: bool) -> Vec<(Sign, String)> {
+        let mut items: Vec<_> = self
+            .cams
+            .iter()
+            .enumerate()
+            .map(|(index, shown)| {
+                (Sign::Line(self.color(index, self.cams.len())), shown.name.to_owned())
+            })
+            .collect();
+        if !self.recorded.points.is_empty() {
+            items.push((Sign::Patch(MARK), "recorded".to_owned()));
+        }
+        if self.strips.iter().any(|strip| !strip.limits.is_empty()) {
+            items.push((Sign::Dashes(MARK), "limit".to_owned()));
+        }
+        if tappets {
+            items.push((Sign::Patch(color_of(1)), "tappets that are on".to_owned()));
+        }
+        items
+    }
+}
+
+/// Stretches of the cam on which the bit of a group is on when the master goes forwards, pass after pass.
+pub(super) fn on_stretches(shown: &Shown<'_>, group: i16) -> Vec<[f64; 2]> {
+    let curve = shown.file.cam.curve();
+    let (start, end) = (curve.start(), curve.end());
+    let tappets = || {
+        let all = shown.file.cam.tappets().iter();
+        all.filter(|tappet| tappet.group == group && tappet.passage != Passage::Negative)
+    };
+    let speed = (shown.using.master.velocity * shown.using.factors().master).abs();
+    let mut on = false;
+    let mut since = start;
+    let mut found = Vec::new();
+    // The first pass says how the second begins, if there is one.
+    for _pass in 0..if shown.using.repeated { 2 } else { 1 } {
+        found.clear();
+        since = start;
+        for tappet in tappets() {
+            let next = match tappet.action {
+                Action::On => true,
+                Action::Off => false,
+                Action::Invert => !on,
+                Action::Timed { delay_ns, duration_ns } => {
+                    #[expect(clippy::cast_precision_loss, reason = "a day at most")]
+                    let [delay, length] =
+                        [delay_ns, duration_ns].map(|ns| ns as f64 * 1e-9 * speed);
+                    let begin = tappet.master + delay;
+                    timed(&mut found, [begin, begin + length], [start, end], shown.using.repeated);
+                    continue;
+                }
+            };
+            if on && !next {
+                found.push([since, tappet.master]);
+            }
+            if next && !on {
+                since = tappet.master;
+            }
+            on = next;
+        }
+    }
+    if on {
+        found.push([since, end]);
+    }
+    found
+}
+
+/// A pulse, which may go on in the next pass.
+fn timed(
+    found: &mut Vec<[f64; 2]>,
+    [begin, until]: [f64; 2],
+    [start, end]: [f64; 2],
+    repeated: bool,
+) {
+    let width = end - start;
+    if !repeated {
+        if begin < end {
+            found.push([begin, until.min(end)]);
+        }
+        return;
+    }
+    if until - begin >= width {
+        found.push([start, end]);
+        return;
+    }
+    let begin_inside = start + (begin - start).rem_euclid(width);
+    let until_inside = begin_inside + (until - begin);
+    found.push([begin_inside, until_inside.min(end)]);
+    if until_inside > end {
+        found.push([start, until_inside - width]);
+    }
+}
+
+/// Pieces of a curve: each polynomial for itself, for what jumps between them.
+fn curve(shown: &Shown<'_>, quantity: usize) -> Vec<Vec<(f64, f64)>> {
+    let joints: Vec<_> = shown.file.cam.curve().joints().collect();
+    let width = shown.file.cam.curve().end() - shown.file.cam.curve().start();
+    let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
+    for pair in joints.windows(2) {
+        let [from, to] = pair else { continue };
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a share of points"
+        )]
+        let count = ((to - from) / width * POINTS).ceil().max(1.0) as usize;
+        let mut piece: Vec<(f64, f64)> = Vec::with_capacity(count + 1);
+        for index in 0..=count {
+            #[expect(clippy::cast_precision_loss, reason = "a share of points")]
+            let inside = from + (to - from) * index as f64 / count as f64;
+            // Its own end, not the begin of the next.
+            let place = if index == count { to.next_down() } else { inside };
+            let row = at(shown.file, shown.using, place);
+            let [master, others @ ..] = row;
+            piece.push((master, others.get(quantity).copied().unwrap_or_default()));
+        }
+        match (pieces.last_mut(), piece.first()) {
+            // What does not jump is one line.
+            (Some(before), Some(first))
+                if before.last().is_some_and(|last| alike(last.1, first.1)) =>
+            {
+                before.extend(piece);
+            }
+            _ => pieces.push(piece),
+        }
+    }
+    pieces
+}
+
+fn alike(one: f64, other: f64) -> bool {
+    (one - other).abs() <= 1e-6 * one.abs().max(other.abs())
+}
+
+/// Lowest and highest.
+fn reach(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    values.filter(|value| value.is_finite()).fold(None, |reach, value| {
+        let [low, high] = reach.unwrap_or([value, value]);
+        Some([low.min(value), high.max(value)])
+    })
+}
+
+/// Four significant digits.
+fn short(value: f64) -> String {
+    let text = crate::number::significant(value, 4);
+    if text.len() > 12 { digits(value) } else { text }
+}

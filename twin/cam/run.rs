@@ -1,0 +1,169 @@
+//! Recorded runs: where master and slave were, and what tappets had switched.
+
+use super::CamFileError;
+use super::columns;
+use std::path::Path;
+
+/// A sample of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunSample {
+    /// Its line in the file.
+    pub line: u64,
+    /// s.
+    pub time_s: f64,
+    /// Position of the master, u.
+    pub master: f64,
+    /// Position of the slave, u.
+    pub slave: f64,
+    /// Whether the output of each group was on.
+    pub outputs: Vec<bool>,
+}
+
+/// A recorded run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedRun {
+    /// Groups of tappets whose outputs were recorded, in the order of [`RunSample::outputs`].
+    pub groups: Vec<i16>,
+    /// By ascending times.
+    pub samples: Vec<RunSample>,
+}
+
+/// Where each column goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Column {
+    Time(f64),
+    Master,
+    Slave,
+    Tappet(i16),
+}
+
+impl RecordedRun {
+    /// Reads a run: columns time, master and slave, in this order if there is no header, and `tappet_N` for outputs of
+    /// groups (0 or 1). Units in the header are tolerated; times in ms and µs (`time_ms`, `time_us`) become seconds.
+    ///
+    /// # Errors
+    /// [`CamFileError`] with file, line and column.
+    pub fn load(path: &Path) -> Result<Self, CamFileError> {
+        let bytes = std::fs::read(path)
+            .map_err(|source| CamFileError::Read { path: path.to_owned(), source })?;
+        Self::parse(path, &bytes)
+    }
+
+    /// Reads the bytes of one; `path` is for messages.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn parse(path: &Path, bytes: &[u8]) -> Result<Self, CamFileError> {
+        let wrong = |line, message| CamFileError::Table { path: path.to_owned(), line, message };
+        let read = columns::read(path, bytes)?;
+        let width = read.rows.first().map_or(0, |(_, row)| row.len());
+        let order = match &read.names {
+            None if width == 3 => vec![Column::Time(1.0), Column::Master, Column::Slave],
+            None => {
+                let message = format!(
+                    "{width} columns without a header; expected time, master and slave, or a header that names them"
+                );
+                return Err(wrong(1, message));
+            }
+            Some(names) => names
+                .iter()
+                .map(|name| column(name).map_err(|message| wrong(1, message)))
+                .collect::<Result<Vec<_>, _>>()?,
+        };
+        for (what, is) in [
+            ("time", (|column| matches!(column, Column::Time(_))) as fn(&Column) -> bool),
+            ("master", |column| *column == Column::Master),
+            ("slave", |column| *column == Column::Slave),
+        ] {
+            let found = order.iter().filter(|column| is(column)).count();
+            if found != 1 {
+                return Err(wrong(1, format!("{found} columns `{what}`; there must be one")));
+            }
+        }
+        let groups = order.iter().filter_map(|column| match column {
+            Column::Tappet(group) => Some(*group),
+            _ => None,
+        });
+        let mut run =
+            Self { groups: groups.collect(), samples: Vec::with_capacity(read.rows.len()) };
+        for (line, row) in &read.rows {
+            let mut sample = RunSample {
+                line: *line,
+                time_s: 0.0,
+                master: 0.0,
+                slave: 0.0,
+                outputs: Vec::new(),
+            };
+            for (value, column) in row.iter().zip(&order) {
+                match column {
+                    Column::Time(unit) => sample.time_s = value * unit,
+                    Column::Master => sample.master = *value,
+                    Column::Slave => sample.slave = *value,
+                    Column::Tappet(group) => match *value {
+                        0.0 => sample.outputs.push(false),
+                        1.0 => sample.outputs.push(true),
+                        _ => {
+                            let message = format!("tappet_{group} is {value}; it must be 0 or 1");
+                            return Err(wrong(*line, message));
+                        }
+                    },
+                }
+            }
+            if let Some(last) = run.samples.last().filter(|last| sample.time_s <= last.time_s) {
+                let message = format!(
+                    "time {} s is not later than {} s in line {}",
+                    sample.time_s, last.time_s, last.line
+                );
+                return Err(wrong(*line, message));
+            }
+            run.samples.push(sample);
+        }
+        Ok(run)
+    }
+
+    /// The largest velocity of the master, u/s.
+    pub fn fastest(&self) -> f64 {
+        let velocity = |index: usize| self.velocity(index).abs();
+        (0..self.samples.len()).map(velocity).filter(|v| v.is_finite()).fold(0.0, f64::max)
+    }
+
+    /// The master's velocity about a sample, u/s: the slope of the line that fits it and three on either side best.
+    pub fn velocity(&self, index: usize) -> f64 {
+        let near = self.samples.get(index.saturating_sub(3)..(index + 4).min(self.samples.len()));
+        let near = near.unwrap_or_default();
+        #[expect(clippy::cast_precision_loss, reason = "seven at most")]
+        let count = near.len().max(1) as f64;
+        let time = near.iter().map(|sample| sample.time_s).sum::<f64>() / count;
+        let master = near.iter().map(|sample| sample.master).sum::<f64>() / count;
+        let (mut above, mut below) = (0.0, 0.0);
+        for sample in near {
+            above += (sample.time_s - time) * (sample.master - master);
+            below += (sample.time_s - time).powi(2);
+        }
+        if below > 0.0 { above / below } else { 0.0 }
+    }
+}
+
+fn column(name: &str) -> Result<Column, String> {
+    match columns::plain(name).as_str() {
+        "time" | "t" => match columns::unit(name) {
+            "" | "s" => Ok(Column::Time(1.0)),
+            "ms" => Ok(Column::Time(1e-3)),
+            "us" | "µs" => Ok(Column::Time(1e-6)),
+            other => {
+                Err(format!("column `{name}`: `{other}` is no unit of time; expected s, ms or us"))
+            }
+        },
+        "master" => Ok(Column::Master),
+        "slave" => Ok(Column::Slave),
+        "tappet" => {
+            let group = columns::unit(name).parse().ok();
+            group.map(Column::Tappet).ok_or_else(|| {
+                format!(
+                    "column `{name}` names no group: expected tappet_N with N from -32768 to 32767"
+                )
+            })
+        }
+        _ => Err(format!("column `{name}` is not one of time, master, slave, tappet_N")),
+    }
+}

@@ -1,0 +1,415 @@
+//! What is written is read again, and what is wrong is told with its place.
+
+use crate::cam::edit::{self, Change, EditError};
+use crate::cam::{CamFile, CamFileError, Coupling, Form, csv_of, write_file, write_toml};
+use proptest::prelude::*;
+use std::path::{Path, PathBuf};
+use twin_motion::cam::{
+    Action, CamInput, Element, Equidistant, Interpolation, Kind, Knot, PairTable, Passage, Scale,
+    Shape, Source, StartMode, TableScale, Tappet, VariableType,
+};
+
+fn read(text: &str) -> Result<CamFile, CamFileError> {
+    CamFile::from_toml(Path::new("cam.toml"), text.to_owned())
+}
+
+/// Messages with the words they are about.
+fn problems(text: &str) -> Vec<(String, String)> {
+    let Err(CamFileError::Toml(crate::machine::MachineFileError::Content { problems, .. })) =
+        read(text)
+    else {
+        panic!("{:?}", read(text));
+    };
+    let about = |span: std::ops::Range<usize>| text.get(span).unwrap_or_default().to_owned();
+    problems.into_iter().map(|problem| (problem.message, about(problem.span))).collect()
+}
+
+const LIFT: &str = r#"
+name = "lift"                                       # what it is called
+master = { min = 0, max = 360, step = 30, unit = "deg" }
+slave = { min = 0, max = 100, unit = "mm", period = 100 }
+elements = [
+  { master = 0, slave = 0 },                        # the rest
+  { master = 90, slave = 40, velocity = 0.5 },      # on the way
+  { from = [120, 60], to = [180, 90] },
+  { master = 240, slave = 50, acceleration = -0.01 },
+]
+tappets = [
+  { group = 3, master = 100, action = "timed", delay_us = 1.5, duration_us = 3000 },
+  { group = -1, master = 20, passage = "negative", action = "off" },
+]
+
+[coupling]
+slave_offset = 12.5  # measured
+"#;
+
+#[test]
+fn a_cam_written_by_hand() {
+    let file = read(LIFT).expect("a cam");
+    let source = file.source.as_ref().expect("elements");
+    assert_eq!(source.elements.len(), 4);
+    let expected = Knot { master: 90.0, slave: 40.0, velocity: 0.5, acceleration: 0.0 };
+    assert_eq!(source.elements[1], Element::Point(expected));
+    assert_eq!(source.elements[2], Element::Line { from: [120.0, 60.0], to: [180.0, 90.0] });
+    assert_eq!(file.coupling.input.slave_offset, 12.5);
+    assert_eq!(file.coupling.input.start_mode, StartMode::Absolute);
+    // By ascending masters.
+    let tappets = file.cam.tappets();
+    assert_eq!((tappets[0].group, tappets[0].passage), (-1, Passage::Negative));
+    let timed = Action::Timed { delay_ns: 1500, duration_ns: 3_000_000 };
+    assert_eq!((tappets[1].passage, tappets[1].action), (Passage::Every, timed));
+    assert!(file.repeated && file.cam.curve().end() == 360.0);
+    assert_eq!((file.master.key().as_str(), file.slave.key().as_str()), ("deg", "mm"));
+}
+
+#[test]
+fn what_is_wrong_is_told_with_its_place() {
+    let changed = |from: &str, to: &str| {
+        assert!(LIFT.contains(from), "{from}");
+        problems(&LIFT.replace(from, to))
+    };
+    for (from, to, message, about) in [
+        ("max = 360", "max = -1", "`max` is -1; it must be greater than `min`, 0", "-1"),
+        ("slave = 40, velocity = 0.5", "slave = 40, speed = 0.5", "unknown key `speed`", "speed"),
+        ("slave = 40", "slave = \"40\"", "`slave` is a string; expected a number", "\"40\""),
+        ("slave = 40", "slave = 1e16", "`slave` is 1e16; it must lie between", "1e16"),
+        ("slave = 40,", "", "lacks `slave`", "{ master = 90,  velocity = 0.5 }"),
+        (
+            "master = 240",
+            "master = 150",
+            "does not lie behind",
+            "{ master = 150, slave = 50, acceleration = -0.01 }",
+        ),
+        (
+            "master = 240",
+            "master = 400",
+            "lies outside 0 to 360",
+            "{ master = 400, slave = 50, acceleration = -0.01 }",
+        ),
+        (
+            "from = [120, 60]",
+            "from = [190, 60]",
+            "it must be greater than that of `from`, 190",
+            "[180, 90]",
+        ),
+        ("from = [120, 60]", "from = [120]", "`from` has 1 entries; expected 2 numbers", "[120]"),
+        ("action = \"off\"", "action = \"of\"", "`action` is \"of\"", "\"of\""),
+        ("duration_us = 3000", "duration_us = -1", "`duration_us` is -1", "-1"),
+        ("group = 3", "group = 40000", "between -32768 and 32767", "40000"),
+        (
+            "master = 20,",
+            "master = -20,",
+            "tappet 1: master -20",
+            "{ group = -1, master = -20, passage = \"negative\", action = \"off\" }",
+        ),
+        ("period = 100", "period = 0", "`period` is 0", "0"),
+        ("slave_offset = 12.5", "slave_scaling = 0", "nothing would move", "0"),
+        ("slave_offset = 12.5", "start_mode = \"ramp\"", "`start_mode` is \"ramp\"", "\"ramp\""),
+    ] {
+        let found = changed(from, to);
+        assert!(
+            found.iter().any(|(said, at)| said.contains(message) && at == about),
+            "{to}: {found:?}"
+        );
+    }
+    // A begin that is missing is told at the scale; a line that a point does not meet at the line.
+    let found = changed("master = 0, slave = 0", "master = 5, slave = 0");
+    assert!(found[0].0.contains("begin at master 5"), "{found:?}");
+    let found = problems("name = \"x\"");
+    assert!(found.iter().any(|(said, _)| said.contains("no `elements`")), "{found:?}");
+}
+
+#[test]
+fn edits_leave_comments_alone() {
+    let knot = Knot { master: 90.0, slave: 41.25, velocity: 0.5, acceleration: 0.003 };
+    let changes = [
+        Change::Coupling("slave_offset", -3.5),
+        Change::Coupling("dead_time_s", 0.004),
+        Change::CouplingWord("start_mode", "ramp_in"),
+        Change::Point(knot),
+    ];
+    let text = edit::apply(LIFT, &changes).expect("edited");
+    let expected = LIFT
+        .replace(
+            "slave_offset = 12.5  # measured\n",
+            "slave_offset = -3.5  # measured\ndead_time_s = 0.004\nstart_mode = \"ramp_in\"\n",
+        )
+        .replace(
+            "slave = 40, velocity = 0.5 }",
+            "slave = 41.25, velocity = 0.5, acceleration = 0.003 }",
+        );
+    assert_eq!(text, expected);
+    let file = read(&text).expect("a cam");
+    assert_eq!(file.coupling.dead_time_s, 0.004);
+    // Without a section there is one afterwards, at the end.
+    let bare = LIFT.split("\n[coupling]").next().expect("a begin");
+    let text = edit::apply(bare, &[Change::Coupling("master_offset", 1e-9)]).expect("edited");
+    assert_eq!(
+        text,
+        format!("{bare}\n\n[coupling]\nmaster_offset = 1e-9\n").replace("]\n\n\n[", "]\n\n[")
+    );
+    let headed = "[coupling] # none yet\n\n[[elements]]\nmaster = 1 # here\nslave = 2 # there\n";
+    let knot = Knot { master: 1.0, slave: 2.0, velocity: 3.0, acceleration: 0.0 };
+    let text = edit::apply(headed, &[Change::Coupling("slave_offset", 1.0), Change::Point(knot)]);
+    let expected = "[coupling] # none yet\nslave_offset = 1\n\n[[elements]]\nmaster = 1 # here\nslave = 2 # there\nvelocity = 3\n";
+    assert_eq!(text.as_deref(), Ok(expected));
+    let nowhere = Knot { master: 91.0, ..knot };
+    let refused = edit::apply(LIFT, &[Change::Point(nowhere)]);
+    assert_eq!(refused, Err(EditError::NoPoint("91".to_owned())));
+}
+
+#[test]
+fn tables_as_text() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).expect("written");
+        path
+    };
+    let load = |path: &PathBuf| CamFile::load(path, Interpolation::Linear);
+    let expected = [[0.0, 1.5], [10.0, 2.5]];
+    for (name, text) in [
+        ("a.csv", "master,slave\n0,1.5\n10,2.5\n"),
+        ("b.csv", "# measured\nMaster (deg); Slave (mm)\n0;1,5\n\n10;2,5\n"),
+        ("c.csv", "0\t1.5\r\n10\t2.5\r\n"),
+        ("d.asc", "10:2,5\r\n0:1,5\r\n"),
+    ] {
+        let file = load(&write(name, text)).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let Shape::Pairs(table) = file.cam.shape() else { panic!("{name}") };
+        assert_eq!(table.pairs, expected, "{name}");
+        assert_eq!(file.cam.name(), &name[..1]);
+    }
+    let points = write("p.csv", "master,slave,velocity,acceleration\n0,0,0,0\n10,5,1,0.5\n");
+    let Shape::Polynomial(knots) = load(&points).expect("points").cam.shape().clone() else {
+        panic!("points")
+    };
+    assert_eq!(knots[1], Knot { master: 10.0, slave: 5.0, velocity: 1.0, acceleration: 0.5 });
+    for (text, message) in [
+        ("master,slave\n0,1\nten,2\n", "line 3: `master` is `ten`, which is no number"),
+        ("0,1\n1,nan\n", "line 2: column 2 is `nan`, which is no number"),
+        ("0,1\n1,2,3\n", "line 2: 3 columns instead of 2"),
+        ("0,1,2\n1,2,3\n", "line 1: 3 columns; expected master and slave"),
+        ("slave,master\n0,1\n", "column `slave` stands where `master` should"),
+        ("0,1\n5,2\n\n5,3\n", "line 4: master 5 does not lie behind 5 of line 2"),
+        ("", "there is no row of numbers"),
+    ] {
+        let error = load(&write("wrong.csv", text)).expect_err("wrong").to_string();
+        assert!(error.contains(message) && error.contains("wrong.csv"), "{text:?}: {error}");
+    }
+    let error = load(&write("cam.xyz", "")).expect_err("no form");
+    assert!(matches!(error, CamFileError::Ending { .. }), "{error}");
+}
+
+#[test]
+fn shipped_cams_are_cams() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/cams");
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).expect("examples/cams") {
+        let path = entry.expect("readable").path();
+        let file = CamFile::load(&path, Interpolation::Cubic);
+        let file = file.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        if file.form == Form::Toml {
+            let jumps = file.cam.curve().real_jumps(file.repeated);
+            assert_eq!(jumps, [None; 3], "{}", path.display());
+        }
+        count += 1;
+    }
+    assert!(count >= 3, "{count}");
+}
+
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        Just(0.0),
+        -1e3..1e3_f64,
+        -1e-7..1e-7_f64,
+        -1e14..1e14_f64,
+        (-20_i32..20).prop_map(f64::from)
+    ]
+}
+
+fn scale() -> impl Strategy<Value = Scale> {
+    (-1e3..1e3_f64, 1e-3..1e3_f64, 1e-3..1e2_f64, "[a-z°/\"\\\\ #]{0,6}").prop_map(
+        |(min, width, step, unit)| {
+            let unit = if unit.trim().is_empty() { String::new() } else { unit };
+            Scale { min, max: min + width, step, unit }
+        },
+    )
+}
+
+fn tappet(start: f64, width: f64) -> impl Strategy<Value = Tappet> {
+    let passages = prop::sample::select(vec![Passage::Positive, Passage::Negative, Passage::Every]);
+    let timed = (0..86_400_000_000_000_i64, 0..86_400_000_000_000_i64)
+        .prop_map(|(delay_ns, duration_ns)| Action::Timed { delay_ns, duration_ns });
+    let actions = prop_oneof![Just(Action::On), Just(Action::Off), Just(Action::Invert), timed];
+    (any::<i16>(), 0.0..1.0_f64, passages, actions).prop_map(
+        move |(group, share, passage, action)| Tappet {
+            group,
+            master: start + share * width,
+            passage,
+            action,
+        },
+    )
+}
+
+fn tappets(scale: &Scale) -> impl Strategy<Value = Vec<Tappet>> + use<> {
+    prop::collection::vec(tappet(scale.min, scale.max - scale.min), 0..5).prop_map(|mut tappets| {
+        tappets.sort_by(|one, other| one.master.total_cmp(&other.master));
+        tappets
+    })
+}
+
+fn coupling() -> impl Strategy<Value = Coupling> {
+    let factors = prop_oneof![0.01..10.0_f64, -10.0..-0.01_f64];
+    let modes = prop::sample::select(vec![
+        StartMode::Absolute,
+        StartMode::Relative,
+        StartMode::RampIn,
+        StartMode::RampInPositive,
+        StartMode::RampInNegative,
+    ]);
+    (number(), factors.clone(), number(), factors, modes, prop::array::uniform5(0.0..1e4_f64))
+        .prop_map(
+            |(master_offset, master_scaling, slave_offset, slave_scaling, start_mode, more)| {
+                let [velocity_difference, acceleration, deceleration, tappet_hysteresis, dead] =
+                    more;
+                let input = CamInput {
+                    master_offset,
+                    master_scaling,
+                    slave_offset,
+                    slave_scaling,
+                    start_mode,
+                    velocity_difference,
+                    acceleration,
+                    deceleration,
+                    tappet_hysteresis,
+                };
+                Coupling { input, dead_time_s: dead * 1e-6 }
+            },
+        )
+}
+
+fn source() -> impl Strategy<Value = Source> {
+    let parts = (scale(), scale(), "[a-zA-Z0-9 _\"\\\\'#äé-]{0,20}x", any::<bool>());
+    parts.prop_flat_map(|(master, slave, name, is_cam)| {
+        let values = prop::array::uniform3(-1e3..1e3_f64);
+        let inner = prop::collection::vec((0.001..0.999_f64, values), 0..6);
+        let ends = prop::array::uniform2(prop::array::uniform3(-1e3..1e3_f64));
+        let (start, width) = (master.min, master.max - master.min);
+        let tappets = tappets(&master);
+        (inner, ends, tappets, prop::option::of(1e-3..1e3_f64)).prop_map(
+            move |(mut inner, ends, tappets, period)| {
+                inner.sort_by(|one, other| one.0.total_cmp(&other.0));
+                inner.dedup_by(|one, other| one.0 - other.0 < 1e-3);
+                let knot = |master: f64, [slave, velocity, acceleration]: [f64; 3]| {
+                    Element::Point(Knot { master, slave, velocity, acceleration })
+                };
+                let mut elements = vec![knot(start, ends[0])];
+                elements
+                    .extend(inner.into_iter().map(|(share, all)| knot(start + share * width, all)));
+                elements.push(knot(master.max, ends[1]));
+                let kind = if is_cam { Kind::Cam } else { Kind::Tappets };
+                let elements = if is_cam { elements } else { Vec::new() };
+                let name = name.trim().to_owned();
+                Source {
+                    name,
+                    kind,
+                    master: master.clone(),
+                    slave: slave.clone(),
+                    period,
+                    elements,
+                    tappets,
+                }
+            },
+        )
+    })
+}
+
+fn table() -> impl Strategy<Value = (Shape, Scale)> {
+    let kinds = prop::sample::select(VariableType::ALL.to_vec());
+    let between = prop::sample::select(vec![Interpolation::Linear, Interpolation::Cubic]);
+    let values = prop::collection::vec(0..30_000_u32, 2..25);
+    let slave = prop_oneof![
+        Just(TableScale::IDENTITY),
+        (-10.0..10.0_f64).prop_map(|min| TableScale {
+            min,
+            max: min + 5.0,
+            table_min: 0.0,
+            table_max: 30_000.0
+        })
+    ];
+    (kinds, between, values, slave, any::<bool>(), any::<bool>()).prop_map(
+        |(variable, interpolation, values, slave, periodic, pairs)| {
+            let numbers: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
+            #[expect(clippy::cast_precision_loss, reason = "a few")]
+            let end = (numbers.len() - 1) as f64;
+            let scale = Scale { min: 0.0, max: end, step: end / 10.0, unit: String::new() };
+            let shape = if pairs {
+                let pairs = (0..).map(f64::from).zip(numbers).map(|(x, y)| [x, y]).collect();
+                let master = TableScale::IDENTITY;
+                Shape::Pairs(PairTable { variable, master, slave, periodic, interpolation, pairs })
+            } else {
+                let (start, end) = (scale.min, scale.max);
+                Shape::Equidistant(Equidistant {
+                    variable,
+                    start,
+                    end,
+                    periodic,
+                    slave,
+                    interpolation,
+                    values: numbers,
+                })
+            };
+            (shape, scale)
+        },
+    )
+}
+
+proptest! {
+    /// Elements, tappets and coupling, number for number.
+    #[test]
+    fn toml_is_read_as_it_was_written(source in source(), coupling in coupling()) {
+        let text = write_toml(&source, None, &coupling);
+        let file = read(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        prop_assert_eq!(&file.coupling, &coupling, "{}", text);
+        let mut expected = source.clone();
+        // A tappets' slave has no scale of its own.
+        if source.kind == Kind::Tappets {
+            expected.slave = file.source.as_ref().expect("a source").slave.clone();
+        }
+        prop_assert_eq!(file.source.as_ref(), Some(&expected), "{}", text);
+        prop_assert_eq!(file.to_toml().expect("text"), write_toml(&expected, None, &coupling));
+    }
+
+    /// Tables, too; and as `.CAM` and back they are the same.
+    #[test]
+    fn tables_are_read_as_they_were_written((shape, scale) in table()) {
+        let source = Source {
+            name: "table".to_owned(), kind: Kind::Cam, slave: scale.clone(), master: scale,
+            period: None, elements: Vec::new(), tappets: Vec::new(),
+        };
+        let text = write_toml(&source, Some(&shape), &Coupling::default());
+        let file = read(&text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+        prop_assert_eq!(file.cam.shape(), &shape, "{}", text);
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("table.cam");
+        std::fs::write(&path, write_file(&file, &path, None).expect("bytes")).expect("written");
+        let again = CamFile::load(&path, Interpolation::Linear).expect("a cam");
+        prop_assert_eq!(again.cam.shape(), &shape);
+        let path = folder.path().join("again.toml");
+        std::fs::write(&path, write_file(&again, &path, None).expect("bytes")).expect("written");
+        let again = CamFile::load(&path, Interpolation::Linear).expect("a cam");
+        prop_assert_eq!(again.cam.shape(), &shape);
+    }
+
+    /// Points as CSV, number for number.
+    #[test]
+    fn points_as_csv(source in source()) {
+        prop_assume!(source.kind == Kind::Cam);
+        let file = read(&write_toml(&source, None, &Coupling::default())).expect("a cam");
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("cam.csv");
+        std::fs::write(&path, csv_of(&file, None)).expect("written");
+        let again = CamFile::load(&path, Interpolation::Linear).expect("a cam");
+        prop_assert_eq!(again.cam.shape(), file.cam.shape());
+    }
+}

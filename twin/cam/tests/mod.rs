@@ -1,0 +1,4 @@
+//! Files of cams, their checks and what is found in runs.
+
+mod files;
+mod found;

@@ -1,0 +1,287 @@
+//! Cams as people write them in TOML.
+
+use super::form::{Coupling, START_MODES};
+use crate::machine::section::Section;
+use std::ops::{Range, RangeInclusive};
+use twin_motion::cam::{
+    Action, Cam, CamError, CamInput, Compile, Element, Equidistant, Interpolation, Kind, Knot,
+    PairTable, Passage, Scale, Shape, Source, StartMode, TableScale, Tappet, VariableType,
+};
+
+/// Numbers of a file.
+const ANY: RangeInclusive<f64> = -1e15..=1e15;
+/// Those that must be greater than 0.
+const POSITIVE: RangeInclusive<f64> = 1e-15..=1e15;
+/// The longest time of a tappet, µs: a day.
+const TAPPET_US: RangeInclusive<f64> = 0.0..=86_400e6;
+
+/// What a file says.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TomlCam {
+    pub(super) source: Source,
+    /// A table instead of elements.
+    pub(super) table: Option<Shape>,
+    pub(super) coupling: Coupling,
+    pub(super) cam: Cam,
+}
+
+pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
+    let name = root.required_text("name");
+    let kind = root.choice("kind", &[("cam", Kind::Cam), ("tappets", Kind::Tappets)]);
+    let kind = kind.unwrap_or_default();
+    let section = root.section("master");
+    let master = scale(&section);
+    section.finish();
+    let section = root.section("slave");
+    let whole = Scale { min: 0.0, max: 1.0, step: 0.1, unit: String::new() };
+    let bare = kind == Kind::Tappets && !section.has("min") && !section.has("max");
+    let slave = if bare { Some(whole) } else { scale(&section) };
+    let period = section.number("period", POSITIVE);
+    section.finish();
+    let section = root.section("coupling");
+    let coupling = coupling(&section);
+    section.finish();
+    let mut elements: Vec<_> = root.sections("elements").iter().filter_map(element).collect();
+    elements.sort_by(|one, other| begin(&one.0).total_cmp(&begin(&other.0)));
+    let mut tappets: Vec<_> = root.sections("tappets").iter().filter_map(tappet).collect();
+    tappets.sort_by(|one, other| one.0.master.total_cmp(&other.0.master));
+    let mut table = None;
+    if root.has("table") {
+        if !elements.is_empty() {
+            let message = "`table` and `elements` describe the cam twice: leave one of them out";
+            root.complain_at("table", message.to_owned());
+        }
+        let section = root.section("table");
+        table = Some(shape(&section, master.as_ref()?, period.is_some())?);
+        section.finish();
+    } else if kind == Kind::Cam && !root.has("elements") {
+        root.complain("the cam has no `elements` and no `table`".to_owned());
+    }
+    root.check_unknown();
+    let source = Source {
+        name: name?.to_owned(),
+        kind,
+        master: master?,
+        slave: slave?,
+        period,
+        elements: elements.iter().map(|(element, _)| *element).collect(),
+        tappets: tappets.iter().map(|(tappet, _)| *tappet).collect(),
+    };
+    let cam = match &table {
+        Some(shape) => Cam::new(&source.name, shape.clone(), source.tappets.clone()),
+        None => source.compile(Compile::Polynomial),
+    };
+    match cam {
+        Ok(cam) => Some(TomlCam { source, table, coupling: coupling?, cam }),
+        Err(error) => {
+            let places = |list: Vec<Range<usize>>, index: usize| list.get(index - 1).cloned();
+            let of_elements = || elements.iter().map(|(_, span)| span.clone()).collect();
+            let of_tappets = || tappets.iter().map(|(_, span)| span.clone()).collect();
+            let place = match error {
+                CamError::OutsideScale { what: "tappet", index, .. }
+                | CamError::TappetTime { index, .. } => places(of_tappets(), index),
+                CamError::Kink { index, .. }
+                | CamError::OutsideScale { index, .. }
+                | CamError::NotAscending { index, .. }
+                    if table.is_none() =>
+                {
+                    places(of_elements(), index)
+                }
+                CamError::EndMissing { .. } => Some(root.span_of("master")),
+                _ if table.is_some() => Some(root.span_of("table")),
+                _ => Some(root.span_of("elements")),
+            };
+            match place {
+                Some(span) => root.complain_over(&span, error.to_string()),
+                None => root.complain(error.to_string()),
+            }
+            None
+        }
+    }
+}
+
+fn scale(section: &Section<'_>) -> Option<Scale> {
+    let [min, max] = [section.required_number("min", ANY), section.required_number("max", ANY)];
+    let step = section.number("step", POSITIVE);
+    let unit = section.text("unit").unwrap_or_default().to_owned();
+    let (min, max) = (min?, max?);
+    if max <= min {
+        section.complain_at("max", format!("`max` is {max}; it must be greater than `min`, {min}"));
+        return None;
+    }
+    Some(Scale { min, max, step: step.unwrap_or((max - min) / 10.0), unit })
+}
+
+fn begin(element: &Element) -> f64 {
+    match element {
+        Element::Point(knot) => knot.master,
+        Element::Line { from, .. } => from[0],
+    }
+}
+
+/// A point (`master`, `slave`, `velocity`, `acceleration`) or a straight line (`from`, `to`).
+fn element(section: &Section<'_>) -> Option<(Element, Range<usize>)> {
+    let is_line = section.has("from") || section.has("to");
+    let element = if is_line {
+        let ends =
+            [section.required_numbers::<2>("from", ANY), section.required_numbers::<2>("to", ANY)];
+        match ends {
+            [Some(from), Some(to)] if to[0] > from[0] => Some(Element::Line { from, to }),
+            [Some(from), Some(to)] => {
+                let message = format!(
+                    "`to` begins with master {}; it must be greater than that of `from`, {}",
+                    to[0], from[0]
+                );
+                section.complain_at("to", message);
+                None
+            }
+            _ => None,
+        }
+    } else {
+        let [master, slave] = ["master", "slave"].map(|key| section.required_number(key, ANY));
+        let [velocity, acceleration] =
+            ["velocity", "acceleration"].map(|key| section.number(key, ANY).unwrap_or(0.0));
+        match (master, slave) {
+            (Some(master), Some(slave)) => {
+                Some(Element::Point(Knot { master, slave, velocity, acceleration }))
+            }
+            _ => None,
+        }
+    };
+    section.check_unknown();
+    Some((element?, section.span()))
+}
+
+fn tappet(section: &Section<'_>) -> Option<(Tappet, Range<usize>)> {
+    let group = section.required_integer("group", i64::from(i16::MIN)..=i64::from(i16::MAX));
+    let master = section.required_number("master", ANY);
+    let passages = [
+        ("positive", Passage::Positive),
+        ("negative", Passage::Negative),
+        ("every", Passage::Every),
+    ];
+    let passage = section.choice("passage", &passages).unwrap_or_default();
+    let timed = Action::Timed { delay_ns: 0, duration_ns: 0 };
+    let actions =
+        [("on", Action::On), ("off", Action::Off), ("invert", Action::Invert), ("timed", timed)];
+    let mut action = section.required_choice("action", &actions);
+    if let Some(Action::Timed { delay_ns, duration_ns }) = &mut action {
+        *delay_ns = section.number("delay_us", TAPPET_US).map_or(0, nanoseconds);
+        *duration_ns = nanoseconds(section.required_number("duration_us", TAPPET_US)?);
+    }
+    section.check_unknown();
+    let group = i16::try_from(group?).ok()?;
+    Some((Tappet { group, master: master?, passage, action: action? }, section.span()))
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a day at most")]
+fn nanoseconds(us: f64) -> i64 {
+    (us * 1e3).round() as i64
+}
+
+fn coupling(section: &Section<'_>) -> Option<Coupling> {
+    let number = |key: &str, default: f64| {
+        if section.has(key) {
+            section.number(key, ANY)
+        } else {
+            section.accept(key);
+            Some(default)
+        }
+    };
+    let least = |key: &str| {
+        let range = 0.0..=*ANY.end();
+        if section.has(key) {
+            section.number(key, range)
+        } else {
+            section.accept(key);
+            Some(0.0)
+        }
+    };
+    let modes: Vec<(&str, StartMode)> = START_MODES.to_vec();
+    let start_mode = if section.has("start_mode") {
+        section.choice("start_mode", &modes)
+    } else {
+        section.accept("start_mode");
+        Some(StartMode::Absolute)
+    };
+    let input = CamInput {
+        master_offset: number("master_offset", 0.0)?,
+        master_scaling: number("master_scaling", 1.0)?,
+        slave_offset: number("slave_offset", 0.0)?,
+        slave_scaling: number("slave_scaling", 1.0)?,
+        start_mode: start_mode?,
+        velocity_difference: least("velocity_difference")?,
+        acceleration: least("acceleration")?,
+        deceleration: least("deceleration")?,
+        tappet_hysteresis: least("tappet_hysteresis")?,
+    };
+    for (key, value) in
+        [("master_scaling", input.master_scaling), ("slave_scaling", input.slave_scaling)]
+    {
+        if value == 0.0 {
+            section.complain_at(key, format!("`{key}` is 0; nothing would move"));
+            return None;
+        }
+    }
+    Some(Coupling { input, dead_time_s: number("dead_time_s", 0.0)? })
+}
+
+/// `[table]`: numbers at equal distances of the master, or pairs.
+fn shape(section: &Section<'_>, master: &Scale, periodic: bool) -> Option<Shape> {
+    let interpolations = [("linear", Interpolation::Linear), ("cubic", Interpolation::Cubic)];
+    let interpolation = section.choice("interpolation", &interpolations).unwrap_or_default();
+    let kinds = VariableType::ALL.map(|kind| (kind.name(), kind));
+    let variable = section.choice("type", &kinds).unwrap_or(VariableType::Lreal);
+    let table_scale = |key: &str| {
+        if !section.has(key) {
+            section.accept(key);
+            return Some(TableScale::IDENTITY);
+        }
+        let [min, max, table_min, table_max] = section.numbers::<4>(key, ANY)?;
+        Some(TableScale { min, max, table_min, table_max })
+    };
+    let slave = table_scale("slave_scale")?;
+    let periodic = section.flag("periodic").unwrap_or(periodic);
+    match [section.has("values"), section.has("pairs")] {
+        [true, false] => {
+            let values = section.list("values", &ANY)?;
+            let (start, end) = (master.min, master.max);
+            let table =
+                Equidistant { variable, start, end, periodic, slave, interpolation, values };
+            Some(Shape::Equidistant(table))
+        }
+        [false, true] => {
+            let scale = table_scale("master_scale")?;
+            let pairs = section.pairs("pairs", &ANY)?;
+            let ends =
+                [pairs.first(), pairs.last()].map(|pair| pair.map(|pair| scale.position(pair[0])));
+            let size = (master.max - master.min).abs();
+            for (what, found, expected) in
+                [("begin", ends[0], master.min), ("end", ends[1], master.max)]
+            {
+                if let Some(found) = found.filter(|found| (found - expected).abs() > 1e-9 * size) {
+                    let message = format!(
+                        "`pairs` {what} at master {found}; the scale of the master at {expected}"
+                    );
+                    section.complain_at("pairs", message);
+                    return None;
+                }
+            }
+            Some(Shape::Pairs(PairTable {
+                variable,
+                master: scale,
+                slave,
+                periodic,
+                interpolation,
+                pairs,
+            }))
+        }
+        _ => {
+            section.complain(
+                "[table] needs `values` at equal distances of the master, or `pairs`".to_owned(),
+            );
+            section.accept_all();
+            None
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! `twin cam check`: what a cam asks of its slave.
+
+use super::options::{LimitOptions, MasterOptions, UseOptions, load};
+use super::show_findings;
+use crate::cam::CamFile;
+use crate::cam::check::{AxisLimits, CamCheck, CamUse};
+use crate::command::show::table;
+use crate::command::{Failure, Status};
+use crate::finding;
+use crate::number::significant;
+use clap::ValueEnum;
+use comfy_table::CellAlignment;
+use std::io::{self, Write};
+use std::path::PathBuf;
+use twin_motion::cam::{Action, Largest, Passage, Range};
+
+/// Check a cam: exact bounds of the slave against its limits, how fast the master may go, jumps, tappets
+///
+/// Everything follows from the polynomials in closed form; nothing is sampled. Bounds are those of the slave with the
+/// master at its velocity and its acceleration anywhere between both signs.
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(super) struct Arguments {
+    /// The cam
+    #[arg(value_name = "CAM")]
+    cam: PathBuf,
+
+    #[command(flatten)]
+    master: MasterOptions,
+
+    #[command(flatten)]
+    limits: LimitOptions,
+
+    #[command(flatten)]
+    coupling: UseOptions,
+
+    /// For people, or one JSON object
+    #[arg(long, value_enum, default_value = "human")]
+    format: Format,
+}
+
+const AFTER_HELP: &str = "\
+Exit status:
+  0  the slave keeps its limits
+  1  it does not, or the cam jumps where it must not
+  2  the command could not be carried out
+
+Example:
+  twin cam check examples/cams/pick_and_place.toml --master-velocity 360 --max-velocity 900 --max-acceleration 20000";
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    Human,
+    Json,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    let file = load(&arguments.cam, arguments.coupling.interpolation)?;
+    let limits = arguments.limits.limits(&file)?;
+    let using = arguments.coupling.using(&file, arguments.master.motion(), limits);
+    let check = CamCheck::new(&file, using);
+    let mut out = io::stdout().lock();
+    match arguments.format {
+        Format::Json => writeln!(out, "{}", check.json()),
+        Format::Human => {
+            show_findings(&check.findings);
+            tell(&mut out, &file, &using, &check)
+        }
+    }
+    .map_err(Failure::Stdio)?;
+    Ok(if finding::unfit(&check.findings) { Status::Unfit } else { Status::Fit })
+}
+
+/// Six significant digits.
+fn short(value: f64) -> String {
+    significant(value, 6)
+}
+
+fn tell(
+    out: &mut impl Write,
+    file: &CamFile,
+    using: &CamUse,
+    check: &CamCheck<'_>,
+) -> io::Result<()> {
+    let (master, slave) = (file.master.unit(), file.slave.unit());
+    let curve = file.cam.curve();
+    let motion = &using.master;
+    writeln!(
+        out,
+        "{}: {} over master {} … {} {master}, {}",
+        file.path.display(),
+        file.cam.name(),
+        short(curve.start()),
+        short(curve.end()),
+        if using.repeated { "put end to end" } else { "once" },
+    )?;
+    writeln!(
+        out,
+        "master at {} {master}/s, {} {master}/s²",
+        short(motion.velocity),
+        short(motion.acceleration)
+    )?;
+    let mut rows = table();
+    rows.set_header(["slave", "least", "at master", "greatest", "at master", "limit"]);
+    let AxisLimits { position, motion: limits } = using.limits;
+    let both = |limit: f64| [-limit, limit];
+    for (name, unit, range, limit) in [
+        ("position", "", &check.bounds.position, position),
+        ("velocity", "/s", &check.bounds.velocity, both(limits.velocity)),
+        ("acceleration", "/s²", &check.bounds.acceleration, both(limits.acceleration)),
+        ("jerk", "/s³", &check.jerk, both(limits.jerk)),
+    ] {
+        let Range { min, at_min, max, at_max } = range;
+        rows.add_row([
+            format!("{name} ({slave}{unit})"),
+            short(*min),
+            short(*at_min),
+            short(*max),
+            short(*at_max),
+            limit_text(limit),
+        ]);
+    }
+    for column in 1..5 {
+        if let Some(column) = rows.column_mut(column) {
+            column.set_cell_alignment(CellAlignment::Right);
+        }
+    }
+    writeln!(out, "{rows}")?;
+    let smooth = match check.smoothness() {
+        "C2" => "C2: position, velocity and acceleration are continuous",
+        "C1" => "C1: position and velocity are continuous, the acceleration jumps",
+        "C0" => "C0: the position is continuous, the velocity jumps",
+        _ => "the position jumps",
+    };
+    writeln!(
+        out,
+        "{smooth}{}",
+        if using.repeated { ", from its end to its begin, too" } else { "" }
+    )?;
+    match &check.largest {
+        Ok(Largest { value, limited: Some((quantity, place)) }) => writeln!(
+            out,
+            "the master may go {} {master}/s: the slave's {quantity} at master {} {master} limits it",
+            short(*value),
+            short(using.master_at(*place)),
+        )?,
+        Ok(Largest { limited: None, .. }) => {
+            writeln!(out, "no limit says how fast the master may go")?
+        }
+        Err(error) => writeln!(out, "no velocity of the master is slow enough: {error}")?,
+    }
+    tappets(out, file, using, check)
+}
+
+fn limit_text([low, high]: [f64; 2]) -> String {
+    match [low.is_finite(), high.is_finite()] {
+        [true, true] if low == -high => format!("±{}", short(high)),
+        [true, true] => format!("{} … {}", short(low), short(high)),
+        [true, false] => format!("from {}", short(low)),
+        [false, true] => format!("to {}", short(high)),
+        [false, false] => "–".to_owned(),
+    }
+}
+
+fn tappets(
+    out: &mut impl Write,
+    file: &CamFile,
+    using: &CamUse,
+    check: &CamCheck<'_>,
+) -> io::Result<()> {
+    if file.cam.tappets().is_empty() {
+        return Ok(());
+    }
+    let (master, slave) = (file.master.unit(), file.slave.unit());
+    let mut rows = table();
+    let header = ["tappets of group", "passage", "action"].map(str::to_owned);
+    let places = [format!("master ({master})"), format!("slave ({slave})"), "time (ms)".to_owned()];
+    rows.set_header(header.into_iter().chain(places));
+    let begin = using.master_at(file.cam.curve().start());
+    for (tappet, at, position) in check.tappets() {
+        let passage = match tappet.passage {
+            Passage::Positive => "positive",
+            Passage::Negative => "negative",
+            Passage::Every => "every",
+        };
+        let action = match tappet.action {
+            Action::On => "on".to_owned(),
+            Action::Off => "off".to_owned(),
+            Action::Invert => "invert".to_owned(),
+            Action::Timed { delay_ns, duration_ns } => {
+                format!("after {} ms for {} ms", milliseconds(delay_ns), milliseconds(duration_ns))
+            }
+        };
+        let after = (at - begin).abs() / using.master.velocity * 1e3;
+        rows.add_row([
+            tappet.group.to_string(),
+            passage.to_owned(),
+            action,
+            short(at),
+            short(position),
+            short(after),
+        ]);
+    }
+    writeln!(out, "{rows}")
+}
+
+fn milliseconds(ns: i64) -> String {
+    #[expect(clippy::cast_precision_loss, reason = "a day at most")]
+    let ms = ns as f64 * 1e-6;
+    short(ms)
+}

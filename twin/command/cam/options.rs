@@ -1,0 +1,232 @@
+//! Options: how a cam is read and used, what its master does, what its slave can do.
+
+use crate::cam::check::{AxisLimits, CamUse, unit_fits};
+use crate::cam::{CamFile, Coupling};
+use crate::command::Failure;
+use crate::machine::Machine;
+use clap::ValueEnum;
+use std::path::{Path, PathBuf};
+use twin_motion::cam::{Interpolation, MasterMotion};
+
+/// A finite number.
+pub(in crate::command) fn number(text: &str) -> Result<f64, String> {
+    let number: f64 = text.trim().parse().ok().ok_or_else(|| format!("`{text}` is no number"))?;
+    if number.abs() <= 1e15 { Ok(number) } else { Err(format!("{number} is beyond ±1e15")) }
+}
+
+/// A number that is greater than 0.
+pub(in crate::command) fn positive(text: &str) -> Result<f64, String> {
+    let number = number(text)?;
+    if number > 0.0 { Ok(number) } else { Err(format!("{number} is not greater than 0")) }
+}
+
+/// A number that is not negative.
+pub(in crate::command) fn magnitude(text: &str) -> Result<f64, String> {
+    let number = number(text)?;
+    if number >= 0.0 { Ok(number) } else { Err(format!("{number} is less than 0")) }
+}
+
+/// A factor that is not 0.
+fn factor(text: &str) -> Result<f64, String> {
+    let number = number(text)?;
+    if number == 0.0 { Err("a scaling of 0 moves nothing".to_owned()) } else { Ok(number) }
+}
+
+/// How tables go on between their points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::command) enum Between {
+    /// Straight lines
+    Linear,
+    /// Cubics with continuous velocity
+    Cubic,
+}
+
+impl From<Between> for Interpolation {
+    fn from(between: Between) -> Self {
+        match between {
+            Between::Linear => Self::Linear,
+            Between::Cubic => Self::Cubic,
+        }
+    }
+}
+
+/// Reads a cam.
+pub(in crate::command) fn load(path: &Path, between: Between) -> Result<CamFile, Failure> {
+    Ok(CamFile::load(path, between.into()).map_err(Box::new)?)
+}
+
+/// How a cam is used: offsets and scalings of `MC_CamIn`. What is not given is that of the cam's `[coupling]`.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Coupling (MC_CamIn); default: [coupling] of the cam")]
+pub(in crate::command) struct UseOptions {
+    /// Added to the master's position behind its scaling (MasterOffset)
+    #[arg(long, value_name = "U", allow_hyphen_values = true, value_parser = number)]
+    master_offset: Option<f64>,
+
+    /// Factor of the master's position (MasterScaling)
+    #[arg(long, value_name = "FACTOR", allow_hyphen_values = true, value_parser = factor)]
+    master_scaling: Option<f64>,
+
+    /// Added to the slave's position behind its scaling (SlaveOffset)
+    #[arg(long, value_name = "U", allow_hyphen_values = true, value_parser = number)]
+    slave_offset: Option<f64>,
+
+    /// Factor of the slave's position (SlaveScaling)
+    #[arg(long, value_name = "FACTOR", allow_hyphen_values = true, value_parser = factor)]
+    slave_scaling: Option<f64>,
+
+    /// The cam is put end to end (Periodic), whatever its file says
+    #[arg(long, conflicts_with = "once")]
+    end_to_end: bool,
+
+    /// The slave stays where the cam ends, whatever its file says
+    #[arg(long)]
+    once: bool,
+
+    /// Between the points of tables read from .csv and .asc
+    #[arg(long, value_enum, default_value = "linear")]
+    pub(in crate::command) interpolation: Between,
+}
+
+impl UseOptions {
+    fn coupling(&self, file: &CamFile) -> Coupling {
+        let mut coupling = file.coupling;
+        let input = &mut coupling.input;
+        for (slot, given) in [
+            (&mut input.master_offset, self.master_offset),
+            (&mut input.master_scaling, self.master_scaling),
+            (&mut input.slave_offset, self.slave_offset),
+            (&mut input.slave_scaling, self.slave_scaling),
+        ] {
+            *slot = given.unwrap_or(*slot);
+        }
+        coupling
+    }
+
+    /// How `file` is used with a master and limits.
+    pub(in crate::command) fn using(
+        &self,
+        file: &CamFile,
+        master: MasterMotion,
+        limits: AxisLimits,
+    ) -> CamUse {
+        let repeated = if self.once { false } else { self.end_to_end || file.repeated };
+        CamUse { master, coupling: self.coupling(file), repeated, limits }
+    }
+}
+
+/// What the master does at most.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Master")]
+pub(in crate::command) struct MasterOptions {
+    /// Its velocity, u/s
+    #[arg(long, value_name = "U/S", default_value = "1", value_parser = positive)]
+    master_velocity: f64,
+
+    /// Its acceleration and deceleration, u/s²
+    #[arg(long, value_name = "U/S2", default_value = "0", value_parser = magnitude)]
+    master_acceleration: f64,
+
+    /// Its jerk, u/s³; counts for the jerk of the slave only
+    #[arg(long, value_name = "U/S3", default_value = "0", value_parser = magnitude)]
+    master_jerk: f64,
+}
+
+impl MasterOptions {
+    pub(in crate::command) fn motion(&self) -> MasterMotion {
+        MasterMotion {
+            velocity: self.master_velocity,
+            acceleration: self.master_acceleration,
+            jerk: self.master_jerk,
+        }
+    }
+}
+
+/// What the slave can do.
+#[derive(Clone, Debug, clap::Args)]
+#[command(next_help_heading = "Limits of the slave")]
+pub(in crate::command) struct LimitOptions {
+    /// Machine file with the slave's axis; degrees and mm
+    #[arg(long, short, value_name = "FILE", requires = "axis")]
+    machine: Option<PathBuf>,
+
+    /// Name of the slave's axis in the machine file
+    #[arg(long, value_name = "NAME", requires = "machine")]
+    axis: Option<String>,
+
+    /// Largest velocity, u/s; in place of that of the machine file, as what follows
+    #[arg(long, value_name = "U/S", value_parser = positive)]
+    max_velocity: Option<f64>,
+
+    /// Largest acceleration, u/s²
+    #[arg(long, value_name = "U/S2", value_parser = positive)]
+    max_acceleration: Option<f64>,
+
+    /// Largest jerk, u/s³
+    #[arg(long, value_name = "U/S3", value_parser = positive)]
+    max_jerk: Option<f64>,
+
+    /// Least position, u
+    #[arg(long, value_name = "U", allow_hyphen_values = true, value_parser = number)]
+    position_min: Option<f64>,
+
+    /// Greatest position, u
+    #[arg(long, value_name = "U", allow_hyphen_values = true, value_parser = number)]
+    position_max: Option<f64>,
+}
+
+impl LimitOptions {
+    /// The machine file, if there is one.
+    pub(in crate::command) fn machine_file(&self) -> Option<&Path> {
+        self.machine.as_deref()
+    }
+
+    /// The limits for the slave of `file`.
+    pub(in crate::command) fn limits(&self, file: &CamFile) -> Result<AxisLimits, Failure> {
+        let mut limits = match (&self.machine, &self.axis) {
+            (Some(path), Some(name)) => of_machine(path, name, file)?,
+            _ => AxisLimits::NONE,
+        };
+        let motion = &mut limits.motion;
+        let [low, high] = &mut limits.position;
+        for (slot, given) in [
+            (&mut motion.velocity, self.max_velocity),
+            (&mut motion.acceleration, self.max_acceleration),
+            (&mut motion.jerk, self.max_jerk),
+            (low, self.position_min),
+            (high, self.position_max),
+        ] {
+            *slot = given.unwrap_or(*slot);
+        }
+        let [low, high] = limits.position;
+        if low >= high {
+            let message = format!("--position-min {low} is not less than --position-max {high}");
+            return Err(Failure::Usage(message));
+        }
+        Ok(limits)
+    }
+}
+
+fn of_machine(path: &Path, name: &str, file: &CamFile) -> Result<AxisLimits, Failure> {
+    let machine = Machine::load(path)?;
+    let axis = machine.axes.iter().find(|axis| axis.name == name);
+    let Some(axis) = axis else {
+        let names: Vec<_> = machine.axes.iter().map(|axis| axis.name.as_str()).collect();
+        let message = format!(
+            "{}: there is no axis {name}; its axes are {}",
+            path.display(),
+            names.join(", ")
+        );
+        return Err(Failure::Usage(message));
+    };
+    if !unit_fits(&file.slave, axis) {
+        let message = format!(
+            "{}: the slave is in {}, axis {name} in {}",
+            file.path.display(),
+            file.slave.unit(),
+            axis.unit()
+        );
+        return Err(Failure::Usage(message));
+    }
+    Ok(AxisLimits::of(axis))
+}

@@ -1,0 +1,294 @@
+//! `twin explain`: what a number, a name or a rule means, and what to do about it.
+
+use super::show::table;
+use super::{Failure, Status};
+use crate::finding::Rule;
+use clap::ValueEnum;
+use serde_json::{Value, json};
+use std::io::{self, Write};
+use twin_motion::axis::{Language, SmcError};
+
+/// Explain errors of SoftMotion (SMC_ERROR) by number or name, and the rules of `twin check`: what they mean, which blocks
+/// raise them, and what to do about it
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(super) struct Arguments {
+    /// Numbers (626), names (SMC_CI_MASTER_OUT_OF_SCALE, with or without SMC_, in any case) or rules (axis-velocity)
+    #[arg(value_name = "NUMBER|NAME", required_unless_present = "list", conflicts_with = "list")]
+    what: Vec<String>,
+
+    /// All of them as a table
+    #[arg(long)]
+    list: bool,
+
+    /// The language of the texts; German or French if LC_ALL, LC_MESSAGES or LANG say so, else English. What to do about it
+    /// is in English
+    #[arg(long, value_enum)]
+    language: Option<Texts>,
+
+    /// For people, or one JSON object per line
+    #[arg(long, value_enum, default_value = "human")]
+    format: Format,
+}
+
+const AFTER_HELP: &str = "\
+Exit status:
+  0  all of them are explained
+  2  one of them is not known
+
+Examples:
+  twin explain 626
+  twin explain smc_gi_ratio_denom 1003 --language de
+  twin explain axis-velocity
+  twin explain --list --language all";
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Texts {
+    En,
+    De,
+    Fr,
+    All,
+}
+
+impl Texts {
+    fn languages(self) -> &'static [Language] {
+        match self {
+            Self::En => &[Language::English],
+            Self::De => &[Language::German],
+            Self::Fr => &[Language::French],
+            Self::All => &[Language::English, Language::German, Language::French],
+        }
+    }
+
+    /// As the environment asks for.
+    fn of_locale(variable: impl Fn(&str) -> Option<String>) -> Self {
+        let said = ["LC_ALL", "LC_MESSAGES", "LANG"].into_iter().filter_map(variable);
+        let said = said.into_iter().find(|value| !value.is_empty()).unwrap_or_default();
+        match said.get(..2) {
+            Some("de") => Self::De,
+            Some("fr") => Self::Fr,
+            _ => Self::En,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Format {
+    Human,
+    Json,
+}
+
+/// What can be explained.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Topic {
+    Error(SmcError),
+    Rule(Rule),
+}
+
+impl Topic {
+    fn all() -> impl Iterator<Item = Self> {
+        let errors = SmcError::ALL.iter().copied().map(Self::Error);
+        errors.chain(Rule::ALL.into_iter().map(Self::Rule))
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Error(error) => error.name(),
+            Self::Rule(rule) => rule.name(),
+        }
+    }
+
+    /// By number or name; else what to say of it.
+    fn find(text: &str) -> Result<Self, String> {
+        let text = text.trim();
+        if let Ok(number) = text.parse::<i64>() {
+            let found = u16::try_from(number).ok().and_then(SmcError::from_number);
+            return found.map(Self::Error).ok_or_else(|| near_number(number));
+        }
+        let wanted = text.to_uppercase();
+        let same = |topic: &Self| {
+            let name = topic.name().to_uppercase();
+            name == wanted || name.strip_prefix("SMC_") == Some(&wanted)
+        };
+        Self::all().find(same).ok_or_else(|| near_name(text))
+    }
+}
+
+/// The numbers below and above.
+fn near_number(number: i64) -> String {
+    let known = |error: &&SmcError| i64::from(error.number()) < number;
+    let below = SmcError::ALL.iter().take_while(known).last();
+    let above = SmcError::ALL.iter().find(|error| i64::from(error.number()) > number);
+    let near: Vec<_> = below.into_iter().chain(above).map(ToString::to_string).collect();
+    format!("{number} is no number of SMC_ERROR; beside it there are:\n{}", near.join("\n"))
+}
+
+/// How many names are suggested.
+const SUGGESTIONS: usize = 3;
+
+fn near_name(text: &str) -> String {
+    let wanted = text.to_uppercase();
+    let wanted = wanted.strip_prefix("SMC_").unwrap_or(&wanted);
+    let alike = |topic: Topic| {
+        let name = topic.name().to_uppercase();
+        // Part of a name is as good as a name that is mistyped.
+        let name = name.strip_prefix("SMC_").unwrap_or(&name);
+        let part = if wanted.len() >= 3 && name.contains(wanted) { 1.0 } else { 0.0 };
+        strsim::jaro_winkler(wanted, name).max(part)
+    };
+    let mut near: Vec<_> = Topic::all().map(|topic| (alike(topic), topic.name())).collect();
+    near.retain(|(alike, _)| *alike > 0.75);
+    near.sort_by(|one, other| other.0.total_cmp(&one.0));
+    let names: Vec<_> = near.into_iter().take(SUGGESTIONS).map(|(_, name)| name).collect();
+    let help = match names.as_slice() {
+        [] => "twin explain --list shows all of them".to_owned(),
+        names => format!("did you mean {}?", names.join(" or ")),
+    };
+    format!("`{text}` is no name of an SMC_ERROR and no rule; {help}")
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    let asked = arguments.language;
+    let texts = asked.unwrap_or_else(|| Texts::of_locale(|name| std::env::var(name).ok()));
+    let mut out = io::stdout().lock();
+    if arguments.list {
+        list(&mut out, texts, arguments.format).map_err(Failure::Stdio)?;
+        return Ok(Status::Fit);
+    }
+    let mut unknown = Vec::new();
+    let mut told = false;
+    for text in &arguments.what {
+        match Topic::find(text) {
+            Ok(topic) => {
+                let written = match arguments.format {
+                    Format::Human => tell(&mut out, topic, texts, told),
+                    Format::Json => writeln!(out, "{}", object(topic)),
+                };
+                written.map_err(Failure::Stdio)?;
+                told = true;
+            }
+            Err(message) => unknown.push(message),
+        }
+    }
+    if unknown.is_empty() { Ok(Status::Fit) } else { Err(Failure::Usage(unknown.join("\n"))) }
+}
+
+fn tell(out: &mut impl Write, topic: Topic, texts: Texts, behind: bool) -> io::Result<()> {
+    if behind {
+        writeln!(out)?;
+    }
+    match topic {
+        Topic::Error(error) => {
+            writeln!(out, "{} {}", error.number(), error.name())?;
+            for language in texts.languages() {
+                let name = if texts == Texts::All { long(*language) } else { "" };
+                writeln!(out, "  {name}{}", error.text(*language))?;
+            }
+            writeln!(out, "  raised by: {}", error.raised_by())?;
+            writeln!(out, "  what to do: {}", error.remedy())
+        }
+        Topic::Rule(rule) => {
+            let [meaning, remedy] = rule.meaning();
+            writeln!(out, "{} (rule of twin)", rule.name())?;
+            writeln!(out, "  {meaning}\n  what to do: {remedy}")
+        }
+    }
+}
+
+fn long(language: Language) -> &'static str {
+    match language {
+        Language::English => "English: ",
+        Language::German => "Deutsch: ",
+        Language::French => "français : ",
+    }
+}
+
+/// With all languages, whatever the locale: other programs choose for themselves.
+fn object(topic: Topic) -> Value {
+    match topic {
+        Topic::Error(error) => json!({
+            "number": error.number(),
+            "name": error.name(),
+            "text": {
+                "en": error.text(Language::English),
+                "de": error.text(Language::German),
+                "fr": error.text(Language::French),
+            },
+            "raised_by": error.raised_by(),
+            "remedy": error.remedy(),
+        }),
+        Topic::Rule(rule) => {
+            let [meaning, remedy] = rule.meaning();
+            json!({ "rule": rule.name(), "text": { "en": meaning }, "remedy": remedy })
+        }
+    }
+}
+
+fn list(out: &mut impl Write, texts: Texts, format: Format) -> io::Result<()> {
+    if format == Format::Json {
+        return Topic::all().try_for_each(|topic| writeln!(out, "{}", object(topic)));
+    }
+    let mut errors = table();
+    let languages = texts.languages();
+    let header = ["no.", "name", "raised by"].into_iter().map(str::to_owned);
+    let texts = languages.iter().map(|language| match language {
+        Language::English => "text".to_owned(),
+        Language::German => "Text".to_owned(),
+        Language::French => "texte".to_owned(),
+    });
+    errors.set_header(header.chain(texts));
+    for error in SmcError::ALL {
+        let row =
+            [error.number().to_string(), error.name().to_owned(), error.raised_by().to_owned()];
+        let texts = languages.iter().map(|language| error.text(*language).to_owned());
+        errors.add_row(row.into_iter().chain(texts));
+    }
+    let mut rules = table();
+    rules.set_header(["rule of twin", "text"]);
+    for rule in Rule::ALL {
+        rules.add_row([rule.name(), rule.meaning()[0]]);
+    }
+    writeln!(out, "{errors}\n{rules}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Texts, Topic};
+    use twin_motion::axis::SmcError;
+
+    #[test]
+    fn names_in_any_case_with_or_without_their_prefix() {
+        let expected = Ok(Topic::Error(SmcError::CiMasterOutOfScale));
+        for text in ["626", " 626 ", "SMC_CI_MASTER_OUT_OF_SCALE", "smc_ci_master_out_of_scale"] {
+            assert_eq!(Topic::find(text), expected, "{text}");
+        }
+        assert_eq!(Topic::find("ci_Master_out_of_scale"), expected);
+        assert_eq!(Topic::find("Axis-Velocity").map(Topic::name), Ok("axis-velocity"));
+    }
+
+    #[test]
+    fn the_nearest_are_suggested() {
+        let said = |text| Topic::find(text).expect_err("unknown");
+        assert!(said("629").contains("628 SMC_CI_SCALING_INCORRECT"), "{}", said("629"));
+        assert!(said("629").contains("675 SMC_GI_RATIO_DENOM"), "{}", said("629"));
+        assert!(said("70000").contains("5001 "), "{}", said("70000"));
+        assert!(said("-1").contains("0 SMC_NO_ERROR"), "{}", said("-1"));
+        assert!(
+            said("SMC_CI_MASTER_OUT_OF_SCAL").contains("did you mean SMC_CI_MASTER_OUT_OF_SCALE")
+        );
+        assert!(said("ratio_denom").contains("SMC_GI_RATIO_DENOM"), "{}", said("ratio_denom"));
+        assert!(said("axis-velocty").contains("did you mean axis-velocity"));
+        assert!(said("§").contains("--list"), "{}", said("§"));
+    }
+
+    #[test]
+    fn the_locale_says_which_language() {
+        let of = |name: &'static str, value: &'static str| {
+            Texts::of_locale(move |asked| (asked == name).then(|| value.to_owned()))
+        };
+        assert_eq!(of("LANG", "de_AT.UTF-8"), Texts::De);
+        assert_eq!(of("LC_ALL", "fr_FR"), Texts::Fr);
+        assert_eq!(of("LANG", "C.UTF-8"), Texts::En);
+        assert_eq!(of("LANG", "é"), Texts::En);
+    }
+}

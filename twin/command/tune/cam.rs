@@ -1,0 +1,390 @@
+//! `twin tune cam`: offsets, scalings, dead times, ramps and shapes of cams.
+
+use super::report::Report;
+use crate::cam::check::{CamCheck, CamUse};
+use crate::cam::picture::{Recorded, Shown, draw};
+use crate::cam::run::RecordedRun;
+use crate::cam::tune::{
+    self, PointTolerance, ShapeGoal, TuneError, changes, errors, fit_run, ramp, shape, switchings,
+    tappet_dead_time, within_limits,
+};
+use crate::cam::{CamFile, Form, edit};
+use crate::command::cam::{
+    LimitOptions, MasterOptions, UseOptions, load, magnitude, number, positive, show_findings,
+};
+use crate::command::whole;
+use crate::command::{Failure, Status};
+use crate::finding;
+use clap::ValueEnum;
+use std::io;
+use std::path::{Path, PathBuf};
+use twin_motion::cam::tune::{Free, RampGoal, Tolerance};
+use twin_motion::cam::{AxisState, Cam, Quantity, Shape, StartMode};
+
+/// Tune a cam: offsets and scalings from a recorded run or within limits, the dead time of tappets, ramps, shapes
+///
+/// A run (CSV of time, master, slave) tells offsets and scalings by least squares, each with the half width of its 95 %
+/// interval; outputs recorded beside it (columns tappet_N) tell the dead time of what tappets switch. Without a run what is
+/// to be found is changed by as little as keeps the limits. Points are moved within their tolerances by linear programs
+/// (Clarabel): velocity and acceleration stay continuous, and the slave stays where it is at every tappet. What the data do
+/// not say, or contradict, is said and not fitted.
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(super) struct Arguments {
+    /// The cam
+    #[arg(value_name = "CAM")]
+    cam: PathBuf,
+
+    /// A recorded run: CSV of time, master and slave, with columns tappet_N (0 or 1) for outputs
+    #[arg(long, value_name = "FILE.csv")]
+    run: Option<PathBuf>,
+
+    /// What is to be found: in the run, or, without one, within the limits [default: both offsets with a run]
+    #[arg(long, value_enum, value_delimiter = ',')]
+    find: Vec<Find>,
+
+    /// MasterScaling is looked for within this part of itself
+    #[arg(long, value_name = "PART", default_value = "0.05", value_parser = part)]
+    scaling_range: f64,
+
+    /// Points that may be moved: master, and by how much slave, velocity and acceleration may change; `all` for all points.
+    /// May be given several times
+    #[arg(long, value_name = "MASTER:SLAVE[,VELOCITY[,ACCELERATION]]", allow_hyphen_values = true, value_parser = point)]
+    reshape: Vec<PointTolerance>,
+
+    /// What moved points are to give: the largest velocity of the master, or the smallest acceleration or jerk of the slave
+    /// at the master's velocity
+    #[arg(long, value_enum, default_value = "speed")]
+    goal: Goal,
+
+    /// Find VelocityDiff, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity
+    #[arg(long, value_name = "MASTER,SLAVE[,VELOCITY]", allow_hyphen_values = true, value_parser = start)]
+    ramp_in: Option<[f64; 3]>,
+
+    /// The ramp takes so long at most, s, and is as gentle as can be; else it is as short as the limits allow
+    #[arg(long, value_name = "S", requires = "ramp_in", value_parser = positive)]
+    within: Option<f64>,
+
+    #[command(flatten)]
+    master: MasterOptions,
+
+    #[command(flatten)]
+    limits: LimitOptions,
+
+    #[command(flatten)]
+    coupling: UseOptions,
+
+    /// A picture of before and after
+    #[arg(long, short, value_name = "FILE.svg")]
+    output: Option<PathBuf>,
+
+    /// Write what was found into the cam's file, comments kept, or into another one
+    #[arg(long, value_name = "FILE.toml", num_args = 0..=1)]
+    write: Option<Option<PathBuf>>,
+
+    /// For people, or one JSON object
+    #[arg(long, value_enum, default_value = "human")]
+    format: Format,
+}
+
+const AFTER_HELP: &str = "\
+Exit status:
+  0  what was asked for was found, and the slave keeps its limits
+  1  the data do not say it or contradict it, or the slave exceeds a limit
+  2  the command could not be carried out
+
+Examples:
+  twin tune cam cam.toml --run run.csv --find master-offset,slave-offset,slave-scaling -o fit.svg
+  twin tune cam cam.toml --reshape 120:2,0.5,0.01 --max-acceleration 20000 --write faster.toml
+  twin tune cam cam.toml --ramp-in 0,35 --master-velocity 200 --max-velocity 900 --max-acceleration 20000";
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Format {
+    Human,
+    Json,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Find {
+    MasterOffset,
+    MasterScaling,
+    SlaveOffset,
+    SlaveScaling,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Goal {
+    Speed,
+    Acceleration,
+    Jerk,
+}
+
+impl From<Goal> for ShapeGoal {
+    fn from(goal: Goal) -> Self {
+        match goal {
+            Goal::Speed => Self::Speed,
+            Goal::Acceleration => Self::Peak(Quantity::Acceleration),
+            Goal::Jerk => Self::Peak(Quantity::Jerk),
+        }
+    }
+}
+
+fn part(text: &str) -> Result<f64, String> {
+    let part = positive(text)?;
+    if part < 1.0 { Ok(part) } else { Err(format!("{part} is not less than 1")) }
+}
+
+fn point(text: &str) -> Result<PointTolerance, String> {
+    let (master, tolerances) = text
+        .split_once(':')
+        .ok_or("expected MASTER:SLAVE[,VELOCITY[,ACCELERATION]], like 120:2,0.5")?;
+    let master = if master.trim() == "all" { None } else { Some(number(master)?) };
+    let [slave, velocity, acceleration] = list::<3>(tolerances, 1)?;
+    for value in [slave, velocity, acceleration] {
+        magnitude(&value.to_string())?;
+    }
+    Ok(PointTolerance { master, tolerance: Tolerance { slave, velocity, acceleration } })
+}
+
+fn start(text: &str) -> Result<[f64; 3], String> {
+    list(text, 2)
+}
+
+/// Numbers with commas between: `least` of them at least, the others 0.
+fn list<const N: usize>(text: &str, least: usize) -> Result<[f64; N], String> {
+    let mut numbers = [0.0; N];
+    let mut count = 0;
+    for part in text.split(',') {
+        let slot = numbers.get_mut(count).ok_or_else(|| format!("more than {N} numbers"))?;
+        *slot = number(part)?;
+        count += 1;
+    }
+    if count < least { Err(format!("fewer than {least} numbers")) } else { Ok(numbers) }
+}
+
+impl Arguments {
+    fn free(&self) -> Free {
+        let has = |find| self.find.contains(&find);
+        let usual = self.find.is_empty() && self.run.is_some();
+        Free {
+            master_offset: usual || has(Find::MasterOffset),
+            master_scaling: has(Find::MasterScaling),
+            slave_offset: usual || has(Find::SlaveOffset),
+            slave_scaling: has(Find::SlaveScaling),
+        }
+    }
+
+    /// Nothing is written over what is read but the cam itself, and that only if it is said.
+    fn check_targets(&self) -> Result<(), Failure> {
+        let read = [Some(self.cam.as_path()), self.run.as_deref(), self.limits.machine_file()];
+        let other = match &self.write {
+            Some(Some(path)) if !whole::is_same(path, &self.cam) => {
+                Some(("--write", path.as_path()))
+            }
+            _ => None,
+        };
+        let picture = self.output.as_deref().map(|path| ("--output", path));
+        whole::check_targets(None, read.into_iter().flatten(), picture.into_iter().chain(other))
+    }
+
+    /// Something must be asked for, and what is said must say something.
+    fn check(&self) -> Result<(), Failure> {
+        let wrong = if self.run.is_none()
+            && self.find.is_empty()
+            && self.reshape.is_empty()
+            && self.ramp_in.is_none()
+        {
+            "nothing is to be found: give a recorded --run, what to --find within the limits, points to --reshape, or a --ramp-in"
+        } else if self.run.is_none() && self.find.contains(&Find::MasterOffset) {
+            "no limit depends on MasterOffset: a --run tells it"
+        } else if self.goal != Goal::Speed && self.reshape.is_empty() {
+            "--goal says nothing without --reshape"
+        } else {
+            return Ok(());
+        };
+        Err(Failure::Usage(wrong.to_owned()))
+    }
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    arguments.check()?;
+    arguments.check_targets()?;
+    let file = load(&arguments.cam, arguments.coupling.interpolation)?;
+    let limits = arguments.limits.limits(&file)?;
+    let before = arguments.coupling.using(&file, arguments.master.motion(), limits);
+    let recorded = arguments.run.as_deref().map(RecordedRun::load).transpose().map_err(Box::new)?;
+    let mut report = Report::new(&file, before);
+    match tuned(arguments, &file, recorded.as_ref(), &mut report) {
+        Ok(()) => {}
+        Err(error) => {
+            report.refused = Some(error.to_string());
+            report.write(arguments.format, &mut io::stdout().lock()).map_err(Failure::Stdio)?;
+            eprintln!("{:?}", miette::Report::msg(error.to_string()));
+            return Ok(Status::Unfit);
+        }
+    }
+    let after_file = moved(&file, &report)?;
+    let check = CamCheck::new(&after_file, report.after);
+    // What was given on the command line belongs to what was found.
+    let in_file = CamUse { coupling: file.coupling, ..before };
+    let knots = report.shaped.as_ref().map(|shaped| (&file, shaped.knots.as_slice()));
+    report.changes = changes(&in_file, &report.after, knots);
+    report.write(arguments.format, &mut io::stdout().lock()).map_err(Failure::Stdio)?;
+    show_findings(&check.findings);
+    if let Some(path) = &arguments.output {
+        picture(path, &file, &after_file, &report, recorded.as_ref())?;
+    }
+    if let Some(target) = &arguments.write {
+        apply(&file, &after_file, &report, target.as_deref())?;
+    }
+    let unfit = finding::unfit(&check.findings) || report.doubtful;
+    Ok(if unfit { Status::Unfit } else { Status::Fit })
+}
+
+/// Finds what is asked for.
+fn tuned(
+    arguments: &Arguments,
+    file: &CamFile,
+    recorded: Option<&RecordedRun>,
+    report: &mut Report<'_>,
+) -> Result<(), TuneError> {
+    let before = report.before;
+    if let Some(run) = recorded {
+        report.samples = run.samples.len();
+        report.error_before = Some(tune::rms(&errors(file, &before, run)));
+        let found = fit_run(file, &before, run, arguments.free(), arguments.scaling_range)?;
+        let input = &mut report.after.coupling.input;
+        input.master_offset = found.master_offset.value;
+        input.master_scaling = found.master_scaling.value;
+        input.slave_offset = found.slave_offset.value;
+        input.slave_scaling = found.slave_scaling.value;
+        report.error_after = Some(tune::rms(&errors(file, &report.after, run)));
+        report.doubtful = !found.is_noise(run.samples.len());
+        report.fit = Some(found);
+        if !run.groups.is_empty() {
+            let seen = switchings(file, &report.after, run);
+            let found = tappet_dead_time(&report.after, &seen)?;
+            report.after.coupling.dead_time_s = found.dead_time_s.value;
+            report.dead_time = Some((found, seen.len()));
+        }
+    } else if !arguments.find.is_empty() {
+        report.after = within_limits(file, &before, arguments.free())?;
+        report.within = true;
+    }
+    let mut shaped = None;
+    if !arguments.reshape.is_empty() {
+        let found = shape(file, &report.after, &arguments.reshape, arguments.goal.into())?;
+        shaped = Some(with_knots(file, &found.knots));
+        report.shaped = Some(found);
+        report.goal = Some(arguments.goal.into());
+    }
+    if let Some([master, position, velocity]) = arguments.ramp_in {
+        let slave = AxisState { position, velocity, acceleration: 0.0 };
+        let goal =
+            arguments.within.map_or(RampGoal::Soonest, |within_s| RampGoal::Gentlest { within_s });
+        let cam = match &shaped {
+            Some(Some(moved)) => moved,
+            _ => file,
+        };
+        let found = ramp(cam, &report.after, master, slave, goal)?;
+        let input = &mut report.after.coupling.input;
+        input.velocity_difference = found.velocity_difference;
+        input.acceleration = found.acceleration;
+        input.deceleration = found.deceleration;
+        if matches!(input.start_mode, StartMode::Absolute | StartMode::Relative) {
+            input.start_mode = StartMode::RampIn;
+        }
+        report.ramp = Some(found);
+    }
+    Ok(())
+}
+
+/// The cam with other points.
+fn with_knots(file: &CamFile, knots: &[twin_motion::cam::Knot]) -> Option<CamFile> {
+    let shape = Shape::Polynomial(knots.to_vec());
+    let cam = Cam::new(file.cam.name(), shape, file.cam.tappets().to_vec()).ok()?;
+    Some(CamFile { cam, ..file.clone() })
+}
+
+fn moved(file: &CamFile, report: &Report<'_>) -> Result<CamFile, Failure> {
+    let Some(shaped) = &report.shaped else { return Ok(file.clone()) };
+    let message = "the points that were found make no cam";
+    with_knots(file, &shaped.knots).ok_or_else(|| Failure::Usage(message.to_owned()))
+}
+
+fn picture(
+    path: &Path,
+    file: &CamFile,
+    after: &CamFile,
+    report: &Report<'_>,
+    run: Option<&RecordedRun>,
+) -> Result<(), Failure> {
+    let mut recorded = Recorded::default();
+    if let Some(run) = run {
+        // On one pass of the cam, where the picture is.
+        let using = &report.after;
+        let input = &using.coupling.input;
+        let place = |master: f64| {
+            let x = master * input.master_scaling + input.master_offset;
+            let (inside, passes) = if using.repeated { file.cam.curve().wrap(x) } else { (x, 0.0) };
+            (using.master_at(inside), passes * file.cam.curve().rise() * input.slave_scaling)
+        };
+        let point = |sample: &crate::cam::run::RunSample| {
+            let (master, gained) = place(sample.master);
+            (master, sample.slave - gained)
+        };
+        recorded.points = run.samples.iter().map(point).collect();
+        for (slot, using) in recorded.errors.iter_mut().zip([&report.before, &report.after]) {
+            let mut errors: Vec<_> = errors(file, using, run)
+                .into_iter()
+                .map(|(master, error)| (place(master).0, error))
+                .collect();
+            errors.sort_by(|one, other| one.0.total_cmp(&other.0));
+            *slot = errors;
+        }
+    }
+    let shown = [
+        Shown { file, using: &report.before, name: "before" },
+        Shown { file: after, using: &report.after, name: "after" },
+    ];
+    let heading = format!("{} ({})", file.cam.name(), file.path.display());
+    let text = draw(&heading, &report.headline(), &shown, &recorded)
+        .map_err(|error| Failure::Usage(error.to_string()))?;
+    whole::write(path, text.as_bytes())
+}
+
+/// Writes what was found: into the text of a TOML file, comments kept, or as a new one.
+fn apply(
+    file: &CamFile,
+    after: &CamFile,
+    report: &Report<'_>,
+    target: Option<&Path>,
+) -> Result<(), Failure> {
+    let target = target.unwrap_or(&file.path);
+    if Form::of(target).map_err(Box::new)? != Form::Toml {
+        let message = format!("{}: what was found is written as .toml", target.display());
+        return Err(Failure::Usage(message));
+    }
+    let wrong = |message: String| Failure::Usage(format!("{}: {message}", target.display()));
+    let text = match &file.text {
+        Some(text) if file.form == Form::Toml => {
+            edit::apply(text, &report.changes).map_err(|error| wrong(error.to_string()))?
+        }
+        _ => {
+            let mut other = after.clone();
+            other.coupling = report.after.coupling;
+            if report.shaped.is_some() {
+                other.source = None;
+            }
+            other.to_toml().map_err(Box::new)?
+        }
+    };
+    // What is written is what was found, or nothing is written.
+    let again = CamFile::from_toml(target, text.clone()).map_err(Box::new)?;
+    if again.coupling != report.after.coupling || again.cam.shape() != after.cam.shape() {
+        return Err(wrong("the file cannot be changed so that it says what was found".to_owned()));
+    }
+    whole::write(target, text.as_bytes())?;
+    eprintln!("written to {}", target.display());
+    Ok(())
+}

@@ -1,0 +1,25 @@
+//! `twin tune`: parameters found offline, from recorded runs and limits.
+
+mod cam;
+mod report;
+
+use super::{Failure, Status};
+use clap::Subcommand;
+
+/// Find parameters offline: from recorded runs, limits and tolerances. Nothing is written without --write
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, Subcommand)]
+enum Action {
+    Cam(Box<cam::Arguments>),
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
+    match &arguments.action {
+        Action::Cam(arguments) => cam::run(arguments),
+    }
+}

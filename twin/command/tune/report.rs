@@ -1,0 +1,304 @@
+//! What was found, for people and as an object.
+
+use super::cam::Format;
+use crate::cam::CamFile;
+use crate::cam::check::CamUse;
+use crate::cam::edit::Change;
+use crate::cam::tune::{ShapeGoal, Shaped};
+use crate::command::show::table;
+use crate::number::significant;
+use serde_json::{Value, json};
+use std::io::{self, Write};
+use twin_motion::cam::Quantity;
+use twin_motion::cam::tune::{DeadTime, Estimate, Fit, RampIn};
+
+/// Six significant digits.
+fn short(value: f64) -> String {
+    significant(value, 6)
+}
+
+/// Everything that was found.
+#[derive(Debug)]
+pub(super) struct Report<'a> {
+    file: &'a CamFile,
+    pub(super) before: CamUse,
+    pub(super) after: CamUse,
+    pub(super) samples: usize,
+    pub(super) fit: Option<Fit>,
+    pub(super) error_before: Option<f64>,
+    pub(super) error_after: Option<f64>,
+    /// What is left over is no noise: the intervals are too narrow.
+    pub(super) doubtful: bool,
+    /// The dead time, and how many switchings told it.
+    pub(super) dead_time: Option<(DeadTime, usize)>,
+    /// Changed to keep the limits.
+    pub(super) within: bool,
+    pub(super) shaped: Option<Shaped>,
+    pub(super) goal: Option<ShapeGoal>,
+    pub(super) ramp: Option<RampIn>,
+    pub(super) changes: Vec<Change>,
+    /// Why not everything was found.
+    pub(super) refused: Option<String>,
+}
+
+impl<'a> Report<'a> {
+    pub(super) fn new(file: &'a CamFile, before: CamUse) -> Self {
+        Self {
+            file,
+            before,
+            after: before,
+            samples: 0,
+            fit: None,
+            error_before: None,
+            error_after: None,
+            doubtful: false,
+            dead_time: None,
+            within: false,
+            shaped: None,
+            goal: None,
+            ramp: None,
+            changes: Vec::new(),
+            refused: None,
+        }
+    }
+
+    fn estimates(fit: &Fit) -> [(&'static str, Estimate); 4] {
+        [
+            ("MasterOffset", fit.master_offset),
+            ("MasterScaling", fit.master_scaling),
+            ("SlaveOffset", fit.slave_offset),
+            ("SlaveScaling", fit.slave_scaling),
+        ]
+    }
+
+    /// The most important of it in one line.
+    pub(super) fn headline(&self) -> String {
+        let (master, slave) = (self.file.master.unit(), self.file.slave.unit());
+        let mut parts = Vec::new();
+        if let (Some(before), Some(after)) = (self.error_before, self.error_after) {
+            parts.push(format!("error {} → {} {slave} rms", short(before), short(after)));
+        }
+        if let Some(shaped) = &self.shaped {
+            parts.push(match self.goal {
+                Some(ShapeGoal::Peak(quantity)) => format!(
+                    "largest {quantity} {} → {} {}",
+                    short(shaped.before),
+                    short(shaped.after),
+                    of(slave, quantity)
+                ),
+                _ => format!(
+                    "largest velocity of the master {} → {} {master}/s",
+                    short(shaped.before),
+                    short(shaped.after)
+                ),
+            });
+        }
+        if let Some(ramp) = &self.ramp {
+            parts.push(format!("on the cam after {} s", short(ramp.duration_s)));
+        }
+        if parts.is_empty() { "within the limits".to_owned() } else { parts.join("; ") }
+    }
+
+    /// The lines that apply it: of the TOML file, and the inputs of the blocks.
+    fn lines(&self) -> (Vec<String>, Vec<String>) {
+        let inputs = self.after.coupling.numbers();
+        let (mut file, mut block) = (Vec::new(), Vec::new());
+        for change in &self.changes {
+            match change {
+                Change::Coupling(key, value) => {
+                    file.push(format!("{key} = {value}"));
+                    let input = inputs.iter().find(|(other, ..)| other == key);
+                    let name = input.map_or("", |(_, name, _)| *name);
+                    block.push(format!("{name} := {value}"));
+                }
+                Change::CouplingWord(key, word) => {
+                    file.push(format!("{key} = \"{word}\""));
+                    block.push(format!("StartMode := {word}"));
+                }
+                Change::Point(_) => {}
+            }
+        }
+        (file, block)
+    }
+
+    fn points(&self) -> Vec<String> {
+        let point = |change: &Change| {
+            let Change::Point(knot) = change else { return None };
+            Some(format!(
+                "{{ master = {}, slave = {}, velocity = {}, acceleration = {} }},",
+                knot.master, knot.slave, knot.velocity, knot.acceleration
+            ))
+        };
+        self.changes.iter().filter_map(point).collect()
+    }
+
+    pub(super) fn write(&self, format: Format, out: &mut impl Write) -> io::Result<()> {
+        match format {
+            Format::Json => writeln!(out, "{}", self.json()),
+            Format::Human => self.tell(out),
+        }
+    }
+
+    fn tell(&self, out: &mut impl Write) -> io::Result<()> {
+        let (master, slave) = (self.file.master.unit(), self.file.slave.unit());
+        writeln!(out, "{}: {}", self.file.path.display(), self.file.cam.name())?;
+        if let Some(fit) = &self.fit {
+            let mut rows = table();
+            rows.set_header(["found in the run", "value", "± (95 %)"]);
+            for (name, Estimate { value, half_width }) in Self::estimates(fit) {
+                let half = if half_width > 0.0 { short(half_width) } else { "given".to_owned() };
+                rows.add_row([name.to_owned(), short(value), half]);
+            }
+            writeln!(out, "{rows}")?;
+            writeln!(
+                out,
+                "{} samples; the slave's error was {} {slave} rms and is {} {slave}",
+                self.samples,
+                short(self.error_before.unwrap_or_default()),
+                short(self.error_after.unwrap_or_default()),
+            )?;
+            if self.doubtful {
+                writeln!(
+                    out,
+                    "what is left over is no noise (correlation {} from sample to sample): the intervals are too narrow, \
+                     the slave does something that the cam does not describe",
+                    short(fit.correlation)
+                )?;
+            }
+        }
+        if let Some((found, count)) = &self.dead_time {
+            let Estimate { value, half_width } = found.dead_time_s;
+            writeln!(
+                out,
+                "dead time of the tappets: {} ± {} ms (95 %), of {count} switchings",
+                short(value * 1e3),
+                short(half_width * 1e3)
+            )?;
+        }
+        if self.within {
+            let pairs =
+                self.before.coupling.numbers().into_iter().zip(self.after.coupling.numbers());
+            let mut changed = false;
+            for ((_, name, before), (_, _, after)) in pairs {
+                if before.to_bits() != after.to_bits() {
+                    writeln!(out, "{name}: {} → {} keeps the limits", short(before), short(after))?;
+                    changed = true;
+                }
+            }
+            if !changed {
+                writeln!(out, "the limits are kept as it is")?;
+            }
+        }
+        if let Some(shaped) = &self.shaped {
+            self.tell_shape(out, shaped)?;
+        }
+        if let Some(ramp) = &self.ramp {
+            writeln!(
+                out,
+                "ramp: on the cam after {} s; the slave reaches {} {slave}/s and {} {slave}/s²",
+                short(ramp.duration_s),
+                short(ramp.peak_velocity),
+                short(ramp.peak_acceleration)
+            )?;
+        }
+        if self.refused.is_some() {
+            return Ok(());
+        }
+        let (file, block) = self.lines();
+        let points = self.points();
+        if file.is_empty() && points.is_empty() {
+            return writeln!(out, "nothing is to be changed");
+        }
+        if !points.is_empty() {
+            writeln!(out, "\npoints of elements, master in {master}:")?;
+            points.iter().try_for_each(|line| writeln!(out, "  {line}"))?;
+        }
+        if !file.is_empty() {
+            writeln!(out, "\n[coupling] of the cam's file:")?;
+            file.iter().try_for_each(|line| writeln!(out, "  {line}"))?;
+            writeln!(out, "\ninputs of MC_CamIn (DeadTimeCompensation: of SMC_CAMRegister):")?;
+            block.iter().try_for_each(|line| writeln!(out, "  {line}"))?;
+        }
+        writeln!(out, "\nnothing is written without --write")
+    }
+
+    fn tell_shape(&self, out: &mut impl Write, shaped: &Shaped) -> io::Result<()> {
+        let (master, slave) = (self.file.master.unit(), self.file.slave.unit());
+        let (before, after) = (short(shaped.before), short(shaped.after));
+        match self.goal {
+            Some(ShapeGoal::Peak(quantity)) => writeln!(
+                out,
+                "shape: the slave's largest {quantity} falls from {before} to {after} {}",
+                of(slave, quantity)
+            )?,
+            _ => writeln!(
+                out,
+                "shape: the master may go {after} {master}/s, it was {before} {master}/s"
+            )?,
+        }
+        if let Some((quantity, at)) = shaped.limited {
+            writeln!(
+                out,
+                "  now limited by the slave's {quantity} at master {} {master}",
+                short(at)
+            )?;
+        }
+        writeln!(out, "  {} linear programs", shaped.programs)
+    }
+
+    fn json(&self) -> Value {
+        let estimate = |Estimate { value, half_width }: Estimate| json!({ "value": value, "half_width_95": half_width });
+        let fit = self.fit.as_ref().map(|fit| {
+            let named = Self::estimates(fit).map(|(name, found)| (name.to_owned(), estimate(found)));
+            json!({
+                "estimates": named.into_iter().collect::<serde_json::Map<_, _>>(),
+                "samples": self.samples, "rms_before": self.error_before, "rms_after": self.error_after,
+                "correlation": fit.correlation, "noise": !self.doubtful,
+            })
+        });
+        let dead_time = self.dead_time.as_ref().map(|(found, count)| {
+            json!({ "dead_time_s": estimate(found.dead_time_s), "switchings": count })
+        });
+        let shape = self.shaped.as_ref().map(|shaped| {
+            let what = match self.goal {
+                Some(ShapeGoal::Peak(quantity)) => format!("peak {quantity}"),
+                _ => "master velocity".to_owned(),
+            };
+            json!({
+                "of": what, "before": shaped.before, "after": shaped.after,
+                "limited_by": shaped.limited.map(|(quantity, _)| quantity.to_string()),
+                "at_master": shaped.limited.map(|(_, at)| at),
+                "points": shaped.knots.iter().map(|knot| {
+                    json!({ "master": knot.master, "slave": knot.slave, "velocity": knot.velocity, "acceleration": knot.acceleration })
+                }).collect::<Vec<_>>(),
+            })
+        });
+        let ramp = self.ramp.as_ref().map(|ramp| {
+            json!({
+                "velocity_difference": ramp.velocity_difference, "acceleration": ramp.acceleration,
+                "deceleration": ramp.deceleration, "duration_s": ramp.duration_s,
+                "peak_velocity": ramp.peak_velocity, "peak_acceleration": ramp.peak_acceleration,
+            })
+        });
+        let (file, block) = self.lines();
+        let numbers =
+            self.after.coupling.numbers().map(|(key, _, value)| (key.to_owned(), json!(value)));
+        json!({
+            "cam": self.file.cam.name(),
+            "file": self.file.path.display().to_string(),
+            "fit": fit, "dead_time": dead_time, "shape": shape, "ramp": ramp,
+            "coupling": numbers.into_iter().collect::<serde_json::Map<_, _>>(),
+            "lines": { "coupling": file, "inputs": block, "points": self.points() },
+            "refused": self.refused,
+        })
+    }
+}
+
+/// The unit of a quantity of the slave.
+fn of(unit: &str, quantity: Quantity) -> String {
+    match quantity {
+        Quantity::Velocity => format!("{unit}/s"),
+        Quantity::Acceleration => format!("{unit}/s²"),
+        Quantity::Jerk => format!("{unit}/s³"),
+    }
+}
