@@ -50,6 +50,11 @@ fn moves(text: &str) -> Vec<AxisSetpoint> {
     setpoints
 }
 
+/// s.
+fn time(setpoint: &AxisSetpoint) -> f64 {
+    crate::report::seconds(setpoint.time_ns)
+}
+
 fn near(actual: f64, expected: f64, tolerance: f64) {
     assert!((actual - expected).abs() <= tolerance, "{actual} is not {expected}");
 }
@@ -66,10 +71,8 @@ fn blocks_begin_behind_each_other() {
          acceleration_mm_per_s2 = 1000\n[[blocks]]\nblock = \"MC_MoveAbsolute\"\naxis = \"X\"\nposition_mm = 100\n\
          velocity_mm_per_s = 200\nacceleration_mm_per_s2 = 1000\nafter_s = 0.5\n"
     ));
-    let at = |seconds: f64| {
-        let wanted = (seconds * 1e9).round() as i64;
-        setpoints.iter().find(|one| one.time_ns == wanted).unwrap()
-    };
+    let at =
+        |seconds: f64| setpoints.iter().find(|one| (time(one) - seconds).abs() < 1e-9).unwrap();
     near(at(0.0).axes.position[0], 0.1, 0.0);
     near(at(0.1).axes.position[0], 0.105, 1e-12);
     near(at(0.35).axes.velocity[0], 0.2, 1e-12);
@@ -132,7 +135,7 @@ fn a_slave_on_its_cam_is_where_the_cam_says() {
     let mut most: f64 = 0.0;
     for one in setpoints.iter().filter(|one| (10_000_000..2_000_000_000).contains(&one.time_ns)) {
         // Up to speed within a millisecond, in which the master comes half as far.
-        let turn = (one.time_ns as f64 * 1e-9 - 0.5e-3 - 1e-3).rem_euclid(1.0);
+        let turn = (time(one) - 0.5e-3 - 1e-3).rem_euclid(1.0);
         near(one.axes.position[0], shape(turn), 2e-4);
         most = most.max(one.axes.velocity[0].abs());
     }
@@ -156,7 +159,7 @@ fn the_override_stretches_time() {
     let PlanItem::Axes(last) = last else { panic!("{last:?}") };
     near(last.axes.position[0], 0.2, 1e-12);
     // At rest the factor changes at once, within a cycle.
-    near(last.time_ns as f64 * 1e-9, 1.4, 4e-3);
+    near(time(last), 1.4, 4e-3);
     let fastest = |by: fn(&AxisSetpoint) -> f64| {
         let axes = slow.iter().filter_map(|item| match item {
             PlanItem::Axes(one) => Some(by(one).abs()),

@@ -135,7 +135,9 @@ impl<'a> Page<'a> {
             let scale = 10_f64.powi(power);
             let points = curves.iter_mut().flatten().flatten();
             points.for_each(|(_, value)| *value /= scale);
-            limits.iter_mut().for_each(|limit| *limit /= scale);
+            for limit in &mut limits {
+                *limit /= scale;
+            }
             unit = format!("10{} {unit}", superscript(power));
         }
         let values = curves.iter().flatten().flatten().map(|(_, value)| *value);
