@@ -35,7 +35,8 @@ pub use device::{
     Values,
 };
 pub use drive::{
-    Drive, HomingWays, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
+    Commanded, Drive, HomingWays, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample,
+    SetpointStream,
 };
 pub use error::{Action, Axes, DriveError, EmulatorError, Exchange, ProtocolFault};
 pub use fault::{Direction, FaultRule, FaultyWire, When, WireFault};

@@ -272,6 +272,9 @@ fn inputs_and_outputs_of_a_smartdrive() {
     running.happen(0, event).expect("it runs");
     let inputs = hand.does("inputs");
     assert_eq!((row(&inputs, 0, "LIMP")[1], row(&inputs, 0, "LIMN")[1]), ("on", "off"));
+    // At rest, whatever has stopped it.
+    let status = hand.does("status").stdout;
+    assert!(status.contains("at rest, on LIMP") && !status.contains("LIMN"), "{status}");
     hand.does("outputs LED=on BRK=on");
     let outputs = hand.does("outputs brk=off");
     assert_eq!((row(&outputs, 0, "LED")[1], row(&outputs, 0, "BRK")[1]), ("on", "off"));

@@ -108,19 +108,25 @@ fn point(mut text: String, knot: &Knot) -> Result<String, EditError> {
         let here = elements.iter().find_map(|item| {
             let table = item.get_ref().as_table()?;
             let at = number(table.get("master")?.get_ref())?;
-            (at.to_bits() == master.to_bits() || at == master).then_some((item.span(), table))
+            same(at, master).then_some((item.span(), table))
         });
         let Some((span, table)) = here else {
             return Err(EditError::NoPoint(Number(master).to_string()));
         };
-        let same = table.get(key).and_then(|old| number(old.get_ref()));
+        let old = table.get(key).and_then(|old| number(old.get_ref()));
         // What is as it was stays as it is written, and what is 0 need not be said.
-        if same.is_some_and(|old| old == value) || (same.is_none() && value == 0.0) {
+        if same(old.unwrap_or(0.0), value) {
             continue;
         }
         text = set(&text, table, span.clone(), span.start, key, &Number(value).to_string());
     }
     Ok(text)
+}
+
+/// The same number, 0 with either sign.
+#[expect(clippy::float_cmp, reason = "the same number or another one")]
+fn same(one: f64, other: f64) -> bool {
+    one == other
 }
 
 fn number(value: &DeValue<'_>) -> Option<f64> {

@@ -4,6 +4,7 @@
 
 pub mod check;
 mod columns;
+mod csv_form;
 pub mod edit;
 mod error;
 mod file;
@@ -17,7 +18,8 @@ mod toml_form;
 mod toml_writer;
 pub mod tune;
 
+pub use csv_form::csv_of;
 pub use error::CamFileError;
-pub use file::{CamFile, Form, csv_of, write_file};
-pub use form::{AxisScale, Coupling};
+pub use file::{CamFile, Form, write_file};
+pub use form::{AxisScale, Coupling, START_MODES};
 pub use toml_writer::write_toml;

@@ -200,6 +200,10 @@ fn checked(
     outcome.findings_left_out += items.left_out();
     outcome.elements = items.elements();
     outcome.length = items.length();
+    if program.dialect() == Dialect::Job {
+        // Nothing of it has a feed.
+        outcome.findings.iter_mut().for_each(|found| found.largest_feed_mm_per_s = None);
+    }
     Ok(outcome)
 }
 

@@ -8,12 +8,12 @@ use serde_json::{Value, json};
 use std::io::{self, Write};
 use twin_motion::axis::{Language, SmcError};
 
-/// Explain errors of SoftMotion (SMC_ERROR) by number or name, and the rules of `twin check`: what they mean, which blocks
+/// Explain errors of SoftMotion (`SMC_ERROR`) by number or name, and the rules of `twin check`: what they mean, which blocks
 /// raise them, and what to do about it
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct Arguments {
-    /// Numbers (626), names (SMC_CI_MASTER_OUT_OF_SCALE, with or without SMC_, in any case) or rules (axis-velocity)
+    /// Numbers (626), names (`SMC_CI_MASTER_OUT_OF_SCALE`, with or without `SMC_`, in any case) or rules (axis-velocity)
     #[arg(value_name = "NUMBER|NAME", required_unless_present = "list", conflicts_with = "list")]
     what: Vec<String>,
 
@@ -21,7 +21,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     list: bool,
 
-    /// The language of the texts; German or French if LC_ALL, LC_MESSAGES or LANG say so, else English. What to do about it
+    /// The language of the texts; German or French if `LC_ALL`, `LC_MESSAGES` or `LANG` say so, else English. What to do about it
     /// is in English
     #[arg(long, value_enum)]
     language: Option<Texts>,

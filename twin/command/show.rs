@@ -29,7 +29,10 @@ pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
     for cause in shown {
         let finding = cause.first;
         let source = lines.get(&finding.line).map(|line| {
-            let words = underline::words(line, finding);
+            let words = match program.dialect() {
+                Dialect::Job => underline::key(line, finding),
+                _ => underline::words(line, finding),
+            };
             let (text, words) = excerpt(line, words);
             let name = program.path().display().to_string();
             (Line { name, number: finding.line, text }, words)

@@ -1,6 +1,7 @@
 //! A run: the same set-points to the simulated machine and to the drives, and what both make of them.
 
 mod braking;
+mod drives;
 mod history;
 mod m_calls;
 mod overrides;

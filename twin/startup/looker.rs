@@ -9,6 +9,9 @@ use crate::machine::{Axis, Machine};
 use twin_drives::axis::StartStep;
 use twin_drives::{Drive, DriveError, Increments, ParameterInfo, SetpointStream};
 
+/// What is said of an axis that is homed by the user's word alone and counts 0: its device may have lost its position since.
+const ZERO: &str = "; it counts 0, as after it was switched on, reset, saved or unlocked: if it was, home it again";
+
 pub(super) struct Looker<'a> {
     name: &'a str,
     /// Wanted.
@@ -249,21 +252,28 @@ impl<'a> Looker<'a> {
     ) -> Result<(), DriveError> {
         let known = drive.homed()?;
         // A device that has been off or locked has lost its home; whether it has is known to devices that keep that.
-        let obeys = match drive.sample(&stream) {
+        let (obeys, counts) = match drive.sample(&stream) {
             Err(
                 DriveError::Locked { .. } | DriveError::Mode { .. } | DriveError::EnableOpen { .. },
-            ) => false,
-            Err(DriveError::AxisMessages { .. }) | Ok(_) => true,
+            ) => (false, None),
+            Err(DriveError::AxisMessages { .. }) => (true, None),
+            Ok(sample) => (true, Some(sample.position)),
             Err(error) => return Err(error),
         };
-        for ((index, axis), known) in self.axes.clone().into_iter().zip(known) {
+        for (slot, ((index, axis), known)) in self.axes.clone().into_iter().zip(known).enumerate() {
             let who = self.needs.get(index).map_or(Homed::Unknown, |needs| needs.homed);
             let name = &axis.name;
             let told = match (who, known) {
                 (Homed::Emulated, _) => continue,
                 (Homed::First, _) => format!("axis {name}: will be homed first"),
                 (_, Some(true)) => format!("axis {name}: homed"),
-                (Homed::Said, None) if obeys => format!("axis {name}: homed, as --homed says"),
+                (Homed::Said, None) if obeys => {
+                    let counts = counts.and_then(|counts| counts.get(slot).copied());
+                    let zero = if counts == Some(0) { ZERO } else { "" };
+                    format!(
+                        "axis {name}: homed, as --homed says: by your word, the device cannot tell{zero}"
+                    )
+                }
                 (_, known) => {
                     let why = match (known, obeys) {
                         (Some(_), _) => "not homed",

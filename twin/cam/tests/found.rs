@@ -55,7 +55,7 @@ fn limits_of_a_lift_in_closed_form() {
     use_it.coupling.input.master_offset = 10.0;
     let check = CamCheck::new(&file, use_it);
     let near = |found: f64, expected: f64| {
-        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}")
+        assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
     };
     near(check.bounds.velocity.max, first * 2.0 * 100.0);
     near(check.bounds.acceleration.max, second * 2.0 * 100.0 * 100.0);

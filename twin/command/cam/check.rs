@@ -111,11 +111,13 @@ fn tell(
         ("jerk", "/s³", &check.jerk, both(limits.jerk)),
     ] {
         let Range { min, at_min, max, at_max } = range;
+        // What is rounding beside the whole is nothing.
+        let told = |value: f64| if value.abs() < 1e-12 * range.magnitude() { 0.0 } else { value };
         rows.add_row([
             format!("{name} ({slave}{unit})"),
-            short(*min),
+            short(told(*min)),
             short(*at_min),
-            short(*max),
+            short(told(*max)),
             short(*at_max),
             limit_text(limit),
         ]);
@@ -145,7 +147,7 @@ fn tell(
             short(using.master_at(*place)),
         )?,
         Ok(Largest { limited: None, .. }) => {
-            writeln!(out, "no limit says how fast the master may go")?
+            writeln!(out, "no limit says how fast the master may go")?;
         }
         Err(error) => writeln!(out, "no velocity of the master is slow enough: {error}")?,
     }
@@ -154,7 +156,7 @@ fn tell(
 
 fn limit_text([low, high]: [f64; 2]) -> String {
     match [low.is_finite(), high.is_finite()] {
-        [true, true] if low == -high => format!("±{}", short(high)),
+        [true, true] if low.to_bits() == (-high).to_bits() => format!("±{}", short(high)),
         [true, true] => format!("{} … {}", short(low), short(high)),
         [true, false] => format!("from {}", short(low)),
         [false, true] => format!("to {}", short(high)),

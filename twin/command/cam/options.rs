@@ -59,19 +59,19 @@ pub(in crate::command) fn load(path: &Path, between: Between) -> Result<CamFile,
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Coupling (MC_CamIn); default: [coupling] of the cam")]
 pub(in crate::command) struct UseOptions {
-    /// Added to the master's position behind its scaling (MasterOffset)
+    /// Added to the master's position behind its scaling (`MasterOffset`)
     #[arg(long, value_name = "U", allow_hyphen_values = true, value_parser = number)]
     master_offset: Option<f64>,
 
-    /// Factor of the master's position (MasterScaling)
+    /// Factor of the master's position (`MasterScaling`)
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true, value_parser = factor)]
     master_scaling: Option<f64>,
 
-    /// Added to the slave's position behind its scaling (SlaveOffset)
+    /// Added to the slave's position behind its scaling (`SlaveOffset`)
     #[arg(long, value_name = "U", allow_hyphen_values = true, value_parser = number)]
     slave_offset: Option<f64>,
 
-    /// Factor of the slave's position (SlaveScaling)
+    /// Factor of the slave's position (`SlaveScaling`)
     #[arg(long, value_name = "FACTOR", allow_hyphen_values = true, value_parser = factor)]
     slave_scaling: Option<f64>,
 
@@ -118,6 +118,7 @@ impl UseOptions {
 /// What the master does at most.
 #[derive(Clone, Debug, clap::Args)]
 #[command(next_help_heading = "Master")]
+#[expect(clippy::struct_field_names, reason = "the names of the options")]
 pub(in crate::command) struct MasterOptions {
     /// Its velocity, u/s
     #[arg(long, value_name = "U/S", default_value = "1", value_parser = positive)]

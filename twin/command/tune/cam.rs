@@ -24,7 +24,7 @@ use twin_motion::cam::{AxisState, Cam, Quantity, Shape, StartMode};
 /// Tune a cam: offsets and scalings from a recorded run or within limits, the dead time of tappets, ramps, shapes
 ///
 /// A run (CSV of time, master, slave) tells offsets and scalings by least squares, each with the half width of its 95 %
-/// interval; outputs recorded beside it (columns tappet_N) tell the dead time of what tappets switch. Without a run what is
+/// interval; outputs recorded beside it (columns `tappet_N`) tell the dead time of what tappets switch. Without a run what is
 /// to be found is changed by as little as keeps the limits. Points are moved within their tolerances by linear programs
 /// (Clarabel): velocity and acceleration stay continuous, and the slave stays where it is at every tappet. What the data do
 /// not say, or contradict, is said and not fitted.
@@ -35,7 +35,7 @@ pub(super) struct Arguments {
     #[arg(value_name = "CAM")]
     cam: PathBuf,
 
-    /// A recorded run: CSV of time, master and slave, with columns tappet_N (0 or 1) for outputs
+    /// A recorded run: CSV of time, master and slave, with columns `tappet_N` (0 or 1) for outputs
     #[arg(long, value_name = "FILE.csv")]
     run: Option<PathBuf>,
 
@@ -43,7 +43,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, value_delimiter = ',')]
     find: Vec<Find>,
 
-    /// MasterScaling is looked for within this part of itself
+    /// `MasterScaling` is looked for within this part of itself
     #[arg(long, value_name = "PART", default_value = "0.05", value_parser = part)]
     scaling_range: f64,
 
@@ -57,7 +57,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value = "speed")]
     goal: Goal,
 
-    /// Find VelocityDiff, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity
+    /// Find `VelocityDiff`, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity
     #[arg(long, value_name = "MASTER,SLAVE[,VELOCITY]", allow_hyphen_values = true, value_parser = start)]
     ramp_in: Option<[f64; 3]>,
 
@@ -80,6 +80,7 @@ pub(super) struct Arguments {
 
     /// Write what was found into the cam's file, comments kept, or into another one
     #[arg(long, value_name = "FILE.toml", num_args = 0..=1)]
+    #[expect(clippy::option_option, reason = "not given, given alone, given with a file")]
     write: Option<Option<PathBuf>>,
 
     /// For people, or one JSON object
@@ -218,7 +219,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         Ok(()) => {}
         Err(error) => {
             report.refused = Some(error.to_string());
-            report.write(arguments.format, &mut io::stdout().lock()).map_err(Failure::Stdio)?;
+            report
+                .write(arguments.format, arguments.write.is_some(), &mut io::stdout().lock())
+                .map_err(Failure::Stdio)?;
             eprintln!("{:?}", miette::Report::msg(error.to_string()));
             return Ok(Status::Unfit);
         }
@@ -229,7 +232,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let in_file = CamUse { coupling: file.coupling, ..before };
     let knots = report.shaped.as_ref().map(|shaped| (&file, shaped.knots.as_slice()));
     report.changes = changes(&in_file, &report.after, knots);
-    report.write(arguments.format, &mut io::stdout().lock()).map_err(Failure::Stdio)?;
+    report
+        .write(arguments.format, arguments.write.is_some(), &mut io::stdout().lock())
+        .map_err(Failure::Stdio)?;
     show_findings(&check.findings);
     if let Some(path) = &arguments.output {
         picture(path, &file, &after_file, &report, recorded.as_ref())?;
@@ -254,17 +259,17 @@ fn tuned(
         report.error_before = Some(tune::rms(&errors(file, &before, run)));
         let found = fit_run(file, &before, run, arguments.free(), arguments.scaling_range)?;
         let input = &mut report.after.coupling.input;
-        input.master_offset = found.master_offset.value;
-        input.master_scaling = found.master_scaling.value;
-        input.slave_offset = found.slave_offset.value;
-        input.slave_scaling = found.slave_scaling.value;
+        input.master_offset = tune::rounded(found.master_offset);
+        input.master_scaling = tune::rounded(found.master_scaling);
+        input.slave_offset = tune::rounded(found.slave_offset);
+        input.slave_scaling = tune::rounded(found.slave_scaling);
         report.error_after = Some(tune::rms(&errors(file, &report.after, run)));
         report.doubtful = !found.is_noise(run.samples.len());
         report.fit = Some(found);
         if !run.groups.is_empty() {
             let seen = switchings(file, &report.after, run);
             let found = tappet_dead_time(&report.after, &seen)?;
-            report.after.coupling.dead_time_s = found.dead_time_s.value;
+            report.after.coupling.dead_time_s = tune::rounded(found.dead_time_s);
             report.dead_time = Some((found, seen.len()));
         }
     } else if !arguments.find.is_empty() {

@@ -132,49 +132,23 @@ impl<'a> Report<'a> {
         self.changes.iter().filter_map(point).collect()
     }
 
-    pub(super) fn write(&self, format: Format, out: &mut impl Write) -> io::Result<()> {
+    /// Tells it; `writes` if it is written into a file, too.
+    pub(super) fn write(
+        &self,
+        format: Format,
+        writes: bool,
+        out: &mut impl Write,
+    ) -> io::Result<()> {
         match format {
             Format::Json => writeln!(out, "{}", self.json()),
-            Format::Human => self.tell(out),
+            Format::Human => self.tell(writes, out),
         }
     }
 
-    fn tell(&self, out: &mut impl Write) -> io::Result<()> {
+    fn tell(&self, writes: bool, out: &mut impl Write) -> io::Result<()> {
         let (master, slave) = (self.file.master.unit(), self.file.slave.unit());
         writeln!(out, "{}: {}", self.file.path.display(), self.file.cam.name())?;
-        if let Some(fit) = &self.fit {
-            let mut rows = table();
-            rows.set_header(["found in the run", "value", "± (95 %)"]);
-            for (name, Estimate { value, half_width }) in Self::estimates(fit) {
-                let half = if half_width > 0.0 { short(half_width) } else { "given".to_owned() };
-                rows.add_row([name.to_owned(), short(value), half]);
-            }
-            writeln!(out, "{rows}")?;
-            writeln!(
-                out,
-                "{} samples; the slave's error was {} {slave} rms and is {} {slave}",
-                self.samples,
-                short(self.error_before.unwrap_or_default()),
-                short(self.error_after.unwrap_or_default()),
-            )?;
-            if self.doubtful {
-                writeln!(
-                    out,
-                    "what is left over is no noise (correlation {} from sample to sample): the intervals are too narrow, \
-                     the slave does something that the cam does not describe",
-                    short(fit.correlation)
-                )?;
-            }
-        }
-        if let Some((found, count)) = &self.dead_time {
-            let Estimate { value, half_width } = found.dead_time_s;
-            writeln!(
-                out,
-                "dead time of the tappets: {} ± {} ms (95 %), of {count} switchings",
-                short(value * 1e3),
-                short(half_width * 1e3)
-            )?;
-        }
+        self.tell_run(out)?;
         if self.within {
             let pairs =
                 self.before.coupling.numbers().into_iter().zip(self.after.coupling.numbers());
@@ -219,7 +193,46 @@ impl<'a> Report<'a> {
             writeln!(out, "\ninputs of MC_CamIn (DeadTimeCompensation: of SMC_CAMRegister):")?;
             block.iter().try_for_each(|line| writeln!(out, "  {line}"))?;
         }
-        writeln!(out, "\nnothing is written without --write")
+        if writes { Ok(()) } else { writeln!(out, "\nnothing is written without --write") }
+    }
+
+    /// What the run tells.
+    fn tell_run(&self, out: &mut impl Write) -> io::Result<()> {
+        let slave = self.file.slave.unit();
+        if let Some(fit) = &self.fit {
+            let mut rows = table();
+            rows.set_header(["found in the run", "value", "± (95 %)"]);
+            for (name, Estimate { value, half_width }) in Self::estimates(fit) {
+                let half = if half_width > 0.0 { short(half_width) } else { "given".to_owned() };
+                rows.add_row([name.to_owned(), short(value), half]);
+            }
+            writeln!(out, "{rows}")?;
+            writeln!(
+                out,
+                "{} samples; the slave's error was {} {slave} rms and is {} {slave}",
+                self.samples,
+                short(self.error_before.unwrap_or_default()),
+                short(self.error_after.unwrap_or_default()),
+            )?;
+            if self.doubtful {
+                writeln!(
+                    out,
+                    "what is left over is no noise (correlation {} from sample to sample): the intervals are too narrow, \
+                     the slave does something that the cam does not describe",
+                    short(fit.correlation)
+                )?;
+            }
+        }
+        if let Some((found, count)) = &self.dead_time {
+            let Estimate { value, half_width } = found.dead_time_s;
+            writeln!(
+                out,
+                "dead time of the tappets: {} ± {} ms (95 %), of {count} switchings",
+                short(value * 1e3),
+                short(half_width * 1e3)
+            )?;
+        }
+        Ok(())
     }
 
     fn tell_shape(&self, out: &mut impl Write, shaped: &Shaped) -> io::Result<()> {

@@ -5,10 +5,10 @@ mod stopping;
 use super::history::History;
 use super::overrides::{OverrideAt, Overrides};
 use super::punctuality::Punctuality;
-use super::{DriveSample, Ending, Observer, Stopped, TwinCycle};
+use super::{Ending, Observer, Stopped, TwinCycle};
 use crate::check;
 use crate::clock::Clock;
-use crate::compare::{Comparison, Measured};
+use crate::compare::Comparison;
 use crate::finding::{Finding, Severity};
 use crate::hardware::{HORIZON_NS, Hardware};
 use crate::m_function::MCall;
@@ -19,15 +19,11 @@ use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::{AxisSetpoint, Transformer, resting_behind};
 use std::collections::VecDeque;
 use std::task::Poll;
-use std::time::Duration;
 use twin_motion::Place;
-
-/// How long drives may take to come to rest at the end before the session ends without them.
-const LONGEST_SETTLING: Duration = Duration::from_secs(10);
 
 /// What comes behind the set-points that are planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Plan {
+pub(super) enum Plan {
     /// More of them.
     GoesOn,
     /// Nothing: they lead along the path to rest.
@@ -42,7 +38,7 @@ pub(super) struct Run<'a, 'i, P> {
     pub(super) items: Planning<'i>,
     transformer: Transformer<'a>,
     twin: P,
-    twin_failed: bool,
+    pub(super) twin_failed: bool,
     pub(super) hardware: Option<Hardware>,
     /// Whether time passes by itself.
     realtime: bool,
@@ -50,15 +46,15 @@ pub(super) struct Run<'a, 'i, P> {
     clock: Option<Clock>,
     /// Of the drives, from later than the simulated machine has come: drives are heard of at any time, it is simulated
     /// once per round.
-    samples: VecDeque<AxisFeedback>,
-    history: History,
-    comparison: Comparison,
+    pub(super) samples: VecDeque<AxisFeedback>,
+    pub(super) history: History,
+    pub(super) comparison: Comparison,
     /// Of a run in step with the wall clock.
     punctuality: Option<Punctuality>,
     /// Set-points that are planned and not yet due.
     planned: VecDeque<AxisSetpoint>,
     /// What comes behind them.
-    plan: Plan,
+    pub(super) plan: Plan,
     pub(super) stopped: Option<Stopped>,
     overrides: Overrides,
     /// How often the user has interrupted.
@@ -146,7 +142,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     }
 
     /// Its block.
-    fn place(&self) -> Place {
+    pub(super) fn place(&self) -> Place {
         self.executed.map_or(Place::default(), |executed| executed.place)
     }
 
@@ -289,67 +285,5 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
         // The program has ended when its last set-point was there.
         self.executed = Some(last);
-    }
-
-    /// Takes what the drives have said and compares what is comparable.
-    pub(super) fn listen(&mut self, observer: &mut dyn Observer) {
-        let failure = loop {
-            match self.hardware.as_mut().map(Plant::feedback) {
-                Some(Ok(Some(feedback))) => self.samples.push_back(feedback),
-                Some(Ok(None)) | None => break None,
-                Some(Err(source)) => break Some(source),
-            }
-        };
-        // After the end everything rests; before it, what a sample is compared with must have been simulated.
-        let known_ns = if self.goes_on() { self.executed_ns() } else { i64::MAX };
-        while let Some(sample) = self.samples.pop_front_if(|sample| sample.time_ns <= known_ns) {
-            self.compare(&sample, observer);
-        }
-        if let Some(source) = failure {
-            self.lose_drives(source);
-        }
-    }
-
-    fn compare(&mut self, sample: &AxisFeedback, observer: &mut dyn Observer) {
-        if self.twin_failed {
-            return;
-        }
-        let Some(drives) = Measured::new(self.machine, sample.position) else { return };
-        let Some((place, wanted, twin)) = self.history.at(self.machine, sample.time_ns) else {
-            return;
-        };
-        self.comparison.drives(&wanted, &twin, &drives, place);
-        observer.drives(&DriveSample {
-            time_ns: sample.time_ns,
-            place,
-            wanted: &wanted,
-            twin: &twin,
-            drives: &drives,
-        });
-    }
-
-    /// Waits until the drives rest, too.
-    pub(super) fn settle(
-        &mut self,
-        clock: Clock,
-        observer: &mut dyn Observer,
-        interrupts: &dyn Fn() -> u32,
-    ) {
-        let patience_ns = i64::try_from(LONGEST_SETTLING.as_nanos()).unwrap_or(i64::MAX);
-        let deadline_ns = clock.now_ns().saturating_add(patience_ns);
-        loop {
-            // First whether it runs, then what it has said: what it says last is said before it ends.
-            let running = self.hardware.as_ref().is_some_and(Hardware::is_running);
-            self.listen(observer);
-            if !running {
-                return;
-            }
-            if clock.now_ns() >= deadline_ns {
-                self.stopped.get_or_insert(Stopped::Unsettled);
-                return;
-            }
-            self.heed(interrupts());
-            std::thread::sleep(Duration::from_millis(1));
-        }
     }
 }

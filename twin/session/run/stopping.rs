@@ -1,7 +1,6 @@
 //! What brings a run to rest before its end: the user, or something that is lost.
 
 use super::{Plan, Run};
-use crate::hardware::HardwareError;
 use crate::machine::SimulationError;
 use crate::physics::PhysicsError;
 use crate::plant::Plant;
@@ -31,7 +30,7 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
     }
 
     /// From now on every axis brakes at its own limits, on the simulated machine and on the drives.
-    pub(super) fn brake(&mut self) {
+    pub(in crate::session) fn brake(&mut self) {
         if self.plan == Plan::Brakes || !self.goes_on() {
             return;
         }
@@ -89,15 +88,6 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
     pub(super) fn lose_twin(&mut self, source: SimulationError) {
         self.twin_failed = true;
         self.stopped.get_or_insert(Stopped::Twin { place: self.place(), source });
-        self.brake();
-    }
-
-    /// The drives are off the path or nobody knows where they are: the simulated machine has nothing to gain from staying on
-    /// it. That the drives fail is worth more words than that the user has stopped them before.
-    pub(super) fn lose_drives(&mut self, source: HardwareError) {
-        if matches!(self.stopped, None | Some(Stopped::Interrupted(_) | Stopped::Unsettled)) {
-            self.stopped = Some(Stopped::Drives { place: self.place(), source });
-        }
         self.brake();
     }
 }

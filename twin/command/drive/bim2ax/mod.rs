@@ -12,7 +12,7 @@ use super::session::{Session, no_clock};
 use super::words;
 use crate::command::assume::Assume;
 use crate::command::{Failure, Status};
-use crate::real::{ModuleMemory, module_memory};
+use crate::real::{ModuleMemory, module_beside, module_memory};
 use module::{Module, of};
 use motion::{home, standing, travel, unlock};
 use parameters::{get, set};
@@ -191,7 +191,7 @@ impl Arguments {
         })
     }
 
-    /// The module's name and memory, and how it is spoken to.
+    /// The module's name and memory, and how it is spoken to. Only a stop goes to a module that has another master.
     fn memory(&self) -> Result<(Arc<str>, ModuleMemory, Bim2AxOptions), Failure> {
         let port: Arc<str> = self.port.display().to_string().into();
         let byte_order = if self.little_endian { ByteOrder::Little } else { ByteOrder::Big };
@@ -201,7 +201,9 @@ impl Arguments {
             assumptions: self.assume.take()?,
             ..Default::default()
         };
-        let memory = module_memory(&self.port, self.map).map_err(|source| {
+        let stops = matches!(self.action, Action::Stop { .. });
+        let memory = if stops { module_beside } else { module_memory };
+        let memory = memory(&self.port, self.map).map_err(|source| {
             let at = Exchange { port: Arc::clone(&port), station: 0, action: Doing::Open };
             Failure::Drive(DriveError::Transport { at, source })
         })?;
@@ -286,7 +288,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 }
 
 fn stop(session: &Session, module: &mut Module, now: bool) -> Result<(), Failure> {
-    if session.ask(module.stop(now))? {
+    if session.ask(module.stop_for_good(now))? {
         eprintln!("the module writes its numbers in the other byte order: see --little-endian");
     }
     let (seen, _) = session.ask(module.driver.positions(&no_clock))?;

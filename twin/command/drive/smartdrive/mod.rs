@@ -21,8 +21,8 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 use twin_drives::smartdrive::parameters::{ACCELERATION_MAX, FULL_STEPS, STEP_DIVISOR};
 use twin_drives::smartdrive::{
-    ADDRESSES, Assumptions, AxisOptions, Mode, SmartDrive, SmartDriveBus, SmartDriveOptions,
-    StepsPerTurn,
+    ADDRESSES, Assumptions, AxisOptions, IoUpdate, Mode, SmartDrive, SmartDriveBus,
+    SmartDriveOptions, StepsPerTurn,
 };
 use twin_drives::{Drive, ParameterId};
 
@@ -256,11 +256,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
                 eprintln!("no address answers: {}", advice::NOBODY);
                 return Ok(Status::Unfit);
             }
-            status(&found)?;
+            let found = found.into_iter().map(|(address, state)| (address, state, None));
+            status(&found.collect::<Vec<_>>())?;
         }
         Action::Status => {
             let state = session.ask(axis.state())?;
-            status(&[(address, state)])?;
+            // While its mode changes a drive says nothing of its pins.
+            let pins = session.ask(axis.bus.io(address, IoUpdate::default())).ok();
+            status(&[(address, state, pins.map(|pins| pins.levels))])?;
             if let Some(next) = next(&state) {
                 say!("next: {next}");
             }

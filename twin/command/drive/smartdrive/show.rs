@@ -9,6 +9,9 @@ use twin_drives::smartdrive::{Command, DriveState, IoUpdate, Mode, TrajectoryFla
 
 /// Names of the pins, bit 0 first: three outputs, then the inputs.
 const PINS: [&str; 8] = ["RDY", "BRK", "LED", "GO", "DIR", "OFF", "LIMP", "LIMN"];
+/// The limit switches among them.
+const LIMP: usize = 6;
+const LIMN: usize = 7;
 /// How many of them are outputs.
 const OUTPUTS: usize = 3;
 
@@ -28,11 +31,14 @@ pub(super) fn turns(state: &DriveState) -> bool {
     state.homing || state.flags.contains(TrajectoryFlags::IN_MOTION)
 }
 
-pub(super) fn status(found: &[(u8, DriveState)]) -> Result<(), Failure> {
+/// Each drive, and the levels of its pins where they have been asked for. A drive forgets that a limit switch has stopped it
+/// with the next command; its inputs still tell that it stands on one.
+pub(super) fn status(found: &[(u8, DriveState, Option<u8>)]) -> Result<(), Failure> {
     let mut table = show::table();
     table.set_header(["address", "mode", "position, µsteps", "state"]);
-    for (address, state) in found {
+    for (address, state, levels) in found {
         let flags = state.flags;
+        let on = |pin: usize| levels.is_some_and(|levels| levels >> pin & 1 == 1);
         let facts = [
             (!state.alarms.is_empty(), format!("alarm: {}", state.alarms)),
             (state.homing, "homing".to_owned()),
@@ -41,6 +47,8 @@ pub(super) fn status(found: &[(u8, DriveState)]) -> Result<(), Failure> {
             (flags.contains(TrajectoryFlags::STALLED), "stalled".to_owned()),
             (flags.contains(TrajectoryFlags::LIMITED_P), "stopped by LIMP".to_owned()),
             (flags.contains(TrajectoryFlags::LIMITED_N), "stopped by LIMN".to_owned()),
+            (on(LIMP), "on LIMP".to_owned()),
+            (on(LIMN), "on LIMN".to_owned()),
         ];
         let said: Vec<_> = facts.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
         let said = said.join(", ");

@@ -1,6 +1,10 @@
 //! Pictures of cams: position, velocity, acceleration and jerk over the master, and the tappets below.
 
 use super::CamFile;
+mod bars;
+
+pub(super) use bars::on_stretches;
+
 use super::check::CamUse;
 use super::file::digits;
 use super::sample::at;
@@ -11,7 +15,7 @@ use crate::chart::{
 use crate::page::{FAINT, INK, MARK, color, fine, font, resized, stroke};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use twin_motion::cam::{Action, Passage, SlaveLimits};
+use twin_motion::cam::SlaveLimits;
 
 /// Height of a row of curves, pixels.
 const HEIGHT: f64 = 150.0;
@@ -118,10 +122,22 @@ impl<'a> Page<'a> {
     fn add(
         &mut self,
         name: &'static str,
-        unit: String,
-        curves: Vec<Vec<Vec<(f64, f64)>>>,
-        limits: Vec<f64>,
+        mut unit: String,
+        mut curves: Vec<Vec<Vec<(f64, f64)>>>,
+        mut limits: Vec<f64>,
     ) {
+        // Numbers of more than five digits have no room beside the row.
+        let reached = curves.iter().flatten().flatten().map(|(_, value)| value.abs());
+        let most = reached.filter(|value| value.is_finite()).fold(0.0, f64::max);
+        if most >= 1e5 {
+            #[expect(clippy::cast_possible_truncation, reason = "a power of ten")]
+            let power = (most.log10() / 3.0).floor() as i32 * 3;
+            let scale = 10_f64.powi(power);
+            let points = curves.iter_mut().flatten().flatten();
+            points.for_each(|(_, value)| *value /= scale);
+            limits.iter_mut().for_each(|limit| *limit /= scale);
+            unit = format!("10{} {unit}", superscript(power));
+        }
         let values = curves.iter().flatten().flatten().map(|(_, value)| *value);
         let of_run = self.recorded.points.iter().map(|(_, slave)| *slave);
         let of_run = of_run.filter(|_| name == "position");
@@ -192,7 +208,7 @@ impl<'a> Page<'a> {
             }
         }
         for (index, pieces) in curves.iter().enumerate() {
-            let style = self.color(index, curves.len()).stroke_width(stroke(1.6));
+            let style = shade(index, curves.len()).stroke_width(stroke(1.6));
             for piece in pieces {
                 for inside in row.within(piece) {
                     let mut points: Vec<(i32, i32)> = Vec::with_capacity(inside.len());
@@ -214,16 +230,11 @@ impl<'a> Page<'a> {
         for (index, pieces) in curves.iter().enumerate() {
             if let Some([low, high]) = reach(pieces.iter().flatten().map(|(_, value)| *value)) {
                 let text = format!("{} … {}", short(low), short(high));
-                words(root, &text, (RIGHT + 12.0, y), self.color(index, curves.len()))?;
+                words(root, &text, (RIGHT + 12.0, y), shade(index, curves.len()))?;
                 y += 18.0;
             }
         }
         Ok(())
-    }
-
-    fn color(&self, index: usize, count: usize) -> RGBColor {
-        // What was before stands back behind what is now.
-        if index + 1 < count { color([160, 166, 176]) } else { color_of(0) }
     }
 
     fn ticks(&self) -> Vec<(f64, String)> {
@@ -271,7 +282,7 @@ impl<'a> Page<'a> {
             .iter()
             .enumerate()
             .map(|(index, shown)| {
-                (Sign::Line(self.color(index, self.cams.len())), shown.name.to_owned())
+                (Sign::Line(shade(index, self.cams.len())), shown.name.to_owned())
             })
             .collect();
         if !self.recorded.points.is_empty() {
@@ -284,77 +295,6 @@ impl<'a> Page<'a> {
             items.push((Sign::Patch(color_of(1)), "tappets that are on".to_owned()));
         }
         items
-    }
-}
-
-/// Stretches of the cam on which the bit of a group is on when the master goes forwards, pass after pass.
-pub(super) fn on_stretches(shown: &Shown<'_>, group: i16) -> Vec<[f64; 2]> {
-    let curve = shown.file.cam.curve();
-    let (start, end) = (curve.start(), curve.end());
-    let tappets = || {
-        let all = shown.file.cam.tappets().iter();
-        all.filter(|tappet| tappet.group == group && tappet.passage != Passage::Negative)
-    };
-    let speed = (shown.using.master.velocity * shown.using.factors().master).abs();
-    let mut on = false;
-    let mut since = start;
-    let mut found = Vec::new();
-    // The first pass says how the second begins, if there is one.
-    for _pass in 0..if shown.using.repeated { 2 } else { 1 } {
-        found.clear();
-        since = start;
-        for tappet in tappets() {
-            let next = match tappet.action {
-                Action::On => true,
-                Action::Off => false,
-                Action::Invert => !on,
-                Action::Timed { delay_ns, duration_ns } => {
-                    #[expect(clippy::cast_precision_loss, reason = "a day at most")]
-                    let [delay, length] =
-                        [delay_ns, duration_ns].map(|ns| ns as f64 * 1e-9 * speed);
-                    let begin = tappet.master + delay;
-                    timed(&mut found, [begin, begin + length], [start, end], shown.using.repeated);
-                    continue;
-                }
-            };
-            if on && !next {
-                found.push([since, tappet.master]);
-            }
-            if next && !on {
-                since = tappet.master;
-            }
-            on = next;
-        }
-    }
-    if on {
-        found.push([since, end]);
-    }
-    found
-}
-
-/// A pulse, which may go on in the next pass.
-fn timed(
-    found: &mut Vec<[f64; 2]>,
-    [begin, until]: [f64; 2],
-    [start, end]: [f64; 2],
-    repeated: bool,
-) {
-    let width = end - start;
-    if !repeated {
-        if begin < end {
-            found.push([begin, until.min(end)]);
-        }
-        return;
-    }
-    if until - begin >= width {
-        found.push([start, end]);
-        return;
-    }
-    let begin_inside = start + (begin - start).rem_euclid(width);
-    let until_inside = begin_inside + (until - begin);
-    found.push([begin_inside, until_inside.min(end)]);
-    if until_inside > end {
-        found.push([start, until_inside - width]);
     }
 }
 
@@ -394,8 +334,23 @@ fn curve(shown: &Shown<'_>, quantity: usize) -> Vec<Vec<(f64, f64)>> {
     pieces
 }
 
+/// A number as an exponent.
+fn superscript(number: i32) -> String {
+    let digits = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+    let raised = |digit: char| {
+        let index = digit.to_digit(10).and_then(|digit| usize::try_from(digit).ok());
+        index.and_then(|index| digits.chars().nth(index)).unwrap_or(digit)
+    };
+    number.to_string().chars().map(raised).collect()
+}
+
 fn alike(one: f64, other: f64) -> bool {
     (one - other).abs() <= 1e-6 * one.abs().max(other.abs())
+}
+
+/// What was before stands back behind what is now.
+fn shade(index: usize, count: usize) -> RGBColor {
+    if index + 1 < count { color([160, 166, 176]) } else { color_of(0) }
 }
 
 /// Lowest and highest.

@@ -1,0 +1,75 @@
+//! When tappets are on.
+
+use super::Shown;
+use twin_motion::cam::{Action, Passage};
+
+/// Stretches of the cam on which the bit of a group is on when the master goes forwards, pass after pass.
+pub(in crate::cam) fn on_stretches(shown: &Shown<'_>, group: i16) -> Vec<[f64; 2]> {
+    let curve = shown.file.cam.curve();
+    let (start, end) = (curve.start(), curve.end());
+    let tappets = || {
+        let all = shown.file.cam.tappets().iter();
+        all.filter(|tappet| tappet.group == group && tappet.passage != Passage::Negative)
+    };
+    let speed = (shown.using.master.velocity * shown.using.factors().master).abs();
+    let mut on = false;
+    let mut since = start;
+    let mut found = Vec::new();
+    // The first pass says how the second begins, if there is one.
+    for _pass in 0..if shown.using.repeated { 2 } else { 1 } {
+        found.clear();
+        since = start;
+        for tappet in tappets() {
+            let next = match tappet.action {
+                Action::On => true,
+                Action::Off => false,
+                Action::Invert => !on,
+                Action::Timed { delay_ns, duration_ns } => {
+                    #[expect(clippy::cast_precision_loss, reason = "a day at most")]
+                    let [delay, length] =
+                        [delay_ns, duration_ns].map(|ns| ns as f64 * 1e-9 * speed);
+                    let begin = tappet.master + delay;
+                    timed(&mut found, [begin, begin + length], [start, end], shown.using.repeated);
+                    continue;
+                }
+            };
+            if on && !next {
+                found.push([since, tappet.master]);
+            }
+            if next && !on {
+                since = tappet.master;
+            }
+            on = next;
+        }
+    }
+    if on {
+        found.push([since, end]);
+    }
+    found
+}
+
+/// A pulse, which may go on in the next pass.
+fn timed(
+    found: &mut Vec<[f64; 2]>,
+    [begin, until]: [f64; 2],
+    [start, end]: [f64; 2],
+    repeated: bool,
+) {
+    let width = end - start;
+    if !repeated {
+        if begin < end {
+            found.push([begin, until.min(end)]);
+        }
+        return;
+    }
+    if until - begin >= width {
+        found.push([start, end]);
+        return;
+    }
+    let begin_inside = start + (begin - start).rem_euclid(width);
+    let until_inside = begin_inside + (until - begin);
+    found.push([begin_inside, until_inside.min(end)]);
+    if until_inside > end {
+        found.push([start, until_inside - width]);
+    }
+}

@@ -1,0 +1,173 @@
+//! What a recorded run tells: offsets and scalings, and the dead time of tappets.
+
+use super::super::CamFile;
+use super::super::check::CamUse;
+use super::super::run::{RecordedRun, RunSample};
+use super::TuneError;
+use twin_motion::cam::tune::{
+    DeadTime, Estimate, Fit, FitOptions, Free, Sample, Switching, dead_time, fit,
+};
+use twin_motion::cam::{Action, Passage, Tappet};
+
+/// Finds offsets and scalings in a run, beginning with those in use.
+///
+/// # Errors
+/// [`TuneError::Fit`] if the run does not say them, or contradicts the cam or itself.
+pub fn fit_run(
+    file: &CamFile,
+    using: &CamUse,
+    run: &RecordedRun,
+    free: Free,
+    scaling_range: f64,
+) -> Result<Fit, TuneError> {
+    let input = &using.coupling.input;
+    let options = FitOptions {
+        free,
+        master_offset: input.master_offset,
+        master_scaling: input.master_scaling,
+        scaling_range,
+        slave_offset: input.slave_offset,
+        slave_scaling: input.slave_scaling,
+        repeated: using.repeated,
+    };
+    let samples: Vec<_> = run
+        .samples
+        .iter()
+        .map(|sample| Sample { master: sample.master, slave: sample.slave, weight: 1.0 })
+        .collect();
+    fit(file.cam.curve(), &samples, &options).map_err(TuneError::Fit)
+}
+
+/// The value to a thousandth of its interval: digits beyond say nothing. What was given stays as it is.
+pub fn rounded(estimate: Estimate) -> f64 {
+    let Estimate { value, half_width } = estimate;
+    if !(half_width > 0.0 && half_width.is_finite()) {
+        return value;
+    }
+    let unit = 10_f64.powf((half_width * 1e-3).log10().floor());
+    // Through text: a multiple of a power of ten is not the nearest number to its decimal.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "limited just before"
+    )]
+    let decimals = (-unit.log10().round()).clamp(0.0, 15.0) as usize;
+    format!("{value:.decimals$}").parse().unwrap_or(value)
+}
+
+/// How far the slave of a run was from the cam: master and error of each sample.
+pub fn errors(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<(f64, f64)> {
+    let input = &using.coupling.input;
+    let curve = file.cam.curve();
+    let error = |sample: &RunSample| {
+        let x = sample.master * input.master_scaling + input.master_offset;
+        let y = if using.repeated { curve.repeated(x) } else { curve.at(x) };
+        (sample.master, sample.slave - using.slave_at(y.position))
+    };
+    run.samples.iter().map(error).collect()
+}
+
+/// Root mean square.
+pub fn rms(errors: &[(f64, f64)]) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
+    let count = errors.len().max(1) as f64;
+    (errors.iter().map(|(_, error)| error * error).sum::<f64>() / count).sqrt()
+}
+
+/// What the outputs of a run tell of the tappets that switch them.
+///
+/// An output that changes between two samples is taken to change half way between, and the tappet to be passed when the
+/// master, on straight lines between the samples, was there. Whose tappet it was is the nearest one that switches so in the
+/// master's direction.
+pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Switching> {
+    let input = &using.coupling.input;
+    let places: Vec<_> = run
+        .samples
+        .iter()
+        .map(|sample| (sample.time_s, sample.master * input.master_scaling + input.master_offset))
+        .collect();
+    let mut seen = Vec::new();
+    for (index, pair) in run.samples.windows(2).enumerate() {
+        let ([before, after], Some([from, to])) = (pair, places.get(index..index + 2)) else {
+            continue;
+        };
+        let velocity =
+            f64::midpoint(run.velocity(index), run.velocity(index + 1)) * input.master_scaling;
+        if velocity == 0.0 || !velocity.is_finite() {
+            continue;
+        }
+        let (time, place) = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
+        for ((group, was), is) in run.groups.iter().zip(&before.outputs).zip(&after.outputs) {
+            let Some((far, delay)) =
+                nearest(file, using, (*group, *is), place, velocity).filter(|_| was != is)
+            else {
+                continue;
+            };
+            let target = place - far - velocity * delay;
+            if let Some(passed) = passage(&places, index, target, velocity) {
+                let distance = velocity * (time - passed - delay);
+                // The time of a switching is known to half that between two samples: its place to that times the velocity.
+                seen.push(Switching { velocity, distance, weight: 1.0 / (velocity * velocity) });
+            }
+        }
+    }
+    seen
+}
+
+/// How far behind the nearest tappet of a group that switches so a place is, and the tappet's own delay, s.
+fn nearest(
+    file: &CamFile,
+    using: &CamUse,
+    (group, on): (i16, bool),
+    place: f64,
+    velocity: f64,
+) -> Option<(f64, f64)> {
+    let curve = file.cam.curve();
+    let width = curve.end() - curve.start();
+    let behind = |tappet: &Tappet| {
+        let delay = match (tappet.action, on) {
+            (Action::On | Action::Invert, true) | (Action::Off | Action::Invert, false) => 0.0,
+            #[expect(clippy::cast_precision_loss, reason = "a day at most")]
+            (Action::Timed { delay_ns, .. }, true) => delay_ns as f64 * 1e-9,
+            _ => return None,
+        };
+        let passes = match tappet.passage {
+            Passage::Every => true,
+            Passage::Positive => velocity > 0.0,
+            Passage::Negative => velocity < 0.0,
+        };
+        let far = place - tappet.master - velocity * delay;
+        let far = if using.repeated { far - (far / width).round() * width } else { far };
+        passes.then_some((far, delay))
+    };
+    let tappets = file.cam.tappets().iter().filter(|tappet| tappet.group == group);
+    tappets.filter_map(behind).min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
+}
+
+/// When the master was at `target` last before the sample behind `index`; a little later, if it comes there later only.
+fn passage(places: &[(f64, f64)], index: usize, target: f64, velocity: f64) -> Option<f64> {
+    let beyond = |place: f64| (place - target) * velocity.signum() >= 0.0;
+    let between = |from: &(f64, f64), to: &(f64, f64)| {
+        let share = (target - from.1) / (to.1 - from.1);
+        from.0 + share * (to.0 - from.0)
+    };
+    let crosses =
+        |pair: &&[(f64, f64)]| matches!(pair, [from, to] if !beyond(from.1) && beyond(to.1));
+    let time = |pair: &[(f64, f64)]| match pair {
+        [from, to] => Some(between(from, to)),
+        _ => None,
+    };
+    let before = places.get(..index + 2)?.windows(2).rev().find(crosses);
+    before.or_else(|| places.get(index..)?.windows(2).find(crosses)).and_then(time)
+}
+
+/// The dead time of what tappets switch, the compensation in use included: what `DeadTimeCompensation` should be.
+///
+/// # Errors
+/// [`TuneError::DeadTime`] if too few switchings were seen.
+pub fn tappet_dead_time(using: &CamUse, seen: &[Switching]) -> Result<DeadTime, TuneError> {
+    let found = dead_time(seen, false).map_err(TuneError::DeadTime)?;
+    let time = found.dead_time_s;
+    let dead_time_s = Estimate { value: time.value + using.coupling.dead_time_s, ..time };
+    Ok(DeadTime { dead_time_s, ..found })
+}

@@ -1,0 +1,187 @@
+//! Tuning a cam from a recorded run, limits and tolerances (`twin tune cam`): what is found, and the lines that apply it.
+
+mod from_run;
+mod shape;
+
+pub use from_run::{errors, fit_run, rms, rounded, switchings, tappet_dead_time};
+pub use shape::{PointTolerance, ShapeGoal, Shaped, shape};
+
+use super::CamFile;
+use super::check::CamUse;
+use super::edit::Change;
+use std::sync::Arc;
+use twin_motion::cam::tune::{
+    FitError, Free, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
+};
+use twin_motion::cam::{AxisState, CamTable, Element, Knot, Quantity, Shape, StartMode};
+
+/// Why something is not tuned.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TuneError {
+    /// Offsets and scalings.
+    #[error("offsets and scalings: {0}")]
+    Fit(#[source] FitError),
+    /// The dead time of tappets.
+    #[error("dead time of the tappets: {0}")]
+    DeadTime(#[source] FitError),
+    /// The shape.
+    #[error("shape: {0}")]
+    Reshape(#[from] ReshapeError),
+    /// The ramp.
+    #[error("ramp: {0}")]
+    Ramp(#[from] RampError),
+    /// A table has no points to move.
+    #[error("a table has no points that could be moved: only points of `elements` are")]
+    NoPoints,
+    /// A point that is to be moved is not there.
+    #[error("no point stands at master {0}; ends of lines stay where they are")]
+    NoPoint(f64),
+    /// No scaling keeps the limits.
+    #[error("no {what} keeps the limits: {why}")]
+    NoRoom {
+        /// Offset or scaling.
+        what: &'static str,
+        /// Why.
+        why: String,
+    },
+}
+
+/// Finds a ramp for a start.
+///
+/// # Errors
+/// [`TuneError::Ramp`] if there is none within the limits.
+pub fn ramp(
+    file: &CamFile,
+    using: &CamUse,
+    master: f64,
+    slave: AxisState,
+    goal: RampGoal,
+) -> Result<RampIn, TuneError> {
+    let mut table = CamTable::new(Arc::new(file.cam.clone()));
+    table.periodic = using.repeated;
+    table.slave_period = file.period.filter(|_| file.cam.curve().rise() != 0.0);
+    let mut input = using.coupling.input;
+    if matches!(input.start_mode, StartMode::Absolute | StartMode::Relative) {
+        input.start_mode = StartMode::RampIn;
+    }
+    let velocity = using.master.velocity;
+    let master = AxisState { position: master, velocity, acceleration: 0.0 };
+    let limits = using.limits.motion;
+    Ok(ramp_in(&RampWish { table, input, master, slave, limits, goal })?)
+}
+
+/// The nearest offset and scalings with which the cam keeps the limits, at the motion of the master: what is free is changed
+/// by as little as can be, the scalings are made smaller only.
+///
+/// # Errors
+/// [`TuneError::NoRoom`] if nothing does.
+pub fn within_limits(file: &CamFile, using: &CamUse, free: Free) -> Result<CamUse, TuneError> {
+    let mut found = *using;
+    let curve = file.cam.curve();
+    let peak = |using: &CamUse| {
+        Quantity::ALL.map(|quantity| {
+            let limit = match quantity {
+                Quantity::Velocity => using.limits.motion.velocity,
+                Quantity::Acceleration => using.limits.motion.acceleration,
+                Quantity::Jerk => using.limits.motion.jerk,
+            };
+            curve.peak(quantity, &using.master, using.factors()).value / limit
+        })
+    };
+    let worst = |using: &CamUse| peak(using).into_iter().fold(0.0, f64::max);
+    if free.master_scaling {
+        // All peaks grow with the scaling: halve until the largest one that keeps them is known to the last digit.
+        let scaled = |share: f64| {
+            let mut scaled = *using;
+            scaled.coupling.input.master_scaling *= share;
+            scaled
+        };
+        let (mut low, mut high) = (0.0, 1.0);
+        if worst(&scaled(1.0)) <= 1.0 {
+            low = 1.0;
+        }
+        while high - low > 1e-15 {
+            let middle = f64::midpoint(low, high);
+            if worst(&scaled(middle)) <= 1.0 {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        found = scaled(low);
+    }
+    let position = curve.extremes().position;
+    let [low, high] = found.limits.position;
+    let height = position.max - position.min;
+    if free.slave_scaling {
+        // Peaks are proportional to it.
+        let mut share = 1.0 / worst(&found).max(1.0);
+        if free.slave_offset && (high - low).is_finite() {
+            let scaling = found.coupling.input.slave_scaling.abs();
+            share = share.min((high - low) / (height * scaling)).min(1.0);
+        }
+        found.coupling.input.slave_scaling *= share * (1.0 - 2.0 * f64::EPSILON);
+        if same(share, 1.0) {
+            found.coupling.input.slave_scaling = using.coupling.input.slave_scaling;
+        }
+    }
+    if free.slave_offset {
+        let ends = [position.min, position.max].map(|y| found.slave_at(y));
+        let [bottom, top] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+        if top - bottom > (high - low) * (1.0 + 1e-12) {
+            let why =
+                format!("the cam is {} high, the way of the slave {}", top - bottom, high - low);
+            return Err(TuneError::NoRoom { what: "SlaveOffset", why });
+        }
+        let by = if bottom < low {
+            low - bottom
+        } else if top > high {
+            high - top
+        } else {
+            0.0
+        };
+        found.coupling.input.slave_offset += by;
+    }
+    let names = ["velocity", "acceleration", "jerk"];
+    for (part, name) in peak(&found).into_iter().zip(names) {
+        if part > 1.0 + 1e-9 && (free.master_scaling || free.slave_scaling) {
+            let why = format!("the slave's {name} is {:.1} % of its limit", part * 100.0);
+            return Err(TuneError::NoRoom { what: "scaling", why });
+        }
+    }
+    Ok(found)
+}
+
+/// The same number.
+#[expect(clippy::float_cmp, reason = "the same number or another one")]
+fn same(one: f64, other: f64) -> bool {
+    one == other
+}
+
+/// What brings the text of the cam's file from one use and shape to another.
+pub fn changes(before: &CamUse, after: &CamUse, shape: Option<(&CamFile, &[Knot])>) -> Vec<Change> {
+    let mut changes = Vec::new();
+    if let Some((file, knots)) = shape
+        && let Shape::Polynomial(old) = file.cam.shape()
+    {
+        let stands = |knot: &Knot| {
+            file.source.as_ref().is_none_or(|source| {
+                source.elements.iter().any(
+                    |element| matches!(element, Element::Point(point) if same(point.master, knot.master)),
+                )
+            })
+        };
+        let moved = old.iter().zip(knots).filter(|(old, new)| old != new);
+        changes.extend(moved.filter(|(_, new)| stands(new)).map(|(_, new)| Change::Point(*new)));
+    }
+    let pairs = before.coupling.numbers().into_iter().zip(after.coupling.numbers());
+    for ((key, _, old), (_, _, new)) in pairs {
+        if old.to_bits() != new.to_bits() {
+            changes.push(Change::Coupling(key, new));
+        }
+    }
+    if before.coupling.start_mode() != after.coupling.start_mode() {
+        changes.push(Change::CouplingWord("start_mode", after.coupling.start_mode()));
+    }
+    changes
+}
