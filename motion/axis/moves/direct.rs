@@ -4,7 +4,8 @@ use crate::axis::ownership::Start;
 use crate::axis::profile::{AxisLimits, Profile, State};
 use crate::axis::{Axis, AxisState, Block, Motion, Progress, SmcError, Stage};
 
-/// A set-point that a program gives every cycle. Nothing is checked by the `SMC_Follow…` blocks.
+/// A set-point that a program gives every cycle. Nothing is checked by the `SMC_Follow…` blocks, but that it is a number:
+/// without one a moving axis brakes, with error 30.
 ///
 /// As a [`Block`] it is `SMC_FollowPosition`, `SMC_FollowVelocity` or `SMC_FollowPositionVelocity`: it moves the axis from
 /// the rising edge until another block does.
@@ -44,6 +45,16 @@ impl Follow {
     }
 }
 
+/// What is no number is no set-point. At rest the axis stays; in motion that is as if the block had not been called: an
+/// error 30, with which the axis brakes.
+fn without_setpoint(axis: &Axis) -> Result<Progress, SmcError> {
+    let State { position, velocity, .. } = axis.saved_base;
+    if velocity != 0.0 {
+        return Err(SmcError::FbWasntCalledDuringMotion);
+    }
+    Ok(Progress { setpoint: State::resting(position), stage: Stage::Busy })
+}
+
 /// From the last set-point to the program's `position`, on a rotary axis the short way round, u.
 fn short_way(axis: &Axis, position: f64) -> f64 {
     let way = axis.to_drive(position) - axis.saved_base.position;
@@ -61,12 +72,10 @@ impl Motion for Follow {
     }
 
     fn step(&self, (): &mut (), axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        // What is no number is no set-point: the axis stays where it is.
-        let setpoint = if self.is_finite() {
-            self.wanted(axis)
-        } else {
-            State::resting(axis.saved_base.position)
-        };
+        if !self.is_finite() {
+            return without_setpoint(axis);
+        }
+        let setpoint = self.wanted(axis);
         Ok(Progress { setpoint, stage: Stage::Busy })
     }
 }
@@ -134,8 +143,7 @@ impl Motion for ControlAxisBy {
 
     fn step(&self, bridging: &mut bool, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
         if !self.setpoint.is_finite() {
-            let setpoint = State::resting(axis.saved_base.position);
-            return Ok(Progress { setpoint, stage: Stage::Busy });
+            return without_setpoint(axis);
         }
         let (wanted, before) = (self.setpoint.wanted(axis), axis.saved_base);
         // A position may jump that comes with a velocity of its own: its way is not that of the velocities then.
