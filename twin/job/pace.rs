@@ -9,7 +9,10 @@ use super::engine::State;
 /// A factor this much above what it shall be counts as that.
 const SAME: f64 = 1e-9;
 
-/// How long the factor takes from 1 to 0 at most, s, also where an axis would rather not.
+/// How long axes may forbid a slower pace, s; they do while they brake as hard as they can themselves.
+const PATIENCE: f64 = 0.5;
+
+/// How long the factor takes from 1 to 0 then, s.
 const LONGEST_STOP: f64 = 5.0;
 
 /// What an axis bears.
@@ -29,6 +32,8 @@ pub(super) struct Pace {
     /// Its change per s.
     slope: f64,
     wanted: f64,
+    /// How long it has stayed although it shall be less, s.
+    forbidden: f64,
     /// Between two set-points of the job, 0 to 1.
     phase: f64,
 }
@@ -37,7 +42,7 @@ impl Pace {
     /// From the beginning with this factor; more than 1 is 1.
     pub(super) fn new(factor: f64) -> Self {
         let rate = factor.clamp(0.0, 1.0);
-        Self { rate, slope: 0.0, wanted: rate, phase: 0.0 }
+        Self { rate, slope: 0.0, wanted: rate, forbidden: 0.0, phase: 0.0 }
     }
 
     /// Wants another factor; more than 1 is 1.
@@ -69,6 +74,7 @@ impl Pace {
         } else {
             self.slope = self.bearable(change, states, cycle);
             self.rate = before + self.slope * cycle;
+            self.forbidden = if self.slope == 0.0 { self.forbidden + cycle } else { 0.0 };
             let reached = (self.wanted - self.rate) * change <= 0.0;
             if reached {
                 (self.rate, self.slope) = (self.wanted, 0.0);
@@ -95,23 +101,35 @@ impl Pace {
         cycle: f64,
     ) -> f64 {
         let (mut most, mut bend) = (f64::INFINITY, f64::INFINITY);
-        for (State { velocity, acceleration, .. }, bears) in states {
-            if velocity == 0.0 {
-                continue;
-            }
-            // a·r² + v·dr/dt is to stay within the acceleration, v·d²r/dt² within the jerk.
-            let own = acceleration * self.rate * self.rate;
-            let push = velocity * change.signum();
-            let room = if push > 0.0 { bears.acceleration - own } else { bears.acceleration + own };
-            most = most.min((room / push.abs()).max(0.0));
-            bend = bend.min(bears.jerk / push.abs());
+        for (state, bears) in states.filter(|(state, _)| state.velocity != 0.0) {
+            most = most.min(self.room(state, bears, change, cycle));
+            // v·d²r/dt² is to stay within the jerk.
+            bend = bend.min(bears.jerk / state.velocity.abs());
         }
-        let slowest = if change < 0.0 { LONGEST_STOP.recip() } else { 0.0 };
-        // Slow enough to be level again where it shall be.
-        let level = (2.0 * bend * change.abs()).sqrt();
+        let insists = change < 0.0 && self.forbidden > PATIENCE;
+        let slowest = if insists { LONGEST_STOP.recip() } else { 0.0 };
+        // Slow enough to be level again where it shall be, cycle by cycle.
+        let level = if bend.is_finite() {
+            bend * ((0.25 * cycle * cycle + 2.0 * change.abs() / bend).sqrt() - 0.5 * cycle)
+        } else {
+            f64::INFINITY
+        };
         let along = self.slope * change.signum();
         let speed = (along + bend * cycle).max(0.0).min(level).min(most).max(slowest);
         change.signum() * speed.min(change.abs() / cycle)
+    }
+
+    /// How fast the rate may change in the direction of `change`, per s, so that a·r² + v·dr/dt of an axis stays within its
+    /// acceleration.
+    fn room(&self, state: State, bears: Bears, change: f64, cycle: f64) -> f64 {
+        let push = state.velocity * change.signum();
+        let at = |rate: f64| {
+            let own = state.acceleration * rate * rate * push.signum();
+            ((bears.acceleration - own) / push.abs()).max(0.0)
+        };
+        // The rate at the end of the cycle counts, of which this is a bound.
+        let end = (self.rate + change.signum() * at(self.rate) * cycle).clamp(0.0, 1.0);
+        at(self.rate).min(at(end))
     }
 
     /// How an axis moves between two set-points of the job, `cycle` (s) apart; `before` is the factor a cycle ago.
