@@ -34,7 +34,7 @@ fn lift(place: f64) -> f64 {
     }
 }
 
-/// Three seconds at 400 deg/s, with a little noise: MasterOffset 25, SlaveOffset −4, tappets 8 ms late.
+/// Three seconds at 400 deg/s, with a little noise: `MasterOffset` 25, `SlaveOffset` −4, tappets 8 ms late.
 fn recorded() -> String {
     let mut text = String::from("time_s,master_deg,slave_mm,tappet_1\n");
     for index in 0..1500_u32 {
