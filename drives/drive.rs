@@ -11,6 +11,9 @@ pub const MAX_DRIVE_AXES: usize = 5;
 /// Whole increments (steps) per axis of one device.
 pub type Increments = [i64; MAX_DRIVE_AXES];
 
+/// Where each axis of a device has been sent, increments; `None` where that is not known.
+pub type Commanded = [Option<i64>; MAX_DRIVE_AXES];
+
 /// Where the axes of one device shall be at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct IncrementMotion {
@@ -174,6 +177,13 @@ pub trait Drive: Send {
     /// # Errors
     /// As [`Self::sample`] and [`Self::move_to`].
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError>;
+
+    /// Where the last commands that the device has confirmed send the axes, as the driver remembers it; the device is
+    /// asked nothing. `None` for an axis of which it is not known: it has been sent nowhere, a command was not confirmed,
+    /// or something else (a stop, homing, another zero) has come since.
+    fn commanded(&self) -> Commanded {
+        [None; MAX_DRIVE_AXES]
+    }
 
     /// Brings every axis to rest on its ramp.
     ///

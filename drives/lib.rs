@@ -15,6 +15,7 @@ mod follow;
 pub mod interpcnc;
 mod kept;
 mod pause;
+mod port;
 mod pty;
 mod question;
 mod ramp;
@@ -34,10 +35,12 @@ pub use device::{
     Values,
 };
 pub use drive::{
-    Drive, HomingWays, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample, SetpointStream,
+    Commanded, Drive, HomingWays, IncrementMotion, Increments, MAX_DRIVE_AXES, Sample,
+    SetpointStream,
 };
 pub use error::{Action, Axes, DriveError, EmulatorError, Exchange, ProtocolFault};
 pub use fault::{Direction, FaultRule, FaultyWire, When, WireFault};
+pub use port::Port;
 pub use question::OpenQuestion;
 pub use rehearsal::{Rehearsal, WireRates};
 pub use stamp::Stamp;

@@ -1,12 +1,18 @@
 //! Pseudo-terminals: a serial port without hardware for an emulated device.
+//!
+//! A pseudo-terminal keeps the speed that its master has set and goes at none: [`AtSpeed`] makes a device deaf to masters
+//! at another speed. Parity is not kept (Linux sets 8 bits without parity whatever is asked for), so it cannot be told.
 
 use std::{
     fs, io,
-    os::unix::fs::symlink,
+    os::unix::fs::{MetadataExt, symlink},
     path::{Path, PathBuf},
+    pin::Pin,
+    task::{Context, Poll, ready},
 };
 
 use serialport::{SerialPort, TTYPort};
+use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 
 use crate::EmulatorError;
 
@@ -18,12 +24,12 @@ use crate::EmulatorError;
 pub(crate) struct PseudoTerminal {
     path: PathBuf,
     link: Option<PathBuf>,
-    _keeper: TTYPort,
+    keeper: TTYPort,
 }
 
 impl PseudoTerminal {
     /// Opens a pair and gives the near end (master) with it. `link`, if any, becomes a symbolic link to the far end;
-    /// one there that leads nowhere is replaced.
+    /// one there that leads nowhere, or was made for a terminal that is no more, is replaced.
     pub(crate) fn open(link: Option<&Path>) -> Result<(TTYPort, Self), EmulatorError> {
         let terminal = |source: io::Error| EmulatorError::Terminal { source };
         // pair() gives (master, slave).
@@ -35,7 +41,24 @@ impl PseudoTerminal {
         if let Some(link) = link {
             make_link(&path, link)?;
         }
-        Ok((master, Self { path, link: link.map(Path::to_path_buf), _keeper: keeper }))
+        Ok((master, Self { path, link: link.map(Path::to_path_buf), keeper }))
+    }
+
+    /// The near end for a device that speaks at `baud`, which is also the speed of masters that set none. With `any`
+    /// speed it understands all masters.
+    ///
+    /// # Errors
+    /// If the terminal takes no speed.
+    pub(crate) fn at_speed<S>(
+        &mut self,
+        stream: S,
+        baud: u32,
+        any: bool,
+    ) -> Result<AtSpeed<S>, EmulatorError> {
+        let terminal = |error: serialport::Error| EmulatorError::Terminal { source: error.into() };
+        self.keeper.set_baud_rate(baud).map_err(terminal)?;
+        let far = self.keeper.try_clone_native().map_err(terminal)?;
+        Ok(AtSpeed { stream, far, baud: (!any).then_some(baud) })
     }
 
     /// Path of the far end.
@@ -56,11 +79,76 @@ impl Drop for PseudoTerminal {
     }
 }
 
+/// The near end of a pseudo-terminal whose device understands one speed only: what a master sends at another is noise to
+/// it, of which a frame's check leaves nothing.
+#[derive(Debug)]
+pub(crate) struct AtSpeed<S> {
+    stream: S,
+    far: TTYPort,
+    /// Bits per second; none if all are understood.
+    baud: Option<u32>,
+}
+
+impl<S> AtSpeed<S> {
+    /// Whether the master speaks as the device does; one whose speed cannot be told does.
+    fn understands(&self) -> bool {
+        let Some(baud) = self.baud else { return true };
+        self.far.baud_rate().map_or(true, |set| set == baud)
+    }
+}
+
+impl<S: AsyncRead + Unpin> AsyncRead for AtSpeed<S> {
+    fn poll_read(
+        mut self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+        buf: &mut ReadBuf<'_>,
+    ) -> Poll<io::Result<()>> {
+        let before = buf.filled().len();
+        loop {
+            ready!(Pin::new(&mut self.stream).poll_read(cx, buf))?;
+            // Nothing read is the end of the stream.
+            if buf.filled().len() == before || self.understands() {
+                return Poll::Ready(Ok(()));
+            }
+            buf.set_filled(before);
+        }
+    }
+}
+
+impl<S: AsyncWrite + Unpin> AsyncWrite for AtSpeed<S> {
+    fn poll_write(
+        mut self: Pin<&mut Self>,
+        cx: &mut Context<'_>,
+        bytes: &[u8],
+    ) -> Poll<io::Result<usize>> {
+        Pin::new(&mut self.stream).poll_write(cx, bytes)
+    }
+
+    fn poll_flush(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_flush(cx)
+    }
+
+    fn poll_shutdown(mut self: Pin<&mut Self>, cx: &mut Context<'_>) -> Poll<io::Result<()>> {
+        Pin::new(&mut self.stream).poll_shutdown(cx)
+    }
+}
+
+/// Whether a link was made for a terminal that is no more: it leads nowhere, or to a terminal that is younger than the
+/// link, because numbers of terminals are given anew – perhaps that of the one the link is now wanted for.
+fn is_left_behind(link: &Path, own: &Path) -> bool {
+    let Ok(target) = fs::metadata(link) else { return true };
+    if fs::canonicalize(link).is_ok_and(|target| target == own) {
+        return true;
+    }
+    let made = |of: &fs::Metadata| (of.ctime(), of.ctime_nsec());
+    fs::symlink_metadata(link).is_ok_and(|link| made(&target) > made(&link))
+}
+
 fn make_link(path: &Path, link: &Path) -> Result<(), EmulatorError> {
     let failed = |source| EmulatorError::Link { path: link.to_path_buf(), source };
     match fs::symlink_metadata(link) {
-        // A link that leads nowhere was left behind by an emulator that could not clean up.
-        Ok(metadata) if metadata.is_symlink() && fs::metadata(link).is_err() => {
+        // Left by an emulator that could not clean up.
+        Ok(metadata) if metadata.is_symlink() && is_left_behind(link, path) => {
             fs::remove_file(link).map_err(failed)?;
         }
         Ok(_) => return Err(EmulatorError::LinkTaken { path: link.to_path_buf() }),
@@ -111,6 +199,57 @@ mod tests {
         symlink("/dev/pts/no such terminal", &link).unwrap();
         let (_third, third) = PseudoTerminal::open(Some(&link)).unwrap();
         assert_eq!(fs::read_link(&link).unwrap(), third.path());
+    }
+
+    #[test]
+    fn a_link_whose_terminal_has_gone_is_replaced_though_its_number_is_in_use_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("board");
+        // Made before the terminal it leads to, as a link is that was left behind.
+        let terminal = PseudoTerminal::open(None).unwrap();
+        let number = terminal.1.path().to_path_buf();
+        drop(terminal);
+        symlink(&number, &link).unwrap();
+        // Timestamps go by ticks of the kernel.
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        // Somebody else, or the very terminal that the link is wanted for, has that number now.
+        let mut held = Vec::new();
+        while !number.exists() {
+            held.push(PseudoTerminal::open(None).unwrap());
+        }
+        let (_new, new) = PseudoTerminal::open(Some(&link)).unwrap();
+        assert_eq!(fs::read_link(&link).unwrap(), new.path());
+        // Of its own number.
+        let (_own, own) = PseudoTerminal::open(None).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("board");
+        symlink(own.path(), &link).unwrap();
+        make_link(own.path(), &link).unwrap();
+        assert_eq!(fs::read_link(&link).unwrap(), own.path());
+    }
+
+    #[tokio::test]
+    async fn what_comes_at_another_speed_is_not_understood() {
+        use tokio::io::AsyncReadExt;
+        for (any, heard) in [(false, "fast"), (true, "slowfast")] {
+            let (master, mut far) = PseudoTerminal::open(None).unwrap();
+            let stream = tokio_serial::SerialStream::try_from(master).unwrap();
+            let mut near = far.at_speed(stream, 115_200, any).unwrap();
+            let mut received = vec![0; heard.len()];
+            let name = far.path().to_str().unwrap().to_owned();
+            let read = near.read_exact(&mut received);
+            let sent = async {
+                for (baud, text) in [(9600, "slow"), (115_200, "fast")] {
+                    let mut peer = TTYPort::open(&serialport::new(&name, baud)).unwrap();
+                    peer.write_all(text.as_bytes()).unwrap();
+                    // Until it is read: a speed is that of all bytes on their way.
+                    tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+                }
+            };
+            let (read, ()) = tokio::join!(read, sent);
+            read.unwrap();
+            assert_eq!(received, heard.as_bytes());
+        }
     }
 
     #[test]

@@ -208,7 +208,8 @@ pub(crate) fn rehearsal(
             let axes: Vec<_> =
                 machine.axes_of(index).map(|(_, axis)| smartdrive_axis(axis, entry)).collect();
             let response = Duration::from_micros(entry.response_us.into());
-            let delays = BusDelays { response, ..BusDelays::default() };
+            let answers = entry.assumptions.answer_length;
+            let delays = BusDelays { response, answers, ..BusDelays::default() };
             Box::new(SmartDriveRehearsal::new(&axes, delays))
         }
         DriveFamily::Bim2Ax(entry) => {
@@ -225,6 +226,11 @@ fn most_increments_per_s(axis: &Axis) -> f64 {
     (axis.max_velocity * axis.increments_per_si()).abs() * CATCH_UP
 }
 
+/// The largest velocity of an axis, m/s or rad/s, that a drive which makes so many increments/s can follow.
+pub(crate) fn velocity_within(axis: &Axis, increments_per_s: f64) -> f64 {
+    increments_per_s / axis.increments_per_si().abs() / CATCH_UP
+}
+
 /// A number from 1 to `most`, upwards.
 fn counted(value: f64, most: u32) -> u32 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
@@ -239,7 +245,7 @@ fn narrow(value: f64, most: u16) -> u16 {
 
 /// Software limits for a device, increments: an increment beyond those of the axis, where an axis may stand; those given for
 /// an axis without.
-fn software_limits(axis: &Axis, none: [i32; 2]) -> [i32; 2] {
+pub(crate) fn software_limits(axis: &Axis, none: [i32; 2]) -> [i32; 2] {
     if !axis.limited {
         return none;
     }

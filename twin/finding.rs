@@ -16,6 +16,10 @@ pub enum Rule {
     ArcGeometry,
     /// Where a probing move ends, or that it does not end as it must, or that nobody knows where it ends.
     Probe,
+    /// A block of a job that ends with an error, or a job that does not end.
+    FunctionBlock,
+    /// An axis that follows another one and is moved by the program, or cannot follow.
+    Coupling,
     /// A point the machine cannot reach.
     Reach,
     /// An axis beyond its software limits.
@@ -56,11 +60,13 @@ pub enum Rule {
 
 impl Rule {
     /// All of them.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 24] = [
         Self::Syntax,
         Self::UnsupportedWord,
         Self::ArcGeometry,
         Self::Probe,
+        Self::FunctionBlock,
+        Self::Coupling,
         Self::Reach,
         Self::AxisPosition,
         Self::AxisVelocity,
@@ -88,6 +94,8 @@ impl Rule {
             Self::UnsupportedWord => "unsupported-word",
             Self::ArcGeometry => "arc-geometry",
             Self::Probe => "probe",
+            Self::FunctionBlock => "function-block",
+            Self::Coupling => "coupling",
             Self::Reach => "reach",
             Self::AxisPosition => "axis-position",
             Self::AxisVelocity => "axis-velocity",
@@ -127,6 +135,14 @@ impl Rule {
             Self::Probe => [
                 "where a probing move trips, or that it does not as it must, or that nobody knows",
                 "say in the machine file what is around the machine, and begin the move where the tool is free",
+            ],
+            Self::FunctionBlock => [
+                "a block of a job that ends with an error, or a job that does not end",
+                "`twin explain NUMBER` says what the error means; give endless motions a duration_s or an MC_Halt",
+            ],
+            Self::Coupling => [
+                "an axis that follows another one by a gear or cam of the machine file, and is moved by the program or cannot follow",
+                "leave the slave out of the program, or the coupling out of the machine file",
             ],
             Self::Reach => [
                 "a point the arms cannot reach",

@@ -1,9 +1,11 @@
 //! What a run looks like: feeds the view with the programmed path and with what twin and drives do.
 
 use crate::compare::Measured;
+use crate::job::JobSetpoints;
 use crate::machine::{AxisKind, Machine, SimulationError};
 use crate::physics::{ClearanceScan, MotorState};
-use crate::program::{ElementItem, Elements, ProgramFile};
+use crate::planning::PlanItem;
+use crate::program::{Dialect, ElementItem, Elements, ProgramFile};
 use crate::session::{DriveSample, TwinCycle};
 use nalgebra::{Isometry3, Point3};
 use std::collections::VecDeque;
@@ -117,6 +119,9 @@ impl<'m> Picture<'m> {
             drives,
         };
         let mut scene = Scene::open(options, &setup)?;
+        if program.dialect() == Dialect::Job {
+            show_job(machine, &mut scene, program)?;
+        }
         show_path(machine, &mut scene, program.elements(&machine.conditions)?, |kind| kind)?;
         if program.is_changed_by_preparation(&machine.conditions)? {
             let prepared = program.prepared(&machine.conditions)?;
@@ -284,6 +289,30 @@ fn show_path(
         }
     }
     scene.programmed_path(&joined(strips))?;
+    Ok(())
+}
+
+/// Shows the way of the tool in a job, which has no path.
+fn show_job(
+    machine: &Machine,
+    scene: &mut Scene,
+    program: &ProgramFile,
+) -> Result<(), PictureError> {
+    let mut points: Vec<Point3<f64>> = Vec::new();
+    for item in JobSetpoints::open(machine, program)? {
+        let PlanItem::Axes(setpoint) = item else { continue };
+        let point = setpoint.tool.pose.position;
+        if points.last().is_none_or(|last| (point - last).norm() >= CHORD) {
+            points.push(point);
+        }
+        if points.len() >= BATCH {
+            let last = points.last().copied();
+            let strip = PathStrip { kind: MoveKind::Cut, points: std::mem::take(&mut points) };
+            scene.programmed_path(&[strip])?;
+            points.extend(last);
+        }
+    }
+    scene.programmed_path(&[PathStrip { kind: MoveKind::Cut, points }])?;
     Ok(())
 }
 

@@ -1,14 +1,15 @@
 //! The real drives of a machine file, on the ports that it names.
 
+use crate::advice::advice;
 use crate::emulated::{driver_options, smartdrive_axis};
 use crate::machine::{Bim2AxEntry, DeviceEntry, DriveFamily, Machine};
-use std::fs::{File, TryLockError};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 use twin_drives::bim2ax::{
-    Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, MappedMemory, Memory, MemoryFile, ModuleAxis,
+    Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, MappedMemory, Master, Memory, MemoryFile,
+    ModuleAxis,
 };
 use twin_drives::interpcnc::{InterpCncDrive, InterpCncOptions};
 use twin_drives::smartdrive::{SmartDriveBus, SmartDriveOptions};
@@ -33,6 +34,16 @@ pub enum OpenError {
         /// Why.
         source: DriveError,
     },
+}
+
+impl OpenError {
+    /// What can be done about it.
+    pub fn advice(&self) -> Option<String> {
+        match self {
+            Self::NoPort { .. } => None,
+            Self::Drive { source, .. } => advice(source).map(|advice| format!("help: {advice}")),
+        }
+    }
 }
 
 /// Opens the port of a device, by its place in [`Machine::drives`], with its driver. Sends nothing.
@@ -97,33 +108,59 @@ fn module(
     Bim2AxDrive::new(port, memory, &options)
 }
 
-/// The memory of a module: a device, of which nobody else may be the master meanwhile, or an emulator's file, which that has
-/// locked for itself.
+/// The memory of a module, a device or an emulator's file, of which nobody else may be the master meanwhile.
 ///
 /// # Errors
-/// If it cannot be opened, or another program has the device.
+/// If it cannot be opened, or another program is its master.
 pub(crate) fn module_memory(path: &Path, map_offset: Option<u64>) -> io::Result<ModuleMemory> {
     let Some(start) = map_offset else { return Ok(ModuleMemory::File(MemoryFile::open(path)?)) };
     let memory = MappedMemory::open(path, start)?;
-    let lock = File::open(path)?;
-    match lock.try_lock() {
-        Ok(()) => Ok(ModuleMemory::Device { memory, _lock: lock }),
-        Err(TryLockError::WouldBlock) => {
-            Err(io::Error::new(io::ErrorKind::ResourceBusy, "another program is its master"))
+    Ok(ModuleMemory::Device { memory, _master: Master::of_device(path)? })
+}
+
+/// The same, but beside a master where there is another one: for a stop, which has to get through.
+///
+/// # Errors
+/// If it cannot be opened.
+pub(crate) fn module_beside(path: &Path, map_offset: Option<u64>) -> io::Result<ModuleMemory> {
+    match (module_memory(path, map_offset), map_offset) {
+        (Err(error), None) if error.kind() == io::ErrorKind::ResourceBusy => {
+            Ok(ModuleMemory::Beside(Box::new(MemoryFile::beside(path)?)))
         }
-        Err(TryLockError::Error(error)) => Err(error),
+        (Err(error), Some(start)) if error.kind() == io::ErrorKind::ResourceBusy => {
+            Ok(ModuleMemory::Beside(Box::new(MappedMemory::open(path, start)?)))
+        }
+        (memory, _) => memory,
     }
 }
 
 /// The memory of a module.
-#[derive(Debug)]
 pub(crate) enum ModuleMemory {
     File(MemoryFile),
     /// Others are kept from it as long as this lives.
     Device {
         memory: MappedMemory,
-        _lock: File,
+        _master: Master,
     },
+    /// Another program is its master.
+    Beside(Box<dyn Memory>),
+}
+
+impl std::fmt::Debug for ModuleMemory {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::File(_) => "a memory file",
+            Self::Device { .. } => "a device",
+            Self::Beside(_) => "a module that has another master",
+        })
+    }
+}
+
+impl ModuleMemory {
+    /// Whether another program is the master of the module.
+    pub(crate) fn is_beside(&self) -> bool {
+        matches!(self, Self::Beside(_))
+    }
 }
 
 impl Memory for ModuleMemory {
@@ -131,6 +168,7 @@ impl Memory for ModuleMemory {
         match self {
             Self::File(memory) => memory.read(offset, bytes),
             Self::Device { memory, .. } => memory.read(offset, bytes),
+            Self::Beside(memory) => memory.read(offset, bytes),
         }
     }
 
@@ -138,13 +176,14 @@ impl Memory for ModuleMemory {
         match self {
             Self::File(memory) => memory.write(offset, bytes),
             Self::Device { memory, .. } => memory.write(offset, bytes),
+            Self::Beside(memory) => memory.write(offset, bytes),
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::module_memory;
+    use super::{module_beside, module_memory};
     use std::io::ErrorKind;
 
     #[test]
@@ -154,7 +193,9 @@ mod tests {
         std::fs::write(&path, [0; 512]).unwrap();
         let first = module_memory(&path, Some(256)).unwrap();
         assert_eq!(module_memory(&path, Some(0)).unwrap_err().kind(), ErrorKind::ResourceBusy);
+        assert!(module_beside(&path, Some(0)).unwrap().is_beside(), "a stop gets through");
         drop(first);
+        assert!(!module_beside(&path, Some(0)).unwrap().is_beside());
         assert!(module_memory(&path, Some(0)).is_ok());
     }
 }

@@ -1,10 +1,9 @@
 //! Set-points per axis: the one stream that physics and drives both get.
 
+use crate::coupled::{AxesError, Coupled};
 use crate::m_function::MCall;
 use crate::machine::Machine;
-use twin_kinematics::{
-    AxisMotion, AxisSource, AxisVector, Kinematics, KinematicsError, Pose, ToolMotion,
-};
+use twin_kinematics::{AxisMotion, AxisSource, AxisVector, Kinematics, Pose, ToolMotion};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
 
@@ -54,6 +53,7 @@ pub struct Transformer<'m> {
     machine: &'m Machine,
     near: AxisVector,
     has_additional: bool,
+    coupled: Coupled<'m>,
 }
 
 impl<'m> Transformer<'m> {
@@ -61,7 +61,8 @@ impl<'m> Transformer<'m> {
     pub fn new(machine: &'m Machine) -> Self {
         let mut sources = machine.kinematics.sources().iter();
         let has_additional = sources.any(|source| matches!(source, AxisSource::Additional(_)));
-        Self { machine, near: machine.middle(), has_additional }
+        let coupled = Coupled::new(machine);
+        Self { machine, near: machine.middle(), has_additional, coupled }
     }
 
     /// The additional axes go where the program says, in their technical unit: degrees or mm.
@@ -84,12 +85,12 @@ impl<'m> Transformer<'m> {
     /// not have are left out.
     ///
     /// # Errors
-    /// What the kinematics refuses.
+    /// What the kinematics refuses, and what the gears and cams of the machine do.
     pub fn axes(
         &mut self,
         tool: &ToolSetpoint,
         m_call: Option<MCall>,
-    ) -> Result<AxisSetpoint, KinematicsError> {
+    ) -> Result<AxisSetpoint, AxesError> {
         let [direction, direction_velocity, direction_acceleration] =
             self.machine.direction.at(tool);
         let work = ToolMotion {
@@ -99,12 +100,16 @@ impl<'m> Transformer<'m> {
             direction_velocity,
             direction_acceleration,
         };
-        let motion = self.machine.frame.motion_to_machine(&work);
+        let mut motion = self.machine.frame.motion_to_machine(&work);
         let mut axes = self.machine.kinematics.inverse_motion(&motion, &self.near)?;
         if self.has_additional {
             self.add_additional(tool, &mut axes);
         }
         self.near = axes.position;
+        self.coupled.apply(&mut axes, tool.time_ns)?;
+        if self.coupled.moves_tool() {
+            motion = self.machine.kinematics.forward_motion(&axes)?;
+        }
         Ok(AxisSetpoint {
             time_ns: tool.time_ns,
             place: tool.place,

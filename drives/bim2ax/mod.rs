@@ -41,7 +41,7 @@ pub use describe::describe_messages;
 pub use drive::Bim2AxDrive;
 pub use driver::{Bim2Ax, Bim2AxOptions, BusStamp, Identity, Move, Start};
 pub use memory::{
-    ByteOrder, FILE_LENGTH, MappedMemory, Memory, MemoryFile, SharedModule, file_offset,
+    ByteOrder, FILE_LENGTH, MappedMemory, Master, Memory, MemoryFile, SharedModule, file_offset,
 };
 pub use mode::DriveMode;
 pub use options::Bim2AxDriveOptions;

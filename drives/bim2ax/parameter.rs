@@ -1,6 +1,7 @@
 //! The parameters of the module (manual 3).
 
 use super::{AXES, DriveMode, REFERENCES, axis::MOST_POSITION};
+use crate::Values;
 
 /// Orders of the zone "Paramètre" (2.1.3).
 pub mod order {
@@ -67,6 +68,28 @@ pub enum Range {
     Unused,
     /// Cannot be written.
     ReadOnly,
+}
+
+impl Range {
+    /// The numbers that a module of this rating, mA, takes.
+    pub fn values(self, rating_ma: i64) -> Values {
+        let most = i64::from(MOST_POSITION);
+        match self {
+            Self::Bits => Values::Between(0, 0xFFFF),
+            Self::Mode => {
+                let modes = (0..=u16::MAX).filter(|code| DriveMode::from_code(*code).is_some());
+                Values::OneOf(modes.map(i64::from).collect())
+            }
+            // 3.1.3: from 3 % of the rating on.
+            Self::Current => Values::Between(rating_ma * 3 / 100, rating_ma),
+            Self::Distance => Values::Between(0, i32::MAX.into()),
+            Self::Positive => Values::Between(1, 0xFFFF),
+            Self::Position => Values::Between(-most, most),
+            Self::EncoderBits => Values::Between(0, 27),
+            Self::Signed | Self::ReadOnly => Values::Between(i32::MIN.into(), i32::MAX.into()),
+            Self::Unused => Values::Between(0, u32::MAX.into()),
+        }
+    }
 }
 
 /// What there is for each axis.

@@ -37,7 +37,7 @@ impl fmt::Display for Identity {
 
 impl fmt::Display for UnitIdentity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let station = (self.station != 0).then(|| format!("station {}", self.station));
+        let station = (self.station != 0).then(|| format!("address {}", self.station));
         let firmware = self.firmware.as_ref().map(|version| format!("firmware {version}"));
         let serial = self.serial.as_ref().map(|number| format!("serial number {number}"));
         let details = self.details.iter().map(|(name, value)| format!("{name} {value}"));
@@ -62,7 +62,7 @@ mod tests {
         let second =
             UnitIdentity { station: 4, serial: Some("77".to_owned()), ..Default::default() };
         let identity = Identity { family: "SmartDRIVE", units: vec![first, second] };
-        let text = "SmartDRIVE, station 3, firmware 1.2.0, PID 5342h; station 4, serial number 77";
+        let text = "SmartDRIVE, address 3, firmware 1.2.0, PID 5342h; address 4, serial number 77";
         assert_eq!(identity.to_string(), text);
     }
 }

@@ -17,7 +17,7 @@ impl fmt::Display for ParameterId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.station {
             0 => write!(f, "parameter {}", self.number),
-            station => write!(f, "parameter {} of station {station}", self.number),
+            station => write!(f, "parameter {} at address {station}", self.number),
         }
     }
 }

@@ -120,7 +120,7 @@ impl fmt::Display for Exchange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.port)?;
         if self.station != 0 {
-            write!(f, ", station {}", self.station)?;
+            write!(f, ", address {}", self.station)?;
         }
         if self.action == Action::Nothing {
             return Ok(());

@@ -85,7 +85,7 @@ pub enum DriveError {
         /// Where.
         at: Exchange,
     },
-    /// Homing has ended without a home position, or not ended in time (SmartDRIVE).
+    /// Homing has ended without a home position (SmartDRIVE).
     #[error("{at}: homing has not found its switch")]
     NotHomed {
         /// Where.

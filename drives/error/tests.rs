@@ -50,7 +50,7 @@ fn every_message_names_port_station_and_command() {
     ];
     for error in errors {
         let text = error.to_string();
-        assert!(text.contains("/dev/ttyUSB0, station 7: command 80 (independent move)"), "{text}");
+        assert!(text.contains("/dev/ttyUSB0, address 7: command 80 (independent move)"), "{text}");
         assert_eq!(*error.at(), at());
     }
 }
@@ -71,7 +71,7 @@ fn refused_values_are_named_with_what_is_taken() {
     let id = ParameterId { station: 7, number: 44 };
     let values = Values::OneOf(vec![1, 2, 4]);
     let error = DriveError::ParameterValue { at: at(), id, value: 3, values };
-    let text = "parameter 44 of station 7 = 3 is impossible (1, 2, 4)";
+    let text = "parameter 44 at address 7 = 3 is impossible (1, 2, 4)";
     assert!(error.to_string().ends_with(text), "{error}");
     let id = ParameterId { station: 0, number: 9 };
     let text = DriveError::ReadOnly { at: at(), id }.to_string();
@@ -105,5 +105,5 @@ fn axes_are_named_as_their_family_does() {
 fn what_needs_no_asking_names_no_command() {
     let at = Exchange { action: Action::Nothing, ..at() };
     let text = DriveError::Unsupported { at, what: "homing" }.to_string();
-    assert_eq!(text, "/dev/ttyUSB0, station 7: the device has no homing");
+    assert_eq!(text, "/dev/ttyUSB0, address 7: the device has no homing");
 }

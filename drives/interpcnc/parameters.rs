@@ -3,7 +3,7 @@
 //! The manual gives 88 (page 12), 101 (page 24) and 103 (page 3), and names of others. All other numbers come from
 //! the vendor's published sources; meanings of values that neither gives are among the [`super::Assumptions`].
 
-use super::registers::BoardAxis;
+use super::registers::{AXES, BoardAxis, INPUTS, MAX_SPEED_HZ};
 use crate::{ParameterId, ParameterInfo, Values};
 
 /// First register of parameter 0, high word; the low word follows ("Paramètres sauvegardés", 4352 to 5119).
@@ -90,6 +90,41 @@ pub fn limit_input(axis: BoardAxis, positive: bool) -> u16 {
     of_axis([104, 108, 112, 116, 120], axis) + if positive { 2 } else { 0 }
 }
 
+/// What a parameter takes, as far as that is known: there are 32 inputs and five axes. A parameter whose values nobody
+/// explains takes any number.
+pub fn values(number: u16) -> Values {
+    let input = Values::Between(0, INPUTS.into());
+    let yes_no = Values::Between(0, 1);
+    let speed = Values::Between(0, MAX_SPEED_HZ.into());
+    let word = Values::Between(0, u16::MAX.into());
+    match number {
+        EMERGENCY_STOP_INPUT | UNLOCK_INPUT => return input,
+        UNLOCK_POLARITY | ZERO_AFTER_HOMING => return yes_no,
+        HOME_POLARITY => return Values::Between(0, (1 << AXES) - 1),
+        DEFAULT_START_STOP | HOME_START_STOP | HOME_SLOW_SPEED => return speed,
+        DEFAULT_ACCELERATION => return word,
+        MODBUS_PARITY => return Values::Between(0, 2),
+        MODBUS_ADDRESS => return Values::Between(1, 247),
+        _ => {}
+    }
+    if (ANALOG_LOCKED..=ANALOG_LOCKED + 1).contains(&number) {
+        return Values::Between(0, 1023);
+    }
+    for axis in BoardAxis::ALL {
+        let limits = [limit_input(axis, false), limit_input(axis, true)];
+        if number == home_input(axis) || limits.contains(&number) {
+            return input;
+        } else if number == home_direction(axis) || limits.iter().any(|one| number == one + 1) {
+            return yes_no;
+        } else if number == home_speed(axis) {
+            return speed;
+        } else if number == home_acceleration(axis) {
+            return word;
+        }
+    }
+    Values::Between(0, u32::MAX.into())
+}
+
 /// Number, name and unit of what belongs to the board as a whole.
 const NAMES: [(u16, &str, &str); 19] = [
     (DEFAULT_ACCELERATION, "EE_DEFAULT_ACCEL", "1000 steps/s²"),
@@ -119,7 +154,7 @@ pub(crate) fn describe(number: u16, place: impl Fn(BoardAxis) -> Option<usize>) 
     let info = |name: String, unit| ParameterInfo {
         unit,
         of_the_line: (MODBUS_SPEED..=MODBUS_ADDRESS).contains(&number),
-        ..ParameterInfo::new(id, name, Values::Between(0, u32::MAX.into()))
+        ..ParameterInfo::new(id, name, values(number))
     };
     if let Some((_, name, unit)) = NAMES.iter().find(|(known, ..)| *known == number) {
         return info((*name).to_owned(), *unit);
@@ -150,6 +185,27 @@ pub(crate) fn describe(number: u16, place: impl Fn(BoardAxis) -> Option<usize>) 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Inputs are IN1 to IN32, axes five, stations 1 to 247.
+    #[test]
+    fn values_are_those_that_the_board_has() {
+        let y = BoardAxis::Y;
+        for (number, value, possible) in [
+            (home_input(y), 32, true),
+            (home_input(y), 33, false),
+            (limit_input(y, true), 33, false),
+            (limit_input(y, true) + 1, 2, false),
+            (home_direction(y), 2, false),
+            (HOME_POLARITY, 31, true),
+            (HOME_POLARITY, 32, false),
+            (MODBUS_ADDRESS, 0, false),
+            (home_speed(y), 65_536, true),
+            // Nobody says what this one is.
+            (383, u32::MAX.into(), true),
+        ] {
+            assert_eq!(values(number).contain(value), possible, "{number} = {value}");
+        }
+    }
 
     /// Numbers of the digest (section 4) and of published sources.
     #[test]

@@ -1,8 +1,8 @@
 //! The assumptions about the drives by name.
 
 use super::{
-    AccCurrent, Assumptions, BadFrame, BothBits, HomePosition, LimitStop, OPEN_QUESTIONS,
-    RejectCode, SetEffect, StepFrom, ZeroRate,
+    AccCurrent, AnswerLength, Assumptions, BadFrame, BothBits, HomePosition, LimitStop,
+    OPEN_QUESTIONS, RejectCode, SetEffect, StepFrom, ZeroRate,
 };
 use crate::{
     Assumed, AssumedError, OpenQuestion,
@@ -22,6 +22,7 @@ impl Assumed for Assumptions {
         "bad_frame",
         "wrong_length",
         "unknown_code",
+        "answer_length",
         "both_bits",
         "silent_while_changing",
         "refuses_beyond_ceilings",
@@ -47,6 +48,10 @@ impl Assumed for Assumptions {
             }
             "wrong_length" => said.choice(&mut self.wrong_length, &CODES),
             "unknown_code" => said.choice(&mut self.unknown_code, &CODES),
+            "answer_length" => said.choice(
+                &mut self.answer_length,
+                &[("four", AnswerLength::Four), ("as-command", AnswerLength::AsCommand)],
+            ),
             "both_bits" => said.choice(
                 &mut self.both_bits,
                 &[

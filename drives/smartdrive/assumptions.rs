@@ -16,6 +16,19 @@ pub enum BadFrame {
     Refused(RejectCode),
 }
 
+/// How long the data of an answer are: the column RR of the table of commands, which the manual does not explain.
+///
+/// The manual draws answers of nine bytes and all entries of RR are 0, but the check sum of an answer goes over
+/// `RSP_DAT_LEN` bytes of data, as that of a command over `CMD_DAT_LEN` = 4·2^EE.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AnswerLength {
+    /// RR is the exponent of the answer, `RSP_DAT_LEN` = 4·2^RR: four bytes.
+    Four,
+    /// RR is none, and the answer has as many bytes of data as its command, 4·2^EE: what is drawn comes first, zeros
+    /// follow up to TAG.
+    AsCommand,
+}
+
 /// What an output does whose bit is in both bytes of IOUPDATE.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BothBits {
@@ -115,6 +128,8 @@ pub struct Assumptions {
     pub wrong_length: RejectCode,
     /// With what a code is refused that is none (§2). Default NOTAVAILABLE.
     pub unknown_code: RejectCode,
+    /// How many bytes of data an answer has, column RR (§5). The driver awaits as many. Default four.
+    pub answer_length: AnswerLength,
     /// Bits in both bytes of IOUPDATE (§2); the driver sends none. Default unchanged.
     pub both_bits: BothBits,
     /// While a mode changes the drive is silent instead of answering PING, READ and GET and refusing the rest as
@@ -152,6 +167,7 @@ impl Default for Assumptions {
             bad_frame: BadFrame::Silent,
             wrong_length: RejectCode::BadParams,
             unknown_code: RejectCode::NotAvailable,
+            answer_length: AnswerLength::Four,
             both_bits: BothBits::Unchanged,
             silent_while_changing: false,
             refuses_beyond_ceilings: false,

@@ -6,15 +6,16 @@ use tokio::{
     io::{AsyncReadExt, AsyncWriteExt},
     time::{Sleep, sleep, timeout},
 };
-use tokio_serial::{DataBits, FlowControl, Parity, SerialPortBuilderExt, StopBits};
+use tokio_serial::{DataBits, FlowControl, Parity, StopBits};
 
 use super::{
     BAUD, BadFrame, Command, Execution, RejectCode, SmartDriveOptions,
-    frame::{ANSWER_BYTES, Answer, FIRST_BITS, encode},
+    frame::{Answer, FIRST_BITS, answer_length, encode},
     wire_time,
 };
 use crate::{
-    Action, Clock, DriveError, Exchange, ProtocolFault, Stamp, ramp::whole_ns, transport::Transport,
+    Action, Clock, DriveError, Exchange, ProtocolFault, Stamp, port::open_serial, ramp::whole_ns,
+    transport::Transport,
 };
 
 /// Attempts at a command that may be sent again.
@@ -67,19 +68,18 @@ impl SmartDrive {
     pub fn open(port: &str, options: &SmartDriveOptions) -> Result<Self, DriveError> {
         let name: Arc<str> = port.into();
         options.check(&name)?;
-        let opened = tokio_serial::new(port, BAUD)
+        let serial = tokio_serial::new(port, BAUD)
             .parity(Parity::None)
             .data_bits(DataBits::Eight)
             .stop_bits(StopBits::One)
-            .flow_control(FlowControl::None)
-            .open_native_async();
-        let stream = opened.map_err(|error| DriveError::Transport {
+            .flow_control(FlowControl::None);
+        let stream = open_serial(port, serial).map_err(|source| DriveError::Transport {
             at: Exchange {
                 port: Arc::clone(&name),
                 station: options.axes.first().map_or(0, |axis| axis.address),
                 action: Action::Open,
             },
-            source: error.into(),
+            source,
         })?;
         Ok(Self::attach(name, stream, options))
     }
@@ -106,7 +106,7 @@ impl SmartDrive {
     }
 
     /// Options it was opened with.
-    pub(crate) fn options(&self) -> &SmartDriveOptions {
+    pub fn options(&self) -> &SmartDriveOptions {
         &self.options
     }
 
@@ -222,7 +222,11 @@ impl SmartDrive {
         let deadline = self.options.deadline;
         // Also if the caller gives up in the middle.
         self.late = true;
-        let mut search = Search::new(frame, at.station);
+        let mut search = Search::new(
+            frame,
+            at.station,
+            answer_length(frame, self.options.assumptions.answer_length),
+        );
         let sent_ns = clock.now_ns();
         let outcome = timeout(deadline, async {
             self.write(frame).await?;
@@ -247,7 +251,8 @@ impl SmartDrive {
             Ok(Ok(answer)) => {
                 self.late = false;
                 self.dirty = search.is_noisy();
-                Ok((answer, self.stamp(sent_ns, answered_ns, frame.len())))
+                let bytes = (frame.len(), search.length);
+                Ok((answer, self.stamp((sent_ns, answered_ns), bytes)))
             }
             Ok(Err(source)) => Err(DriveError::Transport { at, source }),
             Err(_) => match search.fault() {
@@ -258,9 +263,13 @@ impl SmartDrive {
     }
 
     /// A drive carries a command out between its last byte and the first of the answer.
-    fn stamp(&self, sent_ns: i64, answered_ns: i64, sent_bytes: usize) -> Stamp {
+    fn stamp(
+        &self,
+        (sent_ns, answered_ns): (i64, i64),
+        (sent_bytes, answer_bytes): (usize, usize),
+    ) -> Stamp {
         let first = sent_ns + whole_ns(wire_time(sent_bytes));
-        let last = answered_ns - whole_ns(wire_time(ANSWER_BYTES));
+        let last = answered_ns - whole_ns(wire_time(answer_bytes));
         let executed_ns = match self.options.execution {
             Execution::Between => i64::midpoint(first, last),
             Execution::OnArrival => first,
@@ -277,6 +286,8 @@ struct Search<'a> {
     /// The command, which an adapter may echo.
     command: &'a [u8],
     address: u8,
+    /// Bytes of the answer.
+    length: usize,
     bytes: Vec<u8>,
     /// The echo has come and gone.
     echoed: bool,
@@ -285,14 +296,22 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(command: &'a [u8], address: u8) -> Self {
-        Self { command, address, bytes: Vec::new(), echoed: false, garbled: false, foreign: false }
+    fn new(command: &'a [u8], address: u8, length: usize) -> Self {
+        Self {
+            command,
+            address,
+            length,
+            bytes: Vec::new(),
+            echoed: false,
+            garbled: false,
+            foreign: false,
+        }
     }
 
     /// Takes more bytes; the answer, if it is among them.
     ///
     /// The first byte of a command is below 20h, that of an answer 80h at least. What begins as the command did is its
-    /// echo; whatever else begins below 80h is noise, and so are nine bytes that are not the answer of anybody.
+    /// echo; whatever else begins below 80h is noise, and so is what is as long as an answer and that of nobody.
     fn take(&mut self, more: &[u8]) -> Option<Answer> {
         self.bytes.extend(more);
         loop {
@@ -313,11 +332,11 @@ impl<'a> Search<'a> {
                 self.garbled = true;
                 continue;
             }
-            let frame = self.bytes.first_chunk::<ANSWER_BYTES>()?;
-            match Answer::decode(frame) {
+            let frame = self.bytes.get(..self.length)?;
+            match Answer::decode_in(frame) {
                 Some(answer)
                     if answer.status.address() == self.address
-                        && self.bytes.len() == ANSWER_BYTES =>
+                        && self.bytes.len() == self.length =>
                 {
                     self.bytes.clear();
                     return Some(answer);

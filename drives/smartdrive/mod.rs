@@ -31,8 +31,8 @@ mod units;
 mod vectors;
 
 pub use assumptions::{
-    AccCurrent, Assumptions, BadFrame, BothBits, HomePosition, LimitStop, SetEffect, StepFrom,
-    ZeroRate,
+    AccCurrent, AnswerLength, Assumptions, BadFrame, BothBits, HomePosition, LimitStop, SetEffect,
+    StepFrom, ZeroRate,
 };
 pub use blocking::SmartDriveBus;
 pub use command::{Command, Init, IoUpdate, LoadSource, Mode};

@@ -4,6 +4,8 @@
 //! them. Errata: `VelExitHome` is printed in rpm/s and is a speed; `Dec_Setpoint` and `Acc_Current` both are printed
 //! with index 85, of which the second is assumed to be 86.
 
+use crate::Values;
+
 /// How a number is stored: its size and its sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -75,6 +77,15 @@ impl Entry {
         Self { writable: false, ..self }
     }
 
+    /// What it takes: of `StepDivisor` the powers of 2.
+    pub fn values(&self) -> Values {
+        if self.index == STEP_DIVISOR {
+            Values::OneOf((self.low..=self.high).filter(|value| self.accepts(*value)).collect())
+        } else {
+            Values::Between(self.low, self.high)
+        }
+    }
+
     /// Whether it can have this value.
     pub fn accepts(&self, value: i64) -> bool {
         let power = self.index != STEP_DIVISOR || value.count_ones() == 1;
@@ -128,6 +139,8 @@ pub const POSITION_OFFSET: u16 = 100;
 pub const PUSH_PULL_DISTANCE: u16 = 102;
 /// Speed towards the home switch.
 pub const VELOCITY_ENTER_HOME: u16 = 116;
+/// How homing goes, in bits that the manual does not explain.
+pub const HOME_CONFIGURATION: u16 = 120;
 /// Speed off the home switch.
 pub const VELOCITY_EXIT_HOME: u16 = 117;
 /// Acceleration of homing.
@@ -194,7 +207,7 @@ pub const PARAMETERS: [Entry; 29] = [
         .range(0, P16)
         .unit("rpm/s")
         .factory(2000),
-    Entry::new(120, "App_CfgHome", Kind::Word),
+    Entry::new(HOME_CONFIGURATION, "App_CfgHome", Kind::Word),
 ];
 
 /// The parameter that has a word at `index`, and whether that is its high word.

@@ -3,7 +3,7 @@
 use crate::OpenQuestion;
 
 /// What the manual of the drives leaves open, in the order of its digest.
-pub const OPEN_QUESTIONS: [OpenQuestion; 26] = [
+pub const OPEN_QUESTIONS: [OpenQuestion; 27] = [
     OpenQuestion::new(
         9,
         "What silence ends a frame that is not whole?",
@@ -157,6 +157,13 @@ pub const OPEN_QUESTIONS: [OpenQuestion; 26] = [
         ("Assumptions.extends_signs", "true"),
         "0 in the upper half",
         "reads the lower half",
+    ),
+    OpenQuestion::new(
+        139,
+        "What is the column RR, and how long are the data of an answer?",
+        ("Assumptions.answer_length", "Four"),
+        "as long as those of the command",
+        "awaits so many bytes",
     ),
     OpenQuestion::new(
         143,

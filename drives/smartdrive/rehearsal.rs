@@ -3,7 +3,9 @@
 use std::time::Duration;
 
 use super::{
+    AnswerLength,
     follow::{Follower, GoTo},
+    frame::ANSWER_BYTES,
     motion::Generator,
     options::{AxisOptions, wire_time},
 };
@@ -12,10 +14,9 @@ use crate::{
     IncrementMotion, Rehearsal, SetpointStream, Stamp, WireRates, follow::Order, rehearsal::SeenAt,
 };
 
-/// Bytes of GOTO v,a, of PING and of an answer.
+/// Bytes of GOTO v,a and of PING.
 const GOTO_BYTES: usize = 11;
 const PING_BYTES: usize = 7;
-const ANSWER_BYTES: usize = 9;
 
 /// What an exchange takes besides its bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,12 +25,28 @@ pub struct BusDelays {
     pub response: Duration,
     /// From an answer to the next command: adapter, operating system, silence.
     pub gap: Duration,
+    /// How long answers are.
+    pub answers: AnswerLength,
 }
 
 impl Default for BusDelays {
-    /// 2 ms, as the emulator has it, and 1 ms.
+    /// 2 ms, as the emulator has it, and 1 ms; four bytes of data.
     fn default() -> Self {
-        Self { response: Duration::from_millis(2), gap: Duration::from_millis(1) }
+        Self {
+            response: Duration::from_millis(2),
+            gap: Duration::from_millis(1),
+            answers: AnswerLength::Four,
+        }
+    }
+}
+
+impl BusDelays {
+    /// The time that the answer to a command of so many bytes takes on the wire.
+    fn answer(&self, command: usize) -> Duration {
+        wire_time(match self.answers {
+            AnswerLength::Four => ANSWER_BYTES,
+            AnswerLength::AsCommand => command + 2,
+        })
     }
 }
 
@@ -98,7 +115,7 @@ impl SmartDriveRehearsal {
             sent_ns: now_ns,
             executed_ns: executed_ns + response_ns / 2,
             uncertainty_ns: response_ns / 2,
-            answered_ns: executed_ns + response_ns + whole_ns(wire_time(ANSWER_BYTES)),
+            answered_ns: executed_ns + response_ns + whole_ns(self.delays.answer(bytes)),
         };
         OnWire { axis, order, stamp, executed_ns, shown: None }
     }
@@ -175,7 +192,8 @@ impl Rehearsal for SmartDriveRehearsal {
 
     /// Every answer to a command is a sample of its axis.
     fn rates(&self) -> WireRates {
-        let exchange = wire_time(GOTO_BYTES) + self.delays.response + wire_time(ANSWER_BYTES);
+        let exchange =
+            wire_time(GOTO_BYTES) + self.delays.response + self.delays.answer(GOTO_BYTES);
         let exchange = (exchange + self.delays.gap).as_secs_f64();
         let axes = u32::try_from(self.axes.len()).unwrap_or(u32::MAX);
         WireRates::of_rounds(self.axes.len(), f64::from(axes) * exchange)

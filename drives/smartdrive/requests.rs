@@ -250,7 +250,8 @@ impl SmartDrive {
     ///
     /// # Errors
     /// As [`SmartDrive::send`]; [`crate::DriveError::Alarm`], [`crate::DriveError::Mode`] or
-    /// [`crate::DriveError::NotHomed`] if it fails.
+    /// [`crate::DriveError::NotHomed`] if it fails, [`crate::DriveError::Unfinished`] if it goes on for longer than
+    /// [`SmartDriveOptions::homing`](crate::smartdrive::SmartDriveOptions::homing).
     pub async fn home(&mut self, address: u8) -> Result<i32, DriveError> {
         self.init(address, Init::Homing).await?;
         self.homed(address).await
@@ -281,7 +282,8 @@ impl SmartDrive {
             }
             Ok(Ok(state)) if state.flags.contains(TrajectoryFlags::DONE) => Ok(state.position),
             Ok(Err(error)) => Err(error),
-            Ok(Ok(_)) | Err(_) => Err(DriveError::NotHomed { at }),
+            Ok(Ok(_)) => Err(DriveError::NotHomed { at }),
+            Err(_) => Err(DriveError::Unfinished { at, patience }),
         }
     }
 }

@@ -3,10 +3,6 @@
 //! The tables `OPEN_QUESTIONS` say what is assumed of which line, what else can be chosen and what the driver makes of
 //! it. Here the lines are typed off the digests once more, and the options are walked over field by field: an assumption
 //! without an option fails, and so does a field of `Assumptions` that no table explains.
-//!
-//! One assumption has no option: SmartDRIVE, line 139, the column "RR" of the table of commands, whose entries are all 0.
-//! It is read as the exponent of the answer's length. An answer has four bytes of data wherever the manual speaks of one
-//! (`RSP_DAT_LEN` = 4), so that there is no other behaviour to choose.
 
 use std::collections::BTreeMap;
 
@@ -15,8 +11,8 @@ use crate::{Assumed, AssumedError, OpenQuestion, bim2ax, interpcnc, smartdrive};
 /// Lines of the digest of InterpCNC, and how many assumptions stand on each.
 const INTERPCNC: [(u16, usize); 9] =
     [(7, 1), (11, 3), (23, 1), (77, 1), (97, 2), (107, 2), (111, 1), (113, 1), (117, 1)];
-/// The same of SmartDRIVE, without line 139.
-const SMARTDRIVE: [(u16, usize); 13] = [
+/// The same of SmartDRIVE.
+const SMARTDRIVE: [(u16, usize); 14] = [
     (9, 1),
     (10, 1),
     (13, 1),
@@ -27,6 +23,7 @@ const SMARTDRIVE: [(u16, usize); 13] = [
     (85, 1),
     (93, 1),
     (126, 1),
+    (139, 1),
     (143, 1),
     (147, 1),
     (148, 1),

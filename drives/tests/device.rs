@@ -82,7 +82,7 @@ fn an_interpcnc_says_who_it_is_and_homes() {
     let drive = &mut bench.drive;
     let text = drive.identity().unwrap().to_string();
     let rest = "line 115200 baud, parity None, recipes yes, firmware 5.30 or later";
-    assert_eq!(text, format!("InterpCNC, station 1, address by parameter 103 1, {rest}"));
+    assert_eq!(text, format!("InterpCNC, address 1, address by parameter 103 1, {rest}"));
     drive.enable().unwrap();
     let none = drive.begin_homing(&[Some(5000), None, None, None, None]);
     assert!(matches!(none, Err(DriveError::Unsupported { .. })), "{none:?}");
@@ -138,7 +138,7 @@ fn smartdrives_say_who_they_are_and_home() {
     let drive = &mut bench.drive;
     let identity = drive.identity().unwrap().to_string();
     let one = "firmware 1.2.0, PID 5342h, CID 101h";
-    assert_eq!(identity, format!("SmartDRIVE, station 3, {one}; station 7, {one}"));
+    assert_eq!(identity, format!("SmartDRIVE, address 3, {one}; address 7, {one}"));
     drive.set_parameter(id(3, 100), -250).unwrap();
     assert_eq!(drive.parameter(id(3, 100)).unwrap(), -250);
     assert_eq!(drive.parameter(id(7, 100)).unwrap(), 0);

@@ -296,6 +296,6 @@ fn an_axis_that_could_not_be_stopped_is_told_with_what_went_wrong_before() {
     assert_eq!(
         error.to_string(),
         "homing of axis 1: the device does not show Home; and the axis could not be stopped: \
-         wire, station 3: reading status and positions: no answer within 7 ms; use the emergency stop"
+         wire, address 3: reading status and positions: no answer within 7 ms; use the emergency stop"
     );
 }

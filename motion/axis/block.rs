@@ -43,6 +43,11 @@ pub trait Motion {
         axis.admits(Self::STATE)
     }
 
+    /// What the block shows when the axis goes into errorstop under it with this error.
+    fn lost(_axis: &Axis, error: SmcError) -> SmcError {
+        error
+    }
+
     /// This cycle's set-point.
     ///
     /// # Errors
@@ -165,7 +170,8 @@ impl<M: Motion + Clone> Block<M> {
             self.taken = None;
             // A stop that is done has nothing left to lose.
             if !(M::LOCKS && self.latch.is_done()) {
-                self.latch.end(axis.loss().map_or(Outcome::Aborted, Outcome::Failed), axis);
+                let failed = |error| Outcome::Failed(M::lost(axis, error));
+                self.latch.end(axis.loss().map_or(Outcome::Aborted, failed), axis);
             }
             return;
         }

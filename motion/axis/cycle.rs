@@ -1,7 +1,7 @@
 //! Beginning and end of a cycle, and what the axis does on its own.
 
 use super::drive::{Command, ControllerMode, Feedback};
-use super::profile::{Profile, State};
+use super::profile::{Profile, RampType, State};
 use super::single::DriveReport;
 use super::state::AxisState;
 use super::{Axis, SmcError};
@@ -18,8 +18,7 @@ impl Axis {
             self.fail_with(SmcError::DiGeneralCommunicationError.number());
         } else if let Some(error) = feedback.error {
             self.fail_with(error);
-        } else if self.values.hw_limit_enable && feedback.limit_switch && !self.ignores_limit_switch
-        {
+        } else if feedback.limit_switch && self.watches_limit_switches() {
             self.fail_with(SmcError::DiSwlimitsExceeded.number());
         }
         self.drive.known |= feedback.communicating;
@@ -44,11 +43,19 @@ impl Axis {
         if self.is_deserted() {
             self.fail_with(SmcError::FbWasntCalledDuringMotion.number());
         }
+        self.transfer = self.transfer.filter(|(_, called)| *called);
+        self.transfer = self.transfer.map(|(transfer, _)| (transfer, false));
         self.brake();
         self.show_set_values();
         self.watch_software_limits();
         self.values.axis_state = self.state.number();
         self.drive_command()
+    }
+
+    /// Of linear axes only (manual 2.1.3).
+    fn watches_limit_switches(&self) -> bool {
+        let linear = self.movement == super::Movement::Linear;
+        linear && self.values.hw_limit_enable && !self.ignores_limit_switch
     }
 
     fn take_in(&mut self, feedback: &Feedback) {
@@ -79,12 +86,21 @@ impl Axis {
             velocity: feedback.velocity,
             homing: feedback.homing,
             error: feedback.error,
+            resettable: feedback.resettable,
+            answer: feedback.answer,
             known: self.drive.known,
         };
     }
 
     fn save(&mut self) {
+        if self.home.is_some() {
+            // The drive homes itself: wherever it is, and however it counts by now, is where a block or an error goes on.
+            let DriveReport { position, velocity, .. } = self.drive;
+            self.base = State { position, velocity, acceleration: 0.0 };
+            self.overlay = State::default();
+        }
         self.saved = self.total();
+        self.saved_base = self.base;
         self.overlay_moved = false;
         let values = &mut self.values;
         values.moved_in_this_cycle = false;
@@ -152,6 +168,7 @@ impl Axis {
         self.overlay = State::default();
         self.braking = None;
         self.saved = self.base;
+        self.saved_base = self.base;
         self.show_set_values();
     }
 
@@ -186,7 +203,10 @@ impl Axis {
             let limits = self.implicit_limits();
             let velocity = limits.velocity.max(self.saved.velocity.abs());
             let limits = super::profile::AxisLimits { velocity, ..limits };
-            (Profile::halt(self.saved, limits, self.ramp).ok(), 0.0)
+            // Without a valid jerk it brakes without one.
+            let profile = Profile::halt(self.saved, limits, self.ramp)
+                .or_else(|_invalid| Profile::halt(self.saved, limits, RampType::Trapezoid));
+            (profile.ok(), 0.0)
         };
         self.overlay = State::default();
         let elapsed = elapsed + cycle;
@@ -223,6 +243,7 @@ impl Axis {
             capture: self.capture,
             home: self.home,
             reset: self.values.error_acknowledged,
+            transfer: self.transfer.map(|(transfer, _)| transfer),
         }
     }
 }

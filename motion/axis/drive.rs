@@ -20,6 +20,8 @@ pub struct Feedback {
     pub communicating: bool,
     /// Number of the drive's own error, by its maker.
     pub error: Option<u16>,
+    /// The drive lets go of that error when it is asked to; else it has to be switched off or repaired.
+    pub resettable: bool,
     /// A limit switch is open.
     pub limit_switch: bool,
     /// Controller mode at work.
@@ -28,6 +30,26 @@ pub struct Feedback {
     pub captured: Option<f64>,
     /// Where the drive's homing stands.
     pub homing: Homing,
+    /// What came of the [`Command::transfer`] of the cycle before, once it is known.
+    pub answer: Option<Answer>,
+}
+
+/// A parameter of the drive itself that is to be read or written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transfer {
+    /// Its number, by the drive's maker.
+    pub number: u32,
+    /// What to write; none to read it.
+    pub write: Option<f64>,
+}
+
+/// A drive's answer to a [`Transfer`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Answer {
+    /// The parameter's value, after writing the one that was written.
+    Value(f64),
+    /// There is no such parameter, or it does not take the value.
+    Refused,
 }
 
 /// Where a drive's own homing stands.
@@ -107,6 +129,8 @@ pub struct Command {
     pub home: Option<f64>,
     /// Reset of the drive's error asked for.
     pub reset: bool,
+    /// Parameter of the drive asked for, until it answers.
+    pub transfer: Option<Transfer>,
 }
 
 /// A capture by the drive.
@@ -120,7 +144,7 @@ pub struct Capture {
 
 /// A drive that is where it is told to be, one cycle later (a bus of kind Dummy, manual 2.1.3).
 ///
-/// Its own homing takes one cycle: the reference is where it stands.
+/// Its own homing takes one cycle: the reference is where it stands. It has no parameters of its own.
 #[derive(Clone, Copy, Debug)]
 pub struct VirtualDrive {
     feedback: Feedback,
@@ -139,10 +163,12 @@ impl VirtualDrive {
             brake_released: false,
             communicating: true,
             error: None,
+            resettable: true,
             limit_switch: false,
             mode: ControllerMode::Position,
             captured: None,
             homing: Homing::Idle,
+            answer: None,
         };
         Self { feedback }
     }
@@ -179,8 +205,9 @@ impl VirtualDrive {
             }
             None => Homing::Idle,
         };
-        if command.reset {
+        if command.reset && it.resettable {
             it.error = None;
         }
+        it.answer = command.transfer.map(|_| Answer::Refused);
     }
 }

@@ -39,7 +39,9 @@ pub use block::{Block, Motion, Progress, Stage};
 pub use config::{AxisConfig, Movement};
 pub use diagnose::{Largest, TrackingError};
 pub use direction::Direction;
-pub use drive::{Capture, Command, ControllerMode, Feedback, Homing, VirtualDrive};
+pub use drive::{
+    Answer, Capture, Command, ControllerMode, Feedback, Homing, Transfer, VirtualDrive,
+};
 pub use error::{Language, SmcError};
 pub use gear::{
     CamIn, CamRun, CamSwitch, Decouple, DigitalCamSwitch, GearIn, GearInPos, GearInPosRun, Phasing,
@@ -52,8 +54,8 @@ pub use moves::{
     AbortTrigger, AccelerationProfile, AxisStatus, ControlAxis, ControlAxisBy, ControlOutputs,
     Follow, Halt, Home, HomingBySwitch, HomingMode, MoveAbsolute, MoveAdditive,
     MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, MoveSuperImposed, MoveVelocity,
-    Planned, Points, PositionProfile, Power, PowerStatus, Probed, Reset, SetControllerMode, Stop,
-    TableRun, TouchProbe, Trigger, VelocityProfile,
+    ParameterNumber, Planned, Points, PositionProfile, Power, PowerStatus, Probed, ReadParameter,
+    Reset, SetControllerMode, Stop, TableRun, TouchProbe, Trigger, VelocityProfile, WriteParameter,
 };
 pub use ownership::{Refusal, Start};
 pub use single::Axis;

@@ -72,11 +72,13 @@ impl Axis {
         self.overlay = State::default();
         self.overlay_owner = 0;
         self.base = start.state;
+        self.saved_base = self.saved;
         self.aim = None;
         self.stop_homing();
         self.values.mark_position = self.in_program(start.state.position);
         self.values.mark_velocity = start.state.velocity;
         self.values.mark_acceleration = start.state.acceleration;
+        self.values.mark_jerk = self.values.set_jerk;
         self.enter(state);
         self.values.owner
     }

@@ -2,7 +2,7 @@
 
 use super::axis_ref::AxisRef;
 use super::config::{AxisConfig, Movement};
-use super::drive::{Capture, ControllerMode};
+use super::drive::{Answer, Capture, ControllerMode, Transfer};
 use super::errors::BlockErrors;
 use super::math::fmod;
 use super::profile::{AxisLimits, Profile, RampType, State};
@@ -55,6 +55,8 @@ pub struct Axis {
     pub(super) overlay_moved: bool,
     /// Base and overlay together when the cycle began.
     pub(super) saved: State,
+    /// The base of it, which the owner goes on from.
+    pub(super) saved_base: State,
     /// The target of a discrete motion, in the coordinates of `base`.
     pub(super) aim: Option<f64>,
     /// How the axis brakes on its own, and for how long it has, s.
@@ -62,6 +64,8 @@ pub struct Axis {
     pub(super) capture: Option<Capture>,
     pub(super) captured: Option<f64>,
     pub(super) home: Option<f64>,
+    /// Parameter of the drive that a block waits for, and whether it has been called in this cycle.
+    pub(super) transfer: Option<(Transfer, bool)>,
     /// Homing runs onto a switch that is the limit switch, too.
     pub(super) ignores_limit_switch: bool,
     pub(super) has_capture_window: bool,
@@ -75,6 +79,8 @@ pub(super) struct DriveReport {
     pub(super) velocity: f64,
     pub(super) homing: super::drive::Homing,
     pub(super) error: Option<u16>,
+    pub(super) resettable: bool,
+    pub(super) answer: Option<Answer>,
     pub(super) known: bool,
 }
 
@@ -118,11 +124,13 @@ impl Axis {
             overlay_owner: 0,
             overlay_moved: false,
             saved: State::default(),
+            saved_base: State::default(),
             aim: None,
             braking: None,
             capture: None,
             captured: None,
             home: None,
+            transfer: None,
             ignores_limit_switch: false,
             has_capture_window: config.capture_window,
             drive: DriveReport::default(),
@@ -227,6 +235,14 @@ impl Axis {
             velocity: self.base.velocity + self.overlay.velocity,
             acceleration: self.base.acceleration + self.overlay.acceleration,
         }
+    }
+
+    /// The same once all of this cycle's set-points are there: a motion on top is called last, and goes on until then.
+    pub(super) fn total_after_cycle(&self) -> State {
+        let total = self.total();
+        let on_top = self.overlay_owner != 0 && !self.overlay_moved;
+        let way = if on_top { self.overlay.velocity * self.values.task_cycle } else { 0.0 };
+        State { position: total.position + way, ..total }
     }
 
     /// The drive's position where the program says `position`, u.

@@ -138,9 +138,11 @@ pub(crate) fn frames(family: Family, fault: Fault, doing: Doing) -> u32 {
 pub(crate) fn seed(family: Family, fault: Fault, doing: Doing) -> u64 {
     match (family, fault, doing) {
         // Rest 2 of 9 pairs of different bytes of "02 63 A0 0F 00 00 4B 00 D0 07 ..": those of the target.
-        (Family::SmartDrive, Fault::Wire(Direction::Request, WireFault::Reorder), Doing::Idle) => {
-            15
-        }
+        (
+            Family::SmartDrive | Family::Pair,
+            Fault::Wire(Direction::Request, WireFault::Reorder),
+            Doing::Idle,
+        ) => 15,
         // Rest 5 of 30: the last byte of the target, after the numbers of zone and status.
         (
             Family::Bim2Ax,

@@ -290,7 +290,8 @@ fn homing_whose_program_dies_goes_on_to_its_switch_or_as_far_as_it_was_allowed()
 
 #[test]
 fn a_manual_move_whose_program_dies_goes_on_until_it_is_told() {
-    let rig = Rig::new(Family::Bim2Ax, 0, clock(1));
+    let mut rig = Rig::new(Family::Bim2Ax, 0, clock(1));
+    rig.leave();
     let (left, _) = killed(Doing::Manual, &rig);
     // Far beyond anything that was commanded ahead: nothing was.
     let far = (0..MOST_LOOKS).any(|_| {
@@ -304,4 +305,39 @@ fn a_manual_move_whose_program_dies_goes_on_until_it_is_told() {
         !rig.truth().moving
     });
     assert!(rests);
+}
+
+/// The masters of serial ports and of devices that are mapped are kept apart by the system; those of a memory file by a lock
+/// that dies with its program.
+#[test]
+fn a_memory_file_has_one_master_until_that_is_killed_and_a_stop_gets_through() {
+    let mut rig = Rig::new(Family::Bim2Ax, 0, clock(1));
+    rig.leave();
+    let port = rig.port().to_owned();
+    let mut process = spawn(Doing::Manual, &port, now_ns());
+    let begun = (0..MOST_LOOKS).any(|_| {
+        thread::sleep(PAUSE);
+        rig.truth().moving
+    });
+    let refused = MemoryFile::open(port.as_ref()).map(|_| ());
+    let beside = MemoryFile::beside(port.as_ref()).expect("it is there");
+    let options = Bim2AxOptions { deadline: Duration::from_secs(5), ..Bim2AxOptions::default() };
+    let mut module = Bim2Ax::new(&port, beside, &options);
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_time().build();
+    let stopped = runtime.expect("a runtime").block_on(module.abandon(&|| 0));
+    let rests = (0..MOST_LOOKS).any(|_| {
+        thread::sleep(PAUSE);
+        !rig.truth().moving
+    });
+    let lives = process.try_wait().expect("it is ours").is_none();
+    process.kill().expect("it lives");
+    process.wait().expect("it is dead");
+    assert!(begun && lives);
+    let refused = refused.expect_err("it has a master");
+    assert_eq!(refused.kind(), std::io::ErrorKind::ResourceBusy);
+    let said = refused.to_string();
+    assert!(said.contains(&port) && said.contains("another program"), "{said}");
+    stopped.expect("the module obeys whoever is its master");
+    assert!(rests, "it goes on");
+    MemoryFile::open(port.as_ref()).expect("its master is dead");
 }

@@ -53,8 +53,11 @@ fn make(family: Family, fault: Fault, doing: Doing) -> Made {
         Outcome::Lost(_) => "LOST".to_owned(),
     };
     let motion = if made.stopped { "" } else { ", goes on" };
+    // Where driver, device and set-point agree that the axes stand.
+    let ends = made.ends.iter().flatten().map(i64::to_string).collect::<Vec<_>>().join("/");
+    let ends = if ends.is_empty() { ends } else { format!(" ={ends}") };
     let wrong = wanted.check(&made).err();
-    Made { expected: wanted, text: format!("{said}{motion}"), wrong }
+    Made { expected: wanted, text: format!("{said}{motion}{ends}"), wrong }
 }
 
 #[test]

@@ -76,13 +76,31 @@ pub(crate) struct Truth {
     pub(crate) other_moves: bool,
     /// Where the mechanics are, increments from where they were at the start.
     pub(crate) mechanical: f64,
+    /// The axes one by one; only the first where there is no other.
+    pub(crate) axes: [AxisTruth; 2],
+}
+
+/// What is so of one axis.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct AxisTruth {
+    /// Where the device itself is to bring it; nothing where it has no target.
+    pub(crate) target: Option<i64>,
+    pub(crate) counter: i64,
+    pub(crate) mechanical: f64,
+}
+
+impl Truth {
+    fn of(axes: [AxisTruth; 2], moving: bool, other_moves: bool) -> Self {
+        let AxisTruth { counter, mechanical, .. } = axes[0];
+        Self { counter, moving, other_moves, mechanical, axes }
+    }
 }
 
 enum Device {
     Board(EmulatedBoard, Option<InterpCncDrive>),
     Bus(EmulatedBus, Option<SmartDriveBus>),
     /// Its files are in a folder that lives as long as it.
-    Module(EmulatedModule, Bim2AxDrive, #[expect(dead_code, reason = "kept")] TempDir),
+    Module(EmulatedModule, Option<Bim2AxDrive>, #[expect(dead_code, reason = "kept")] TempDir),
 }
 
 /// A device and its driver; one axis.
@@ -118,7 +136,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         match &mut self.device {
             Device::Board(_, drive) => *drive = None,
             Device::Bus(_, drive) => *drive = None,
-            Device::Module(..) => {}
+            Device::Module(_, drive, _) => *drive = None,
         }
     }
 
@@ -135,7 +153,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         match &mut self.device {
             Device::Board(_, drive) => drive.as_mut().expect("it has not left"),
             Device::Bus(_, drive) => drive.as_mut().expect("it has not left"),
-            Device::Module(_, drive, _) => drive,
+            Device::Module(_, drive, _) => drive.as_mut().expect("it has not left"),
         }
     }
 
@@ -183,22 +201,26 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         match &self.device {
             Device::Board(board, _) => {
                 let board = board.look().expect("the emulator runs");
-                Truth {
+                let axis = AxisTruth {
+                    target: Some(board.target(BoardAxis::X).into()),
                     counter: board.counters()[0].into(),
-                    moving: board.velocity(BoardAxis::X) != 0.0,
                     mechanical: board.mechanical(BoardAxis::X),
-                    other_moves: false,
-                }
+                };
+                let moving = board.velocity(BoardAxis::X) != 0.0;
+                Truth::of([axis, AxisTruth::default()], moving, false)
             }
             Device::Bus(bus, _) => {
                 let devices = bus.look().expect("the emulator runs");
-                let device = &devices[0];
-                Truth {
-                    counter: device.counter().into(),
-                    moving: device.motion().1 != 0.0,
-                    mechanical: device.mechanical(),
-                    other_moves: devices.iter().skip(1).any(|device| device.motion().1 != 0.0),
+                let mut axes = [AxisTruth::default(); 2];
+                for (axis, device) in axes.iter_mut().zip(&devices) {
+                    *axis = AxisTruth {
+                        target: device.target().map(i64::from),
+                        counter: device.counter().into(),
+                        mechanical: device.mechanical(),
+                    };
                 }
+                let moves = |device: &smartdrive::emulator::Device| device.motion().1 != 0.0;
+                Truth::of(axes, moves(&devices[0]), devices.iter().skip(1).any(moves))
             }
             Device::Module(module, ..) => {
                 let module = module.module();
@@ -206,8 +228,10 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                 let counter = module.position(ModuleAxis::One).round() as i64;
                 #[expect(clippy::cast_precision_loss, reason = "a counter")]
                 let mechanical = module.shaft(ModuleAxis::One) as f64;
+                let target = Some(module.target(ModuleAxis::One).into());
                 let moving = module.velocity(ModuleAxis::One) != 0.0;
-                Truth { counter, moving, mechanical, other_moves: false }
+                let axis = AxisTruth { target, counter, mechanical };
+                Truth::of([axis, AxisTruth::default()], moving, false)
             }
         }
     }
@@ -289,7 +313,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
             }
             (Device::Module(module, ..), DeviceFault::BrownOut | DeviceFault::Gone) => {
                 // The emulator writes its status byte into the file when it next looks at it.
-                let mut memory = MemoryFile::open(module.path()).expect("it is there");
+                let mut memory = MemoryFile::beside(module.path()).expect("it is there");
                 let mut status = [0];
                 while status[0] & 1 == 0 {
                     bim2ax::Memory::read(&mut memory, 0xFD, &mut status).expect("it is there");
@@ -345,9 +369,11 @@ const FIRST: u8 = 2;
 
 fn bus<C: Clock + 'static>(clock: C, seed: u64, count: u8) -> Device {
     let addresses = FIRST..FIRST + count;
+    let switch = smartdrive::emulator::Cam { input: Input::Go, from: -90_000.0, to: -15_000.0 };
     let device = |address| DeviceOptions {
         address,
-        cams: vec![smartdrive::emulator::Cam { input: Input::Go, from: -90_000.0, to: -15_000.0 }],
+        // The second one goes the other way, and is not homed.
+        cams: if address == FIRST { vec![switch] } else { Vec::new() },
         configured_mode: Mode::Off,
         ..DeviceOptions::default()
     };
@@ -402,7 +428,7 @@ fn module<C: Clock + 'static>(clock: C, seed: u64) -> Device {
     let path = module.path().to_str().expect("a name").to_owned();
     let memory = MemoryFile::open(module.path()).expect("it is there");
     let drive = Bim2AxDrive::new(&path, memory, &options).expect("it opens");
-    Device::Module(module, drive, folder)
+    Device::Module(module, Some(drive), folder)
 }
 
 fn runs(module: &Module) -> bool {

@@ -4,12 +4,12 @@ use std::{f64::consts::PI, sync::OnceLock, thread, time::Duration};
 
 use twin_drives::{
     Action, Axes, Clock, Direction, DriveError, IncrementMotion, MAX_DRIVE_AXES, Sample,
-    SetpointStream, WireFault,
+    SetpointStream, WireFault, axis::Ratio,
 };
 
 use crate::{
     faults::{DeviceFault, Doing, Family, Fault},
-    rig::{Rest, Rig, Truth},
+    rig::{AxisTruth, Rest, Rig, Truth},
     track::Track,
 };
 
@@ -20,7 +20,8 @@ const SPEED: f64 = 4000.0;
 const FAR: i64 = 100_000;
 /// Where the last move of all goes.
 const AFTERWARDS: i64 = 321;
-/// Plan: half a cosine from 0 to there in so many seconds.
+/// Plan: half a cosine from 0 to there in so many seconds, units of the axis, and in increments by [`ratio`].
+const STROKE_U: f64 = 192.0;
 const STROKE: f64 = 16_000.0;
 const DURATION_S: f64 = 16.0;
 /// Its highest speed, increments/s.
@@ -37,6 +38,14 @@ const CYCLES_AFTERWARDS: u32 = 40;
 /// Attempts at getting a device back, or looks whether it stands, and the pause between them.
 const MOST_ATTEMPTS: u32 = 100;
 const PAUSE: Duration = Duration::from_millis(10);
+
+/// The sense in which the axes of a rig go: what is meant for one and done by the other brings that to the wrong side.
+const SENSES: [i64; 2] = [1, -1];
+
+/// Units of an axis to increments: no binary fraction.
+fn ratio() -> Ratio {
+    Ratio::new(3, 250).expect("neither is 0")
+}
 
 /// What became of what was being done.
 #[derive(Debug)]
@@ -56,6 +65,9 @@ pub(crate) struct Cell {
     /// After stopping by all means, with the fault still there.
     pub(crate) stopped: bool,
     pub(crate) truth: Truth,
+    /// Where axes that have gone on stand: there the driver has sent them as it remembers it, there the devices were to go
+    /// and there the last set-point is. Nothing where nothing was to be followed or reached.
+    pub(crate) ends: Option<Vec<i64>>,
     /// Getting it going again, and moving it.
     pub(crate) usable: Result<(), String>,
     /// Where an axis whose plug was pulled went on to; nothing for other faults.
@@ -77,10 +89,11 @@ impl<C: Clock> SetpointStream for Plan<C> {
     fn at(&self, time_ns: i64) -> IncrementMotion {
         let angle = PI * (time_ns as f64 * 1e-9 / DURATION_S).clamp(0.0, 1.0);
         let mut motion = IncrementMotion::default();
-        // The second axis, where there is one, goes the same way.
-        for axis in 0..2 {
-            motion.position[axis] = 0.5 * STROKE * (1.0 - angle.cos());
-            motion.velocity[axis] = PEAK * angle.sin();
+        // The second axis, where there is one, goes the other way.
+        for (axis, sense) in SENSES.into_iter().enumerate() {
+            let units = sense as f64 * 0.5 * STROKE_U * (1.0 - angle.cos());
+            motion.position[axis] = ratio().increments_of(units);
+            motion.velocity[axis] = sense as f64 * PEAK * angle.sin();
         }
         motion
     }
@@ -115,23 +128,76 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     }
 
     fn to(&mut self, target: i64) -> Result<(), DriveError> {
-        // The second axis, where there is one, goes the same way.
-        self.drive().move_to(&[target; MAX_DRIVE_AXES], &[SPEED; MAX_DRIVE_AXES])
+        // The second axis, where there is one, goes the other way.
+        let mut targets = [target; MAX_DRIVE_AXES];
+        targets[1] = SENSES[1] * target;
+        self.drive().move_to(&targets, &[SPEED; MAX_DRIVE_AXES])
+    }
+
+    /// What the driver remembers to have sent the axes to is what the devices are going to: of every axis of which the
+    /// driver says that it knows.
+    fn agrees(&mut self) -> Result<(), String> {
+        let commanded = self.drive().commanded();
+        let count = self.drive().axis_count();
+        let truth = self.truth();
+        for (axis, (commanded, truth)) in commanded.iter().zip(truth.axes).take(count).enumerate() {
+            if commanded.is_some() && *commanded != truth.target {
+                return Err(format!(
+                    "axis {axis}: sent to {commanded:?} as the driver has it, {truth:?}"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Where the axes stand, if that is where the driver has sent them last, where the devices were to go, and `units`,
+    /// the last set-point, by the exact ratio.
+    fn ends(&mut self, units: f64) -> Result<Vec<i64>, String> {
+        let last = ratio().increments(units).map_err(|error| error.to_string())?;
+        let commanded = self.drive().commanded();
+        let count = self.drive().axis_count();
+        let truth = self.truth();
+        let axes = SENSES.into_iter().zip(commanded).zip(truth.axes).take(count);
+        let ends = axes.enumerate().map(|(axis, ((sense, commanded), truth))| {
+            let last = sense * last;
+            let right = Some(last);
+            if commanded == right && truth.target == right && truth.counter == last {
+                return Ok(last);
+            }
+            Err(format!(
+                "axis {axis}: the last set-point is {last}, the driver has sent {commanded:?}, {truth:?}"
+            ))
+        });
+        ends.collect()
+    }
+
+    /// Whether two drives of a line have each kept to the side to which they were sent.
+    fn sides(&self, family: Family) -> Result<(), String> {
+        let truth = self.truth();
+        let wrong = |(sense, axis): (i64, AxisTruth)| {
+            #[expect(clippy::cast_precision_loss, reason = "1 or -1")]
+            let way = sense as f64 * axis.mechanical;
+            way < -1.0
+        };
+        if family == Family::Pair && SENSES.into_iter().zip(truth.axes).any(wrong) {
+            return Err(format!("one has done what was for the other: {truth:?}"));
+        }
+        Ok(())
     }
 
     /// Looks until the axis has stood for a while; where.
     fn rests(&mut self) -> Result<i64, DriveError> {
         let rest = Rest(self.clock);
-        let (mut last, mut same) = (0, 0);
+        let (mut last, mut same) = ([0; MAX_DRIVE_AXES], 0);
         for _ in 0..MOST_LOOKS {
             let Sample { position, moving, .. } = self.drive().sample(&rest)?;
-            same = if position[0] == last { same + 1 } else { 0 };
-            last = position[0];
+            same = if position == last { same + 1 } else { 0 };
+            last = position;
             if same >= if moving { STUCK_LOOKS } else { SAME_LOOKS } {
                 break;
             }
         }
-        Ok(last)
+        Ok(last[0])
     }
 
     fn moves(&mut self) -> Result<(), DriveError> {
@@ -186,24 +252,36 @@ impl<C: Clock + Copy + 'static> Rig<C> {
 
     /// Follows a plan, and something goes wrong on the way if it is to. How far the axis is away from the plan without
     /// that is `usual`; where the plan reached when it went wrong is noted.
-    fn moving(&mut self, trial: Option<&Trial>, usual: f64) -> (Outcome, Track) {
-        let mut track = Track::default();
-        let outcome = self.follows(trial, &mut track);
-        let outcome = match (outcome, track.check(usual, PEAK)) {
+    fn moving(&mut self, trial: Option<&Trial>, usual: f64) -> (Outcome, [Track; 2]) {
+        let mut tracks = [Track::default(), Track::default()];
+        let mut astray = Ok(());
+        let outcome = self.follows(trial, &mut tracks, &mut astray);
+        // What the driver has told is not lost.
+        let near = tracks.iter().try_for_each(|track| track.check(usual, PEAK));
+        let outcome = match (outcome, astray.and(near)) {
             (Outcome::Survived, Err(lost)) if trial.is_some() => Outcome::Lost(lost),
             (outcome, _) => outcome,
         };
-        (outcome, track)
+        (outcome, tracks)
     }
 
-    fn follows(&mut self, trial: Option<&Trial>, track: &mut Track) -> Outcome {
+    /// `astray` is told the first time that the devices go elsewhere than the driver believes.
+    fn follows(
+        &mut self,
+        trial: Option<&Trial>,
+        tracks: &mut [Track; 2],
+        astray: &mut Result<(), String>,
+    ) -> Outcome {
         let start_ns = self.clock.now_ns() + 100_000_000;
         let plan = Plan { clock: self.clock, start_ns };
         let mut spoilt = trial.is_none();
         // Long enough after its end that what is left undone is made good, whatever was lost on the way.
         let mut left = CYCLES_AFTERWARDS;
         // It rests where the plan begins; from now on it is looked at.
-        track.note((plan.now_ns(), plan.now_ns()), (0.0, 0.0), 0.0);
+        for track in &mut *tracks {
+            track.note((plan.now_ns(), plan.now_ns()), (0.0, 0.0), 0.0);
+        }
+        let count = self.drive().axis_count();
         while left > 0 {
             if is_over(&plan) {
                 left -= 1;
@@ -222,9 +300,16 @@ impl<C: Clock + Copy + 'static> Rig<C> {
             let from_ns = plan.now_ns();
             let truth = self.truth();
             let to_ns = plan.now_ns();
-            let between = (plan.at(from_ns).position[0], plan.at(to_ns).position[0]);
-            #[expect(clippy::cast_precision_loss, reason = "a counter")]
-            track.note((from_ns, to_ns), between, truth.counter as f64);
+            let (from, to) = (plan.at(from_ns).position, plan.at(to_ns).position);
+            for (axis, track) in tracks.iter_mut().enumerate().take(count) {
+                #[expect(clippy::cast_precision_loss, reason = "a counter")]
+                let counter = truth.axes[axis].counter as f64;
+                let (low, high) = (from[axis].min(to[axis]), from[axis].max(to[axis]));
+                track.note((from_ns, to_ns), (low, high), counter);
+            }
+            if astray.is_ok() {
+                *astray = self.agrees();
+            }
         }
         match self.rests() {
             Ok(found) if found == (STROKE as i64) => Outcome::Survived,
@@ -243,6 +328,9 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         // What the driver says is compared with the device at once, and with where it was sent.
         if stopped.is_ok() && (truth.moving || truth.other_moves) {
             return Outcome::Lost(format!("said to be stopped, and moves: {truth:?}"));
+        }
+        if stopped.is_ok() && self.drive().commanded() != [None; MAX_DRIVE_AXES] {
+            return Outcome::Lost("stopped, and the driver believes that it goes on".to_owned());
         }
         // A device that has started anew counts from 0, and its mechanics have not moved by that.
         #[expect(clippy::cast_precision_loss, reason = "a small number")]
@@ -358,6 +446,23 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
         // It was to last until it was told.
         rig.mend();
     }
+    let mut outcome = outcome;
+    let last = match trial.doing {
+        #[expect(clippy::cast_precision_loss, reason = "a small number")]
+        Doing::Idle | Doing::Looking => Some(ratio().units_of(TARGET as f64)),
+        Doing::Moving => Some(STROKE_U),
+        Doing::Homing | Doing::Stopping => None,
+    };
+    let mut ends = None;
+    if let (Outcome::Survived, Some(last)) = (&outcome, last) {
+        match rig.ends(last) {
+            Ok(found) => ends = Some(found),
+            Err(lost) => outcome = Outcome::Lost(lost),
+        }
+    }
+    if let Err(lost) = rig.sides(family) {
+        outcome = Outcome::Lost(lost);
+    }
     let truth = rig.truth();
     let stopped = rig.stops();
     let gone = trial.fault == Fault::Device(DeviceFault::Gone);
@@ -367,10 +472,19 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
         let truth = rig.truth();
         // The driver's last word on where it is, and the device's.
         let told = rig.drive().sample(&rest).map_err(|error| error.to_string())?;
-        let agree = !truth.moving && told.position[0] == AFTERWARDS;
+        let moves = truth.moving || truth.other_moves;
+        let both = family != Family::Pair || told.position[1] == SENSES[1] * AFTERWARDS;
+        let agree = !moves && told.position[0] == AFTERWARDS && both;
+        // A family may keep the new zero in its driver alone: of the device, only that it is where it was to go counts.
+        for (sense, axis) in SENSES.into_iter().zip(truth.axes).take(rig.drive().axis_count()) {
+            let commanded = rig.drive().commanded()[usize::from(sense < 0)];
+            if commanded != Some(sense * AFTERWARDS) || axis.target != Some(axis.counter) {
+                return Err(format!("sent to {commanded:?} as the driver has it, {truth:?}"));
+            }
+        }
         if agree { Ok(()) } else { Err(format!("{told:?}, and in truth {truth:?}")) }
     });
-    Cell { outcome, stopped, truth, usable, goes_on }
+    Cell { outcome, stopped, truth, ends, usable, goes_on }
 }
 
 /// A device that obeys.
@@ -388,9 +502,9 @@ fn usual<C: Clock + Copy + 'static>(family: Family, clock: C) -> f64 {
     static USUAL: [OnceLock<f64>; Family::ALL.len()] = [const { OnceLock::new() }; 5];
     let place = Family::ALL.iter().position(|other| *other == family).expect("one of all");
     *USUAL[place].get_or_init(|| {
-        let (outcome, track) = sound(family, 0, clock).moving(None, 0.0);
+        let (outcome, tracks) = sound(family, 0, clock).moving(None, 0.0);
         assert!(matches!(outcome, Outcome::Survived), "{family:?} without faults: {outcome:?}");
-        let usual = track.usual(PEAK);
+        let usual = tracks.iter().map(|track| track.usual(PEAK)).fold(0.0, f64::max);
         println!("{family:?} is {usual:.0} increments off the plan without faults");
         usual
     })
@@ -401,7 +515,12 @@ pub(crate) fn is_meant(family: Family, fault: Fault, doing: Doing) -> bool {
     let of_wire = matches!(fault, Fault::Wire(..));
     let differs = match family {
         Family::Segments => doing == Doing::Moving,
-        Family::Pair => !of_wire && matches!(doing, Doing::Moving | Doing::Stopping),
+        // Faults of a device while the others stand say nothing about them.
+        Family::Pair => match doing {
+            Doing::Idle => of_wire,
+            Doing::Moving | Doing::Stopping => true,
+            Doing::Looking | Doing::Homing => false,
+        },
         _ => true,
     };
     // What becomes of a device that moves shows in the other columns.

@@ -91,7 +91,7 @@ fn an_interpcnc_board_is_found_unlocked_and_moved() {
     let scan = Hand::new("interpcnc", port, &["--deadline", "300"]);
     let found = scan.does("scan --stations 3-4");
     assert_eq!(row(&found, 0, "4")[1..3], ["115200", "baud,"]);
-    scan.tries("scan --stations 7").ended(1, "no station answers");
+    scan.tries("scan --stations 7").ended(1, "no address answers");
     assert!(hand.does("status").stdout.contains("locked"));
     // A locked board takes moves and does nothing.
     hand.refuses("move X 100 --yes", "the board is locked; the axes are at rest");
@@ -116,8 +116,14 @@ fn an_interpcnc_board_homes_by_the_parameters_that_were_set() {
     let (running, hand) = a_board(1);
     hand.does("unlock");
     hand.refuses("set home-imput-x 5", "is `home-input-x` meant?");
+    // There are 32 inputs, and 0 is none.
+    let allowed = "(parameter 29) = 99 is impossible: it takes 0 to 32 (input, 0 = none)";
+    hand.refuses("set home-input-x 99", allowed);
+    hand.refuses("set home-direction-x 2", "it takes 0 to 1 (1 = positive)");
+    hand.refuses("set 40000 1", "there is no parameter 40000: they are 0 to 383");
+    hand.refuses("set home-speed-x -1", "it takes 0 to ");
     hand.does("set home-input-x 0");
-    hand.refuses("home X --yes", "axis x has no home switch: set home-input-x");
+    hand.refuses("home X --yes", "axis X has no home switch: `set home-input-x N`");
     let changed = hand.does("set home-input-x 5");
     assert!(changed.stdout.contains("parameter 29 (home-input-x): 0 -> 5"), "{}", changed.stdout);
     // Number 12 is EE_ORIGINE_SPEED_RAPIDE.
@@ -179,9 +185,9 @@ fn ctrl_c_brings_the_axes_of_an_interpcnc_board_to_rest() {
 #[test]
 fn a_port_that_is_not_there_is_named_with_station_and_command() {
     Hand::new("interpcnc", "no-such-port", &["--station", "9"])
-        .refuses("status", "no-such-port, station 9: opening the port");
+        .refuses("status", "no-such-port, address 9: opening the port");
     Hand::new("smartdrive", "no-such-port", &["--address", "9"])
-        .refuses("status", "no-such-port, station 9: opening the port");
+        .refuses("status", "no-such-port, address 9: opening the port");
     Hand::new("bim2ax", "no-such-file", &[]).refuses("status", "no-such-file: opening the port");
 }
 
@@ -233,7 +239,16 @@ fn parameters_of_a_smartdrive_are_set_and_saved() {
     let (running, hand) = a_bus(Vec::new());
     hand.refuses("set Trj_VelMx 300", "is `Trj_VelMax` meant?");
     hand.refuses("set 1 300", "there is no parameter 1");
-    hand.refuses("set Trj_VelMax 0", "Trj_VelMax = 0 is impossible (1 to 32767)");
+    hand.refuses(
+        "set Trj_VelMax 0",
+        "Trj_VelMax (30) = 0 is impossible: it takes 1 to 32767 (rpm)",
+    );
+    hand.refuses(
+        "set Mot_StepDivisor 17",
+        "(44) = 17 is impossible: it takes 1, 2, 4, 8, 16, 32, 64",
+    );
+    hand.refuses("set 40000 1", "there is no parameter 40000: they are some of 0 to ");
+    hand.refuses("set PID 7", "PID (12) is read-only");
     let changed = hand.does("set trj_velmax 300");
     assert!(changed.stdout.contains("Trj_VelMax (30): 500 -> 300 rpm"), "{}", changed.stdout);
     hand.does("set 26 -100000");
@@ -257,6 +272,9 @@ fn inputs_and_outputs_of_a_smartdrive() {
     running.happen(0, event).expect("it runs");
     let inputs = hand.does("inputs");
     assert_eq!((row(&inputs, 0, "LIMP")[1], row(&inputs, 0, "LIMN")[1]), ("on", "off"));
+    // At rest, whatever has stopped it.
+    let status = hand.does("status").stdout;
+    assert!(status.contains("at rest, on LIMP") && !status.contains("LIMN"), "{status}");
     hand.does("outputs LED=on BRK=on");
     let outputs = hand.does("outputs brk=off");
     assert_eq!((row(&outputs, 0, "LED")[1], row(&outputs, 0, "BRK")[1]), ("on", "off"));
@@ -336,7 +354,12 @@ fn a_bim2ax_is_found_unlocked_moved_and_homed() {
 fn parameters_of_a_bim2ax_are_stored_and_act_after_a_reset() {
     let (running, hand) = a_module();
     hand.refuses("set fast-sped-1 500", "is `fast-speed-1` meant?");
-    hand.refuses("set $42 1", "there is no parameter 66");
+    hand.refuses("set $42 1", "there is no parameter 66: they are 0 to 65, 98 and 99");
+    hand.refuses(
+        "set motor-current-1 2001",
+        "($04) = 2001 is impossible: it takes 60 to 2000 (mA)",
+    );
+    hand.refuses("set drive-mode-1 7", "is impossible: it takes 0, 1, 2, 4, 16, ");
     hand.refuses("set software-version 3", "parameter cannot be written");
     let changed = hand.does("set fast-speed-1 500");
     assert_eq!(changed.stdout, "fast-speed-1: 1000 -> 500 steps/s\nit acts after `reset`\n");
@@ -450,6 +473,134 @@ fn an_axis_is_homed_by_a_switch_that_the_drive_only_shows() {
     let board = running.stop().expect("it runs");
     assert!(board.status().moving().is_empty());
     assert!((board.mechanical(BoardAxis::X) + 800.0).abs() <= 1.0);
+}
+
+/// Folders, files, sockets and the ports of other families are told for what they are.
+#[test]
+fn what_is_no_port_is_named_with_what_is_wanted() {
+    let (module, of_module) = a_module();
+    let (board, _hand) = a_board(1);
+    let desk = &of_module.desk;
+    desk.write("note.txt", "mine");
+    let _socket = std::os::unix::net::UnixListener::bind(desk.path("socket")).expect("a socket");
+    std::os::unix::fs::symlink("/dev/pts/none", desk.path("dead")).expect("a link");
+    let path = |name: &str| desk.path(name).to_str().expect("a path").to_owned();
+    let memory = path("module");
+    let terminal = board.path().to_str().expect("a path").to_owned();
+    for (family, port, said) in [
+        ("interpcnc", path(""), "it is a folder; wanted is a serial port"),
+        ("smartdrive", path(""), "it is a folder; wanted is a serial port"),
+        ("bim2ax", path(""), "it is a folder; wanted is the memory file"),
+        ("interpcnc", path("note.txt"), "it is a file of 4 bytes; wanted is a serial port"),
+        ("bim2ax", path("note.txt"), "it is a file of 4 bytes; wanted is the memory file"),
+        ("smartdrive", path("socket"), "it is a socket"),
+        ("bim2ax", path("socket"), "it is a socket"),
+        (
+            "smartdrive",
+            memory.clone(),
+            "as the memory of an emulated BIM2AX is; wanted is a serial",
+        ),
+        ("bim2ax", terminal, "it is a serial port or another device; wanted is the memory file"),
+        (
+            "interpcnc",
+            "/dev/null".to_owned(),
+            "it is a device, but no terminal; wanted is a serial",
+        ),
+        ("interpcnc", path("dead"), "it is a link to /dev/pts/none, which is not there"),
+    ] {
+        Hand::new(family, &port, &[]).refuses("status", said);
+    }
+    drop((module, board));
+}
+
+/// Homing that takes too long is ended by a stop on the ramp, and told with where the axis stands.
+#[test]
+fn homing_that_does_not_end_in_time_is_stopped() {
+    // Drive 3 has no home switch.
+    let (running, hand) = a_bus(Vec::new());
+    hand.does("--address 3 unlock");
+    let ask = "--address 3 home --timeout 1";
+    hand.refuses(ask, "at 120 rpm, for 1 s at most, in the direction that the drive is set to");
+    let done = hand.tries(&format!("{ask} --yes"));
+    done.ended(2, "not finished within 1000 ms; the axes are at rest, at -");
+    done.ended(2, "it needs a longer --timeout");
+    let devices = running.stop().expect("it runs");
+    assert!(devices[1].counter() < 0 && devices[1].motion().1 == 0.0);
+    // The cam of axis 2 is far away.
+    let (running, hand) = a_module();
+    let mut surroundings = *running.module().surroundings();
+    surroundings.benches[1].cam = Some(Contact::below(-1_000_000, true));
+    running.module().happen(module::Event::Surroundings(Box::new(surroundings)));
+    hand.does("unlock 2");
+    hand.refuses("home 2 --timeout 1", "towards - to its cam");
+    hand.refuses("home 2 --timeout 1", "for 1 s at most");
+    let done = hand.tries("home 2 --timeout 1 --yes");
+    done.ended(2, "(homing): not finished within 1000 ms; the axes are at rest, at 1: 0, 2: -");
+    assert!(running.module().velocity(ModuleAxis::Two).abs() < f64::EPSILON);
+    assert!(running.module().shaft(ModuleAxis::Two) < 0);
+}
+
+/// After an alarm, a brown-out or an emergency stop: what to do next, in `status` and with what fails.
+#[test]
+fn what_to_do_next_is_said() {
+    let (board, hand) = a_board(1);
+    assert!(hand.does("status").stdout.contains("next: `unlock`, then `home`"));
+    hand.tries("move X 10 --yes").ended(2, "help: `unlock`, then `home`");
+    hand.does("unlock");
+    assert!(!hand.does("status").stdout.contains("next:"));
+    board.set_enable(false).expect("it runs");
+    let open = |_| hand.does("status").stdout.contains("next: release the emergency stop");
+    assert!((0..50).any(open), "it is not said");
+    hand.tries("unlock").ended(2, "release the emergency stop");
+
+    let (bus, hand) = a_bus(Vec::new());
+    assert!(
+        hand.does("status")
+            .stdout
+            .contains("next: `unlock`, which makes the position 0, then `home`")
+    );
+    hand.does("unlock");
+    let alarms = twin_drives::smartdrive::Alarms::OVERTEMPERATURE;
+    bus.happen(0, bus::Event::Fault { alarms, present: true }).expect("it runs");
+    let status = hand.does("status");
+    assert!(
+        status.stdout.contains("next: remove the cause of the alarm, then `unlock`"),
+        "{}",
+        status.stdout
+    );
+    bus.happen(0, bus::Event::Fault { alarms, present: false }).expect("it runs");
+    bus.happen(0, bus::Event::BrownOut { off_ns: 1_000_000 }).expect("it runs");
+    let off = |_| hand.tries("status").stdout.contains("next: `unlock`");
+    assert!((0..50).any(off), "it is not said");
+
+    let (module, hand) = a_module();
+    let status = hand.does("status");
+    assert!(
+        status.stdout.contains("next for axis 1: `home` the axis")
+            || status.stdout.contains("next for axis 1: `unlock` the axis"),
+        "{}",
+        status.stdout
+    );
+    drop((board, module));
+}
+
+/// Only what asks has a --yes, which may stand before it, too.
+#[test]
+fn only_what_asks_takes_a_yes() {
+    for (family, asks) in [
+        ("interpcnc", ["home", "jog", "move", "restore"]),
+        ("smartdrive", ["home", "jog", "move", "restore"]),
+        ("bim2ax", ["home", "jog", "move", "restore"]),
+    ] {
+        let hand = Hand::new(family, "nowhere", &[]);
+        for action in asks {
+            assert!(hand.does(&format!("{action} --help")).stdout.contains("--yes"), "{action}");
+        }
+        for action in ["scan", "status", "get", "set", "stop", "inputs", "backup"] {
+            assert!(!hand.does(&format!("{action} --help")).stdout.contains("--yes"), "{action}");
+        }
+        hand.tries("--yes status").ended(2, "opening the port");
+    }
 }
 
 /// What a family has no need of, or has not, is told in words.

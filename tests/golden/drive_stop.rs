@@ -7,8 +7,8 @@ use twin_drives::bim2ax::{Bim2AxDrive, Bim2AxDriveOptions, MemoryFile, ModuleAxi
 use twin_drives::smartdrive::emulator as bus;
 use twin_drives::{Drive, MAX_DRIVE_AXES};
 
-/// A module whose axis 1 runs far, left alone by its master.
-fn runaway() -> (EmulatedModule, Hand) {
+/// A module whose axis 1 runs far, and its master.
+fn under_way() -> (EmulatedModule, Hand, Bim2AxDrive) {
     let (running, hand) = a_module();
     let memory = MemoryFile::open(running.path()).expect("a memory file");
     let mut options = Bim2AxDriveOptions::new();
@@ -21,7 +21,12 @@ fn runaway() -> (EmulatedModule, Hand) {
     let mut speed = [0.0; MAX_DRIVE_AXES];
     speed[0] = 4000.0;
     drive.move_to(&target, &speed).expect("it moves");
-    drop(drive);
+    (running, hand, drive)
+}
+
+/// The same, and its master is gone.
+fn runaway() -> (EmulatedModule, Hand) {
+    let (running, hand, _) = under_way();
     (running, hand)
 }
 
@@ -68,4 +73,18 @@ fn a_smartdrive_is_stopped_whatever_state_it_is_in() {
     hand.does("stop");
     running.happen(0, bus::Event::Fault { alarms, present: false }).expect("it runs");
     assert_eq!(hand.does("stop --now").stdout, "off\n");
+}
+
+/// A memory file has one master; only a stop goes to it beside that one.
+#[test]
+fn a_bim2ax_that_has_a_master_is_only_stopped_by_another() {
+    let (running, hand, master) = under_way();
+    for action in ["status", "unlock 1", "move 1 0 --yes"] {
+        hand.refuses(action, "another program is the master of");
+        assert!(!stands(&running), "{action}");
+    }
+    hand.does("stop");
+    assert!(stands(&running));
+    drop(master);
+    hand.does("status");
 }

@@ -101,7 +101,7 @@ fn faults_of_the_wire_are_the_same_for_every_family() {
 /// What errors of a family begin with.
 fn family_word(family: &str) -> &'static str {
     match family {
-        "interpcnc" => "station 1",
+        "interpcnc" => "address 1",
         "smartdrive" => "1",
         _ => "bim2ax",
     }
@@ -222,6 +222,47 @@ fn a_module_starts_with_switches_and_an_encoder() {
     done.ended(0, "");
 }
 
+/// A master at another speed gets no answer, and is told where to look; unless the emulator takes any.
+#[test]
+fn masters_at_another_speed_are_not_understood() {
+    let desk = Desk::new();
+    let status = |baud: &str| {
+        let words = ["drive", "interpcnc", "--port", "board", "--deadline", "300", "--baud", baud];
+        desk.twin(&[&words[..], &["status"]].concat())
+    };
+    let start = ["emulate", "interpcnc", "--link", "board", "--baud", "19200"];
+    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &start, || {
+        for _ in 0..2 {
+            let silent = status("9600");
+            silent.ended(2, "no answer within 300 ms");
+            silent.ended(2, "are baud rate and parity those of the device?");
+            status("19200").ended(0, "");
+        }
+    });
+    done.ended(0, "");
+    let any = [&start[..], &["--any-baud"]].concat();
+    let done = desk.meanwhile("-INT", "Ctrl-C ends it", &any, || {
+        status("9600").ended(0, "");
+        status("19200").ended(0, "");
+    });
+    done.ended(0, "");
+}
+
+/// A link that is left behind is no hindrance, though the next terminal may have the number of the last; one in use is.
+#[test]
+fn a_link_that_a_killed_emulator_has_left_is_replaced() {
+    let desk = Desk::new();
+    for family in ["interpcnc", "smartdrive", "bim2ax"] {
+        let start = ["emulate", family, "--link", family];
+        let done = desk.meanwhile("-KILL", "Ctrl-C ends it", &start, || {
+            desk.twin(&start).ended(2, "in use");
+        });
+        assert_eq!(done.status, None);
+        assert!(desk.path(family).symlink_metadata().is_ok(), "it was left behind");
+        desk.meanwhile("-INT", "Ctrl-C ends it", &start, || ()).ended(0, "");
+    }
+}
+
 /// What a device is told to store is there although it was killed.
 #[test]
 fn what_is_stored_survives_a_kill() {
@@ -277,8 +318,35 @@ fn words_that_are_wrong_are_named_with_their_line() {
     said("interpcnc", "--with", "cam 5", "<AXIS>");
     said("smartdrive", "--with", "cam 9 dir 1..2", "no drive has address 9; there are [1]");
     said("bim2ax", "--with", "place 1 cam 5", "expected FROM..TO");
-    said("bim2ax", "--with", "help place", "--opens");
     said("bim2ax", "--rating-ma", "3000", "1000, 2000 or 5000 mA");
+}
+
+/// Which words there are is told without a device, and so is what is missing.
+#[test]
+fn words_are_listed_without_a_device() {
+    let desk = Desk::new();
+    let families = [
+        ("interpcnc", "cam", "stretch"),
+        ("smartdrive", "homing", "timeout"),
+        ("bim2ax", "place", "--opens"),
+    ];
+    for (family, word, about) in families {
+        for start in [vec!["emulate", family], vec!["emulate", family, "--link", "link"]] {
+            let all = desk.twin(&[&start[..], &["--with", "help"]].concat());
+            all.ended(0, "");
+            assert!(
+                all.stdout.contains(word) && all.stdout.contains("no-faults"),
+                "{}",
+                all.stdout
+            );
+            let help = format!("help {word}");
+            let one = desk.twin(&[&start[..], &["--with", &help]].concat());
+            one.ended(0, "");
+            assert!(one.stdout.contains(about), "{}", one.stdout);
+        }
+        desk.twin(&["emulate", family]).ended(2, "--link PATH is missing");
+        desk.twin(&["emulate", family, "--assume", "help"]).ended(0, "");
+    }
 }
 
 /// Assumptions by name, for device and driver.

@@ -377,7 +377,7 @@ fn what_cannot_be_carried_out_is_status_2() {
     desk.twin(&["nonsense"]).ended(2, "nonsense");
     desk.twin(&[]).ended(2, "Usage");
     desk.twin(&["run", "short.cnc", "-m", "machine.toml", "--drives", "real"])
-        .ended(2, "device `board`: /dev/ttyUSB0, station 1: opening the port");
+        .ended(2, "device `board`: /dev/ttyUSB0, address 1: opening the port");
     let help = desk.twin(&["--help"]);
     assert_eq!(help.status, Some(0));
     assert!(help.stdout.contains("Exit status"));

@@ -167,7 +167,7 @@ fn a_board_that_dies_stops_the_simulated_machine_at_the_limits_of_its_axes() {
     };
     assert!(matches!(source, HardwareError::Drive(_)), "{source:?}");
     assert!(stopped.to_string().starts_with("the drives failed at line 2 (N10)"), "{stopped}");
-    assert!(stopped.to_string().contains("station 1: "), "{stopped}");
+    assert!(stopped.to_string().contains("address 1: "), "{stopped}");
     assert_eq!(place.line, 2);
     assert!(outcome.ending.executed_ns < program.check(&machine).duration_ns);
     outcome.recorder.assert_twin_at_rest();

@@ -6,7 +6,7 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
-use twin::hardware::{Attached, Hardware, HardwareError};
+use twin::hardware::{Attached, Guarded, Hardware, HardwareError};
 use twin::m_function::Acknowledge;
 use twin::machine::Machine;
 use twin::physics::PhysicsError;
@@ -28,6 +28,10 @@ pub(super) struct Puppet {
     pub(super) found: Arc<Mutex<Increments>>,
     /// Does not answer from then on.
     fails_at_ns: Option<i64>,
+    /// From then on it does not answer until the plan rests.
+    silent_from_ns: Option<i64>,
+    /// From then on its first axis is so many increments off the plan.
+    off_from_ns: Option<(i64, i64)>,
     pub(super) outputs: Arc<Mutex<Vec<(u8, bool)>>>,
 }
 
@@ -83,9 +87,21 @@ impl Drive for Puppet {
             let at = Exchange { port: "puppet".into(), station: 1, action: Action::ReadState };
             return Err(DriveError::Timeout { at, deadline: Duration::from_millis(1) });
         }
+        if self.silent_from_ns.is_some_and(|from_ns| time_ns >= from_ns) {
+            let rests = |velocity: &f64| velocity.abs() < 1e-9;
+            // A program that is not stopped rests at its end.
+            while !stream.at(stream.now_ns()).velocity.iter().all(rests) {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            self.silent_from_ns = None;
+        }
+        let time_ns = stream.now_ns();
         let motion = stream.at(time_ns);
         for (position, wanted) in self.position.iter_mut().zip(motion.position) {
             *position = wanted.round() as i64;
+        }
+        if let Some((_, off)) = self.off_from_ns.filter(|(from_ns, _)| time_ns >= *from_ns) {
+            self.position[0] += off;
         }
         *self.found.lock().unwrap() = self.position;
         let moving = motion.velocity.iter().any(|velocity| velocity.abs() > 1.0);
@@ -195,9 +211,14 @@ fn run_both(
     recorder: &mut Recorder<'_>,
     interrupts: &dyn Fn() -> u32,
 ) -> Ending {
+    // A computer that is busy keeps even these waiting.
+    let guarded = puppet.silent_from_ns.is_some() || puppet.off_from_ns.is_some();
     let attached = Attached { device: 0, drive: Box::new(puppet) };
     let mut hardware =
         Hardware::start(machine, vec![attached], start, machine.cycle_ns, 0.25).unwrap();
+    if guarded {
+        hardware = hardware.guarded(machine, Guarded::Real);
+    }
     while !hardware.ready().unwrap() {
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -255,6 +276,54 @@ fn a_simulated_machine_that_fails_brakes_the_drives() {
     assert!(along > 0.5 && along < 8.0, "{x} mm {y} mm");
     // What the drives did after that has nothing to be compared with.
     assert!(ending.comparison.tool.drives_against_twin.maximum().unwrap().0 < 2.5e-6);
+}
+
+/// The others would go on without it: everything comes to rest on the path, while its driver goes on asking.
+#[test]
+fn a_drive_that_keeps_silent_brings_everything_to_rest_on_the_path() {
+    let mut recorder = Recorder::new();
+    let puppet = Puppet { silent_from_ns: Some(300_000_000), ..Puppet::default() };
+    let found = Arc::clone(&puppet.found);
+    let (ending, soft_stops) = run_with(puppet, CIRCLES, i64::MAX, &mut recorder, &|| 0);
+    let Some(stopped @ Stopped::Drives { source, .. }) = &ending.stopped else {
+        panic!("{:?}", ending.stopped)
+    };
+    assert!(matches!(source, HardwareError::Silent { .. }), "{source}");
+    let said = stopped.to_string();
+    assert!(said.contains("device `board` has not answered for"), "{said}");
+    // Nobody has left the path, and the drive has come to where it ends.
+    assert_eq!((soft_stops, ending.off_path), (0, None));
+    recorder.assert_twin_at_rest();
+    let last = recorder.last();
+    for (found, wanted) in
+        found.lock().unwrap().iter().zip([last.wanted.tool.x, last.wanted.tool.y])
+    {
+        assert!((*found as f64 / 320e3 - wanted).abs() < 2e-6, "{found} {wanted}");
+    }
+}
+
+#[test]
+fn an_axis_that_is_too_far_away_stops_the_run() {
+    let mut recorder = Recorder::new();
+    // 1 mm of 0.5.
+    let puppet = Puppet { off_from_ns: Some((300_000_000, -320)), ..Puppet::default() };
+    let (ending, soft_stops) = run_with(puppet, CIRCLES, i64::MAX, &mut recorder, &|| 0);
+    let said = ending.reason().expect("it has been stopped");
+    for part in [
+        "failed at line 2 (N10): following-error: axis X is ",
+        "at most 0.5000 mm is allowed (max_following_error_mm)",
+        "the axes left the path and braked, each at its own limits",
+    ] {
+        assert!(said.contains(part), "{said}");
+    }
+    let Some(Stopped::Drives { source: HardwareError::TooFar { error, limit, .. }, .. }) =
+        &ending.stopped
+    else {
+        panic!("{said}")
+    };
+    // Half an increment beside what it is off.
+    assert!((error - 1.0).abs() < 2e-3 && (limit - 0.5).abs() < 1e-12, "{said}");
+    assert_eq!((soft_stops, recorder.last().path_velocity), (0, 0.0));
 }
 
 #[test]

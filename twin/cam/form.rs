@@ -43,7 +43,7 @@ pub struct Coupling {
 }
 
 /// The start modes by their names in files.
-pub(super) const START_MODES: [(&str, StartMode); 5] = [
+pub const START_MODES: [(&str, StartMode); 5] = [
     ("absolute", StartMode::Absolute),
     ("relative", StartMode::Relative),
     ("ramp_in", StartMode::RampIn),

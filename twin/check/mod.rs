@@ -23,9 +23,9 @@ use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
 use crate::machine::{DirectionRule, Machine};
 use crate::physics::MotorLoad;
-use crate::planning::Planning;
+use crate::planning::{PlanItem, Planning};
 use crate::plant::PlantRecord;
-use crate::program::{Dialect, ProgramFile, ProgramItem};
+use crate::program::{Dialect, ProgramFile};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
 pub use after::{faults_to_come, following_errors, happening, happenings};
@@ -36,7 +36,7 @@ pub use following::{PredictedFollowing, PredictedTraffic, wire_rates};
 use instant::Instant;
 pub use options::{CheckFailure, CheckOptions};
 use rehearsal::Rehearsal;
-pub(crate) use sentence::{beyond_position, unreachable};
+pub(crate) use sentence::{beyond_position, no_axes, unreachable};
 use twin_kinematics::{AxisSource, AxisVector, Kinematics};
 use twin_motion::interpolate::ToolSetpoint;
 use twin_motion::path::EXTRA_AXES;
@@ -132,27 +132,30 @@ fn checked(
     let mut items = Planning::new(machine, program, limits, rules)?;
     let mut countdown = 0u32;
     while let Some(item) = items.next() {
-        match item {
-            ProgramItem::Setpoint(tool) => {
-                let Some(setpoint) = checker.setpoint(&tool) else {
-                    // There is no plan to follow.
-                    following = None;
-                    continue;
-                };
-                if let Some(following) = &mut following {
-                    following.take(&setpoint);
-                }
-                if let Some(way) = &mut way
-                    && let Some(clearance) = way.look(machine, &setpoint, &mut checker.findings)
-                {
-                    watch(&clearance);
-                }
-                if let Some(rehearsal) = &mut rehearsal {
-                    rehearsal.take(&setpoint, &mut checker)?;
-                }
+        let setpoint = match item {
+            PlanItem::Tool(tool) => checker.tool(&tool),
+            PlanItem::Axes(setpoint) => Some(*checker.axes(&setpoint)),
+            PlanItem::Diagnostic(finding) => {
+                checker.findings.add(None, finding);
+                continue;
             }
-            ProgramItem::Diagnostic(finding) => checker.findings.add(None, finding),
-            ProgramItem::Io(error) => return Err(error.into()),
+            PlanItem::Io(error) => return Err(error.into()),
+        };
+        let Some(setpoint) = setpoint else {
+            // There is no plan to follow.
+            following = None;
+            continue;
+        };
+        if let Some(following) = &mut following {
+            following.take(&setpoint);
+        }
+        if let Some(way) = &mut way
+            && let Some(clearance) = way.look(machine, &setpoint, &mut checker.findings)
+        {
+            watch(&clearance);
+        }
+        if let Some(rehearsal) = &mut rehearsal {
+            rehearsal.take(&setpoint, &mut checker)?;
         }
         countdown = countdown.checked_sub(1).unwrap_or_else(|| {
             progress(items.bytes_read());
@@ -197,6 +200,10 @@ fn checked(
     outcome.findings_left_out += items.left_out();
     outcome.elements = items.elements();
     outcome.length = items.length();
+    if program.dialect() == Dialect::Job {
+        // Nothing of it has a feed.
+        outcome.findings.iter_mut().for_each(|found| found.largest_feed_mm_per_s = None);
+    }
     Ok(outcome)
 }
 
@@ -235,7 +242,7 @@ impl<'m> Checker<'m> {
     }
 
     /// `None` if the machine cannot take this set-point.
-    fn setpoint(&mut self, tool: &ToolSetpoint) -> Option<AxisSetpoint> {
+    fn tool(&mut self, tool: &ToolSetpoint) -> Option<AxisSetpoint> {
         self.duration_ns = tool.time_ns;
         for (number, letter) in (0..).zip(EXTRA_AXES) {
             let moves = tool.extra.velocity.get(usize::from(number)).is_some_and(|v| *v != 0.0);
@@ -249,22 +256,27 @@ impl<'m> Checker<'m> {
                 self.findings.add(None, sentence::no_additional_axis(tool.place, letter));
             }
         }
-        let setpoint = match self.transformer.axes(tool, None) {
-            Ok(setpoint) => setpoint,
+        match self.transformer.axes(tool, None) {
+            Ok(setpoint) => Some(*self.axes(&setpoint)),
             Err(error) => {
-                self.findings.add(None, unreachable(tool.place, &error));
+                self.findings.add(None, no_axes(tool.place, &error));
                 self.last = None;
-                return None;
+                None
             }
-        };
-        let last = self.last.replace(setpoint);
+        }
+    }
+
+    /// Looks at a set-point of the axes, and hands it back.
+    fn axes<'s>(&mut self, setpoint: &'s AxisSetpoint) -> &'s AxisSetpoint {
+        self.duration_ns = setpoint.time_ns;
+        let last = self.last.replace(*setpoint);
         self.start.get_or_insert(setpoint.axes.position);
         let machine = self.machine;
         let [faster, harder, jerkier] = self.slack;
         let cycle = seconds(machine.cycle_ns);
         let with_path = matches!(machine.direction, DirectionRule::Path(..));
         for (index, (axis, peak)) in machine.axes.iter().zip(&mut self.peaks).enumerate() {
-            let now = Instant::of(&setpoint, index);
+            let now = Instant::of(setpoint, index);
             let turns = with_path && machine.kinematics.is_rotary(index);
             let before = last.as_ref().map(|last| Instant::of(last, index));
             let rapids = self.rapids;
@@ -278,21 +290,21 @@ impl<'m> Checker<'m> {
             };
             let [low, high] = peak.position.unwrap_or([now.position; 2]);
             peak.position = Some([low.min(now.position), high.max(now.position)]);
-            if let Some(finding) = sentence::beyond_position(axis, tool.place, now.position) {
+            if let Some(finding) = sentence::beyond_position(axis, setpoint.place, now.position) {
                 report(finding);
             }
 
             let limit = axis.max_velocity;
-            peak.velocity.include(now.velocity, tool.place);
+            peak.velocity.include(now.velocity, setpoint.place);
             if exceeds(now.velocity, faster * limit) {
-                let mut finding = sentence::too_fast(axis, tool.place, now.velocity);
+                let mut finding = sentence::too_fast(axis, setpoint.place, now.velocity);
                 finding.largest_feed_mm_per_s = now.feed_for_velocity(before.as_ref(), limit);
                 report(finding);
             }
             let limit = axis.max_acceleration;
-            peak.acceleration.include(now.acceleration, tool.place);
+            peak.acceleration.include(now.acceleration, setpoint.place);
             if exceeds(now.acceleration, harder * limit) {
-                let mut finding = sentence::too_hard(axis, tool.place, now.acceleration);
+                let mut finding = sentence::too_hard(axis, setpoint.place, now.acceleration);
                 finding.largest_feed_mm_per_s = now.feed_for_acceleration(before.as_ref(), limit);
                 report(finding);
             }
@@ -332,7 +344,7 @@ impl<'m> Checker<'m> {
                 report(sentence::too_jerky(axis, place, jerk, limit));
             }
         }
-        Some(setpoint)
+        setpoint
     }
 
     /// Compares the simulated machine with its set-point.

@@ -1,6 +1,7 @@
 //! Findings in words: what is wrong, with value and limit.
 
 use super::ROUNDING;
+use crate::coupled::AxesError;
 use crate::finding::{Finding, Rule, Severity};
 use crate::machine::{
     Axis, AxisKind, FaultAt, FaultStart, Machine, SimulationError, VelocitySource,
@@ -14,6 +15,23 @@ use twin_motion::Place;
 
 /// An axis that is farther than this from where it is sent, m or rad, beyond its software limits, is not only following behind.
 const RUN_AWAY: f64 = 2e-3;
+
+/// A set-point without axis positions.
+pub(crate) fn no_axes(place: Place, error: &AxesError) -> Finding {
+    match error {
+        AxesError::Kinematics(error) => unreachable(place, error),
+        AxesError::Moved { axis, from, to, unit, .. } => {
+            let mut finding = Finding::error(Rule::Coupling, place, error.to_string());
+            finding.axis = Some(axis.clone());
+            finding.with_value(*to, *from, unit)
+        }
+        AxesError::Cam { axis, .. } => {
+            let mut finding = Finding::error(Rule::Coupling, place, error.to_string());
+            finding.axis = Some(axis.clone());
+            finding
+        }
+    }
+}
 
 /// A set-point that the kinematics refuses.
 pub(crate) fn unreachable(place: Place, error: &KinematicsError) -> Finding {

@@ -1,6 +1,7 @@
 //! `--assume`: what a manual leaves open, answered on the command line.
 
 use super::{Failure, show};
+use std::io::{self, Write};
 use twin_drives::Assumed;
 
 /// Assumptions that are not the usual ones.
@@ -31,9 +32,12 @@ impl Assume {
     }
 
     /// Lists what can be assumed about a family, if that is asked for; true if it was.
-    pub(super) fn helps<A: Assumed>(&self) -> bool {
+    ///
+    /// # Errors
+    /// If it cannot be printed.
+    pub(super) fn helps<A: Assumed>(&self) -> Result<bool, Failure> {
         if !self.assume.iter().any(|said| said == "help") {
-            return false;
+            return Ok(false);
         }
         let mut table = show::table();
         table.set_header(["name", "it can be", "assumed", "question of the manual"]);
@@ -46,7 +50,7 @@ impl Assume {
                 question.map_or("", |question| question.question).to_owned(),
             ]);
         }
-        println!("{table}");
-        true
+        writeln!(io::stdout(), "{table}").map_err(Failure::Stdio)?;
+        Ok(true)
     }
 }

@@ -22,11 +22,15 @@ mod underline;
 mod view;
 mod whole;
 
+use crate::advice::advice;
 use crate::cam::CamFileError;
 use crate::check::CheckFailure;
+use crate::hardware::HardwareError;
 use crate::machine::MachineFileError;
 use crate::program::ProgramFile;
+use crate::startup::HomingError;
 use clap::{Parser, Subcommand};
+use miette::MietteDiagnostic;
 use std::process::ExitCode;
 
 /// How a command ended, in the order of the exit status.
@@ -152,6 +156,14 @@ pub(crate) enum Failure {
     /// A drive that is talked to by hand.
     #[error(transparent)]
     Drive(#[from] twin_drives::DriveError),
+    /// A motion by hand that went wrong, after which the axes were stopped.
+    #[error("{source}; {at_rest}")]
+    Motion {
+        /// What went wrong.
+        source: Box<twin_drives::DriveError>,
+        /// How the axes came to rest, and where.
+        at_rest: String,
+    },
     /// Parameters of a drive on file.
     #[error(transparent)]
     Backup(Box<twin_drives::axis::backup::BackupError>),
@@ -245,7 +257,23 @@ impl Failure {
             },
             // Whoever reads our output has gone: not worth a message.
             Self::Stdio(error) if error.kind() == std::io::ErrorKind::BrokenPipe => {}
-            other => eprintln!("{:?}", miette::Report::msg(other.to_string())),
+            other => {
+                let mut diagnostic = MietteDiagnostic::new(other.to_string());
+                diagnostic.help = other.advice().map(str::to_owned);
+                eprintln!("{:?}", miette::Report::new(diagnostic));
+            }
+        }
+    }
+
+    /// What to look at or to do next.
+    fn advice(&self) -> Option<&'static str> {
+        match self {
+            Self::Drive(error) | Self::Hardware(HardwareError::Drive(error)) => advice(error),
+            Self::Motion { source, .. }
+            | Self::Homing(
+                HomingError::Drive { source, .. } | HomingError::NotStopped { source, .. },
+            ) => advice(source),
+            _ => None,
         }
     }
 }

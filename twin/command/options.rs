@@ -203,16 +203,19 @@ impl ReadOptions {
     pub(super) fn check_for(&self, dialect: Option<Dialect>) -> Result<(), Failure> {
         let variables = !self.variables.is_empty() || self.variables_file.is_some();
         let (what, whose) = match dialect {
-            Some(Dialect::Rs274 | Dialect::Queue | Dialect::Dxf) if variables => {
+            Some(Dialect::Rs274 | Dialect::Queue | Dialect::Job | Dialect::Dxf) if variables => {
                 ("--var and --variables", "DIN 66025")
             }
-            Some(Dialect::Din66025 | Dialect::Queue | Dialect::Dxf)
+            Some(Dialect::Din66025 | Dialect::Queue | Dialect::Job | Dialect::Dxf)
                 if self.tool_table.is_some() =>
             {
                 ("--tool-table", "RS274")
             }
-            Some(Dialect::Queue | Dialect::Dxf) if self.skip_suppressed => {
+            Some(Dialect::Queue | Dialect::Job | Dialect::Dxf) if self.skip_suppressed => {
                 ("--skip-suppressed", "DIN 66025 and RS274")
+            }
+            Some(Dialect::Job) if self.profile != Profile::Trapezoid => {
+                ("--profile", "DIN 66025 and RS274; a job has its `ramp`")
             }
             _ => return Ok(()),
         };
@@ -266,8 +269,20 @@ fn tools(path: &Path, unit: LengthUnit) -> Result<ToolTable, Failure> {
     table.map_err(|error| Failure::Usage(tool_table_problem(path, &error)))
 }
 
+/// What is about paths has nothing to say of jobs.
+pub(super) fn expect_path(program: &ProgramFile) -> Result<(), Failure> {
+    if program.dialect() == Dialect::Job {
+        return Err(Failure::Usage(format!(
+            "{} is a job: its blocks move axes and say how fast, there is no path to plan; `twin check` and `twin run` take it",
+            program.path().display()
+        )));
+    }
+    Ok(())
+}
+
 /// Plans within the limits of the axes have no profile, and no override above the largest.
 pub(super) fn plans_without_inputs(program: &ProgramFile) -> Result<(), Failure> {
+    expect_path(program)?;
     let Inputs { override_factor, mode, .. } = program.settings().inputs;
     let message = if mode != VelocityMode::default() {
         "--profile is for the controller's own planning (--limits softmotion), not for that within the limits of the axes"

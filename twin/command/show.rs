@@ -29,7 +29,10 @@ pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
     for cause in shown {
         let finding = cause.first;
         let source = lines.get(&finding.line).map(|line| {
-            let words = underline::words(line, finding);
+            let words = match program.dialect() {
+                Dialect::Job => underline::key(line, finding),
+                _ => underline::words(line, finding),
+            };
             let (text, words) = excerpt(line, words);
             let name = program.path().display().to_string();
             (Line { name, number: finding.line, text }, words)
@@ -202,7 +205,7 @@ impl Diagnostic for ShownFinding<'_> {
             Dialect::Din66025 => format!("F{}", floor_3(feed)),
             // Per minute, in whichever unit.
             Dialect::Rs274 => format!("{} mm/min", floor_3(feed * 60.0)),
-            Dialect::Queue | Dialect::Dxf => format!("{} mm/s", floor_3(feed)),
+            Dialect::Queue | Dialect::Job | Dialect::Dxf => format!("{} mm/s", floor_3(feed)),
         };
         Some(Box::new(format!("with {feed} or less this axis stays within its limit here")))
     }

@@ -4,6 +4,16 @@
 use crate::finding::{Finding, Rule};
 use std::ops::Range;
 
+/// What a line of a job says, which has no words but in its comment.
+pub(super) fn key(line: &str, finding: &Finding) -> Vec<Range<usize>> {
+    if finding.columns.is_some() {
+        return words(line, finding);
+    }
+    let said = line.split('#').next().unwrap_or_default();
+    let start = said.len() - said.trim_start().len();
+    std::iter::once(start..said.trim_end().len().max(start)).collect()
+}
+
 /// Byte ranges of `line` to underline; the whole block if no word stands out.
 pub(super) fn words(line: &str, finding: &Finding) -> Vec<Range<usize>> {
     if let Some(columns) = &finding.columns {

@@ -1,6 +1,8 @@
 //! The drives as a plant: one thread per device, which follow the same set-points as the simulated machine.
 
 mod device;
+mod error;
+mod guard;
 mod merge;
 mod stream;
 #[cfg(test)]
@@ -11,6 +13,8 @@ use crate::clock::Clock;
 use crate::machine::{DriveFamily, Machine};
 use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::AxisSetpoint;
+pub use error::HardwareError;
+pub use guard::Guarded;
 use merge::{Measured, Track};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -58,6 +62,8 @@ pub struct Hardware {
     not_stopped: Vec<String>,
     /// Errors that have come while another one was told.
     failures: VecDeque<HardwareError>,
+    /// Since the program has begun.
+    clock: Option<Clock>,
 }
 
 /// An output to be switched.
@@ -81,66 +87,6 @@ enum Event {
     NotStopped(DriveError),
     /// Finished or stopped: the axes are at rest.
     AtRest,
-}
-
-/// Why the drives cannot go on.
-#[derive(Debug, thiserror::Error)]
-pub enum HardwareError {
-    /// The device or its wire.
-    #[error("{0}")]
-    Drive(#[from] DriveError),
-    /// An axis position does not fit the counters.
-    #[error("axis {axis} at {position} {unit} is beyond what its drive can count")]
-    Range {
-        /// The axis.
-        axis: String,
-        /// The position, in `unit`.
-        position: f64,
-        /// "mm" or "deg".
-        unit: &'static str,
-    },
-    /// The axes stand still where they should not.
-    #[error(
-        "device `{device}`: the axes stopped moving at {position:?} on their way to {target:?} increments"
-    )]
-    Stuck {
-        /// Which.
-        device: String,
-        /// Where the axes are.
-        position: Vec<i64>,
-        /// Where they should be.
-        target: Vec<i64>,
-    },
-    /// The plan ended before the program did: whoever plans was kept waiting.
-    #[error(
-        "device `{device}`: the set-points came {late_ms} ms late; the axes were braked where they were"
-    )]
-    Starved {
-        /// Which.
-        device: String,
-        /// Behind the last planned instant, ms.
-        late_ms: i64,
-    },
-    /// The driver has failed in a way that nobody has foreseen; the device was stopped all the same.
-    #[error("device `{device}`: its driver has panicked; the axes were braked where they were")]
-    Panicked {
-        /// Which.
-        device: String,
-    },
-    /// The device's thread ended without saying why.
-    #[error("device `{device}`: its thread ended unexpectedly")]
-    Gone {
-        /// Which.
-        device: String,
-    },
-    /// The device's thread could not be started.
-    #[error("device `{device}`: its thread cannot be started: {source}")]
-    Thread {
-        /// Which.
-        device: String,
-        /// Why.
-        source: std::io::Error,
-    },
 }
 
 impl Hardware {
@@ -172,6 +118,7 @@ impl Hardware {
             left_on: Vec::new(),
             not_stopped: Vec::new(),
             failures: VecDeque::new(),
+            clock: None,
         };
         for attached in drives {
             let unit = Unit::start(machine, attached, start, (cycle_ns, approach), &early)?;
@@ -192,9 +139,19 @@ impl Hardware {
         Ok(self.units.iter().all(|unit| unit.ready))
     }
 
+    /// From now on [`Self::feedback`] also fails where a device keeps silent for longer than `machine` says while its axes
+    /// are to move ([`HardwareError::Silent`]), and where an axis is farther from its set-points than it may be
+    /// ([`HardwareError::TooFar`]). The devices go on following all the same: it is for the caller to stop them.
+    #[must_use]
+    pub fn guarded(mut self, machine: &Machine, whose: Guarded) -> Self {
+        self.units.iter_mut().for_each(|unit| unit.guard(machine, whose));
+        self
+    }
+
     /// Lets the program begin: from now on the drives follow the stream by `clock`.
     pub fn follow(&mut self, clock: Clock) {
-        self.units.iter().for_each(|unit| unit.follow(clock));
+        self.clock = Some(clock);
+        self.units.iter_mut().for_each(|unit| unit.follow(clock));
     }
 
     /// Asks the drives to come to rest at the end of the stream, which is an `early` one if the program is not through;
@@ -274,7 +231,12 @@ impl Hardware {
         for (unit, track) in self.units.iter_mut().zip(&mut self.tracks) {
             loop {
                 match unit.event() {
-                    Ok(Some(Event::Sample(sample))) => track.push(measured(unit, &sample)),
+                    Ok(Some(Event::Sample(sample))) => {
+                        let measured = measured(unit, &sample);
+                        let heard = (sample.time_ns, sample.moving);
+                        self.failures.extend(unit.guard.heard(heard, &measured.deviation));
+                        track.push(measured);
+                    }
                     Ok(Some(Event::Ready)) => unit.ready = true,
                     Ok(Some(Event::LeftOn(outputs))) => self.left_on.extend(outputs),
                     Ok(Some(Event::NotStopped(error))) => {
@@ -292,6 +254,9 @@ impl Hardware {
                         break;
                     }
                 }
+            }
+            if let Some(clock) = self.clock {
+                self.failures.extend(unit.silence(clock.now_ns()));
             }
         }
     }

@@ -7,7 +7,7 @@
 )]
 
 use super::stream::Stream;
-use super::{Attached, HORIZON_NS, Hardware, HardwareError};
+use super::{Attached, Guarded, HORIZON_NS, Hardware, HardwareError};
 use crate::clock::Clock;
 use crate::machine::Machine;
 use crate::plant::{AxisFeedback, Plant};
@@ -40,6 +40,8 @@ struct Strings {
     /// Does not answer from this sample on.
     samples_fail_from: Option<u32>,
     follow_panics: bool,
+    /// Does not answer while it follows until there is a word from here.
+    follow_waits: Option<Mutex<Receiver<()>>>,
     /// Stands still wherever it is sent.
     stuck: bool,
     /// Confirms no stop.
@@ -129,6 +131,9 @@ impl Drive for Puppet {
 
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         assert!(!self.strings.follow_panics, "as asked");
+        if let Some(waits) = &self.strings.follow_waits {
+            waits.lock().unwrap().recv_timeout(Duration::from_mins(1)).unwrap_or_default();
+        }
         let time_ns = stream.now_ns();
         let motion = stream.at(time_ns);
         self.strings.followed.fetch_add(1, Ordering::SeqCst);
@@ -372,7 +377,7 @@ fn a_stop_that_is_not_confirmed_is_told() {
     assert!(approach(&mut hardware).is_err());
     let told = hardware.abandon();
     assert_eq!(told.len(), 1, "{told:?}");
-    assert!(told[0].starts_with("device `board`: puppet, station 1"), "{told:?}");
+    assert!(told[0].starts_with("device `board`: puppet, address 1"), "{told:?}");
 }
 
 /// The first device takes its time to stop; the second is stopped meanwhile.
@@ -489,4 +494,37 @@ fn a_start_beyond_the_counters_is_refused() {
         }
         other => panic!("{other:?}"),
     }
+}
+
+/// Its driver goes on asking, and it may be heard of again: only the session hears of it meanwhile.
+#[test]
+fn a_device_that_keeps_silent_while_its_axes_are_to_move_is_told_while_its_driver_waits() {
+    let (word, waits): (SyncSender<()>, _) = sync_channel(2000);
+    let strings = Strings { follow_waits: Some(Mutex::new(waits)), ..Strings::default() };
+    let (hardware, strings) = start(strings);
+    let mut hardware = hardware.guarded(&machine(), Guarded::Real);
+    approach(&mut hardware).unwrap();
+    // 12 mm in X.
+    for cycle in 0..=1200 {
+        hardware.command(&setpoint(cycle, START[0] + 1e-5 * cycle as f64, 0.01)).unwrap();
+    }
+    hardware.follow(Clock::start());
+    hardware.finish(false);
+    let told = loop {
+        match hardware.feedback() {
+            Err(told) => break told,
+            Ok(_) => std::thread::sleep(Duration::from_millis(1)),
+        }
+    };
+    let HardwareError::Silent { device, silent_ms, limit_ms, then: None } = &told else {
+        panic!("{told}")
+    };
+    assert!(device == "board" && *silent_ms > 300 && *limit_ms == 300, "{told}");
+    assert!(hardware.is_running() && strings.followed.load(Ordering::SeqCst) == 0);
+    // It answers after all, and brings the axes to the end of the plan.
+    drop(word);
+    let (heard, error) = listen(&mut hardware);
+    assert!(error.is_none(), "{error:?}");
+    assert!((heard.last().unwrap().position[0] - START[0] - 0.012).abs() < 2e-6);
+    assert_eq!(strings.soft_stops.load(Ordering::SeqCst), 0);
 }

@@ -1,6 +1,7 @@
 //! One device: its thread, its stream, and the axes of the machine that hang on it.
 
 use super::device::{APPROACH, Device, FINISH, FOLLOW, STOP};
+use super::guard::{Guard, Guarded};
 use super::stream::Stream;
 use super::{Attached, Event, HardwareError, Switch};
 use crate::clock::Clock;
@@ -12,7 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use twin_drives::{IncrementMotion, MAX_DRIVE_AXES, Sample};
+use twin_drives::{IncrementMotion, MAX_DRIVE_AXES, Sample, SetpointStream};
 use twin_kinematics::AxisVector;
 
 /// Samples that may wait for the session before the device's thread waits for it.
@@ -32,8 +33,9 @@ pub(super) struct Mapping {
 /// A device at work.
 #[derive(Debug)]
 pub(super) struct Unit {
-    /// Its name in the machine file.
+    /// Its name in the machine file, and its place there.
     pub(super) device: String,
+    index: usize,
     stream: Arc<Stream>,
     order: Arc<AtomicU8>,
     events: Receiver<Result<Event, HardwareError>>,
@@ -44,6 +46,8 @@ pub(super) struct Unit {
     pub(super) ready: bool,
     /// It has nothing more to say.
     pub(super) ended: bool,
+    /// What the run does not wait for; nothing unless it is told.
+    pub(super) guard: Guard,
 }
 
 impl Unit {
@@ -89,13 +93,44 @@ impl Unit {
             .name(format!("drive {name}"))
             .spawn(move || device.run(&target, &speed))
             .map_err(|source| HardwareError::Thread { device: name.clone(), source })?;
-        let (device, thread) = (name, Some(thread));
-        let (ready, ended) = (false, false);
-        Ok(Self { device, stream, order, events, thread, axes, switches, ready, ended })
+        let (device, index, thread) = (name, attached.device, Some(thread));
+        let (ready, ended, guard) = (false, false, Guard::default());
+        Ok(Self {
+            device,
+            index,
+            stream,
+            order,
+            events,
+            thread,
+            axes,
+            switches,
+            ready,
+            ended,
+            guard,
+        })
+    }
+
+    /// From now on silence and axes that are too far away are told.
+    pub(super) fn guard(&mut self, machine: &Machine, whose: Guarded) {
+        self.guard = Guard::new(machine, self.index, whose);
+    }
+
+    /// Whether the device has been silent for too long by now.
+    pub(super) fn silence(&mut self, now_ns: i64) -> Option<HardwareError> {
+        if self.ended {
+            return None;
+        }
+        let (stream, axes) = (&self.stream, self.axes.len());
+        let travels = |from_ns: i64, to_ns: i64| {
+            let [from, to] = [from_ns, to_ns].map(|time_ns| stream.at(time_ns).position);
+            from.iter().zip(to).take(axes).any(|(from, to)| (to - from).abs() >= 1.0)
+        };
+        self.guard.silence(&self.device, now_ns, travels)
     }
 
     /// From now on it follows its stream by `clock`.
-    pub(super) fn follow(&self, clock: Clock) {
+    pub(super) fn follow(&mut self, clock: Clock) {
+        self.guard.begin(clock.now_ns());
         self.stream.start(clock);
         self.change_order(APPROACH, FOLLOW);
     }
@@ -150,7 +185,6 @@ impl Unit {
     }
 
     fn stream_position(&self, time_ns: i64) -> [f64; MAX_DRIVE_AXES] {
-        use twin_drives::SetpointStream;
         self.stream.at(time_ns).position
     }
 

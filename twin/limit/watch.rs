@@ -1,10 +1,11 @@
 //! What is wrong at set-points, told once per line.
 
-use crate::check::{beyond_position, unreachable};
+use crate::check::{beyond_position, no_axes};
+use crate::coupled::AxesError;
 use crate::finding::{Finding, Rule};
 use crate::machine::{Axis, Machine};
 use std::collections::VecDeque;
-use twin_kinematics::{AxisVector, KinematicsError};
+use twin_kinematics::AxisVector;
 use twin_motion::Place;
 
 /// Looks at set-points. Every fault is told once per line.
@@ -85,9 +86,9 @@ impl<'m> Watch<'m> {
     }
 
     /// The machine cannot go there.
-    pub(super) fn refused(&mut self, place: Place, error: &KinematicsError) {
+    pub(super) fn refused(&mut self, place: Place, error: &AxesError) {
         if self.unreached.replace(place.line) != Some(place.line) {
-            self.found.push_back(unreachable(place, error));
+            self.found.push_back(no_axes(place, error));
         }
     }
 }

@@ -54,6 +54,10 @@ impl AxisKind {
 
 /// How many increments of a drive one unit of the axis is, as an exact ratio (the manual's
 /// `dwRatioTechUnitsDenom` / `iRatioTechUnitsNum`).
+///
+/// Not [`twin_drives::axis::Ratio`], which is a fraction of whole numbers in 32 bits, as SoftMotion's blocks hand it on: a
+/// machine file says what its builder reads off the gear, the belt and the encoder, 10^12 increments and 9.525 mm among it,
+/// and what of that fits 32 bits would have to be refused or rounded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IncrementRatio {
     /// Increments …

@@ -2,6 +2,7 @@
 
 mod axis;
 mod conditions;
+mod couplings;
 mod direction;
 mod drives;
 mod frame;
@@ -22,6 +23,8 @@ mod tool;
 pub use axis::{Axis, AxisDrive, AxisKind, IncrementRatio};
 pub(crate) use conditions::said as tool_table_problem;
 pub use conditions::{PreparationInputs, ProgramConditions};
+pub use couplings::{CamSelection, CoupledBy, Coupling};
+pub(crate) use couplings::{read_cam, read_ratio};
 pub use direction::DirectionRule;
 use drives::Seen;
 pub use drives::{Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, Parity, SmartDriveEntry};
@@ -34,6 +37,7 @@ pub use simulated::{
 };
 pub use surroundings::Collision;
 
+use crate::coupled::Coupled;
 use crate::m_function::MFunction;
 use crate::probe;
 use axis::AxisEntry;
@@ -43,7 +47,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tool::Tool;
 use twin_drives::MAX_DRIVE_AXES;
-use twin_kinematics::{AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
+use twin_kinematics::{AxisSource, AxisVector, Kinematics, MAX_AXES, MachineAxes, Pose, WorkFrame};
 use twin_urdf::{Inertial, JointKind, Model, UrdfWarning};
 
 /// One set-point per millisecond.
@@ -90,6 +94,8 @@ pub struct Machine {
     pub conditions: ProgramConditions,
     /// What a plan may ask of the path.
     pub path_limits: PathLimits,
+    /// Axes that follow others, masters before their slaves.
+    pub couplings: Vec<Coupling>,
     /// Time between set-points, ns.
     pub cycle_ns: i64,
 }
@@ -167,7 +173,17 @@ impl Machine {
 
     /// Where the tool is and the axes are when a program starts that does not say where, if that can be reached.
     pub fn start_axes(&self) -> Option<AxisVector> {
-        self.kinematics.inverse(&self.start_pose(), &self.middle()).ok()
+        let mut axes = self.kinematics.inverse(&self.start_pose(), &self.middle()).ok()?;
+        // The transform knows nothing of additional axes: they start where the file says.
+        let sources = self.kinematics.sources().iter().zip(&self.axes);
+        for (index, (source, axis)) in sources.enumerate() {
+            let AxisSource::Additional(number) = *source else { continue };
+            let start = self.conditions.start_additional.get(usize::from(number));
+            if let (Some(slot), Some(start)) = (axes.get_mut(index), start) {
+                *slot = axis.to_si(*start);
+            }
+        }
+        Coupled::at_rest(self, axes).ok()
     }
 
     /// Where the tool is when a program starts that does not say where, machine frame.
@@ -187,6 +203,20 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         let earlier = seen.iter().take_while(|other| !std::ptr::eq(*other, one));
         if earlier.into_iter().any(|other| other.name == one.name) && section.has("name") {
             section.complain_at("name", format!("there is a drive \"{}\" already", one.name));
+        }
+    }
+    let ports: Vec<_> =
+        devices.iter().map(|entry| entry.as_ref().and_then(DeviceEntry::place)).collect();
+    for (index, (section, place)) in drives.iter().zip(&ports).enumerate() {
+        let earlier = ports.iter().take(index).zip(&seen);
+        if let Some((_, other)) =
+            earlier.into_iter().find(|(one, _)| place.is_some() && *one == place)
+        {
+            let message = format!(
+                "drive \"{}\" is on this port already: each device has its own",
+                other.name
+            );
+            section.complain_at("port", message);
         }
     }
     drives.into_iter().for_each(Section::finish);
@@ -213,6 +243,8 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
     let file = geometry::File { path, name: name.unwrap_or_default() };
     let geometry = geometry::read(root, file, axes.as_deref(), &mounted, payload.as_ref());
     let collision = surroundings::read(root, path, frame.as_ref());
+    let axes = geometry.as_ref().map(|geometry| geometry.axes.as_slice());
+    let couplings = couplings::read(root, path, axes);
     root.check_unknown();
 
     let geometry = geometry?;
@@ -237,6 +269,7 @@ fn read(path: &Path, root: &Section<'_>) -> Option<Machine> {
         path_limits,
         m_functions,
         collision,
+        couplings: couplings?,
         cycle_ns: CYCLE_NS,
     };
     let checked = machine.leave_out_what_overlaps();

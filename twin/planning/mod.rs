@@ -4,14 +4,42 @@
 mod beside;
 mod within;
 
+use crate::finding::Finding;
+use crate::job::JobSetpoints;
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledgement, MCall};
 use crate::machine::Machine;
-use crate::program::{Findings, ProgramFile, ProgramItem, Setpoints};
+use crate::program::{Dialect, Findings, ProgramFile, ProgramItem, Setpoints};
+use crate::setpoint::AxisSetpoint;
 use beside::Beside;
+use std::io;
 use std::task::Poll;
 use std::thread::Scope;
+use twin_motion::interpolate::ToolSetpoint;
 use within::WithinAxes;
+
+/// What comes out of a program, one after the other.
+#[derive(Debug)]
+pub(crate) enum PlanItem {
+    /// Where the tool shall be at the next instant, which the transform makes axes of.
+    Tool(ToolSetpoint),
+    /// Where the axes shall be then.
+    Axes(Box<AxisSetpoint>),
+    /// What is wrong with the program.
+    Diagnostic(Finding),
+    /// The file cannot be read any further.
+    Io(io::Error),
+}
+
+impl From<ProgramItem> for PlanItem {
+    fn from(item: ProgramItem) -> Self {
+        match item {
+            ProgramItem::Setpoint(tool) => Self::Tool(tool),
+            ProgramItem::Diagnostic(finding) => Self::Diagnostic(finding),
+            ProgramItem::Io(error) => Self::Io(error),
+        }
+    }
+}
 
 /// The set-points of a program, as the controller itself plans them or within the limits of the axes.
 #[derive(Debug)]
@@ -21,6 +49,7 @@ pub(crate) struct Planning<'m>(Plan<'m>);
 enum Plan<'m> {
     Controller(Box<Setpoints>),
     Axes(Box<WithinAxes<'m>>),
+    Job(Box<JobSetpoints<'m>>),
 }
 
 impl<'m> Planning<'m> {
@@ -34,6 +63,9 @@ impl<'m> Planning<'m> {
         limits: Limits,
         rules: Acknowledgement,
     ) -> Result<Self, LimitFailure> {
+        if program.dialect() == Dialect::Job {
+            return Ok(Self(Plan::Job(Box::new(JobSetpoints::open(machine, program)?))));
+        }
         Ok(match limits {
             Limits::Softmotion => Self(Plan::Controller(Box::new(program.open(machine, rules)?))),
             Limits::Axes => {
@@ -58,7 +90,7 @@ impl<'m> Planning<'m> {
     where
         'm: 'scope,
     {
-        if limits == Limits::Softmotion {
+        if limits == Limits::Softmotion || program.dialect() == Dialect::Job {
             return Self::new(machine, program, limits, rules);
         }
         let plan = if paced {
@@ -70,10 +102,11 @@ impl<'m> Planning<'m> {
     }
 
     /// What comes next; with `waits`, or where no thread is ahead, it is there when this returns.
-    pub(crate) fn poll(&mut self, waits: bool) -> Poll<Option<ProgramItem>> {
+    pub(crate) fn poll(&mut self, waits: bool) -> Poll<Option<PlanItem>> {
         match &mut self.0 {
-            Plan::Controller(setpoints) => Poll::Ready(setpoints.next()),
-            Plan::Axes(within) => within.poll(waits),
+            Plan::Controller(setpoints) => Poll::Ready(setpoints.next().map(PlanItem::from)),
+            Plan::Axes(within) => within.poll(waits).map(|next| next.map(PlanItem::from)),
+            Plan::Job(job) => Poll::Ready(job.next()),
         }
     }
 
@@ -81,7 +114,7 @@ impl<'m> Planning<'m> {
     fn file(&self) -> Option<&Findings> {
         match &self.0 {
             Plan::Axes(within) => within.file(),
-            Plan::Controller(_) => None,
+            Plan::Controller(_) | Plan::Job(_) => None,
         }
     }
 
@@ -90,6 +123,7 @@ impl<'m> Planning<'m> {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.bytes_read(),
             Plan::Axes(_) => self.file().map_or(0, Findings::bytes_read),
+            Plan::Job(job) => job.bytes_read(),
         }
     }
 
@@ -98,6 +132,7 @@ impl<'m> Planning<'m> {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.elements(),
             Plan::Axes(_) => self.file().map_or(0, Findings::elements),
+            Plan::Job(job) => job.blocks(),
         }
     }
 
@@ -106,6 +141,7 @@ impl<'m> Planning<'m> {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.length(),
             Plan::Axes(_) => self.file().map_or(0.0, Findings::length),
+            Plan::Job(job) => job.length(),
         }
     }
 
@@ -114,6 +150,7 @@ impl<'m> Planning<'m> {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.left_out(),
             Plan::Axes(_) => self.file().map_or(0, Findings::left_out),
+            Plan::Job(_) => 0,
         }
     }
 
@@ -122,6 +159,7 @@ impl<'m> Planning<'m> {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.m_call(),
             Plan::Axes(within) => within.m_call(),
+            Plan::Job(_) => None,
         }
     }
 
@@ -130,6 +168,7 @@ impl<'m> Planning<'m> {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.waits_for_word(),
             Plan::Axes(within) => within.waits_for_word(),
+            Plan::Job(_) => false,
         }
     }
 
@@ -138,6 +177,7 @@ impl<'m> Planning<'m> {
         match &mut self.0 {
             Plan::Controller(setpoints) => setpoints.acknowledge(),
             Plan::Axes(within) => within.acknowledge(),
+            Plan::Job(_) => {}
         }
     }
 
@@ -146,6 +186,7 @@ impl<'m> Planning<'m> {
         match &mut self.0 {
             Plan::Controller(setpoints) => setpoints.request_stop(),
             Plan::Axes(within) => within.request_stop(),
+            Plan::Job(job) => job.request_stop(),
         }
     }
 
@@ -155,6 +196,7 @@ impl<'m> Planning<'m> {
         match &mut self.0 {
             Plan::Controller(setpoints) => setpoints.set_override(factor),
             Plan::Axes(within) => within.set_override(factor),
+            Plan::Job(job) => job.set_override(factor),
         }
     }
 
@@ -168,22 +210,23 @@ impl<'m> Planning<'m> {
         match &self.0 {
             Plan::Controller(setpoints) => setpoints.follows_override(),
             Plan::Axes(within) => within.follows_override(),
+            Plan::Job(job) => job.follows_override(),
         }
     }
 
     /// Plans that have come too late so far, so that the path went on as planned before.
     pub(crate) fn late_plans(&self) -> u64 {
         match &self.0 {
-            Plan::Controller(_) => 0,
+            Plan::Controller(_) | Plan::Job(_) => 0,
             Plan::Axes(within) => within.late_plans(),
         }
     }
 }
 
 impl Iterator for Planning<'_> {
-    type Item = ProgramItem;
+    type Item = PlanItem;
 
-    fn next(&mut self) -> Option<ProgramItem> {
+    fn next(&mut self) -> Option<PlanItem> {
         match self.poll(true) {
             Poll::Ready(next) => next,
             Poll::Pending => None,

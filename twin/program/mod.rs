@@ -38,6 +38,8 @@ pub enum Dialect {
     Rs274,
     /// Path elements in a queue file (.queue), as `twin path --format queue` writes them
     Queue,
+    /// Calls of blocks with axes, cams and gears, in TOML (.job.toml): what a controller's program does with single axes
+    Job,
     /// A drawing, of which a path has been made
     #[value(skip)]
     Dxf,
@@ -47,7 +49,7 @@ pub enum Dialect {
 #[derive(Debug, thiserror::Error)]
 pub enum DialectError {
     /// Nothing tells which dialect it is.
-    #[error("{} does not tell its dialect: its ending is none of .cnc .ngc .nc .tap .gcode .queue and it does not begin with % and N blocks; say --dialect", .0.display())]
+    #[error("{} does not tell its dialect: its ending is none of .cnc .ngc .nc .tap .gcode .queue .toml and it does not begin with % and N blocks; say --dialect", .0.display())]
     Unknown(PathBuf),
     /// A drawing is no program.
     #[error("{} is a drawing; `twin path {} --output PROGRAM.cnc --format din66025` makes a program of it", .0.display(), .0.display())]
@@ -61,6 +63,7 @@ impl Dialect {
             Self::Din66025 => "din66025",
             Self::Rs274 => "rs274",
             Self::Queue => "queue",
+            Self::Job => "job",
             Self::Dxf => "dxf",
         }
     }
@@ -75,6 +78,7 @@ impl Dialect {
             Some("cnc") => return Ok(Some(Self::Din66025)),
             Some("ngc" | "nc" | "tap" | "gcode") => return Ok(Some(Self::Rs274)),
             Some("queue") => return Ok(Some(Self::Queue)),
+            Some("toml") => return Ok(Some(Self::Job)),
             Some("dxf") => return Ok(Some(Self::Dxf)),
             _ => {}
         }
@@ -107,6 +111,9 @@ struct Stamp {
     bytes: u64,
     modified: Option<SystemTime>,
 }
+
+/// No job is longer, bytes.
+const LONGEST_TEXT: u64 = 1 << 20;
 
 impl Stamp {
     /// None for what is no regular file.
@@ -177,6 +184,22 @@ impl ProgramFile {
     /// If there is no such file.
     pub fn size(&self) -> io::Result<u64> {
         Ok(std::fs::metadata(&self.path)?.len())
+    }
+
+    /// The whole text, of what is short: a job.
+    ///
+    /// # Errors
+    /// If it cannot be read, has changed, or is no text.
+    pub(crate) fn text(&self) -> io::Result<String> {
+        let mut file = File::open(&self.path)?;
+        Stamp::verify(self.stamp, &file)?;
+        let mut text = String::new();
+        file.by_ref().take(LONGEST_TEXT).read_to_string(&mut text)?;
+        if file.read(&mut [0])? > 0 {
+            let message = format!("it is longer than {LONGEST_TEXT} bytes");
+            return Err(io::Error::new(io::ErrorKind::InvalidData, message));
+        }
+        Ok(text)
     }
 
     /// Its path elements as programmed.
@@ -293,7 +316,9 @@ impl ProgramFile {
                 self.marks(conditions)?
             }
             // What can be read only once cannot be looked through first; the others ask for nothing.
-            Dialect::Din66025 | Dialect::Queue | Dialect::Rs274 | Dialect::Dxf => Marks::default(),
+            Dialect::Din66025 | Dialect::Queue | Dialect::Rs274 | Dialect::Job | Dialect::Dxf => {
+                Marks::default()
+            }
         };
         let (preparation, incompatible) = match Preparation::for_marks(marks) {
             Ok(preparation) => (preparation, None),
@@ -413,6 +438,8 @@ impl ProgramFile {
                 };
                 Decoder::Rs274(Box::new(rs274::Decoder::new(reader, options)))
             }
+            // It calls blocks: there is no path in it.
+            Dialect::Job => Decoder::Made { elements: Arc::default(), next: 0 },
             Dialect::Queue | Dialect::Dxf => {
                 Decoder::Queue(Box::new(QueueReader::new(reader).map_err(io::Error::other)?))
             }

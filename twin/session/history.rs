@@ -47,6 +47,12 @@ impl History {
         Some((Measured { axes: wanted, tool }, Measured::new(machine, twin)?))
     }
 
+    /// The block at `time_ns`; nothing if that is no longer known.
+    pub(super) fn place(&self, time_ns: i64) -> Option<Place> {
+        let index = usize::try_from((time_ns - self.first_ns).checked_div(self.cycle_ns)?).ok()?;
+        self.entries.get(index).or(self.entries.back()).map(|entry| entry.place)
+    }
+
     /// Set-point and twin at `time_ns`, interpolated; at the ends they rest. `None` if that is no longer known.
     #[expect(clippy::cast_precision_loss, reason = "a fraction of a cycle")]
     pub(super) fn at(
@@ -121,6 +127,11 @@ mod tests {
         assert_eq!(at(3_000_000), Some((3, 3_000_000.0)));
         assert_eq!(at(9_000_000_000), Some((3, 3_000_000.0)));
         assert!(History::new(&machine).at(&machine, 0).is_none());
+        let line = |time_ns| history.place(time_ns).map(|place| place.line);
+        assert_eq!(
+            [-1_000_000, 0, 1_250_000, 9_000_000_000].map(line),
+            [None, Some(0), Some(1), Some(3)]
+        );
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! A run: the same set-points to the simulated machine and to the drives, and what both make of them.
 
 mod braking;
+mod drives;
 mod history;
 mod m_calls;
 mod overrides;
@@ -9,6 +10,7 @@ mod run;
 
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
+use crate::coupled::AxesError;
 use crate::hardware::{Hardware, HardwareError};
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledge, Acknowledgement, MCall};
@@ -24,7 +26,6 @@ pub use overrides::{
 pub use punctuality::Punctuality;
 use run::Run;
 use std::time::Duration;
-use twin_kinematics::KinematicsError;
 use twin_motion::Place;
 
 /// Set-points simulated in one go where nothing has to wait for the wall clock.
@@ -173,7 +174,7 @@ pub enum Stopped {
         /// The block.
         place: Place,
         /// Why.
-        source: KinematicsError,
+        source: AxesError,
     },
     /// A program in which something is found wrong that the check has not found: the file has changed.
     #[error("{place}: {message}; has the program file changed since it was checked?")]

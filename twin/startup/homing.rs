@@ -1,6 +1,7 @@
 //! Homing before a run, axis by axis.
 
 use super::Still;
+use crate::by_hand;
 use crate::clock::Clock;
 use crate::hardware::Attached;
 use crate::machine::{Axis, DriveFamily, Machine};
@@ -204,20 +205,13 @@ fn patience_s(axis: &Axis) -> f64 {
 pub fn home_by_hand(machine: &Machine, axis: &Axis) -> Option<String> {
     let place = axis.drive.as_ref()?;
     let device = machine.drives.get(place.device)?;
-    let port = device.port.as_deref().unwrap_or("PORT");
+    let command = by_hand::command(machine, place.device, place.index)?;
     Some(match &device.family {
-        DriveFamily::InterpCnc(board) => format!(
-            "twin drive interpcnc --port {port} --station {} home {} --max-stroke {}",
-            board.station,
-            device.axis_name(place.index),
-            longest_way(axis)
-        ),
-        DriveFamily::SmartDrive(_) => {
-            format!("twin drive smartdrive --port {port} --address {} home", place.index)
+        DriveFamily::InterpCnc(_) => {
+            let (name, stroke) = (device.axis_name(place.index), longest_way(axis));
+            format!("{command} home {name} --max-stroke {stroke}")
         }
-        DriveFamily::Bim2Ax(module) => {
-            let map = module.map_offset.map_or(String::new(), |at| format!(" --map {at}"));
-            format!("twin drive bim2ax --port {port}{map} home {}", device.axis_name(place.index))
-        }
+        DriveFamily::SmartDrive(_) => format!("{command} home"),
+        DriveFamily::Bim2Ax(_) => format!("{command} home {}", device.axis_name(place.index)),
     })
 }

@@ -1,10 +1,11 @@
 //! What the parameters of real devices must be for a machine file.
 
-use crate::emulated::{bim2ax_axis, smartdrive_axis};
+use crate::by_hand;
+use crate::emulated::{bim2ax_axis, smartdrive_axis, velocity_within};
 use crate::machine::{DriveFamily, Machine};
 use twin_drives::ParameterId;
-use twin_drives::bim2ax::ModuleAxis;
 use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
+use twin_drives::bim2ax::{DriveMode, ModuleAxis};
 use twin_drives::interpcnc::parameters::COUPLING;
 use twin_drives::smartdrive::parameters::{
     ACCELERATION_MAX, DECELERATION_MAX, FULL_STEPS, STEP_DIVISOR, VELOCITY_MAX,
@@ -20,6 +21,13 @@ pub(super) enum Must {
 }
 
 impl Must {
+    /// A value that will do.
+    fn value(self) -> i64 {
+        match self {
+            Self::Be(value) | Self::BeAtLeast(value) | Self::BeAtLeastOrZero(value) => value,
+        }
+    }
+
     pub(super) fn allows(self, found: i64) -> bool {
         match self {
             Self::Be(value) => found == value,
@@ -36,6 +44,63 @@ pub(super) struct Wanted {
     pub(super) must: Must,
     /// Name of the axis whose parameter it is.
     pub(super) axis: Option<String>,
+    /// The key of the machine file that it follows from.
+    key: Key,
+}
+
+/// A key of the machine file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Key {
+    /// None: nothing but this value will do.
+    None,
+    /// Of the device, with the parameter's own value.
+    OfDevice(&'static str),
+    /// The device's `microsteps`, of which the parameter is the drive mode.
+    Mode,
+    /// The largest velocity of the axis.
+    Velocity,
+}
+
+impl Wanted {
+    /// What makes device and machine file agree: the commands that set the parameter, and the key that would match what was
+    /// found.
+    pub(super) fn help(&self, machine: &Machine, device: usize, found: i64) -> Vec<String> {
+        let mut help = by_hand::set(machine, device, self.id, self.must.value());
+        let name = machine.drives.get(device).map_or("", |entry| &entry.name);
+        let file = machine.path.display();
+        let of_device =
+            |key, value| format!("or `{key} = {value}` of [[drives]] \"{name}\" in {file}");
+        help.extend(match self.key {
+            Key::None => None,
+            Key::OfDevice(key) => Some(of_device(key, found)),
+            Key::Mode => {
+                let mode = u16::try_from(found).ok().and_then(DriveMode::from_code);
+                // Of modes with the same microsteps the machine file has those with speeds in steps/s.
+                let mode = mode.filter(|mode| mode.speed_unit() > 1.0 || mode.microsteps() == 1);
+                mode.map(|mode| of_device("microsteps", mode.microsteps().into()))
+            }
+            Key::Velocity => self.slower(machine, device, found),
+        });
+        help
+    }
+
+    /// The largest velocity that an axis has with what was found.
+    fn slower(&self, machine: &Machine, device: usize, found: i64) -> Option<String> {
+        let mut axes = machine.axes_of(device);
+        let (_, axis) = axes.find(|(_, axis)| Some(&axis.name) == self.axis.as_ref())?;
+        let unit = match &machine.drives.get(device)?.family {
+            DriveFamily::InterpCnc(_) => return None,
+            DriveFamily::SmartDrive(bus) => bus.turn.steps(1.0),
+            DriveFamily::Bim2Ax(module) => module.mode.speed_unit(),
+        };
+        #[expect(clippy::cast_precision_loss, reason = "parameters have 16 bits")]
+        let velocity = axis.from_si(velocity_within(axis, found as f64 * unit));
+        // Downwards.
+        let velocity = (velocity * 1e3).floor() * 1e-3;
+        let (name, file) = (&axis.name, machine.path.display());
+        let key = format!("max_velocity_{}_per_s", axis.unit());
+        Some(format!("or `{key} = {velocity:.3}` of axis {name} in {file}"))
+    }
 }
 
 /// The parameters that count of a device.
@@ -46,7 +111,7 @@ pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
         // Moves carry their speeds and ramps; that an axis goes along with another is kept by the board.
         DriveFamily::InterpCnc(_) => {
             let id = ParameterId { station: 0, number: COUPLING };
-            wanted.push(Wanted { id, must: Must::Be(0), axis: None });
+            wanted.push(Wanted { id, must: Must::Be(0), axis: None, key: Key::None });
         }
         DriveFamily::SmartDrive(bus) => {
             for (_, axis) in machine.axes_of(index) {
@@ -55,15 +120,18 @@ pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
                     0 => driven.acceleration_rpm_per_s,
                     rate => rate,
                 };
-                for (number, must) in [
-                    (FULL_STEPS, Must::Be(bus.full_steps.into())),
-                    (STEP_DIVISOR, Must::Be(bus.microsteps.into())),
-                    (VELOCITY_MAX, Must::BeAtLeast(driven.velocity_rpm.into())),
-                    (ACCELERATION_MAX, Must::BeAtLeast(driven.acceleration_rpm_per_s.into())),
-                    (DECELERATION_MAX, Must::BeAtLeastOrZero(deceleration.into())),
+                let acceleration = Must::BeAtLeast(driven.acceleration_rpm_per_s.into());
+                let deceleration = Must::BeAtLeastOrZero(deceleration.into());
+                for (number, must, key) in [
+                    (FULL_STEPS, Must::Be(bus.full_steps.into()), "full_steps_per_turn"),
+                    (STEP_DIVISOR, Must::Be(bus.microsteps.into()), "microsteps"),
+                    (VELOCITY_MAX, Must::BeAtLeast(driven.velocity_rpm.into()), ""),
+                    (ACCELERATION_MAX, acceleration, "acceleration_rpm_per_s"),
+                    (DECELERATION_MAX, deceleration, "deceleration_rpm_per_s"),
                 ] {
+                    let key = if key.is_empty() { Key::Velocity } else { Key::OfDevice(key) };
                     let id = ParameterId { station: driven.address, number };
-                    wanted.push(Wanted { id, must, axis: Some(axis.name.clone()) });
+                    wanted.push(Wanted { id, must, axis: Some(axis.name.clone()), key });
                 }
             }
         }
@@ -72,16 +140,21 @@ pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
                 let place = axis.drive.as_ref().map_or(0, |drive| drive.index);
                 let Some(on_module) = ModuleAxis::ALL.get(place).copied() else { continue };
                 let driven = bim2ax_axis(axis, module);
-                for (parameter, must) in [
-                    (AxisParameter::Mode, Must::Be(driven.mode.code().into())),
-                    (AxisParameter::FastSpeed, Must::BeAtLeast(driven.fast_speed.into())),
-                    (AxisParameter::StartStopSpeed, Must::Be(driven.start_stop_speed.into())),
-                    (AxisParameter::Acceleration, Must::BeAtLeast(driven.acceleration.into())),
+                let start_stop = Must::Be(driven.start_stop_speed.into());
+                let start_stop = (start_stop, Key::OfDevice("start_stop_steps_per_s"));
+                let acceleration = Must::BeAtLeast(driven.acceleration.into());
+                let acceleration = (acceleration, Key::OfDevice("acceleration_steps_per_s2"));
+                let fast = (Must::BeAtLeast(driven.fast_speed.into()), Key::Velocity);
+                for (parameter, (must, key)) in [
+                    (AxisParameter::Mode, (Must::Be(driven.mode.code().into()), Key::Mode)),
+                    (AxisParameter::FastSpeed, fast),
+                    (AxisParameter::StartStopSpeed, start_stop),
+                    (AxisParameter::Acceleration, acceleration),
                 ] {
                     let number = Parameter::Axis(parameter, on_module).number();
                     let Some(number) = number else { continue };
                     let id = ParameterId { station: 0, number };
-                    wanted.push(Wanted { id, must, axis: Some(axis.name.clone()) });
+                    wanted.push(Wanted { id, must, axis: Some(axis.name.clone()), key });
                 }
             }
         }

@@ -233,7 +233,7 @@ fn what_the_device_cannot_have_is_told_by_line() {
     let expected = "shelf.txt:3: parameter 0 (speed) = 501 is impossible (1 to 500)\n\
         shelf.txt:4: parameter 1 (\"mode\") = 3 is impossible (2, 4)\n\
         shelf.txt:5: the device has no parameter 9\n\
-        shelf.txt:6: the device has no parameter 0 of station 1\n\
+        shelf.txt:6: the device has no parameter 0 at address 1\n\
         shelf.txt:7: parameter 0 is given in line 3 already";
     assert_eq!((error.to_string().as_str(), error.number()), (expected, None));
     assert_eq!(shelf.values, [1, 2, 77]);

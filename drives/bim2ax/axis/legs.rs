@@ -85,6 +85,14 @@ impl Axis {
         self.leg(target, &ramp);
     }
 
+    /// Where the programmed move under way ends, or where the counter stands.
+    pub(crate) fn target(&self) -> i32 {
+        match self.task {
+            Task::Programmed(programmed) if !self.braking => programmed.target,
+            _ => self.counter(),
+        }
+    }
+
     /// Where the leg under way of a programmed move ends.
     pub(super) fn leg_target(&self, programmed: &Programmed) -> i64 {
         let beyond = i64::from(self.settings.approach);

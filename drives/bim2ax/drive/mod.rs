@@ -20,8 +20,9 @@ use super::{
     zone::Positions,
 };
 use crate::{
-    Action, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity, Increments,
-    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, drive::is_zero,
+    Action, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
+    Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
+    drive::is_zero,
 };
 
 /// Clock for exchanges whose time matters to nobody.
@@ -312,6 +313,15 @@ impl Drive for Bim2AxDrive {
             self.following = Following::Rest(self.in_order(&seen));
         }
         Ok(self.to_sample(&seen, &stamp))
+    }
+
+    fn commanded(&self) -> Commanded {
+        let mut positions = [None; MAX_DRIVE_AXES];
+        let targets = self.sent.iter().flatten().take(self.options.axes.len());
+        for (position, target) in positions.iter_mut().zip(targets) {
+            *position = Some(i64::from(*target));
+        }
+        positions
     }
 
     fn soft_stop(&mut self) -> Result<(), DriveError> {

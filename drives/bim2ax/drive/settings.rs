@@ -3,9 +3,9 @@
 use super::{Bim2AxDrive, no_clock};
 use crate::{
     Action, AxisSignals, Bits, Clock, DeviceLimits, DriveError, Exchange, Identity, MAX_DRIVE_AXES,
-    ParameterId, ParameterInfo, Signals, UnitIdentity, Values,
+    ParameterId, ParameterInfo, Signals, UnitIdentity,
     bim2ax::{
-        Assumptions, DriveMode, MOST_POSITION, ModuleAxis,
+        Assumptions, ModuleAxis,
         bits::message,
         parameter::{AxisParameter, Parameter, Range},
         zone::Positions,
@@ -25,21 +25,11 @@ fn describe(
     place: impl Fn(ModuleAxis) -> Option<usize>,
 ) -> Option<ParameterInfo> {
     let parameter = Parameter::from_number(number)?;
-    let most = i64::from(MOST_POSITION);
-    let (values, unit) = match parameter.range() {
-        Range::Bits => (Values::Between(0, 0xFFFF), ""),
-        Range::Mode => {
-            let modes = (0..=u16::MAX).filter(|code| DriveMode::from_code(*code).is_some());
-            (Values::OneOf(modes.map(i64::from).collect()), "")
-        }
-        // 3.1.3: from 3 % of the rating on.
-        Range::Current => (Values::Between(rating_ma * 3 / 100, rating_ma), "mA"),
-        Range::Distance => (Values::Between(0, i32::MAX.into()), "µsteps"),
-        Range::Positive => (Values::Between(1, 0xFFFF), ""),
-        Range::Position => (Values::Between(-most, most), "µsteps"),
-        Range::EncoderBits => (Values::Between(0, 27), ""),
-        Range::Signed | Range::ReadOnly => (Values::Between(i32::MIN.into(), i32::MAX.into()), ""),
-        Range::Unused => (Values::Between(0, u32::MAX.into()), ""),
+    let values = parameter.range().values(rating_ma);
+    let unit = match parameter.range() {
+        Range::Current => "mA",
+        Range::Distance | Range::Position => "µsteps",
+        _ => "",
     };
     let (name, axis) = match parameter {
         Parameter::Axis(AxisParameter::Reference(place), axis) => {

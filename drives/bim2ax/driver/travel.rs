@@ -3,7 +3,10 @@
 use std::time::Duration;
 
 use super::{Action, Bim2Ax, Clock, DriveError, ModuleAxis, Positions, Start};
-use crate::{Axes, bim2ax::bits::message};
+use crate::{
+    Axes, Exchange,
+    bim2ax::bits::{message, uc},
+};
 
 /// What keeps a motor from getting current.
 const FAULTS: u16 = message::POWER_ABSENT | message::PHASE_OPEN | message::PHASE_SHORT;
@@ -31,7 +34,8 @@ impl Bim2Ax {
     /// Homes axes and waits until both stand, which they do within `patience`; what they say then.
     ///
     /// # Errors
-    /// [`DriveError::AxisMessages`] if one is not homed then; else as [`Bim2Ax::home`] and [`Bim2Ax::rested`].
+    /// [`DriveError::Unfinished`] if one still moves after `patience`, [`DriveError::AxisMessages`] if one is not homed when
+    /// both stand; else as [`Bim2Ax::home`] and [`Bim2Ax::rested`].
     pub async fn home_to_end(
         &mut self,
         axes: &[ModuleAxis],
@@ -39,7 +43,13 @@ impl Bim2Ax {
         clock: &dyn Clock,
     ) -> Result<Positions, DriveError> {
         self.home(axes, clock).await?;
-        let (seen, _) = self.rested(patience, clock).await?;
+        let (seen, _) = self.rested(patience, clock).await.map_err(|error| match error {
+            DriveError::Moving { at, .. } => {
+                let action = Action::Order { bits: uc::HOME, name: "homing" };
+                DriveError::Unfinished { at: Exchange { action, ..at }, patience }
+            }
+            other => other,
+        })?;
         axes.iter().try_for_each(|axis| {
             self.blame(&seen, *axis, |messages| messages & message::HOMED == 0)
         })?;

@@ -359,6 +359,11 @@ impl Module {
         self.axis(axis).state().position
     }
 
+    /// Where the programmed move under way ends, µsteps; where the counter stands if there is none.
+    pub fn target(&self, axis: ModuleAxis) -> i32 {
+        self.axis(axis).target()
+    }
+
     /// Speed of an axis, µsteps/s.
     pub fn velocity(&self, axis: ModuleAxis) -> f64 {
         self.axis(axis).state().velocity

@@ -17,8 +17,11 @@
 
 use std::{fs::OpenOptions, io, path::Path};
 
+use crate::Port;
+
 use super::{
-    HOST_PAGE, IDENTIFIER, INTERRUPT, Mapping, Memory, PAGE_REGISTER, WINDOW_LENGTH, offsets,
+    HOST_PAGE, IDENTIFIER, INTERRUPT, Mapping, Master, Memory, PAGE_REGISTER, WINDOW_LENGTH,
+    offsets,
 };
 
 /// Length of the file.
@@ -43,18 +46,33 @@ pub mod file_offset {
 pub struct MemoryFile {
     mapping: Mapping,
     page: u8,
+    /// None for one that is beside the master.
+    #[expect(dead_code, reason = "kept for as long as this lives")]
+    master: Option<Master>,
 }
 
 impl MemoryFile {
-    /// Opens the file that an emulator serves.
+    /// Opens the file that an emulator serves, as its only master.
+    ///
+    /// # Errors
+    /// If it cannot be opened for reading and writing, or is too short; [`io::ErrorKind::ResourceBusy`] if it has another
+    /// master, in this program or another one.
+    pub fn open(path: &Path) -> io::Result<Self> {
+        let beside = Self::beside(path)?;
+        Ok(Self { master: Some(Master::of_file(path)?), ..beside })
+    }
+
+    /// Opens it whoever is its master: for a stop, which has to get through. Each of the two may miss what the module says
+    /// to it and has to ask again.
     ///
     /// # Errors
     /// If it cannot be opened for reading and writing, or is too short.
-    pub fn open(path: &Path) -> io::Result<Self> {
+    pub fn beside(path: &Path) -> io::Result<Self> {
+        Port::Memory.check(path)?;
         let file = OpenOptions::new().read(true).write(true).open(path)?;
         let mapping = Mapping::new(file, 0, FILE_LENGTH)?;
         let page = mapping.load(file_offset::PAGE)? & 7;
-        Ok(Self { mapping, page })
+        Ok(Self { mapping, page, master: None })
     }
 
     /// Place of an offset of the window.

@@ -10,6 +10,7 @@ use std::{
 use vm_memory::{Bytes, FileOffset, MmapRegion, VolatileMemory, mmap::MmapRegionError};
 
 use super::{Memory, offsets};
+use crate::Port;
 
 /// Offsets of mappings are multiples of this, whatever pages the machine has: the maps of a UIO device are numbered
 /// in such steps on machines with small pages.
@@ -77,6 +78,7 @@ impl MappedMemory {
     /// # Errors
     /// If it cannot be opened for reading and writing, cannot be mapped, or is a file that ends before the module.
     pub fn open(path: &Path, start: u64) -> io::Result<Self> {
+        Port::Mapped.check(path)?;
         let file = OpenOptions::new().read(true).write(true).open(path)?;
         Ok(Self { mapping: Mapping::new(file, start, MODULE_LENGTH)? })
     }

@@ -11,6 +11,7 @@
 
 mod file;
 mod mapped;
+mod master;
 mod shared;
 #[cfg(test)]
 mod tests;
@@ -21,6 +22,7 @@ use std::io;
 pub use file::{FILE_LENGTH, MemoryFile, file_offset};
 pub use mapped::MappedMemory;
 pub(crate) use mapped::Mapping;
+pub use master::Master;
 pub use shared::SharedModule;
 pub(crate) use window::Window;
 

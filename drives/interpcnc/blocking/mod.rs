@@ -1,5 +1,6 @@
 //! The board as a [`Drive`].
 
+mod following;
 mod homing;
 mod settings;
 
@@ -16,9 +17,9 @@ use super::{
     registers::{AXES, AxisMask, COMMAND, Status},
 };
 use crate::{
-    Action, Axes, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
-    Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals,
-    drive::is_zero,
+    Action, Axes, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays,
+    Identity, Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream,
+    Signals, drive::is_zero,
 };
 
 /// Clock for exchanges whose time matters to nobody.
@@ -36,6 +37,8 @@ pub struct InterpCncDrive {
     /// Instead of the follower, where segments are buffered.
     buffered: Option<Buffered>,
     homing: Homing,
+    /// Targets of the axes in use that the board has confirmed, until something else moves or stops them.
+    commanded: [Option<i32>; MAX_DRIVE_AXES],
     /// What inputs are for, once the board has told.
     wiring: Option<Wiring>,
     /// Last, so that the port is closed while its runtime exists.
@@ -64,8 +67,8 @@ impl InterpCncDrive {
                 Some(Buffered::new(&options.axes, options.line, start_stop_hz, rate))
             }
         };
-        let (homing, wiring) = (Homing::default(), None);
-        Ok(Self { board, follower, buffered, homing, wiring, runtime })
+        let (homing, commanded) = (Homing::default(), [None; MAX_DRIVE_AXES]);
+        Ok(Self { board, follower, buffered, homing, commanded, wiring: None, runtime })
     }
 
     /// The board itself, for everything that not all drives can do, and the runtime for its calls. What moves axes
@@ -79,6 +82,7 @@ impl InterpCncDrive {
     /// Something else than following moves or stops the axes.
     fn restart(&mut self) {
         self.follower.restart();
+        self.commanded = [None; MAX_DRIVE_AXES];
         if let Some(buffered) = &mut self.buffered {
             buffered.restart();
         }
@@ -104,26 +108,6 @@ impl InterpCncDrive {
             }
         }
         Ok(())
-    }
-
-    /// One cycle of following by segments.
-    fn follow_buffered(
-        &mut self,
-        mut buffered: Buffered,
-        stream: &dyn SetpointStream,
-    ) -> Result<Sample, DriveError> {
-        let clock = || stream.now_ns();
-        let decided_ns = stream.now_ns();
-        if let Some(order) = buffered.order(stream, decided_ns) {
-            // Whether a lost segment is in the board is unknown: the error ends following.
-            let stamp = self.send(&order.command(), &clock)?;
-            buffered.executed(&order, decided_ns, &stamp);
-        }
-        let (state, stamp) = self.obeying_state(&clock)?;
-        let counters = self.axes().map(|axis| counter(&state, axis)).collect::<Vec<_>>();
-        buffered.sampled(&stamp, counters.into_iter(), state.status.segments_finished());
-        self.buffered = Some(buffered);
-        Ok(self.to_sample(&state, stamp))
     }
 
     fn state(&mut self, clock: &dyn Clock) -> Result<(BoardState, Stamp), DriveError> {
@@ -192,7 +176,7 @@ fn counter(state: &BoardState, axis: BoardAxis) -> i32 {
 impl Drive for InterpCncDrive {
     fn describe(&self) -> String {
         let Exchange { port, station, .. } = self.board.at(Action::Open);
-        format!("InterpCNC at {port}, station {station}")
+        format!("InterpCNC at {port}, address {station}")
     }
 
     fn axis_count(&self) -> usize {
@@ -280,10 +264,14 @@ impl Drive for InterpCncDrive {
         target: &Increments,
         speed: &[f64; MAX_DRIVE_AXES],
     ) -> Result<(), DriveError> {
+        let mut commanded = self.commanded;
         self.restart();
         let mut commands = Vec::with_capacity(AXES);
         let axes = self.board.options().axes.clone();
-        for ((options, target), speed) in axes.iter().zip(target).zip(speed) {
+        for (((options, target), speed), sent) in
+            axes.iter().zip(target).zip(speed).zip(&mut commanded)
+        {
+            // One that is left alone goes on to where it was sent before.
             if is_zero(*speed) {
                 continue;
             }
@@ -313,12 +301,15 @@ impl Drive for InterpCncDrive {
                 reason = "just compared"
             )]
             let speed_hz = speed.round() as u32;
+            *sent = Some(target);
             commands.push(Command::Move {
                 axis: options.axis,
                 profile: MoveProfile { speed_hz, target, ..profile },
             });
         }
-        commands.iter().try_for_each(|command| self.send(command, &no_clock).map(|_| ()))
+        commands.iter().try_for_each(|command| self.send(command, &no_clock).map(|_| ()))?;
+        self.commanded = commanded;
+        Ok(())
     }
 
     fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
@@ -327,53 +318,11 @@ impl Drive for InterpCncDrive {
     }
 
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
-        if let Some(buffered) = &mut self.buffered {
-            // Comes back if nothing goes wrong; else it starts from what the next sample shows.
-            let present = buffered.clone();
-            buffered.restart();
-            return self.follow_buffered(present, stream);
-        }
-        let clock = || stream.now_ns();
-        let needing = self.follower.survey(stream);
-        for index in &needing {
-            let decided_ns = stream.now_ns();
-            let Some(order) = self.follower.order(*index, needing.len(), decided_ns) else {
-                continue;
-            };
-            let Some(axis) = self.axes().nth(order.axis) else { continue };
-            let sent = self.send(&Command::Move { axis, profile: order.profile }, &clock);
-            // Whether a lost command was executed is unknown: start again from what the next sample shows.
-            let stamp = sent.inspect_err(|_| self.follower.restart())?;
-            self.follower.executed(&order, decided_ns, &stamp);
-        }
-        let mut seen = self.obeying_state(&clock);
-        if seen.as_ref().is_ok_and(|(_, stamp)| self.follower.is_poor(stamp)) {
-            seen = self.obeying_state(&clock);
-        }
-        let (state, stamp) = seen.inspect_err(|_| self.follower.restart())?;
-        let moving = state.status.moving();
-        let counters = self
-            .board
-            .options()
-            .axes
-            .iter()
-            .map(|axis| (counter(&state, axis.axis), moving.contains(axis.axis)));
-        self.follower.sampled(&stamp, counters);
-        let astray = self.follower.astray();
-        let astray = astray.and_then(|(index, expected)| Some((self.axes().nth(index)?, expected)));
-        if let Some((axis, expected)) = astray {
-            self.restart();
-            #[expect(clippy::cast_possible_truncation, reason = "a counter")]
-            let target = expected.round() as i64;
-            let (at, found) = (self.board.at(Action::ReadState), counter(&state, axis).into());
-            return Err(DriveError::NotArrived {
-                at,
-                axis: Axes::Letters(axis.mask().bits()),
-                target,
-                found,
-            });
-        }
-        Ok(self.to_sample(&state, stamp))
+        self.follow_cycle(stream)
+    }
+
+    fn commanded(&self) -> Commanded {
+        self.commanded.map(|target| target.map(i64::from))
     }
 
     fn soft_stop(&mut self) -> Result<(), DriveError> {

@@ -3,7 +3,7 @@
 use std::{borrow::Cow, sync::Arc};
 
 use tokio_modbus::{Request, Response};
-use tokio_serial::{DataBits, FlowControl, SerialPortBuilderExt, StopBits};
+use tokio_serial::{DataBits, FlowControl, StopBits};
 
 mod access;
 mod exchange;
@@ -28,7 +28,8 @@ use super::{
     },
 };
 use crate::{
-    Action, Clock, DriveError, Exchange, ProtocolFault, Stamp, pause::Pause, transport::Transport,
+    Action, Clock, DriveError, Exchange, ProtocolFault, Stamp, pause::Pause, port::open_serial,
+    transport::Transport,
 };
 
 /// Attempts at a request that may be sent again.
@@ -106,19 +107,18 @@ impl InterpCnc {
             Parity::Even => tokio_serial::Parity::Even,
             Parity::Odd => tokio_serial::Parity::Odd,
         };
-        let opened = tokio_serial::new(port, baud)
+        let serial = tokio_serial::new(port, baud)
             .parity(parity)
             .data_bits(DataBits::Eight)
             .stop_bits(StopBits::One)
-            .flow_control(FlowControl::None)
-            .open_native_async();
-        let stream = opened.map_err(|error| DriveError::Transport {
+            .flow_control(FlowControl::None);
+        let stream = open_serial(port, serial).map_err(|source| DriveError::Transport {
             at: Exchange {
                 port: Arc::clone(&name),
                 station: options.station,
                 action: Action::Open,
             },
-            source: error.into(),
+            source,
         })?;
         Ok(Self::attach(name, stream, options))
     }

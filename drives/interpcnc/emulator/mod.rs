@@ -185,6 +185,12 @@ impl Board {
         self.axes.get(axis.index()).map_or(0.0, |axis| axis.state(self.now_ns).position)
     }
 
+    /// Where an axis stands when all that the board has been told is done, the segments that wait included, steps.
+    pub fn target(&self, axis: BoardAxis) -> i32 {
+        let moved = self.axes.get(axis.index()).map_or(0, |axis| axis.counter(i64::MAX));
+        self.buffer.last_target(axis).unwrap_or(moved)
+    }
+
     /// Frames that were whole, error-free and for this station; LED D1 changes with each.
     pub fn frames_handled(&self) -> u64 {
         self.frames_handled

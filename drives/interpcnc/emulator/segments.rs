@@ -56,6 +56,12 @@ impl Buffer {
         self.held
     }
 
+    /// The last target of an axis that waits.
+    pub(super) fn last_target(&self, axis: BoardAxis) -> Option<i32> {
+        let mut latest = self.waiting.iter().rev();
+        latest.find_map(|segment| segment.targets.get(axis.index()).copied().flatten())
+    }
+
     pub(super) fn clear(&mut self) {
         self.waiting.clear();
         self.held = false;

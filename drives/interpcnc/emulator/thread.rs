@@ -34,6 +34,9 @@ pub struct EmulatorOptions {
     /// File with the EEPROM. If it is there the board powers up with it, else with the parameters of a new one; what
     /// the board stores goes there at once.
     pub eeprom: Option<PathBuf>,
+    /// It understands masters whatever speed they have set on their side of the pseudo-terminal; otherwise one at another
+    /// speed gets no answer, as from the device. Masters that set no speed find the right one.
+    pub any_speed: bool,
     /// Decides what faults by chance do.
     pub seed: u64,
     /// How many times faster than its clock the board lives, its wire included.
@@ -66,7 +69,7 @@ impl EmulatedBoard {
     ) -> Result<Self, EmulatorError> {
         let mut board = power_up(options)?;
         board.set_bench(options.bench.clone());
-        let (master, terminal) = PseudoTerminal::open(options.link.as_deref())?;
+        let (master, mut terminal) = PseudoTerminal::open(options.link.as_deref())?;
         let failed = |source| EmulatorError::Thread { source };
         let runtime =
             runtime::Builder::new_current_thread().enable_all().build().map_err(failed)?;
@@ -75,6 +78,7 @@ impl EmulatedBoard {
             SerialStream::try_from(master)
                 .map_err(|error| EmulatorError::Terminal { source: error.into() })?
         };
+        let stream = terminal.at_speed(stream, options.wire.line.baud, options.any_speed)?;
         let (control, messages) = mpsc::channel(64);
         let (wire, faults) = (options.wire, FaultyWire::new(options.seed));
         let clock = Accelerated::new(clock, options.speed);

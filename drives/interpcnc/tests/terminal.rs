@@ -99,7 +99,7 @@ fn a_board_is_enabled_moved_and_stopped() {
     // Axes Y and B only: the first and second entry of every array.
     let mut drive = open(&board, &options(&[BoardAxis::Y, BoardAxis::B]));
     assert_eq!(drive.axis_count(), 2);
-    assert_eq!(drive.describe(), format!("InterpCNC at {}, station 1", board.path().display()));
+    assert_eq!(drive.describe(), format!("InterpCNC at {}, address 1", board.path().display()));
 
     let before = clock();
     let sample = drive.probe(&stream).unwrap();
@@ -238,6 +238,17 @@ fn another_station_and_other_line_settings_work() {
     let wrong = InterpCncOptions { worst_latency: Duration::from_millis(10), ..wrong };
     let nobody = open(&board, &wrong).probe(&stream);
     assert!(matches!(nobody, Err(DriveError::Timeout { .. })), "{nobody:?}");
+    // At another speed nothing is understood, and nothing is left of it for who speaks as the board does.
+    let line = Line { baud: 38_400, ..line };
+    let fast = InterpCncOptions { station: 42, line, ..wrong.clone() };
+    let nobody = open(&board, &fast).probe(&stream);
+    assert!(matches!(nobody, Err(DriveError::Timeout { .. })), "{nobody:?}");
+    let right = InterpCncOptions { station: 42, ..wrong };
+    open(&board, &right).probe(&stream).unwrap();
+    // Unless the wire is told to let all speeds pass.
+    let emulator = EmulatorOptions { any_speed: true, ..emulator };
+    let board = EmulatedBoard::start(&emulator, clock).unwrap();
+    open(&board, &fast).probe(&stream).unwrap();
 }
 
 #[test]
@@ -245,7 +256,7 @@ fn a_port_that_is_not_there_is_named() {
     let missing = InterpCncDrive::open("/dev/no-such-port", &options(&[BoardAxis::X]));
     let Err(error @ DriveError::Transport { .. }) = missing else { panic!("{missing:?}") };
     assert!(
-        error.to_string().starts_with("/dev/no-such-port, station 1: opening the port: "),
+        error.to_string().starts_with("/dev/no-such-port, address 1: opening the port: "),
         "{error}"
     );
 }

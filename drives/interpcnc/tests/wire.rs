@@ -180,7 +180,7 @@ fn an_exception_is_an_error_with_its_code_and_command() {
     let message = DriveError::Device { at, code: 2 }.to_string();
     assert_eq!(
         message,
-        "wire, station 1: command 80 (independent move): refused with exception 2, invalid address"
+        "wire, address 1: command 80 (independent move): refused with exception 2, invalid address"
     );
 }
 
@@ -215,7 +215,7 @@ async fn a_broadcast_into_a_port_that_takes_nothing_ends_at_the_deadline() {
     let mut driver = InterpCnc::attach(Arc::from("wire"), near, &options);
     let error = driver.broadcast(&Command::RampStop).await.unwrap_err();
     let text = error.to_string();
-    assert!(text.starts_with("wire, station 1: command 42 "), "{text}");
+    assert!(text.starts_with("wire, address 1: command 42 "), "{text}");
     assert!(text.ends_with(": no answer within 70 ms"), "{text}");
 }
 

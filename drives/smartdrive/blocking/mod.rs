@@ -1,6 +1,7 @@
 //! Up to five drives on one bus as a [`Drive`].
 
 mod checks;
+mod following;
 mod homing;
 mod positions;
 mod settings;
@@ -9,15 +10,15 @@ use std::time::Duration;
 
 use tokio::runtime::Runtime;
 
-use self::{homing::Homing, positions::Shifted};
+use self::homing::Homing;
 use super::{
-    Command, DriveState, Init, Mode, SmartDrive, SmartDriveOptions, TrajectoryFlags,
+    Command, DriveState, Init, Mode, SmartDrive, SmartDriveOptions,
     follow::{Follower, GoTo},
 };
 use crate::{
-    Action, Axes, Clock, DeviceLimits, Drive, DriveError, Exchange, HomingWays, Identity,
-    Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream, Signals, Stamp,
-    drive::is_zero,
+    Action, Axes, Clock, Commanded, DeviceLimits, Drive, DriveError, Exchange, HomingWays,
+    Identity, Increments, MAX_DRIVE_AXES, ParameterId, ParameterInfo, Sample, SetpointStream,
+    Signals, Stamp, drive::is_zero,
 };
 
 /// Clock for exchanges whose time matters to nobody.
@@ -55,6 +56,8 @@ pub struct SmartDriveBus {
     /// Counters that [`Drive::move_to`] has sent the drives to, until something else moves or stops them; none of those
     /// that it has left alone.
     sent: Vec<Option<i32>>,
+    /// Counters that the drives have confirmed to go to, until something else moves or stops them.
+    commanded: [Option<i32>; MAX_DRIVE_AXES],
     /// Drives that [`Drive::soft_stop`] has seen at rest, until something moves them.
     standing: Vec<u8>,
     /// Last, so that the port is closed while its runtime exists.
@@ -80,8 +83,8 @@ impl SmartDriveBus {
         let follower = Follower::new(&options.axes, RESPONSE);
         let (zeros, homing) = ([0; MAX_DRIVE_AXES], Default::default());
         let outdated = [false; MAX_DRIVE_AXES];
-        let (sent, standing) = (Vec::new(), Vec::new());
-        Ok(Self { bus, follower, zeros, homing, outdated, sent, standing, runtime })
+        let (sent, standing, commanded) = (Vec::new(), Vec::new(), [None; MAX_DRIVE_AXES]);
+        Ok(Self { bus, follower, zeros, homing, outdated, sent, commanded, standing, runtime })
     }
 
     /// Homes these axes (indices of the arrays), all at once, and returns when they are home; their positions are those
@@ -120,6 +123,7 @@ impl SmartDriveBus {
         self.follower.restart();
         self.sent.clear();
         self.standing.clear();
+        self.commanded = [None; MAX_DRIVE_AXES];
     }
 
     /// Addresses in use, in the order of the arrays.
@@ -238,6 +242,7 @@ impl Drive for SmartDriveBus {
         target: &Increments,
         speed: &[f64; MAX_DRIVE_AXES],
     ) -> Result<(), DriveError> {
+        let before = self.commanded;
         self.restart();
         let axes = self.bus.options().axes.clone();
         let mut sent = Vec::with_capacity(axes.len());
@@ -275,6 +280,10 @@ impl Drive for SmartDriveBus {
             let done = self.runtime.block_on(self.bus.send(address, &command, &no_clock));
             done.map_err(|error| self.explain(address, error))?;
         }
+        for (place, (sent, before)) in self.commanded.iter_mut().zip(sent.iter().zip(before)) {
+            // One that is left alone goes on to where it was sent before.
+            *place = sent.or(before);
+        }
         self.sent = sent;
         Ok(())
     }
@@ -293,42 +302,11 @@ impl Drive for SmartDriveBus {
     }
 
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
-        self.sent.clear();
-        self.standing.clear();
-        let clock = || stream.now_ns();
-        let shifted = Shifted { stream, zeros: self.zeros };
-        let needing = self.follower.survey(&shifted);
-        let addresses: Vec<u8> = self.axes().collect();
-        let mut seen = Vec::with_capacity(addresses.len());
-        for (index, address) in addresses.iter().copied().enumerate() {
-            let decided_ns = stream.now_ns();
-            let order = if needing.contains(&index) {
-                self.follower.order(index, addresses.len(), decided_ns)
-            } else {
-                None
-            };
-            let command = order.map_or(Command::Ping, |order| order.profile.command());
-            let sent = self.runtime.block_on(self.bus.send(address, &command, &clock));
-            // Whether a lost command was executed is unknown: start again from what the next sample shows.
-            let (answer, stamp) = sent.map_err(|error| {
-                self.restart();
-                self.explain(address, error)
-            })?;
-            let state = DriveState::from_answer(answer);
-            self.check(address, &state, command.action()).inspect_err(|_| self.restart())?;
-            let turning = state.flags.contains(TrajectoryFlags::IN_MOTION);
-            self.follower.sampled_axis(index, &stamp, state.position, turning);
-            if let Some(order) = &order {
-                self.follower.executed(order, decided_ns, &stamp);
-            }
-            if let Some((_, expected)) = self.follower.astray().filter(|(axis, _)| *axis == index) {
-                let astray = self.elsewhere(index, address, expected, state.position);
-                self.restart();
-                return Err(astray);
-            }
-            seen.push((state, stamp));
-        }
-        Ok(self.to_sample(&seen))
+        self.follow_round(stream)
+    }
+
+    fn commanded(&self) -> Commanded {
+        self.commanded_positions()
     }
 
     /// STOP to all drives of the line, also those not in use, several times: nobody confirms it. Then asks until the

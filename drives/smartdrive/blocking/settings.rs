@@ -3,7 +3,7 @@
 use super::{SmartDriveBus, no_clock};
 use crate::{
     Action, Axes, AxisSignals, Bits, Clock, DeviceLimits, DriveError, Exchange, Identity,
-    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Signals, UnitIdentity, Values,
+    MAX_DRIVE_AXES, ParameterId, ParameterInfo, Signals, UnitIdentity,
     device::find,
     smartdrive::{
         IoUpdate, SetEffect, StepsPerTurn, ZeroRate,
@@ -31,11 +31,7 @@ fn release(bits: i64) -> String {
 
 /// A parameter of the drive with this address, which is this axis.
 fn describe(entry: &Entry, station: u8, axis: usize) -> ParameterInfo {
-    let values = if entry.index == STEP_DIVISOR {
-        Values::OneOf((entry.low..=entry.high).filter(|value| entry.accepts(*value)).collect())
-    } else {
-        Values::Between(entry.low, entry.high)
-    };
+    let values = entry.values();
     let id = ParameterId { station, number: entry.index };
     ParameterInfo {
         axis: Some(axis),
@@ -213,6 +209,7 @@ impl SmartDriveBus {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Values;
 
     /// Digest, section 4: 1020h is release 1.2.0; and its vector 28.
     #[test]

@@ -124,7 +124,7 @@ impl Device {
     /// The answer that refuses a command with a code, if it is one that this device would answer.
     pub fn refusal(&self, command: &[u8], code: u16) -> Option<Vec<u8>> {
         let (address, _) = frame::decode(command)?;
-        (self.is_alive() && address == self.address()).then(|| self.rejection(code))
+        (self.is_alive() && address == self.address()).then(|| self.rejection(command, code))
     }
 
     /// Whether it hears anything at all.
@@ -136,10 +136,16 @@ impl Device {
         }
     }
 
-    fn rejection(&self, code: u16) -> Vec<u8> {
+    fn rejection(&self, command: &[u8], code: u16) -> Vec<u8> {
         let status = self.status().with(Status::REJECT, true);
         let data = self.counter().to_le_bytes();
-        frame::Answer { status, data, tag: code }.encode().to_vec()
+        self.sealed(command, frame::Answer { status, data, tag: code })
+    }
+
+    /// An answer to a command as bytes.
+    pub(super) fn sealed(&self, command: &[u8], answer: frame::Answer) -> Vec<u8> {
+        let assumed = self.options.assumptions.answer_length;
+        answer.encode_in(frame::answer_length(command, assumed))
     }
 
     /// What it says to a frame whose check sum or length is wrong, if it is for this device as far as can be told.
@@ -148,7 +154,7 @@ impl Device {
             BadFrame::Refused(code)
                 if self.is_alive() && frame.first() == Some(&self.address()) =>
             {
-                Some(self.rejection(code.number()))
+                Some(self.rejection(frame, code.number()))
             }
             BadFrame::Refused(_) | BadFrame::Silent => None,
         }

@@ -182,6 +182,11 @@ impl Device {
         (position, velocity)
     }
 
+    /// Target of the GOTO or STEP that was taken last, µsteps; none once something else has moved or stopped the drive.
+    pub fn target(&self) -> Option<i32> {
+        self.generator.target()
+    }
+
     /// Where the mechanics are, µsteps from where they were at the start, whatever position 0 was since.
     pub fn mechanical(&self) -> f64 {
         self.origin + self.generator.state(self.now_ns).position
@@ -359,6 +364,6 @@ impl Device {
         }
         self.frames_handled += 1;
         let answer = self.answer(command, own);
-        (address != 0).then(|| answer.encode().to_vec())
+        (address != 0).then(|| self.sealed(frame, answer))
     }
 }

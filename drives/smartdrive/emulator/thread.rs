@@ -18,6 +18,7 @@ use crate::{
     kept::replace,
     pty::PseudoTerminal,
     slave::{self, Message},
+    smartdrive::BAUD,
 };
 
 /// What to emulate.
@@ -35,6 +36,9 @@ pub struct EmulatorOptions {
     pub wire: Wire,
     /// Symbolic link to make to the pseudo-terminal; it is removed at the end.
     pub link: Option<PathBuf>,
+    /// It understands masters whatever speed they have set on their side of the pseudo-terminal; otherwise one at another
+    /// speed gets no answer, as from the device. Masters that set no speed find the right one.
+    pub any_speed: bool,
     /// Decides what faults by chance do.
     pub seed: u64,
     /// How many times faster than their clock the devices live, their wire included.
@@ -66,7 +70,7 @@ impl EmulatedBus {
         clock: impl Clock + 'static,
     ) -> Result<Self, EmulatorError> {
         let devices = power_up(options)?;
-        let (master, terminal) = PseudoTerminal::open(options.link.as_deref())?;
+        let (master, mut terminal) = PseudoTerminal::open(options.link.as_deref())?;
         let failed = |source| EmulatorError::Thread { source };
         let runtime =
             runtime::Builder::new_current_thread().enable_all().build().map_err(failed)?;
@@ -75,6 +79,7 @@ impl EmulatedBus {
             SerialStream::try_from(master)
                 .map_err(|error| EmulatorError::Terminal { source: error.into() })?
         };
+        let stream = terminal.at_speed(stream, BAUD, options.any_speed)?;
         let (control, messages) = mpsc::channel(64);
         let wire = (options.wire, FaultyWire::new(options.seed));
         let clock = Accelerated::new(clock, options.speed);

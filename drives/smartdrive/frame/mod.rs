@@ -2,9 +2,9 @@
 //!
 //! Source: "Format des messages".
 
-use super::{Command, RejectCode, Status};
+use super::{AnswerLength, Command, RejectCode, Status};
 
-/// Length of an answer.
+/// Length of an answer with four bytes of data.
 pub const ANSWER_BYTES: usize = 9;
 /// First bytes of commands are below this (the three upper bits of ADR are 0).
 pub const FIRST_BITS: u8 = 0x20;
@@ -28,6 +28,17 @@ pub(crate) fn seal(mut frame: Vec<u8>) -> Vec<u8> {
 /// Length of the command that begins with these bytes: 3 + 4·2^EE; `None` before CMD is there.
 pub fn command_length(bytes: &[u8]) -> Option<usize> {
     bytes.get(1).map(|code| 3 + (4 << (code >> 6)))
+}
+
+/// Length of the answer to the command that begins with these bytes.
+pub(crate) fn answer_length(command: &[u8], assumed: AnswerLength) -> usize {
+    match assumed {
+        AnswerLength::Four => ANSWER_BYTES,
+        // STA and TAG instead of ADR and CMD.
+        AnswerLength::AsCommand => {
+            command_length(command).map_or(ANSWER_BYTES, |length| length + 2)
+        }
+    }
 }
 
 /// Address and command of a frame, and what a device refuses it for; `None` if length, check sum or address are those
@@ -75,12 +86,25 @@ impl Answer {
         [s0, s1, b0, b1, b2, b3, t0, t1, sum]
     }
 
-    /// The answer in nine bytes; `None` if their check sum is wrong or the first byte is not that of an answer.
-    pub fn decode(frame: &[u8; ANSWER_BYTES]) -> Option<Self> {
-        let [s0, s1, b0, b1, b2, b3, t0, t1, _] = *frame;
+    /// The frame with zeros behind the data, `length` bytes in all. They leave the check sum as it is.
+    pub(crate) fn encode_in(self, length: usize) -> Vec<u8> {
+        let mut frame = self.encode().to_vec();
+        let zeros = length.saturating_sub(ANSWER_BYTES);
+        frame.splice(6..6, std::iter::repeat_n(0, zeros));
+        frame
+    }
+
+    /// The answer in nine bytes or more, whose further data say nothing; `None` as [`Self::decode`].
+    pub(crate) fn decode_in(frame: &[u8]) -> Option<Self> {
+        let [s0, s1, b0, b1, b2, b3, .., t0, t1, _] = *frame else { return None };
         let status = Status(u16::from_le_bytes([s0, s1]));
         let right = check_sum(frame) == 0 && status.is_response();
         right.then_some(Self { status, data: [b0, b1, b2, b3], tag: u16::from_le_bytes([t0, t1]) })
+    }
+
+    /// The answer in nine bytes; `None` if their check sum is wrong or the first byte is not that of an answer.
+    pub fn decode(frame: &[u8; ANSWER_BYTES]) -> Option<Self> {
+        Self::decode_in(frame)
     }
 }
 

@@ -286,6 +286,11 @@ impl Generator {
         self.motion.at(now_ns)
     }
 
+    /// Target of the GOTO or STEP taken last, while it holds.
+    pub(crate) fn target(&self) -> Option<i32> {
+        self.target
+    }
+
     /// Position counter: whole µsteps, 32 bits that overflow as the device's.
     #[expect(clippy::cast_possible_truncation, reason = "the counter keeps the low 32 bits")]
     pub(crate) fn counter(&self, now_ns: i64) -> i32 {

@@ -15,9 +15,9 @@ use super::{
 use crate::{
     Drive, DriveError, ParameterId,
     smartdrive::{
-        AccCurrent, Accelerations, Assumptions, BadFrame, BothBits, Command, Execution,
-        HomePosition, IoUpdate, LimitStop, Mode, RejectCode, SetEffect, SmartDrive, SmartDriveBus,
-        SmartDriveOptions, StepFrom, TrajectoryFlags, ZeroRate,
+        AccCurrent, Accelerations, AnswerLength, Assumptions, BadFrame, BothBits, Command,
+        Execution, HomePosition, IoUpdate, LimitStop, Mode, RejectCode, SetEffect, SmartDrive,
+        SmartDriveBus, SmartDriveOptions, StepFrom, TrajectoryFlags, ZeroRate,
         emulator::{
             Cam, Device, DeviceOptions, EmulatedBus, EmulatorOptions, HomingOptions, Input, Wire,
             serve,
@@ -35,6 +35,7 @@ fn alternatives() -> Vec<Assumptions> {
         Assumptions { bad_frame: BadFrame::Refused(RejectCode::Generic), ..usual },
         Assumptions { wrong_length: RejectCode::NotAvailable, ..usual },
         Assumptions { unknown_code: RejectCode::Generic, ..usual },
+        Assumptions { answer_length: AnswerLength::AsCommand, ..usual },
         Assumptions { both_bits: BothBits::Set, ..usual },
         Assumptions { both_bits: BothBits::Clear, ..usual },
         Assumptions { silent_while_changing: true, ..usual },
@@ -246,6 +247,32 @@ fn a_deceleration_of_0_is_checked_as_it_is_assumed() {
             }
         }
     }
+}
+
+/// Answers as long as their commands (RR, §5), on a pseudo-terminal: the drive is enabled, moved by GOTO with and
+/// without ceilings, sets and reads variables; and a driver that awaits the other length understands nothing.
+#[test]
+fn answers_may_be_as_long_as_their_commands() {
+    let long = AnswerLength::AsCommand;
+    let (emulator, mut drive, _) =
+        on_terminal(Assumptions { answer_length: long, ..Assumptions::default() }, 0);
+    drive.enable().unwrap();
+    drive.move_to(&[300; 5], &[8e3; 5]).unwrap();
+    drive.run(async |bus| {
+        assert_eq!(rest(bus).await, 300);
+        // 11 bytes and 13 of the answer; 7 and 9.
+        bus.go_to(1, 500, Some((300, 1000))).await.unwrap();
+        assert_eq!(rest(bus).await, 500);
+        bus.go_to(1, 400, None).await.unwrap();
+        assert_eq!(rest(bus).await, 400);
+        assert_eq!(bus.write_variable(1, 130, 0xFFFF).await.unwrap(), 0xFFFF);
+    });
+    drop(drive);
+    let mut options = SmartDriveOptions::new(vec![axis(1)]);
+    options.worst_latency = Duration::from_millis(20);
+    let mut other = SmartDriveBus::open(emulator.path().to_str().unwrap(), &options).unwrap();
+    let written = other.run(async |bus| bus.write_variable(1, 130, 0).await);
+    assert!(matches!(written, Err(DriveError::Protocol { .. })), "{written:?}");
 }
 
 /// What a device in mode remote, which runs at 300 rpm, answers to a PING that comes in two pieces.

@@ -288,7 +288,7 @@ fn a_drive_that_is_not_there_is_a_timeout() {
     let lost = nobody.sample(&stream);
     let Err(DriveError::Timeout { at, .. }) = lost else { panic!("{lost:?}") };
     assert_eq!(at.station, 9);
-    assert_eq!(at.to_string(), format!("{}, station 9: command 1 (PING)", bus.path().display()));
+    assert_eq!(at.to_string(), format!("{}, address 9: command 1 (PING)", bus.path().display()));
 }
 
 #[test]
@@ -296,7 +296,7 @@ fn a_port_that_is_not_there_is_named() {
     let missing = SmartDriveBus::open("/dev/no-such-port", &SmartDriveOptions::new(vec![axis(3)]));
     let Err(error @ DriveError::Transport { .. }) = missing else { panic!("{missing:?}") };
     let text = error.to_string();
-    assert!(text.starts_with("/dev/no-such-port, station 3: opening the port: "), "{text}");
+    assert!(text.starts_with("/dev/no-such-port, address 3: opening the port: "), "{text}");
 }
 
 #[test]
@@ -399,6 +399,6 @@ fn an_output_that_is_not_switched_is_told_as_such() {
     drop(answering.join().unwrap());
     let text = error.to_string();
     let said =
-        "station 1: switching output 3 off: the drive has confirmed it, and the output is still on";
+        "address 1: switching output 3 off: the drive has confirmed it, and the output is still on";
     assert!(text.ends_with(said), "{text}");
 }

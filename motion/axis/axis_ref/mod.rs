@@ -59,7 +59,8 @@ impl Axis {
     /// # Errors
     ///
     /// [`SmcError::WpParamInvalid`] (140) for a number that is none, write-protected or a `BOOL`, for a value that is
-    /// no finite number, and for a fraction where an integer belongs.
+    /// no finite number, for a fraction where an integer belongs, for a largest velocity, rate or jerk that is not
+    /// positive, with which the axis could not brake, and for a ratio of 0.
     #[doc(alias = "MC_WriteParameter")]
     pub fn write_parameter(&mut self, number: u16, value: f64) -> Result<(), SmcError> {
         self.write(number, Value::Real(value))
@@ -82,6 +83,13 @@ impl Axis {
     fn write(&mut self, number: u16, value: Value) -> Result<(), SmcError> {
         let parameter = Parameter::by_number(number);
         let parameter = parameter.filter(|parameter| parameter.access == Access::Write);
+        let parameter = parameter.filter(|parameter| match (parameter.number, value) {
+            (1112 | 1113 | 1122 | 1123 | 1132 | 1133 | 1142 | 1143, Value::Real(most)) => {
+                most > 0.0
+            }
+            (1051 | 1052, Value::Real(part)) => part != 0.0,
+            _ => true,
+        });
         let written = parameter.is_some_and(|it| self.values.write(it.number, value));
         if written { Ok(()) } else { Err(SmcError::WpParamInvalid) }
     }

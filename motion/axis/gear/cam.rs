@@ -10,6 +10,54 @@ use crate::cam::{self, CamCoupling, CamInput, CamTable, CouplingError, StartMode
 ///
 /// [`CamRun::coupling`] tells `EndOfProfile` and the tappets. Beside the master's position and velocity its acceleration
 /// counts, so that the slave's acceleration is exact.
+///
+/// A lift of 50 u, once a turn of the master; the slave comes onto it with a ramp:
+///
+/// ```
+/// use std::sync::Arc;
+/// use twin_motion::axis::{
+///     Axis, AxisConfig, Block, CamIn, Direction, MoveVelocity, Movement, Power, VirtualDrive,
+/// };
+/// use twin_motion::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+///
+/// let knots = [(0.0, 0.0), (180.0, 50.0), (360.0, 0.0)];
+/// let knots = knots.map(|(master, slave)| Knot::at_rest(master, slave)).to_vec();
+/// let cam = Cam::new("lift", Shape::Polynomial(knots), Vec::new())?;
+/// let mut cam_in = Block::new(CamIn {
+///     table: Some(CamTable::new(Arc::new(cam))),
+///     input: CamInput {
+///         start_mode: StartMode::RampIn,
+///         velocity_difference: 20.0,
+///         acceleration: 100.0,
+///         deceleration: 100.0,
+///         ..CamInput::default()
+///     },
+/// });
+/// let mut turn = Block::new(MoveVelocity {
+///     velocity: 90.0,
+///     acceleration: 100.0,
+///     deceleration: 100.0,
+///     direction: Direction::Positive,
+/// });
+///
+/// let movement = Movement::Rotary { period: 360.0 };
+/// let mut master = Axis::new(AxisConfig { cycle: 0.01, movement, ..AxisConfig::default() });
+/// let mut slave = Axis::new(AxisConfig { cycle: 0.01, ..AxisConfig::default() });
+/// let mut drives = [VirtualDrive::new(0.0), VirtualDrive::new(30.0)];
+/// let power = Power { regulator_on: true, drive_start: true };
+/// let mut in_sync = false;
+/// while !(in_sync && master.set_position() > 180.0) {
+///     master.begin_cycle(&drives[0].feedback());
+///     slave.begin_cycle(&drives[1].feedback());
+///     let on = power.call(true, &mut master).status && power.call(true, &mut slave).status;
+///     turn.call(on, &mut master);
+///     in_sync = cam_in.follow(on, &master, &mut slave).done;
+///     drives[0].follow(&master.end_cycle());
+///     drives[1].follow(&slave.end_cycle());
+/// }
+/// assert!((slave.set_position() - 50.0).abs() < 0.1, "just over the top");
+/// # Ok::<(), twin_motion::cam::CamError>(())
+/// ```
 #[doc(alias = "MC_CamIn")]
 #[doc(alias = "MC_CamTableSelect")]
 #[derive(Clone, Debug)]
@@ -47,22 +95,26 @@ impl Motion for CamIn {
         let table = CamTable { master_period: master.period, slave_period: axis.period(), ..table };
         // Where another block has moved the slave in this cycle already, the cam takes over from there (manual 4.6.2).
         let moved = axis.values.moved_in_this_cycle;
-        let (state, lead) = if moved { (axis.total(), 0.0) } else { (start.state, start.lead) };
+        let (state, lead) =
+            if moved { (axis.total_after_cycle(), 0.0) } else { (start.state, start.lead) };
         let State { position, velocity, acceleration } = state;
-        let slave = cam::AxisState { position: axis.in_program(position), velocity, acceleration };
         let mut from = now(master);
         if !matches!(self.input.start_mode, StartMode::Absolute | StartMode::Relative) {
             // A bridge begins where the slave was a cycle ago, and so at where the master was.
             from.velocity -= master.acceleration * lead;
             from.position -= f64::midpoint(from.velocity, master.velocity) * lead;
         }
-        let begin = |master: &cam::AxisState| {
-            CamCoupling::start(table.clone(), self.input, master, &slave, 0)
+        let begin = |master: &cam::AxisState, position: f64, lead: f64| {
+            let inside = axis.in_program(position);
+            let slave = cam::AxisState { position: inside, velocity, acceleration };
+            let coupling = CamCoupling::start(table.clone(), self.input, master, &slave, 0)?;
+            let seconds = lead - axis.cycle();
+            Ok(CamRun { coupling, shift: position - inside, seconds, restarted: true })
         };
-        // A master that has come onto the cam in this very cycle is on it.
-        let coupling = begin(&from).or_else(|_beside| begin(&now(master))).map_err(number)?;
-        let seconds = lead - axis.cycle();
-        Ok(CamRun { coupling, shift: position - slave.position, seconds, restarted: true })
+        // A master that has come onto the cam in this very cycle is on it; the slave goes on until then.
+        begin(&from, position, lead)
+            .or_else(|_beside| begin(&now(master), position + velocity * lead, 0.0))
+            .map_err(number)
     }
 
     fn step(

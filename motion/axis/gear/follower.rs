@@ -1,6 +1,6 @@
 //! A slave that takes up a multiple of its master's velocity.
 
-use crate::axis::profile::{AxisLimits, Profile, ProfileError, State};
+use crate::axis::profile::{AxisLimits, Profile, ProfileError, RampType, State};
 use crate::axis::{Axis, Master};
 
 /// Where a slave stands to its master.
@@ -24,7 +24,8 @@ impl Follower {
 
     /// The slave's next state, from `from`, with `ratio` times the master's velocity.
     ///
-    /// Until it has that velocity it goes towards it under its limits; then its way is `ratio` times the master's.
+    /// Until it has that velocity it goes towards it under its limits; then its way is `ratio` times the master's. With
+    /// limited jerk it takes up a master's acceleration only when that is no step.
     pub(super) fn step(
         &mut self,
         from: State,
@@ -41,8 +42,10 @@ impl Follower {
         let limit = velocity.abs().max(f64::MIN_POSITIVE);
         let limits = AxisLimits { velocity: limit, ..self.limits };
         let profile = Profile::to_velocity(from, velocity, limits, axis.ramp())?;
-        self.coupled = profile.duration() <= axis.cycle() * (1.0 + 1e-9);
         let state = profile.at(axis.cycle());
+        let step = (acceleration - state.acceleration).abs();
+        let smooth = axis.ramp() == RampType::Trapezoid || step <= self.limits.jerk * axis.cycle();
+        self.coupled = smooth && profile.duration() <= axis.cycle() * (1.0 + 1e-9);
         let joined = if self.coupled { acceleration } else { state.acceleration };
         Ok(State { acceleration: joined, ..state })
     }

@@ -11,7 +11,9 @@ use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
 /// the ratio, with the curvature 0 at both ends; the manual says a polynomial only. It may reverse for a moment.
 ///
 /// With a `master_start_distance` above 0 the slave goes on as it does until the master is so close to the place; with 0
-/// it begins at once. A master that reverses meanwhile is an error 775.
+/// it begins at once. A slave that moves already waits for a master whose velocity has changed by less than a quarter in
+/// the last cycle: over the positions of one that starts from rest the slave would be infinitely fast. A master that
+/// reverses meanwhile is an error 775.
 #[doc(alias = "SMC_GearInPos")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GearInPos {
@@ -33,6 +35,8 @@ pub struct GearInPosRun {
     /// The master in the cycle before: within its period, and unwound.
     master: f64,
     unwound: f64,
+    /// Its velocity then, u/s.
+    velocity: f64,
     phase: Phase,
 }
 
@@ -91,14 +95,17 @@ impl GearInPos {
         f64::from(self.ratio_numerator) / f64::from(self.ratio_denominator)
     }
 
-    /// The polynomial, if the master, which goes from `unwound` on in the direction `sign`, is close enough.
-    fn polynomial(
-        &self,
-        unwound: f64,
-        velocity: f64,
-        period: Option<f64>,
-        axis: &Axis,
-    ) -> Option<Quintic> {
+    /// The polynomial from the cycle before, if the master is close enough and as fast as it has to be.
+    fn polynomial(&self, run: &GearInPosRun, master: &Master, axis: &Axis) -> Option<Quintic> {
+        /// By which part of it the master's velocity may have changed.
+        const STEADY: f64 = 0.25;
+        let GearInPosRun { unwound, velocity: before, .. } = *run;
+        let Master { velocity, period, .. } = *master;
+        let from = axis.saved_base;
+        let steady = from.velocity == 0.0 || (velocity - before).abs() <= STEADY * before.abs();
+        if !steady {
+            return None;
+        }
         let sign = velocity.signum();
         // The place ahead of the master, on a rotary one the next time round.
         let ahead = sign * (self.master_sync_position - unwound);
@@ -111,8 +118,8 @@ impl GearInPos {
         if velocity == 0.0 || ahead <= 0.0 || !near {
             return None;
         }
-        let from = axis.saved;
-        let slopes = [from.velocity / velocity, self.ratio()];
+        let slope = if from.velocity == 0.0 { 0.0 } else { from.velocity / before };
+        let slopes = [slope, self.ratio()];
         let way = sign * ahead;
         let target = axis.to_drive(self.slave_sync_position);
         // A rotary slave goes to the place that is nearest to the way of the mean velocity.
@@ -140,7 +147,8 @@ impl Motion for GearInPos {
             return Err(SmcError::GiInvalidAcc);
         }
         let at = master.position;
-        Ok(GearInPosRun { master: at, unwound: at, phase: Phase::Waiting })
+        let velocity = master.velocity;
+        Ok(GearInPosRun { master: at, unwound: at, velocity, phase: Phase::Waiting })
     }
 
     fn step(
@@ -150,16 +158,16 @@ impl Motion for GearInPos {
         master: Master,
     ) -> Result<Progress, SmcError> {
         let travel = master.travel_since(run.master);
-        let before = run.unwound;
-        run.master = master.position;
-        run.unwound += travel;
         if matches!(run.phase, Phase::Waiting) {
             // From the cycle before, whose set-point the slave has, so that nothing steps.
-            let polynomial = self.polynomial(before, master.velocity, master.period, axis);
+            let polynomial = self.polynomial(run, &master, axis);
             if let Some(polynomial) = polynomial.filter(|_| travel != 0.0) {
                 run.phase = Phase::Coupling(polynomial);
             }
         }
+        run.master = master.position;
+        run.velocity = master.velocity;
+        run.unwound += travel;
         if let Phase::Coupling(polynomial) = &run.phase {
             if travel * polynomial.h < 0.0 {
                 return Err(SmcError::GipMasterDirectionChange);
@@ -189,7 +197,7 @@ impl Motion for GearInPos {
 impl Axis {
     /// One cycle on with the velocity there is.
     fn goes_on(&self) -> State {
-        let it = self.saved;
+        let it = self.saved_base;
         State {
             position: it.position + it.velocity * self.cycle(),
             velocity: it.velocity,

@@ -45,7 +45,7 @@ impl Motion for Phasing {
     type Run = PhasingRun;
     const STATE: AxisState = AxisState::SynchronizedMotion;
 
-    fn plan(&self, start: Start, axis: &Axis, master: Master) -> Result<PhasingRun, SmcError> {
+    fn plan(&self, _start: Start, axis: &Axis, master: Master) -> Result<PhasingRun, SmcError> {
         let rotary_without_period = |period: Option<f64>| period.is_some_and(|it| it <= 0.0);
         if rotary_without_period(axis.period()) || rotary_without_period(master.period) {
             return Err(SmcError::PhRotaryaxisPeriod0);
@@ -55,7 +55,8 @@ impl Motion for Phasing {
         Planned::to(self.phase_shift, self.limits(axis), rest, axis)
             .map_err(|_invalid| SmcError::PhInvalidVelaccdec)?;
         let follower = Follower::new(master, self.limits(axis));
-        Ok(PhasingRun { follower, slave: start.state, shift: None })
+        // The first set-point is that of this cycle, from the last one's.
+        Ok(PhasingRun { follower, slave: axis.saved, shift: None })
     }
 
     fn step(

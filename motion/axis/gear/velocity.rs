@@ -50,7 +50,7 @@ impl Motion for GearIn {
         axis: &mut Axis,
         master: Master,
     ) -> Result<Progress, SmcError> {
-        let setpoint = run.step(axis.saved, master, self.ratio(), axis);
+        let setpoint = run.step(axis.saved_base, master, self.ratio(), axis);
         let setpoint = setpoint.map_err(|_invalid| SmcError::GiInvalidAcc)?;
         let stage = if run.is_coupled() { Stage::Reached } else { Stage::Busy };
         Ok(Progress { setpoint, stage })

@@ -4,7 +4,8 @@ use crate::axis::ownership::Start;
 use crate::axis::profile::{AxisLimits, Profile, State};
 use crate::axis::{Axis, AxisState, Block, Motion, Progress, SmcError, Stage};
 
-/// A set-point that a program gives every cycle. Nothing is checked by the `SMC_Follow…` blocks.
+/// A set-point that a program gives every cycle. Nothing is checked by the `SMC_Follow…` blocks, but that it is a number:
+/// without one a moving axis brakes, with error 30.
 ///
 /// As a [`Block`] it is `SMC_FollowPosition`, `SMC_FollowVelocity` or `SMC_FollowPositionVelocity`: it moves the axis from
 /// the rising edge until another block does.
@@ -24,7 +25,7 @@ pub enum Follow {
 impl Follow {
     /// The state it asks for, one cycle after the axis's last set-point.
     fn wanted(self, axis: &Axis) -> State {
-        let (before, cycle) = (axis.saved, axis.cycle());
+        let (before, cycle) = (axis.saved_base, axis.cycle());
         let to = |position: f64| before.position + short_way(axis, position);
         let (position, velocity) = match self {
             Self::Position(position) => (to(position), short_way(axis, position) / cycle),
@@ -44,9 +45,19 @@ impl Follow {
     }
 }
 
+/// What is no number is no set-point. At rest the axis stays; in motion that is as if the block had not been called: an
+/// error 30, with which the axis brakes.
+fn without_setpoint(axis: &Axis) -> Result<Progress, SmcError> {
+    let State { position, velocity, .. } = axis.saved_base;
+    if velocity != 0.0 {
+        return Err(SmcError::FbWasntCalledDuringMotion);
+    }
+    Ok(Progress { setpoint: State::resting(position), stage: Stage::Busy })
+}
+
 /// From the last set-point to the program's `position`, on a rotary axis the short way round, u.
 fn short_way(axis: &Axis, position: f64) -> f64 {
-    let way = axis.to_drive(position) - axis.saved.position;
+    let way = axis.to_drive(position) - axis.saved_base.position;
     axis.period().map_or(way, |period| way - period * (way / period).round())
 }
 
@@ -61,9 +72,10 @@ impl Motion for Follow {
     }
 
     fn step(&self, (): &mut (), axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
-        // What is no number is no set-point: the axis stays where it is.
-        let setpoint =
-            if self.is_finite() { self.wanted(axis) } else { State::resting(axis.saved.position) };
+        if !self.is_finite() {
+            return without_setpoint(axis);
+        }
+        let setpoint = self.wanted(axis);
         Ok(Progress { setpoint, stage: Stage::Busy })
     }
 }
@@ -105,7 +117,7 @@ impl ControlAxisBy {
 
     /// One cycle of the bridge; whether it ends with it.
     fn bridge(&self, wanted: State, axis: &Axis) -> Option<(State, bool)> {
-        let (from, limits, ramp) = (axis.saved, self.gap_limits(axis), axis.ramp());
+        let (from, limits, ramp) = (axis.saved_base, self.gap_limits(axis), axis.ramp());
         let profile = match self.setpoint {
             Follow::Velocity(velocity) => Profile::to_velocity(from, velocity, limits, ramp),
             _ => Profile::to_position(from, wanted.position, 0.0, limits, ramp),
@@ -113,7 +125,8 @@ impl ControlAxisBy {
         let profile = profile.ok()?;
         let cycle = axis.cycle();
         let ends = profile.duration() <= cycle * (1.0 + 1e-9);
-        Some((if ends { profile.end() } else { profile.at(cycle) }, ends))
+        // With a velocity the axis goes on for the rest of the cycle.
+        Some((profile.at(cycle), ends))
     }
 }
 
@@ -130,15 +143,15 @@ impl Motion for ControlAxisBy {
 
     fn step(&self, bridging: &mut bool, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {
         if !self.setpoint.is_finite() {
-            let setpoint = State::resting(axis.saved.position);
-            return Ok(Progress { setpoint, stage: Stage::Busy });
+            return without_setpoint(axis);
         }
-        let wanted = self.setpoint.wanted(axis);
-        // A position may jump that comes with a velocity of its own.
-        let way =
-            State { velocity: (wanted.position - axis.saved.position) / axis.cycle(), ..wanted };
-        let jumps = exceeds(wanted, axis.saved, axis, true, true)
-            || exceeds(way, axis.saved, axis, true, false);
+        let (wanted, before) = (self.setpoint.wanted(axis), axis.saved_base);
+        // A position may jump that comes with a velocity of its own: its way is not that of the velocities then.
+        let mean = 0.5 * (before.velocity + wanted.velocity);
+        let excess = (wanted.position - before.position) / axis.cycle() - mean;
+        let beside = State { velocity: 0.0, acceleration: 2.0 * excess / axis.cycle(), ..wanted };
+        let jumps = exceeds(wanted, before, axis, true, true)
+            || exceeds(beside, State::resting(0.0), axis, false, true);
         *bridging |= self.avoid_gaps && jumps;
         let setpoint = if *bridging {
             // The manual has no error of its own for limits with which there is no way.

@@ -9,6 +9,8 @@ pub(super) const ANSWER_S: f64 = 1.0;
 
 /// Homing by the drive itself (`MC_Home`, manual 5.3).
 ///
+/// 170 unless the axis stands still, 171 if the drive does not begin, 172 if it stops answering, 173 if it cannot stop.
+///
 /// The set position follows the drive meanwhile. When the drive is done, its positions count from the reference, and a
 /// shift of the zero is gone.
 #[doc(alias = "MC_Home")]
@@ -34,6 +36,10 @@ impl Motion for Home {
 
     fn plan(&self, _start: Start, _axis: &Axis, (): ()) -> Result<f64, SmcError> {
         Ok(0.0)
+    }
+
+    fn lost(axis: &Axis, error: SmcError) -> SmcError {
+        if axis.values.communication { error } else { SmcError::HAxisDidntAnswer }
     }
 
     fn step(&self, waited: &mut f64, axis: &mut Axis, (): ()) -> Result<Progress, SmcError> {

@@ -52,7 +52,8 @@ impl Axis {
     ///
     /// # Errors
     ///
-    /// [`SmcError::StWrongControllerMode`] (75) in another mode; the set torque stays.
+    /// [`SmcError::StWrongControllerMode`] (75) in another mode; the set torque stays. More than `fMaxTorque` is not set,
+    /// where that is above 0.
     #[doc(alias = "SMC_SetTorque")]
     pub fn set_torque(&mut self, torque: f64) -> Result<(), SmcError> {
         if self.values.real_controller_mode != ControllerMode::Torque.number()
@@ -60,7 +61,8 @@ impl Axis {
         {
             return Err(SmcError::StWrongControllerMode);
         }
-        self.values.set_torque = torque;
+        let most = self.values.max_torque;
+        self.values.set_torque = if most > 0.0 { torque.clamp(-most, most) } else { torque };
         Ok(())
     }
 }

@@ -6,7 +6,8 @@ use crate::axis::{Axis, AxisState, SmcError};
 
 /// Out of errorstop (`MC_Reset`, manual 5.3): to standstill, without power to `power_off`.
 ///
-/// It waits until the axis has come to rest and the drive has let go of its own error.
+/// It waits until the axis has come to rest and the drive has let go of its own error: 122 if that cannot be reset, 121
+/// if the drive does not do it, 123 if it does not answer.
 #[doc(alias = "MC_Reset")]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reset {
@@ -27,7 +28,10 @@ impl Reset {
         if let Some(waited) = &mut self.waited {
             axis.values.error_acknowledged = true;
             let rests = axis.total().velocity == 0.0;
-            let outcome = if !axis.values.error {
+            let stays = axis.drive.error.is_some() && !axis.drive.resettable;
+            let outcome = if stays && axis.values.communication {
+                Some(Outcome::Failed(SmcError::RErrorNotResettable))
+            } else if !axis.values.error {
                 // Another reset was faster.
                 Some(Outcome::Done)
             } else if axis.drive.error.is_none() && axis.values.communication && rests {

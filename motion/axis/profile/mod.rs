@@ -16,6 +16,7 @@
 mod error;
 mod parabolic;
 mod planned;
+mod rates;
 mod segment;
 mod sigmoid;
 mod table;
@@ -72,11 +73,6 @@ pub struct AxisLimits {
 }
 
 impl AxisLimits {
-    /// Velocity at which the acceleration gets 0 if it is taken back from now on with the largest jerk, u/s.
-    fn settled(&self, velocity: f64, acceleration: f64) -> f64 {
-        velocity + 0.5 * acceleration * acceleration.abs() / self.jerk
-    }
-
     /// Largest growth (`true`) or fall of the speed, u/s².
     fn rate(self, grows: bool) -> f64 {
         if grows { self.acceleration } else { self.deceleration }

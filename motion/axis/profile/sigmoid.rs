@@ -12,9 +12,9 @@
 //! Ways to a position are put together as those of parabolic ramps are: straight, eased at first, or over a velocity
 //! that is held where it is the limit. They are not the fastest: of this form there is one for every target.
 
-use super::AxisLimits;
-use super::State;
+use super::rates::Rates;
 use super::segment::{Segment, Track};
+use super::{AxisLimits, State};
 
 /// Steps of a search; each second one at least halves the bracket.
 const MOST_STEPS: u32 = 160;
@@ -90,8 +90,8 @@ impl Up {
 
 /// The ramp from a velocity and an acceleration up to a velocity that is not below that at which the acceleration,
 /// taken back at once, gets 0.
-fn up(limits: &AxisLimits, velocity: f64, acceleration: f64, to: f64) -> Up {
-    let AxisLimits { acceleration: growth, deceleration: fall, jerk, .. } = *limits;
+fn up(limits: &Rates, velocity: f64, acceleration: f64, to: f64) -> Up {
+    let Rates { acceleration: growth, deceleration: fall, jerk, .. } = *limits;
     let mut ramp = Up::new(velocity, acceleration);
     if acceleration < 0.0 {
         ramp.add(-acceleration / jerk, jerk, 0.0);
@@ -114,6 +114,10 @@ fn side(value: f64) -> f64 {
 
 /// Goes to a velocity.
 pub(super) fn ramp(track: &mut Track, velocity: f64, limits: &AxisLimits) {
+    to_velocity(track, velocity, &limits.into());
+}
+
+fn to_velocity(track: &mut Track, velocity: f64, limits: &Rates) {
     let State { velocity: from, acceleration, .. } = track.state;
     let sign = side(velocity - limits.settled(from, acceleration));
     up(limits, sign * from, sign * acceleration, sign * velocity).push(track, sign);
@@ -121,11 +125,12 @@ pub(super) fn ramp(track: &mut Track, velocity: f64, limits: &AxisLimits) {
 
 /// Goes to a position and has `end_velocity`, at most the limit, there.
 pub(super) fn to_position(track: &mut Track, target: f64, end_velocity: f64, limits: &AxisLimits) {
+    let limits = &Rates::from(limits);
     let (most, jerk) = (limits.velocity, limits.jerk);
     let settled = |state: State| limits.settled(state.velocity, state.acceleration);
     if settled(track.state).abs() > most {
         let limit = most.copysign(settled(track.state));
-        ramp(track, limit, limits);
+        to_velocity(track, limit, limits);
     }
     let start = track.state;
     let settled = settled(start);

@@ -55,6 +55,8 @@ fn what_is_missing_is_told() {
     let ramp = CamInput { start_mode: StartMode::RampIn, ..CamInput::default() };
     let mut ramp = block(lift(), ramp);
     assert_eq!(shown(&mut ramp, 0.0), Some(SmcError::CiRampinNeedsVelaccValues));
+    let mut scaled = block(lift(), CamInput { slave_scaling: f64::NAN, ..CamInput::default() });
+    assert_eq!(shown(&mut scaled, 0.0), Some(SmcError::CiScalingIncorrect));
 }
 
 fn standing(at: f64) -> Rig {

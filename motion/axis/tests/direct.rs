@@ -31,6 +31,40 @@ fn followed_set_points_are_not_checked() {
 }
 
 #[test]
+fn without_a_number_a_moving_axis_brakes() {
+    for watched in [false, true] {
+        let mut rig = linear();
+        let mut followed = Block::new(Follow::Velocity(0.0));
+        let mut controlled = Block::new(ControlAxisBy {
+            setpoint: Follow::Velocity(0.0),
+            avoid_gaps: true,
+            gap_velocity: 10.0,
+            gap_acceleration: 100.0,
+            gap_deceleration: 100.0,
+        });
+        let mut cycle =
+            |rig: &mut Rig, setpoint| {
+                (followed.inputs, controlled.inputs.setpoint) = (setpoint, setpoint);
+                rig.cycle(|axis| {
+                    if watched { controlled.call(true, axis) } else { followed.call(true, axis) }
+                })
+            };
+        // At rest it just stays.
+        let shown = cycle(&mut rig, Follow::Position(f64::NAN));
+        assert!(shown.error.is_none() && rig.axis.set_position() == 0.0);
+        for velocity in 1..=5_u8 {
+            cycle(&mut rig, Follow::Velocity(f64::from(velocity)));
+        }
+        assert!((rig.axis.set_velocity() - 5.0).abs() < 1e-9);
+        let shown = cycle(&mut rig, Follow::PositionVelocity(1.0, f64::INFINITY));
+        assert_eq!(shown.error, Some(SmcError::FbWasntCalledDuringMotion));
+        // 100 u/s² in the same cycle already.
+        assert!((rig.axis.set_velocity() - 4.0).abs() < 1e-9);
+        assert_eq!(rig.axis.state(), AxisState::ErrorStop);
+    }
+}
+
+#[test]
 fn a_jump_is_bridged_while_the_interpolator_waits() {
     let mut rig = Rig::new(AxisConfig {
         max_velocity: 20.0,

@@ -6,14 +6,19 @@
 )]
 
 mod blocks;
+mod cam_starts;
 mod cams;
 mod direct;
+mod examples;
 mod framework;
 mod gears;
 mod homing;
 mod invariants;
+mod parameters;
 mod rig;
+mod silence;
 mod states;
+mod steps;
 mod switch;
 mod tables;
 mod targets;

@@ -83,7 +83,7 @@ pub(crate) fn table() {
     let used = commands * command + counts.samples * sample;
     print("InterpCNC, three axes", &counts, commands, used / counts.seconds);
 
-    for turnaround in [2e-3, 20e-3] {
+    for turnaround in [2e-3, 20e-3, 50e-3] {
         let counts = measure(&on_bus(1e3 * turnaround));
         // GOTO with speed and acceleration. Every answer is a sample of its drive.
         let used = counts.exchanges * atb(11.0 + 9.0, turnaround);

@@ -10,7 +10,7 @@ pub(super) use options::{
     LimitOptions, MasterOptions, UseOptions, load, magnitude, number, positive,
 };
 
-use super::{Failure, Status};
+use super::{Failure, Status, run as command_run};
 use crate::finding::{Finding, Severity};
 use clap::Subcommand;
 use std::fmt;
@@ -31,6 +31,12 @@ enum Action {
     Sample(Box<sample::Arguments>),
     Convert(Box<convert::Arguments>),
     Plot(Box<plot::Arguments>),
+    /// Run a job, in which axes follow cams and gears, on the simulated machine and on drives, as `twin run` runs programs
+    ///
+    /// A job (examples/jobs, commented as documentation of the format) calls `MC_MoveAbsolute`, `MC_CamIn` and other blocks with
+    /// the axes of a machine file and with virtual masters. It is checked first, and nothing moves if it is not fit for the
+    /// machine. `twin check` and `twin run` take jobs, too.
+    Run(Box<command_run::Arguments>),
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
@@ -39,6 +45,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         Action::Sample(arguments) => sample::run(arguments),
         Action::Convert(arguments) => convert::run(arguments),
         Action::Plot(arguments) => plot::run(arguments),
+        Action::Run(arguments) => command_run::run(arguments),
     }
 }
 

@@ -119,7 +119,7 @@ impl BySwitch {
         let stands = drive.sample(&stream)?.position.first().copied().unwrap_or(0);
         #[expect(clippy::cast_precision_loss, reason = "milliseconds")]
         let looks_s = report.longest_look_ns as f64 * 1e-9;
-        println!(
+        say!(
             "{name} is home, at {stands}; the switch was at {:.1}, known to {:.1} increments",
             report.reference,
             options.uncertainty(looks_s)

@@ -3,12 +3,26 @@
 use crate::command::Failure;
 use std::io::{self, BufRead, IsTerminal, Write};
 
-/// Whether axes may move.
-#[derive(Clone, Copy, Debug, clap::Args)]
+/// Whether what is asked about may be done: axes moved, parameters written.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
 pub(in crate::command) struct Consent {
-    /// Move, or write what is restored, without asking; needed where there is no terminal to ask at
-    #[arg(long, global = true)]
+    /// Say what is going to happen and do it without asking; needed where there is no terminal to ask at
+    #[arg(long)]
     yes: bool,
+}
+
+/// The same before the action that asks, where it is as good.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(super) struct Beforehand {
+    #[arg(long = "yes", id = "yes_beforehand", hide = true)]
+    yes: bool,
+}
+
+impl Beforehand {
+    /// Whether it was given before the action or with it.
+    pub(super) fn or(self, consent: Option<Consent>) -> Consent {
+        Consent { yes: self.yes || consent.is_some_and(|consent| consent.yes) }
+    }
 }
 
 impl Consent {

@@ -1,5 +1,13 @@
 //! `twin drive`: one drive by hand, on the driver that runs use.
 
+/// A line on standard output; if that has gone (`| head`) the command ends.
+macro_rules! say {
+    ($($line:tt)*) => {{
+        use std::io::Write;
+        writeln!(std::io::stdout(), $($line)*).map_err(crate::command::Failure::Stdio)?;
+    }};
+}
+
 mod bim2ax;
 mod by_switch;
 pub(super) mod consent;

@@ -21,6 +21,9 @@ pub(super) enum OnFile {
         /// The file, text or XML
         file: PathBuf,
 
+        #[command(flatten)]
+        consent: Consent,
+
         /// Make the drive keep them when it is switched off; a SmartDRIVE's position becomes 0
         #[arg(long)]
         save: bool,
@@ -28,11 +31,19 @@ pub(super) enum OnFile {
 }
 
 impl OnFile {
+    /// Whether it was given with it.
+    pub(super) fn consent(&self) -> Option<Consent> {
+        match self {
+            Self::Backup { .. } => None,
+            Self::Restore { consent, .. } => Some(*consent),
+        }
+    }
+
     /// Does it.
     pub(super) fn carry_out(&self, drive: &mut dyn Drive, consent: Consent) -> Result<(), Failure> {
         match self {
             Self::Backup { file } => backup(drive, file),
-            Self::Restore { file, save } => restore(drive, (file, *save), consent),
+            Self::Restore { file, save, .. } => restore(drive, (file, *save), consent),
         }
     }
 }
@@ -44,7 +55,7 @@ fn backup(drive: &mut dyn Drive, path: &Path) -> Result<(), Failure> {
     let name = path.display().to_string();
     let count = write_parameters(drive, None, format, &name, &mut file)?;
     file.finish()?;
-    println!("{count} parameters of {} are in {name}", drive.describe());
+    say!("{count} parameters of {} are in {name}", drive.describe());
     Ok(())
 }
 
@@ -57,15 +68,15 @@ fn restore(
     let mut file =
         File::open(path).map_err(|source| BackupError::Read { file: name.clone(), source })?;
     let plan = plan(drive, &read(&name, &mut file)?)?;
-    println!("{plan}");
+    say!("{plan}");
     if plan.is_empty() {
         return Ok(());
     }
     consent.ask_to_write(&format!("write {} parameters of {name}", plan.changes.len()))?;
     plan.carry_out(drive, save)?;
-    println!("written, and read back");
+    say!("written, and read back");
     if plan.needs_restart() {
-        println!("some act after a restart of the drive");
+        say!("some act after a restart of the drive");
     }
     Ok(())
 }

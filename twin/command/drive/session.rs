@@ -23,6 +23,9 @@ pub(super) trait Stopping {
 
     /// To rest at once; returns when that is confirmed.
     async fn hard_stop(&mut self) -> Result<(), DriveError>;
+
+    /// Where the axes stand, in words.
+    async fn stands(&mut self) -> Result<String, DriveError>;
 }
 
 /// A runtime for the calls of one command.
@@ -68,14 +71,23 @@ impl Session {
         });
         let why = match ended {
             Some(Ok(value)) => return Ok(value),
-            Some(Err(error)) => error.to_string(),
+            Some(Err(error)) => Some(error),
             None => {
                 eprintln!("Ctrl-C: stopping");
-                "stopped by Ctrl-C".to_owned()
+                None
             }
         };
         let at_rest = self.stop(drive, pressed(&interrupt))?;
-        Err(Failure::Usage(format!("{why}; {at_rest}")))
+        // A drive that has just stopped and now says nothing is no reason to say less.
+        let stands = self.runtime.block_on(drive.stands());
+        let at_rest = match stands {
+            Ok(stands) => format!("{at_rest}, at {stands}"),
+            Err(_) => at_rest.to_owned(),
+        };
+        Err(match why {
+            Some(source) => Failure::Motion { source: Box::new(source), at_rest },
+            None => Failure::Usage(format!("stopped by Ctrl-C; {at_rest}")),
+        })
     }
 
     /// Stops on the ramps, and at once if that is not confirmed or `impatient` ends before; says which.
@@ -142,6 +154,10 @@ mod tests {
             self.told.push("hard");
             confirmed(self.confirms[1])
         }
+
+        async fn stands(&mut self) -> Result<String, DriveError> {
+            Ok("17".to_owned())
+        }
     }
 
     #[test]
@@ -157,8 +173,18 @@ mod tests {
         assert_eq!((said, told), (Ok("the axes were stopped at once"), vec!["soft", "hard"]));
         let (said, told) = stop([false, false]);
         let said = said.expect_err("nothing is confirmed");
-        assert!(said.contains("p, station 7") && said.contains("emergency stop"), "{said}");
+        assert!(said.contains("p, address 7") && said.contains("emergency stop"), "{said}");
         assert_eq!(told, ["soft", "hard"]);
+    }
+
+    #[test]
+    fn what_goes_wrong_is_told_with_where_the_axes_came_to_rest() {
+        let session = Session::start().expect("a runtime");
+        let mut drive = Drive { confirms: [true, true], told: Vec::new() };
+        let failed = session.motion(&mut drive, async |_| confirmed(false));
+        let said = failed.expect_err("it fails").to_string();
+        assert!(said.ends_with("no answer within 1 ms; the axes are at rest, at 17"), "{said}");
+        assert_eq!(drive.told, ["soft"]);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::ops::RangeInclusive;
 use std::time::Duration;
+use twin_drives::Values;
 
 /// A number in a table.
 pub(super) fn right(text: impl Display) -> comfy_table::Cell {
@@ -63,6 +64,27 @@ pub(super) fn patience(distance: f64, speed: f64, acceleration: f64) -> Duration
     Duration::try_from_secs_f64(2.0 * seconds + 5.0).unwrap_or(Duration::MAX)
 }
 
+/// Checks a value that a parameter is to have.
+///
+/// # Errors
+/// If it does not take it, with what it takes; `unit` is that of the values, or what they mean.
+pub(super) fn check_value(
+    name: &str,
+    value: i64,
+    (values, unit): (&Values, &str),
+) -> Result<(), Failure> {
+    if values.contain(value) {
+        return Ok(());
+    }
+    let unit = if unit.is_empty() { String::new() } else { format!(" ({unit})") };
+    Err(Failure::Usage(format!("{name} = {value} is impossible: it takes {values}{unit}")))
+}
+
+/// That there is no parameter of this number.
+pub(super) fn unknown_number(number: i64, numbers: &str) -> Failure {
+    Failure::Usage(format!("there is no parameter {number}: {numbers}; `get` lists all"))
+}
+
 /// That there is no such parameter, with the nearest name there is.
 pub(super) fn unknown_name<'a>(
     what: &str,
@@ -75,7 +97,7 @@ pub(super) fn unknown_name<'a>(
         known.into_iter().map(|known| (distance(known), known)).collect();
     let hint = match nearest.first_key_value() {
         Some((distance, name)) if *distance <= 4 => format!("; is `{name}` meant?"),
-        _ => String::new(),
+        _ => "; `get` lists all".to_owned(),
     };
     Failure::Usage(format!("there is no {what} `{name}`{hint}"))
 }

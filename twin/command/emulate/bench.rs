@@ -2,6 +2,7 @@
 
 use super::faults::Said;
 use super::{Common, Failure};
+use std::io::{self, Write};
 use twin_drives::Control;
 
 /// A line of words, and where it stands.
@@ -36,6 +37,24 @@ pub(super) fn set_up<E>(
         }
     }
     Ok(afterwards)
+}
+
+/// Says what words there are, or about one of them, if `--with` asks for that; true if it did.
+pub(super) fn help(
+    common: &Common,
+    obey: impl Fn(&[&str]) -> Result<(), Said>,
+) -> Result<bool, Failure> {
+    let mut helped = false;
+    for said in &common.with {
+        let words: Vec<_> = said.split_whitespace().collect();
+        if words.first() == Some(&"help")
+            && let Err(Ok(text)) = obey(&words)
+        {
+            writeln!(io::stdout(), "{text}").map_err(Failure::Stdio)?;
+            helped = true;
+        }
+    }
+    Ok(helped)
 }
 
 /// All lines in their order: files first.

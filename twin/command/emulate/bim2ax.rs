@@ -40,9 +40,12 @@ enum OrderWord {
 }
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
-    if options.common.assume.helps::<Assumptions>() {
+    if options.common.assume.helps::<Assumptions>()?
+        || bench::help(&options.common, |words| obeyed(words, Surroundings::default()).map(drop))?
+    {
         return Ok(Status::Fit);
     }
+    let link = options.common.link()?;
     let byte_order = match options.byte_order {
         OrderWord::Big => ByteOrder::Big,
         OrderWord::Little => ByteOrder::Little,
@@ -70,7 +73,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         eeprom: options.common.eeprom.clone(),
         seed: options.common.seed,
         speed: options.common.speed(),
-        ..EmulatorOptions::new(&options.common.link)
+        ..EmulatorOptions::new(link)
     };
     let clock = Clock::start();
     let mut running = EmulatedModule::start(&emulator, move || clock.now_ns())?;
@@ -87,7 +90,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
 
 /// What can be done to a module.
 #[derive(Debug, clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
+#[command(no_binary_name = true, disable_help_flag = true, override_usage = "WORD ...")]
 enum Word {
     /// A contact of an axis that is always closed (on) or open (off) from now on, or obeys the axis again
     Contact {

@@ -16,17 +16,21 @@ pub(super) struct Options {
     #[command(flatten)]
     common: Common,
 
-    /// Modbus station
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=247))]
-    station: u8,
+    /// Address of the board; Modbus calls it station
+    #[arg(long, visible_alias = "station", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=247))]
+    address: u8,
 
     /// Bits per second; the time bytes need on the wire is emulated
     #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(4800..=256_000))]
     baud: u32,
 
-    /// Parity
+    /// Parity; a pseudo-terminal does not tell that of a master
     #[arg(long, value_enum, default_value = "none")]
     parity: ParityOption,
+
+    /// Understand masters at any speed; otherwise those at another than --baud get no answer, as from a board
+    #[arg(long)]
+    any_baud: bool,
 
     /// Time the board takes to answer, ms
     #[arg(long, default_value_t = 2.0, value_name = "MS")]
@@ -45,9 +49,12 @@ enum ParityOption {
 }
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
-    if options.common.assume.helps::<Assumptions>() {
+    if options.common.assume.helps::<Assumptions>()?
+        || bench::help(&options.common, |words| obeyed(words, &Bench::default()).map(drop))?
+    {
         return Ok(Status::Fit);
     }
+    let link = options.common.link()?;
     let assumptions = options.common.assume.take()?;
     let turnaround = milliseconds("--turnaround-ms", options.turnaround_ms)?;
     let parity = match options.parity {
@@ -69,9 +76,10 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     })?;
     let emulator = EmulatorOptions {
         bench,
-        board: BoardOptions { station: options.station, line, enable, assumptions },
+        board: BoardOptions { station: options.address, line, enable, assumptions },
         wire: Wire { line, turnaround },
-        link: Some(options.common.link.clone()),
+        link: Some(link.to_owned()),
+        any_speed: options.any_baud,
         eeprom: options.common.eeprom.clone(),
         seed: options.common.seed,
         speed: options.common.speed(),
@@ -80,10 +88,10 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     let mut running = EmulatedBoard::start(&emulator, move || clock.now_ns())?;
     afterwards.into_iter().try_for_each(|what| running.control(what))?;
     eprintln!(
-        "InterpCNC, station {}, {} baud, on {} ({})",
-        options.station,
+        "InterpCNC, address {}, {} baud, on {} ({})",
+        options.address,
         options.baud,
-        options.common.link.display(),
+        link.display(),
         running.path().display()
     );
     serve(&options.common, &mut running)?;
@@ -94,7 +102,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
 
 /// What can be done to a board.
 #[derive(Debug, clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
+#[command(no_binary_name = true, disable_help_flag = true, override_usage = "WORD ...")]
 enum Word {
     /// The ENABLE input
     Enable {

@@ -10,7 +10,7 @@ mod smartdrive;
 use super::assume::Assume;
 use super::{Failure, Status, run};
 use control::{Console, Obeys};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 use twin_drives::Speed;
 
@@ -60,9 +60,10 @@ enum Device {
 /// What all of them have.
 #[derive(Debug, clap::Args)]
 struct Common {
-    /// Symbolic link to make to the pseudo-terminal; removed at the end, refused if it is in use (bim2ax: the memory file)
+    /// Symbolic link to make to the pseudo-terminal (bim2ax: the memory file), without which nothing is emulated; removed at
+    /// the end. One that is left of an emulator that has ended is replaced, one that is in use is refused
     #[arg(long, value_name = "PATH")]
-    link: PathBuf,
+    link: Option<PathBuf>,
 
     /// Unix socket to make that takes commands, a line each
     #[arg(long, value_name = "PATH")]
@@ -94,6 +95,13 @@ struct Common {
 }
 
 impl Common {
+    /// Where the device is to be.
+    fn link(&self) -> Result<&Path, Failure> {
+        let missing =
+            "--link PATH is missing: where the device is to be opened, like --link /tmp/device";
+        self.link.as_deref().ok_or_else(|| Failure::Usage(missing.to_owned()))
+    }
+
     fn speed(&self) -> Speed {
         Speed::times(self.speed)
     }

@@ -18,13 +18,17 @@ pub(super) struct Options {
     #[command(flatten)]
     common: Common,
 
-    /// Addresses of the drives on the bus, 1 to 31
-    #[arg(long, value_delimiter = ',', default_value = "1", value_parser = clap::value_parser!(u8).range(1..=31))]
+    /// Addresses of the drives on the bus, 1 to 31, elsewhere called stations
+    #[arg(long, visible_alias = "station", value_delimiter = ',', default_value = "1", value_parser = clap::value_parser!(u8).range(1..=31))]
     address: Vec<u8>,
 
     /// Time a drive takes to answer, ms; the manual allows 50
     #[arg(long, default_value_t = 2.0, value_name = "MS")]
     turnaround_ms: f64,
+
+    /// Understand masters at any speed; otherwise those at another than 115200 baud get no answer, as from a drive
+    #[arg(long)]
+    any_baud: bool,
 
     /// Commands come back before their answers, as some RS485 adapters have it
     #[arg(long)]
@@ -32,9 +36,12 @@ pub(super) struct Options {
 }
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
-    if options.common.assume.helps::<Assumptions>() {
+    if options.common.assume.helps::<Assumptions>()?
+        || bench::help(&options.common, |words| obeyed(words, &options.address).map(drop))?
+    {
         return Ok(Status::Fit);
     }
+    let link = options.common.link()?;
     let assumptions = options.common.assume.take()?;
     let response = milliseconds("--turnaround-ms", options.turnaround_ms)?;
     let devices = options.address.iter().map(|address| DeviceOptions {
@@ -63,7 +70,8 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         flash: Vec::new(),
         files: files.collect(),
         wire: Wire { response, echo: options.echo, ..Wire::default() },
-        link: Some(options.common.link.clone()),
+        link: Some(link.to_owned()),
+        any_speed: options.any_baud,
         seed: options.common.seed,
         speed: options.common.speed(),
     };
@@ -73,7 +81,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     eprintln!(
         "SmartDRIVE, addresses {:?}, on {} ({})",
         options.address,
-        options.common.link.display(),
+        link.display(),
         bus.path().display()
     );
     let mut bus = Bus { bus, addresses: options.address.clone() };
@@ -108,7 +116,7 @@ struct Bus {
 
 /// What can be done to drives, each by its address, and to their line.
 #[derive(Debug, clap::Parser)]
-#[command(no_binary_name = true, disable_help_flag = true)]
+#[command(no_binary_name = true, disable_help_flag = true, override_usage = "WORD ...")]
 enum Word {
     /// An input
     Input {

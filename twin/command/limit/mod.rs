@@ -3,7 +3,7 @@
 mod feasible;
 mod outputs;
 
-use super::options::{MachineOption, ReadOptions, plans_without_inputs, unreadable};
+use super::options::{MachineOption, ReadOptions, expect_path, plans_without_inputs, unreadable};
 use super::whole::{self, WholeFile, unwritable};
 use super::{Failure, Status, show};
 use crate::command::progress::ProgressLines;
@@ -112,6 +112,7 @@ enum Limit {
 impl Arguments {
     /// Options that say nothing here are mistakes.
     fn check_for(&self, program: &ProgramFile) -> Result<(), Failure> {
+        expect_path(program)?;
         let wrong = match self.limits {
             Limits::Axes => return plans_without_inputs(program),
             Limits::Softmotion if !self.without.is_empty() => {

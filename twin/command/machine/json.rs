@@ -1,7 +1,7 @@
 //! A machine for other programs: one object on one line.
 
 use super::{Facts, devices};
-use crate::machine::{Axis, Collision, Machine};
+use crate::machine::{Axis, Collision, CoupledBy, Coupling, Machine};
 use crate::physics::{Obstacle, ObstacleKind, Part};
 use crate::workspace::{Cut, Example, MeasureAt, Section};
 use nalgebra::Point3;
@@ -21,6 +21,7 @@ pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()
         "kinematics": dimensions,
         "axes": machine.axes.iter().map(|one| axis(machine, one)).collect::<Vec<_>>(),
         "drives": devices::drives(machine),
+        "couplings": machine.couplings.iter().map(|one| coupling(machine, one)).collect::<Vec<_>>(),
         "payload": devices::payload(machine),
         "moving_mass_kg": machine.moving_mass(),
         "links": machine.model.links.iter().map(|link| &link.name).collect::<Vec<_>>(),
@@ -42,6 +43,24 @@ pub(super) fn describe(out: &mut impl Write, facts: &Facts<'_>) -> io::Result<()
         "example": facts.example.as_ref().map(|example| worked(machine, example)),
     });
     writeln!(out, "{object}")
+}
+
+/// An axis that follows another one.
+fn coupling(machine: &Machine, coupling: &Coupling) -> Value {
+    let name = |index: usize| machine.axes.get(index).map(|axis| &axis.name);
+    let (ratio, cam) = match &coupling.by {
+        CoupledBy::Gear(numerator, denominator) => {
+            (Some([i64::from(*numerator), i64::from(*denominator)]), None)
+        }
+        CoupledBy::Cam(selection) => (None, Some(selection.table.cam.name())),
+    };
+    json!({
+        "kind": coupling.name(),
+        "axis": name(coupling.axis),
+        "master": name(coupling.master),
+        "ratio": ratio,
+        "cam": cam,
+    })
 }
 
 /// What is looked for in the way of the machine.

@@ -63,6 +63,9 @@ fn file(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
     let mass = machine.moving_mass();
     motors::write(out, machine)?;
     writeln!(out, "moving mass {mass:.2} kg in {} links", machine.model.links.len())?;
+    for coupling in &machine.couplings {
+        writeln!(out, "{}", coupling.describe(&machine.axes))?;
+    }
     in_the_way(out, machine)?;
     drives(out, machine)?;
     let [x, y, z] = machine.conditions.start.map(|value| significant(value * 1e3, 9));
@@ -141,7 +144,7 @@ fn drives(out: &mut impl Write, machine: &Machine) -> io::Result<()> {
         write!(out, "drive {}: {} on {port}", device.name, device.family_name())?;
         match &device.family {
             DriveFamily::InterpCnc(board) => {
-                write!(out, ", station {}, {} baud", board.station, board.baud)?;
+                write!(out, ", address {}, {} baud", board.station, board.baud)?;
             }
             DriveFamily::SmartDrive(bus) => {
                 write!(out, ", {} µsteps per turn", bus.turn.get())?;

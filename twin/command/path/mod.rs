@@ -10,7 +10,7 @@ mod output;
 mod setpoints;
 mod svg;
 
-use super::options::{ReadOptions, unreadable};
+use super::options::{ReadOptions, expect_path, unreadable};
 use super::{Failure, Status, show, whole};
 use crate::finding::{self, Finding};
 use crate::machine::{Machine, ProgramConditions};
@@ -176,6 +176,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         let dialect = arguments.read.dialect_of(source)?;
         arguments.read.check_for(dialect)?;
         let program = ProgramFile::new(source, dialect, settings)?;
+        expect_path(&program)?;
         (vec![(drawing::name(source), program)], Vec::new())
     };
     let dialect = programs.first().map_or("dxf", |(_, program)| program.dialect().name());

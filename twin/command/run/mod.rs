@@ -14,15 +14,17 @@ use super::options::{
 };
 use super::progress::ProgressLines;
 use super::{Failure, Status, check, following, show, whole};
+use crate::advice::advice;
 use crate::check::{CheckOptions, Outcome};
 use crate::drive_report::AxisMaximaReport;
 use crate::finding;
+use crate::hardware::HardwareError;
 use crate::limit::Limits;
 use crate::machine::{DeviceEntry, Machine};
 use crate::picture::Picture;
 use crate::program::ProgramFile;
 use crate::report::seconds;
-use crate::session::{Ending, OverrideAt, Session};
+use crate::session::{Ending, OverrideAt, Session, Stopped};
 use crate::simulated::Simulated;
 use axis_watch::AxisWatchOptions;
 pub(super) use interrupt::Interrupt;
@@ -197,6 +199,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     summary(&mut out, &machine, &done).map_err(Failure::Stdio)?;
     if let Some(reason) = &reason {
         eprintln!("{reason}");
+    }
+    if let Some(Stopped::Drives { source: HardwareError::Drive(error), .. }) = &done.ending.stopped
+        && let Some(advice) = advice(error)
+    {
+        eprintln!("help: {advice}");
     }
     tell_not_stopped(&done.ending.not_stopped);
     for output in &done.ending.left_on {

@@ -6,7 +6,7 @@ use crate::check::Outcome;
 use crate::command::drive::consent::Consent;
 use crate::command::{Failure, show};
 use crate::emulated::Emulator;
-use crate::hardware::{Attached, Hardware};
+use crate::hardware::{Attached, Guarded, Hardware};
 use crate::machine::{Axis, Machine};
 use crate::real;
 use crate::startup::{self, Check, Homed, Looked, Needs, way_in_all};
@@ -121,7 +121,7 @@ pub(super) fn real(
                 looked
             }
             Err(error) => {
-                let check = Check { passed: false, told: error.to_string() };
+                let check = Check::failed(error.to_string(), error.advice());
                 Looked { checks: vec![check], position: None }
             }
         };
@@ -252,7 +252,8 @@ pub(super) fn connect(
         eprintln!("emulated {described} on {place}: {count} start-up checks passed");
     }
     let (emulators, drives) = connected.into_iter().unzip();
-    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?;
+    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?
+        .guarded(machine, Guarded::Emulated);
     Ok((approach(hardware, interrupt)?, emulators))
 }
 
@@ -265,7 +266,8 @@ pub(super) fn start_real(
 ) -> Result<Hardware, Failure> {
     ask_for_priority();
     let drives = ready.home(machine, interrupt)?;
-    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?;
+    let hardware = Hardware::start(machine, drives, start, machine.cycle_ns, APPROACH)?
+        .guarded(machine, Guarded::Real);
     approach(hardware, interrupt)
 }
 

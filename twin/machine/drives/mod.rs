@@ -22,6 +22,8 @@ pub struct DeviceEntry {
     pub firmware: Option<String>,
     /// Longest time an answer of the real device may take, ms, where it is not the family's usual.
     pub answer_ms: Option<u32>,
+    /// How long it may keep silent while its axes are to move before the run is stopped, ms, where that is said.
+    pub silence_ms: Option<u32>,
     /// Time the real device takes to answer, adapter and cable included, µs, where that is known: what is said beforehand of
     /// a run with real drives reckons with it.
     pub turnaround_us: Option<u32>,
@@ -145,6 +147,15 @@ impl DeviceEntry {
         }
     }
 
+    /// Where the real device is, which no other can be: its port, and the offset in it of a module that is mapped.
+    pub(super) fn place(&self) -> Option<(&str, Option<u64>)> {
+        let offset = match &self.family {
+            DriveFamily::Bim2Ax(entry) => entry.map_offset,
+            DriveFamily::InterpCnc(_) | DriveFamily::SmartDrive(_) => None,
+        };
+        Some((self.port.as_deref()?, offset))
+    }
+
     /// What an axis of the device is called.
     pub fn axis_name(&self, index: usize) -> String {
         match self.family {
@@ -174,6 +185,8 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
     let turnaround_us = section.number("turnaround_ms", 0.0..=1000.0).map(whole_microseconds);
     let answer_ms = section.integer("answer_deadline_ms", 1..=60_000);
     let answer_ms = answer_ms.and_then(|time_ms| u32::try_from(time_ms).ok());
+    let silence_ms = section.integer("longest_silence_ms", 20..=60_000);
+    let silence_ms = silence_ms.and_then(|time_ms| u32::try_from(time_ms).ok());
     let in_loop = section.flag("in_loop").unwrap_or(false);
     let Some(kind) = kind else {
         // What other keys there are is not known.
@@ -186,7 +199,16 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
         Kind::Bim2Ax => bim2ax::read(section).map(DriveFamily::Bim2Ax),
     };
     let (name, family) = (name?.to_owned(), family?);
-    Some(DeviceEntry { name, port, firmware, answer_ms, turnaround_us, in_loop, family })
+    Some(DeviceEntry {
+        name,
+        port,
+        firmware,
+        answer_ms,
+        silence_ms,
+        turnaround_us,
+        in_loop,
+        family,
+    })
 }
 
 /// What `[drives.assumptions]` says, over what is assumed of any device of the family.

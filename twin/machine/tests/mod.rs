@@ -3,6 +3,7 @@
 #![expect(clippy::float_cmp, reason = "given in the file, rounded before, or to be exact")]
 
 mod belts;
+mod couplings;
 mod drives;
 mod faults;
 mod kinds;
@@ -173,6 +174,26 @@ fn real_devices_are_reckoned_with_by_their_own_time() {
     assert_eq!(board(&machine).following, buffered);
     assert!(machine.drives[0].expect_real());
     assert_eq!(board(&machine).turnaround_us, 18_500);
+}
+
+/// Each device has a port to itself, but for modules that are mapped from one.
+#[test]
+fn no_two_devices_are_on_one_port() {
+    let with = |port: &str, more: &str| {
+        let board = "[[drives]]\nname = \"board\"\nkind = \"interpcnc\"\nport = \"/dev/ttyUSB0\"";
+        assert!(GANTRY3.contains(board));
+        let other =
+            format!("[[drives]]\nname = \"other\"\nkind = \"bim2ax\"\nport = \"{port}\"\n{more}\n");
+        Machine::parse(
+            Path::new("machine.toml"),
+            &GANTRY3.replace(board, &format!("{other}\n{board}")),
+        )
+    };
+    assert!(with("/dev/uio0", "").is_ok());
+    assert!(with("/dev/ttyUSB0", "map_offset = 4096").is_ok());
+    let problems = with("/dev/ttyUSB0", "").unwrap_err();
+    let told = "drive \"other\" is on this port already";
+    assert!(problems.iter().any(|one| one.message.contains(told)), "{problems:#?}");
 }
 
 /// What a manual leaves open is a question of the device at hand: the machine file may answer it.

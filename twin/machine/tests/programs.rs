@@ -3,15 +3,32 @@
 use super::{Machine, SHORT, load, near, problems};
 use twin_kinematics::{AxisVector, Kinematics};
 
-#[test]
-fn additional_axes_stand_beside_the_transform() {
-    let turntable = "[[axes]]\nname = \"C\"\nrole = \"P\"\nkind = \"rotary\"\nposition_min_deg = -3600\nposition_max_deg = 3600\nmax_velocity_deg_per_s = 360\nmax_acceleration_deg_per_s2 = 3600\n";
+/// A turntable beside the transform.
+const TURNTABLE: &str = "[[axes]]\nname = \"C\"\nrole = \"P\"\nkind = \"rotary\"\nposition_min_deg = -3600\nposition_max_deg = 3600\nmax_velocity_deg_per_s = 360\nmax_acceleration_deg_per_s2 = 3600\n";
+
+/// The short machine without its drive.
+fn without_drive() -> String {
     let lines: Vec<_> = SHORT.lines().filter(|line| !line.starts_with("drive")).collect();
-    let text = lines.join("\n") + "\n";
-    let text: String = text
+    (lines.join("\n") + "\n")
         .replace("[[drives]]\nname = \"board\"\nkind = \"interpcnc\"\n", "")
         .replace("increments = 3200\nper_mm = 10\n", "")
-        .replace("increments = 3200\nper_mm = 5\n", "");
+        .replace("increments = 3200\nper_mm = 5\n", "")
+}
+
+/// An additional axis starts where the file says, in its own unit, and not in the middle of its limits.
+#[test]
+fn additional_axes_start_where_the_file_says() {
+    let turntable = TURNTABLE.replace("max_deg = 3600", "max_deg = 90");
+    let text = format!("{}{turntable}", without_drive());
+    assert_eq!(load(&text).start_axes().unwrap().get(3), Some(&0.0));
+    let started = load(&format!("{text}[program]\nstart_additional = [-90, 1, 2, 3, 4]\n"));
+    near(started.start_axes().unwrap()[3], -std::f64::consts::FRAC_PI_2);
+}
+
+#[test]
+fn additional_axes_stand_beside_the_transform() {
+    let text = without_drive();
+    let turntable = TURNTABLE;
     let machine = load(&format!("{text}{turntable}"));
     assert_eq!(machine.axes.len(), 4);
     let axes = AxisVector::from_values([0.1, 0.2, 0.05, 3.0]);

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::smartdrive::{
-    AccCurrent, BadFrame, BothBits, HomePosition, IoUpdate, LimitStop, SetEffect, StepFrom,
-    ZeroRate,
+    AccCurrent, AnswerLength, BadFrame, BothBits, HomePosition, IoUpdate, LimitStop, SetEffect,
+    StepFrom, ZeroRate,
 };
 
 fn assuming(change: impl FnOnce(&mut Assumptions)) -> Device {
@@ -43,6 +43,26 @@ fn frames_that_are_spoilt_may_be_refused() {
         let mut other = encode(address, &Command::Ping);
         other[6] ^= 1;
         assert_eq!(device.handle(&other), None);
+    }
+}
+
+/// RR: nine bytes in any case, or 5 and as many as the command has data.
+#[test]
+fn answers_may_have_as_many_data_as_commands() {
+    let far = Command::GoTo { target: 3200, profile: Some((300, 1000)) };
+    for (answer_length, lengths) in
+        [(AnswerLength::Four, [9, 9]), (AnswerLength::AsCommand, [9, 13])]
+    {
+        let mut device = assuming(|assumed| assumed.answer_length = answer_length);
+        let frames = [encode(1, &Command::Ping), encode(1, &far)];
+        for (frame, length) in frames.iter().zip(lengths) {
+            let answer = device.handle(frame).unwrap();
+            assert_eq!(answer.len(), length, "{answer_length:?}");
+            assert_eq!(frame::check_sum(&answer), 0);
+            // STA as ever: mode 3 of address 1, and nothing between the position and TAG.
+            assert_eq!((answer[1] & 0x1F, answer[0] & 0xBE), (1, 0x86), "{answer:02X?}");
+            assert!(answer[6..length - 3].iter().all(|byte| *byte == 0), "{answer:02X?}");
+        }
     }
 }
 

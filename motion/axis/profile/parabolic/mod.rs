@@ -28,9 +28,10 @@ mod ease;
 mod ramp;
 
 use super::AxisLimits;
+use super::rates::Rates;
 use super::segment::Track;
 use ease::Ease;
-use ramp::{Rates, Up};
+use ramp::Up;
 
 /// Steps of a search. Halving the bracket alone gets to the last bit of a number that is not extremely small.
 const MOST_STEPS: u32 = 80;

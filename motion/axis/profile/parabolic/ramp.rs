@@ -10,7 +10,7 @@
 //! acceleration may be the smaller of them only. What would be more there is two such humps, which meet at velocity 0
 //! with this acceleration. Downwards all is the mirror image.
 
-use crate::axis::profile::AxisLimits;
+use crate::axis::profile::rates::Rates;
 use crate::axis::profile::segment::Track;
 
 /// The acceleration goes from one value up to a peak and down to another one.
@@ -61,31 +61,7 @@ impl Up {
     }
 }
 
-/// Limits, and what is reckoned from them once for all ramps.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Rates {
-    /// Largest velocity, u/s, growth and fall of the speed, u/s².
-    pub(super) velocity: f64,
-    pub(super) acceleration: f64,
-    pub(super) deceleration: f64,
-    /// Largest jerk, u/s³, and its reciprocal.
-    pub(super) jerk: f64,
-    pub(super) inverse: f64,
-}
-
-impl From<&AxisLimits> for Rates {
-    fn from(limits: &AxisLimits) -> Self {
-        let AxisLimits { velocity, acceleration, deceleration, jerk } = *limits;
-        Self { velocity, acceleration, deceleration, jerk, inverse: jerk.recip() }
-    }
-}
-
 impl Rates {
-    /// Velocity at which the acceleration gets 0 if it is taken back from now on with the largest jerk, u/s.
-    pub(super) fn settled(&self, velocity: f64, acceleration: f64) -> f64 {
-        velocity + 0.5 * acceleration * acceleration.abs() * self.inverse
-    }
-
     /// The ramp from a velocity and an acceleration up to a velocity.
     pub(super) fn up(&self, velocity: f64, acceleration: f64, to: f64) -> Up {
         let (half, up, down) = (0.5 * self.inverse, self.acceleration, self.deceleration);

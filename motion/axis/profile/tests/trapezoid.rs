@@ -39,6 +39,18 @@ fn past_the_target_and_back() {
     assert_eq!(profile.at(9.0), State::resting(10.0));
 }
 
+/// The numbers of `axis-direction`: from 100 u/s to 340 of 360 u, on or back, all limits 100.
+#[test]
+fn both_ways_round() {
+    let limits = limits(100.0, 100.0, 100.0);
+    let on = plan(moving(0.0, 100.0), 340.0, 0.0, limits);
+    // 290 u at 100 u/s, 50 u to brake.
+    assert!(close(on.duration(), 2.9 + 1.0));
+    let back = plan(moving(0.0, 100.0), 340.0 - 360.0, 0.0, limits);
+    // 50 u to brake, and 70 u back.
+    assert!(close(back.duration(), 1.0 + 2.0 * 0.7_f64.sqrt()));
+}
+
 #[test]
 fn the_end_velocity_has_a_direction() {
     // To 10 with −20 u/s: past it by 2 u, to rest, and back through it.
@@ -83,6 +95,40 @@ fn to_a_velocity_and_to_rest() {
     assert_eq!(halt.at(10.0), State::resting(-20.0));
 }
 
+/// Back from 19.7 u/s to a limit of 1 u/s with 1 u/s², and back all the way: half a minute of braking and minutes of
+/// creeping before the last turn, which 86 u/s² do in a hundredth of a second.
+#[test]
+fn a_slow_way_ends_with_a_sharp_turn() {
+    let (v0, limits) = (19.725_996_891_344_263, limits(1.0, 86.036, 1.0));
+    for (target, end_velocity) in [(-71.627, 0.694_867), (1.5, 1.0), (90.0, -1.0), (0.0, 0.0)] {
+        let profile = plan(moving(1.5, v0), target, end_velocity, limits);
+        ends_at(&profile, target, end_velocity).unwrap();
+        // To rest; the other way up to the limit and along; and where it turns again, to rest and up to the end.
+        let (far, up) = (1.5 + 0.5 * v0 * v0, 1.0 / 86.036);
+        let along = far - target - 0.5 * up;
+        let rest = if end_velocity < 0.0 {
+            along
+        } else {
+            along + 0.5 * end_velocity * end_velocity * up - 0.5 + 1.0 + end_velocity * up
+        };
+        let time = v0 + up + rest;
+        assert!((profile.duration() - time).abs() < 1e-9 * time, "{} {time}", profile.duration());
+    }
+}
+
+/// Just before its end a profile is what the last constant acceleration leads from to the end.
+fn ends_at(profile: &Profile, target: f64, end_velocity: f64) -> Result<(), String> {
+    let time = profile.duration() * (1.0 - 1e-12);
+    let (last, left) = (profile.at(time), profile.duration() - time);
+    let velocity = last.velocity + last.acceleration * left;
+    let position = last.position + 0.5 * (last.velocity + velocity) * left;
+    if (position - target).abs() < 1e-9 && (velocity - end_velocity).abs() < 1e-9 {
+        Ok(())
+    } else {
+        Err(format!("{last:?} {left} s before {target} with {end_velocity}"))
+    }
+}
+
 prop_compose! {
     fn cases()(
         v0 in -30.0..30.0_f64, v1 in -1.0..1.0_f64, way in -100.0..100.0_f64, most in 1.0..40.0_f64,
@@ -119,9 +165,7 @@ proptest! {
     fn limits_ends_and_continuity((from, target, end_velocity, limits) in cases()) {
         let profile = plan(from, target, end_velocity, limits);
         prop_assert!(close(profile.at(0.0).velocity, from.velocity));
-        let last = profile.at(profile.duration() * (1.0 - 1e-12));
-        prop_assert!((last.position - target).abs() < 1e-8, "{last:?}");
-        prop_assert!((last.velocity - end_velocity).abs() < 1e-8, "{last:?}");
+        ends_at(&profile, target, end_velocity).map_err(TestCaseError::fail)?;
         let mut before: Option<(f64, State)> = None;
         let mut within = from.velocity.abs() <= limits.velocity;
         for (time, state) in sampled(&profile, 500) {

@@ -6,13 +6,13 @@ mod parameters;
 mod show;
 
 use super::by_switch::BySwitch;
-use super::consent::Consent;
+use super::consent::{Beforehand, Consent};
 use super::on_file::OnFile;
 use super::session::{Session, no_clock};
 use super::words;
 use crate::command::assume::Assume;
 use crate::command::{Failure, Status};
-use crate::real::{ModuleMemory, module_memory};
+use crate::real::{ModuleMemory, module_beside, module_memory};
 use module::{Module, of};
 use motion::{home, standing, travel, unlock};
 use parameters::{get, set};
@@ -53,7 +53,7 @@ pub(super) struct Arguments {
     deadline: Duration,
 
     #[command(flatten)]
-    consent: Consent,
+    consent: Beforehand,
 
     #[command(flatten)]
     assume: Assume,
@@ -86,6 +86,9 @@ enum Action {
 
         #[command(flatten)]
         by_switch: BySwitch,
+
+        #[command(flatten)]
+        consent: Consent,
     },
     #[command(flatten)]
     OnFile(OnFile),
@@ -101,6 +104,9 @@ enum Action {
 
         #[command(flatten)]
         speed: Speed,
+
+        #[command(flatten)]
+        consent: Consent,
     },
     /// Move one axis to a position, µsteps (asks first)
     Move {
@@ -114,6 +120,9 @@ enum Action {
 
         #[command(flatten)]
         speed: Speed,
+
+        #[command(flatten)]
+        consent: Consent,
     },
     /// Bring both axes to rest on their ramps
     Stop {
@@ -171,7 +180,18 @@ fn offset(text: &str) -> Result<u64, String> {
 }
 
 impl Arguments {
-    /// The module's name and memory, and how it is spoken to.
+    /// Whether what the action asks about may be done.
+    fn consent(&self) -> Consent {
+        self.consent.or(match &self.action {
+            Action::Home { consent, .. }
+            | Action::Jog { consent, .. }
+            | Action::Move { consent, .. } => Some(*consent),
+            Action::OnFile(on_file) => on_file.consent(),
+            _ => None,
+        })
+    }
+
+    /// The module's name and memory, and how it is spoken to. Only a stop goes to a module that has another master.
     fn memory(&self) -> Result<(Arc<str>, ModuleMemory, Bim2AxOptions), Failure> {
         let port: Arc<str> = self.port.display().to_string().into();
         let byte_order = if self.little_endian { ByteOrder::Little } else { ByteOrder::Big };
@@ -181,7 +201,9 @@ impl Arguments {
             assumptions: self.assume.take()?,
             ..Default::default()
         };
-        let memory = module_memory(&self.port, self.map).map_err(|source| {
+        let stops = matches!(self.action, Action::Stop { .. });
+        let memory = if stops { module_beside } else { module_memory };
+        let memory = memory(&self.port, self.map).map_err(|source| {
             let at = Exchange { port: Arc::clone(&port), station: 0, action: Doing::Open };
             Failure::Drive(DriveError::Transport { at, source })
         })?;
@@ -198,11 +220,11 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.assume.helps::<Assumptions>() {
+    if arguments.assume.helps::<Assumptions>()? {
         return Ok(Status::Fit);
     }
     let session = Session::start()?;
-    let consent = arguments.consent;
+    let consent = arguments.consent();
     match &arguments.action {
         Action::OnFile(on_file) => {
             on_file.carry_out(&mut arguments.drive(&ModuleAxis::ALL)?, consent)?;
@@ -218,7 +240,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             return Ok(Status::Fit);
         }
         Action::Save => {
-            println!("a BIM2AX keeps parameters in its EEPROM when they are set: nothing to do");
+            say!("a BIM2AX keeps parameters in its EEPROM when they are set: nothing to do");
             return Ok(Status::Fit);
         }
         Action::Outputs { .. } => {
@@ -234,22 +256,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     }
     let identity = session.ask(module.driver.identify(&no_clock))?;
     match &arguments.action {
-        Action::Scan => scan(&identity),
+        Action::Scan => scan(&identity)?,
         Action::Status => {
             let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
-            status(&seen);
+            status(&seen)?;
         }
         Action::Unlock { axes } => unlock(&session, &mut module, axes)?,
         Action::Home { axes, timeout, .. } => {
             home(&session, &mut module, consent, axes, Duration::from_secs(*timeout))?;
         }
-        Action::Jog { axis, distance, speed } => {
+        Action::Jog { axis, distance, speed, .. } => {
             let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
             let (from, _) = of(&seen, *axis);
             let target = from.saturating_add(*distance);
             travel(&session, &mut module, consent, *axis, target, speed.speed)?;
         }
-        Action::Move { axis, position, speed } => {
+        Action::Move { axis, position, speed, .. } => {
             travel(&session, &mut module, consent, *axis, *position, speed.speed)?;
         }
         Action::Stop { .. } | Action::Save | Action::Outputs { .. } | Action::OnFile(_) => {}
@@ -258,7 +280,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         Action::Reset => {
             standing(&session, &mut module, "reset")?;
             session.ask(module.driver.reset())?;
-            println!("running again; both axes have to be homed");
+            say!("running again; both axes have to be homed");
         }
         Action::Inputs => inputs(&session, &mut module)?,
     }
@@ -266,11 +288,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 }
 
 fn stop(session: &Session, module: &mut Module, now: bool) -> Result<(), Failure> {
-    if session.ask(module.stop(now))? {
+    if session.ask(module.stop_for_good(now))? {
         eprintln!("the module writes its numbers in the other byte order: see --little-endian");
     }
     let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
     let [one, two] = seen.positions;
-    println!("at rest at {one}, {two}");
+    say!("at rest at {one}, {two}");
     Ok(())
 }

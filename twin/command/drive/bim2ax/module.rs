@@ -4,9 +4,12 @@ use super::super::session::{BRAKING, Stopping, no_clock};
 use super::Arguments;
 use crate::command::Failure;
 use std::sync::Arc;
-use twin_drives::DriveError;
+use std::time::Duration;
+use tokio::time::{sleep, timeout};
+use twin_drives::bim2ax::bits::message;
 use twin_drives::bim2ax::zone::Positions;
 use twin_drives::bim2ax::{Bim2Ax, ModuleAxis};
+use twin_drives::{Action, Axes, DriveError, Exchange};
 
 /// Position and messages of an axis.
 pub(super) fn of(seen: &Positions, axis: ModuleAxis) -> (i32, u16) {
@@ -19,13 +22,57 @@ pub(super) fn of(seen: &Positions, axis: ModuleAxis) -> (i32, u16) {
 pub(super) struct Module {
     pub(super) driver: Bim2Ax,
     pub(super) port: Arc<str>,
+    /// Another program is its master.
+    beside: bool,
 }
+
+/// How long a module that another program drives has to stand until that has noticed that it was stopped: longer than a leg
+/// of a plan takes, which ends within the plan's horizon.
+const STANDING: Duration = Duration::from_secs(1);
+/// Time between two looks at it.
+const LOOK: Duration = Duration::from_millis(5);
+/// It is stopped at most so many times.
+const MOST_STOPS: u32 = 20;
 
 impl Module {
     pub(super) fn open(arguments: &Arguments) -> Result<Self, Failure> {
         let (port, memory, options) = arguments.memory()?;
+        let beside = memory.is_beside();
         let driver = Bim2Ax::new(&port, memory, &options);
-        Ok(Self { driver, port })
+        Ok(Self { driver, port, beside })
+    }
+
+    /// Stops both axes for good: a program that is the master of the module may give it another order before it notices.
+    /// True if the module writes its numbers otherwise than it was thought to.
+    pub(super) async fn stop_for_good(&mut self, hard: bool) -> Result<bool, DriveError> {
+        let mut stopped = self.stop(hard).await;
+        if !self.beside {
+            return stopped;
+        }
+        for _ in 1..MOST_STOPS {
+            if stopped.is_ok() && self.stands().await {
+                return stopped;
+            }
+            stopped = self.stop(hard).await;
+        }
+        stopped.and_then(|_| {
+            let at =
+                Exchange { port: Arc::clone(&self.port), station: 0, action: Action::ReadState };
+            Err(DriveError::Moving { at, axes: Axes::Numbers(0b11) })
+        })
+    }
+
+    /// Whether both axes stand for as long as the master may take to notice. The two ask at the same time, and each may miss
+    /// what the module answers to it: not known is not standing.
+    async fn stands(&mut self) -> bool {
+        let moves = async {
+            while let Ok((seen, _)) = self.driver.positions(&no_clock).await
+                && seen.messages.iter().all(|messages| messages & message::MOVING == 0)
+            {
+                sleep(LOOK).await;
+            }
+        };
+        timeout(STANDING, moves).await.is_err()
     }
 
     /// Stops both axes: whatever else is wrong with the module, the order goes out first.
@@ -33,7 +80,7 @@ impl Module {
     /// Read in the other byte order, that to brake says nothing, but that for a hard stop would begin homing: so the first
     /// stop is on the ramps, and a hard one comes after the module has told how it writes its numbers. True if that is
     /// otherwise than it was thought to be.
-    pub(super) async fn stop(&mut self, hard: bool) -> Result<bool, DriveError> {
+    async fn stop(&mut self, hard: bool) -> Result<bool, DriveError> {
         let braked = self.driver.abandon(&no_clock).await;
         let other = self.driver.adopt_byte_order(&no_clock).await?;
         if other {
@@ -58,5 +105,11 @@ impl Stopping for Module {
     async fn hard_stop(&mut self) -> Result<(), DriveError> {
         self.driver.stop_hard(&no_clock).await?;
         self.driver.rested(BRAKING, &no_clock).await.map(|_| ())
+    }
+
+    async fn stands(&mut self) -> Result<String, DriveError> {
+        let (seen, _) = self.driver.positions(&no_clock).await?;
+        let [one, two] = seen.positions;
+        Ok(format!("1: {one}, 2: {two}"))
     }
 }

@@ -17,7 +17,7 @@ pub(super) fn unlock(
 ) -> Result<(), Failure> {
     standing(session, module, "unlock")?;
     session.ask(module.driver.energise(axes, &no_clock))?;
-    println!("motors have current");
+    say!("motors have current");
     Ok(())
 }
 
@@ -64,12 +64,13 @@ pub(super) fn home(
             axis.number()
         ));
     }
-    consent.ask(&format!("home {}", said.join("; ")))?;
+    let longest = patience.as_secs();
+    consent.ask(&format!("home {}, for {longest} s at most", said.join("; ")))?;
     let seen = session.motion(module, async |module| {
         module.driver.home_to_end(axes, patience, &no_clock).await
     })?;
     for axis in axes {
-        println!("axis {} is home, at {}", axis.number(), of(&seen, *axis).0);
+        say!("axis {} is home, at {}", axis.number(), of(&seen, *axis).0);
     }
     Ok(())
 }
@@ -96,6 +97,6 @@ pub(super) fn travel(
     session.motion(module, async |module| {
         module.driver.travel(axis, (target, speed), patience, &no_clock).await
     })?;
-    println!("axis {number} stands at {target}");
+    say!("axis {number} stands at {target}");
     Ok(())
 }

@@ -2,6 +2,7 @@
 
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, right};
+use crate::by_hand::module_parameter as name;
 use crate::command::{Failure, show};
 use twin_drives::bim2ax::parameter::{AxisParameter, Parameter, Range};
 use twin_drives::bim2ax::{Bim2Ax, DriveMode, ModuleAxis};
@@ -11,33 +12,11 @@ fn all() -> impl Iterator<Item = Parameter> {
     (0..=0x63).filter_map(Parameter::from_number)
 }
 
-/// Name on the command line: that of the manual in lower case, without blanks, with the axis at its end.
-fn name(parameter: Parameter) -> String {
-    let words: Vec<&str> = parameter.name().split(' ').map(sign).collect();
-    let name = words.join("-").to_lowercase();
-    match parameter {
-        Parameter::Axis(AxisParameter::Reference(place), axis) => {
-            format!("{name}-{place}-{}", axis.number())
-        }
-        Parameter::Axis(_, axis) => format!("{name}-{}", axis.number()),
-        _ => name,
-    }
-}
-
-/// Signs in words, lest they look like options.
-fn sign(word: &str) -> &str {
-    match word {
-        "+" => "plus",
-        "-" => "minus",
-        other => other,
-    }
-}
-
 fn find(text: &str) -> Result<Parameter, Failure> {
     if let Some(number) = words::integer(text) {
         let parameter = u16::try_from(number).ok().and_then(Parameter::from_number);
         return parameter.ok_or_else(|| {
-            Failure::Usage(format!("there is no parameter {number}; `get` lists all"))
+            words::unknown_number(number, "they are 0 to 65, 98 and 99 ($0 to $41, $62, $63)")
         });
     }
     let named = |parameter: &Parameter| name(*parameter).eq_ignore_ascii_case(text);
@@ -117,7 +96,7 @@ pub(super) fn get(
             unit(parameter, per_step).into(),
         ]);
     }
-    println!("{table}");
+    say!("{table}");
     Ok(())
 }
 
@@ -128,13 +107,22 @@ pub(super) fn set(
     value: i64,
 ) -> Result<(), Failure> {
     let parameter = find(wanted)?;
+    let rating = session.ask(module.parameter(Parameter::Rating, &no_clock))?;
+    let per_step = per_step(session, module)?;
+    let named = format!("{} (${:02X})", name(parameter), parameter.number().unwrap_or_default());
+    if parameter.range() == Range::ReadOnly {
+        return Err(Failure::Usage(format!(
+            "{named} is read-only: this parameter cannot be written"
+        )));
+    }
+    let values = parameter.range().values(rating.into());
+    words::check_value(&named, value, (&values, unit(parameter, per_step)))?;
     let bits = u32::try_from(value).ok();
     let bits = bits.or_else(|| i32::try_from(value).ok().map(i32::cast_unsigned));
     let bits = bits.ok_or_else(|| Failure::Usage(format!("{value} has more than 32 bits")))?;
     let old = session.ask(module.parameter(parameter, &no_clock))?;
     session.ask(module.set_parameter(parameter, bits, &no_clock))?;
-    let per_step = per_step(session, module)?;
-    println!(
+    say!(
         "{}: {} -> {} {}",
         name(parameter),
         shown(parameter, old),
@@ -142,7 +130,7 @@ pub(super) fn set(
         unit(parameter, per_step)
     );
     if parameter.needs_reset() {
-        println!("it acts after `reset`");
+        say!("it acts after `reset`");
     }
     Ok(())
 }

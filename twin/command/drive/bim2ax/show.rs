@@ -3,12 +3,13 @@
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, on_off};
 use super::module::{Module, of};
+use crate::advice;
 use crate::command::{Failure, show};
 use twin_drives::bim2ax::bits::{card, encoder_message, message};
 use twin_drives::bim2ax::zone::Positions;
 use twin_drives::bim2ax::{Identity, ModuleAxis, describe_messages};
 
-pub(super) fn scan(identity: &Identity) {
+pub(super) fn scan(identity: &Identity) -> Result<(), Failure> {
     let axes = [(card::AXIS_1, "1"), (card::AXIS_2, "2")];
     let declared = axes.into_iter().filter(|(bit, _)| identity.card_messages & bit != 0);
     let declared: Vec<_> = declared.map(|(_, axis)| axis).collect();
@@ -24,10 +25,11 @@ pub(super) fn scan(identity: &Identity) {
         rating,
         declared.join(", "),
     ]);
-    println!("{table}");
+    say!("{table}");
+    Ok(())
 }
 
-pub(super) fn status(seen: &Positions) {
+pub(super) fn status(seen: &Positions) -> Result<(), Failure> {
     let mut table = show::table();
     table.set_header(["axis", "position, µsteps", "state"]);
     for axis in ModuleAxis::ALL {
@@ -41,7 +43,16 @@ pub(super) fn status(seen: &Positions) {
         let number = axis.number().to_string();
         table.add_row([number.into(), words::right(position), said.into()]);
     }
-    println!("{table}");
+    say!("{table}");
+    for axis in ModuleAxis::ALL {
+        let (_, messages) = of(seen, axis);
+        if messages & message::MOVING == 0
+            && let Some(next) = advice::of_axis(messages)
+        {
+            say!("next for axis {}: {next}", axis.number());
+        }
+    }
+    Ok(())
 }
 
 pub(super) fn inputs(session: &Session, module: &mut Module) -> Result<(), Failure> {
@@ -54,7 +65,7 @@ pub(super) fn inputs(session: &Session, module: &mut Module) -> Result<(), Failu
         let [plus, minus, cam] = bits.map(|bit| on_off(messages & bit != 0).to_owned());
         table.add_row([axis.number().to_string(), plus, minus, cam]);
     }
-    println!("{table}");
+    say!("{table}");
     encoders(session, module)
 }
 
@@ -89,7 +100,7 @@ fn encoders(session: &Session, module: &mut Module) -> Result<(), Failure> {
         any = true;
     }
     if any {
-        println!("{table}");
+        say!("{table}");
     }
     Ok(())
 }

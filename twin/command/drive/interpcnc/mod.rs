@@ -5,7 +5,7 @@ mod parameters;
 mod show;
 
 use super::by_switch::BySwitch;
-use super::consent::Consent;
+use super::consent::{Beforehand, Consent};
 use super::on_file::OnFile;
 use super::session::{BRAKING, Session, no_clock};
 use super::words;
@@ -34,9 +34,9 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "PATH")]
     port: String,
 
-    /// Modbus station
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=247))]
-    station: u8,
+    /// Address of the board on its line; Modbus calls it station
+    #[arg(long, visible_alias = "station", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=247))]
+    address: u8,
 
     /// Bits per second
     #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(4800..=256_000))]
@@ -55,7 +55,7 @@ pub(super) struct Arguments {
     deadline: Duration,
 
     #[command(flatten)]
-    consent: Consent,
+    consent: Beforehand,
 
     #[command(flatten)]
     assume: Assume,
@@ -73,11 +73,11 @@ enum ParityOption {
 
 #[derive(Debug, clap::Subcommand)]
 enum Action {
-    /// Ask which stations answer; changes nothing
+    /// Ask which addresses (stations) answer; changes nothing
     Scan {
-        /// Stations to ask, FIRST-LAST within 1-247; each that is not there takes two deadlines and more
-        #[arg(long, default_value = "1-16", value_parser = stations)]
-        stations: RangeInclusive<u8>,
+        /// Addresses to ask, FIRST-LAST within 1-247; each that is not there takes two deadlines and more
+        #[arg(long, visible_alias = "stations", default_value = "1-16", value_parser = addresses)]
+        addresses: RangeInclusive<u8>,
     },
     /// Show lock, positions and errors; changes nothing
     Status,
@@ -95,6 +95,9 @@ enum Action {
 
         #[command(flatten)]
         by_switch: BySwitch,
+
+        #[command(flatten)]
+        consent: Consent,
     },
     #[command(flatten)]
     OnFile(OnFile),
@@ -110,6 +113,9 @@ enum Action {
 
         #[command(flatten)]
         ramps: Ramps,
+
+        #[command(flatten)]
+        consent: Consent,
     },
     /// Move one axis to a position, steps (asks first)
     Move {
@@ -123,6 +129,9 @@ enum Action {
 
         #[command(flatten)]
         ramps: Ramps,
+
+        #[command(flatten)]
+        consent: Consent,
     },
     /// Bring all axes to rest on their ramps (command 42)
     Stop {
@@ -181,15 +190,26 @@ fn axis(text: &str) -> Result<BoardAxis, String> {
     BoardAxis::ALL.into_iter().find(named).ok_or_else(|| "the axes are X, Y, Z, A, B".to_owned())
 }
 
-fn stations(text: &str) -> Result<RangeInclusive<u8>, String> {
+fn addresses(text: &str) -> Result<RangeInclusive<u8>, String> {
     words::stations(text, 1..=247)
 }
 
 impl Arguments {
+    /// Whether what the action asks about may be done.
+    fn consent(&self) -> Consent {
+        self.consent.or(match &self.action {
+            Action::Home { consent, .. }
+            | Action::Jog { consent, .. }
+            | Action::Move { consent, .. } => Some(*consent),
+            Action::OnFile(on_file) => on_file.consent(),
+            _ => None,
+        })
+    }
+
     /// The board as runs drive it, of which these axes are in use.
     fn drive(&self, axes: &[BoardAxis]) -> Result<InterpCncDrive, Failure> {
         let axes = axes.iter().copied().map(AxisOptions::new).collect();
-        let options = InterpCncOptions { axes, ..self.options(self.station)? };
+        let options = InterpCncOptions { axes, ..self.options(self.address)? };
         Ok(InterpCncDrive::open(&self.port, &options)?)
     }
 
@@ -212,7 +232,7 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.assume.helps::<Assumptions>() {
+    if arguments.assume.helps::<Assumptions>()? {
         return Ok(Status::Fit);
     }
     let session = Session::start()?;
@@ -220,10 +240,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         let options = arguments.options(station)?;
         session.inside(|| InterpCnc::open(&arguments.port, &options))
     };
-    if let Action::Scan { stations } = &arguments.action {
-        return scan(&session, stations.clone(), open);
+    if let Action::Scan { addresses } = &arguments.action {
+        return scan(&session, addresses.clone(), open);
     }
-    let consent = arguments.consent;
+    let consent = arguments.consent();
     match &arguments.action {
         Action::OnFile(on_file) => {
             on_file.carry_out(&mut arguments.drive(&BoardAxis::ALL)?, consent)?;
@@ -239,33 +259,31 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             return Ok(Status::Fit);
         }
         Action::Save => {
-            println!(
-                "an InterpCNC keeps parameters in its EEPROM when they are set: nothing to do"
-            );
+            say!("an InterpCNC keeps parameters in its EEPROM when they are set: nothing to do");
             return Ok(Status::Fit);
         }
         _ => {}
     }
-    let mut board = open(arguments.station)?;
+    let mut board = open(arguments.address)?;
     match &arguments.action {
         Action::Scan { .. } | Action::OnFile(_) | Action::Save => {}
-        Action::Status => status(&session.ask(board.snapshot(&no_clock))?),
+        Action::Status => status(&session.ask(board.snapshot(&no_clock))?)?,
         Action::Unlock => {
             session.ask(board.clear_errors(true, true, &no_clock))?;
             session.ask(board.unlock(&no_clock))?;
-            println!("unlocked");
+            say!("unlocked");
         }
         Action::Home { axes, max_stroke, .. } => {
             home(&session, &mut board, consent, axes, *max_stroke)?;
         }
-        Action::Jog { axis, distance, ramps } => {
+        Action::Jog { axis, distance, ramps, .. } => {
             let from = position(&session, &mut board, *axis)?;
             let target = from.checked_add(*distance).ok_or_else(|| {
                 Failure::Usage(format!("axis {axis} at {from} cannot go {distance} steps further"))
             })?;
             travel(&session, &mut board, consent, *axis, (from, target), *ramps)?;
         }
-        Action::Move { axis, position: target, ramps } => {
+        Action::Move { axis, position: target, ramps, .. } => {
             let from = position(&session, &mut board, *axis)?;
             travel(&session, &mut board, consent, *axis, (from, *target), *ramps)?;
         }
@@ -275,7 +293,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
             } else {
                 session.ask(board.ramp_stop(BRAKING, &no_clock))?
             };
-            println!("at rest at {}", state.positions.map(|one| one.to_string()).join(", "));
+            say!("at rest at {}", state.positions.map(|one| one.to_string()).join(", "));
         }
         Action::Get { parameter } => get(&session, &mut board, parameter.as_deref())?,
         Action::Set { parameter, value } => set(&session, &mut board, parameter, *value)?,

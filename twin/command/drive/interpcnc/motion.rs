@@ -17,6 +17,13 @@ impl Stopping for InterpCnc {
     async fn hard_stop(&mut self) -> Result<(), DriveError> {
         self.stop_and_lock(&no_clock).await.map(|_| ())
     }
+
+    async fn stands(&mut self) -> Result<String, DriveError> {
+        let (state, _) = self.state(&no_clock).await?;
+        let axes = BoardAxis::ALL.into_iter().zip(state.positions);
+        let said: Vec<_> = axes.map(|(axis, at)| format!("{axis} {at}")).collect();
+        Ok(said.join(", "))
+    }
 }
 
 pub(super) fn position(
@@ -52,7 +59,7 @@ pub(super) fn travel(
     let patience = words::patience(distance, ramps.speed.into(), slowest);
     session
         .motion(board, async |board| board.move_axis(axis, &profile, patience, &no_clock).await)?;
-    println!("axis {axis} stands at {target}");
+    say!("axis {axis} stands at {target}");
     Ok(())
 }
 
@@ -73,8 +80,11 @@ pub(super) fn home(
         let speed = parameter(parameters::home_speed(*axis))?;
         let positive = parameter(parameters::home_direction(*axis))? == 1;
         if input == 0 {
-            let message = format!("axis {axis} has no home switch: set home-input-{axis}");
-            return Err(Failure::Usage(message.to_lowercase()));
+            let name = axis.to_string().to_lowercase();
+            let message = format!(
+                "axis {axis} has no home switch: `set home-input-{name} N` says at which input it is"
+            );
+            return Err(Failure::Usage(message));
         }
         if let Some(stroke) = strokes.get_mut(axis.index()) {
             *stroke = Some(max_stroke);
@@ -88,13 +98,14 @@ pub(super) fn home(
         patience +=
             words::patience(max_stroke.into(), speed.max(1).into(), f64::from(speed.max(1)));
     }
-    consent.ask(&format!("home {}", said.join("; ")))?;
     let patience = patience.saturating_add(Duration::from_mins(1));
+    let longest = patience.as_secs();
+    consent.ask(&format!("home {}, for {longest} s at most", said.join("; ")))?;
     let state = session
         .motion(board, async |board| board.home_machine(&strokes, patience, &no_clock).await)?;
     for axis in axes {
         let position = state.positions.get(axis.index()).copied().unwrap_or(0);
-        println!("axis {axis} is home, at {position}");
+        say!("axis {axis} is home, at {position}");
     }
     Ok(())
 }

@@ -78,7 +78,14 @@ fn known() -> Vec<Known> {
 /// A parameter by its name or number.
 fn find(text: &str) -> Result<Known, Failure> {
     let all = known();
-    let number = words::integer(text).and_then(|number| u16::try_from(number).ok());
+    let number = match words::integer(text) {
+        Some(number) => {
+            let known = u16::try_from(number).ok().filter(|number| *number < numbers::PARAMETERS);
+            let range = format!("they are 0 to {}", numbers::PARAMETERS - 1);
+            Some(known.ok_or_else(|| words::unknown_number(number, &range))?)
+        }
+        None => None,
+    };
     let found =
         all.iter().find(|one| number == Some(one.number) || one.name.eq_ignore_ascii_case(text));
     match (found, number) {
@@ -106,7 +113,7 @@ pub(super) fn get(
         let value = session.ask(board.parameter(one.number, &no_clock))?;
         table.add_row([right(one.number), one.name.into(), right(value), one.unit.into()]);
     }
-    println!("{table}");
+    say!("{table}");
     Ok(())
 }
 
@@ -117,12 +124,15 @@ pub(super) fn set(
     value: i64,
 ) -> Result<(), Failure> {
     let one = find(name)?;
+    let named = format!("{} (parameter {})", one.name, one.number);
+    let values = numbers::values(one.number);
+    words::check_value(&named, value, (&values, one.unit))?;
     let Ok(value) = u32::try_from(value) else {
-        return Err(Failure::Usage(format!("{value}: parameters are 0 to {}", u32::MAX)));
+        return Err(Failure::Usage(format!("{named} = {value}: it takes 0 to {}", u32::MAX)));
     };
     let old = session.ask(board.parameter(one.number, &no_clock))?;
     session.ask(board.set_parameter(one.number, value, STORING, &no_clock))?;
-    println!("parameter {} ({}): {old} -> {value} {}", one.number, one.name, one.unit);
+    say!("parameter {} ({}): {old} -> {value} {}", one.number, one.name, one.unit);
     Ok(())
 }
 

@@ -2,6 +2,7 @@
 
 use super::super::session::{Session, no_clock};
 use super::super::words::{on_off, right};
+use crate::advice;
 use crate::command::show;
 use crate::command::{Failure, Status};
 use std::ops::RangeInclusive;
@@ -11,27 +12,27 @@ use twin_drives::interpcnc::{BoardAxis, InterpCnc, Snapshot};
 
 pub(super) fn scan(
     session: &Session,
-    stations: RangeInclusive<u8>,
+    addresses: RangeInclusive<u8>,
     open: impl Fn(u8) -> Result<InterpCnc, Failure>,
 ) -> Result<Status, Failure> {
     let mut table = show::table();
-    table.set_header(["station", "line by its parameters", "recipes, command 78"]);
+    table.set_header(["address", "line by its parameters", "recipes, command 78"]);
     let mut found = 0;
-    for station in stations {
-        let mut board = open(station)?;
+    for address in addresses {
+        let mut board = open(address)?;
         match session.ask(board.identify(&no_clock)) {
             Ok(identity) => {
                 let line = identity.line.map_or("unknown codes".to_owned(), |line| {
                     format!("{} baud, parity {:?}", line.baud, line.parity).to_lowercase()
                 });
                 let recipes = if identity.has_recipes { "yes" } else { "no" };
-                table.add_row([right(station), line.into(), recipes.into()]);
+                table.add_row([right(address), line.into(), recipes.into()]);
                 found += 1;
             }
             Err(Failure::Drive(DriveError::Timeout { .. })) => {}
             // It is there, and has not what was asked.
             Err(Failure::Drive(DriveError::Device { .. })) => {
-                table.add_row([right(station), "not told".into(), "not told".into()]);
+                table.add_row([right(address), "not told".into(), "not told".into()]);
                 found += 1;
             }
             // Something is there that speaks otherwise, or at another speed.
@@ -42,14 +43,14 @@ pub(super) fn scan(
         }
     }
     if found == 0 {
-        eprintln!("no station answers");
+        eprintln!("no address answers: {}", advice::NOBODY);
         return Ok(Status::Unfit);
     }
-    println!("{table}");
+    say!("{table}");
     Ok(Status::Fit)
 }
 
-pub(super) fn status(seen: &Snapshot) {
+pub(super) fn status(seen: &Snapshot) -> Result<(), Failure> {
     let (status, extended) = (seen.state.status, seen.extended);
     let facts = [
         (status.enable_open(), "ENABLE open"),
@@ -65,7 +66,7 @@ pub(super) fn status(seen: &Snapshot) {
         (status.has(Bits::OVERRIDDEN), "speed overridden"),
     ];
     let said: Vec<_> = facts.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
-    println!("{}", said.join(", "));
+    say!("{}", said.join(", "));
     let mut table = show::table();
     table.set_header(["axis", "position, steps", "state"]);
     for (axis, position) in BoardAxis::ALL.into_iter().zip(seen.state.positions) {
@@ -79,7 +80,32 @@ pub(super) fn status(seen: &Snapshot) {
         let said: Vec<_> = facts.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
         table.add_row([axis.to_string().into(), right(position), said.join(", ").into()]);
     }
-    println!("{table}");
+    say!("{table}");
+    if let Some(next) = next(status) {
+        say!("next: {next}");
+    }
+    Ok(())
+}
+
+/// What a board in this state waits for.
+fn next(status: Bits) -> Option<&'static str> {
+    if status.enable_open() {
+        Some(advice::RELEASE)
+    } else if status.locked() {
+        Some("`unlock`, then `home`: a locked board does not know where its axes are")
+    } else if status.has(Bits::EEPROM_ERROR) {
+        Some("`get` shows the parameters: are they right? `set` those that are not once more")
+    } else if !status.on_limit_switch().is_empty() {
+        Some("`jog` the axis off its limit switch, slowly")
+    } else if status.has(Bits::HOMING_ERROR) {
+        Some(
+            "look at the home switch (`inputs`), then `unlock`, which clears that, and `home` again",
+        )
+    } else if status.probe_failed() {
+        Some("`unlock`, which clears that")
+    } else {
+        None
+    }
 }
 
 pub(super) fn inputs(session: &Session, board: &mut InterpCnc) -> Result<(), Failure> {
@@ -103,7 +129,7 @@ pub(super) fn inputs(session: &Session, board: &mut InterpCnc) -> Result<(), Fai
         Err(Failure::Drive(DriveError::Device { .. })) => {}
         Err(other) => return Err(other),
     }
-    println!("{table}");
+    say!("{table}");
     Ok(())
 }
 
@@ -128,6 +154,6 @@ pub(super) fn outputs(
     for number in 1..=OUTPUTS {
         table.add_row([right(number), on_off(levels >> (number - 1) & 1 == 1).into()]);
     }
-    println!("{table}");
+    say!("{table}");
     Ok(())
 }

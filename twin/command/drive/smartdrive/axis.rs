@@ -36,4 +36,8 @@ impl Stopping for Axis {
     async fn hard_stop(&mut self) -> Result<(), DriveError> {
         self.bus.set_mode(self.address, Some(Mode::Off)).await
     }
+
+    async fn stands(&mut self) -> Result<String, DriveError> {
+        self.state().await.map(|state| state.position.to_string())
+    }
 }

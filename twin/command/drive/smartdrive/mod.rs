@@ -6,22 +6,23 @@ mod parameters;
 mod show;
 
 use super::by_switch::BySwitch;
-use super::consent::Consent;
+use super::consent::{Beforehand, Consent};
 use super::on_file::OnFile;
 use super::session::{Session, Stopping};
 use super::words;
+use crate::advice;
 use crate::command::assume::Assume;
 use crate::command::{Failure, Status};
 use axis::Axis;
 use motion::{home, standing, travel};
 use parameters::{get, set};
-use show::{inputs, outputs, status};
+use show::{inputs, next, outputs, status};
 use std::ops::RangeInclusive;
 use std::time::Duration;
 use twin_drives::smartdrive::parameters::{ACCELERATION_MAX, FULL_STEPS, STEP_DIVISOR};
 use twin_drives::smartdrive::{
-    ADDRESSES, Assumptions, AxisOptions, Mode, SmartDrive, SmartDriveBus, SmartDriveOptions,
-    StepsPerTurn,
+    ADDRESSES, Assumptions, AxisOptions, IoUpdate, Mode, SmartDrive, SmartDriveBus,
+    SmartDriveOptions, StepsPerTurn,
 };
 use twin_drives::{Drive, ParameterId};
 
@@ -38,8 +39,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "PATH")]
     port: String,
 
-    /// Address of the drive on the bus
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=31))]
+    /// Address of the drive on the bus, elsewhere called station
+    #[arg(long, visible_alias = "station", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=31))]
     address: u8,
 
     /// Longest time an answer may take, ms
@@ -47,7 +48,7 @@ pub(super) struct Arguments {
     deadline: Duration,
 
     #[command(flatten)]
-    consent: Consent,
+    consent: Beforehand,
 
     #[command(flatten)]
     assume: Assume,
@@ -61,7 +62,7 @@ enum Action {
     /// Ask which addresses answer; changes nothing
     Scan {
         /// Addresses to ask, FIRST-LAST within 1-31
-        #[arg(long, default_value = "1-31", value_parser = addresses)]
+        #[arg(long, visible_alias = "stations", default_value = "1-31", value_parser = addresses)]
         addresses: RangeInclusive<u8>,
     },
     /// Show mode, position and alarms; changes nothing
@@ -78,6 +79,9 @@ enum Action {
 
         #[command(flatten)]
         by_switch: BySwitch,
+
+        #[command(flatten)]
+        consent: Consent,
     },
     #[command(flatten)]
     OnFile(OnFile),
@@ -89,6 +93,9 @@ enum Action {
 
         #[command(flatten)]
         ramps: Ramps,
+
+        #[command(flatten)]
+        consent: Consent,
     },
     /// Move to a position, µsteps (asks first)
     Move {
@@ -98,6 +105,9 @@ enum Action {
 
         #[command(flatten)]
         ramps: Ramps,
+
+        #[command(flatten)]
+        consent: Consent,
     },
     /// Bring the axis to rest on its ramp
     Stop {
@@ -148,6 +158,17 @@ fn addresses(text: &str) -> Result<RangeInclusive<u8>, String> {
 }
 
 impl Arguments {
+    /// Whether what the action asks about may be done.
+    fn consent(&self) -> Consent {
+        self.consent.or(match &self.action {
+            Action::Home { consent, .. }
+            | Action::Jog { consent, .. }
+            | Action::Move { consent, .. } => Some(*consent),
+            Action::OnFile(on_file) => on_file.consent(),
+            _ => None,
+        })
+    }
+
     /// Of a drive whose turn has so many µsteps, and which goes at most so fast.
     fn options(&self, turn: StepsPerTurn, velocity_rpm: u16) -> Result<SmartDriveOptions, Failure> {
         let homing = match &self.action {
@@ -205,19 +226,19 @@ impl Arguments {
             axis.acceleration_rpm_per_s = rate.max(1);
         }
         let mut drive = SmartDriveBus::open(&self.port, &options)?;
-        by_switch.carry_out(&mut drive, &format!("drive {}", self.address), self.consent)
+        by_switch.carry_out(&mut drive, &format!("drive {}", self.address), self.consent())
     }
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.assume.helps::<Assumptions>() {
+    if arguments.assume.helps::<Assumptions>()? {
         return Ok(Status::Fit);
     }
     let session = Session::start()?;
     match &arguments.action {
         Action::OnFile(on_file) => {
             let mut drive = SmartDriveBus::open(&arguments.port, &arguments.any_options()?)?;
-            on_file.carry_out(&mut drive, arguments.consent)?;
+            on_file.carry_out(&mut drive, arguments.consent())?;
             return Ok(Status::Fit);
         }
         Action::Home { by_switch, .. } if by_switch.is_wanted() => {
@@ -232,51 +253,57 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         Action::Scan { addresses } => {
             let found = session.ask(axis.bus.scan(addresses.clone()))?;
             if found.is_empty() {
-                eprintln!("no address answers");
+                eprintln!("no address answers: {}", advice::NOBODY);
                 return Ok(Status::Unfit);
             }
-            status(&found);
+            let found = found.into_iter().map(|(address, state)| (address, state, None));
+            status(&found.collect::<Vec<_>>())?;
         }
         Action::Status => {
             let state = session.ask(axis.state())?;
-            status(&[(address, state)]);
+            // While its mode changes a drive says nothing of its pins.
+            let pins = session.ask(axis.bus.io(address, IoUpdate::default())).ok();
+            status(&[(address, state, pins.map(|pins| pins.levels))])?;
+            if let Some(next) = next(&state) {
+                say!("next: {next}");
+            }
         }
         Action::Unlock => {
             let state = standing(&session, &mut axis, "unlock")?;
             if state.mode == Mode::Remote.number() && state.alarms.is_empty() {
-                println!("obeys the bus already, at {}", state.position);
+                say!("obeys the bus already, at {}", state.position);
             } else {
                 session.ask(axis.bus.set_mode(address, Some(Mode::Remote)))?;
-                println!("obeys the bus, at 0");
+                say!("obeys the bus, at 0");
             }
         }
         Action::OnFile(_) => {}
-        Action::Home { .. } => home(&session, &mut axis, arguments.consent)?,
-        Action::Jog { distance, ramps } => {
+        Action::Home { .. } => home(&session, &mut axis, arguments.consent())?,
+        Action::Jog { distance, ramps, .. } => {
             let from = session.ask(axis.state())?.position;
             let target = from.checked_add(*distance).ok_or_else(|| {
                 Failure::Usage(format!("from {from} it cannot go {distance} µsteps further"))
             })?;
-            travel(&session, &mut axis, arguments.consent, target, *ramps)?;
+            travel(&session, &mut axis, arguments.consent(), target, *ramps)?;
         }
-        Action::Move { position, ramps } => {
-            travel(&session, &mut axis, arguments.consent, *position, *ramps)?;
+        Action::Move { position, ramps, .. } => {
+            travel(&session, &mut axis, arguments.consent(), *position, *ramps)?;
         }
         Action::Stop { now: true } => {
             session.ask(axis.hard_stop())?;
-            println!("off");
+            say!("off");
         }
         Action::Stop { now: false } => {
             session.ask(axis.soft_stop())?;
             let state = session.ask(axis.state())?;
-            println!("at rest at {}", state.position);
+            say!("at rest at {}", state.position);
         }
         Action::Get { parameter } => get(&session, &mut axis, parameter.as_deref())?,
         Action::Set { parameter, value } => set(&session, &mut axis, parameter, *value)?,
         Action::Save => {
             standing(&session, &mut axis, "save")?;
             session.ask(axis.bus.save(address))?;
-            println!("saved; the position is 0");
+            say!("saved; the position is 0");
         }
         Action::Inputs => inputs(&session, &mut axis)?,
         Action::Outputs { switches } => outputs(&session, &mut axis, switches)?,

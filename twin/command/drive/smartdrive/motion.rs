@@ -37,14 +37,19 @@ fn obeying(session: &Session, axis: &mut Axis, what: &str) -> Result<DriveState,
 pub(super) fn home(session: &Session, axis: &mut Axis, consent: Consent) -> Result<(), Failure> {
     let from = obeying(session, axis, "home")?.position;
     let address = axis.address;
-    let mut working = |index| session.ask(axis.bus.parameter(address, index));
-    let enter = working(parameters::VELOCITY_ENTER_HOME)?.working;
-    let offset = working(parameters::POSITION_OFFSET)?.working;
+    let mut working =
+        |index| session.ask(axis.bus.parameter(address, index)).map(|copies| copies.working);
+    let enter = working(parameters::VELOCITY_ENTER_HOME)?;
+    let offset = working(parameters::POSITION_OFFSET)?;
+    let configured = working(parameters::HOME_CONFIGURATION)?;
+    let longest = axis.bus.options().homing.as_secs();
     consent.ask(&format!(
-        "home the axis at address {address} from {from} to its switch, which is at {offset} µsteps, at {enter} rpm"
+        "home the axis at address {address} from {from} to its switch, which is at {offset} µsteps, at {enter} rpm, for {longest} s \
+         at most, in the direction that the drive is set to (CfgHome is {configured}, which its manual does not explain: the \
+         axis may go either way)"
     ))?;
     let position = session.motion(axis, async |axis| axis.bus.home(address).await)?;
-    println!("home, at {position}");
+    say!("home, at {position}");
     Ok(())
 }
 
@@ -75,6 +80,6 @@ pub(super) fn travel(
     let patience = words::patience(distance, per_s(speed), per_s(acceleration));
     let profile = Some((speed, acceleration));
     session.motion(axis, async |axis| axis.bus.travel(address, target, profile, patience).await)?;
-    println!("stands at {target}");
+    say!("stands at {target}");
     Ok(())
 }

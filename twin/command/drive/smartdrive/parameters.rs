@@ -17,7 +17,8 @@ fn find(text: &str) -> Result<Found, Failure> {
     if let Some(number) = words::integer(text) {
         let entry = PARAMETERS.iter().find(|entry| i64::from(entry.index) == number);
         return entry.map(Found::Parameter).ok_or_else(|| {
-            Failure::Usage(format!("there is no parameter {number}; `get` lists all"))
+            let most = PARAMETERS.iter().map(|entry| entry.index).max().unwrap_or(0);
+            words::unknown_number(number, &format!("they are some of 0 to {most}"))
         });
     }
     let parameter = parameters::named(&PARAMETERS, text).map(Found::Parameter);
@@ -60,7 +61,7 @@ pub(super) fn get(session: &Session, axis: &mut Axis, name: Option<&str>) -> Res
             entry.unit.into(),
         ]);
     }
-    println!("{table}");
+    say!("{table}");
     Ok(())
 }
 
@@ -71,7 +72,14 @@ pub(super) fn set(
     value: i64,
 ) -> Result<(), Failure> {
     let address = axis.address;
-    let (entry, old, new) = match find(name)? {
+    let found = find(name)?;
+    let (Found::Parameter(entry) | Found::Variable(entry)) = found;
+    if !entry.writable {
+        return Err(Failure::Usage(format!("{} ({}) is read-only", entry.name, entry.index)));
+    }
+    let named = format!("{} ({})", entry.name, entry.index);
+    words::check_value(&named, value, (&entry.values(), entry.unit))?;
+    let (entry, old, new) = match found {
         Found::Parameter(entry) => {
             let old = session.ask(axis.bus.parameter(address, entry.index))?.working;
             (entry, old, session.ask(axis.bus.set_parameter(address, entry.index, value))?.working)
@@ -85,6 +93,6 @@ pub(super) fn set(
             (entry, old, session.ask(axis.bus.write_variable(address, entry.index, wanted))?)
         }
     };
-    println!("{} ({}): {old} -> {new} {}", entry.name, entry.index, entry.unit);
+    say!("{} ({}): {old} -> {new} {}", entry.name, entry.index, entry.unit);
     Ok(())
 }

@@ -9,6 +9,9 @@ use twin_drives::smartdrive::{Command, DriveState, IoUpdate, Mode, TrajectoryFla
 
 /// Names of the pins, bit 0 first: three outputs, then the inputs.
 const PINS: [&str; 8] = ["RDY", "BRK", "LED", "GO", "DIR", "OFF", "LIMP", "LIMN"];
+/// The limit switches among them.
+const LIMP: usize = 6;
+const LIMN: usize = 7;
 /// How many of them are outputs.
 const OUTPUTS: usize = 3;
 
@@ -28,11 +31,14 @@ pub(super) fn turns(state: &DriveState) -> bool {
     state.homing || state.flags.contains(TrajectoryFlags::IN_MOTION)
 }
 
-pub(super) fn status(found: &[(u8, DriveState)]) {
+/// Each drive, and the levels of its pins where they have been asked for. A drive forgets that a limit switch has stopped it
+/// with the next command; its inputs still tell that it stands on one.
+pub(super) fn status(found: &[(u8, DriveState, Option<u8>)]) -> Result<(), Failure> {
     let mut table = show::table();
     table.set_header(["address", "mode", "position, µsteps", "state"]);
-    for (address, state) in found {
+    for (address, state, levels) in found {
         let flags = state.flags;
+        let on = |pin: usize| levels.is_some_and(|levels| levels >> pin & 1 == 1);
         let facts = [
             (!state.alarms.is_empty(), format!("alarm: {}", state.alarms)),
             (state.homing, "homing".to_owned()),
@@ -41,6 +47,8 @@ pub(super) fn status(found: &[(u8, DriveState)]) {
             (flags.contains(TrajectoryFlags::STALLED), "stalled".to_owned()),
             (flags.contains(TrajectoryFlags::LIMITED_P), "stopped by LIMP".to_owned()),
             (flags.contains(TrajectoryFlags::LIMITED_N), "stopped by LIMN".to_owned()),
+            (on(LIMP), "on LIMP".to_owned()),
+            (on(LIMN), "on LIMN".to_owned()),
         ];
         let said: Vec<_> = facts.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
         let said = said.join(", ");
@@ -51,7 +59,28 @@ pub(super) fn status(found: &[(u8, DriveState)]) {
             said.into(),
         ]);
     }
-    println!("{table}");
+    say!("{table}");
+    Ok(())
+}
+
+/// What a drive in this state waits for.
+pub(super) fn next(state: &DriveState) -> Option<&'static str> {
+    let flags = state.flags;
+    if !state.alarms.is_empty() {
+        Some(
+            "remove the cause of the alarm, then `unlock`, which clears it, then `home`: the position is lost",
+        )
+    } else if state.mode == Mode::Off.number() {
+        Some("`unlock`, which makes the position 0, then `home`")
+    } else if flags.contains(TrajectoryFlags::STALLED) {
+        Some("free the axis, then `home`: the position may be lost")
+    } else if flags.contains(TrajectoryFlags::LIMITED_P) {
+        Some("`jog` backwards, off the limit switch")
+    } else if flags.contains(TrajectoryFlags::LIMITED_N) {
+        Some("`jog` forwards, off the limit switch")
+    } else {
+        None
+    }
 }
 
 pub(super) fn inputs(session: &Session, axis: &mut Axis) -> Result<(), Failure> {
@@ -62,7 +91,7 @@ pub(super) fn inputs(session: &Session, axis: &mut Axis) -> Result<(), Failure> 
         let bit = |word: u8| on_off(word >> place & 1 == 1);
         table.add_row([*name, bit(seen.levels), bit(seen.active), bit(seen.reverse)]);
     }
-    println!("{table}");
+    say!("{table}");
     Ok(())
 }
 
@@ -91,7 +120,7 @@ pub(super) fn outputs(
     for (place, name) in PINS.iter().enumerate().take(OUTPUTS) {
         table.add_row([*name, on_off(seen.levels >> place & 1 == 1)]);
     }
-    println!("{table}");
+    say!("{table}");
     let command = Command::IoUpdate(update);
     let wrong = update.set & !seen.levels | update.clear & seen.levels;
     if wrong == 0 {

@@ -1,33 +1,29 @@
 //! A run under way, in rounds: plan, simulate what is due, listen to the drives.
 
-use super::braking::{braking, resting};
+mod stopping;
+
 use super::history::History;
 use super::overrides::{OverrideAt, Overrides};
 use super::punctuality::Punctuality;
-use super::{DriveSample, Ending, Observer, Stopped, TwinCycle};
+use super::{Ending, Observer, Stopped, TwinCycle};
 use crate::check;
 use crate::clock::Clock;
-use crate::compare::{Comparison, Measured};
+use crate::compare::Comparison;
 use crate::finding::{Finding, Severity};
-use crate::hardware::{HORIZON_NS, Hardware, HardwareError};
+use crate::hardware::{HORIZON_NS, Hardware};
 use crate::m_function::MCall;
 use crate::machine::{Machine, SimulationError};
 use crate::physics::PhysicsError;
-use crate::planning::Planning;
+use crate::planning::{PlanItem, Planning};
 use crate::plant::{AxisFeedback, Plant};
-use crate::program::ProgramItem;
 use crate::setpoint::{AxisSetpoint, Transformer, resting_behind};
 use std::collections::VecDeque;
 use std::task::Poll;
-use std::time::Duration;
 use twin_motion::Place;
-
-/// How long drives may take to come to rest at the end before the session ends without them.
-const LONGEST_SETTLING: Duration = Duration::from_secs(10);
 
 /// What comes behind the set-points that are planned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Plan {
+pub(super) enum Plan {
     /// More of them.
     GoesOn,
     /// Nothing: they lead along the path to rest.
@@ -42,7 +38,7 @@ pub(super) struct Run<'a, 'i, P> {
     pub(super) items: Planning<'i>,
     transformer: Transformer<'a>,
     twin: P,
-    twin_failed: bool,
+    pub(super) twin_failed: bool,
     pub(super) hardware: Option<Hardware>,
     /// Whether time passes by itself.
     realtime: bool,
@@ -50,15 +46,15 @@ pub(super) struct Run<'a, 'i, P> {
     clock: Option<Clock>,
     /// Of the drives, from later than the simulated machine has come: drives are heard of at any time, it is simulated
     /// once per round.
-    samples: VecDeque<AxisFeedback>,
-    history: History,
-    comparison: Comparison,
+    pub(super) samples: VecDeque<AxisFeedback>,
+    pub(super) history: History,
+    pub(super) comparison: Comparison,
     /// Of a run in step with the wall clock.
     punctuality: Option<Punctuality>,
     /// Set-points that are planned and not yet due.
     planned: VecDeque<AxisSetpoint>,
     /// What comes behind them.
-    plan: Plan,
+    pub(super) plan: Plan,
     pub(super) stopped: Option<Stopped>,
     overrides: Overrides,
     /// How often the user has interrupted.
@@ -146,7 +142,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     }
 
     /// Its block.
-    fn place(&self) -> Place {
+    pub(super) fn place(&self) -> Place {
         self.executed.map_or(Place::default(), |executed| executed.place)
     }
 
@@ -174,60 +170,6 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
-    /// Obeys the user, who has interrupted so many times.
-    pub(super) fn heed(&mut self, interrupts: u32) {
-        while self.interrupts < interrupts {
-            self.interrupts += 1;
-            if self.interrupts == 1 {
-                // What is planned to its end goes to its end.
-                if self.plan == Plan::GoesOn && self.stopped.is_none() {
-                    self.stopped = Some(Stopped::Interrupted(self.place()));
-                    self.items.request_stop();
-                }
-                continue;
-            }
-            self.stopped.get_or_insert(Stopped::Interrupted(self.place()));
-            if self.plan != Plan::Brakes && self.goes_on() {
-                self.brake();
-            } else if let Some(hardware) = &mut self.hardware {
-                hardware.stop();
-            }
-        }
-    }
-
-    /// From now on every axis brakes at its own limits, on the simulated machine and on the drives.
-    fn brake(&mut self) {
-        if self.plan == Plan::Brakes || !self.goes_on() {
-            return;
-        }
-        // Where planning has kept everything else waiting, the drives are ahead of the simulated machine.
-        let now_ns = self.clock.map_or(self.executed_ns(), |clock| clock.now_ns());
-        let due = self.planned.iter().take_while(|next| next.time_ns <= now_ns).count();
-        // Everything stands at the first.
-        self.planned.truncate(due.max(usize::from(self.executed.is_none())));
-        self.come_to_rest();
-    }
-
-    /// Every axis brakes at its own limits from the end of what is planned.
-    fn come_to_rest(&mut self) {
-        self.plan = Plan::Brakes;
-        let kept = self.planned.len();
-        let moving = self.executed.is_some() || kept > 1;
-        let from = self.planned.back().or(self.executed.as_ref()).copied();
-        let rest = from.filter(|_| moving).map(|from| (from, braking(self.machine, &from)));
-        if let Some((from, Ok(rest))) = rest {
-            self.planned.extend(rest);
-            if self.planned.len() > kept {
-                self.off_path = Some(from.place);
-            }
-            if let Some(hardware) = &mut self.hardware {
-                hardware.replan(from.time_ns, &self.planned.iter().skip(kept));
-            }
-        } else if let Some(hardware) = &mut self.hardware {
-            hardware.stop();
-        }
-    }
-
     /// Plans beyond `until_ns`, and hands the drives what is planned.
     pub(super) fn plan(&mut self, until_ns: i64) {
         let paced = self.hardware.is_some() || self.realtime;
@@ -244,30 +186,27 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             }
             let Poll::Ready(item) = self.items.poll(waits) else { break };
             match item {
-                Some(ProgramItem::Setpoint(tool)) => {
+                Some(PlanItem::Tool(tool)) => {
                     self.overrides.see(tool.time_ns, &self.items);
                     let call = self.items.m_call();
                     match self.transformer.axes(&tool, call) {
-                        Ok(setpoint) => {
-                            self.planned.push_back(setpoint);
-                            if let Some(hardware) = &mut self.hardware
-                                && let Err(source) = hardware.command(&setpoint)
-                            {
-                                self.lose_drives(source);
-                            }
-                        }
+                        Ok(setpoint) => self.take(&setpoint),
                         Err(source) => self.lose_plan(Stopped::Path { place: tool.place, source }),
                     }
                 }
+                Some(PlanItem::Axes(setpoint)) => {
+                    self.overrides.see(setpoint.time_ns, &self.items);
+                    self.take(&setpoint);
+                }
                 // The check has refused programs with errors; warnings have been shown by it.
-                Some(ProgramItem::Diagnostic(finding)) => {
+                Some(PlanItem::Diagnostic(finding)) => {
                     if finding.severity == Severity::Error {
                         let Finding { line, block, message, .. } = finding;
                         let place = Place { line, block };
                         self.lose_plan(Stopped::Program { place, message });
                     }
                 }
-                Some(ProgramItem::Io(error)) => self.lose_plan(Stopped::Read(error)),
+                Some(PlanItem::Io(error)) => self.lose_plan(Stopped::Read(error)),
                 None => {
                     self.plan = Plan::Ends;
                     self.settle_stop();
@@ -281,26 +220,14 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
     }
 
-    /// What brakes as hard as the axes allow is followed to rest.
-    fn settle_stop(&mut self) {
-        if self.stopped.is_none() || !self.items.is_within_axes() {
-            return;
+    /// A set-point more is planned.
+    fn take(&mut self, setpoint: &AxisSetpoint) {
+        self.planned.push_back(*setpoint);
+        if let Some(hardware) = &mut self.hardware
+            && let Err(source) = hardware.command(setpoint)
+        {
+            self.lose_drives(source);
         }
-        let Some(last) = self.planned.back().or(self.executed.as_ref()).copied() else { return };
-        for setpoint in resting(self.machine, &last) {
-            self.planned.push_back(setpoint);
-            if let Some(hardware) = &mut self.hardware
-                && let Err(source) = hardware.command(&setpoint)
-            {
-                return self.lose_drives(source);
-            }
-        }
-    }
-
-    /// No set-points any more that lead to rest on the path: what is planned is still good, and the axes brake from its end.
-    fn lose_plan(&mut self, reason: Stopped) {
-        self.stopped.get_or_insert(reason);
-        self.come_to_rest();
     }
 
     /// What is due is taken up now, in step with the wall clock.
@@ -358,83 +285,5 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         }
         // The program has ended when its last set-point was there.
         self.executed = Some(last);
-    }
-
-    /// Nothing to compare with any more: the drives brake, and that is the end.
-    fn lose_twin(&mut self, source: SimulationError) {
-        self.twin_failed = true;
-        self.stopped.get_or_insert(Stopped::Twin { place: self.place(), source });
-        self.brake();
-    }
-
-    /// The drives are off the path or nobody knows where they are: the simulated machine has nothing to gain from staying on
-    /// it. That the drives fail is worth more words than that the user has stopped them before.
-    fn lose_drives(&mut self, source: HardwareError) {
-        if matches!(self.stopped, None | Some(Stopped::Interrupted(_) | Stopped::Unsettled)) {
-            self.stopped = Some(Stopped::Drives { place: self.place(), source });
-        }
-        self.brake();
-    }
-
-    /// Takes what the drives have said and compares what is comparable.
-    pub(super) fn listen(&mut self, observer: &mut dyn Observer) {
-        let failure = loop {
-            match self.hardware.as_mut().map(Plant::feedback) {
-                Some(Ok(Some(feedback))) => self.samples.push_back(feedback),
-                Some(Ok(None)) | None => break None,
-                Some(Err(source)) => break Some(source),
-            }
-        };
-        // After the end everything rests; before it, what a sample is compared with must have been simulated.
-        let known_ns = if self.goes_on() { self.executed_ns() } else { i64::MAX };
-        while let Some(sample) = self.samples.pop_front_if(|sample| sample.time_ns <= known_ns) {
-            self.compare(&sample, observer);
-        }
-        if let Some(source) = failure {
-            self.lose_drives(source);
-        }
-    }
-
-    fn compare(&mut self, sample: &AxisFeedback, observer: &mut dyn Observer) {
-        if self.twin_failed {
-            return;
-        }
-        let Some(drives) = Measured::new(self.machine, sample.position) else { return };
-        let Some((place, wanted, twin)) = self.history.at(self.machine, sample.time_ns) else {
-            return;
-        };
-        self.comparison.drives(&wanted, &twin, &drives, place);
-        observer.drives(&DriveSample {
-            time_ns: sample.time_ns,
-            place,
-            wanted: &wanted,
-            twin: &twin,
-            drives: &drives,
-        });
-    }
-
-    /// Waits until the drives rest, too.
-    pub(super) fn settle(
-        &mut self,
-        clock: Clock,
-        observer: &mut dyn Observer,
-        interrupts: &dyn Fn() -> u32,
-    ) {
-        let patience_ns = i64::try_from(LONGEST_SETTLING.as_nanos()).unwrap_or(i64::MAX);
-        let deadline_ns = clock.now_ns().saturating_add(patience_ns);
-        loop {
-            // First whether it runs, then what it has said: what it says last is said before it ends.
-            let running = self.hardware.as_ref().is_some_and(Hardware::is_running);
-            self.listen(observer);
-            if !running {
-                return;
-            }
-            if clock.now_ns() >= deadline_ns {
-                self.stopped.get_or_insert(Stopped::Unsettled);
-                return;
-            }
-            self.heed(interrupts());
-            std::thread::sleep(Duration::from_millis(1));
-        }
     }
 }

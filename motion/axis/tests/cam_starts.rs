@@ -1,0 +1,154 @@
+//! How a slave comes onto its cam: the table of manual 4.6.1, and an absolute change of cams (4.6.2).
+
+use super::blocks::endless;
+use super::framework::to;
+use super::rig::{CYCLE, Rig, linear, rotary};
+use crate::axis::{Block, CamIn};
+use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+use std::sync::Arc;
+
+fn cam(knots: &[Knot]) -> CamTable {
+    let cam = Cam::new("cam", Shape::Polynomial(knots.to_vec()), Vec::new()).expect("a cam");
+    CamTable::new(Arc::new(cam))
+}
+
+/// `slope` times the master, over `width`.
+fn straight(width: f64, slope: f64) -> CamTable {
+    let knot = |x: f64| Knot { velocity: slope, ..Knot::at_rest(x, slope * x) };
+    cam(&[knot(0.0), knot(width)])
+}
+
+fn at(rig: fn() -> Rig, place: f64) -> Rig {
+    let mut rig = rig();
+    let mut there = to(place);
+    rig.until(|axis| there.call(true, axis).done);
+    rig
+}
+
+/// The first way of the slave, and all of it until it is in step with a master that stands at 20. It begins at 7.
+fn ways(slave: fn() -> Rig, table: CamTable, start_mode: StartMode) -> [f64; 2] {
+    let (master, mut slave) = (at(linear, 20.0), at(slave, 7.0));
+    let input = CamInput {
+        start_mode,
+        velocity_difference: 100.0,
+        acceleration: 1000.0,
+        deceleration: 1000.0,
+        ..CamInput::default()
+    };
+    let mut block = Block::new(CamIn { table: Some(table), input });
+    let (mut before, mut all, mut first) = (7.0, 0.0, None);
+    for _ in 0..1000 {
+        let shown = slave.cycle(|axis| block.follow(true, &master.axis, axis));
+        assert!(shown.error.is_none(), "{shown:?}");
+        let way = slave.axis.set_position() - before;
+        let way = slave.axis.period().map_or(way, |it| way - it * (way / it).round());
+        before = slave.axis.set_position();
+        all += way;
+        first.get_or_insert(way);
+        if shown.done {
+            return [first.unwrap_or_default(), all];
+        }
+    }
+    panic!("it does not come onto its cam");
+}
+
+/// The cam says 10 where the master is, or 0 if its zero is laid there. In brackets: what a ramp in both directions does
+/// on a rotary slave of 360.
+#[test]
+fn every_start_mode_with_every_choice_of_the_table() {
+    use StartMode::{Absolute, RampIn, RampInNegative, RampInPositive, Relative};
+    // MasterAbsolute, SlaveAbsolute; the ways with absolute, relative and the ramps, which are [ramp_in, _pos, _neg].
+    let matrix = [
+        (true, true, 3.0, 10.0, [3.0, 3.0, -357.0]),
+        (true, false, 10.0, 10.0, [10.0, 10.0, -350.0]),
+        (false, true, -7.0, 0.0, [-7.0, 353.0, -7.0]),
+        (false, false, 0.0, 0.0, [0.0, 0.0, 0.0]),
+    ];
+    for (master_absolute, slave_absolute, absolute, relative, ramps) in matrix {
+        let table = || CamTable { master_absolute, slave_absolute, ..straight(100.0, 0.5) };
+        let about = format!("MasterAbsolute {master_absolute}, SlaveAbsolute {slave_absolute}");
+        for rig in [linear, rotary] {
+            for (mode, way) in [(Absolute, absolute), (Relative, relative)] {
+                let found = ways(rig, table(), mode);
+                // With a jump, if there is one: all of it at once.
+                assert!((found[0] - way).abs() < 1e-9, "{about}, {mode:?}: {found:?}");
+                assert!((found[1] - way).abs() < 1e-9, "{about}, {mode:?}: {found:?}");
+            }
+        }
+        // On linear slaves the directions count for nothing.
+        for (rig, ramps) in [(linear as fn() -> Rig, [ramps[0]; 3]), (rotary, ramps)] {
+            for (mode, way) in [RampIn, RampInPositive, RampInNegative].into_iter().zip(ramps) {
+                let [first, all] = ways(rig, table(), mode);
+                // 1000 u/s² from rest in a cycle of 10 ms.
+                assert!(first.abs() <= 0.05 + 1e-9, "{about}, {mode:?}: a step of {first}");
+                assert!((all - way).abs() < 1e-9, "{about}, {mode:?}: {all}");
+            }
+        }
+    }
+}
+
+/// Changes from `first` to `second` with an absolute start when the first one ends, with `slave_offset`; the largest
+/// change of the velocity then and afterwards, and where the slave is when the master has gone on to 90.
+fn changed(
+    rig: fn() -> Rig,
+    first: CamTable,
+    second: &CamTable,
+    slave_offset: f64,
+) -> ([f64; 2], f64) {
+    let (mut master, mut slave) = (rotary(), rig());
+    let mut lead = endless(90.0);
+    let mut block = Block::new(CamIn { table: Some(first), input: CamInput::default() });
+    let (mut change, mut largest, mut before, mut switched) = (0.0_f64, 0.0_f64, [0.0; 2], None);
+    for count in 0..600 {
+        master.cycle(|axis| lead.call(true, axis));
+        slave.cycle(|axis| {
+            block.follow(true, &master.axis, axis);
+            let ended = block.running().is_some_and(|run| run.coupling().output().end_of_profile);
+            if ended && switched.is_none() {
+                switched = Some(count);
+                block.follow(false, &master.axis, axis);
+                let input = CamInput { slave_offset, ..CamInput::default() };
+                block.inputs = CamIn { table: Some(second.clone()), input };
+                block.follow(true, &master.axis, axis);
+            }
+        });
+        let way = slave.axis.set_position() - before[0];
+        let way = slave.axis.period().map_or(way, |it| way - it * (way / it).round());
+        let step = (way - before[1]).abs() / CYCLE;
+        match switched {
+            Some(at) if at == count => change = step,
+            Some(_) => largest = largest.max(step),
+            None => {}
+        }
+        before = [slave.axis.set_position(), way];
+        if switched.is_some_and(|at| count > at + 10) && master.axis.set_position() >= 90.0 - 1e-9 {
+            break;
+        }
+    }
+    assert!(switched.is_some());
+    ([change, largest], before[0])
+}
+
+/// An absolute start puts the slave where the new cam says, which has to be where it is already: by the period of a
+/// rotary slave, or by `SlaveOffset`; else it jumps (manual 4.6.2, 2b).
+#[test]
+fn an_absolute_change_of_cams_needs_the_slave_to_be_there() {
+    let once = |table: CamTable| CamTable { periodic: false, ..table };
+    // 0 to 360 in one turn of the master, and from there on the same again, a little differently.
+    let first = || once(straight(360.0, 1.0));
+    let knot = |x: f64, y: f64| Knot { velocity: 1.0, ..Knot::at_rest(x, y) };
+    let second = || once(cam(&[knot(0.0, 0.0), knot(180.0, 170.0), knot(360.0, 360.0)]));
+    let expected = second().cam.curve().at(90.0).position;
+    // On a rotary slave 360 is 0. The quintics bend by a few u/s a cycle at most.
+    let ([change, after], place) = changed(rotary, first(), &second(), 0.0);
+    assert!(change < 1.0 && after < 1.0, "{change} {after}");
+    assert!((place - expected).abs() < 1e-6, "{place} {expected}");
+    // On a linear one it jumps back by 360 u in a cycle.
+    let ([change, _], place) = changed(linear, first(), &second(), 0.0);
+    assert!((change - 360.0 / CYCLE).abs() < 1.0, "{change}");
+    assert!((place - expected).abs() < 1e-6, "{place}");
+    // With SlaveOffset it goes on.
+    let ([change, after], place) = changed(linear, first(), &second(), 360.0);
+    assert!(change < 1.0 && after < 1.0, "{change} {after}");
+    assert!((place - 360.0 - expected).abs() < 1e-6, "{place}");
+}

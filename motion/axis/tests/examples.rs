@@ -1,0 +1,191 @@
+//! The examples of the manual (11.2–11.5), cycle by cycle.
+
+use super::rig::{CYCLE, Rig, linear, rotary};
+use crate::axis::{
+    Axis, AxisConfig, AxisState, Block, CamIn, ControllerMode, Direction, MoveAbsolute,
+    MoveVelocity, Movement, Power, SetControllerMode, SmcError, TimeAxis, VirtualDrive, units,
+};
+use crate::cam::{
+    Action, Cam, CamInput, CamTable, Knot, Passage, Shape, StartMode, Tappet, TappetValue,
+};
+use std::sync::Arc;
+
+fn absolute(position: f64, direction: Direction) -> Block<MoveAbsolute> {
+    let (velocity, acceleration, deceleration) = (100.0, 100.0, 100.0);
+    Block::new(MoveAbsolute { position, velocity, acceleration, deceleration, direction })
+}
+
+/// 11.2: three linear drives of a gantry from −50 to +50 cm, counted in 10⁻⁷ m and told in mm, and a rotary one of 65536
+/// increments a turn, told in degrees, which goes over from position to torque. (The manual prints ±5000 mm.)
+#[test]
+fn a_gantry_and_a_rotary_drive() {
+    let gantry = AxisConfig {
+        ratio: [1, 10_000],
+        software_limits: Some([-500.0, 500.0]),
+        max_velocity: 500.0,
+        max_acceleration: 5_000.0,
+        max_deceleration: 5_000.0,
+        ..AxisConfig::default()
+    };
+    assert_eq!(units(5_000_000, gantry.ratio), 500.0, "50 cm are 5 million increments");
+    for (drive_id, end) in [(1, 500.0), (2, -500.0), (3, 500.0)] {
+        let mut rig = Rig::new(AxisConfig { drive_id, ..gantry });
+        assert_eq!(rig.axis.read_parameter(1021), Ok(f64::from(drive_id)), "wDriveId");
+        let mut fast = absolute(end, Direction::Shortest);
+        fast.inputs.velocity = 400.0;
+        rig.until(|axis| fast.call(true, axis).done);
+        assert_eq!((rig.axis.set_position(), rig.axis.error_id()), (end, None));
+        let mut beyond = absolute(end * 1.01, Direction::Shortest);
+        rig.until(|axis| beyond.call(true, axis).error.is_some());
+        assert_eq!(rig.axis.error_id(), Some(10), "SMC_DI_SWLIMITS_EXCEEDED");
+    }
+    let mut rig = Rig::new(AxisConfig {
+        ratio: [360, 65_536],
+        movement: Movement::Rotary { period: 360.0 },
+        drive_id: 4,
+        ..AxisConfig::default()
+    });
+    assert_eq!(units(16_384, [360, 65_536]), 90.0);
+    // Onto the bottle's cap, and tight.
+    let mut turn = absolute(270.0, Direction::Positive);
+    rig.until(|axis| turn.call(true, axis).done);
+    assert_eq!(rig.axis.set_torque(1.5), Err(SmcError::StWrongControllerMode));
+    let mut mode = SetControllerMode::new(ControllerMode::Torque);
+    rig.until(|axis| mode.call(true, axis).done);
+    rig.axis.set_torque(1.5).expect("torque mode");
+    rig.cycle(|_| ());
+    rig.cycle(|_| ());
+    assert_eq!((rig.axis.act_torque(), rig.axis.act_position()), (1.5, 270.0));
+}
+
+/// 11.3: power until `Status`, then to `p` again and again; another `p` is gone to after the one before.
+#[test]
+fn power_and_move_absolute() {
+    let mut axis = Axis::new(AxisConfig { cycle: CYCLE, ..AxisConfig::default() });
+    let mut drive = VirtualDrive::new(0.0);
+    let (mut init, mut p) = (false, 100.0);
+    let mut move_absolute = absolute(p, Direction::Shortest);
+    let mut reached = Vec::new();
+    for cycle in 0..500 {
+        axis.begin_cycle(&drive.feedback());
+        if init {
+            move_absolute.inputs.position = p;
+            if move_absolute.call(true, &mut axis).done {
+                reached.push((cycle, axis.set_position()));
+                move_absolute.call(false, &mut axis);
+            }
+        } else {
+            let power = Power { regulator_on: true, drive_start: true };
+            init = power.call(true, &mut axis).status;
+        }
+        drive.follow(&axis.end_cycle());
+        if cycle == 50 {
+            // "If one forces the value of p", on the way.
+            p = 0.0;
+        }
+    }
+    // 100 u with 100 u/s and 100 u/s²: 1 s up, 1 s down. Afterwards it is done in each cycle there and then.
+    let (first, place) = reached[0];
+    assert_eq!((reached.iter().filter(|(_, place)| *place == 100.0).count(), place), (1, 100.0));
+    let back = reached[1];
+    assert_eq!(back, (first + 200, 0.0));
+    assert!((200..=203).contains(&first), "{first}");
+    assert!(reached[2..].iter().all(|(_, place)| *place == 0.0));
+}
+
+/// 11.4: a rotary axis turns by `MC_MoveVelocity`; `MC_MoveAbsolute` interrupts it, in positive direction only.
+#[test]
+fn move_velocity_and_move_absolute_in_turn() {
+    let mut rig = rotary();
+    let mut turn = Block::new(MoveVelocity {
+        velocity: 50.0,
+        acceleration: 100.0,
+        deceleration: 100.0,
+        direction: Direction::Positive,
+    });
+    let mut go = absolute(10.0, Direction::Positive);
+    for _ in 0..2 {
+        rig.until(|axis| {
+            turn.call(true, axis);
+            go.call(false, axis);
+            axis.set_position() > 20.0 && axis.set_position() < 30.0
+        });
+        assert_eq!(rig.axis.state(), AxisState::ContinuousMotion);
+        // 350 u on, not 15 back.
+        let (mut aborted, mut way, mut before) = (false, 0.0, rig.axis.set_position());
+        let from = before;
+        rig.until(|axis| {
+            aborted |= turn.call(true, axis).command_aborted;
+            let done = go.call(true, axis).done;
+            let step = (axis.set_position() - before).rem_euclid(360.0);
+            assert!(step < 100.0 * CYCLE + 1e-9, "backwards: {step}");
+            way += step;
+            before = axis.set_position();
+            done
+        });
+        assert!(aborted);
+        assert!((way - (370.0 - from)).abs() < 1e-9, "{way} from {from}");
+        assert_eq!((rig.axis.set_position(), rig.axis.state()), (10.0, AxisState::Standstill));
+        rig.cycle(|axis| (turn.call(false, axis), go.call(false, axis)));
+    }
+}
+
+/// 11.5: a virtual time axis of 10 s leads a linear drive through a periodic cam; its inverting tappet switches every
+/// 10 s.
+#[test]
+fn a_cam_over_a_virtual_time_axis() {
+    let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(4.0, 100.0), Knot::at_rest(10.0, 0.0)];
+    let tappet = Tappet { group: 1, master: 2.0, passage: Passage::Every, action: Action::Invert };
+    let cam = Cam::new("cam", Shape::Polynomial(knots), vec![tappet]).expect("a cam");
+    let table_select = CamTable::new(Arc::new(cam));
+    let curve = table_select.cam.curve().clone();
+    let mut cam_in = Block::new(CamIn {
+        table: Some(table_select),
+        input: CamInput {
+            start_mode: StartMode::RampIn,
+            velocity_difference: 100.0,
+            acceleration: 100.0,
+            deceleration: 100.0,
+            ..CamInput::default()
+        },
+    });
+    let mut time_axis = TimeAxis::new(CYCLE, Some(10.0));
+    let mut value = TappetValue::new(1, false, false);
+    let mut drive: Rig = linear();
+    // The drive is not where the cam begins.
+    let mut aside = absolute(5.0, Direction::Shortest);
+    drive.until(|axis| aside.call(true, axis).done);
+    let (mut switched, mut in_sync, mut before) = (Vec::new(), None, false);
+    let mut velocity = 0.0;
+    for cycle in 0..3500_u32 {
+        let tappet = drive.cycle(|axis| {
+            let master = time_axis.call(true).clone();
+            let shown = cam_in.follow(true, &master, axis);
+            assert!(shown.error.is_none() && !shown.command_aborted, "{shown:?}");
+            if shown.done && in_sync.is_none() {
+                in_sync = Some(cycle);
+            }
+            cam_in.running().is_some_and(|run| value.step(&run.coupling().output().tappets))
+        });
+        // At most what the cam asks for, 100·π²/2/4² u/s² or so, and 100 u/s² of the ramp.
+        let change = (drive.axis.set_velocity() - velocity).abs();
+        assert!(change < 150.0 * CYCLE, "cycle {cycle}: {change}");
+        velocity = drive.axis.set_velocity();
+        if in_sync.is_some() {
+            let place = curve.at(time_axis.axis().set_position()).position;
+            assert!((drive.axis.set_position() - place).abs() < 1e-9, "cycle {cycle}");
+        }
+        if tappet != before {
+            switched.push(cycle);
+        }
+        before = tappet;
+    }
+    // 5 u with 100 u/s² take 2·√(5/100) s.
+    assert!(in_sync.is_some_and(|cycle| (44..=46).contains(&cycle)), "{in_sync:?}");
+    // At 2, 12, 22 and 32 s: every 10 s.
+    let close = |(cycle, at): (&u32, u32)| cycle.abs_diff(at) <= 1;
+    assert!(
+        switched.len() == 4 && switched.iter().zip([200, 1200, 2200, 3200]).all(close),
+        "{switched:?}"
+    );
+}

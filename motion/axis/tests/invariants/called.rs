@@ -1,0 +1,441 @@
+//! Every block that moves an axis, with inputs that change at random.
+
+use super::checker::Promise;
+use super::random::Random;
+use super::{FASTEST, STEEPEST};
+use crate::axis::profile::{ProfilePoint, State};
+use crate::axis::{
+    AbortTrigger, AccelerationProfile, Axis, Block, CamIn, ControlAxisBy, Decouple, Direction,
+    Follow, GearIn, GearInPos, Halt, Home, HomingBySwitch, HomingMode, Master, Motion,
+    MoveAbsolute, MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative,
+    MoveSuperImposed, MoveVelocity, Outputs, Phasing, Points, PositionProfile, Stop, TouchProbe,
+    Trigger, VelocityProfile,
+};
+use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
+use std::any::type_name;
+use std::sync::Arc;
+
+/// A block that can be called.
+pub(super) trait Called {
+    fn call(
+        &mut self,
+        execute: bool,
+        random: &mut Random,
+        axis: &mut Axis,
+        master: &Axis,
+    ) -> Outputs;
+
+    /// Other inputs, now and then wrong ones.
+    fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis);
+
+    /// What it is called.
+    fn name(&self) -> &'static str {
+        type_name::<Self>()
+    }
+
+    /// Who it is while it moves the axis.
+    fn owner(&self) -> i64 {
+        0
+    }
+
+    /// Whether it never ends, never fails, and is never aborted.
+    fn exceptions(&self) -> [bool; 3] {
+        let name = self.name();
+        [
+            name.contains("Follow") || name.contains("ControlAxis"),
+            name.contains("Probe"),
+            name.contains("Stop") || name.contains("Hom"),
+        ]
+    }
+
+    /// What it keeps while it moves the axis.
+    fn promise(&self) -> Promise {
+        Promise::USUAL
+    }
+}
+
+/// What a block needs beside its axis, from the master.
+trait Take {
+    fn take(master: &Axis) -> Self;
+}
+
+impl Take for () {
+    fn take(_: &Axis) -> Self {}
+}
+
+impl Take for Master {
+    fn take(master: &Axis) -> Self {
+        Self::of(master)
+    }
+}
+
+/// A [`Block`], how its inputs are chosen, and how those that count every cycle change.
+struct Moving<M: Motion> {
+    block: Block<M>,
+    promise: Promise,
+    inputs: fn(&mut Random, &Axis, &Axis) -> M,
+    live: Live<M>,
+    execute: bool,
+}
+
+/// How inputs that count every cycle change, with how the axis goes on from the last cycle.
+type Live<M> = fn(&mut M, &mut Random, &Axis, State);
+
+impl<M: Motion<With: Take> + Clone> Called for Moving<M> {
+    fn call(
+        &mut self,
+        execute: bool,
+        random: &mut Random,
+        axis: &mut Axis,
+        master: &Axis,
+    ) -> Outputs {
+        let rises = execute && !self.execute;
+        self.execute = execute;
+        // Who takes over does so from all there is, motions on top included.
+        let goes_on = self.block.owner() == Some(axis.owner()) && !rises;
+        let from = if goes_on { axis.saved_base } else { axis.saved };
+        (self.live)(&mut self.block.inputs, random, axis, from);
+        self.block.call_with(execute, axis, M::With::take(master))
+    }
+
+    fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis) {
+        self.block.inputs = (self.inputs)(random, axis, master);
+    }
+
+    fn name(&self) -> &'static str {
+        type_name::<M>()
+    }
+
+    fn owner(&self) -> i64 {
+        self.block.owner().unwrap_or_default()
+    }
+
+    fn promise(&self) -> Promise {
+        self.promise
+    }
+}
+
+/// A block that keeps the usual limits.
+fn limited<M: Motion<With: Take> + Clone + 'static>(
+    inputs: fn(&mut Random, &Axis, &Axis) -> M,
+) -> Box<dyn Called> {
+    any(Promise::USUAL, inputs, |_, _, _, _| ())
+}
+
+fn any<M: Motion<With: Take> + Clone + 'static>(
+    promise: Promise,
+    inputs: fn(&mut Random, &Axis, &Axis) -> M,
+    live: Live<M>,
+) -> Box<dyn Called> {
+    let nowhere = Axis::new(crate::axis::AxisConfig::default());
+    let block = Block::new(inputs(&mut Random(1), &nowhere, &nowhere));
+    Box::new(Moving { block, promise, inputs, live, execute: false })
+}
+
+struct OnTop(MoveSuperImposed);
+
+impl Called for OnTop {
+    fn call(&mut self, execute: bool, _: &mut Random, axis: &mut Axis, _: &Axis) -> Outputs {
+        self.0.call(execute, axis)
+    }
+
+    fn change(&mut self, random: &mut Random, _: &Axis, _: &Axis) {
+        self.0.distance = random.between(-6.0, 6.0);
+        self.0.velocity_diff = speed(random);
+        (self.0.acceleration, self.0.deceleration) = (rate(random), rate(random));
+    }
+}
+
+/// A probe of the program or of the drive.
+struct Probe {
+    block: TouchProbe,
+    trigger: Trigger,
+    abort: AbortTrigger,
+}
+
+impl Called for Probe {
+    fn call(&mut self, execute: bool, random: &mut Random, axis: &mut Axis, _: &Axis) -> Outputs {
+        self.trigger.input = random.one_in(100);
+        self.abort.call(random.one_in(500), axis, &mut self.trigger);
+        self.block.call(execute, axis, &mut self.trigger).outputs
+    }
+
+    fn change(&mut self, random: &mut Random, _: &Axis, _: &Axis) {
+        let window = [random.between(0.0, 90.0), random.between(0.0, 90.0)];
+        self.block.window = (!random.one_in(3)).then_some(window);
+    }
+}
+
+fn rate(random: &mut Random) -> f64 {
+    if random.one_in(50) { 0.0 } else { random.between(0.2 * STEEPEST, STEEPEST) }
+}
+
+fn speed(random: &mut Random) -> f64 {
+    random.between(0.1, 0.5 * FASTEST)
+}
+
+fn way(random: &mut Random) -> f64 {
+    random.between(-20.0, 20.0)
+}
+
+/// Moves of the axis alone.
+pub(super) fn single() -> Vec<Box<dyn Called>> {
+    vec![
+        limited(|random, _, _| MoveAbsolute {
+            position: random.between(0.0, 90.0),
+            velocity: speed(random),
+            acceleration: rate(random),
+            deceleration: rate(random),
+            direction: random.direction(),
+        }),
+        limited(|random, _, _| MoveRelative {
+            distance: way(random),
+            velocity: speed(random),
+            acceleration: rate(random),
+            deceleration: rate(random),
+        }),
+        limited(|random, _, _| MoveAdditive {
+            distance: way(random),
+            velocity: speed(random),
+            acceleration: rate(random),
+            deceleration: rate(random),
+        }),
+        limited(|random, _, _| MoveVelocity {
+            velocity: speed(random),
+            acceleration: rate(random),
+            deceleration: rate(random),
+            direction: random.direction(),
+        }),
+        limited(|random, _, _| Halt { deceleration: rate(random) }),
+        limited(|random, _, _| Stop { deceleration: rate(random) }),
+        on_top(),
+    ]
+}
+
+/// Called last, as the manual has it.
+fn on_top() -> Box<dyn Called> {
+    Box::new(OnTop(MoveSuperImposed::new(1.0, 1.0, 1.0, 1.0)))
+}
+
+fn probe(trigger: Trigger) -> Box<dyn Called> {
+    Box::new(Probe { block: TouchProbe::new(None), trigger, abort: AbortTrigger::default() })
+}
+
+/// All blocks there are.
+pub(super) fn all() -> Vec<Box<dyn Called>> {
+    let mut blocks = single();
+    blocks.pop();
+    blocks.extend(continued());
+    blocks.extend(coupled());
+    blocks.extend(direct());
+    blocks.extend(homed());
+    blocks.extend([probe(Trigger::of_program()), probe(Trigger::of_drive(1)), on_top()]);
+    blocks
+}
+
+/// Moves on from a place, and through tables.
+fn continued() -> Vec<Box<dyn Called>> {
+    /// Some steps of random size, smaller than `size`.
+    fn points(random: &mut Random, size: f64, end: Option<f64>) -> Points {
+        let mut points: Vec<_> = (0..random.one_of(&[1, 2, 5]))
+            .map(|_| ProfilePoint {
+                delta_time: random.between(0.2, 0.6),
+                value: random.between(-size, size),
+            })
+            .collect();
+        if let Some(value) = end.filter(|_| !random.one_in(3)) {
+            points.push(ProfilePoint { delta_time: 0.4, value });
+        }
+        Points::new(points)
+    }
+    let smooth = Promise::Smooth;
+    vec![
+        limited(|random, _, _| MoveContinuousAbsolute {
+            position: random.between(0.0, 90.0),
+            velocity: 0.5 * FASTEST,
+            end_velocity: speed(random),
+            end_velocity_direction: random.direction(),
+            acceleration: rate(random),
+            deceleration: rate(random),
+            direction: random.direction(),
+        }),
+        limited(|random, _, _| MoveContinuousRelative {
+            distance: way(random),
+            velocity: 0.5 * FASTEST,
+            end_velocity: speed(random),
+            end_velocity_direction: random.direction(),
+            acceleration: rate(random),
+            deceleration: rate(random),
+        }),
+        any(
+            smooth,
+            |random, _, _| PositionProfile(Points { absolute: false, ..points(random, 3.0, None) }),
+            |_, _, _, _| (),
+        ),
+        any(
+            smooth,
+            |random, _, _| VelocityProfile(points(random, 10.0, Some(0.0))),
+            |_, _, _, _| (),
+        ),
+        any(
+            smooth,
+            |random, _, _| AccelerationProfile(points(random, 20.0, None)),
+            |_, _, _, _| (),
+        ),
+    ]
+}
+
+/// Behind a master that does at most 10 u/s and 60 u/s².
+fn coupled() -> Vec<Box<dyn Called>> {
+    vec![
+        limited(|random, _, _| GearIn {
+            ratio_numerator: random.one_of(&[-3, -2, -1, 0, 1, 2, 3]),
+            ratio_denominator: random.one_of(&[2, 2, 3, 5, 0]),
+            acceleration: rate(random),
+            deceleration: rate(random),
+        }),
+        limited(|random, _, _| Phasing {
+            phase_shift: way(random),
+            velocity: random.between(0.1, 5.0),
+            acceleration: rate(random).min(100.0),
+            deceleration: rate(random).min(100.0),
+        }),
+        any(
+            Promise::Smooth,
+            |random, axis, master| {
+                let sign = if master.set_velocity() < 0.0 { -1.0 } else { 1.0 };
+                GearInPos {
+                    ratio_numerator: random.one_of(&[-3, -1, 1, 2, 3]),
+                    ratio_denominator: random.one_of(&[1, 2, 5, 0]),
+                    master_sync_position: master.set_position() + sign * random.between(2.0, 30.0),
+                    slave_sync_position: axis.set_position() + way(random),
+                    master_start_distance: random.one_of(&[0.0, 5.0, 20.0]),
+                }
+            },
+            |_, _, _, _| (),
+        ),
+        any(
+            Promise::Smooth,
+            |random, _, _| CamIn { table: cam(random), input: cam_input(random) },
+            |_, _, _, _| (),
+        ),
+        // On with whatever velocity there was.
+        any(Promise::Limits([f64::INFINITY, STEEPEST]), |_, _, _| Decouple, |_, _, _, _| ()),
+    ]
+}
+
+fn cam(random: &mut Random) -> Option<CamTable> {
+    let knots =
+        vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(40.0, way(random)), Knot::at_rest(90.0, 0.0)];
+    let cam = Cam::new("cam", Shape::Polynomial(knots), Vec::new()).unwrap();
+    let table = CamTable {
+        periodic: random.one_in(2),
+        master_absolute: random.one_in(2),
+        slave_absolute: random.one_in(2),
+        ..CamTable::new(Arc::new(cam))
+    };
+    (!random.one_in(20)).then_some(table)
+}
+
+fn cam_input(random: &mut Random) -> CamInput {
+    // The other two are allowed to jump.
+    let modes = [StartMode::RampIn, StartMode::RampInPositive, StartMode::RampInNegative];
+    CamInput {
+        master_scaling: random.between(0.5, 1.5),
+        slave_offset: way(random),
+        slave_scaling: random.between(-1.0, 1.0),
+        start_mode: random.one_of(&modes),
+        velocity_difference: speed(random),
+        acceleration: rate(random),
+        deceleration: rate(random),
+        ..CamInput::default()
+    }
+}
+
+/// Set-points from the program: a walk for those that are not watched, jumps for those that are.
+fn direct() -> Vec<Box<dyn Called>> {
+    fn walk(it: &mut Follow, random: &mut Random, axis: &Axis, last: State) {
+        let change = random.between(-STEEPEST, STEEPEST) * axis.cycle();
+        let velocity = (last.velocity + change).clamp(-0.5 * FASTEST, 0.5 * FASTEST);
+        let mean = 0.5 * (last.velocity + velocity);
+        let after = |velocity: f64| axis.in_program(last.position + velocity * axis.cycle());
+        *it = match *it {
+            Follow::Position(_) => Follow::Position(after(velocity)),
+            Follow::Velocity(_) => Follow::Velocity(velocity),
+            Follow::PositionVelocity(..) => Follow::PositionVelocity(after(mean), velocity),
+        };
+    }
+    fn kind(random: &mut Random) -> Follow {
+        let kinds =
+            [Follow::Position(0.0), Follow::Velocity(0.0), Follow::PositionVelocity(0.0, 0.0)];
+        random.one_of(&kinds)
+    }
+    vec![
+        any(Promise::Smooth, |random, _, _| kind(random), walk),
+        any(
+            Promise::Rates([FASTEST, STEEPEST]),
+            |random, _, _| ControlAxisBy {
+                setpoint: kind(random),
+                avoid_gaps: true,
+                gap_velocity: random.between(-1.0, 0.5 * FASTEST),
+                gap_acceleration: rate(random),
+                gap_deceleration: rate(random),
+            },
+            |it, random, _, _| {
+                if !random.one_in(50) {
+                    return;
+                }
+                let position = random.between(0.0, 90.0);
+                it.setpoint = match it.setpoint {
+                    Follow::Position(_) => Follow::Position(position),
+                    Follow::Velocity(_) => Follow::Velocity(0.5 * way(random)),
+                    Follow::PositionVelocity(..) => Follow::PositionVelocity(position, 0.0),
+                };
+            },
+        ),
+    ]
+}
+
+/// Homing by the program's switch and by the drive.
+fn homed() -> Vec<Box<dyn Called>> {
+    use HomingMode::{
+        FastBackSlowIndexSetStop, FastBackSlowSetStop, FastBackSlowStopSet, FastSlowIndexSetStop,
+        FastSlowSetStop, FastSlowStopSet,
+    };
+    const MODES: [HomingMode; 6] = [
+        FastBackSlowSetStop,
+        FastBackSlowStopSet,
+        FastBackSlowIndexSetStop,
+        FastSlowSetStop,
+        FastSlowStopSet,
+        FastSlowIndexSetStop,
+    ];
+    vec![
+        any(
+            Promise::USUAL,
+            |random, _, _| HomingBySwitch {
+                home_position: way(random),
+                velocity_slow: random.between(0.5, 3.0),
+                velocity_fast: speed(random),
+                acceleration: rate(random),
+                deceleration: rate(random),
+                direction: random.one_of(&[Direction::Negative, Direction::Positive]),
+                end_switch: true,
+                signal_delay: random.one_of(&[0.0, 0.03]),
+                mode: random.one_of(&MODES),
+                return_to_zero: random.one_in(2),
+                index_occurred: false,
+                index_position: 0.0,
+                ignore_hw_limit: random.one_in(2),
+            },
+            |it, _, axis, _| {
+                // Closed for 2 u of every 10 of the drive's, a pulse at each tenth u.
+                let at = axis.to_drive(axis.act_position());
+                it.end_switch = at.rem_euclid(10.0) >= 2.0;
+                it.index_occurred = at.rem_euclid(1.0) < 0.1;
+                it.index_position = axis.in_program(at.floor());
+            },
+        ),
+        any(Promise::Nothing, |random, _, _| Home { position: way(random) }, |_, _, _, _| ()),
+    ]
+}

@@ -1,0 +1,208 @@
+//! What has to hold, cycle after cycle, whatever is called.
+
+use super::{FASTEST, JERK, STEEPEST};
+use crate::axis::profile::RampType;
+use crate::axis::tests::rig::CYCLE;
+use crate::axis::{Axis, AxisState, Outputs};
+
+/// One begun execution of a block, from its edge on.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tally {
+    open: bool,
+    reached: bool,
+    before: Outputs,
+}
+
+/// What moves the axis has promised to keep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Promise {
+    /// Velocity, u/s, and rate, u/s², once it has come back to them, and the jerk of parabolic ramps.
+    Limits([f64; 2]),
+    /// The same without the jerk.
+    Rates([f64; 2]),
+    /// That position, velocity and acceleration belong together.
+    Smooth,
+    /// Nothing: the drive moves itself.
+    Nothing,
+}
+
+impl Promise {
+    /// Of an axis that moves by blocks with limits, or by nothing.
+    pub(super) const USUAL: Self = Self::Limits([0.5 * FASTEST, STEEPEST]);
+}
+
+/// What the last cycle was, and which executions of blocks have not come to their end.
+#[derive(Debug)]
+pub(super) struct Checker {
+    state: AxisState,
+    /// Drive's position, velocity and acceleration of the last set-point.
+    motion: [f64; 3],
+    tallies: Vec<Tally>,
+}
+
+impl Checker {
+    pub(super) fn new(axis: &Axis, blocks: usize) -> Self {
+        Self {
+            state: axis.state(),
+            motion: [axis.to_drive(axis.set_position()), 0.0, 0.0],
+            tallies: vec![Tally::default(); blocks],
+        }
+    }
+
+    /// What a block showed last.
+    pub(super) fn before(&self, index: usize) -> Outputs {
+        self.tallies[index].before
+    }
+
+    /// What a block shows.
+    pub(super) fn block(
+        &mut self,
+        index: usize,
+        rising: bool,
+        shown: Outputs,
+    ) -> Result<(), String> {
+        let tally = &mut self.tallies[index];
+        let shows = [shown.done, shown.command_aborted, shown.error.is_some()];
+        if shows.iter().filter(|it| **it).count() > 1 {
+            return Err(format!("block {index} shows {shown:?} at once"));
+        }
+        if rising {
+            *tally = Tally { open: true, ..Tally::default() };
+        }
+        let came = (shown.done && (rising || !tally.before.done))
+            || (shown.command_aborted && (rising || !tally.before.command_aborted))
+            || (shown.error.is_some() && (rising || tally.before.error.is_none()));
+        if came {
+            if !tally.open {
+                return Err(format!("block {index} ends twice: {shown:?}"));
+            }
+            if shown.done && shown.busy {
+                if tally.reached {
+                    return Err(format!("block {index} reaches its velocity twice"));
+                }
+                tally.reached = true;
+            } else {
+                tally.open = false;
+            }
+        }
+        if shown.busy && !tally.open {
+            return Err(format!("block {index} is busy after its end"));
+        }
+        if tally.open && !shown.busy {
+            // A stop that has been done gives the axis back with Execute.
+            if !tally.reached {
+                return Err(format!("block {index} has no end"));
+            }
+            tally.open = false;
+        }
+        tally.before = shown;
+        Ok(())
+    }
+
+    /// What the axis does in this cycle; `owners` are who the blocks say they are. `followed` u/s² is what the master's
+    /// change of velocity makes of the slave's.
+    pub(super) fn cycle(
+        &mut self,
+        axis: &Axis,
+        owners: &[i64],
+        promise: Promise,
+        followed: f64,
+    ) -> Result<(), String> {
+        // States: every step of this cycle is a way of the diagram (two of them at most).
+        let legal = self.state.leads_to(axis.state())
+            || self.state == axis.state()
+            || AxisState::ALL
+                .iter()
+                .any(|via| self.state.leads_to(*via) && via.leads_to(axis.state()));
+        if !legal {
+            return Err(format!("{:?} to {:?}", self.state, axis.state()));
+        }
+        // Owners: those who think they move it are the one that does.
+        let claims = owners.iter().filter(|owner| axis.owner() == **owner && **owner != 0).count();
+        if claims > 1 || (axis.owner() != 0) != (claims == 1) {
+            return Err(format!("{claims} blocks own {}", axis.owner()));
+        }
+        let may_be_owned = axis.state().is_motion()
+            || [AxisState::Stopping, AxisState::Homing].contains(&axis.state());
+        if axis.owner() != 0 && !may_be_owned {
+            return Err(format!("{} moves it in {:?}", axis.owner(), axis.state()));
+        }
+        let moving = axis.owner() != 0 || axis.overlay_owner != 0;
+        if may_be_owned && !moving {
+            return Err(format!("nobody moves it in {:?}", axis.state()));
+        }
+        self.motion(axis, promise, followed)?;
+        self.state = axis.state();
+        Ok(())
+    }
+
+    /// Continuous, and within the limits. Positions are the drive's: where the zero is moves nothing.
+    fn motion(&mut self, axis: &Axis, promise: Promise, followed: f64) -> Result<(), String> {
+        let wrapped = axis.set_position();
+        if axis.period().is_some_and(|period| !(0.0..period).contains(&wrapped)) {
+            return Err(format!("{wrapped} is outside the period"));
+        }
+        let [before, v0, a0] = self.motion;
+        let now = [axis.to_drive(wrapped), axis.set_velocity(), axis.set_acceleration()];
+        self.motion = now;
+        let [position, velocity, acceleration] = now;
+        if !now.iter().all(|value| value.is_finite()) {
+            return Err(format!("{now:?}"));
+        }
+        let way = position - before;
+        let way = axis.period().map_or(way, |period| way - period * (way / period).round());
+        let off = (way - 0.5 * (velocity + v0) * CYCLE).abs();
+        let change = (velocity - v0).abs();
+        let steepest = acceleration.abs().max(a0.abs());
+        if !axis.is_powered() || promise == Promise::Nothing {
+            return Ok(());
+        }
+        let on_top = if axis.overlay_moved { STEEPEST } else { 0.0 };
+        let (Promise::Limits([fastest, steep]) | Promise::Rates([fastest, steep])) = promise else {
+            // What the accelerations at both ends allow, and half as much for what was between them.
+            let steepest = steepest.max(STEEPEST) + on_top + followed;
+            if off > 0.75 * steepest * CYCLE * CYCLE + 1e-9 {
+                return Err(format!("a way of {way} with {velocity} after {v0} u/s"));
+            }
+            if change > 1.5 * steepest * CYCLE + 1e-9 {
+                return Err(format!("{velocity} after {v0} u/s with {acceleration} after {a0}"));
+            }
+            return Ok(());
+        };
+        // Beyond the limits it first comes back to them; an acceleration takes its time under limited jerk.
+        let (base, overlay) = (axis.base, axis.overlay);
+        // An axis in errorstop brakes both together.
+        let stopping = axis.state() == AxisState::ErrorStop;
+        let from = if stopping { axis.saved } else { axis.saved_base };
+        let settling = 0.5 * from.acceleration * from.acceleration / JERK;
+        let settling = if axis.ramp() == RampType::Trapezoid { 0.0 } else { settling };
+        let allowed = fastest.max(from.velocity.abs() + settling);
+        if base.velocity.abs() > allowed * (1.0 + 1e-6) {
+            return Err(format!("{base:?} after {from:?}, allowed {fastest} u/s"));
+        }
+        let allowed = steep.max(from.acceleration.abs());
+        if base.acceleration.abs() > allowed * (1.0 + 1e-6) {
+            return Err(format!("{base:?} after {from:?}, allowed {steep} u/s²"));
+        }
+        if overlay.velocity.abs() > 0.5 * FASTEST || overlay.acceleration.abs() > STEEPEST {
+            return Err(format!("{overlay:?} on top"));
+        }
+        // Both together from here on.
+        let rate = (steep + on_top).max(a0.abs());
+        // No step of the position: the way is the mean velocity's, but for what the rate can add.
+        if off > 0.5 * rate * CYCLE * CYCLE + 1e-9 {
+            return Err(format!("a way of {way} with {velocity} after {v0} u/s"));
+        }
+        if change > rate * CYCLE * (1.0 + 1e-6) + 1e-9 {
+            return Err(format!("{velocity} after {v0} u/s, allowed {rate} u/s²"));
+        }
+        if axis.ramp() == RampType::Parabolic && matches!(promise, Promise::Limits(_)) {
+            let change = (acceleration - a0).abs();
+            // Two motions on top of each other have the jerk each.
+            if change > 2.0 * JERK * CYCLE * (1.0 + 1e-6) {
+                return Err(format!("{acceleration} after {a0} u/s²"));
+            }
+        }
+        Ok(())
+    }
+}

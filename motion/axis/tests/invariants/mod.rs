@@ -1,0 +1,411 @@
+//! Random sequences of blocks keep what always has to hold: one owner, legal states, limits, continuous motion, and
+//! every beginning of a block coming to exactly one end.
+
+mod called;
+mod checker;
+mod random;
+
+use super::rig::CYCLE;
+use crate::axis::profile::RampType;
+use crate::axis::{
+    Axis, AxisConfig, AxisState, Block, Direction, Halt, MoveAbsolute, MoveVelocity, Movement,
+    Outputs, Power, Reset, VirtualDrive,
+};
+use called::Called;
+use checker::{Checker, Promise};
+use random::Random;
+use std::fmt::Write as _;
+
+/// Largest velocity of an axis, u/s; blocks are given half of it.
+const FASTEST: f64 = 30.0;
+/// Largest rate that a block is given, u/s²; on top of each other two of them.
+const STEEPEST: f64 = 200.0;
+const JERK: f64 = 2_000.0;
+
+/// How often each kind of end came.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    done: u32,
+    aborted: u32,
+    failed: u32,
+}
+
+/// An axis that is led about, for others to follow: at most 10 u/s and 60 u/s².
+struct Lead {
+    axis: Axis,
+    drive: VirtualDrive,
+    to: Block<MoveAbsolute>,
+    on: Block<MoveVelocity>,
+    halt: Block<Halt>,
+    which: usize,
+}
+
+impl Lead {
+    fn new(config: AxisConfig) -> Self {
+        let (velocity, acceleration, deceleration) = (10.0, 60.0, 60.0);
+        let (position, direction) = (30.0, Direction::Positive);
+        let to = MoveAbsolute { position, velocity, acceleration, deceleration, direction };
+        let on = MoveVelocity { velocity, acceleration, deceleration, direction };
+        Self {
+            axis: Axis::new(AxisConfig { jerk: 0.5 * JERK, ..config }),
+            drive: VirtualDrive::new(0.0),
+            to: Block::new(to),
+            on: Block::new(on),
+            halt: Block::new(Halt { deceleration }),
+            which: 0,
+        }
+    }
+
+    fn cycle(&mut self, random: &mut Random) {
+        let changes = random.one_in(150);
+        if changes {
+            self.which = random.one_of(&[0, 1, 1, 2]);
+            self.to.inputs.position = random.between(0.0, 90.0);
+            self.to.inputs.direction = random.direction();
+            self.on.inputs.velocity = random.between(0.0, 10.0);
+            self.on.inputs.direction = random.one_of(&[Direction::Positive, Direction::Negative]);
+        }
+        self.axis.begin_cycle(&self.drive.feedback());
+        let powered = POWER.call(true, &mut self.axis).status;
+        let mut execute = [false; 3];
+        execute[self.which] = powered && !changes;
+        // Old ones are called until they say so; the new one begins the cycle after.
+        self.to.call(execute[0], &mut self.axis);
+        self.on.call(execute[1], &mut self.axis);
+        self.halt.call(execute[2], &mut self.axis);
+        self.drive.follow(&self.axis.end_cycle());
+    }
+}
+
+const POWER: Power = Power { regulator_on: true, drive_start: true };
+
+/// What else happens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Around {
+    /// Now and then the program is not called for a cycle.
+    Forgotten,
+    /// Beside that, the zero moves, the power fails, the drive has errors and captures positions.
+    Everything,
+    /// As the first, on an axis with software limits.
+    Limits,
+}
+
+/// Software limits, u.
+const WINDOW: [f64; 2] = [-40.0, 40.0];
+
+/// Calls the blocks of an axis at random; `spoil` may break a rule on the way.
+struct Run {
+    random: Random,
+    axis: Axis,
+    drive: VirtualDrive,
+    lead: Lead,
+    blocks: Vec<Box<dyn Called>>,
+    execute: Vec<bool>,
+    reset: Reset,
+    around: Around,
+    without_power: u32,
+    /// What a follower of the master's positions gets from its change of velocity, u/s².
+    followed: f64,
+    seen: Vec<Seen>,
+    resets: u32,
+    calls: u32,
+}
+
+impl Run {
+    fn new(
+        seed: u64,
+        (movement, ramp): (Movement, RampType),
+        blocks: Vec<Box<dyn Called>>,
+        around: Around,
+    ) -> Self {
+        let config = AxisConfig {
+            movement,
+            ramp,
+            cycle: CYCLE,
+            jerk: JERK,
+            max_velocity: FASTEST,
+            max_acceleration: STEEPEST,
+            max_deceleration: STEEPEST,
+            software_limits: (around == Around::Limits).then_some(WINDOW),
+            ..AxisConfig::default()
+        };
+        let mut run = Self {
+            random: Random(seed),
+            axis: Axis::new(config),
+            drive: VirtualDrive::new(0.0),
+            lead: Lead::new(config),
+            execute: vec![false; blocks.len()],
+            seen: vec![Seen::default(); blocks.len()],
+            blocks,
+            reset: Reset::default(),
+            around,
+            without_power: 0,
+            followed: 0.0,
+            resets: 0,
+            calls: 0,
+        };
+        for _ in 0..3 {
+            run.axis.begin_cycle(&run.drive.feedback());
+            POWER.call(true, &mut run.axis);
+            run.drive.follow(&run.axis.end_cycle());
+        }
+        run
+    }
+
+    /// At least so many calls of blocks.
+    fn calls(
+        &mut self,
+        calls: u32,
+        mut spoil: impl FnMut(u32, &mut Axis, &mut Outputs),
+    ) -> Result<(), String> {
+        let mut checker = Checker::new(&self.axis, self.blocks.len());
+        while self.calls < calls {
+            let before = self.lead.axis.set_velocity();
+            self.lead.cycle(&mut self.random);
+            // So much steeper than the master's is what follows its positions.
+            let slope = if before == 0.0 { 0.0 } else { self.axis.set_velocity() / before };
+            self.followed = (slope * (self.lead.axis.set_velocity() - before)).abs() / CYCLE;
+            self.cycle(&mut checker, &mut spoil)
+                .map_err(|what| format!("call {}: {what}", self.calls))?;
+        }
+        Ok(())
+    }
+
+    fn cycle(
+        &mut self,
+        checker: &mut Checker,
+        spoil: &mut impl FnMut(u32, &mut Axis, &mut Outputs),
+    ) -> Result<(), String> {
+        let was_moving = self.mover();
+        self.disturb();
+        self.axis.begin_cycle(&self.drive.feedback());
+        self.without_power = self.without_power.saturating_sub(1);
+        POWER.call(self.without_power == 0, &mut self.axis);
+        if self.around == Around::Everything && self.random.one_in(300) {
+            let place = self.random.between(-50.0, 50.0);
+            let relative = self.random.one_in(2);
+            self.axis.shift_zero(place, relative).expect("a number");
+        }
+        // Now and then a cycle without the program: error 30.
+        let forgotten = self.random.one_in(600);
+        if !forgotten {
+            self.call_blocks(checker, spoil)?;
+        }
+        let in_error = self.axis.state() == AxisState::ErrorStop;
+        self.resets += u32::from(self.reset.call(in_error && !forgotten, &mut self.axis).done);
+        self.drive.follow(&self.axis.end_cycle());
+        let owners: Vec<_> = self.blocks.iter().map(|block| block.owner()).collect();
+        // A block that is not called does not know yet that it has lost the axis.
+        let promise = self.promise(was_moving);
+        checker.cycle(&self.axis, &owners, promise, self.followed).map_err(|what| {
+            let name = |index: Option<usize>| index.map_or("", |index| self.blocks[index].name());
+            format!("{what}, moved by {} after {}", name(self.mover()), name(was_moving))
+        })
+    }
+
+    fn call_blocks(
+        &mut self,
+        checker: &mut Checker,
+        spoil: &mut impl FnMut(u32, &mut Axis, &mut Outputs),
+    ) -> Result<(), String> {
+        let (random, count) = (&mut self.random, self.blocks.len());
+        let often = 60 * u64::try_from(count).unwrap();
+        for index in 0..count {
+            let was = self.execute[index];
+            if random.one_in(if was { 60 } else { often }) {
+                self.execute[index] = !was;
+                // Inputs of one that runs do not count.
+                let other = usize::try_from(random.next()).unwrap() % count;
+                for index in [index, other] {
+                    self.blocks[index].change(random, &self.axis, &self.lead.axis);
+                }
+            }
+            let execute = self.execute[index];
+            let block = &mut self.blocks[index];
+            let mut shown = block.call(execute, random, &mut self.axis, &self.lead.axis);
+            self.calls += 1;
+            spoil(self.calls, &mut self.axis, &mut shown);
+            let before = checker.before(index);
+            let checked = checker.block(index, execute && !was, shown);
+            checked.map_err(|what| format!("{}: {what}", block.name()))?;
+            let seen = &mut self.seen[index];
+            seen.done += u32::from(shown.done && !before.done);
+            seen.aborted += u32::from(shown.command_aborted && !before.command_aborted);
+            seen.failed += u32::from(shown.error.is_some() && before.error.is_none());
+        }
+        Ok(())
+    }
+
+    /// What the drive does on its own.
+    fn disturb(&mut self) {
+        if self.around != Around::Everything {
+            return;
+        }
+        let feedback = self.drive.feedback_mut();
+        feedback.captured =
+            (self.axis.capture.is_some() && self.random.one_in(50)).then_some(feedback.position);
+        if self.random.one_in(3_000) {
+            feedback.error = Some(7);
+        }
+        feedback.communicating = !self.random.one_in(3_000);
+        if self.random.one_in(3_000) {
+            self.without_power = 5;
+        }
+    }
+
+    /// The block that moves the axis.
+    fn mover(&self) -> Option<usize> {
+        let owner = self.axis.owner();
+        self.blocks.iter().position(|block| owner != 0 && block.owner() == owner)
+    }
+
+    /// What whoever moves the axis in this cycle, or has ended in it, keeps.
+    fn promise(&self, was_moving: Option<usize>) -> Promise {
+        let of = |index: Option<usize>| index.map(|index| self.blocks[index].promise());
+        let (before, now) = (of(was_moving), of(self.mover()));
+        if before == Some(Promise::Nothing) {
+            return Promise::Nothing;
+        }
+        now.or(before).unwrap_or(Promise::USUAL)
+    }
+
+    fn total(&self) -> Seen {
+        self.seen.iter().fold(Seen::default(), |sum, it| Seen {
+            done: sum.done + it.done,
+            aborted: sum.aborted + it.aborted,
+            failed: sum.failed + it.failed,
+        })
+    }
+}
+
+const LINEAR: Movement = Movement::Linear;
+const ROTARY: Movement = Movement::Rotary { period: 90.0 };
+const KINDS: [(Movement, RampType); 6] = [
+    (LINEAR, RampType::Trapezoid),
+    (LINEAR, RampType::Sigmoid),
+    (LINEAR, RampType::Parabolic),
+    (ROTARY, RampType::Trapezoid),
+    (ROTARY, RampType::Sigmoid),
+    (ROTARY, RampType::Parabolic),
+];
+
+#[test]
+fn random_moves_keep_what_has_to_hold() {
+    for kind in KINDS {
+        for seed in 0..8 {
+            let mut run = Run::new(seed, kind, called::single(), Around::Forgotten);
+            let found = run.calls(50_000, |_, _, _| ());
+            found.unwrap_or_else(|what| panic!("{kind:?} {seed}: {what}"));
+            // It is no proof if nothing happens.
+            let seen = run.total();
+            assert!(seen.done > 20 && seen.aborted > 20 && seen.failed > 5, "{seen:?}");
+            assert!(run.resets > 0);
+        }
+    }
+}
+
+/// Beyond its software limits an axis comes no further than it takes to brake, however often it is reset there and sent
+/// on: 2.25 u from 30 u/s with 200 u/s², 3 u more until the jerk allows it, and as much again for an acceleration that is
+/// still there.
+#[test]
+fn random_moves_stay_within_the_software_limits() {
+    for ramp in [RampType::Trapezoid, RampType::Sigmoid, RampType::Parabolic] {
+        let mut beyond = 0;
+        for seed in 0..8 {
+            let mut run = Run::new(seed, (LINEAR, ramp), called::single(), Around::Limits);
+            let found = run.calls(50_000, |_, axis, _| {
+                let place = axis.set_position();
+                assert!(place.abs() < WINDOW[1] + 8.25, "{ramp:?} {seed}: {place}");
+                beyond += u32::from(axis.error_id() == Some(10));
+            });
+            found.unwrap_or_else(|what| panic!("{ramp:?} {seed}: {what}"));
+        }
+        assert!(beyond > 100, "{beyond}");
+    }
+}
+
+/// Gears, cams, direct set-points, homing, tables and probes as well, while the zero moves and power and drive fail.
+#[test]
+fn random_blocks_of_all_kinds_keep_what_has_to_hold() {
+    let mut broken = String::new();
+    for kind in KINDS {
+        let mut sum: Vec<Seen> = Vec::new();
+        for seed in 0..8 {
+            let mut run = Run::new(seed, kind, called::all(), Around::Everything);
+            if let Err(what) = run.calls(400_000, |_, _, _| ()) {
+                writeln!(broken, "{kind:?} {seed}: {what}").unwrap();
+            }
+            sum.resize(run.seen.len(), Seen::default());
+            for (sum, seen) in sum.iter_mut().zip(&run.seen) {
+                sum.done += seen.done;
+                sum.aborted += seen.aborted;
+                sum.failed += seen.failed;
+            }
+        }
+        // Every block comes to what it is for, and to what may come between. Set-points from the program have no end,
+        // a probe of the program cannot fail, and nothing gets between homing or a stop and its end.
+        for (block, seen) in called::all().iter().zip(&sum) {
+            let [endless, safe, locked] = block.exceptions();
+            if (seen.done == 0 && !endless)
+                || (seen.failed == 0 && !safe)
+                || (seen.aborted == 0 && !locked)
+            {
+                writeln!(broken, "{kind:?}: {}: {seen:?}", block.name()).unwrap();
+            }
+        }
+    }
+    assert!(broken.is_empty(), "{broken}");
+}
+
+#[test]
+fn the_checker_sees_what_is_broken() {
+    type Spoil = fn(u32, &mut Axis, &mut Outputs);
+    let spoils: [(&str, Spoil); 8] = [
+        ("position", |call, axis, _| {
+            if call > 5_000 {
+                axis.base.position += 0.05;
+            }
+        }),
+        ("velocity", |call, axis, _| {
+            if call == 5_000 {
+                axis.base.velocity += 5.0;
+                axis.show_set_values();
+            }
+        }),
+        ("limit", |call, axis, _| {
+            if call > 5_000 {
+                axis.base.velocity = 31.0;
+            }
+        }),
+        ("acceleration", |call, axis, _| {
+            if call > 5_000 {
+                axis.base.acceleration = 401.0;
+            }
+        }),
+        ("owner", |call, axis, _| {
+            if call > 5_000 {
+                axis.values.owner = 77_777;
+            }
+        }),
+        ("state", |call, axis, _| {
+            if call > 5_000 && axis.owner() == 0 {
+                axis.values.owner = 0;
+                axis.enter(AxisState::Homing);
+            }
+        }),
+        ("done twice", |call, _, shown| {
+            shown.done |= call % 3_001 == 0;
+        }),
+        ("two at once", |_, _, shown| {
+            shown.command_aborted |= shown.done;
+        }),
+    ];
+    for (what, spoil) in spoils {
+        let found = (0..8).any(|seed| {
+            Run::new(seed, KINDS[0], called::single(), Around::Forgotten)
+                .calls(50_000, spoil)
+                .is_err()
+        });
+        assert!(found, "nobody sees a wrong {what}");
+    }
+}

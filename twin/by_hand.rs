@@ -1,0 +1,155 @@
+//! What `twin drive` is told to do what a start-up check asks for: commands to copy.
+
+use crate::emulated::software_limits;
+use crate::machine::{Axis, DriveFamily, Machine, Parity};
+use twin_drives::ParameterId;
+use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
+use twin_drives::bim2ax::{ByteOrder, MOST_POSITION, ModuleAxis};
+use twin_drives::interpcnc::parameters::COUPLING;
+use twin_drives::smartdrive::parameters::{PARAMETERS, POSITION_MAX, POSITION_MIN};
+
+/// `twin drive FAMILY --port …` for a device of the machine file, with all that its line needs; `address` is that of a drive
+/// on a bus.
+pub(crate) fn command(machine: &Machine, device: usize, address: usize) -> Option<String> {
+    let entry = machine.drives.get(device)?;
+    let port = quoted(entry.port.as_deref().unwrap_or("PORT"));
+    let command = match &entry.family {
+        DriveFamily::InterpCnc(board) => {
+            let address = board.station;
+            let baud = match board.baud {
+                115_200 => String::new(),
+                baud => format!(" --baud {baud}"),
+            };
+            let parity = match board.parity {
+                Parity::None => "",
+                Parity::Even => " --parity even",
+                Parity::Odd => " --parity odd",
+            };
+            let echo = if board.echo { " --echo" } else { "" };
+            format!("twin drive interpcnc --port {port} --address {address}{baud}{parity}{echo}")
+        }
+        DriveFamily::SmartDrive(_) => {
+            format!("twin drive smartdrive --port {port} --address {address}")
+        }
+        DriveFamily::Bim2Ax(module) => {
+            let map = module.map_offset.map_or(String::new(), |at| format!(" --map {at}"));
+            let little =
+                if module.byte_order == ByteOrder::Little { " --little-endian" } else { "" };
+            format!("twin drive bim2ax --port {port}{map}{little}")
+        }
+    };
+    let deadline = entry.answer_ms.map_or(String::new(), |ms| format!(" --deadline {ms}"));
+    Some(command + &deadline)
+}
+
+/// The commands that give a parameter of a device a value, and let it count.
+pub(crate) fn set(machine: &Machine, device: usize, id: ParameterId, value: i64) -> Vec<String> {
+    let Some(command) = command(machine, device, id.station.into()) else { return Vec::new() };
+    let Some(entry) = machine.drives.get(device) else { return Vec::new() };
+    let (name, then) = match &entry.family {
+        // They are kept as soon as they are set.
+        DriveFamily::InterpCnc(_) if id.number == COUPLING => ("coupling".to_owned(), None),
+        DriveFamily::InterpCnc(_) => (id.number.to_string(), None),
+        DriveFamily::SmartDrive(_) => {
+            let known = PARAMETERS.iter().find(|entry| entry.index == id.number);
+            let name = known.map_or(id.number.to_string(), |entry| entry.name.to_owned());
+            (
+                name,
+                Some(("save", "keeps it when the drive is switched off; its position becomes 0")),
+            )
+        }
+        DriveFamily::Bim2Ax(_) => match Parameter::from_number(id.number) {
+            Some(parameter) => {
+                let reset = ("reset", "lets it act; positions and homing are lost");
+                (module_parameter(parameter), parameter.needs_reset().then_some(reset))
+            }
+            None => (id.number.to_string(), None),
+        },
+    };
+    let set = format!("set it: {command} set {name} {value}");
+    let then = then.map(|(word, why)| format!("then:   {command} {word}   ({why})"));
+    std::iter::once(set).chain(then).collect()
+}
+
+/// The commands that give the device the software limits of the machine file, and what the machine file would have to say for
+/// the device's; none for families without any.
+pub(crate) fn set_limits(machine: &Machine, device: usize, axis: &Axis) -> Vec<String> {
+    let Some((entry, place)) = machine.drives.get(device).zip(axis.drive.as_ref()) else {
+        return Vec::new();
+    };
+    let (station, numbers, most) = match &entry.family {
+        DriveFamily::InterpCnc(_) => return Vec::new(),
+        DriveFamily::SmartDrive(_) => {
+            let station = u8::try_from(place.index).unwrap_or(0);
+            (station, [POSITION_MIN, POSITION_MAX].map(Some), [i32::MIN, i32::MAX])
+        }
+        DriveFamily::Bim2Ax(_) => {
+            let Some(on_module) = ModuleAxis::ALL.get(place.index) else { return Vec::new() };
+            let limits = [AxisParameter::SoftMinus, AxisParameter::SoftPlus];
+            let numbers = limits.map(|limit| Parameter::Axis(limit, *on_module).number());
+            (0, numbers, [-MOST_POSITION, MOST_POSITION])
+        }
+    };
+    let [low, high] = most;
+    let wanted = software_limits(axis, most).map(|limit| limit.clamp(low, high));
+    let commands = numbers.into_iter().zip(wanted).filter_map(|(number, limit)| {
+        Some(set(machine, device, ParameterId { station, number: number? }, limit.into()))
+    });
+    let mut said: Vec<String> = Vec::new();
+    for line in commands.flatten() {
+        // What makes them count is said once, at the end.
+        if let Some(place) = said.iter().position(|other| *other == line) {
+            said.remove(place);
+        }
+        said.push(line);
+    }
+    let [least, most] = ["min", "max"].map(|end| format!("`position_{end}_{}`", axis.unit()));
+    let (name, file) = (&axis.name, machine.path.display());
+    said.push(format!("or {least} and {most} of axis {name} in {file}"));
+    said
+}
+
+/// Name of a module's parameter on the command line: that of the manual in lower case, without blanks, with the axis at its
+/// end.
+pub(crate) fn module_parameter(parameter: Parameter) -> String {
+    let words: Vec<&str> = parameter.name().split(' ').map(sign).collect();
+    let name = words.join("-").to_lowercase();
+    match parameter {
+        Parameter::Axis(AxisParameter::Reference(place), axis) => {
+            format!("{name}-{place}-{}", axis.number())
+        }
+        Parameter::Axis(_, axis) => format!("{name}-{}", axis.number()),
+        _ => name,
+    }
+}
+
+/// Signs in words, lest they look like options.
+fn sign(word: &str) -> &str {
+    match word {
+        "+" => "plus",
+        "-" => "minus",
+        other => other,
+    }
+}
+
+/// A path as a shell takes it.
+fn quoted(path: &str) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/._-+:@%=,".contains(c);
+    if !path.is_empty() && path.chars().all(plain) {
+        path.to_owned()
+    } else {
+        format!("'{}'", path.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn paths_are_quoted_for_a_shell_where_they_have_to_be() {
+        assert_eq!(quoted("/dev/serial/by-id/usb-FTDI_1:0"), "/dev/serial/by-id/usb-FTDI_1:0");
+        assert_eq!(quoted("my board"), "'my board'");
+        assert_eq!(quoted("it's"), r"'it'\''s'");
+    }
+}

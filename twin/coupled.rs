@@ -1,0 +1,166 @@
+//! Axes that follow others by the gears and cams of the machine file, while a program moves the tool.
+
+use crate::machine::{Axis, CamSelection, CoupledBy, Machine};
+use twin_kinematics::{AxisMotion, AxisSource, AxisVector, KinematicsError};
+use twin_motion::cam::{AxisState, CamCoupling, CouplingError};
+
+/// A slave that the program moves itself by less is left alone, mm or degrees: the transform rounds.
+const UNMOVED: f64 = 1e-6;
+
+/// Why there are no axis positions.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AxesError {
+    /// The machine cannot bring the tool there.
+    #[error(transparent)]
+    Kinematics(#[from] KinematicsError),
+    /// The program moves an axis that belongs to a master.
+    #[error(
+        "axis {axis} follows {master} by a {by} of the machine file, but the program moves it from {from:.3} to {to:.3} {unit}"
+    )]
+    Moved {
+        /// The slave.
+        axis: String,
+        /// Its master.
+        master: String,
+        /// "gear" or "cam".
+        by: &'static str,
+        /// Where it was at the beginning, `unit`.
+        from: f64,
+        /// Where the program wants it.
+        to: f64,
+        /// mm or deg.
+        unit: &'static str,
+    },
+    /// A cam that cannot be followed.
+    #[error("axis {axis}: {source}")]
+    Cam {
+        /// The slave.
+        axis: String,
+        /// Why.
+        source: CouplingError,
+    },
+}
+
+/// The couplings of a machine under way.
+#[derive(Clone, Debug)]
+pub(crate) struct Coupled<'m> {
+    machine: &'m Machine,
+    /// One per coupling, once there has been a set-point.
+    running: Vec<Running>,
+    /// Whether any slave moves the tool.
+    moves_tool: bool,
+}
+
+/// A coupling and where it has begun.
+#[derive(Clone, Debug)]
+struct Running {
+    /// Of the slave, by the program.
+    own: f64,
+    master: f64,
+    cam: Option<Box<CamCoupling>>,
+}
+
+impl<'m> Coupled<'m> {
+    /// Those of `machine`, before they begin.
+    pub(crate) fn new(machine: &'m Machine) -> Self {
+        let sources = machine.kinematics.sources();
+        let moves_tool = machine.couplings.iter().any(|coupling| {
+            !matches!(sources.get(coupling.axis), None | Some(AxisSource::Additional(_)))
+        });
+        Self { machine, running: Vec::new(), moves_tool }
+    }
+
+    /// Whether the tool is elsewhere than the program says.
+    pub(crate) fn moves_tool(&self) -> bool {
+        self.moves_tool
+    }
+
+    /// Puts the slaves where their masters have them at `time_ns`.
+    ///
+    /// # Errors
+    /// If the program moves a slave itself, or there is no cam where its master is.
+    pub(crate) fn apply(&mut self, axes: &mut AxisMotion, time_ns: i64) -> Result<(), AxesError> {
+        let begins = self.running.is_empty();
+        for (index, coupling) in self.machine.couplings.iter().enumerate() {
+            let Some((slave, master)) =
+                self.machine.axes.get(coupling.axis).zip(self.machine.axes.get(coupling.master))
+            else {
+                continue;
+            };
+            let leads = state(axes, coupling.master, master);
+            let own = state(axes, coupling.axis, slave);
+            let failed = |source| AxesError::Cam { axis: slave.name.clone(), source };
+            if begins {
+                let cam = match &coupling.by {
+                    CoupledBy::Gear(..) => None,
+                    CoupledBy::Cam(selection) => {
+                        let CamSelection { table, input } = &**selection;
+                        let cam = CamCoupling::start(table.clone(), *input, &leads, &own, time_ns);
+                        Some(Box::new(cam.map_err(failed)?))
+                    }
+                };
+                self.running.push(Running { own: own.position, master: leads.position, cam });
+            }
+            let Some(running) = self.running.get_mut(index) else { continue };
+            if (own.position - running.own).abs() > UNMOVED {
+                return Err(AxesError::Moved {
+                    axis: slave.name.clone(),
+                    master: master.name.clone(),
+                    by: coupling.name(),
+                    from: running.own,
+                    to: own.position,
+                    unit: slave.unit(),
+                });
+            }
+            let follows = match (&coupling.by, &mut running.cam) {
+                (CoupledBy::Gear(numerator, denominator), _) => {
+                    let ratio = f64::from(*numerator) / f64::from(*denominator);
+                    AxisState {
+                        position: running.own + ratio * (leads.position - running.master),
+                        velocity: ratio * leads.velocity,
+                        acceleration: ratio * leads.acceleration,
+                    }
+                }
+                (CoupledBy::Cam(_), Some(cam)) => {
+                    if !begins {
+                        cam.step(&leads, time_ns).map_err(failed)?;
+                    }
+                    cam.output().slave
+                }
+                (CoupledBy::Cam(_), None) => continue,
+            };
+            put(axes, coupling.axis, slave, follows);
+        }
+        Ok(())
+    }
+
+    /// Where the slaves are while the axes rest at `axes`.
+    pub(crate) fn at_rest(machine: &Machine, axes: AxisVector) -> Result<AxisVector, AxesError> {
+        let mut motion = AxisMotion::at_rest(axes);
+        Coupled::new(machine).apply(&mut motion, 0)?;
+        Ok(motion.position)
+    }
+}
+
+/// How an axis moves, in its unit.
+fn state(axes: &AxisMotion, index: usize, axis: &Axis) -> AxisState {
+    let of = |values: &AxisVector| axis.from_si(values.get(index).copied().unwrap_or_default());
+    AxisState {
+        position: of(&axes.position),
+        velocity: of(&axes.velocity),
+        acceleration: of(&axes.acceleration),
+    }
+}
+
+fn put(axes: &mut AxisMotion, index: usize, axis: &Axis, state: AxisState) {
+    let AxisState { position, velocity, acceleration } = state;
+    for (values, value) in [
+        (&mut axes.position, position),
+        (&mut axes.velocity, velocity),
+        (&mut axes.acceleration, acceleration),
+    ] {
+        if let Some(slot) = values.get_mut(index) {
+            *slot = axis.to_si(value);
+        }
+    }
+}

@@ -1,0 +1,95 @@
+//! Why drives cannot go on.
+
+use twin_drives::DriveError;
+
+/// Why the drives cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub enum HardwareError {
+    /// The device or its wire.
+    #[error("{0}")]
+    Drive(#[from] DriveError),
+    /// An axis position does not fit the counters.
+    #[error("axis {axis} at {position} {unit} is beyond what its drive can count")]
+    Range {
+        /// The axis.
+        axis: String,
+        /// The position, in `unit`.
+        position: f64,
+        /// "mm" or "deg".
+        unit: &'static str,
+    },
+    /// The axes stand still where they should not.
+    #[error(
+        "device `{device}`: the axes stopped moving at {position:?} on their way to {target:?} increments"
+    )]
+    Stuck {
+        /// Which.
+        device: String,
+        /// Where the axes are.
+        position: Vec<i64>,
+        /// Where they should be.
+        target: Vec<i64>,
+    },
+    /// The plan ended before the program did: whoever plans was kept waiting.
+    #[error(
+        "device `{device}`: the set-points came {late_ms} ms late; the axes were braked where they were"
+    )]
+    Starved {
+        /// Which.
+        device: String,
+        /// Behind the last planned instant, ms.
+        late_ms: i64,
+    },
+    /// The device does not answer while its axes are to move. Its driver goes on asking.
+    #[error(
+        "device `{device}` has not answered for {silent_ms} ms while its axes move (longest_silence_ms = {limit_ms}){}",
+        then.as_ref().map_or(String::new(), |then| format!("; then: {then}"))
+    )]
+    Silent {
+        /// Which.
+        device: String,
+        /// For how long, ms.
+        silent_ms: i64,
+        /// How long it may, ms.
+        limit_ms: u32,
+        /// What its driver has said in the end.
+        then: Option<Box<HardwareError>>,
+    },
+    /// An axis is not where its set-points are.
+    #[error(
+        "following-error: axis {axis} is {error:.4} {unit} from its set-point; at most {limit:.4} {unit} is allowed \
+         (max_following_error_{unit})"
+    )]
+    TooFar {
+        /// The axis.
+        axis: String,
+        /// How far, in `unit`.
+        error: f64,
+        /// How far it may be, in `unit`.
+        limit: f64,
+        /// "mm" or "deg".
+        unit: &'static str,
+        /// When, ns.
+        time_ns: i64,
+    },
+    /// The driver has failed in a way that nobody has foreseen; the device was stopped all the same.
+    #[error("device `{device}`: its driver has panicked; the axes were braked where they were")]
+    Panicked {
+        /// Which.
+        device: String,
+    },
+    /// The device's thread ended without saying why.
+    #[error("device `{device}`: its thread ended unexpectedly")]
+    Gone {
+        /// Which.
+        device: String,
+    },
+    /// The device's thread could not be started.
+    #[error("device `{device}`: its thread cannot be started: {source}")]
+    Thread {
+        /// Which.
+        device: String,
+        /// Why.
+        source: std::io::Error,
+    },
+}

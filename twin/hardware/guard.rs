@@ -1,0 +1,181 @@
+//! What a run does not wait for: a device that keeps silent while its axes are to move, and an axis that is farther from
+//! its set-points than its machine file allows.
+//!
+//! A device that does not answer is asked again before its driver gives it up, and meanwhile the others would go on along
+//! the path without it. So the session hears of it as soon as it lasts too long, and brings all axes to rest.
+
+use super::HardwareError;
+use crate::machine::{Axis, DeviceEntry, Machine};
+use twin_drives::MAX_DRIVE_AXES;
+
+/// How long a device may keep silent where the machine file does not say otherwise: at least this, ms, and longer than its
+/// deadline by this.
+const USUAL_SILENCE_MS: u32 = 300;
+const BEYOND_DEADLINE_MS: u32 = 50;
+
+/// Samples in a row that have to show an axis too far away: the time of one alone may be uncertain.
+const MOST_SAMPLES: u32 = 2;
+
+/// Whose drives a run moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Guarded {
+    /// Real ones.
+    Real,
+    /// Emulated ones, which are as late as the computer is busy, and of which nothing breaks: how far an axis is off is
+    /// told at the end, and silence ends a run only where the machine file says how long it may last.
+    Emulated,
+}
+
+/// How far an axis may be from its set-points.
+#[derive(Clone, Debug)]
+struct Limit {
+    axis: String,
+    /// m or rad.
+    most: f64,
+    /// "mm" or "deg", and how many of them m or rad are.
+    unit: &'static str,
+    scale: f64,
+}
+
+/// What is watched of one device.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Guard {
+    silence_ms: Option<u32>,
+    limits: [Option<Limit>; MAX_DRIVE_AXES],
+    /// When it was last heard of, ns.
+    heard_ns: i64,
+    /// Whether its axes moved then.
+    moving: bool,
+    /// Samples in a row that show an axis too far away.
+    beyond: [u32; MAX_DRIVE_AXES],
+    told_silence: bool,
+    told_error: bool,
+}
+
+impl Guard {
+    /// Of a device of a machine, by its place in the file.
+    pub(super) fn new(machine: &Machine, device: usize, whose: Guarded) -> Self {
+        let entry = machine.drives.get(device);
+        let mut guard = Self::default();
+        let said = entry.and_then(|entry| entry.silence_ms);
+        if whose == Guarded::Emulated {
+            return Self { silence_ms: said, ..guard };
+        }
+        guard.silence_ms = said.or_else(|| entry.map(usual_silence_ms));
+        for (limit, (_, axis)) in guard.limits.iter_mut().zip(machine.axes_of(device)) {
+            *limit = Limit::of(axis);
+        }
+        guard
+    }
+
+    /// It begins to follow.
+    pub(super) fn begin(&mut self, now_ns: i64) {
+        self.heard_ns = now_ns;
+    }
+
+    /// It has been heard of; how far its axes were from their set-points, m or rad.
+    pub(super) fn heard(
+        &mut self,
+        (time_ns, moving): (i64, bool),
+        deviation: &[f64; MAX_DRIVE_AXES],
+    ) -> Option<HardwareError> {
+        (self.heard_ns, self.moving, self.told_silence) = (time_ns, moving, false);
+        let mut farthest: Option<(&Limit, f64)> = None;
+        let axes = self.limits.iter().zip(&mut self.beyond).zip(deviation);
+        for ((limit, beyond), deviation) in axes {
+            let Some(limit) = limit else { continue };
+            let error = deviation.abs();
+            *beyond = if error > limit.most { beyond.saturating_add(1) } else { 0 };
+            let worse = farthest.is_none_or(|(of, worst)| error / limit.most > worst / of.most);
+            if *beyond >= MOST_SAMPLES && worse {
+                farthest = Some((limit, error));
+            }
+        }
+        let (limit, error) = farthest.filter(|_| !self.told_error)?;
+        self.told_error = true;
+        Some(HardwareError::TooFar {
+            axis: limit.axis.clone(),
+            error: error * limit.scale,
+            limit: limit.most * limit.scale,
+            unit: limit.unit,
+            time_ns,
+        })
+    }
+
+    /// Fails, once for each silence, where it has lasted too long by `now_ns`; `travels` tells whether the axes are to move
+    /// between two instants.
+    pub(super) fn silence(
+        &mut self,
+        device: &str,
+        now_ns: i64,
+        travels: impl FnOnce(i64, i64) -> bool,
+    ) -> Option<HardwareError> {
+        let limit_ms = self.silence_ms.filter(|_| !self.told_silence)?;
+        let silent_ms = now_ns.saturating_sub(self.heard_ns) / 1_000_000;
+        if silent_ms <= i64::from(limit_ms) || !(self.moving || travels(self.heard_ns, now_ns)) {
+            return None;
+        }
+        self.told_silence = true;
+        let device = device.to_owned();
+        Some(HardwareError::Silent { device, silent_ms, limit_ms, then: None })
+    }
+}
+
+impl Limit {
+    fn of(axis: &Axis) -> Option<Self> {
+        let most = axis.max_following_error?;
+        let (axis, unit, scale) = (axis.name.clone(), axis.unit(), axis.from_si(1.0));
+        Some(Self { axis, most, unit, scale })
+    }
+}
+
+/// How long a device may keep silent where the file does not say: until it has missed a deadline.
+fn usual_silence_ms(entry: &DeviceEntry) -> u32 {
+    let deadline_ms = entry.answer_ms.unwrap_or(0);
+    deadline_ms.saturating_add(BEYOND_DEADLINE_MS).max(USUAL_SILENCE_MS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn guard() -> Guard {
+        let limit = Limit { axis: "X".to_owned(), most: 0.5e-3, unit: "mm", scale: 1e3 };
+        let mut guard = Guard { silence_ms: Some(300), ..Guard::default() };
+        guard.limits[1] = Some(limit);
+        guard
+    }
+
+    #[test]
+    fn silence_counts_from_the_last_sample_and_only_while_axes_are_to_move() {
+        const MS: i64 = 1_000_000;
+        let mut guard = guard();
+        guard.begin(-100 * MS);
+        assert!(guard.silence("board", 200 * MS, |_, _| true).is_none());
+        assert!(guard.silence("board", 201 * MS, |_, _| false).is_none(), "nothing is to move");
+        let asked = |from, to| (from, to) == (-100 * MS, 201 * MS);
+        let told = guard.silence("board", 201 * MS, asked).expect("too long");
+        assert!(told.to_string().contains("`board` has not answered for 301 ms"), "{told}");
+        assert!(guard.silence("board", 999 * MS, |_, _| true).is_none(), "it has been told");
+        // Heard of again, and while its axes moved.
+        assert!(guard.heard((1000 * MS, true), &[0.0; MAX_DRIVE_AXES]).is_none());
+        assert!(guard.silence("board", 1300 * MS, |_, _| false).is_none());
+        assert!(guard.silence("board", 1301 * MS, |_, _| false).is_some());
+    }
+
+    #[test]
+    fn an_axis_is_too_far_away_in_two_samples_running() {
+        let mut guard = guard();
+        let off = |error: f64| [9.0, error, 9.0, 9.0, 9.0];
+        // The limit itself, and others without one, are no matter; one sample alone neither.
+        for error in [0.5e-3, -0.7e-3, 0.0, 0.7e-3] {
+            assert!(guard.heard((1, true), &off(error)).is_none(), "{error}");
+        }
+        let told = guard.heard((2, true), &off(-0.8e-3)).expect("twice");
+        let said = told.to_string();
+        for part in ["following-error", "axis X", "0.8000 mm", "at most 0.5000 mm"] {
+            assert!(said.contains(part), "{said}");
+        }
+        assert!(guard.heard((3, true), &off(0.9e-3)).is_none(), "it has been told");
+    }
+}

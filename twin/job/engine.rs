@@ -1,0 +1,349 @@
+//! The controller of a job: its axes and blocks, cycle by cycle.
+
+use super::read::LONGEST;
+use super::{Begins, Call, Job};
+use crate::finding::{Finding, Rule};
+use crate::machine::Machine;
+use crate::report::seconds;
+use twin_motion::Place;
+use twin_motion::axis::{
+    Axis, AxisConfig, AxisState, Block, Halt, Language, Master, Movement, Outputs, Power, SmcError,
+    VirtualDrive,
+};
+
+/// Where an axis is and how it moves, in its unit; a rotary axis from period to period.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct State {
+    pub(super) position: f64,
+    pub(super) velocity: f64,
+    pub(super) acceleration: f64,
+}
+
+/// Cycles until a drive has its power.
+const SWITCHING_ON: usize = 3;
+
+/// Jerk of an axis whose limit nobody gives, in terms of its acceleration: it is up within a tenth of a second.
+const JERK: f64 = 10.0;
+
+/// Values of a virtual axis that nobody limits.
+const UNLIMITED: f64 = 1e9;
+
+/// Axes and blocks of a job under way.
+#[derive(Debug)]
+pub(super) struct Engine {
+    axes: Vec<Moved>,
+    calls: Vec<Running>,
+    order: Vec<usize>,
+    cycle_ns: i64,
+    /// Since the beginning.
+    now_ns: i64,
+    /// When every axis that leads is halted.
+    duration_ns: Option<i64>,
+    /// The block that has begun last.
+    line: u32,
+    last_line: u32,
+}
+
+/// An axis with its drive.
+#[derive(Debug)]
+struct Moved {
+    name: String,
+    axis: Axis,
+    drive: VirtualDrive,
+    state: State,
+    /// The last set-point as the drive gets it.
+    shown: f64,
+    /// Brings it to rest at the end.
+    halt: Option<Block<Halt>>,
+    max_acceleration: f64,
+}
+
+/// A block under way, or before or after that.
+#[derive(Debug)]
+struct Running {
+    call: Call,
+    begun_ns: Option<i64>,
+    over_ns: Option<i64>,
+}
+
+impl Engine {
+    /// Of `job` on `machine`, whose axes stand at `start` (their units).
+    pub(super) fn new(job: Job, machine: &Machine, start: &[f64]) -> Self {
+        let cycle_ns = machine.cycle_ns.max(1);
+        let config = AxisConfig {
+            cycle: seconds(cycle_ns),
+            ramp: job.ramp,
+            max_velocity: UNLIMITED,
+            ..AxisConfig::default()
+        };
+        let real = machine.axes.iter().zip(start).map(|(axis, start)| {
+            let of = |value| axis.from_si(value);
+            let acceleration = of(axis.max_acceleration);
+            let jerk = axis.max_jerk.map(of);
+            let velocity = of(axis.max_velocity);
+            let limits = (velocity, acceleration, jerk);
+            let (name, period, start) = (axis.name.clone(), axis.period.map(of), *start);
+            Moving { name, period, limits, start }
+        });
+        let imagined = job.virtual_axes.iter().map(|axis| {
+            let limits = (UNLIMITED, UNLIMITED, axis.max_jerk);
+            let (name, period, start) = (axis.name.clone(), axis.period, axis.start);
+            Moving { name, period, limits, start }
+        });
+        // Blocks tell axes by their numbers.
+        let config = |drive_id| AxisConfig { drive_id, ..config };
+        let axes =
+            (0..).zip(real.chain(imagined)).map(|(id, moving)| Moved::new(moving, config(id)));
+        let axes = axes.map(Moved::switched_on).collect();
+        let running = |call| Running { call, begun_ns: None, over_ns: None };
+        let last_line = job.calls.iter().map(|call| call.line).max().unwrap_or(1);
+        Self {
+            axes,
+            line: job.calls.first().map_or(1, |call| call.line),
+            last_line,
+            calls: job.calls.into_iter().map(running).collect(),
+            order: job.order,
+            cycle_ns,
+            now_ns: 0,
+            duration_ns: job.duration.map(nanoseconds),
+        }
+    }
+
+    /// How the axes move now, those of the machine first.
+    pub(super) fn states(&self) -> impl Iterator<Item = State> {
+        self.axes.iter().map(|moved| moved.state)
+    }
+
+    /// The block that has begun last.
+    pub(super) fn place(&self) -> Place {
+        Place { line: self.line, block: None }
+    }
+
+    /// The part of the blocks that have begun, 0 to 1.
+    pub(super) fn progress(&self) -> f64 {
+        f64::from(self.line) / f64::from(self.last_line.max(1))
+    }
+
+    /// The next cycle; false if everything is done and stands.
+    ///
+    /// # Errors
+    /// What a block says is wrong, what never ends.
+    pub(super) fn step(&mut self) -> Result<bool, Box<Finding>> {
+        if self.is_over()? {
+            return Ok(false);
+        }
+        let begin_ns = self.now_ns;
+        self.now_ns += self.cycle_ns;
+        self.axes.iter_mut().for_each(Moved::begin);
+        self.raise(begin_ns);
+        for index in self.order.clone() {
+            self.call(index)?;
+        }
+        if self.is_halting() {
+            self.axes.iter_mut().for_each(Moved::halt);
+        }
+        self.axes.iter_mut().for_each(Moved::end);
+        let failed = self.axes.iter().find_map(|moved| Some((moved, moved.axis.error_id()?)));
+        match failed {
+            Some((moved, id)) => {
+                let error = u16::try_from(id).ok().and_then(SmcError::from_number);
+                let said = error.map_or(format!("error {id}"), told);
+                let message = format!("axis {} stops by itself: {said}", moved.name);
+                Err(Finding::error(Rule::FunctionBlock, self.place(), message).into())
+            }
+            None => Ok(true),
+        }
+    }
+
+    /// Lets begin what is due at `now_ns`.
+    fn raise(&mut self, now_ns: i64) {
+        if self.is_halting() {
+            return;
+        }
+        let (mut previous_begun, mut previous_over) = (Some(0), Some(0));
+        for running in &mut self.calls {
+            let due_ns = match running.call.begins {
+                Begins::At(time) => Some(nanoseconds(time)),
+                Begins::WithPrevious => previous_begun,
+                Begins::Standing => Some(0),
+                Begins::After(pause) => {
+                    previous_over.map(|over: i64| over.saturating_add(nanoseconds(pause)))
+                }
+            };
+            if running.begun_ns.is_none() && due_ns.is_some_and(|due| due <= now_ns) {
+                running.begun_ns = Some(now_ns);
+                self.line = running.call.line.max(1);
+            }
+            if running.call.begins != Begins::Standing {
+                (previous_begun, previous_over) = (running.begun_ns, running.over_ns);
+            }
+        }
+    }
+
+    /// Calls a block, if it has begun.
+    fn call(&mut self, index: usize) -> Result<(), Box<Finding>> {
+        let Some(running) = self.calls.get_mut(index) else { return Ok(()) };
+        if running.begun_ns.is_none() {
+            return Ok(());
+        }
+        let call = &mut running.call;
+        let master = call.master.and_then(|master| self.axes.get(master));
+        let master = master.map(|moved| Master::of(&moved.axis));
+        let Some(moved) = self.axes.get_mut(call.axis) else { return Ok(()) };
+        let Outputs { done, command_aborted, error, busy: _ } =
+            call.block.call(true, &mut moved.axis, master);
+        if let Some(error) = error {
+            let place = Place { line: call.line, block: None };
+            let message = format!("{} of axis {}: {}", call.name, moved.name, told(error));
+            let mut finding = Finding::error(Rule::FunctionBlock, place, message);
+            finding.axis = Some(moved.name.clone());
+            finding.hint = Some(format!("`twin explain {}` says more", error.number()));
+            return Err(finding.into());
+        }
+        if done || command_aborted {
+            running.over_ns.get_or_insert(self.now_ns);
+        }
+        Ok(())
+    }
+
+    fn is_halting(&self) -> bool {
+        self.duration_ns.is_some_and(|end| self.now_ns > end)
+    }
+
+    /// Whether everything is done and stands.
+    fn is_over(&self) -> Result<bool, Box<Finding>> {
+        let stand = self.axes.iter().all(Moved::stands);
+        if self.is_halting() {
+            return Ok(stand);
+        }
+        let waits = self.calls.iter().find(|running| running.over_ns.is_none());
+        let ends = self.duration_ns.is_some();
+        if let Some(running) = waits {
+            // A block that waits for a master that stands waits for ever.
+            let began_ns = running.begun_ns.unwrap_or(self.now_ns);
+            let stuck =
+                stand && !ends && self.now_ns - began_ns > STUCK_NS && self.nothing_is_due();
+            if stuck {
+                let Call { line, name, .. } = running.call;
+                let place = Place { line, block: None };
+                let message = format!("{name} waits for ever: its axis and its master stand");
+                return Err(Finding::error(Rule::FunctionBlock, place, message).into());
+            }
+            return self.in_time();
+        }
+        let endless = |moved: &&Moved| moved.axis.state() == AxisState::ContinuousMotion;
+        if let Some(moved) = self.axes.iter().find(endless).filter(|_| !ends && !stand) {
+            let message = format!(
+                "axis {} still moves with {:.3} per second behind the last block, and nothing ends that: give the job a \
+                 `duration_s`, or call MC_Halt",
+                moved.name, moved.state.velocity
+            );
+            return Err(Finding::error(Rule::FunctionBlock, self.place(), message).into());
+        }
+        if ends { self.in_time() } else { Ok(stand) }
+    }
+
+    /// Whether no block begins at a time to come.
+    fn nothing_is_due(&self) -> bool {
+        self.calls.iter().all(|running| {
+            running.begun_ns.is_some() || !matches!(running.call.begins, Begins::At(_))
+        })
+    }
+
+    fn in_time(&self) -> Result<bool, Box<Finding>> {
+        if seconds(self.now_ns) <= LONGEST {
+            return Ok(false);
+        }
+        let message = format!("the job has not ended after {LONGEST:.0} s");
+        Err(Finding::error(Rule::FunctionBlock, self.place(), message).into())
+    }
+}
+
+/// A block that has begun so long ago while everything stands will not move any more, ns.
+const STUCK_NS: i64 = 1_000_000_000;
+
+/// What an axis is made from: name, period, largest velocity, acceleration and jerk, and where it starts.
+struct Moving {
+    name: String,
+    period: Option<f64>,
+    limits: (f64, f64, Option<f64>),
+    start: f64,
+}
+
+impl Moved {
+    fn new(moving: Moving, config: AxisConfig) -> Self {
+        let Moving { name, period, limits: (velocity, acceleration, jerk), start } = moving;
+        let axis = Axis::new(AxisConfig {
+            movement: period.map_or(Movement::Linear, |period| Movement::Rotary { period }),
+            jerk: jerk.unwrap_or(JERK * acceleration),
+            max_velocity: velocity,
+            max_acceleration: acceleration,
+            max_deceleration: acceleration,
+            ..config
+        });
+        let shown = axis.wrapped(start);
+        Self {
+            name,
+            axis,
+            drive: VirtualDrive::new(shown),
+            state: State { position: start, ..State::default() },
+            shown,
+            halt: None,
+            max_acceleration: acceleration,
+        }
+    }
+
+    fn switched_on(mut self) -> Self {
+        for _ in 0..SWITCHING_ON {
+            self.begin();
+            self.end();
+        }
+        self
+    }
+
+    fn begin(&mut self) {
+        self.axis.begin_cycle(&self.drive.feedback());
+        Power { regulator_on: true, drive_start: true }.call(true, &mut self.axis);
+    }
+
+    fn end(&mut self) {
+        let command = self.axis.end_cycle();
+        self.drive.follow(&command);
+        let mut way = command.position - self.shown;
+        if let Some(period) = self.axis.period() {
+            way -= period * (way / period).round();
+        }
+        self.shown = command.position;
+        self.state = State {
+            position: self.state.position + way,
+            velocity: command.velocity,
+            acceleration: command.acceleration,
+        };
+    }
+
+    /// At the end of the job: brakes, unless it follows a master, which does.
+    fn halt(&mut self) {
+        let moves =
+            matches!(self.axis.state(), AxisState::DiscreteMotion | AxisState::ContinuousMotion);
+        if self.halt.is_none() && moves {
+            self.halt = Some(Block::new(Halt { deceleration: self.max_acceleration }));
+        }
+        if let Some(halt) = &mut self.halt {
+            halt.call(true, &mut self.axis);
+        }
+    }
+
+    fn stands(&self) -> bool {
+        self.state.velocity == 0.0 && self.state.acceleration == 0.0
+    }
+}
+
+/// An error in words.
+fn told(error: SmcError) -> String {
+    format!("{} ({}): {}", error.name(), error.number(), error.text(Language::English))
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "a day at most")]
+fn nanoseconds(time: f64) -> i64 {
+    (time * 1e9).round() as i64
+}

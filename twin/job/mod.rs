@@ -1,0 +1,99 @@
+//! Jobs: what blocks are called with which axes, one behind the other, as a program of a controller would; cams and gears
+//! included (manual chapters 4 and 5).
+//!
+//! A job is a program like any other: what is written in DIN 66025 as a path is written here as calls of `MC_MoveAbsolute`,
+//! `MC_CamIn` and their like, and gives the same set-points to the simulated machine and to the drives.
+//!
+//! ```toml
+//! name = "flying shear"
+//! duration_s = 12                     # then every axis that leads is halted
+//!
+//! [[virtual_axes]]                    # masters that are no axes of the machine
+//! name = "web"
+//! kind = "rotary"
+//! period_deg = 360
+//!
+//! [[blocks]]
+//! block = "MC_CamIn"                  # begins when the block before is done, or in gear, in sync, at its velocity
+//! axis = "X"
+//! master = "web"
+//! cam = "shear.cam.toml"
+//!
+//! [[blocks]]
+//! block = "MC_MoveVelocity"
+//! axis = "web"
+//! velocity_deg_per_s = 180
+//! acceleration_deg_per_s2 = 360
+//! ```
+
+mod block;
+mod engine;
+mod order;
+mod pace;
+mod read;
+mod stream;
+#[cfg(test)]
+mod tests;
+
+pub(crate) use read::read;
+pub(crate) use stream::JobSetpoints;
+
+use block::Called;
+use twin_motion::axis::profile::RampType;
+
+/// A job as it is written, for one machine.
+#[derive(Debug)]
+pub(crate) struct Job {
+    /// Shape of the velocity ramps of its blocks.
+    ramp: RampType,
+    /// After so long every axis that leads is halted, s.
+    duration: Option<f64>,
+    /// Where axes start that the job puts somewhere: index of the axis, its unit.
+    starts: Vec<(usize, f64)>,
+    /// Axes behind those of the machine.
+    virtual_axes: Vec<VirtualAxis>,
+    /// What is called.
+    calls: Vec<Call>,
+    /// The calls' numbers, those that move a master before those that move its slaves.
+    order: Vec<usize>,
+}
+
+/// A master that is no axis of the machine.
+#[derive(Clone, Debug)]
+struct VirtualAxis {
+    name: String,
+    /// mm or degrees.
+    period: Option<f64>,
+    /// mm/s³ or degrees/s³.
+    max_jerk: Option<f64>,
+    /// mm or degrees.
+    start: f64,
+}
+
+/// A block and when it is called.
+#[derive(Debug)]
+struct Call {
+    /// The block, as in the manual.
+    name: &'static str,
+    /// Its line in the file, from 1.
+    line: u32,
+    /// Axis that it moves: those of the machine, then the virtual ones.
+    axis: usize,
+    /// Axis that it follows.
+    master: Option<usize>,
+    block: Box<dyn Called>,
+    begins: Begins,
+}
+
+/// When a block's Execute rises.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Begins {
+    /// So long after the block before it is done, s.
+    After(f64),
+    /// At this time, s.
+    At(f64),
+    /// With the block before it.
+    WithPrevious,
+    /// At the beginning, by the machine file.
+    Standing,
+}

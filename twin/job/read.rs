@@ -1,0 +1,390 @@
+//! A job's file.
+
+use super::block::{Called, alone, following};
+use super::{Begins, Call, Job, VirtualAxis, order};
+use crate::machine::section::{Section, parse};
+use crate::machine::{
+    AxisKind, CamSelection, CoupledBy, Coupling, Machine, Problem, read_cam, read_ratio,
+};
+use std::path::Path;
+use twin_motion::axis::profile::RampType;
+use twin_motion::axis::{
+    CamIn, Decouple, Direction, GearIn, GearInPos, Halt, MoveAbsolute, MoveAdditive, MoveRelative,
+    MoveSuperImposed, MoveVelocity, Phasing, Stop,
+};
+
+/// Longest time in a job, s: a day.
+pub(super) const LONGEST: f64 = 86_400.0;
+
+/// Farthest position, mm or degrees, and fastest of its derivatives.
+const FAR: f64 = 1e9;
+
+/// Reads the job in `text`, whose cams are named as from `path`, for `machine`.
+///
+/// # Errors
+/// With everything that is wrong with it, in file order.
+pub(crate) fn read(text: &str, path: &Path, machine: &Machine) -> Result<Job, Vec<Problem>> {
+    parse(text, |root| {
+        let reader = Reader { text, path, axes: Vec::new() };
+        reader.job(root, machine)
+    })
+}
+
+/// What is known of an axis while blocks are read.
+struct Known {
+    name: String,
+    kind: AxisKind,
+    /// mm/s² or degrees/s²; none of a virtual axis that does not say it.
+    max_acceleration: Option<f64>,
+}
+
+struct Reader<'t> {
+    text: &'t str,
+    path: &'t Path,
+    axes: Vec<Known>,
+}
+
+impl Reader<'_> {
+    fn job(mut self, root: &Section<'_>, machine: &Machine) -> Option<Job> {
+        // For people.
+        root.accept("name");
+        let ramps = [
+            ("trapezoid", RampType::Trapezoid),
+            ("sigmoid", RampType::Sigmoid),
+            ("parabolic", RampType::Parabolic),
+        ];
+        let ramp = root.choice("ramp", &ramps).unwrap_or_default();
+        let duration = root.number("duration_s", 0.0..=LONGEST);
+        self.axes = machine.axes.iter().map(Known::of).collect();
+        let virtual_axes = self.virtual_axes(root);
+        let starts = root.sections("start");
+        let starts: Vec<_> =
+            starts.into_iter().filter_map(|section| self.start(section, machine)).collect();
+        let sections = root.sections("blocks");
+        if sections.is_empty() {
+            root.complain("the file lacks [[blocks]]: nothing would move".to_owned());
+        }
+        let calls: Vec<_> = sections.iter().map(|section| self.call(section)).collect();
+        sections.into_iter().for_each(Section::finish);
+        root.check_unknown();
+        let written: Vec<_> = calls.into_iter().collect::<Option<_>>()?;
+        let line = written.first().map_or(1, |call| call.line);
+        let standing = machine.couplings.iter().map(|coupling| standing(machine, coupling, line));
+        let calls: Vec<_> = standing.chain(written).collect();
+        let order = match order::masters_first(&calls, self.axes.len()) {
+            Ok(order) => order,
+            Err(axis) => {
+                let name = self.axes.get(axis).map_or("", |axis| &axis.name);
+                root.complain(format!("axis \"{name}\" follows itself, by way of its masters"));
+                return None;
+            }
+        };
+        Some(Job { ramp, duration, starts, virtual_axes, calls, order })
+    }
+
+    fn virtual_axes(&mut self, root: &Section<'_>) -> Vec<VirtualAxis> {
+        let mut found = Vec::new();
+        for section in root.sections("virtual_axes") {
+            let name = section.required_text("name");
+            let kinds = [("rotary", AxisKind::Rotary), ("linear", AxisKind::Linear)];
+            let Some(kind) = section.required_choice("kind", &kinds) else {
+                section.accept_all();
+                continue;
+            };
+            let unit = kind.unit();
+            let period = section.number(&format!("period_{unit}"), 1e-6..=FAR);
+            let max_jerk = section.number(&format!("max_jerk_{unit}_per_s3"), 1e-6..=1e15);
+            let max_acceleration =
+                section.number(&format!("max_acceleration_{unit}_per_s2"), 1e-6..=FAR);
+            let start = section.number(&format!("start_{unit}"), -FAR..=FAR).unwrap_or(0.0);
+            if let Some(name) = name {
+                if self.axes.iter().any(|axis| axis.name == name) {
+                    section.complain_at("name", format!("there is an axis \"{name}\" already"));
+                }
+                self.axes.push(Known { name: name.to_owned(), kind, max_acceleration });
+                let name = name.to_owned();
+                found.push(VirtualAxis { name, period, max_jerk, start });
+            }
+            section.finish();
+        }
+        found
+    }
+
+    fn start(&self, section: Section<'_>, machine: &Machine) -> Option<(usize, f64)> {
+        let Some((axis, known)) = self.axis(&section, "axis") else {
+            section.accept_all();
+            return None;
+        };
+        let key = format!("position_{}", known.kind.unit());
+        let position = section.required_number(&key, -FAR..=FAR);
+        if axis >= machine.axes.len() {
+            let message = "where a virtual axis starts is said in [[virtual_axes]]".to_owned();
+            section.complain_at("axis", message);
+        }
+        section.finish();
+        Some((axis, position?))
+    }
+
+    /// The axis that `key` names.
+    fn axis(&self, section: &Section<'_>, key: &str) -> Option<(usize, &Known)> {
+        let name = section.required_text(key)?;
+        let found = self.axes.iter().enumerate().find(|(_, axis)| axis.name == name);
+        if found.is_none() {
+            let names: Vec<_> = self.axes.iter().map(|axis| axis.name.as_str()).collect();
+            let message = format!("there is no axis \"{name}\"; there are {}", names.join(", "));
+            section.complain_at(key, message);
+        }
+        found
+    }
+
+    fn call(&self, section: &Section<'_>) -> Option<Call> {
+        let names = BLOCKS.map(|(name, kind)| (name, (name, kind)));
+        let (Some((name, kind)), Some((axis, known))) =
+            (section.required_choice("block", &names), self.axis(section, "axis"))
+        else {
+            // The other keys depend on both: one complaint is enough.
+            section.accept_all();
+            return None;
+        };
+        let master = if kind.follows() {
+            let Some(master) = self.axis(section, "master") else {
+                section.accept_all();
+                return None;
+            };
+            if master.0 == axis {
+                section
+                    .complain_at("master", format!("axis \"{}\" cannot follow itself", known.name));
+            }
+            Some(master)
+        } else {
+            None
+        };
+        let inputs = Values { section, known, master: master.map(|(_, known)| known) };
+        let block = self.inputs(kind, &inputs);
+        let begins = begins(section);
+        let line = 1 + self.text.get(..section.span_of("block").start)?.matches('\n').count();
+        let line = u32::try_from(line).unwrap_or(u32::MAX);
+        let master = master.map(|(index, _)| index);
+        Some(Call { name, line, axis, master, block: block?, begins })
+    }
+
+    fn inputs(&self, kind: Kind, of: &Values<'_>) -> Option<Box<dyn Called>> {
+        Some(match kind {
+            Kind::MoveAbsolute => {
+                let (position, rates) = (of.length("position"), of.rates("velocity"));
+                let direction = of.direction(Direction::Shortest);
+                let (position, [velocity, acceleration, deceleration]) = (position?, rates?);
+                alone(MoveAbsolute { position, velocity, acceleration, deceleration, direction })
+            }
+            Kind::MoveRelative => {
+                let (distance, rates) = (of.length("distance"), of.rates("velocity"));
+                let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
+                alone(MoveRelative { distance, velocity, acceleration, deceleration })
+            }
+            Kind::MoveAdditive => {
+                let (distance, rates) = (of.length("distance"), of.rates("velocity"));
+                let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
+                alone(MoveAdditive { distance, velocity, acceleration, deceleration })
+            }
+            Kind::MoveSuperImposed => {
+                let (distance, rates) = (of.length("distance"), of.rates("velocity_difference"));
+                let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
+                Box::new(MoveSuperImposed::new(distance, velocity, acceleration, deceleration))
+            }
+            Kind::MoveVelocity => {
+                let (rates, direction) = (of.rates("velocity"), of.direction(Direction::Positive));
+                let [velocity, acceleration, deceleration] = rates?;
+                alone(MoveVelocity { velocity, acceleration, deceleration, direction })
+            }
+            Kind::Halt => alone(Halt { deceleration: of.acceleration("deceleration")? }),
+            Kind::Stop => alone(Stop { deceleration: of.acceleration("deceleration")? }),
+            Kind::Decouple => alone(Decouple),
+            Kind::GearIn => {
+                let ratio = read_ratio(of.section);
+                let [acceleration, deceleration] = of.accelerations()?;
+                let (ratio_numerator, ratio_denominator) = ratio?;
+                let ratio_denominator = ratio_denominator.unsigned_abs();
+                following(GearIn { ratio_numerator, ratio_denominator, acceleration, deceleration })
+            }
+            Kind::GearInPos => {
+                let (ratio, slave) = (read_ratio(of.section), of.length("slave_sync_position"));
+                let master = of.of_master("master_sync_position");
+                let distance = of.optional_of_master("master_start_distance", 0.0..=FAR);
+                let (ratio_numerator, ratio_denominator) = ratio?;
+                following(GearInPos {
+                    ratio_numerator,
+                    ratio_denominator,
+                    master_sync_position: master?,
+                    slave_sync_position: slave?,
+                    master_start_distance: distance.unwrap_or(0.0),
+                })
+            }
+            Kind::Phasing => {
+                let (phase_shift, rates) = (of.length("phase_shift"), of.rates("velocity"));
+                let (phase_shift, [velocity, acceleration, deceleration]) = (phase_shift?, rates?);
+                following(Phasing { phase_shift, velocity, acceleration, deceleration })
+            }
+            Kind::CamIn => following(self.cam_in(of)?),
+        })
+    }
+
+    fn cam_in(&self, of: &Values<'_>) -> Option<CamIn> {
+        let selection = read_cam(of.section, self.path, of.known.kind, of.master?.kind)?;
+        let CamSelection { table, input } = selection;
+        Some(CamIn { table: Some(table), input })
+    }
+}
+
+impl Known {
+    fn of(axis: &crate::machine::Axis) -> Self {
+        let max_acceleration = Some(axis.from_si(axis.max_acceleration));
+        Self { name: axis.name.clone(), kind: axis.kind, max_acceleration }
+    }
+}
+
+/// Blocks by the names of the manual.
+const BLOCKS: [(&str, Kind); 14] = [
+    ("MC_MoveAbsolute", Kind::MoveAbsolute),
+    ("MC_MoveRelative", Kind::MoveRelative),
+    ("MC_MoveAdditive", Kind::MoveAdditive),
+    ("MC_MoveSuperImposed", Kind::MoveSuperImposed),
+    ("MC_MoveVelocity", Kind::MoveVelocity),
+    ("MC_Halt", Kind::Halt),
+    ("MC_Stop", Kind::Stop),
+    ("MC_CamIn", Kind::CamIn),
+    ("MC_CamOut", Kind::Decouple),
+    ("MC_GearIn", Kind::GearIn),
+    ("MC_GearOut", Kind::Decouple),
+    ("SMC_GearInPos", Kind::GearInPos),
+    ("MC_GearInPos", Kind::GearInPos),
+    ("MC_Phasing", Kind::Phasing),
+];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    MoveAbsolute,
+    MoveRelative,
+    MoveAdditive,
+    MoveSuperImposed,
+    MoveVelocity,
+    Halt,
+    Stop,
+    CamIn,
+    Decouple,
+    GearIn,
+    GearInPos,
+    Phasing,
+}
+
+impl Kind {
+    fn follows(self) -> bool {
+        matches!(self, Self::CamIn | Self::GearIn | Self::GearInPos | Self::Phasing)
+    }
+}
+
+/// The inputs of a block, in units of its axis and its master.
+struct Values<'s> {
+    section: &'s Section<'s>,
+    known: &'s Known,
+    master: Option<&'s Known>,
+}
+
+impl Values<'_> {
+    fn key(&self, name: &str) -> String {
+        format!("{name}_{}", self.known.kind.unit())
+    }
+
+    /// A way or place of the axis that has to be said.
+    fn length(&self, name: &str) -> Option<f64> {
+        self.section.required_number(&self.key(name), -FAR..=FAR)
+    }
+
+    /// A way or place of the master.
+    fn of_master(&self, name: &str) -> Option<f64> {
+        let unit = self.master?.kind.unit();
+        self.section.required_number(&format!("{name}_{unit}"), -FAR..=FAR)
+    }
+
+    fn optional_of_master(&self, name: &str, range: std::ops::RangeInclusive<f64>) -> Option<f64> {
+        let unit = self.master?.kind.unit();
+        self.section.number(&format!("{name}_{unit}"), range)
+    }
+
+    /// An acceleration; that of the axis's limits, if it is not said.
+    fn acceleration(&self, name: &str) -> Option<f64> {
+        let key = format!("{}_per_s2", self.key(name));
+        let said = self.section.number(&key, 1e-6..=FAR);
+        if !self.section.has(&key) && self.known.max_acceleration.is_none() {
+            let message = format!("a block that moves \"{}\" needs `{key}`", self.known.name);
+            self.section.complain(message);
+        }
+        said.or(self.known.max_acceleration)
+    }
+
+    /// Acceleration and deceleration; the same, if one is said.
+    fn accelerations(&self) -> Option<[f64; 2]> {
+        let acceleration = self.acceleration("acceleration")?;
+        let key = format!("{}_per_s2", self.key("deceleration"));
+        let deceleration = self.section.number(&key, 1e-6..=FAR).unwrap_or(acceleration);
+        Some([acceleration, deceleration])
+    }
+
+    /// Velocity (by this name), acceleration and deceleration.
+    fn rates(&self, velocity: &str) -> Option<[f64; 3]> {
+        let key = format!("{}_per_s", self.key(velocity));
+        let velocity = self.section.required_number(&key, 0.0..=FAR);
+        let [acceleration, deceleration] = self.accelerations()?;
+        Some([velocity?, acceleration, deceleration])
+    }
+
+    fn direction(&self, otherwise: Direction) -> Direction {
+        let words = [
+            ("positive", Direction::Positive),
+            ("negative", Direction::Negative),
+            ("shortest", Direction::Shortest),
+            ("current", Direction::Current),
+            ("fastest", Direction::Fastest),
+        ];
+        self.section.choice("direction", &words).unwrap_or(otherwise)
+    }
+}
+
+/// What the machine file couples, which holds from the beginning on; nothing of it is in the job but its first `line`.
+fn standing(machine: &Machine, coupling: &Coupling, line: u32) -> Call {
+    let (name, block) = match &coupling.by {
+        CoupledBy::Gear(ratio_numerator, ratio_denominator) => {
+            let axis = machine.axes.get(coupling.axis);
+            let acceleration = axis.map_or(1.0, |axis| axis.from_si(axis.max_acceleration));
+            let gear = GearIn {
+                ratio_numerator: *ratio_numerator,
+                ratio_denominator: *ratio_denominator,
+                acceleration,
+                deceleration: acceleration,
+            };
+            ("MC_GearIn", following(gear))
+        }
+        CoupledBy::Cam(selection) => {
+            let CamSelection { table, input } = &**selection;
+            ("MC_CamIn", following(CamIn { table: Some(table.clone()), input: *input }))
+        }
+    };
+    let (axis, master) = (coupling.axis, Some(coupling.master));
+    Call { name, line, axis, master, block, begins: Begins::Standing }
+}
+
+/// When a block begins.
+fn begins(section: &Section<'_>) -> Begins {
+    let at = section.number("at_s", 0.0..=LONGEST);
+    let after = section.number("after_s", 0.0..=LONGEST);
+    let with_previous = section.flag("with_previous").unwrap_or(false);
+    let said = ["at_s", "after_s", "with_previous"].map(|key| section.has(key));
+    if said.into_iter().filter(|said| *said).count() > 1 {
+        let message = "a block begins `at_s`, `after_s` or `with_previous`: one of them";
+        section.complain(message.to_owned());
+    }
+    match at {
+        Some(time) => Begins::At(time),
+        None if with_previous => Begins::WithPrevious,
+        None => Begins::After(after.unwrap_or(0.0)),
+    }
+}

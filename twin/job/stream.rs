@@ -1,0 +1,262 @@
+//! The set-points of a job.
+
+use super::engine::{Engine, State};
+use super::pace::Pace;
+use super::read;
+use crate::coupled::Coupled;
+use crate::finding::{Finding, Rule};
+use crate::machine::{Machine, Problem};
+use crate::planning::PlanItem;
+use crate::program::ProgramFile;
+use crate::report::seconds;
+use crate::setpoint::AxisSetpoint;
+use std::collections::VecDeque;
+use std::io;
+use twin_kinematics::{AxisMotion, AxisVector, Kinematics};
+use twin_motion::Place;
+
+/// Set-points of a job on a machine, one per cycle, from rest to rest.
+#[derive(Debug)]
+pub(crate) struct JobSetpoints<'m> {
+    machine: &'m Machine,
+    /// None where nothing comes any more.
+    engine: Option<Engine>,
+    problems: VecDeque<Finding>,
+    /// Two set-points of the job, between which it is.
+    from: Instant,
+    to: Instant,
+    pace: Pace,
+    /// Of the last set-point; none before the first.
+    time_ns: Option<i64>,
+    /// Everything is done and stands.
+    over: bool,
+    stopping: bool,
+    blocks: u64,
+    bytes: u64,
+    /// Way of the tool, m.
+    length: f64,
+    last: Option<AxisSetpoint>,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Instant {
+    states: Vec<State>,
+    place: Place,
+}
+
+impl Instant {
+    fn of(engine: &Engine) -> Self {
+        Self { states: engine.states().collect(), place: engine.place() }
+    }
+}
+
+impl<'m> JobSetpoints<'m> {
+    /// The job `program` on `machine`. What is wrong with it comes as findings.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub(crate) fn open(machine: &'m Machine, program: &ProgramFile) -> io::Result<Self> {
+        let text = program.text()?;
+        let mut setpoints = Self {
+            machine,
+            engine: None,
+            problems: VecDeque::new(),
+            from: Instant::default(),
+            to: Instant::default(),
+            pace: Pace::new(program.settings().inputs.override_factor.factor()),
+            time_ns: None,
+            over: false,
+            stopping: false,
+            blocks: 0,
+            bytes: u64::try_from(text.len()).unwrap_or(u64::MAX),
+            length: 0.0,
+            last: None,
+        };
+        match read(&text, program.path(), machine) {
+            Ok(job) => {
+                setpoints.blocks = u64::try_from(job.calls.len()).unwrap_or(u64::MAX);
+                let start = start(machine, &job.starts);
+                let engine = Engine::new(job, machine, &start);
+                setpoints.from = Instant::of(&engine);
+                setpoints.to = setpoints.from.clone();
+                setpoints.engine = Some(engine);
+            }
+            Err(problems) => {
+                setpoints.problems = problems.iter().map(|one| finding(&text, one)).collect();
+            }
+        }
+        Ok(setpoints)
+    }
+
+    /// Bytes of the file whose blocks have begun.
+    #[expect(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a share of the size of a file"
+    )]
+    pub(crate) fn bytes_read(&self) -> u64 {
+        let part = self.engine.as_ref().map_or(1.0, Engine::progress);
+        (part * self.bytes as f64) as u64
+    }
+
+    /// How many blocks it has.
+    pub(crate) fn blocks(&self) -> u64 {
+        self.blocks
+    }
+
+    /// Way of the tool so far, m.
+    pub(crate) fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// From now on the time of the job passes so much slower; more than 1 is 1.
+    pub(crate) fn set_override(&mut self, factor: f64) {
+        if !self.stopping {
+            self.pace.want(factor);
+        }
+    }
+
+    /// Whether it passes as it shall.
+    pub(crate) fn follows_override(&self) -> bool {
+        self.pace.is_as_wanted()
+    }
+
+    /// Brings all axes to rest together, on their cams and in their gears, and ends.
+    pub(crate) fn request_stop(&mut self) {
+        self.stopping = true;
+        self.pace.want(0.0);
+    }
+
+    /// The next cycle of the job.
+    fn go_on(&mut self, engine: &mut Engine) -> Result<(), Box<Finding>> {
+        std::mem::swap(&mut self.from, &mut self.to);
+        if engine.step()? {
+            self.to.states.clear();
+            self.to.states.extend(engine.states());
+            self.to.place = engine.place();
+        } else {
+            self.over = true;
+            self.to = self.from.clone();
+        }
+        Ok(())
+    }
+
+    /// The set-point at `time_ns`; `before` is the pace a cycle ago.
+    fn setpoint(&mut self, time_ns: i64, before: f64) -> Result<AxisSetpoint, Box<Finding>> {
+        let cycle = seconds(self.machine.cycle_ns);
+        let mut axes = AxisMotion::at_rest(AxisVector::zeros(self.machine.axes.len()));
+        let AxisMotion { position, velocity, acceleration } = &mut axes;
+        let slots = position.iter_mut().zip(velocity.iter_mut()).zip(acceleration.iter_mut());
+        let states = self.from.states.iter().zip(&self.to.states).zip(&self.machine.axes);
+        for (((position, velocity), acceleration), ((from, to), axis)) in slots.zip(states) {
+            let state = self.pace.between(*from, *to, before, cycle);
+            *position = axis.to_si(state.position);
+            *velocity = axis.to_si(state.velocity);
+            *acceleration = axis.to_si(state.acceleration);
+        }
+        let place = self.from.place;
+        let tool = self.machine.kinematics.forward_motion(&axes).map_err(|error| {
+            Box::new(Finding::error(Rule::Reach, place, format!("the tool is nowhere: {error}")))
+        })?;
+        // Where only an axis moves that does not move the tool, something moves all the same.
+        let fastest =
+            axes.velocity.iter().fold(0.0, |most: f64, velocity| most.max(velocity.abs()));
+        let tool_speed = tool.velocity.norm();
+        Ok(AxisSetpoint {
+            time_ns,
+            place,
+            axes,
+            tool,
+            m_call: None,
+            path_velocity: if tool_speed > 0.0 { tool_speed } else { fastest },
+            feed: None,
+            probing: false,
+        })
+    }
+
+    fn poll(&mut self, engine: &mut Engine) -> Option<Result<AxisSetpoint, Box<Finding>>> {
+        let Some(last_ns) = self.time_ns else {
+            if let Err(finding) = self.go_on(engine) {
+                return Some(Err(finding));
+            }
+            self.time_ns = Some(0);
+            return Some(self.setpoint(0, self.pace.rate()));
+        };
+        if self.over || (self.stopping && self.pace.stands()) {
+            return None;
+        }
+        let before = self.pace.rate();
+        let limits = self.machine.axes.iter().map(|axis| axis.from_si(axis.max_acceleration));
+        let states = self.from.states.iter().copied().zip(limits);
+        for _ in 0..self.pace.advance(states, seconds(self.machine.cycle_ns)) {
+            if let Err(finding) = self.go_on(engine) {
+                return Some(Err(finding));
+            }
+        }
+        let time_ns = last_ns.saturating_add(self.machine.cycle_ns);
+        self.time_ns = Some(time_ns);
+        Some(self.setpoint(time_ns, before))
+    }
+}
+
+impl Iterator for JobSetpoints<'_> {
+    type Item = PlanItem;
+
+    fn next(&mut self) -> Option<PlanItem> {
+        if let Some(problem) = self.problems.pop_front() {
+            return Some(PlanItem::Diagnostic(problem));
+        }
+        let mut engine = self.engine.take()?;
+        match self.poll(&mut engine)? {
+            Ok(setpoint) => {
+                self.engine = Some(engine);
+                if let Some(last) = self.last.replace(setpoint) {
+                    let way = setpoint.tool.pose.position - last.tool.pose.position;
+                    self.length += way.norm();
+                }
+                Some(PlanItem::Axes(Box::new(setpoint)))
+            }
+            // Nothing comes behind it.
+            Err(finding) => Some(PlanItem::Diagnostic(*finding)),
+        }
+    }
+}
+
+/// Where the axes start, in their units: where programs start, but for what the job says.
+fn start(machine: &Machine, said: &[(usize, f64)]) -> Vec<f64> {
+    let axes = machine.start_axes().unwrap_or_else(|| machine.middle());
+    let shown = machine.axes.iter().zip(axes.iter()).map(|(axis, value)| axis.from_si(*value));
+    let mut start: Vec<_> = shown.collect();
+    for (axis, position) in said {
+        if let Some(slot) = start.get_mut(*axis) {
+            *slot = *position;
+        }
+    }
+    // Slaves start where their masters have them.
+    let values = machine.axes.iter().zip(&start).map(|(axis, value)| axis.to_si(*value));
+    let coupled = Coupled::at_rest(machine, AxisVector::from_values(values));
+    if let Ok(coupled) = coupled
+        && !machine.couplings.is_empty()
+    {
+        let shown = machine.axes.iter().zip(coupled.iter());
+        start = shown.map(|(axis, value)| axis.from_si(*value)).collect();
+    }
+    start
+}
+
+/// What is wrong with the file, as a finding.
+fn finding(text: &str, problem: &Problem) -> Finding {
+    let Problem { span, message, help } = problem;
+    let before = text.get(..span.start).unwrap_or_default();
+    let line = u32::try_from(before.matches('\n').count() + 1).unwrap_or(u32::MAX);
+    let begin = before.rfind('\n').map_or(0, |end| end + 1);
+    let length = text.get(begin..).unwrap_or_default().lines().next().map_or(0, str::len);
+    let column = span.start - begin.min(span.start);
+    let end = (span.end.saturating_sub(begin)).min(length).max(column);
+    let place = Place { line, block: None };
+    let mut finding = Finding::error(Rule::Syntax, place, message.clone());
+    finding.hint.clone_from(help);
+    finding.columns = Some(column..end);
+    finding
+}

@@ -1,0 +1,298 @@
+//! Jobs against closed forms.
+
+#![expect(clippy::float_cmp, reason = "numbers of the file, and what must not move at all")]
+
+use super::JobSetpoints;
+use crate::finding::{Finding, Rule};
+use crate::machine::Machine;
+use crate::planning::PlanItem;
+use crate::program::{Dialect, ProgramFile};
+use crate::setpoint::AxisSetpoint;
+use crate::settings::ReadSettings;
+use std::path::Path;
+
+/// The axes X, Y and Z of the shipped gantry, in mm.
+fn machine() -> Machine {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
+    Machine::load(&path).unwrap()
+}
+
+struct Job {
+    folder: tempfile::TempDir,
+    program: ProgramFile,
+}
+
+fn job(text: &str) -> Job {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("job.toml");
+    std::fs::write(&path, text).unwrap();
+    let program = ProgramFile::new(&path, Some(Dialect::Job), ReadSettings::default()).unwrap();
+    Job { folder, program }
+}
+
+/// Set-points of a job that is right, and what it tells otherwise.
+fn run(job: &Job, machine: &Machine) -> (Vec<AxisSetpoint>, Vec<Finding>) {
+    assert!(job.folder.path().is_dir());
+    let mut found = (Vec::new(), Vec::new());
+    for item in JobSetpoints::open(machine, &job.program).unwrap() {
+        match item {
+            PlanItem::Axes(setpoint) => found.0.push(*setpoint),
+            PlanItem::Diagnostic(finding) => found.1.push(finding),
+            PlanItem::Tool(_) | PlanItem::Io(_) => panic!("a job has neither"),
+        }
+    }
+    found
+}
+
+fn moves(text: &str) -> Vec<AxisSetpoint> {
+    let (setpoints, findings) = run(&job(text), &machine());
+    assert_eq!(findings, []);
+    setpoints
+}
+
+/// s.
+fn time(setpoint: &AxisSetpoint) -> f64 {
+    crate::report::seconds(setpoint.time_ns)
+}
+
+fn near(actual: f64, expected: f64, tolerance: f64) {
+    assert!((actual - expected).abs() <= tolerance, "{actual} is not {expected}");
+}
+
+const START: &str =
+    "[[start]]\naxis = \"X\"\nposition_mm = 100\n[[start]]\naxis = \"Y\"\nposition_mm = 50\n";
+
+/// 100 mm at 200 mm/s with 1000 mm/s²: up and down in 0.2 s and 20 mm each, 60 mm between in 0.3 s; then as far again, 0.5 s
+/// later, back.
+#[test]
+fn blocks_begin_behind_each_other() {
+    let setpoints = moves(&format!(
+        "{START}[[blocks]]\nblock = \"MC_MoveRelative\"\naxis = \"X\"\ndistance_mm = 100\nvelocity_mm_per_s = 200\n\
+         acceleration_mm_per_s2 = 1000\n[[blocks]]\nblock = \"MC_MoveAbsolute\"\naxis = \"X\"\nposition_mm = 100\n\
+         velocity_mm_per_s = 200\nacceleration_mm_per_s2 = 1000\nafter_s = 0.5\n"
+    ));
+    let at =
+        |seconds: f64| setpoints.iter().find(|one| (time(one) - seconds).abs() < 1e-9).unwrap();
+    near(at(0.0).axes.position[0], 0.1, 0.0);
+    near(at(0.1).axes.position[0], 0.105, 1e-12);
+    near(at(0.35).axes.velocity[0], 0.2, 1e-12);
+    near(at(0.7).axes.position[0], 0.2, 1e-12);
+    near(at(1.2).axes.position[0], 0.2, 1e-12);
+    near(at(1.3).axes.position[0], 0.195, 1e-12);
+    // The second begins with the cycle behind the pause, and ends after 0.7 s.
+    let last = setpoints.last().unwrap();
+    assert!((1_900_000_000..=1_903_000_000).contains(&last.time_ns), "{}", last.time_ns);
+    near(last.axes.position[0], 0.1, 1e-12);
+    assert_eq!([last.axes.velocity[0], last.axes.acceleration[0]], [0.0; 2]);
+    // The lines are those of the blocks.
+    assert_eq!([at(0.3).place.line, at(1.6).place.line], [8, 14]);
+    // The tool of a gantry is where its axes are.
+    for setpoint in &setpoints {
+        let [x, y] = [setpoint.axes.position[0], setpoint.axes.position[1]];
+        near(setpoint.tool.velocity.x, setpoint.axes.velocity[0], 1e-12);
+        near(y, 0.05, 1e-12);
+        let first = &setpoints[0];
+        near(setpoint.tool.pose.position.x - first.tool.pose.position.x, x - 0.1, 1e-12);
+    }
+}
+
+const SHAFT: &str = "[[virtual_axes]]\nname = \"shaft\"\nkind = \"rotary\"\nperiod_deg = 360\n";
+
+/// Y goes 3 mm for every 2 degrees of the shaft; of twenty turns a second each.
+#[test]
+fn a_slave_in_gear_keeps_its_ratio() {
+    let setpoints = moves(&format!(
+        "duration_s = 1.5\n{START}{SHAFT}[[blocks]]\nblock = \"MC_GearIn\"\naxis = \"Y\"\nmaster = \"shaft\"\n\
+         ratio_numerator = 3\nratio_denominator = 200\n[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"shaft\"\n\
+         velocity_deg_per_s = 7200\nacceleration_deg_per_s2 = 36000\n"
+    ));
+    // Up in 0.2 s, and the way of the master until the halt: 7200·(1.5 − 0.1) degrees, then it has no limit of its own.
+    let middle = setpoints.iter().find(|one| one.time_ns == 1_000_000_000).unwrap();
+    near(middle.axes.velocity[1], 7200.0 * 0.015 * 1e-3, 1e-9);
+    near(middle.axes.position[1] - 0.05, 7200.0 * 0.9 * 0.015 * 1e-3, 7200.0 * 0.015e-3 * 2e-3);
+    let last = setpoints.last().unwrap();
+    assert_eq!(last.axes.velocity[1], 0.0);
+    assert!(last.time_ns < 1_510_000_000);
+}
+
+/// A cam from (0, 0) to (360, 0) by (180, 40) mm at rest: in the closed form of the quintic 40·(10p³ − 15p⁴ + 6p⁵).
+#[test]
+fn a_slave_on_its_cam_is_where_the_cam_says() {
+    let job = job(&format!(
+        "duration_s = 2\n{SHAFT}[[start]]\naxis = \"X\"\nposition_mm = 0\n[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\n\
+         master = \"shaft\"\ncam = \"hump.cam.txt\"\n[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"shaft\"\n\
+         velocity_deg_per_s = 360\nacceleration_deg_per_s2 = 360000\n"
+    ));
+    let cam =
+        "cam hump\nmaster 0 360\nslave 0 40\npoint 0 0\npoint 180 40\npoint 360 0\nperiod 360\n";
+    std::fs::write(job.folder.path().join("hump.cam.txt"), cam).unwrap();
+    let (setpoints, findings) = run(&job, &machine());
+    assert_eq!(findings, []);
+    let shape = |turn: f64| {
+        let p = if turn < 0.5 { 2.0 * turn } else { 2.0 - 2.0 * turn };
+        0.04 * p.powi(3) * (10.0 + p * (-15.0 + 6.0 * p))
+    };
+    let mut most: f64 = 0.0;
+    for one in setpoints.iter().filter(|one| (10_000_000..2_000_000_000).contains(&one.time_ns)) {
+        // Up to speed within a millisecond, in which the master comes half as far.
+        let turn = (time(one) - 0.5e-3 - 1e-3).rem_euclid(1.0);
+        near(one.axes.position[0], shape(turn), 2e-4);
+        most = most.max(one.axes.velocity[0].abs());
+    }
+    // Half a turn in half a second: 40 mm · 15/8 / 0.5 s.
+    near(most, 0.04 * 1.875 / 0.5, 1e-5);
+}
+
+/// Half the override takes twice as long, with half the velocity and a quarter of the acceleration.
+#[test]
+fn the_override_stretches_time() {
+    let text = format!(
+        "{START}[[blocks]]\nblock = \"MC_MoveRelative\"\naxis = \"X\"\ndistance_mm = 100\nvelocity_mm_per_s = 200\n\
+         acceleration_mm_per_s2 = 1000\n"
+    );
+    let machine = machine();
+    let job = job(&text);
+    let mut setpoints = JobSetpoints::open(&machine, &job.program).unwrap();
+    setpoints.set_override(0.5);
+    let slow: Vec<_> = setpoints.by_ref().collect();
+    let last = slow.last().unwrap();
+    let PlanItem::Axes(last) = last else { panic!("{last:?}") };
+    near(last.axes.position[0], 0.2, 1e-12);
+    // At rest the factor changes at once, within a cycle.
+    near(time(last), 1.4, 4e-3);
+    let fastest = |by: fn(&AxisSetpoint) -> f64| {
+        let axes = slow.iter().filter_map(|item| match item {
+            PlanItem::Axes(one) => Some(by(one).abs()),
+            _ => None,
+        });
+        axes.fold(0.0, f64::max)
+    };
+    near(fastest(|one| one.axes.velocity[0]), 0.1, 1e-9);
+    near(fastest(|one| one.axes.acceleration[0]), 0.25, 1e-6);
+}
+
+/// A hold in the middle stops all axes together, each within its acceleration, and what was held goes on to the same end.
+#[test]
+fn a_hold_brakes_within_the_acceleration_of_the_axes() {
+    let machine = machine();
+    let job = job(&format!(
+        "{START}[[blocks]]\nblock = \"MC_MoveRelative\"\naxis = \"X\"\ndistance_mm = 200\nvelocity_mm_per_s = 200\n\
+         [[blocks]]\nblock = \"MC_GearIn\"\naxis = \"Y\"\nmaster = \"X\"\nratio_numerator = 1\nratio_denominator = 2\nat_s = 0\n"
+    ));
+    let most: Vec<_> = machine.axes.iter().map(|axis| axis.max_acceleration).collect();
+    let mut setpoints = JobSetpoints::open(&machine, &job.program).unwrap();
+    let mut seen: Vec<AxisSetpoint> = Vec::new();
+    let mut held = None;
+    while let Some(item) = setpoints.next() {
+        let PlanItem::Axes(one) = item else { panic!("{item:?}") };
+        match one.time_ns {
+            400_000_000 => setpoints.set_override(0.0),
+            2_000_000_000 => {
+                assert!(setpoints.follows_override());
+                held = Some(one.axes.position[0]);
+                assert_eq!(one.axes.velocity[0], 0.0);
+                setpoints.set_override(1.0);
+            }
+            _ => {}
+        }
+        seen.push(*one);
+    }
+    assert!((0.11..0.2).contains(&held.unwrap()), "{held:?}");
+    let last = seen.last().unwrap();
+    near(last.axes.position[0], 0.3, 1e-12);
+    near(last.axes.position[1], 0.05 + 0.1, 1e-6);
+    for pair in seen.windows(2) {
+        for (axis, most) in most.iter().enumerate() {
+            let [before, after] = [&pair[0].axes, &pair[1].axes];
+            assert!(after.acceleration[axis].abs() <= most * 1.000_001, "axis {axis}");
+            // What is said of the velocity is what the positions do.
+            let mean = f64::midpoint(before.velocity[axis], after.velocity[axis]);
+            near((after.position[axis] - before.position[axis]) / 1e-3, mean, most * 1e-3);
+        }
+        // In gear all the way.
+        near(pair[1].axes.velocity[1], pair[1].axes.velocity[0] / 2.0, 1e-9);
+    }
+}
+
+/// A stop is a hold behind which nothing comes.
+#[test]
+fn a_stop_ends_the_job_at_rest() {
+    let machine = machine();
+    let job = job(&format!(
+        "{START}[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"X\"\nvelocity_mm_per_s = 100\n[[blocks]]\n\
+         block = \"MC_Halt\"\naxis = \"X\"\nafter_s = 2\n"
+    ));
+    let mut setpoints = JobSetpoints::open(&machine, &job.program).unwrap();
+    let mut last = None;
+    while let Some(item) = setpoints.next() {
+        let PlanItem::Axes(one) = item else { panic!("{item:?}") };
+        if one.time_ns == 1_000_000_000 {
+            setpoints.request_stop();
+        }
+        last = Some(one);
+    }
+    let last = last.unwrap();
+    assert!(last.time_ns < 1_500_000_000);
+    assert_eq!(last.axes.velocity[0], 0.0);
+}
+
+/// What is wrong is said with its line, and nothing of the job moves.
+#[test]
+fn mistakes_are_told_with_their_lines() {
+    let cases = [
+        ("", 1, "lacks [[blocks]]"),
+        ("[[blocks]]\nblock = \"MC_Move\"\naxis = \"X\"\n", 2, "`block` is \"MC_Move\""),
+        ("[[blocks]]\nblock = \"MC_Halt\"\naxis = \"Q\"\n", 3, "there is no axis \"Q\""),
+        (
+            "[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"X\"\nvelocity_mm_per_s = -1\n",
+            4,
+            "velocity_mm_per_s",
+        ),
+        (
+            "[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"X\"\nvelocity_deg_per_s = 1\n",
+            4,
+            "unknown key",
+        ),
+        (
+            "[[blocks]]\nblock = \"MC_GearIn\"\naxis = \"X\"\nmaster = \"X\"\nratio_numerator = 1\n",
+            4,
+            "follow itself",
+        ),
+        (
+            "[[blocks]]\nblock = \"MC_GearIn\"\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 1\n[[blocks]]\n\
+             block = \"MC_GearIn\"\naxis = \"Y\"\nmaster = \"X\"\nratio_numerator = 1\n",
+            1,
+            "follows itself",
+        ),
+        (
+            "[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"Y\"\ncam = \"none.cam\"\n",
+            5,
+            "none.cam",
+        ),
+        (
+            "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"X\"\nat_s = 1\nafter_s = 1\n",
+            1,
+            "one of them",
+        ),
+        ("nonsense", 1, ""),
+    ];
+    for (text, line, said) in cases {
+        let (setpoints, findings) = run(&job(text), &machine());
+        assert_eq!(setpoints, [], "{text}");
+        let found = findings.iter().find(|one| one.message.contains(said) && one.line == line);
+        assert!(found.is_some(), "{text}: {findings:?}");
+    }
+}
+
+/// What goes wrong on the way is told with the block's line and the manual's error.
+#[test]
+fn blocks_that_fail_end_the_job() {
+    let endless = "[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"X\"\nvelocity_mm_per_s = 10\n";
+    let (_, findings) = run(&job(endless), &machine());
+    assert_eq!([findings[0].rule], [Rule::FunctionBlock]);
+    assert!(findings[0].message.contains("nothing ends that"), "{findings:?}");
+    let zero = "[[blocks]]\nblock = \"MC_MoveAbsolute\"\naxis = \"X\"\nposition_mm = 10\nvelocity_mm_per_s = 0\n";
+    let (_, findings) = run(&job(zero), &machine());
+    assert!(findings[0].message.contains("SMC_MA_INVALID_VELACC_VALUES"), "{findings:?}");
+    assert_eq!(findings[0].line, 2);
+}

@@ -1,0 +1,203 @@
+//! `[[gears]]` and `[[cams]]`: axes that follow others from the beginning of every program (`MC_GearIn`, `MC_CamIn`, manual 5.4).
+
+use super::axis::{Axis, AxisKind};
+use super::section::Section;
+use crate::cam::{CamFile, CamFileError, START_MODES};
+use std::path::Path;
+use std::sync::Arc;
+use twin_motion::cam::{CamInput, CamTable, Interpolation};
+
+/// Farthest offset and largest factor of a coupling.
+const FAR: f64 = 1e9;
+
+/// An axis that follows another one.
+#[derive(Clone, Debug)]
+pub struct Coupling {
+    /// The slave, by its place in the machine file.
+    pub axis: usize,
+    /// The master.
+    pub master: usize,
+    /// How.
+    pub by: CoupledBy,
+}
+
+/// What couples two axes; values in the units of the axes, mm or degrees.
+#[derive(Clone, Debug)]
+pub enum CoupledBy {
+    /// A gear: way of the slave per way of the master, numerator and denominator. Positions count from where both start.
+    Gear(i32, u32),
+    /// A cam.
+    Cam(Box<CamSelection>),
+}
+
+/// A cam with everything that `MC_CamTableSelect` and `MC_CamIn` are told.
+#[derive(Clone, Debug)]
+pub struct CamSelection {
+    /// What `MC_CamTableSelect` gives.
+    pub table: CamTable,
+    /// Inputs of `MC_CamIn`.
+    pub input: CamInput,
+}
+
+impl Coupling {
+    /// What couples, in a word.
+    pub fn name(&self) -> &'static str {
+        match self.by {
+            CoupledBy::Gear(..) => "gear",
+            CoupledBy::Cam(_) => "cam",
+        }
+    }
+
+    /// What it is, for people.
+    pub fn describe(&self, axes: &[Axis]) -> String {
+        let name = |index: usize| axes.get(index).map_or("", |axis| axis.name.as_str());
+        let (slave, master) = (name(self.axis), name(self.master));
+        match &self.by {
+            CoupledBy::Gear(numerator, denominator) => {
+                format!("{slave} follows {master} in gear, {numerator} : {denominator}")
+            }
+            CoupledBy::Cam(cam) => {
+                format!("{slave} follows {master} by the cam {}", cam.table.cam.name())
+            }
+        }
+    }
+}
+
+/// Reads both; `path` is the file, from which cams are named. None if any is wrong. Masters come before their slaves.
+pub(super) fn read(
+    root: &Section<'_>,
+    path: &Path,
+    axes: Option<&[Axis]>,
+) -> Option<Vec<Coupling>> {
+    let (gears, cams) = (root.sections("gears"), root.sections("cams"));
+    let Some(axes) = axes else {
+        // Without axes nobody knows their units.
+        gears.iter().chain(&cams).for_each(Section::accept_all);
+        return None;
+    };
+    let mut whole = true;
+    let mut found: Vec<Coupling> = Vec::new();
+    for (section, is_gear) in
+        gears.iter().map(|it| (it, true)).chain(cams.iter().map(|it| (it, false)))
+    {
+        let coupling = one(section, path, axes, is_gear);
+        if let Some(coupling) = &coupling
+            && found.iter().any(|other| other.axis == coupling.axis)
+        {
+            let message = "the axis follows another one already".to_owned();
+            section.complain_at("axis", message);
+        }
+        whole &= coupling.is_some();
+        found.extend(coupling);
+    }
+    gears.into_iter().chain(cams).for_each(Section::finish);
+    let sorted = masters_first(found);
+    if sorted.is_none() {
+        root.complain("axes of [[gears]] and [[cams]] follow each other in a ring".to_owned());
+    }
+    sorted.filter(|_| whole)
+}
+
+fn one(section: &Section<'_>, path: &Path, axes: &[Axis], is_gear: bool) -> Option<Coupling> {
+    let [slave, master] = ["axis", "master"].map(|key| {
+        let name = section.required_text(key)?;
+        let found = axes.iter().position(|axis| axis.name == name);
+        if found.is_none() {
+            let names: Vec<_> = axes.iter().map(|axis| axis.name.as_str()).collect();
+            let message = format!("there is no axis \"{name}\"; there are {}", names.join(", "));
+            section.complain_at(key, message);
+        }
+        found
+    });
+    let (Some(slave), Some(master)) = (slave, master) else {
+        section.accept_all();
+        return None;
+    };
+    if slave == master {
+        section.complain_at("master", "an axis cannot follow itself".to_owned());
+    }
+    let kinds = [slave, master].map(|index| axes.get(index).map(|axis| axis.kind));
+    let [Some(slave_kind), Some(master_kind)] = kinds else { return None };
+    let by = if is_gear {
+        let (numerator, denominator) = read_ratio(section)?;
+        CoupledBy::Gear(numerator, denominator.unsigned_abs())
+    } else {
+        CoupledBy::Cam(Box::new(read_cam(section, path, slave_kind, master_kind)?))
+    };
+    (slave != master).then_some(Coupling { axis: slave, master, by })
+}
+
+/// Sorted so that whoever is followed comes first; none if there is a ring.
+fn masters_first(mut left: Vec<Coupling>) -> Option<Vec<Coupling>> {
+    let mut sorted = Vec::new();
+    while !left.is_empty() {
+        let free = left.iter().position(|one| left.iter().all(|other| other.axis != one.master))?;
+        sorted.push(left.remove(free));
+    }
+    Some(sorted)
+}
+
+/// `ratio_numerator` and `ratio_denominator` (1 if absent, and at least 1).
+pub(crate) fn read_ratio(section: &Section<'_>) -> Option<(i32, i32)> {
+    let most = i64::from(i32::MAX);
+    let numerator = section.required_integer("ratio_numerator", -most..=most);
+    let denominator = section.integer("ratio_denominator", 1..=most);
+    if section.has("ratio_denominator") && denominator.is_none() {
+        return None;
+    }
+    let denominator = denominator.unwrap_or(1);
+    Some((i32::try_from(numerator?).ok()?, i32::try_from(denominator).ok()?))
+}
+
+/// A cam and how the slave comes onto it; `path` is the file that names it. What is not said is as the cam's own file says.
+pub(crate) fn read_cam(
+    section: &Section<'_>,
+    path: &Path,
+    slave: AxisKind,
+    master: AxisKind,
+) -> Option<CamSelection> {
+    let between = [("linear", Interpolation::Linear), ("cubic", Interpolation::Cubic)];
+    let between = section.choice("interpolation", &between).unwrap_or(Interpolation::Linear);
+    let file = section.required_text("cam").and_then(|name| {
+        let path = path.parent().unwrap_or(Path::new("")).join(name);
+        let file = CamFile::load(&path, between);
+        file.map_err(|error| section.complain_at("cam", told(&path, &error))).ok()
+    });
+    let own = file.as_ref().map(|file| file.coupling.input).unwrap_or_default();
+    let repeated = file.as_ref().is_some_and(|file| file.repeated);
+    let flag = |key, otherwise| section.flag(key).unwrap_or(otherwise);
+    let periodic = flag("periodic", repeated);
+    let [master_absolute, slave_absolute] =
+        ["master_absolute", "slave_absolute"].map(|key| flag(key, true));
+    let start_mode = section.choice("start_mode", &START_MODES).unwrap_or(own.start_mode);
+    let number = |(key, own): (&str, f64), kind: AxisKind, suffix: &str, least: f64| {
+        section.number(&format!("{key}_{}{suffix}", kind.unit()), least..=FAR).unwrap_or(own)
+    };
+    let scaling = |key, own| section.number(key, -FAR..=FAR).unwrap_or(own);
+    let input = CamInput {
+        master_offset: number(("master_offset", own.master_offset), master, "", -FAR),
+        master_scaling: scaling("master_scaling", own.master_scaling),
+        slave_offset: number(("slave_offset", own.slave_offset), slave, "", -FAR),
+        slave_scaling: scaling("slave_scaling", own.slave_scaling),
+        start_mode,
+        velocity_difference: number(
+            ("velocity_difference", own.velocity_difference),
+            slave,
+            "_per_s",
+            0.0,
+        ),
+        acceleration: number(("acceleration", own.acceleration), slave, "_per_s2", 0.0),
+        deceleration: number(("deceleration", own.deceleration), slave, "_per_s2", 0.0),
+        tappet_hysteresis: number(("tappet_hysteresis", own.tappet_hysteresis), master, "", 0.0),
+    };
+    let cam = Arc::new(file?.cam);
+    let table = CamTable { periodic, master_absolute, slave_absolute, ..CamTable::new(cam) };
+    Some(CamSelection { table, input })
+}
+
+/// What is wrong with a cam's file, in a line.
+fn told(path: &Path, error: &CamFileError) -> String {
+    let said = error.to_string();
+    let named = path.display().to_string();
+    if said.contains(&named) { said } else { format!("{named}: {said}") }
+}

@@ -1,0 +1,104 @@
+//! Gears and cams of the machine file, and what follows by them.
+
+use super::{Machine, SHORT, load, problems};
+use crate::coupled::{AxesError, Coupled};
+use crate::machine::CoupledBy;
+use std::path::Path;
+use twin_kinematics::{AxisMotion, AxisVector};
+
+fn near(one: f64, other: f64) {
+    assert!((one - other).abs() <= 1e-12, "{one} is not {other}");
+}
+
+fn with(text: &str) -> String {
+    format!("{SHORT}{text}")
+}
+
+const GEAR: &str =
+    "[[gears]]\naxis = \"Y\"\nmaster = \"X\"\nratio_numerator = -3\nratio_denominator = 2\n";
+
+fn at(position: [f64; 3], velocity: [f64; 3], acceleration: [f64; 3]) -> AxisMotion {
+    let [position, velocity, acceleration] =
+        [position, velocity, acceleration].map(AxisVector::from_values);
+    AxisMotion { position, velocity, acceleration }
+}
+
+#[test]
+fn a_gear_counts_from_where_both_start() {
+    let machine = load(&with(GEAR));
+    assert!(matches!(machine.couplings[0].by, CoupledBy::Gear(-3, 2)));
+    let mut coupled = Coupled::new(&machine);
+    let mut axes = at([0.1, 0.2, 0.0], [0.0; 3], [0.0; 3]);
+    coupled.apply(&mut axes, 0).unwrap();
+    near(axes.position[1], 0.2);
+    let mut axes = at([0.14, 0.2, 0.0], [0.5, 0.0, 0.0], [2.0, 0.0, 0.0]);
+    coupled.apply(&mut axes, 1_000_000).unwrap();
+    near(axes.position[1], 0.2 - 0.06);
+    near(axes.velocity[1], -0.75);
+    near(axes.acceleration[1], -3.0);
+}
+
+#[test]
+fn the_program_must_not_move_a_slave() {
+    let machine = load(&with(GEAR));
+    let mut coupled = Coupled::new(&machine);
+    coupled.apply(&mut at([0.0; 3], [0.0; 3], [0.0; 3]), 0).unwrap();
+    let moved = coupled.apply(&mut at([0.0, 0.001, 0.0], [0.0; 3], [0.0; 3]), 1_000_000);
+    let said = moved.unwrap_err();
+    assert!(matches!(said, AxesError::Moved { .. }));
+    assert_eq!(
+        said.to_string(),
+        "axis Y follows X by a gear of the machine file, but the program moves it from 0.000 to 1.000 mm"
+    );
+}
+
+/// A straight cam of 2 mm per mm with an offset of 5 mm, so that everything is known in closed form; and a gear behind it.
+#[test]
+fn a_cam_drives_an_axis_that_drives_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let cam = "cam ramp\nmaster 0 100\nslave 0 200\nline 0 0 100 200\n";
+    std::fs::write(folder.path().join("ramp.txt"), cam).unwrap();
+    // The gear stands before the cam whose slave is its master.
+    let text = with(
+        "[[gears]]\naxis = \"Z\"\nmaster = \"Y\"\nratio_numerator = 1\nratio_denominator = 10\n[[cams]]\naxis = \"Y\"\n\
+         master = \"X\"\ncam = \"ramp.txt\"\nperiodic = false\nslave_offset_mm = 5\n",
+    );
+    let machine = Machine::parse(&folder.path().join("machine.toml"), &text).unwrap();
+    let rest = AxisVector::from_values([0.01, 0.0, 0.0]);
+    let rest = Coupled::at_rest(&machine, rest).unwrap();
+    near(rest[1], 0.025);
+    near(rest[2], 0.0);
+    let mut coupled = Coupled::new(&machine);
+    coupled.apply(&mut at([0.01, 0.0, 0.0], [0.0; 3], [0.0; 3]), 0).unwrap();
+    let mut axes = at([0.05, 0.0, 0.0], [0.1, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    coupled.apply(&mut axes, 1_000_000).unwrap();
+    near(axes.position[1], 0.105);
+    near(axes.velocity[1], 0.2);
+    near(axes.acceleration[1], 2.0);
+    near(axes.position[2], 0.008);
+    near(axes.velocity[2], 0.02);
+}
+
+#[test]
+fn what_cannot_follow_is_told() {
+    let said = |text: &str, message: &str| {
+        let found = problems(&with(text));
+        assert!(found.iter().any(|(_, told, _)| told.contains(message)), "{text}: {found:#?}");
+    };
+    said(
+        "[[gears]]\naxis = \"Q\"\nmaster = \"X\"\nratio_numerator = 1\n",
+        "no axis \"Q\"; there are X, Y, Z",
+    );
+    said("[[gears]]\naxis = \"X\"\nmaster = \"X\"\nratio_numerator = 1\n", "cannot follow itself");
+    said("[[gears]]\naxis = \"X\"\nmaster = \"Y\"\n", "lacks `ratio_numerator`");
+    said(
+        "[[gears]]\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 1\nratio_denominator = 0\n",
+        "between 1 and",
+    );
+    said(&format!("{GEAR}{}", GEAR.replace("\"X\"", "\"Z\"")), "follows another one already");
+    let ring = "[[gears]]\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 1\n";
+    said(&format!("{GEAR}{ring}"), "in a ring");
+    said("[[cams]]\naxis = \"X\"\nmaster = \"Y\"\ncam = \"none.cam\"\n", "none.cam");
+    said("[[cams]]\naxis = \"X\"\nmaster = \"Y\"\n", "lacks `cam`");
+    assert!(Machine::load(Path::new("none.toml")).is_err());
+}

@@ -1,0 +1,295 @@
+//! One device, step by step.
+
+use super::parameters::{Must, wanted};
+use super::{Check, Homed, Looked, Needs, Still, home_by_hand, in_units, position};
+use crate::advice::{RELEASE, advice};
+use crate::by_hand;
+use crate::clock::Clock;
+use crate::machine::{Axis, Machine};
+use twin_drives::axis::StartStep;
+use twin_drives::{Drive, DriveError, Increments, ParameterInfo, SetpointStream};
+
+/// What is said of an axis that is homed by the user's word alone and counts 0: its device may have lost its position since.
+const ZERO: &str = "; it counts 0, as after it was switched on, reset, saved or unlocked: if it was, home it again";
+
+pub(super) struct Looker<'a> {
+    name: &'a str,
+    /// Wanted.
+    firmware: Option<&'a str>,
+    /// With their places in the machine file.
+    axes: Vec<(usize, &'a Axis)>,
+    needs: &'a [Needs],
+    pub(super) looked: Looked,
+}
+
+impl<'a> Looker<'a> {
+    pub(super) fn new(machine: &'a Machine, device: usize, needs: &'a [Needs]) -> Self {
+        let entry = machine.drives.get(device);
+        let axes = machine.axes_of(device).collect();
+        let name = entry.map_or("", |entry| &entry.name);
+        let firmware = entry.and_then(|entry| entry.firmware.as_deref());
+        Self { name, firmware, axes, needs, looked: Looked::default() }
+    }
+
+    fn add(&mut self, passed: bool, told: String) {
+        self.add_with(passed, told, Vec::new());
+    }
+
+    /// With what can be done about it.
+    fn add_with(&mut self, passed: bool, told: String, help: Vec<String>) {
+        let told = if passed { told } else { format!("device `{}`: {told}", self.name) };
+        self.looked.checks.push(Check { passed, told, help });
+    }
+
+    pub(super) fn failed(&mut self, error: &DriveError) {
+        let help = advice(error).map(|advice| format!("help: {advice}"));
+        self.add_with(false, error.to_string(), help.into_iter().collect());
+    }
+
+    /// A step of the start-up.
+    ///
+    /// # Errors
+    /// If the device does not answer as it should. What is not as it must be is a check that has failed.
+    pub(super) fn step(
+        &mut self,
+        step: StartStep,
+        (machine, index, drive): (&Machine, usize, &mut dyn Drive),
+    ) -> Result<(), DriveError> {
+        let stream = Still(Clock::start());
+        match step {
+            // Whoever looks has opened the port.
+            StartStep::Connecting => Ok(()),
+            StartStep::Identity => self.identity(machine, drive),
+            StartStep::Parameters => self.parameters(machine, (index, drive)),
+            StartStep::Limits => self.limits(machine, (index, drive)),
+            StartStep::Enabling => self.may_be_enabled(drive, stream),
+            StartStep::Homed => {
+                self.homed(machine, drive, stream)?;
+                if let Some(position) = self.looked.position {
+                    self.stands(&position);
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// That nothing keeps the device from being enabled; where its axes stand.
+    fn may_be_enabled(&mut self, drive: &mut dyn Drive, stream: Still) -> Result<(), DriveError> {
+        self.signals(drive, stream)?;
+        match drive.probe(&stream) {
+            Ok(sample) => {
+                self.looked.position = Some(sample.position);
+                if sample.moving {
+                    self.add(false, format!("{}: an axis moves already", drive.describe()));
+                }
+                Ok(())
+            }
+            // Each of them is told already, with all others that are wrong.
+            Err(DriveError::Parameter { .. } | DriveError::EnableOpen { .. })
+                if self.looked.checks.iter().any(|check| !check.passed) =>
+            {
+                Ok(())
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    fn identity(&mut self, machine: &Machine, drive: &mut dyn Drive) -> Result<(), DriveError> {
+        let identity = drive.identity()?;
+        self.add(true, format!("connected: {identity}"));
+        let Some(wanted) = self.firmware else { return Ok(()) };
+        for unit in &identity.units {
+            if unit.firmware.as_deref() == Some(wanted) {
+                continue;
+            }
+            let found = unit.firmware.as_deref().unwrap_or("not told by the device");
+            let station = if unit.station == 0 {
+                String::new()
+            } else {
+                format!("address {}: ", unit.station)
+            };
+            let told = format!("{station}the firmware is {found}; {wanted} is wanted");
+            let (name, file) = (self.name, machine.path.display());
+            let key = unit.firmware.as_ref().map(|found| {
+                format!("or `firmware = \"{found}\"` of [[drives]] \"{name}\" in {file}")
+            });
+            self.add_with(false, told, key.into_iter().collect());
+        }
+        Ok(())
+    }
+
+    /// Against what the machine file says.
+    fn parameters(
+        &mut self,
+        machine: &Machine,
+        (index, drive): (usize, &mut dyn Drive),
+    ) -> Result<(), DriveError> {
+        let wanted = wanted(machine, index);
+        if wanted.is_empty() {
+            return Ok(());
+        }
+        let known = drive.parameters()?;
+        let mut right = 0;
+        for one in &wanted {
+            let found = drive.parameter(one.id)?;
+            if one.must.allows(found) {
+                right += 1;
+                continue;
+            }
+            let info = known.iter().find(|info| info.id == one.id);
+            let name = info.map_or("", |info| &info.name);
+            let unit = info.map_or("", |ParameterInfo { unit, .. }| unit);
+            let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+            let whose = one.axis.as_ref().map_or(String::new(), |axis| format!("axis {axis}: "));
+            let value = match one.must {
+                Must::Be(value) => format!("{value}{unit} is wanted"),
+                Must::BeAtLeast(value) | Must::BeAtLeastOrZero(value) => {
+                    format!("at least {value}{unit} is wanted")
+                }
+            };
+            let told = format!("{whose}{} ({name}) is {found}{unit}; {value}", one.id);
+            self.add_with(false, told, one.help(machine, index, found));
+        }
+        if right == wanted.len() {
+            self.add(true, format!("parameters: {right} of {right} as the machine file has them"));
+        }
+        Ok(())
+    }
+
+    /// Software limits of the device: no wider than those of the machine file, and no tighter than the program.
+    fn limits(
+        &mut self,
+        machine: &Machine,
+        (device, drive): (usize, &mut dyn Drive),
+    ) -> Result<(), DriveError> {
+        let limits = drive.limits()?;
+        let mut has_limits = false;
+        for ((index, axis), limits) in self.axes.clone().into_iter().zip(limits) {
+            let name = &axis.name;
+            let (Some(low), Some(high)) = (limits.lowest, limits.highest) else { continue };
+            has_limits = true;
+            let unit = axis.unit();
+            let [lowest, highest] = in_units(axis, [low, high]);
+            let found = format!(
+                "axis {name}: the device's software limits are {lowest:.4} … {highest:.4} {unit}"
+            );
+            // What rounding to increments makes, and one that lets an axis stand on its limit.
+            let slack = 2.5 / axis.increments_per_si().abs();
+            let [lowest, highest] = [lowest, highest].map(|limit| axis.to_si(limit));
+            let [least, most] = axis.position_limits;
+            let too_wide = axis.limited && (lowest < least - slack || highest > most + slack);
+            let range = self.needs.get(index).and_then(|needs| needs.range);
+            let too_tight =
+                range.filter(|[from, to]| lowest > from + slack || highest < to - slack);
+            if too_wide {
+                let [least, most] = axis.position_limits.map(|limit| axis.from_si(limit));
+                let wanted =
+                    format!("at least as tight as {least:.4} … {most:.4} {unit} is wanted");
+                let help = by_hand::set_limits(machine, device, axis);
+                self.add_with(false, format!("{found}; {wanted}"), help);
+            } else if let Some(range) = too_tight {
+                let [from, to] = range.map(|position| axis.from_si(position));
+                let told = format!("{found}; the program goes from {from:.4} to {to:.4} {unit}");
+                self.add_with(false, told, by_hand::set_limits(machine, device, axis));
+            } else {
+                self.add(true, found);
+            }
+        }
+        if !has_limits {
+            self.add(
+                true,
+                "software limits: those of the machine file, the device has none".to_owned(),
+            );
+        }
+        Ok(())
+    }
+
+    fn signals(&mut self, drive: &mut dyn Drive, stream: Still) -> Result<(), DriveError> {
+        let signals = drive.signals(&|| stream.now_ns())?;
+        match signals.enable {
+            Some(true) => self.add(true, "the ENABLE input is closed".to_owned()),
+            Some(false) => {
+                let message =
+                    format!("{}: the ENABLE input is open; closed is wanted", drive.describe());
+                self.add_with(false, message, vec![format!("help: {RELEASE}")]);
+            }
+            None => {}
+        }
+        for ((_, axis), of_axis) in self.axes.clone().into_iter().zip(signals.axes) {
+            for (on, side) in [(of_axis.positive_limit, '+'), (of_axis.negative_limit, '-')] {
+                if on == Some(true) {
+                    let message = format!("axis {}: on its {side} limit switch", axis.name);
+                    self.add(false, message);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Axes that are home stand within their limits; where others stand says nothing yet.
+    fn stands(&mut self, found: &Increments) {
+        for (slot, (index, axis)) in self.axes.clone().into_iter().enumerate() {
+            let who = self.needs.get(index).map_or(Homed::Unknown, |needs| needs.homed);
+            let home = !matches!(who, Homed::First | Homed::Emulated);
+            let Some(at) = position(axis, slot, found).filter(|_| axis.limited && home) else {
+                continue;
+            };
+            let slack = axis.from_si(2.5 / axis.increments_per_si().abs());
+            let [least, most] = axis.position_limits.map(|limit| axis.from_si(limit));
+            if at < least - slack || at > most + slack {
+                let (name, unit) = (&axis.name, axis.unit());
+                let wanted = format!("{least:.4} … {most:.4} {unit} is wanted; is it homed?");
+                self.add(false, format!("axis {name}: it stands at {at:.4} {unit}; {wanted}"));
+            }
+        }
+    }
+
+    fn homed(
+        &mut self,
+        machine: &Machine,
+        drive: &mut dyn Drive,
+        stream: Still,
+    ) -> Result<(), DriveError> {
+        let known = drive.homed()?;
+        // A device that has been off or locked has lost its home; whether it has is known to devices that keep that.
+        let (obeys, counts) = match drive.sample(&stream) {
+            Err(
+                DriveError::Locked { .. } | DriveError::Mode { .. } | DriveError::EnableOpen { .. },
+            ) => (false, None),
+            Err(DriveError::AxisMessages { .. }) => (true, None),
+            Ok(sample) => (true, Some(sample.position)),
+            Err(error) => return Err(error),
+        };
+        for (slot, ((index, axis), known)) in self.axes.clone().into_iter().zip(known).enumerate() {
+            let who = self.needs.get(index).map_or(Homed::Unknown, |needs| needs.homed);
+            let name = &axis.name;
+            let told = match (who, known) {
+                (Homed::Emulated, _) => continue,
+                (Homed::First, _) => format!("axis {name}: will be homed first"),
+                (_, Some(true)) => format!("axis {name}: homed"),
+                (Homed::Said, None) if obeys => {
+                    let counts = counts.and_then(|counts| counts.get(slot).copied());
+                    let zero = if counts == Some(0) { ZERO } else { "" };
+                    format!(
+                        "axis {name}: homed, as --homed says: by your word, the device cannot tell{zero}"
+                    )
+                }
+                (_, known) => {
+                    let why = match (known, obeys) {
+                        (Some(_), _) => "not homed",
+                        (None, false) => "not homed: its device has been locked or off",
+                        (None, true) => {
+                            "not known to be homed: its device does not keep that; if it is, --homed says so"
+                        }
+                    };
+                    let by_hand = home_by_hand(machine, axis).unwrap_or_default();
+                    let message = format!("axis {name}: {why}; `{by_hand}` homes it, or --home");
+                    self.add(false, message);
+                    continue;
+                }
+            };
+            self.add(true, told);
+        }
+        Ok(())
+    }
+}
