@@ -268,7 +268,7 @@ fn tuned(
         report.fit = Some(found);
         if !run.groups.is_empty() {
             let seen = switchings(file, &report.after, run);
-            let found = tappet_dead_time(&report.after, &seen)?;
+            let found = tappet_dead_time(&report.after, &seen, run.between_s())?;
             report.after.coupling.dead_time_s = tune::rounded(found.dead_time_s);
             report.dead_time = Some((found, seen.len()));
         }
