@@ -21,6 +21,7 @@ mod drive_stop;
 mod emulate;
 mod explain;
 mod in_loop;
+mod job;
 mod limit;
 mod machine;
 mod motors;

@@ -2,21 +2,32 @@
 //!
 //! Cams and gears hold between axes at every time of the job. So the override changes how fast that time passes for all of
 //! them together: velocities by the factor, accelerations by its square. It changes as fast as the acceleration of every axis
-//! allows.
+//! allows, and no more suddenly than its jerk.
 
 use super::engine::State;
 
 /// A factor this much above what it shall be counts as that.
 const SAME: f64 = 1e-9;
 
-/// Cycles in which the factor goes from 1 to 0 at the latest, also where an axis would rather not.
-const LONGEST_STOP: f64 = 5000.0;
+/// How long the factor takes from 1 to 0 at most, s, also where an axis would rather not.
+const LONGEST_STOP: f64 = 5.0;
+
+/// What an axis bears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bears {
+    /// u/s².
+    pub(super) acceleration: f64,
+    /// u/s³; infinite if nobody limits it.
+    pub(super) jerk: f64,
+}
 
 /// Time of the job in cycles, as fast as it passes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
     /// Cycles of the job in a cycle.
     rate: f64,
+    /// Its change per s.
+    slope: f64,
     wanted: f64,
     /// Between two set-points of the job, 0 to 1.
     phase: f64,
@@ -26,7 +37,7 @@ impl Pace {
     /// From the beginning with this factor; more than 1 is 1.
     pub(super) fn new(factor: f64) -> Self {
         let rate = factor.clamp(0.0, 1.0);
-        Self { rate, wanted: rate, phase: 0.0 }
+        Self { rate, slope: 0.0, wanted: rate, phase: 0.0 }
     }
 
     /// Wants another factor; more than 1 is 1.
@@ -44,20 +55,25 @@ impl Pace {
         self.rate <= 0.0 && self.wanted <= 0.0
     }
 
-    /// A cycle on, with axes that move like `states`, each with its largest acceleration. The number of cycles that the job
-    /// has to go on.
+    /// A cycle (s) on, with axes that move like `states` at the set-points of the job around now. The number of cycles that the
+    /// job has to go on.
     pub(super) fn advance(
         &mut self,
-        states: impl Iterator<Item = (State, f64)>,
+        states: impl Iterator<Item = (State, Bears)>,
         cycle: f64,
     ) -> u32 {
         let before = self.rate;
         let change = self.wanted - before;
-        self.rate = if change.abs() <= SAME {
-            self.wanted
+        if change.abs() <= SAME {
+            (self.rate, self.slope) = (self.wanted, 0.0);
         } else {
-            (before + self.bearable(change, states, cycle)).clamp(0.0, 1.0)
-        };
+            self.slope = self.bearable(change, states, cycle);
+            self.rate = before + self.slope * cycle;
+            let reached = (self.wanted - self.rate) * change <= 0.0;
+            if reached {
+                (self.rate, self.slope) = (self.wanted, 0.0);
+            }
+        }
         self.phase += f64::midpoint(before, self.rate);
         // Rounding does not make a cycle of its own.
         if self.phase >= 1.0 - SAME {
@@ -71,20 +87,31 @@ impl Pace {
         }
     }
 
-    /// The part of `change` that every axis bears in a cycle (s).
-    fn bearable(&self, change: f64, states: impl Iterator<Item = (State, f64)>, cycle: f64) -> f64 {
-        let mut least = f64::INFINITY;
-        for (State { velocity, acceleration, .. }, most) in states {
-            // a·r² + v·dr/dt is to stay within the limit.
+    /// The change of the rate per s that every axis bears.
+    fn bearable(
+        &self,
+        change: f64,
+        states: impl Iterator<Item = (State, Bears)>,
+        cycle: f64,
+    ) -> f64 {
+        let (mut most, mut bend) = (f64::INFINITY, f64::INFINITY);
+        for (State { velocity, acceleration, .. }, bears) in states {
+            if velocity == 0.0 {
+                continue;
+            }
+            // a·r² + v·dr/dt is to stay within the acceleration, v·d²r/dt² within the jerk.
             let own = acceleration * self.rate * self.rate;
             let push = velocity * change.signum();
-            let room = if push > 0.0 { most - own } else { most + own };
-            if push != 0.0 {
-                least = least.min((room / push.abs()).max(0.0) * cycle);
-            }
+            let room = if push > 0.0 { bears.acceleration - own } else { bears.acceleration + own };
+            most = most.min((room / push.abs()).max(0.0));
+            bend = bend.min(bears.jerk / push.abs());
         }
         let slowest = if change < 0.0 { LONGEST_STOP.recip() } else { 0.0 };
-        change.signum() * least.max(slowest).min(change.abs())
+        // Slow enough to be level again where it shall be.
+        let level = (2.0 * bend * change.abs()).sqrt();
+        let along = self.slope * change.signum();
+        let speed = (along + bend * cycle).max(0.0).min(level).min(most).max(slowest);
+        change.signum() * speed.min(change.abs() / cycle)
     }
 
     /// How an axis moves between two set-points of the job, `cycle` (s) apart; `before` is the factor a cycle ago.

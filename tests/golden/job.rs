@@ -1,0 +1,157 @@
+//! Jobs as a process: blocks, cams and gears through check, simulated machine and drives.
+
+use crate::process::Desk;
+use crate::root;
+
+/// 0 to 40 mm over half a turn from rest to rest, and back.
+const LIFT: &str = r#"
+name = "lift"
+master = { min = 0, max = 360, unit = "deg" }
+slave = { min = 0, max = 40, unit = "mm", period = 40 }
+elements = [{ master = 0, slave = 0 }, { master = 180, slave = 40 }, { master = 360, slave = 0 }]
+"#;
+
+/// The shaft turns at so many degrees/s for 3 s; X follows it by the cam, Y at 10 mm per turn.
+fn job(velocity: f64) -> String {
+    format!(
+        r#"
+duration_s = 3
+[[start]]
+axis = "X"
+position_mm = 0
+
+[[virtual_axes]]
+name = "shaft"
+kind = "rotary"
+period_deg = 360
+max_acceleration_deg_per_s2 = 720
+
+[[blocks]]
+block = "MC_CamIn"
+axis = "X"
+master = "shaft"
+cam = "lift.toml"
+
+[[blocks]]
+block = "MC_GearIn"
+axis = "Y"
+master = "shaft"
+ratio_numerator = 10
+ratio_denominator = 360
+
+[[blocks]]
+block = "MC_MoveVelocity"
+axis = "shaft"
+velocity_deg_per_s = {velocity:.1}
+"#
+    )
+}
+
+fn desk(velocity: f64) -> Desk {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    desk.write("job.toml", &job(velocity));
+    desk
+}
+
+fn number(value: &serde_json::Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// The cam's slope is 15/8 · 40 mm / 180° at most: with 360°/s that is 150 mm/s. Y goes with 10 mm/s.
+#[test]
+fn a_job_runs_like_a_program() {
+    let desk = desk(360.0);
+    let arguments = ["cam", "run", "job.toml", "--machine", "machine.toml", "--drives", "none"];
+    let done = desk.twin(&[&arguments[..], &["--report", "run.json", "--tolerance", "1"]].concat());
+    done.ended(0, "job.toml is read as job");
+    let report = desk.read("run.json");
+    assert_eq!(report["dialect"], "job");
+    assert_eq!(report["completed"], true);
+    let peak = |axis: &str| number(&report["peak"][axis]["velocity"]["value"]);
+    assert!((peak("X") - 150.0).abs() < 0.01, "{}", peak("X"));
+    assert!((peak("Y") - 10.0).abs() < 1e-9, "{}", peak("Y"));
+    // It has been simulated: the twin is near its set-points, but not on them.
+    let error = number(&report["tool_error_mm"]["twin"]["max"]);
+    assert!((1e-6..1.0).contains(&error), "{error}");
+    // 3 s, and half a second in which the shaft brakes.
+    let executed = number(&report["executed_s"]);
+    assert!((executed - 3.5).abs() < 0.005, "{executed}");
+}
+
+/// Three times as fast X is asked for 450 mm/s, 400 are its limit: the line is that of the block that makes it so.
+#[test]
+fn a_slave_that_is_too_fast_is_told_with_its_line() {
+    let desk = desk(1080.0);
+    let line =
+        job(1080.0).lines().position(|line| line.contains("MC_MoveVelocity")).expect("it is there")
+            + 1;
+    let done = desk.twin(&["check", "job.toml", "--machine", "machine.toml", "--format", "json"]);
+    assert_eq!(done.status, Some(1), "{}", done.stderr);
+    let report: serde_json::Value = serde_json::from_str(&done.stdout).expect("an object");
+    let findings = report["findings"].as_array().expect("findings");
+    let found = findings.iter().find(|one| one["rule"] == "axis-velocity").expect("it is too fast");
+    assert_eq!(found["line"], line);
+    assert_eq!(found["axis"], "X");
+    assert!((number(&found["value"]) - 450.0).abs() < 0.1, "{found}");
+    assert!(found.get("largest_feed_mm_per_s").is_none(), "{found}");
+    // A run refuses it.
+    let done = desk.twin(&["run", "job.toml", "--machine", "machine.toml", "--drives", "none"]);
+    done.ended(1, "velocity");
+}
+
+/// The emulated board follows a job as it follows a path.
+#[test]
+fn drives_follow_a_job() {
+    let desk = desk(180.0);
+    let arguments = ["run", "job.toml", "--machine", "machine.toml", "--report", "run.json"];
+    let done = desk.twin(&arguments);
+    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
+    let report = desk.read("run.json");
+    assert!(number(&report["drive_samples"]["count"]) > 20.0);
+    // X goes up to 75 mm/s; a drive that did not follow would be 40 mm off.
+    let error = number(&report["tool_error_mm"]["drives"]["max"]);
+    assert!((1e-4..20.0).contains(&error), "{error}");
+}
+
+/// With a gear in the machine file, Z goes down 1 mm per 10 mm of X in any program, and only by X.
+#[test]
+fn a_gear_of_the_machine_file_holds_in_programs() {
+    let desk = Desk::new();
+    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
+    let gear =
+        "\n[[gears]]\naxis = \"Z\"\nmaster = \"X\"\nratio_numerator = -1\nratio_denominator = 10\n";
+    desk.write("machine.toml", &format!("{machine}{gear}"));
+    desk.write("along.cnc", "% along\nN10 G1 X100 F100 E500 E-500\n");
+    let done = desk.twin(&["check", "along.cnc", "--machine", "machine.toml", "--format", "json"]);
+    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
+    let report: serde_json::Value = serde_json::from_str(&done.stdout).expect("an object");
+    assert!((number(&report["peak"]["Z"]["velocity"]["value"]) - 10.0).abs() < 1e-6);
+    desk.write("down.cnc", "% down\nN10 G1 X100 F100 E500 E-500\nN20 G1 Z-45\n");
+    let done = desk.twin(&["check", "down.cnc", "--machine", "machine.toml"]);
+    done.ended(1, "axis Z follows X by a gear of the machine file, but the program moves it");
+    let done = desk.twin(&["machine", "machine.toml"]);
+    assert!(done.stdout.contains("Z follows X in gear, -1 : 10"), "{}", done.stdout);
+}
+
+#[test]
+fn what_is_about_paths_refuses_jobs() {
+    let desk = desk(90.0);
+    for arguments in [
+        &["limit", "job.toml", "--machine", "machine.toml"][..],
+        &["path", "job.toml"],
+        &["check", "job.toml", "--machine", "machine.toml", "--limits", "axes"],
+    ] {
+        desk.twin(arguments).ended(2, "is a job");
+    }
+}
+
+/// The shipped example is fit for the machine that it names.
+#[test]
+fn the_shipped_job_is_fit() {
+    let desk = Desk::new();
+    let path = |name: &str| root().join(name).display().to_string();
+    let (job, machine) = (path("examples/jobs/flying_shear.toml"), path("machines/gantry3.toml"));
+    let done = desk.twin(&["check", &job, "--machine", &machine, "--format", "json"]);
+    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
+}
