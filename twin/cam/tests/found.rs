@@ -296,6 +296,8 @@ fn scalings_and_offsets_within_limits() {
     let found = within_limits(&file, &low, Free { slave_scaling: true, ..offset }).expect("both");
     assert!((found.coupling.input.slave_scaling - 0.7).abs() < 1e-12);
     assert!((found.coupling.input.slave_offset - 20.0).abs() < 1e-12);
+    // What stands on its limits keeps them.
+    assert!(CamCheck::new(&file, found).findings.is_empty());
     // What keeps them already is left alone, bit for bit.
     let wide = using(&file, 1.0, limits(1e6, 1e6));
     assert_eq!(
