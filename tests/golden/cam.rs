@@ -44,7 +44,7 @@ fn bounds_in_closed_form() {
     let done = desk.twin(
         &[
             &check[..],
-            &["--max-velocity", "250", "--max-acceleration", "700", "--position-max", "100"],
+            &["--max-velocity", "250", "--max-acceleration", "2000", "--position-max", "100"],
         ]
         .concat(),
     );
@@ -147,7 +147,7 @@ fn forms_are_converted_and_back() {
     let ascii = std::fs::read(desk.path("lift.asc")).expect("written");
     assert!(ascii.starts_with(b"0;0\r\n0.5;"));
     let done = desk.twin(&["cam", "convert", "lift.asc", "thin.toml", "--tolerance", "0.01"]);
-    done.ended(0, "721 points became").ended(0, "mm from where it was at most");
+    done.ended(0, "721 points became").ended(0, "u from where it was at most");
     let far = done.stderr.split("the slave is ").nth(1).and_then(|rest| rest.split(' ').next());
     let far: f64 = far.expect("a distance").parse().expect("a number");
     assert!(far <= 0.01 && far > 0.001, "{}", done.stderr);
