@@ -6,6 +6,8 @@
 //! * Both check sums find spoilt bytes, but the XOR of ATB does not find two that have changed places. The bus of
 //!   BIM2AX finds nothing: what was spoilt shows where the axis stands.
 //! * No family watches its master: what is not plugged in goes on to its target.
+//! * A hard stop leaves boards locked and drives off, and a module says of an axis that moved that it was stopped hard: an
+//!   alarm or a reset that does the same is no reason to doubt it.
 //! * InterpCNC and BIM2AX without encoders do not know that a shaft is held.
 
 use twin_drives::{Direction, DriveError, WireFault};
@@ -28,6 +30,8 @@ pub(crate) enum Cause {
     Alarm,
     /// The module is starting, or phases are off, or the drive is not in its mode any more: it has been reset.
     Reset,
+    /// The axis has been stopped without ramp.
+    StoppedHard,
     /// Nobody is there.
     Gone,
     /// What was begun does not end.
@@ -54,6 +58,7 @@ impl Cause {
             DriveError::AxisMessages { .. } if text.contains("power absent") => Self::Alarm,
             DriveError::AxisMessages { .. } if text.contains("phases off") => Self::Reset,
             DriveError::AxisMessages { .. } if text.contains("order") => Self::Refused,
+            DriveError::AxisMessages { .. } if text.contains("stopped hard") => Self::StoppedHard,
             _ => return None,
         })
     }

@@ -200,13 +200,13 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         !matches!(self.device, Device::Module(..))
     }
 
-    /// Leaves segments in the buffer of a board that follows by them, more than are carried out before a stop that is
-    /// lost has been sent again.
-    pub(crate) fn queue_segments(&mut self) -> Result<(), DriveError> {
+    /// Leaves segments from a place on in the buffer of a board that follows by them, more than are carried out before a
+    /// stop that is lost has been sent again.
+    pub(crate) fn queue_segments(&mut self, from: i32) -> Result<(), DriveError> {
         let Device::Board(_, Some(drive)) = &mut self.device else { return Ok(()) };
         let clock = self.clock;
         let (board, runtime) = drive.board();
-        for target in (1..=SEGMENTS).map(|count| count * SEGMENT) {
+        for target in (1..=SEGMENTS).map(|count| from + count * SEGMENT) {
             let targets = [Some(target), None, None, None, None];
             let queued = board.queue_segment(SEGMENT_HZ, &targets, DEADLINE, &clock);
             runtime.block_on(queued)?;
