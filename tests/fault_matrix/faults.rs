@@ -31,13 +31,15 @@ pub(crate) enum Doing {
     Homing,
     /// It follows a plan.
     Moving,
-    /// It has been told to stop.
+    /// It has followed a plan for a second and is told to stop on its ramp.
     Stopping,
+    /// The same, and to stop at once.
+    Halting,
 }
 
 impl Doing {
-    pub(crate) const ALL: [Self; 5] =
-        [Self::Idle, Self::Looking, Self::Homing, Self::Moving, Self::Stopping];
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Idle, Self::Looking, Self::Homing, Self::Moving, Self::Stopping, Self::Halting];
 }
 
 /// Faults of the device and its plug.
