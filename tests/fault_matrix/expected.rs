@@ -185,15 +185,15 @@ fn on_modbus(wire: WireFault, doing: Doing) -> Expected {
         (WireFault::Duplicate, _) => Survived,
         // Reads and stops are repeated, but not where the board itself refuses.
         (WireFault::Refuse { .. }, _) => Told(&[Refused]),
-        (_, Doing::Looking | Doing::Homing | Doing::Stopping | Doing::Halting) => Survived,
         (_, Doing::Idle | Doing::Moving) => Told(&[NoAnswer]),
+        _ => Survived,
     }
 }
 
 fn on_atb(direction: Direction, wire: WireFault, doing: Doing) -> Expected {
     match (wire, doing) {
         // Stops are broadcast three times, and broadcasts are not answered.
-        (WireFault::Refuse { .. }, Doing::Stopping | Doing::Halting) => Survived,
+        (WireFault::Refuse { .. }, _) if doing.stops() || doing.halts() => Survived,
         (WireFault::Refuse { .. }, _) => Told(&[Refused]),
         // The XOR is the same: the drive goes to another target. Elsewhere the first two bytes change places (`seed`),
         // and what comes is addressed to nobody.
@@ -207,11 +207,8 @@ fn on_bus(direction: Direction, wire: WireFault, doing: Doing) -> Expected {
     match (wire, doing) {
         (WireFault::Duplicate, _) => Survived,
         // Reads are not refused, and stops are repeated where they are not acknowledged.
-        (
-            WireFault::Refuse { .. },
-            Doing::Looking | Doing::Homing | Doing::Stopping | Doing::Halting,
-        ) => Survived,
-        (WireFault::Refuse { .. }, _) => Told(&[Refused]),
+        (WireFault::Refuse { .. }, Doing::Idle | Doing::Moving) => Told(&[Refused]),
+        (WireFault::Refuse { .. }, _) => Survived,
         (WireFault::Drop | WireFault::Delay { .. }, Doing::Idle | Doing::Moving) => {
             Told(&[NoAnswer])
         }
@@ -235,13 +232,14 @@ fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
         (
             DeviceFault::BrownOut | DeviceFault::Alarm,
             Family::InterpCnc | Family::Segments | Family::SmartDrive | Family::Pair,
-            Doing::Halting,
-        ) => Survived,
+            _,
+        ) if doing.halts() => Survived,
         // Nor does a stop without ramp need a shaft that turns.
-        (DeviceFault::Stall, _, Doing::Halting) => Survived,
-        // Nothing shows that it stands, that it is locked or off.
-        (DeviceFault::Stuck, Family::SmartDrive | Family::Pair, Doing::Halting) => Told(&[Reset]),
-        (DeviceFault::Stuck, _, Doing::Halting) => Told(&[Unfinished]),
+        (DeviceFault::Stall, _, _) if doing.halts() => Survived,
+        // Nothing shows that it is off.
+        (DeviceFault::Stuck, Family::SmartDrive | Family::Pair, _) if doing.halts() => {
+            Told(&[Reset])
+        }
 
         // After power-up a board is locked, a drive off, a module without phases.
         (DeviceFault::BrownOut, Family::InterpCnc | Family::Segments, _) => Told(&[Locked]),
@@ -255,7 +253,7 @@ fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
         (DeviceFault::Stall, Family::InterpCnc, Doing::Homing) => Told(&[NotHomed, Unfinished]),
         (DeviceFault::Stall, Family::Bim2Ax, Doing::Homing) => Told(&[Unfinished]),
         // A stop needs no shaft that turns.
-        (DeviceFault::Stall, _, Doing::Stopping) => Survived,
+        (DeviceFault::Stall, _, _) if doing.stops() => Survived,
         (DeviceFault::Stall, _, _) => Unseen,
 
         (DeviceFault::Alarm, Family::InterpCnc | Family::Segments, _) => Told(&[Locked]),
@@ -268,10 +266,11 @@ fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
         (DeviceFault::Stuck, Family::InterpCnc, Doing::Idle) => Survived,
         (DeviceFault::Stuck, Family::InterpCnc, Doing::Moving) => Survived,
         (DeviceFault::Stuck, Family::Segments, Doing::Moving) => Survived,
-        (DeviceFault::Stuck, _, Doing::Homing | Doing::Stopping) => Told(&[Unfinished]),
+        (DeviceFault::Stuck, _, Doing::Homing) => Told(&[Unfinished]),
+        (DeviceFault::Stuck, _, _) if doing.stops() || doing.halts() => Told(&[Unfinished]),
         (DeviceFault::Stuck, _, Doing::Idle | Doing::Looking) => Told(&[Elsewhere]),
         (DeviceFault::Stuck, Family::Bim2Ax, Doing::Moving) => Told(&[Unfinished, Elsewhere]),
-        (DeviceFault::Stuck, _, Doing::Moving) => Told(&[Elsewhere]),
+        (DeviceFault::Stuck, _, _) => Told(&[Elsewhere]),
     }
 }
 

@@ -34,7 +34,7 @@ pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(650);
 const HOMING_NS: i64 = 4_000_000_000 * SPEED as i64;
 /// The longest way to the home switch, increments, for devices that take one.
 pub(crate) const HOMING_WAY: u32 = 12_000;
-/// Where the home switches of SmartDRIVEs release, increments: at another place in each.
+/// Where the home switches of drives on a line release, increments: at another place in each.
 const SWITCHES: [f64; 2] = [-15_000.0, -18_000.0];
 /// Segments that are left in a board's buffer, the way of each, increments, and their speed, increments/s: half a minute of
 /// the device.

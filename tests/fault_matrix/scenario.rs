@@ -129,7 +129,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         }
     }
 
-    fn to(&mut self, target: i64) -> Result<(), DriveError> {
+    pub(crate) fn to(&mut self, target: i64) -> Result<(), DriveError> {
         // The second axis, where there is one, goes the other way.
         let mut targets = [target; MAX_DRIVE_AXES];
         targets[1] = SENSES[1] * target;
@@ -202,7 +202,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         Ok(last[0])
     }
 
-    fn moves(&mut self) -> Result<(), DriveError> {
+    pub(crate) fn moves(&mut self) -> Result<(), DriveError> {
         let rest = Rest(self.clock);
         while !self.drive().sample(&rest)?.moving {}
         Ok(())
@@ -368,8 +368,9 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
         Doing::Looking => rig.looking(trial),
         Doing::Homing => rig.homing(trial),
         Doing::Moving => rig.moving(Some(trial), usual(family, clock)).0,
-        Doing::Stopping => rig.stopping(trial, false),
-        Doing::Halting => rig.stopping(trial, true),
+        Doing::Stopping | Doing::Halting | Doing::FarStopping | Doing::FarHalting => {
+            rig.stopping(trial)
+        }
     };
     if trial.frames == 0 && matches!(trial.fault, Fault::Wire(Direction::Request, _)) {
         // It was to last until it was told.
@@ -380,7 +381,11 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
         #[expect(clippy::cast_precision_loss, reason = "a small number")]
         Doing::Idle | Doing::Looking => Some(ratio().units_of(TARGET as f64)),
         Doing::Moving => Some(STROKE_U),
-        Doing::Homing | Doing::Stopping | Doing::Halting => None,
+        Doing::Homing
+        | Doing::Stopping
+        | Doing::Halting
+        | Doing::FarStopping
+        | Doing::FarHalting => None,
     };
     let mut ends = None;
     if let (Outcome::Survived, Some(last)) = (&outcome, last) {
@@ -450,8 +455,8 @@ pub(crate) fn is_meant(family: Family, fault: Fault, doing: Doing) -> bool {
         // Faults of a device while the others stand say nothing about them.
         Family::Pair => match doing {
             Doing::Idle => of_wire,
-            Doing::Homing | Doing::Moving | Doing::Stopping | Doing::Halting => true,
             Doing::Looking => false,
+            _ => true,
         },
         _ => true,
     };

@@ -1,7 +1,8 @@
 //! A plan that is followed is stopped, on the ramps or at once, while something goes wrong.
 //!
-//! The stop meets a device that has more to do than it is doing: a target ahead, and with segments a buffer full of them,
-//! which lasts for longer than it takes until a stop that was lost is sent again. What a driver says to be stopped has to
+//! The stop meets a device that has more to do than it is doing: a target ahead, near as in a plan or far as in an approach,
+//! and with segments a buffer full of them. Far ones and buffers last for longer than it takes until a stop that was lost is
+//! sent again. What a driver says to be stopped has to
 //! stand, to have nothing left that it could go on with, and to stay where it is for longer than anything that was sent
 //! before can take.
 
@@ -12,7 +13,7 @@ use twin_drives::{Clock, MAX_DRIVE_AXES, SetpointStream};
 use crate::{
     expected::Cause,
     faults::{Doing, Fault},
-    rig::{Rest, Rig, Truth},
+    rig::{AxisTruth, Rest, Rig, Truth},
     scenario::{
         HORIZON_NS, MOST_ATTEMPTS, MOST_LOOKS, Outcome, PAUSE, Plan, SENSES, TARGET, Trial, is_over,
     },
@@ -20,40 +21,56 @@ use crate::{
 
 /// For so long a plan is followed before it is stopped, ns of the device: a second of the computer's.
 const FOLLOWED_NS: i64 = 5_000_000_000;
+/// Far enough that it is not half reached while something is stopped, increments.
+const FAR: i64 = 100_000;
 /// What an axis may go back when its shaft is held or its current switched off, increments.
 const BACK: f64 = 16.0;
 /// Looks, [`PAUSE`] apart, during which an axis that was stopped has to stay: frames come late by less.
 const STAY_LOOKS: u32 = 70;
 
 impl<C: Clock + Copy + 'static> Rig<C> {
-    /// Follows a plan for a second, and is stopped.
-    pub(crate) fn stopping(&mut self, trial: &Trial, hard: bool) -> Outcome {
+    /// Follows a plan for a second; then segments are left waiting if they are to.
+    fn follows_for_a_second(&mut self, buffered: bool) -> Result<(), Outcome> {
         let plan = Plan { clock: self.clock, start_ns: self.clock.now_ns() + 100_000_000 };
         let count = self.drive().axis_count();
         loop {
-            if let Err(error) = self.drive().follow(&plan) {
-                return Outcome::NotBegun(error);
-            }
+            self.drive().follow(&plan).map_err(Outcome::NotBegun)?;
             let truth = self.truth();
             let moves = truth.moving && (count == 1 || truth.other_moves);
             if plan.now_ns() > FOLLOWED_NS && moves {
                 break;
             }
             if is_over(&plan) {
-                return Outcome::Lost(format!("it does not follow: {truth:?}"));
+                return Err(Outcome::Lost(format!("it does not follow: {truth:?}")));
             }
         }
         let reached = plan.at(plan.now_ns() + HORIZON_NS).position[0];
         self.reached = Some(reached);
-        if trial.buffered
-            && let Err(error) = self.queue_segments(reached.ceil() as i32)
-        {
-            return Outcome::NotBegun(error);
+        if buffered {
+            self.queue_segments(reached.ceil() as i32).map_err(Outcome::NotBegun)?;
+            let truth = self.truth();
+            if truth.waiting < 2 {
+                return Err(Outcome::Lost(format!("nothing waits: {truth:?}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Is stopped out of a plan or on its way to a far target.
+    pub(crate) fn stopping(&mut self, trial: &Trial) -> Outcome {
+        let hard = trial.doing.halts();
+        let begun = if matches!(trial.doing, Doing::FarStopping | Doing::FarHalting) {
+            #[expect(clippy::cast_precision_loss, reason = "a small number")]
+            let half = FAR as f64 / 2.0;
+            self.reached = Some(half);
+            self.to(FAR).and_then(|()| self.moves()).map_err(Outcome::NotBegun)
+        } else {
+            self.follows_for_a_second(trial.buffered)
+        };
+        if let Err(outcome) = begun {
+            return outcome;
         }
         let before = self.truth();
-        if trial.buffered && before.waiting < 2 {
-            return Outcome::Lost(format!("nothing waits: {before:?}"));
-        }
         self.goes_wrong(trial, u32::from(!matches!(trial.fault, Fault::Wire(..))));
         let stopped = if hard { self.drive().hard_stop() } else { self.drive().soft_stop() };
         // What the driver says is compared with the device at once, and with where it was sent.
@@ -97,7 +114,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         if self.drive().commanded() != [None; MAX_DRIVE_AXES] {
             return Err("stopped, and the driver believes that it goes on".to_owned());
         }
-        // No farther than the plan was known, and not to the end of what was waiting. A device that has started anew counts
+        // No farther than the plan was known, or half of a way, and not to the end of what was waiting. A device that has started anew counts
         // from 0, and its mechanics have not moved by that.
         #[expect(clippy::cast_precision_loss, reason = "a small number")]
         let end = self.queued.map(|end| end as f64 - 1.0);
@@ -175,6 +192,12 @@ impl<C: Clock + Copy + 'static> Rig<C> {
             Doing::Looking => end.counter == TARGET,
             Doing::Homing => self.is_on_switches(),
             Doing::Moving => on_plan(),
+            Doing::FarStopping | Doing::FarHalting => {
+                // All axes of the line.
+                let targets = SENSES.into_iter().zip(&end.axes).take(count);
+                let arrived = |(sense, axis): (i64, &AxisTruth)| axis.counter == sense * FAR;
+                targets.map(arrived).all(|arrived| arrived) && told.counter < FAR
+            }
             Doing::Stopping | Doing::Halting => match self.queued {
                 Some(last) => end.counter == last && told.counter < last && end.waiting == 0,
                 None => on_plan(),
