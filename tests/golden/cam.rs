@@ -212,3 +212,19 @@ fn shipped_cams_are_checked_and_drawn() {
     desk.twin(&["cam", "check", &index, "--interpolation", "cubic", "--once"]).ended(0, "");
     desk.twin(&["cam", "check", &index, "--max-acceleration", "1000"]).ended(1, "cam-continuity");
 }
+
+/// What a form leaves behind, and files of another kind, are told.
+#[test]
+fn what_is_lost_or_mistaken_is_told() {
+    let desk = desk();
+    desk.twin(&["cam", "convert", "lift.toml", "lift.csv"])
+        .ended(0, "1 of lift.toml are left behind");
+    let plot = ["cam", "plot", "lift.toml", "--master-velocity", "360", "-o", "lift.png"];
+    desk.twin(&plot).ended(2, "pictures are SVG");
+    assert!(!desk.path("lift.png").exists());
+    let run = ["cam", "run", "lift.toml", "--machine", "machine.toml", "--drives", "none"];
+    desk.twin(&run).ended(1, "this is a cam, no job");
+    desk.write("job.toml", "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"X\"\n");
+    desk.twin(&["cam", "check", "job.toml", "--master-velocity", "1"])
+        .ended(2, "this is a job, no cam");
+}

@@ -46,6 +46,11 @@ struct Reader<'t> {
 
 impl Reader<'_> {
     fn job(mut self, root: &Section<'_>, machine: &Machine) -> Option<Job> {
+        if !root.has("blocks") && ["elements", "table", "tappets"].iter().any(|key| root.has(key)) {
+            root.complain("this is a cam, no job: `twin cam check` looks at it".to_owned());
+            root.accept_all();
+            return None;
+        }
         // For people.
         root.accept("name");
         let ramps = [

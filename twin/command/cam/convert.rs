@@ -112,6 +112,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 fn tell(file: &CamFile, whole: &Curve, arguments: &Arguments) -> Result<(), Failure> {
     let again = CamFile::load(&arguments.to, arguments.interpolation.into()).map_err(Box::new)?;
     let Peak { value: far, master: at } = whole.largest_distance(again.cam.curve());
+    let tappets = file.cam.tappets().len();
+    if tappets > again.cam.tappets().len() {
+        eprintln!(
+            "{}: this form has no tappets; {tappets} of {} are left behind (.toml, .txt and .cam have them)",
+            arguments.to.display(),
+            file.path.display()
+        );
+    }
     let unit = file.slave.unit();
     let difference = if far == 0.0 {
         "the slave is where it was everywhere".to_owned()
