@@ -194,9 +194,9 @@ impl<C: Clock + Copy + 'static> Rig<C> {
             Doing::Moving => on_plan(),
             Doing::FarStopping | Doing::FarHalting => {
                 // All axes of the line.
-                let targets = SENSES.into_iter().zip(&end.axes).take(count);
+                let mut targets = SENSES.into_iter().zip(&end.axes).take(count);
                 let arrived = |(sense, axis): (i64, &AxisTruth)| axis.counter == sense * FAR;
-                targets.map(arrived).all(|arrived| arrived) && told.counter < FAR
+                targets.all(arrived) && told.counter < FAR
             }
             Doing::Stopping | Doing::Halting => match self.queued {
                 Some(last) => end.counter == last && told.counter < last && end.waiting == 0,
