@@ -151,13 +151,11 @@ impl LinearSolver {
                 *slot = (*slot * x).max(0.0);
             }
         }
-        let worth = worth_of_multipliers(grid, cells, &about, &b, &variables);
         for Beside { node, row, coefficient } in &self.beside {
             let dual = answer.duals.get(*row).copied().unwrap_or_default();
-            chain.pull(*node, worth * dual * coefficient);
+            chain.pull(*node, dual * coefficient);
         }
         let mut gains = gains(&answer.gains);
-        gains.iter_mut().for_each(|gain| gain.time *= worth);
         gains.extend(chain.gains(&b));
         let (iterations, rows) = (answer.iterations, self.program.rows());
         Ok(LinearProfile { b, variables: count, iterations, rows, gains })
@@ -271,43 +269,6 @@ impl LinearSolver {
         self.beside.push(Beside { node, row: self.program.rows(), coefficient: given });
         self.program.add_row(&[(variable, own)], right, origin);
     }
-}
-
-/// What a multiplier of Clarabel's is worth in duration.
-///
-/// Clarabel balances its multipliers with the slope of the duration to second order about `about`. All rows together hold the
-/// profile `b` against that slope, −∂T/∂b·b, so what the slope of the duration itself is more there, they are, too.
-fn worth_of_multipliers(
-    grid: &Grid,
-    cells: &Range<usize>,
-    about: &[f64],
-    b: &[f64],
-    variables: &[Option<usize>],
-) -> f64 {
-    let (mut real, mut taken) = (0.0, 0.0);
-    let nodes = about.windows(2).zip(b.windows(2)).zip(variables.windows(2));
-    for (cell, ((about, b), open)) in cells.clone().zip(nodes) {
-        let ([c0, c1], [b0, b1], [first, second]) = (about, b, open) else { continue };
-        let h = grid.length(cell);
-        let here = b0.sqrt() + b1.sqrt();
-        let (s0, s1) = (c0.sqrt(), c1.sqrt());
-        let sum = s0 + s1;
-        let cross = h / (s0 * s1 * sum * sum * sum);
-        for (variable, s, [b, c], [beside, beside_about]) in
-            [(first, s0, [b0, c0], [b1, c1]), (second, s1, [b1, c1], [b0, c0])]
-        {
-            if variable.is_none() {
-                continue;
-            }
-            let slope = -h / (s * sum * sum);
-            let bend = h / (sum * sum) * (0.5 / (s * s * s) + 1.0 / (s * s * sum));
-            real += h * b.sqrt() / (here * here);
-            taken -= b * (slope + bend * (b - c) + cross * (beside - beside_about));
-        }
-    }
-    let worth = real / taken;
-    // Nothing is known of a profile that stands somewhere.
-    if worth.is_finite() && worth > 0.0 { worth } else { 1.0 }
 }
 
 /// What the duration is taken about.
