@@ -7,12 +7,15 @@
 use super::HardwareError;
 use super::stream::Stream;
 use crate::machine::{Axis, DeviceEntry, Machine};
+use crate::{emulated, real};
+use std::time::Duration;
 use twin_drives::{MAX_DRIVE_AXES, SetpointStream};
 
-/// How long a device may keep silent where the machine file does not say otherwise: at least this, ms, and longer than its
-/// deadline by this.
+/// How long a device may keep silent where the machine file does not say otherwise: at least this, ms.
 const USUAL_SILENCE_MS: u32 = 300;
-const BEYOND_DEADLINE_MS: u32 = 50;
+
+/// A silence of fewer rounds on the wire than this is none that could be told from the usual ones.
+const LEAST_ROUNDS: u32 = 3;
 
 /// Samples in a row that have to show an axis too far away: the time of one alone may be uncertain.
 const MOST_SAMPLES: u32 = 2;
@@ -66,7 +69,7 @@ impl Guard {
         if whose == Guarded::Emulated {
             return Self { silence_ms: said, ..guard };
         }
-        guard.silence_ms = said.or_else(|| entry.map(usual_silence_ms));
+        guard.silence_ms = said.or_else(|| Some(usual_silence_ms(machine, (device, entry?))));
         for (limit, (_, axis)) in guard.limits.iter_mut().zip(machine.axes_of(device)) {
             *limit = Limit::of(axis);
         }
@@ -140,15 +143,36 @@ impl Limit {
     }
 }
 
-/// How long a device may keep silent where the file does not say: until it has missed a deadline.
-fn usual_silence_ms(entry: &DeviceEntry) -> u32 {
-    let deadline_ms = entry.answer_ms.unwrap_or(0);
-    deadline_ms.saturating_add(BEYOND_DEADLINE_MS).max(USUAL_SILENCE_MS)
+/// How long a device may keep silent where the file does not say: one answer may be lost in the middle of a round. Its driver
+/// then waits for the deadline, waits until no late answer comes any more, and asks again; another round may pass until
+/// the axes are seen.
+fn usual_silence_ms(machine: &Machine, device: (usize, &DeviceEntry)) -> u32 {
+    let [deadline, latency] = real::waits(device.1);
+    whole_ms(deadline + latency + 2 * emulated::round(machine, device)).max(USUAL_SILENCE_MS)
+}
+
+/// Fails where the machine file lets a device be silent for less than a few of its rounds: any run would be stopped.
+pub(super) fn check(machine: &Machine, device: usize) -> Result<(), HardwareError> {
+    let Some(entry) = machine.drives.get(device) else { return Ok(()) };
+    let Some(said_ms) = entry.silence_ms else { return Ok(()) };
+    let round = emulated::round(machine, (device, entry));
+    let least_ms = whole_ms(LEAST_ROUNDS * round);
+    if said_ms >= least_ms {
+        return Ok(());
+    }
+    let (file, device) = (machine.path.display().to_string(), entry.name.clone());
+    Err(HardwareError::Impatient { file, device, said_ms, least_ms, round_ms: whole_ms(round) })
+}
+
+/// Not less than it is, ms.
+fn whole_ms(time: Duration) -> u32 {
+    u32::try_from(time.as_micros().div_ceil(1000)).unwrap_or(u32::MAX)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
     use twin_drives::IncrementMotion;
 
     fn guard() -> Guard {
@@ -188,6 +212,40 @@ mod tests {
         assert!(guard.heard((1500 * MS, true), &[0.0; MAX_DRIVE_AXES]).is_none());
         assert!(guard.silence("board", 1800 * MS, others).is_none());
         assert!(guard.silence("board", 1801 * MS, others).is_some());
+    }
+
+    /// A lost answer is asked for again, whatever the wire; rounds are those of the manual's 8N1 bytes.
+    #[test]
+    fn one_lost_answer_is_no_silence() {
+        let silence = |keys: &str| {
+            let text = include_str!("../../machines/gantry3.toml");
+            let text = text.replacen("kind = \"interpcnc\"", keys, 1);
+            let machine = Machine::parse(Path::new("machine.toml"), &text).unwrap();
+            let real = Guard::new(&machine, 0, Guarded::Real).silence_ms;
+            assert!(check(&machine, 0).is_ok());
+            assert_eq!(Guard::new(&machine, 0, Guarded::Emulated).silence_ms, None);
+            real.expect("there is one")
+        };
+        // 250 ms for the answer and 500 ms until nothing comes any more.
+        let fast = silence("kind = \"interpcnc\"");
+        assert!((750..900).contains(&fast), "{fast}");
+        // Four exchanges of 8 bytes at least each way, twice, at 960 bytes/s.
+        let slow = silence("kind = \"interpcnc\"\nbaud = 9600");
+        assert!(slow >= 750 + 2 * 4 * 16 * 1000 / 960, "{slow}");
+        let patient = silence("kind = \"interpcnc\"\nanswer_deadline_ms = 1000");
+        assert_eq!(patient, fast + 3000 - 750);
+    }
+
+    #[test]
+    fn a_silence_of_few_rounds_is_refused() {
+        let text = include_str!("../../machines/gantry3.toml");
+        let keys = "kind = \"interpcnc\"\nbaud = 9600\nlongest_silence_ms = 30";
+        let text = text.replacen("kind = \"interpcnc\"", keys, 1);
+        let machine = Machine::parse(Path::new("machine.toml"), &text).unwrap();
+        let said = check(&machine, 0).unwrap_err().to_string();
+        for part in ["machine.toml: device `board`: longest_silence_ms = 30 is", "at least "] {
+            assert!(said.contains(part), "{said}");
+        }
     }
 
     #[test]

@@ -98,7 +98,8 @@ impl Hardware {
     /// largest velocity. Returns at once; [`Self::ready`] tells when they are there.
     ///
     /// # Errors
-    /// If the start does not fit the counters, or no thread can be had; devices that have begun are stopped then.
+    /// If a `longest_silence_ms` is shorter than a few rounds on the wire, the start does not fit the counters, or no thread
+    /// can be had; devices that have begun are stopped then.
     pub fn start(
         machine: &Machine,
         drives: Vec<Attached>,
@@ -106,6 +107,7 @@ impl Hardware {
         cycle_ns: i64,
         approach: f64,
     ) -> Result<Self, HardwareError> {
+        drives.iter().try_for_each(|attached| guard::check(machine, attached.device))?;
         let early = Arc::new(AtomicBool::new(false));
         let boards = drives.iter().position(|attached| {
             let entry = machine.drives.get(attached.device);
@@ -269,8 +271,8 @@ impl Hardware {
                     Ok(None) => break,
                     Err(error) => {
                         track.ended = true;
+                        // Whether it could be stopped comes after that.
                         self.failures.push_back(error);
-                        break;
                     }
                 }
             }

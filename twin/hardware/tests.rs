@@ -569,8 +569,8 @@ fn a_device_that_keeps_silent_while_its_axes_are_to_move_is_told_while_its_drive
     let (hardware, strings) = start(strings);
     let mut hardware = hardware.guarded(&machine(), Guarded::Real);
     approach(&mut hardware).unwrap();
-    // 12 mm in X.
-    for cycle in 0..=1200 {
+    // 30 mm in X.
+    for cycle in 0..=3000 {
         hardware.command(&setpoint(cycle, START[0] + 1e-5 * cycle as f64, 0.01)).unwrap();
     }
     hardware.follow(Clock::start());
@@ -584,12 +584,13 @@ fn a_device_that_keeps_silent_while_its_axes_are_to_move_is_told_while_its_drive
     let HardwareError::Silent { device, silent_ms, limit_ms, then: None } = &told else {
         panic!("{told}")
     };
-    assert!(device == "board" && *silent_ms > 300 && *limit_ms == 300, "{told}");
+    // Beyond one lost answer: 250 ms and 500 ms.
+    assert!(device == "board" && *limit_ms >= 750 && *silent_ms > i64::from(*limit_ms), "{told}");
     assert!(hardware.is_running() && strings.followed.load(Ordering::SeqCst) == 0);
     // It answers after all, and brings the axes to the end of the plan.
     drop(word);
     let (heard, error) = listen(&mut hardware);
     assert!(error.is_none(), "{error:?}");
-    assert!((heard.last().unwrap().position[0] - START[0] - 0.012).abs() < 2e-6);
+    assert!((heard.last().unwrap().position[0] - START[0] - 0.03).abs() < 2e-6);
     assert_eq!(strings.soft_stops.load(Ordering::SeqCst), 0);
 }
