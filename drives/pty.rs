@@ -24,6 +24,7 @@ use crate::EmulatorError;
 #[derive(Debug)]
 pub(crate) struct PseudoTerminal {
     path: PathBuf,
+    #[expect(dead_code, reason = "it goes with the terminal")]
     link: Option<Link>,
     keeper: TTYPort,
 }
