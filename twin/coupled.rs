@@ -2,7 +2,7 @@
 
 use crate::machine::{Axis, CamSelection, CoupledBy, Machine};
 use twin_kinematics::{AxisMotion, AxisSource, AxisVector, KinematicsError};
-use twin_motion::cam::{AxisState, CamCoupling, CouplingError};
+use twin_motion::cam::{AxisState, CamCoupling, CamTable, CouplingError};
 
 /// A slave that the program moves itself by less is left alone, mm or degrees: the transform rounds.
 const UNMOVED: f64 = 1e-6;
@@ -58,6 +58,8 @@ struct Running {
     own: f64,
     master: f64,
     cam: Option<Box<CamCoupling>>,
+    /// From where a rotary slave shows itself to where it is.
+    shift: f64,
 }
 
 impl<'m> Coupled<'m> {
@@ -80,7 +82,6 @@ impl<'m> Coupled<'m> {
     /// # Errors
     /// If the program moves a slave itself, or there is no cam where its master is.
     pub(crate) fn apply(&mut self, axes: &mut AxisMotion, time_ns: i64) -> Result<(), AxesError> {
-        let begins = self.running.is_empty();
         for (index, coupling) in self.machine.couplings.iter().enumerate() {
             let Some((slave, master)) =
                 self.machine.axes.get(coupling.axis).zip(self.machine.axes.get(coupling.master))
@@ -90,16 +91,26 @@ impl<'m> Coupled<'m> {
             let leads = state(axes, coupling.master, master);
             let own = state(axes, coupling.axis, slave);
             let failed = |source| AxesError::Cam { axis: slave.name.clone(), source };
+            // As both show themselves: the cam knows their periods.
+            let (shown_lead, shown) = (shown(leads, master), shown(own, slave));
+            let begins = index >= self.running.len();
             if begins {
                 let cam = match &coupling.by {
                     CoupledBy::Gear(..) => None,
                     CoupledBy::Cam(selection) => {
                         let CamSelection { table, input } = &**selection;
-                        let cam = CamCoupling::start(table.clone(), *input, &leads, &own, time_ns);
+                        let table = CamTable {
+                            master_period: period(master),
+                            slave_period: period(slave),
+                            ..table.clone()
+                        };
+                        let cam = CamCoupling::start(table, *input, &shown_lead, &shown, time_ns);
                         Some(Box::new(cam.map_err(failed)?))
                     }
                 };
-                self.running.push(Running { own: own.position, master: leads.position, cam });
+                let shift = own.position - shown.position;
+                let (own, master) = (own.position, leads.position);
+                self.running.push(Running { own, master, cam, shift });
             }
             let Some(running) = self.running.get_mut(index) else { continue };
             if (own.position - running.own).abs() > UNMOVED {
@@ -123,9 +134,10 @@ impl<'m> Coupled<'m> {
                 }
                 (CoupledBy::Cam(_), Some(cam)) => {
                     if !begins {
-                        cam.step(&leads, time_ns).map_err(failed)?;
+                        cam.step(&shown_lead, time_ns).map_err(failed)?;
                     }
-                    cam.output().slave
+                    let slave = cam.output().slave;
+                    AxisState { position: slave.position + running.shift, ..slave }
                 }
                 (CoupledBy::Cam(_), None) => continue,
             };
@@ -140,6 +152,17 @@ impl<'m> Coupled<'m> {
         Coupled::new(machine).apply(&mut motion, 0)?;
         Ok(motion.position)
     }
+}
+
+/// The period of an axis, in its unit.
+fn period(axis: &Axis) -> Option<f64> {
+    axis.period.map(|period| axis.from_si(period))
+}
+
+/// An axis as it shows itself: within its period, if it has one.
+fn shown(state: AxisState, axis: &Axis) -> AxisState {
+    let position = period(axis).map_or(state.position, |period| state.position.rem_euclid(period));
+    AxisState { position, ..state }
 }
 
 /// How an axis moves, in its unit.

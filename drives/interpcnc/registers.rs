@@ -168,6 +168,11 @@ impl Status {
         AxisMask::from_bits(self.0 | self.0 >> Self::ASYNC_MOVING_SHIFT)
     }
 
+    /// True if these axes are in no move and none waits in the buffer (B5) that could begin one.
+    pub fn stopped(self, axes: AxisMask) -> bool {
+        self.has(Self::BUFFER_EMPTY) && self.moving().intersection(axes).is_empty()
+    }
+
     /// Axes on a limit switch (B27 to B31).
     pub fn on_limit_switch(self) -> AxisMask {
         AxisMask::from_bits(self.0 >> Self::LIMIT_SWITCH_SHIFT)

@@ -6,6 +6,7 @@
 //!
 //! Everything is in the axes' technical units u. There is no clock: who works cycle by cycle is told the time.
 
+mod apart;
 mod bit;
 mod bounds;
 mod bridge;

@@ -6,6 +6,8 @@
 //! * Both check sums find spoilt bytes, but the XOR of ATB does not find two that have changed places. The bus of
 //!   BIM2AX finds nothing: what was spoilt shows where the axis stands.
 //! * No family watches its master: what is not plugged in goes on to its target.
+//! * A hard stop leaves boards locked and drives off, and a module says of an axis that moved that it was stopped hard: an
+//!   alarm or a reset that does the same is no reason to doubt it.
 //! * InterpCNC and BIM2AX without encoders do not know that a shaft is held.
 
 use twin_drives::{Direction, DriveError, WireFault};
@@ -28,6 +30,8 @@ pub(crate) enum Cause {
     Alarm,
     /// The module is starting, or phases are off, or the drive is not in its mode any more: it has been reset.
     Reset,
+    /// The axis has been stopped without ramp.
+    StoppedHard,
     /// Nobody is there.
     Gone,
     /// What was begun does not end.
@@ -54,6 +58,7 @@ impl Cause {
             DriveError::AxisMessages { .. } if text.contains("power absent") => Self::Alarm,
             DriveError::AxisMessages { .. } if text.contains("phases off") => Self::Reset,
             DriveError::AxisMessages { .. } if text.contains("order") => Self::Refused,
+            DriveError::AxisMessages { .. } if text.contains("stopped hard") => Self::StoppedHard,
             _ => return None,
         })
     }
@@ -80,6 +85,7 @@ impl Expected {
         let apart = (cell.truth.counter as f64 - cell.truth.mechanical).abs();
         match (self, &cell.outcome) {
             (_, Outcome::Lost(what)) => return Err(format!("lost unnoticed: {what}")),
+            (_, Outcome::NotBegun(error)) => return Err(format!("it does not begin: {error}")),
             (Self::Unseen, Outcome::Survived) if apart < 100.0 => {
                 return Err("the mechanics have not been held".to_owned());
             }
@@ -97,6 +103,14 @@ impl Expected {
             _ if cell.stopped => Ok(()),
             _ => Err("it cannot be stopped".to_owned()),
         }
+    }
+
+    /// Whether nothing is wrong with a cell but a deadline that was not to pass: a machine that is too busy may keep sound
+    /// devices waiting for longer. What was lost unnoticed or could not be stopped is no accident, nor is any other error.
+    pub(crate) fn is_surplus_timeout(self, cell: &Cell) -> bool {
+        let (Outcome::Told(error) | Outcome::NotBegun(error)) = &cell.outcome else { return false };
+        let late = matches!(error, DriveError::Timeout { .. });
+        late && self.check(cell).is_err() && cell.stopped && cell.usable.is_ok()
     }
 
     /// As the table says it.
@@ -171,15 +185,15 @@ fn on_modbus(wire: WireFault, doing: Doing) -> Expected {
         (WireFault::Duplicate, _) => Survived,
         // Reads and stops are repeated, but not where the board itself refuses.
         (WireFault::Refuse { .. }, _) => Told(&[Refused]),
-        (_, Doing::Looking | Doing::Homing | Doing::Stopping) => Survived,
         (_, Doing::Idle | Doing::Moving) => Told(&[NoAnswer]),
+        _ => Survived,
     }
 }
 
 fn on_atb(direction: Direction, wire: WireFault, doing: Doing) -> Expected {
     match (wire, doing) {
         // Stops are broadcast three times, and broadcasts are not answered.
-        (WireFault::Refuse { .. }, Doing::Stopping) => Survived,
+        (WireFault::Refuse { .. }, _) if doing.stops() || doing.halts() => Survived,
         (WireFault::Refuse { .. }, _) => Told(&[Refused]),
         // The XOR is the same: the drive goes to another target. Elsewhere the first two bytes change places (`seed`),
         // and what comes is addressed to nobody.
@@ -193,8 +207,8 @@ fn on_bus(direction: Direction, wire: WireFault, doing: Doing) -> Expected {
     match (wire, doing) {
         (WireFault::Duplicate, _) => Survived,
         // Reads are not refused, and stops are repeated where they are not acknowledged.
-        (WireFault::Refuse { .. }, Doing::Looking | Doing::Homing | Doing::Stopping) => Survived,
-        (WireFault::Refuse { .. }, _) => Told(&[Refused]),
+        (WireFault::Refuse { .. }, Doing::Idle | Doing::Moving) => Told(&[Refused]),
+        (WireFault::Refuse { .. }, _) => Survived,
         (WireFault::Drop | WireFault::Delay { .. }, Doing::Idle | Doing::Moving) => {
             Told(&[NoAnswer])
         }
@@ -213,6 +227,20 @@ fn on_bus(direction: Direction, wire: WireFault, doing: Doing) -> Expected {
 
 fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
     match (fault, family, doing) {
+        // What a hard stop is to bring about is there already: boards are locked and drives off after power-up, without
+        // ENABLE and in alarm, and stand. (A module keeps obeying, and says what is wrong.)
+        (
+            DeviceFault::BrownOut | DeviceFault::Alarm,
+            Family::InterpCnc | Family::Segments | Family::SmartDrive | Family::Pair,
+            _,
+        ) if doing.halts() => Survived,
+        // Nor does a stop without ramp need a shaft that turns.
+        (DeviceFault::Stall, _, _) if doing.halts() => Survived,
+        // Nothing shows that it is off.
+        (DeviceFault::Stuck, Family::SmartDrive | Family::Pair, _) if doing.halts() => {
+            Told(&[Reset])
+        }
+
         // After power-up a board is locked, a drive off, a module without phases.
         (DeviceFault::BrownOut, Family::InterpCnc | Family::Segments, _) => Told(&[Locked]),
         (DeviceFault::BrownOut, Family::SmartDrive | Family::Pair, _) => Told(&[Reset, NoAnswer]),
@@ -225,7 +253,7 @@ fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
         (DeviceFault::Stall, Family::InterpCnc, Doing::Homing) => Told(&[NotHomed, Unfinished]),
         (DeviceFault::Stall, Family::Bim2Ax, Doing::Homing) => Told(&[Unfinished]),
         // A stop needs no shaft that turns.
-        (DeviceFault::Stall, _, Doing::Stopping) => Survived,
+        (DeviceFault::Stall, _, _) if doing.stops() => Survived,
         (DeviceFault::Stall, _, _) => Unseen,
 
         (DeviceFault::Alarm, Family::InterpCnc | Family::Segments, _) => Told(&[Locked]),
@@ -238,9 +266,47 @@ fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
         (DeviceFault::Stuck, Family::InterpCnc, Doing::Idle) => Survived,
         (DeviceFault::Stuck, Family::InterpCnc, Doing::Moving) => Survived,
         (DeviceFault::Stuck, Family::Segments, Doing::Moving) => Survived,
-        (DeviceFault::Stuck, _, Doing::Homing | Doing::Stopping) => Told(&[Unfinished]),
+        (DeviceFault::Stuck, _, Doing::Homing) => Told(&[Unfinished]),
+        (DeviceFault::Stuck, _, _) if doing.stops() || doing.halts() => Told(&[Unfinished]),
         (DeviceFault::Stuck, _, Doing::Idle | Doing::Looking) => Told(&[Elsewhere]),
         (DeviceFault::Stuck, Family::Bim2Ax, Doing::Moving) => Told(&[Unfinished, Elsewhere]),
-        (DeviceFault::Stuck, _, Doing::Moving) => Told(&[Elsewhere]),
+        (DeviceFault::Stuck, _, _) => Told(&[Elsewhere]),
     }
+}
+
+#[test]
+fn only_a_deadline_that_was_not_to_pass_is_made_again() {
+    use twin_drives::{Action, Axes, Exchange};
+
+    use crate::rig::Truth;
+
+    let at = || Exchange { port: "port".into(), station: 1, action: Action::ReadState };
+    let timeout = || DriveError::Timeout { at: at(), deadline: std::time::Duration::ZERO };
+    let cell = |outcome| Cell {
+        outcome,
+        stopped: true,
+        truth: Truth::default(),
+        ends: None,
+        usable: Ok(()),
+        goes_on: None,
+    };
+    let late = cell(Outcome::Told(timeout()));
+    assert!(Survived.is_surplus_timeout(&late) && Told(&[Refused]).is_surplus_timeout(&late));
+    assert!(Survived.is_surplus_timeout(&cell(Outcome::NotBegun(timeout()))));
+    // One that was to pass is no surplus; anything else is no deadline.
+    assert!(!Told(&[NoAnswer]).is_surplus_timeout(&late));
+    for wrong in [
+        cell(Outcome::Lost("it has gone on".to_owned())),
+        cell(Outcome::Told(DriveError::Moving { at: at(), axes: Axes::Only })),
+        cell(Outcome::NotBegun(DriveError::Moving { at: at(), axes: Axes::Only })),
+        cell(Outcome::Survived),
+        Cell { stopped: false, ..cell(Outcome::Told(timeout())) },
+        Cell { usable: Err("it is not".to_owned()), ..cell(Outcome::Told(timeout())) },
+    ] {
+        assert!(Told(&[Refused]).check(&wrong).is_err(), "{wrong:?}");
+        assert!(!Told(&[Refused]).is_surplus_timeout(&wrong), "{wrong:?}");
+    }
+    // One that goes on as it was to, but for another reason, could not be stopped.
+    let gone = Cell { stopped: false, goes_on: Some(Ok(())), ..late };
+    assert!(!GoesOn(&[Gone]).is_surplus_timeout(&gone));
 }

@@ -31,13 +31,37 @@ pub(crate) enum Doing {
     Homing,
     /// It follows a plan.
     Moving,
-    /// It has been told to stop.
+    /// It has followed a plan for a second and is told to stop on its ramp.
     Stopping,
+    /// The same, and to stop at once.
+    Halting,
+    /// It is on its way to a target that is far away, and is told to stop on its ramp: what does not hear that goes on.
+    FarStopping,
+    /// The same, and to stop at once.
+    FarHalting,
 }
 
 impl Doing {
-    pub(crate) const ALL: [Self; 5] =
-        [Self::Idle, Self::Looking, Self::Homing, Self::Moving, Self::Stopping];
+    pub(crate) const ALL: [Self; 8] = [
+        Self::Idle,
+        Self::Looking,
+        Self::Homing,
+        Self::Moving,
+        Self::Stopping,
+        Self::Halting,
+        Self::FarStopping,
+        Self::FarHalting,
+    ];
+
+    /// Whether it is told to stop on its ramp.
+    pub(crate) fn stops(self) -> bool {
+        matches!(self, Self::Stopping | Self::FarStopping)
+    }
+
+    /// Whether it is told to stop at once.
+    pub(crate) fn halts(self) -> bool {
+        matches!(self, Self::Halting | Self::FarHalting)
+    }
 }
 
 /// Faults of the device and its plug.

@@ -34,6 +34,13 @@ pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(650);
 const HOMING_NS: i64 = 4_000_000_000 * SPEED as i64;
 /// The longest way to the home switch, increments, for devices that take one.
 pub(crate) const HOMING_WAY: u32 = 12_000;
+/// Where the home switches of drives on a line release, increments: at another place in each.
+const SWITCHES: [f64; 2] = [-15_000.0, -18_000.0];
+/// Segments that are left in a board's buffer, the way of each, increments, and their speed, increments/s: half a minute of
+/// the device.
+const SEGMENTS: i32 = 15;
+const SEGMENT: i32 = 4000;
+const SEGMENT_HZ: u32 = 2000;
 
 /// The clock of devices and plans, so many times faster than the wall clock.
 #[expect(
@@ -66,7 +73,7 @@ impl<C: Clock> SetpointStream for Rest<C> {
 }
 
 /// What is so of the device, whoever says what.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Truth {
     /// Counter, increments.
     pub(crate) counter: i64,
@@ -74,6 +81,8 @@ pub(crate) struct Truth {
     pub(crate) moving: bool,
     /// Whether another axis of its line moves.
     pub(crate) other_moves: bool,
+    /// Segments that wait in the device's buffer.
+    pub(crate) waiting: usize,
     /// Where the mechanics are, increments from where they were at the start.
     pub(crate) mechanical: f64,
     /// The axes one by one; only the first where there is no other.
@@ -92,7 +101,7 @@ pub(crate) struct AxisTruth {
 impl Truth {
     fn of(axes: [AxisTruth; 2], moving: bool, other_moves: bool) -> Self {
         let AxisTruth { counter, mechanical, .. } = axes[0];
-        Self { counter, moving, other_moves, mechanical, axes }
+        Self { counter, moving, other_moves, waiting: 0, mechanical, axes }
     }
 }
 
@@ -109,6 +118,8 @@ pub(crate) struct Rig<C> {
     pub(crate) clock: C,
     /// Where the plan that was followed reached when something went wrong.
     pub(crate) reached: Option<f64>,
+    /// Where the last of the segments ends that were left in the device's buffer.
+    pub(crate) queued: Option<i64>,
 }
 
 impl<C: Clock + Copy + 'static> Rig<C> {
@@ -128,7 +139,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
             Family::Pair => bus(clock, seed, 2),
             Family::Bim2Ax => module(clock, seed),
         };
-        Self { device, clock, reached: None }
+        Self { device, clock, reached: None, queued: None }
     }
 
     /// The driver leaves: another may open the port.
@@ -161,9 +172,47 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     pub(crate) fn switch(&self) -> f64 {
         match &self.device {
             Device::Board(..) => -3000.0,
-            Device::Bus(..) => -15_000.0,
+            Device::Bus(..) => SWITCHES[0],
             Device::Module(..) => -1500.0,
         }
+    }
+
+    /// The switches of all axes of the line.
+    fn switches(&self) -> Vec<f64> {
+        match &self.device {
+            Device::Bus(bus, _) => {
+                let count = bus.look().expect("the emulator runs").len();
+                (0..count).map(|index| SWITCHES[index]).collect()
+            }
+            _ => vec![self.switch()],
+        }
+    }
+
+    /// Whether every axis is on its own switch.
+    pub(crate) fn is_on_switches(&self) -> bool {
+        let truth = self.truth();
+        let mut axes = truth.axes.iter().zip(self.switches());
+        axes.all(|(axis, switch)| (axis.mechanical - switch).abs() < 300.0)
+    }
+
+    /// Whether a device that was stopped hard obeys nothing any more until it is enabled.
+    pub(crate) fn is_off_after_hard_stop(&self) -> bool {
+        !matches!(self.device, Device::Module(..))
+    }
+
+    /// Leaves segments from a place on in the buffer of a board that follows by them, more than are carried out before a
+    /// stop that is lost has been sent again.
+    pub(crate) fn queue_segments(&mut self, from: i32) -> Result<(), DriveError> {
+        let Device::Board(_, Some(drive)) = &mut self.device else { return Ok(()) };
+        let clock = self.clock;
+        let (board, runtime) = drive.board();
+        for target in (1..=SEGMENTS).map(|count| from + count * SEGMENT) {
+            let targets = [Some(target), None, None, None, None];
+            let queued = board.queue_segment(SEGMENT_HZ, &targets, DEADLINE, &clock);
+            runtime.block_on(queued)?;
+            self.queued = Some(target.into());
+        }
+        Ok(())
     }
 
     /// Which request of a move from rest says where to go: a module is looked at before.
@@ -177,11 +226,12 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         if is_board { prepare_homing(self.drive()) } else { Ok(()) }
     }
 
-    /// Homes the axis as `twin run` does, and waits for it.
+    /// Homes all axes as `twin run` does, and waits for them.
     pub(crate) fn home(&mut self) -> Result<(), DriveError> {
         let rest = Rest(self.clock);
         let mut ways = [None; MAX_DRIVE_AXES];
-        ways[0] = Some(HOMING_WAY);
+        let count = self.drive().axis_count();
+        ways.iter_mut().take(count).for_each(|way| *way = Some(HOMING_WAY));
         let begun_ns = self.clock.now_ns();
         self.drive().begin_homing(&ways)?;
         let at = || Exchange { port: "rig".into(), station: 1, action: Action::ReadState };
@@ -191,10 +241,11 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                 return Err(DriveError::Unfinished { at: at(), patience });
             }
         }
-        match self.drive().homed()?[0] {
-            Some(true) => Ok(()),
-            _ => Err(DriveError::NotHomed { at: at() }),
+        let homed = self.drive().homed()?;
+        if homed.iter().take(count).all(|homed| *homed == Some(true)) {
+            return Ok(());
         }
+        Err(DriveError::NotHomed { at: at() })
     }
 
     pub(crate) fn truth(&self) -> Truth {
@@ -207,7 +258,8 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                     mechanical: board.mechanical(BoardAxis::X),
                 };
                 let moving = board.velocity(BoardAxis::X) != 0.0;
-                Truth::of([axis, AxisTruth::default()], moving, false)
+                let waiting = board.waiting_segments();
+                Truth { waiting, ..Truth::of([axis, AxisTruth::default()], moving, false) }
             }
             Device::Bus(bus, _) => {
                 let devices = bus.look().expect("the emulator runs");
@@ -358,6 +410,7 @@ fn board<C: Clock + 'static>(clock: C, seed: u64, following: Following) -> Devic
     };
     let mut options = InterpCncOptions::new(vec![axis]);
     options.following = following;
+    options.most_segments = 2 + u16::try_from(SEGMENTS).expect("few");
     (options.deadline, options.worst_latency) = (DEADLINE, WORST_LATENCY);
     let path = board.path().to_str().expect("a name").to_owned();
     let drive = InterpCncDrive::open(&path, &options).expect("it opens");
@@ -369,11 +422,13 @@ const FIRST: u8 = 2;
 
 fn bus<C: Clock + 'static>(clock: C, seed: u64, count: u8) -> Device {
     let addresses = FIRST..FIRST + count;
-    let switch = smartdrive::emulator::Cam { input: Input::Go, from: -90_000.0, to: -15_000.0 };
+    let switch = |address: u8| {
+        let to = SWITCHES[usize::from(address - FIRST)];
+        smartdrive::emulator::Cam { input: Input::Go, from: -90_000.0, to }
+    };
     let device = |address| DeviceOptions {
         address,
-        // The second one goes the other way, and is not homed.
-        cams: if address == FIRST { vec![switch] } else { Vec::new() },
+        cams: vec![switch(address)],
         configured_mode: Mode::Off,
         ..DeviceOptions::default()
     };

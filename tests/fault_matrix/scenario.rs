@@ -14,10 +14,8 @@ use crate::{
 };
 
 /// Where moves from rest go, and how fast, increments and increments/s.
-const TARGET: i64 = 4000;
+pub(crate) const TARGET: i64 = 4000;
 const SPEED: f64 = 4000.0;
-/// Far enough that it is not half reached while something is stopped.
-const FAR: i64 = 100_000;
 /// Where the last move of all goes.
 const AFTERWARDS: i64 = 321;
 /// Plan: half a cosine from 0 to there in so many seconds, units of the axis, and in increments by [`ratio`].
@@ -27,20 +25,20 @@ const DURATION_S: f64 = 16.0;
 /// Its highest speed, increments/s.
 const PEAK: f64 = 0.5 * STROKE * PI / DURATION_S;
 /// How far ahead of now it is known, ns.
-const HORIZON_NS: i64 = 500_000_000;
+pub(crate) const HORIZON_NS: i64 = 500_000_000;
 /// Looks after which an axis no longer comes to rest.
-const MOST_LOOKS: u32 = 20_000;
+pub(crate) const MOST_LOOKS: u32 = 20_000;
 /// Looks in a row with the same position after which an axis rests, and where its status says that it moves.
 const SAME_LOOKS: u32 = 20;
 const STUCK_LOOKS: u32 = 300;
 /// Cycles of following after the end of the plan.
 const CYCLES_AFTERWARDS: u32 = 40;
 /// Attempts at getting a device back, or looks whether it stands, and the pause between them.
-const MOST_ATTEMPTS: u32 = 100;
-const PAUSE: Duration = Duration::from_millis(10);
+pub(crate) const MOST_ATTEMPTS: u32 = 100;
+pub(crate) const PAUSE: Duration = Duration::from_millis(10);
 
 /// The sense in which the axes of a rig go: what is meant for one and done by the other brings that to the wrong side.
-const SENSES: [i64; 2] = [1, -1];
+pub(crate) const SENSES: [i64; 2] = [1, -1];
 
 /// Units of an axis to increments: no binary fraction.
 fn ratio() -> Ratio {
@@ -56,6 +54,8 @@ pub(crate) enum Outcome {
     Told(DriveError),
     /// The driver said nothing, and it was not done.
     Lost(String),
+    /// What was to go wrong had not begun: a sound device could not be brought to what it was to be doing.
+    NotBegun(DriveError),
 }
 
 /// A cell of the table.
@@ -75,9 +75,9 @@ pub(crate) struct Cell {
 }
 
 /// A plan of one axis: at rest, half a cosine, at rest.
-struct Plan<C> {
-    clock: C,
-    start_ns: i64,
+pub(crate) struct Plan<C> {
+    pub(crate) clock: C,
+    pub(crate) start_ns: i64,
 }
 
 #[expect(clippy::cast_precision_loss, reason = "seconds")]
@@ -104,7 +104,7 @@ impl<C: Clock> SetpointStream for Plan<C> {
 }
 
 /// Whether a plan has ended for so long that a stuck status shows.
-fn is_over(plan: &impl SetpointStream) -> bool {
+pub(crate) fn is_over(plan: &impl SetpointStream) -> bool {
     plan.now_ns() > 18_000_000_000
 }
 
@@ -117,17 +117,19 @@ pub(crate) struct Trial {
     pub(crate) seed: u64,
     /// Frames that a fault of the wire befalls; 0: all, until something is said.
     pub(crate) frames: u32,
+    /// Whether segments wait in the device's buffer when it is stopped.
+    pub(crate) buffered: bool,
 }
 
 impl<C: Clock + Copy + 'static> Rig<C> {
-    fn goes_wrong(&self, trial: &Trial, after: u32) {
+    pub(crate) fn goes_wrong(&self, trial: &Trial, after: u32) {
         match trial.fault {
             Fault::Wire(direction, fault) => self.spoil(direction, fault, trial.frames, after),
             Fault::Device(fault) => self.upset(fault, true, after),
         }
     }
 
-    fn to(&mut self, target: i64) -> Result<(), DriveError> {
+    pub(crate) fn to(&mut self, target: i64) -> Result<(), DriveError> {
         // The second axis, where there is one, goes the other way.
         let mut targets = [target; MAX_DRIVE_AXES];
         targets[1] = SENSES[1] * target;
@@ -186,7 +188,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     }
 
     /// Looks until the axis has stood for a while; where.
-    fn rests(&mut self) -> Result<i64, DriveError> {
+    pub(crate) fn rests(&mut self) -> Result<i64, DriveError> {
         let rest = Rest(self.clock);
         let (mut last, mut same) = ([0; MAX_DRIVE_AXES], 0);
         for _ in 0..MOST_LOOKS {
@@ -200,7 +202,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         Ok(last[0])
     }
 
-    fn moves(&mut self) -> Result<(), DriveError> {
+    pub(crate) fn moves(&mut self) -> Result<(), DriveError> {
         let rest = Rest(self.clock);
         while !self.drive().sample(&rest)?.moving {}
         Ok(())
@@ -225,7 +227,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     /// On its way to a target; the next request asks where it is.
     fn looking(&mut self, trial: &Trial) -> Outcome {
         if let Err(error) = self.to(TARGET).and_then(|()| self.moves()) {
-            return Outcome::Lost(format!("it does not begin: {error}"));
+            return Outcome::NotBegun(error);
         }
         self.goes_wrong(trial, 0);
         match self.rests() {
@@ -237,12 +239,12 @@ impl<C: Clock + Copy + 'static> Rig<C> {
 
     fn homing(&mut self, trial: &Trial) -> Outcome {
         if let Err(error) = self.prepare_homing() {
-            return Outcome::Lost(format!("it does not begin: {error}"));
+            return Outcome::NotBegun(error);
         }
         // The first requests begin homing; later ones ask how far it is.
         self.goes_wrong(trial, 8);
         match self.home() {
-            Ok(()) if (self.truth().mechanical - self.switch()).abs() < 300.0 => {
+            Ok(()) if self.is_on_switches() => {
                 self.rests().map_or_else(Outcome::Told, |_| Outcome::Survived)
             }
             Ok(()) => Outcome::Lost(format!("homed at {:?}", self.truth())),
@@ -318,86 +320,12 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         }
     }
 
-    fn stopping(&mut self, trial: &Trial) -> Outcome {
-        if let Err(error) = self.to(FAR).and_then(|()| self.moves()) {
-            return Outcome::Lost(format!("it does not begin: {error}"));
-        }
-        self.goes_wrong(trial, u32::from(!matches!(trial.fault, Fault::Wire(..))));
-        let stopped = self.drive().soft_stop();
-        let truth = self.truth();
-        // What the driver says is compared with the device at once, and with where it was sent.
-        if stopped.is_ok() && (truth.moving || truth.other_moves) {
-            return Outcome::Lost(format!("said to be stopped, and moves: {truth:?}"));
-        }
-        if stopped.is_ok() && self.drive().commanded() != [None; MAX_DRIVE_AXES] {
-            return Outcome::Lost("stopped, and the driver believes that it goes on".to_owned());
-        }
-        // A device that has started anew counts from 0, and its mechanics have not moved by that.
-        #[expect(clippy::cast_precision_loss, reason = "a small number")]
-        let near = 0.0..FAR as f64 / 2.0;
-        if stopped.is_ok() && !near.contains(&truth.mechanical) {
-            return Outcome::Lost(format!("said to be stopped, and has gone on: {truth:?}"));
-        }
-        if let Fault::Device(fault) = trial.fault {
-            self.settle(fault);
-        }
-        match stopped.and_then(|()| self.rests()) {
-            Ok(_) => Outcome::Survived,
-            Err(error) => Outcome::Told(error),
-        }
-    }
-
-    /// What sessions do when something is said: they stop, by all means.
-    fn stops(&mut self) -> bool {
-        let soft = self.drive().soft_stop();
-        if soft.is_err() {
-            drop(self.drive().hard_stop());
-        }
-        // On its ramp, where its status does not tell.
-        for _ in 0..MOST_ATTEMPTS {
-            let truth = self.truth();
-            if !truth.moving && !truth.other_moves {
-                return true;
-            }
-            thread::sleep(PAUSE);
-        }
-        false
-    }
-
-    /// An axis that cannot be reached goes on to where it was sent, and no farther.
-    fn goes_on(&mut self, doing: Doing, told: &Truth) -> Result<(), String> {
-        for _ in 0..MOST_LOOKS {
-            if !self.truth().moving {
-                break;
-            }
-            thread::sleep(PAUSE);
-        }
-        let end = self.truth();
-        #[expect(clippy::cast_precision_loss, reason = "a counter")]
-        let counter = end.counter as f64;
-        let right = match doing {
-            // The plug was pulled before it was told anything.
-            Doing::Idle => end.counter == 0,
-            Doing::Looking => end.counter == TARGET,
-            Doing::Homing => (end.mechanical - self.switch()).abs() < 300.0,
-            Doing::Moving => {
-                let reached = self.reached.unwrap_or(0.0);
-                end.counter >= told.counter && counter > 300.0 && counter <= reached + 1.0
-            }
-            Doing::Stopping => end.counter == FAR && told.counter < FAR,
-        };
-        if right && !end.moving {
-            return Ok(());
-        }
-        Err(format!("goes on to {end:?}, from {told:?}, planned up to {:?}", self.reached))
-    }
-
     /// Back to work, as the manuals demand: the fault is gone, the device is stopped, enabled, told where it is.
     fn recover(&mut self, trial: &Trial, family: Family) -> Result<(), String> {
         self.mend();
         if let Fault::Device(fault) = trial.fault
             && fault != DeviceFault::BrownOut
-            && (family, fault) != (Family::SmartDrive, DeviceFault::Stall)
+            && !(matches!(family, Family::SmartDrive | Family::Pair) && fault == DeviceFault::Stall)
         {
             self.upset(fault, false, 0);
         }
@@ -440,7 +368,9 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
         Doing::Looking => rig.looking(trial),
         Doing::Homing => rig.homing(trial),
         Doing::Moving => rig.moving(Some(trial), usual(family, clock)).0,
-        Doing::Stopping => rig.stopping(trial),
+        Doing::Stopping | Doing::Halting | Doing::FarStopping | Doing::FarHalting => {
+            rig.stopping(trial)
+        }
     };
     if trial.frames == 0 && matches!(trial.fault, Fault::Wire(Direction::Request, _)) {
         // It was to last until it was told.
@@ -451,7 +381,11 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
         #[expect(clippy::cast_precision_loss, reason = "a small number")]
         Doing::Idle | Doing::Looking => Some(ratio().units_of(TARGET as f64)),
         Doing::Moving => Some(STROKE_U),
-        Doing::Homing | Doing::Stopping => None,
+        Doing::Homing
+        | Doing::Stopping
+        | Doing::Halting
+        | Doing::FarStopping
+        | Doing::FarHalting => None,
     };
     let mut ends = None;
     if let (Outcome::Survived, Some(last)) = (&outcome, last) {
@@ -460,7 +394,10 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
             Err(lost) => outcome = Outcome::Lost(lost),
         }
     }
-    if let Err(lost) = rig.sides(family) {
+    // Homing goes to one side in all drives.
+    if trial.doing != Doing::Homing
+        && let Err(lost) = rig.sides(family)
+    {
         outcome = Outcome::Lost(lost);
     }
     let truth = rig.truth();
@@ -514,12 +451,12 @@ fn usual<C: Clock + Copy + 'static>(family: Family, clock: C) -> f64 {
 pub(crate) fn is_meant(family: Family, fault: Fault, doing: Doing) -> bool {
     let of_wire = matches!(fault, Fault::Wire(..));
     let differs = match family {
-        Family::Segments => doing == Doing::Moving,
+        Family::Segments => matches!(doing, Doing::Moving | Doing::Stopping | Doing::Halting),
         // Faults of a device while the others stand say nothing about them.
         Family::Pair => match doing {
             Doing::Idle => of_wire,
-            Doing::Moving | Doing::Stopping => true,
-            Doing::Looking | Doing::Homing => false,
+            Doing::Looking => false,
+            _ => true,
         },
         _ => true,
     };

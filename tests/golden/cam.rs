@@ -44,7 +44,7 @@ fn bounds_in_closed_form() {
     let done = desk.twin(
         &[
             &check[..],
-            &["--max-velocity", "250", "--max-acceleration", "700", "--position-max", "100"],
+            &["--max-velocity", "250", "--max-acceleration", "2000", "--position-max", "100"],
         ]
         .concat(),
     );
@@ -147,7 +147,7 @@ fn forms_are_converted_and_back() {
     let ascii = std::fs::read(desk.path("lift.asc")).expect("written");
     assert!(ascii.starts_with(b"0;0\r\n0.5;"));
     let done = desk.twin(&["cam", "convert", "lift.asc", "thin.toml", "--tolerance", "0.01"]);
-    done.ended(0, "721 points became").ended(0, "mm from where it was at most");
+    done.ended(0, "721 points became").ended(0, "u from where it was at most");
     let far = done.stderr.split("the slave is ").nth(1).and_then(|rest| rest.split(' ').next());
     let far: f64 = far.expect("a distance").parse().expect("a number");
     assert!(far <= 0.01 && far > 0.001, "{}", done.stderr);
@@ -211,4 +211,20 @@ fn shipped_cams_are_checked_and_drawn() {
     let index = shipped("indexer.csv");
     desk.twin(&["cam", "check", &index, "--interpolation", "cubic", "--once"]).ended(0, "");
     desk.twin(&["cam", "check", &index, "--max-acceleration", "1000"]).ended(1, "cam-continuity");
+}
+
+/// What a form leaves behind, and files of another kind, are told.
+#[test]
+fn what_is_lost_or_mistaken_is_told() {
+    let desk = desk();
+    desk.twin(&["cam", "convert", "lift.toml", "lift.csv"])
+        .ended(0, "1 of lift.toml are left behind");
+    let plot = ["cam", "plot", "lift.toml", "--master-velocity", "360", "-o", "lift.png"];
+    desk.twin(&plot).ended(2, "pictures are SVG");
+    assert!(!desk.path("lift.png").exists());
+    let run = ["cam", "run", "lift.toml", "--machine", "machine.toml", "--drives", "none"];
+    desk.twin(&run).ended(1, "this is a cam, no job");
+    desk.write("job.toml", "[[blocks]]\nblock = \"MC_Halt\"\naxis = \"X\"\n");
+    desk.twin(&["cam", "check", "job.toml", "--master-velocity", "1"])
+        .ended(2, "this is a job, no cam");
 }

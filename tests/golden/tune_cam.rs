@@ -34,15 +34,18 @@ fn lift(place: f64) -> f64 {
     }
 }
 
-/// Three seconds at 400 deg/s, with a little noise: MasterOffset 25, SlaveOffset −4, tappets 8 ms late.
+/// Three seconds at 400 deg/s, with a little noise: `MasterOffset` 25, `SlaveOffset` −4, tappets 8 ms late.
 fn recorded() -> String {
     let mut text = String::from("time_s,master_deg,slave_mm,tappet_1\n");
     for index in 0..1500_u32 {
         let time = f64::from(index) * 0.002 + 0.0007;
         let master = 400.0 * time;
-        let noise = 0.05 * (f64::from(index * 7919 % 1000) / 500.0 - 1.0);
+        // Bits mixed so that neighbours have nothing to do with each other.
+        let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
+        let noise = 0.1 * (f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5);
         let seen = (400.0 * (time - 0.008) + 25.0).rem_euclid(360.0);
-        let output = u8::from((50.0..200.0).contains(&seen) && time > 0.1);
+        let output = u8::from((50.0..200.0).contains(&seen));
         writeln!(text, "{time},{master},{},{output}", lift(master + 25.0) - 4.0 + noise)
             .expect("text");
     }

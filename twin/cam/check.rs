@@ -82,6 +82,9 @@ impl CamUse {
     }
 }
 
+/// A limit that is exceeded by less than this part is kept.
+const ROUNDING: f64 = 1e-12;
+
 /// What came of it. Places are positions of the master.
 #[derive(Clone, Debug)]
 pub struct CamCheck<'a> {
@@ -167,8 +170,10 @@ impl<'a> CamCheck<'a> {
             self.add(Rule::AxisPosition, Severity::Error, message, None, "");
         } else if !unbounded {
             let Range { min, at_min, max, at_max } = self.bounds.position;
+            // What stands on a limit but for rounding keeps it.
+            let room = ROUNDING * (max - min).max(min.abs()).max(max.abs());
             for (outside, value, limit, at) in
-                [(min < low, min, low, at_min), (max > high, max, high, at_max)]
+                [(min < low - room, min, low, at_min), (max > high + room, max, high, at_max)]
             {
                 if outside {
                     let hint = "--slave-offset moves it, --slave-scaling makes it smaller";
@@ -194,7 +199,7 @@ impl<'a> CamCheck<'a> {
             } else {
                 (range.min, range.at_min)
             };
-            if value.abs() > limit {
+            if value.abs() > limit * (1.0 + ROUNDING) {
                 self.exceeds(rule, derivative, value, limit, at, &hint);
             }
         }

@@ -196,6 +196,12 @@ impl CamFile {
         Ok(source)
     }
 
+    /// Whether it consists of points and is put end to end, back to where it began: any period says so then.
+    fn comes_back(&self) -> bool {
+        let polynomial = matches!(self.cam.shape(), Shape::Polynomial(_));
+        self.repeated && polynomial && self.cam.curve().rise() == 0.0
+    }
+
     /// Its name, scales and tappets, without elements.
     fn frame(&self) -> Source {
         let scale = |axis: &AxisScale| Scale {
@@ -206,12 +212,13 @@ impl CamFile {
             unit: axis.unit.clone(),
         };
         let name = self.cam.name();
+        let slave = scale(&self.slave);
         Source {
             name: if name.trim().is_empty() { "cam".to_owned() } else { name.to_owned() },
             kind: Kind::Cam,
             master: scale(&self.master),
-            slave: scale(&self.slave),
-            period: self.period,
+            slave: slave.clone(),
+            period: self.period.or_else(|| self.comes_back().then_some(slave.max - slave.min)),
             elements: Vec::new(),
             tappets: self.cam.tappets().to_vec(),
         }

@@ -121,6 +121,14 @@ impl RecordedRun {
         Ok(run)
     }
 
+    /// The usual time between two samples, s: the median.
+    pub fn between_s(&self) -> f64 {
+        let pairs = self.samples.iter().zip(self.samples.iter().skip(1));
+        let mut times: Vec<_> = pairs.map(|(one, next)| next.time_s - one.time_s).collect();
+        times.sort_by(f64::total_cmp);
+        times.get(times.len() / 2).copied().unwrap_or_default()
+    }
+
     /// The largest velocity of the master, u/s.
     pub fn fastest(&self) -> f64 {
         let velocity = |index: usize| self.velocity(index).abs();

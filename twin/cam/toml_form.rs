@@ -26,6 +26,11 @@ pub(super) struct TomlCam {
 }
 
 pub(super) fn read(root: &Section<'_>) -> Option<TomlCam> {
+    if root.has("blocks") {
+        root.complain("this is a job, no cam: `twin cam run` runs it".to_owned());
+        root.accept_all();
+        return None;
+    }
     let name = root.required_text("name");
     let kind = root.choice("kind", &[("cam", Kind::Cam), ("tappets", Kind::Tappets)]);
     let kind = kind.unwrap_or_default();

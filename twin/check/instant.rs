@@ -53,6 +53,16 @@ impl Instant {
         (along(self).abs() <= limit).then_some(feed * 1e3)
     }
 
+    /// The acceleration that positions ask for from cycle to cycle beyond what both velocities explain; of an axis `free` of
+    /// any path also that of velocities that step.
+    pub(super) fn jump(&self, before: &Self, cycle: f64, free: bool) -> f64 {
+        let stepped = ((self.position - before.position) / cycle).abs();
+        let explained = self.velocity.abs().max(before.velocity.abs());
+        let kink = (stepped - explained).max(0.0) / cycle;
+        let step = if free { (self.velocity - before.velocity).abs() / cycle } else { 0.0 };
+        kink.max(step)
+    }
+
     /// The magnitude of something that depends on the path alone. Between set-points it may be larger than at them, by
     /// no more than it has changed since the one `before`, if that is on the same element. `None` at rest.
     fn worst(&self, before: Option<&Self>, of: impl Fn(&Self) -> f64) -> Option<f64> {

@@ -125,7 +125,8 @@ fn checked(
     };
     let rapids =
         (program.dialect() == Dialect::Rs274).then_some(machine.conditions.rs274.rapid_velocity);
-    let mut checker = Checker::new(machine, rapids, slack);
+    let is_job = program.dialect() == Dialect::Job;
+    let mut checker = Checker::new(machine, rapids, slack, is_job);
     let mut rehearsal = physics.then(|| Rehearsal::new(machine, scenario));
     let mut way = Way::new(machine)?;
     let rules = Acknowledgement::for_check(machine, acknowledge);
@@ -200,7 +201,7 @@ fn checked(
     outcome.findings_left_out += items.left_out();
     outcome.elements = items.elements();
     outcome.length = items.length();
-    if program.dialect() == Dialect::Job {
+    if is_job {
         // Nothing of it has a feed.
         outcome.findings.iter_mut().for_each(|found| found.largest_feed_mm_per_s = None);
     }
@@ -221,12 +222,14 @@ struct Checker<'m> {
     last: Option<AxisSetpoint>,
     start: Option<AxisVector>,
     duration_ns: i64,
+    /// Axes that follow blocks, gears or cams, and no path.
+    free: Vec<bool>,
     /// Additional axes that the machine does not have, each told once.
     told_missing: [bool; EXTRA_AXES.len()],
 }
 
 impl<'m> Checker<'m> {
-    fn new(machine: &'m Machine, rapids: Option<f64>, slack: [f64; 3]) -> Self {
+    fn new(machine: &'m Machine, rapids: Option<f64>, slack: [f64; 3], is_job: bool) -> Self {
         Self {
             rapids,
             machine,
@@ -237,6 +240,7 @@ impl<'m> Checker<'m> {
             last: None,
             start: None,
             duration_ns: 0,
+            free: free_axes(machine, is_job),
             told_missing: [false; EXTRA_AXES.len()],
         }
     }
@@ -324,16 +328,18 @@ impl<'m> Checker<'m> {
             }
             // A tool that turns with the path turns at once where that has a corner too small to stop at. Neither velocity
             // says so, only the position.
-            let explained = now.velocity.abs().max(before.velocity.abs());
-            let kink = (stepped.abs() - explained).max(0.0) / cycle;
-            if turns
+            // An axis that follows no path may step as well.
+            let free = self.free.get(index).copied().unwrap_or_default();
+            let jump = now.jump(&before, cycle, free);
+            if (turns || free)
                 && !told
-                && !at_rest
+                && (free || !at_rest)
                 && !exceeds(stepped, most)
-                && exceeds(kink, harder * axis.max_acceleration)
+                && !exceeds(now.acceleration, harder * limit)
+                && exceeds(jump, harder * limit)
             {
-                peak.acceleration.include(kink, before.place);
-                report(sentence::too_hard(axis, before.place, kink));
+                peak.acceleration.include(jump, before.place);
+                report(sentence::too_hard(axis, before.place, jump));
             }
             let jerk = (now.acceleration - before.acceleration) / cycle;
             // An acceleration that comes up is of this block, one that ends of the one before.
@@ -382,6 +388,12 @@ impl<'m> Checker<'m> {
             following: None,
         }
     }
+}
+
+/// Which axes follow no path: all of a job, and the slaves of the machine's gears and cams.
+fn free_axes(machine: &Machine, is_job: bool) -> Vec<bool> {
+    let slave = |index| machine.couplings.iter().any(|coupling| coupling.axis == index);
+    (0..machine.axes.len()).map(|index| is_job || slave(index)).collect()
 }
 
 /// Whether the velocity `stepped`, by the difference of two cycles, is told by nothing else. A jump of the set-point (G92, or the

@@ -214,6 +214,10 @@ impl ReadOptions {
             Some(Dialect::Queue | Dialect::Job | Dialect::Dxf) if self.skip_suppressed => {
                 ("--skip-suppressed", "DIN 66025 and RS274")
             }
+            Some(Dialect::Job) if self.factor.factor() > 1.0 => (
+                "--override above 100 %",
+                "DIN 66025 and RS274; blocks of a job say themselves how fast",
+            ),
             Some(Dialect::Job) if self.profile != Profile::Trapezoid => {
                 ("--profile", "DIN 66025 and RS274; a job has its `ramp`")
             }

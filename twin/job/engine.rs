@@ -33,12 +33,15 @@ const UNLIMITED: f64 = 1e9;
 pub(super) struct Engine {
     axes: Vec<Moved>,
     calls: Vec<Running>,
-    order: Vec<usize>,
+    /// Axes, masters first, each with the numbers of its calls.
+    order: Vec<(usize, Vec<usize>)>,
     cycle_ns: i64,
     /// Since the beginning.
     now_ns: i64,
     /// When every axis that leads is halted.
     duration_ns: Option<i64>,
+    /// When something moved or began last.
+    moved_ns: i64,
     /// The block that has begun last.
     line: u32,
     last_line: u32,
@@ -86,7 +89,7 @@ impl Engine {
             Moving { name, period, limits, start }
         });
         let imagined = job.virtual_axes.iter().map(|axis| {
-            let limits = (UNLIMITED, UNLIMITED, axis.max_jerk);
+            let limits = (UNLIMITED, axis.max_acceleration.unwrap_or(UNLIMITED), axis.max_jerk);
             let (name, period, start) = (axis.name.clone(), axis.period, axis.start);
             Moving { name, period, limits, start }
         });
@@ -105,6 +108,7 @@ impl Engine {
             order: job.order,
             cycle_ns,
             now_ns: 0,
+            moved_ns: 0,
             duration_ns: job.duration.map(nanoseconds),
         }
     }
@@ -136,13 +140,14 @@ impl Engine {
         self.now_ns += self.cycle_ns;
         self.axes.iter_mut().for_each(Moved::begin);
         self.raise(begin_ns);
-        for index in self.order.clone() {
-            self.call(index)?;
-        }
-        if self.is_halting() {
-            self.axes.iter_mut().for_each(Moved::halt);
-        }
+        let order = std::mem::take(&mut self.order);
+        let called = order.iter().try_for_each(|(axis, calls)| self.call_on(*axis, calls));
+        self.order = order;
+        called?;
         self.axes.iter_mut().for_each(Moved::end);
+        if !self.axes.iter().all(Moved::stands) {
+            self.moved_ns = self.now_ns;
+        }
         let failed = self.axes.iter().find_map(|moved| Some((moved, moved.axis.error_id()?)));
         match failed {
             Some((moved, id)) => {
@@ -172,12 +177,24 @@ impl Engine {
             };
             if running.begun_ns.is_none() && due_ns.is_some_and(|due| due <= now_ns) {
                 running.begun_ns = Some(now_ns);
+                self.moved_ns = now_ns;
                 self.line = running.call.line.max(1);
             }
             if running.call.begins != Begins::Standing {
                 (previous_begun, previous_over) = (running.begun_ns, running.over_ns);
             }
         }
+    }
+
+    /// Calls the blocks of an axis; at the end of the job it is halted, before its slaves look at it.
+    fn call_on(&mut self, axis: usize, calls: &[usize]) -> Result<(), Box<Finding>> {
+        calls.iter().try_for_each(|index| self.call(*index))?;
+        if self.is_halting()
+            && let Some(moved) = self.axes.get_mut(axis)
+        {
+            moved.halt();
+        }
+        Ok(())
     }
 
     /// Calls a block, if it has begun.
@@ -220,10 +237,8 @@ impl Engine {
         let ends = self.duration_ns.is_some();
         if let Some(running) = waits {
             // A block that waits for a master that stands waits for ever.
-            let began_ns = running.begun_ns.unwrap_or(self.now_ns);
-            let stuck =
-                stand && !ends && self.now_ns - began_ns > STUCK_NS && self.nothing_is_due();
-            if stuck {
+            let long = self.now_ns - self.moved_ns > STUCK_NS;
+            if stand && !ends && long && self.nothing_is_due() {
                 let Call { line, name, .. } = running.call;
                 let place = Place { line, block: None };
                 let message = format!("{name} waits for ever: its axis and its master stand");
@@ -243,10 +258,20 @@ impl Engine {
         if ends { self.in_time() } else { Ok(stand) }
     }
 
-    /// Whether no block begins at a time to come.
+    /// Whether no block begins by itself at a time to come.
     fn nothing_is_due(&self) -> bool {
+        let (mut previous_begun, mut previous_over) = (true, true);
         self.calls.iter().all(|running| {
-            running.begun_ns.is_some() || !matches!(running.call.begins, Begins::At(_))
+            let due = match running.call.begins {
+                Begins::At(_) | Begins::Standing => true,
+                Begins::WithPrevious => previous_begun,
+                Begins::After(_) => previous_over,
+            };
+            if running.call.begins != Begins::Standing {
+                previous_begun = running.begun_ns.is_some();
+                previous_over = running.over_ns.is_some();
+            }
+            running.begun_ns.is_some() || !due
         })
     }
 
@@ -259,7 +284,7 @@ impl Engine {
     }
 }
 
-/// A block that has begun so long ago while everything stands will not move any more, ns.
+/// Where everything has stood for so long and nothing is due, nothing will move any more, ns.
 const STUCK_NS: i64 = 1_000_000_000;
 
 /// What an axis is made from: name, period, largest velocity, acceleration and jerk, and where it starts.

@@ -54,8 +54,8 @@ pub(crate) struct Job {
     virtual_axes: Vec<VirtualAxis>,
     /// What is called.
     calls: Vec<Call>,
-    /// The calls' numbers, those that move a master before those that move its slaves.
-    order: Vec<usize>,
+    /// The axes, masters before their slaves, each with the numbers of its calls.
+    order: Vec<(usize, Vec<usize>)>,
 }
 
 /// A master that is no axis of the machine.
@@ -64,6 +64,8 @@ struct VirtualAxis {
     name: String,
     /// mm or degrees.
     period: Option<f64>,
+    /// mm/s² or degrees/s².
+    max_acceleration: Option<f64>,
     /// mm/s³ or degrees/s³.
     max_jerk: Option<f64>,
     /// mm or degrees.

@@ -1,12 +1,15 @@
-//! In which order blocks are called: who moves a master comes before who moves its slaves.
+//! In which order axes are moved: a master before its slaves, so that these are where it is in the same cycle.
 
 use super::Call;
 
-/// The numbers of `calls`, masters first, among `axes` axes.
+/// The axes, masters first, each with the numbers of its calls in the order of the file; of `calls` among `axes` axes.
 ///
 /// # Errors
 /// With an axis that follows itself by way of others.
-pub(super) fn masters_first(calls: &[Call], axes: usize) -> Result<Vec<usize>, usize> {
+pub(super) fn masters_first(
+    calls: &[Call],
+    axes: usize,
+) -> Result<Vec<(usize, Vec<usize>)>, usize> {
     let couplings = || calls.iter().filter_map(|call| Some((call.master?, call.axis)));
     // How many masters in a row an axis has above it; in a ring it grows beyond the number of axes.
     let mut depths = vec![0usize; axes];
@@ -21,10 +24,11 @@ pub(super) fn masters_first(calls: &[Call], axes: usize) -> Result<Vec<usize>, u
     if let Some(axis) = depths.iter().position(|depth| *depth > axes) {
         return Err(axis);
     }
-    let mut order: Vec<_> = (0..calls.len()).collect();
-    // Of one axis, and of axes that stand alike, in the order of the file.
-    order.sort_by_key(|index| {
-        calls.get(*index).and_then(|call| depths.get(call.axis)).copied().unwrap_or_default()
-    });
-    Ok(order)
+    let mut sorted: Vec<_> = depths.into_iter().zip(0..).collect();
+    sorted.sort_unstable();
+    let of = |axis: usize| (0..).zip(calls).filter(move |(_, call)| call.axis == axis);
+    Ok(sorted
+        .into_iter()
+        .map(|(_, axis)| (axis, of(axis).map(|(number, _)| number).collect()))
+        .collect())
 }

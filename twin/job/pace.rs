@@ -2,22 +2,38 @@
 //!
 //! Cams and gears hold between axes at every time of the job. So the override changes how fast that time passes for all of
 //! them together: velocities by the factor, accelerations by its square. It changes as fast as the acceleration of every axis
-//! allows.
+//! allows, and no more suddenly than its jerk.
 
 use super::engine::State;
 
 /// A factor this much above what it shall be counts as that.
 const SAME: f64 = 1e-9;
 
-/// Cycles in which the factor goes from 1 to 0 at the latest, also where an axis would rather not.
-const LONGEST_STOP: f64 = 5000.0;
+/// How long axes may forbid a slower pace, s; they do while they brake as hard as they can themselves.
+const PATIENCE: f64 = 0.5;
+
+/// How long the factor takes from 1 to 0 then, s.
+const LONGEST_STOP: f64 = 5.0;
+
+/// What an axis bears.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bears {
+    /// u/s².
+    pub(super) acceleration: f64,
+    /// u/s³; infinite if nobody limits it.
+    pub(super) jerk: f64,
+}
 
 /// Time of the job in cycles, as fast as it passes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
     /// Cycles of the job in a cycle.
     rate: f64,
+    /// Its change per s.
+    slope: f64,
     wanted: f64,
+    /// How long it has stayed although it shall be less, s.
+    forbidden: f64,
     /// Between two set-points of the job, 0 to 1.
     phase: f64,
 }
@@ -26,7 +42,7 @@ impl Pace {
     /// From the beginning with this factor; more than 1 is 1.
     pub(super) fn new(factor: f64) -> Self {
         let rate = factor.clamp(0.0, 1.0);
-        Self { rate, wanted: rate, phase: 0.0 }
+        Self { rate, slope: 0.0, wanted: rate, forbidden: 0.0, phase: 0.0 }
     }
 
     /// Wants another factor; more than 1 is 1.
@@ -44,20 +60,26 @@ impl Pace {
         self.rate <= 0.0 && self.wanted <= 0.0
     }
 
-    /// A cycle on, with axes that move like `states`, each with its largest acceleration. The number of cycles that the job
-    /// has to go on.
+    /// A cycle (s) on, with axes that move like `states` at the set-points of the job around now. The number of cycles that the
+    /// job has to go on.
     pub(super) fn advance(
         &mut self,
-        states: impl Iterator<Item = (State, f64)>,
+        states: impl Iterator<Item = (State, Bears)>,
         cycle: f64,
     ) -> u32 {
         let before = self.rate;
         let change = self.wanted - before;
-        self.rate = if change.abs() <= SAME {
-            self.wanted
+        if change.abs() <= SAME {
+            (self.rate, self.slope) = (self.wanted, 0.0);
         } else {
-            (before + self.bearable(change, states, cycle)).clamp(0.0, 1.0)
-        };
+            self.slope = self.bearable(change, states, cycle);
+            self.rate = before + self.slope * cycle;
+            self.forbidden = if self.slope == 0.0 { self.forbidden + cycle } else { 0.0 };
+            let reached = (self.wanted - self.rate) * change <= 0.0;
+            if reached {
+                (self.rate, self.slope) = (self.wanted, 0.0);
+            }
+        }
         self.phase += f64::midpoint(before, self.rate);
         // Rounding does not make a cycle of its own.
         if self.phase >= 1.0 - SAME {
@@ -71,20 +93,43 @@ impl Pace {
         }
     }
 
-    /// The part of `change` that every axis bears in a cycle (s).
-    fn bearable(&self, change: f64, states: impl Iterator<Item = (State, f64)>, cycle: f64) -> f64 {
-        let mut least = f64::INFINITY;
-        for (State { velocity, acceleration, .. }, most) in states {
-            // a·r² + v·dr/dt is to stay within the limit.
-            let own = acceleration * self.rate * self.rate;
-            let push = velocity * change.signum();
-            let room = if push > 0.0 { most - own } else { most + own };
-            if push != 0.0 {
-                least = least.min((room / push.abs()).max(0.0) * cycle);
-            }
+    /// The change of the rate per s that every axis bears.
+    fn bearable(
+        &self,
+        change: f64,
+        states: impl Iterator<Item = (State, Bears)>,
+        cycle: f64,
+    ) -> f64 {
+        let (mut most, mut bend) = (f64::INFINITY, f64::INFINITY);
+        for (state, bears) in states.filter(|(state, _)| state.velocity != 0.0) {
+            most = most.min(self.room(state, bears, change, cycle));
+            // v·d²r/dt² is to stay within the jerk.
+            bend = bend.min(bears.jerk / state.velocity.abs());
         }
-        let slowest = if change < 0.0 { LONGEST_STOP.recip() } else { 0.0 };
-        change.signum() * least.max(slowest).min(change.abs())
+        let insists = change < 0.0 && self.forbidden > PATIENCE;
+        let slowest = if insists { LONGEST_STOP.recip() } else { 0.0 };
+        // Slow enough to be level again where it shall be, cycle by cycle.
+        let level = if bend.is_finite() {
+            bend * ((0.25 * cycle * cycle + 2.0 * change.abs() / bend).sqrt() - 0.5 * cycle)
+        } else {
+            f64::INFINITY
+        };
+        let along = self.slope * change.signum();
+        let speed = (along + bend * cycle).max(0.0).min(level).min(most).max(slowest);
+        change.signum() * speed.min(change.abs() / cycle)
+    }
+
+    /// How fast the rate may change in the direction of `change`, per s, so that a·r² + v·dr/dt of an axis stays within its
+    /// acceleration.
+    fn room(&self, state: State, bears: Bears, change: f64, cycle: f64) -> f64 {
+        let push = state.velocity * change.signum();
+        let at = |rate: f64| {
+            let own = state.acceleration * rate * rate * push.signum();
+            ((bears.acceleration - own) / push.abs()).max(0.0)
+        };
+        // The rate at the end of the cycle counts, of which this is a bound.
+        let end = (self.rate + change.signum() * at(self.rate) * cycle).clamp(0.0, 1.0);
+        at(self.rate).min(at(end))
     }
 
     /// How an axis moves between two set-points of the job, `cycle` (s) apart; `before` is the factor a cycle ago.

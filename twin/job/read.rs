@@ -46,6 +46,11 @@ struct Reader<'t> {
 
 impl Reader<'_> {
     fn job(mut self, root: &Section<'_>, machine: &Machine) -> Option<Job> {
+        if !root.has("blocks") && ["elements", "table", "tappets"].iter().any(|key| root.has(key)) {
+            root.complain("this is a cam, no job: `twin cam check` looks at it".to_owned());
+            root.accept_all();
+            return None;
+        }
         // For people.
         root.accept("name");
         let ramps = [
@@ -56,7 +61,7 @@ impl Reader<'_> {
         let ramp = root.choice("ramp", &ramps).unwrap_or_default();
         let duration = root.number("duration_s", 0.0..=LONGEST);
         self.axes = machine.axes.iter().map(Known::of).collect();
-        let virtual_axes = self.virtual_axes(root);
+        let virtual_axes = self.virtual_axes(root, duration.is_some());
         let starts = root.sections("start");
         let starts: Vec<_> =
             starts.into_iter().filter_map(|section| self.start(section, machine)).collect();
@@ -82,7 +87,8 @@ impl Reader<'_> {
         Some(Job { ramp, duration, starts, virtual_axes, calls, order })
     }
 
-    fn virtual_axes(&mut self, root: &Section<'_>) -> Vec<VirtualAxis> {
+    /// Those that are `halted` by the job have to say how hard.
+    fn virtual_axes(&mut self, root: &Section<'_>, halted: bool) -> Vec<VirtualAxis> {
         let mut found = Vec::new();
         for section in root.sections("virtual_axes") {
             let name = section.required_text("name");
@@ -94,8 +100,12 @@ impl Reader<'_> {
             let unit = kind.unit();
             let period = section.number(&format!("period_{unit}"), 1e-6..=FAR);
             let max_jerk = section.number(&format!("max_jerk_{unit}_per_s3"), 1e-6..=1e15);
-            let max_acceleration =
-                section.number(&format!("max_acceleration_{unit}_per_s2"), 1e-6..=FAR);
+            let key = format!("max_acceleration_{unit}_per_s2");
+            let max_acceleration = section.number(&key, 1e-6..=FAR);
+            if halted && !section.has(&key) {
+                let message = format!("an axis that `duration_s` halts needs `{key}`");
+                section.complain(message);
+            }
             let start = section.number(&format!("start_{unit}"), -FAR..=FAR).unwrap_or(0.0);
             if let Some(name) = name {
                 if self.axes.iter().any(|axis| axis.name == name) {
@@ -103,7 +113,7 @@ impl Reader<'_> {
                 }
                 self.axes.push(Known { name: name.to_owned(), kind, max_acceleration });
                 let name = name.to_owned();
-                found.push(VirtualAxis { name, period, max_jerk, start });
+                found.push(VirtualAxis { name, period, max_acceleration, max_jerk, start });
             }
             section.finish();
         }

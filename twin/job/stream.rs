@@ -1,11 +1,12 @@
 //! The set-points of a job.
 
 use super::engine::{Engine, State};
-use super::pace::Pace;
+use super::pace::{Bears, Pace};
 use super::read;
+use crate::check::no_axes;
 use crate::coupled::Coupled;
 use crate::finding::{Finding, Rule};
-use crate::machine::{Machine, Problem};
+use crate::machine::{Axis, Machine, Problem};
 use crate::planning::PlanItem;
 use crate::program::ProgramFile;
 use crate::report::seconds;
@@ -25,10 +26,14 @@ pub(crate) struct JobSetpoints<'m> {
     /// Two set-points of the job, between which it is.
     from: Instant,
     to: Instant,
+    /// The set-point behind both.
+    next: Instant,
     pace: Pace,
     /// Of the last set-point; none before the first.
     time_ns: Option<i64>,
-    /// Everything is done and stands.
+    /// Everything is done and stands with the set-point behind both.
+    done: bool,
+    /// That set-point has been given.
     over: bool,
     stopping: bool,
     blocks: u64,
@@ -63,8 +68,10 @@ impl<'m> JobSetpoints<'m> {
             problems: VecDeque::new(),
             from: Instant::default(),
             to: Instant::default(),
+            next: Instant::default(),
             pace: Pace::new(program.settings().inputs.override_factor.factor()),
             time_ns: None,
+            done: false,
             over: false,
             stopping: false,
             blocks: 0,
@@ -75,10 +82,17 @@ impl<'m> JobSetpoints<'m> {
         match read(&text, program.path(), machine) {
             Ok(job) => {
                 setpoints.blocks = u64::try_from(job.calls.len()).unwrap_or(u64::MAX);
-                let start = start(machine, &job.starts);
+                let start = match start(machine, &job.starts) {
+                    Ok(start) => start,
+                    Err(finding) => {
+                        setpoints.problems.push_back(*finding);
+                        return Ok(setpoints);
+                    }
+                };
                 let engine = Engine::new(job, machine, &start);
                 setpoints.from = Instant::of(&engine);
                 setpoints.to = setpoints.from.clone();
+                setpoints.next = setpoints.from.clone();
                 setpoints.engine = Some(engine);
             }
             Err(problems) => {
@@ -131,13 +145,16 @@ impl<'m> JobSetpoints<'m> {
     /// The next cycle of the job.
     fn go_on(&mut self, engine: &mut Engine) -> Result<(), Box<Finding>> {
         std::mem::swap(&mut self.from, &mut self.to);
-        if engine.step()? {
-            self.to.states.clear();
-            self.to.states.extend(engine.states());
-            self.to.place = engine.place();
-        } else {
-            self.over = true;
-            self.to = self.from.clone();
+        self.to.clone_from(&self.next);
+        self.over = self.done;
+        if !self.done {
+            if engine.step()? {
+                self.next.states.clear();
+                self.next.states.extend(engine.states());
+                self.next.place = engine.place();
+            } else {
+                self.done = true;
+            }
         }
         Ok(())
     }
@@ -177,8 +194,11 @@ impl<'m> JobSetpoints<'m> {
 
     fn poll(&mut self, engine: &mut Engine) -> Option<Result<AxisSetpoint, Box<Finding>>> {
         let Some(last_ns) = self.time_ns else {
-            if let Err(finding) = self.go_on(engine) {
-                return Some(Err(finding));
+            // Two set-points ahead are known from the beginning on.
+            for _ in 0..2 {
+                if let Err(finding) = self.go_on(engine) {
+                    return Some(Err(finding));
+                }
             }
             self.time_ns = Some(0);
             return Some(self.setpoint(0, self.pace.rate()));
@@ -187,8 +207,10 @@ impl<'m> JobSetpoints<'m> {
             return None;
         }
         let before = self.pace.rate();
-        let limits = self.machine.axes.iter().map(|axis| axis.from_si(axis.max_acceleration));
-        let states = self.from.states.iter().copied().zip(limits);
+        let around = [&self.from, &self.to, &self.next].into_iter();
+        let states = around.flat_map(|instant| {
+            instant.states.iter().copied().zip(self.machine.axes.iter().map(bears))
+        });
         for _ in 0..self.pace.advance(states, seconds(self.machine.cycle_ns)) {
             if let Err(finding) = self.go_on(engine) {
                 return Some(Err(finding));
@@ -223,9 +245,31 @@ impl Iterator for JobSetpoints<'_> {
     }
 }
 
+/// What an axis of the machine bears, in its unit.
+fn bears(axis: &Axis) -> Bears {
+    Bears {
+        acceleration: axis.from_si(axis.max_acceleration),
+        jerk: axis.max_jerk.map_or(f64::INFINITY, |jerk| axis.from_si(jerk)),
+    }
+}
+
 /// Where the axes start, in their units: where programs start, but for what the job says.
-fn start(machine: &Machine, said: &[(usize, f64)]) -> Vec<f64> {
-    let axes = machine.start_axes().unwrap_or_else(|| machine.middle());
+///
+/// # Errors
+/// If that is nowhere, or a slave of the machine file cannot be where its master has it.
+fn start(machine: &Machine, said: &[(usize, f64)]) -> Result<Vec<f64>, Box<Finding>> {
+    let first = Place { line: 1, block: None };
+    let all = (0..machine.axes.len()).all(|axis| said.iter().any(|(other, _)| *other == axis));
+    let axes = match machine.start_axes() {
+        Some(axes) => axes,
+        // Nothing of it counts.
+        None if all => machine.middle(),
+        None => {
+            let message = "the machine cannot be where its file says that programs start (start_mm): say in [[start]] where \
+                           every axis starts";
+            return Err(Finding::error(Rule::Reach, first, message.to_owned()).into());
+        }
+    };
     let shown = machine.axes.iter().zip(axes.iter()).map(|(axis, value)| axis.from_si(*value));
     let mut start: Vec<_> = shown.collect();
     for (axis, position) in said {
@@ -233,16 +277,14 @@ fn start(machine: &Machine, said: &[(usize, f64)]) -> Vec<f64> {
             *slot = *position;
         }
     }
+    if machine.couplings.is_empty() {
+        return Ok(start);
+    }
     // Slaves start where their masters have them.
     let values = machine.axes.iter().zip(&start).map(|(axis, value)| axis.to_si(*value));
     let coupled = Coupled::at_rest(machine, AxisVector::from_values(values));
-    if let Ok(coupled) = coupled
-        && !machine.couplings.is_empty()
-    {
-        let shown = machine.axes.iter().zip(coupled.iter());
-        start = shown.map(|(axis, value)| axis.from_si(*value)).collect();
-    }
-    start
+    let coupled = coupled.map_err(|error| no_axes(first, &error))?;
+    Ok(machine.axes.iter().zip(coupled.iter()).map(|(axis, value)| axis.from_si(*value)).collect())
 }
 
 /// What is wrong with the file, as a finding.

@@ -96,7 +96,7 @@ fn blocks_begin_behind_each_other() {
     }
 }
 
-const SHAFT: &str = "[[virtual_axes]]\nname = \"shaft\"\nkind = \"rotary\"\nperiod_deg = 360\n";
+const SHAFT: &str = "[[virtual_axes]]\nname = \"shaft\"\nkind = \"rotary\"\nperiod_deg = 360\nmax_acceleration_deg_per_s2 = 36000\n";
 
 /// Y goes 3 mm for every 2 degrees of the shaft; of twenty turns a second each.
 #[test]
@@ -106,13 +106,19 @@ fn a_slave_in_gear_keeps_its_ratio() {
          ratio_numerator = 3\nratio_denominator = 200\n[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"shaft\"\n\
          velocity_deg_per_s = 7200\nacceleration_deg_per_s2 = 36000\n"
     ));
-    // Up in 0.2 s, and the way of the master until the halt: 7200·(1.5 − 0.1) degrees, then it has no limit of its own.
+    // Up in 0.2 s and down in as many: 540 mm/s² of Y.
     let middle = setpoints.iter().find(|one| one.time_ns == 1_000_000_000).unwrap();
     near(middle.axes.velocity[1], 7200.0 * 0.015 * 1e-3, 1e-9);
     near(middle.axes.position[1] - 0.05, 7200.0 * 0.9 * 0.015 * 1e-3, 7200.0 * 0.015e-3 * 2e-3);
     let last = setpoints.last().unwrap();
     assert_eq!(last.axes.velocity[1], 0.0);
-    assert!(last.time_ns < 1_510_000_000);
+    near(time(last), 1.7, 3e-3);
+    near(last.axes.position[1] - 0.05, 7200.0 * 1.5 * 0.015 * 1e-3, 7200.0 * 0.015e-3 * 2e-3);
+    for pair in setpoints.windows(2) {
+        let [before, after] = [&pair[0].axes, &pair[1].axes];
+        assert!((after.velocity[1] - before.velocity[1]).abs() <= 0.54e-3 + 1e-9);
+        assert!(after.position[1] >= before.position[1], "{} s", time(&pair[1]));
+    }
 }
 
 /// A cam from (0, 0) to (360, 0) by (180, 40) mm at rest: in the closed form of the quintic 40·(10p³ − 15p⁴ + 6p⁵).
@@ -212,6 +218,68 @@ fn a_hold_brakes_within_the_acceleration_of_the_axes() {
         // In gear all the way.
         near(pair[1].axes.velocity[1], pair[1].axes.velocity[0] / 2.0, 1e-9);
     }
+}
+
+/// Whenever it is asked for, a hold stays within the acceleration of the axis, which the move itself uses up, and velocities are
+/// what positions do.
+#[test]
+fn a_hold_at_any_time_stays_within_the_acceleration() {
+    let machine = machine();
+    let most = machine.axes[0].max_acceleration;
+    let job = job(&format!(
+        "{START}[[blocks]]\nblock = \"MC_MoveRelative\"\naxis = \"X\"\ndistance_mm = 200\nvelocity_mm_per_s = 390\n"
+    ));
+    for asked in (0..700).step_by(7) {
+        let mut setpoints = JobSetpoints::open(&machine, &job.program).unwrap();
+        let mut before: Option<AxisSetpoint> = None;
+        while let Some(item) = setpoints.next() {
+            let PlanItem::Axes(one) = item else { panic!("{item:?}") };
+            if one.time_ns == asked * 1_000_000 {
+                setpoints.request_stop();
+            }
+            let told = one.axes.acceleration[0].abs();
+            assert!(
+                told <= most * (1.0 + 1e-9),
+                "{told} at {}, asked for at {asked} ms",
+                time(&one)
+            );
+            if let Some(before) = before {
+                let step = (one.axes.velocity[0] - before.axes.velocity[0]).abs() / 1e-3;
+                assert!(step <= most * 1.02, "{step} at {}, asked for at {asked} ms", time(&one));
+            }
+            before = Some(*one);
+        }
+        assert_eq!(before.unwrap().axes.velocity[0], 0.0, "asked for at {asked} ms");
+    }
+}
+
+/// With a limited jerk a hold in the middle of a steady motion takes its time.
+#[test]
+fn a_hold_stays_within_the_jerk() {
+    let mut machine = machine();
+    machine.axes[0].max_jerk = Some(20.0);
+    let job = job(&format!(
+        "{START}[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"X\"\nvelocity_mm_per_s = 200\n[[blocks]]\n\
+         block = \"MC_Halt\"\naxis = \"X\"\nafter_s = 2\n"
+    ));
+    let mut setpoints = JobSetpoints::open(&machine, &job.program).unwrap();
+    let mut seen = Vec::new();
+    while let Some(item) = setpoints.next() {
+        let PlanItem::Axes(one) = item else { panic!("{item:?}") };
+        if one.time_ns == 1_000_000_000 {
+            setpoints.request_stop();
+        }
+        seen.push(*one);
+    }
+    let held = seen.iter().filter(|one| time(one) >= 1.0);
+    let accelerations: Vec<_> = held.map(|one| one.axes.acceleration[0]).collect();
+    for pair in accelerations.windows(2) {
+        assert!((pair[1] - pair[0]).abs() <= 20.0e-3 * 1.1, "{pair:?}");
+    }
+    // From 0.2 m/s with 20 m/s³ it cannot stand before 2·√(v/j) = 0.2 s.
+    let last = seen.last().unwrap();
+    assert!((1.2..1.5).contains(&time(last)), "{}", time(last));
+    assert_eq!(last.axes.velocity[0], 0.0);
 }
 
 /// A stop is a hold behind which nothing comes.

@@ -10,6 +10,7 @@ use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledgement, MCall};
 use crate::machine::Machine;
 use crate::program::{Dialect, Findings, ProgramFile, ProgramItem, Setpoints};
+use crate::session::MOST_OVERRIDE;
 use crate::setpoint::AxisSetpoint;
 use beside::Beside;
 use std::io;
@@ -197,6 +198,14 @@ impl<'m> Planning<'m> {
             Plan::Controller(setpoints) => setpoints.set_override(factor),
             Plan::Axes(within) => within.set_override(factor),
             Plan::Job(job) => job.set_override(factor),
+        }
+    }
+
+    /// The largest override that has an effect.
+    pub(crate) fn most_override(&self) -> f64 {
+        match self.0 {
+            Plan::Controller(_) | Plan::Axes(_) => MOST_OVERRIDE,
+            Plan::Job(_) => 1.0,
         }
     }
 

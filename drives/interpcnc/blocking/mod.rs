@@ -342,18 +342,25 @@ impl Drive for InterpCncDrive {
         let patience =
             Duration::from_secs_f64(slowest) + 2 * (options.deadline + options.worst_latency);
         let mask = options.mask();
+        let mut moving = mask;
         let at_rest = async {
             loop {
                 let (state, _) = self.board.state(&no_clock).await?;
-                if state.status.moving().intersection(mask).is_empty() {
+                // Axes that stand go on if segments wait: those have to be gone, too.
+                if state.status.stopped(mask) {
                     return Ok(());
                 }
+                moving = state.status.moving().intersection(mask);
             }
         };
         let rested = self.runtime.block_on(async { timeout(patience, at_rest).await });
         rested.unwrap_or_else(|_| {
             let at = self.board.at(Command::RampStop.action());
-            Err(DriveError::Moving { at, axes: Axes::Letters(mask.bits()) })
+            Err(if moving.is_empty() {
+                DriveError::Unfinished { at, patience }
+            } else {
+                DriveError::Moving { at, axes: Axes::Letters(moving.bits()) }
+            })
         })
     }
 

@@ -105,10 +105,11 @@ impl InterpCnc {
         self.send(&Command::ChangeSpeed { axes, speed_hz }, clock).await
     }
 
-    /// Brings all axes to rest on their ramps (command 42), empties the buffer and waits for it.
+    /// Brings all axes to rest on their ramps (command 42), empties the buffer and waits for both: axes that stand go on
+    /// if segments wait.
     ///
     /// # Errors
-    /// If they still move after `patience` or no proper answer comes.
+    /// If they still move after `patience`, the buffer is not empty (B5) then, or no proper answer comes.
     pub async fn ramp_stop(
         &mut self,
         patience: Duration,
@@ -142,8 +143,12 @@ impl InterpCnc {
         let independent_only = matches!(command, Command::RampStopAxes { .. });
         self.wait(action, patience, clock, |_, state| {
             let status = state.status;
-            let moving = if independent_only { status.independent() } else { status.moving() };
-            moving.intersection(axes).is_empty().then_some(Ok(*state))
+            let stopped = if independent_only {
+                status.independent().intersection(axes).is_empty()
+            } else {
+                status.stopped(axes)
+            };
+            stopped.then_some(Ok(*state))
         })
         .await
     }

@@ -98,6 +98,11 @@ pub(in crate::interpcnc) fn segment_ramps(
 }
 
 impl Board {
+    /// Segments that wait in the buffer; the one that is carried out is not in it.
+    pub fn waiting_segments(&self) -> usize {
+        self.buffer.waiting.len()
+    }
+
     /// Takes a segment into the buffer.
     pub(super) fn queue_segment(&mut self, segment: Segment) -> Result<(), Refusal> {
         if segment.speed_hz == 0 {

@@ -14,7 +14,9 @@ use crate::{
     interpcnc::{
         Assumptions, AxisMask, AxisOptions, BoardAxis, Command, HomeAxis, InterpCnc,
         InterpCncOptions, Line, MoveProfile, ProbeMove,
-        emulator::{Bench, Board, BoardOptions, Cam, Control, EncoderLink, Event, Wire, serve},
+        emulator::{
+            Bench, Board, BoardOptions, Cam, Condition, Control, EncoderLink, Event, Wire, serve,
+        },
         parameters,
         registers::Status,
     },
@@ -195,6 +197,27 @@ fn stops_are_waited_for() {
         assert!(driver.stop_and_lock(&no_clock).await.unwrap().status.locked());
     });
     assert!(board.status().locked());
+}
+
+#[test]
+fn a_stop_is_not_over_while_segments_wait() {
+    let ((), board) = with_usual(|mut driver, hand| async move {
+        driver.unlock(&no_clock).await.unwrap();
+        // The buffer is frozen: no axis moves, and one will as soon as it is not.
+        let frozen = Event::Condition(Condition::BufferFrozen, true);
+        hand.send(Control::Event(frozen)).await.unwrap();
+        let targets = [Some(5000), None, None, None, None];
+        driver.queue_segment(1000, &targets, LONG, &no_clock).await.unwrap();
+        // As if the board had kept it.
+        hand.send(Control::Event(Event::StuckStatus(true))).await.unwrap();
+        let patience = Duration::from_secs(1);
+        let stopped = driver.ramp_stop(patience, &no_clock).await;
+        assert!(matches!(stopped, Err(DriveError::Unfinished { .. })), "{stopped:?}");
+        hand.send(Control::Event(Event::StuckStatus(false))).await.unwrap();
+        let state = driver.ramp_stop(patience, &no_clock).await.unwrap();
+        assert!(state.status.has(Status::BUFFER_EMPTY));
+    });
+    assert_eq!((board.waiting_segments(), board.counters()[0]), (0, 0));
 }
 
 #[test]

@@ -146,7 +146,11 @@ impl SmartDriveBus {
             return Ok(());
         }
         if ![Mode::Off.number(), Mode::Changing.number()].contains(&state.mode) {
-            self.runtime.block_on(self.bus.send(address, off, &no_clock))?;
+            match self.runtime.block_on(self.bus.send(address, off, &no_clock)) {
+                // It has heard the first one and is changing its mode, whatever it shows: what comes of that is asked next.
+                Err(DriveError::Rejected { reason: RejectCode::Working, .. }) => {}
+                sent => drop(sent?),
+            }
         }
         let found = match self.runtime.block_on(self.bus.changed(address, off)) {
             Ok(found) => found,

@@ -381,6 +381,21 @@ fn a_drive_that_does_not_answer_does_not_cost_the_others_their_current() {
 }
 
 #[test]
+fn a_drive_that_does_not_show_that_it_is_off_is_told_by_its_mode() {
+    let clock = clock();
+    let bus = start(devices(1), Wire::default(), clock);
+    let mut drive = open(&bus, 1);
+    while drive.enable().is_err() {}
+    bus.control(Event::StuckStatus(true).to(0)).unwrap();
+    // It is switching off and refuses to be told again, which is not what is wrong.
+    let error = drive.hard_stop().unwrap_err();
+    let remote = Mode::Remote.number();
+    assert!(matches!(error, DriveError::Mode { found, .. } if found == remote), "{error}");
+    while bus.look().unwrap()[0].mode() == Mode::Changing {}
+    assert_eq!(bus.look().unwrap()[0].mode(), Mode::Off);
+}
+
+#[test]
 fn an_output_that_is_not_switched_is_told_as_such() {
     let (mut device, terminal) = TTYPort::pair().unwrap();
     let name = serialport::SerialPort::name(&terminal).unwrap();

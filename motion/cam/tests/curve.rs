@@ -231,3 +231,18 @@ fn pieces_of_very_different_widths() {
         assert!((curve.at(middle).position - expected).abs() < 1e-6, "{middle}");
     }
 }
+
+/// A quintic from rest to rest against its chord: w³(10 − 15w + 6w²) − w has its extremes where 30w²(1 − w)² = 1.
+#[test]
+fn the_largest_distance_of_curves() {
+    let lift = curve(&[Knot::at_rest(0.0, 0.0), Knot::at_rest(180.0, 100.0)]);
+    let line = pairs(&[[0.0, 0.0], [180.0, 100.0]], false, Interpolation::Linear);
+    let line = line.curve().expect("a curve");
+    let w = (1.0 - (1.0 - 4.0 / 30.0_f64.sqrt()).sqrt()) / 2.0;
+    let expected = 100.0 * (w.powi(3) * (10.0 - 15.0 * w + 6.0 * w * w) - w).abs();
+    let found = lift.largest_distance(&line);
+    assert!((found.value - expected).abs() < 1e-10, "{found:?} {expected}");
+    let mirrored = (found.master - 180.0 * w).abs().min((found.master - 180.0 * (1.0 - w)).abs());
+    assert!(mirrored < 1e-6, "{found:?}");
+    assert_eq!(lift.largest_distance(&lift).value, 0.0);
+}

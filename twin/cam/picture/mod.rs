@@ -133,8 +133,9 @@ impl<'a> Page<'a> {
             #[expect(clippy::cast_possible_truncation, reason = "a power of ten")]
             let power = (most.log10() / 3.0).floor() as i32 * 3;
             let scale = 10_f64.powi(power);
-            let points = curves.iter_mut().flatten().flatten();
-            points.for_each(|(_, value)| *value /= scale);
+            for (_, value) in curves.iter_mut().flatten().flatten() {
+                *value /= scale;
+            }
             for limit in &mut limits {
                 *limit /= scale;
             }

@@ -180,7 +180,8 @@ fn truths_of_a_thousand_runs_lie_in_their_intervals() {
         ];
         let mut run = run(&mut random, truth, 0.2);
         let seen = switchings(&file, &with_offset(&use_it, truth[0]), &run);
-        let dead = tappet_dead_time(&use_it, &seen).expect("a dead time").dead_time_s;
+        let dead =
+            tappet_dead_time(&use_it, &seen, run.between_s()).expect("a dead time").dead_time_s;
         run.samples = run.samples.into_iter().step_by(20).collect();
         let found = fit_run(&file, &use_it, &run, free, 0.05)
             .unwrap_or_else(|error| panic!("{seed}: {error}"));
@@ -212,8 +213,28 @@ fn a_run_says_how_far_the_slave_was() {
     // 200 + 300 · time deg/s after four seconds.
     assert!((run.fastest() - 1400.0).abs() < 2.0, "{}", run.fastest());
     let none = RecordedRun { groups: Vec::new(), ..run };
-    let error = tappet_dead_time(&use_it, &switchings(&file, &use_it, &none)).expect_err("none");
+    let error =
+        tappet_dead_time(&use_it, &switchings(&file, &use_it, &none), 0.002).expect_err("none");
     assert_eq!(error, TuneError::DeadTime(FitError::TooFew { found: 0, needed: 3, unknowns: 1 }));
+}
+
+/// An output that something else switches, half a second behind its tappet, is told with its line.
+#[test]
+fn a_switching_that_is_none_of_the_tappets_is_told() {
+    let file = cam(LIFT);
+    let use_it = with_offset(&using(&file, 200.0, AxisLimits::NONE), 12.0);
+    let mut run = run(&mut Random(5), [12.0, 3.0, 0.01], 0.0);
+    let seen = switchings(&file, &use_it, &run);
+    let found = tappet_dead_time(&use_it, &seen, run.between_s()).expect("a dead time");
+    assert!((found.dead_time_s.value - 0.01).abs() < 0.001, "{found:?}");
+    let off = run.samples.iter().position(|sample| !sample.outputs[0]).expect("off");
+    let on = run.samples[off..].iter().position(|sample| sample.outputs[0]).expect("on") + off;
+    run.samples[on..on + 60].iter_mut().for_each(|sample| sample.outputs[0] = false);
+    let seen = switchings(&file, &use_it, &run);
+    let error = tappet_dead_time(&use_it, &seen, run.between_s()).expect_err("an outlier");
+    let TuneError::Outlier { line, behind_s, .. } = error else { panic!("{error}") };
+    assert_eq!(line, run.samples[on + 60].line);
+    assert!((behind_s - 0.13).abs() < 0.002, "{behind_s}");
 }
 
 #[test]
@@ -275,6 +296,8 @@ fn scalings_and_offsets_within_limits() {
     let found = within_limits(&file, &low, Free { slave_scaling: true, ..offset }).expect("both");
     assert!((found.coupling.input.slave_scaling - 0.7).abs() < 1e-12);
     assert!((found.coupling.input.slave_offset - 20.0).abs() < 1e-12);
+    // What stands on its limits keeps them.
+    assert!(CamCheck::new(&file, found).findings.is_empty());
     // What keeps them already is left alone, bit for bit.
     let wide = using(&file, 1.0, limits(1e6, 1e6));
     assert_eq!(

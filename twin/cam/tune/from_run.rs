@@ -74,12 +74,23 @@ pub fn rms(errors: &[(f64, f64)]) -> f64 {
     (errors.iter().map(|(_, error)| error * error).sum::<f64>() / count).sqrt()
 }
 
+/// A switching and where it was seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// The line of the run in which the output had switched.
+    pub line: u64,
+    /// How long after the tappet it switched, s.
+    pub behind_s: f64,
+    /// For the fit.
+    pub switching: Switching,
+}
+
 /// What the outputs of a run tell of the tappets that switch them.
 ///
 /// An output that changes between two samples is taken to change half way between, and the tappet to be passed when the
 /// master, on straight lines between the samples, was there. Whose tappet it was is the nearest one that switches so in the
 /// master's direction.
-pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Switching> {
+pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Seen> {
     let input = &using.coupling.input;
     let places: Vec<_> = run
         .samples
@@ -105,9 +116,14 @@ pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Swit
             };
             let target = place - far - velocity * delay;
             if let Some(passed) = passage(&places, index, target, velocity) {
-                let distance = velocity * (time - passed - delay);
+                let behind_s = time - passed - delay;
                 // The time of a switching is known to half that between two samples: its place to that times the velocity.
-                seen.push(Switching { velocity, distance, weight: 1.0 / (velocity * velocity) });
+                let switching = Switching {
+                    velocity,
+                    distance: velocity * behind_s,
+                    weight: 1.0 / (velocity * velocity),
+                };
+                seen.push(Seen { line: after.line, behind_s, switching });
             }
         }
     }
@@ -161,13 +177,37 @@ fn passage(places: &[(f64, f64)], index: usize, target: f64, velocity: f64) -> O
     before.or_else(|| places.get(index..)?.windows(2).find(crosses)).and_then(time)
 }
 
+/// A switching that is farther from the median of all than this many times what they are usually apart is no noise.
+const OUTLIER: f64 = 10.0;
+
 /// The dead time of what tappets switch, the compensation in use included: what `DeadTimeCompensation` should be.
+/// `between_s` is the time between two samples.
 ///
 /// # Errors
-/// [`TuneError::DeadTime`] if too few switchings were seen.
-pub fn tappet_dead_time(using: &CamUse, seen: &[Switching]) -> Result<DeadTime, TuneError> {
-    let found = dead_time(seen, false).map_err(TuneError::DeadTime)?;
+/// [`TuneError::DeadTime`] if too few switchings were seen, [`TuneError::Outlier`] if one of them has nothing to do with the
+/// others.
+pub fn tappet_dead_time(
+    using: &CamUse,
+    seen: &[Seen],
+    between_s: f64,
+) -> Result<DeadTime, TuneError> {
+    let all: Vec<_> = seen.iter().map(|seen| seen.switching).collect();
+    let found = dead_time(&all, false).map_err(TuneError::DeadTime)?;
+    let middle = median(seen.iter().map(|seen| seen.behind_s).collect());
+    let apart = median(seen.iter().map(|seen| (seen.behind_s - middle).abs()).collect());
+    // Samples alone make switchings differ by this much.
+    let usual = apart.max(between_s / 4.0);
+    let far = |seen: &&Seen| (seen.behind_s - middle).abs() > OUTLIER * usual;
+    if let Some(outlier) = seen.iter().find(far) {
+        let (line, behind_s) = (outlier.line, outlier.behind_s);
+        return Err(TuneError::Outlier { line, behind_s, usual_s: middle });
+    }
     let time = found.dead_time_s;
     let dead_time_s = Estimate { value: time.value + using.coupling.dead_time_s, ..time };
     Ok(DeadTime { dead_time_s, ..found })
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or_default()
 }

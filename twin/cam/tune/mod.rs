@@ -3,12 +3,13 @@
 mod from_run;
 mod shape;
 
-pub use from_run::{errors, fit_run, rms, rounded, switchings, tappet_dead_time};
+pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time};
 pub use shape::{PointTolerance, ShapeGoal, Shaped, shape};
 
 use super::CamFile;
 use super::check::CamUse;
 use super::edit::Change;
+use crate::number::significant;
 use std::sync::Arc;
 use twin_motion::cam::tune::{
     FitError, Free, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
@@ -24,6 +25,20 @@ pub enum TuneError {
     /// The dead time of tappets.
     #[error("dead time of the tappets: {0}")]
     DeadTime(#[source] FitError),
+    /// A switching that does not fit the others.
+    #[error(
+        "dead time of the tappets: the output of line {line} switches {} s behind its tappet, the others about {} s: \
+         something else switched it, or it is not this cam's",
+        significant(*.behind_s, 4), significant(*.usual_s, 4)
+    )]
+    Outlier {
+        /// Of the run.
+        line: u64,
+        /// s.
+        behind_s: f64,
+        /// The median of all, s.
+        usual_s: f64,
+    },
     /// The shape.
     #[error("shape: {0}")]
     Reshape(#[from] ReshapeError),

@@ -9,7 +9,7 @@ use clap::ValueEnum;
 use std::path::PathBuf;
 use twin_motion::cam::file::reduce;
 use twin_motion::cam::{
-    Cam, CamError, Compile, Curve, Interpolation, PairTable, Shape, Source, TableScale,
+    Cam, CamError, Compile, Curve, Interpolation, PairTable, Peak, Shape, Source, TableScale,
     VariableType,
 };
 
@@ -111,7 +111,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 /// How many points there are, and how far what was written is from what was read.
 fn tell(file: &CamFile, whole: &Curve, arguments: &Arguments) -> Result<(), Failure> {
     let again = CamFile::load(&arguments.to, arguments.interpolation.into()).map_err(Box::new)?;
-    let (far, at) = furthest(whole, again.cam.curve());
+    let Peak { value: far, master: at } = whole.largest_distance(again.cam.curve());
+    let tappets = file.cam.tappets().len();
+    if tappets > again.cam.tappets().len() {
+        eprintln!(
+            "{}: this form has no tappets; {tappets} of {} are left behind (.toml, .txt and .cam have them)",
+            arguments.to.display(),
+            file.path.display()
+        );
+    }
     let unit = file.slave.unit();
     let difference = if far == 0.0 {
         "the slave is where it was everywhere".to_owned()
@@ -125,31 +133,6 @@ fn tell(file: &CamFile, whole: &Curve, arguments: &Arguments) -> Result<(), Fail
     eprintln!("{}: {} points; {difference}", arguments.to.display(), again.cam.shape().len());
     Ok(())
 }
-
-/// The largest distance of two curves over the same masters, and where: on every piece of either, at its ends and at the
-/// places between them where it is largest.
-fn furthest(one: &Curve, other: &Curve) -> (f64, f64) {
-    let mut joints: Vec<_> = one.joints().chain(other.joints()).collect();
-    joints.sort_by(f64::total_cmp);
-    let apart = |at: f64| (one.at(at).position - other.at(at).position).abs();
-    let mut most = (0.0, one.start());
-    let mut take = |at: f64| {
-        let far = apart(at);
-        if far > most.0 {
-            most = (far, at);
-        }
-    };
-    for pair in joints.windows(2) {
-        let [from, to] = pair else { continue };
-        for index in 0..=PLACES {
-            take(from + (to - from) * f64::from(index) / f64::from(PLACES));
-        }
-    }
-    most
-}
-
-/// Places that are looked at between two joints: a difference of quintics over so many is known to some thousandths.
-const PLACES: u32 = 64;
 
 fn compiled(file: &CamFile, kind: TableKind, arguments: &Arguments) -> Result<Cam, Failure> {
     let source: Source = file.to_source().map_err(Box::new)?;

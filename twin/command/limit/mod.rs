@@ -186,6 +186,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let machine = arguments.machine()?;
     let program = arguments.read.program(&arguments.program, machine.conditions.rs274.units)?;
     arguments.check_for(&program)?;
+    if let (Limits::Axes, Some(coupling)) = (arguments.limits, machine.couplings.first()) {
+        return Err(Failure::Usage(format!(
+            "{}: plans within the limits of the axes do not know the limits of slaves ({}); `twin check` looks at them",
+            machine.path.display(),
+            coupling.describe(&machine.axes)
+        )));
+    }
     arguments.check_targets(&program)?;
     let mut outputs = Outputs::new(&machine, &arguments.output)?;
     let mut job = Job::new(&machine, &program)?;

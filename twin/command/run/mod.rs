@@ -22,7 +22,7 @@ use crate::hardware::HardwareError;
 use crate::limit::Limits;
 use crate::machine::{DeviceEntry, Machine};
 use crate::picture::Picture;
-use crate::program::ProgramFile;
+use crate::program::{Dialect, ProgramFile};
 use crate::report::seconds;
 use crate::session::{Ending, OverrideAt, Session, Stopped};
 use crate::simulated::Simulated;
@@ -148,6 +148,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         )));
     }
 
+    let faster = arguments.override_at.iter().any(|change| change.factor > 1.0);
+    if program.dialect() == Dialect::Job && faster {
+        return Err(Failure::Usage(
+            "--override-at is 100 % at most for a job: its blocks say themselves how fast"
+                .to_owned(),
+        ));
+    }
     arguments.check_targets(&program)?;
     if arguments.limits == Limits::Axes {
         plans_without_inputs(&program)?;

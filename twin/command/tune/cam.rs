@@ -232,16 +232,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let in_file = CamUse { coupling: file.coupling, ..before };
     let knots = report.shaped.as_ref().map(|shaped| (&file, shaped.knots.as_slice()));
     report.changes = changes(&in_file, &report.after, knots);
-    report
-        .write(arguments.format, arguments.write.is_some(), &mut io::stdout().lock())
-        .map_err(Failure::Stdio)?;
-    show_findings(&check.findings);
+    // Files first: who reads only the first lines of the report has them, too.
     if let Some(path) = &arguments.output {
         picture(path, &file, &after_file, &report, recorded.as_ref())?;
     }
     if let Some(target) = &arguments.write {
         apply(&file, &after_file, &report, target.as_deref())?;
     }
+    report
+        .write(arguments.format, arguments.write.is_some(), &mut io::stdout().lock())
+        .map_err(Failure::Stdio)?;
+    show_findings(&check.findings);
     let unfit = finding::unfit(&check.findings) || report.doubtful;
     Ok(if unfit { Status::Unfit } else { Status::Fit })
 }
@@ -268,7 +269,7 @@ fn tuned(
         report.fit = Some(found);
         if !run.groups.is_empty() {
             let seen = switchings(file, &report.after, run);
-            let found = tappet_dead_time(&report.after, &seen)?;
+            let found = tappet_dead_time(&report.after, &seen, run.between_s())?;
             report.after.coupling.dead_time_s = tune::rounded(found.dead_time_s);
             report.dead_time = Some((found, seen.len()));
         }

@@ -79,6 +79,31 @@ fn a_cam_drives_an_axis_that_drives_another() {
     near(axes.velocity[2], 0.02);
 }
 
+/// A modulo axis that has gone round is where it shows itself to be, as for the blocks on axes.
+#[test]
+fn a_cam_knows_the_period_of_its_master() {
+    let folder = tempfile::tempdir().unwrap();
+    let cam = "cam turn\nmaster 0 360\nslave 0 36\nline 0 0 360 36\n";
+    std::fs::write(folder.path().join("turn.txt"), cam).unwrap();
+    let text = format!(
+        "{}[[axes]]\nname = \"C\"\nrole = \"P\"\nkind = \"rotary\"\nperiod_deg = 360\nmax_velocity_deg_per_s = 360\n\
+         max_acceleration_deg_per_s2 = 3600\n[[cams]]\naxis = \"Y\"\nmaster = \"C\"\ncam = \"turn.txt\"\nperiodic = false\n",
+        super::programs::without_drive()
+    );
+    let machine = Machine::parse(&folder.path().join("machine.toml"), &text).unwrap();
+    let at = |degrees: f64| {
+        let values = [0.0, 0.0, 0.0, degrees.to_radians()];
+        AxisMotion::at_rest(AxisVector::from_values(values))
+    };
+    let mut coupled = Coupled::new(&machine);
+    let mut axes = at(400.0);
+    coupled.apply(&mut axes, 0).unwrap();
+    near(axes.position[1], 4e-3);
+    let mut axes = at(410.0);
+    coupled.apply(&mut axes, 1_000_000).unwrap();
+    near(axes.position[1], 5e-3);
+}
+
 #[test]
 fn what_cannot_follow_is_told() {
     let said = |text: &str, message: &str| {

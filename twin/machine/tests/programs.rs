@@ -7,7 +7,7 @@ use twin_kinematics::{AxisVector, Kinematics};
 const TURNTABLE: &str = "[[axes]]\nname = \"C\"\nrole = \"P\"\nkind = \"rotary\"\nposition_min_deg = -3600\nposition_max_deg = 3600\nmax_velocity_deg_per_s = 360\nmax_acceleration_deg_per_s2 = 3600\n";
 
 /// The short machine without its drive.
-fn without_drive() -> String {
+pub(super) fn without_drive() -> String {
     let lines: Vec<_> = SHORT.lines().filter(|line| !line.starts_with("drive")).collect();
     (lines.join("\n") + "\n")
         .replace("[[drives]]\nname = \"board\"\nkind = \"interpcnc\"\n", "")

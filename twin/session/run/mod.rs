@@ -112,6 +112,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             && self.stopped.is_none()
         {
             let time_ns = self.clock.map_or(self.executed_ns(), |clock| clock.now_ns());
+            let factor = factor.min(self.items.most_override());
             self.overrides.ask(OverrideAt { time_ns, factor }, &mut self.items);
         }
     }

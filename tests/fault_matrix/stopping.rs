@@ -1,0 +1,211 @@
+//! A plan that is followed is stopped, on the ramps or at once, while something goes wrong.
+//!
+//! The stop meets a device that has more to do than it is doing: a target ahead, near as in a plan or far as in an approach,
+//! and with segments a buffer full of them. Far ones and buffers last for longer than it takes until a stop that was lost is
+//! sent again. What a driver says to be stopped has to
+//! stand, to have nothing left that it could go on with, and to stay where it is for longer than anything that was sent
+//! before can take.
+
+use std::thread;
+
+use twin_drives::{Clock, MAX_DRIVE_AXES, SetpointStream};
+
+use crate::{
+    expected::Cause,
+    faults::{Doing, Fault},
+    rig::{AxisTruth, Rest, Rig, Truth},
+    scenario::{
+        HORIZON_NS, MOST_ATTEMPTS, MOST_LOOKS, Outcome, PAUSE, Plan, SENSES, TARGET, Trial, is_over,
+    },
+};
+
+/// For so long a plan is followed before it is stopped, ns of the device: a second of the computer's.
+const FOLLOWED_NS: i64 = 5_000_000_000;
+/// Far enough that it is not half reached while something is stopped, increments.
+const FAR: i64 = 100_000;
+/// What an axis may go back when its shaft is held or its current switched off, increments.
+const BACK: f64 = 16.0;
+/// Looks, [`PAUSE`] apart, during which an axis that was stopped has to stay: frames come late by less.
+const STAY_LOOKS: u32 = 70;
+
+impl<C: Clock + Copy + 'static> Rig<C> {
+    /// Follows a plan for a second; then segments are left waiting if they are to.
+    fn follows_for_a_second(&mut self, buffered: bool) -> Result<(), Outcome> {
+        let plan = Plan { clock: self.clock, start_ns: self.clock.now_ns() + 100_000_000 };
+        let count = self.drive().axis_count();
+        loop {
+            self.drive().follow(&plan).map_err(Outcome::NotBegun)?;
+            let truth = self.truth();
+            let moves = truth.moving && (count == 1 || truth.other_moves);
+            if plan.now_ns() > FOLLOWED_NS && moves {
+                break;
+            }
+            if is_over(&plan) {
+                return Err(Outcome::Lost(format!("it does not follow: {truth:?}")));
+            }
+        }
+        let reached = plan.at(plan.now_ns() + HORIZON_NS).position[0];
+        self.reached = Some(reached);
+        if buffered {
+            self.queue_segments(reached.ceil() as i32).map_err(Outcome::NotBegun)?;
+            let truth = self.truth();
+            if truth.waiting < 2 {
+                return Err(Outcome::Lost(format!("nothing waits: {truth:?}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Is stopped out of a plan or on its way to a far target.
+    pub(crate) fn stopping(&mut self, trial: &Trial) -> Outcome {
+        let hard = trial.doing.halts();
+        let begun = if matches!(trial.doing, Doing::FarStopping | Doing::FarHalting) {
+            #[expect(clippy::cast_precision_loss, reason = "a small number")]
+            let half = FAR as f64 / 2.0;
+            self.reached = Some(half);
+            self.to(FAR).and_then(|()| self.moves()).map_err(Outcome::NotBegun)
+        } else {
+            self.follows_for_a_second(trial.buffered)
+        };
+        if let Err(outcome) = begun {
+            return outcome;
+        }
+        let before = self.truth();
+        self.goes_wrong(trial, u32::from(!matches!(trial.fault, Fault::Wire(..))));
+        let stopped = if hard { self.drive().hard_stop() } else { self.drive().soft_stop() };
+        // What the driver says is compared with the device at once, and with where it was sent.
+        if stopped.is_ok()
+            && let Err(lost) = self.has_stopped(&before)
+        {
+            return Outcome::Lost(lost);
+        }
+        if let Fault::Device(fault) = trial.fault {
+            self.settle(fault);
+        }
+        let rest = Rest(self.clock);
+        match stopped {
+            Err(error) => Outcome::Told(error),
+            Ok(()) if hard && self.is_off_after_hard_stop() => match self.drive().sample(&rest) {
+                Err(error) => match Cause::of(&error) {
+                    Some(Cause::Locked | Cause::Reset | Cause::Alarm) => Outcome::Survived,
+                    _ => Outcome::Told(error),
+                },
+                Ok(sample) => Outcome::Lost(format!("stopped hard, and obeys: {sample:?}")),
+            },
+            Ok(()) => match self.rests() {
+                // A module says so of an axis that moved.
+                Err(error) if hard && Cause::of(&error) == Some(Cause::StoppedHard) => {
+                    Outcome::Survived
+                }
+                rests => rests.map_or_else(Outcome::Told, |_| Outcome::Survived),
+            },
+        }
+    }
+
+    /// Whether a device that is said to be stopped is, on its way and for good.
+    fn has_stopped(&mut self, before: &Truth) -> Result<(), String> {
+        let truth = self.truth();
+        if truth.moving || truth.other_moves {
+            return Err(format!("said to be stopped, and moves: {truth:?}"));
+        }
+        if truth.waiting > 0 {
+            return Err(format!("said to be stopped, and has more to do: {truth:?}"));
+        }
+        if self.drive().commanded() != [None; MAX_DRIVE_AXES] {
+            return Err("stopped, and the driver believes that it goes on".to_owned());
+        }
+        // No farther than the plan was known, or half of a way, and not to the end of what was waiting. A device that has started anew counts
+        // from 0, and its mechanics have not moved by that.
+        #[expect(clippy::cast_precision_loss, reason = "a small number")]
+        let end = self.queued.map(|end| end as f64 - 1.0);
+        let end = end.or(self.reached.map(|reached| reached + 1.0)).unwrap_or(0.0);
+        let count = self.drive().axis_count();
+        let axes = SENSES.into_iter().zip(before.axes.iter().zip(&truth.axes)).take(count);
+        for (sense, (before, now)) in axes {
+            #[expect(clippy::cast_precision_loss, reason = "1 or -1")]
+            let sense = sense as f64;
+            let (from, to) = (sense * before.mechanical, sense * now.mechanical);
+            if !(from - BACK..=end).contains(&to) {
+                return Err(format!(
+                    "said to be stopped, and is at {to:.0} instead of {from:.0} to {end:.0}"
+                ));
+            }
+        }
+        self.stays()
+    }
+
+    /// Whether all axes stay where they are.
+    fn stays(&self) -> Result<(), String> {
+        let before = self.truth();
+        for _ in 0..STAY_LOOKS {
+            thread::sleep(PAUSE);
+            let now = self.truth();
+            let pairs = before.axes.iter().zip(&now.axes);
+            let away = pairs.map(|(before, now)| (before.mechanical - now.mechanical).abs());
+            if now.moving || now.other_moves || away.fold(0.0, f64::max) > 0.5 {
+                return Err(format!("it stood at {before:?}, and goes on: {now:?}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// What sessions do when something is said: they stop, by all means.
+    pub(crate) fn stops(&mut self) -> bool {
+        let soft = self.drive().soft_stop();
+        if soft.is_err() {
+            drop(self.drive().hard_stop());
+        }
+        // On its ramp, where its status does not tell.
+        for _ in 0..MOST_ATTEMPTS {
+            let truth = self.truth();
+            if !truth.moving && !truth.other_moves {
+                return truth.waiting == 0 && self.stays().is_ok();
+            }
+            thread::sleep(PAUSE);
+        }
+        false
+    }
+
+    /// An axis that cannot be reached goes on to where it was sent, and no farther.
+    pub(crate) fn goes_on(&mut self, doing: Doing, told: &Truth) -> Result<(), String> {
+        for _ in 0..MOST_LOOKS {
+            let truth = self.truth();
+            if !truth.moving && !truth.other_moves {
+                break;
+            }
+            thread::sleep(PAUSE);
+        }
+        let end = self.truth();
+        let reached = self.reached.unwrap_or(0.0);
+        // As far as the plan was known, all axes of the line.
+        let count = self.drive().axis_count();
+        let pairs = SENSES.into_iter().zip(told.axes.iter().zip(&end.axes)).take(count);
+        let mut ways =
+            pairs.map(|(sense, (told, end))| (sense * told.counter, sense * end.counter));
+        #[expect(clippy::cast_precision_loss, reason = "counters")]
+        let mut on_plan = || {
+            ways.all(|(told, end)| end >= told && end as f64 > 300.0 && end as f64 <= reached + 1.0)
+        };
+        let right = match doing {
+            // The plug was pulled before it was told anything.
+            Doing::Idle => end.counter == 0,
+            Doing::Looking => end.counter == TARGET,
+            Doing::Homing => self.is_on_switches(),
+            Doing::Moving => on_plan(),
+            Doing::FarStopping | Doing::FarHalting => {
+                // All axes of the line.
+                let targets = SENSES.into_iter().zip(&end.axes).take(count);
+                let arrived = |(sense, axis): (i64, &AxisTruth)| axis.counter == sense * FAR;
+                targets.map(arrived).all(|arrived| arrived) && told.counter < FAR
+            }
+            Doing::Stopping | Doing::Halting => match self.queued {
+                Some(last) => end.counter == last && told.counter < last && end.waiting == 0,
+                None => on_plan(),
+            },
+        };
+        if right && !end.moving && !end.other_moves {
+            return Ok(());
+        }
+        Err(format!("goes on to {end:?}, from {told:?}, planned up to {:?}", self.reached))
+    }
+}
