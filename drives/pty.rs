@@ -4,7 +4,8 @@
 //! at another speed. Parity is not kept (Linux sets 8 bits without parity whatever is asked for), so it cannot be told.
 
 use std::{
-    fs, io,
+    fs::{self, File, OpenOptions, TryLockError},
+    io,
     os::unix::fs::{MetadataExt, symlink},
     path::{Path, PathBuf},
     pin::Pin,
@@ -23,13 +24,15 @@ use crate::EmulatorError;
 #[derive(Debug)]
 pub(crate) struct PseudoTerminal {
     path: PathBuf,
-    link: Option<PathBuf>,
+    #[expect(dead_code, reason = "it goes with the terminal")]
+    link: Option<Link>,
     keeper: TTYPort,
 }
 
 impl PseudoTerminal {
     /// Opens a pair and gives the near end (master) with it. `link`, if any, becomes a symbolic link to the far end;
-    /// one there that leads nowhere, or was made for a terminal that is no more, is replaced.
+    /// one there that leads nowhere, or was made for a terminal that is no more, is replaced, but never that of an emulator
+    /// that lives: it keeps a lock on a file beside it.
     pub(crate) fn open(link: Option<&Path>) -> Result<(TTYPort, Self), EmulatorError> {
         let terminal = |source: io::Error| EmulatorError::Terminal { source };
         // pair() gives (master, slave).
@@ -38,10 +41,8 @@ impl PseudoTerminal {
             .name()
             .map(PathBuf::from)
             .ok_or_else(|| terminal(io::ErrorKind::NotFound.into()))?;
-        if let Some(link) = link {
-            make_link(&path, link)?;
-        }
-        Ok((master, Self { path, link: link.map(Path::to_path_buf), keeper }))
+        let link = link.map(|link| Link::make(&path, link)).transpose()?;
+        Ok((master, Self { path, link, keeper }))
     }
 
     /// The near end for a device that speaks at `baud`, which is also the speed of masters that set none. With `any`
@@ -67,15 +68,54 @@ impl PseudoTerminal {
     }
 }
 
-impl Drop for PseudoTerminal {
+/// A symbolic link to the far end, and the lock that says that its emulator lives.
+#[derive(Debug)]
+struct Link {
+    path: PathBuf,
+    target: PathBuf,
+    /// Beside the link.
+    lock_path: PathBuf,
+    /// The system frees it when the program ends, however it does.
+    #[expect(dead_code, reason = "its lock is what counts")]
+    lock: File,
+}
+
+impl Link {
+    fn make(target: &Path, link: &Path) -> Result<Self, EmulatorError> {
+        let failed = |source| EmulatorError::Link { path: link.to_path_buf(), source };
+        let mut name = link.file_name().unwrap_or_default().to_owned();
+        name.push(".emulator");
+        let lock_path = link.with_file_name(name);
+        let lock = loop {
+            let open = OpenOptions::new().write(true).create(true).truncate(false).open(&lock_path);
+            let lock = open.map_err(failed)?;
+            match lock.try_lock() {
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => {
+                    return Err(EmulatorError::LinkTaken { path: link.to_path_buf() });
+                }
+                Err(TryLockError::Error(source)) => return Err(failed(source)),
+            }
+            // The one before may have removed the file since it was opened: then nobody else sees this lock.
+            let own = lock.metadata().map_err(failed)?.ino();
+            if fs::metadata(&lock_path).is_ok_and(|there| there.ino() == own) {
+                break lock;
+            }
+        };
+        let link = Self { path: link.to_path_buf(), target: target.to_path_buf(), lock_path, lock };
+        make_link(target, &link.path)?;
+        Ok(link)
+    }
+}
+
+impl Drop for Link {
     fn drop(&mut self) {
-        // Another emulator may have taken the link over since.
-        if let Some(link) = &self.link
-            && fs::read_link(link).is_ok_and(|target| target == self.path)
-        {
-            // Nothing can be done about a link that does not go; it leads nowhere now.
-            drop(fs::remove_file(link));
+        // Another program may have put its own there since. Nothing can be done about one that does not go; it leads nowhere
+        // now.
+        if fs::read_link(&self.path).is_ok_and(|target| target == self.target) {
+            drop(fs::remove_file(&self.path));
         }
+        drop(fs::remove_file(&self.lock_path));
     }
 }
 
@@ -199,6 +239,23 @@ mod tests {
         symlink("/dev/pts/no such terminal", &link).unwrap();
         let (_third, third) = PseudoTerminal::open(Some(&link)).unwrap();
         assert_eq!(fs::read_link(&link).unwrap(), third.path());
+    }
+
+    /// That somebody changes the rights of its terminal makes an emulator no younger.
+    #[test]
+    fn the_link_of_an_emulator_that_lives_is_not_taken() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("board");
+        let (_first, first) = PseudoTerminal::open(Some(&link)).unwrap();
+        // Timestamps go by ticks of the kernel.
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        fs::set_permissions(first.path(), fs::Permissions::from_mode(0o620)).unwrap();
+        let refused = PseudoTerminal::open(Some(&link));
+        assert!(matches!(refused, Err(EmulatorError::LinkTaken { .. })));
+        assert_eq!(fs::read_link(&link).unwrap(), first.path());
+        drop(first);
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "something stays behind");
     }
 
     #[test]

@@ -39,7 +39,10 @@ pub(crate) fn command(machine: &Machine, device: usize, address: usize) -> Optio
         }
     };
     let deadline = entry.answer_ms.map_or(String::new(), |ms| format!(" --deadline {ms}"));
-    Some(command + &deadline)
+    let assumed = entry.assumed.iter();
+    let assumed =
+        assumed.map(|(name, value)| format!(" --assume {}", quoted(&format!("{name}={value}"))));
+    Some(command + &deadline + &assumed.collect::<String>())
 }
 
 /// The commands that give a parameter of a device a value, and let it count.
@@ -144,7 +147,33 @@ fn quoted(path: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::quoted;
+    use super::{command, quoted};
+    use crate::machine::Machine;
+    use std::path::Path;
+
+    /// What is copied drives the device as the run does, also where the manual leaves something open.
+    #[test]
+    fn commands_assume_what_the_machine_file_assumes() {
+        let text = include_str!("../machines/gantry3.toml");
+        let with = |lines: &str| {
+            let text = text.replacen("[preparation]", &format!("{lines}\n[preparation]"), 1);
+            let machine = Machine::parse(Path::new("machine.toml"), &text).unwrap();
+            command(&machine, 0, 1).unwrap()
+        };
+        let plain = with("");
+        assert!(plain.starts_with("twin drive interpcnc --port /dev/ttyUSB0"), "{plain}");
+        let said = with("[drives.assumptions]\nmost_read = \"32\"\nbroadcasts = \"false\"\n");
+        let [read, broadcasts] = ["most_read=32", "broadcasts=false"];
+        assert_eq!(
+            said.len(),
+            plain.len() + read.len() + broadcasts.len() + 2 * " --assume ".len()
+        );
+        for assumed in [read, broadcasts] {
+            assert!(said.contains(&format!(" --assume {assumed}")), "{said}");
+        }
+        // What is assumed anyway is not said.
+        assert_eq!(with("[drives.assumptions]\nbroadcasts = \"true\"\n"), plain);
+    }
 
     #[test]
     fn paths_are_quoted_for_a_shell_where_they_have_to_be() {

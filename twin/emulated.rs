@@ -193,6 +193,15 @@ fn bim2ax(machine: &Machine, (device, entry): (usize, &Bim2AxEntry)) -> Opened {
     Ok((Emulator::Bim2Ax(module), Box::new(drive)))
 }
 
+/// How long a round takes on the wire of a device (with its place in the file), in which each of its axes gets a command and
+/// is seen.
+pub(crate) fn round(machine: &Machine, (index, device): (usize, &DeviceEntry)) -> Duration {
+    let rates = rehearsal(machine, (index, device)).rates();
+    let axes = u32::try_from(machine.axes_of(index).count()).unwrap_or(u32::MAX);
+    let seconds = (f64::from(axes) / rates.commands_per_s).max(1.0 / rates.samples_per_s);
+    Duration::try_from_secs_f64(seconds).unwrap_or_default()
+}
+
 /// What driver and device make of a plan on the wire that `device` (with its place in the file) describes, in simulated
 /// time.
 pub(crate) fn rehearsal(

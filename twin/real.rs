@@ -46,6 +46,27 @@ impl OpenError {
     }
 }
 
+/// How long the driver of a device waits for an answer, and how long after that before it asks again, lest an answer that is
+/// late be taken for another.
+pub(crate) fn waits(device: &DeviceEntry) -> [Duration; 2] {
+    let said = device.answer_ms.map(|time_ms| Duration::from_millis(time_ms.into()));
+    let usual = match &device.family {
+        DriveFamily::InterpCnc(_) => {
+            let usual = InterpCncOptions::new(Vec::new());
+            [usual.deadline, usual.worst_latency]
+        }
+        DriveFamily::SmartDrive(_) => {
+            let usual = SmartDriveOptions::new(Vec::new());
+            [usual.deadline, usual.worst_latency]
+        }
+        DriveFamily::Bim2Ax(_) => {
+            let usual = Bim2AxOptions::default();
+            return [said.unwrap_or(usual.deadline), usual.worst_latency];
+        }
+    };
+    said.map_or(usual, |deadline| [deadline, 2 * deadline])
+}
+
 /// Opens the port of a device, by its place in [`Machine::drives`], with its driver. Sends nothing.
 ///
 /// # Errors
@@ -58,26 +79,26 @@ pub fn open(
         let (file, device) = (machine.path.display().to_string(), device.name.clone());
         return Err(OpenError::NoPort { file, device });
     };
-    let deadline = device.answer_ms.map(|time_ms| Duration::from_millis(time_ms.into()));
+    let [deadline, worst_latency] = waits(device);
     let drive = match &device.family {
         DriveFamily::InterpCnc(entry) => {
-            let mut options =
-                InterpCncOptions { echo: entry.echo, ..driver_options(machine, (index, entry)) };
-            if let Some(deadline) = deadline {
-                options.deadline = deadline;
-                options.worst_latency = 2 * deadline;
-            }
+            let options = InterpCncOptions {
+                echo: entry.echo,
+                deadline,
+                worst_latency,
+                ..driver_options(machine, (index, entry))
+            };
             InterpCncDrive::open(port, &options).map(boxed)
         }
         DriveFamily::SmartDrive(entry) => {
             let axes = machine.axes_of(index).map(|(_, axis)| smartdrive_axis(axis, entry));
             let assumptions = entry.assumptions;
-            let mut options =
-                SmartDriveOptions { assumptions, ..SmartDriveOptions::new(axes.collect()) };
-            if let Some(deadline) = deadline {
-                options.deadline = deadline;
-                options.worst_latency = 2 * deadline;
-            }
+            let options = SmartDriveOptions {
+                assumptions,
+                deadline,
+                worst_latency,
+                ..SmartDriveOptions::new(axes.collect())
+            };
             SmartDriveBus::open(port, &options).map(boxed)
         }
         DriveFamily::Bim2Ax(entry) => module(machine, (index, entry), (port, deadline)).map(boxed),
@@ -92,13 +113,12 @@ fn boxed<D: Drive + 'static>(drive: D) -> Box<dyn Drive> {
 fn module(
     machine: &Machine,
     (index, entry): (usize, &Bim2AxEntry),
-    (port, deadline): (&str, Option<Duration>),
+    (port, deadline): (&str, Duration),
 ) -> Result<Bim2AxDrive, DriveError> {
     let places = machine.axes_of(index).filter_map(|(_, axis)| Some(axis.drive.as_ref()?.index));
     let axes = places.filter_map(|place| ModuleAxis::ALL.get(place).copied()).collect();
     let Bim2AxEntry { byte_order, assumptions, .. } = *entry;
-    let mut driver = Bim2AxOptions { byte_order, assumptions, ..Bim2AxOptions::default() };
-    driver.deadline = deadline.unwrap_or(driver.deadline);
+    let driver = Bim2AxOptions { byte_order, assumptions, deadline, ..Bim2AxOptions::default() };
     let options = Bim2AxDriveOptions { driver, axes, ..Bim2AxDriveOptions::new() };
     let failed = |source| {
         let port: Arc<str> = port.into();
@@ -115,7 +135,7 @@ fn module(
 pub(crate) fn module_memory(path: &Path, map_offset: Option<u64>) -> io::Result<ModuleMemory> {
     let Some(start) = map_offset else { return Ok(ModuleMemory::File(MemoryFile::open(path)?)) };
     let memory = MappedMemory::open(path, start)?;
-    Ok(ModuleMemory::Device { memory, _master: Master::of_device(path)? })
+    Ok(ModuleMemory::Device { memory, _master: Master::of_device(path, start)? })
 }
 
 /// The same, but beside a master where there is another one: for a stop, which has to get through.
@@ -187,15 +207,24 @@ mod tests {
     use std::io::ErrorKind;
 
     #[test]
-    fn a_device_has_one_master() {
+    fn a_module_of_a_device_has_one_master() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("device");
         std::fs::write(&path, [0; 512]).unwrap();
         let first = module_memory(&path, Some(256)).unwrap();
-        assert_eq!(module_memory(&path, Some(0)).unwrap_err().kind(), ErrorKind::ResourceBusy);
-        assert!(module_beside(&path, Some(0)).unwrap().is_beside(), "a stop gets through");
+        // Two on one device are two modules, as in `/dev/mem`.
+        let other = module_memory(&path, Some(0)).unwrap();
+        // The same, and one that would lie across both.
+        for start in [256, 0, 128] {
+            let refused = module_memory(&path, Some(start)).unwrap_err();
+            assert_eq!(refused.kind(), ErrorKind::ResourceBusy, "{start}");
+        }
+        assert!(module_beside(&path, Some(256)).unwrap().is_beside(), "a stop gets through");
         drop(first);
-        assert!(!module_beside(&path, Some(0)).unwrap().is_beside());
-        assert!(module_memory(&path, Some(0)).is_ok());
+        assert!(!module_beside(&path, Some(256)).unwrap().is_beside());
+        assert!(module_memory(&path, Some(256)).is_ok());
+        assert!(module_beside(&path, Some(0)).unwrap().is_beside());
+        drop(other);
+        assert!(module_memory(&path, Some(128)).is_ok());
     }
 }

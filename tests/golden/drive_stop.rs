@@ -83,8 +83,29 @@ fn a_bim2ax_that_has_a_master_is_only_stopped_by_another() {
         hand.refuses(action, "another program is the master of");
         assert!(!stands(&running), "{action}");
     }
-    hand.does("stop");
+    let done = hand.tries("stop");
+    done.ended(1, "another program drives this module and may move it again");
+    assert!(done.stdout.starts_with("at rest at "), "{}", done.stdout);
     assert!(stands(&running));
     drop(master);
     hand.does("status");
+    hand.does("stop");
+}
+
+/// A program that waits (G4, M0) sees nothing of a stop and goes on after it: the stop says so.
+#[test]
+fn a_stop_of_a_bim2ax_whose_master_waits_is_no_end() {
+    let (running, hand, mut master) = under_way();
+    master.soft_stop().expect("it stops");
+    let rests = |_| {
+        std::thread::sleep(Duration::from_millis(10));
+        stands(&running)
+    };
+    assert!((0..1000).any(rests), "it goes on");
+    hand.tries("stop").ended(1, "may move it again");
+    let (mut target, mut speed) = ([0; MAX_DRIVE_AXES], [0.0; MAX_DRIVE_AXES]);
+    (target[0], speed[0]) = (-4_000_000, 4000.0);
+    master.move_to(&target, &speed).expect("it moves again");
+    assert!((0..1000).any(|round| !rests(round)), "it stands");
+    let _ = master.soft_stop();
 }

@@ -33,6 +33,21 @@ pub(super) struct Puppet {
     /// From then on its first axis is so many increments off the plan.
     off_from_ns: Option<(i64, i64)>,
     pub(super) outputs: Arc<Mutex<Vec<(u8, bool)>>>,
+    /// So many cycles in which it moves and is not there, once it is off the plan: it goes after it.
+    chases: Option<u32>,
+    /// Confirms no stop.
+    deaf: bool,
+}
+
+impl Puppet {
+    fn stops(&self) -> Result<(), DriveError> {
+        if self.deaf { Err(unanswered()) } else { Ok(()) }
+    }
+}
+
+fn unanswered() -> DriveError {
+    let at = Exchange { port: "puppet".into(), station: 1, action: Action::ReadState };
+    DriveError::Timeout { at, deadline: Duration::from_millis(1) }
 }
 
 impl Drive for Puppet {
@@ -84,8 +99,7 @@ impl Drive for Puppet {
         std::thread::sleep(Duration::from_millis(3));
         let time_ns = stream.now_ns();
         if self.fails_at_ns.is_some_and(|fails_at_ns| time_ns >= fails_at_ns) {
-            let at = Exchange { port: "puppet".into(), station: 1, action: Action::ReadState };
-            return Err(DriveError::Timeout { at, deadline: Duration::from_millis(1) });
+            return Err(unanswered());
         }
         if self.silent_from_ns.is_some_and(|from_ns| time_ns >= from_ns) {
             let rests = |velocity: &f64| velocity.abs() < 1e-9;
@@ -100,21 +114,27 @@ impl Drive for Puppet {
         for (position, wanted) in self.position.iter_mut().zip(motion.position) {
             *position = wanted.round() as i64;
         }
-        if let Some((_, off)) = self.off_from_ns.filter(|(from_ns, _)| time_ns >= *from_ns) {
+        let off_ns = self.off_from_ns.filter(|(from_ns, _)| time_ns >= *from_ns);
+        if let Some((_, off)) = off_ns {
             self.position[0] += off;
+            self.chases = self.chases.map(|cycles| cycles.saturating_sub(1));
+            if self.chases == Some(0) {
+                self.off_from_ns = None;
+            }
         }
         *self.found.lock().unwrap() = self.position;
-        let moving = motion.velocity.iter().any(|velocity| velocity.abs() > 1.0);
+        let chases = self.chases.is_some() && off_ns.is_some();
+        let moving = chases || motion.velocity.iter().any(|velocity| velocity.abs() > 1.0);
         Ok(Sample { time_ns, position: self.position, moving })
     }
 
     fn soft_stop(&mut self) -> Result<(), DriveError> {
         self.soft_stops.fetch_add(1, Ordering::SeqCst);
-        Ok(())
+        self.stops()
     }
 
     fn hard_stop(&mut self) -> Result<(), DriveError> {
-        Ok(())
+        self.stops()
     }
 }
 
@@ -212,7 +232,7 @@ fn run_both(
     interrupts: &dyn Fn() -> u32,
 ) -> Ending {
     // A computer that is busy keeps even these waiting.
-    let guarded = puppet.silent_from_ns.is_some() || puppet.off_from_ns.is_some();
+    let guarded = puppet.silent_from_ns.is_some() || puppet.off_from_ns.is_some() && !puppet.deaf;
     let attached = Attached { device: 0, drive: Box::new(puppet) };
     let mut hardware =
         Hardware::start(machine, vec![attached], start, machine.cycle_ns, 0.25).unwrap();
@@ -306,7 +326,9 @@ fn a_drive_that_keeps_silent_brings_everything_to_rest_on_the_path() {
 fn an_axis_that_is_too_far_away_stops_the_run() {
     let mut recorder = Recorder::new();
     // 1 mm of 0.5.
-    let puppet = Puppet { off_from_ns: Some((300_000_000, -320)), ..Puppet::default() };
+    // It comes to the end of the plan all the same, 0.6 s later.
+    let off_from_ns = Some((300_000_000, -320));
+    let puppet = Puppet { off_from_ns, chases: Some(200), ..Puppet::default() };
     let (ending, soft_stops) = run_with(puppet, CIRCLES, i64::MAX, &mut recorder, &|| 0);
     let said = ending.reason().expect("it has been stopped");
     for part in [
@@ -324,6 +346,37 @@ fn an_axis_that_is_too_far_away_stops_the_run() {
     // Half an increment beside what it is off.
     assert!((error - 1.0).abs() < 2e-3 && (limit - 0.5).abs() < 1e-12, "{said}");
     assert_eq!((soft_stops, recorder.last().path_velocity), (0, 0.0));
+}
+
+/// The plan has ended, and there is none to be changed: a drive that goes after its end is stopped by itself.
+#[test]
+fn an_axis_that_is_too_far_away_at_the_end_is_stopped() {
+    let text = "% 0.2 s\nN10 G1 X10 F100 E1000 E-1000\n";
+    // It would get there after six seconds.
+    let off_from_ns = Some((200_000_000, -320));
+    let puppet = Puppet { off_from_ns, chases: Some(2000), ..Puppet::default() };
+    let (ending, soft_stops) = run_with(puppet, text, i64::MAX, &mut Recorder::new(), &|| 0);
+    let Some(Stopped::Drives { source: HardwareError::TooFar { .. }, .. }) = &ending.stopped else {
+        panic!("{:?}", ending.stopped)
+    };
+    assert_eq!((ending.executed_ns, soft_stops), (200_000_000, 1));
+    assert_eq!(ending.not_stopped, [""; 0]);
+}
+
+/// Drives that do not come to rest are stopped in the end, and that nothing confirms it is told.
+#[test]
+fn a_stop_of_unsettled_drives_that_nothing_confirms_is_told() {
+    let text = "% 0.2 s\nN10 G1 X10 F100 E1000 E-1000\n";
+    // Nobody watches how far it is off.
+    let off_from_ns = Some((200_000_000, -320));
+    let puppet = Puppet { off_from_ns, chases: Some(u32::MAX), deaf: true, ..Puppet::default() };
+    let (ending, soft_stops) = run_with(puppet, text, i64::MAX, &mut Recorder::new(), &|| 0);
+    assert!(matches!(ending.stopped, Some(Stopped::Unsettled)), "{:?}", ending.stopped);
+    // Asked for by the session, and once more because it was not confirmed.
+    assert_eq!(soft_stops, 2);
+    assert_eq!(ending.not_stopped.len(), 1, "{:?}", ending.not_stopped);
+    assert!(ending.not_stopped[0].starts_with("device `board`: puppet, address 1"));
+    assert!(ending.stopping.is_none());
 }
 
 #[test]

@@ -7,6 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError};
+use std::time::{Duration, Instant};
 use twin_drives::{Drive, Increments, MAX_DRIVE_AXES, SetpointStream};
 
 /// What a device's thread is asked to do.
@@ -33,6 +34,9 @@ pub(super) struct Device {
 /// After this many samples in a row at rest away from its target an axis is stuck, not slow to start.
 const PATIENCE: u32 = 100;
 
+/// How long axes may go on moving after a soft stop that the device has confirmed: longer than any ramp takes.
+const LONGEST_BRAKING: Duration = Duration::from_secs(10);
+
 impl Device {
     pub(super) fn run(mut self, target: &Increments, speed: &[f64; MAX_DRIVE_AXES]) {
         let unsaid = match self.guarded(|device| device.work(target, speed)) {
@@ -40,11 +44,9 @@ impl Device {
             Err(error) => {
                 // The first error is the one to report, and at once: the session has a machine of its own to stop. The
                 // device is stopped if it still answers, which takes its time.
+                let brakes = !matches!(error, HardwareError::Moves { .. });
                 let unsaid = self.sender.try_send(Err(error)).err().map(unsent);
-                let stopped = self.guarded(|device| {
-                    Ok(device.drive.soft_stop().or_else(|_| device.drive.hard_stop())?)
-                });
-                if let Err(HardwareError::Drive(error)) = stopped {
+                if let Err(error) = self.guarded(|device| device.halt(brakes)) {
                     self.sender.try_send(Ok(Event::NotStopped(error))).unwrap_or_default();
                 }
                 self.guarded(|device| {
@@ -216,16 +218,41 @@ impl Device {
         }
     }
 
-    /// Brakes every axis on its ramp and waits until they rest.
+    /// Brakes every axis on its ramp and waits until they rest, for so long as ramps may take.
     fn brake(&mut self) -> Result<(), HardwareError> {
         self.drive.soft_stop()?;
         self.switch_off();
+        self.rest()
+    }
+
+    fn rest(&mut self) -> Result<(), HardwareError> {
+        let begun = Instant::now();
         loop {
             let sample = self.drive.sample(&*self.stream)?;
             self.sender.try_send(Ok(Event::Sample(sample))).unwrap_or_default();
             if !sample.moving {
                 return Ok(());
             }
+            let waited = begun.elapsed();
+            if waited > LONGEST_BRAKING {
+                let (device, waited_s) = (self.name.clone(), waited.as_secs());
+                return Err(HardwareError::Moves { device, waited_s });
+            }
+        }
+    }
+
+    /// Stops the axes after an error: on their ramps if that still makes sense (`brakes`), and at once if it does not or is
+    /// not confirmed. Where a soft stop that was confirmed has changed nothing, a hard one is only believed when the axes
+    /// stand.
+    fn halt(&mut self, brakes: bool) -> Result<(), HardwareError> {
+        if brakes {
+            return Ok(self.drive.soft_stop().or_else(|_| self.drive.hard_stop())?);
+        }
+        self.drive.hard_stop()?;
+        // A device that is locked by it may refuse to be asked how it is: it has confirmed that it stopped.
+        match self.drive.sample(&*self.stream) {
+            Ok(sample) if sample.moving => self.rest(),
+            Ok(_) | Err(_) => Ok(()),
         }
     }
 }

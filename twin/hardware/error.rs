@@ -30,6 +30,45 @@ pub enum HardwareError {
         /// Where they should be.
         target: Vec<i64>,
     },
+    /// A device may keep silent for less time than it usually does.
+    #[error(
+        "{file}: device `{device}`: longest_silence_ms = {said_ms} is too short: a round of its axes takes {round_ms} ms on \
+         its wire; at least {least_ms}"
+    )]
+    Impatient {
+        /// The machine file.
+        file: String,
+        /// Which.
+        device: String,
+        /// `longest_silence_ms`.
+        said_ms: u32,
+        /// Its least.
+        least_ms: u32,
+        /// Every axis gets a command and is seen, ms.
+        round_ms: u32,
+    },
+    /// The axes go on although the device has confirmed that it stops.
+    #[error(
+        "device `{device}`: its axes still move {waited_s} s after a stop that it has confirmed, by what it says"
+    )]
+    Moves {
+        /// Which.
+        device: String,
+        /// Since the stop, s.
+        waited_s: u64,
+    },
+    /// More outputs are to be switched than the device keeps up with.
+    #[error(
+        "device `{device}`: output {output} cannot be switched: {waiting} others wait for it already"
+    )]
+    Outputs {
+        /// Which.
+        device: String,
+        /// The output, from 1.
+        output: u8,
+        /// How many wait.
+        waiting: usize,
+    },
     /// The plan ended before the program did: whoever plans was kept waiting.
     #[error(
         "device `{device}`: the set-points came {late_ms} ms late; the axes were braked where they were"

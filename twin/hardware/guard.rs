@@ -5,13 +5,17 @@
 //! the path without it. So the session hears of it as soon as it lasts too long, and brings all axes to rest.
 
 use super::HardwareError;
+use super::stream::Stream;
 use crate::machine::{Axis, DeviceEntry, Machine};
-use twin_drives::MAX_DRIVE_AXES;
+use crate::{emulated, real};
+use std::time::Duration;
+use twin_drives::{MAX_DRIVE_AXES, SetpointStream};
 
-/// How long a device may keep silent where the machine file does not say otherwise: at least this, ms, and longer than its
-/// deadline by this.
+/// How long a device may keep silent where the machine file does not say otherwise: at least this, ms.
 const USUAL_SILENCE_MS: u32 = 300;
-const BEYOND_DEADLINE_MS: u32 = 50;
+
+/// A silence of fewer rounds on the wire than this is none that could be told from the usual ones.
+const LEAST_ROUNDS: u32 = 3;
 
 /// Samples in a row that have to show an axis too far away: the time of one alone may be uncertain.
 const MOST_SAMPLES: u32 = 2;
@@ -44,8 +48,12 @@ pub(super) struct Guard {
     limits: [Option<Limit>; MAX_DRIVE_AXES],
     /// When it was last heard of, ns.
     heard_ns: i64,
-    /// Whether its axes moved then.
+    /// Whether its axes moved then, or the plan has moved them since.
     moving: bool,
+    /// Where the plan had its axes then, increments, once somebody has looked.
+    origin: Option<[f64; MAX_DRIVE_AXES]>,
+    /// Up to when the plan has been looked at, ns: it does not remember for as long as a silence may last.
+    looked_ns: i64,
     /// Samples in a row that show an axis too far away.
     beyond: [u32; MAX_DRIVE_AXES],
     told_silence: bool,
@@ -61,7 +69,7 @@ impl Guard {
         if whose == Guarded::Emulated {
             return Self { silence_ms: said, ..guard };
         }
-        guard.silence_ms = said.or_else(|| entry.map(usual_silence_ms));
+        guard.silence_ms = said.or_else(|| Some(usual_silence_ms(machine, (device, entry?))));
         for (limit, (_, axis)) in guard.limits.iter_mut().zip(machine.axes_of(device)) {
             *limit = Limit::of(axis);
         }
@@ -70,7 +78,7 @@ impl Guard {
 
     /// It begins to follow.
     pub(super) fn begin(&mut self, now_ns: i64) {
-        self.heard_ns = now_ns;
+        (self.heard_ns, self.looked_ns, self.origin) = (now_ns, now_ns, None);
     }
 
     /// It has been heard of; how far its axes were from their set-points, m or rad.
@@ -79,7 +87,8 @@ impl Guard {
         (time_ns, moving): (i64, bool),
         deviation: &[f64; MAX_DRIVE_AXES],
     ) -> Option<HardwareError> {
-        (self.heard_ns, self.moving, self.told_silence) = (time_ns, moving, false);
+        self.begin(time_ns);
+        (self.moving, self.told_silence) = (moving, false);
         let mut farthest: Option<(&Limit, f64)> = None;
         let axes = self.limits.iter().zip(&mut self.beyond).zip(deviation);
         for ((limit, beyond), deviation) in axes {
@@ -102,17 +111,22 @@ impl Guard {
         })
     }
 
-    /// Fails, once for each silence, where it has lasted too long by `now_ns`; `travels` tells whether the axes are to move
-    /// between two instants.
+    /// Fails, once for each silence, where it has lasted too long by `now_ns` and the axes, so many, were to move by their
+    /// stream meanwhile: a way out and back is one, too.
     pub(super) fn silence(
         &mut self,
         device: &str,
         now_ns: i64,
-        travels: impl FnOnce(i64, i64) -> bool,
+        (stream, axes): (&Stream, usize),
     ) -> Option<HardwareError> {
         let limit_ms = self.silence_ms.filter(|_| !self.told_silence)?;
+        if !self.moving {
+            let origin = self.origin.get_or_insert_with(|| stream.at(self.heard_ns).position);
+            self.moving = stream.strays(origin, (self.looked_ns, now_ns), axes);
+            self.looked_ns = now_ns;
+        }
         let silent_ms = now_ns.saturating_sub(self.heard_ns) / 1_000_000;
-        if silent_ms <= i64::from(limit_ms) || !(self.moving || travels(self.heard_ns, now_ns)) {
+        if silent_ms <= i64::from(limit_ms) || !self.moving {
             return None;
         }
         self.told_silence = true;
@@ -129,15 +143,37 @@ impl Limit {
     }
 }
 
-/// How long a device may keep silent where the file does not say: until it has missed a deadline.
-fn usual_silence_ms(entry: &DeviceEntry) -> u32 {
-    let deadline_ms = entry.answer_ms.unwrap_or(0);
-    deadline_ms.saturating_add(BEYOND_DEADLINE_MS).max(USUAL_SILENCE_MS)
+/// How long a device may keep silent where the file does not say: one answer may be lost in the middle of a round. Its driver
+/// then waits for the deadline, waits until no late answer comes any more, and asks again; another round may pass until
+/// the axes are seen.
+fn usual_silence_ms(machine: &Machine, device: (usize, &DeviceEntry)) -> u32 {
+    let [deadline, latency] = real::waits(device.1);
+    whole_ms(deadline + latency + 2 * emulated::round(machine, device)).max(USUAL_SILENCE_MS)
+}
+
+/// Fails where the machine file lets a device be silent for less than a few of its rounds: any run would be stopped.
+pub(super) fn check(machine: &Machine, device: usize) -> Result<(), HardwareError> {
+    let Some(entry) = machine.drives.get(device) else { return Ok(()) };
+    let Some(said_ms) = entry.silence_ms else { return Ok(()) };
+    let round = emulated::round(machine, (device, entry));
+    let least_ms = whole_ms(LEAST_ROUNDS * round);
+    if said_ms >= least_ms {
+        return Ok(());
+    }
+    let (file, device) = (machine.path.display().to_string(), entry.name.clone());
+    Err(HardwareError::Impatient { file, device, said_ms, least_ms, round_ms: whole_ms(round) })
+}
+
+/// Not less than it is, ms.
+fn whole_ms(time: Duration) -> u32 {
+    u32::try_from(time.as_micros().div_ceil(1000)).unwrap_or(u32::MAX)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
+    use twin_drives::IncrementMotion;
 
     fn guard() -> Guard {
         let limit = Limit { axis: "X".to_owned(), most: 0.5e-3, unit: "mm", scale: 1e3 };
@@ -146,21 +182,91 @@ mod tests {
         guard
     }
 
+    const MS: i64 = 1_000_000;
+
+    /// Cycles of 1 ms; of the first axis.
+    fn stream(positions: impl Iterator<Item = f64>) -> Stream {
+        let stream = Stream::new([0.0; MAX_DRIVE_AXES], MS);
+        for (cycle, first) in (0..).zip(positions) {
+            let mut motion = IncrementMotion::default();
+            motion.position[0] = first;
+            stream.push(cycle * MS, motion);
+        }
+        stream
+    }
+
     #[test]
     fn silence_counts_from_the_last_sample_and_only_while_axes_are_to_move() {
-        const MS: i64 = 1_000_000;
+        // It sets out at 1000 ms, by an increment in 10 ms.
+        let stream = stream((0..1500).map(|cycle| f64::from((cycle - 1000).max(0)) / 10.0));
+        let (moves, others) = ((&stream, 3), (&stream, 0));
         let mut guard = guard();
-        guard.begin(-100 * MS);
-        assert!(guard.silence("board", 200 * MS, |_, _| true).is_none());
-        assert!(guard.silence("board", 201 * MS, |_, _| false).is_none(), "nothing is to move");
-        let asked = |from, to| (from, to) == (-100 * MS, 201 * MS);
-        let told = guard.silence("board", 201 * MS, asked).expect("too long");
+        guard.begin(709 * MS);
+        assert!(guard.silence("board", 1009 * MS, moves).is_none());
+        let mut standing = guard.clone();
+        assert!(standing.silence("board", 1400 * MS, others).is_none(), "nothing is to move");
+        let told = guard.silence("board", 1010 * MS, moves).expect("too long");
         assert!(told.to_string().contains("`board` has not answered for 301 ms"), "{told}");
-        assert!(guard.silence("board", 999 * MS, |_, _| true).is_none(), "it has been told");
+        assert!(guard.silence("board", 1400 * MS, moves).is_none(), "it has been told");
         // Heard of again, and while its axes moved.
-        assert!(guard.heard((1000 * MS, true), &[0.0; MAX_DRIVE_AXES]).is_none());
-        assert!(guard.silence("board", 1300 * MS, |_, _| false).is_none());
-        assert!(guard.silence("board", 1301 * MS, |_, _| false).is_some());
+        assert!(guard.heard((1500 * MS, true), &[0.0; MAX_DRIVE_AXES]).is_none());
+        assert!(guard.silence("board", 1800 * MS, others).is_none());
+        assert!(guard.silence("board", 1801 * MS, others).is_some());
+    }
+
+    /// A lost answer is asked for again, whatever the wire; rounds are those of the manual's 8N1 bytes.
+    #[test]
+    fn one_lost_answer_is_no_silence() {
+        let silence = |keys: &str| {
+            let text = include_str!("../../machines/gantry3.toml");
+            let text = text.replacen("kind = \"interpcnc\"", keys, 1);
+            let machine = Machine::parse(Path::new("machine.toml"), &text).unwrap();
+            let real = Guard::new(&machine, 0, Guarded::Real).silence_ms;
+            assert!(check(&machine, 0).is_ok());
+            assert_eq!(Guard::new(&machine, 0, Guarded::Emulated).silence_ms, None);
+            real.expect("there is one")
+        };
+        // 250 ms for the answer and 500 ms until nothing comes any more.
+        let fast = silence("kind = \"interpcnc\"");
+        assert!((750..900).contains(&fast), "{fast}");
+        // Four exchanges of 8 bytes at least each way, twice, at 960 bytes/s.
+        let slow = silence("kind = \"interpcnc\"\nbaud = 9600");
+        assert!(slow >= 750 + 2 * 4 * 16 * 1000 / 960, "{slow}");
+        let patient = silence("kind = \"interpcnc\"\nanswer_deadline_ms = 1000");
+        assert_eq!(patient, fast + 3000 - 750);
+    }
+
+    #[test]
+    fn a_silence_of_few_rounds_is_refused() {
+        let text = include_str!("../../machines/gantry3.toml");
+        let keys = "kind = \"interpcnc\"\nbaud = 9600\nlongest_silence_ms = 30";
+        let text = text.replacen("kind = \"interpcnc\"", keys, 1);
+        let machine = Machine::parse(Path::new("machine.toml"), &text).unwrap();
+        let said = check(&machine, 0).unwrap_err().to_string();
+        for part in ["machine.toml: device `board`: longest_silence_ms = 30 is", "at least "] {
+            assert!(said.contains(part), "{said}");
+        }
+    }
+
+    #[test]
+    fn a_way_out_and_back_is_to_move() {
+        // 2 increments between 100 and 140 ms, between two looks and long before the third.
+        let out = |cycle: i32| f64::from((20 - (cycle - 120).abs()).max(0)) / 10.0;
+        let stream = stream((0..500).map(out));
+        for looks in [&[301][..], &[50, 301], &[50, 200, 301]] {
+            let mut guard = guard();
+            guard.begin(0);
+            let told = looks.iter().find_map(|ms| guard.silence("board", ms * MS, (&stream, 1)));
+            assert!(
+                matches!(told, Some(HardwareError::Silent { silent_ms: 301, .. })),
+                "{looks:?}"
+            );
+        }
+        // Less than an increment is none.
+        let mut guard = guard();
+        guard.begin(0);
+        let little = self::stream((0..500).map(|cycle| out(cycle) * 0.499));
+        assert!(guard.silence("board", 301 * MS, (&little, 1)).is_none());
     }
 
     #[test]

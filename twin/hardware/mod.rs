@@ -19,14 +19,18 @@ use merge::{Measured, Track};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
-use twin_drives::{Drive, DriveError, Sample};
+use std::time::{Duration, Instant};
+use twin_drives::{Drive, Sample};
 use twin_kinematics::AxisVector;
 use unit::Unit;
 
 /// How far ahead of the wall clock set-points are planned for drives, ns. A device that retargets thirty times a
 /// second needs to see its next turning point; a stop requested by the user takes effect after this time.
 pub const HORIZON_NS: i64 = 250_000_000;
+
+/// How long devices may take to stop until those are named that have not confirmed it: longer than ramps take, and then a hard
+/// stop with the same patience.
+const LONGEST_STOP: Duration = Duration::from_secs(25);
 
 /// A device that axes of a machine hang on, and the driver that speaks to it. The axes of its arrays are those axes, in the
 /// order of the machine file.
@@ -84,7 +88,7 @@ enum Event {
     /// Outputs that could not be switched off at an early end.
     LeftOn(Vec<u8>),
     /// The device has not confirmed that it stops.
-    NotStopped(DriveError),
+    NotStopped(HardwareError),
     /// Finished or stopped: the axes are at rest.
     AtRest,
 }
@@ -94,7 +98,8 @@ impl Hardware {
     /// largest velocity. Returns at once; [`Self::ready`] tells when they are there.
     ///
     /// # Errors
-    /// If the start does not fit the counters, or no thread can be had; devices that have begun are stopped then.
+    /// If a `longest_silence_ms` is shorter than a few rounds on the wire, the start does not fit the counters, or no thread
+    /// can be had; devices that have begun are stopped then.
     pub fn start(
         machine: &Machine,
         drives: Vec<Attached>,
@@ -102,6 +107,7 @@ impl Hardware {
         cycle_ns: i64,
         approach: f64,
     ) -> Result<Self, HardwareError> {
+        drives.iter().try_for_each(|attached| guard::check(machine, attached.device))?;
         let early = Arc::new(AtomicBool::new(false));
         let boards = drives.iter().position(|attached| {
             let entry = machine.drives.get(attached.device);
@@ -187,9 +193,11 @@ impl Hardware {
         let all = off.iter().map(|output| (*output, false)).chain(on.iter().map(|o| (*o, true)));
         let Some(unit) = self.units.get(self.switching_unit) else { return };
         for (output, on) in all {
-            // A device that has ended has nothing to confirm: the session hears of it.
-            if unit.switch(output, on) {
-                self.switching += 1;
+            match unit.switch(output, on) {
+                Ok(true) => self.switching += 1,
+                // A device that has ended has nothing to confirm: the session hears of it.
+                Ok(false) => {}
+                Err(error) => self.failures.push_back(error),
             }
         }
     }
@@ -209,16 +217,23 @@ impl Hardware {
         &self.not_stopped
     }
 
-    /// Stops all devices at once and waits until each has done what it can; what [`Self::not_stopped`] tells then.
-    #[must_use]
-    pub fn abandon(mut self) -> Vec<String> {
+    /// Stops all devices at once and waits until each has done what it can, but no longer than 25 s;
+    /// [`Self::not_stopped`] and [`Self::left_on`] tell what has come of it.
+    ///
+    /// A driver that waits for an answer then is named as not stopped. It goes on trying: dropping this waits for it.
+    pub fn abandon(&mut self) {
         self.stop();
-        while self.is_running() {
+        let begun = Instant::now();
+        while self.is_running() && begun.elapsed() < LONGEST_STOP {
             self.listen();
             std::thread::sleep(Duration::from_millis(1));
         }
         self.listen();
-        std::mem::take(&mut self.not_stopped)
+        let waiting = self.units.iter().filter(|unit| unit.is_running());
+        self.not_stopped.extend(waiting.map(|unit| {
+            let (device, waited_s) = (&unit.device, LONGEST_STOP.as_secs());
+            format!("device `{device}`: it has not answered to a stop for {waited_s} s")
+        }));
     }
 
     /// True while a device's thread runs.
@@ -240,7 +255,13 @@ impl Hardware {
                     Ok(Some(Event::Ready)) => unit.ready = true,
                     Ok(Some(Event::LeftOn(outputs))) => self.left_on.extend(outputs),
                     Ok(Some(Event::NotStopped(error))) => {
-                        self.not_stopped.push(format!("device `{}`: {error}", unit.device));
+                        self.not_stopped.push(match error {
+                            HardwareError::Drive(error) => {
+                                format!("device `{}`: {error}", unit.device)
+                            }
+                            // The others name it.
+                            error => error.to_string(),
+                        });
                     }
                     Ok(Some(Event::Switched)) => self.switching = self.switching.saturating_sub(1),
                     Ok(Some(Event::AtRest)) => {
@@ -250,8 +271,8 @@ impl Hardware {
                     Ok(None) => break,
                     Err(error) => {
                         track.ended = true;
+                        // Whether it could be stopped comes after that.
                         self.failures.push_back(error);
-                        break;
                     }
                 }
             }

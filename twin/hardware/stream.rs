@@ -65,6 +65,29 @@ impl Stream {
         (plan.first + planned - 1).max(0) * self.cycle_ns
     }
 
+    /// Whether the plan leads any of the first `axes` axes an increment or more from `origin` in the time from `from_ns` to
+    /// `to_ns`, also if it leads back.
+    pub(super) fn strays(
+        &self,
+        origin: &[f64; MAX_DRIVE_AXES],
+        (from_ns, to_ns): (i64, i64),
+        axes: usize,
+    ) -> bool {
+        let away = |motion: &IncrementMotion| {
+            let axes = motion.position.iter().zip(origin).take(axes);
+            axes.into_iter().any(|(position, origin)| (position - origin).abs() >= 1.0)
+        };
+        if [from_ns, to_ns].iter().any(|time_ns| away(&self.at(*time_ns))) {
+            return true;
+        }
+        // Between set-points it goes straight on.
+        let plan = self.plan();
+        let after = |time_ns: i64| {
+            usize::try_from(time_ns.div_euclid(self.cycle_ns) + 1 - plan.first).unwrap_or(0)
+        };
+        plan.setpoints.iter().take(after(to_ns)).skip(after(from_ns)).any(away)
+    }
+
     fn plan(&self) -> MutexGuard<'_, Plan> {
         // A plan is valid between any two statements that change it.
         self.plan.lock().unwrap_or_else(PoisonError::into_inner)

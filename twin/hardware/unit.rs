@@ -10,7 +10,7 @@ use crate::setpoint::AxisSetpoint;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 use twin_drives::{IncrementMotion, MAX_DRIVE_AXES, Sample, SetpointStream};
@@ -120,12 +120,7 @@ impl Unit {
         if self.ended {
             return None;
         }
-        let (stream, axes) = (&self.stream, self.axes.len());
-        let travels = |from_ns: i64, to_ns: i64| {
-            let [from, to] = [from_ns, to_ns].map(|time_ns| stream.at(time_ns).position);
-            from.iter().zip(to).take(axes).any(|(from, to)| (to - from).abs() >= 1.0)
-        };
-        self.guard.silence(&self.device, now_ns, travels)
+        self.guard.silence(&self.device, now_ns, (&self.stream, self.axes.len()))
     }
 
     /// From now on it follows its stream by `clock`.
@@ -202,9 +197,19 @@ impl Unit {
         increments
     }
 
-    /// Asks for an output; false if the device has ended.
-    pub(super) fn switch(&self, output: u8, on: bool) -> bool {
-        self.switches.try_send(Switch { output, on }).is_ok()
+    /// Asks for an output; false if the device has ended, of which the session hears otherwise.
+    ///
+    /// # Errors
+    /// If too many wait already.
+    pub(super) fn switch(&self, output: u8, on: bool) -> Result<bool, HardwareError> {
+        match self.switches.try_send(Switch { output, on }) {
+            Ok(()) => Ok(true),
+            Err(TrySendError::Disconnected(_)) => Ok(false),
+            Err(TrySendError::Full(_)) => {
+                let (device, waiting) = (self.device.clone(), WAITING_SWITCHES);
+                Err(HardwareError::Outputs { device, output, waiting })
+            }
+        }
     }
 
     /// True while the device's thread runs.
@@ -234,7 +239,8 @@ impl Drop for Unit {
     fn drop(&mut self) {
         self.stop();
         if let Some(thread) = self.thread.take() {
-            // Whatever the thread had to say has been said through the channel; let it bring the axes to rest.
+            // Whatever the thread had to say has been said through the channel; let it bring the axes to rest. That ends:
+            // every question of a driver has its deadline, and the device's thread waits for braking axes so long only.
             while !thread.is_finished() {
                 while self.events.try_recv().is_ok() {}
                 std::thread::sleep(Duration::from_millis(1));

@@ -114,6 +114,8 @@ pub struct Ending {
     pub left_on: Vec<u8>,
     /// Devices that did not confirm that they stop, and why: whether their axes move is not known.
     pub not_stopped: Vec<String>,
+    /// Drives of which some still wait for an answer of their device before they can stop it: dropping them waits for that.
+    pub stopping: Option<Hardware>,
 }
 
 impl Ending {
@@ -131,6 +133,7 @@ impl Ending {
             punctuality: None,
             left_on: Vec::new(),
             not_stopped: Vec::new(),
+            stopping: None,
         }
     }
 

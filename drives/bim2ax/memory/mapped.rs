@@ -16,7 +16,7 @@ use crate::Port;
 /// in such steps on machines with small pages.
 const PAGE: u64 = 4096;
 /// Bytes of a module.
-const MODULE_LENGTH: usize = 0x100;
+pub(super) const MODULE_LENGTH: usize = 0x100;
 
 /// A stretch of a file or device, mapped and shared.
 #[derive(Debug)]

@@ -2,13 +2,23 @@
 //!
 //! Two masters of a module would take each other's receipts and answers for their own. An emulator holds a lock on its
 //! memory file itself, so masters keep each other out by one on a second file beside it, which is empty and stays. The
-//! lock belongs to an open file: the system frees it when the program ends, however it does.
+//! lock belongs to an open file: the system frees it when the program ends, however it does. Several modules may be mapped
+//! from one device (`/dev/mem`): of a device the bytes of the module are locked, by an open file description (fcntl,
+//! `F_OFD_SETLK`).
 
 use std::{
     fs::{File, OpenOptions, TryLockError},
     io,
     path::{Path, PathBuf},
 };
+
+use nix::{
+    errno::Errno,
+    fcntl::{FcntlArg, fcntl},
+    libc,
+};
+
+use super::mapped::MODULE_LENGTH;
 
 /// What the name of the second file ends with.
 const ENDING: &str = ".master";
@@ -37,28 +47,45 @@ impl Master {
         Self::locked(lock.map_err(named)?, path)
     }
 
-    /// Of a device that is mapped.
+    /// Of the module whose base is `start` bytes into a device that is mapped.
     ///
     /// # Errors
-    /// [`io::ErrorKind::ResourceBusy`] if another program is its master; or if it cannot be opened.
-    pub fn of_device(path: &Path) -> io::Result<Self> {
-        Self::locked(File::open(path)?, path)
+    /// [`io::ErrorKind::ResourceBusy`] if it has another master, in this program or another one; or if it cannot be opened
+    /// for reading and writing.
+    pub fn of_device(path: &Path, start: u64) -> io::Result<Self> {
+        let lock = OpenOptions::new().read(true).write(true).open(path)?;
+        let beyond = |_| io::Error::from(io::ErrorKind::InvalidInput);
+        let module = libc::flock {
+            l_type: libc::c_short::try_from(libc::F_WRLCK).map_err(beyond)?,
+            l_whence: libc::c_short::try_from(libc::SEEK_SET).map_err(beyond)?,
+            l_start: libc::off_t::try_from(start).map_err(beyond)?,
+            l_len: libc::off_t::try_from(MODULE_LENGTH).map_err(beyond)?,
+            // Demanded by the call.
+            l_pid: 0,
+        };
+        match fcntl(&lock, FcntlArg::F_OFD_SETLK(&module)) {
+            Ok(_) => Ok(Self { lock }),
+            Err(Errno::EAGAIN | Errno::EACCES) => Err(taken(path)),
+            Err(error) => Err(error.into()),
+        }
     }
 
     fn locked(lock: File, path: &Path) -> io::Result<Self> {
         match lock.try_lock() {
             Ok(()) => Ok(Self { lock }),
-            Err(TryLockError::WouldBlock) => {
-                let message = format!(
-                    "another program is the master of {}: end it first; \
-                     `twin drive bim2ax … stop` gets through all the same",
-                    path.display()
-                );
-                Err(io::Error::new(io::ErrorKind::ResourceBusy, message))
-            }
+            Err(TryLockError::WouldBlock) => Err(taken(path)),
             Err(TryLockError::Error(error)) => Err(error),
         }
     }
+}
+
+fn taken(path: &Path) -> io::Error {
+    let message = format!(
+        "another program is the master of {}: end it first; \
+         `twin drive bim2ax … stop` gets through all the same",
+        path.display()
+    );
+    io::Error::new(io::ErrorKind::ResourceBusy, message)
 }
 
 /// The file beside a memory file that its master has locked.

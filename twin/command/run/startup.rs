@@ -298,6 +298,7 @@ fn approach(mut hardware: Hardware, interrupt: &Interrupt) -> Result<Hardware, F
         }
     };
     bar.finish_and_clear();
-    tell_not_stopped(&hardware.abandon());
+    hardware.abandon();
+    tell_not_stopped(hardware.not_stopped());
     Err(failure)
 }

@@ -31,6 +31,8 @@ pub struct DeviceEntry {
     pub in_loop: bool,
     /// What it is.
     pub family: DriveFamily,
+    /// Names and values of what is assumed of it otherwise than of any device of the family, as the file says them.
+    pub assumed: Vec<(String, String)>,
 }
 
 /// A drive family, with what the file says of a device of it.
@@ -199,6 +201,11 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
         Kind::Bim2Ax => bim2ax::read(section).map(DriveFamily::Bim2Ax),
     };
     let (name, family) = (name?.to_owned(), family?);
+    let assumed = match family {
+        DriveFamily::InterpCnc(_) => otherwise::<twin_drives::interpcnc::Assumptions>(section),
+        DriveFamily::SmartDrive(_) => otherwise::<twin_drives::smartdrive::Assumptions>(section),
+        DriveFamily::Bim2Ax(_) => otherwise::<twin_drives::bim2ax::Assumptions>(section),
+    };
     Some(DeviceEntry {
         name,
         port,
@@ -208,7 +215,24 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
         turnaround_us,
         in_loop,
         family,
+        assumed,
     })
+}
+
+/// What `[drives.assumptions]` says that is not assumed anyway; what is wrong with it has been told.
+fn otherwise<A: Assumed + PartialEq>(section: &Section<'_>) -> Vec<(String, String)> {
+    if !section.has("assumptions") {
+        return Vec::new();
+    }
+    let said = section.section("assumptions");
+    let differs = |name: &str, value: &str| {
+        let mut assumed = A::default();
+        assumed.set(name, value).is_ok() && assumed != A::default()
+    };
+    let names = said.keys().into_iter();
+    let said = names.filter_map(|name| Some((name, said.glance_at_text(name)?)));
+    let said = said.filter(|(name, value)| differs(name, value));
+    said.map(|(name, value)| (name.to_owned(), value.to_owned())).collect()
 }
 
 /// What `[drives.assumptions]` says, over what is assumed of any device of the family.

@@ -152,10 +152,15 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         let executed_ns = self.executed_ns();
         let late_plans = self.items.late_plans();
         let record = self.twin.record();
-        let Self { comparison, punctuality, stopped, off_path, hardware, overrides, .. } = self;
-        let told = |of: fn(&Hardware) -> Vec<String>| hardware.as_ref().map(of).unwrap_or_default();
-        let not_stopped = told(|hardware| hardware.not_stopped().to_vec());
-        let left_on = hardware.map(|hardware| hardware.left_on().to_vec()).unwrap_or_default();
+        let Self { comparison, punctuality, stopped, off_path, mut hardware, overrides, .. } = self;
+        // Drives that have not come to rest are stopped now, and what they say to that is told, too.
+        if let Some(hardware) = hardware.as_mut().filter(|hardware| hardware.is_running()) {
+            hardware.abandon();
+        }
+        let told = hardware.as_ref();
+        let not_stopped = told.map(|told| told.not_stopped().to_vec()).unwrap_or_default();
+        let left_on = told.map(|told| told.left_on().to_vec()).unwrap_or_default();
+        let stopping = hardware.filter(Hardware::is_running);
         let overrides = overrides.into_changes();
         Ending {
             comparison,
@@ -168,6 +173,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             punctuality,
             left_on,
             not_stopped,
+            stopping,
         }
     }
 

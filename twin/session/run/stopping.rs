@@ -29,9 +29,16 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
         }
     }
 
-    /// From now on every axis brakes at its own limits, on the simulated machine and on the drives.
+    /// From now on every axis brakes at its own limits, on the simulated machine and on the drives. Once the last set-point
+    /// is due there is no plan to be changed: drives that still move are behind theirs, and brake on their own ramps.
     pub(in crate::session) fn brake(&mut self) {
-        if self.plan == Plan::Brakes || !self.goes_on() {
+        if !self.goes_on() {
+            if let Some(hardware) = &mut self.hardware {
+                hardware.stop();
+            }
+            return;
+        }
+        if self.plan == Plan::Brakes {
             return;
         }
         // Where planning has kept everything else waiting, the drives are ahead of the simulated machine.

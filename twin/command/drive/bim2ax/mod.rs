@@ -252,7 +252,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let mut module = Module::open(arguments)?;
     if let Action::Stop { now } = &arguments.action {
         stop(&session, &mut module, *now)?;
-        return Ok(Status::Fit);
+        // One that has noticed and ended meanwhile moves nothing any more.
+        let driven = module.is_beside() && module_memory(&arguments.port, arguments.map).is_err();
+        if !driven {
+            return Ok(Status::Fit);
+        }
+        eprintln!(
+            "another program drives this module and may move it again, for one that waits sees no stop: end it, or use the \
+             emergency stop"
+        );
+        return Ok(Status::Unfit);
     }
     let identity = session.ask(module.driver.identify(&no_clock))?;
     match &arguments.action {

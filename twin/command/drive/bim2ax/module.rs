@@ -5,10 +5,10 @@ use super::Arguments;
 use crate::command::Failure;
 use std::sync::Arc;
 use std::time::Duration;
-use tokio::time::{sleep, timeout};
+use tokio::time::{Instant, sleep};
 use twin_drives::bim2ax::bits::message;
 use twin_drives::bim2ax::zone::Positions;
-use twin_drives::bim2ax::{Bim2Ax, ModuleAxis};
+use twin_drives::bim2ax::{Bim2Ax, Bim2AxOptions, Memory, ModuleAxis};
 use twin_drives::{Action, Axes, DriveError, Exchange};
 
 /// Position and messages of an axis.
@@ -38,8 +38,26 @@ impl Module {
     pub(super) fn open(arguments: &Arguments) -> Result<Self, Failure> {
         let (port, memory, options) = arguments.memory()?;
         let beside = memory.is_beside();
+        Ok(Self::new(port, memory, options, beside))
+    }
+
+    fn new(
+        port: Arc<str>,
+        memory: impl Memory + 'static,
+        mut options: Bim2AxOptions,
+        beside: bool,
+    ) -> Self {
+        if beside {
+            // The master takes some of the answers: they are waited for no longer than it makes sense to look.
+            options.deadline = options.deadline.min(STANDING / 4);
+        }
         let driver = Bim2Ax::new(&port, memory, &options);
-        Ok(Self { driver, port, beside })
+        Self { driver, port, beside }
+    }
+
+    /// Whether another program was the master of the module when it was opened.
+    pub(super) fn is_beside(&self) -> bool {
+        self.beside
     }
 
     /// Stops both axes for good: a program that is the master of the module may give it another order before it notices.
@@ -62,17 +80,20 @@ impl Module {
         })
     }
 
-    /// Whether both axes stand for as long as the master may take to notice. The two ask at the same time, and each may miss
-    /// what the module answers to it: not known is not standing.
+    /// Whether both axes stand for as long as the master may take to notice, from the first look to the last. The two ask at
+    /// the same time, and each may miss what the module answers to it: not known is not standing.
     async fn stands(&mut self) -> bool {
-        let moves = async {
-            while let Ok((seen, _)) = self.driver.positions(&no_clock).await
-                && seen.messages.iter().all(|messages| messages & message::MOVING == 0)
-            {
-                sleep(LOOK).await;
+        let mut first = None;
+        while let Ok((seen, _)) = self.driver.positions(&no_clock).await
+            && seen.messages.iter().all(|messages| messages & message::MOVING == 0)
+        {
+            let now = Instant::now();
+            if now.duration_since(*first.get_or_insert(now)) >= STANDING {
+                return true;
             }
-        };
-        timeout(STANDING, moves).await.is_err()
+            sleep(LOOK).await;
+        }
+        false
     }
 
     /// Stops both axes: whatever else is wrong with the module, the order goes out first.
@@ -111,5 +132,58 @@ impl Stopping for Module {
         let (seen, _) = self.driver.positions(&no_clock).await?;
         let [one, two] = seen.positions;
         Ok(format!("1: {one}, 2: {two}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io;
+    use twin_drives::bim2ax::SharedModule;
+    use twin_drives::bim2ax::emulator::{Eeprom, Module as Emulated, ModuleOptions, Surroundings};
+
+    /// A module that is asked nothing any more once it has been asked so many times.
+    struct Falling {
+        module: SharedModule,
+        questions: u32,
+    }
+
+    impl Memory for Falling {
+        fn read(&mut self, offset: u8, bytes: &mut [u8]) -> io::Result<()> {
+            self.module.read(offset, bytes)
+        }
+
+        fn write(&mut self, offset: u8, bytes: &[u8]) -> io::Result<()> {
+            // The last byte of the window interrupts the module.
+            if offset == 0x7F {
+                self.questions = self.questions.saturating_sub(1);
+                if self.questions == 0 {
+                    return Ok(());
+                }
+            }
+            self.module.write(offset, bytes)
+        }
+    }
+
+    fn stands(questions: u32, deadline: Duration) -> bool {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+        let options = ModuleOptions::default();
+        let module = Emulated::new(&options, &Eeprom::blank(), &Surroundings::default());
+        let (begun, on_for_ns) = (std::time::Instant::now(), options.boot_ns);
+        let now = move || i64::try_from(begun.elapsed().as_nanos()).unwrap_or(i64::MAX) + on_for_ns;
+        let memory = Falling { module: SharedModule::new(module, now), questions };
+        let options = Bim2AxOptions { deadline, ..Bim2AxOptions::default() };
+        let mut module = Module::new("module".into(), memory, options, true);
+        runtime.expect("a runtime").block_on(module.stands())
+    }
+
+    /// However long it may take to answer: a question that hangs is no look.
+    #[test]
+    fn a_module_that_falls_silent_is_not_known_to_stand() {
+        let patient = Duration::from_secs(3);
+        assert!(stands(u32::MAX, patient));
+        for questions in [1, 20] {
+            assert!(!stands(questions, patient), "{questions}");
+        }
     }
 }
