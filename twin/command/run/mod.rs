@@ -207,8 +207,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if let Some(reason) = &reason {
         eprintln!("{reason}");
     }
-    if let Some(Stopped::Drives { source: HardwareError::Drive(error), .. }) = &done.ending.stopped
-        && let Some(advice) = advice(error)
+    if let Some(Stopped::Drives { source, .. }) = &done.ending.stopped
+        && let Some(advice) = of_hardware(source)
     {
         eprintln!("help: {advice}");
     }
