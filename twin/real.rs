@@ -41,7 +41,9 @@ impl OpenError {
     pub fn advice(&self) -> Option<String> {
         match self {
             Self::NoPort { .. } => None,
-            Self::Drive { source, .. } => advice_in_run(source).map(|advice| format!("help: {advice}")),
+            Self::Drive { source, .. } => {
+                advice_in_run(source).map(|advice| format!("help: {advice}"))
+            }
         }
     }
 }

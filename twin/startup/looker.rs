@@ -250,7 +250,8 @@ impl<'a> Looker<'a> {
     /// A board that is to home an axis and does not know where its switch is.
     fn no_home_switch(&mut self, machine: &Machine, axis: &Axis) {
         let name = &axis.name;
-        let told = format!("axis {name}: it is to be homed, and the board knows no home switch for it");
+        let told =
+            format!("axis {name}: it is to be homed, and the board knows no home switch for it");
         let help = axis.drive.as_ref().and_then(|place| {
             let command = by_hand::command(machine, place.device, place.index)?;
             let device = machine.drives.get(place.device)?;

@@ -67,7 +67,10 @@ impl fmt::Display for Plan {
             [(id, name)] => write!(f, "\n{id} ({name}) is not in the file: left as it is"),
             [(id, name), ..] => {
                 let all = self.absent.len();
-                write!(f, "\n{all} parameters are not in the file, the first {id} ({name}): left as they are")
+                write!(
+                    f,
+                    "\n{all} parameters are not in the file, the first {id} ({name}): left as they are"
+                )
             }
         }
     }

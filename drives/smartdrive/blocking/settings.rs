@@ -156,10 +156,7 @@ impl SmartDriveBus {
     }
 
     /// Those whose saved copy is another than the working value.
-    pub(super) fn unsaved(
-        &mut self,
-        ids: &[ParameterId],
-    ) -> Result<Vec<ParameterId>, DriveError> {
+    pub(super) fn unsaved(&mut self, ids: &[ParameterId]) -> Result<Vec<ParameterId>, DriveError> {
         let mut unsaved = Vec::new();
         for id in ids {
             find(self.all_parameters(), *id, || self.parameter_at(*id, false))?;

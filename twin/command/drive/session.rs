@@ -201,7 +201,10 @@ mod tests {
             Err::<(), _>(DriveError::Stalled { at })
         };
         let said = session.motion(&mut drive, moved).expect_err("it fails").to_string();
-        assert!(said.contains("the motor has stalled") && said.contains("emergency stop"), "{said}");
+        assert!(
+            said.contains("the motor has stalled") && said.contains("emergency stop"),
+            "{said}"
+        );
     }
 
     #[test]
