@@ -241,6 +241,15 @@ pub trait Drive: Send {
         Err(DriveError::NoParameter { at: nowhere(&self.describe()), id })
     }
 
+    /// Those of these parameters that the device would have otherwise after it was switched off and on. None of devices that
+    /// keep every value as soon as it is set.
+    ///
+    /// # Errors
+    /// As [`Self::parameter`].
+    fn unsaved_parameters(&mut self, _ids: &[ParameterId]) -> Result<Vec<ParameterId>, DriveError> {
+        Ok(Vec::new())
+    }
+
     /// Makes the device keep its parameters when it is switched off; nothing to do for devices that always do. The
     /// axes must be at rest; a device may lose its positions.
     ///

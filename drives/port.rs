@@ -81,7 +81,7 @@ impl Port {
             wrong(&format!("a file of {bytes} bytes{as_memory}"))
         } else if kind.is_file()
             && self == Self::Memory
-            && usize::try_from(bytes).is_ok_and(|bytes| bytes < FILE_LENGTH)
+            && usize::try_from(bytes) != Ok(FILE_LENGTH)
         {
             wrong(&format!("a file of {bytes} bytes"))
         } else {
@@ -92,6 +92,10 @@ impl Port {
     /// Says what is wrong with a serial port that could not be opened: a device like /dev/null is no terminal, which only
     /// shows when its speed is to be set.
     fn explain(error: serialport::Error) -> io::Error {
+        // Locked, or kept for one by TIOCEXCL.
+        if ["exclusive lock", "busy"].iter().any(|word| error.description.contains(word)) {
+            return io::Error::new(io::ErrorKind::ResourceBusy, "another program has the port");
+        }
         let no_terminal =
             ["typewriter", "ioctl"].iter().any(|word| error.description.contains(word));
         if no_terminal {
@@ -122,6 +126,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         fs::write(path("short"), "mine").unwrap();
+        fs::write(path("long"), [b'x'; FILE_LENGTH + 1]).unwrap();
         fs::write(path("memory"), [0; FILE_LENGTH]).unwrap();
         let _socket = UnixListener::bind(path("socket")).unwrap();
         symlink("/dev/pts/no such terminal", path("link")).unwrap();
@@ -135,6 +140,7 @@ mod tests {
         assert!(said(Port::Serial, "memory").contains("the memory of an emulated BIM2AX"));
         assert!(said(Port::Serial, "short").contains("a file of 4 bytes; wanted is a serial port"));
         assert!(said(Port::Memory, "short").contains("(1029 bytes)"));
+        assert!(said(Port::Memory, "long").contains("a file of 1030 bytes"));
         Port::Memory.check(&path("memory")).unwrap();
         let device = Path::new("/dev/null");
         assert!(Port::Memory.check(device).unwrap_err().to_string().contains("offset to map"));

@@ -1,8 +1,10 @@
 //! What a person would look at when a drive does not do what it should.
 
-use std::io::ErrorKind;
+use crate::hardware::HardwareError;
+use std::io::{self, ErrorKind};
 use twin_drives::bim2ax::bits::message;
-use twin_drives::{DriveError, ProtocolFault};
+use twin_drives::smartdrive::RejectCode;
+use twin_drives::{Action, DriveError, Exchange, ProtocolFault};
 
 /// After an emergency stop.
 pub(crate) const RELEASE: &str =
@@ -15,6 +17,15 @@ pub(crate) const NOBODY: &str = "is the device powered, are A and B of the line 
 /// What to look at, or to do next, after an error; actions are those of `twin drive`. None where the error says it all.
 pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
     Some(match error {
+        DriveError::Rejected { at, reason: RejectCode::BadParams } if is_move(at) => {
+            "is the target within `get Trj_PosMin` and `get Trj_PosMax` (both 0: no limits), and are speed and rates within \
+             `get Trj_VelMax`, `get Trj_AccMax` and `get Trj_DecMax`?"
+        }
+        DriveError::Identity { .. } => {
+            "is the module plugged in and powered, is it at this offset (--map, or `map_offset` of the machine file), or is its \
+             emulator running? FFh is what an empty bus says. Axes that were moving go on to their targets: use the \
+             emergency stop where they may not"
+        }
         DriveError::Timeout { at, .. } if at.station == 0 => {
             "is the module powered, and does its software run? Is it at this offset (--map), or is its emulator \
              running? A slow bus needs a longer --deadline"
@@ -29,7 +40,7 @@ pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
              what it sends (--echo of InterpCNC)? Is the line terminated?"
         }
         DriveError::Protocol { .. } => "is there another master on the line?",
-        DriveError::Transport { source, .. } => return port(source.kind()),
+        DriveError::Transport { at, source } => return port(at, source),
         DriveError::Locked { .. } => {
             "`unlock`, then `home`: a board that has been locked or without power does not know where its axes are"
         }
@@ -54,8 +65,59 @@ pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
     })
 }
 
-fn port(kind: ErrorKind) -> Option<&'static str> {
-    match kind {
+/// As [`advice`], where the deadline is a key of the machine file and no option: in `twin run`.
+pub(crate) fn advice_in_run(error: &DriveError) -> Option<&'static str> {
+    Some(match error {
+        DriveError::Timeout { at, .. } if at.station == 0 => {
+            "is the module powered, and does its software run? Is it at this offset (`map_offset` of the machine file), or is \
+             its emulator running? A slow bus needs a larger `answer_deadline_ms` of its [[drives]]"
+        }
+        DriveError::Timeout { .. } => {
+            "is the device powered? Are A and B of the line swapped, and is its end terminated? Is this its address \
+             (`scan` asks all), and are baud rate and parity those of the device? If it has answered before: was it off for a \
+             moment? `status` tells, and then it has to be homed. A slow adapter needs a larger `answer_deadline_ms` of its [[drives]]"
+        }
+        other => return advice(other),
+    })
+}
+
+/// What to look at, or to do next, when the drives of a run cannot go on.
+pub(crate) fn of_hardware(error: &HardwareError) -> Option<&'static str> {
+    match error {
+        HardwareError::Drive(error) => advice_in_run(error),
+        HardwareError::Silent { .. } => Some(
+            "look at its cable and its supply. When it answers again, `status` tells whether it has been off or locked: then its \
+             axes have to be homed (--home); if it has not, its positions still hold, and the program can be run again. A slow \
+             adapter needs larger `answer_deadline_ms` and `longest_silence_ms` of its [[drives]]",
+        ),
+        _ => None,
+    }
+}
+
+/// A command that has a target.
+fn is_move(at: &Exchange) -> bool {
+    matches!(at.action, Action::Command { name: "GOTO" | "STEP", .. })
+}
+
+fn port(at: &Exchange, error: &io::Error) -> Option<&'static str> {
+    // Both others have addresses from 1.
+    let is_module = at.station == 0;
+    if at.action != Action::Open {
+        return Some(
+            "the port is gone: is the adapter plugged in (`dmesg` tells when it came and went), or has the emulator ended? \
+             Axes that were moving go on to their targets: use the emergency stop where they may not. When it is back, \
+             `status` tells what the drive knows, and `home` what it has lost",
+        );
+    }
+    match error.kind() {
+        ErrorKind::ResourceBusy if !is_module => Some(
+            "end the other program (Ctrl-C in its window brings its axes to rest); no stop gets through beside it: if it does \
+             not end, use the emergency stop",
+        ),
+        ErrorKind::NotFound if is_module => Some(
+            "a BIM2AX is at no serial port: --port is the memory file that `twin emulate bim2ax --link PATH` makes, or a device \
+             like /dev/uio0 (`ls /dev/uio*`), for which --map, or `map_offset` of the machine file, says where the module is",
+        ),
         ErrorKind::NotFound => Some(
             "`ls /dev/serial/by-id /dev/ttyUSB* /dev/ttyACM*` shows the serial ports there are; `twin emulate` makes one",
         ),

@@ -1,6 +1,6 @@
 //! The real drives of a machine file, on the ports that it names.
 
-use crate::advice::advice;
+use crate::advice::advice_in_run;
 use crate::emulated::{driver_options, smartdrive_axis};
 use crate::machine::{Bim2AxEntry, DeviceEntry, DriveFamily, Machine};
 use std::io;
@@ -41,7 +41,9 @@ impl OpenError {
     pub fn advice(&self) -> Option<String> {
         match self {
             Self::NoPort { .. } => None,
-            Self::Drive { source, .. } => advice(source).map(|advice| format!("help: {advice}")),
+            Self::Drive { source, .. } => {
+                advice_in_run(source).map(|advice| format!("help: {advice}"))
+            }
         }
     }
 }

@@ -30,7 +30,7 @@ pub enum BaudCode {
 }
 
 /// The speeds of [`BaudCode::Index`]: usual ones within the 4800 to 256000 b/s that the firmware supports.
-const BAUD_RATES: [u32; 8] = [4800, 9600, 19_200, 38_400, 57_600, 115_200, 128_000, 256_000];
+pub const BAUD_RATES: [u32; 8] = [4800, 9600, 19_200, 38_400, 57_600, 115_200, 128_000, 256_000];
 
 impl BaudCode {
     /// The parameter for a speed, if there is one.

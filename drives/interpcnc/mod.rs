@@ -24,7 +24,7 @@ mod tests;
 mod vectors;
 
 pub use crate::Stamp;
-pub use assumptions::{Assumptions, BaudCode, BoardStop, ExceptionCodes, OutputCode};
+pub use assumptions::{Assumptions, BAUD_RATES, BaudCode, BoardStop, ExceptionCodes, OutputCode};
 pub use blocking::InterpCncDrive;
 pub use command::{AxisValues, BadCommand, Command, CommandRegisters, MoveProfile};
 pub use driver::{BoardState, HomeAxis, Identity, InterpCnc, ProbeMove, Recipes, Snapshot};

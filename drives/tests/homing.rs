@@ -295,7 +295,7 @@ fn an_axis_that_could_not_be_stopped_is_told_with_what_went_wrong_before() {
         home_by_switch(&mut Runaway, &run, &clock, &mut |_, _| None, &|| false).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "homing of axis 1: the device does not show Home; and the axis could not be stopped: \
+        "homing of axis 1: the device does not show which input its home switch is at; and the axis could not be stopped: \
          wire, address 3: reading status and positions: no answer within 7 ms; use the emergency stop"
     );
 }

@@ -70,7 +70,7 @@ pub(crate) fn row<'a>(done: &'a Done, column: usize, word: &str) -> Vec<&'a str>
 }
 
 /// A board whose home switch of X is pressed from 1500 steps behind the start on, input 5.
-fn a_board(station: u8) -> (board::EmulatedBoard, Hand) {
+pub(crate) fn a_board(station: u8) -> (board::EmulatedBoard, Hand) {
     let cam =
         board::Cam { input: 5, axis: BoardAxis::X, from: -3000, to: -1500, normally_closed: false };
     let options = board::EmulatorOptions {

@@ -18,6 +18,7 @@ mod compare;
 mod drive;
 mod drive_home;
 mod drive_stop;
+mod drive_words;
 mod emulate;
 mod explain;
 mod in_loop;

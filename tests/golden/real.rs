@@ -328,8 +328,8 @@ fn ports_that_others_have_are_named() {
     let done = shop.desk.meanwhile("-INT", "axis U is home", &run, || {
         let run = ["run", "short.cnc", "-m", "other.toml", "--drives", "real", "--homed", "--yes"];
         let other = shop.desk.twin(&run);
-        other.ended(2, "✗ device `board`: board, address 1: opening the port: Unable to acquire");
-        other.ended(2, "✗ device `bus`: bus, address 1: opening the port: Unable to acquire");
+        other.ended(2, "✗ device `board`: board, address 1: opening the port: another program has the port");
+        other.ended(2, "✗ device `bus`: bus, address 1: opening the port: another program has the port");
         other.ended(2, "✗ device `module`: none: opening the port: No such file or directory");
     });
     done.ended(2, "stopped by the user");
@@ -361,6 +361,27 @@ fn what_is_not_known_to_be_homed_does_not_run() {
     shop.by_hand("smartdrive", "bus", "stop --now");
     let done = shop.homed("short.cnc", "");
     done.ended(2, "axis Z: not homed: its device has been locked or off");
+    shop.untouched();
+}
+
+/// There is no switch within 100 steps: the board shows that, and nobody's word is better. Without an input no switch can come.
+#[test]
+fn an_axis_whose_homing_has_failed_is_not_homed_by_word() {
+    let shop = Shop::new();
+    shop.by_hand("interpcnc", "board", "set home-input-x 7");
+    let board = ["drive", "interpcnc", "--port", "board", "--deadline", "2000"];
+    let home = [&board[..], &["home", "X", "--max-stroke", "100", "--yes"]].concat();
+    shop.desk.twin(&home).ended(2, "homing has failed, axis X");
+    let done = shop.run("short.cnc", "--homed --home=U --yes");
+    done.ended(2, "axis X: not homed: the board says that homing has failed");
+}
+
+#[test]
+fn an_axis_without_a_home_switch_is_not_begun_to_be_homed() {
+    let shop = Shop::new();
+    let done = shop.run("short.cnc", "--homed --home=X,U --yes");
+    done.ended(2, "axis X: it is to be homed, and the board knows no home switch for it");
+    done.ended(2, "set home-input-x N, where N is its input");
     shop.untouched();
 }
 

@@ -22,13 +22,11 @@ mod underline;
 mod view;
 mod whole;
 
-use crate::advice::advice;
+use crate::advice::{advice, advice_in_run, of_hardware};
 use crate::cam::CamFileError;
 use crate::check::CheckFailure;
-use crate::hardware::HardwareError;
 use crate::machine::MachineFileError;
 use crate::program::ProgramFile;
-use crate::startup::HomingError;
 use clap::{Parser, Subcommand};
 use miette::MietteDiagnostic;
 use std::process::ExitCode;
@@ -170,9 +168,6 @@ pub(crate) enum Failure {
     /// Parameters that are given back to a drive.
     #[error(transparent)]
     Restore(Box<twin_drives::axis::backup::RestoreError>),
-    /// Homing by a switch.
-    #[error(transparent)]
-    BySwitch(Box<twin_drives::axis::homing::HomingError>),
     /// The file of a cam.
     #[error(transparent)]
     Cam(#[from] Box<crate::cam::CamFileError>),
@@ -225,12 +220,6 @@ impl From<twin_drives::axis::backup::RestoreError> for Failure {
     }
 }
 
-impl From<twin_drives::axis::homing::HomingError> for Failure {
-    fn from(error: twin_drives::axis::homing::HomingError) -> Self {
-        Self::BySwitch(Box::new(error))
-    }
-}
-
 impl Failure {
     fn check(program: &ProgramFile, failure: CheckFailure) -> Self {
         match failure {
@@ -268,11 +257,10 @@ impl Failure {
     /// What to look at or to do next.
     fn advice(&self) -> Option<&'static str> {
         match self {
-            Self::Drive(error) | Self::Hardware(HardwareError::Drive(error)) => advice(error),
-            Self::Motion { source, .. }
-            | Self::Homing(
-                HomingError::Drive { source, .. } | HomingError::NotStopped { source, .. },
-            ) => advice(source),
+            Self::Drive(error) => advice(error),
+            Self::Motion { source, .. } => advice(source),
+            Self::Hardware(error) => of_hardware(error),
+            Self::Homing(error) => error.of_drive().and_then(advice_in_run),
             _ => None,
         }
     }

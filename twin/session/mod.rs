@@ -153,7 +153,9 @@ impl Ending {
 #[derive(Debug, thiserror::Error)]
 pub enum Stopped {
     /// The user asked for it.
-    #[error("stopped by the user at {0}")]
+    #[error(
+        "stopped by the user at {0}, where it was asked for; from there the axes braked along the path"
+    )]
     Interrupted(Place),
     /// The drives failed; every axis of the simulated machine braked at its own limits.
     #[error("the drives failed at {place}: {source}")]

@@ -1,6 +1,6 @@
 //! Homing before a run, axis by axis.
 
-use super::Still;
+use super::{Still, position};
 use crate::by_hand;
 use crate::clock::Clock;
 use crate::hardware::Attached;
@@ -60,6 +60,16 @@ pub enum HomingError {
         /// The axis.
         axis: String,
     },
+    /// It has not come home, for a reason that does not tell where it stands.
+    #[error("{why}; it stands at {at:.3} {unit}")]
+    Stands {
+        /// Why it is not home.
+        why: Box<HomingError>,
+        /// Where the device counts it, in `unit`.
+        at: f64,
+        /// "mm" or "deg".
+        unit: &'static str,
+    },
     /// The device could not be brought to rest.
     #[error(
         "homing axis {axis}: {why}; and it could not be stopped ({source}): use the emergency stop"
@@ -72,6 +82,17 @@ pub enum HomingError {
         /// Why it could not.
         source: Box<DriveError>,
     },
+}
+
+impl HomingError {
+    /// What its drive has said.
+    pub fn of_drive(&self) -> Option<&DriveError> {
+        match self {
+            Self::Drive { source, .. } | Self::NotStopped { source, .. } => Some(source),
+            Self::Stands { why, .. } => why.of_drive(),
+            _ => None,
+        }
+    }
 }
 
 /// Lets the devices home these axes (by their places in the machine file), one after the other; `stopped` is asked meanwhile.
@@ -107,7 +128,13 @@ pub fn home(
             Err(source) => HomingError::Drive { axis: name(), source: Box::new(source) },
         };
         return Err(match drive.soft_stop().or_else(|_| drive.hard_stop()) {
-            Ok(()) => why,
+            Ok(()) => {
+                let found = drive.probe(&Still(Clock::start())).ok();
+                match found.and_then(|sample| position(axis, slot, &sample.position)) {
+                    Some(at) => HomingError::Stands { why: Box::new(why), at, unit: axis.unit() },
+                    None => why,
+                }
+            }
             Err(source) => {
                 let (why, source) = (why.to_string(), Box::new(source));
                 HomingError::NotStopped { axis: name(), why, source }

@@ -2,10 +2,10 @@
 
 use super::parameters::{Must, wanted};
 use super::{Check, Homed, Looked, Needs, Still, home_by_hand, in_units, position};
-use crate::advice::{RELEASE, advice};
+use crate::advice::{RELEASE, advice_in_run};
 use crate::by_hand;
 use crate::clock::Clock;
-use crate::machine::{Axis, Machine};
+use crate::machine::{Axis, DriveFamily, Machine};
 use twin_drives::axis::StartStep;
 use twin_drives::{Drive, DriveError, Increments, ParameterInfo, SetpointStream};
 
@@ -16,6 +16,8 @@ pub(super) struct Looker<'a> {
     name: &'a str,
     /// Wanted.
     firmware: Option<&'a str>,
+    /// An InterpCNC: of homing it keeps that it has failed.
+    is_board: bool,
     /// With their places in the machine file.
     axes: Vec<(usize, &'a Axis)>,
     needs: &'a [Needs],
@@ -28,7 +30,8 @@ impl<'a> Looker<'a> {
         let axes = machine.axes_of(device).collect();
         let name = entry.map_or("", |entry| &entry.name);
         let firmware = entry.and_then(|entry| entry.firmware.as_deref());
-        Self { name, firmware, axes, needs, looked: Looked::default() }
+        let is_board = entry.is_some_and(|entry| matches!(entry.family, DriveFamily::InterpCnc(_)));
+        Self { name, firmware, is_board, axes, needs, looked: Looked::default() }
     }
 
     fn add(&mut self, passed: bool, told: String) {
@@ -42,7 +45,7 @@ impl<'a> Looker<'a> {
     }
 
     pub(super) fn failed(&mut self, error: &DriveError) {
-        let help = advice(error).map(|advice| format!("help: {advice}"));
+        let help = advice_in_run(error).map(|advice| format!("help: {advice}"));
         self.add_with(false, error.to_string(), help.into_iter().collect());
     }
 
@@ -244,6 +247,20 @@ impl<'a> Looker<'a> {
         }
     }
 
+    /// A board that is to home an axis and does not know where its switch is.
+    fn no_home_switch(&mut self, machine: &Machine, axis: &Axis) {
+        let name = &axis.name;
+        let told =
+            format!("axis {name}: it is to be homed, and the board knows no home switch for it");
+        let help = axis.drive.as_ref().and_then(|place| {
+            let command = by_hand::command(machine, place.device, place.index)?;
+            let device = machine.drives.get(place.device)?;
+            let of_board = device.axis_name(place.index).to_lowercase();
+            Some(format!("set it: {command} set home-input-{of_board} N, where N is its input"))
+        });
+        self.add_with(false, told, help.into_iter().collect());
+    }
+
     fn homed(
         &mut self,
         machine: &Machine,
@@ -260,9 +277,14 @@ impl<'a> Looker<'a> {
             Ok(sample) => (true, Some(sample.position)),
             Err(error) => return Err(error),
         };
+        let switches = drive.signals(&|| stream.now_ns())?.axes.map(|axis| axis.home);
         for (slot, ((index, axis), known)) in self.axes.clone().into_iter().zip(known).enumerate() {
             let who = self.needs.get(index).map_or(Homed::Unknown, |needs| needs.homed);
             let name = &axis.name;
+            if who == Homed::First && self.is_board && switches.get(slot) == Some(&None) {
+                self.no_home_switch(machine, axis);
+                continue;
+            }
             let told = match (who, known) {
                 (Homed::Emulated, _) => continue,
                 (Homed::First, _) => format!("axis {name}: will be homed first"),
@@ -276,6 +298,9 @@ impl<'a> Looker<'a> {
                 }
                 (_, known) => {
                     let why = match (known, obeys) {
+                        (Some(_), _) if self.is_board => {
+                            "not homed: the board says that homing has failed"
+                        }
                         (Some(_), _) => "not homed",
                         (None, false) => "not homed: its device has been locked or off",
                         (None, true) => {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::{Backup, BackupError, LineError, LineFault, RestoreError};
-use crate::{Drive, ParameterId, ParameterInfo};
+use crate::{Drive, DriveError, ParameterId, ParameterInfo};
 
 /// A parameter of which file and device say different things.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,6 +44,10 @@ pub struct Plan {
     pub of_the_line: Vec<Change>,
     /// Parameters that are as in the file.
     pub same: usize,
+    /// Those that the device keeps if it is told to: what can be written, but for what the line depends on.
+    pub kept: Vec<ParameterId>,
+    /// Parameters that can be written and that the file does not have.
+    pub absent: Vec<(ParameterId, String)>,
 }
 
 impl fmt::Display for Plan {
@@ -57,7 +61,18 @@ impl fmt::Display for Plan {
         for change in &self.of_the_line {
             writeln!(f, "{change}: left as it is, the line depends on it")?;
         }
-        write!(f, "{} to change, {} as they are", self.changes.len(), self.same)
+        write!(f, "{} to change, {} as they are", self.changes.len(), self.same)?;
+        match self.absent.as_slice() {
+            [] => Ok(()),
+            [(id, name)] => write!(f, "\n{id} ({name}) is not in the file: left as it is"),
+            [(id, name), ..] => {
+                let all = self.absent.len();
+                write!(
+                    f,
+                    "\n{all} parameters are not in the file, the first {id} ({name}): left as they are"
+                )
+            }
+        }
     }
 }
 
@@ -78,10 +93,16 @@ pub fn plan(drive: &mut dyn Drive, backup: &Backup) -> Result<Plan, BackupError>
     }
     let known = drive.parameters().map_err(BackupError::List)?;
     let of_file = |info: &&ParameterInfo| backup.entries.iter().any(|entry| entry.id == info.id);
-    let known: Vec<_> = known.iter().filter(of_file).collect();
+    let (known, absent): (Vec<_>, Vec<_>) = known.iter().partition(of_file);
     let ids: Vec<_> = known.iter().map(|info| info.id).collect();
     let present = drive.parameter_values(&ids)?;
-    let mut plan = Plan::default();
+    let written = |info: &&&ParameterInfo| info.writable && !info.of_the_line;
+    let absent = absent.into_iter().filter(|info| info.writable);
+    let mut plan = Plan {
+        kept: known.iter().filter(written).map(|info| info.id).collect(),
+        absent: absent.map(|info| (info.id, info.name.clone())).collect(),
+        ..Plan::default()
+    };
     for (place, entry) in backup.entries.iter().enumerate() {
         let id = entry.id;
         let described = known.iter().zip(&present).find(|(info, _)| info.id == id);
@@ -134,8 +155,17 @@ impl Plan {
         self.changes.iter().any(|change| change.needs_restart)
     }
 
-    /// Writes the changes to the device, whose axes are at rest, and reads all of them back; `save` makes it keep them
-    /// ([`Drive::save_parameters`]), then they are read once more.
+    /// How many of the file's parameters the device would lose when it is switched off, as it has them now
+    /// ([`Drive::unsaved_parameters`]).
+    ///
+    /// # Errors
+    /// If the device does not answer.
+    pub fn unsaved(&self, drive: &mut dyn Drive) -> Result<usize, DriveError> {
+        Ok(drive.unsaved_parameters(&self.kept)?.len())
+    }
+
+    /// Writes the changes to the device, whose axes are at rest, and reads all of them back; `save` makes it keep them and
+    /// what else of the file it has not saved ([`Drive::save_parameters`]), then they are read once more.
     ///
     /// # Errors
     /// See [`RestoreError`]; the first thing that goes wrong ends it.
@@ -149,7 +179,7 @@ impl Plan {
             })?;
         }
         self.verify(drive)?;
-        if save && !self.is_empty() {
+        if save && (!self.is_empty() || self.unsaved(drive)? > 0) {
             drive.save_parameters()?;
             self.verify(drive)?;
         }

@@ -1,5 +1,7 @@
 //! Homing with a device: looks at its switch and position as often as the wire lets it, and does what the sequence says.
 
+use std::fmt;
+
 use super::{Homing, HomingOptions, Order, Seen};
 use crate::{
     Bits, Drive, DriveError, Increments, MAX_DRIVE_AXES, SetpointStream, Signals, axis::AxisError,
@@ -21,6 +23,17 @@ pub enum Switch {
     PositiveLimit,
     /// The limit switch towards smaller positions.
     NegativeLimit,
+}
+
+impl fmt::Display for Switch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Input { number, .. } => write!(f, "input {number}"),
+            Self::Home => f.write_str("which input its home switch is at"),
+            Self::PositiveLimit => f.write_str("its limit switch towards larger positions"),
+            Self::NegativeLimit => f.write_str("its limit switch towards smaller positions"),
+        }
+    }
 }
 
 impl Switch {
@@ -75,7 +88,7 @@ pub enum HomingError {
     #[error(transparent)]
     Drive(#[from] DriveError),
     /// The device does not show the switch.
-    #[error("homing of axis {}: the device does not show {switch:?}", axis + 1)]
+    #[error("homing of axis {}: the device does not show {switch}", axis + 1)]
     NoSwitch {
         /// Index of the arrays.
         axis: usize,

@@ -84,12 +84,28 @@ impl InterpCncDrive {
     pub(super) fn homed_axes(&mut self) -> Result<[Option<bool>; MAX_DRIVE_AXES], DriveError> {
         let (BoardState { status, .. }, _) = self.state(&no_clock)?;
         self.homing.seen(status);
+        let failed = self.failed_before(status)?;
         let mut homed = [None; MAX_DRIVE_AXES];
         for (place, axis) in homed.iter_mut().zip(self.axes()) {
-            let asked = self.homing.asked.contains(axis);
-            *place = asked.then(|| self.homing.homed.contains(axis));
+            *place = if self.homing.asked.contains(axis) {
+                Some(self.homing.homed.contains(axis))
+            } else {
+                failed.contains(axis).then_some(false)
+            };
         }
         Ok(homed)
+    }
+
+    /// Axes that this driver has not homed and of which the board says that homing has failed: each by its own command 78, all
+    /// of them by command 71, whose bit does not tell the axis.
+    fn failed_before(&mut self, status: Status) -> Result<AxisMask, DriveError> {
+        let others = self.axes().fold(AxisMask::NONE, |mask, axis| mask.union(axis.mask()));
+        let others = others.without(self.homing.asked);
+        if others.is_empty() || status.has(Status::HOMING_ERROR) {
+            return Ok(others);
+        }
+        let extended = self.runtime.block_on(self.board.extended_status(&no_clock))?;
+        Ok(extended.homing_failed().intersection(others))
     }
 
     /// Locks a board whose axes are at rest (command 43).

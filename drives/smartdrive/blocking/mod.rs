@@ -369,6 +369,10 @@ impl Drive for SmartDriveBus {
         self.write_parameter(id, value)
     }
 
+    fn unsaved_parameters(&mut self, ids: &[ParameterId]) -> Result<Vec<ParameterId>, DriveError> {
+        self.unsaved(ids)
+    }
+
     fn save_parameters(&mut self) -> Result<(), DriveError> {
         self.save()
     }

@@ -155,6 +155,20 @@ impl SmartDriveBus {
         self.value(id.station, id.number)
     }
 
+    /// Those whose saved copy is another than the working value.
+    pub(super) fn unsaved(&mut self, ids: &[ParameterId]) -> Result<Vec<ParameterId>, DriveError> {
+        let mut unsaved = Vec::new();
+        for id in ids {
+            find(self.all_parameters(), *id, || self.parameter_at(*id, false))?;
+            let asked = self.bus.parameter(id.station, id.number);
+            let copies = self.runtime.block_on(asked)?;
+            if copies.working != copies.saved {
+                unsaved.push(*id);
+            }
+        }
+        Ok(unsaved)
+    }
+
     pub(super) fn write_parameter(
         &mut self,
         id: ParameterId,

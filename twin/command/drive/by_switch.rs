@@ -7,7 +7,9 @@ use crate::command::run::Interrupt;
 use crate::startup::Still;
 use twin_drives::Drive;
 use twin_drives::axis::Direction;
-use twin_drives::axis::homing::{HomingMode, HomingOptions, HomingRun, Switch, home_by_switch};
+use twin_drives::axis::homing::{
+    HomingError, HomingMode, HomingOptions, HomingRun, Switch, home_by_switch,
+};
 
 /// How an axis is homed by a switch.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -18,7 +20,8 @@ pub(super) struct BySwitch {
     #[arg(long = "by-switch", id = "by_switch", value_name = "MODE", value_parser = mode)]
     mode: Option<HomingMode>,
 
-    /// The switch is at this input [default: the home switch that the drive knows]
+    /// The switch is at this input, IN1 first; of a SmartDRIVE 1 is GO, 2 DIR, 3 OFF, 4 LIMP, 5 LIMN, and it has to be given
+    /// [default: the home switch that the drive knows]
     #[arg(long, value_name = "N", requires = "by_switch", value_parser = clap::value_parser!(u8).range(1..=64))]
     input: Option<u8>,
 
@@ -65,6 +68,26 @@ fn mode(text: &str) -> Result<HomingMode, String> {
         }
         Some(mode) => Ok(mode),
         None => Err("the modes are 0, 1, 4 and 5".to_owned()),
+    }
+}
+
+/// Why homing has failed, without the axis, whose only name is that of its drive.
+fn why(error: &HomingError) -> String {
+    match error {
+        HomingError::Axis { error, .. } => error.to_string(),
+        HomingError::Drive(error) => error.to_string(),
+        HomingError::NoSwitch { switch: Switch::Home, .. } => {
+            "the drive does not tell which input the home switch is at: `--input N` says it, as `inputs` numbers them".to_owned()
+        }
+        HomingError::NoSwitch { switch, .. } => format!("the drive does not show {switch}"),
+        HomingError::Moving { .. } => "an axis of the device moves".to_owned(),
+        HomingError::NotStopped { why: first, source } => {
+            format!(
+                "{}; and the axis could not be stopped: {source}; use the emergency stop",
+                why(first)
+            )
+        }
+        HomingError::Aborted { .. } => "stopped by Ctrl-C".to_owned(),
     }
 }
 
@@ -115,7 +138,17 @@ impl BySwitch {
         drive.enable()?;
         let run = HomingRun { axis: 0, switch, options };
         let stopped = || interrupt.count() > 0;
-        let report = home_by_switch(drive, &run, &stream, &mut |_, _| None, &stopped)?;
+        let report = match home_by_switch(drive, &run, &stream, &mut |_, _| None, &stopped) {
+            Ok(report) => report,
+            Err(error) => {
+                // A drive that says nothing any more is no reason to say less.
+                let sample = drive.probe(&stream).ok();
+                let stands = sample.and_then(|sample| sample.position.first().copied());
+                let stands =
+                    stands.map_or(String::new(), |at| format!("; it stands at {at} increments"));
+                return Err(Failure::Usage(format!("homing {name}: {}{stands}", why(&error))));
+            }
+        };
         let stands = drive.sample(&stream)?.position.first().copied().unwrap_or(0);
         #[expect(clippy::cast_precision_loss, reason = "milliseconds")]
         let looks_s = report.longest_look_ns as f64 * 1e-9;

@@ -70,11 +70,21 @@ fn restore(
     let plan = plan(drive, &read(&name, &mut file)?)?;
     say!("{plan}");
     if plan.is_empty() {
+        let unsaved = if save { plan.unsaved(drive)? } else { 0 };
+        if unsaved > 0 {
+            consent.ask_to_write(&format!(
+                "save the parameters, of which the drive has not saved {unsaved}"
+            ))?;
+            plan.carry_out(drive, save)?;
+            say!("saved, and read back");
+        } else if save {
+            say!("the drive keeps all of them already");
+        }
         return Ok(());
     }
     consent.ask_to_write(&format!("write {} parameters of {name}", plan.changes.len()))?;
     plan.carry_out(drive, save)?;
-    say!("written, and read back");
+    say!("{}, and read back", if save { "written, saved" } else { "written" });
     if plan.needs_restart() {
         say!("some act after a restart of the drive");
     }

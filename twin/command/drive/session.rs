@@ -77,25 +77,30 @@ impl Session {
                 None
             }
         };
-        let at_rest = self.stop(drive, pressed(&interrupt))?;
+        let failed = |source: Option<DriveError>, at_rest: String| match source {
+            Some(source) => Failure::Motion { source: Box::new(source), at_rest },
+            None => Failure::Usage(format!("stopped by Ctrl-C; {at_rest}")),
+        };
+        let at_rest = match self.stop(drive, pressed(&interrupt)) {
+            Ok(at_rest) => at_rest,
+            Err(unknown) => return Err(failed(why, unknown)),
+        };
         // A drive that has just stopped and now says nothing is no reason to say less.
         let stands = self.runtime.block_on(drive.stands());
         let at_rest = match stands {
             Ok(stands) => format!("{at_rest}, at {stands}"),
             Err(_) => at_rest.to_owned(),
         };
-        Err(match why {
-            Some(source) => Failure::Motion { source: Box::new(source), at_rest },
-            None => Failure::Usage(format!("stopped by Ctrl-C; {at_rest}")),
-        })
+        Err(failed(why, at_rest))
     }
 
-    /// Stops on the ramps, and at once if that is not confirmed or `impatient` ends before; says which.
+    /// Stops on the ramps, and at once if that is not confirmed or `impatient` ends before; says which, or that neither is
+    /// confirmed.
     fn stop<D: Stopping>(
         &self,
         drive: &mut D,
         impatient: impl Future<Output = ()>,
-    ) -> Result<&'static str, Failure> {
+    ) -> Result<&'static str, String> {
         let soft = self.runtime.block_on(async {
             tokio::select! {
                 biased;
@@ -107,9 +112,9 @@ impl Session {
         eprintln!("{why}: stopping at once");
         match self.runtime.block_on(drive.hard_stop()) {
             Ok(()) => Ok("the axes were stopped at once"),
-            Err(hard) => Err(Failure::Usage(format!(
+            Err(hard) => Err(format!(
                 "{hard}: whether the axes are at rest is not known, use the emergency stop"
-            ))),
+            )),
         }
     }
 }
@@ -166,7 +171,7 @@ mod tests {
         let stop = |confirms| {
             let mut drive = Drive { confirms, told: Vec::new() };
             let said = session.stop(&mut drive, pending());
-            (said.map_err(|error| error.to_string()), drive.told)
+            (said, drive.told)
         };
         assert_eq!(stop([true, true]), (Ok("the axes are at rest"), vec!["soft"]));
         let (said, told) = stop([false, true]);
@@ -185,6 +190,21 @@ mod tests {
         let said = failed.expect_err("it fails").to_string();
         assert!(said.ends_with("no answer within 1 ms; the axes are at rest, at 17"), "{said}");
         assert_eq!(drive.told, ["soft"]);
+    }
+
+    #[test]
+    fn what_went_wrong_first_is_told_though_no_stop_is_confirmed() {
+        let session = Session::start().expect("a runtime");
+        let mut drive = Drive { confirms: [false, false], told: Vec::new() };
+        let moved = async |_: &mut Drive| {
+            let at = Exchange { port: "p".into(), station: 7, action: Action::ReadState };
+            Err::<(), _>(DriveError::Stalled { at })
+        };
+        let said = session.motion(&mut drive, moved).expect_err("it fails").to_string();
+        assert!(
+            said.contains("the motor has stalled") && said.contains("emergency stop"),
+            "{said}"
+        );
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::control::{Obeys, Switch};
 use super::faults::{self, Said, WireWord};
 use super::{Common, Failure, Status, milliseconds, serve};
 use crate::clock::Clock;
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::time::Duration;
 use twin_drives::smartdrive::emulator::{
@@ -44,6 +45,12 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
     let link = options.common.link()?;
     let assumptions = options.common.assume.take()?;
     let response = milliseconds("--turnaround-ms", options.turnaround_ms)?;
+    let mut seen = HashSet::new();
+    if let Some(twice) = options.address.iter().find(|address| !seen.insert(**address)) {
+        return Err(Failure::Usage(format!(
+            "--address {twice} is given twice: each drive of a line has an address of its own"
+        )));
+    }
     let devices = options.address.iter().map(|address| DeviceOptions {
         address: *address,
         assumptions,

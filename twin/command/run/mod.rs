@@ -14,11 +14,10 @@ use super::options::{
 };
 use super::progress::ProgressLines;
 use super::{Failure, Status, check, following, show, whole};
-use crate::advice::advice;
+use crate::advice::of_hardware;
 use crate::check::{CheckOptions, Outcome};
 use crate::drive_report::AxisMaximaReport;
 use crate::finding;
-use crate::hardware::HardwareError;
 use crate::limit::Limits;
 use crate::machine::{DeviceEntry, Machine};
 use crate::picture::Picture;
@@ -207,8 +206,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if let Some(reason) = &reason {
         eprintln!("{reason}");
     }
-    if let Some(Stopped::Drives { source: HardwareError::Drive(error), .. }) = &done.ending.stopped
-        && let Some(advice) = advice(error)
+    if let Some(Stopped::Drives { source, .. }) = &done.ending.stopped
+        && let Some(advice) = of_hardware(source)
     {
         eprintln!("help: {advice}");
     }

@@ -5,7 +5,7 @@ use super::super::words::{self, right};
 use crate::command::{Failure, show};
 use std::time::Duration;
 use twin_drives::interpcnc::parameters as numbers;
-use twin_drives::interpcnc::{BoardAxis, InterpCnc};
+use twin_drives::interpcnc::{Assumptions, BAUD_RATES, BoardAxis, InterpCnc, Parity};
 
 /// How long the EEPROM may take.
 const STORING: Duration = Duration::from_secs(5);
@@ -130,15 +130,70 @@ pub(super) fn set(
     let Ok(value) = u32::try_from(value) else {
         return Err(Failure::Usage(format!("{named} = {value}: it takes 0 to {}", u32::MAX)));
     };
+    let assumed = board.options().assumptions;
+    let of_line = of_the_line(one.number, value, &assumed).map_err(Failure::Usage)?;
     let old = session.ask(board.parameter(one.number, &no_clock))?;
     session.ask(board.set_parameter(one.number, value, STORING, &no_clock))?;
     say!("parameter {} ({}): {old} -> {value} {}", one.number, one.name, one.unit);
+    if let Some(then) = of_line {
+        let when = if assumed.line_at_restart {
+            "it acts when the board has been switched off and on; from then on"
+        } else {
+            "it acts now; from now on"
+        };
+        say!("{when} {then}");
+    }
     Ok(())
+}
+
+/// How the board is spoken to after a parameter of its line is set; `None` for others.
+///
+/// # Errors
+/// A speed that no board has, with those there are.
+fn of_the_line(number: u16, value: u32, assumed: &Assumptions) -> Result<Option<String>, String> {
+    Ok(Some(match number {
+        numbers::MODBUS_SPEED => {
+            let baud = assumed.baud_code.decode(value).filter(|baud| BAUD_RATES.contains(baud));
+            let baud = baud.ok_or_else(|| {
+                let codes = BAUD_RATES.iter().filter_map(|baud| assumed.baud_code.encode(*baud));
+                let codes: Vec<_> = codes.map(|code| code.to_string()).collect();
+                let codes = codes.join(", ");
+                format!("modbus-speed (parameter {number}) = {value} is no speed of the board: it takes {codes}")
+            })?;
+            format!("it is spoken to with --baud {baud}")
+        }
+        numbers::MODBUS_PARITY => {
+            let name = Parity::from_code(value).map_or("", |parity| match parity {
+                Parity::None => "none",
+                Parity::Even => "even",
+                Parity::Odd => "odd",
+            });
+            format!("it is spoken to with --parity {name}")
+        }
+        numbers::MODBUS_ADDRESS => format!("it is spoken to with --address {value}"),
+        _ => return Ok(None),
+    }))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::known;
+    use super::{known, of_the_line};
+    use twin_drives::interpcnc::{Assumptions, BaudCode};
+
+    #[test]
+    fn a_speed_that_no_board_has_is_refused_and_others_say_how_to_go_on() {
+        let raw = Assumptions::default();
+        assert_eq!(
+            of_the_line(101, 9600, &raw),
+            Ok(Some("it is spoken to with --baud 9600".into()))
+        );
+        let refused = of_the_line(101, 12_345, &raw).expect_err("no such speed");
+        assert!(refused.contains("12345") && refused.contains("115200, 128000"), "{refused}");
+        let hundreds = Assumptions { baud_code: BaudCode::Hundreds, ..raw };
+        let said = of_the_line(101, 96, &hundreds).expect("a speed").expect("of the line");
+        assert!(said.ends_with("--baud 9600"), "{said}");
+        assert_eq!(of_the_line(12, 96, &raw), Ok(None));
+    }
 
     #[test]
     fn every_parameter_has_a_number_and_a_name_of_its_own() {

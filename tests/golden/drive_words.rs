@@ -1,0 +1,94 @@
+//! What `twin drive` and `twin emulate` say to people who have mistaken something, and what they do not pass over.
+
+use crate::drive::{Hand, a_board, a_bus, row};
+use crate::process::Desk;
+use std::fs;
+
+/// Number, name, value, saved, factory, unit: the working value is that of the file already, what is saved is not.
+#[test]
+fn a_restore_saves_what_is_not_saved_though_nothing_has_to_be_changed() {
+    let (_running, hand) = a_bus(Vec::new());
+    let copies = |saved: [&str; 2]| {
+        assert_eq!(row(&hand.does("get Trj_VelMax"), 0, "30")[2..4], saved);
+    };
+    hand.does("set Trj_VelMax 300");
+    hand.does("backup kept.txt");
+    let unsaved = hand.does("restore kept.txt --yes");
+    assert!(unsaved.stdout.contains("0 to change"), "{}", unsaved.stdout);
+    copies(["300", "500"]);
+    let asked = hand.tries("restore kept.txt --save");
+    asked.ended(2, "save the parameters, of which the drive has not saved 1");
+    copies(["300", "500"]);
+    let saved = hand.does("restore kept.txt --yes --save");
+    assert!(saved.stdout.contains("saved, and read back"), "{}", saved.stdout);
+    copies(["300", "300"]);
+    let again = hand.does("restore kept.txt --yes --save");
+    assert!(again.stdout.contains("the drive keeps all of them already"), "{}", again.stdout);
+}
+
+/// There are 384 parameters.
+#[test]
+fn what_a_file_of_parameters_does_not_have_is_told() {
+    let (_running, hand) = a_board(1);
+    hand.does("backup whole.txt");
+    let whole = fs::read_to_string(hand.desk.path("whole.txt")).expect("it was written");
+    let part: Vec<_> = whole.lines().filter(|line| !line.starts_with("0 12 ")).collect();
+    assert_eq!(part.len() + 1, whole.lines().count(), "{whole}");
+    hand.desk.write("part.txt", &part.join("\n"));
+    let said = hand.does("restore part.txt --yes").stdout;
+    assert!(said.contains("0 to change, 383 as they are"), "{said}");
+    assert!(said.contains("parameter 12") && said.contains("is not in the file"), "{said}");
+    let whole = hand.does("restore whole.txt --yes").stdout;
+    assert!(!whole.contains("not in the file"), "{whole}");
+}
+
+#[test]
+fn speeds_that_no_board_has_are_refused_and_others_say_how_to_go_on() {
+    let (_running, hand) = a_board(1);
+    hand.refuses("set modbus-speed 12345", "= 12345 is no speed of the board: it takes 4800, 9600");
+    let said = hand.does("set modbus-speed 9600").stdout;
+    assert!(said.contains("switched off and on") && said.contains("--baud 9600"), "{said}");
+    let said = hand.does("set modbus-address 7").stdout;
+    assert!(said.contains("--address 7"), "{said}");
+}
+
+/// A wrong file is told from the memory of a module before anything is made beside it.
+#[test]
+fn a_file_that_is_no_memory_is_left_alone_and_a_module_is_not_looked_for_at_serial_ports() {
+    let hand = Hand::new("bim2ax", "b.txt", &[]);
+    hand.desk.write("b.txt", &"x".repeat(5000));
+    hand.refuses("status", "it is a file of 5000 bytes");
+    assert!(!hand.desk.path("b.txt.master").exists());
+    let missing = Hand::new("bim2ax", "none", &[]).tries("status");
+    missing.ended(2, "`twin emulate bim2ax --link PATH` makes");
+    assert!(!missing.stderr.contains("ttyUSB"), "{}", missing.stderr);
+    Hand::new("interpcnc", "none", &[]).tries("status").ended(2, "/dev/ttyUSB*");
+}
+
+#[test]
+fn two_drives_of_a_line_have_two_addresses() {
+    let words = ["emulate", "smartdrive", "--link", "bus", "--address", "1", "--address", "1"];
+    Desk::new().twin(&words).ended(2, "--address 1 is given twice");
+}
+
+/// 1000 is what was set; INPUT 1 is GO.
+#[test]
+fn refused_targets_and_unknown_switches_name_where_to_look() {
+    let (_running, hand) = a_bus(Vec::new());
+    hand.does("set Trj_PosMin -1000");
+    hand.does("set Trj_PosMax 1000");
+    hand.does("unlock");
+    let refused = hand.tries("move 5000 --yes");
+    refused.ended(2, "refused, a parameter is wrong");
+    refused.ended(2, "`get Trj_PosMax`");
+    hand.tries("home --by-switch 0 --yes").ended(2, "`--input N` says it");
+}
+
+/// The switch at input 7 never comes: the axis stands where its way ends.
+#[test]
+fn homing_that_fails_says_where_the_axis_stands() {
+    let (_running, hand) = a_board(1);
+    let failed = hand.tries("home X --by-switch 0 --input 7 --max-way 300 --yes");
+    failed.ended(2, "homing axis X: the home switch has not come within 300 from 0");
+    failed.ended(2, "it stands at -300 increments");
+}
