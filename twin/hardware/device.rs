@@ -2,12 +2,13 @@
 
 use super::stream::Stream;
 use super::{Event, HardwareError, Switch};
+use crate::clock::Clock;
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use twin_drives::{Drive, Increments, MAX_DRIVE_AXES, SetpointStream};
 
 /// What a device's thread is asked to do.
@@ -226,14 +227,14 @@ impl Device {
     }
 
     fn rest(&mut self) -> Result<(), HardwareError> {
-        let begun = Instant::now();
+        let since = Clock::start();
         loop {
             let sample = self.drive.sample(&*self.stream)?;
             self.sender.try_send(Ok(Event::Sample(sample))).unwrap_or_default();
             if !sample.moving {
                 return Ok(());
             }
-            let waited = begun.elapsed();
+            let waited = Duration::from_nanos(since.now_ns().unsigned_abs());
             if waited > LONGEST_BRAKING {
                 let (device, waited_s) = (self.name.clone(), waited.as_secs());
                 return Err(HardwareError::Moves { device, waited_s });

@@ -19,7 +19,7 @@ use merge::{Measured, Track};
 use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use twin_drives::{Drive, Sample};
 use twin_kinematics::AxisVector;
 use unit::Unit;
@@ -223,8 +223,9 @@ impl Hardware {
     /// A driver that waits for an answer then is named as not stopped. It goes on trying: dropping this waits for it.
     pub fn abandon(&mut self) {
         self.stop();
-        let begun = Instant::now();
-        while self.is_running() && begun.elapsed() < LONGEST_STOP {
+        let since = Clock::start();
+        let waited = || Duration::from_nanos(since.now_ns().unsigned_abs());
+        while self.is_running() && waited() < LONGEST_STOP {
             self.listen();
             std::thread::sleep(Duration::from_millis(1));
         }

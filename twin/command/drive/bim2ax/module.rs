@@ -169,8 +169,8 @@ mod tests {
         let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
         let options = ModuleOptions::default();
         let module = Emulated::new(&options, &Eeprom::blank(), &Surroundings::default());
-        let (begun, on_for_ns) = (std::time::Instant::now(), options.boot_ns);
-        let now = move || i64::try_from(begun.elapsed().as_nanos()).unwrap_or(i64::MAX) + on_for_ns;
+        let (clock, on_for_ns) = (crate::clock::Clock::start(), options.boot_ns);
+        let now = move || clock.now_ns() + on_for_ns;
         let memory = Falling { module: SharedModule::new(module, now), questions };
         let options = Bim2AxOptions { deadline, ..Bim2AxOptions::default() };
         let mut module = Module::new("module".into(), memory, options, true);
