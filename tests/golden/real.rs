@@ -328,8 +328,14 @@ fn ports_that_others_have_are_named() {
     let done = shop.desk.meanwhile("-INT", "axis U is home", &run, || {
         let run = ["run", "short.cnc", "-m", "other.toml", "--drives", "real", "--homed", "--yes"];
         let other = shop.desk.twin(&run);
-        other.ended(2, "✗ device `board`: board, address 1: opening the port: another program has the port");
-        other.ended(2, "✗ device `bus`: bus, address 1: opening the port: another program has the port");
+        other.ended(
+            2,
+            "✗ device `board`: board, address 1: opening the port: another program has the port",
+        );
+        other.ended(
+            2,
+            "✗ device `bus`: bus, address 1: opening the port: another program has the port",
+        );
         other.ended(2, "✗ device `module`: none: opening the port: No such file or directory");
     });
     done.ended(2, "stopped by the user");
