@@ -63,10 +63,20 @@ impl Session {
         motion: impl AsyncFnOnce(&mut D) -> Result<T, DriveError>,
     ) -> Result<T, Failure> {
         let interrupt = Interrupt::catch()?;
+        self.interruptible(drive, motion, || pressed(&interrupt))
+    }
+
+    /// The same, with what `pressed` waits for as Ctrl-C.
+    fn interruptible<D: Stopping, T, F: Future<Output = ()>>(
+        &self,
+        drive: &mut D,
+        motion: impl AsyncFnOnce(&mut D) -> Result<T, DriveError>,
+        pressed: impl Fn() -> F,
+    ) -> Result<T, Failure> {
         let ended = self.runtime.block_on(async {
             tokio::select! {
                 ended = motion(drive) => Some(ended),
-                () = pressed(&interrupt) => None,
+                () = pressed() => None,
             }
         });
         let why = match ended {
@@ -81,7 +91,7 @@ impl Session {
             Some(source) => Failure::Motion { source: Box::new(source), at_rest },
             None => Failure::Usage(format!("stopped by Ctrl-C; {at_rest}")),
         };
-        let at_rest = match self.stop(drive, pressed(&interrupt)) {
+        let at_rest = match self.stop(drive, pressed()) {
             Ok(at_rest) => at_rest,
             Err(unknown) => return Err(failed(why, unknown)),
         };
@@ -200,7 +210,8 @@ mod tests {
             let at = Exchange { port: "p".into(), station: 7, action: Action::ReadState };
             Err::<(), _>(DriveError::Stalled { at })
         };
-        let said = session.motion(&mut drive, moved).expect_err("it fails").to_string();
+        let said = session.interruptible(&mut drive, moved, pending::<()>);
+        let said = said.expect_err("it fails").to_string();
         assert!(
             said.contains("the motor has stalled") && said.contains("emergency stop"),
             "{said}"
