@@ -38,7 +38,7 @@ pub enum Dialect {
     Rs274,
     /// Path elements in a queue file (.queue), as `twin path --format queue` writes them
     Queue,
-    /// Calls of blocks with axes, cams and gears, in TOML (.job.toml): what a controller's program does with single axes
+    /// Calls of blocks with axes, cams and gears, in TOML (.toml): what a controller's program does with single axes
     Job,
     /// A drawing, of which a path has been made
     #[value(skip)]

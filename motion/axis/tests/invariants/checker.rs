@@ -177,11 +177,11 @@ impl Checker {
         let settling = 0.5 * from.acceleration * from.acceleration / JERK;
         let settling = if axis.ramp() == RampType::Trapezoid { 0.0 } else { settling };
         let allowed = fastest.max(from.velocity.abs() + settling);
-        if base.velocity.abs() > allowed * (1.0 + 1e-6) {
+        if base.velocity.abs() > allowed * (1.0 + 1e-9) {
             return Err(format!("{base:?} after {from:?}, allowed {fastest} u/s"));
         }
         let allowed = steep.max(from.acceleration.abs());
-        if base.acceleration.abs() > allowed * (1.0 + 1e-6) {
+        if base.acceleration.abs() > allowed * (1.0 + 1e-9) {
             return Err(format!("{base:?} after {from:?}, allowed {steep} u/s²"));
         }
         if overlay.velocity.abs() > 0.5 * FASTEST || overlay.acceleration.abs() > STEEPEST {
@@ -190,10 +190,10 @@ impl Checker {
         // Both together from here on.
         let rate = (steep + on_top).max(a0.abs());
         // No step of the position: the way is the mean velocity's, but for what the rate can add.
-        if off > 0.5 * rate * CYCLE * CYCLE + 1e-9 {
+        if off > 0.25 * rate * CYCLE * CYCLE + 1e-9 {
             return Err(format!("a way of {way} with {velocity} after {v0} u/s"));
         }
-        if change > rate * CYCLE * (1.0 + 1e-6) + 1e-9 {
+        if change > rate * CYCLE * (1.0 + 1e-9) + 1e-9 {
             return Err(format!("{velocity} after {v0} u/s, allowed {rate} u/s²"));
         }
         if axis.ramp() == RampType::Parabolic && matches!(promise, Promise::Limits(_)) {
