@@ -11,6 +11,9 @@
 //!
 //! tridiagonal. The coefficients of an active row have the sum 1 and those for other nodes are negative: the matrix is
 //! diagonally dominant by columns with a positive diagonal and nothing positive beside it, so that no λ is negative.
+//!
+//! A chain that ends at a variable of Clarabel makes it worth more ([`Chain::ends`]): its rows cost more by that
+//! ([`shift`](super::shift)), and so may what they are chained to beyond it.
 
 use super::CAPPED;
 use super::scaled::{Active, Scaled};
@@ -22,7 +25,7 @@ use std::ops::Range;
 /// A row that is less active holds nothing.
 const ACTIVE: f64 = 0.99;
 /// Less, s, is rounding.
-const NO_GAIN: f64 = 1e-12;
+pub(super) const NO_GAIN: f64 = 1e-12;
 
 /// What is known of the worth of b at the nodes.
 #[derive(Debug)]
@@ -30,9 +33,12 @@ pub(super) struct Chain<'g> {
     grid: &'g Grid,
     cells: Range<usize>,
     nodes: Vec<Worth>,
+    held: Vec<Held>,
+    /// What it is worth to have more of what holds the nodes.
+    duals: Vec<f64>,
 }
 
-/// What it is worth to have more b at a node, per part.
+/// What it is worth to have more b at a node, per part, as far as that is not taken to what holds it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Worth {
     time: f64,
@@ -57,7 +63,7 @@ impl<'g> Chain<'g> {
             time: 0.0,
             held: variable.is_none() && node > 0 && node < last,
         });
-        Self { grid, nodes: nodes.collect(), cells }
+        Self { grid, nodes: nodes.collect(), cells, held: Vec::new(), duals: Vec::new() }
     }
 
     /// A row of Clarabel goes to this node: its multiplier times its coefficient.
@@ -67,39 +73,64 @@ impl<'g> Chain<'g> {
         }
     }
 
-    /// What the limits cost that hold the profile `b`.
-    pub(super) fn gains(&mut self, b: &[f64]) -> Vec<Gain> {
-        let held = self.held(b);
+    /// What holds the profile `b`.
+    pub(super) fn hold(&mut self, b: &[f64]) {
+        self.held = self.held(b);
+        self.duals = vec![0.0; b.len()];
+    }
+
+    /// Takes what has become known of the worth of b to what holds it, and what that passes on to variables, by their nodes.
+    pub(super) fn ends(&mut self) -> Vec<f64> {
         // Eliminated from the first node to the last: what is left of the diagonal and of the right side.
-        let mut left: Vec<[f64; 2]> = Vec::with_capacity(held.len());
+        let mut left: Vec<[f64; 2]> = Vec::with_capacity(self.held.len());
         let (mut before, mut pivot, mut rest) = (Held::default(), 1.0, 0.0);
-        for (held, worth) in held.iter().zip(&self.nodes) {
+        for (held, worth) in self.held.iter().zip(&mut self.nodes) {
             let [back, own, _] = held.row;
             let factor = before.row[2] / pivot;
+            let time = std::mem::take(&mut worth.time);
             if held.constraint.is_some() {
                 // The row of the node before goes to this one by `before.row[2]`, that of this one goes back by `back`.
-                (pivot, rest) = (own - factor * back, worth.time - factor * rest);
+                (pivot, rest) = (own - factor * back, time - factor * rest);
             } else {
                 (pivot, rest) = (1.0, 0.0);
             }
             left.push([pivot, rest]);
             before = *held;
         }
-        let mut gains = Vec::with_capacity(held.len());
+        let mut passed = vec![0.0; self.held.len()];
         let mut behind = 0.0;
-        for (held, [pivot, rest]) in held.iter().zip(left).rev() {
-            let Some(constraint) = held.constraint else {
+        let nodes = self.held.iter().zip(left).zip(&mut self.duals).enumerate().rev();
+        for (node, ((held, [pivot, rest]), sum)) in nodes {
+            if held.constraint.is_none() {
                 behind = 0.0;
                 continue;
-            };
+            }
             let dual = (rest - behind) / pivot;
             behind = held.row[0] * dual;
-            if dual * held.share > NO_GAIN {
-                gains.push(Gain { cell: held.cell, constraint, time: dual * held.share });
+            *sum += dual;
+            for (slot, coefficient) in
+                [(node.checked_sub(1), held.row[0]), (Some(node + 1), held.row[2])]
+            {
+                if let Some(slot) = slot.and_then(|node| passed.get_mut(node)) {
+                    *slot -= coefficient * dual;
+                }
             }
         }
-        gains.reverse();
-        gains
+        for (passed, held) in passed.iter_mut().zip(&self.held) {
+            if held.constraint.is_some() {
+                *passed = 0.0;
+            }
+        }
+        passed
+    }
+
+    /// What the limits cost, to be added to what they cost elsewhere: it may be negative.
+    pub(super) fn gains(&self) -> impl Iterator<Item = Gain> {
+        self.held.iter().zip(&self.duals).filter_map(|(held, dual)| {
+            let time = dual * held.share;
+            let constraint = held.constraint.filter(|_| time != 0.0)?;
+            Some(Gain { cell: held.cell, constraint, time })
+        })
     }
 
     /// What holds b at every node, and what more of it would be worth where that is proved.

@@ -3,32 +3,31 @@
 //! The acceleration is constant in a cell and limits hold at both of its ends, as in [`reachable`](super::reachable).
 //! Variables are xₖ = bₖ/Uₖ at the inner nodes, where Uₖ is the largest bₖ that any profile can have, so that 0 ≤ x ≤ 1. The
 //! duration T = Σ 2h/(√bₖ + √bₖ₊₁) is taken to second order about c, the profile of the two passes, or U/1.6 where that is
-//! more. With s = √c and S = sₖ + sₖ₊₁ the slope of a cell by bₖ is at c, and at most (its second derivatives are positive, so
-//! that it is largest where all b are U, and U − c ≤ 0.6·c)
-//!
-//! ```text
-//!   −h/(s·S²)     and     −h/(s·S²) + 0.6·h/S²·(0.5/s + 1/S + s′/(s·S)) = −0.1·h/(s·S²)
-//! ```
-//!
-//! so that the cost falls in every x all over 0 ≤ x ≤ 1. That is what the presolve rests on, as it does for the duration
+//! more, and once more about what is found where the duration falls by b otherwise than it was taken to. About U/1.6 the cost
+//! falls in every x all over 0 ≤ x ≤ 1 ([`cost`]). That is what the presolve rests on, as it does for the duration
 //! itself: most b are proved before Clarabel is asked, and those that are not, around points where an axis has no inertia,
 //! are the variables of its program. The profile is the optimum of the program all the same. On the curves of the benchmark
 //! (`tests/benches/limit`) none to nearly all of the nodes are left to it, 28 % in the middle: fewer the finer the grid.
 
+mod approach;
 mod chain;
+mod cost;
 mod presolve;
 mod scaled;
+mod shift;
 #[cfg(test)]
 mod tests;
 
 use super::bound::Constraint;
-use super::convex::{Cone, NotSolved, Origin, Program};
+use super::convex::{Answer, Cone, NotSolved, Origin, Program};
 use super::gain::{Gain, gains};
 use super::grid::Grid;
 use super::reachable;
+use approach::Open;
 use chain::Chain;
 use presolve::Presolved;
 use scaled::Scaled;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Rows less active than this where every b is the largest it can be are left out at first.
@@ -38,6 +37,8 @@ const SCREEN: f64 = 0.9;
 const KEPT: f64 = 1e-6;
 /// The duration is taken about no less than this part of the largest b.
 const ABOUT: f64 = 1.0 / 1.6;
+/// How often what is proved and what is not make each other worth more at most: once for every part of a window between.
+const MOST_PASSES: u32 = 64;
 /// b counts as held by a cap that is higher by no more than this part.
 const CAPPED: f64 = 1e-9;
 
@@ -115,19 +116,18 @@ impl LinearSolver {
             .collect();
         let mut chain = Chain::new(grid, cells.clone(), &variables);
         if count == 0 {
-            let gains = chain.gains(&b);
+            chain.hold(&b);
+            chain.ends();
+            let gains = added(chain.gains());
             return Ok(LinearProfile { b, variables: 0, iterations: 0, rows: 0, gains });
         }
         self.program.reset(count);
         self.beside.clear();
         self.add_bounds(grid, cells, &b, &variables);
-        let about = about(grid, cells, &b, presolved);
         for (first, cell) in cells.clone().enumerate() {
-            let (Some([from, to]), Some([here, next]), Some([c0, c1])) = (
-                variables.get(first..first + 2),
-                b.get(first..first + 2),
-                about.get(first..first + 2),
-            ) else {
+            let (Some([from, to]), Some([here, next])) =
+                (variables.get(first..first + 2), b.get(first..first + 2))
+            else {
                 break;
             };
             let variables = [*from, *to];
@@ -142,26 +142,22 @@ impl LinearSolver {
                 }
             });
             let nodes = Nodes { first, variables, least };
-            self.add_costs(grid.length(cell), [*c0, *c1], [*here, *next], variables);
             self.add_rows(Scaled::new(grid, cell, [*here, *next]), &nodes);
         }
-        let answer = self.program.solve_all(1e-7)?;
-        for (slot, variable) in b.iter_mut().zip(&variables) {
-            if let Some(x) = variable.and_then(|index| answer.x.get(index)) {
-                *slot = (*slot * x).max(0.0);
-            }
-        }
-        for Beside { node, row, coefficient } in &self.beside {
-            let dual = answer.duals.get(*row).copied().unwrap_or_default();
-            chain.pull(*node, dual * coefficient);
-        }
-        let mut gains = gains(&answer.gains);
-        gains.extend(chain.gains(&b));
+        // What proved b pass on to variables, where all are the largest that they can be.
+        chain.hold(&b);
+        let told = chain.ends();
+        let open = Open { grid, cells, variables: &variables, scales: &b, told: &told };
+        let (found, answer) = self.approach(&open, &about(grid, cells, &b, presolved))?;
+        b = found;
+        let duals = self.costs(&mut chain, &b, (&variables, &told), &answer);
+        let gains = added(gains(&self.program.gains(&duals)).into_iter().chain(chain.gains()));
         let (iterations, rows) = (answer.iterations, self.program.rows());
         Ok(LinearProfile { b, variables: count, iterations, rows, gains })
     }
 
-    /// Caps. Where the bound is what accelerations make of it, their rows say the same as x ≤ 1.
+    /// Caps. Where the bound x ≤ 1 is what accelerations make of it, their rows say the same: were that a row as well, what
+    /// the limit costs would be hidden in it.
     fn add_bounds(
         &mut self,
         grid: &Grid,
@@ -178,36 +174,45 @@ impl LinearSolver {
             if cap.v2 <= bound * (1.0 + CAPPED) {
                 self.program.add_row(&[(index, 1.0)], 1.0, origin);
             } else {
-                let entries = [(index, 1.0), (0, 0.0), (0, 0.0)];
-                self.program.add_spare(entries, 1.0, Origin { share: 0.0, ..origin });
+                let entries = [(index, bound / cap.v2), (0, 0.0), (0, 0.0)];
+                self.program.add_spare(entries, 1.0, origin);
             }
         }
     }
 
-    /// The duration of a cell, 2h/(√b₀ + √b₁), to second order about c, where b are these `scales` times the variables.
-    fn add_costs(
-        &mut self,
-        h: f64,
-        [c0, c1]: [f64; 2],
-        scales: [f64; 2],
-        [first, second]: [Option<usize>; 2],
-    ) {
-        let (s0, s1) = (c0.sqrt(), c1.sqrt());
-        let sum = s0 + s1;
-        let slope = |s: f64| -h / (s * sum * sum);
-        let bend = |s: f64| h / (sum * sum) * (0.5 / (s * s * s) + 1.0 / (s * s * sum));
-        let cross = h / (s0 * s1 * sum * sum * sum);
-        for (variable, other, s, scale, c, beside) in
-            [(first, second, s0, scales[0], c0, c1), (second, first, s1, scales[1], c1, c0)]
-        {
-            let Some(variable) = variable else { continue };
-            let with = if other.is_some() { cross * beside } else { 0.0 };
-            let linear = slope(s) - bend(s) * c - with;
-            self.program.add_cost(variable, bend(s) * scale * scale, linear * scale);
+    /// The multipliers of Clarabel's rows with what is proved beside them.
+    fn costs(
+        &self,
+        chain: &mut Chain<'_>,
+        b: &[f64],
+        (variables, told): (&[Option<usize>], &[f64]),
+        answer: &Answer,
+    ) -> Vec<f64> {
+        chain.hold(b);
+        let mut told = told.to_vec();
+        let mut duals = answer.duals.clone();
+        let mut pulled = vec![0.0; duals.len()];
+        for _ in 0..MOST_PASSES {
+            for Beside { node, row, coefficient } in &self.beside {
+                if let (Some(dual), Some(pulled)) = (duals.get(*row), pulled.get_mut(*row)) {
+                    chain.pull(*node, (dual - *pulled) * coefficient);
+                    *pulled = *dual;
+                }
+            }
+            let mut worth = vec![0.0; answer.x.len()];
+            for ((passed, told), variable) in chain.ends().iter().zip(&mut told).zip(variables) {
+                let Some(index) = *variable else { continue };
+                if let (Some(slot), Some(x)) = (worth.get_mut(index), answer.x.get(index)) {
+                    *slot = if *x > 0.0 { passed / x - *told } else { 0.0 };
+                }
+                *told = 0.0;
+            }
+            if worth.iter().all(|worth| worth.abs() < chain::NO_GAIN) {
+                break;
+            }
+            shift::shift(&self.program, &mut duals, &worth);
         }
-        if let (Some(variable), Some(_)) = (first, second) {
-            self.program.add_coupling(variable, cross * scales[0] * scales[1]);
-        }
+        duals
     }
 
     /// The limits in a cell, but for those that hold whatever its variables are.
@@ -269,6 +274,16 @@ impl LinearSolver {
         self.beside.push(Beside { node, row: self.program.rows(), coefficient: given });
         self.program.add_row(&[(variable, own)], right, origin);
     }
+}
+
+/// Of each limit in each cell what it costs in all: one that holds both of its b may do so to one at the cost of the other.
+fn added(gains: impl Iterator<Item = Gain>) -> Vec<Gain> {
+    let mut sums = BTreeMap::<_, f64>::new();
+    for Gain { cell, constraint, time } in gains {
+        *sums.entry((cell, constraint)).or_default() += time;
+    }
+    let sums = sums.into_iter().filter(|(_, time)| *time > chain::NO_GAIN);
+    sums.map(|((cell, constraint), time)| Gain { cell, constraint, time }).collect()
 }
 
 /// What the duration is taken about.
