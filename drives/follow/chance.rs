@@ -87,18 +87,22 @@ impl<R: Registers> Chance<'_, R> {
         let change =
             lack.signum() * (reach - (reach * reach - 2.0 * rate * lack.abs()).max(0.0).sqrt());
         let velocity = now.velocity + change;
-        let speed = self.axis.registers.whole_speed(velocity.abs());
+        let sense = velocity.signum();
+        let most = self.most_speed(now.position + way, sense);
+        let speed = self.axis.registers.whole_speed(velocity.abs().min(most));
         if speed < 1.0 {
             return None;
         }
-        let sense = velocity.signum();
         // Ramps down are gentle where the way allows, else as steep as allowed.
         let down = if slower || R::ONE_RATE { rate.max(0.25 * most_down) } else { most_down };
         let margin = MARGIN_ROUNDS * self.round + MARGIN_S;
         let clear = now.position + way + sense * speed * margin;
         let from = if self.plan.at(self.executed_ns).velocity * sense >= 0.0 { 0.0 } else { 1.0 };
-        let target =
-            self.plan.reached(self.after(from), sense, clear + sense * speed * speed * 0.5 / down);
+        let wanted = clear + sense * speed * speed * 0.5 / down;
+        // An axis that was left behind goes to where the plan is at least, not to where it has been.
+        let planned = self.plan.at(self.after(from)).position;
+        let wanted = if (planned - wanted) * sense > 0.0 { planned } else { wanted };
+        let target = self.plan.reached(self.after(from), sense, wanted);
         let left = ((target - clear) * sense).max(1.0);
         let down = down.max(speed * speed * 0.5 / left);
         let up = match (R::ONE_RATE, slower) {
@@ -107,6 +111,16 @@ impl<R: Registers> Chance<'_, R> {
             (false, false) => rate,
         };
         ((target - now.position) * sense > 0.5).then(|| self.profile(up, speed, down, target))
+    }
+
+    /// The largest speed at which an axis at `position` can still stop where the plan rests or turns, unless the plan
+    /// itself is faster, and that it may have at all.
+    fn most_speed(&self, position: f64, sense: f64) -> f64 {
+        let left = self.plan.reached(self.executed_ns, sense, sense * f64::INFINITY) - position;
+        let (_, most_down) = self.limits();
+        let stops = (2.0 * most_down * (left * sense).max(0.0)).sqrt();
+        let planned = self.plan.at(self.after(1.0)).velocity * sense;
+        self.axis.most_speed().min(stops.max(planned))
     }
 
     /// Stands on the next point of rest or turning point, if there is one to be reached soon.
@@ -160,6 +174,7 @@ impl<R: Registers> Chance<'_, R> {
     /// The move nearest to what is wanted.
     fn profile(&self, up: f64, speed: f64, down: f64, target: f64) -> R::Move {
         let limits = self.axis.registers.limits();
+        let speed = speed.min(self.axis.most_speed());
         let wanted = Ramp { acceleration: up, speed, deceleration: down, target, ..limits };
         self.axis.registers.encode(&wanted)
     }

@@ -14,6 +14,10 @@
 //! command follows, the axis stands there. It is far enough ahead that the axis does not brake for it before the next
 //! command is due.
 //!
+//! An axis that has been left behind (an answer was lost, the axis was held) comes back at no more than three times
+//! the speed of the plan around it, and never so fast that it could not stop where the plan rests or turns: nobody has
+//! agreed to an axis that catches up as fast as it can.
+//!
 //! What the registers of a family can say, its [`Registers`] tell: which speeds and rates there are, and whether
 //! acceleration and deceleration are one number.
 
@@ -48,6 +52,11 @@ const DOUBT: f64 = 5.0;
 /// So many samples in a row at the same place, while the axis should have gone so far, increments, are no accident.
 const STUCK_SAMPLES: u32 = 12;
 const STUCK_WAY: f64 = 50.0;
+/// How fast an axis may come back to its plan: in parts of the plan's own speed, which counts for a while behind it, s,
+/// and at least, in parts of what the axis can.
+const CATCH_UP: f64 = 3.0;
+const CATCH_UP_FADES_S: f64 = 1.0;
+const CATCH_UP_LEAST: f64 = 0.05;
 /// What the model of an axis that rests may move between two samples, increments.
 const STUCK_STEP: f64 = 2.0;
 
@@ -137,6 +146,8 @@ struct Tracked<R> {
     started: bool,
     /// Samples in a row that show it at the same place.
     stuck: Stuck,
+    /// The plan's largest speed ahead and of late, steps/s.
+    pace: f64,
 }
 
 /// A command for an axis, computed for the instant at which it will probably be executed.
@@ -172,6 +183,7 @@ impl<R: Registers> Follower<R> {
             variance: 0.0,
             started: false,
             stuck: Stuck::default(),
+            pace: 0.0,
         };
         Self {
             axes: axes.iter().map(tracked).collect(),
@@ -202,7 +214,12 @@ impl<R: Registers> Follower<R> {
 
     /// Looks at the plan and names the axes that need a command.
     pub(crate) fn survey(&mut self, stream: &dyn SetpointStream) -> Vec<usize> {
+        let before_ns = self.window.start_ns;
         self.window = Window::look(stream, self.axes.len());
+        let faded = (-seconds(self.window.start_ns - before_ns).max(0.0) / CATCH_UP_FADES_S).exp();
+        for (index, axis) in self.axes.iter_mut().enumerate() {
+            axis.pace = self.window.axis(index).fastest().max(axis.pace * faded);
+        }
         // An axis left alone now gets its next command a round of all axes later at worst.
         let round = self.round(self.axes.len());
         let executed_ns = self.window.start_ns + nanoseconds(self.lead.0);
@@ -291,6 +308,13 @@ impl<R: Registers> Follower<R> {
 }
 
 impl<R: Registers> Tracked<R> {
+    /// How fast it may go, steps/s.
+    fn most_speed(&self) -> f64 {
+        let limits = self.registers.limits();
+        let least = limits.start_stop.max(CATCH_UP_LEAST * limits.speed);
+        (CATCH_UP * self.pace).max(least).min(limits.speed)
+    }
+
     /// The model goes towards a counter by the part that its variance has in the sum of both (a Kalman filter in one
     /// dimension). `usual` is the uncertainty of a usual time stamp, s.
     fn sampled(&mut self, stamp: &Stamp, usual: f64, counter: i32, moving: bool) {

@@ -82,6 +82,11 @@ impl AxisWindow<'_> {
         }
     }
 
+    /// Its largest speed ahead, steps/s.
+    pub(super) fn fastest(&self) -> f64 {
+        self.points.iter().map(|point| point.velocity.abs()).fold(0.0, f64::max)
+    }
+
     /// The position nearest to `wanted` that the plan reaches after `time_ns` on its way in the sense of `sense`,
     /// before it turns.
     pub(super) fn reached(&self, time_ns: i64, sense: f64, wanted: f64) -> f64 {

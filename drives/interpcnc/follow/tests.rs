@@ -423,6 +423,82 @@ fn a_short_horizon_makes_the_axis_lag_and_never_lead() {
     assert!((run.board.position(BoardAxis::X) - 20e3).abs() < TOLERANCE);
 }
 
+/// A plan of axis X: way, speed and rate of its ramps, in increments.
+fn ramps(way: f64, speed: f64, rate: f64) -> impl Fn(f64) -> IncrementMotion + Sync {
+    move |time| {
+        let (position, velocity) = trapezoid(time, way, speed, rate);
+        let mut motion = IncrementMotion::default();
+        motion.position[0] = position;
+        motion.velocity[0] = velocity;
+        motion
+    }
+}
+
+#[test]
+fn an_axis_that_was_left_behind_comes_back_no_faster_than_three_times_the_plan() {
+    // 30 mm/s at 320 increments per mm; a lost answer takes 770 ms, in which the axis runs to its last target and stands.
+    let (way, speed) = (60e3, 9.6e3);
+    let end_s = way / speed + speed / 100e3;
+    let of = ramps(way, speed, 100e3);
+    for rounds in 60..80 {
+        let mut run = start(&steep(1), EMULATED, 5, end_s, &of);
+        (0..rounds).for_each(|_| run.round());
+        run.pass(770 * MS);
+        let behind = run.plan.at(run.plan.now_ns()).position[0] - run.board.position(BoardAxis::X);
+        assert!(behind > 4000.0, "{behind}");
+        let mut before = (run.plan.now_ns(), run.board.position(BoardAxis::X));
+        let mut fastest = 0.0_f64;
+        while run.plan.now_ns() < 7500 * MS {
+            run.round();
+            let now = (run.plan.now_ns(), run.board.position(BoardAxis::X));
+            fastest = fastest.max((now.1 - before.1) / seconds(now.0 - before.0));
+            assert!(now.1 <= way + 0.6, "{} is beyond the end", now.1);
+            before = now;
+            if now.0 > 4500 * MS && now.0 < 6000 * MS {
+                let apart = run.plan.at(now.0).position[0] - now.1;
+                assert!(apart.abs() < 100.0, "still {apart} behind after 2 s");
+            }
+        }
+        assert!(fastest > 2.0 * speed && fastest <= 3.0 * speed * 1.000_001, "{fastest}");
+        assert!((before.1 - way).abs() <= TOLERANCE, "{before:?}");
+    }
+}
+
+#[test]
+fn an_axis_left_behind_stops_with_the_plan() {
+    let (way, speed, rate) = (60e3, 9.6e3, 100e3);
+    let of = ramps(way, speed, rate);
+    // What the board has been told before the plan changes it may still do: brake at 1000 kHz/s from its largest speed.
+    let braking = (3.0 * speed).powi(2) * 0.5 / 1e6;
+    for rounds in 60..80 {
+        let mut run = start(&steep(1), EMULATED, 5, 7.0, &of);
+        (0..rounds).for_each(|_| run.round());
+        run.pass(770 * MS);
+        // So late after it has noticed, the run brakes: another plan.
+        for _ in 0..rounds % 5 {
+            run.round();
+        }
+        let from_s = seconds(run.plan.now_ns());
+        let (start, _) = trapezoid(from_s, way, speed, rate);
+        let rest = start + speed * speed * 0.5 / rate;
+        let braked = |time: f64| {
+            let mut motion = of(time.min(from_s));
+            let since = (time - from_s).clamp(0.0, speed / rate);
+            motion.position[0] += (speed - 0.5 * rate * since) * since;
+            motion.velocity[0] =
+                if time < from_s { motion.velocity[0] } else { speed - rate * since };
+            motion
+        };
+        let mut run = Loop { plan: Plan { of: &braked, end_s: 8.0, ..run.plan }, ..run };
+        while run.plan.now_ns() < 6000 * MS {
+            run.round();
+            let position = run.board.position(BoardAxis::X);
+            assert!(position <= rest + braking, "{position} is beyond {rest}");
+        }
+        assert!((run.board.position(BoardAxis::X) - rest).abs() <= TOLERANCE);
+    }
+}
+
 #[test]
 fn a_rehearsal_is_what_driver_and_board_do_without_jitter() {
     let wire = Wire { jitter_ns: 0, ..EMULATED };
