@@ -247,7 +247,7 @@ fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
         (DeviceFault::BrownOut, Family::Bim2Ax, _) => Told(&[Reset, NoAnswer]),
 
         // A rotor that is held for a moment while it stands anyway.
-        (DeviceFault::Stall, Family::SmartDrive, Doing::Idle) => Survived,
+        (DeviceFault::Stall, Family::SmartDrive | Family::Pair, Doing::Idle) => Survived,
         (DeviceFault::Stall, Family::SmartDrive | Family::Pair, _) => Told(&[Alarm]),
         // The switch does not come.
         (DeviceFault::Stall, Family::InterpCnc, Doing::Homing) => Told(&[NotHomed, Unfinished]),

@@ -452,16 +452,10 @@ pub(crate) fn is_meant(family: Family, fault: Fault, doing: Doing) -> bool {
     let of_wire = matches!(fault, Fault::Wire(..));
     let differs = match family {
         Family::Segments => matches!(doing, Doing::Moving | Doing::Stopping | Doing::Halting),
-        // Faults of a device while the others stand say nothing about them.
-        Family::Pair => match doing {
-            Doing::Idle => of_wire,
-            Doing::Looking => false,
-            _ => true,
-        },
         _ => true,
     };
-    // What becomes of a device that moves shows in the other columns.
-    let looks = doing != Doing::Looking || of_wire;
+    // What becomes of a device that moves shows in the other columns; of two, the other moves as well.
+    let looks = doing != Doing::Looking || of_wire || family == Family::Pair;
     differs && looks && is_meaningless(family, fault).is_none()
 }
 
