@@ -202,6 +202,11 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         Ok(last[0])
     }
 
+    fn says_it_moves(&mut self) -> bool {
+        let rest = Rest(self.clock);
+        self.drive().sample(&rest).is_ok_and(|sample| sample.moving)
+    }
+
     pub(crate) fn moves(&mut self) -> Result<(), DriveError> {
         let rest = Rest(self.clock);
         while !self.drive().sample(&rest)?.moving {}
@@ -232,6 +237,8 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         self.goes_wrong(trial, 0);
         match self.rests() {
             Ok(TARGET) => Outcome::Survived,
+            // A status that goes on saying that it moves: whoever waits for it gives up.
+            Ok(_) if self.says_it_moves() => Outcome::Told(unfinished(STUCK_LOOKS)),
             Ok(found) => Outcome::Lost(format!("{found} instead of {TARGET}")),
             Err(error) => Outcome::Told(error),
         }
@@ -357,6 +364,12 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         let at = twin_drives::Exchange { port: "".into(), station: 0, action: Action::ReadState };
         Err(DriveError::NotArrived { at, axis: Axes::Only, target: AFTERWARDS, found })
     }
+}
+
+/// What whoever waits for a move makes of it when it has not ended after so many looks.
+fn unfinished(looks: u32) -> DriveError {
+    let at = twin_drives::Exchange { port: "".into(), station: 0, action: Action::ReadState };
+    DriveError::Unfinished { at, patience: looks * PAUSE }
 }
 
 /// Makes a cell of the table.

@@ -239,8 +239,8 @@ fn ctrl_c_stops_a_run_with_drives_and_leaves_report_and_recording() {
         assert!((at("twin") - at("setpoint")).abs() < 0.05, "{rest:#}");
         assert_eq!(rest["axes"][axis]["unit"], "mm");
     }
-    done.says(&format!("the stop was asked for at {asked:.3} s; "));
-    done.says("the drives were last heard of at ");
+    done.ended(2, &format!("the stop was asked for at {asked:.3} s; "));
+    done.ended(2, "the drives were last heard of at ");
     assert!(std::fs::metadata(desk.path("r.rrd")).expect("a recording").len() > 1000);
 }
 

@@ -216,7 +216,7 @@ fn a_board_that_was_without_supply_is_found_restarted() {
                 board.borrow().as_ref().unwrap().control(Control::Event(event)).unwrap();
             }
         });
-        outcome.recorder.assert_twin_at_rest();
+        assert_eq!(outcome.recorder.last().path_velocity, 0.0);
         let Some(Stopped::Drives { source: HardwareError::Drive(error), .. }) =
             &outcome.ending.stopped
         else {
