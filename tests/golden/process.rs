@@ -231,10 +231,11 @@ fn ctrl_c_stops_a_run_with_drives_and_leaves_report_and_recording() {
     let rest = &report["rest"];
     let (asked, rested) = (number(&rest["asked_s"]), number(&rest["time_s"]));
     assert!(asked < rested && rested <= executed && rest["line"] == 2, "{rest:#}");
-    // A portal: the axes are the tool's coordinates; the drives stand where they were sent, to their increments.
-    for (place, axis) in ["X", "Y", "Z"].into_iter().enumerate() {
+    // On the circle about 30, 0 with radius 30; the drives stand where they were sent, to their increments.
+    let [x, y, z] = [0, 1, 2].map(|place| number(&rest["tool_mm"]["setpoint"][place]));
+    assert!(((x - 30.0).hypot(y) - 30.0).abs() < 1e-6 && (z + 40.0).abs() < 1e-6, "{rest:#}");
+    for axis in ["X", "Y", "Z"] {
         let at = |who: &str| number(&rest["axes"][axis][who]);
-        assert!((at("setpoint") - number(&rest["tool_mm"]["setpoint"][place])).abs() < 1e-6);
         assert!((at("drives") - at("setpoint")).abs() < 0.05, "{rest:#}");
         assert!((at("twin") - at("setpoint")).abs() < 0.05, "{rest:#}");
         assert_eq!(rest["axes"][axis]["unit"], "mm");
