@@ -171,6 +171,21 @@ pub trait Drive: Send {
     /// If the device does not answer, or reports that it has stopped obeying (alarm, lock, limit switch).
     fn sample(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError>;
 
+    /// Looks whether the device shows what it shows after it has been off for a moment, or reset: it obeys no motion command and
+    /// its positions are 0. [`Self::enable`] and a hard stop make some devices show the same ([`Self::hard_stop_keeps_position`]).
+    /// Changes nothing.
+    ///
+    /// # Errors
+    /// If the device does not answer, or not yet.
+    fn shows_restart(&mut self) -> Result<bool, DriveError> {
+        Ok(false)
+    }
+
+    /// Whether the device still knows its positions after a [`Self::hard_stop`].
+    fn hard_stop_keeps_position(&self) -> bool {
+        false
+    }
+
     /// One cycle of following the stream: at most one round of commands for the axes that need one, then a sample.
     /// The session calls it again as soon as it returns.
     ///

@@ -9,6 +9,10 @@ use std::{
     os::unix::fs::{MetadataExt, symlink},
     path::{Path, PathBuf},
     pin::Pin,
+    sync::{
+        Arc,
+        atomic::{AtomicU32, Ordering},
+    },
     task::{Context, Poll, ready},
 };
 
@@ -48,18 +52,20 @@ impl PseudoTerminal {
     /// The near end for a device that speaks at `baud`, which is also the speed of masters that set none. With `any`
     /// speed it understands all masters.
     ///
+    /// The device may change its speed later; the terminal keeps that of its master, as a port does.
+    ///
     /// # Errors
     /// If the terminal takes no speed.
     pub(crate) fn at_speed<S>(
         &mut self,
         stream: S,
-        baud: u32,
+        baud: &DeviceSpeed,
         any: bool,
     ) -> Result<AtSpeed<S>, EmulatorError> {
         let terminal = |error: serialport::Error| EmulatorError::Terminal { source: error.into() };
-        self.keeper.set_baud_rate(baud).map_err(terminal)?;
+        self.keeper.set_baud_rate(baud.get()).map_err(terminal)?;
         let far = self.keeper.try_clone_native().map_err(terminal)?;
-        Ok(AtSpeed { stream, far, baud: (!any).then_some(baud) })
+        Ok(AtSpeed { stream, far, baud: (!any).then(|| baud.clone()) })
     }
 
     /// Path of the far end.
@@ -119,21 +125,41 @@ impl Drop for Link {
     }
 }
 
+/// The speed of a device, bits per second: its terminal goes by it, and the device changes it.
+#[derive(Clone, Debug)]
+pub(crate) struct DeviceSpeed(Arc<AtomicU32>);
+
+impl DeviceSpeed {
+    /// Of a device at power-up.
+    pub(crate) fn new(baud: u32) -> Self {
+        Self(Arc::new(AtomicU32::new(baud)))
+    }
+
+    /// The device speaks at another from now on.
+    pub(crate) fn set(&self, baud: u32) {
+        self.0.store(baud, Ordering::Relaxed);
+    }
+
+    fn get(&self) -> u32 {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
 /// The near end of a pseudo-terminal whose device understands one speed only: what a master sends at another is noise to
 /// it, of which a frame's check leaves nothing.
 #[derive(Debug)]
 pub(crate) struct AtSpeed<S> {
     stream: S,
     far: TTYPort,
-    /// Bits per second; none if all are understood.
-    baud: Option<u32>,
+    /// None if all are understood.
+    baud: Option<DeviceSpeed>,
 }
 
 impl<S> AtSpeed<S> {
     /// Whether the master speaks as the device does; one whose speed cannot be told does.
     fn understands(&self) -> bool {
-        let Some(baud) = self.baud else { return true };
-        self.far.baud_rate().map_or(true, |set| set == baud)
+        let Some(baud) = &self.baud else { return true };
+        self.far.baud_rate().map_or(true, |set| set == baud.get())
     }
 }
 
@@ -291,7 +317,7 @@ mod tests {
         for (any, heard) in [(false, "fast"), (true, "slowfast")] {
             let (master, mut far) = PseudoTerminal::open(None).unwrap();
             let stream = tokio_serial::SerialStream::try_from(master).unwrap();
-            let mut near = far.at_speed(stream, 115_200, any).unwrap();
+            let mut near = far.at_speed(stream, &DeviceSpeed::new(115_200), any).unwrap();
             let mut received = vec![0; heard.len()];
             let name = far.path().to_str().unwrap().to_owned();
             let read = near.read_exact(&mut received);

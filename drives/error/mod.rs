@@ -1,5 +1,6 @@
 //! What can go wrong between the twin and a device.
 
+mod at;
 mod axes;
 mod emulator;
 mod exchange;
@@ -343,66 +344,6 @@ pub enum DriveError {
         /// Largest value possible.
         high: u32,
     },
-}
-
-impl DriveError {
-    /// Where and in the course of what it happened.
-    pub fn at(&self) -> &Exchange {
-        match self {
-            Self::Transport { at, .. }
-            | Self::Timeout { at, .. }
-            | Self::Protocol { at, .. }
-            | Self::Device { at, .. }
-            | Self::Rejected { at, .. }
-            | Self::Alarm { at, .. }
-            | Self::Mode { at, .. }
-            | Self::Stalled { at }
-            | Self::NotHomed { at }
-            | Self::Parameter { at, .. }
-            | Self::Value { at, .. }
-            | Self::NotSwitched { at, .. }
-            | Self::Locked { at }
-            | Self::EnableOpen { at }
-            | Self::NotLocked { at }
-            | Self::LimitSwitch { at, .. }
-            | Self::Moving { at, .. }
-            | Self::Unfinished { at, .. }
-            | Self::NotArrived { at, .. }
-            | Self::HomingFailed { at, .. }
-            | Self::ProbeFailed { at }
-            | Self::EepromFailed { at }
-            | Self::NotKept { at, .. }
-            | Self::ParameterDiffers { at, .. }
-            | Self::NotWritten { at, .. }
-            | Self::Identity { at, .. }
-            | Self::NotRunning { at }
-            | Self::ByteOrder { at }
-            | Self::AxisMessages { at, .. }
-            | Self::CardMessages { at, .. }
-            | Self::Range { at, .. }
-            | Self::Unsupported { at, .. }
-            | Self::NoParameter { at, .. }
-            | Self::ReadOnly { at, .. }
-            | Self::ParameterValue { at, .. }
-            | Self::Setting { at, .. } => at,
-        }
-    }
-
-    /// Whether nothing is wrong but that an axis is on its limit switch.
-    pub fn is_limit_switch(&self) -> bool {
-        match self {
-            Self::LimitSwitch { .. } => true,
-            Self::AxisMessages { messages, .. } => {
-                use crate::bim2ax::bits::message::{
-                    HARD_STOPPED, MINUS_SWITCH, PHASE_OPEN, PHASE_SHORT, PHASES_OFF, PLUS_SWITCH,
-                    POWER_ABSENT,
-                };
-                let wrong = HARD_STOPPED | PHASES_OFF | PHASE_OPEN | PHASE_SHORT | POWER_ABSENT;
-                messages & (PLUS_SWITCH | MINUS_SWITCH) != 0 && messages & wrong == 0
-            }
-            _ => false,
-        }
-    }
 }
 
 #[cfg(test)]

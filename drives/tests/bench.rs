@@ -3,7 +3,7 @@
 use std::{any::Any, time::Duration, time::Instant};
 
 use crate::{
-    Drive, IncrementMotion, SetpointStream,
+    Control, Drive, IncrementMotion, SetpointStream,
     axis::homing::Switch,
     bim2ax::{
         self, Bim2AxDrive, Bim2AxDriveOptions, Contact, MemoryFile, ModuleAxis,
@@ -31,8 +31,10 @@ pub(crate) struct Bench {
     pub(crate) home: Switch,
     /// First increment on which the negative limit switch is not pressed.
     pub(crate) limit: i32,
-    /// The emulator and its files.
-    _emulator: Box<dyn Any>,
+    /// Takes its supply away for a moment.
+    pub(crate) brown_out: Box<dyn Fn()>,
+    /// The files of its emulator.
+    _files: Box<dyn Any>,
 }
 
 /// First increment on which the home switches are not pressed, in the positive direction.
@@ -124,7 +126,11 @@ fn interpcnc_with(wire: Wire, assumptions: interpcnc::Assumptions) -> Bench {
     options.deadline = Duration::from_secs(2);
     let drive = InterpCncDrive::open(board.path().to_str().unwrap(), &options).unwrap();
     let home = Switch::Input { number: 5, pressed: true };
-    Bench { drive: Box::new(drive), clock, home, limit: LIMIT, _emulator: Box::new(board) }
+    let brown_out = Box::new(move || {
+        let event = interpcnc::emulator::Event::BrownOut { off_ns: 0 };
+        board.control(Control::Event(event)).unwrap();
+    });
+    Bench { drive: Box::new(drive), clock, home, limit: LIMIT, brown_out, _files: Box::new(()) }
 }
 
 /// Drives 3 and 7 with home switches on DIR, sought in the negative direction.
@@ -158,7 +164,10 @@ pub(crate) fn smartdrive() -> Bench {
     options.mode_change = Duration::from_secs(10);
     let drive = SmartDriveBus::open(bus.path().to_str().unwrap(), &options).unwrap();
     let home = Switch::Input { number: 2, pressed: true };
-    Bench { drive: Box::new(drive), clock, home, limit: LIMIT, _emulator: Box::new(bus) }
+    let brown_out = Box::new(move || {
+        bus.happen(0, smartdrive::emulator::Event::BrownOut { off_ns: 0 }).unwrap();
+    });
+    Bench { drive: Box::new(drive), clock, home, limit: LIMIT, brown_out, _files: Box::new(()) }
 }
 
 /// Both axes of a BIM2AX-BOCM with cams, and end switches at ±3000.
@@ -200,5 +209,9 @@ pub(crate) fn bim2ax() -> Bench {
     let memory = MemoryFile::open(module.path()).unwrap();
     let drive = Bim2AxDrive::new(module.path().to_str().unwrap(), memory, &options).unwrap();
     let (home, limit) = (Switch::Home, -2999);
-    Bench { drive: Box::new(drive), clock, home, limit, _emulator: Box::new((module, folder)) }
+    let brown_out = Box::new(move || {
+        let event = bim2ax::emulator::Event::BrownOut { off_ns: 0 };
+        module.control(Control::Event(event));
+    });
+    Bench { drive: Box::new(drive), clock, home, limit, brown_out, _files: Box::new(folder) }
 }

@@ -50,6 +50,49 @@ fn is_locked(bench: &mut Bench) {
     drive.sample(&bench.clock).unwrap();
 }
 
+/// A moment without supply is seen afterwards, and nothing like it before.
+fn shows_a_restart(mut bench: Bench) {
+    let drive = &mut bench.drive;
+    drive.enable().unwrap();
+    assert!(!drive.shows_restart().unwrap(), "it obeys, and stands at 0");
+    drive.move_to(&[300, 200, 0, 0, 0], &[900.0; 5]).unwrap();
+    bench.rest();
+    let drive = &mut bench.drive;
+    assert!(!drive.shows_restart().unwrap());
+    (bench.brown_out)();
+    // A module needs some time to start.
+    let seen = (0..1000).find_map(|_| {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+        drive.shows_restart().ok()
+    });
+    assert_eq!(seen, Some(true));
+    // Enabled anew it stands at 0, and that is no restart.
+    drive.enable().unwrap();
+    assert!(!drive.shows_restart().unwrap());
+    assert_eq!(drive.probe(&bench.clock).unwrap().position[0], 0);
+}
+
+#[test]
+fn a_board_that_was_without_supply_shows_it() {
+    let mut bench = interpcnc();
+    bench.drive.enable().unwrap();
+    bench.drive.set_position(&[70, 0, 0, 0, 0]).unwrap();
+    bench.drive.hard_stop().unwrap();
+    // What has locked it was the driver.
+    assert!(!bench.drive.shows_restart().unwrap() && bench.drive.hard_stop_keeps_position());
+    shows_a_restart(interpcnc());
+}
+
+#[test]
+fn a_drive_that_was_without_supply_shows_it() {
+    shows_a_restart(smartdrive());
+}
+
+#[test]
+fn a_module_that_was_without_supply_shows_it() {
+    shows_a_restart(bim2ax());
+}
+
 /// Descriptions are sound, and wrong requests are refused with a reason.
 fn described(drive: &mut dyn Drive) -> Vec<ParameterInfo> {
     let all = drive.parameters().unwrap();

@@ -247,7 +247,7 @@ fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
         (DeviceFault::BrownOut, Family::Bim2Ax, _) => Told(&[Reset, NoAnswer]),
 
         // A rotor that is held for a moment while it stands anyway.
-        (DeviceFault::Stall, Family::SmartDrive, Doing::Idle) => Survived,
+        (DeviceFault::Stall, Family::SmartDrive | Family::Pair, Doing::Idle) => Survived,
         (DeviceFault::Stall, Family::SmartDrive | Family::Pair, _) => Told(&[Alarm]),
         // The switch does not come.
         (DeviceFault::Stall, Family::InterpCnc, Doing::Homing) => Told(&[NotHomed, Unfinished]),
@@ -268,7 +268,8 @@ fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
         (DeviceFault::Stuck, Family::Segments, Doing::Moving) => Survived,
         (DeviceFault::Stuck, _, Doing::Homing) => Told(&[Unfinished]),
         (DeviceFault::Stuck, _, _) if doing.stops() || doing.halts() => Told(&[Unfinished]),
-        (DeviceFault::Stuck, _, Doing::Idle | Doing::Looking) => Told(&[Elsewhere]),
+        (DeviceFault::Stuck, _, Doing::Looking) => Told(&[Unfinished]),
+        (DeviceFault::Stuck, _, Doing::Idle) => Told(&[Elsewhere]),
         (DeviceFault::Stuck, Family::Bim2Ax, Doing::Moving) => Told(&[Unfinished, Elsewhere]),
         (DeviceFault::Stuck, _, _) => Told(&[Elsewhere]),
     }

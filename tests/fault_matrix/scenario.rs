@@ -202,6 +202,11 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         Ok(last[0])
     }
 
+    fn says_it_moves(&mut self) -> bool {
+        let rest = Rest(self.clock);
+        self.drive().sample(&rest).is_ok_and(|sample| sample.moving)
+    }
+
     pub(crate) fn moves(&mut self) -> Result<(), DriveError> {
         let rest = Rest(self.clock);
         while !self.drive().sample(&rest)?.moving {}
@@ -232,6 +237,8 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         self.goes_wrong(trial, 0);
         match self.rests() {
             Ok(TARGET) => Outcome::Survived,
+            // A status that goes on saying that it moves: whoever waits for it gives up.
+            Ok(_) if self.says_it_moves() => Outcome::Told(unfinished(STUCK_LOOKS)),
             Ok(found) => Outcome::Lost(format!("{found} instead of {TARGET}")),
             Err(error) => Outcome::Told(error),
         }
@@ -359,6 +366,12 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     }
 }
 
+/// What whoever waits for a move makes of it when it has not ended after so many looks.
+fn unfinished(looks: u32) -> DriveError {
+    let at = twin_drives::Exchange { port: "".into(), station: 0, action: Action::ReadState };
+    DriveError::Unfinished { at, patience: looks * PAUSE }
+}
+
 /// Makes a cell of the table.
 pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clock: C) -> Cell {
     let rest = Rest(clock);
@@ -452,16 +465,10 @@ pub(crate) fn is_meant(family: Family, fault: Fault, doing: Doing) -> bool {
     let of_wire = matches!(fault, Fault::Wire(..));
     let differs = match family {
         Family::Segments => matches!(doing, Doing::Moving | Doing::Stopping | Doing::Halting),
-        // Faults of a device while the others stand say nothing about them.
-        Family::Pair => match doing {
-            Doing::Idle => of_wire,
-            Doing::Looking => false,
-            _ => true,
-        },
         _ => true,
     };
-    // What becomes of a device that moves shows in the other columns.
-    let looks = doing != Doing::Looking || of_wire;
+    // What becomes of a device that moves shows in the other columns; of two, the other moves as well.
+    let looks = doing != Doing::Looking || of_wire || family == Family::Pair;
     differs && looks && is_meaningless(family, fault).is_none()
 }
 

@@ -345,7 +345,18 @@ fn words_are_listed_without_a_device() {
             assert!(one.stdout.contains(about), "{}", one.stdout);
         }
         desk.twin(&["emulate", family]).ended(2, "--link PATH is missing");
-        desk.twin(&["emulate", family, "--assume", "help"]).ended(0, "");
+        let emulated = desk.twin(&["emulate", family, "--assume", "help"]);
+        emulated.ended(0, "");
+        // The same list by hand, without a device to ask.
+        let driven = desk.twin(&["drive", family, "--assume", "help"]);
+        driven.ended(0, "");
+        assert_eq!(driven.stdout, emulated.stdout);
+        let assumed = match family {
+            "interpcnc" => "line_at_restart",
+            "smartdrive" => "zero_rate",
+            _ => "question of the manual",
+        };
+        assert!(driven.stdout.contains(assumed), "{}", driven.stdout);
     }
 }
 

@@ -222,12 +222,26 @@ fn ctrl_c_stops_a_run_with_drives_and_leaves_report_and_recording() {
     );
     done.ended(2, "stopped by the user at line 2 (N10)");
     let report = desk.read("r.json");
-    is_check(&report, "circles.cnc", &[&RUN_KEYS[..], &[MOTOR_LOAD, PREDICTED]].concat());
+    is_check(&report, "circles.cnc", &[&RUN_KEYS[..], &[MOTOR_LOAD, PREDICTED, "rest"]].concat());
     assert_eq!(report["completed"], false);
     assert!(report["stopped_because"].as_str().expect("a reason").contains("stopped by the user"));
     let (executed, duration) = (number(&report["executed_s"]), number(&report["duration_s"]));
     assert!(executed > 0.1 && executed < duration - 1.0, "{executed} s of {duration} s");
     assert!(number(&report["drive_samples"]["count"]) > 0.0);
+    let rest = &report["rest"];
+    let (asked, rested) = (number(&rest["asked_s"]), number(&rest["time_s"]));
+    assert!(asked < rested && rested <= executed && rest["line"] == 2, "{rest:#}");
+    // On the circle about 30, 0 with radius 30; the drives stand where they were sent, to their increments.
+    let [x, y, z] = [0, 1, 2].map(|place| number(&rest["tool_mm"]["setpoint"][place]));
+    assert!(((x - 30.0).hypot(y) - 30.0).abs() < 1e-6 && (z + 40.0).abs() < 1e-6, "{rest:#}");
+    for axis in ["X", "Y", "Z"] {
+        let at = |who: &str| number(&rest["axes"][axis][who]);
+        assert!((at("drives") - at("setpoint")).abs() < 0.05, "{rest:#}");
+        assert!((at("twin") - at("setpoint")).abs() < 0.05, "{rest:#}");
+        assert_eq!(rest["axes"][axis]["unit"], "mm");
+    }
+    done.ended(2, &format!("the stop was asked for at {asked:.3} s; "));
+    done.ended(2, "the drives were last heard of at ");
     assert!(std::fs::metadata(desk.path("r.rrd")).expect("a recording").len() > 1000);
 }
 

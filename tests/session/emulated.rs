@@ -11,7 +11,8 @@ use twin::m_function::Acknowledge;
 use twin::machine::Machine;
 use twin::session::{Ending, Session, Stopped};
 use twin::simulated::Simulated;
-use twin_drives::interpcnc::emulator::{Board, EmulatedBoard};
+use twin_drives::DriveError;
+use twin_drives::interpcnc::emulator::{Board, Control, EmulatedBoard, Event};
 use twin_drives::interpcnc::registers::BoardAxis;
 use twin_kinematics::AxisVector;
 
@@ -189,6 +190,60 @@ fn an_interrupt_brings_drives_and_simulated_machine_to_rest_at_the_same_place() 
     assert!(outcome.ending.executed_ns < program.check(&machine).duration_ns);
     outcome.recorder.assert_twin_at_rest();
     outcome.assert_drives_where_the_twin_is(&machine);
+    // It is told where that is: of the drives, what they said last, an increment (1/80 mm or less) from the set-points.
+    let rest = outcome.ending.rest.as_ref().unwrap();
+    let (heard_ns, drives) = rest.drives.unwrap();
+    assert!(heard_ns >= rest.time_ns && rest.time_ns > rest.asked_ns.unwrap());
+    for (axis, (drives, wanted)) in
+        machine.axes.iter().zip(drives.axes.iter().zip(rest.wanted.axes.iter()))
+    {
+        let error = (drives - wanted) * axis.increments_per_si();
+        assert!(error.abs() <= 1.0, "axis {}: {error} increments", axis.name);
+    }
+    assert!(rest.told(&machine).contains("; the drives were last heard of at "));
+}
+
+/// The error names what was found when the board was looked at again: right away where it answers, and after its silence.
+#[test]
+fn a_board_that_was_without_supply_is_found_restarted() {
+    let machine = portal();
+    let program = Program::new(CIRCLES);
+    for off_ns in [0, 1_500_000_000] {
+        let once = Cell::new(true);
+        let outcome = run(&machine, &program, |time_ns, board, _| {
+            if time_ns >= 500_000_000 && once.replace(false) {
+                let event = Event::BrownOut { off_ns };
+                board.borrow().as_ref().unwrap().control(Control::Event(event)).unwrap();
+            }
+        });
+        assert_eq!(outcome.recorder.last().path_velocity, 0.0);
+        let Some(Stopped::Drives { source: HardwareError::Drive(error), .. }) =
+            &outcome.ending.stopped
+        else {
+            panic!("{:?}", outcome.ending.stopped)
+        };
+        let silent = matches!(error, DriveError::Timeout { .. });
+        assert_eq!((silent, matches!(error, DriveError::Locked { .. })), (off_ns > 0, off_ns == 0));
+        let reason = outcome.ending.reason().unwrap();
+        let cause =
+            "device `board` answers again, at position 0 and not enabled: it has been restarted";
+        assert!(reason.contains(cause) && !reason.contains("or the stop"), "{reason}");
+        assert!(reason.contains("address 1: "), "{reason}");
+    }
+}
+
+/// A lock that nothing but the board's ENABLE input has brought about is no restart.
+#[test]
+fn a_board_that_keeps_its_position_is_not_called_restarted() {
+    let machine = portal();
+    let program = Program::new(CIRCLES);
+    let outcome = run(&machine, &program, |time_ns, board, _| {
+        if time_ns >= 500_000_000 {
+            board.borrow().as_ref().unwrap().set_enable(false).unwrap();
+        }
+    });
+    assert!(matches!(outcome.ending.stopped, Some(Stopped::Drives { .. })));
+    assert!(outcome.ending.restarted.is_empty(), "{:?}", outcome.ending.restarted);
 }
 
 #[test]

@@ -129,6 +129,28 @@ fn an_interrupt_stops_on_the_path_at_rest() {
     assert!((radius - 0.03).abs() < 1e-9, "{radius}");
     let before = &recorder.cycles[recorder.cycles.len() - 100];
     assert!(before.path_velocity > 0.01, "it braked, and did not just stop");
+    // Where that was: v/a = 0.2 s after the end of the 0.1 s that were simulated already, on the circle.
+    let reason = ending.rest.as_ref().unwrap().told(&machine);
+    let rest = ending.rest.unwrap();
+    let asked_ns = rest.asked_ns.unwrap();
+    assert!((1_500_000_000..1_600_000_000).contains(&asked_ns), "{asked_ns}");
+    let braked_ns = rest.time_ns - asked_ns;
+    assert!((200_000_000..302_000_000).contains(&braked_ns), "{braked_ns}");
+    assert_eq!((rest.place.line, rest.place.block), (2, Some(10)));
+    assert_eq!(rest.wanted.tool, recorder.last().wanted.tool);
+    assert!((rest.twin.unwrap().tool - rest.wanted.tool).norm() < 1e-6 && rest.drives.is_none());
+    // The portal's axes are the tool's coordinates.
+    let [x, y] = [0, 1].map(|axis| rest.wanted.axes[axis] * 1e3);
+    for part in [
+        format!(
+            "the stop was asked for at {:.3} s; the axes came to rest at",
+            asked_ns as f64 * 1e-9
+        ),
+        format!("{:.3} s, line 2 (N10): X {x:.4} mm, Y {y:.4} mm", rest.time_ns as f64 * 1e-9),
+        format!("tool at X {x:.4} Y {y:.4} Z -40.0000 mm"),
+    ] {
+        assert!(reason.contains(&part), "{reason} has no {part}");
+    }
 }
 
 #[test]

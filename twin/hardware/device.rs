@@ -38,6 +38,18 @@ const PATIENCE: u32 = 100;
 /// How long axes may go on moving after a soft stop that the device has confirmed: longer than any ramp takes.
 const LONGEST_BRAKING: Duration = Duration::from_secs(10);
 
+/// How long a device that has failed is asked whether it was restarted: a supply that comes back and firmware that starts.
+const LONGEST_LOOK: Duration = Duration::from_secs(2);
+const BETWEEN_LOOKS: Duration = Duration::from_millis(20);
+
+/// How a device was stopped after an error.
+enum Halted {
+    /// On its ramps: nothing else has changed.
+    Softly,
+    /// At once, which may have locked it and cost it its positions.
+    Hard,
+}
+
 impl Device {
     pub(super) fn run(mut self, target: &Increments, speed: &[f64; MAX_DRIVE_AXES]) {
         let unsaid = match self.guarded(|device| device.work(target, speed)) {
@@ -46,9 +58,19 @@ impl Device {
                 // The first error is the one to report, and at once: the session has a machine of its own to stop. The
                 // device is stopped if it still answers, which takes its time.
                 let brakes = !matches!(error, HardwareError::Moves { .. });
+                let asks = matches!(error, HardwareError::Drive(_));
                 let unsaid = self.sender.try_send(Err(error)).err().map(unsent);
-                if let Err(error) = self.guarded(|device| device.halt(brakes)) {
+                let halted = self.guarded(|device| device.halt(brakes));
+                let softly = matches!(halted, Ok(Halted::Softly));
+                if let Err(error) = halted {
                     self.sender.try_send(Ok(Event::NotStopped(error))).unwrap_or_default();
+                }
+                if asks {
+                    self.guarded(|device| {
+                        device.look_again(softly);
+                        Ok(())
+                    })
+                    .unwrap_or_default();
                 }
                 self.guarded(|device| {
                     device.switch_off();
@@ -245,15 +267,39 @@ impl Device {
     /// Stops the axes after an error: on their ramps if that still makes sense (`brakes`), and at once if it does not or is
     /// not confirmed. Where a soft stop that was confirmed has changed nothing, a hard one is only believed when the axes
     /// stand.
-    fn halt(&mut self, brakes: bool) -> Result<(), HardwareError> {
-        if brakes {
-            return Ok(self.drive.soft_stop().or_else(|_| self.drive.hard_stop())?);
+    fn halt(&mut self, brakes: bool) -> Result<Halted, HardwareError> {
+        if brakes && self.drive.soft_stop().is_ok() {
+            return Ok(Halted::Softly);
         }
         self.drive.hard_stop()?;
+        if brakes {
+            return Ok(Halted::Hard);
+        }
         // A device that is locked by it may refuse to be asked how it is: it has confirmed that it stopped.
         match self.drive.sample(&*self.stream) {
-            Ok(sample) if sample.moving => self.rest(),
-            Ok(_) | Err(_) => Ok(()),
+            Ok(sample) if sample.moving => self.rest().map(|()| Halted::Hard),
+            Ok(_) | Err(_) => Ok(Halted::Hard),
+        }
+    }
+
+    /// Looks what has become of a device that has failed, now that everything that can be stopped has been told so: it may have
+    /// been without supply for a moment. One that does not answer is asked again for a while.
+    fn look_again(&mut self, softly: bool) {
+        let certain = softly || self.drive.hard_stop_keeps_position();
+        let since = Clock::start();
+        loop {
+            match self.drive.shows_restart() {
+                Ok(true) => {
+                    self.sender.try_send(Ok(Event::Restarted(certain))).unwrap_or_default();
+                    return;
+                }
+                Ok(false) => return,
+                Err(_) => {}
+            }
+            if Duration::from_nanos(since.now_ns().unsigned_abs()) > LONGEST_LOOK {
+                return;
+            }
+            std::thread::sleep(BETWEEN_LOOKS);
         }
     }
 }

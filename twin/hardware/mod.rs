@@ -5,6 +5,14 @@ mod error;
 mod guard;
 mod merge;
 mod stream;
+/// What was found of a device, in words.
+fn restarted(device: &str, certain: bool) -> String {
+    let found = format!(
+        "device `{device}` answers again, at position 0 and not enabled: it has been restarted"
+    );
+    if certain { found } else { format!("{found}, or the stop has switched it off") }
+}
+
 #[cfg(test)]
 mod tests;
 mod unit;
@@ -64,6 +72,8 @@ pub struct Hardware {
     left_on: Vec<u8>,
     /// Devices that could not be brought to rest, and why.
     not_stopped: Vec<String>,
+    /// Devices that were found restarted after they had failed, in words.
+    restarted: Vec<String>,
     /// Errors that have come while another one was told.
     failures: VecDeque<HardwareError>,
     /// Since the program has begun.
@@ -89,6 +99,8 @@ enum Event {
     LeftOn(Vec<u8>),
     /// The device has not confirmed that it stops.
     NotStopped(HardwareError),
+    /// After it had failed it was looked at again: it is as after a restart. Whether only a restart makes it so.
+    Restarted(bool),
     /// Finished or stopped: the axes are at rest.
     AtRest,
 }
@@ -123,6 +135,7 @@ impl Hardware {
             early: Arc::clone(&early),
             left_on: Vec::new(),
             not_stopped: Vec::new(),
+            restarted: Vec::new(),
             failures: VecDeque::new(),
             clock: None,
         };
@@ -217,6 +230,11 @@ impl Hardware {
         &self.not_stopped
     }
 
+    /// Devices that were found restarted after they had failed, in words: the cause of the failure.
+    pub fn restarted(&self) -> &[String] {
+        &self.restarted
+    }
+
     /// Stops all devices at once and waits until each has done what it can, but no longer than 25 s;
     /// [`Self::not_stopped`] and [`Self::left_on`] tell what has come of it.
     ///
@@ -263,6 +281,9 @@ impl Hardware {
                             // The others name it.
                             error => error.to_string(),
                         });
+                    }
+                    Ok(Some(Event::Restarted(certain))) => {
+                        self.restarted.push(restarted(&unit.device, certain));
                     }
                     Ok(Some(Event::Switched)) => self.switching = self.switching.saturating_sub(1),
                     Ok(Some(Event::AtRest)) => {

@@ -69,10 +69,11 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
     }
 
     fn compare(&mut self, sample: &AxisFeedback, observer: &mut dyn Observer) {
+        let Some(drives) = Measured::new(self.machine, sample.position) else { return };
+        self.resting.drives = Some((sample.time_ns, drives));
         if self.twin_failed {
             return;
         }
-        let Some(drives) = Measured::new(self.machine, sample.position) else { return };
         let Some((place, wanted, twin)) = self.history.at(self.machine, sample.time_ns) else {
             return;
         };

@@ -6,6 +6,7 @@ mod history;
 mod m_calls;
 mod overrides;
 mod punctuality;
+mod rest;
 mod run;
 
 use crate::clock::Clock;
@@ -24,6 +25,7 @@ pub use overrides::{
     LEAST_OVERRIDE, MOST_OVERRIDE, OverrideAt, OverrideAtError, OverrideChange, override_factor,
 };
 pub use punctuality::Punctuality;
+pub use rest::Rest;
 use run::Run;
 use std::time::Duration;
 use twin_motion::Place;
@@ -102,6 +104,8 @@ pub struct Ending {
     pub executed_ns: i64,
     /// Why it did not go to the end of the program.
     pub stopped: Option<Stopped>,
+    /// Where the axes came to rest, if it did not.
+    pub rest: Option<Rest>,
     /// Where the axes left the path to come to rest, each at its own limits.
     pub off_path: Option<Place>,
     /// How the override changed.
@@ -114,6 +118,8 @@ pub struct Ending {
     pub left_on: Vec<u8>,
     /// Devices that did not confirm that they stop, and why: whether their axes move is not known.
     pub not_stopped: Vec<String>,
+    /// Devices that were found restarted after they had failed, in words.
+    pub restarted: Vec<String>,
     /// Drives of which some still wait for an answer of their device before they can stop it: dropping them waits for that.
     pub stopping: Option<Hardware>,
 }
@@ -127,24 +133,29 @@ impl Ending {
             record: PlantRecord::default(),
             executed_ns: 0,
             stopped: None,
+            rest: None,
             off_path: None,
             overrides: Vec::new(),
             late_plans: 0,
             punctuality: None,
             left_on: Vec::new(),
             not_stopped: Vec::new(),
+            restarted: Vec::new(),
             stopping: None,
         }
     }
 
     /// Why it did not go to the end of the program, and how it came to rest, in words.
     pub fn reason(&self) -> Option<String> {
-        let reason = self.stopped.as_ref()?;
+        let mut reason = self.stopped.as_ref()?.to_string();
+        for cause in &self.restarted {
+            reason = format!("{reason}; {cause}");
+        }
         Some(match self.off_path {
             Some(place) => format!(
                 "{reason}; from {place} on the axes left the path and braked, each at its own limits"
             ),
-            None => reason.to_string(),
+            None => reason,
         })
     }
 }

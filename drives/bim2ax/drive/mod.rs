@@ -289,6 +289,18 @@ impl Drive for Bim2AxDrive {
         Ok(self.to_sample(&seen, &stamp))
     }
 
+    /// Every axis in use is without current, not homed, and at 0.
+    fn shows_restart(&mut self) -> Result<bool, DriveError> {
+        self.runtime.block_on(self.module.identify(&no_clock))?;
+        let (seen, _) = self.look(&no_clock)?;
+        let reset = |axis: &crate::bim2ax::ModuleAxis| {
+            let messages = seen.messages.get(axis.index()).copied().unwrap_or(0);
+            let off = messages & message::PHASES_OFF != 0 && messages & message::HOMED == 0;
+            off && seen.positions.get(axis.index()).copied() == Some(0)
+        };
+        Ok(self.options.axes.iter().all(reset))
+    }
+
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         self.prepared()?;
         let every_ns = i64::try_from(self.options.look_every.as_nanos()).unwrap_or(i64::MAX);

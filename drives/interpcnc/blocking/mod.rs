@@ -317,6 +317,17 @@ impl Drive for InterpCncDrive {
         Ok(self.to_sample(&state, stamp))
     }
 
+    /// Locked, and all counters 0.
+    fn shows_restart(&mut self) -> Result<bool, DriveError> {
+        let (state, _) = self.state(&no_clock)?;
+        let reset = BoardAxis::ALL.into_iter().all(|axis| counter(&state, axis) == 0);
+        Ok(state.status.locked() && reset)
+    }
+
+    fn hard_stop_keeps_position(&self) -> bool {
+        true
+    }
+
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         self.follow_cycle(stream)
     }

@@ -11,6 +11,7 @@ use super::{Board, Control, Event, rtu};
 use crate::{
     Clock, FaultyWire,
     interpcnc::Line,
+    pty::DeviceSpeed,
     slave::{self, Message, Slave},
 };
 
@@ -45,22 +46,23 @@ pub async fn serve<S: AsyncRead + AsyncWrite + Unpin>(
     clock: &dyn Clock,
     control: Receiver<Control>,
 ) -> io::Result<Board> {
-    let served = Served::new(board, *wire, Box::new(|_| Ok(())));
+    let speed = DeviceSpeed::new(wire.line.baud);
+    let served = Served::new(board, (*wire, speed), Box::new(|_| Ok(())));
     let faults = FaultyWire::new(0);
     slave::serve(stream, served, faults, (clock, false), control).await.map(|served| served.board)
 }
 
-/// As [`serve`] and as precise as the thread can, on a wire with faults; `stored` is called whenever the EEPROM has
+/// As [`serve`] and as precise as the thread can, on a wire with faults and a terminal at `speed`; `stored` is called whenever the EEPROM has
 /// stored something.
 pub(super) async fn serve_with<S: AsyncRead + AsyncWrite + Unpin>(
     stream: S,
     board: Board,
-    (wire, faults): (&Wire, FaultyWire),
+    (wire, faults, speed): (&Wire, FaultyWire, DeviceSpeed),
     clock: &dyn Clock,
     control: Receiver<Message<Served>>,
     stored: Box<Stored>,
 ) -> io::Result<Board> {
-    let served = Served::new(board, *wire, stored);
+    let served = Served::new(board, (*wire, speed), stored);
     slave::serve(stream, served, faults, (clock, true), control).await.map(|served| served.board)
 }
 
@@ -76,11 +78,23 @@ pub(super) struct Served {
     generation: u64,
     /// The board's line, as it was last looked at.
     line: Line,
+    /// Of its terminal.
+    speed: DeviceSpeed,
 }
 
 impl Served {
-    fn new(board: Board, wire: Wire, stored: Box<Stored>) -> Self {
-        Self { generation: board.eeprom_generation(), line: board.line(), board, wire, stored }
+    fn new(board: Board, (wire, speed): (Wire, DeviceSpeed), stored: Box<Stored>) -> Self {
+        let (generation, line) = (board.eeprom_generation(), board.line());
+        Self { board, wire, stored, generation, line, speed }
+    }
+
+    /// The bytes go by the board's line if it has changed that.
+    fn go_by_line(&mut self) {
+        if self.board.line() != self.line {
+            self.line = self.board.line();
+            self.wire.line = self.line;
+            self.speed.set(self.line.baud);
+        }
     }
 }
 
@@ -102,6 +116,8 @@ impl Slave for Served {
 
     fn happen(&mut self, event: Event) {
         self.board.happen(event);
+        // A board that starts anew takes the line of its parameters.
+        self.go_by_line();
     }
 
     /// The request at the head, if its length is known and its check sum is right. Anything else waits for silence:
@@ -114,10 +130,7 @@ impl Slave for Served {
     fn handle(&mut self, frame: &[u8]) -> Option<Vec<u8>> {
         let answer = self.board.handle(frame);
         // The line may have been changed by this request: its answer goes by the new one already.
-        if self.board.line() != self.line {
-            self.line = self.board.line();
-            self.wire.line = self.line;
-        }
+        self.go_by_line();
         answer
     }
 

@@ -16,7 +16,7 @@ use super::{
 use crate::{
     Accelerated, Clock, EmulatorError, FaultyWire, Speed,
     kept::replace,
-    pty::PseudoTerminal,
+    pty::{DeviceSpeed, PseudoTerminal},
     slave::{self, Message},
 };
 
@@ -25,7 +25,8 @@ use crate::{
 pub struct EmulatorOptions {
     /// The board at power-up.
     pub board: BoardOptions,
-    /// Emulated delays. Its line is that of the bytes; the board's own only shows in its parameters.
+    /// Emulated delays. Its line is that of the bytes; the board's own only shows in its parameters, until these ask for
+    /// another: in the file of the EEPROM, or when the board starts anew.
     pub wire: Wire,
     /// Symbolic link to make to the pseudo-terminal; it is removed at the end.
     pub link: Option<PathBuf>,
@@ -78,9 +79,15 @@ impl EmulatedBoard {
             SerialStream::try_from(master)
                 .map_err(|error| EmulatorError::Terminal { source: error.into() })?
         };
-        let stream = terminal.at_speed(stream, options.wire.line.baud, options.any_speed)?;
+        let mut wire = options.wire;
+        if board.line() != options.board.line {
+            // The EEPROM says so.
+            wire.line = board.line();
+        }
+        let speed = DeviceSpeed::new(wire.line.baud);
+        let stream = terminal.at_speed(stream, &speed, options.any_speed)?;
         let (control, messages) = mpsc::channel(64);
-        let (wire, faults) = (options.wire, FaultyWire::new(options.seed));
+        let faults = FaultyWire::new(options.seed);
         let clock = Accelerated::new(clock, options.speed);
         let file = options.eeprom.clone();
         let thread = Builder::new()
@@ -90,7 +97,7 @@ impl EmulatedBoard {
                     Some(path) => replace(path, &board.eeprom()),
                     None => Ok(()),
                 });
-                let wire = (&wire, faults);
+                let wire = (&wire, faults, speed);
                 runtime.block_on(serve_with(stream, board, wire, &clock, messages, stored))
             })
             .map_err(failed)?;

@@ -16,6 +16,7 @@ use crate::{
         emulator::{
             Bench, BoardOptions, Cam, Control, EmulatedBoard, EmulatorOptions, Event, Wire, seal,
         },
+        parameters,
         vectors::{bytes, vector},
     },
 };
@@ -312,6 +313,51 @@ fn the_eeprom_survives_a_restart_in_its_file() {
     std::fs::write(&file, b"something else").unwrap();
     let refused = EmulatedBoard::start(&emulator, clock);
     assert!(matches!(refused, Err(crate::EmulatorError::File { .. })), "{refused:?}");
+}
+
+/// Parameter 101 counts from the next start on (an assumption, `line_at_restart`): until then the old speed holds, then the new one
+/// alone, whether the board has lost its supply or all of it was started anew.
+#[test]
+fn a_speed_that_is_stored_holds_from_the_next_start_on() {
+    let clock = clock();
+    let stream = Plan { clock, start_ns: 0 };
+    let folder = tempfile::tempdir().unwrap();
+    let eeprom = Some(folder.path().join("board.eeprom"));
+    let emulator = EmulatorOptions { eeprom, ..EmulatorOptions::default() };
+    let first = EmulatedBoard::start(&emulator, clock).unwrap();
+    let at = |baud| {
+        let line = Line { baud, ..Line::default() };
+        InterpCncOptions { line, ..options(&[BoardAxis::X]) }
+    };
+    let hears = |board: &EmulatedBoard, baud| open(board, &at(baud)).probe(&stream).is_ok();
+    let deaf = |board: &EmulatedBoard, baud| {
+        let hasty = InterpCncOptions {
+            deadline: Duration::from_millis(60),
+            worst_latency: Duration::from_millis(10),
+            ..at(baud)
+        };
+        matches!(open(board, &hasty).probe(&stream), Err(DriveError::Timeout { .. }))
+    };
+    let store = |board: &EmulatedBoard, old: u32, new: u32| {
+        let mut drive = open(board, &at(old));
+        let (driver, runtime) = drive.board();
+        let written =
+            driver.set_parameter(parameters::MODBUS_SPEED, new, Duration::from_secs(20), &|| 0);
+        runtime.block_on(written).unwrap();
+    };
+    store(&first, 115_200, 19_200);
+    assert!(deaf(&first, 19_200) && hears(&first, 115_200), "before it starts anew");
+    first.control(Control::Event(Event::BrownOut { off_ns: 0 })).unwrap();
+    assert!(deaf(&first, 115_200) && hears(&first, 19_200), "after a power failure");
+    assert_eq!(first.look().unwrap().line(), Line { baud: 19_200, parity: Parity::None });
+    first.stop().unwrap();
+    // Of what the second was told only the EEPROM counts.
+    let second = EmulatedBoard::start(&emulator, clock).unwrap();
+    assert!(deaf(&second, 115_200) && hears(&second, 19_200), "powered up with its EEPROM");
+    store(&second, 19_200, 57_600);
+    assert!(deaf(&second, 57_600) && hears(&second, 19_200), "before it starts anew");
+    second.control(Control::Event(Event::BrownOut { off_ns: 0 })).unwrap();
+    assert!(deaf(&second, 19_200) && hears(&second, 57_600), "after another power failure");
 }
 
 #[test]

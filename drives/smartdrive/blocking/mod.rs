@@ -301,6 +301,14 @@ impl Drive for SmartDriveBus {
         self.stray(&seen).map_or_else(|| Ok(self.to_sample(&seen)), Err)
     }
 
+    /// One of the drives is neither in REMOTE nor in alarm, and its counter is 0.
+    fn shows_restart(&mut self) -> Result<bool, DriveError> {
+        let seen = self.states(&no_clock)?;
+        Ok(seen.iter().any(|(state, _)| {
+            state.mode != Mode::Remote.number() && state.alarms.is_empty() && state.position == 0
+        }))
+    }
+
     fn follow(&mut self, stream: &dyn SetpointStream) -> Result<Sample, DriveError> {
         self.follow_round(stream)
     }

@@ -16,7 +16,7 @@ use super::{
 use crate::{
     Accelerated, Clock, EmulatorError, FaultyWire, Speed,
     kept::replace,
-    pty::PseudoTerminal,
+    pty::{DeviceSpeed, PseudoTerminal},
     slave::{self, Message},
     smartdrive::BAUD,
 };
@@ -79,7 +79,7 @@ impl EmulatedBus {
             SerialStream::try_from(master)
                 .map_err(|error| EmulatorError::Terminal { source: error.into() })?
         };
-        let stream = terminal.at_speed(stream, BAUD, options.any_speed)?;
+        let stream = terminal.at_speed(stream, &DeviceSpeed::new(BAUD), options.any_speed)?;
         let (control, messages) = mpsc::channel(64);
         let wire = (options.wire, FaultyWire::new(options.seed));
         let clock = Accelerated::new(clock, options.speed);

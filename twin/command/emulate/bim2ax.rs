@@ -8,7 +8,7 @@ use crate::clock::Clock;
 use twin_drives::bim2ax::emulator::{
     Control, EmulatedModule, EmulatorOptions, Event, ModuleOptions, Surroundings,
 };
-use twin_drives::bim2ax::{Assumptions, ByteOrder, Contact, EncoderBench, EncoderKind, ModuleAxis};
+use twin_drives::bim2ax::{ByteOrder, Contact, EncoderBench, EncoderKind, ModuleAxis};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
@@ -40,9 +40,7 @@ enum OrderWord {
 }
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
-    if options.common.assume.helps::<Assumptions>()?
-        || bench::help(&options.common, |words| obeyed(words, Surroundings::default()).map(drop))?
-    {
+    if bench::help(&options.common, |words| obeyed(words, Surroundings::default()).map(drop))? {
         return Ok(Status::Fit);
     }
     let link = options.common.link()?;

@@ -9,7 +9,7 @@ use twin_drives::interpcnc::emulator::{
     Bench, BoardOptions, Cam, Condition, Control, EmulatedBoard, EmulatorOptions, EncoderLink,
     Event, Wire,
 };
-use twin_drives::interpcnc::{Assumptions, BoardAxis, Line, Parity};
+use twin_drives::interpcnc::{BoardAxis, Line, Parity};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
@@ -49,9 +49,7 @@ enum ParityOption {
 }
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
-    if options.common.assume.helps::<Assumptions>()?
-        || bench::help(&options.common, |words| obeyed(words, &Bench::default()).map(drop))?
-    {
+    if bench::help(&options.common, |words| obeyed(words, &Bench::default()).map(drop))? {
         return Ok(Status::Fit);
     }
     let link = options.common.link()?;

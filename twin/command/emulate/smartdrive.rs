@@ -8,11 +8,11 @@ use crate::clock::Clock;
 use std::collections::HashSet;
 use std::path::PathBuf;
 use std::time::Duration;
+use twin_drives::smartdrive::Alarms;
 use twin_drives::smartdrive::emulator::{
     Cam, Control, DeviceOptions, EmulatedBus, EmulatorOptions, Event, Happening, HomingOptions,
     Input, Wire,
 };
-use twin_drives::smartdrive::{Alarms, Assumptions};
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Options {
@@ -37,9 +37,7 @@ pub(super) struct Options {
 }
 
 pub(super) fn run(options: &Options) -> Result<Status, Failure> {
-    if options.common.assume.helps::<Assumptions>()?
-        || bench::help(&options.common, |words| obeyed(words, &options.address).map(drop))?
-    {
+    if bench::help(&options.common, |words| obeyed(words, &options.address).map(drop))? {
         return Ok(Status::Fit);
     }
     let link = options.common.link()?;

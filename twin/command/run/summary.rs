@@ -10,7 +10,7 @@ use crate::machine::Machine;
 use crate::program::ProgramFile;
 use crate::report::{
     AxisErrorReport, CheckReport, ComparisonReport, DriveSamplesReport, LatenessReport,
-    OverrideChangeReport, PerAxis, RunReport, seconds,
+    OverrideChangeReport, PerAxis, RestReport, RunReport, seconds,
 };
 use crate::session::Ending;
 use std::io::{self, Write};
@@ -163,6 +163,7 @@ impl Report<'_> {
             check: CheckReport::new(self.machine, self.program, self.outcome),
             completed: stopped_because.is_none(),
             stopped_because,
+            rest: ending.rest.as_ref().map(|rest| RestReport::new(self.machine, rest)),
             executed_s: seconds(ending.executed_ns),
             override_changes: ending.overrides.iter().map(OverrideChangeReport::new).collect(),
             drive_samples: (samples.count > 0).then(|| samples.report()),

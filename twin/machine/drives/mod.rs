@@ -178,6 +178,32 @@ impl DeviceEntry {
     }
 }
 
+/// The manuals speak of addresses: says where one belongs, which depends on the family.
+fn misplaced_address(section: &Section<'_>, kind: Kind) {
+    let words: &[&str] = match kind {
+        Kind::InterpCnc => &["address", "drive_address"],
+        Kind::SmartDrive | Kind::Bim2Ax => &["address", "station", "drive_address"],
+    };
+    for key in words.iter().filter(|key| section.has(key)) {
+        let (message, help) = match kind {
+            Kind::InterpCnc => (
+                format!("`{key}` is no key of a board: its Modbus address is `station` here"),
+                "write `station = …`, 1 to 247".to_owned(),
+            ),
+            Kind::SmartDrive => (
+                format!("`{key}` is no key of a line of SmartDRIVEs: each axis says the address of its own drive"),
+                "write `drive_address = …`, 1 to 31, in the [[axes]] that hang on it".to_owned(),
+            ),
+            Kind::Bim2Ax => (
+                format!("`{key}` is no key of a module, which has no address"),
+                "`map_offset` says where it is in the window, `drive_axis` of the [[axes]] which of its two axes it is".to_owned(),
+            ),
+        };
+        section.accept(key);
+        section.complain_with_help(key, message, Some(help));
+    }
+}
+
 /// Reads one `[[drives]]` table.
 pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
     let name = section.required_text("name");
@@ -195,6 +221,7 @@ pub(super) fn read(section: &Section<'_>) -> Option<DeviceEntry> {
         section.accept_all();
         return None;
     };
+    misplaced_address(section, kind);
     let family = match kind {
         Kind::InterpCnc => interpcnc::read(section).map(DriveFamily::InterpCnc),
         Kind::SmartDrive => smartdrive::read(section).map(DriveFamily::SmartDrive),

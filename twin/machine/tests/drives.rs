@@ -82,3 +82,29 @@ fn a_drive_must_be_able_to_do_what_the_axis_may() {
     assert_eq!((found.len(), found[0].0.as_str()), (1, "2148"));
     assert!(found[0].1.contains("2148000000 increments; the drive counts to 2147483647"));
 }
+
+/// The manuals of boards and drives speak of addresses; where one is written is told.
+#[test]
+fn an_address_is_told_where_it_belongs() {
+    for key in ["address", "drive_address"] {
+        let found = problems(&edited(SHORT, "[[drives]]", &format!("[[drives]]\n{key} = 3")));
+        let [(place, message, help)] = &found[..] else { panic!("{found:#?}") };
+        assert_eq!(place, "3");
+        assert!(message.contains("its Modbus address is `station` here"), "{message}");
+        assert!(help.as_ref().unwrap().contains("`station = …`, 1 to 247"), "{help:?}");
+    }
+    for (kind, key, parts) in [
+        ("smartdrive", "address", ["each axis says the address", "`drive_address = …`, 1 to 31"]),
+        ("smartdrive", "station", ["each axis says the address", "`drive_address = …`, 1 to 31"]),
+        ("bim2ax", "address", ["a module, which has no address", "`map_offset`"]),
+    ] {
+        let text = edited(SHORT, "kind = \"interpcnc\"", &format!("kind = \"{kind}\"\n{key} = 3"));
+        let found = problems(&text);
+        let told = found
+            .iter()
+            .find(|(_, message, _)| message.contains(key) && message.contains(" is no key of "));
+        let (_, message, help) = told.unwrap_or_else(|| panic!("{found:#?}"));
+        let help = help.as_ref().unwrap();
+        assert!(message.contains(parts[0]) && help.contains(parts[1]), "{message}; {help}");
+    }
+}

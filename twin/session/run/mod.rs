@@ -5,6 +5,7 @@ mod stopping;
 use super::history::History;
 use super::overrides::{OverrideAt, Overrides};
 use super::punctuality::Punctuality;
+use super::rest::Resting;
 use super::{Ending, Observer, Stopped, TwinCycle};
 use crate::check;
 use crate::clock::Clock;
@@ -59,6 +60,8 @@ pub(super) struct Run<'a, 'i, P> {
     overrides: Overrides,
     /// How often the user has interrupted.
     interrupts: u32,
+    /// Where everything rests.
+    pub(super) resting: Resting,
     /// Where they leave it.
     off_path: Option<Place>,
     /// The last set-point that was executed.
@@ -94,6 +97,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             stopped: None,
             overrides: Overrides::new(&[]),
             interrupts: 0,
+            resting: Resting::default(),
             off_path: None,
             executed: None,
             m_call: None,
@@ -153,12 +157,14 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         let late_plans = self.items.late_plans();
         let record = self.twin.record();
         let Self { comparison, punctuality, stopped, off_path, mut hardware, overrides, .. } = self;
+        let rest = stopped.as_ref().and_then(|_| self.resting.rest());
         // Drives that have not come to rest are stopped now, and what they say to that is told, too.
         if let Some(hardware) = hardware.as_mut().filter(|hardware| hardware.is_running()) {
             hardware.abandon();
         }
         let told = hardware.as_ref();
         let not_stopped = told.map(|told| told.not_stopped().to_vec()).unwrap_or_default();
+        let restarted = told.map(|told| told.restarted().to_vec()).unwrap_or_default();
         let left_on = told.map(|told| told.left_on().to_vec()).unwrap_or_default();
         let stopping = hardware.filter(Hardware::is_running);
         let overrides = overrides.into_changes();
@@ -167,12 +173,14 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             record,
             executed_ns,
             stopped,
+            rest,
             off_path,
             overrides,
             late_plans,
             punctuality,
             left_on,
             not_stopped,
+            restarted,
             stopping,
         }
     }
@@ -249,6 +257,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
     pub(super) fn simulate(&mut self, now_ns: i64, observer: &mut dyn Observer) {
         while let Some(setpoint) = self.planned.pop_front_if(|next| next.time_ns <= now_ns) {
             self.executed = Some(setpoint);
+            self.resting.executed(&setpoint);
             if self.twin_failed {
                 continue;
             }
@@ -273,6 +282,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             };
             if let Some((wanted, twin)) = self.history.push(self.machine, &setpoint, &feedback) {
                 self.comparison.twin(&wanted, &twin, setpoint.place);
+                self.resting.twin = Some(twin);
                 let motors = self.twin.motors();
                 let (wanted, twin) = (&wanted, &twin);
                 observer.twin(&TwinCycle { setpoint: &setpoint, wanted, twin, motors });

@@ -12,6 +12,7 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
     pub(in crate::session) fn heed(&mut self, interrupts: u32) {
         while self.interrupts < interrupts {
             self.interrupts += 1;
+            self.resting.asked_ns.get_or_insert(self.executed_ns());
             if self.interrupts == 1 {
                 // What is planned to its end goes to its end.
                 if self.plan == Plan::GoesOn && self.stopped.is_none() {
@@ -94,6 +95,7 @@ impl<P: Plant<Error = PhysicsError>> Run<'_, '_, P> {
     /// Nothing to compare with any more: the drives brake, and that is the end.
     pub(super) fn lose_twin(&mut self, source: SimulationError) {
         self.twin_failed = true;
+        self.resting.twin = None;
         self.stopped.get_or_insert(Stopped::Twin { place: self.place(), source });
         self.brake();
     }

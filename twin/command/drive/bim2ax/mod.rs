@@ -20,9 +20,7 @@ use show::{inputs, scan, status};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-use twin_drives::bim2ax::{
-    Assumptions, Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, ByteOrder, ModuleAxis,
-};
+use twin_drives::bim2ax::{Bim2AxDrive, Bim2AxDriveOptions, Bim2AxOptions, ByteOrder, ModuleAxis};
 use twin_drives::{Action as Doing, DriveError, Exchange};
 
 /// BIBOX BIM2AX-BOCM: two step axes behind a dual-port RAM; positions in µsteps, speeds as the axis's drive mode has them
@@ -220,9 +218,6 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.assume.helps::<Assumptions>()? {
-        return Ok(Status::Fit);
-    }
     let session = Session::start()?;
     let consent = arguments.consent();
     match &arguments.action {

@@ -18,7 +18,7 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 use twin_drives::interpcnc::registers::MAX_SPEED_HZ;
 use twin_drives::interpcnc::{
-    Assumptions, AxisOptions, BoardAxis, InterpCnc, InterpCncDrive, InterpCncOptions, Line, Parity,
+    AxisOptions, BoardAxis, InterpCnc, InterpCncDrive, InterpCncOptions, Line, Parity,
 };
 
 /// SOPROLEC InterpCNC V2.1: five step axes X Y Z A B on Modbus RTU; positions in steps
@@ -232,9 +232,6 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.assume.helps::<Assumptions>()? {
-        return Ok(Status::Fit);
-    }
     let session = Session::start()?;
     let open = |station| {
         let options = arguments.options(station)?;

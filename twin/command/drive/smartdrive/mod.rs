@@ -21,8 +21,8 @@ use std::ops::RangeInclusive;
 use std::time::Duration;
 use twin_drives::smartdrive::parameters::{ACCELERATION_MAX, FULL_STEPS, STEP_DIVISOR};
 use twin_drives::smartdrive::{
-    ADDRESSES, Assumptions, AxisOptions, IoUpdate, Mode, SmartDrive, SmartDriveBus,
-    SmartDriveOptions, StepsPerTurn,
+    ADDRESSES, AxisOptions, IoUpdate, Mode, SmartDrive, SmartDriveBus, SmartDriveOptions,
+    StepsPerTurn,
 };
 use twin_drives::{Drive, ParameterId};
 
@@ -231,9 +231,6 @@ impl Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
-    if arguments.assume.helps::<Assumptions>()? {
-        return Ok(Status::Fit);
-    }
     let session = Session::start()?;
     match &arguments.action {
         Action::OnFile(on_file) => {

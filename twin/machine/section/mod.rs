@@ -1,8 +1,10 @@
 //! Reads values out of TOML tables, so that every complaint knows its place in the file.
 
+mod numbers;
+
 use super::problem::Problem;
 use std::cell::RefCell;
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -219,58 +221,6 @@ impl<'a> Section<'a> {
         self.choice(key, choices)
     }
 
-    /// A number within `range`, as written (in the unit its key names).
-    pub(crate) fn number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
-        let value = self.value(key)?;
-        self.checked_number(key, value, &range)
-    }
-
-    pub(crate) fn required_number(&self, key: &str, range: RangeInclusive<f64>) -> Option<f64> {
-        if !self.has(key) {
-            self.value(key);
-            self.missing(key);
-            return None;
-        }
-        self.number(key, range)
-    }
-
-    /// `N` numbers, each within `range`.
-    pub(crate) fn numbers<const N: usize>(
-        &self,
-        key: &str,
-        range: RangeInclusive<f64>,
-    ) -> Option<[f64; N]> {
-        let value = self.value(key)?;
-        self.checked_numbers(key, value, &range)
-    }
-
-    /// Pairs of numbers, each within `range`; `None` if there are none.
-    pub(crate) fn pairs(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<[f64; 2]>> {
-        let value = self.value(key)?;
-        let Some(array) = value.get_ref().as_array() else {
-            self.wrong_type(key, value, "an array of pairs of numbers");
-            return None;
-        };
-        let pairs: Vec<_> =
-            array.iter().map(|item| self.checked_numbers(key, item, range)).collect();
-        if pairs.is_empty() {
-            self.complaints.add(value.span(), format!("`{key}` is empty"), None);
-            return None;
-        }
-        pairs.into_iter().collect()
-    }
-
-    /// As many numbers as there are, each within `range`; none if the key is absent.
-    pub(crate) fn list(&self, key: &str, range: &RangeInclusive<f64>) -> Option<Vec<f64>> {
-        let value = self.value(key)?;
-        let Some(array) = value.get_ref().as_array() else {
-            self.wrong_type(key, value, "an array of numbers");
-            return None;
-        };
-        let list: Vec<_> = array.iter().map(|item| self.checked_number(key, item, range)).collect();
-        list.into_iter().collect()
-    }
-
     /// Where it is.
     pub(crate) fn span(&self) -> Range<usize> {
         self.span.clone()
@@ -307,134 +257,6 @@ impl<'a> Section<'a> {
             }
         }
         pairs
-    }
-
-    fn checked_numbers<const N: usize>(
-        &self,
-        key: &str,
-        value: &Spanned<DeValue<'_>>,
-        range: &RangeInclusive<f64>,
-    ) -> Option<[f64; N]> {
-        let Some(array) = value.get_ref().as_array() else {
-            self.wrong_type(key, value, &format!("an array of {N} numbers"));
-            return None;
-        };
-        if array.iter().count() != N {
-            let found = array.iter().count();
-            let message = format!("`{key}` has {found} entries; expected {N} numbers");
-            self.complaints.add(value.span(), message, None);
-            return None;
-        }
-        let mut numbers = [0.0; N];
-        let mut complete = true;
-        for (slot, item) in numbers.iter_mut().zip(array.iter()) {
-            match self.checked_number(key, item, range) {
-                Some(number) => *slot = number,
-                None => complete = false,
-            }
-        }
-        complete.then_some(numbers)
-    }
-
-    pub(crate) fn required_integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
-        if !self.has(key) {
-            self.value(key);
-            self.missing(key);
-            return None;
-        }
-        self.integer(key, range)
-    }
-
-    /// Whole numbers within `range`, up to `most` of them; none if the key is absent.
-    pub(crate) fn integers(&self, key: &str, range: &RangeInclusive<i64>, most: usize) -> Vec<i64> {
-        let Some(value) = self.value(key) else { return Vec::new() };
-        let Some(array) = value.get_ref().as_array() else {
-            self.wrong_type(key, value, "an array of whole numbers");
-            return Vec::new();
-        };
-        if array.iter().count() > most {
-            let message = format!("`{key}` has more than {most} entries");
-            self.complaints.add(value.span(), message, None);
-            return Vec::new();
-        }
-        array.iter().filter_map(|item| self.checked_integer(key, item, range)).collect()
-    }
-
-    pub(crate) fn required_numbers<const N: usize>(
-        &self,
-        key: &str,
-        range: RangeInclusive<f64>,
-    ) -> Option<[f64; N]> {
-        if !self.has(key) {
-            self.value(key);
-            self.missing(key);
-            return None;
-        }
-        self.numbers(key, range)
-    }
-
-    /// A whole number within `range`.
-    pub(crate) fn integer(&self, key: &str, range: RangeInclusive<i64>) -> Option<i64> {
-        let value = self.value(key)?;
-        self.checked_integer(key, value, &range)
-    }
-
-    fn checked_integer(
-        &self,
-        key: &str,
-        value: &Spanned<DeValue<'_>>,
-        range: &RangeInclusive<i64>,
-    ) -> Option<i64> {
-        let Some(integer) = value.get_ref().as_integer() else {
-            self.wrong_type(key, value, "a whole number");
-            return None;
-        };
-        let parsed = i64::from_str_radix(integer.as_str(), integer.radix()).ok();
-        let found = parsed.filter(|number| range.contains(number));
-        if found.is_none() {
-            let text = integer.to_string();
-            self.out_of_range(key, value.span(), &text, range.start(), range.end());
-        }
-        found
-    }
-
-    fn checked_number(
-        &self,
-        key: &str,
-        value: &Spanned<DeValue<'_>>,
-        range: &RangeInclusive<f64>,
-    ) -> Option<f64> {
-        let (text, number) = match value.get_ref() {
-            DeValue::Float(float) => (float.to_string(), float.as_str().parse().ok()),
-            DeValue::Integer(integer) if integer.radix() == 10 => {
-                (integer.to_string(), integer.as_str().parse().ok())
-            }
-            DeValue::Integer(integer) => {
-                let whole = u32::from_str_radix(integer.as_str(), integer.radix());
-                (integer.to_string(), whole.ok().map(f64::from))
-            }
-            _ => {
-                self.wrong_type(key, value, "a number");
-                return None;
-            }
-        };
-        let number = number.filter(|number| range.contains(number));
-        if number.is_none() {
-            self.out_of_range(key, value.span(), &text, range.start(), range.end());
-        }
-        number
-    }
-
-    fn out_of_range<T: std::fmt::Display>(
-        &self,
-        key: &str,
-        span: Range<usize>,
-        text: &str,
-        low: &T,
-        high: &T,
-    ) {
-        let message = format!("`{key}` is {text}; it must lie between {low} and {high}");
-        self.complaints.add(span, message, None);
     }
 
     /// Lets every key pass, where an earlier complaint keeps the section from being read.

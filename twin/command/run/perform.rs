@@ -1,0 +1,117 @@
+//! A checked program is run: drives and view are opened, and everything is brought to rest.
+
+use super::interrupt::Interrupt;
+use super::prompt::Prompt;
+use super::summary::{DriveSamples, Report};
+use super::watcher::{Watcher, open_keys};
+use super::{APPROACH, Arguments, Drives, startup};
+use crate::command::progress::ProgressLines;
+use crate::command::{Failure, show};
+use crate::drive_report::AxisMaximaReport;
+use crate::machine::DeviceEntry;
+use crate::picture::Picture;
+use crate::report::seconds;
+use crate::session::{Ending, Session};
+use crate::simulated::Simulated;
+use twin_kinematics::AxisVector;
+use twin_viz::{Playback, SceneOptions};
+
+/// A run that has come to its end, wherever that was.
+pub(super) struct Done<'m> {
+    pub(super) ending: Ending,
+    pub(super) samples: DriveSamples,
+    /// Of the axes, if they are wanted.
+    pub(super) maxima: Option<Vec<(String, AxisMaximaReport)>>,
+    /// On the wall clock, s.
+    pub(super) took: f64,
+    /// Still open: its page is served as long as it lives.
+    pub(super) picture: Picture<'m>,
+    /// Whether everything could be shown and recorded.
+    pub(super) shown: Result<(), Failure>,
+}
+
+/// Opens view and drives, runs the program, and brings everything to rest. Also Ctrl-C, which is caught from the
+/// moment on that something needs an orderly end.
+pub(super) fn perform<'m>(
+    arguments: &Arguments,
+    about: &Report<'m>,
+    start: &AxisVector,
+) -> Result<(Done<'m>, Interrupt), Failure> {
+    let (machine, program, outcome) = (about.machine, about.program, about.outcome);
+    let emulated = arguments.drives == Drives::Emulated && !machine.drives.is_empty();
+    let has_drives = emulated || arguments.drives == Drives::Real;
+    let axes = arguments.axis_watch.open(machine, has_drives)?;
+    // Until here Ctrl-C ends everything, and so it does while the user is asked.
+    let real = (arguments.drives == Drives::Real)
+        .then(|| startup::real(&arguments.start_up, machine, (outcome, start), APPROACH))
+        .transpose()?;
+    let scene = SceneOptions {
+        record: arguments.record.clone(),
+        serve: arguments.serve,
+        // A page that plays at its own pace keeps up with the many samples of drives also where it is drawn without a
+        // graphics card, and one that is opened late shows the whole run.
+        playback: Playback::FromStart,
+    };
+    let mut families: Vec<_> = machine.drives.iter().map(DeviceEntry::family_name).collect();
+    families.dedup();
+    let families = families.join(" and ");
+    let named = match arguments.drives {
+        Drives::Emulated if emulated => Some(format!("{families}, emulated")),
+        Drives::Real => Some(families),
+        Drives::Emulated | Drives::None => None,
+    };
+    let mut picture = Picture::open(&scene, machine, program, start, named.as_deref())?;
+    if let Some(url) = picture.url() {
+        eprintln!("live view: {url}");
+    }
+    let interrupt = Interrupt::catch()?;
+    if arguments.drives == Drives::Emulated && !emulated {
+        eprintln!("{} names no drives; the simulated machine runs alone", machine.path.display());
+    }
+    let scenario = arguments.simulation.scenario(machine)?;
+    let twin = Simulated::new(machine, start)?.in_scenario(&scenario);
+    let drives = if let Some(ready) = real {
+        Some((startup::start_real(ready, machine, start, &interrupt)?, Vec::new()))
+    } else if emulated {
+        Some(startup::connect(machine, (outcome, start), &interrupt)?)
+    } else {
+        None
+    };
+    // They live until the drives have come to rest.
+    let (hardware, emulators) = drives.unzip();
+
+    let bar = show::progress(
+        u64::try_from(about.outcome.duration_ns / 1_000_000).unwrap_or(0),
+        "{elapsed_precise} {bar:30} {percent:>3} %  {msg}",
+    );
+    let acknowledge = arguments.m_functions.acknowledge;
+    let realtime = arguments.realtime;
+    let limits = arguments.limits;
+    let overrides = &arguments.override_at;
+    let paced = realtime || has_drives;
+    let session =
+        Session { machine, program, twin, hardware, limits, acknowledge, overrides, realtime };
+    let mut watcher = Watcher {
+        picture: &mut picture,
+        bar: &bar,
+        axes,
+        lines: ProgressLines::new(format!("running {}", program.path().display())),
+        last_shown_ns: i64::MIN,
+        samples: DriveSamples::default(),
+        prompt: Prompt::default(),
+        keys: if paced { open_keys(program) } else { None },
+    };
+    let clock = crate::clock::Clock::start();
+    let ending = session
+        .run(&mut watcher, &|| interrupt.count())
+        .map_err(|failure| Failure::check(program, failure.into()))?;
+    let took = seconds(clock.now_ns());
+    let samples = watcher.samples;
+    drop(watcher.keys.take());
+    let maxima = watcher.axes.maxima();
+    let logged = watcher.axes.finish();
+    bar.finish_and_clear();
+    drop(emulators);
+    let shown = picture.finish().map_err(Failure::from).and(logged);
+    Ok((Done { ending, samples, maxima, took, picture, shown }, interrupt))
+}

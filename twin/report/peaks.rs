@@ -1,0 +1,158 @@
+//! The largest values that were asked of axes, and what their motors gave.
+
+use super::rounded;
+use crate::machine::Axis;
+use crate::physics::MotorLoad;
+use twin_motion::Place;
+
+/// A value, its limit and where it was found. SI.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Peak {
+    /// The largest absolute value.
+    pub value: f64,
+    /// Where.
+    pub place: Place,
+}
+
+impl Peak {
+    /// Takes `value` if it is larger.
+    pub fn include(&mut self, value: f64, place: Place) {
+        if value.abs() > self.value {
+            *self = Self { value: value.abs(), place };
+        }
+    }
+}
+
+/// The largest values asked of one axis. SI.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AxisPeak {
+    /// Smallest and largest position.
+    pub position: Option<[f64; 2]>,
+    /// Velocity.
+    pub velocity: Peak,
+    /// Acceleration.
+    pub acceleration: Peak,
+    /// Jerk, by differences of the acceleration between cycles.
+    pub jerk: Peak,
+    /// Distance between set-point and simulated machine, if it was simulated.
+    pub following_error: Option<Peak>,
+    /// Force or torque of the motor, N or Nm, where it is known.
+    pub effort: Option<Peak>,
+}
+
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+struct PeakReport {
+    value: f64,
+    limit: Option<f64>,
+    /// None if the axis was asked for nothing.
+    line: Option<u32>,
+    block: Option<u32>,
+}
+
+#[derive(Clone, Debug, serde::Serialize)]
+struct PositionReport {
+    min: Option<f64>,
+    max: Option<f64>,
+    limit_min: Option<f64>,
+    limit_max: Option<f64>,
+}
+
+/// The largest values asked of one axis, in its unit.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct AxisPeakReport {
+    unit: &'static str,
+    position: PositionReport,
+    velocity: PeakReport,
+    acceleration: PeakReport,
+    jerk: PeakReport,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    following_error: Option<PeakReport>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effort: Option<EffortReport>,
+}
+
+/// The largest force or torque of a motor.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+struct EffortReport {
+    unit: &'static str,
+    #[serde(flatten)]
+    peak: PeakReport,
+}
+
+impl AxisPeakReport {
+    /// For one axis.
+    pub fn new(axis: &Axis, peak: &AxisPeak) -> Self {
+        let plain = |value: f64, limit: Option<f64>, peak: &Peak| PeakReport {
+            value: rounded(value),
+            limit: limit.map(rounded),
+            line: (peak.value > 0.0).then_some(peak.place.line),
+            block: peak.place.block,
+        };
+        let report = |peak: &Peak, limit: Option<f64>| {
+            plain(axis.from_si(peak.value), limit.map(|limit| axis.from_si(limit)), peak)
+        };
+        let limits = axis.position_limits.map(|limit| rounded(axis.from_si(limit)));
+        let [limit_min, limit_max] = limits.map(|limit| axis.limited.then_some(limit));
+        Self {
+            unit: axis.unit(),
+            position: PositionReport {
+                min: peak.position.map(|[min, _]| rounded(axis.from_si(min))),
+                max: peak.position.map(|[_, max]| rounded(axis.from_si(max))),
+                limit_min,
+                limit_max,
+            },
+            velocity: report(&peak.velocity, Some(axis.max_velocity)),
+            acceleration: report(&peak.acceleration, Some(axis.max_acceleration)),
+            jerk: report(&peak.jerk, axis.max_jerk),
+            following_error: peak
+                .following_error
+                .as_ref()
+                .map(|error| report(error, axis.max_following_error)),
+            effort: peak.effort.as_ref().map(|effort| EffortReport {
+                unit: axis.kind.effort_unit(),
+                peak: plain(effort.value, axis.effort_limit(), effort),
+            }),
+        }
+    }
+}
+
+/// What the motor of one axis gave in the simulated machine, at the axis.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct MotorLoadReport {
+    effort_unit: &'static str,
+    peak_effort: f64,
+    rms_effort: f64,
+    /// Largest effort the motor has, if that is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effort_limit: Option<f64>,
+    /// Largest effort against that, %.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    utilisation_percent: Option<f64>,
+    peak_power_w: f64,
+    rms_power_w: f64,
+    driving_energy_j: f64,
+    braking_energy_j: f64,
+    /// Largest losses of the winding, smoothed by its thermal time constant, against those it bears for ever, %.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    warmth_percent: Option<f64>,
+}
+
+impl MotorLoadReport {
+    /// For one axis.
+    pub fn new(axis: &Axis, load: &MotorLoad) -> Self {
+        Self {
+            effort_unit: axis.kind.effort_unit(),
+            peak_effort: rounded(load.peak_effort),
+            rms_effort: rounded(load.rms_effort),
+            effort_limit: axis.effort_limit().map(rounded),
+            utilisation_percent: axis
+                .effort_limit()
+                .map(|limit| rounded(load.peak_effort / limit * 100.0)),
+            peak_power_w: rounded(load.peak_power),
+            rms_power_w: rounded(load.rms_power),
+            driving_energy_j: rounded(load.driving_energy),
+            braking_energy_j: rounded(load.braking_energy),
+            warmth_percent: load.peak_warmth.map(|warmth| rounded(warmth * 100.0)),
+        }
+    }
+}

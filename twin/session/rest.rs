@@ -1,0 +1,89 @@
+//! Where the axes of a run came to rest that was stopped.
+
+use crate::compare::Measured;
+use crate::machine::Machine;
+use crate::report::seconds;
+use crate::setpoint::AxisSetpoint;
+use std::fmt::Write;
+use twin_motion::Place;
+
+/// Where the axes came to rest before the end of the program.
+#[derive(Clone, Debug)]
+pub struct Rest {
+    /// When the user asked for it, if it was the user, ns.
+    pub asked_ns: Option<i64>,
+    /// The first set-point at rest, ns.
+    pub time_ns: i64,
+    /// Its block.
+    pub place: Place,
+    /// Where it is.
+    pub wanted: Measured,
+    /// Where the simulated machine is in the end, unless it has failed.
+    pub twin: Option<Measured>,
+    /// Where the drives were when they were last heard of, and when that was, ns.
+    pub drives: Option<(i64, Measured)>,
+}
+
+impl Rest {
+    /// In words, with the names and units of a machine.
+    pub fn told(&self, machine: &Machine) -> String {
+        let mut told = String::new();
+        let time = seconds(self.time_ns);
+        let place = self.place;
+        // Writing to a string cannot fail.
+        let mut tell = |text: std::fmt::Arguments<'_>| told.write_fmt(text).unwrap_or_default();
+        if let Some(asked_ns) = self.asked_ns {
+            tell(format_args!("the stop was asked for at {:.3} s; ", seconds(asked_ns)));
+        }
+        let at = positions(machine, &self.wanted);
+        match &self.drives {
+            None => tell(format_args!("the axes came to rest at {time:.3} s, {place}: {at}")),
+            Some((heard_ns, drives)) => {
+                tell(format_args!("the set-points came to rest at {time:.3} s, {place}: {at}"));
+                let (heard, at) = (seconds(*heard_ns), positions(machine, drives));
+                tell(format_args!("; the drives were last heard of at {heard:.3} s: {at}"));
+            }
+        }
+        told
+    }
+}
+
+/// Of axes and tool, in words.
+fn positions(machine: &Machine, measured: &Measured) -> String {
+    let axes = machine.axes.iter().zip(measured.axes.iter()).map(|(axis, position)| {
+        format!("{} {:.4} {}", axis.name, axis.from_si(*position), axis.unit())
+    });
+    let [x, y, z] = [measured.tool.x, measured.tool.y, measured.tool.z].map(|value| value * 1e3);
+    format!("{}; tool at X {x:.4} Y {y:.4} Z {z:.4} mm", axes.collect::<Vec<_>>().join(", "))
+}
+
+/// Watches where everything rests.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Resting {
+    /// When the user first asked for a stop.
+    pub(super) asked_ns: Option<i64>,
+    /// The first of the set-points that are where the last one is.
+    setpoint: Option<AxisSetpoint>,
+    /// The simulated machine as it was last seen.
+    pub(super) twin: Option<Measured>,
+    /// The drives as they were last heard of.
+    pub(super) drives: Option<(i64, Measured)>,
+}
+
+impl Resting {
+    /// A set-point is executed.
+    pub(super) fn executed(&mut self, setpoint: &AxisSetpoint) {
+        if self.setpoint.is_none_or(|rests| rests.axes.position != setpoint.axes.position) {
+            self.setpoint = Some(*setpoint);
+        }
+    }
+
+    /// Where everything has come to rest; nowhere if nothing was executed. What stood when it was asked for came to rest then.
+    pub(super) fn rest(self) -> Option<Rest> {
+        let Self { asked_ns, setpoint, twin, drives } = self;
+        let AxisSetpoint { time_ns, place, axes, tool, .. } = setpoint?;
+        let wanted = Measured { axes: axes.position, tool: tool.pose.position };
+        let time_ns = time_ns.max(asked_ns.unwrap_or(i64::MIN));
+        Some(Rest { asked_ns, time_ns, place, wanted, twin, drives })
+    }
+}
