@@ -9,6 +9,7 @@ use crate::number::significant;
 use crate::physics::MotorLoad;
 use crate::program::ProgramFile;
 use crate::session::{OverrideChange, Punctuality};
+use crate::tappet_report::TappetsReport;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use twin_motion::Place;
 
@@ -31,6 +32,9 @@ pub struct CheckReport {
     /// If the machine file names drives and they are wanted.
     #[serde(skip_serializing_if = "Option::is_none")]
     predicted_following: Option<PredictedFollowingReport>,
+    /// If cams with tappets are run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tappets: Option<TappetsReport>,
     findings: Vec<Finding>,
     findings_left_out: u64,
 }
@@ -64,6 +68,7 @@ impl CheckReport {
                 .following
                 .as_ref()
                 .map(|predicted| PredictedFollowingReport::new(machine, predicted)),
+            tappets: TappetsReport::new(&outcome.tappets),
             findings: outcome.findings.clone(),
             findings_left_out: outcome.findings_left_out,
         }

@@ -28,6 +28,7 @@ use crate::plant::PlantRecord;
 use crate::program::{Dialect, ProgramFile};
 use crate::report::{AxisPeak, Peak, seconds};
 use crate::setpoint::{AxisSetpoint, Transformer};
+use crate::tappets::Switched;
 pub use after::{faults_to_come, following_errors, happening, happenings};
 pub use clearance::{ClearanceCsv, ClearancePicture, ClearancePictureError};
 use findings::{About, Findings};
@@ -74,6 +75,8 @@ pub struct Outcome {
     pub clearances: Clearances,
     /// How well the drives will follow; none if that was not asked for, there are none, or the machine cannot take a set-point.
     pub following: Option<PredictedFollowing>,
+    /// What the tappets of cams switch.
+    pub tappets: Switched,
 }
 
 /// Checks a whole program. `progress` is told the bytes read so far.
@@ -132,6 +135,7 @@ fn checked(
     let rules = Acknowledgement::for_check(machine, acknowledge);
     let mut items = Planning::new(machine, program, limits, rules)?;
     let mut countdown = 0u32;
+    let mut switched = Switched::default();
     while let Some(item) = items.next() {
         let setpoint = match item {
             PlanItem::Tool(tool) => checker.tool(&tool),
@@ -142,6 +146,14 @@ fn checked(
             }
             PlanItem::Io(error) => return Err(error.into()),
         };
+        if let Some(setpoint) = &setpoint {
+            let transformer = &checker.transformer;
+            let at = (setpoint.time_ns, setpoint.place);
+            match items.job() {
+                Some(job) => switched.see(setpoint.tappets, at, |signal| job.tappet_master(signal)),
+                None => switched.see(setpoint.tappets, at, |one| transformer.tappet_master(one)),
+            }
+        }
         let Some(setpoint) = setpoint else {
             // There is no plan to follow.
             following = None;
@@ -187,8 +199,16 @@ fn checked(
             checker.findings.add(Some(About::Axis(happening.axis)), finding);
         }
     }
+    (switched.signals, switched.lost) = match items.job() {
+        Some(job) => (job.signals().to_vec(), job.lost_tappets()),
+        None => (checker.transformer.signals().to_vec(), checker.transformer.lost_tappets()),
+    };
+    if switched.lost > 0 {
+        checker.findings.add(None, sentence::lost_tappets(switched.lost));
+    }
     let predicted = following.and_then(FollowingBeside::finish);
     let mut outcome = checker.finish();
+    outcome.tappets = switched;
     if let Some((predicted, findings, left_out)) = predicted {
         outcome.following = Some(predicted);
         outcome.findings.extend(findings);
@@ -386,6 +406,7 @@ impl<'m> Checker<'m> {
             loads: Vec::new(),
             clearances: Clearances::default(),
             following: None,
+            tappets: Switched::default(),
         }
     }
 }

@@ -17,6 +17,7 @@ mod path;
 mod progress;
 mod run;
 mod show;
+mod tappets;
 mod tune;
 mod underline;
 mod view;

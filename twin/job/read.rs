@@ -1,11 +1,12 @@
 //! A job's file.
 
-use super::block::{Called, alone, following};
+use super::block::{Called, alone, following, on_cam};
 use super::{Begins, Call, Job, VirtualAxis, order};
 use crate::machine::section::{Section, parse};
 use crate::machine::{
     AxisKind, CamSelection, CoupledBy, Coupling, Machine, Problem, read_cam, read_ratio,
 };
+use crate::tappets::{MOST_SIGNALS, Tracks};
 use std::path::Path;
 use twin_motion::axis::profile::RampType;
 use twin_motion::axis::{
@@ -84,7 +85,25 @@ impl Reader<'_> {
                 return None;
             }
         };
-        Some(Job { ramp, duration, starts, virtual_axes, calls, order })
+        let tracks = self.tracks(root, &calls)?;
+        Some(Job { ramp, duration, starts, virtual_axes, tracks, calls, order })
+    }
+
+    /// What the tappets of all cams switch.
+    fn tracks(&self, root: &Section<'_>, calls: &[Call]) -> Option<Tracks> {
+        let mut tracks = Tracks::default();
+        for call in calls {
+            let name = self.axes.get(call.axis).map_or("", |axis| &axis.name);
+            for group in call.block.groups() {
+                if !tracks.add(call.axis, name, group) {
+                    let message =
+                        format!("the cams have tappets of more than {MOST_SIGNALS} groups");
+                    root.complain(message);
+                    return None;
+                }
+            }
+        }
+        Some(tracks)
     }
 
     /// Those that are `halted` by the job have to say how hard.
@@ -113,7 +132,7 @@ impl Reader<'_> {
                 }
                 self.axes.push(Known { name: name.to_owned(), kind, max_acceleration });
                 let name = name.to_owned();
-                found.push(VirtualAxis { name, period, max_acceleration, max_jerk, start });
+                found.push(VirtualAxis { name, unit, period, max_acceleration, max_jerk, start });
             }
             section.finish();
         }
@@ -234,7 +253,7 @@ impl Reader<'_> {
                 let (phase_shift, [velocity, acceleration, deceleration]) = (phase_shift?, rates?);
                 following(Phasing { phase_shift, velocity, acceleration, deceleration })
             }
-            Kind::CamIn => following(self.cam_in(of)?),
+            Kind::CamIn => on_cam(self.cam_in(of)?),
         })
     }
 
@@ -375,7 +394,7 @@ fn standing(machine: &Machine, coupling: &Coupling, line: u32) -> Call {
         }
         CoupledBy::Cam(selection) => {
             let CamSelection { table, input } = &**selection;
-            ("MC_CamIn", following(CamIn { table: Some(table.clone()), input: *input }))
+            ("MC_CamIn", on_cam(CamIn { table: Some(table.clone()), input: *input }))
         }
     };
     let (axis, master) = (coupling.axis, Some(coupling.master));

@@ -12,17 +12,17 @@ use crate::settings::ReadSettings;
 use std::path::Path;
 
 /// The axes X, Y and Z of the shipped gantry, in mm.
-fn machine() -> Machine {
+pub(super) fn machine() -> Machine {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
     Machine::load(&path).unwrap()
 }
 
-struct Job {
-    folder: tempfile::TempDir,
-    program: ProgramFile,
+pub(super) struct Job {
+    pub(super) folder: tempfile::TempDir,
+    pub(super) program: ProgramFile,
 }
 
-fn job(text: &str) -> Job {
+pub(super) fn job(text: &str) -> Job {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("job.toml");
     std::fs::write(&path, text).unwrap();
