@@ -42,6 +42,29 @@ impl Called for OnCam {
     }
 }
 
+/// Moves the zero of an axis, not the axis.
+#[derive(Debug)]
+struct SetPosition {
+    position: f64,
+    relative: bool,
+    /// What it has shown since it was called first.
+    shown: Option<Outputs>,
+}
+
+impl Called for SetPosition {
+    fn call(&mut self, _execute: bool, axis: &mut Axis, _master: Option<Master>) -> Outputs {
+        *self.shown.get_or_insert_with(|| {
+            let error = axis.shift_zero(self.position, self.relative).err();
+            Outputs { done: error.is_none(), error, ..Outputs::default() }
+        })
+    }
+}
+
+/// Moves the zero of an axis once, so that it is at `position`, or so much further if that is `relative`.
+pub(super) fn set_position(position: f64, relative: bool) -> Box<dyn Called> {
+    Box::new(SetPosition { position, relative, shown: None })
+}
+
 /// A block whose axis follows a cam.
 pub(super) fn on_cam(inputs: CamIn) -> Box<dyn Called> {
     Box::new(OnCam(Block::new(inputs)))

@@ -126,6 +126,11 @@ impl Engine {
         self.axes.iter().map(|moved| moved.state)
     }
 
+    /// Where the axes are by their own zeros, in the order of their states.
+    pub(super) fn positions(&self) -> impl Iterator<Item = f64> {
+        self.axes.iter().map(|moved| moved.axis.set_position())
+    }
+
     /// Tappets that acted in the last cycle.
     pub(super) fn fired(&self) -> &[Fired] {
         &self.fired
@@ -370,7 +375,11 @@ impl Moved {
         if let Some(period) = self.axis.period() {
             way -= period * (way / period).round();
         }
-        self.shown = command.position;
+        // The drive has given its positions another zero while it stood.
+        self.shown = match command.home {
+            Some(_) => self.drive.feedback().position,
+            None => command.position,
+        };
         self.state = State {
             position: self.state.position + way,
             velocity: command.velocity,

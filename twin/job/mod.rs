@@ -27,7 +27,12 @@
 //! ```
 
 mod block;
+#[cfg(test)]
+mod block_tests;
 mod engine;
+#[cfg(test)]
+mod hostile_tests;
+mod kind;
 mod order;
 mod pace;
 mod read;
@@ -36,6 +41,7 @@ mod stream;
 mod tappet_tests;
 #[cfg(test)]
 mod tests;
+mod values;
 
 pub(crate) use read::read;
 pub(crate) use stream::JobSetpoints;

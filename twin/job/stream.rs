@@ -54,6 +54,8 @@ pub(crate) struct JobSetpoints<'m> {
 #[derive(Clone, Debug, Default)]
 struct Instant {
     states: Vec<State>,
+    /// The same by the zeros of the axes, which blocks may move.
+    positions: Vec<f64>,
     place: Place,
     /// Tappets that acted since the set-point before.
     fired: Vec<Fired>,
@@ -64,7 +66,8 @@ struct Instant {
 impl Instant {
     fn of(engine: &Engine) -> Self {
         let (states, place) = (engine.states().collect(), engine.place());
-        Self { states, place, fired: Vec::new(), time_ns: engine.now_ns() }
+        let positions = engine.positions().collect();
+        Self { states, positions, place, fired: Vec::new(), time_ns: engine.now_ns() }
     }
 }
 
@@ -170,6 +173,8 @@ impl<'m> JobSetpoints<'m> {
             if engine.step()? {
                 self.next.states.clear();
                 self.next.states.extend(engine.states());
+                self.next.positions.clear();
+                self.next.positions.extend(engine.positions());
                 self.next.place = engine.place();
                 self.next.fired.extend_from_slice(engine.fired());
                 self.next.time_ns = engine.now_ns();
@@ -207,7 +212,8 @@ impl<'m> JobSetpoints<'m> {
         let (name, period, unit) = self.masters.get(index)?;
         let [from, to] = [&self.from, &self.to].map(|instant| instant.states.get(index).copied());
         let cycle = seconds(self.machine.cycle_ns);
-        let State { position, .. } = self.pace.between(from?, to?, self.pace.rate(), cycle);
+        let now = self.pace.between(from?, to?, self.pace.rate(), cycle);
+        let position = self.from.positions.get(index)? + now.position - from?.position;
         let position = period.map_or(position, |period| position.rem_euclid(period));
         Some(MasterPlace { axis: name.clone(), position, unit })
     }
