@@ -6,6 +6,7 @@ mod linuxcnc;
 mod machine_axes;
 mod machines;
 mod measures;
+mod own;
 mod scara;
 mod transforms;
 mod views;

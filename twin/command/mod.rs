@@ -9,6 +9,7 @@ mod check;
 mod drive;
 mod emulate;
 mod explain;
+mod findings;
 mod following;
 mod limit;
 mod machine;

@@ -11,21 +11,23 @@ fn gantry(gears: &str) -> Machine {
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
     let text = std::fs::read_to_string(shipped).unwrap();
     let mut machine = Machine::parse(Path::new("gantry3.toml"), &[&text, gears].concat()).unwrap();
-    for (axis, [velocity, acceleration]) in
-        machine.axes.iter_mut().zip([[0.4, 3.0], [0.3, 2.0], [0.06, 0.3]])
-    {
-        axis.max_velocity = velocity;
-        axis.max_acceleration = acceleration;
-        axis.max_jerk = None;
+    for axis in &mut machine.axes {
         axis.simulated.effort_limit = f64::INFINITY;
     }
     machine
 }
 
-const TO_Y: &str =
-    "\n[[gears]]\naxis = \"Y\"\nmaster = \"X\"\nratio_numerator = 3\nratio_denominator = 1\n";
-const TO_Z: &str =
-    "[[gears]]\naxis = \"Z\"\nmaster = \"Y\"\nratio_numerator = -1\nratio_denominator = 5\n";
+/// Y goes so many times as far as X, and Z so many times as far as Y.
+fn gears(y: [u32; 2], z: Option<[u32; 2]>) -> String {
+    let gear = |slave: &str, master: &str, [numerator, denominator]: [u32; 2]| {
+        format!(
+            "\n[[gears]]\naxis = \"{slave}\"\nmaster = \"{master}\"\nratio_numerator = {numerator}\n\
+             ratio_denominator = {denominator}\n"
+        )
+    };
+    let behind = z.map(|ratio| gear("Z", "Y", ratio));
+    [gear("Y", "X", y), behind.unwrap_or_default()].concat()
+}
 
 /// X goes 60 mm; how long that takes, s. Nothing may be found wrong with it.
 fn seconds(machine: &Machine, limits: Limits) -> Result<f64, Vec<String>> {
@@ -52,18 +54,19 @@ fn near(machine: &Machine, expected: f64) {
     assert!((found - expected).abs() <= 0.003 * expected + 2e-3, "{found} s, not {expected} s");
 }
 
-/// Alone X has 400 mm/s and 3000 mm/s²; with Y three times as fast, whose limits are 300 and 2000, it has 100 and 667; with Z at
-/// −3/5 of it behind that, 60 and 300, it is 100 and 500.
+/// X and Y have 400 mm/s and 3000 mm/s², Z has 200 and 2000. With Y three times as fast, X has a third; with Z, behind Y, as fast as
+/// X, it has what Z has.
 #[test]
 fn a_program_is_slowed_to_what_slaves_in_gear_bear() {
     near(&gantry(""), trapezoid(400.0, 3000.0));
-    near(&gantry(TO_Y), trapezoid(100.0, 2000.0 / 3.0));
-    near(&gantry(&[TO_Y, TO_Z].concat()), trapezoid(100.0, 500.0));
+    near(&gantry(&gears([3, 1], None)), trapezoid(400.0 / 3.0, 1000.0));
+    near(&gantry(&gears([1, 2], None)), trapezoid(400.0, 3000.0));
+    near(&gantry(&gears([1, 2], Some([2, 1]))), trapezoid(200.0, 2000.0));
 }
 
 /// The controller's own planning asks X for 1000 mm/s and the slave for three times that, which the check refuses.
 #[test]
 fn otherwise_the_check_refuses_it() {
-    let told = seconds(&gantry(TO_Y), Limits::Softmotion).unwrap_err();
+    let told = seconds(&gantry(&gears([3, 1], None)), Limits::Softmotion).unwrap_err();
     assert!(told.iter().any(|message| message.contains('Y')), "{told:?}");
 }
