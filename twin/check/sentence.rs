@@ -37,7 +37,7 @@ pub(crate) fn no_axes(place: Place, error: &AxesError) -> Finding {
 /// Tappets that had no room in their cycle.
 pub(super) fn lost_tappets(count: u64) -> Finding {
     let message = format!(
-        "{count} tappets did not act: a cam tells {MAX_TRIGGERS} in a cycle (SMC_TappetData), and the master passed more of them"
+        "tappets that did not act: {count}; a cam tells {MAX_TRIGGERS} in a cycle (SMC_TappetData), and the master passed more of them"
     );
     let mut finding = Finding::error(Rule::FunctionBlock, Place { line: 1, block: None }, message);
     finding.severity = Severity::Warning;
