@@ -6,7 +6,6 @@ mod linuxcnc;
 mod machine_axes;
 mod machines;
 mod measures;
-mod own;
 mod scara;
 mod transforms;
 mod views;

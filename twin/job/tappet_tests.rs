@@ -3,7 +3,6 @@
 
 use super::tests::{job, machine};
 use crate::check::{CheckOptions, Outcome, check};
-use crate::finding::Severity;
 use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
 use crate::settings::ReadSettings;
@@ -124,25 +123,6 @@ fn dead_time_is_compensated() {
         (7, false, early(100.1) + 25.2e-3),
     ];
     assert_told(&switched, &expected, |time| 10.0 + 200.0 * (time - 0.1));
-}
-
-/// Four tappets in 0.1 mm, and 0.2 mm in a cycle: a cam tells three of them, and the check that one was lost.
-#[test]
-fn more_than_three_in_a_cycle_are_told() {
-    let job = job(JOB);
-    let (head, _) = CAM.split_once("tappets").unwrap();
-    let tappet = |(group, place): (u8, f64)| {
-        format!("{{ group = {group}, master = {place:?}, action = \"on\" }}")
-    };
-    let tappets = [(1, 50.05), (2, 50.07), (3, 50.09), (4, 50.11)].map(tappet).join(", ");
-    let cam = format!("{head}tappets = [{tappets}]\n");
-    std::fs::write(job.folder.path().join("flat.toml"), cam).unwrap();
-    let found = check(&machine(), &job.program, CheckOptions::default(), &mut |_| {}).unwrap();
-    let on: Vec<_> = told(&found.tappets).iter().map(|(group, ..)| *group).collect();
-    assert_eq!(on, [1, 2, 3]);
-    let messages: Vec<_> = found.findings.iter().map(|one| (one.severity, &one.message)).collect();
-    let [(Severity::Warning, message)] = messages[..] else { panic!("{messages:?}") };
-    assert!(message.starts_with("tappets that did not act: 1;"), "{message}");
 }
 
 /// There and back between 0 and 60 mm: within the band of hysteresis around 50.1 mm the tappet acts once.

@@ -3,7 +3,6 @@
 mod clearance;
 mod motors;
 pub(crate) mod read;
-mod signals;
 mod surroundings;
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
