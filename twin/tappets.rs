@@ -63,7 +63,7 @@ pub struct MasterPlace {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tracks {
     signals: Vec<Signal>,
-    tracks: Vec<Track>,
+    of_signals: Vec<Track>,
     lost: u64,
 }
 
@@ -83,16 +83,16 @@ impl Tracks {
         if self.find(slave, group).is_some() {
             return true;
         }
-        if self.tracks.len() >= MOST_SIGNALS {
+        if self.of_signals.len() >= MOST_SIGNALS {
             return false;
         }
         self.signals.push(Signal { axis: name.to_owned(), group });
-        self.tracks.push(Track { slave, ..Track::default() });
+        self.of_signals.push(Track { slave, ..Track::default() });
         true
     }
 
     fn find(&self, slave: usize, group: i16) -> Option<usize> {
-        let mut both = self.signals.iter().zip(&self.tracks);
+        let mut both = self.signals.iter().zip(&self.of_signals);
         both.position(|(signal, track)| track.slave == slave && signal.group == group)
     }
 
@@ -103,7 +103,7 @@ impl Tracks {
     /// A tappet of the cam between `slave` and `master` acts.
     pub(crate) fn take(&mut self, slave: usize, master: usize, trigger: &Trigger) {
         if let Some(index) = self.find(slave, trigger.group)
-            && let Some(track) = self.tracks.get_mut(index)
+            && let Some(track) = self.of_signals.get_mut(index)
         {
             track.master = Some(master);
             track.bit.take(trigger);
@@ -137,7 +137,7 @@ impl Tracks {
     /// What the signals are at the set-point at `time_ns`.
     pub(crate) fn at(&mut self, time_ns: i64) -> TappetBits {
         let mut bits = TappetBits::default();
-        for (index, track) in self.tracks.iter_mut().enumerate() {
+        for (index, track) in self.of_signals.iter_mut().enumerate() {
             bits.set(index, track.bit.at(time_ns));
         }
         bits
@@ -145,7 +145,7 @@ impl Tracks {
 
     /// The axis whose passage switched the signal `index` last.
     pub(crate) fn master(&self, index: usize) -> Option<usize> {
-        self.tracks.get(index)?.master
+        self.of_signals.get(index)?.master
     }
 }
 

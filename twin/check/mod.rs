@@ -28,7 +28,7 @@ use crate::planning::{PlanItem, Planning};
 use crate::plant::PlantRecord;
 use crate::program::{Dialect, ProgramFile};
 use crate::report::AxisPeak;
-use crate::tappets::Switched;
+use crate::tappets::{Signal, Switched};
 pub use after::{faults_to_come, following_errors, happening, happenings};
 use checker::Checker;
 pub use clearance::{ClearanceCsv, ClearancePicture, ClearancePictureError};
@@ -197,10 +197,7 @@ fn checked(
             checker.findings.add(Some(About::Axis(happening.axis)), finding);
         }
     }
-    (switched.signals, switched.lost) = match items.job() {
-        Some(job) => (job.signals().to_vec(), job.lost_tappets()),
-        None => (checker.transformer.signals().to_vec(), checker.transformer.lost_tappets()),
-    };
+    (switched.signals, switched.lost) = signals(&items, &checker);
     if switched.lost > 0 {
         checker.findings.add(None, sentence::lost_tappets(switched.lost));
     }
@@ -236,4 +233,12 @@ pub(crate) fn is_hidden(stepped: f64, velocities: [f64; 2], at_rest: bool, most:
 
 fn exceeds(value: f64, limit: f64) -> bool {
     value.abs() > limit * (1.0 + ROUNDING)
+}
+
+/// What tappets switch, and how many were lost.
+fn signals(items: &Planning<'_>, checker: &Checker<'_>) -> (Vec<Signal>, u64) {
+    match items.job() {
+        Some(job) => (job.signals().to_vec(), job.lost_tappets()),
+        None => (checker.transformer.signals().to_vec(), checker.transformer.lost_tappets()),
+    }
 }

@@ -54,17 +54,17 @@ pub(super) fn write(out: &mut impl Write, switched: &Switched) -> io::Result<()>
             right(master),
         ]
     };
-    head.iter().for_each(|one| {
+    for one in head {
         table.add_row(row(one));
-    });
+    }
     let shown = head.len() + tail.len();
     let kept = u64::try_from(switches.len() - shown).unwrap_or(u64::MAX);
     let hidden = kept.saturating_add(*left_out);
     if hidden > 0 {
         table.add_row(vec![Cell::new(format!("… {hidden} more"))]);
     }
-    tail.iter().for_each(|one| {
+    for one in tail {
         table.add_row(row(one));
-    });
+    }
     writeln!(out, "{table}")
 }
