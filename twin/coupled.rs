@@ -1,6 +1,7 @@
 //! Axes that follow others by the gears and cams of the machine file, while a program moves the tool.
 
 use crate::machine::{Axis, CamSelection, CoupledBy, Machine};
+use crate::tappets::{MasterPlace, Signal, TappetBits, Tracks};
 use twin_kinematics::{AxisMotion, AxisSource, AxisVector, KinematicsError};
 use twin_motion::cam::{AxisState, CamCoupling, CamTable, CouplingError};
 
@@ -49,6 +50,10 @@ pub(crate) struct Coupled<'m> {
     running: Vec<Running>,
     /// Whether any slave moves the tool.
     moves_tool: bool,
+    tracks: Tracks,
+    tappets: TappetBits,
+    /// Where the masters of the couplings are, in their units.
+    masters: Vec<(usize, f64)>,
 }
 
 /// A coupling and where it has begun.
@@ -69,7 +74,23 @@ impl<'m> Coupled<'m> {
         let moves_tool = machine.couplings.iter().any(|coupling| {
             !matches!(sources.get(coupling.axis), None | Some(AxisSource::Additional(_)))
         });
-        Self { machine, running: Vec::new(), moves_tool }
+        let mut tracks = Tracks::default();
+        for coupling in &machine.couplings {
+            let CoupledBy::Cam(selection) = &coupling.by else { continue };
+            let name = machine.axes.get(coupling.axis).map_or("", |axis| axis.name.as_str());
+            for tappet in selection.table.cam.tappets() {
+                // The machine file has been refused if there are too many.
+                tracks.add(coupling.axis, name, tappet.group);
+            }
+        }
+        Self {
+            machine,
+            running: Vec::new(),
+            moves_tool,
+            tracks,
+            tappets: TappetBits::default(),
+            masters: Vec::new(),
+        }
     }
 
     /// Whether the tool is elsewhere than the program says.
@@ -77,11 +98,35 @@ impl<'m> Coupled<'m> {
         self.moves_tool
     }
 
+    /// What the tappets have switched, as of the last set-point.
+    pub(crate) fn tappets(&self) -> TappetBits {
+        self.tappets
+    }
+
+    /// The signals of the tappets.
+    pub(crate) fn signals(&self) -> &[Signal] {
+        self.tracks.signals()
+    }
+
+    /// Tappets that did not act because there were too many in a cycle.
+    pub(crate) fn lost_tappets(&self) -> u64 {
+        self.tracks.lost()
+    }
+
+    /// Where the master that switched a signal last is, as of the last set-point.
+    pub(crate) fn tappet_master(&self, signal: usize) -> Option<MasterPlace> {
+        let index = self.tracks.master(signal)?;
+        let axis = self.machine.axes.get(index)?;
+        let (_, position) = self.masters.iter().find(|(master, _)| *master == index)?;
+        Some(MasterPlace { axis: axis.name.clone(), position: *position, unit: axis.unit() })
+    }
+
     /// Puts the slaves where their masters have them at `time_ns`.
     ///
     /// # Errors
     /// If the program moves a slave itself, or there is no cam where its master is.
     pub(crate) fn apply(&mut self, axes: &mut AxisMotion, time_ns: i64) -> Result<(), AxesError> {
+        self.masters.clear();
         for (index, coupling) in self.machine.couplings.iter().enumerate() {
             let Some((slave, master)) =
                 self.machine.axes.get(coupling.axis).zip(self.machine.axes.get(coupling.master))
@@ -93,6 +138,7 @@ impl<'m> Coupled<'m> {
             let failed = |source| AxesError::Cam { axis: slave.name.clone(), source };
             // As both show themselves: the cam knows their periods.
             let (shown_lead, shown) = (shown(leads, master), shown(own, slave));
+            self.masters.push((coupling.master, shown_lead.position));
             let begins = index >= self.running.len();
             if begins {
                 let cam = match &coupling.by {
@@ -136,6 +182,8 @@ impl<'m> Coupled<'m> {
                     if !begins {
                         cam.step(&shown_lead, time_ns).map_err(failed)?;
                     }
+                    let pair = (coupling.axis, coupling.master);
+                    self.tracks.take_all(pair, &cam.output().tappets, 0);
                     let slave = cam.output().slave;
                     AxisState { position: slave.position + running.shift, ..slave }
                 }
@@ -143,6 +191,7 @@ impl<'m> Coupled<'m> {
             };
             put(axes, coupling.axis, slave, follows);
         }
+        self.tappets = self.tracks.at(time_ns);
         Ok(())
     }
 

@@ -29,6 +29,8 @@ pub mod setpoint;
 pub mod settings;
 pub mod simulated;
 pub mod startup;
+pub mod tappet_report;
+pub mod tappets;
 pub mod workspace;
 
 mod advice;

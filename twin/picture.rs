@@ -7,6 +7,8 @@ use crate::physics::{ClearanceScan, MotorState};
 use crate::planning::PlanItem;
 use crate::program::{Dialect, ElementItem, Elements, ProgramFile};
 use crate::session::{DriveSample, TwinCycle};
+use crate::setpoint::Transformer;
+use crate::tappets::TappetBits;
 use nalgebra::{Isometry3, Point3};
 use std::collections::VecDeque;
 use twin_kinematics::AxisVector;
@@ -46,6 +48,8 @@ pub struct Picture<'m> {
     next_ns: i64,
     /// Along the path, and programmed, at the last cycle taken.
     speed: (f64, Option<f64>),
+    /// What tappets had switched on in the last cycle taken, and in the last shown.
+    tappets: [TappetBits; 2],
     failure: Option<VizError>,
     poses: Vec<Isometry3<f64>>,
 }
@@ -61,6 +65,7 @@ struct Instant {
     twin: Measured,
     /// What the motors of the twin do.
     motors: Vec<MotorFrame>,
+    tappets: TappetBits,
 }
 
 impl<'m> Picture<'m> {
@@ -84,6 +89,7 @@ impl<'m> Picture<'m> {
             has_drives: drives.is_some(),
             next_ns: 0,
             speed: (0.0, None),
+            tappets: [TappetBits::default(); 2],
             failure: None,
             poses: machine.model.link_poses(start),
         };
@@ -119,9 +125,12 @@ impl<'m> Picture<'m> {
             drives,
         };
         let mut scene = Scene::open(options, &setup)?;
+        let mut signals = Transformer::new(machine).signals().to_vec();
         if program.dialect() == Dialect::Job {
+            signals = JobSetpoints::open(machine, program)?.signals().to_vec();
             show_job(machine, &mut scene, program)?;
         }
+        scene.signals(&signals.iter().map(ToString::to_string).collect::<Vec<_>>());
         show_path(machine, &mut scene, program.elements(&machine.conditions)?, |kind| kind)?;
         if program.is_changed_by_preparation(&machine.conditions)? {
             let prepared = program.prepared(&machine.conditions)?;
@@ -139,7 +148,10 @@ impl<'m> Picture<'m> {
     /// One cycle of the twin.
     pub fn twin(&mut self, cycle: &TwinCycle<'_>) {
         let time_ns = cycle.setpoint.time_ns;
-        if self.scene.is_none() || time_ns < self.next_ns {
+        let tappets = cycle.setpoint.tappets;
+        // Nothing that is switched is left out.
+        let is_new = std::mem::replace(&mut self.tappets[0], tappets) != tappets;
+        if self.scene.is_none() || (time_ns < self.next_ns && !is_new) {
             return;
         }
         self.next_ns = time_ns + INTERVAL_NS;
@@ -152,6 +164,7 @@ impl<'m> Picture<'m> {
             wanted: *cycle.wanted,
             twin: *cycle.twin,
             motors: cycle.motors.iter().map(motor_frame).collect(),
+            tappets,
         });
         self.show_before(if self.has_drives { time_ns - PATIENCE_NS } else { i64::MAX });
     }
@@ -183,6 +196,7 @@ impl<'m> Picture<'m> {
             twin: *sample.twin,
             // Known of cycles only; those between the samples are shown.
             motors: Vec::new(),
+            tappets: self.tappets[1],
         };
         self.show(&instant, Some(sample.drives));
     }
@@ -209,6 +223,13 @@ impl<'m> Picture<'m> {
 
     fn show(&mut self, instant: &Instant, drives: Option<&Measured>) {
         let Some(scene) = &mut self.scene else { return };
+        let before = std::mem::replace(&mut self.tappets[1], instant.tappets);
+        for (signal, on) in instant.tappets.changed(before) {
+            let at = (instant.time_ns, instant.line);
+            if let Err(error) = scene.switched(at, &instant.wanted.tool, signal, on) {
+                self.failure.get_or_insert(error);
+            }
+        }
         self.machine.model.link_poses_into(&instant.twin.axes, &mut self.poses);
         let Instant { wanted, twin, .. } = instant;
         let twin_errors = differences(&twin.axes, &wanted.axes);

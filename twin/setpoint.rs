@@ -3,6 +3,7 @@
 use crate::coupled::{AxesError, Coupled};
 use crate::m_function::MCall;
 use crate::machine::Machine;
+use crate::tappets::{MasterPlace, Signal, TappetBits};
 use twin_kinematics::{AxisMotion, AxisSource, AxisVector, Kinematics, Pose, ToolMotion};
 use twin_motion::Place;
 use twin_motion::interpolate::ToolSetpoint;
@@ -26,6 +27,8 @@ pub struct AxisSetpoint {
     pub feed: Option<f64>,
     /// Whether the tool is on its way to touch something.
     pub probing: bool,
+    /// What the tappets of cams have switched on, in the order of the program's signals.
+    pub tappets: TappetBits,
 }
 
 /// How long drives that follow late may need behind the last set-point, ns.
@@ -63,6 +66,21 @@ impl<'m> Transformer<'m> {
         let has_additional = sources.any(|source| matches!(source, AxisSource::Additional(_)));
         let coupled = Coupled::new(machine);
         Self { machine, near: machine.middle(), has_additional, coupled }
+    }
+
+    /// What tappets switch: the bits of the set-points in their order.
+    pub(crate) fn signals(&self) -> &[Signal] {
+        self.coupled.signals()
+    }
+
+    /// Where the master that switched a signal last is at the last set-point.
+    pub(crate) fn tappet_master(&self, signal: usize) -> Option<MasterPlace> {
+        self.coupled.tappet_master(signal)
+    }
+
+    /// Tappets that did not act because there were too many in a cycle.
+    pub(crate) fn lost_tappets(&self) -> u64 {
+        self.coupled.lost_tappets()
     }
 
     /// The additional axes go where the program says, in their technical unit: degrees or mm.
@@ -119,6 +137,7 @@ impl<'m> Transformer<'m> {
             path_velocity: tool.path_velocity,
             feed: (!tool.rapid).then_some(tool.feed),
             probing: tool.probing,
+            tappets: self.coupled.tappets(),
         })
     }
 }

@@ -1,7 +1,7 @@
 //! The layout of the page: what is where, so that nobody has to arrange anything to see the comparison.
 //!
 //! Left, large: the machine with the programmed path and the trails; below it the surroundings of the tool, much
-//! enlarged, the program and the names. Right: tool error, axis errors, clearance where it is measured, speed; in a tab
+//! enlarged, the program and the names. Right: tool error, axis errors, clearance where it is measured, signals that are switched, speed; in a tab
 //! behind them, where it is known, what the motors do. A layout is a small recording of its own, which rerun calls a
 //! blueprint; its Rust interface does not reach cameras and time ranges, so its archetypes are logged here one by one.
 
@@ -37,6 +37,8 @@ pub(crate) struct Layout {
     pub(crate) motors: Vec<MotorPlot>,
     /// How near the machine comes to what it must not touch is known.
     pub(crate) has_clearance: bool,
+    /// Signals are switched along the way.
+    pub(crate) has_signals: bool,
     /// Height of what the close-up shows, m.
     pub(crate) close_up: f64,
 }
@@ -168,6 +170,10 @@ impl Page {
             plots.push(self.plot("Clearance (mm)", "clearance")?);
             shares.push(1.0);
         }
+        if layout.has_signals {
+            plots.push(self.plot("Switched (low: off, high: on)", "switched")?);
+            shares.push(0.75);
+        }
         plots.push(self.plot("Speed along the path (mm/s)", "speed")?);
         shares.push(0.75);
         let errors = self.column(&plots, &shares)?;
@@ -268,7 +274,7 @@ impl Page {
                 end: datatypes::TimeRangeBoundary::AT_CURSOR,
             },
         };
-        for trail in ["set-point", "twin", "drives"] {
+        for trail in ["set-point", "twin", "drives", "switched"] {
             let path = format!("{}/ViewContents/overrides/trail/{trail}/visualizers", view.path());
             self.stream.log(path, &layout::VisibleTimeRanges::new([range.clone()]))?;
         }

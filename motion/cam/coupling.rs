@@ -136,6 +136,8 @@ pub struct CamCoupling {
     start_ns: i64,
     now_ns: i64,
     x: f64,
+    /// Where tappets were looked for last, on the scale of the cam.
+    looked: f64,
     passes: f64,
     ended: bool,
     output: Coupled,
@@ -192,6 +194,7 @@ impl CamCoupling {
             start_ns: now_ns,
             now_ns,
             x,
+            looked: x + master.velocity * input.master_scaling * input.tappet_dead_time_s,
             passes,
             ended: false,
             output,
@@ -268,7 +271,9 @@ impl CamCoupling {
         self.x = (position + self.master_shift) * master_scaling + master_offset;
         self.now_ns = now_ns;
         self.output.end_of_profile = self.passes_end(from);
-        let step = Move { from, to: self.x, from_ns, to_ns: now_ns };
+        let ahead = master.velocity * master_scaling * self.input.tappet_dead_time_s;
+        let looked = std::mem::replace(&mut self.looked, self.x + ahead);
+        let step = Move { from: looked, to: self.looked, from_ns, to_ns: now_ns };
         let mut tappets = TappetData { now_ns, ..TappetData::default() };
         let mut found = self.watch.passed(&step);
         for slot in &mut tappets.triggers {

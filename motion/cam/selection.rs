@@ -74,6 +74,9 @@ pub struct CamInput {
     pub deceleration: f64,
     /// `TappetHysteresis`, u of the cam.
     pub tappet_hysteresis: f64,
+    /// Tappets are looked for where the master will be this much later, s: what `SMC_CAMRegister` has as
+    /// `DeadTimeCompensation`; `MC_CamIn` itself has no such input.
+    pub tappet_dead_time_s: f64,
 }
 
 impl Default for CamInput {
@@ -88,6 +91,7 @@ impl Default for CamInput {
             acceleration: 0.0,
             deceleration: 0.0,
             tappet_hysteresis: 0.0,
+            tappet_dead_time_s: 0.0,
         }
     }
 }
@@ -121,6 +125,7 @@ impl CamInput {
             ("Acceleration", self.acceleration),
             ("Deceleration", self.deceleration),
             ("TappetHysteresis", self.tappet_hysteresis),
+            ("DeadTimeCompensation", self.tappet_dead_time_s),
         ] {
             if !value.is_finite() {
                 return Err(CouplingError::NotFinite { what, value });

@@ -134,6 +134,74 @@ fn a_gear_of_the_machine_file_holds_in_programs() {
     assert!(done.stdout.contains("Z follows X in gear, -1 : 10"), "{}", done.stdout);
 }
 
+/// X follows a shaft of 360°/s, which is up to speed after half a second and 90°; its tappets at 100.2° and 190.2° switch an output
+/// on and off, every turn: 0.5 s + (100.2° − 90°) / 360°/s, and a quarter of a second later. In 3 s there are three turns less 90°.
+#[test]
+fn tappets_of_a_job_are_told() {
+    let desk = desk(360.0);
+    let tappets = "tappets = [{ group = 4, master = 100.2, action = \"on\" }, { group = 4, master = 190.2, action = \"off\" }]\n";
+    desk.write("lift.toml", &format!("{LIFT}{tappets}"));
+    let done = desk.twin(&["check", "job.toml", "--machine", "machine.toml", "--format", "json"]);
+    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
+    let report: serde_json::Value = serde_json::from_str(&done.stdout).expect("an object");
+    let tappets = &report["tappets"];
+    assert_eq!(tappets["signals"][0]["axis"], "X");
+    assert_eq!(tappets["signals"][0]["group"], 4);
+    assert_eq!(tappets["signals"][0]["switched"], 6);
+    let switches = tappets["switches"].as_array().expect("switches");
+    assert_eq!(switches.len(), 6);
+    for (index, one) in (0_u8..).zip(switches) {
+        let on = index % 2 == 0;
+        let turn = f64::from(index / 2);
+        let angle = if on { 100.2 } else { 190.2 };
+        let passes = 0.5 + turn + (angle - 90.0) / 360.0;
+        assert_eq!(one["on"], on);
+        // Blocks begin behind each other, a cycle each; the switching is seen within a cycle.
+        let late = number(&one["time_s"]) - passes;
+        assert!((0.0..0.006).contains(&late), "{one}: {late}");
+        assert_eq!(one["master"]["axis"], "shaft");
+        assert!((number(&one["master"]["position"]) - angle).abs() < 0.37, "{one}");
+    }
+    let done = desk.twin(&["check", "job.toml", "--machine", "machine.toml"]);
+    assert!(done.stdout.contains("tappet 4 of X"), "{}", done.stdout);
+    // The view has marks and a line.
+    let run =
+        ["run", "job.toml", "--machine", "machine.toml", "--drives", "none", "--record", "r.rrd"];
+    let done = desk.twin(&run);
+    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
+    let chunks = crate::recording::chunks(&desk);
+    assert!(crate::recording::entities(&chunks).contains("/trail/switched"));
+    let line = crate::recording::series(&chunks, "switched/0");
+    let rises = line.windows(2).filter(|pair| pair[0].1 < 0.5 && pair[1].1 > 0.5).count();
+    let falls = line.windows(2).filter(|pair| pair[0].1 > 0.5 && pair[1].1 < 0.5).count();
+    assert_eq!((rises, falls), (3, 3));
+}
+
+/// A gear of 3 : 1 leaves X a third of what Y bears; of cams nothing is known.
+#[test]
+fn limited_programs_know_slaves_in_gear() {
+    let desk = Desk::new();
+    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
+    let gear = "\n[[gears]]\naxis = \"Y\"\nmaster = \"X\"\nratio_numerator = 3\n";
+    desk.write("machine.toml", &format!("{machine}{gear}"));
+    desk.write("along.cnc", "% along\nN10 G1 X60 F1000 E9000 E-9000\n");
+    let done = desk.twin(&["limit", "along.cnc", "--machine", "machine.toml"]);
+    done.ended(0, "");
+    let check = ["check", "along.cnc", "--machine", "machine.toml", "--format", "json"];
+    let done = desk.twin(&[&check[..], &["--limits", "axes"]].concat());
+    assert_eq!(done.status, Some(0), "{}\n{}", done.stdout, done.stderr);
+    let report: serde_json::Value = serde_json::from_str(&done.stdout).expect("an object");
+    let peak = |axis: &str| number(&report["peak"][axis]["velocity"]["value"]);
+    assert!((peak("Y") - 3.0 * peak("X")).abs() < 1e-6, "{report}");
+    let limit = number(&report["peak"]["Y"]["velocity"]["limit"]);
+    assert!(peak("Y") > 0.95 * limit && peak("Y") < 1.001 * limit, "{report}");
+    let cam = "\n[[cams]]\naxis = \"Y\"\nmaster = \"X\"\ncam = \"lift.toml\"\n";
+    desk.write("lift.toml", LIFT);
+    desk.write("machine.toml", &format!("{machine}{cam}"));
+    let done = desk.twin(&["limit", "along.cnc", "--machine", "machine.toml"]);
+    done.ended(2, "do not know the limits of slaves of cams");
+}
+
 #[test]
 fn what_is_about_paths_refuses_jobs() {
     let desk = desk(90.0);

@@ -219,6 +219,8 @@ fn coupling(section: &Section<'_>) -> Option<Coupling> {
         acceleration: least("acceleration")?,
         deceleration: least("deceleration")?,
         tappet_hysteresis: least("tappet_hysteresis")?,
+        // Of the file it stands beside these inputs.
+        tappet_dead_time_s: 0.0,
     };
     for (key, value) in
         [("master_scaling", input.master_scaling), ("slave_scaling", input.slave_scaling)]

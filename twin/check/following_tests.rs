@@ -8,6 +8,7 @@ use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
 use crate::setpoint::AxisSetpoint;
 use crate::settings::ReadSettings;
+use crate::tappets::TappetBits;
 use nalgebra::Point3;
 use std::collections::VecDeque;
 use std::path::Path;
@@ -87,6 +88,7 @@ fn a_late_device_is_speed_times_delay_behind() {
             path_velocity: speed,
             feed: None,
             probing: false,
+            tappets: TappetBits::default(),
         });
     }
     let (predicted, findings) = follower.finish();

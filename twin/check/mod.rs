@@ -1,6 +1,7 @@
 //! Validates a program on the virtual machine: everything that must be known before anything moves.
 
 mod after;
+mod checker;
 mod clearance;
 #[cfg(test)]
 mod direction_tests;
@@ -21,25 +22,23 @@ mod way_tests;
 use crate::finding::{self, Finding};
 use crate::limit::Limits;
 use crate::m_function::Acknowledgement;
-use crate::machine::{DirectionRule, Machine};
+use crate::machine::Machine;
 use crate::physics::MotorLoad;
 use crate::planning::{PlanItem, Planning};
 use crate::plant::PlantRecord;
 use crate::program::{Dialect, ProgramFile};
-use crate::report::{AxisPeak, Peak, seconds};
-use crate::setpoint::{AxisSetpoint, Transformer};
+use crate::report::AxisPeak;
+use crate::tappets::{Signal, Switched};
 pub use after::{faults_to_come, following_errors, happening, happenings};
+use checker::Checker;
 pub use clearance::{ClearanceCsv, ClearancePicture, ClearancePictureError};
-use findings::{About, Findings};
+use findings::About;
 use following::FollowingBeside;
 pub use following::{PredictedFollowing, PredictedTraffic, wire_rates};
-use instant::Instant;
 pub use options::{CheckFailure, CheckOptions};
 use rehearsal::Rehearsal;
 pub(crate) use sentence::{beyond_position, no_axes, unreachable};
-use twin_kinematics::{AxisSource, AxisVector, Kinematics};
-use twin_motion::interpolate::ToolSetpoint;
-use twin_motion::path::EXTRA_AXES;
+use twin_kinematics::AxisVector;
 use way::Way;
 pub use way::{BlockClearance, Clearances};
 
@@ -74,6 +73,8 @@ pub struct Outcome {
     pub clearances: Clearances,
     /// How well the drives will follow; none if that was not asked for, there are none, or the machine cannot take a set-point.
     pub following: Option<PredictedFollowing>,
+    /// What the tappets of cams switch.
+    pub tappets: Switched,
 }
 
 /// Checks a whole program. `progress` is told the bytes read so far.
@@ -132,6 +133,7 @@ fn checked(
     let rules = Acknowledgement::for_check(machine, acknowledge);
     let mut items = Planning::new(machine, program, limits, rules)?;
     let mut countdown = 0u32;
+    let mut switched = Switched::default();
     while let Some(item) = items.next() {
         let setpoint = match item {
             PlanItem::Tool(tool) => checker.tool(&tool),
@@ -142,6 +144,14 @@ fn checked(
             }
             PlanItem::Io(error) => return Err(error.into()),
         };
+        if let Some(setpoint) = &setpoint {
+            let transformer = &checker.transformer;
+            let at = (setpoint.time_ns, setpoint.place);
+            match items.job() {
+                Some(job) => switched.see(setpoint.tappets, at, |signal| job.tappet_master(signal)),
+                None => switched.see(setpoint.tappets, at, |one| transformer.tappet_master(one)),
+            }
+        }
         let Some(setpoint) = setpoint else {
             // There is no plan to follow.
             following = None;
@@ -187,8 +197,13 @@ fn checked(
             checker.findings.add(Some(About::Axis(happening.axis)), finding);
         }
     }
+    (switched.signals, switched.lost) = signals(&items, &checker);
+    if switched.lost > 0 {
+        checker.findings.add(None, sentence::lost_tappets(switched.lost));
+    }
     let predicted = following.and_then(FollowingBeside::finish);
     let mut outcome = checker.finish();
+    outcome.tappets = switched;
     if let Some((predicted, findings, left_out)) = predicted {
         outcome.following = Some(predicted);
         outcome.findings.extend(findings);
@@ -208,194 +223,6 @@ fn checked(
     Ok(outcome)
 }
 
-/// Looks at every set-point.
-#[derive(Debug)]
-struct Checker<'m> {
-    machine: &'m Machine,
-    transformer: Transformer<'m>,
-    /// How fast rapids are that the machine file and not the program says, m/s.
-    rapids: Option<f64>,
-    /// By which factors limits of velocity, acceleration and jerk may be exceeded.
-    slack: [f64; 3],
-    findings: Findings,
-    peaks: Vec<AxisPeak>,
-    last: Option<AxisSetpoint>,
-    start: Option<AxisVector>,
-    duration_ns: i64,
-    /// Axes that follow blocks, gears or cams, and no path.
-    free: Vec<bool>,
-    /// Additional axes that the machine does not have, each told once.
-    told_missing: [bool; EXTRA_AXES.len()],
-}
-
-impl<'m> Checker<'m> {
-    fn new(machine: &'m Machine, rapids: Option<f64>, slack: [f64; 3], is_job: bool) -> Self {
-        Self {
-            rapids,
-            machine,
-            transformer: Transformer::new(machine),
-            slack,
-            findings: Findings::default(),
-            peaks: vec![AxisPeak::default(); machine.axes.len()],
-            last: None,
-            start: None,
-            duration_ns: 0,
-            free: free_axes(machine, is_job),
-            told_missing: [false; EXTRA_AXES.len()],
-        }
-    }
-
-    /// `None` if the machine cannot take this set-point.
-    fn tool(&mut self, tool: &ToolSetpoint) -> Option<AxisSetpoint> {
-        self.duration_ns = tool.time_ns;
-        for (number, letter) in (0..).zip(EXTRA_AXES) {
-            let moves = tool.extra.velocity.get(usize::from(number)).is_some_and(|v| *v != 0.0);
-            let source = AxisSource::Additional(number);
-            let told = self.told_missing.get_mut(usize::from(number));
-            if moves
-                && !self.machine.kinematics.sources().contains(&source)
-                && self.machine.direction.additional() != Some(number)
-                && told.is_some_and(|told| !std::mem::replace(told, true))
-            {
-                self.findings.add(None, sentence::no_additional_axis(tool.place, letter));
-            }
-        }
-        match self.transformer.axes(tool, None) {
-            Ok(setpoint) => Some(*self.axes(&setpoint)),
-            Err(error) => {
-                self.findings.add(None, no_axes(tool.place, &error));
-                self.last = None;
-                None
-            }
-        }
-    }
-
-    /// Looks at a set-point of the axes, and hands it back.
-    fn axes<'s>(&mut self, setpoint: &'s AxisSetpoint) -> &'s AxisSetpoint {
-        self.duration_ns = setpoint.time_ns;
-        let last = self.last.replace(*setpoint);
-        self.start.get_or_insert(setpoint.axes.position);
-        let machine = self.machine;
-        let [faster, harder, jerkier] = self.slack;
-        let cycle = seconds(machine.cycle_ns);
-        let with_path = matches!(machine.direction, DirectionRule::Path(..));
-        for (index, (axis, peak)) in machine.axes.iter().zip(&mut self.peaks).enumerate() {
-            let now = Instant::of(setpoint, index);
-            let turns = with_path && machine.kinematics.is_rotary(index);
-            let before = last.as_ref().map(|last| Instant::of(last, index));
-            let rapids = self.rapids;
-            let mut report = |mut finding: Finding| {
-                if setpoint.feed.is_none()
-                    && let Some(velocity) = rapids
-                {
-                    finding.hint = Some(sentence::rapid_hint(velocity));
-                }
-                self.findings.add(Some(About::Axis(index)), finding);
-            };
-            let [low, high] = peak.position.unwrap_or([now.position; 2]);
-            peak.position = Some([low.min(now.position), high.max(now.position)]);
-            if let Some(finding) = sentence::beyond_position(axis, setpoint.place, now.position) {
-                report(finding);
-            }
-
-            let limit = axis.max_velocity;
-            peak.velocity.include(now.velocity, setpoint.place);
-            if exceeds(now.velocity, faster * limit) {
-                let mut finding = sentence::too_fast(axis, setpoint.place, now.velocity);
-                finding.largest_feed_mm_per_s = now.feed_for_velocity(before.as_ref(), limit);
-                report(finding);
-            }
-            let limit = axis.max_acceleration;
-            peak.acceleration.include(now.acceleration, setpoint.place);
-            if exceeds(now.acceleration, harder * limit) {
-                let mut finding = sentence::too_hard(axis, setpoint.place, now.acceleration);
-                finding.largest_feed_mm_per_s = now.feed_for_acceleration(before.as_ref(), limit);
-                report(finding);
-            }
-
-            let Some(before) = before else { continue };
-            // What only the difference between cycles shows belongs to the block of the cycle in which it happens, which the
-            // set-point before began.
-            let stepped = (now.position - before.position) / cycle;
-            let at_rest = now.path_velocity <= 0.0 && before.path_velocity <= 0.0;
-            let most = faster * axis.max_velocity;
-            let told = exceeds(now.velocity, most) || exceeds(before.velocity, most);
-            if is_hidden(stepped, [now.velocity, before.velocity], at_rest, most) {
-                peak.velocity.include(stepped, before.place);
-                if exceeds(stepped, most) {
-                    report(sentence::too_fast(axis, before.place, stepped));
-                }
-            }
-            // A tool that turns with the path turns at once where that has a corner too small to stop at. Neither velocity
-            // says so, only the position.
-            // An axis that follows no path may step as well.
-            let free = self.free.get(index).copied().unwrap_or_default();
-            let jump = now.jump(&before, cycle, free);
-            if (turns || free)
-                && !told
-                && (free || !at_rest)
-                && !exceeds(stepped, most)
-                && !exceeds(now.acceleration, harder * limit)
-                && exceeds(jump, harder * limit)
-            {
-                peak.acceleration.include(jump, before.place);
-                report(sentence::too_hard(axis, before.place, jump));
-            }
-            let jerk = (now.acceleration - before.acceleration) / cycle;
-            // An acceleration that comes up is of this block, one that ends of the one before.
-            let rises = now.acceleration.abs() >= before.acceleration.abs();
-            let place = if rises { now.place } else { before.place };
-            peak.jerk.include(jerk, place);
-            if let Some(limit) = axis.max_jerk.filter(|limit| exceeds(jerk, jerkier * *limit)) {
-                report(sentence::too_jerky(axis, place, jerk, limit));
-            }
-        }
-        setpoint
-    }
-
-    /// Compares the simulated machine with its set-point.
-    fn following(&mut self, setpoint: &AxisSetpoint, actual: &AxisVector) {
-        let pairs = setpoint.axes.position.iter().zip(actual.iter());
-        let axes = self.machine.axes.iter().zip(&mut self.peaks);
-        for (index, ((axis, peak), (wanted, actual))) in axes.zip(pairs).enumerate() {
-            let error = (actual - wanted).abs();
-            peak.following_error.get_or_insert(Peak::default()).include(error, setpoint.place);
-            if let Some(finding) = sentence::ran_away(axis, setpoint.place, *wanted, *actual) {
-                self.findings.add(Some(About::Axis(index)), finding);
-            }
-            if let Some(limit) = axis.max_following_error.filter(|limit| exceeds(error, *limit)) {
-                let finding = sentence::too_far(axis, setpoint.place, error, limit);
-                self.findings.add(Some(About::Axis(index)), finding);
-            }
-        }
-    }
-
-    fn finish(self) -> Outcome {
-        let (mut findings, findings_left_out) = self.findings.into_list();
-        sentence::leave_out_consequences(&mut findings);
-        sentence::leave_out_nearness(&mut findings);
-        finding::sort(&mut findings);
-        Outcome {
-            elements: 0,
-            length: 0.0,
-            duration_ns: self.duration_ns,
-            peaks: self.peaks,
-            findings,
-            findings_left_out,
-            start: self.start,
-            loads: Vec::new(),
-            clearances: Clearances::default(),
-            following: None,
-        }
-    }
-}
-
-/// Which axes follow no path: all of a job, and the slaves of the machine's gears and cams.
-fn free_axes(machine: &Machine, is_job: bool) -> Vec<bool> {
-    let slave = |index| machine.couplings.iter().any(|coupling| coupling.axis == index);
-    (0..machine.axes.len()).map(|index| is_job || slave(index)).collect()
-}
-
 /// Whether the velocity `stepped`, by the difference of two cycles, is told by nothing else. A jump of the set-point (G92, or the
 /// direction of the tool at a corner) has no velocity of its own: neither of the `velocities` then is beyond `most`, or the path
 /// rests at both ends.
@@ -406,4 +233,12 @@ pub(crate) fn is_hidden(stepped: f64, velocities: [f64; 2], at_rest: bool, most:
 
 fn exceeds(value: f64, limit: f64) -> bool {
     value.abs() > limit * (1.0 + ROUNDING)
+}
+
+/// What tappets switch, and how many were lost.
+fn signals(items: &Planning<'_>, checker: &Checker<'_>) -> (Vec<Signal>, u64) {
+    match items.job() {
+        Some(job) => (job.signals().to_vec(), job.lost_tappets()),
+        None => (checker.transformer.signals().to_vec(), checker.transformer.lost_tappets()),
+    }
 }

@@ -12,6 +12,7 @@ use crate::report::seconds;
 use std::collections::BTreeSet;
 use twin_kinematics::{Kinematics, KinematicsError};
 use twin_motion::Place;
+use twin_motion::cam::MAX_TRIGGERS;
 
 /// An axis that is farther than this from where it is sent, m or rad, beyond its software limits, is not only following behind.
 const RUN_AWAY: f64 = 2e-3;
@@ -31,6 +32,16 @@ pub(crate) fn no_axes(place: Place, error: &AxesError) -> Finding {
             finding
         }
     }
+}
+
+/// Tappets that had no room in their cycle.
+pub(super) fn lost_tappets(count: u64) -> Finding {
+    let message = format!(
+        "tappets that did not act: {count}; a cam tells {MAX_TRIGGERS} in a cycle (SMC_TappetData), and the master passed more of them"
+    );
+    let mut finding = Finding::error(Rule::FunctionBlock, Place { line: 1, block: None }, message);
+    finding.severity = Severity::Warning;
+    finding
 }
 
 /// A set-point that the kinematics refuses.

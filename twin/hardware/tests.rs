@@ -12,6 +12,7 @@ use crate::clock::Clock;
 use crate::machine::Machine;
 use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::AxisSetpoint;
+use crate::tappets::TappetBits;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -235,6 +236,7 @@ fn setpoint(cycle: i64, x: f64, velocity: f64) -> AxisSetpoint {
         path_velocity: 0.0,
         feed: None,
         probing: false,
+        tappets: TappetBits::default(),
     }
 }
 

@@ -10,6 +10,7 @@ use crate::report::AxisPeak;
 use crate::setpoint::AxisSetpoint;
 use crate::settings::ReadSettings;
 use crate::simulated::Simulated;
+use crate::tappets::TappetBits;
 use nalgebra::Point3;
 use std::collections::VecDeque;
 use std::path::Path;
@@ -93,6 +94,7 @@ fn setpoints(machine: &Machine, speed: f64, rate: f64) -> VecDeque<AxisSetpoint>
             path_velocity: velocity,
             feed: None,
             probing: false,
+            tappets: TappetBits::default(),
         });
         time_ns += machine.cycle_ns;
     }

@@ -1,12 +1,84 @@
 //! Blocks of any kind behind one interface.
 
 use std::fmt;
-use twin_motion::axis::{Axis, Block, Master, Motion, MoveSuperImposed, Outputs};
+use twin_motion::axis::{Axis, Block, CamIn, Master, Motion, MoveSuperImposed, Outputs};
+use twin_motion::cam::{TappetData, Trigger};
 
 /// A block, called once a cycle.
 pub(super) trait Called: fmt::Debug + Send {
     /// Calls it with Execute, the axis it moves and the one it follows.
     fn call(&mut self, execute: bool, axis: &mut Axis, master: Option<Master>) -> Outputs;
+
+    /// Groups of the tappets that it may switch.
+    fn groups(&self) -> Vec<i16> {
+        Vec::new()
+    }
+
+    /// What its tappets did in the last call.
+    fn tappets(&self) -> Option<&TappetData> {
+        None
+    }
+}
+
+/// A block whose axis follows a cam.
+#[derive(Debug)]
+struct OnCam(Block<CamIn>);
+
+impl Called for OnCam {
+    fn call(&mut self, execute: bool, axis: &mut Axis, master: Option<Master>) -> Outputs {
+        match master {
+            Some(master) => self.0.call_with(execute, axis, master),
+            None => Outputs::default(),
+        }
+    }
+
+    fn groups(&self) -> Vec<i16> {
+        let cam = self.0.inputs.table.as_ref().map(|table| &table.cam);
+        cam.into_iter().flat_map(|cam| cam.tappets()).map(|tappet| tappet.group).collect()
+    }
+
+    fn tappets(&self) -> Option<&TappetData> {
+        self.0.running().map(|run| &run.coupling().output().tappets)
+    }
+}
+
+/// Moves the zero of an axis, not the axis.
+#[derive(Debug)]
+struct SetPosition {
+    position: f64,
+    relative: bool,
+    /// What it has shown since it was called first.
+    shown: Option<Outputs>,
+}
+
+impl Called for SetPosition {
+    fn call(&mut self, _execute: bool, axis: &mut Axis, _master: Option<Master>) -> Outputs {
+        *self.shown.get_or_insert_with(|| {
+            let error = axis.shift_zero(self.position, self.relative).err();
+            Outputs { done: error.is_none(), error, ..Outputs::default() }
+        })
+    }
+}
+
+/// Moves the zero of an axis once, so that it is at `position`, or so much further if that is `relative`.
+pub(super) fn set_position(position: f64, relative: bool) -> Box<dyn Called> {
+    Box::new(SetPosition { position, relative, shown: None })
+}
+
+/// A block whose axis follows a cam.
+pub(super) fn on_cam(inputs: CamIn) -> Box<dyn Called> {
+    Box::new(OnCam(Block::new(inputs)))
+}
+
+/// A tappet that has acted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Fired {
+    /// The axis on the cam.
+    pub(super) slave: usize,
+    /// The one it follows.
+    pub(super) master: usize,
+    /// What it does; its time is that of the job.
+    pub(super) trigger: Trigger,
 }
 
 /// A block that moves an axis by itself.

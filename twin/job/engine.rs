@@ -1,5 +1,6 @@
 //! The controller of a job: its axes and blocks, cycle by cycle.
 
+use super::block::Fired;
 use super::read::LONGEST;
 use super::{Begins, Call, Job};
 use crate::finding::{Finding, Rule};
@@ -10,6 +11,7 @@ use twin_motion::axis::{
     Axis, AxisConfig, AxisState, Block, Halt, Language, Master, Movement, Outputs, Power, SmcError,
     VirtualDrive,
 };
+use twin_motion::cam::Trigger;
 
 /// Where an axis is and how it moves, in its unit; a rotary axis from period to period.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,6 +37,10 @@ pub(super) struct Engine {
     calls: Vec<Running>,
     /// Axes, masters first, each with the numbers of its calls.
     order: Vec<(usize, Vec<usize>)>,
+    /// Tappets that acted in the last cycle.
+    fired: Vec<Fired>,
+    /// Those that had no room in it, since the beginning.
+    lost: u64,
     cycle_ns: i64,
     /// Since the beginning.
     now_ns: i64,
@@ -106,6 +112,8 @@ impl Engine {
             last_line,
             calls: job.calls.into_iter().map(running).collect(),
             order: job.order,
+            fired: Vec::new(),
+            lost: 0,
             cycle_ns,
             now_ns: 0,
             moved_ns: 0,
@@ -116,6 +124,26 @@ impl Engine {
     /// How the axes move now, those of the machine first.
     pub(super) fn states(&self) -> impl Iterator<Item = State> {
         self.axes.iter().map(|moved| moved.state)
+    }
+
+    /// Where the axes are by their own zeros, in the order of their states.
+    pub(super) fn positions(&self) -> impl Iterator<Item = f64> {
+        self.axes.iter().map(|moved| moved.axis.set_position())
+    }
+
+    /// Tappets that acted in the last cycle.
+    pub(super) fn fired(&self) -> &[Fired] {
+        &self.fired
+    }
+
+    /// Tappets that did not because there were too many in a cycle, since the beginning.
+    pub(super) fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// The time of the last cycle, ns.
+    pub(super) fn now_ns(&self) -> i64 {
+        self.now_ns
     }
 
     /// The block that has begun last.
@@ -138,6 +166,7 @@ impl Engine {
         }
         let begin_ns = self.now_ns;
         self.now_ns += self.cycle_ns;
+        self.fired.clear();
         self.axes.iter_mut().for_each(Moved::begin);
         self.raise(begin_ns);
         let order = std::mem::take(&mut self.order);
@@ -216,6 +245,14 @@ impl Engine {
             finding.axis = Some(moved.name.clone());
             finding.hint = Some(format!("`twin explain {}` says more", error.number()));
             return Err(finding.into());
+        }
+        if let (Some(data), Some(master)) = (call.block.tappets(), call.master) {
+            self.lost = self.lost.saturating_add(u64::try_from(data.lost).unwrap_or(u64::MAX));
+            let (slave, later_ns) = (call.axis, self.now_ns - data.now_ns);
+            self.fired.extend(data.triggers().map(|trigger| {
+                let time_ns = trigger.time_ns.saturating_add(later_ns);
+                Fired { slave, master, trigger: Trigger { time_ns, ..*trigger } }
+            }));
         }
         if done || command_aborted {
             running.over_ns.get_or_insert(self.now_ns);
@@ -338,7 +375,11 @@ impl Moved {
         if let Some(period) = self.axis.period() {
             way -= period * (way / period).round();
         }
-        self.shown = command.position;
+        // The drive has given its positions another zero while it stood.
+        self.shown = match command.home {
+            Some(_) => self.drive.feedback().position,
+            None => command.position,
+        };
         self.state = State {
             position: self.state.position + way,
             velocity: command.velocity,

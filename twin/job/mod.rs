@@ -27,17 +27,27 @@
 //! ```
 
 mod block;
+#[cfg(test)]
+mod block_tests;
 mod engine;
+#[cfg(test)]
+mod hostile_tests;
+mod kind;
 mod order;
 mod pace;
 mod read;
 mod stream;
 #[cfg(test)]
+mod tappet_tests;
+#[cfg(test)]
 mod tests;
+mod values;
 
 pub(crate) use read::read;
 pub(crate) use stream::JobSetpoints;
 
+use crate::machine::Machine;
+use crate::tappets::Tracks;
 use block::Called;
 use twin_motion::axis::profile::RampType;
 
@@ -52,16 +62,33 @@ pub(crate) struct Job {
     starts: Vec<(usize, f64)>,
     /// Axes behind those of the machine.
     virtual_axes: Vec<VirtualAxis>,
+    /// What the tappets of its cams switch.
+    tracks: Tracks,
     /// What is called.
     calls: Vec<Call>,
     /// The axes, masters before their slaves, each with the numbers of its calls.
     order: Vec<(usize, Vec<usize>)>,
 }
 
+impl Job {
+    /// Every axis: name, period and unit.
+    fn masters(&self, machine: &Machine) -> Vec<(String, Option<f64>, &'static str)> {
+        let real = machine.axes.iter().map(|axis| {
+            let period = axis.period.map(|period| axis.from_si(period));
+            (axis.name.clone(), period, axis.unit())
+        });
+        let imagined =
+            self.virtual_axes.iter().map(|axis| (axis.name.clone(), axis.period, axis.unit));
+        real.chain(imagined).collect()
+    }
+}
+
 /// A master that is no axis of the machine.
 #[derive(Clone, Debug)]
 struct VirtualAxis {
     name: String,
+    /// mm or deg.
+    unit: &'static str,
     /// mm or degrees.
     period: Option<f64>,
     /// mm/s² or degrees/s².

@@ -1,23 +1,21 @@
 //! A job's file.
 
-use super::block::{Called, alone, following};
+use super::block::{following, on_cam};
+use super::kind::BLOCKS;
+use super::values::Values;
 use super::{Begins, Call, Job, VirtualAxis, order};
 use crate::machine::section::{Section, parse};
-use crate::machine::{
-    AxisKind, CamSelection, CoupledBy, Coupling, Machine, Problem, read_cam, read_ratio,
-};
+use crate::machine::{AxisKind, CamSelection, CoupledBy, Coupling, Machine, Problem};
+use crate::tappets::{MOST_SIGNALS, Tracks};
 use std::path::Path;
 use twin_motion::axis::profile::RampType;
-use twin_motion::axis::{
-    CamIn, Decouple, Direction, GearIn, GearInPos, Halt, MoveAbsolute, MoveAdditive, MoveRelative,
-    MoveSuperImposed, MoveVelocity, Phasing, Stop,
-};
+use twin_motion::axis::{CamIn, GearIn};
 
 /// Longest time in a job, s: a day.
 pub(super) const LONGEST: f64 = 86_400.0;
 
 /// Farthest position, mm or degrees, and fastest of its derivatives.
-const FAR: f64 = 1e9;
+pub(super) const FAR: f64 = 1e9;
 
 /// Reads the job in `text`, whose cams are named as from `path`, for `machine`.
 ///
@@ -31,11 +29,11 @@ pub(crate) fn read(text: &str, path: &Path, machine: &Machine) -> Result<Job, Ve
 }
 
 /// What is known of an axis while blocks are read.
-struct Known {
-    name: String,
-    kind: AxisKind,
+pub(super) struct Known {
+    pub(super) name: String,
+    pub(super) kind: AxisKind,
     /// mm/s² or degrees/s²; none of a virtual axis that does not say it.
-    max_acceleration: Option<f64>,
+    pub(super) max_acceleration: Option<f64>,
 }
 
 struct Reader<'t> {
@@ -84,7 +82,25 @@ impl Reader<'_> {
                 return None;
             }
         };
-        Some(Job { ramp, duration, starts, virtual_axes, calls, order })
+        let tracks = self.tracks(root, &calls)?;
+        Some(Job { ramp, duration, starts, virtual_axes, tracks, calls, order })
+    }
+
+    /// What the tappets of all cams switch.
+    fn tracks(&self, root: &Section<'_>, calls: &[Call]) -> Option<Tracks> {
+        let mut tracks = Tracks::default();
+        for call in calls {
+            let name = self.axes.get(call.axis).map_or("", |axis| &axis.name);
+            for group in call.block.groups() {
+                if !tracks.add(call.axis, name, group) {
+                    let message =
+                        format!("the cams have tappets of more than {MOST_SIGNALS} groups");
+                    root.complain(message);
+                    return None;
+                }
+            }
+        }
+        Some(tracks)
     }
 
     /// Those that are `halted` by the job have to say how hard.
@@ -113,7 +129,7 @@ impl Reader<'_> {
                 }
                 self.axes.push(Known { name: name.to_owned(), kind, max_acceleration });
                 let name = name.to_owned();
-                found.push(VirtualAxis { name, period, max_acceleration, max_jerk, start });
+                found.push(VirtualAxis { name, unit, period, max_acceleration, max_jerk, start });
             }
             section.finish();
         }
@@ -170,78 +186,12 @@ impl Reader<'_> {
             None
         };
         let inputs = Values { section, known, master: master.map(|(_, known)| known) };
-        let block = self.inputs(kind, &inputs);
+        let block = kind.block(&inputs, self.path);
         let begins = begins(section);
         let line = 1 + self.text.get(..section.span_of("block").start)?.matches('\n').count();
         let line = u32::try_from(line).unwrap_or(u32::MAX);
         let master = master.map(|(index, _)| index);
         Some(Call { name, line, axis, master, block: block?, begins })
-    }
-
-    fn inputs(&self, kind: Kind, of: &Values<'_>) -> Option<Box<dyn Called>> {
-        Some(match kind {
-            Kind::MoveAbsolute => {
-                let (position, rates) = (of.length("position"), of.rates("velocity"));
-                let direction = of.direction(Direction::Shortest);
-                let (position, [velocity, acceleration, deceleration]) = (position?, rates?);
-                alone(MoveAbsolute { position, velocity, acceleration, deceleration, direction })
-            }
-            Kind::MoveRelative => {
-                let (distance, rates) = (of.length("distance"), of.rates("velocity"));
-                let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
-                alone(MoveRelative { distance, velocity, acceleration, deceleration })
-            }
-            Kind::MoveAdditive => {
-                let (distance, rates) = (of.length("distance"), of.rates("velocity"));
-                let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
-                alone(MoveAdditive { distance, velocity, acceleration, deceleration })
-            }
-            Kind::MoveSuperImposed => {
-                let (distance, rates) = (of.length("distance"), of.rates("velocity_difference"));
-                let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
-                Box::new(MoveSuperImposed::new(distance, velocity, acceleration, deceleration))
-            }
-            Kind::MoveVelocity => {
-                let (rates, direction) = (of.rates("velocity"), of.direction(Direction::Positive));
-                let [velocity, acceleration, deceleration] = rates?;
-                alone(MoveVelocity { velocity, acceleration, deceleration, direction })
-            }
-            Kind::Halt => alone(Halt { deceleration: of.acceleration("deceleration")? }),
-            Kind::Stop => alone(Stop { deceleration: of.acceleration("deceleration")? }),
-            Kind::Decouple => alone(Decouple),
-            Kind::GearIn => {
-                let ratio = read_ratio(of.section);
-                let [acceleration, deceleration] = of.accelerations()?;
-                let (ratio_numerator, ratio_denominator) = ratio?;
-                let ratio_denominator = ratio_denominator.unsigned_abs();
-                following(GearIn { ratio_numerator, ratio_denominator, acceleration, deceleration })
-            }
-            Kind::GearInPos => {
-                let (ratio, slave) = (read_ratio(of.section), of.length("slave_sync_position"));
-                let master = of.of_master("master_sync_position");
-                let distance = of.optional_of_master("master_start_distance", 0.0..=FAR);
-                let (ratio_numerator, ratio_denominator) = ratio?;
-                following(GearInPos {
-                    ratio_numerator,
-                    ratio_denominator,
-                    master_sync_position: master?,
-                    slave_sync_position: slave?,
-                    master_start_distance: distance.unwrap_or(0.0),
-                })
-            }
-            Kind::Phasing => {
-                let (phase_shift, rates) = (of.length("phase_shift"), of.rates("velocity"));
-                let (phase_shift, [velocity, acceleration, deceleration]) = (phase_shift?, rates?);
-                following(Phasing { phase_shift, velocity, acceleration, deceleration })
-            }
-            Kind::CamIn => following(self.cam_in(of)?),
-        })
-    }
-
-    fn cam_in(&self, of: &Values<'_>) -> Option<CamIn> {
-        let selection = read_cam(of.section, self.path, of.known.kind, of.master?.kind)?;
-        let CamSelection { table, input } = selection;
-        Some(CamIn { table: Some(table), input })
     }
 }
 
@@ -249,113 +199,6 @@ impl Known {
     fn of(axis: &crate::machine::Axis) -> Self {
         let max_acceleration = Some(axis.from_si(axis.max_acceleration));
         Self { name: axis.name.clone(), kind: axis.kind, max_acceleration }
-    }
-}
-
-/// Blocks by the names of the manual.
-const BLOCKS: [(&str, Kind); 14] = [
-    ("MC_MoveAbsolute", Kind::MoveAbsolute),
-    ("MC_MoveRelative", Kind::MoveRelative),
-    ("MC_MoveAdditive", Kind::MoveAdditive),
-    ("MC_MoveSuperImposed", Kind::MoveSuperImposed),
-    ("MC_MoveVelocity", Kind::MoveVelocity),
-    ("MC_Halt", Kind::Halt),
-    ("MC_Stop", Kind::Stop),
-    ("MC_CamIn", Kind::CamIn),
-    ("MC_CamOut", Kind::Decouple),
-    ("MC_GearIn", Kind::GearIn),
-    ("MC_GearOut", Kind::Decouple),
-    ("SMC_GearInPos", Kind::GearInPos),
-    ("MC_GearInPos", Kind::GearInPos),
-    ("MC_Phasing", Kind::Phasing),
-];
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    MoveAbsolute,
-    MoveRelative,
-    MoveAdditive,
-    MoveSuperImposed,
-    MoveVelocity,
-    Halt,
-    Stop,
-    CamIn,
-    Decouple,
-    GearIn,
-    GearInPos,
-    Phasing,
-}
-
-impl Kind {
-    fn follows(self) -> bool {
-        matches!(self, Self::CamIn | Self::GearIn | Self::GearInPos | Self::Phasing)
-    }
-}
-
-/// The inputs of a block, in units of its axis and its master.
-struct Values<'s> {
-    section: &'s Section<'s>,
-    known: &'s Known,
-    master: Option<&'s Known>,
-}
-
-impl Values<'_> {
-    fn key(&self, name: &str) -> String {
-        format!("{name}_{}", self.known.kind.unit())
-    }
-
-    /// A way or place of the axis that has to be said.
-    fn length(&self, name: &str) -> Option<f64> {
-        self.section.required_number(&self.key(name), -FAR..=FAR)
-    }
-
-    /// A way or place of the master.
-    fn of_master(&self, name: &str) -> Option<f64> {
-        let unit = self.master?.kind.unit();
-        self.section.required_number(&format!("{name}_{unit}"), -FAR..=FAR)
-    }
-
-    fn optional_of_master(&self, name: &str, range: std::ops::RangeInclusive<f64>) -> Option<f64> {
-        let unit = self.master?.kind.unit();
-        self.section.number(&format!("{name}_{unit}"), range)
-    }
-
-    /// An acceleration; that of the axis's limits, if it is not said.
-    fn acceleration(&self, name: &str) -> Option<f64> {
-        let key = format!("{}_per_s2", self.key(name));
-        let said = self.section.number(&key, 1e-6..=FAR);
-        if !self.section.has(&key) && self.known.max_acceleration.is_none() {
-            let message = format!("a block that moves \"{}\" needs `{key}`", self.known.name);
-            self.section.complain(message);
-        }
-        said.or(self.known.max_acceleration)
-    }
-
-    /// Acceleration and deceleration; the same, if one is said.
-    fn accelerations(&self) -> Option<[f64; 2]> {
-        let acceleration = self.acceleration("acceleration")?;
-        let key = format!("{}_per_s2", self.key("deceleration"));
-        let deceleration = self.section.number(&key, 1e-6..=FAR).unwrap_or(acceleration);
-        Some([acceleration, deceleration])
-    }
-
-    /// Velocity (by this name), acceleration and deceleration.
-    fn rates(&self, velocity: &str) -> Option<[f64; 3]> {
-        let key = format!("{}_per_s", self.key(velocity));
-        let velocity = self.section.required_number(&key, 0.0..=FAR);
-        let [acceleration, deceleration] = self.accelerations()?;
-        Some([velocity?, acceleration, deceleration])
-    }
-
-    fn direction(&self, otherwise: Direction) -> Direction {
-        let words = [
-            ("positive", Direction::Positive),
-            ("negative", Direction::Negative),
-            ("shortest", Direction::Shortest),
-            ("current", Direction::Current),
-            ("fastest", Direction::Fastest),
-        ];
-        self.section.choice("direction", &words).unwrap_or(otherwise)
     }
 }
 
@@ -375,7 +218,7 @@ fn standing(machine: &Machine, coupling: &Coupling, line: u32) -> Call {
         }
         CoupledBy::Cam(selection) => {
             let CamSelection { table, input } = &**selection;
-            ("MC_CamIn", following(CamIn { table: Some(table.clone()), input: *input }))
+            ("MC_CamIn", on_cam(CamIn { table: Some(table.clone()), input: *input }))
         }
     };
     let (axis, master) = (coupling.axis, Some(coupling.master));

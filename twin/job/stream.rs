@@ -1,5 +1,6 @@
 //! The set-points of a job.
 
+use super::block::Fired;
 use super::engine::{Engine, State};
 use super::pace::{Bears, Pace};
 use super::read;
@@ -11,10 +12,12 @@ use crate::planning::PlanItem;
 use crate::program::ProgramFile;
 use crate::report::seconds;
 use crate::setpoint::AxisSetpoint;
+use crate::tappets::{MasterPlace, Signal, TappetBits, Tracks};
 use std::collections::VecDeque;
 use std::io;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics};
 use twin_motion::Place;
+use twin_motion::cam::Trigger;
 
 /// Set-points of a job on a machine, one per cycle, from rest to rest.
 #[derive(Debug)]
@@ -41,17 +44,30 @@ pub(crate) struct JobSetpoints<'m> {
     /// Way of the tool, m.
     length: f64,
     last: Option<AxisSetpoint>,
+    /// What tappets switch.
+    tracks: Tracks,
+    /// Axes that they may be passed by, from the engine: name, period and unit.
+    masters: Vec<(String, Option<f64>, &'static str)>,
+    lost: u64,
 }
 
 #[derive(Clone, Debug, Default)]
 struct Instant {
     states: Vec<State>,
+    /// The same by the zeros of the axes, which blocks may move.
+    positions: Vec<f64>,
     place: Place,
+    /// Tappets that acted since the set-point before.
+    fired: Vec<Fired>,
+    /// In the time of the job.
+    time_ns: i64,
 }
 
 impl Instant {
     fn of(engine: &Engine) -> Self {
-        Self { states: engine.states().collect(), place: engine.place() }
+        let (states, place) = (engine.states().collect(), engine.place());
+        let positions = engine.positions().collect();
+        Self { states, positions, place, fired: Vec::new(), time_ns: engine.now_ns() }
     }
 }
 
@@ -78,9 +94,14 @@ impl<'m> JobSetpoints<'m> {
             bytes: u64::try_from(text.len()).unwrap_or(u64::MAX),
             length: 0.0,
             last: None,
+            tracks: Tracks::default(),
+            masters: Vec::new(),
+            lost: 0,
         };
         match read(&text, program.path(), machine) {
             Ok(job) => {
+                setpoints.tracks = job.tracks.clone();
+                setpoints.masters = job.masters(machine);
                 setpoints.blocks = u64::try_from(job.calls.len()).unwrap_or(u64::MAX);
                 let start = match start(machine, &job.starts) {
                     Ok(start) => start,
@@ -147,16 +168,54 @@ impl<'m> JobSetpoints<'m> {
         std::mem::swap(&mut self.from, &mut self.to);
         self.to.clone_from(&self.next);
         self.over = self.done;
+        self.next.fired.clear();
         if !self.done {
             if engine.step()? {
                 self.next.states.clear();
                 self.next.states.extend(engine.states());
+                self.next.positions.clear();
+                self.next.positions.extend(engine.positions());
                 self.next.place = engine.place();
+                self.next.fired.extend_from_slice(engine.fired());
+                self.next.time_ns = engine.now_ns();
+                self.lost = engine.lost();
             } else {
                 self.done = true;
             }
         }
         Ok(())
+    }
+
+    /// What tappets have switched on at `time_ns`. Their delays and durations pass as time does, whatever the pace.
+    fn tappets(&mut self, time_ns: i64) -> TappetBits {
+        for Fired { slave, master, trigger } in self.from.fired.drain(..) {
+            let ago_ns = self.from.time_ns.saturating_sub(trigger.time_ns);
+            let trigger = Trigger { time_ns: time_ns.saturating_sub(ago_ns), ..trigger };
+            self.tracks.take(slave, master, &trigger);
+        }
+        self.tracks.at(time_ns)
+    }
+
+    /// What tappets switch: the bits of the set-points in their order.
+    pub(crate) fn signals(&self) -> &[Signal] {
+        self.tracks.signals()
+    }
+
+    /// Tappets that did not act because there were too many in a cycle.
+    pub(crate) fn lost_tappets(&self) -> u64 {
+        self.lost
+    }
+
+    /// Where the master that switched a signal last is at the last set-point.
+    pub(crate) fn tappet_master(&self, signal: usize) -> Option<MasterPlace> {
+        let index = self.tracks.master(signal)?;
+        let (name, period, unit) = self.masters.get(index)?;
+        let [from, to] = [&self.from, &self.to].map(|instant| instant.states.get(index).copied());
+        let cycle = seconds(self.machine.cycle_ns);
+        let now = self.pace.between(from?, to?, self.pace.rate(), cycle);
+        let position = self.from.positions.get(index)? + now.position - from?.position;
+        let position = period.map_or(position, |period| position.rem_euclid(period));
+        Some(MasterPlace { axis: name.clone(), position, unit })
     }
 
     /// The set-point at `time_ns`; `before` is the pace a cycle ago.
@@ -189,6 +248,7 @@ impl<'m> JobSetpoints<'m> {
             path_velocity: if tool_speed > 0.0 { tool_speed } else { fastest },
             feed: None,
             probing: false,
+            tappets: self.tappets(time_ns),
         })
     }
 

@@ -12,17 +12,17 @@ use crate::settings::ReadSettings;
 use std::path::Path;
 
 /// The axes X, Y and Z of the shipped gantry, in mm.
-fn machine() -> Machine {
+pub(super) fn machine() -> Machine {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
     Machine::load(&path).unwrap()
 }
 
-struct Job {
-    folder: tempfile::TempDir,
-    program: ProgramFile,
+pub(super) struct Job {
+    pub(super) folder: tempfile::TempDir,
+    pub(super) program: ProgramFile,
 }
 
-fn job(text: &str) -> Job {
+pub(super) fn job(text: &str) -> Job {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("job.toml");
     std::fs::write(&path, text).unwrap();
@@ -31,7 +31,7 @@ fn job(text: &str) -> Job {
 }
 
 /// Set-points of a job that is right, and what it tells otherwise.
-fn run(job: &Job, machine: &Machine) -> (Vec<AxisSetpoint>, Vec<Finding>) {
+pub(super) fn run(job: &Job, machine: &Machine) -> (Vec<AxisSetpoint>, Vec<Finding>) {
     assert!(job.folder.path().is_dir());
     let mut found = (Vec::new(), Vec::new());
     for item in JobSetpoints::open(machine, &job.program).unwrap() {
@@ -44,22 +44,22 @@ fn run(job: &Job, machine: &Machine) -> (Vec<AxisSetpoint>, Vec<Finding>) {
     found
 }
 
-fn moves(text: &str) -> Vec<AxisSetpoint> {
+pub(super) fn moves(text: &str) -> Vec<AxisSetpoint> {
     let (setpoints, findings) = run(&job(text), &machine());
     assert_eq!(findings, []);
     setpoints
 }
 
 /// s.
-fn time(setpoint: &AxisSetpoint) -> f64 {
+pub(super) fn time(setpoint: &AxisSetpoint) -> f64 {
     crate::report::seconds(setpoint.time_ns)
 }
 
-fn near(actual: f64, expected: f64, tolerance: f64) {
+pub(super) fn near(actual: f64, expected: f64, tolerance: f64) {
     assert!((actual - expected).abs() <= tolerance, "{actual} is not {expected}");
 }
 
-const START: &str =
+pub(super) const START: &str =
     "[[start]]\naxis = \"X\"\nposition_mm = 100\n[[start]]\naxis = \"Y\"\nposition_mm = 50\n";
 
 /// 100 mm at 200 mm/s with 1000 mm/s²: up and down in 0.2 s and 20 mm each, 60 mm between in 0.3 s; then as far again, 0.5 s

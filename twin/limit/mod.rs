@@ -15,6 +15,9 @@ mod drag_tests;
 mod effort_tests;
 mod explain;
 mod feeds;
+#[cfg(test)]
+mod gear_tests;
+mod gears;
 mod json;
 mod lines;
 mod losses;

@@ -3,6 +3,8 @@
 use super::axis::{Axis, AxisKind};
 use super::section::Section;
 use crate::cam::{CamFile, CamFileError, START_MODES};
+use crate::tappets::MOST_SIGNALS;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 use twin_motion::cam::{CamInput, CamTable, Interpolation};
@@ -91,11 +93,29 @@ pub(super) fn read(
         found.extend(coupling);
     }
     gears.into_iter().chain(cams).for_each(Section::finish);
+    if groups(&found) > MOST_SIGNALS {
+        root.complain(format!(
+            "the cams of [[cams]] have tappets of more than {MOST_SIGNALS} groups"
+        ));
+        whole = false;
+    }
     let sorted = masters_first(found);
     if sorted.is_none() {
         root.complain("axes of [[gears]] and [[cams]] follow each other in a ring".to_owned());
     }
     sorted.filter(|_| whole)
+}
+
+/// How many groups of tappets there are, of every slave its own.
+fn groups(couplings: &[Coupling]) -> usize {
+    let of = |coupling: &Coupling| match &coupling.by {
+        CoupledBy::Gear(..) => 0,
+        CoupledBy::Cam(selection) => {
+            let groups = selection.table.cam.tappets().iter().map(|tappet| tappet.group);
+            groups.collect::<BTreeSet<_>>().len()
+        }
+    };
+    couplings.iter().map(of).sum()
 }
 
 fn one(section: &Section<'_>, path: &Path, axes: &[Axis], is_gear: bool) -> Option<Coupling> {
@@ -164,6 +184,7 @@ pub(crate) fn read_cam(
         file.map_err(|error| section.complain_at("cam", told(&path, &error))).ok()
     });
     let own = file.as_ref().map(|file| file.coupling.input).unwrap_or_default();
+    let dead_time_s = file.as_ref().map_or(0.0, |file| file.coupling.dead_time_s);
     let repeated = file.as_ref().is_some_and(|file| file.repeated);
     let flag = |key, otherwise| section.flag(key).unwrap_or(otherwise);
     let periodic = flag("periodic", repeated);
@@ -189,6 +210,7 @@ pub(crate) fn read_cam(
         acceleration: number(("acceleration", own.acceleration), slave, "_per_s2", 0.0),
         deceleration: number(("deceleration", own.deceleration), slave, "_per_s2", 0.0),
         tappet_hysteresis: number(("tappet_hysteresis", own.tappet_hysteresis), master, "", 0.0),
+        tappet_dead_time_s: section.number("dead_time_s", -FAR..=FAR).unwrap_or(dead_time_s),
     };
     let cam = Arc::new(file?.cam);
     let table = CamTable { periodic, master_absolute, slave_absolute, ..CamTable::new(cam) };

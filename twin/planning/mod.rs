@@ -155,6 +155,14 @@ impl<'m> Planning<'m> {
         }
     }
 
+    /// The job, if it is one.
+    pub(crate) fn job(&self) -> Option<&JobSetpoints<'m>> {
+        match &self.0 {
+            Plan::Job(job) => Some(job),
+            Plan::Controller(_) | Plan::Axes(_) => None,
+        }
+    }
+
     /// The M function at which the last set-point stands.
     pub(crate) fn m_call(&self) -> Option<MCall> {
         match &self.0 {

@@ -11,6 +11,7 @@ use crate::machine::{Axis, Machine};
 use crate::number::significant;
 use crate::program::ProgramFile;
 use crate::session::{OverrideChange, Punctuality};
+use crate::tappet_report::TappetsReport;
 pub use peaks::{AxisPeak, AxisPeakReport, MotorLoadReport, Peak};
 pub use rest::RestReport;
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -34,6 +35,9 @@ pub struct CheckReport {
     /// If the machine file names drives and they are wanted.
     #[serde(skip_serializing_if = "Option::is_none")]
     predicted_following: Option<PredictedFollowingReport>,
+    /// If cams with tappets are run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tappets: Option<TappetsReport>,
     findings: Vec<Finding>,
     findings_left_out: u64,
 }
@@ -67,6 +71,7 @@ impl CheckReport {
                 .following
                 .as_ref()
                 .map(|predicted| PredictedFollowingReport::new(machine, predicted)),
+            tappets: TappetsReport::new(&outcome.tappets),
             findings: outcome.findings.clone(),
             findings_left_out: outcome.findings_left_out,
         }

@@ -8,6 +8,7 @@ pub(crate) mod motors;
 mod options;
 mod program;
 mod series;
+mod signals;
 mod solids;
 mod track;
 mod trail;
@@ -19,7 +20,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Point3};
 use rerun::sink::LogSink;
 use rerun::{RecordingStream, RecordingStreamBuilder, TimeCell};
 use twin_urdf::Model;
@@ -38,6 +39,7 @@ use motors::{MotorPlot, MotorSeries};
 pub use options::{Playback, SceneOptions};
 use program::Excerpt;
 use series::{AxisSeries, Series};
+use signals::Signals;
 use track::ToolTrack;
 
 /// Name under which the viewer groups our recordings.
@@ -97,6 +99,7 @@ pub struct Scene {
     clearance: Option<ClearanceTrack>,
     path_speed: Series,
     programmed_speed: Series,
+    signals: Signals,
     layout: Layout,
 }
 
@@ -142,6 +145,7 @@ impl Scene {
             axes: setup.axes.to_vec(),
             motors: Vec::new(),
             has_clearance: setup.clearance.is_some(),
+            has_signals: false,
             close_up: CLOSE_UP,
         };
         Ok(Self {
@@ -171,6 +175,7 @@ impl Scene {
                 "programmed",
                 palette::cut(),
             ),
+            signals: Signals::default(),
             layout,
         })
     }
@@ -190,6 +195,34 @@ impl Scene {
         strips.iter().flat_map(|strip| &strip.points).for_each(|point| self.bounds.add(point));
         self.strips_logged += 1;
         trail::log_programmed(&self.stream, self.strips_logged, strips)
+    }
+
+    /// Makes room for signals that are switched along the way, each with its name; all are off. Call it before the first
+    /// frame.
+    pub fn signals(&mut self, names: &[String]) {
+        self.signals = Signals::new(names);
+        self.layout.has_signals = self.signals.are_there();
+    }
+
+    /// Shows that a signal is switched at a time (ns) and line, where the tool shall be then (m): a mark there, its line in the
+    /// plot, and words beside the program's text.
+    ///
+    /// # Errors
+    ///
+    /// [`VizError::Log`] if rerun refuses it.
+    pub fn switched(
+        &mut self,
+        (time_ns, line): (i64, u32),
+        tool: &Point3<f64>,
+        signal: usize,
+        on: bool,
+    ) -> Result<(), VizError> {
+        self.lay_out()?;
+        At { time_ns, line }.set(&self.stream);
+        match self.signals.switch(&self.stream, tool, signal, on)? {
+            Some(words) => self.news(time_ns, line, &words),
+            None => Ok(()),
+        }
     }
 
     /// Shows one instant. Poses are thinned to what a screen shows, errors and speeds are kept as they come.
@@ -228,6 +261,7 @@ impl Scene {
         if let Some((track, clearance)) = self.clearance.as_mut().zip(frame.clearance.as_ref()) {
             track.add(at, clearance);
         }
+        self.signals.add(at);
         self.path_speed.add_length(at, frame.path_speed);
         if let Some(speed) = frame.programmed_speed {
             self.programmed_speed.add_length(at, speed);
@@ -291,6 +325,7 @@ impl Scene {
             series.flush(&self.stream)?;
         }
         self.clearance.iter_mut().try_for_each(|track| track.flush(&self.stream))?;
+        self.signals.flush(&self.stream)?;
         self.axes.iter_mut().try_for_each(|axis| axis.flush(&self.stream))?;
         self.motors.iter_mut().try_for_each(|motor| motor.flush(&self.stream))
     }

@@ -124,3 +124,24 @@ fn what_may_be_written_reads_back() {
     assert_eq!(axis.write_parameter(9, 3.0), Ok(()));
     assert_eq!(axis.read_parameter(1112), Ok(3.0), "PLCopen's number 9");
 }
+
+/// The manual's table has both wrong: `wCyclicDataR1` to `R3` are what is received, and `fLastCapturePosition` is the end of the
+/// window.
+#[test]
+fn what_the_manual_describes_twice_is_told_apart() {
+    let about = |number| Parameter::by_number(number).unwrap().about;
+    for (sent, received) in [(1002, 1006), (1003, 1007), (1004, 1008)] {
+        assert!(about(sent).contains("sent"), "{}", about(sent));
+        assert!(about(received).contains("received"), "{}", about(received));
+    }
+    assert!(about(1220).contains("begin"), "{}", about(1220));
+    assert!(about(1221).contains("end"), "{}", about(1221));
+    // They are values of their own.
+    let mut axis = Axis::new(AxisConfig::default());
+    for number in [1002, 1006, 1007, 1008] {
+        axis.write_parameter(number, f64::from(number)).unwrap();
+    }
+    for number in [1002, 1006, 1007, 1008] {
+        assert_eq!(axis.read_parameter(number), Ok(f64::from(number)));
+    }
+}

@@ -21,13 +21,13 @@ pub enum CamReadError {
         offset: u64,
     },
     /// It is of another version.
-    #[error("version {version} of cam files is not known, {} is", super::VERSION)]
+    #[error("version {version} of cam files is not known, {} is (error 2203)", super::VERSION)]
     Version {
         /// Its version.
         version: u16,
     },
     /// It ends too early.
-    #[error("byte {offset}: the file ends within the cam")]
+    #[error("byte {offset}: the file ends within the cam (error 2204)")]
     Truncated {
         /// Where it ends.
         offset: u64,
@@ -55,7 +55,7 @@ pub enum CamReadError {
         value: u64,
     },
     /// There is more than a cam may have.
-    #[error("byte {offset}: {value} {field} are more than {limit}")]
+    #[error("byte {offset}: {value} {field} are more than {limit} (error 2201)")]
     TooMany {
         /// Where.
         offset: u64,
@@ -69,6 +69,23 @@ pub enum CamReadError {
     /// What it describes is no cam.
     #[error(transparent)]
     Cam(#[from] CamError),
+}
+
+impl CamReadError {
+    /// The manual's number (`SMC_ReadCAM`, 9.3); none for what it has no number for.
+    pub const fn number(&self) -> Option<u16> {
+        match self {
+            Self::TooMany { .. } => Some(2201),
+            Self::Version { .. } => Some(2203),
+            Self::Truncated { .. } => Some(2204),
+            Self::Io { .. }
+            | Self::NotACam { .. }
+            | Self::Checksum { .. }
+            | Self::Trailing { .. }
+            | Self::Unknown { .. }
+            | Self::Cam(_) => None,
+        }
+    }
 }
 
 /// Why a file cannot be written.

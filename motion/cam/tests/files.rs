@@ -68,6 +68,22 @@ fn cams_come_back() {
     }
 }
 
+/// 2203 for another version, 2204 for a file that ends too early (`SMC_ReadCAM`, manual 9.3).
+#[test]
+fn damaged_files_have_the_manuals_numbers() {
+    let whole = bytes(&cams()[0]);
+    let mut newer = whole.clone();
+    newer[8] += 1;
+    for (bytes, number) in [(&newer[..], 2203), (&whole[..whole.len() - 1], 2204)] {
+        let error = read(bytes).expect_err("damaged");
+        assert_eq!(error.number(), Some(number));
+        assert!(error.to_string().ends_with(&format!("(error {number})")), "{error}");
+    }
+    let mut spoilt = whole;
+    spoilt[20] ^= 1;
+    assert_eq!(read(spoilt.as_slice()).expect_err("damaged").number(), None);
+}
+
 #[test]
 fn every_truncation_and_every_addition_is_found() {
     for cam in cams() {
@@ -132,6 +148,7 @@ fn sealed_nonsense_is_refused() {
     let many = (MAX_ELEMENTS + 1).to_le_bytes();
     let error = sealed(37 + 6 * 8, &many);
     assert!(matches!(error, CamReadError::TooMany { field: "values", .. }), "{error}");
+    assert_eq!(error.number(), Some(2201));
     let error = sealed(37 + 6 * 8, &1000_u32.to_le_bytes());
     assert!(
         matches!(error, CamReadError::Truncated { .. } | CamReadError::TooMany { .. }),

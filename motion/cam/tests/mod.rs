@@ -3,6 +3,7 @@
 #![expect(clippy::float_cmp, reason = "given, or exact in binary fractions")]
 
 mod bounds;
+mod by_program;
 mod coupling;
 mod curve;
 mod files;

@@ -22,3 +22,4 @@ mod program;
 mod random;
 mod stop;
 mod two_way;
+mod wiring;

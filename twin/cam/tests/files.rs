@@ -282,6 +282,7 @@ fn coupling() -> impl Strategy<Value = Coupling> {
                     acceleration,
                     deceleration,
                     tappet_hysteresis,
+                    tappet_dead_time_s: 0.0,
                 };
                 Coupling { input, dead_time_s: dead * 1e-6 }
             },

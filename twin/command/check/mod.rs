@@ -7,7 +7,7 @@ use super::options::{
     unreadable,
 };
 use super::progress::ProgressLines;
-use super::{Failure, Status, following, show};
+use super::{Failure, Status, following, show, tappets};
 use crate::check::{self, CheckOptions, Outcome};
 use crate::finding;
 use crate::limit::Limits;
@@ -222,6 +222,7 @@ pub(super) fn summary(
     if let Some(least) = &outcome.clearances.least {
         writeln!(out, "{} (as planned)", least.told(machine))?;
     }
+    tappets::write(out, &outcome.tappets)?;
     let count =
         |severity| outcome.findings.iter().filter(|finding| finding.severity == severity).count();
     let errors = count(finding::Severity::Error);

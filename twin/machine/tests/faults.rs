@@ -5,6 +5,7 @@ use crate::machine::{Machine, Scenario};
 use crate::plant::Plant;
 use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
+use crate::tappets::TappetBits;
 use twin_kinematics::{AxisMotion, AxisVector, Pose, ToolMotion};
 use twin_motion::Place;
 
@@ -55,6 +56,7 @@ fn run(machine: &Machine, axis: usize, scenario: &str) -> Vec<[f64; 2]> {
             path_velocity: 0.0,
             feed: None,
             probing: false,
+            tappets: TappetBits::default(),
         };
         twin.command(&setpoint).unwrap();
         let axes = twin.feedback().unwrap().unwrap().position;

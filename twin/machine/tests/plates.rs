@@ -7,6 +7,7 @@ use crate::physics::{Part, PhysicsError, PhysicsMachine};
 use crate::plant::Plant;
 use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
+use crate::tappets::TappetBits;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Vector3};
 use std::path::Path;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
@@ -299,6 +300,7 @@ fn stops_with_a_collision(plated: &Plated, mut twin: Simulated, told: &str) {
             path_velocity: 0.0,
             feed: None,
             probing: false,
+            tappets: TappetBits::default(),
         };
         twin.command(&setpoint).err()
     });

@@ -5,6 +5,7 @@ use crate::machine::Machine;
 use crate::plant::Plant;
 use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
+use crate::tappets::TappetBits;
 use nalgebra::{Isometry3, Matrix3, Matrix4, Point3, Vector3};
 use std::f64::consts::TAU;
 use twin_kinematics::{AxisMotion, AxisVector, Kinematics, Pose, ToolMotion};
@@ -148,6 +149,7 @@ fn transform_chain_urdf_and_bodies_agree() {
                 path_velocity: 0.0,
                 feed: None,
                 probing: false,
+                tappets: TappetBits::default(),
             };
             twin.command(&setpoint).unwrap();
             let measured = twin.feedback().unwrap().unwrap().position;

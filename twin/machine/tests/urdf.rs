@@ -6,6 +6,7 @@ use crate::physics::{AxisDriveParameters, PhysicsError, PhysicsMachine, ServoPar
 use crate::plant::Plant;
 use crate::setpoint::AxisSetpoint;
 use crate::simulated::Simulated;
+use crate::tappets::TappetBits;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{PI, TAU};
 use std::fs;
@@ -230,6 +231,7 @@ fn line(machine: &Machine, from: [f64; 3], to: [f64; 3]) {
             path_velocity: 0.0,
             feed: None,
             probing: false,
+            tappets: TappetBits::default(),
         };
         twin.command(&setpoint).unwrap();
         let position = twin.feedback().unwrap().unwrap().position;

@@ -1,0 +1,142 @@
+//! Files of cams that nobody would write are survived, and what is wrong with them names the file and, where it has any, the line.
+
+use crate::cam::{CamFile, CamFileError};
+use crate::machine::MachineFileError;
+use proptest::prelude::*;
+use std::path::Path;
+use twin_motion::cam::Interpolation;
+use twin_motion::cam::file::{AsciiError, TextError};
+
+const TOML: &str = "name = \"lift\"\nmaster = { min = 0, max = 360, unit = \"deg\" }\n\
+    slave = { min = 0, max = 100, unit = \"mm\" }\nelements = [{ master = 0, slave = 0 }, { master = 360, slave = 100 }]\n\
+    tappets = [{ group = 1, master = 90, action = \"timed\", duration_us = 5 }]\n[coupling]\nmaster_scaling = 1\n";
+const WORDS: &str = "cam lift\nmaster 0 360\nslave 0 100\npoint 0 0\nline 60 20 120 70\npoint 360 0\nperiod 360\n\
+    tappet 1 at 45 positive on\n";
+const CSV: &str = "master,slave,velocity,acceleration\n0,0,0,0\n180,50,0.1,0\n360,0,0,0\n";
+const ASCII: &str = "0;0\r\n90;12.5\r\n180;50\r\n360;0\r\n";
+
+/// The forms in text, each with a file that is right.
+const FORMS: [(&str, &str); 4] = [("toml", TOML), ("txt", WORDS), ("csv", CSV), ("asc", ASCII)];
+
+const PIECES: [&str; 22] = [
+    "\n",
+    ";",
+    ",",
+    "\t",
+    " ",
+    "=",
+    "[",
+    "]",
+    "{",
+    "}",
+    "\"",
+    "nan",
+    "-inf",
+    "1e999",
+    "-1e308",
+    "0x1",
+    "99999999999999999999",
+    "\u{0}",
+    "ä",
+    "tappet",
+    "#",
+    "period = 0\n",
+];
+
+fn load(folder: &Path, ending: &str, bytes: &[u8]) {
+    let path = folder.join(format!("hostile.{ending}"));
+    std::fs::write(&path, bytes).unwrap();
+    let Err(error) = CamFile::load(&path, Interpolation::Cubic) else { return };
+    let said = error.to_string();
+    let lines = bytes.split(|byte| *byte == b'\n').count();
+    match error {
+        CamFileError::Toml(error) => {
+            assert!(said.contains("hostile.toml"), "{said}");
+            if let MachineFileError::Content { text, problems, .. } = &error {
+                assert!(!problems.is_empty());
+                // The place is in the text: that is how its line is shown.
+                assert!(problems.iter().all(|one| one.span.end <= text.len()), "{problems:?}");
+            }
+            for report in error.reports() {
+                assert!(!format!("{report:?}").is_empty());
+            }
+        }
+        CamFileError::Table { line, .. } => {
+            assert!(usize::try_from(line).unwrap() <= lines, "{said}");
+            assert!(said.contains("hostile.csv: line "), "{said}");
+        }
+        // The whole file lacks something.
+        CamFileError::Text { source: TextError::NoLine { .. }, .. }
+        | CamFileError::Ascii { source: AsciiError::TooFew { .. }, .. } => {
+            assert!(said.contains("hostile."), "{said}");
+        }
+        CamFileError::Text { .. } | CamFileError::Ascii { .. } => {
+            assert!(said.contains(": line "), "{said}");
+        }
+        _ => assert!(said.contains(&format!("hostile.{ending}")), "{said}"),
+    }
+}
+
+#[test]
+fn the_files_are_right_before_they_are_spoilt() {
+    let folder = tempfile::tempdir().unwrap();
+    for (ending, text) in FORMS {
+        let path = folder.path().join(format!("right.{ending}"));
+        std::fs::write(&path, text).unwrap();
+        CamFile::load(&path, Interpolation::Cubic)
+            .unwrap_or_else(|error| panic!("{ending}: {error}"));
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_bytes_are_survived(bytes in proptest::collection::vec(any::<u8>(), 0..300)) {
+        let folder = tempfile::tempdir().unwrap();
+        for ending in ["toml", "txt", "csv", "asc", "cam"] {
+            load(folder.path(), ending, &bytes);
+        }
+    }
+
+    #[test]
+    fn files_with_pieces_moved_are_survived(
+        form in 0..FORMS.len(),
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), 0usize..12, 0..PIECES.len()), 1..6),
+    ) {
+        let (ending, text) = FORMS[form];
+        let mut text: Vec<char> = text.chars().collect();
+        for (place, length, piece) in changes {
+            let start = place.index(text.len() + 1);
+            let end = (start + length).min(text.len());
+            text.splice(start..end, PIECES[piece].chars());
+        }
+        let folder = tempfile::tempdir().unwrap();
+        load(folder.path(), ending, text.into_iter().collect::<String>().as_bytes());
+    }
+
+    /// A whole `.CAM` file with bytes changed and its end cut off: never a panic, and never another cam in silence.
+    #[test]
+    fn a_spoilt_binary_file_is_found(
+        changes in proptest::collection::vec((any::<prop::sample::Index>(), 1u8..), 0..4),
+        left in any::<prop::sample::Index>(),
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let right = folder.path().join("right.txt");
+        std::fs::write(&right, WORDS).unwrap();
+        let cam = CamFile::load(&right, Interpolation::Cubic).unwrap().cam;
+        let mut bytes = Vec::new();
+        twin_motion::cam::file::write(&cam, &mut bytes).unwrap();
+        let whole = bytes.clone();
+        for (place, change) in changes {
+            let place = place.index(bytes.len());
+            bytes[place] ^= change;
+        }
+        bytes.truncate(left.index(bytes.len() + 1));
+        load(folder.path(), "cam", &bytes);
+        if bytes != whole {
+            let path = folder.path().join("hostile.cam");
+            prop_assert!(CamFile::load(&path, Interpolation::Cubic).is_err());
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! Looks at every set-point of a program: limits of the axes, jumps, and what the simulated machine makes of it.
+
+use super::findings::{About, Findings};
+use super::instant::Instant;
+use super::{Clearances, Outcome, exceeds, is_hidden, no_axes, sentence};
+use crate::finding::{self, Finding};
+use crate::machine::{DirectionRule, Machine};
+use crate::report::{AxisPeak, Peak, seconds};
+use crate::setpoint::{AxisSetpoint, Transformer};
+use crate::tappets::Switched;
+use twin_kinematics::{AxisSource, AxisVector, Kinematics};
+use twin_motion::interpolate::ToolSetpoint;
+use twin_motion::path::EXTRA_AXES;
+
+/// Looks at every set-point.
+#[derive(Debug)]
+pub(super) struct Checker<'m> {
+    machine: &'m Machine,
+    pub(super) transformer: Transformer<'m>,
+    /// How fast rapids are that the machine file and not the program says, m/s.
+    rapids: Option<f64>,
+    /// By which factors limits of velocity, acceleration and jerk may be exceeded.
+    slack: [f64; 3],
+    pub(super) findings: Findings,
+    peaks: Vec<AxisPeak>,
+    last: Option<AxisSetpoint>,
+    start: Option<AxisVector>,
+    duration_ns: i64,
+    /// Axes that follow blocks, gears or cams, and no path.
+    free: Vec<bool>,
+    /// Additional axes that the machine does not have, each told once.
+    told_missing: [bool; EXTRA_AXES.len()],
+}
+
+impl<'m> Checker<'m> {
+    pub(super) fn new(
+        machine: &'m Machine,
+        rapids: Option<f64>,
+        slack: [f64; 3],
+        is_job: bool,
+    ) -> Self {
+        Self {
+            rapids,
+            machine,
+            transformer: Transformer::new(machine),
+            slack,
+            findings: Findings::default(),
+            peaks: vec![AxisPeak::default(); machine.axes.len()],
+            last: None,
+            start: None,
+            duration_ns: 0,
+            free: free_axes(machine, is_job),
+            told_missing: [false; EXTRA_AXES.len()],
+        }
+    }
+
+    /// `None` if the machine cannot take this set-point.
+    pub(super) fn tool(&mut self, tool: &ToolSetpoint) -> Option<AxisSetpoint> {
+        self.duration_ns = tool.time_ns;
+        for (number, letter) in (0..).zip(EXTRA_AXES) {
+            let moves = tool.extra.velocity.get(usize::from(number)).is_some_and(|v| *v != 0.0);
+            let source = AxisSource::Additional(number);
+            let told = self.told_missing.get_mut(usize::from(number));
+            if moves
+                && !self.machine.kinematics.sources().contains(&source)
+                && self.machine.direction.additional() != Some(number)
+                && told.is_some_and(|told| !std::mem::replace(told, true))
+            {
+                self.findings.add(None, sentence::no_additional_axis(tool.place, letter));
+            }
+        }
+        match self.transformer.axes(tool, None) {
+            Ok(setpoint) => Some(*self.axes(&setpoint)),
+            Err(error) => {
+                self.findings.add(None, no_axes(tool.place, &error));
+                self.last = None;
+                None
+            }
+        }
+    }
+
+    /// Looks at a set-point of the axes, and hands it back.
+    pub(super) fn axes<'s>(&mut self, setpoint: &'s AxisSetpoint) -> &'s AxisSetpoint {
+        self.duration_ns = setpoint.time_ns;
+        let last = self.last.replace(*setpoint);
+        self.start.get_or_insert(setpoint.axes.position);
+        let machine = self.machine;
+        let [faster, harder, jerkier] = self.slack;
+        let cycle = seconds(machine.cycle_ns);
+        let with_path = matches!(machine.direction, DirectionRule::Path(..));
+        for (index, (axis, peak)) in machine.axes.iter().zip(&mut self.peaks).enumerate() {
+            let now = Instant::of(setpoint, index);
+            let turns = with_path && machine.kinematics.is_rotary(index);
+            let before = last.as_ref().map(|last| Instant::of(last, index));
+            let rapids = self.rapids;
+            let mut report = |mut finding: Finding| {
+                if setpoint.feed.is_none()
+                    && let Some(velocity) = rapids
+                {
+                    finding.hint = Some(sentence::rapid_hint(velocity));
+                }
+                self.findings.add(Some(About::Axis(index)), finding);
+            };
+            let [low, high] = peak.position.unwrap_or([now.position; 2]);
+            peak.position = Some([low.min(now.position), high.max(now.position)]);
+            if let Some(finding) = sentence::beyond_position(axis, setpoint.place, now.position) {
+                report(finding);
+            }
+
+            let limit = axis.max_velocity;
+            peak.velocity.include(now.velocity, setpoint.place);
+            if exceeds(now.velocity, faster * limit) {
+                let mut finding = sentence::too_fast(axis, setpoint.place, now.velocity);
+                finding.largest_feed_mm_per_s = now.feed_for_velocity(before.as_ref(), limit);
+                report(finding);
+            }
+            let limit = axis.max_acceleration;
+            peak.acceleration.include(now.acceleration, setpoint.place);
+            if exceeds(now.acceleration, harder * limit) {
+                let mut finding = sentence::too_hard(axis, setpoint.place, now.acceleration);
+                finding.largest_feed_mm_per_s = now.feed_for_acceleration(before.as_ref(), limit);
+                report(finding);
+            }
+
+            let Some(before) = before else { continue };
+            // What only the difference between cycles shows belongs to the block of the cycle in which it happens, which the
+            // set-point before began.
+            let stepped = (now.position - before.position) / cycle;
+            let at_rest = now.path_velocity <= 0.0 && before.path_velocity <= 0.0;
+            let most = faster * axis.max_velocity;
+            let told = exceeds(now.velocity, most) || exceeds(before.velocity, most);
+            if is_hidden(stepped, [now.velocity, before.velocity], at_rest, most) {
+                peak.velocity.include(stepped, before.place);
+                if exceeds(stepped, most) {
+                    report(sentence::too_fast(axis, before.place, stepped));
+                }
+            }
+            // A tool that turns with the path turns at once where that has a corner too small to stop at. Neither velocity
+            // says so, only the position.
+            // An axis that follows no path may step as well.
+            let free = self.free.get(index).copied().unwrap_or_default();
+            let jump = now.jump(&before, cycle, free);
+            if (turns || free)
+                && !told
+                && (free || !at_rest)
+                && !exceeds(stepped, most)
+                && !exceeds(now.acceleration, harder * limit)
+                && exceeds(jump, harder * limit)
+            {
+                peak.acceleration.include(jump, before.place);
+                report(sentence::too_hard(axis, before.place, jump));
+            }
+            let jerk = (now.acceleration - before.acceleration) / cycle;
+            // An acceleration that comes up is of this block, one that ends of the one before.
+            let rises = now.acceleration.abs() >= before.acceleration.abs();
+            let place = if rises { now.place } else { before.place };
+            peak.jerk.include(jerk, place);
+            if let Some(limit) = axis.max_jerk.filter(|limit| exceeds(jerk, jerkier * *limit)) {
+                report(sentence::too_jerky(axis, place, jerk, limit));
+            }
+        }
+        setpoint
+    }
+
+    /// Compares the simulated machine with its set-point.
+    pub(super) fn following(&mut self, setpoint: &AxisSetpoint, actual: &AxisVector) {
+        let pairs = setpoint.axes.position.iter().zip(actual.iter());
+        let axes = self.machine.axes.iter().zip(&mut self.peaks);
+        for (index, ((axis, peak), (wanted, actual))) in axes.zip(pairs).enumerate() {
+            let error = (actual - wanted).abs();
+            peak.following_error.get_or_insert(Peak::default()).include(error, setpoint.place);
+            if let Some(finding) = sentence::ran_away(axis, setpoint.place, *wanted, *actual) {
+                self.findings.add(Some(About::Axis(index)), finding);
+            }
+            if let Some(limit) = axis.max_following_error.filter(|limit| exceeds(error, *limit)) {
+                let finding = sentence::too_far(axis, setpoint.place, error, limit);
+                self.findings.add(Some(About::Axis(index)), finding);
+            }
+        }
+    }
+
+    pub(super) fn finish(self) -> Outcome {
+        let (mut findings, findings_left_out) = self.findings.into_list();
+        sentence::leave_out_consequences(&mut findings);
+        sentence::leave_out_nearness(&mut findings);
+        finding::sort(&mut findings);
+        Outcome {
+            elements: 0,
+            length: 0.0,
+            duration_ns: self.duration_ns,
+            peaks: self.peaks,
+            findings,
+            findings_left_out,
+            start: self.start,
+            loads: Vec::new(),
+            clearances: Clearances::default(),
+            following: None,
+            tappets: Switched::default(),
+        }
+    }
+}
+
+/// Which axes follow no path: all of a job, and the slaves of the machine's gears and cams.
+fn free_axes(machine: &Machine, is_job: bool) -> Vec<bool> {
+    let slave = |index| machine.couplings.iter().any(|coupling| coupling.axis == index);
+    (0..machine.axes.len()).map(|index| is_job || slave(index)).collect()
+}

@@ -1,0 +1,268 @@
+//! Findings on a terminal, with the lines they are about.
+
+use super::{causes, underline};
+use crate::finding::{Finding, Severity};
+use crate::program::{Dialect, ProgramFile};
+use miette::{
+    Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents,
+};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::io::{self, BufRead, IsTerminal, Read, Write};
+use std::ops::Range;
+use twin_motion::Place;
+
+/// How many findings a person is shown.
+const SHOWN_FINDINGS: usize = 20;
+
+/// Shows findings on standard error with the lines they are about, the worst first, and those of one cause once.
+pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
+    let causes = causes::of(findings);
+    let shown = causes.get(..SHOWN_FINDINGS).unwrap_or(&causes);
+    let lines = lines_of(program, shown.iter().map(|cause| cause.first));
+    for cause in shown {
+        let finding = cause.first;
+        let source = lines.get(&finding.line).map(|line| {
+            let words = match program.dialect() {
+                Dialect::Job => underline::key(line, finding),
+                _ => underline::words(line, finding),
+            };
+            let (text, words) = excerpt(line, words);
+            let name = program.path().display().to_string();
+            (Line { name, number: finding.line, text }, words)
+        });
+        let shown = ShownFinding { finding, source, dialect: program.dialect() };
+        let mut text = String::new();
+        let handler = miette::GraphicalReportHandler::new_themed(theme()).with_links(false);
+        if handler.render_report(&mut text, &shown).is_ok() {
+            // A message that cannot be shown must not end the command.
+            writeln!(io::stderr(), "{}", text.trim_end()).unwrap_or_default();
+        }
+        if let Some(others) = cause.others() {
+            writeln!(io::stderr(), "  {others}").unwrap_or_default();
+        }
+    }
+    if causes.len() > shown.len() {
+        let told: usize = shown.iter().map(causes::Cause::count).sum();
+        let rest = findings.len() - told;
+        writeln!(io::stderr(), "… and {rest} more").unwrap_or_default();
+    }
+}
+
+/// Colours only on a terminal.
+fn theme() -> miette::GraphicalTheme {
+    match (io::stderr().is_terminal(), std::env::var_os("NO_COLOR")) {
+        (true, None) => miette::GraphicalTheme::unicode(),
+        _ => miette::GraphicalTheme::unicode_nocolor(),
+    }
+}
+
+/// The beginnings of the lines that findings are about, read from the file again: nothing keeps the program in memory.
+fn lines_of<'f>(
+    program: &ProgramFile,
+    findings: impl Iterator<Item = &'f Finding>,
+) -> BTreeMap<u32, String> {
+    let wanted: BTreeSet<_> = findings.map(|finding| finding.line).collect();
+    let Some(last) = wanted.last().copied() else {
+        return BTreeMap::new();
+    };
+    // What is no file cannot be read twice.
+    if !program.path().is_file() {
+        return BTreeMap::new();
+    }
+    let Ok(file) = std::fs::File::open(program.path()) else { return BTreeMap::new() };
+    let mut reader = io::BufReader::new(file);
+    let mut lines = BTreeMap::new();
+    let mut buffer = Vec::new();
+    for number in 1..=last {
+        buffer.clear();
+        let read = reader.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut buffer);
+        if !matches!(read, Ok(1..)) {
+            break;
+        }
+        if buffer.last() != Some(&b'\n') && reader.skip_until(b'\n').is_err() {
+            break;
+        }
+        if wanted.contains(&number) {
+            lines.insert(number, printable(&buffer));
+        }
+    }
+    lines
+}
+
+/// More of a line is not read to show it, bytes.
+const LONGEST_LINE: u64 = 1 << 16;
+
+/// The text of a line, byte for byte, with a question mark for what is no text.
+fn printable(line: &[u8]) -> String {
+    let mut text = String::with_capacity(line.len());
+    for chunk in line.utf8_chunks() {
+        let plain = |character: char| if character.is_ascii_control() { '?' } else { character };
+        text.extend(
+            chunk.valid().trim_end_matches(['\r', '\n']).replace('\t', " ").chars().map(plain),
+        );
+        text.extend(chunk.invalid().iter().map(|_| '?'));
+    }
+    text
+}
+
+/// More of a line than this is not shown, bytes.
+const SHOWN_BYTES: usize = 200;
+
+/// The part of a long line around the first of `words`, and the words in it.
+fn excerpt(line: &str, words: Vec<Range<usize>>) -> (String, Vec<Range<usize>>) {
+    if line.len() <= SHOWN_BYTES {
+        return (line.to_owned(), words);
+    }
+    let first = words.first().map_or(0, |word| word.start);
+    let start = line.floor_char_boundary(first.saturating_sub(SHOWN_BYTES / 2));
+    let end = line.floor_char_boundary(start + SHOWN_BYTES);
+    let text = line.get(start..end).unwrap_or_default();
+    let (before, after) =
+        (if start > 0 { "…" } else { "" }, if end < line.len() { "…" } else { "" });
+    let words = words
+        .into_iter()
+        .filter(|word| word.start < end)
+        .map(|word| word.start - start + before.len()..word.end.min(end) - start + before.len())
+        .collect();
+    (format!("{before}{text}{after}"), words)
+}
+
+/// One line of a program that knows its number.
+#[derive(Debug)]
+struct Line {
+    name: String,
+    number: u32,
+    text: String,
+}
+
+impl SourceCode for Line {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        _context_lines_before: usize,
+        _context_lines_after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        if span.offset() + span.len() > self.text.len() {
+            return Err(MietteError::OutOfBounds);
+        }
+        let whole = SourceSpan::from(0..self.text.len());
+        let line = usize::try_from(self.number).unwrap_or(usize::MAX).saturating_sub(1);
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.name.clone(),
+            self.text.as_bytes(),
+            whole,
+            line,
+            0,
+            1,
+        )))
+    }
+}
+
+#[derive(Debug)]
+struct ShownFinding<'a> {
+    finding: &'a Finding,
+    /// The line and the words to underline.
+    source: Option<(Line, Vec<Range<usize>>)>,
+    /// In which words to speak of feeds.
+    dialect: Dialect,
+}
+
+impl fmt::Display for ShownFinding<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let place = Place { line: self.finding.line, block: self.finding.block };
+        write!(f, "{place}: {}", self.finding.message)
+    }
+}
+
+impl std::error::Error for ShownFinding<'_> {}
+
+impl Diagnostic for ShownFinding<'_> {
+    fn code<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        Some(Box::new(self.finding.rule.name()))
+    }
+
+    fn severity(&self) -> Option<miette::Severity> {
+        Some(match self.finding.severity {
+            Severity::Error => miette::Severity::Error,
+            Severity::Warning => miette::Severity::Warning,
+            Severity::Note => miette::Severity::Advice,
+        })
+    }
+
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        if let Some(hint) = &self.finding.hint {
+            return Some(Box::new(hint.as_str()));
+        }
+        let feed = self.finding.largest_feed_mm_per_s.filter(|feed| *feed >= 1e-3)?;
+        let feed = match self.dialect {
+            Dialect::Din66025 => format!("F{}", floor_3(feed)),
+            // Per minute, in whichever unit.
+            Dialect::Rs274 => format!("{} mm/min", floor_3(feed * 60.0)),
+            Dialect::Queue | Dialect::Job | Dialect::Dxf => format!("{} mm/s", floor_3(feed)),
+        };
+        Some(Box::new(format!("with {feed} or less this axis stays within its limit here")))
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.source.as_ref().map(|(line, _)| line as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let (_, words) = self.source.as_ref()?;
+        let label = |word: &Range<usize>| LabeledSpan::new_with_span(None, word.clone());
+        Some(Box::new(words.iter().map(label)))
+    }
+}
+
+/// Three significant digits, rounded down: a feed that is recommended must not be too large.
+fn floor_3(value: f64) -> String {
+    if !(value.is_finite() && value > 0.0) {
+        return "0".to_owned();
+    }
+    let digits = value.log10().floor();
+    let unit = 10f64.powf(digits - 2.0);
+    // What is a round number but for rounding stays one.
+    let floored = (value / unit * (1.0 + 1e-9)).floor() * unit;
+    let decimals = if digits >= 2.0 {
+        0
+    } else if digits >= 1.0 {
+        1
+    } else if digits >= 0.0 {
+        2
+    } else {
+        6
+    };
+    format!("{floored:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{SHOWN_BYTES, excerpt, floor_3, printable};
+
+    #[test]
+    #[expect(clippy::single_range_in_vec_init, reason = "one word is underlined")]
+    fn a_long_line_is_shown_around_what_is_wrong() {
+        let line = format!("{}X31O{}", "é".repeat(500), "é".repeat(500));
+        let (text, words) = excerpt(&line, vec![1000..1004]);
+        assert!(text.len() <= SHOWN_BYTES + 2 * "…".len());
+        assert_eq!(text.get(words[0].clone()), Some("X31O"));
+        let (text, words) = excerpt("N1 X2", vec![3..5]);
+        assert_eq!((text.as_str(), words), ("N1 X2", vec![3..5]));
+    }
+
+    #[test]
+    fn what_is_no_text_keeps_its_place() {
+        assert_eq!(printable(b"N1\tX\xff\xfe\x1b[31mY2\r\n"), "N1 X???[31mY2");
+    }
+
+    #[test]
+    fn recommended_feeds_are_rounded_down() {
+        assert_eq!(floor_3(299.999_999_999_99), "300");
+        assert_eq!(floor_3(123.9), "123");
+        assert_eq!(floor_3(12.39), "12.3");
+        assert_eq!(floor_3(1.239), "1.23");
+        assert_eq!(floor_3(0.012_39), "0.012300");
+        assert_eq!(floor_3(f64::NAN), "0");
+    }
+}

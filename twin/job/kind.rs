@@ -1,0 +1,175 @@
+//! Which blocks a job may call, and what they are told.
+
+use super::block::{Called, alone, following, on_cam, set_position};
+use super::read::FAR;
+use super::values::Values;
+use crate::machine::{CamSelection, read_cam, read_ratio};
+use std::path::Path;
+use twin_motion::axis::{
+    AccelerationProfile, CamIn, Decouple, Direction, GearIn, GearInPos, Halt, Home, MoveAbsolute,
+    MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative, MoveSuperImposed,
+    MoveVelocity, Phasing, PositionProfile, Stop, VelocityProfile,
+};
+
+/// Blocks by the names of the manual.
+pub(super) const BLOCKS: [(&str, Kind); 21] = [
+    ("MC_MoveAbsolute", Kind::MoveAbsolute),
+    ("MC_MoveRelative", Kind::MoveRelative),
+    ("MC_MoveAdditive", Kind::MoveAdditive),
+    ("MC_MoveSuperImposed", Kind::MoveSuperImposed),
+    ("MC_MoveVelocity", Kind::MoveVelocity),
+    ("MC_Halt", Kind::Halt),
+    ("MC_Stop", Kind::Stop),
+    ("MC_CamIn", Kind::CamIn),
+    ("MC_CamOut", Kind::Decouple),
+    ("MC_GearIn", Kind::GearIn),
+    ("MC_GearOut", Kind::Decouple),
+    ("SMC_GearInPos", Kind::GearInPos),
+    ("MC_GearInPos", Kind::GearInPos),
+    ("MC_Phasing", Kind::Phasing),
+    ("SMC_MoveContinuousAbsolute", Kind::ContinuousAbsolute),
+    ("SMC_MoveContinuousRelative", Kind::ContinuousRelative),
+    ("MC_PositionProfile", Kind::PositionProfile),
+    ("MC_VelocityProfile", Kind::VelocityProfile),
+    ("MC_AccelerationProfile", Kind::AccelerationProfile),
+    ("MC_Home", Kind::Home),
+    ("MC_SetPosition", Kind::SetPosition),
+];
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    MoveAbsolute,
+    MoveRelative,
+    MoveAdditive,
+    MoveSuperImposed,
+    MoveVelocity,
+    Halt,
+    Stop,
+    CamIn,
+    Decouple,
+    GearIn,
+    GearInPos,
+    Phasing,
+    ContinuousAbsolute,
+    ContinuousRelative,
+    PositionProfile,
+    VelocityProfile,
+    AccelerationProfile,
+    Home,
+    SetPosition,
+}
+
+impl Kind {
+    /// Whether its axis follows another one.
+    pub(super) fn follows(self) -> bool {
+        matches!(self, Self::CamIn | Self::GearIn | Self::GearInPos | Self::Phasing)
+    }
+
+    /// The block with the inputs that the file says; cams are named as from `path`.
+    pub(super) fn block(self, of: &Values<'_>, path: &Path) -> Option<Box<dyn Called>> {
+        Some(match self {
+            Self::MoveAbsolute => {
+                let (position, rates) = (of.length("position"), of.rates("velocity"));
+                let direction = of.direction(Direction::Shortest);
+                let (position, [velocity, acceleration, deceleration]) = (position?, rates?);
+                alone(MoveAbsolute { position, velocity, acceleration, deceleration, direction })
+            }
+            Self::MoveRelative => {
+                let (distance, rates) = (of.length("distance"), of.rates("velocity"));
+                let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
+                alone(MoveRelative { distance, velocity, acceleration, deceleration })
+            }
+            Self::MoveAdditive => {
+                let (distance, rates) = (of.length("distance"), of.rates("velocity"));
+                let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
+                alone(MoveAdditive { distance, velocity, acceleration, deceleration })
+            }
+            Self::MoveSuperImposed => {
+                let (distance, rates) = (of.length("distance"), of.rates("velocity_difference"));
+                let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
+                Box::new(MoveSuperImposed::new(distance, velocity, acceleration, deceleration))
+            }
+            Self::MoveVelocity => {
+                let (rates, direction) = (of.rates("velocity"), of.direction(Direction::Positive));
+                let [velocity, acceleration, deceleration] = rates?;
+                alone(MoveVelocity { velocity, acceleration, deceleration, direction })
+            }
+            Self::Halt => alone(Halt { deceleration: of.acceleration("deceleration")? }),
+            Self::Stop => alone(Stop { deceleration: of.acceleration("deceleration")? }),
+            Self::Decouple => alone(Decouple),
+            Self::GearIn => {
+                let ratio = read_ratio(of.section);
+                let [acceleration, deceleration] = of.accelerations()?;
+                let (ratio_numerator, ratio_denominator) = ratio?;
+                let ratio_denominator = ratio_denominator.unsigned_abs();
+                following(GearIn { ratio_numerator, ratio_denominator, acceleration, deceleration })
+            }
+            Self::GearInPos => {
+                let (ratio, slave) = (read_ratio(of.section), of.length("slave_sync_position"));
+                let master = of.of_master("master_sync_position");
+                let distance = of.optional_of_master("master_start_distance", 0.0..=FAR);
+                let (ratio_numerator, ratio_denominator) = ratio?;
+                following(GearInPos {
+                    ratio_numerator,
+                    ratio_denominator,
+                    master_sync_position: master?,
+                    slave_sync_position: slave?,
+                    master_start_distance: distance.unwrap_or(0.0),
+                })
+            }
+            Self::Phasing => {
+                let (phase_shift, rates) = (of.length("phase_shift"), of.rates("velocity"));
+                let (phase_shift, [velocity, acceleration, deceleration]) = (phase_shift?, rates?);
+                following(Phasing { phase_shift, velocity, acceleration, deceleration })
+            }
+            Self::ContinuousAbsolute => {
+                let (position, rates) = (of.length("position"), of.rates("velocity"));
+                let (end_velocity, direction) =
+                    (of.speed("end_velocity"), of.direction(Direction::Shortest));
+                let end_velocity_direction = of.end_direction();
+                let (position, [velocity, acceleration, deceleration]) = (position?, rates?);
+                alone(MoveContinuousAbsolute {
+                    position,
+                    velocity,
+                    end_velocity: end_velocity?,
+                    end_velocity_direction,
+                    acceleration,
+                    deceleration,
+                    direction,
+                })
+            }
+            Self::ContinuousRelative => {
+                let (distance, rates) = (of.length("distance"), of.rates("velocity"));
+                let end_velocity = of.speed("end_velocity");
+                let end_velocity_direction = of.end_direction();
+                let (distance, [velocity, acceleration, deceleration]) = (distance?, rates?);
+                alone(MoveContinuousRelative {
+                    distance,
+                    velocity,
+                    end_velocity: end_velocity?,
+                    end_velocity_direction,
+                    acceleration,
+                    deceleration,
+                })
+            }
+            Self::PositionProfile => alone(PositionProfile(of.points("position", "")?)),
+            Self::VelocityProfile => alone(VelocityProfile(of.points("velocity", "_per_s")?)),
+            Self::AccelerationProfile => {
+                alone(AccelerationProfile(of.points("acceleration", "_per_s2")?))
+            }
+            Self::Home => alone(Home { position: of.length("position")? }),
+            Self::SetPosition => {
+                let relative = of.section.flag("relative").unwrap_or(false);
+                set_position(of.length("position")?, relative)
+            }
+            Self::CamIn => on_cam(cam_in(of, path)?),
+        })
+    }
+}
+
+/// A cam with everything that the block is told.
+fn cam_in(of: &Values<'_>, path: &Path) -> Option<CamIn> {
+    let selection = read_cam(of.section, path, of.known.kind, of.master?.kind)?;
+    let CamSelection { table, input } = selection;
+    Some(CamIn { table: Some(table), input })
+}

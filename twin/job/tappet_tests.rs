@@ -1,0 +1,183 @@
+//! What tappets switch along jobs and programs, against closed forms: where the master has constant velocity, a tappet is
+//! passed at (its place − where the master was) / velocity, less the dead time.
+
+use super::tests::{job, machine};
+use crate::check::{CheckOptions, Outcome, check};
+use crate::machine::Machine;
+use crate::program::{Dialect, ProgramFile};
+use crate::settings::ReadSettings;
+use crate::tappets::Switched;
+use std::path::Path;
+
+fn outcome(machine: &Machine, program: &ProgramFile) -> Outcome {
+    let outcome = check(machine, program, CheckOptions::default(), &mut |_| {}).unwrap();
+    assert_eq!(outcome.findings, []);
+    outcome
+}
+
+/// Group, on or off, time in ms and place of the master of everything that was switched.
+fn told(switched: &Switched) -> Vec<(i16, bool, i64, f64)> {
+    assert_eq!(switched.left_out, 0);
+    let told = switched.switches.iter().map(|one| {
+        let master = one.master.as_ref().unwrap().position;
+        (switched.signals[one.signal].group, one.on, one.time_ns / 1_000_000, master)
+    });
+    told.collect()
+}
+
+/// The cycle, ms, at whose end a time, s, is over.
+#[expect(clippy::cast_possible_truncation, reason = "some seconds")]
+fn cycle(seconds: f64) -> i64 {
+    (seconds * 1e3 - 1e-6).ceil() as i64
+}
+
+fn assert_told(switched: &Switched, expected: &[(i16, bool, f64)], master: impl Fn(f64) -> f64) {
+    let found = told(switched);
+    let times: Vec<_> = found.iter().map(|(group, on, ms, _)| (*group, *on, *ms)).collect();
+    let wanted: Vec<_> =
+        expected.iter().map(|(group, on, seconds)| (*group, *on, cycle(*seconds))).collect();
+    assert_eq!(times, wanted);
+    for (_, _, ms, position) in found {
+        #[expect(clippy::cast_precision_loss, reason = "some seconds")]
+        let wanted = master(ms as f64 * 1e-3);
+        assert!((position - wanted).abs() < 1e-6, "{position} at {ms} ms is not {wanted}");
+    }
+}
+
+/// Flat, so that X stays; its tappets in every mode.
+const CAM: &str = r#"
+name = "flat"
+master = { min = 0, max = 1000, unit = "mm" }
+slave = { min = -1, max = 1, unit = "mm" }
+elements = [{ master = 0, slave = 0 }, { master = 1000, slave = 0 }]
+tappets = [
+  { group = 1, master = 50.1, passage = "positive", action = "on" },
+  { group = 1, master = 70.1, passage = "positive", action = "off" },
+  { group = 1, master = 75.1, passage = "negative", action = "on" },
+  { group = 2, master = 90.1, action = "invert" },
+  { group = 2, master = 95.1, action = "invert" },
+  { group = 7, master = 100.1, action = "timed", delay_us = 5200, duration_us = 20000 },
+]
+"#;
+
+/// The web goes at 200 mm/s from 0.1 s and 10 mm on, so that it is at x at 0.1 s + (x − 10 mm) / 200 mm/s.
+const JOB: &str = r#"
+duration_s = 1
+[[start]]
+axis = "X"
+position_mm = 0
+[[virtual_axes]]
+name = "web"
+kind = "linear"
+max_acceleration_mm_per_s2 = 2000
+[[blocks]]
+block = "MC_CamIn"
+axis = "X"
+master = "web"
+cam = "flat.toml"
+dead_time_s = 0.0
+[[blocks]]
+block = "MC_MoveVelocity"
+axis = "web"
+velocity_mm_per_s = 200
+with_previous = true
+"#;
+
+fn passes(x: f64) -> f64 {
+    0.1 + (x - 10.0) / 200.0
+}
+
+#[test]
+fn tappets_of_a_job_switch_when_the_master_passes_them() {
+    let job = job(JOB);
+    std::fs::write(job.folder.path().join("flat.toml"), CAM).unwrap();
+    let switched = outcome(&machine(), &job.program).tappets;
+    let names: Vec<_> = switched.signals.iter().map(ToString::to_string).collect();
+    assert_eq!(names, ["tappet 1 of X", "tappet 2 of X", "tappet 7 of X"]);
+    let expected = [
+        (1, true, passes(50.1)),
+        (1, false, passes(70.1)),
+        (2, true, passes(90.1)),
+        (2, false, passes(95.1)),
+        (7, true, passes(100.1) + 5.2e-3),
+        (7, false, passes(100.1) + 25.2e-3),
+    ];
+    assert_told(&switched, &expected, |time| 10.0 + 200.0 * (time - 0.1));
+    assert_eq!(switched.counts, [2, 2, 2]);
+    assert!(switched.switches.iter().all(|one| one.master.as_ref().unwrap().axis == "web"));
+}
+
+/// With 7.3 ms everything that a place triggers comes so much earlier; delays and durations stay.
+#[test]
+fn dead_time_is_compensated() {
+    let job = job(&JOB.replace("dead_time_s = 0.0", "dead_time_s = 0.0073"));
+    std::fs::write(job.folder.path().join("flat.toml"), CAM).unwrap();
+    let switched = outcome(&machine(), &job.program).tappets;
+    let early = |x: f64| passes(x) - 7.3e-3;
+    let expected = [
+        (1, true, early(50.1)),
+        (1, false, early(70.1)),
+        (2, true, early(90.1)),
+        (2, false, early(95.1)),
+        (7, true, early(100.1) + 5.2e-3),
+        (7, false, early(100.1) + 25.2e-3),
+    ];
+    assert_told(&switched, &expected, |time| 10.0 + 200.0 * (time - 0.1));
+}
+
+/// There and back between 0 and 60 mm: within the band of hysteresis around 50.1 mm the tappet acts once.
+#[test]
+fn hysteresis_holds_a_tappet_back() {
+    let moves = |positions: &[f64], keys: &str| {
+        let block = |position: &f64| {
+            format!(
+                "[[blocks]]\nblock = \"MC_MoveAbsolute\"\naxis = \"web\"\nposition_mm = {position:?}\nvelocity_mm_per_s = 100\n"
+            )
+        };
+        let head = JOB.replace("duration_s = 1\n", "").replace("dead_time_s = 0.0", keys);
+        let (head, _) = head.split_once("[[blocks]]\nblock = \"MC_MoveVelocity\"").unwrap();
+        let job = job(&[head.to_owned(), positions.iter().map(block).collect()].concat());
+        let cam = CAM.replace("passage = \"positive\", action = \"on\"", "action = \"invert\"");
+        std::fs::write(job.folder.path().join("flat.toml"), cam).unwrap();
+        let switched = outcome(&machine(), &job.program).tappets;
+        told(&switched).iter().map(|(_, on, _, _)| *on).collect::<Vec<_>>()
+    };
+    let around = [52.0, 49.0, 52.0];
+    assert_eq!(moves(&around, "tappet_hysteresis_mm = 0.0"), [true, false, true]);
+    assert_eq!(moves(&around, "tappet_hysteresis_mm = 4.0"), [true]);
+    // Beyond the band it acts again.
+    assert_eq!(moves(&[55.0, 45.0], "tappet_hysteresis_mm = 4.0"), [true, false]);
+}
+
+/// X at 90 mm/s with 500 mm/s² along a program: at 8.1 mm after 0.18 s, and on with constant velocity.
+#[test]
+fn tappets_of_the_machine_file_switch_in_programs() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("machine.toml");
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
+    let shipped = std::fs::read_to_string(shipped).unwrap();
+    let cams =
+        "\n[[cams]]\naxis = \"Y\"\nmaster = \"X\"\ncam = \"flat.toml\"\nslave_absolute = false\n";
+    std::fs::write(&path, [&shipped, cams].concat()).unwrap();
+    std::fs::write(folder.path().join("flat.toml"), CAM).unwrap();
+    let machine = Machine::load(&path).unwrap();
+    let program = folder.path().join("along.cnc");
+    std::fs::write(&program, "% along\nN10 G1 X150 F90 E500 E-500\n").unwrap();
+    let program =
+        ProgramFile::new(&program, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
+    let found = outcome(&machine, &program);
+    let start = machine.axes[0].from_si(found.start.unwrap()[0]);
+    assert!(start.abs() < 1e-9, "{start}");
+    let passes = |x: f64| 0.18 + (x - 8.1) / 90.0;
+    let expected = [
+        (1, true, passes(50.1)),
+        (1, false, passes(70.1)),
+        (2, true, passes(90.1)),
+        (2, false, passes(95.1)),
+        (7, true, passes(100.1) + 5.2e-3),
+        (7, false, passes(100.1) + 25.2e-3),
+    ];
+    assert_told(&found.tappets, &expected, |time| 8.1 + 90.0 * (time - 0.18));
+    let place = found.tappets.switches[0].place;
+    assert_eq!((place.line, place.block), (2, Some(10)));
+}

@@ -1,0 +1,72 @@
+//! Programs on machines with gears, within the limits of all axes, against closed forms.
+
+use crate::check::{CheckOptions, check};
+use crate::limit::Limits;
+use crate::machine::Machine;
+use crate::program::{Dialect, ProgramFile};
+use crate::settings::ReadSettings;
+use std::path::Path;
+
+fn gantry(gears: &str) -> Machine {
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
+    let text = std::fs::read_to_string(shipped).unwrap();
+    let mut machine = Machine::parse(Path::new("gantry3.toml"), &[&text, gears].concat()).unwrap();
+    for axis in &mut machine.axes {
+        axis.simulated.effort_limit = f64::INFINITY;
+    }
+    machine
+}
+
+/// Y goes so many times as far as X, and Z so many times as far as Y.
+fn gears(y: [u32; 2], z: Option<[u32; 2]>) -> String {
+    let gear = |slave: &str, master: &str, [numerator, denominator]: [u32; 2]| {
+        format!(
+            "\n[[gears]]\naxis = \"{slave}\"\nmaster = \"{master}\"\nratio_numerator = {numerator}\n\
+             ratio_denominator = {denominator}\n"
+        )
+    };
+    let behind = z.map(|ratio| gear("Z", "Y", ratio));
+    [gear("Y", "X", y), behind.unwrap_or_default()].concat()
+}
+
+/// X goes 60 mm; how long that takes, s. Nothing may be found wrong with it.
+fn seconds(machine: &Machine, limits: Limits) -> Result<f64, Vec<String>> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("along.cnc");
+    std::fs::write(&path, "% along\nN10 G1 X60 F1000 E9000 E-9000\n").unwrap();
+    let program =
+        ProgramFile::new(&path, Some(Dialect::Din66025), ReadSettings::default()).unwrap();
+    let options = CheckOptions { limits, ..CheckOptions::default() };
+    let outcome = check(machine, &program, options, &mut |_| {}).unwrap();
+    let errors = outcome.findings.iter().filter(|one| one.rule.name() != "feed-reduced");
+    let errors: Vec<_> = errors.map(|one| one.message.clone()).collect();
+    if errors.is_empty() { Ok(crate::report::seconds(outcome.duration_ns)) } else { Err(errors) }
+}
+
+/// From rest to rest over 60 mm with this velocity and acceleration of X, mm/s and mm/s².
+fn trapezoid(velocity: f64, acceleration: f64) -> f64 {
+    60.0 / velocity + velocity / acceleration
+}
+
+#[track_caller]
+fn near(machine: &Machine, expected: f64) {
+    let found = seconds(machine, Limits::Axes).unwrap();
+    assert!((found - expected).abs() <= 0.003 * expected + 2e-3, "{found} s, not {expected} s");
+}
+
+/// X and Y have 400 mm/s and 3000 mm/s², Z has 200 and 2000. With Y three times as fast, X has a third; with Z, behind Y, as fast as
+/// X, it has what Z has.
+#[test]
+fn a_program_is_slowed_to_what_slaves_in_gear_bear() {
+    near(&gantry(""), trapezoid(400.0, 3000.0));
+    near(&gantry(&gears([3, 1], None)), trapezoid(400.0 / 3.0, 1000.0));
+    near(&gantry(&gears([1, 2], None)), trapezoid(400.0, 3000.0));
+    near(&gantry(&gears([1, 2], Some([2, 1]))), trapezoid(200.0, 2000.0));
+}
+
+/// The controller's own planning asks X for 1000 mm/s and the slave for three times that, which the check refuses.
+#[test]
+fn otherwise_the_check_refuses_it() {
+    let told = seconds(&gantry(&gears([3, 1], None)), Limits::Softmotion).unwrap_err();
+    assert!(told.iter().any(|message| message.contains('Y')), "{told:?}");
+}
