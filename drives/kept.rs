@@ -1,6 +1,48 @@
 //! What emulated devices keep from one start to the next: files.
 
-use std::{fs, io, path::Path};
+use std::{
+    fs::{self, File, OpenOptions, TryLockError},
+    io,
+    path::Path,
+};
+
+use crate::EmulatorError;
+
+/// A file in which one emulated device alone keeps things, as long as this lives.
+///
+/// The file is replaced when something is stored, so what is locked is an empty one beside it, `….lock`, which stays.
+#[derive(Debug)]
+pub(crate) struct Keeper {
+    #[expect(dead_code, reason = "its lock is what counts")]
+    lock: File,
+}
+
+impl Keeper {
+    /// Of a file that need not be there yet, whatever name leads to it.
+    ///
+    /// # Errors
+    /// [`EmulatorError::File`]: another emulator keeps things in it, or it cannot be locked.
+    pub(crate) fn of(path: &Path) -> Result<Self, EmulatorError> {
+        Self::locked(path)
+            .map_err(|source| EmulatorError::File { path: path.to_path_buf(), source })
+    }
+
+    fn locked(path: &Path) -> io::Result<Self> {
+        let real = path.canonicalize().unwrap_or_else(|_new| path.to_path_buf());
+        let mut name = real.file_name().unwrap_or_default().to_owned();
+        name.push(".lock");
+        let beside = real.with_file_name(name);
+        let lock = OpenOptions::new().write(true).create(true).truncate(false).open(&beside)?;
+        match lock.try_lock() {
+            Ok(()) => Ok(Self { lock }),
+            Err(TryLockError::WouldBlock) => Err(io::Error::new(
+                io::ErrorKind::ResourceBusy,
+                "another emulator keeps its parameters in it: each device has a file of its own",
+            )),
+            Err(TryLockError::Error(error)) => Err(error),
+        }
+    }
+}
 
 /// Replaces a file as a whole: whoever is killed meanwhile leaves the old or the new one.
 ///
@@ -12,4 +54,27 @@ pub(crate) fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
     let new = path.with_file_name(name);
     fs::write(&new, content)?;
     fs::rename(&new, path)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_has_one_keeper_by_whatever_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("eeprom");
+        let first = Keeper::of(&path).unwrap();
+        assert!(Keeper::of(&path).is_err(), "also before it is there");
+        replace(&path, b"stored").unwrap();
+        let link = folder.path().join("link");
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        for name in [&path, &link] {
+            let said = Keeper::of(name).unwrap_err().to_string();
+            let named = said.starts_with(&name.display().to_string());
+            assert!(named && said.contains("another emulator"), "{said}");
+        }
+        drop(first);
+        assert!(Keeper::of(&link).is_ok());
+    }
 }

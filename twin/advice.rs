@@ -2,13 +2,17 @@
 
 use crate::hardware::HardwareError;
 use std::io::{self, ErrorKind};
-use twin_drives::bim2ax::bits::message;
+use twin_drives::bim2ax::bits::{message, uc};
 use twin_drives::smartdrive::RejectCode;
 use twin_drives::{Action, DriveError, Exchange, ProtocolFault};
 
 /// After an emergency stop.
 pub(crate) const RELEASE: &str =
     "release the emergency stop (close the ENABLE input), then `unlock`, then `home`";
+
+/// A module the check sum of whose EEPROM is wrong.
+pub(crate) const CHECK_SUM: &str = "`restore FILE` gives it the parameters of a backup; without one `set` each of both axes; then `reset`, and \
+                                    `get` to see what it has; until then nothing moves";
 
 /// Where nobody answers.
 pub(crate) const NOBODY: &str = "is the device powered, are A and B of the line swapped, are baud rate and parity those of \
@@ -35,6 +39,10 @@ pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
              (`scan` asks all), and are baud rate and parity those of the device? A slow adapter needs a longer \
              --deadline"
         }
+        DriveError::Protocol { at, .. } if at.station == 0 => {
+            "is another master at the module, or does something disturb its bus? Is it at this offset (--map, or `map_offset` \
+             of the machine file), and are its numbers in this byte order (--little-endian, or `byte_order`)?"
+        }
         DriveError::Protocol { fault: ProtocolFault::Garbled, .. } => {
             "are baud rate and parity those of the device? Do two devices have this address, or does the adapter hear \
              what it sends (--echo of InterpCNC)? Is the line terminated?"
@@ -56,8 +64,11 @@ pub(crate) fn advice(error: &DriveError) -> Option<&'static str> {
             "does `inputs` show the home switch when it is pressed by hand? Is it in this direction, and near enough?"
         }
         DriveError::LimitSwitch { .. } => "`jog` the axis off its limit switch, slowly",
-        DriveError::Unfinished { .. } => {
-            "if nothing was in the way it needs a longer --timeout, or a higher speed"
+        DriveError::Unfinished { at, .. } => return Some(unfinished(at)),
+        DriveError::CardMessages { .. } if error.takes_writes_only() => CHECK_SUM,
+        DriveError::NotArrived { .. } => {
+            "something else has stopped it: `twin drive … stop` in another window, another master, a limit or a switch. `status` \
+             tells what the device says now"
         }
         DriveError::AxisMessages { messages, .. } => return of_axis(*messages),
         DriveError::ByteOrder { .. } => "--little-endian, or `byte_order` of the machine file",
@@ -94,6 +105,23 @@ pub(crate) fn of_hardware(error: &HardwareError) -> Option<&'static str> {
     }
 }
 
+/// What has not ended in time, by what it was.
+fn unfinished(at: &Exchange) -> &'static str {
+    match at.action {
+        Action::Order { bits: uc::HOME, .. } => {
+            "it homes at its start-stop speed, whatever its fast speed is: if nothing was in the way, it needs a longer \
+             --timeout, or a higher `start-stop-speed-1` (or -2), which acts after `reset`"
+        }
+        Action::Command { name: "TRJINIT", .. } => {
+            "if nothing was in the way it needs a longer --timeout, or a higher `App_VelEnterHome`"
+        }
+        _ => {
+            "was something in the way? Does `status` change from one look to the next? A device whose status stays as it is has to \
+             be switched off and on, then `unlock`, then `home`"
+        }
+    }
+}
+
 /// A command that has a target.
 fn is_move(at: &Exchange) -> bool {
     matches!(at.action, Action::Command { name: "GOTO" | "STEP", .. })
@@ -121,6 +149,9 @@ fn port(at: &Exchange, error: &io::Error) -> Option<&'static str> {
         ErrorKind::NotFound => Some(
             "`ls /dev/serial/by-id /dev/ttyUSB* /dev/ttyACM*` shows the serial ports there are; `twin emulate` makes one",
         ),
+        ErrorKind::PermissionDenied if is_module || !at.port.starts_with("/dev/tty") => {
+            Some("may this user read and write it? `ls -l` shows whose it is, and which group may")
+        }
         ErrorKind::PermissionDenied => {
             Some("may this user open it? On most systems the group `dialout` may, see `ls -l`")
         }

@@ -30,7 +30,7 @@ const EMULATED_DEADLINE: Duration = Duration::from_secs(2);
 const LONGEST_STORING: Duration = Duration::from_secs(10);
 
 /// A drive that lags may go this much faster than its axis's largest velocity.
-const CATCH_UP: f64 = 1.2;
+pub(crate) const CATCH_UP: f64 = 1.2;
 
 /// Why no emulated drive can be had.
 #[derive(Debug, thiserror::Error)]

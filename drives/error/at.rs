@@ -45,6 +45,12 @@ impl DriveError {
         }
     }
 
+    /// Whether the device takes parameters and tells none: a module the check sum of whose EEPROM is wrong.
+    pub fn takes_writes_only(&self) -> bool {
+        use crate::bim2ax::bits::card::CHECKSUM;
+        matches!(self, Self::CardMessages { messages, .. } if messages & CHECKSUM != 0)
+    }
+
     /// Whether nothing is wrong but that an axis is on its limit switch.
     pub fn is_limit_switch(&self) -> bool {
         match self {

@@ -1,8 +1,9 @@
 //! What `twin drive` and `twin emulate` say to people who have mistaken something, and what they do not pass over.
 
-use crate::drive::{Hand, a_board, a_bus, row};
+use crate::drive::{Hand, a_board, a_bus, clock, row};
 use crate::process::Desk;
 use std::fs;
+use twin_drives::smartdrive::emulator as bus;
 
 /// Number, name, value, saved, factory, unit: the working value is that of the file already, what is saved is not.
 #[test]
@@ -69,6 +70,43 @@ fn a_file_that_is_no_memory_is_left_alone_and_a_module_is_not_looked_for_at_seri
 fn two_drives_of_a_line_have_two_addresses() {
     let words = ["emulate", "smartdrive", "--link", "bus", "--address", "1", "--address", "1"];
     Desk::new().twin(&words).ended(2, "--address 1 is given twice");
+}
+
+/// The drives of the bus are 1 and 3.
+#[test]
+fn a_drive_does_not_get_the_address_of_another() {
+    let (_running, hand) = a_bus(Vec::new());
+    hand.refuses("set ATB_Address 3", "another drive of the line answers at address 3 already");
+    assert_eq!(row(&hand.does("get ATB_Address"), 1, "ATB_Address")[2], "1");
+    let said = hand.does("set ATB_Address 2").stdout;
+    assert!(said.contains("spoken to with --address 2"), "{said}");
+    hand.does("--address 2 status");
+    hand.does("--address 2 set ATB_Address 2");
+}
+
+/// Two at one address answer at the same time, and spoil what the other says.
+#[test]
+fn an_address_that_two_drives_have_is_shown() {
+    let devices =
+        [2, 2].map(|address| bus::DeviceOptions { address, ..bus::DeviceOptions::default() });
+    let single = bus::DeviceOptions { address: 3, ..bus::DeviceOptions::default() };
+    let devices = devices.into_iter().chain([single]).collect();
+    let options = bus::EmulatorOptions { devices, ..bus::EmulatorOptions::default() };
+    let running = bus::EmulatedBus::start(&options, clock()).expect("it starts");
+    let port = running.path().to_str().expect("a path").to_owned();
+    let hand = Hand::new("smartdrive", &port, &["--deadline", "500"]);
+    let answers = |_| hand.tries("--address 3 status").status == Some(0);
+    assert!((0..50).any(answers), "nobody answers");
+    // What they say differs, as where they stand usually does.
+    let alarms = twin_drives::smartdrive::Alarms::OVERTEMPERATURE;
+    running.happen(0, bus::Event::Fault { alarms, present: true }).expect("it runs");
+    let found = hand.does("scan --addresses 2-3");
+    assert!(
+        found.stdout.contains("address 2: answers garble each other: two devices"),
+        "{}",
+        found.stdout
+    );
+    assert_eq!(row(&found, 0, "3")[1], "0,");
 }
 
 /// 1000 is what was set; INPUT 1 is GO.

@@ -17,6 +17,7 @@ mod collision;
 mod compare;
 mod drive;
 mod drive_home;
+mod drive_repair;
 mod drive_stop;
 mod drive_words;
 mod emulate;

@@ -241,6 +241,12 @@ fn a_mixture_of_all_three_families_runs_to_its_end() {
         "✓ axis U: will be homed first",
         "X board X board 10.000 mm 0.000 mm 100.0 mm/s",
         "U module 1 module 0.000 mm, homes first: 360.0 mm at most",
+        // The program: 50 mm/s along √(10² + 5² + 5²) mm, on which U goes 8. Homing: 100 steps/s of 16 µsteps, 320 of them a mm.
+        "10.000 mm 0.000 mm 100.0 mm/s 40.8 mm/s",
+        "360.0 mm at most 5.0 mm/s 0.000 mm 25.0 mm/s 32.7 mm/s",
+        // A deadline of 2 s, and twice that until no late answer can come any more.
+        "one lost answer of device `board` takes up to 6000 ms; at the program's 40.8 mm/s (line",
+        "axis X is then up to 244.95 mm off, more than its max_following_error of 100.00 mm",
     ] {
         done.ended(0, said);
     }

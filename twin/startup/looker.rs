@@ -6,11 +6,15 @@ use crate::advice::{RELEASE, advice_in_run};
 use crate::by_hand;
 use crate::clock::Clock;
 use crate::machine::{Axis, DriveFamily, Machine};
+use std::time::Duration;
 use twin_drives::axis::StartStep;
 use twin_drives::{Drive, DriveError, Increments, ParameterInfo, SetpointStream};
 
 /// What is said of an axis that is homed by the user's word alone and counts 0: its device may have lost its position since.
 const ZERO: &str = "; it counts 0, as after it was switched on, reset, saved or unlocked: if it was, home it again";
+
+/// Time between two looks at axes that move.
+const MOVING_LOOK: Duration = Duration::from_millis(50);
 
 pub(super) struct Looker<'a> {
     name: &'a str,
@@ -65,7 +69,7 @@ impl<'a> Looker<'a> {
             StartStep::Identity => self.identity(machine, drive),
             StartStep::Parameters => self.parameters(machine, (index, drive)),
             StartStep::Limits => self.limits(machine, (index, drive)),
-            StartStep::Enabling => self.may_be_enabled(drive, stream),
+            StartStep::Enabling => self.may_be_enabled((machine, index), drive, stream),
             StartStep::Homed => {
                 self.homed(machine, drive, stream)?;
                 if let Some(position) = self.looked.position {
@@ -77,13 +81,18 @@ impl<'a> Looker<'a> {
     }
 
     /// That nothing keeps the device from being enabled; where its axes stand.
-    fn may_be_enabled(&mut self, drive: &mut dyn Drive, stream: Still) -> Result<(), DriveError> {
+    fn may_be_enabled(
+        &mut self,
+        (machine, device): (&Machine, usize),
+        drive: &mut dyn Drive,
+        stream: Still,
+    ) -> Result<(), DriveError> {
         self.signals(drive, stream)?;
         match drive.probe(&stream) {
             Ok(sample) => {
                 self.looked.position = Some(sample.position);
                 if sample.moving {
-                    self.add(false, format!("{}: an axis moves already", drive.describe()));
+                    self.moves_already(machine, device, (drive, stream), &sample.position);
                 }
                 Ok(())
             }
@@ -95,6 +104,38 @@ impl<'a> Looker<'a> {
             }
             Err(error) => Err(error),
         }
+    }
+
+    /// Which axes move by themselves: those that stand elsewhere a moment later.
+    fn moves_already(
+        &mut self,
+        machine: &Machine,
+        device: usize,
+        (drive, stream): (&mut dyn Drive, Still),
+        before: &Increments,
+    ) {
+        std::thread::sleep(MOVING_LOOK);
+        let after = drive.probe(&stream).map_or(*before, |sample| sample.position);
+        let slots = self.axes.clone().into_iter().zip(before.iter().zip(&after)).enumerate();
+        let mut moving: Vec<_> = slots
+            .filter(|(_, (_, (before, after)))| before != after)
+            .filter_map(|(slot, ((_, axis), _))| {
+                let at = position(axis, slot, &after)?;
+                Some(format!("axis {} moves already, at {at:.3} {}", axis.name, axis.unit()))
+            })
+            .collect();
+        if moving.is_empty() {
+            moving.push("an axis moves already".to_owned());
+        }
+        let command = by_hand::command(machine, device, self.first_address());
+        let stop = command.map(|command| format!("stop it: {command} stop"));
+        let told = format!("{}: {}", drive.describe(), moving.join("; "));
+        self.add_with(false, told, stop.into_iter().collect());
+    }
+
+    /// The address of the first axis's drive, where each has its own.
+    fn first_address(&self) -> usize {
+        self.axes.first().and_then(|(_, axis)| axis.drive.as_ref()).map_or(0, |place| place.index)
     }
 
     fn identity(&mut self, machine: &Machine, drive: &mut dyn Drive) -> Result<(), DriveError> {

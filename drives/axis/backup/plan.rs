@@ -16,8 +16,8 @@ pub struct Change {
     pub name: String,
     /// Its unit.
     pub unit: &'static str,
-    /// What the device has.
-    pub from: i64,
+    /// What the device has; `None` if it does not tell.
+    pub from: Option<i64>,
     /// What the file has.
     pub to: i64,
     /// Whether it acts after a restart only.
@@ -28,7 +28,10 @@ impl fmt::Display for Change {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { id, name, unit, from, to, .. } = self;
         let gap = if unit.is_empty() { "" } else { " " };
-        write!(f, "{id} ({name}): {from} -> {to}{gap}{unit}")?;
+        match from {
+            Some(from) => write!(f, "{id} ({name}): {from} -> {to}{gap}{unit}")?,
+            None => write!(f, "{id} ({name}): ? -> {to}{gap}{unit}")?,
+        }
         f.write_str(if self.needs_restart { ", after a restart" } else { "" })
     }
 }
@@ -48,6 +51,9 @@ pub struct Plan {
     pub kept: Vec<ParameterId>,
     /// Parameters that can be written and that the file does not have.
     pub absent: Vec<(ParameterId, String)>,
+    /// The device takes parameters and tells none ([`DriveError::takes_writes_only`]): all that can be written is, and
+    /// nothing is read back.
+    pub unseen: bool,
 }
 
 impl fmt::Display for Plan {
@@ -95,12 +101,17 @@ pub fn plan(drive: &mut dyn Drive, backup: &Backup) -> Result<Plan, BackupError>
     let of_file = |info: &&ParameterInfo| backup.entries.iter().any(|entry| entry.id == info.id);
     let (known, absent): (Vec<_>, Vec<_>) = known.iter().partition(of_file);
     let ids: Vec<_> = known.iter().map(|info| info.id).collect();
-    let present = drive.parameter_values(&ids)?;
+    let (present, unseen) = match drive.parameter_values(&ids) {
+        Ok(values) => (values.into_iter().map(Some).collect(), false),
+        Err(error) if error.takes_writes_only() => (vec![None; ids.len()], true),
+        Err(error) => return Err(error.into()),
+    };
     let written = |info: &&&ParameterInfo| info.writable && !info.of_the_line;
     let absent = absent.into_iter().filter(|info| info.writable);
     let mut plan = Plan {
         kept: known.iter().filter(written).map(|info| info.id).collect(),
         absent: absent.map(|info| (info.id, info.name.clone())).collect(),
+        unseen,
         ..Plan::default()
     };
     for (place, entry) in backup.entries.iter().enumerate() {
@@ -114,8 +125,10 @@ pub fn plan(drive: &mut dyn Drive, backup: &Backup) -> Result<Plan, BackupError>
             error(entry.line, LineFault::Twice { id, first: first.line });
             continue;
         }
-        if from == entry.value {
+        if from == Some(entry.value) {
             plan.same += 1;
+        } else if from.is_none() && !info.writable {
+            // What it measures itself is not missed.
         } else if info.writable && !info.values.contain(entry.value) {
             let (name, values) = (info.name.clone(), info.values.clone());
             error(entry.line, LineFault::Value { id, name, value: entry.value, values });
@@ -187,6 +200,9 @@ impl Plan {
     }
 
     fn verify(&self, drive: &mut dyn Drive) -> Result<(), RestoreError> {
+        if self.unseen {
+            return Ok(());
+        }
         let ids: Vec<_> = self.changes.iter().map(|change| change.id).collect();
         let present = drive.parameter_values(&ids)?;
         for (change, found) in self.changes.iter().zip(present) {

@@ -66,7 +66,12 @@ fn bits(value: i64) -> Option<u32> {
 
 impl Bim2AxDrive {
     pub(super) fn who(&mut self) -> Result<Identity, DriveError> {
-        let told = self.runtime.block_on(self.module.identify(&no_clock))?;
+        let told = self.runtime.block_on(self.module.identify_any(&no_clock))?;
+        let Some(told) = told else {
+            let details = vec![("EEPROM", "its check sum is wrong".to_owned())];
+            let unit = UnitIdentity { station: 0, firmware: None, serial: None, details };
+            return Ok(Identity { family: "BIM2AX-BOCM", units: vec![unit] });
+        };
         let rating = match told.rating_ma {
             -1 => "unknown".to_owned(),
             rating_ma => format!("{rating_ma} mA"),
@@ -124,7 +129,10 @@ impl Bim2AxDrive {
 
     pub(super) fn all_parameters(&mut self) -> Result<Vec<ParameterInfo>, DriveError> {
         let asked = self.module.parameter(Parameter::Rating, &no_clock);
-        let rating_ma = self.runtime.block_on(asked)?.cast_signed();
+        let rating_ma = match self.runtime.block_on(asked) {
+            Err(error) if error.takes_writes_only() => -1,
+            told => told?.cast_signed(),
+        };
         // Where the software does not know its rating, the largest module decides.
         let rating_ma = if rating_ma > 0 { rating_ma } else { 5000 };
         let axes = &self.options.axes;
@@ -168,7 +176,11 @@ impl Bim2AxDrive {
         // What the driver knows of the axes may be wrong from now on.
         self.settings.clear();
         self.runtime.block_on(self.module.set_parameter(parameter, bits, &no_clock))?;
-        let found = self.read_parameter(id)?;
+        let found = match self.read_parameter(id) {
+            // The module has confirmed number and value: more it does not tell.
+            Err(error) if error.takes_writes_only() => return Ok(()),
+            found => found?,
+        };
         if found == value {
             return Ok(());
         }

@@ -27,6 +27,8 @@ use crate::{Action, Clock, DriveError, Exchange, ProtocolFault};
 
 /// First version that takes several zones with one interrupt and gives receipts.
 const ZONES_AT_ONCE: u16 = 15;
+/// What parameter $62 can be, mA; −1 if the software does not know.
+const RATINGS_MA: [i32; 4] = [1000, 2000, 5000, -1];
 
 /// Settings of the driver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,10 +137,31 @@ impl Bim2Ax {
     /// Looks who is there: identifier, status, byte order, version and rating. Changes nothing.
     ///
     /// # Errors
-    /// If it is no such module, does not run, does not answer, or its numbers are in the other byte order.
+    /// If it is no such module, does not run, does not answer, its numbers are in the other byte order, or the check sum
+    /// of its EEPROM is wrong.
     pub async fn identify(&mut self, clock: &dyn Clock) -> Result<Identity, DriveError> {
+        let known = self.identify_any(clock).await?;
+        known.ok_or_else(|| DriveError::CardMessages {
+            at: self.at(Action::Identify),
+            messages: card::CHECKSUM,
+        })
+    }
+
+    /// The same; `None` of a module the check sum of whose EEPROM is wrong. It takes no orders and tells no parameters, so
+    /// neither version nor rating: it only has parameters written (8.1).
+    ///
+    /// # Errors
+    /// If it is no such module, does not run, does not answer, or its numbers are in the other byte order.
+    pub async fn identify_any(
+        &mut self,
+        clock: &dyn Clock,
+    ) -> Result<Option<Identity>, DriveError> {
         let action = Action::Identify;
-        let found = self.window.stranger();
+        // What is read once may have been spoilt on the bus, which has no check sums.
+        let found = match self.window.stranger() {
+            Ok(None) => Ok(None),
+            _ => self.window.stranger(),
+        };
         if let Some(found) = self.bus(action, found)? {
             let at = self.at(action);
             return Err(DriveError::Identity { at, expected: BIM2AX_BOCM, found });
@@ -149,15 +172,22 @@ impl Bim2Ax {
         }
         let card_messages = ParameterExchange::decode(&bytes, self.options.byte_order).messages;
         if card_messages & card::CHECKSUM != 0 {
-            return Err(DriveError::CardMessages { at: self.at(action), messages: card::CHECKSUM });
+            return Ok(None);
         }
-        let rating_ma = self.parameter(Parameter::Rating, clock).await?.cast_signed();
-        if ![1000, 2000, 5000, -1].contains(&rating_ma) {
+        let mut rating_ma = self.rating(clock).await?;
+        if !RATINGS_MA.contains(&rating_ma) {
+            rating_ma = self.rating(clock).await?;
+        }
+        if !RATINGS_MA.contains(&rating_ma) {
             return Err(DriveError::ByteOrder { at: self.at(action) });
         }
         let version = self.parameter(Parameter::Version, clock).await?;
         self.version = u16::try_from(version).unwrap_or(0);
-        Ok(Identity { version: self.version, rating_ma, card_messages })
+        Ok(Some(Identity { version: self.version, rating_ma, card_messages }))
+    }
+
+    async fn rating(&mut self, clock: &dyn Clock) -> Result<i32, DriveError> {
+        Ok(self.parameter(Parameter::Rating, clock).await?.cast_signed())
     }
 
     /// The zone with "Messages carte", and the byte order that these tell.

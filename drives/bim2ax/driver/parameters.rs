@@ -23,6 +23,7 @@ impl Bim2Ax {
         clock: &dyn Clock,
     ) -> Result<ParameterExchange, DriveError> {
         let byte_order = self.options.byte_order;
+        self.settle().await;
         let (bytes, _) = self
             .write(
                 action,
@@ -48,7 +49,7 @@ impl Bim2Ax {
         (number, Action::Parameter { number, name: parameter.name(), written })
     }
 
-    /// Reads a parameter, in motion too: its 32 bits.
+    /// Reads a parameter, in motion too: its 32 bits. Asked again once if no proper answer comes: it changes nothing.
     ///
     /// # Errors
     /// If the module refuses or does not answer.
@@ -59,6 +60,22 @@ impl Bim2Ax {
     ) -> Result<u32, DriveError> {
         let (number, action) = Self::parameter_action(parameter, false);
         let asked = ParameterExchange { order: order::READ, number, ..Default::default() };
+        match self.read_once(action, asked, clock).await {
+            Err(
+                DriveError::Timeout { .. }
+                | DriveError::Protocol { .. }
+                | DriveError::CardMessages { .. },
+            ) => self.read_once(action, asked, clock).await,
+            done => done,
+        }
+    }
+
+    async fn read_once(
+        &mut self,
+        action: Action,
+        asked: ParameterExchange,
+        clock: &dyn Clock,
+    ) -> Result<u32, DriveError> {
         let answer = self.parameter_exchange(action, asked, clock).await?;
         self.check_answer(action, &asked, &answer)?;
         Ok(answer.value)

@@ -140,6 +140,12 @@ impl Eeprom {
         bytes
     }
 
+    /// An EEPROM whose image [`Self::to_bytes`] has made, sound or not; `None` if these bytes are something else.
+    pub fn of_image(bytes: &[u8]) -> Option<Self> {
+        let eeprom = Self::from_bytes(bytes);
+        (eeprom.to_bytes() == bytes).then_some(eeprom)
+    }
+
     /// An EEPROM with this image. One of another length, or with a wrong check sum, is that of a card whose check
     /// sum is wrong; what values there are, are kept.
     pub fn from_bytes(bytes: &[u8]) -> Self {
@@ -196,6 +202,13 @@ mod tests {
         }
         eeprom.spoil();
         assert_eq!(Eeprom::from_bytes(&eeprom.to_bytes()), eeprom);
+        assert_eq!(Eeprom::of_image(&eeprom.to_bytes()), Some(eeprom));
+        assert_eq!(Eeprom::of_image(&image).map(|eeprom| eeprom.sound()), Some(true));
+        let mut changed = image.clone();
+        changed[0] ^= 1;
+        for other in [&[][..], b"[machine]\n", &image[1..], &changed] {
+            assert_eq!(Eeprom::of_image(other), None);
+        }
     }
 
     #[test]

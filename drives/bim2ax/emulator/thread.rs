@@ -19,9 +19,11 @@ use crate::{
         BIM2AX_BOCM, FILE_LENGTH, HOST_PAGE, IDENTIFIER, INTERRUPT, MODULE_PAGE, Mapping,
         PAGE_REGISTER, RECEIPTS, WINDOW_LENGTH, file_offset,
     },
-    kept::replace,
+    kept::{Keeper, replace},
 };
 
+/// Said of a file that is none.
+const NO_IMAGE: &str = "this is no image of the EEPROM of an emulated BIM2AX-BOCM";
 /// Pause between two looks at the file.
 const PAUSE: Duration = Duration::from_micros(200);
 
@@ -66,6 +68,7 @@ pub struct EmulatedModule {
     /// Dropped to end the thread.
     end: Option<SyncSender<()>>,
     thread: Option<JoinHandle<io::Result<()>>>,
+    _keeper: Option<Keeper>,
 }
 
 impl EmulatedModule {
@@ -81,9 +84,12 @@ impl EmulatedModule {
             let path = path.to_path_buf();
             move |source| EmulatorError::File { path, source }
         };
+        let keeper = options.eeprom.as_deref().map(Keeper::of).transpose()?;
         let eeprom = match &options.eeprom {
             Some(path) if path.exists() => {
-                Eeprom::from_bytes(&fs::read(path).map_err(failed(path))?)
+                let image = fs::read(path).map_err(failed(path))?;
+                let none = || io::Error::new(io::ErrorKind::InvalidData, NO_IMAGE);
+                Eeprom::of_image(&image).ok_or_else(none).map_err(failed(path))?
             }
             _ => Eeprom::new(options.module.rating_ma),
         };
@@ -110,7 +116,8 @@ impl EmulatedModule {
             .name(format!("bim2ax {}", options.path.display()))
             .spawn(move || server.run(&ended))
             .map_err(|source| EmulatorError::Thread { source })?;
-        Ok(Self { path: options.path.clone(), module, end: Some(end), thread: Some(thread) })
+        let path = options.path.clone();
+        Ok(Self { path, module, end: Some(end), thread: Some(thread), _keeper: keeper })
     }
 
     /// The memory file.

@@ -165,6 +165,43 @@ async fn garbled_zone_numbers_and_parameters_are_told() {
     }
 }
 
+/// A question for a parameter changes nothing, so one that is lost, late or spoilt is asked again, also while looking who
+/// is there; with two of them lost the second says so.
+#[tokio::test(start_paused = true)]
+async fn a_parameter_that_does_not_come_is_asked_for_again_once() {
+    let faults = [
+        (Direction::Request, WireFault::Drop),
+        (Direction::Answer, WireFault::Drop),
+        (Direction::Request, WireFault::Delay { ns: 15_000_000 }),
+        (Direction::Answer, WireFault::Delay { ns: 15_000_000 }),
+    ];
+    for what in EVERYTHING {
+        let mut rig = doing(what).await;
+        let clock = &clock();
+        for (direction, fault) in faults {
+            for (lost, answered) in [(1, true), (2, false)] {
+                let rule = FaultRule { direction, when: When::Next(lost), fault };
+                rig.module.module().control(Control::Fault(rule));
+                let told = rig.driver.parameter(Parameter::Rating, clock).await;
+                assert_eq!(told.is_ok(), answered, "{what:?}, {lost} × {direction:?} {fault}");
+                if let Ok(told) = told {
+                    assert_eq!(told, 2000);
+                }
+                rig.sound();
+            }
+            // Zone, rating and version are three questions.
+            for unharmed in 0..3 {
+                let rule = FaultRule { direction, when: When::After(unharmed), fault };
+                rig.module.module().control(Control::Fault(rule));
+                let identity = rig.driver.identify(clock).await.unwrap();
+                assert_eq!((identity.rating_ma, identity.version), (2000, 15), "{what:?}");
+                rig.sound();
+            }
+        }
+        rig.usable().await;
+    }
+}
+
 #[tokio::test(start_paused = true)]
 async fn a_reset_on_the_way_stops_the_motor_and_is_told() {
     for what in EVERYTHING {

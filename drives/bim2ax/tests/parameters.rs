@@ -131,6 +131,8 @@ async fn with_a_wrong_check_sum_only_parameters_can_be_written() {
     assert!(!module.module().watchdog(), "8.1: the relay has dropped");
     let error = driver.identify(clock).await.unwrap_err();
     assert_eq!(messages(&error), card::CHECKSUM);
+    assert!(error.takes_writes_only());
+    assert_eq!(driver.identify_any(clock).await.unwrap(), None);
     assert!(driver.start([Some(Start::to(5)), None], clock).await.is_err());
     let fast = axis_1(AxisParameter::FastSpeed);
     assert!(driver.parameter(fast, clock).await.is_err());

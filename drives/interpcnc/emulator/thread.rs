@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     Accelerated, Clock, EmulatorError, FaultyWire, Speed,
-    kept::replace,
+    kept::{Keeper, replace},
     pty::{DeviceSpeed, PseudoTerminal},
     slave::{self, Message},
 };
@@ -50,6 +50,7 @@ pub struct EmulatedBoard {
     /// Closed to end the thread.
     control: Option<mpsc::Sender<Message<Served>>>,
     thread: Option<JoinHandle<io::Result<Board>>>,
+    _keeper: Option<Keeper>,
 }
 
 impl std::fmt::Debug for EmulatedBoard {
@@ -68,6 +69,7 @@ impl EmulatedBoard {
         options: &EmulatorOptions,
         clock: impl Clock + 'static,
     ) -> Result<Self, EmulatorError> {
+        let keeper = options.eeprom.as_deref().map(Keeper::of).transpose()?;
         let mut board = power_up(options)?;
         board.set_bench(options.bench.clone());
         let (master, mut terminal) = PseudoTerminal::open(options.link.as_deref())?;
@@ -101,7 +103,7 @@ impl EmulatedBoard {
                 runtime.block_on(serve_with(stream, board, wire, &clock, messages, stored))
             })
             .map_err(failed)?;
-        Ok(Self { terminal, control: Some(control), thread: Some(thread) })
+        Ok(Self { terminal, control: Some(control), thread: Some(thread), _keeper: keeper })
     }
 
     /// Where to open the board: the pseudo-terminal itself.

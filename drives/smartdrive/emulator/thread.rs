@@ -15,7 +15,7 @@ use super::{
 };
 use crate::{
     Accelerated, Clock, EmulatorError, FaultyWire, Speed,
-    kept::replace,
+    kept::{Keeper, replace},
     pty::{DeviceSpeed, PseudoTerminal},
     slave::{self, Message},
     smartdrive::BAUD,
@@ -51,6 +51,7 @@ pub struct EmulatedBus {
     /// Closed to end the thread.
     control: Option<mpsc::Sender<Message<Bus>>>,
     thread: Option<JoinHandle<io::Result<Vec<Device>>>>,
+    _keepers: Vec<Keeper>,
 }
 
 impl std::fmt::Debug for EmulatedBus {
@@ -69,6 +70,8 @@ impl EmulatedBus {
         options: &EmulatorOptions,
         clock: impl Clock + 'static,
     ) -> Result<Self, EmulatorError> {
+        let keepers =
+            options.files.iter().map(|file| Keeper::of(file)).collect::<Result<_, _>>()?;
         let devices = power_up(options)?;
         let (master, mut terminal) = PseudoTerminal::open(options.link.as_deref())?;
         let failed = |source| EmulatorError::Thread { source };
@@ -95,7 +98,7 @@ impl EmulatedBus {
                 runtime.block_on(serve_with(stream, devices, wire, &clock, messages, stored))
             })
             .map_err(failed)?;
-        Ok(Self { terminal, control: Some(control), thread: Some(thread) })
+        Ok(Self { terminal, control: Some(control), thread: Some(thread), _keepers: keepers })
     }
 
     /// Where to open the bus: the pseudo-terminal itself.

@@ -15,6 +15,10 @@ pub(super) enum OnFile {
     Backup {
         /// The file
         file: PathBuf,
+
+        /// Replace a file that is there already
+        #[arg(long)]
+        force: bool,
     },
     /// Give the drive the parameters of a file, after showing what differs (asks first); its axes must be at rest
     Restore {
@@ -42,10 +46,26 @@ impl OnFile {
     /// Does it.
     pub(super) fn carry_out(&self, drive: &mut dyn Drive, consent: Consent) -> Result<(), Failure> {
         match self {
-            Self::Backup { file } => backup(drive, file),
+            Self::Backup { file, force } => {
+                // Before the device is asked hundreds of questions.
+                refuse_existing(file, *force)?;
+                backup(drive, file)
+            }
             Self::Restore { file, save, .. } => restore(drive, (file, *save), consent),
         }
     }
+}
+
+/// A backup is what is left of a device that has failed: none takes the place of another unasked.
+fn refuse_existing(path: &Path, force: bool) -> Result<(), Failure> {
+    // A device or a pipe is written to, and keeps nothing.
+    if force || !path.is_file() {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!(
+        "{}: there is such a file already, left as it is; name another one, or replace it with --force",
+        path.display()
+    )))
 }
 
 fn backup(drive: &mut dyn Drive, path: &Path) -> Result<(), Failure> {
@@ -84,6 +104,10 @@ fn restore(
     }
     consent.ask_to_write(&format!("write {} parameters of {name}", plan.changes.len()))?;
     plan.carry_out(drive, save)?;
+    if plan.unseen {
+        say!("written: `reset` makes the module read them, and tell them");
+        return Ok(());
+    }
     say!("{}, and read back", if save { "written, saved" } else { "written" });
     if plan.needs_restart() {
         say!("some act after a restart of the drive");

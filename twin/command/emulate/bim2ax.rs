@@ -73,13 +73,15 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         speed: options.common.speed(),
         ..EmulatorOptions::new(link)
     };
+    let console = options.common.console()?;
     let clock = Clock::start();
-    let mut running = EmulatedModule::start(&emulator, move || clock.now_ns())?;
+    let mut running = EmulatedModule::start(&emulator, move || clock.now_ns())
+        .map_err(|error| options.common.named(error))?;
     for what in afterwards {
         running.control(what);
     }
     eprintln!("BIM2AX-BOCM, memory file {}", running.path().display());
-    serve(&options.common, &mut running)?;
+    serve(console, &mut running)?;
     let module = running.stop()?;
     let positions = ModuleAxis::ALL.map(|axis| module.position(axis));
     eprintln!("{} interrupts served; positions {positions:?}", module.served());

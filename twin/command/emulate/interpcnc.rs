@@ -82,8 +82,10 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         seed: options.common.seed,
         speed: options.common.speed(),
     };
+    let console = options.common.console()?;
     let clock = Clock::start();
-    let mut running = EmulatedBoard::start(&emulator, move || clock.now_ns())?;
+    let mut running = EmulatedBoard::start(&emulator, move || clock.now_ns())
+        .map_err(|error| options.common.named(error))?;
     afterwards.into_iter().try_for_each(|what| running.control(what))?;
     eprintln!(
         "InterpCNC, address {}, {} baud, on {} ({})",
@@ -92,7 +94,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         link.display(),
         running.path().display()
     );
-    serve(&options.common, &mut running)?;
+    serve(console, &mut running)?;
     let board = running.stop()?;
     eprintln!("{} frames answered; counters {:?}", board.frames_handled(), board.counters());
     Ok(Status::Fit)

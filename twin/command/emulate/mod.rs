@@ -10,9 +10,10 @@ mod smartdrive;
 use super::assume::Assume;
 use super::{Failure, Status, run};
 use control::{Console, Obeys};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use twin_drives::Speed;
+use twin_drives::{EmulatorError, Speed};
 
 /// How often the control socket is looked at.
 const PAUSE: Duration = Duration::from_millis(20);
@@ -102,6 +103,42 @@ impl Common {
         self.link.as_deref().ok_or_else(|| Failure::Usage(missing.to_owned()))
     }
 
+    /// The control socket, if there is to be one: before the device, which is said to be there when all of it is.
+    fn console(&self) -> Result<Option<Console>, Failure> {
+        let open = |path: &PathBuf| {
+            let named = |source: io::Error| {
+                let why = match source.kind() {
+                    io::ErrorKind::AddrInUse => {
+                        "it is in use; remove it or choose another path".to_owned()
+                    }
+                    _ => source.to_string(),
+                };
+                Failure::Usage(format!("--control {}: {why}", path.display()))
+            };
+            Console::open(path).map_err(named)
+        };
+        self.control.as_ref().map(open).transpose()
+    }
+
+    /// With the option that has named the file.
+    fn named(&self, error: EmulatorError) -> Failure {
+        // Of several drives on a line each has a file, with its address after the name.
+        let starts = |path: &Path, with: &Option<PathBuf>| {
+            let given = with.as_ref().map(|with| with.as_os_str().as_encoded_bytes());
+            given.is_some_and(|given| path.as_os_str().as_encoded_bytes().starts_with(given))
+        };
+        match &error {
+            EmulatorError::File { path, .. } if starts(path, &self.eeprom) => {
+                Failure::Usage(format!("--eeprom {error}"))
+            }
+            EmulatorError::File { .. } | EmulatorError::LinkTaken { .. } => {
+                Failure::Usage(format!("--link {error}"))
+            }
+            EmulatorError::Link { .. } => Failure::Usage(format!("--link: {error}")),
+            _ => error.into(),
+        }
+    }
+
     fn speed(&self) -> Speed {
         Speed::times(self.speed)
     }
@@ -116,15 +153,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 }
 
 /// Serves until Ctrl-C, obeying the control socket.
-fn serve(common: &Common, device: &mut dyn Obeys) -> Result<(), Failure> {
+fn serve(mut console: Option<Console>, device: &mut dyn Obeys) -> Result<(), Failure> {
     let interrupt = run::Interrupt::catch()?;
-    let mut console =
-        match &common.control {
-            Some(path) => Some(Console::open(path).map_err(|source| {
-                Failure::Usage(format!("--control {}: {source}", path.display()))
-            })?),
-            None => None,
-        };
     eprintln!("Ctrl-C ends it.");
     while interrupt.count() == 0 {
         if let Some(console) = &mut console {

@@ -80,8 +80,10 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         seed: options.common.seed,
         speed: options.common.speed(),
     };
+    let console = options.common.console()?;
     let clock = Clock::start();
-    let bus = EmulatedBus::start(&emulator, move || clock.now_ns())?;
+    let bus = EmulatedBus::start(&emulator, move || clock.now_ns())
+        .map_err(|error| options.common.named(error))?;
     afterwards.into_iter().try_for_each(|what| bus.control(what))?;
     eprintln!(
         "SmartDRIVE, addresses {:?}, on {} ({})",
@@ -90,7 +92,7 @@ pub(super) fn run(options: &Options) -> Result<Status, Failure> {
         bus.path().display()
     );
     let mut bus = Bus { bus, addresses: options.address.clone() };
-    serve(&options.common, &mut bus)?;
+    serve(console, &mut bus)?;
     let devices = bus.bus.stop()?;
     for (device, address) in devices.iter().zip(&options.address) {
         eprintln!(

@@ -1,5 +1,6 @@
 //! `twin run`: the program on the simulated machine and on the drives at once.
 
+mod agreed;
 mod axis_watch;
 mod interrupt;
 mod keys;

@@ -1,19 +1,18 @@
 //! Drives before they move: their start-up checks, what will move where, whether it may, and homing.
 
+use super::agreed::{Asked, allowance, homing_speeds, lost_answers, moves};
 use super::interrupt::Interrupt;
 use super::{APPROACH, tell_not_stopped};
 use crate::check::Outcome;
+use crate::command::Failure;
 use crate::command::drive::consent::Consent;
-use crate::command::{Failure, show};
 use crate::emulated::Emulator;
 use crate::hardware::{Attached, Guarded, Hardware};
 use crate::machine::{Axis, Machine};
 use crate::real;
-use crate::startup::{self, Check, Homed, Looked, Needs, way_in_all};
-use comfy_table::{Cell, CellAlignment};
+use crate::startup::{self, Check, Homed, Looked, Needs};
 use indicatif::ProgressBar;
 use std::time::Duration;
-use twin_drives::Increments;
 use twin_kinematics::AxisVector;
 
 /// How real drives are started up.
@@ -136,7 +135,13 @@ pub(super) fn real(
         let path = machine.path.display();
         return Err(Failure::Usage(format!("{path}: no axis has a drive: nothing can move")));
     }
-    eprintln!("{}", moves(machine, start, &positions, &to_home, approach));
+    let homing = homing_speeds(machine, &mut drives, &to_home);
+    let asked = Asked { outcome, start, approach, homing };
+    eprintln!("{}", moves(machine, &positions, &to_home, &asked));
+    eprintln!("{}", allowance());
+    for note in lost_answers(machine, outcome) {
+        eprintln!("{note}");
+    }
     let what = if to_home.is_empty() {
         "move these axes to the start of the program, and run it"
     } else {
@@ -175,45 +180,6 @@ fn emulated(
     }
     refuse_failed(&looked.checks)?;
     Ok(looked.checks.len())
-}
-
-/// What will move where, as a table.
-fn moves(
-    machine: &Machine,
-    start: &AxisVector,
-    positions: &[(usize, Option<Increments>)],
-    to_home: &[usize],
-    approach: f64,
-) -> comfy_table::Table {
-    let mut table = show::table();
-    table.set_header(["axis", "device", "port", "stands at", "program starts at", "at most"]);
-    for (device, found) in positions {
-        let Some(entry) = machine.drives.get(*device) else { continue };
-        for (slot, (index, axis)) in machine.axes_of(*device).enumerate() {
-            let unit = axis.unit();
-            let stands = found.and_then(|found| startup::position(axis, slot, &found));
-            let mut stands = stands.map_or("?".to_owned(), |at| format!("{at:.3} {unit}"));
-            if to_home.contains(&index) {
-                let way = way_in_all(axis) / axis.increments_per_si().abs();
-                stands = format!("{stands}, homes first: {:.1} {unit} at most", axis.from_si(way));
-            }
-            let begins = start.get(index).copied().unwrap_or_default();
-            let place = axis.drive.as_ref().map_or(0, |drive| drive.index);
-            let row = [
-                axis.name.clone(),
-                format!("{} {}", entry.name, entry.axis_name(place)),
-                entry.port.clone().unwrap_or_default(),
-                stands,
-                format!("{:.3} {unit}", axis.from_si(begins)),
-                format!("{:.1} {unit}/s", axis.from_si(axis.max_velocity * approach)),
-            ];
-            table.add_row(row.into_iter().enumerate().map(|(column, text)| {
-                let side = if column < 3 { CellAlignment::Left } else { CellAlignment::Right };
-                Cell::new(text).set_alignment(side)
-            }));
-        }
-    }
-    table
 }
 
 impl Ready {

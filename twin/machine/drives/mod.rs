@@ -8,7 +8,9 @@ use super::section::Section;
 pub use bim2ax::Bim2AxEntry;
 pub use interpcnc::{InterpCncEntry, Parity};
 pub use smartdrive::SmartDriveEntry;
+use std::fs;
 use std::ops::RangeInclusive;
+use std::path::{self, Path, PathBuf};
 use twin_drives::Assumed;
 
 /// A device that moves one or more axes.
@@ -150,12 +152,16 @@ impl DeviceEntry {
     }
 
     /// Where the real device is, which no other can be: its port, and the offset in it of a module that is mapped.
-    pub(super) fn place(&self) -> Option<(&str, Option<u64>)> {
+    /// One port has many names: links in `/dev/serial/by-id` lead to it, and `./` before it changes nothing.
+    pub(super) fn place(&self) -> Option<(PathBuf, Option<u64>)> {
         let offset = match &self.family {
             DriveFamily::Bim2Ax(entry) => entry.map_offset,
             DriveFamily::InterpCnc(_) | DriveFamily::SmartDrive(_) => None,
         };
-        Some((self.port.as_deref()?, offset))
+        let port = Path::new(self.port.as_deref()?);
+        // One that is not plugged in has no other name that could be known.
+        let real = fs::canonicalize(port).or_else(|_| path::absolute(port));
+        Some((real.unwrap_or_else(|_| port.to_owned()), offset))
     }
 
     /// What an axis of the device is called.

@@ -194,6 +194,22 @@ fn no_two_devices_are_on_one_port() {
     let problems = with("/dev/ttyUSB0", "").unwrap_err();
     let told = "drive \"other\" is on this port already";
     assert!(problems.iter().any(|one| one.message.contains(told)), "{problems:#?}");
+    // The same under other names: with nothing there, and as a link to it.
+    assert!(with("/dev/./ttyUSB0", "").is_err());
+    let folder = tempfile::tempdir().unwrap();
+    let [port, link] = ["port", "link"].map(|name| folder.path().join(name));
+    std::fs::write(&port, "").unwrap();
+    std::os::unix::fs::symlink(&port, &link).unwrap();
+    let linked = |one: &Path, other: &Path| {
+        let text = GANTRY3.replace("/dev/ttyUSB0", &one.display().to_string());
+        let other = other.display();
+        let other =
+            format!("[[drives]]\nname = \"other\"\nkind = \"bim2ax\"\nport = \"{other}\"\n");
+        let text = text.replacen("[[drives]]", &format!("{other}\n[[drives]]"), 1);
+        Machine::parse(Path::new("machine.toml"), &text)
+    };
+    assert!(linked(&port, &folder.path().join("none")).is_ok());
+    assert!(linked(&port, &link).is_err());
 }
 
 /// What a manual leaves open is a question of the device at hand: the machine file may answer it.

@@ -4,12 +4,14 @@ mod module;
 mod motion;
 mod parameters;
 mod show;
+mod unsound;
 
 use super::by_switch::BySwitch;
 use super::consent::{Beforehand, Consent};
 use super::on_file::OnFile;
 use super::session::{Session, no_clock};
 use super::words;
+use crate::advice::CHECK_SUM;
 use crate::command::assume::Assume;
 use crate::command::{Failure, Status};
 use crate::real::{ModuleMemory, module_beside, module_memory};
@@ -78,9 +80,9 @@ enum Action {
         #[arg(required = true, value_parser = axis)]
         axes: Vec<ModuleAxis>,
 
-        /// Longest time it may take, s
-        #[arg(long, default_value_t = 60, value_name = "S", value_parser = clap::value_parser!(u64).range(1..=3600))]
-        timeout: u64,
+        /// Longest time it may take, s [default: what the way between the soft limits takes; 60 where there are none]
+        #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(1..=3600))]
+        timeout: Option<u64>,
 
         #[command(flatten)]
         by_switch: BySwitch,
@@ -160,7 +162,7 @@ enum Action {
 #[derive(Clone, Copy, Debug, clap::Args)]
 struct Speed {
     /// Speed in the unit of the drive mode, steps/s or µsteps/s [default: the fast speed]
-    #[arg(long, value_name = "PER_S", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "PER_S", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     speed: Option<u16>,
 }
 
@@ -258,7 +260,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         );
         return Ok(Status::Unfit);
     }
-    let identity = session.ask(module.driver.identify(&no_clock))?;
+    let known = session.ask(module.driver.identify_any(&no_clock))?;
+    let Some(identity) = known else {
+        return unsound::carry_out(&session, &mut module, &arguments.action);
+    };
     match &arguments.action {
         Action::Scan => scan(&identity)?,
         Action::Status => {
@@ -267,7 +272,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         }
         Action::Unlock { axes } => unlock(&session, &mut module, axes)?,
         Action::Home { axes, timeout, .. } => {
-            home(&session, &mut module, consent, axes, Duration::from_secs(*timeout))?;
+            home(&session, &mut module, consent, axes, timeout.map(Duration::from_secs))?;
         }
         Action::Jog { axis, distance, speed, .. } => {
             let (seen, _) = session.ask(module.driver.positions(&no_clock))?;
@@ -284,11 +289,25 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
         Action::Reset => {
             standing(&session, &mut module, "reset")?;
             session.ask(module.driver.reset())?;
-            say!("running again; both axes have to be homed");
+            return restarted(&session, &mut module);
         }
         Action::Inputs => inputs(&session, &mut module)?,
     }
     Ok(Status::Fit)
+}
+
+/// Says in which state a module has come up.
+fn restarted(session: &Session, module: &mut Module) -> Result<Status, Failure> {
+    let known = session.ask(module.driver.identify_any(&no_clock))?;
+    if known.is_some() {
+        say!("running again; both axes have to be homed");
+        return Ok(Status::Fit);
+    }
+    say!(
+        "running again, and the check sum of its EEPROM is wrong: it takes parameters, and no orders"
+    );
+    say!("next: {CHECK_SUM}");
+    Ok(Status::Unfit)
 }
 
 fn stop(session: &Session, module: &mut Module, now: bool) -> Result<(), Failure> {

@@ -8,7 +8,7 @@ use crate::command::Failure;
 use std::time::Duration;
 use twin_drives::bim2ax::bits::message;
 use twin_drives::bim2ax::zone::Positions;
-use twin_drives::bim2ax::{AxisSettings, ModuleAxis};
+use twin_drives::bim2ax::{AxisSettings, MOST_POSITION, ModuleAxis};
 
 pub(super) fn unlock(
     session: &Session,
@@ -49,18 +49,23 @@ pub(super) fn home(
     module: &mut Module,
     consent: Consent,
     axes: &[ModuleAxis],
-    patience: Duration,
+    timeout: Option<Duration>,
 ) -> Result<(), Failure> {
     use twin_drives::bim2ax::bits::coefficient::HOME_PLUS;
     let seen = standing(session, module, "home")?;
     let mut said = Vec::with_capacity(axes.len());
+    let mut patience = Duration::ZERO;
     for axis in axes {
         let of_axis = settings(session, module, *axis)?;
         let sign = if of_axis.has(HOME_PLUS) { "+" } else { "-" };
-        let speed = of_axis.speed(of_axis.fast_speed);
+        // Whatever the fast speed is (5.1).
+        let speed = of_axis.start_stop();
+        let longest = timeout.unwrap_or_else(|| homing_time(&of_axis));
+        patience = patience.max(longest);
+        let way = longest.as_secs_f64() * speed;
         let (from, _) = of(&seen, *axis);
         said.push(format!(
-            "axis {} from {from} towards {sign} to its cam, at {speed} µsteps/s at most",
+            "axis {} from {from} towards {sign} to its cam, at its start-stop speed of {speed} µsteps/s, {way:.0} µsteps at most",
             axis.number()
         ));
     }
@@ -73,6 +78,23 @@ pub(super) fn home(
         say!("axis {} is home, at {}", axis.number(), of(&seen, *axis).0);
     }
     Ok(())
+}
+
+/// How long homing may take: the way between the soft limits at the start-stop speed, at which all of it goes (5.1).
+fn homing_time(axis: &AxisSettings) -> Duration {
+    const USUAL: Duration = Duration::from_mins(1);
+    const MOST: Duration = Duration::from_hours(1);
+    let [low, high] = [axis.soft_minus, axis.soft_plus];
+    if low <= -MOST_POSITION && high >= MOST_POSITION {
+        // No limits: how long the axis is nobody knows.
+        return USUAL;
+    }
+    // On the cam it leaves it first, goes on by the hysteresis and comes back.
+    let way = f64::from(high) - f64::from(low)
+        + 2.0 * f64::from(axis.hysteresis)
+        + f64::from(axis.origin_stop);
+    let time = Duration::try_from_secs_f64((way / axis.start_stop()).max(0.0)).unwrap_or(MOST);
+    Duration::from_secs(time.as_secs() + 10).clamp(USUAL, MOST)
 }
 
 pub(super) fn travel(
@@ -99,4 +121,27 @@ pub(super) fn travel(
     })?;
     say!("axis {number} stands at {target}");
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{AxisSettings, Duration, homing_time};
+
+    /// 5.1: homing goes at the start-stop speed, here 100 steps/s of 16 µsteps; 480 000 µsteps take 300 s.
+    #[test]
+    fn homing_has_time_for_the_way_between_the_soft_limits() {
+        let unlimited = AxisSettings::default();
+        assert_eq!(homing_time(&unlimited), Duration::from_secs(60));
+        let limited = AxisSettings { soft_minus: -80_000, soft_plus: 400_000, ..unlimited };
+        assert_eq!(homing_time(&limited), Duration::from_secs(310));
+        // Off the cam by the hysteresis and back, and on by the way to the origin: 3200 µsteps are 2 s.
+        let further = AxisSettings { hysteresis: 1600, origin_stop: 1600, ..limited };
+        assert_eq!(homing_time(&further), Duration::from_secs(313));
+        let short = AxisSettings { soft_minus: 0, soft_plus: 1600, ..unlimited };
+        assert_eq!(homing_time(&short), Duration::from_secs(60));
+        let endless = AxisSettings { soft_minus: 0, ..unlimited };
+        assert_eq!(homing_time(&endless), Duration::from_secs(2631));
+        let slow = AxisSettings { start_stop_speed: 1, ..endless };
+        assert_eq!(homing_time(&slow), Duration::from_secs(3600));
+    }
 }

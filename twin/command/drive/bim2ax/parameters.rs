@@ -4,8 +4,12 @@ use super::super::session::{Session, no_clock};
 use super::super::words::{self, right};
 use crate::by_hand::module_parameter as name;
 use crate::command::{Failure, show};
+use twin_drives::Values;
 use twin_drives::bim2ax::parameter::{AxisParameter, Parameter, Range};
 use twin_drives::bim2ax::{Bim2Ax, DriveMode, ModuleAxis};
+
+/// The rating of the largest module.
+const MOST_RATING_MA: i64 = 5000;
 
 /// All numbers there can be: $0 to $41, $62 and $63.
 fn all() -> impl Iterator<Item = Parameter> {
@@ -24,6 +28,66 @@ fn find(text: &str) -> Result<Parameter, Failure> {
         let names: Vec<String> = all().map(name).collect();
         words::unknown_name("parameter", text, names.iter().map(String::as_str))
     })
+}
+
+/// What a module of this rating, mA, is to be given: a parameter that can be written, its name, and the bits of the value.
+fn wanted(
+    parameter: Parameter,
+    (value, unit): (i64, &str),
+    rating_ma: i64,
+) -> Result<(String, u32), Failure> {
+    let named = format!("{} (${:02X})", name(parameter), parameter.number().unwrap_or_default());
+    let range = parameter.range();
+    if range == Range::ReadOnly {
+        return Err(Failure::Usage(format!(
+            "{named} is read-only: this parameter cannot be written"
+        )));
+    }
+    let values = range.values(rating_ma);
+    let bits = u32::try_from(value).ok();
+    let bits = bits.or_else(|| i32::try_from(value).ok().map(i32::cast_unsigned));
+    match bits {
+        Some(bits) if values.contain(value) => Ok((named, bits)),
+        // As these are shown and written.
+        _ if range == Range::Bits => {
+            let usual = format!("${value:04X}");
+            let value = if value < 0 { value.to_string() } else { usual };
+            Err(Failure::Usage(format!(
+                "{named} = {value} is impossible: it takes {}",
+                in_hex(&values)
+            )))
+        }
+        _ => {
+            words::check_value(&named, value, (&values, unit))?;
+            Err(Failure::Usage(format!("{value} has more than 32 bits")))
+        }
+    }
+}
+
+/// The values of bits, as those are shown.
+fn in_hex(values: &Values) -> String {
+    match values {
+        Values::Between(low, high) => format!("${low:04X} to ${high:04X} (bits)"),
+        other => format!("{other} (bits)"),
+    }
+}
+
+/// Writes a parameter to a module that tells none.
+pub(super) fn set_unseen(
+    session: &Session,
+    module: &mut Bim2Ax,
+    text: &str,
+    value: i64,
+) -> Result<(), Failure> {
+    let parameter = find(text)?;
+    // It does not tell its rating either, and refuses itself what is too much for it.
+    let (_, bits) = wanted(parameter, (value, ""), MOST_RATING_MA)?;
+    session.ask(module.set_parameter(parameter, bits, &no_clock))?;
+    say!("{}: ? -> {}", name(parameter), shown(parameter, bits));
+    say!(
+        "the check sum is right again, and parameters that have not been written since may hold anything: when all are, `reset`, then `get`"
+    );
+    Ok(())
 }
 
 /// A value as people read it.
@@ -103,23 +167,14 @@ pub(super) fn get(
 pub(super) fn set(
     session: &Session,
     module: &mut Bim2Ax,
-    wanted: &str,
+    text: &str,
     value: i64,
 ) -> Result<(), Failure> {
-    let parameter = find(wanted)?;
+    let parameter = find(text)?;
     let rating = session.ask(module.parameter(Parameter::Rating, &no_clock))?;
     let per_step = per_step(session, module)?;
-    let named = format!("{} (${:02X})", name(parameter), parameter.number().unwrap_or_default());
-    if parameter.range() == Range::ReadOnly {
-        return Err(Failure::Usage(format!(
-            "{named} is read-only: this parameter cannot be written"
-        )));
-    }
-    let values = parameter.range().values(rating.into());
-    words::check_value(&named, value, (&values, unit(parameter, per_step)))?;
-    let bits = u32::try_from(value).ok();
-    let bits = bits.or_else(|| i32::try_from(value).ok().map(i32::cast_unsigned));
-    let bits = bits.ok_or_else(|| Failure::Usage(format!("{value} has more than 32 bits")))?;
+    let of_value = unit(parameter, per_step);
+    let (_, bits) = wanted(parameter, (value, of_value), rating.into())?;
     let old = session.ask(module.parameter(parameter, &no_clock))?;
     session.ask(module.set_parameter(parameter, bits, &no_clock))?;
     say!(
@@ -127,7 +182,7 @@ pub(super) fn set(
         name(parameter),
         shown(parameter, old),
         shown(parameter, bits),
-        unit(parameter, per_step)
+        of_value
     );
     if parameter.needs_reset() {
         say!("it acts after `reset`");

@@ -90,7 +90,7 @@ enum Action {
         axes: Vec<BoardAxis>,
 
         /// Longest way of each to its switch, steps
-        #[arg(long, default_value_t = 100_000, value_name = "STEPS", value_parser = clap::value_parser!(i32).range(1..))]
+        #[arg(long, default_value_t = 100_000, value_name = "STEPS", allow_negative_numbers = true, value_parser = clap::value_parser!(i32).range(1..))]
         max_stroke: i32,
 
         #[command(flatten)]
@@ -169,7 +169,7 @@ enum Action {
 #[derive(Clone, Copy, Debug, clap::Args)]
 struct Ramps {
     /// Speed, steps/s
-    #[arg(long, default_value_t = 1000, value_name = "HZ", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPEED_HZ)))]
+    #[arg(long, default_value_t = 1000, value_name = "HZ", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SPEED_HZ)))]
     speed: u32,
 
     /// Speed at which the motor starts and stops without ramp, steps/s
@@ -177,11 +177,11 @@ struct Ramps {
     start_stop: u16,
 
     /// Acceleration, 1000 steps/s²
-    #[arg(long, default_value_t = 50, value_name = "KHZ/S", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, default_value_t = 50, value_name = "KHZ/S", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     acceleration: u16,
 
     /// Deceleration, 1000 steps/s²
-    #[arg(long, default_value_t = 50, value_name = "KHZ/S", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, default_value_t = 50, value_name = "KHZ/S", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     deceleration: u16,
 }
 

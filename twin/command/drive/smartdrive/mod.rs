@@ -8,7 +8,7 @@ mod show;
 use super::by_switch::BySwitch;
 use super::consent::{Beforehand, Consent};
 use super::on_file::OnFile;
-use super::session::{Session, Stopping};
+use super::session::{Session, Stopping, no_clock};
 use super::words;
 use crate::advice;
 use crate::command::assume::Assume;
@@ -24,7 +24,7 @@ use twin_drives::smartdrive::{
     ADDRESSES, AxisOptions, IoUpdate, Mode, SmartDrive, SmartDriveBus, SmartDriveOptions,
     StepsPerTurn,
 };
-use twin_drives::{Drive, ParameterId};
+use twin_drives::{Drive, DriveError, ParameterId};
 
 /// SmartDRIVE v1.2: up to 31 step motor drives on one RS485 bus, protocol ATB; positions in µsteps, speeds in rpm
 ///
@@ -145,11 +145,11 @@ enum Action {
 #[derive(Clone, Copy, Debug, clap::Args)]
 struct Ramps {
     /// Speed, rpm [default: the drive's largest, `Trj_VelMax`]
-    #[arg(long, value_name = "RPM", value_parser = clap::value_parser!(u16).range(1..=32_767))]
+    #[arg(long, value_name = "RPM", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=32_767))]
     speed: Option<u16>,
 
     /// Acceleration, rpm/s [default: the drive's largest, `Trj_AccMax`]
-    #[arg(long, value_name = "RPM/S", value_parser = clap::value_parser!(u16).range(1..=32_767))]
+    #[arg(long, value_name = "RPM/S", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=32_767))]
     acceleration: Option<u16>,
 }
 
@@ -248,13 +248,30 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let address = axis.address;
     match &arguments.action {
         Action::Scan { addresses } => {
-            let found = session.ask(axis.bus.scan(addresses.clone()))?;
-            if found.is_empty() {
+            let (mut found, mut garbled) = (Vec::new(), Vec::new());
+            for address in addresses.clone() {
+                match session.ask(axis.bus.state(address, &no_clock)) {
+                    Ok((state, _)) => found.push((address, state)),
+                    Err(Failure::Drive(DriveError::Timeout { .. })) => {}
+                    Err(Failure::Drive(DriveError::Protocol { .. })) => garbled.push(address),
+                    Err(other) => return Err(other),
+                }
+            }
+            for address in &garbled {
+                say!(
+                    "address {address}: answers garble each other: two devices at this address? (Give each one of its own with only it \
+                     on the line.) If all addresses do so, it is the line: its baud rate, its end, its cable"
+                );
+            }
+            if found.is_empty() && garbled.is_empty() {
                 eprintln!("no address answers: {}", advice::NOBODY);
                 return Ok(Status::Unfit);
             }
             let found = found.into_iter().map(|(address, state)| (address, state, None));
-            status(&found.collect::<Vec<_>>())?;
+            let found: Vec<_> = found.collect();
+            if !found.is_empty() {
+                status(&found)?;
+            }
         }
         Action::Status => {
             let state = session.ask(axis.state())?;

@@ -1,10 +1,11 @@
 //! Parameters and variables of a SmartDRIVE by name and number.
 
-use super::super::session::Session;
+use super::super::session::{Session, no_clock};
 use super::super::words::{self, right};
 use super::axis::Axis;
 use crate::command::{Failure, show};
-use twin_drives::smartdrive::parameters::{self, Entry, PARAMETERS, VARIABLES};
+use twin_drives::DriveError;
+use twin_drives::smartdrive::parameters::{self, ADDRESS, Entry, PARAMETERS, VARIABLES};
 
 /// A parameter or a variable.
 #[derive(Clone, Copy)]
@@ -79,6 +80,21 @@ pub(super) fn set(
     }
     let named = format!("{} ({})", entry.name, entry.index);
     words::check_value(&named, value, (&entry.values(), entry.unit))?;
+    let new_address = u8::try_from(value)
+        .ok()
+        .filter(|_| entry.index == ADDRESS && matches!(found, Found::Parameter(_)));
+    if let Some(new) = new_address.filter(|new| *new != address) {
+        // Two at one address can be told apart by their cables alone.
+        match session.ask(axis.bus.state(new, &no_clock)) {
+            Err(Failure::Drive(DriveError::Timeout { .. })) => {}
+            Ok(_) | Err(Failure::Drive(DriveError::Protocol { .. })) => {
+                return Err(Failure::Usage(format!(
+                    "{named} = {new}: another drive of the line answers at address {new} already"
+                )));
+            }
+            Err(other) => return Err(other),
+        }
+    }
     let (entry, old, new) = match found {
         Found::Parameter(entry) => {
             let old = session.ask(axis.bus.parameter(address, entry.index))?.working;
@@ -94,5 +110,10 @@ pub(super) fn set(
         }
     };
     say!("{} ({}): {old} -> {new} {}", entry.name, entry.index, entry.unit);
+    if let Some(new) = new_address.filter(|new| *new != address) {
+        say!(
+            "from now on the drive is spoken to with --address {new}; `--address {new} save` makes it keep that when it is switched off"
+        );
+    }
     Ok(())
 }

@@ -1,0 +1,160 @@
+//! What is said before real drives move: where from and to, how fast, and what one lost answer would do.
+
+use crate::check::Outcome;
+use crate::command::show;
+use crate::emulated::CATCH_UP;
+use crate::hardware::Attached;
+use crate::machine::{Axis, DriveFamily, Machine};
+use crate::real;
+use crate::startup::{self, way_in_all};
+use comfy_table::{Cell, CellAlignment};
+use twin_drives::bim2ax::ModuleAxis;
+use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
+use twin_drives::interpcnc::parameters as interpcnc;
+use twin_drives::interpcnc::registers::BoardAxis;
+use twin_drives::smartdrive::parameters::VELOCITY_ENTER_HOME;
+use twin_drives::{Increments, ParameterId};
+use twin_kinematics::AxisVector;
+
+/// What the user is asked to agree to.
+pub(super) struct Asked<'a> {
+    pub(super) outcome: &'a Outcome,
+    pub(super) start: &'a AxisVector,
+    /// Part of its largest velocity that an axis has on its way to the start.
+    pub(super) approach: f64,
+    /// Of each axis, m/s or rad/s, where it is homed and its device tells.
+    pub(super) homing: Vec<Option<f64>>,
+}
+
+/// How fast the devices home axes, by their own parameters, m/s or rad/s.
+pub(super) fn homing_speeds(
+    machine: &Machine,
+    drives: &mut [Attached],
+    to_home: &[usize],
+) -> Vec<Option<f64>> {
+    let mut speed = |(index, axis): (usize, &Axis)| {
+        let place = axis.drive.as_ref().filter(|_| to_home.contains(&index))?;
+        let attached = drives.iter_mut().find(|attached| attached.device == place.device)?;
+        let (id, increments) = homing_parameter(machine, axis)?;
+        // What cannot be read is told as not known: homing itself fails then.
+        let told = attached.drive.parameter(id).ok()?;
+        #[expect(clippy::cast_precision_loss, reason = "parameters have 32 bits")]
+        Some(told as f64 * increments / axis.increments_per_si().abs())
+    };
+    machine.axes.iter().enumerate().map(|axis| speed(axis)).collect()
+}
+
+/// The parameter with the speed of homing, and how many increments/s its unit is.
+fn homing_parameter(machine: &Machine, axis: &Axis) -> Option<(ParameterId, f64)> {
+    let place = axis.drive.as_ref()?;
+    Some(match &machine.drives.get(place.device)?.family {
+        DriveFamily::InterpCnc(board) => {
+            let number = interpcnc::home_speed(*BoardAxis::ALL.get(place.index)?);
+            (ParameterId { station: board.station, number }, 1.0)
+        }
+        DriveFamily::SmartDrive(bus) => {
+            let station = u8::try_from(place.index).ok()?;
+            (ParameterId { station, number: VELOCITY_ENTER_HOME }, bus.turn.steps(1.0))
+        }
+        DriveFamily::Bim2Ax(module) => {
+            // All of it goes at the start-stop speed (5.1).
+            let speed = AxisParameter::StartStopSpeed;
+            let number = Parameter::Axis(speed, *ModuleAxis::ALL.get(place.index)?).number()?;
+            (ParameterId { station: 0, number }, module.mode.speed_unit())
+        }
+    })
+}
+
+/// What will move where and how fast, as a table.
+pub(super) fn moves(
+    machine: &Machine,
+    positions: &[(usize, Option<Increments>)],
+    to_home: &[usize],
+    asked: &Asked<'_>,
+) -> comfy_table::Table {
+    let mut table = show::table();
+    let header = [
+        "axis",
+        "device",
+        "port",
+        "stands at",
+        "homing",
+        "program starts at",
+        "on the way there",
+        "program",
+    ];
+    let homes = !to_home.is_empty();
+    table.set_header(header.into_iter().filter(|name| homes || *name != "homing"));
+    for (device, found) in positions {
+        let Some(entry) = machine.drives.get(*device) else { continue };
+        for (slot, (index, axis)) in machine.axes_of(*device).enumerate() {
+            let unit = axis.unit();
+            let stands = found.and_then(|found| startup::position(axis, slot, &found));
+            let mut stands = stands.map_or("?".to_owned(), |at| format!("{at:.3} {unit}"));
+            if to_home.contains(&index) {
+                let way = way_in_all(axis) / axis.increments_per_si().abs();
+                stands = format!("{stands}, homes first: {:.1} {unit} at most", axis.from_si(way));
+            }
+            let begins = asked.start.get(index).copied().unwrap_or_default();
+            let speed = |speed: f64| format!("{:.1} {unit}/s", axis.from_si(speed));
+            let homing = match asked.homing.get(index) {
+                Some(Some(of_device)) => speed(*of_device),
+                _ if to_home.contains(&index) => "not told".to_owned(),
+                _ => String::new(),
+            };
+            let peak = asked.outcome.peaks.get(index).map_or(0.0, |peak| peak.velocity.value);
+            let place = axis.drive.as_ref().map_or(0, |drive| drive.index);
+            let row = [
+                axis.name.clone(),
+                format!("{} {}", entry.name, entry.axis_name(place)),
+                entry.port.clone().unwrap_or_default(),
+                stands,
+                homing,
+                format!("{:.3} {unit}", axis.from_si(begins)),
+                speed(axis.max_velocity * asked.approach),
+                speed(peak),
+            ];
+            let row = row.into_iter().enumerate().filter(|(column, _)| homes || *column != 4);
+            table.add_row(row.map(|(column, text)| {
+                let side = if column < 3 { CellAlignment::Left } else { CellAlignment::Right };
+                Cell::new(text).set_alignment(side)
+            }));
+        }
+    }
+    table
+}
+
+/// How much faster than planned an axis may go.
+pub(super) fn allowance() -> String {
+    format!(
+        "an axis that lags behind its set-points may go faster than the program, up to {:.0} % of its largest velocity",
+        100.0 * CATCH_UP
+    )
+}
+
+/// What one lost answer would cost: nobody corrects the axes of its device until the driver has given it up and asked again,
+/// and an axis whose way of that time is longer than its `max_following_error` stops the run.
+pub(super) fn lost_answers(machine: &Machine, outcome: &Outcome) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (index, entry) in machine.drives.iter().enumerate() {
+        let lost: std::time::Duration = real::waits(entry).into_iter().sum();
+        for (place, axis) in machine.axes_of(index) {
+            let peak = outcome.peaks.get(place).map(|peak| peak.velocity);
+            let Some((limit, peak)) = axis.max_following_error.zip(peak) else { continue };
+            let way = peak.value * lost.as_secs_f64();
+            if way <= limit {
+                continue;
+            }
+            let (unit, name) = (axis.unit(), &axis.name);
+            let [way, limit, speed] = [way, limit, peak.value].map(|si| axis.from_si(si));
+            notes.push(format!(
+                "note: one lost answer of device `{}` takes up to {} ms; at the program's {speed:.1} {unit}/s (line {}) axis {name} is \
+                 then up to {way:.2} {unit} off, more than its max_following_error of {limit:.2} {unit}: the run would be stopped",
+                entry.name,
+                lost.as_millis(),
+                peak.place.line
+            ));
+        }
+    }
+    notes
+}
