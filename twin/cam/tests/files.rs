@@ -283,7 +283,7 @@ fn coupling() -> impl Strategy<Value = Coupling> {
                     deceleration,
                     tappet_hysteresis,
                 };
-                Coupling { input, dead_time_s: dead * 1e-6 }
+                Coupling { input, dead_time_s: dead * 1e-6, wanted: None }
             },
         )
 }
