@@ -19,6 +19,18 @@ pub(super) struct State {
     pub(super) acceleration: f64,
 }
 
+/// The block that keeps its axis when it is done.
+const STOP: &str = "MC_Stop";
+
+/// Blocks that move on top of what moves their axis, and leave it to that.
+const ON_TOP: [&str; 1] = ["MC_MoveSuperImposed"];
+
+/// Blocks that let a slave of the machine file go.
+const RELEASES: [&str; 2] = ["MC_CamOut", "MC_GearOut"];
+
+/// Blocks that are there to take over from others.
+const TAKES_OVER: [&str; 5] = ["MC_Halt", STOP, "MC_MoveAdditive", "MC_CamOut", "MC_GearOut"];
+
 /// Cycles until a drive has its power.
 const SWITCHING_ON: usize = 3;
 
@@ -59,6 +71,8 @@ struct Moved {
     /// Brings it to rest at the end.
     halt: Option<Block<Halt>>,
     max_acceleration: f64,
+    /// The block that has taken it last.
+    taken_by: Option<usize>,
 }
 
 /// A block under way, or before or after that.
@@ -171,6 +185,7 @@ impl Engine {
                 Begins::At(time) => Some(nanoseconds(time)),
                 Begins::WithPrevious => previous_begun,
                 Begins::Standing => Some(0),
+                Begins::Next => previous_over,
                 Begins::After(pause) => {
                     previous_over.map(|over: i64| over.saturating_add(nanoseconds(pause)))
                 }
@@ -200,15 +215,16 @@ impl Engine {
     /// Calls a block, if it has begun.
     fn call(&mut self, index: usize) -> Result<(), Box<Finding>> {
         let Some(running) = self.calls.get_mut(index) else { return Ok(()) };
-        if running.begun_ns.is_none() {
-            return Ok(());
-        }
+        let Some(begun_ns) = running.begun_ns else { return Ok(()) };
+        let first = begun_ns + self.cycle_ns == self.now_ns;
         let call = &mut running.call;
         let master = call.master.and_then(|master| self.axes.get(master));
         let master = master.map(|moved| Master::of(&moved.axis));
         let Some(moved) = self.axes.get_mut(call.axis) else { return Ok(()) };
+        // A stop keeps its axis until Execute falls: when the axis stands, so that others may move it.
+        let execute = !(call.name == STOP && running.over_ns.is_some());
         let Outputs { done, command_aborted, error, busy: _ } =
-            call.block.call(true, &mut moved.axis, master);
+            call.block.call(execute, &mut moved.axis, master);
         if let Some(error) = error {
             let place = Place { line: call.line, block: None };
             let message = format!("{} of axis {}: {}", call.name, moved.name, told(error));
@@ -217,10 +233,106 @@ impl Engine {
             finding.hint = Some(format!("`twin explain {}` says more", error.number()));
             return Err(finding.into());
         }
+        let over = running.over_ns.is_some();
         if done || command_aborted {
             running.over_ns.get_or_insert(self.now_ns);
         }
+        if command_aborted && !over && !self.is_halting() {
+            return self.lost(index);
+        }
+        if first && !command_aborted {
+            return self.takes(index);
+        }
         Ok(())
+    }
+
+    /// A block has begun, and has its axis: it must not be a slave of the machine file.
+    fn takes(&mut self, index: usize) -> Result<(), Box<Finding>> {
+        let Some(call) = self.calls.get(index).map(|running| &running.call) else { return Ok(()) };
+        let Some(moved) = self.axes.get_mut(call.axis) else { return Ok(()) };
+        // On top of what moves the axis: that goes on.
+        if ON_TOP.contains(&call.name) {
+            return Ok(());
+        }
+        let before = moved.taken_by.replace(index);
+        let held = before.and_then(|before| self.calls.get(before)).map(|held| &held.call);
+        let Some(held) = held.filter(|held| held.begins == Begins::Standing) else { return Ok(()) };
+        if RELEASES.contains(&call.name) {
+            return Ok(());
+        }
+        let master = held.master.and_then(|master| self.axes.get(master));
+        let master = master.map_or("another axis", |master| &master.name);
+        let (by, out) =
+            if held.name == "MC_CamIn" { ("cam", "MC_CamOut") } else { ("gear", "MC_GearOut") };
+        let name = self.axes.get(call.axis).map_or("", |moved| &moved.name);
+        let message = format!(
+            "{} moves axis {name}, which follows {master} by a {by} of the machine file",
+            call.name
+        );
+        let place = Place { line: call.line, block: None };
+        let mut finding = Finding::error(Rule::Coupling, place, message);
+        finding.axis = Some(name.to_owned());
+        finding.hint = Some(format!("{out} of the axis lets it go first"));
+        Err(finding.into())
+    }
+
+    /// A block has lost its axis before it was done: fine if another one began later and was meant to take it.
+    fn lost(&self, index: usize) -> Result<(), Box<Finding>> {
+        let Some(loser) = self.calls.get(index) else { return Ok(()) };
+        let call = &loser.call;
+        let Some(moved) = self.axes.get(call.axis) else { return Ok(()) };
+        let taker = moved.taken_by.filter(|taker| *taker != index);
+        let taker = taker.and_then(|taker| self.calls.get(taker));
+        let later = taker.is_some_and(|taker| taker.begun_ns > loser.begun_ns);
+        let meant = taker.is_some_and(|taker| {
+            taker.call.begins != Begins::Next || TAKES_OVER.contains(&taker.call.name)
+        });
+        if (later && meant) || call.begins == Begins::Standing {
+            return Ok(());
+        }
+        let when = if later { "was done" } else { "moved" };
+        let (Call { name, line, .. }, axis) = (call, &moved.name);
+        let message = match taker.map(|taker| &taker.call) {
+            Some(Call { begins: Begins::Standing, name: other, .. }) => {
+                format!(
+                    "{name} of axis {axis} is refused while {other} of the machine file moves it"
+                )
+            }
+            Some(Call { name: other, line, .. }) => {
+                format!(
+                    "{name} of axis {axis} has lost its axis to {other} (line {line}) before it {when}"
+                )
+            }
+            None => format!(
+                "{name} of axis {axis} is refused: in {:?} there is nothing it could act on",
+                moved.axis.state()
+            ),
+        };
+        let place = Place { line: *line, block: None };
+        let mut finding = Finding::error(Rule::FunctionBlock, place, message);
+        finding.axis = Some(axis.clone());
+        finding.hint = Some(
+            "a block takes over what is under way where `at_s` or `after_s` says when; else it has to wait for the end of the \
+             block before it on this axis"
+                .to_owned(),
+        );
+        Err(finding.into())
+    }
+
+    /// At the end that `duration_s` sets, every block must have begun.
+    fn all_begun(&self) -> Result<(), Box<Finding>> {
+        let Some(running) = self.calls.iter().find(|running| running.begun_ns.is_none()) else {
+            return Ok(());
+        };
+        let Call { line, name, axis, .. } = running.call;
+        let axis = self.axes.get(axis).map_or("", |moved| &moved.name);
+        let message = format!(
+            "{name} of axis {axis} never begins: `duration_s` is over after {} s",
+            self.duration_ns.map_or(0.0, seconds)
+        );
+        let mut finding = Finding::error(Rule::FunctionBlock, Place { line, block: None }, message);
+        finding.axis = Some(axis.to_owned());
+        Err(finding.into())
     }
 
     fn is_halting(&self) -> bool {
@@ -231,6 +343,7 @@ impl Engine {
     fn is_over(&self) -> Result<bool, Box<Finding>> {
         let stand = self.axes.iter().all(Moved::stands);
         if self.is_halting() {
+            self.all_begun()?;
             return Ok(stand);
         }
         let waits = self.calls.iter().find(|running| running.over_ns.is_none());
@@ -265,7 +378,7 @@ impl Engine {
             let due = match running.call.begins {
                 Begins::At(_) | Begins::Standing => true,
                 Begins::WithPrevious => previous_begun,
-                Begins::After(_) => previous_over,
+                Begins::Next | Begins::After(_) => previous_over,
             };
             if running.call.begins != Begins::Standing {
                 previous_begun = running.begun_ns.is_some();
@@ -314,6 +427,7 @@ impl Moved {
             state: State { position: start, ..State::default() },
             shown,
             halt: None,
+            taken_by: None,
             max_acceleration: acceleration,
         }
     }

@@ -4,7 +4,7 @@ use super::block::{Called, alone, following};
 use super::{Begins, Call, Job, VirtualAxis, order};
 use crate::machine::section::{Section, parse};
 use crate::machine::{
-    AxisKind, CamSelection, CoupledBy, Coupling, Machine, Problem, read_cam, read_ratio,
+    AxisKind, CamAxis, CamSelection, CoupledBy, Coupling, Machine, Problem, read_cam, read_ratio,
 };
 use std::path::Path;
 use twin_motion::axis::profile::RampType;
@@ -239,7 +239,7 @@ impl Reader<'_> {
     }
 
     fn cam_in(&self, of: &Values<'_>) -> Option<CamIn> {
-        let selection = read_cam(of.section, self.path, of.known.kind, of.master?.kind)?;
+        let selection = read_cam(of.section, self.path, of.known.as_cam(), of.master?.as_cam())?;
         let CamSelection { table, input } = selection;
         Some(CamIn { table: Some(table), input })
     }
@@ -249,6 +249,10 @@ impl Known {
     fn of(axis: &crate::machine::Axis) -> Self {
         let max_acceleration = Some(axis.from_si(axis.max_acceleration));
         Self { name: axis.name.clone(), kind: axis.kind, max_acceleration }
+    }
+
+    fn as_cam(&self) -> CamAxis<'_> {
+        CamAxis { name: &self.name, kind: self.kind }
     }
 }
 
@@ -395,6 +399,6 @@ fn begins(section: &Section<'_>) -> Begins {
     match at {
         Some(time) => Begins::At(time),
         None if with_previous => Begins::WithPrevious,
-        None => Begins::After(after.unwrap_or(0.0)),
+        None => after.map_or(Begins::Next, Begins::After),
     }
 }
