@@ -106,7 +106,11 @@ fn a_slave_that_lags_gets_an_offset_that_leads() {
         let mut text = String::from("time_s,master_deg,slave_mm\n");
         for index in 0..1500_u32 {
             let time = f64::from(index) * 0.002;
-            let slave = lift(400.0 * (time - 0.005) + in_effect);
+            // The noise of `recorded`, without which what rounding leaves over would be no noise.
+            let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
+            let noise = f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5;
+            let slave = lift(400.0 * (time - 0.005) + in_effect) + 0.1 * noise;
             writeln!(text, "{time},{},{slave}", 400.0 * time).expect("text");
         }
         desk.write("run.csv", &text);
@@ -116,7 +120,7 @@ fn a_slave_that_lags_gets_an_offset_that_leads() {
     run(0.0);
     let done = desk.twin(&tune);
     done.ended(0, "written to lift.toml");
-    assert!((offset(&done.stdout) - 2.0).abs() < 1e-6, "{}", done.stdout);
+    assert!((offset(&done.stdout) - 2.0).abs() < 0.02, "{}", done.stdout);
     run(offset(&done.stdout));
     let before = std::fs::read_to_string(desk.path("lift.toml")).expect("there");
     assert!(before.contains("wanted_master_offset = 0"), "{before}");
