@@ -61,7 +61,7 @@ fn a_run_tells_offsets_and_the_dead_time() {
     let desk = Desk::new();
     desk.write("lift.toml", LIFT);
     desk.write("run.csv", &recorded());
-    let tune = ["tune", "cam", "lift.toml", "--run", "run.csv"];
+    let tune = ["tune", "cam", "lift.toml", "--run", "run.csv", "--slave", "wanted"];
     let done = desk.twin(&[&tune[..], &["--format", "json", "-o", "fit.svg"]].concat());
     done.ended(0, "");
     let found = object(&done.stdout);
@@ -95,6 +95,38 @@ fn a_run_tells_offsets_and_the_dead_time() {
         (before.as_f64().expect("rms") - now.as_f64().expect("rms")).abs() < 1e-6,
         "{before} {now}"
     );
+}
+
+/// A slave 5 ms behind at 400 deg/s is lift(master − 2): `MasterOffset` 2 undoes it, and with that in effect nothing is left.
+#[test]
+fn a_slave_that_lags_gets_an_offset_that_leads() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let run = |in_effect: f64| {
+        let mut text = String::from("time_s,master_deg,slave_mm\n");
+        for index in 0..1500_u32 {
+            let time = f64::from(index) * 0.002;
+            // The noise of `recorded`, without which what rounding leaves over would be no noise.
+            let mixed = u64::from(index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            let mixed = (mixed ^ (mixed >> 29)).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40;
+            let noise = f64::from(u32::try_from(mixed).expect("24 bits")) / 16_777_216.0 - 0.5;
+            let slave = lift(400.0 * (time - 0.005) + in_effect) + 0.1 * noise;
+            writeln!(text, "{time},{},{slave}", 400.0 * time).expect("text");
+        }
+        desk.write("run.csv", &text);
+    };
+    let tune = ["tune", "cam", "lift.toml", "--run", "run.csv", "--write", "--format", "json"];
+    let offset = |text: &str| object(text)["coupling"]["master_offset"].as_f64().expect("a value");
+    run(0.0);
+    let done = desk.twin(&tune);
+    done.ended(0, "written to lift.toml");
+    assert!((offset(&done.stdout) - 2.0).abs() < 0.02, "{}", done.stdout);
+    run(offset(&done.stdout));
+    let before = std::fs::read_to_string(desk.path("lift.toml")).expect("there");
+    assert!(before.contains("wanted_master_offset = 0"), "{before}");
+    let done = desk.twin(&tune[..5]);
+    done.ended(0, "");
+    assert!(done.stdout.contains("nothing is to be changed"), "{}", done.stdout);
 }
 
 #[test]

@@ -41,8 +41,8 @@ impl AxisLimits {
 }
 
 /// Whether a scale that names its unit fits an axis.
-pub fn unit_fits(scale: &AxisScale, axis: &Axis) -> bool {
-    let known: &[&str] = match axis.kind {
+pub fn unit_fits(scale: &AxisScale, kind: AxisKind) -> bool {
+    let known: &[&str] = match kind {
         AxisKind::Rotary => &["deg", "°", "degree", "degrees"],
         AxisKind::Linear => &["mm"],
     };

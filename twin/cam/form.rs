@@ -40,7 +40,18 @@ pub struct Coupling {
     pub input: CamInput,
     /// `DeadTimeCompensation` of the tappets, s.
     pub dead_time_s: f64,
+    /// What the slave is to do where the inputs make up for what it does otherwise: `MasterOffset`, `MasterScaling`,
+    /// `SlaveOffset` and `SlaveScaling`. None where the inputs are what it is to do.
+    pub wanted: Option<[f64; 4]>,
 }
+
+/// Keys of [`Coupling::wanted`].
+pub const WANTED: [&str; 4] = [
+    "wanted_master_offset",
+    "wanted_master_scaling",
+    "wanted_slave_offset",
+    "wanted_slave_scaling",
+];
 
 /// The start modes by their names in files.
 pub const START_MODES: [(&str, StartMode); 5] = [

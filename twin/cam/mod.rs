@@ -21,5 +21,5 @@ pub mod tune;
 pub use csv_form::csv_of;
 pub use error::CamFileError;
 pub use file::{CamFile, Form, write_file};
-pub use form::{AxisScale, Coupling, START_MODES};
+pub use form::{AxisScale, Coupling, START_MODES, WANTED};
 pub use toml_writer::write_toml;

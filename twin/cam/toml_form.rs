@@ -1,6 +1,6 @@
 //! Cams as people write them in TOML.
 
-use super::form::{Coupling, START_MODES};
+use super::form::{Coupling, START_MODES, WANTED};
 use crate::machine::section::Section;
 use std::ops::{Range, RangeInclusive};
 use twin_motion::cam::{
@@ -230,7 +230,23 @@ fn coupling(section: &Section<'_>) -> Option<Coupling> {
             return None;
         }
     }
-    Some(Coupling { input, dead_time_s: number("dead_time_s", 0.0)? })
+    let said = WANTED.iter().any(|key| section.has(key));
+    // What is not said is wanted as it is.
+    let [one, two, three, four] = WANTED;
+    let wanted = [
+        number(one, input.master_offset)?,
+        number(two, input.master_scaling)?,
+        number(three, input.slave_offset)?,
+        number(four, input.slave_scaling)?,
+    ];
+    for (key, value) in [(two, wanted[1]), (four, wanted[3])] {
+        if value == 0.0 {
+            section.complain_at(key, format!("`{key}` is 0; nothing would move"));
+            return None;
+        }
+    }
+    let dead_time_s = number("dead_time_s", 0.0)?;
+    Some(Coupling { input, dead_time_s, wanted: said.then_some(wanted) })
 }
 
 /// `[table]`: numbers at equal distances of the master, or pairs.

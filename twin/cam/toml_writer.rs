@@ -1,6 +1,6 @@
 //! Cams written as TOML, as people write them.
 
-use super::form::Coupling;
+use super::form::{Coupling, WANTED};
 use std::fmt::{self, Display, Write};
 use twin_motion::cam::{
     Action, Element, Equidistant, Interpolation, Kind, Knot, PairTable, Passage, Scale, Shape,
@@ -87,6 +87,9 @@ fn write_coupling(out: &mut String, coupling: &Coupling) -> fmt::Result {
         if value.to_bits() != usual.to_bits() {
             writeln!(out, "{key} = {}", Number(value))?;
         }
+    }
+    for (key, value) in WANTED.into_iter().zip(coupling.wanted.into_iter().flatten()) {
+        writeln!(out, "{key} = {}", Number(value))?;
     }
     if coupling.start_mode() != usual.start_mode() {
         writeln!(out, "start_mode = {}", quoted(coupling.start_mode()))?;

@@ -169,7 +169,7 @@ impl Kind {
 
 /// A cam with everything that the block is told.
 fn cam_in(of: &Values<'_>, path: &Path) -> Option<CamIn> {
-    let selection = read_cam(of.section, path, of.known.kind, of.master?.kind)?;
+    let selection = read_cam(of.section, path, of.known.as_cam(), of.master?.as_cam())?;
     let CamSelection { table, input } = selection;
     Some(CamIn { table: Some(table), input })
 }

@@ -117,6 +117,8 @@ struct Call {
 /// When a block's Execute rises.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Begins {
+    /// As soon as the block before it is done: nothing is said.
+    Next,
     /// So long after the block before it is done, s.
     After(f64),
     /// At this time, s.

@@ -5,7 +5,7 @@ use super::kind::BLOCKS;
 use super::values::Values;
 use super::{Begins, Call, Job, VirtualAxis, order};
 use crate::machine::section::{Section, parse};
-use crate::machine::{AxisKind, CamSelection, CoupledBy, Coupling, Machine, Problem};
+use crate::machine::{AxisKind, CamAxis, CamSelection, CoupledBy, Coupling, Machine, Problem};
 use crate::tappets::{MOST_SIGNALS, Tracks};
 use std::path::Path;
 use twin_motion::axis::profile::RampType;
@@ -200,6 +200,10 @@ impl Known {
         let max_acceleration = Some(axis.from_si(axis.max_acceleration));
         Self { name: axis.name.clone(), kind: axis.kind, max_acceleration }
     }
+
+    pub(super) fn as_cam(&self) -> CamAxis<'_> {
+        CamAxis { name: &self.name, kind: self.kind }
+    }
 }
 
 /// What the machine file couples, which holds from the beginning on; nothing of it is in the job but its first `line`.
@@ -238,6 +242,6 @@ fn begins(section: &Section<'_>) -> Begins {
     match at {
         Some(time) => Begins::At(time),
         None if with_previous => Begins::WithPrevious,
-        None => Begins::After(after.unwrap_or(0.0)),
+        None => after.map_or(Begins::Next, Begins::After),
     }
 }

@@ -364,3 +364,126 @@ fn blocks_that_fail_end_the_job() {
     assert!(findings[0].message.contains("SMC_MA_INVALID_VELACC_VALUES"), "{findings:?}");
     assert_eq!(findings[0].line, 2);
 }
+
+/// A block on X.
+fn block(name: &str, more: &str) -> String {
+    format!("[[blocks]]\nblock = \"{name}\"\naxis = \"X\"\n{more}")
+}
+
+const FAR_RIGHT: &str =
+    "distance_mm = 100\nvelocity_mm_per_s = 200\nacceleration_mm_per_s2 = 1000\n";
+
+/// Behind a stop the axis may move again: 100 mm from where it stands. From 200 mm/s with 1000 mm/s² it stands after 20 mm.
+#[test]
+fn a_stop_lets_its_axis_go_when_it_stands() {
+    let steady =
+        block("MC_MoveVelocity", "velocity_mm_per_s = 200\nacceleration_mm_per_s2 = 1000\n");
+    let stop = block("MC_Stop", "deceleration_mm_per_s2 = 1000\nafter_s = 0.5\n");
+    let setpoints = moves(&format!("{START}{steady}{stop}{}", block("MC_MoveRelative", FAR_RIGHT)));
+    // 20 mm up to speed, half a second and a cycle or two at 200 mm/s, 20 mm down, and 100 mm.
+    near(setpoints.last().unwrap().axes.position[0], 0.1 + 0.02 + 0.1 + 0.02 + 0.1, 1e-3);
+}
+
+/// Whoever loses its axis, or never gets it, ends the job with its line.
+#[test]
+fn blocks_that_lose_their_axis_are_told() {
+    let start = u32::try_from(START.matches('\n').count()).unwrap();
+    let relative = |more: &str| block("MC_MoveRelative", &format!("{FAR_RIGHT}{more}"));
+    let other = |more: &str| relative(more).replace("\"X\"", "\"Y\"").replace("100", "1");
+    let cases = [
+        // Both at once: the first never moves.
+        (
+            relative("") + &relative("with_previous = true\n"),
+            2,
+            "MC_MoveRelative (line 8) before it moved",
+        ),
+        // Refused while a stop still brakes.
+        (
+            block("MC_MoveVelocity", "velocity_mm_per_s = 200\n")
+                + &block("MC_Stop", "deceleration_mm_per_s2 = 100\n")
+                + &relative("with_previous = true\n"),
+            10,
+            "has lost its axis to MC_Stop (line 6) before it moved",
+        ),
+        // The third begins with the end of the second, while the first is under way: nobody said that it may.
+        (
+            relative("") + &other("with_previous = true\n") + &relative(""),
+            2,
+            "MC_MoveRelative (line 15) before it was done",
+        ),
+    ];
+    for (blocks, line, said) in cases {
+        let (_, findings) = run(&job(&format!("{START}{blocks}")), &machine());
+        let [finding] = &findings[..] else { panic!("{blocks}: {findings:?}") };
+        assert_eq!((finding.rule, finding.axis.as_deref()), (Rule::FunctionBlock, Some("X")));
+        // Lines of blocks count from where they begin.
+        let said = said.replace("(line ", "(line #");
+        let lines: Vec<_> = (1..40_u32)
+            .map(|n| (format!("(line {})", n + start), format!("(line #{n})")))
+            .collect();
+        let message =
+            lines.iter().fold(finding.message.clone(), |text, (from, to)| text.replace(from, to));
+        assert!(message.contains(&said), "{said}: {finding:?}");
+        assert_eq!(finding.line, line + start, "{finding:?}");
+    }
+}
+
+/// What says when it takes over may: half a second at 200 mm/s, less 20 mm for getting there, and then 100 mm.
+#[test]
+fn a_takeover_at_a_stated_time_is_meant() {
+    let first = FAR_RIGHT.replace("= 100\n", "= 190\n");
+    let second = format!("{FAR_RIGHT}at_s = 0.5\n");
+    let setpoints = moves(&format!(
+        "{START}{}{}",
+        block("MC_MoveRelative", &first),
+        block("MC_MoveRelative", &second)
+    ));
+    near(setpoints.last().unwrap().axes.position[0], 0.1 + 0.1 - 0.02 + 0.1, 1e-3);
+}
+
+/// What `duration_s` leaves no time for is no part of a job that is fit.
+#[test]
+fn blocks_that_never_begin_are_told() {
+    let two = block("MC_MoveRelative", FAR_RIGHT) + &block("MC_MoveRelative", FAR_RIGHT);
+    let (_, findings) = run(&job(&format!("duration_s = 0.3\n{START}{two}")), &machine());
+    let [finding] = &findings[..] else { panic!("{findings:?}") };
+    assert_eq!(finding.rule, Rule::FunctionBlock);
+    assert!(finding.message.contains("never begins"), "{finding:?}");
+    assert_eq!(finding.line, 1 + 6 + 6 + 2);
+}
+
+/// A slave of the machine file is its master's until it is let go.
+#[test]
+fn a_slave_of_the_machine_file_is_not_moved() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
+    let text = std::fs::read_to_string(&path).unwrap()
+        + "\n[[gears]]\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 1\n";
+    let machine = Machine::parse(&path, &text).unwrap();
+    let relative = block("MC_MoveRelative", FAR_RIGHT);
+    let (_, findings) = run(&job(&format!("{START}{relative}")), &machine);
+    let [finding] = &findings[..] else { panic!("{findings:?}") };
+    assert_eq!((finding.rule, finding.line), (Rule::Coupling, 8));
+    assert!(finding.message.contains("moves axis X, which follows Y by a gear"), "{finding:?}");
+    let (setpoints, findings) =
+        run(&job(&format!("{START}{}{relative}", block("MC_GearOut", ""))), &machine);
+    assert_eq!(findings, []);
+    near(setpoints.last().unwrap().axes.position[0], 0.2, 1e-9);
+}
+
+/// A cam in mm does not move an axis in degrees, nor is it led by one.
+#[test]
+fn units_of_a_cam_are_those_of_its_axes() {
+    let cam_in = "[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"shaft\"\ncam = \"hump.cam.toml\"\n";
+    let job = job(&format!("duration_s = 1\n{SHAFT}{cam_in}"));
+    let cam = "name = \"hump\"\nmaster = { min = 0, max = 360, unit = \"mm\" }\n\
+               slave = { min = 0, max = 40, unit = \"deg\" }\n\
+               elements = [{ master = 0, slave = 0 }, { master = 360, slave = 40 }]\n";
+    std::fs::write(job.folder.path().join("hump.cam.toml"), cam).unwrap();
+    let (setpoints, findings) = run(&job, &machine());
+    assert_eq!(setpoints, []);
+    let line = 1 + 5 + 5;
+    for said in ["the slave is in deg, axis X in mm", "the master is in mm, axis shaft in deg"] {
+        let found = findings.iter().find(|one| one.message.contains(said));
+        assert_eq!(found.map(|one| one.line), Some(line), "{findings:?}");
+    }
+}

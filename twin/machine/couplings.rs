@@ -2,6 +2,7 @@
 
 use super::axis::{Axis, AxisKind};
 use super::section::Section;
+use crate::cam::check::unit_fits;
 use crate::cam::{CamFile, CamFileError, START_MODES};
 use crate::tappets::MOST_SIGNALS;
 use std::collections::BTreeSet;
@@ -136,13 +137,19 @@ fn one(section: &Section<'_>, path: &Path, axes: &[Axis], is_gear: bool) -> Opti
     if slave == master {
         section.complain_at("master", "an axis cannot follow itself".to_owned());
     }
-    let kinds = [slave, master].map(|index| axes.get(index).map(|axis| axis.kind));
-    let [Some(slave_kind), Some(master_kind)] = kinds else { return None };
+    let [Some(slave_axis), Some(master_axis)] = [slave, master].map(|index| axes.get(index)) else {
+        return None;
+    };
     let by = if is_gear {
         let (numerator, denominator) = read_ratio(section)?;
         CoupledBy::Gear(numerator, denominator.unsigned_abs())
     } else {
-        CoupledBy::Cam(Box::new(read_cam(section, path, slave_kind, master_kind)?))
+        CoupledBy::Cam(Box::new(read_cam(
+            section,
+            path,
+            CamAxis::of(slave_axis),
+            CamAxis::of(master_axis),
+        )?))
     };
     (slave != master).then_some(Coupling { axis: slave, master, by })
 }
@@ -169,19 +176,47 @@ pub(crate) fn read_ratio(section: &Section<'_>) -> Option<(i32, i32)> {
     Some((i32::try_from(numerator?).ok()?, i32::try_from(denominator).ok()?))
 }
 
+/// An axis of a cam, as far as the cam has to fit it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CamAxis<'a> {
+    /// Its name.
+    pub(crate) name: &'a str,
+    /// Whether it is in mm or degrees.
+    pub(crate) kind: AxisKind,
+}
+
+impl<'a> CamAxis<'a> {
+    fn of(axis: &'a Axis) -> Self {
+        Self { name: &axis.name, kind: axis.kind }
+    }
+}
+
 /// A cam and how the slave comes onto it; `path` is the file that names it. What is not said is as the cam's own file says.
 pub(crate) fn read_cam(
     section: &Section<'_>,
     path: &Path,
-    slave: AxisKind,
-    master: AxisKind,
+    slave_axis: CamAxis<'_>,
+    master_axis: CamAxis<'_>,
 ) -> Option<CamSelection> {
+    let (slave, master) = (slave_axis.kind, master_axis.kind);
     let between = [("linear", Interpolation::Linear), ("cubic", Interpolation::Cubic)];
     let between = section.choice("interpolation", &between).unwrap_or(Interpolation::Linear);
     let file = section.required_text("cam").and_then(|name| {
         let path = path.parent().unwrap_or(Path::new("")).join(name);
         let file = CamFile::load(&path, between);
-        file.map_err(|error| section.complain_at("cam", told(&path, &error))).ok()
+        let file = file.map_err(|error| section.complain_at("cam", told(&path, &error))).ok()?;
+        for (which, scale, axis) in
+            [("slave", &file.slave, slave_axis), ("master", &file.master, master_axis)]
+        {
+            if !unit_fits(scale, axis.kind) {
+                let CamAxis { name, kind } = axis;
+                let (unit, own) = (scale.unit(), kind.unit());
+                let message =
+                    format!("{}: the {which} is in {unit}, axis {name} in {own}", path.display());
+                section.complain_at("cam", message);
+            }
+        }
+        Some(file)
     });
     let own = file.as_ref().map(|file| file.coupling.input).unwrap_or_default();
     let dead_time_s = file.as_ref().map_or(0.0, |file| file.coupling.dead_time_s);

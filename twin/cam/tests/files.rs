@@ -284,7 +284,7 @@ fn coupling() -> impl Strategy<Value = Coupling> {
                     tappet_hysteresis,
                     tappet_dead_time_s: 0.0,
                 };
-                Coupling { input, dead_time_s: dead * 1e-6 }
+                Coupling { input, dead_time_s: dead * 1e-6, wanted: None }
             },
         )
 }

@@ -14,7 +14,7 @@ use std::path::Path;
 use twin_motion::cam::tune::{FitError, Free, Tolerance};
 use twin_motion::cam::{MasterMotion, Quantity, SlaveLimits};
 
-const LIFT: &str = r#"
+pub(super) const LIFT: &str = r#"
 name = "lift"
 master = { min = 0, max = 360, unit = "deg" }
 slave = { min = 0, max = 100, unit = "mm", period = 100 }
@@ -28,11 +28,11 @@ tappets = [
 ]
 "#;
 
-fn cam(text: &str) -> CamFile {
+pub(super) fn cam(text: &str) -> CamFile {
     CamFile::from_toml(Path::new("cam.toml"), text.to_owned()).expect("a cam")
 }
 
-fn using(file: &CamFile, velocity: f64, limits: AxisLimits) -> CamUse {
+pub(super) fn using(file: &CamFile, velocity: f64, limits: AxisLimits) -> CamUse {
     let master = MasterMotion { velocity, ..MasterMotion::default() };
     CamUse { master, coupling: file.coupling, repeated: file.repeated, limits }
 }
@@ -120,10 +120,10 @@ fn bars_of_tappets() {
 }
 
 /// Numbers that come again with their seed (splitmix64).
-struct Random(u64);
+pub(super) struct Random(pub(super) u64);
 
 impl Random {
-    fn share(&mut self) -> f64 {
+    pub(super) fn share(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut bits = self.0;
         bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -132,11 +132,11 @@ impl Random {
         (f64::from(high) + 0.5) / 4_294_967_296.0
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.share()
     }
 
-    fn normal(&mut self) -> f64 {
+    pub(super) fn normal(&mut self) -> f64 {
         (-2.0 * self.share().ln()).sqrt() * (std::f64::consts::TAU * self.share()).cos()
     }
 }

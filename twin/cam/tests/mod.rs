@@ -5,3 +5,4 @@
 mod files;
 mod found;
 mod hostile;
+mod tuned;

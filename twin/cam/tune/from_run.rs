@@ -81,6 +81,10 @@ pub struct Seen {
     pub line: u64,
     /// How long after the tappet it switched, s.
     pub behind_s: f64,
+    /// How far from that the switching was at most, s: it is known to have been between two samples.
+    pub within_s: f64,
+    /// After what time the master comes to a tappet that switches so again, s.
+    pub every_s: f64,
     /// For the fit.
     pub switching: Switching,
 }
@@ -109,7 +113,7 @@ pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Seen
         }
         let (time, place) = (f64::midpoint(from.0, to.0), f64::midpoint(from.1, to.1));
         for ((group, was), is) in run.groups.iter().zip(&before.outputs).zip(&after.outputs) {
-            let Some((far, delay)) =
+            let Some(Nearest { far, delay, every }) =
                 nearest(file, using, (*group, *is), place, velocity).filter(|_| was != is)
             else {
                 continue;
@@ -123,21 +127,32 @@ pub fn switchings(file: &CamFile, using: &CamUse, run: &RecordedRun) -> Vec<Seen
                     distance: velocity * behind_s,
                     weight: 1.0 / (velocity * velocity),
                 };
-                seen.push(Seen { line: after.line, behind_s, switching });
+                let (within_s, every_s) = ((to.0 - from.0) / 2.0, every / velocity.abs());
+                seen.push(Seen { line: after.line, behind_s, within_s, every_s, switching });
             }
         }
     }
     seen
 }
 
-/// How far behind the nearest tappet of a group that switches so a place is, and the tappet's own delay, s.
+/// The nearest tappet that switches so.
+struct Nearest {
+    /// How far behind it a place is, u.
+    far: f64,
+    /// Its own delay, s.
+    delay: f64,
+    /// Way between two of its kind, on an average, u.
+    every: f64,
+}
+
+/// The nearest tappet of a group that switches so.
 fn nearest(
     file: &CamFile,
     using: &CamUse,
     (group, on): (i16, bool),
     place: f64,
     velocity: f64,
-) -> Option<(f64, f64)> {
+) -> Option<Nearest> {
     let curve = file.cam.curve();
     let width = curve.end() - curve.start();
     let behind = |tappet: &Tappet| {
@@ -157,7 +172,11 @@ fn nearest(
         passes.then_some((far, delay))
     };
     let tappets = file.cam.tappets().iter().filter(|tappet| tappet.group == group);
-    tappets.filter_map(behind).min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
+    let all: Vec<_> = tappets.filter_map(behind).collect();
+    #[expect(clippy::cast_precision_loss, reason = "a count of tappets")]
+    let every = width / all.len().max(1) as f64;
+    let (far, delay) = all.into_iter().min_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
+    Some(Nearest { far, delay, every })
 }
 
 /// When the master was at `target` last before the sample behind `index`; a little later, if it comes there later only.
@@ -180,12 +199,19 @@ fn passage(places: &[(f64, f64)], index: usize, target: f64, velocity: f64) -> O
 /// A switching that is farther from the median of all than this many times what they are usually apart is no noise.
 const OUTLIER: f64 = 10.0;
 
+/// Of the time from one tappet to the next of its kind: a dead time that is longer, or known worse, is not told from other
+/// tappets, from an inverted output, or from switchings at random.
+const TOLD_APART: [f64; 2] = [0.25, 0.1];
+
 /// The dead time of what tappets switch, the compensation in use included: what `DeadTimeCompensation` should be.
 /// `between_s` is the time between two samples.
 ///
+/// A switching is known to half the time between two samples. Where samples come in step with the cam the error is the same
+/// each time, so this half is added to what the scatter of the switchings says, and never divided by their number.
+///
 /// # Errors
 /// [`TuneError::DeadTime`] if too few switchings were seen, [`TuneError::Outlier`] if one of them has nothing to do with the
-/// others.
+/// others, [`TuneError::Scattered`], [`TuneError::Early`] and [`TuneError::Late`] if none has to do with the tappets.
 pub fn tappet_dead_time(
     using: &CamUse,
     seen: &[Seen],
@@ -202,9 +228,24 @@ pub fn tappet_dead_time(
         let (line, behind_s) = (outlier.line, outlier.behind_s);
         return Err(TuneError::Outlier { line, behind_s, usual_s: middle });
     }
-    let time = found.dead_time_s;
-    let dead_time_s = Estimate { value: time.value + using.coupling.dead_time_s, ..time };
-    Ok(DeadTime { dead_time_s, ..found })
+    let count = seen.len();
+    #[expect(clippy::cast_precision_loss, reason = "a count of switchings")]
+    let sampling = seen.iter().map(|seen| seen.within_s).sum::<f64>() / count.max(1) as f64;
+    let half_width = found.dead_time_s.half_width + sampling;
+    let value = found.dead_time_s.value + using.coupling.dead_time_s;
+    let every_s = median(seen.iter().map(|seen| seen.every_s).collect());
+    let [longest, widest] = TOLD_APART.map(|part| part * every_s);
+    // What samples cannot tell better is no scatter.
+    if found.dead_time_s.half_width > widest.max(2.0 * sampling) {
+        return Err(TuneError::Scattered { count, half_width_s: half_width, every_s });
+    }
+    if value < -half_width {
+        return Err(TuneError::Early { value_s: value, half_width_s: half_width });
+    }
+    if found.dead_time_s.value.abs() > longest.max(half_width) {
+        return Err(TuneError::Late { value_s: found.dead_time_s.value, every_s });
+    }
+    Ok(DeadTime { dead_time_s: Estimate { value, half_width }, ..found })
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

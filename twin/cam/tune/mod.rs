@@ -1,14 +1,16 @@
 //! Tuning a cam from a recorded run, limits and tolerances (`twin tune cam`): what is found, and the lines that apply it.
 
+mod correct;
 mod from_run;
 mod shape;
 
+pub use correct::{as_fitted, corrected, wanted};
 pub use from_run::{Seen, errors, fit_run, rms, rounded, switchings, tappet_dead_time};
 pub use shape::{PointTolerance, ShapeGoal, Shaped, shape};
 
-use super::CamFile;
 use super::check::CamUse;
 use super::edit::Change;
+use super::{CamFile, WANTED};
 use crate::number::significant;
 use std::sync::Arc;
 use twin_motion::cam::tune::{
@@ -38,6 +40,44 @@ pub enum TuneError {
         behind_s: f64,
         /// The median of all, s.
         usual_s: f64,
+    },
+    /// Switchings that have nothing to do with the tappets.
+    #[error(
+        "dead time of the tappets: {count} switchings tell it to ± {} s only, and the master comes to such a tappet every {} s: \
+         something else switches the output, or it is not this cam's",
+        significant(*.half_width_s, 4), significant(*.every_s, 4)
+    )]
+    Scattered {
+        /// How many were seen.
+        count: usize,
+        /// s.
+        half_width_s: f64,
+        /// s.
+        every_s: f64,
+    },
+    /// Outputs that switch before their tappets.
+    #[error(
+        "dead time of the tappets: the output switches {} ± {} s before its tappets, and no dead time is negative: it is \
+         inverted, or not this cam's, or more was compensated than `dead_time_s` says",
+        significant(-.value_s, 4), significant(*.half_width_s, 4)
+    )]
+    Early {
+        /// s.
+        value_s: f64,
+        /// s.
+        half_width_s: f64,
+    },
+    /// Outputs that may belong to other tappets.
+    #[error(
+        "dead time of the tappets: the output switches {} s behind its tappets, and the master comes to such a tappet every {} s: \
+         nobody can tell which tappet switched it, or it is inverted",
+        significant(*.value_s, 4), significant(*.every_s, 4)
+    )]
+    Late {
+        /// s.
+        value_s: f64,
+        /// s.
+        every_s: f64,
     },
     /// The shape.
     #[error("shape: {0}")]
@@ -194,6 +234,13 @@ pub fn changes(before: &CamUse, after: &CamUse, shape: Option<(&CamFile, &[Knot]
         if old.to_bits() != new.to_bits() {
             changes.push(Change::Coupling(key, new));
         }
+    }
+    if let Some(values) =
+        after.coupling.wanted.filter(|_| before.coupling.wanted != after.coupling.wanted)
+    {
+        changes.extend(
+            WANTED.into_iter().zip(values).map(|(key, value)| Change::Coupling(key, value)),
+        );
     }
     if before.coupling.start_mode() != after.coupling.start_mode() {
         changes.push(Change::CouplingWord("start_mode", after.coupling.start_mode()));

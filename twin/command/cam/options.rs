@@ -220,7 +220,7 @@ fn of_machine(path: &Path, name: &str, file: &CamFile) -> Result<AxisLimits, Fai
         );
         return Err(Failure::Usage(message));
     };
-    if !unit_fits(&file.slave, axis) {
+    if !unit_fits(&file.slave, axis.kind) {
         let message = format!(
             "{}: the slave is in {}, axis {name} in {}",
             file.path.display(),

@@ -24,7 +24,9 @@ use twin_motion::cam::{AxisState, Cam, Quantity, Shape, StartMode};
 /// Tune a cam: offsets and scalings from a recorded run or within limits, the dead time of tappets, ramps, shapes
 ///
 /// A run (CSV of time, master, slave) tells offsets and scalings by least squares, each with the half width of its 95 %
-/// interval; outputs recorded beside it (columns `tappet_N`) tell the dead time of what tappets switch. Without a run what is
+/// interval. `slave` is where the slave was measured while the coupling of the cam's file was in effect; wanted is the cam with
+/// that coupling, or with `wanted_…` of `[coupling]` where the file has them (--write puts them there). What is proposed undoes
+/// the deviation: a slave that lags gets a MasterOffset that leads. Outputs recorded beside it (columns `tappet_N`) tell the dead time of what tappets switch. Without a run what is
 /// to be found is changed by as little as keeps the limits. Points are moved within their tolerances by linear programs
 /// (Clarabel): velocity and acceleration stay continuous, and the slave stays where it is at every tappet. What the data do
 /// not say, or contradict, is said and not fitted.
@@ -35,9 +37,14 @@ pub(super) struct Arguments {
     #[arg(value_name = "CAM")]
     cam: PathBuf,
 
-    /// A recorded run: CSV of time, master and slave, with columns `tappet_N` (0 or 1) for outputs
+    /// A recorded run: CSV of time, master and slave (where it was measured, see --slave), with columns `tappet_N` (0 or 1) for outputs
     #[arg(long, value_name = "FILE.csv")]
     run: Option<PathBuf>,
+
+    /// What `slave` of the run is: where the slave was measured, so that its deviation from what is wanted is undone, or the
+    /// motion wanted, so that the cam is laid over it
+    #[arg(long, value_enum, default_value = "measured", requires = "run")]
+    slave: SlaveColumn,
 
     /// What is to be found: in the run, or, without one, within the limits [default: both offsets with a run]
     #[arg(long, value_enum, value_delimiter = ',')]
@@ -111,6 +118,12 @@ enum Find {
     MasterScaling,
     SlaveOffset,
     SlaveScaling,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SlaveColumn {
+    Measured,
+    Wanted,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -257,20 +270,36 @@ fn tuned(
     let before = report.before;
     if let Some(run) = recorded {
         report.samples = run.samples.len();
-        report.error_before = Some(tune::rms(&errors(file, &before, run)));
-        let found = fit_run(file, &before, run, arguments.free(), arguments.scaling_range)?;
-        let input = &mut report.after.coupling.input;
-        input.master_offset = tune::rounded(found.master_offset);
-        input.master_scaling = tune::rounded(found.master_scaling);
-        input.slave_offset = tune::rounded(found.slave_offset);
-        input.slave_scaling = tune::rounded(found.slave_scaling);
-        report.error_after = Some(tune::rms(&errors(file, &report.after, run)));
+        let measured = arguments.slave == SlaveColumn::Measured;
+        // The slave is where it is wanted but for what is to be found.
+        let reference = if measured { tune::wanted(&before) } else { before };
+        report.error_before = Some(tune::rms(&errors(file, &reference, run)));
+        let found = fit_run(file, &reference, run, arguments.free(), arguments.scaling_range)?;
+        let did = tune::as_fitted(&before, &found);
+        if measured {
+            report.after = tune::corrected(file, &before, &found);
+            report.wanted = Some(reference);
+        } else {
+            let input = &mut report.after.coupling.input;
+            input.master_offset = tune::rounded(found.master_offset);
+            input.master_scaling = tune::rounded(found.master_scaling);
+            input.slave_offset = tune::rounded(found.slave_offset);
+            input.slave_scaling = tune::rounded(found.slave_scaling);
+        }
+        report.error_after = Some(tune::rms(&errors(file, &did, run)));
+        report.did = Some(did);
         report.doubtful = !found.is_noise(run.samples.len());
         report.fit = Some(found);
         if !run.groups.is_empty() {
-            let seen = switchings(file, &report.after, run);
-            let found = tappet_dead_time(&report.after, &seen, run.between_s())?;
-            report.after.coupling.dead_time_s = tune::rounded(found.dead_time_s);
+            // The tappets of a slave that was measured are where the coupling in effect has them.
+            let register = if measured { before } else { did };
+            let seen = switchings(file, &register, run);
+            let found = tappet_dead_time(&register, &seen, run.between_s())?;
+            let time = found.dead_time_s;
+            // What is compensated to within what the run tells stays.
+            if !time.holds(before.coupling.dead_time_s) {
+                report.after.coupling.dead_time_s = tune::rounded(time);
+            }
             report.dead_time = Some((found, seen.len()));
         }
     } else if !arguments.find.is_empty() {
@@ -340,7 +369,9 @@ fn picture(
             (master, sample.slave - gained)
         };
         recorded.points = run.samples.iter().map(point).collect();
-        for (slot, using) in recorded.errors.iter_mut().zip([&report.before, &report.after]) {
+        let before = report.wanted.as_ref().unwrap_or(&report.before);
+        let after = report.did.as_ref().unwrap_or(&report.after);
+        for (slot, using) in recorded.errors.iter_mut().zip([before, after]) {
             let mut errors: Vec<_> = errors(file, using, run)
                 .into_iter()
                 .map(|(master, error)| (place(master).0, error))

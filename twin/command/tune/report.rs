@@ -23,6 +23,10 @@ pub(super) struct Report<'a> {
     file: &'a CamFile,
     pub(super) before: CamUse,
     pub(super) after: CamUse,
+    /// What a slave that was measured is to do.
+    pub(super) wanted: Option<CamUse>,
+    /// What the slave of the run did.
+    pub(super) did: Option<CamUse>,
     pub(super) samples: usize,
     pub(super) fit: Option<Fit>,
     pub(super) error_before: Option<f64>,
@@ -47,6 +51,8 @@ impl<'a> Report<'a> {
             file,
             before,
             after: before,
+            wanted: None,
+            did: None,
             samples: 0,
             fit: None,
             error_before: None,
@@ -108,8 +114,8 @@ impl<'a> Report<'a> {
                 Change::Coupling(key, value) => {
                     file.push(format!("{key} = {value}"));
                     let input = inputs.iter().find(|(other, ..)| other == key);
-                    let name = input.map_or("", |(_, name, _)| *name);
-                    block.push(format!("{name} := {value}"));
+                    // What is wanted is no input.
+                    block.extend(input.map(|(_, name, _)| format!("{name} := {value}")));
                 }
                 Change::CouplingWord(key, word) => {
                     file.push(format!("{key} = \"{word}\""));
@@ -201,15 +207,43 @@ impl<'a> Report<'a> {
         let slave = self.file.slave.unit();
         if let Some(fit) = &self.fit {
             let mut rows = table();
-            rows.set_header(["found in the run", "value", "± (95 %)"]);
-            for (name, Estimate { value, half_width }) in Self::estimates(fit) {
+            let numbers = |using: &CamUse| {
+                let [one, two, three, four, ..] = using.coupling.numbers();
+                [one, two, three, four].map(|(.., value)| value)
+            };
+            let found = if self.wanted.is_some() { "the slave was at" } else { "found in the run" };
+            let mut header = vec![found, "value", "± (95 %)"];
+            if self.wanted.is_some() {
+                header.extend(["wanted", "in effect", "proposed"]);
+            }
+            rows.set_header(header);
+            let wanted = self.wanted.as_ref().map(numbers);
+            let (before, after) = (numbers(&self.before), numbers(&self.after));
+            for (index, (name, Estimate { value, half_width })) in
+                Self::estimates(fit).into_iter().enumerate()
+            {
                 let half = if half_width > 0.0 { short(half_width) } else { "given".to_owned() };
-                rows.add_row([name.to_owned(), short(value), half]);
+                let mut row = vec![name.to_owned(), short(value), half];
+                if let Some(wanted) = &wanted {
+                    let columns = [wanted, &before, &after];
+                    row.extend(
+                        columns.into_iter().filter_map(|of| of.get(index)).map(|v| short(*v)),
+                    );
+                }
+                rows.add_row(row);
             }
             writeln!(out, "{rows}")?;
+            if self.wanted.is_some() {
+                writeln!(
+                    out,
+                    "the slave is taken as measured, with what is in effect above; what is proposed undoes how it deviates from \
+                     what is wanted (--slave wanted: the run is the motion wanted)"
+                )?;
+            }
+            let tense = if self.wanted.is_some() { "would be" } else { "is" };
             writeln!(
                 out,
-                "{} samples; the slave's error was {} {slave} rms and is {} {slave}",
+                "{} samples; the slave's error was {} {slave} rms and {tense} {} {slave}",
                 self.samples,
                 short(self.error_before.unwrap_or_default()),
                 short(self.error_after.unwrap_or_default()),
@@ -227,9 +261,11 @@ impl<'a> Report<'a> {
             let Estimate { value, half_width } = found.dead_time_s;
             writeln!(
                 out,
-                "dead time of the tappets: {} ± {} ms (95 %), of {count} switchings",
+                "dead time of the tappets: {} ± {} ms (95 %), of {count} switchings, if the run was recorded with \
+                 DeadTimeCompensation {} ms in effect",
                 short(value * 1e3),
-                short(half_width * 1e3)
+                short(half_width * 1e3),
+                short(self.before.coupling.dead_time_s * 1e3)
             )?;
         }
         Ok(())
@@ -299,6 +335,7 @@ impl<'a> Report<'a> {
         json!({
             "cam": self.file.cam.name(),
             "file": self.file.path.display().to_string(),
+            "slave": fit.as_ref().map(|_| if self.wanted.is_some() { "measured" } else { "wanted" }),
             "fit": fit, "dead_time": dead_time, "shape": shape, "ramp": ramp,
             "coupling": numbers.into_iter().collect::<serde_json::Map<_, _>>(),
             "lines": { "coupling": file, "inputs": block, "points": self.points() },

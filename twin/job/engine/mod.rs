@@ -1,5 +1,7 @@
 //! The controller of a job: its axes and blocks, cycle by cycle.
 
+mod watch;
+
 use super::block::Fired;
 use super::read::LONGEST;
 use super::{Begins, Call, Job};
@@ -20,6 +22,9 @@ pub(super) struct State {
     pub(super) velocity: f64,
     pub(super) acceleration: f64,
 }
+
+/// The block that keeps its axis when it is done.
+const STOP: &str = "MC_Stop";
 
 /// Cycles until a drive has its power.
 const SWITCHING_ON: usize = 3;
@@ -65,6 +70,8 @@ struct Moved {
     /// Brings it to rest at the end.
     halt: Option<Block<Halt>>,
     max_acceleration: f64,
+    /// The block that has taken it last.
+    taken_by: Option<usize>,
 }
 
 /// A block under way, or before or after that.
@@ -200,6 +207,7 @@ impl Engine {
                 Begins::At(time) => Some(nanoseconds(time)),
                 Begins::WithPrevious => previous_begun,
                 Begins::Standing => Some(0),
+                Begins::Next => previous_over,
                 Begins::After(pause) => {
                     previous_over.map(|over: i64| over.saturating_add(nanoseconds(pause)))
                 }
@@ -229,15 +237,16 @@ impl Engine {
     /// Calls a block, if it has begun.
     fn call(&mut self, index: usize) -> Result<(), Box<Finding>> {
         let Some(running) = self.calls.get_mut(index) else { return Ok(()) };
-        if running.begun_ns.is_none() {
-            return Ok(());
-        }
+        let Some(begun_ns) = running.begun_ns else { return Ok(()) };
+        let first = begun_ns + self.cycle_ns == self.now_ns;
         let call = &mut running.call;
         let master = call.master.and_then(|master| self.axes.get(master));
         let master = master.map(|moved| Master::of(&moved.axis));
         let Some(moved) = self.axes.get_mut(call.axis) else { return Ok(()) };
+        // A stop keeps its axis until Execute falls: when the axis stands, so that others may move it.
+        let execute = !(call.name == STOP && running.over_ns.is_some());
         let Outputs { done, command_aborted, error, busy: _ } =
-            call.block.call(true, &mut moved.axis, master);
+            call.block.call(execute, &mut moved.axis, master);
         if let Some(error) = error {
             let place = Place { line: call.line, block: None };
             let message = format!("{} of axis {}: {}", call.name, moved.name, told(error));
@@ -254,8 +263,15 @@ impl Engine {
                 Fired { slave, master, trigger: Trigger { time_ns, ..*trigger } }
             }));
         }
+        let over = running.over_ns.is_some();
         if done || command_aborted {
             running.over_ns.get_or_insert(self.now_ns);
+        }
+        if command_aborted && !over && !self.is_halting() {
+            return self.loses(index);
+        }
+        if first && !command_aborted {
+            return self.takes(index);
         }
         Ok(())
     }
@@ -268,6 +284,7 @@ impl Engine {
     fn is_over(&self) -> Result<bool, Box<Finding>> {
         let stand = self.axes.iter().all(Moved::stands);
         if self.is_halting() {
+            self.all_begun()?;
             return Ok(stand);
         }
         let waits = self.calls.iter().find(|running| running.over_ns.is_none());
@@ -302,7 +319,7 @@ impl Engine {
             let due = match running.call.begins {
                 Begins::At(_) | Begins::Standing => true,
                 Begins::WithPrevious => previous_begun,
-                Begins::After(_) => previous_over,
+                Begins::Next | Begins::After(_) => previous_over,
             };
             if running.call.begins != Begins::Standing {
                 previous_begun = running.begun_ns.is_some();
@@ -351,6 +368,7 @@ impl Moved {
             state: State { position: start, ..State::default() },
             shown,
             halt: None,
+            taken_by: None,
             max_acceleration: acceleration,
         }
     }

@@ -1,0 +1,106 @@
+//! Which block has an axis, and who has lost it.
+
+use super::{Begins, Call, Engine, STOP};
+use crate::finding::{Finding, Rule};
+use crate::report::seconds;
+use twin_motion::Place;
+
+/// Blocks that leave their axis to what moves it: what moves on top of that, and what moves its zero.
+const ON_TOP: [&str; 2] = ["MC_MoveSuperImposed", "MC_SetPosition"];
+
+/// Blocks that let a slave of the machine file go.
+const RELEASES: [&str; 2] = ["MC_CamOut", "MC_GearOut"];
+
+/// Blocks that are there to take over from others.
+const TAKES_OVER: [&str; 5] = ["MC_Halt", STOP, "MC_MoveAdditive", "MC_CamOut", "MC_GearOut"];
+
+impl Engine {
+    /// A block has begun, and has its axis: it must not be a slave of the machine file.
+    pub(super) fn takes(&mut self, index: usize) -> Result<(), Box<Finding>> {
+        let Some(call) = self.calls.get(index).map(|running| &running.call) else { return Ok(()) };
+        let Some(moved) = self.axes.get_mut(call.axis) else { return Ok(()) };
+        // On top of what moves the axis: that goes on.
+        if ON_TOP.contains(&call.name) {
+            return Ok(());
+        }
+        let before = moved.taken_by.replace(index);
+        let held = before.and_then(|before| self.calls.get(before)).map(|held| &held.call);
+        let Some(held) = held.filter(|held| held.begins == Begins::Standing) else { return Ok(()) };
+        if RELEASES.contains(&call.name) {
+            return Ok(());
+        }
+        let master = held.master.and_then(|master| self.axes.get(master));
+        let master = master.map_or("another axis", |master| &master.name);
+        let (by, out) =
+            if held.name == "MC_CamIn" { ("cam", "MC_CamOut") } else { ("gear", "MC_GearOut") };
+        let name = self.axes.get(call.axis).map_or("", |moved| &moved.name);
+        let message = format!(
+            "{} moves axis {name}, which follows {master} by a {by} of the machine file",
+            call.name
+        );
+        let place = Place { line: call.line, block: None };
+        let mut finding = Finding::error(Rule::Coupling, place, message);
+        finding.axis = Some(name.to_owned());
+        finding.hint = Some(format!("{out} of the axis lets it go first"));
+        Err(finding.into())
+    }
+
+    /// A block has lost its axis before it was done: fine if another one began later and was meant to take it.
+    pub(super) fn loses(&self, index: usize) -> Result<(), Box<Finding>> {
+        let Some(loser) = self.calls.get(index) else { return Ok(()) };
+        let call = &loser.call;
+        let Some(moved) = self.axes.get(call.axis) else { return Ok(()) };
+        let taker = moved.taken_by.filter(|taker| *taker != index);
+        let taker = taker.and_then(|taker| self.calls.get(taker));
+        let later = taker.is_some_and(|taker| taker.begun_ns > loser.begun_ns);
+        let meant = taker.is_some_and(|taker| {
+            taker.call.begins != Begins::Next || TAKES_OVER.contains(&taker.call.name)
+        });
+        if (later && meant) || call.begins == Begins::Standing {
+            return Ok(());
+        }
+        let when = if later { "was done" } else { "moved" };
+        let (Call { name, line, .. }, axis) = (call, &moved.name);
+        let message = match taker.map(|taker| &taker.call) {
+            Some(Call { begins: Begins::Standing, name: other, .. }) => {
+                format!(
+                    "{name} of axis {axis} is refused while {other} of the machine file moves it"
+                )
+            }
+            Some(Call { name: other, line, .. }) => {
+                format!(
+                    "{name} of axis {axis} has lost its axis to {other} (line {line}) before it {when}"
+                )
+            }
+            None => format!(
+                "{name} of axis {axis} is refused: in {:?} there is nothing it could act on",
+                moved.axis.state()
+            ),
+        };
+        let place = Place { line: *line, block: None };
+        let mut finding = Finding::error(Rule::FunctionBlock, place, message);
+        finding.axis = Some(axis.clone());
+        finding.hint = Some(
+            "a block takes over what is under way where `at_s` or `after_s` says when; else it has to wait for the end of the \
+             block before it on this axis"
+                .to_owned(),
+        );
+        Err(finding.into())
+    }
+
+    /// At the end that `duration_s` sets, every block must have begun.
+    pub(super) fn all_begun(&self) -> Result<(), Box<Finding>> {
+        let Some(running) = self.calls.iter().find(|running| running.begun_ns.is_none()) else {
+            return Ok(());
+        };
+        let Call { line, name, axis, .. } = running.call;
+        let axis = self.axes.get(axis).map_or("", |moved| &moved.name);
+        let message = format!(
+            "{name} of axis {axis} never begins: `duration_s` is over after {} s",
+            self.duration_ns.map_or(0.0, seconds)
+        );
+        let mut finding = Finding::error(Rule::FunctionBlock, Place { line, block: None }, message);
+        finding.axis = Some(axis.to_owned());
+        Err(finding.into())
+    }
+}
