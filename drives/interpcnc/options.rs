@@ -4,9 +4,16 @@ use std::{sync::Arc, time::Duration};
 
 use super::{
     Assumptions,
-    registers::{AxisMask, BoardAxis, MAX_SPEED_HZ},
+    registers::{AxisMask, BoardAxis, MAX_SPEED_HZ, STATE_REGISTERS},
 };
 use crate::{Action, DriveError, Exchange};
+
+/// Registers of the longest command: number and axes, speed, five targets (command 6). A command goes in one frame, for
+/// the board carries out what has come with its number.
+pub(crate) const LONGEST_COMMAND: u16 = 14;
+/// What Modbus reads and writes at most with one frame, registers.
+const MODBUS_READ: u16 = 125;
+const MODBUS_WRITTEN: u16 = 123;
 
 /// Parity of the serial line; a board parameter (102).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -170,6 +177,20 @@ impl InterpCncOptions {
         within("station", self.station.into(), 1, 247)?;
         within("segments", self.most_segments.into(), 1, self.assumptions.buffer_segments.into())?;
         within("baud", self.line.baud, 4800, 256_000)?;
+        // Status and positions are of one instant only in one frame.
+        let Assumptions { most_read, most_written, .. } = self.assumptions;
+        within(
+            "registers that a frame reads",
+            most_read.into(),
+            STATE_REGISTERS.into(),
+            MODBUS_READ.into(),
+        )?;
+        within(
+            "registers that a frame writes",
+            most_written.into(),
+            LONGEST_COMMAND.into(),
+            MODBUS_WRITTEN.into(),
+        )?;
         let count = u32::try_from(self.axes.len()).unwrap_or(u32::MAX);
         within("number of axes", count, 1, self.mask().bits().count_ones().max(1))?;
         for axis in &self.axes {
@@ -184,6 +205,7 @@ impl InterpCncOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interpcnc::{Command, registers::AXES};
 
     #[test]
     fn wire_times_are_those_of_the_line() {
@@ -216,6 +238,49 @@ mod tests {
         let twice = vec![AxisOptions::new(BoardAxis::X); 2];
         assert_eq!(refused(InterpCncOptions { axes: twice, ..good.clone() }), "number of axes");
         let line = Line { baud: 300, ..good.line };
-        assert_eq!(refused(InterpCncOptions { line, ..good }), "baud");
+        assert_eq!(refused(InterpCncOptions { line, ..good.clone() }), "baud");
+        // 12 registers of status and positions; 14 of a segment of five axes.
+        for (most_read, most_written, named) in
+            [(11, 123, Some("reads")), (125, 13, Some("writes")), (12, 14, None)]
+        {
+            let assumptions = Assumptions { most_read, most_written, ..good.assumptions };
+            let checked = InterpCncOptions { assumptions, ..good.clone() }.check(&port);
+            let error = checked.err().map(|error| error.to_string());
+            let named_so =
+                named.is_none_or(|named| error.as_ref().is_some_and(|e| e.contains(named)));
+            assert!(named_so && error.is_some() == named.is_some(), "{error:?}");
+        }
+    }
+
+    #[test]
+    fn the_longest_command_is_a_segment_of_all_axes() {
+        let length = |command: Command| command.registers().len();
+        let segment = Command::Interpolated { speed_hz: 1, targets: [Some(0); AXES] };
+        assert_eq!(length(segment), usize::from(LONGEST_COMMAND));
+        let home = Command::HomeAxis {
+            axis: BoardAxis::X,
+            input: 1,
+            contact: 0,
+            acceleration_khz_per_s: 1,
+            fast_hz: 1,
+            deceleration_khz_per_s: 1,
+            max_stroke: 1,
+            slow_hz: 1,
+            final_position: 0,
+        };
+        let probe = Command::Probe {
+            axes: BoardAxis::X.mask(),
+            positive: true,
+            input: 1,
+            level: 0,
+            max_stroke: 1,
+            speed_hz: 1,
+            start_stop_hz: 1,
+            acceleration_khz_per_s: 1,
+            deceleration_khz_per_s: 1,
+        };
+        for other in [home, probe] {
+            assert!(length(other) < usize::from(LONGEST_COMMAND));
+        }
     }
 }

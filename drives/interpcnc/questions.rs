@@ -37,14 +37,14 @@ pub const OPEN_QUESTIONS: [OpenQuestion; 28] = [
         "How many registers does one frame read at most?",
         ("Assumptions.most_read", "125"),
         "fewer",
-        "reads in several frames",
+        "reads in several frames; asks for 12, those of one sample",
     ),
     OpenQuestion::new(
         11,
         "How many registers does one frame write at most?",
         ("Assumptions.most_written", "123"),
         "fewer",
-        "writes in several frames",
+        "writes in several frames; asks for 14, those of one command",
     ),
     OpenQuestion::new(
         11,

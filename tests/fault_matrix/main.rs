@@ -8,6 +8,7 @@
 #![expect(clippy::cast_possible_truncation, reason = "small whole numbers")]
 #![expect(clippy::match_same_arms, reason = "tables: each line has its own reason")]
 
+mod assumed;
 mod expected;
 mod faults;
 mod kill;
@@ -24,12 +25,16 @@ use std::{
     thread,
 };
 
-use expected::{Expected, expected, frames, seed};
+use assumed::Otherwise;
+use expected::{Expected, expected, frames};
 use faults::{Doing, Family, Fault};
 use scenario::{Outcome, Trial, cell, is_meaningless, is_meant};
 
 /// Cells made at the same time: most of the time they wait for deadlines.
 const WORKERS: usize = 20;
+/// Cells that are made one after the other are so far apart in the table: those of one family that follow a plan, which is
+/// the most work, are not all made at the same time.
+const STRIDE: usize = 97;
 /// Cells of a hundred that may be made again for a deadline that has passed, each once: more of them are no accident.
 const MOST_REPEATS: usize = 5;
 
@@ -43,11 +48,55 @@ struct Made {
     late: bool,
 }
 
-fn make(family: Family, fault: Fault, doing: Doing) -> Made {
+/// A line of the table.
+#[derive(Clone, Copy)]
+struct Row {
+    fault: Fault,
+    family: Family,
+    /// What is otherwise than usually assumed.
+    otherwise: Option<Otherwise>,
+}
+
+impl Row {
+    /// All of them: every fault of every family, and some where something is otherwise.
+    fn all() -> Vec<Self> {
+        let usual = Fault::all()
+            .into_iter()
+            .flat_map(|fault| Family::ALL.map(|family| Self { fault, family, otherwise: None }));
+        let otherwise = Otherwise::all().into_iter().flat_map(|one| {
+            let row = |fault| Self { fault, family: one.family, otherwise: Some(one) };
+            one.faults().map(row)
+        });
+        usual.chain(otherwise).collect()
+    }
+
+    /// Whether a cell of it is made.
+    fn is_meant(&self, doing: Doing) -> bool {
+        let here = self.otherwise.is_none_or(|otherwise| otherwise.is_meant(doing));
+        here && is_meant(self.family, self.fault, doing)
+    }
+
+    /// What distinguishes it from the others.
+    fn name(&self, doing: Doing) -> String {
+        let name = format!("{:?}/{}/{doing:?}", self.family, self.fault.name());
+        self.otherwise.map_or(name.clone(), |otherwise| format!("{name}/{}", otherwise.name()))
+    }
+
+    /// What stands at its end.
+    fn remark(&self) -> String {
+        let meaningless = is_meaningless(self.family, self.fault).map(str::to_owned);
+        meaningless.or(self.otherwise.map(Otherwise::name)).unwrap_or_default()
+    }
+}
+
+fn make(row: Row, doing: Doing) -> Made {
+    let Row { fault, family, otherwise } = row;
     let wanted = expected(family, fault, doing);
-    let (frames, seed) = (frames(family, fault, doing), seed(family, fault, doing));
+    let frames = frames(family, fault, doing);
+    let seed = otherwise.and_then(|otherwise| otherwise.seed(fault, doing));
+    let seed = seed.unwrap_or_else(|| expected::seed(family, fault, doing));
     let buffered = family == Family::Segments;
-    let trial = Trial { fault, doing, seed, frames, buffered };
+    let trial = Trial { fault, doing, seed, frames, buffered, otherwise };
     let made = cell(family, &trial, rig::clock(rig::SPEED));
     let said = match &made.outcome {
         Outcome::Told(error) => expected::Cause::of(error)
@@ -70,28 +119,23 @@ fn make(family: Family, fault: Fault, doing: Doing) -> Made {
 fn every_fault_comes_to_what_it_should() {
     // Some of them, for those who look into one: FAULT_MATRIX="InterpCnc/answer: drop/Idle".
     let wanted = std::env::var("FAULT_MATRIX").unwrap_or_default();
-    let mut jobs = Vec::new();
-    for fault in Fault::all() {
-        for family in Family::ALL {
-            for doing in Doing::ALL {
-                let name = format!("{family:?}/{}/{doing:?}", fault.name());
-                let meant = name.contains(&wanted) && is_meant(family, fault, doing);
-                jobs.push((fault, family, doing, meant));
-            }
-        }
-    }
+    let rows = Row::all();
+    let cells = rows.iter().flat_map(|row| Doing::ALL.map(|doing| (*row, doing)));
+    let meant = |(row, doing): (Row, Doing)| {
+        (row, doing, row.is_meant(doing) && row.name(doing).contains(&wanted))
+    };
+    let jobs: Vec<_> = cells.map(meant).collect();
+    let spread = |first| (first..jobs.len()).step_by(STRIDE);
+    let order: Vec<usize> = (0..STRIDE).flat_map(spread).filter(|place| jobs[*place].2).collect();
     let next = AtomicUsize::new(0);
     let made: Vec<Mutex<Option<Made>>> = jobs.iter().map(|_| Mutex::new(None)).collect();
     thread::scope(|scope| {
         for worker in 0..WORKERS {
             let work = || {
-                while let Some((place, (fault, family, doing, meant))) =
-                    Some(next.fetch_add(1, Ordering::SeqCst)).and_then(|p| Some((p, jobs.get(p)?)))
-                {
-                    if *meant {
-                        let one = make(*family, *fault, *doing);
-                        *made[place].lock().expect("a cell") = Some(one);
-                    }
+                while let Some(place) = order.get(next.fetch_add(1, Ordering::SeqCst)) {
+                    let (row, doing, _) = jobs[*place];
+                    let one = make(row, doing);
+                    *made[*place].lock().expect("a cell") = Some(one);
                 }
             };
             let name = format!("faults {worker}");
@@ -103,12 +147,12 @@ fn every_fault_comes_to_what_it_should() {
     // expected, the cell is made again, alone and once. What was lost unnoticed, what could not be stopped and every other
     // difference stands.
     let mut again = Vec::new();
-    for ((fault, family, doing, _), made) in jobs.iter().zip(&made) {
+    for ((row, doing, _), made) in jobs.iter().zip(&made) {
         let mut made = made.lock().expect("a cell");
         let late = made.as_mut().filter(|made| made.late);
         if let Some(why) = late.and_then(|made| made.wrong.take()) {
-            again.push(format!("{family:?}, {}, {doing:?}: {why}", fault.name()));
-            *made = Some(make(*family, *fault, *doing));
+            again.push(format!("{}: {why}", row.name(*doing)));
+            *made = Some(make(*row, *doing));
         }
     }
 
@@ -119,29 +163,31 @@ fn every_fault_comes_to_what_it_should() {
         Doing::ALL.map(|doing| format!("{:<24}", format!("{doing:?}"))).concat()
     );
     let mut wrong = Vec::new();
-    let (mut count, mut rows) = (0, jobs.iter().zip(&made));
-    for fault in Fault::all() {
-        for family in Family::ALL {
-            let row: Vec<_> = rows.by_ref().take(Doing::ALL.len()).collect();
-            let cells = row.iter().map(|((fault, family, doing, _), made)| {
-                let made = made.lock().expect("a cell");
-                let Some(made) = &*made else {
-                    let meant = is_meant(*family, *fault, *doing);
-                    return format!("{:<24}", if meant { "" } else { "-" });
-                };
-                count += 1;
-                let mark = if let Some(why) = &made.wrong {
-                    let (name, wanted) = (fault.name(), made.expected.name());
-                    wrong.push(format!("{family:?}, {name}, {doing:?}: {wanted} expected, {why}"));
-                    "! "
-                } else {
-                    ""
-                };
-                format!("{:<24}", format!("{mark}{}", made.text))
-            });
-            let cells: Vec<String> = cells.collect();
-            let why = is_meaningless(family, fault).unwrap_or_default();
-            println!("{:<30} {:<11} {}{why}", fault.name(), format!("{family:?}"), cells.concat());
+    let (mut count, mut left) = (0, jobs.iter().zip(&made));
+    for row in &rows {
+        let mut shown = false;
+        let cells = left.by_ref().take(Doing::ALL.len()).map(|((_, doing, _), made)| {
+            let made = made.lock().expect("a cell");
+            let Some(made) = &*made else {
+                let mark = if row.is_meant(*doing) { "" } else { "-" };
+                return format!("{mark:<24}");
+            };
+            (count, shown) = (count + 1, true);
+            let mark = if let Some(why) = &made.wrong {
+                let wanted = made.expected.name();
+                wrong.push(format!("{}: {wanted} expected, {why}", row.name(*doing)));
+                "! "
+            } else {
+                ""
+            };
+            format!("{:<24}", format!("{mark}{}", made.text))
+        });
+        let cells: Vec<String> = cells.collect();
+        // Where only some are asked for, the others are of no interest.
+        if shown || wanted.is_empty() {
+            let family = format!("{:?}", row.family);
+            let remark = row.remark();
+            println!("{:<30} {family:<11} {}{remark}", row.fault.name(), cells.concat());
         }
     }
     for why in &again {

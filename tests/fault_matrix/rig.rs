@@ -8,20 +8,23 @@ use twin_drives::{
     IncrementMotion, MAX_DRIVE_AXES, ParameterId, SetpointStream, Speed, When, WireFault,
     bim2ax::{
         self, Bim2AxDrive, Bim2AxDriveOptions, Contact, MemoryFile, ModuleAxis,
-        emulator::{EmulatedModule, Module},
+        emulator::{EmulatedModule, Module, ModuleOptions},
         parameter::{AxisParameter, Parameter},
     },
     interpcnc::{
         self, BoardAxis, Following, InterpCncDrive, InterpCncOptions,
-        emulator::{Bench, Cam, EmulatedBoard},
+        emulator::{Bench, BoardOptions, Cam, EmulatedBoard},
     },
     smartdrive::{
-        self, Alarms, Mode, SmartDriveBus, SmartDriveOptions, StepsPerTurn,
+        self, Alarms, Mode, SmartDriveBus, SmartDriveOptions, StepsPerTurn, TagLayout,
         emulator::{DeviceOptions, EmulatedBus, Input},
     },
 };
 
-use crate::faults::{DeviceFault, Family};
+use crate::{
+    assumed::Otherwise,
+    faults::{DeviceFault, Family},
+};
 
 /// How many times faster than the wall clock devices and plans go.
 pub(crate) const SPEED: u32 = 5;
@@ -125,19 +128,30 @@ pub(crate) struct Rig<C> {
 impl<C: Clock + Copy + 'static> Rig<C> {
     /// The seed decides which bytes faults befall.
     pub(crate) fn new(family: Family, seed: u64, clock: C) -> Self {
+        Self::assuming(family, seed, clock, None)
+    }
+
+    /// The same where something is otherwise than usually assumed, on both sides.
+    pub(crate) fn assuming(
+        family: Family,
+        seed: u64,
+        clock: C,
+        otherwise: Option<Otherwise>,
+    ) -> Self {
         let device = match family {
-            Family::InterpCnc => board(clock, seed, Following::Retargeted),
+            Family::InterpCnc => board(clock, seed, Following::Retargeted, otherwise),
             Family::Segments => {
                 let acceleration_khz_per_s = 50;
                 board(
                     clock,
                     seed,
                     Following::Buffered { start_stop_hz: 200, acceleration_khz_per_s },
+                    otherwise,
                 )
             }
-            Family::SmartDrive => bus(clock, seed, 1),
-            Family::Pair => bus(clock, seed, 2),
-            Family::Bim2Ax => module(clock, seed),
+            Family::SmartDrive => bus(clock, seed, 1, otherwise),
+            Family::Pair => bus(clock, seed, 2, otherwise),
+            Family::Bim2Ax => module(clock, seed, otherwise),
         };
         Self { device, clock, reached: None, queued: None }
     }
@@ -215,9 +229,11 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         Ok(())
     }
 
-    /// Which request of a move from rest says where to go: a module is looked at before.
-    pub(crate) fn order(&self) -> u32 {
-        if matches!(self.device, Device::Module(..)) { 2 } else { 1 }
+    /// Which request of a move from rest says where to go: a module is looked at before, and once more where an order
+    /// to one axis could end a move of the other.
+    pub(crate) fn order(&self, otherwise: Option<Otherwise>) -> u32 {
+        let again = otherwise.is_some_and(Otherwise::looks_at_the_others);
+        if matches!(self.device, Device::Module(..)) { 2 + u32::from(again) } else { 1 }
     }
 
     /// What a device must be told before it homes the first time.
@@ -393,10 +409,20 @@ pub(crate) fn prepare_homing(drive: &mut dyn Drive) -> Result<(), DriveError> {
     })
 }
 
-fn board<C: Clock + 'static>(clock: C, seed: u64, following: Following) -> Device {
+fn board<C: Clock + 'static>(
+    clock: C,
+    seed: u64,
+    following: Following,
+    otherwise: Option<Otherwise>,
+) -> Device {
     let switch =
         Cam { input: 1, axis: BoardAxis::X, from: -9000, to: -3000, normally_closed: false };
+    let mut assumptions = interpcnc::Assumptions::default();
+    if let Some(otherwise) = otherwise {
+        otherwise.assume(&mut assumptions);
+    }
     let options = interpcnc::emulator::EmulatorOptions {
+        board: BoardOptions { assumptions, ..BoardOptions::default() },
         bench: Bench { cams: vec![switch], encoder: None },
         seed,
         ..interpcnc::emulator::EmulatorOptions::default()
@@ -409,6 +435,7 @@ fn board<C: Clock + 'static>(clock: C, seed: u64, following: Following) -> Devic
         ..interpcnc::AxisOptions::new(BoardAxis::X)
     };
     let mut options = InterpCncOptions::new(vec![axis]);
+    options.assumptions = assumptions;
     options.following = following;
     options.most_segments = 2 + u16::try_from(SEGMENTS).expect("few");
     (options.deadline, options.worst_latency) = (DEADLINE, WORST_LATENCY);
@@ -420,7 +447,12 @@ fn board<C: Clock + 'static>(clock: C, seed: u64, following: Following) -> Devic
 /// Addresses of drives. Not 1, with which two bytes of a PING that change places make a RESET.
 const FIRST: u8 = 2;
 
-fn bus<C: Clock + 'static>(clock: C, seed: u64, count: u8) -> Device {
+fn bus<C: Clock + 'static>(clock: C, seed: u64, count: u8, otherwise: Option<Otherwise>) -> Device {
+    let mut assumptions = smartdrive::Assumptions::default();
+    if let Some(otherwise) = otherwise {
+        otherwise.assume(&mut assumptions);
+    }
+    let layout = otherwise.map_or(TagLayout::Diagram, Otherwise::layout);
     let addresses = FIRST..FIRST + count;
     let switch = |address: u8| {
         let to = SWITCHES[usize::from(address - FIRST)];
@@ -430,6 +462,8 @@ fn bus<C: Clock + 'static>(clock: C, seed: u64, count: u8) -> Device {
         address,
         cams: vec![switch(address)],
         configured_mode: Mode::Off,
+        assumptions,
+        layout,
         ..DeviceOptions::default()
     };
     let options = smartdrive::emulator::EmulatorOptions {
@@ -447,13 +481,14 @@ fn bus<C: Clock + 'static>(clock: C, seed: u64, count: u8) -> Device {
     };
     let mut options = SmartDriveOptions::new(addresses.map(axis).collect());
     (options.deadline, options.worst_latency) = (DEADLINE, WORST_LATENCY);
+    options.assumptions = assumptions;
     options.mode_change = Duration::from_secs(10);
     let path = bus.path().to_str().expect("a name").to_owned();
     let drive = SmartDriveBus::open(&path, &options).expect("it opens");
     Device::Bus(bus, Some(drive))
 }
 
-fn module<C: Clock + 'static>(clock: C, seed: u64) -> Device {
+fn module<C: Clock + 'static>(clock: C, seed: u64, otherwise: Option<Otherwise>) -> Device {
     let folder = tempfile::tempdir().expect("a folder");
     let image = folder.path().join("eeprom");
     let mut eeprom = bim2ax::emulator::Eeprom::new(2000);
@@ -473,12 +508,19 @@ fn module<C: Clock + 'static>(clock: C, seed: u64) -> Device {
     options.surroundings.benches[0].cam = Some(Contact::between(-9000, -1500, true));
     // Long enough to be seen by a driver that has to wait for its turn.
     options.module.boot_ns = 2_000_000_000;
+    if let Some(otherwise) = otherwise {
+        otherwise.assume(&mut options.module.assumptions);
+        options.module.byte_order = otherwise.byte_order();
+        options.module.phases_on_order = otherwise.phases_on_order();
+    }
+    let ModuleOptions { assumptions, byte_order, .. } = options.module;
     let module = EmulatedModule::start(&options, clock).expect("it starts");
     while !runs(&module.module()) {
         std::thread::sleep(Duration::from_millis(5));
     }
     let mut options = Bim2AxDriveOptions::new();
     options.axes = vec![ModuleAxis::One];
+    (options.driver.assumptions, options.driver.byte_order) = (assumptions, byte_order);
     (options.driver.deadline, options.driver.worst_latency) = (DEADLINE, WORST_LATENCY);
     let path = module.path().to_str().expect("a name").to_owned();
     let memory = MemoryFile::open(module.path()).expect("it is there");

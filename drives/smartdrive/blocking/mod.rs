@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use tokio::runtime::Runtime;
 
-use self::homing::Homing;
+use self::{homing::Homing, positions::Frozen};
 use super::{
     Command, DriveState, Init, Mode, SmartDrive, SmartDriveOptions,
     follow::{Follower, GoTo},
@@ -56,6 +56,8 @@ pub struct SmartDriveBus {
     /// Counters that [`Drive::move_to`] has sent the drives to, until something else moves or stops them; none of those
     /// that it has left alone.
     sent: Vec<Option<i32>>,
+    /// How long drives on their way have shown the same counter.
+    frozen: [Frozen; MAX_DRIVE_AXES],
     /// Counters that the drives have confirmed to go to, until something else moves or stops them.
     commanded: [Option<i32>; MAX_DRIVE_AXES],
     /// Drives that [`Drive::soft_stop`] has seen at rest, until something moves them.
@@ -84,7 +86,19 @@ impl SmartDriveBus {
         let (zeros, homing) = ([0; MAX_DRIVE_AXES], Default::default());
         let outdated = [false; MAX_DRIVE_AXES];
         let (sent, standing, commanded) = (Vec::new(), Vec::new(), [None; MAX_DRIVE_AXES]);
-        Ok(Self { bus, follower, zeros, homing, outdated, sent, commanded, standing, runtime })
+        let frozen = [Frozen::default(); MAX_DRIVE_AXES];
+        Ok(Self {
+            bus,
+            follower,
+            zeros,
+            homing,
+            outdated,
+            sent,
+            frozen,
+            commanded,
+            standing,
+            runtime,
+        })
     }
 
     /// Homes these axes (indices of the arrays), all at once, and returns when they are home; their positions are those
@@ -122,6 +136,7 @@ impl SmartDriveBus {
     fn restart(&mut self) {
         self.follower.restart();
         self.sent.clear();
+        self.frozen = Default::default();
         self.standing.clear();
         self.commanded = [None; MAX_DRIVE_AXES];
     }
@@ -298,7 +313,10 @@ impl Drive for SmartDriveBus {
         for (address, (state, _)) in addresses.into_iter().zip(&seen) {
             self.check(address, state, Action::ReadState)?;
         }
-        self.stray(&seen).map_or_else(|| Ok(self.to_sample(&seen)), Err)
+        if let Some(error) = self.stray(&seen).or_else(|| self.frozen(&seen)) {
+            return Err(error);
+        }
+        Ok(self.to_sample(&seen))
     }
 
     /// One of the drives is neither in REMOTE nor in alarm, and its counter is 0.

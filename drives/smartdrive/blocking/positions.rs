@@ -6,7 +6,53 @@ use crate::{
     smartdrive::{DriveState, TrajectoryFlags, follow::GoTo},
 };
 
+/// A drive that is on its way shows another counter sooner than this, ns: at the least speed and rate of its registers,
+/// 1 rpm and 1 rpm/s, and 200 full steps per turn that is 3.3 µsteps/s and 3.3 µsteps/s², it is one µstep away from where it
+/// began after 0.8 s, and where it turns it is on the same for 1.1 s.
+const FROZEN_NS: i64 = 2_000_000_000;
+/// So many samples in a row have to show that: what is between two that an outage has set apart is unknown.
+const FROZEN_SAMPLES: u32 = 12;
+
+/// Since when a drive on its way has shown the same counter.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Frozen {
+    position: i32,
+    since_ns: i64,
+    /// Samples that have shown it.
+    samples: u32,
+}
+
+impl Frozen {
+    /// Another sample of a drive that says it is on its way; whether it has stood for too long for that.
+    fn sampled(&mut self, position: i32, time_ns: i64) -> bool {
+        if self.samples == 0 || position != self.position {
+            *self = Self { position, since_ns: time_ns, samples: 0 };
+        }
+        self.samples = self.samples.saturating_add(1);
+        self.samples > FROZEN_SAMPLES && time_ns.saturating_sub(self.since_ns) > FROZEN_NS
+    }
+}
+
 impl SmartDriveBus {
+    /// The first drive that says it is on its way and has shown the same counter for longer than any can: its status is
+    /// stuck.
+    pub(super) fn frozen(&mut self, seen: &[Seen]) -> Option<DriveError> {
+        let mut found = None;
+        let drives = self.sent.iter().zip(seen).zip(&mut self.frozen).enumerate();
+        for (index, ((target, (state, stamp)), frozen)) in drives {
+            match target.filter(|target| state.moving() && state.position != *target) {
+                Some(target) if frozen.sampled(state.position, stamp.executed_ns) => {
+                    found = found.or(Some((index, target, state.position)));
+                }
+                Some(_) => {}
+                None => *frozen = Frozen::default(),
+            }
+        }
+        let (index, target, position) = found?;
+        let address = self.axes().nth(index)?;
+        Some(self.elsewhere(index, address, f64::from(target), position))
+    }
+
     /// The first drive that says it is done and is elsewhere than it was sent: a target that was spoilt on its way (two
     /// bytes that have changed places leave the check sum as it is), or a status that is stuck.
     pub(super) fn stray(&self, seen: &[Seen]) -> Option<DriveError> {
@@ -103,4 +149,22 @@ impl SetpointStream for Shifted<'_> {
     fn horizon_ns(&self) -> i64 {
         self.stream.horizon_ns()
     }
+}
+
+#[test]
+fn a_drive_is_stuck_when_it_shows_the_same_counter_for_longer_than_any_that_moves() {
+    // Every 100 ms.
+    let sampled = |position: &dyn Fn(i64) -> i32| {
+        let mut frozen = Frozen::default();
+        (0..100).find(|round| frozen.sampled(position(*round), round * 100_000_000))
+    };
+    assert_eq!(sampled(&|_| 7), Some(21));
+    // The slowest there is, 1 rpm of 200 µsteps: one every 0.3 s.
+    assert_eq!(sampled(&|round| i32::try_from(round / 3).unwrap()), None);
+    // It stands in the end.
+    assert_eq!(sampled(&|round| i32::try_from(round.min(50)).unwrap()), Some(71));
+    // An outage is no proof, however long.
+    let mut frozen = Frozen::default();
+    let seen = [0, 10_000, 10_100].map(|ms| frozen.sampled(7, ms * 1_000_000));
+    assert_eq!(seen, [false; 3]);
 }
