@@ -93,11 +93,17 @@ impl Axis {
     }
 
     fn save(&mut self) {
+        let mut counts_anew = false;
         if self.home.is_some() {
             // The drive homes itself: wherever it is, and however it counts by now, is where a block or an error goes on.
             let DriveReport { position, velocity, .. } = self.drive;
+            let before = self.total();
+            let way = f64::midpoint(before.velocity, velocity) * self.values.task_cycle;
+            // What its velocity does not account for is the new reference.
+            self.zero += position - before.position - way;
             self.base = State { position, velocity, acceleration: 0.0 };
             self.overlay = State::default();
+            counts_anew = true;
         }
         self.saved = self.total();
         self.saved_base = self.base;
@@ -108,6 +114,10 @@ impl Axis {
         values.save_velocity = values.set_velocity;
         values.save_acceleration = values.set_acceleration;
         values.save_deceleration = values.set_deceleration;
+        if counts_anew {
+            // Position and zero change together, whoever looks at them first.
+            self.show_set_values();
+        }
     }
 
     /// The set values as they follow from base and overlay.

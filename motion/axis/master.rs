@@ -13,6 +13,8 @@ pub struct Master {
     pub acceleration: f64,
     /// Period of a rotary master, u.
     pub period: Option<f64>,
+    /// How much of its position has come from moving its zero, u: no motion.
+    pub zero: f64,
 }
 
 impl Master {
@@ -25,13 +27,14 @@ impl Master {
         } else {
             [values.act_position, values.act_velocity, values.act_acceleration]
         };
-        Self { position, velocity, acceleration, period: axis.period() }
+        Self { position, velocity, acceleration, period: axis.period(), zero: axis.zero }
     }
 
-    /// How far it has come since it was at `before` u: the short way round.
+    /// How far it has come since `before`, u: the short way round. Moving its zero (`MC_SetPosition`, a reference) is no
+    /// motion.
     #[must_use]
-    pub fn travel_since(&self, before: f64) -> f64 {
-        let way = self.position - before;
+    pub fn travel_since(&self, before: &Self) -> f64 {
+        let way = self.position - before.position - (self.zero - before.zero);
         self.period.map_or(way, |period| way - period * (way / period).round())
     }
 }

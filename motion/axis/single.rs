@@ -59,6 +59,8 @@ pub struct Axis {
     pub(super) saved_base: State,
     /// The target of a discrete motion, in the coordinates of `base`.
     pub(super) aim: Option<f64>,
+    /// How far its zero has been moved so far, u: what has changed positions and was no motion.
+    pub(super) zero: f64,
     /// How the axis brakes on its own, and for how long it has, s.
     pub(super) braking: Option<(Profile, f64)>,
     pub(super) capture: Option<Capture>,
@@ -126,6 +128,7 @@ impl Axis {
             saved: State::default(),
             saved_base: State::default(),
             aim: None,
+            zero: 0.0,
             braking: None,
             capture: None,
             captured: None,

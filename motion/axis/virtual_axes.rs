@@ -45,20 +45,24 @@ impl TimeAxis {
         self.execute = execute;
         let cycle = self.axis.cycle();
         self.axis.saved = self.axis.total();
-        let mut position = self.axis.saved.position;
+        let (mut position, mut change) = (self.axis.saved.position, 0.0);
         if rising {
             self.speed = self.time_override;
             self.ramp = [self.speed; 2];
+            // Counting anew is no motion.
+            self.axis.zero -= position;
             position = 0.0;
         } else if execute {
             let before = self.speed;
             self.change_speed(cycle);
+            change = self.speed - before;
             position += 0.5 * (before + self.speed) * cycle;
         }
         position = self.axis.wrapped(position);
         let velocity = if execute { self.speed } else { 0.0 };
+        let acceleration = if cycle > 0.0 { change / cycle } else { 0.0 };
         self.axis.enter(if execute { AxisState::ContinuousMotion } else { AxisState::Standstill });
-        self.axis.drive_to(State { position, velocity, acceleration: 0.0 });
+        self.axis.drive_to(State { position, velocity, acceleration });
         &self.axis
     }
 
@@ -114,6 +118,8 @@ pub struct Encoder {
     /// Increments counted so far, without wrapping, and the last raw value.
     counted: i64,
     last: Option<u32>,
+    /// Velocity in the cycle before, u/s, once two values have told one.
+    velocity: Option<f64>,
 }
 
 /// What [`Encoder`] shows.
@@ -137,10 +143,11 @@ impl Encoder {
             real_drive: false,
             ..AxisConfig::default()
         });
-        Self { config, axis, counted: 0, last: None }
+        Self { config, axis, counted: 0, last: None, velocity: None }
     }
 
-    /// Takes in the encoder's value for a cycle. `set` (`bSet`, `fSetValue`) makes the present position that value, u.
+    /// Takes in the encoder's value for a cycle; velocity and acceleration are differences, as those of a drive's actual
+    /// position. `set` (`bSet`, `fSetValue`) makes the present position that value, u.
     pub fn call(&mut self, raw: u32, set: Option<f64>) -> EncoderOutputs {
         if self.config.ratio[1] == 0 {
             return EncoderOutputs { valid: false, error: Some(SmcError::EncDenomZero) };
@@ -153,17 +160,26 @@ impl Encoder {
         self.last = Some(raw);
         let position = units(self.counted, self.config.ratio);
         let cycle = self.axis.cycle();
-        let velocity =
-            if known && cycle > 0.0 { (position - self.axis.drive.position) / cycle } else { 0.0 };
+        let way = position - self.axis.drive.position;
+        let velocity = (known && cycle > 0.0).then(|| way / cycle);
+        let change = velocity.zip(self.velocity).map(|(now, before)| (now - before) / cycle);
+        self.velocity = velocity;
+        let (velocity, acceleration) = (velocity.unwrap_or_default(), change.unwrap_or_default());
+        if !known {
+            // Where it is when it is seen first, it has not come to.
+            self.axis.zero += way;
+        }
         self.axis.drive.position = position;
         if let Some(value) = set.filter(|value| value.is_finite()) {
+            self.axis.zero += value - position - self.axis.values.offset_position;
             self.axis.values.offset_position = value - position;
         }
-        self.axis.base = State { position, velocity, acceleration: 0.0 };
+        self.axis.base = State { position, velocity, acceleration };
         self.axis.saved = self.axis.base;
         self.axis.show_set_values();
         self.axis.values.act_position = self.axis.set_position();
         self.axis.values.act_velocity = velocity;
+        self.axis.values.act_acceleration = acceleration;
         self.axis.values.communication = true;
         self.axis.watch_encoder_limits();
         EncoderOutputs { valid: true, error: None }

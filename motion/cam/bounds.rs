@@ -42,6 +42,7 @@ impl Default for Factors {
 }
 
 /// What `SMC_CAMBounds` gives. Places are master positions of the curve, scaled.
+#[doc(alias = "SMC_CAMBounds")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// `dMinPos`, `dMaxPos`: the slave's position, u.

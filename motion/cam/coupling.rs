@@ -6,7 +6,7 @@
 
 use super::bridge::{Bridge, BridgeLimits};
 use super::knot::Derivatives;
-use super::passage::{Move, Trigger, Watch};
+use super::passage::{LookAhead, Move, Trigger, Watch};
 use super::reference::Cam;
 use super::selection::{CamInput, CamTable, StartMode};
 use super::unwrap::Unwrap;
@@ -38,6 +38,7 @@ impl AxisState {
 pub const MAX_TRIGGERS: usize = 3;
 
 /// Tappets that acted in a cycle (`SMC_TappetData`): the first [`MAX_TRIGGERS`] of them.
+#[doc(alias = "SMC_TappetData")]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TappetData {
     triggers: [Option<Trigger>; MAX_TRIGGERS],
@@ -122,6 +123,7 @@ impl CouplingError {
 }
 
 /// A slave on its cam, cycle by cycle.
+#[doc(alias = "MC_CamIn")]
 #[derive(Clone, Debug)]
 pub struct CamCoupling {
     table: CamTable,
@@ -136,8 +138,8 @@ pub struct CamCoupling {
     start_ns: i64,
     now_ns: i64,
     x: f64,
-    /// Where tappets were looked for last, on the scale of the cam.
-    looked: f64,
+    /// Where tappets are looked for, on the scale of the cam.
+    ahead: LookAhead,
     passes: f64,
     ended: bool,
     output: Coupled,
@@ -194,7 +196,11 @@ impl CamCoupling {
             start_ns: now_ns,
             now_ns,
             x,
-            looked: x + master.velocity * input.master_scaling * input.tappet_dead_time_s,
+            ahead: LookAhead::new(
+                x,
+                master.velocity * input.master_scaling,
+                input.tappet_dead_time_s,
+            ),
             passes,
             ended: false,
             output,
@@ -271,9 +277,9 @@ impl CamCoupling {
         self.x = (position + self.master_shift) * master_scaling + master_offset;
         self.now_ns = now_ns;
         self.output.end_of_profile = self.passes_end(from);
-        let ahead = master.velocity * master_scaling * self.input.tappet_dead_time_s;
-        let looked = std::mem::replace(&mut self.looked, self.x + ahead);
-        let step = Move { from: looked, to: self.looked, from_ns, to_ns: now_ns };
+        let velocity = master.velocity * master_scaling;
+        let [from, to] = self.ahead.follow(self.x, velocity, self.input.tappet_dead_time_s);
+        let step = Move { from, to, from_ns, to_ns: now_ns };
         let mut tappets = TappetData { now_ns, ..TappetData::default() };
         let mut found = self.watch.passed(&step);
         for slot in &mut tappets.triggers {
@@ -376,6 +382,7 @@ impl CamCoupling {
     }
 
     /// Lets the slave go (`MC_CamOut`): it moves on with this velocity, u/s.
+    #[doc(alias = "MC_CamOut")]
     pub fn release(self) -> f64 {
         self.output.slave.velocity
     }
@@ -385,6 +392,7 @@ impl CamCoupling {
 ///
 /// # Errors
 /// As [`CamCoupling::start`].
+#[doc(alias = "SMC_GetCamSlaveSetPosition")]
 pub fn slave_set_position(
     table: CamTable,
     input: CamInput,

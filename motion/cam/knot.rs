@@ -4,6 +4,7 @@
 ///
 /// Velocity and acceleration are derivatives by the master's position: those of the slave in time when the master moves
 /// by one unit a second.
+#[doc(alias = "SMC_CAMXYVA")]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Knot {
     /// Master position (`dX`), u.

@@ -106,6 +106,43 @@ impl Move {
     }
 }
 
+/// Where tappets are looked for: ahead of the master, by the way it makes within the dead time.
+///
+/// That is where it will be if it goes on as it does. For one that brakes it comes nearer, but nothing is passed backwards
+/// for that: it waits until the master has come up. When the master really turns, it begins again from the master: beyond
+/// that nobody has been.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct LookAhead {
+    /// The master, and where has been looked for tappets last.
+    x: f64,
+    looked: f64,
+    forwards: bool,
+}
+
+impl LookAhead {
+    /// The master is at x of the cam with v u/s, and is looked for `dead_time_s` ahead.
+    pub(crate) fn new(x: f64, v: f64, dead_time_s: f64) -> Self {
+        Self { x, looked: x + v * dead_time_s, forwards: v >= 0.0 }
+    }
+
+    /// The same a cycle later; from where to where tappets are looked for in it.
+    pub(crate) fn follow(&mut self, x: f64, v: f64, dead_time_s: f64) -> [f64; 2] {
+        let before = std::mem::replace(&mut self.x, x);
+        let way = x - before;
+        // One that stands, and is to go on, has its direction by its velocity.
+        let by = if way.abs() > 0.0 { way } else { v };
+        let turns = (by > 0.0 && !self.forwards) || (by < 0.0 && self.forwards);
+        let mut from = self.looked;
+        if turns {
+            self.forwards = by > 0.0;
+            from = if self.forwards { from.max(before) } else { from.min(before) };
+        }
+        let ahead = x + v * dead_time_s;
+        self.looked = if self.forwards { ahead.max(from) } else { ahead.min(from) };
+        [from, self.looked]
+    }
+}
+
 /// The places of a tappet in all passes of a cam that a master may come to, in its order.
 fn places(master: f64, width: Option<f64>, step: &Move) -> impl Iterator<Item = f64> {
     let forwards = step.to > step.from;

@@ -51,6 +51,7 @@ impl Shape {
 }
 
 /// A cam (`MC_CAM_REF`, manual 4.7). Its curve always belongs to its description.
+#[doc(alias = "MC_CAM_REF")]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cam {
     name: String,

@@ -1,7 +1,7 @@
 //! Tappets without a slave (`SMC_CAMRegister`, manual 5.5).
 
 use super::bit::TappetBit;
-use super::passage::{Move, Watch};
+use super::passage::{LookAhead, Move, Watch};
 use super::reference::Cam;
 use super::unwrap::Unwrap;
 use std::sync::Arc;
@@ -38,13 +38,14 @@ impl Default for RegisterInput {
 /// cam is put end to end.
 ///
 /// There are as many bits as the cam has groups: `MAX_NUM_TAPPETS` is not needed.
+#[doc(alias = "SMC_CAMRegister")]
 #[derive(Clone, Debug)]
 pub struct CamRegister {
     cam: Arc<Cam>,
     input: RegisterInput,
     unwrap: Option<Unwrap>,
     watch: Watch,
-    last: Option<(f64, i64)>,
+    last: Option<(LookAhead, i64)>,
     passes: f64,
     end_of_profile: bool,
     bits: Vec<(i16, TappetBit)>,
@@ -72,7 +73,7 @@ impl CamRegister {
     }
 
     /// Where the register looks for tappets, on the scale of the cam: (position + velocity · dead time) · scaling +
-    /// offset.
+    /// offset. Where that comes back only because the master brakes, it stays until the master has come up.
     pub fn looks_at(&self, position: f64, velocity: f64) -> f64 {
         let ahead = position + velocity * self.input.dead_time_s;
         ahead * self.input.master_scaling + self.input.master_offset
@@ -84,9 +85,15 @@ impl CamRegister {
         let period = self.input.master_period;
         let unwrap = self.unwrap.get_or_insert_with(|| Unwrap::new(period, position));
         let whole = unwrap.follow(position);
-        let to = self.looks_at(whole, velocity);
+        let RegisterInput { master_scaling, master_offset, dead_time_s, .. } = self.input;
+        let (x, v) = (whole * master_scaling + master_offset, velocity * master_scaling);
+        let mut ahead = match self.last {
+            Some((ahead, _)) => ahead,
+            None => LookAhead::new(x, v, dead_time_s),
+        };
+        let [from, to] = ahead.follow(x, v, dead_time_s);
         let (_, passes) = self.cam.curve().wrap(to);
-        if let Some((from, from_ns)) = self.last {
+        if let Some((_, from_ns)) = self.last {
             self.end_of_profile = passes != self.passes;
             for trigger in self.watch.passed(&Move { from, to, from_ns, to_ns: now_ns }) {
                 if let Ok(index) = self.bits.binary_search_by_key(&trigger.group, |(id, _)| *id)
@@ -100,7 +107,7 @@ impl CamRegister {
             bit.at(now_ns);
         }
         self.passes = passes;
-        self.last = Some((to, now_ns));
+        self.last = Some((ahead, now_ns));
     }
 
     /// `EndOfProfile`: in this cycle the master has passed from the end of the cam to its begin, or back.

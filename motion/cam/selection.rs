@@ -6,6 +6,7 @@ use super::reference::Cam;
 use std::sync::Arc;
 
 /// A cam chosen for a pair of axes (`MC_CamTableSelect`, manual 5.4): what its output `CamTableID` stands for.
+#[doc(alias = "MC_CamTableSelect")]
 #[derive(Clone, Debug)]
 pub struct CamTable {
     /// The cam.
@@ -37,6 +38,7 @@ impl CamTable {
 }
 
 /// How a slave comes onto its cam (`MC_StartMode`, manual 4.6.1).
+#[doc(alias = "MC_StartMode")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum StartMode {
     /// The slave is where the cam says, with a jump if it was not there; as `Relative` if the cam is not about the

@@ -4,6 +4,7 @@ use super::bit::TappetBit;
 use super::coupling::TappetData;
 
 /// Follows the bit of one group from cycle to cycle.
+#[doc(alias = "SMC_GetTappetValue")]
 #[derive(Clone, Debug)]
 pub struct TappetValue {
     group: i16,

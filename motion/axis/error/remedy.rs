@@ -91,10 +91,11 @@ impl E {
             E::MaInvalidDirection
             | E::MrInvalidDirection
             | E::MadInvalidDirection
-            | E::MsiInvalidDirection
-            | E::McrInvalidDirection
-            | E::McaInvalidDirection => {
+            | E::MsiInvalidDirection => {
                 "give one of the directions negative, shortest, positive, current or fastest"
+            }
+            E::McrInvalidDirection | E::McaInvalidDirection => {
+                "give positive, negative or current as EndVelocityDirection: a velocity has no shortest or fastest way"
             }
             E::PpArraysize | E::VpArraysize | E::ApArraysize => {
                 "set ArraySize to the number of points in the table, from 1 to 100"

@@ -75,3 +75,12 @@ fn every_error_has_a_text_in_three_languages() {
         "626 SMC_CI_MASTER_OUT_OF_SCALE: the master is outside the range of the cam"
     );
 }
+
+/// What is advised is not what raises the error: the direction of an end velocity is no way round.
+#[test]
+fn directions_of_end_velocities_are_told() {
+    for error in [SmcError::McrInvalidDirection, SmcError::McaInvalidDirection] {
+        let remedy = error.remedy();
+        assert!(remedy.starts_with("give positive, negative or current as EndVelocityDirection"));
+    }
+}

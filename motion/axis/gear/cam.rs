@@ -11,6 +11,9 @@ use crate::cam::{self, CamCoupling, CamInput, CamTable, CouplingError, StartMode
 /// [`CamRun::coupling`] tells `EndOfProfile` and the tappets. Beside the master's position and velocity its acceleration
 /// counts, so that the slave's acceleration is exact.
 ///
+/// The slave is strictly where the master's position has it (manual 4.6.2): where `MC_SetPosition` moves the master's zero
+/// under an absolute cam, it steps. A cam with `MasterAbsolute` FALSE lies where the master was, and stays there.
+///
 /// A lift of 50 u, once a turn of the master; the slave comes onto it with a ramp:
 ///
 /// ```
@@ -76,6 +79,8 @@ pub struct CamRun {
     shift: f64,
     seconds: f64,
     restarted: bool,
+    /// The master's zero at the start: a cam that lies where the master was stays there.
+    zero: f64,
 }
 
 impl CamRun {
@@ -104,12 +109,19 @@ impl Motion for CamIn {
             from.velocity -= master.acceleration * lead;
             from.position -= f64::midpoint(from.velocity, master.velocity) * lead;
         }
+        let master_zero = master.zero;
         let begin = |master: &cam::AxisState, position: f64, lead: f64| {
             let inside = axis.in_program(position);
             let slave = cam::AxisState { position: inside, velocity, acceleration };
             let coupling = CamCoupling::start(table.clone(), self.input, master, &slave, 0)?;
             let seconds = lead - axis.cycle();
-            Ok(CamRun { coupling, shift: position - inside, seconds, restarted: true })
+            Ok(CamRun {
+                coupling,
+                shift: position - inside,
+                seconds,
+                restarted: true,
+                zero: master_zero,
+            })
         };
         // A master that has come onto the cam in this very cycle is on it; the slave goes on until then.
         begin(&from, position, lead)
@@ -126,7 +138,11 @@ impl Motion for CamIn {
         run.seconds += axis.cycle();
         #[expect(clippy::cast_possible_truncation, reason = "saturates after three hundred years")]
         let now_ns = (run.seconds * 1e9).round() as i64;
-        run.coupling.step(&now(master), now_ns).map_err(number)?;
+        let mut at = now(master);
+        if !run.coupling.table().master_absolute {
+            at.position -= master.zero - run.zero;
+        }
+        run.coupling.step(&at, now_ns).map_err(number)?;
         if std::mem::take(&mut run.restarted) {
             run.coupling.mark_restarted();
         }

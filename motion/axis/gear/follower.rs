@@ -8,13 +8,13 @@ use crate::axis::{Axis, Master};
 pub struct Follower {
     limits: AxisLimits,
     /// Master in the cycle before.
-    master: f64,
+    master: Master,
     coupled: bool,
 }
 
 impl Follower {
     pub(super) fn new(master: Master, limits: AxisLimits) -> Self {
-        Self { limits, master: master.position, coupled: false }
+        Self { limits, master, coupled: false }
     }
 
     /// Whether the velocities have met.
@@ -33,8 +33,8 @@ impl Follower {
         ratio: f64,
         axis: &Axis,
     ) -> Result<State, ProfileError> {
-        let way = ratio * master.travel_since(self.master);
-        self.master = master.position;
+        let way = ratio * master.travel_since(&self.master);
+        self.master = master;
         let [velocity, acceleration] = [ratio * master.velocity, ratio * master.acceleration];
         if self.coupled {
             return Ok(State { position: from.position + way, velocity, acceleration });

@@ -13,7 +13,8 @@ use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
 /// With a `master_start_distance` above 0 the slave goes on as it does until the master is so close to the place; with 0
 /// it begins at once. A slave that moves already waits for a master whose velocity has changed by less than a quarter in
 /// the last cycle: over the positions of one that starts from rest the slave would be infinitely fast. A master that
-/// reverses meanwhile is an error 775.
+/// reverses meanwhile is an error 775. Where the master's zero is moved (`MC_SetPosition`), the place moves with it until
+/// the slave begins; from then on it goes on as if nothing had been.
 #[doc(alias = "SMC_GearInPos")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GearInPos {
@@ -32,11 +33,9 @@ pub struct GearInPos {
 /// Coupling on its way.
 #[derive(Clone, Debug)]
 pub struct GearInPosRun {
-    /// The master in the cycle before: within its period, and unwound.
-    master: f64,
+    /// The master in the cycle before, and its place unwound.
+    master: Master,
     unwound: f64,
-    /// Its velocity then, u/s.
-    velocity: f64,
     phase: Phase,
 }
 
@@ -99,7 +98,7 @@ impl GearInPos {
     fn polynomial(&self, run: &GearInPosRun, master: &Master, axis: &Axis) -> Option<Quintic> {
         /// By which part of it the master's velocity may have changed.
         const STEADY: f64 = 0.25;
-        let GearInPosRun { unwound, velocity: before, .. } = *run;
+        let GearInPosRun { unwound, master: Master { velocity: before, .. }, .. } = *run;
         let Master { velocity, period, .. } = *master;
         let from = axis.saved_base;
         let steady = from.velocity == 0.0 || (velocity - before).abs() <= STEADY * before.abs();
@@ -146,9 +145,7 @@ impl Motion for GearInPos {
         if !places.iter().all(|place| place.is_finite()) || self.master_start_distance < 0.0 {
             return Err(SmcError::GiInvalidAcc);
         }
-        let at = master.position;
-        let velocity = master.velocity;
-        Ok(GearInPosRun { master: at, unwound: at, velocity, phase: Phase::Waiting })
+        Ok(GearInPosRun { master, unwound: master.position, phase: Phase::Waiting })
     }
 
     fn step(
@@ -157,16 +154,17 @@ impl Motion for GearInPos {
         axis: &mut Axis,
         master: Master,
     ) -> Result<Progress, SmcError> {
-        let travel = master.travel_since(run.master);
+        let travel = master.travel_since(&run.master);
         if matches!(run.phase, Phase::Waiting) {
+            // The place is one of the program: as long as nothing follows it, it moves with the zero.
+            run.unwound += master.zero - run.master.zero;
             // From the cycle before, whose set-point the slave has, so that nothing steps.
             let polynomial = self.polynomial(run, &master, axis);
             if let Some(polynomial) = polynomial.filter(|_| travel != 0.0) {
                 run.phase = Phase::Coupling(polynomial);
             }
         }
-        run.master = master.position;
-        run.velocity = master.velocity;
+        run.master = master;
         run.unwound += travel;
         if let Phase::Coupling(polynomial) = &run.phase {
             if travel * polynomial.h < 0.0 {

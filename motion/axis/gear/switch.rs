@@ -26,7 +26,8 @@ pub struct CamSwitch {
     pub track: u8,
     /// `FirstOnPosition`, u.
     pub first_on: f64,
-    /// `LastOnPosition`, u. On a rotary axis it may be below the first: over the end of the period.
+    /// `LastOnPosition`, u. On a rotary axis it may be below the first: over the end of the period. A whole period after it,
+    /// or more, is always on.
     pub last_on: f64,
     /// `AxisDirection`.
     pub direction: SwitchDirection,
@@ -41,9 +42,11 @@ pub struct CamSwitch {
 pub struct Track {
     /// `OnCompensation`, s: switched on so much later, or earlier if negative.
     pub on_compensation: f64,
-    /// `OffCompensation`, s: the same for switching off.
+    /// `OffCompensation`, s: the same for switching off. One that is to be switched off before it is switched on is never
+    /// on, one that is switched on again before it is switched off is always on.
     pub off_compensation: f64,
-    /// `Hysteresis`, u: so far beyond a place an output that is on stays on.
+    /// `Hysteresis`, u: so far beyond a place an output that is on stays on. A time begins again only when the axis has
+    /// been further away from the place than that.
     pub hysteresis: f64,
 }
 
@@ -94,6 +97,8 @@ struct Switched {
     on: bool,
     /// Time it will still be on, s.
     left: f64,
+    /// Where its time has begun, as long as the axis is still there, u.
+    held: Option<f64>,
 }
 
 impl DigitalCamSwitch {
@@ -101,7 +106,7 @@ impl DigitalCamSwitch {
     #[must_use]
     pub fn new(switches: &[CamSwitch], tracks: [Track; TRACKS]) -> Self {
         let switches =
-            switches.iter().map(|switch| Switched { switch: *switch, on: false, left: 0.0 });
+            switches.iter().map(|it| Switched { switch: *it, on: false, left: 0.0, held: None });
         Self {
             switches: switches.collect(),
             tracks,
@@ -117,7 +122,7 @@ impl DigitalCamSwitch {
         if !enable {
             self.before = None;
             for switched in &mut self.switches {
-                (switched.on, switched.left) = (false, 0.0);
+                (switched.on, switched.left, switched.held) = (false, 0.0, None);
             }
             return SwitchOutputs::default();
         }
@@ -192,20 +197,28 @@ impl Switched {
     }
 
     fn is_inside(&self, seen: &Seen, track: &Track) -> bool {
-        let length = self.switch.last_on - self.switch.first_on;
-        let length = seen.period.map_or(length, |period| crate::axis::fmod(length, period));
+        let CamSwitch { first_on, last_on, .. } = self.switch;
+        let length = last_on - first_on;
+        let length = match seen.period {
+            // What is longer comes round to itself.
+            Some(period) if length >= period => period,
+            Some(period) => crate::axis::fmod(length, period),
+            None if length < 0.0 => return false,
+            None => length,
+        };
+        // Along the direction of travel: from where it is switched on to where it is switched off.
+        let (sign, entry) = if seen.forward { (1.0, first_on) } else { (-1.0, first_on + length) };
+        let speed = seen.velocity.abs();
+        let slack = if self.on { track.hysteresis } else { 0.0 };
+        let length = length + speed * (track.off_compensation - track.on_compensation);
         if length < 0.0 {
             return false;
         }
-        let middle = self.switch.first_on + 0.5 * length;
-        // How far ahead of the middle, in the direction of travel; both places are half a length from it.
-        let sign = if seen.forward { 1.0 } else { -1.0 };
-        let ahead = sign * seen.way(middle, seen.position);
-        let speed = seen.velocity.abs();
-        let slack = if self.on { track.hysteresis } else { 0.0 };
-        let entered = ahead - speed * track.on_compensation >= -0.5 * length - slack;
-        let left = ahead - speed * track.off_compensation > 0.5 * length + slack;
-        entered && !left
+        let entry = speed * track.on_compensation - slack + sign * entry;
+        let ahead = sign * seen.position - entry;
+        let ahead = seen.period.map_or(ahead, |period| crate::axis::fmod(ahead, period));
+        let whole = seen.period.is_some_and(|period| length + 2.0 * slack >= period);
+        whole || (0.0..=length + 2.0 * slack).contains(&ahead)
     }
 
     fn time(&mut self, counts: bool, duration: f64, seen: &Seen, track: &Track) {
@@ -217,9 +230,12 @@ impl Switched {
         let close = (now - before).abs() <= 2.0 * seen.way(seen.before, seen.position).abs();
         let crossed =
             if seen.forward { before < 0.0 && now >= 0.0 } else { before > 0.0 && now <= 0.0 };
-        if counts && close && crossed {
-            self.left = duration;
+        let near = |at: f64| seen.way(at, seen.position).abs() <= track.hysteresis;
+        if counts && close && crossed && self.held.is_none() {
+            self.left = (duration + track.off_compensation).max(0.0);
+            self.held = Some(place);
         }
+        self.held = self.held.filter(|at| near(*at));
         self.on = self.left > 0.0;
     }
 }

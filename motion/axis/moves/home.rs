@@ -73,7 +73,8 @@ impl Axis {
     /// Moves the zero, not the axis (`MC_SetPosition`, manual 5.3): the set position becomes `position` u, or, with
     /// `relative` (its `Mode`), shifts by it.
     ///
-    /// Motion goes on unchanged; its target moves with the zero. Direct set-points of a program jump.
+    /// Motion goes on unchanged; its target moves with the zero. Direct set-points of a program jump. Slaves in gear and
+    /// with a phase shift do not notice; one on a cam with `MasterAbsolute` goes to where the new position has it.
     ///
     /// # Errors
     ///
@@ -92,6 +93,7 @@ impl Axis {
     pub(crate) fn set_offset(&mut self, offset: f64) {
         let shift = offset - self.values.offset_position;
         self.values.offset_position = offset;
+        self.zero += shift;
         self.values.act_position = self.in_program(self.drive.position);
         self.values.save_position = self.wrapped(self.values.save_position + shift);
         self.values.mark_position = self.wrapped(self.values.mark_position + shift);

@@ -210,6 +210,38 @@ fn the_time_is_an_axis() {
     assert_eq!(time.axis().set_position(), 0.0, "a new edge counts from 0");
 }
 
+/// What a slave needs to have its own acceleration (y″·v² + y′·a).
+#[test]
+fn masters_without_a_drive_tell_their_acceleration() {
+    let mut time = TimeAxis::new(0.1, None);
+    time.call(true);
+    assert_eq!(time.axis().set_acceleration(), 0.0);
+    // From 1 to 3 within 1 s are 2 /s.
+    (time.time_override, time.ramp_in_time) = (3.0, 1.0);
+    for _ in 0..10 {
+        time.call(true);
+        assert!((time.axis().set_acceleration() - 2.0).abs() < 1e-9);
+    }
+    time.call(true);
+    assert_eq!(time.axis().set_acceleration(), 0.0);
+    // Increments of ½·a·t² with 20 u a cycle²: 10, 40, 90, ... and none of it from the first value.
+    let mut it = encoder(0, [1, 1]);
+    let mut seen = Vec::new();
+    for raw in [100, 100, 110, 140, 190, 240, 240] {
+        it.call(raw, None);
+        assert_eq!(it.axis().set_acceleration(), it.axis().values.act_acceleration);
+        seen.push((it.axis().values.act_acceleration * CYCLE * CYCLE).round());
+    }
+    assert_eq!(seen, [0.0, 0.0, 10.0, 20.0, 20.0, 0.0, -50.0]);
+    // One that turns when it is seen first has not stood before.
+    let mut it = encoder(0, [1, 1]);
+    let turning = [100, 130, 160].map(|raw| {
+        it.call(raw, None);
+        (it.axis().act_velocity(), it.axis().values.act_acceleration)
+    });
+    assert_eq!(turning, [(0.0, 0.0), (30.0 / CYCLE, 0.0), (30.0 / CYCLE, 0.0)]);
+}
+
 fn encoder(modulo: u32, ratio: [i64; 2]) -> Encoder {
     Encoder::new(EncoderConfig {
         id: 1,

@@ -9,7 +9,7 @@ use crate::axis::{
 };
 
 /// One cycle of a master and its slave.
-fn pair<T>(
+pub(super) fn pair<T>(
     master: &mut Rig,
     slave: &mut Rig,
     lead: impl FnOnce(&mut crate::axis::Axis),
@@ -19,7 +19,7 @@ fn pair<T>(
     slave.cycle(|axis| follow(&master.axis, axis))
 }
 
-fn gear(ratio_numerator: i32, ratio_denominator: u32) -> Block<GearIn> {
+pub(super) fn gear(ratio_numerator: i32, ratio_denominator: u32) -> Block<GearIn> {
     Block::new(GearIn {
         ratio_numerator,
         ratio_denominator,

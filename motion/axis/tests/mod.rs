@@ -22,3 +22,4 @@ mod steps;
 mod switch;
 mod tables;
 mod targets;
+mod zeros;

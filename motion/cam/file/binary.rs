@@ -23,6 +23,7 @@ const MAX_PAYLOAD: u32 = 1024 + 32 * MAX_ELEMENTS + 28 * MAX_TAPPETS;
 ///
 /// # Errors
 /// [`CamWriteError`] if it cannot be written or is larger than a file may be.
+#[doc(alias = "SMC_WriteCAM")]
 pub fn write(cam: &Cam, mut writer: impl Write) -> Result<(), CamWriteError> {
     let mut payload = Payload::default();
     payload.count("bytes of the name", cam.name().len(), MAX_NAME)?;
@@ -126,6 +127,7 @@ impl Payload {
 ///
 /// # Errors
 /// [`CamReadError`] if it cannot be read, is damaged, or describes no cam.
+#[doc(alias = "SMC_ReadCAM")]
 pub fn read(reader: impl Read) -> Result<Cam, CamReadError> {
     let mut source = Source { reader, offset: 0 };
     let mut header = [0; HEADER_BYTES];

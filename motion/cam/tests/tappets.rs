@@ -153,6 +153,91 @@ fn passes_over_the_end() {
     assert_eq!((ends, changes), (10, 10));
 }
 
+/// A master at v u/s from x0 on: a tappet at x switches at (x − x0)/v − dead time, forwards and back, whatever the scaling.
+#[test]
+fn dead_time_switches_so_much_earlier() {
+    for (velocity, from, scaling) in [(100.0, 0.0, 1.0), (-100.0, 360.0, 1.0), (50.0, 0.0, 2.0)] {
+        for dead_time_s in [0.0, 0.05, 0.3] {
+            let on = vec![tappet(1, 200.0, Passage::Every, Action::On)];
+            let input =
+                RegisterInput { dead_time_s, master_scaling: scaling, ..RegisterInput::default() };
+            let mut register = register(on, input);
+            let switched = (0..4_000_i32).find(|cycle| {
+                let position = from + velocity * 1e-3 * f64::from(*cycle);
+                register.step(position, velocity, i64::from(*cycle) * CYCLE_NS);
+                register.bit(1) == Some(true)
+            });
+            let expected = (200.0 / scaling - from) / velocity - dead_time_s;
+            let switched = f64::from(switched.expect("it switches")) * 1e-3;
+            assert!((switched - expected).abs() <= 1e-3 + 1e-9, "{switched} {expected}");
+        }
+    }
+}
+
+/// Positions and velocities of a master that brakes with 2000 u/s² from 100 u/s, 2.5 u on, stands, and goes on or back.
+fn braking(then: f64) -> Vec<(f64, f64)> {
+    let at = |cycle: i32| {
+        let t = f64::from(cycle) * 1e-3;
+        match t {
+            ..0.1 => (100.0 * t, 100.0),
+            ..0.15 => {
+                let t = t - 0.1;
+                (10.0 + 100.0 * t - 1000.0 * t * t, 100.0 - 2000.0 * t)
+            }
+            ..0.2 => (12.5, 0.0),
+            _ => (12.5 + then * (t - 0.2), then),
+        }
+    };
+    (0..300).map(at).collect()
+}
+
+/// Where a braking master will be comes nearer with its velocity: it does not go backwards for that.
+#[test]
+fn a_braking_master_passes_nothing_backwards() {
+    let counts = |place: f64, passage, then: f64| {
+        let cam = vec![tappet(1, place, passage, Action::Invert)];
+        let input = RegisterInput { dead_time_s: 0.1, ..RegisterInput::default() };
+        let mut register = register(cam.clone(), input);
+        let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
+        let cam = Cam::new("coupled", Shape::Polynomial(knots), cam).expect("a cam");
+        let table = CamTable::new(Arc::new(cam));
+        let input = CamInput { tappet_dead_time_s: 0.1, ..CamInput::default() };
+        let state = |(position, velocity)| AxisState { position, velocity, acceleration: 0.0 };
+        let way = braking(then);
+        let start = AxisState::default();
+        let mut coupling =
+            CamCoupling::start(table, input, &state(way[0]), &start, 0).expect("on the cam");
+        let (mut count, mut coupled, mut before) = (0, 0, false);
+        for (cycle, (position, velocity)) in (0..).zip(way) {
+            register.step(position, velocity, cycle * CYCLE_NS);
+            let bit = register.bit(1).expect("group 1");
+            count += i32::from(bit != before);
+            before = bit;
+            let master = state((position, velocity));
+            let shown = coupling.step(&master, cycle * CYCLE_NS).expect("somewhere");
+            coupled += i32::try_from(shown.tappets.triggers().count()).expect("few");
+        }
+        assert_eq!(count, coupled, "both the same");
+        count
+    };
+    // 10 u ahead at 100 u/s it has been seen up to 20; it stands at 12.5.
+    for (place, passage, then, expected) in [
+        (11.0, Passage::Every, 0.0, 1),
+        (15.0, Passage::Every, 0.0, 1),
+        (15.0, Passage::Negative, 0.0, 0),
+        (15.0, Passage::Negative, 100.0, 0),
+        (15.0, Passage::Every, 100.0, 1),
+        (15.0, Passage::Positive, 100.0, 1),
+        // Back from 12.5 it has never been at 15, but comes to 11 once more.
+        (15.0, Passage::Negative, -100.0, 0),
+        (15.0, Passage::Every, -100.0, 1),
+        (11.0, Passage::Negative, -100.0, 1),
+        (11.0, Passage::Every, -100.0, 2),
+    ] {
+        assert_eq!(counts(place, passage, then), expected, "{place} {passage:?} {then}");
+    }
+}
+
 proptest! {
     /// However a way is cut into cycles, an inverting tappet is passed as often.
     #[test]
