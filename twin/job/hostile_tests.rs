@@ -13,7 +13,7 @@ const TEXT: &str = "duration_s = 0.1\n[[start]]\naxis = \"X\"\nposition_mm = 60\
     kind = \"linear\"\nmax_acceleration_mm_per_s2 = 400\n[[blocks]]\nblock = \"MC_GearIn\"\naxis = \"Y\"\nmaster = \"web\"\n\
     ratio_numerator = 1\nratio_denominator = 20\n[[blocks]]\nblock = \"MC_MoveVelocity\"\naxis = \"web\"\n\
     velocity_mm_per_s = 250\n[[blocks]]\nblock = \"MC_PositionProfile\"\naxis = \"X\"\n\
-    points = [{ delta_s = 0.05, position_mm = 61 }, { delta_s = 0.05, position_mm = 60 }]\n";
+    with_previous = true\npoints = [{ delta_s = 0.05, position_mm = 61 }, { delta_s = 0.05, position_mm = 60 }]\n";
 
 const PIECES: [&str; 26] = [
     "\n",
