@@ -60,6 +60,8 @@ pub struct SmartDriveBus {
     commanded: [Option<i32>; MAX_DRIVE_AXES],
     /// Drives that [`Drive::soft_stop`] has seen at rest, until something moves them.
     standing: Vec<u8>,
+    /// When the stream's clock showed that drives were last asked what is known, and how often.
+    witnessed: (i64, usize),
     /// Last, so that the port is closed while its runtime exists.
     runtime: Runtime,
 }
@@ -84,7 +86,19 @@ impl SmartDriveBus {
         let (zeros, homing) = ([0; MAX_DRIVE_AXES], Default::default());
         let outdated = [false; MAX_DRIVE_AXES];
         let (sent, standing, commanded) = (Vec::new(), Vec::new(), [None; MAX_DRIVE_AXES]);
-        Ok(Self { bus, follower, zeros, homing, outdated, sent, commanded, standing, runtime })
+        let witnessed = (0, 0);
+        Ok(Self {
+            bus,
+            follower,
+            zeros,
+            homing,
+            outdated,
+            sent,
+            commanded,
+            standing,
+            witnessed,
+            runtime,
+        })
     }
 
     /// Homes these axes (indices of the arrays), all at once, and returns when they are home; their positions are those
