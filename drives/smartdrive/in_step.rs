@@ -51,7 +51,7 @@ impl SmartDrive {
             return Ok(());
         }
         // What may be sent again has other attempts.
-        let mut timeouts = if command.is_idempotent() { 0 } else { 1 };
+        let mut timeouts = u32::from(!command.is_idempotent());
         'round: for round in 0..ROUNDS {
             if round > 0 {
                 // Whatever has made them disagree may have more behind it.
