@@ -168,4 +168,7 @@ pub enum ProtocolFault {
     /// The bytes make no frame (wrong check sum, noise).
     #[error("the answer is garbled")]
     Garbled,
+    /// Answers do not belong to the questions: more come than were asked for, or later than they may.
+    #[error("answers are out of step with the questions")]
+    OutOfStep,
 }

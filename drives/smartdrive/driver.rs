@@ -4,17 +4,19 @@ use std::{io, pin::Pin, sync::Arc, time::Duration};
 
 use tokio::{
     io::{AsyncReadExt, AsyncWriteExt},
+    task::yield_now,
     time::{Sleep, sleep, timeout},
 };
 use tokio_serial::{DataBits, FlowControl, Parity, StopBits};
 
 use super::{
     BAUD, BadFrame, Command, Execution, RejectCode, SmartDriveOptions,
-    frame::{Answer, FIRST_BITS, answer_length, encode},
+    frame::{Answer, answer_length, encode},
+    search::Search,
     wire_time,
 };
 use crate::{
-    Action, Clock, DriveError, Exchange, ProtocolFault, Stamp, port::open_serial, ramp::whole_ns,
+    Action, Clock, DriveError, Exchange, Stamp, port::open_serial, ramp::whole_ns,
     transport::Transport,
 };
 
@@ -29,7 +31,8 @@ const QUIET: Duration = Duration::from_millis(2);
 ///
 /// After an exchange without a proper answer the answer may still come, and would be taken for that to the next
 /// command. Before the next command, unless it is a broadcast, the driver therefore waits until no answer can come any
-/// more and throws away what has come.
+/// more and throws away what has come. Then, and whenever something comes that answers nothing, it asks what is known of
+/// every drive until question and answer agree: answers do not tell what they answer.
 pub struct SmartDrive {
     port: Arc<str>,
     options: SmartDriveOptions,
@@ -38,6 +41,10 @@ pub struct SmartDrive {
     dirty: bool,
     /// An answer may still be on its way.
     late: bool,
+    /// Drives, by the bits of their addresses, whose next answer may be one to something else.
+    pub(super) doubtful: u32,
+    /// Which of the known questions was asked last.
+    pub(super) turn: bool,
     /// Silence between the last frame and the next.
     silence: Option<Pin<Box<Sleep>>>,
 }
@@ -92,7 +99,16 @@ impl SmartDrive {
     ) -> Self {
         let transport = Box::new(transport);
         // What lies in the input from before is nobody's answer: the first exchange starts by clearing it.
-        Self { port, options: options.clone(), transport, dirty: true, late: false, silence: None }
+        Self {
+            port,
+            options: options.clone(),
+            transport,
+            dirty: true,
+            late: false,
+            doubtful: 0,
+            turn: false,
+            silence: None,
+        }
     }
 
     /// Where and in the course of what something happens.
@@ -135,7 +151,11 @@ impl SmartDrive {
         loop {
             self.settle(&at).await?;
             attempts -= 1;
-            match self.exchange(&at, &encode(address, command), clock).await {
+            let outcome = match self.resume_step(&at, command).await {
+                Ok(()) => self.exchange(&at, &encode(address, command), clock).await,
+                Err(error) => Err(error),
+            };
+            match outcome {
                 Err(DriveError::Timeout { .. } | DriveError::Protocol { .. }) if attempts > 0 => {}
                 Ok((answer, _)) if answer.status.rejected() => {
                     let reason = RejectCode::from_number(answer.tag).unwrap_or(RejectCode::Generic);
@@ -173,18 +193,25 @@ impl SmartDrive {
         }
     }
 
-    /// Waits for late answers, and throws away what answers nothing.
-    async fn settle(&mut self, at: &Exchange) -> Result<(), DriveError> {
+    /// Waits for late answers, and throws away what answers nothing. Whether there was nothing of the kind: else drives
+    /// may be out of step.
+    pub(super) async fn settle(&mut self, at: &Exchange) -> Result<bool, DriveError> {
         self.pause().await;
         if self.late {
             sleep(self.options.worst_latency).await;
         }
-        if self.late || self.dirty {
-            self.clear(at).await?;
+        let clean = if self.late || self.dirty {
+            let clean = self.clear(at).await?;
             self.late = false;
             self.dirty = false;
+            clean
+        } else {
+            self.drain(at).await?
+        };
+        if !clean {
+            self.doubt_all();
         }
-        Ok(())
+        Ok(clean)
     }
 
     async fn pause(&mut self) {
@@ -193,17 +220,42 @@ impl SmartDrive {
         }
     }
 
-    /// Throws away what has come until the line is silent. A line that never is shows in the answer.
-    async fn clear(&mut self, at: &Exchange) -> Result<(), DriveError> {
+    /// As [`Self::settle`], and waits for what else may come.
+    pub(super) async fn quiet(&mut self, at: &Exchange) -> Result<bool, DriveError> {
+        self.dirty = true;
+        self.settle(at).await
+    }
+
+    /// Throws away what has come until the line is silent; whether nothing has. A line that never is silent shows in the
+    /// answer.
+    async fn clear(&mut self, at: &Exchange) -> Result<bool, DriveError> {
         let mut leftovers = [0; 256];
-        for _ in 0..MOST_LEFTOVERS {
+        for reads in 0..MOST_LEFTOVERS {
             match timeout(QUIET, self.transport.read(&mut leftovers)).await {
-                Err(_) | Ok(Ok(0)) => return Ok(()),
+                Err(_) | Ok(Ok(0)) => return Ok(reads == 0),
                 Ok(Ok(_)) => {}
                 Ok(Err(source)) => return Err(DriveError::Transport { at: at.clone(), source }),
             }
         }
-        Ok(())
+        Ok(false)
+    }
+
+    /// Throws away what has come since the last answer, without waiting for more; whether nothing has.
+    async fn drain(&mut self, at: &Exchange) -> Result<bool, DriveError> {
+        // A runtime that has been busy has not looked at the port yet.
+        yield_now().await;
+        let mut leftovers = [0; 256];
+        let come = tokio::select! {
+            biased;
+            read = self.transport.read(&mut leftovers) => read,
+            () = std::future::ready(()) => return Ok(true),
+        };
+        match come {
+            Ok(0) => Ok(true),
+            // More may be behind it.
+            Ok(_) => self.clear(at).await.map(|_| false),
+            Err(source) => Err(DriveError::Transport { at: at.clone(), source }),
+        }
     }
 
     /// The bytes of a frame must follow each other closely: they are written in one piece.
@@ -213,7 +265,7 @@ impl SmartDrive {
     }
 
     /// Sends a frame and takes the answer within the deadline.
-    async fn exchange(
+    pub(super) async fn exchange(
         &mut self,
         at: &Exchange,
         frame: &[u8],
@@ -222,6 +274,8 @@ impl SmartDrive {
         let deadline = self.options.deadline;
         // Also if the caller gives up in the middle.
         self.late = true;
+        let doubtful = self.doubtful;
+        self.doubt(at.station);
         let mut search = Search::new(
             frame,
             at.station,
@@ -250,7 +304,11 @@ impl SmartDrive {
         match outcome {
             Ok(Ok(answer)) => {
                 self.late = false;
+                self.doubtful = doubtful;
                 self.dirty = search.is_noisy();
+                if search.hides_answers() {
+                    self.doubt_all();
+                }
                 let bytes = (frame.len(), search.length);
                 Ok((answer, self.stamp((sent_ns, answered_ns), bytes)))
             }
@@ -278,95 +336,5 @@ impl SmartDrive {
         // A line faster than its baud rate (a pseudo-terminal) may make the wire times exceed the exchange.
         let executed_ns = executed_ns.clamp(sent_ns, answered_ns);
         Stamp { sent_ns, executed_ns, uncertainty_ns: (last - first).max(0) / 2, answered_ns }
-    }
-}
-
-/// Looks for the answer among the bytes that come.
-struct Search<'a> {
-    /// The command, which an adapter may echo.
-    command: &'a [u8],
-    address: u8,
-    /// Bytes of the answer.
-    length: usize,
-    bytes: Vec<u8>,
-    /// The echo has come and gone.
-    echoed: bool,
-    garbled: bool,
-    foreign: bool,
-}
-
-impl<'a> Search<'a> {
-    fn new(command: &'a [u8], address: u8, length: usize) -> Self {
-        Self {
-            command,
-            address,
-            length,
-            bytes: Vec::new(),
-            echoed: false,
-            garbled: false,
-            foreign: false,
-        }
-    }
-
-    /// Takes more bytes; the answer, if it is among them.
-    ///
-    /// The first byte of a command is below 20h, that of an answer 80h at least. What begins as the command did is its
-    /// echo; whatever else begins below 80h is noise, and so is what is as long as an answer and that of nobody.
-    fn take(&mut self, more: &[u8]) -> Option<Answer> {
-        self.bytes.extend(more);
-        loop {
-            let first = *self.bytes.first()?;
-            let starts = |bytes: &[u8]| {
-                bytes.iter().zip(self.command).all(|(byte, expected)| byte == expected)
-            };
-            if first < FIRST_BITS && !self.echoed && starts(&self.bytes) {
-                if self.bytes.len() < self.command.len() {
-                    return None;
-                }
-                self.bytes.drain(..self.command.len());
-                self.echoed = true;
-                continue;
-            }
-            if first < 0x80 {
-                self.bytes.remove(0);
-                self.garbled = true;
-                continue;
-            }
-            let frame = self.bytes.get(..self.length)?;
-            match Answer::decode_in(frame) {
-                Some(answer)
-                    if answer.status.address() == self.address
-                        && self.bytes.len() == self.length =>
-                {
-                    self.bytes.clear();
-                    return Some(answer);
-                }
-                // Nothing follows an answer: the XOR of nine bytes out of one that comes twice, or of a beginning and
-                // the answer it was repeated in, is 0 as well.
-                other => {
-                    self.bytes.remove(0);
-                    let foreign =
-                        other.is_some_and(|answer| answer.status.address() != self.address);
-                    self.foreign |= foreign;
-                    self.garbled |= !foreign;
-                }
-            }
-        }
-    }
-
-    /// Whether bytes came that belong to nothing.
-    fn is_noisy(&self) -> bool {
-        self.garbled || self.foreign || !self.bytes.is_empty()
-    }
-
-    /// What is wrong with what has come instead of an answer.
-    fn fault(&self) -> Option<ProtocolFault> {
-        if self.foreign {
-            Some(ProtocolFault::Station)
-        } else if self.garbled || !self.bytes.is_empty() {
-            Some(ProtocolFault::Garbled)
-        } else {
-            None
-        }
     }
 }

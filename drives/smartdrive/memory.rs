@@ -40,7 +40,7 @@ impl SmartDrive {
     /// # Errors
     /// As [`SmartDrive::send`]; [`crate::DriveError::Rejected`] if there is no such variable.
     pub async fn read(&mut self, address: u8, variable: u16) -> Result<i64, DriveError> {
-        let number = self.ask(address, Command::Read { variable }).await?.number();
+        let number = self.ask_surely(address, Command::Read { variable }).await?.number();
         Ok(variable_at(variable).map_or(number.into(), |entry| entry.value(number.cast_unsigned())))
     }
 
@@ -67,11 +67,11 @@ impl SmartDrive {
         address: u8,
         index: u16,
     ) -> Result<ParameterValue, DriveError> {
-        let low = self.ask(address, Command::Get { parameter: index }).await?;
+        let low = self.ask_surely(address, Command::Get { parameter: index }).await?;
         let entry = parameter_at(index).filter(|(_, is_high)| !is_high).map(|(entry, _)| entry);
         let high = match entry {
             Some(entry) if entry.kind.is_long() => {
-                Some(self.ask(address, Command::Get { parameter: index + 1 }).await?)
+                Some(self.ask_surely(address, Command::Get { parameter: index + 1 }).await?)
             }
             _ => None,
         };

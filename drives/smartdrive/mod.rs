@@ -15,6 +15,7 @@ mod driver;
 pub mod emulator;
 mod follow;
 pub mod frame;
+mod in_step;
 mod memory;
 mod motion;
 mod options;
@@ -22,6 +23,7 @@ pub mod parameters;
 mod questions;
 mod rehearsal;
 mod requests;
+mod search;
 mod status;
 #[cfg(test)]
 mod tests;

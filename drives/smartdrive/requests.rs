@@ -144,11 +144,11 @@ impl SmartDrive {
                     Err(error) => return Err(error),
                 };
                 mode = state.mode;
-                if !state.alarms.is_empty() {
-                    return Ok(Some(state.alarms));
-                }
-                if mode != Mode::Changing.number() {
-                    return Ok(None);
+                let alarms = Some(state.alarms).filter(|alarms| !alarms.is_empty());
+                let ended = alarms.is_some() || mode != Mode::Changing.number();
+                // An answer from before the change would say that it is over.
+                if ended && self.witness(address, command).await? {
+                    return Ok(alarms);
                 }
                 sleep(LOOK).await;
             }
@@ -264,7 +264,7 @@ impl SmartDrive {
         let running = async {
             loop {
                 let (state, _) = self.state(address, &no_clock).await?;
-                if !state.homing {
+                if !state.homing && self.witness(address, &Command::Ping).await? {
                     return Ok(state);
                 }
                 sleep(LOOK).await;

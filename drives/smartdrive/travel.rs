@@ -20,7 +20,7 @@ impl SmartDrive {
         let resting = async {
             loop {
                 let (state, _) = self.state(address, &|| 0).await?;
-                if !state.moving() {
+                if !state.moving() && self.witness(address, &Command::Ping).await? {
                     return Ok(state);
                 }
                 sleep(LOOK).await;

@@ -119,6 +119,24 @@ fn described(drive: &mut dyn Drive) -> Vec<ParameterInfo> {
     all
 }
 
+/// Parameter 128 of 0: the counter stays as it is, and is no position from the home.
+#[test]
+fn an_interpcnc_that_keeps_its_counters_is_not_home() {
+    let mut bench = interpcnc();
+    let drive = &mut bench.drive;
+    drive.enable().unwrap();
+    for (number, value) in [(29, 5), (30, 6), (12, 4000), (13, 200), (14, 400), (15, 200), (128, 0)]
+    {
+        drive.set_parameter(id(0, number), value).unwrap();
+    }
+    drive.begin_homing(&[Some(5000), None, None, None, None]).unwrap();
+    bench.rest();
+    let home = bench.drive.homed();
+    let Err(DriveError::NotArrived { target: 0, found, .. }) = home else { panic!("{home:?}") };
+    assert!((found - i64::from(super::bench::HOME)).abs() <= 100, "{found}");
+    assert_eq!(bench.drive.homed().unwrap()[0], Some(false));
+}
+
 #[test]
 fn an_interpcnc_says_who_it_is_and_homes() {
     let mut bench = interpcnc();

@@ -17,12 +17,12 @@ fn a_smartdrive_is_homed_by_a_switch_at_an_input() {
     hand.refuses(ask, "towards - until input 2 says so, 5000 increments at most");
     let homed = hand.does(&format!("{ask} --yes"));
     assert!(homed.stdout.contains("drive 1 is home, at "), "{}", homed.stdout);
-    // The drive's own counter stays: the driver counts from home on.
-    let counted = homed.stdout.split("home, at ").nth(1).and_then(|rest| rest.split(';').next());
-    let counted: f64 = counted.and_then(|text| text.parse().ok()).expect("a position");
+    // TRJINIT 1, "la position actuelle devient 0": the drive's own counter tells it to whoever asks next.
+    hand.refuses(&format!("{ask} --home-position 10001 --yes"), "--max-slow-way");
     let devices = running.stop().expect("it runs");
-    let home = devices[0].mechanical() - counted;
+    let home = devices[0].mechanical() - f64::from(devices[0].counter());
     assert!((home + 1000.0).abs() <= LATE, "{home}");
+    assert_eq!(devices[0].counter(), 0);
 }
 
 /// The cam of axis 1 reaches from 400 µsteps behind the start on backwards.

@@ -262,6 +262,7 @@ fn a_mixture_of_all_three_families_runs_to_its_end() {
 #[test]
 fn every_check_that_fails_is_told_with_what_was_found_and_what_is_wanted() {
     let shop = Shop::new();
+    shop.by_hand("interpcnc", "board", "set zero-after-homing 0");
     shop.board.set_enable(false).expect("it runs");
     shop.by_hand("smartdrive", "bus", "set Trj_VelMax 500");
     shop.by_hand("smartdrive", "bus", "set Trj_PosMax 90000");
@@ -270,6 +271,7 @@ fn every_check_that_fails_is_told_with_what_was_found_and_what_is_wanted() {
     let done = shop.run("short.cnc", "--homed --yes");
     for said in [
         "✗ device `board`: InterpCNC at board, address 1: the ENABLE input is open; closed is wanted",
+        "(EE_ORIGINE_RESET_POS_SOFT) is 0; 1 is wanted",
         "✗ device `bus`: address 1: the firmware is 1.2.0; 1.3.0 is wanted",
         "✗ device `bus`: axis Z: parameter 30 at address 1 (Trj_VelMax) is 500 rpm; at least 2880 rpm is wanted",
         "✗ device `bus`: axis Z: the device's software limits are -60.0000 … 140.6250 mm; at least as tight as -60.0000 … 120.0000 mm is wanted",
@@ -289,7 +291,7 @@ fn every_check_that_fails_is_told_with_what_was_found_and_what_is_wanted() {
     let done = shop.run("short.cnc", "--homed --yes");
     done.ended(2, "or `firmware = \"1.2.0\"` of [[drives]] \"bus\" in mixture.toml");
     assert!(
-        !done.stderr.contains("Trj_VelMax") && !done.stderr.contains("140.6250"),
+        ["Trj_VelMax", "140.6250", "EE_ORIGINE"].iter().all(|gone| !done.stderr.contains(gone)),
         "{}",
         done.stderr
     );

@@ -6,7 +6,7 @@ use crate::machine::{DriveFamily, Machine};
 use twin_drives::ParameterId;
 use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
 use twin_drives::bim2ax::{DriveMode, ModuleAxis};
-use twin_drives::interpcnc::parameters::COUPLING;
+use twin_drives::interpcnc::parameters::{COUPLING, ZERO_AFTER_HOMING};
 use twin_drives::smartdrive::parameters::{
     ACCELERATION_MAX, DECELERATION_MAX, FULL_STEPS, STEP_DIVISOR, VELOCITY_MAX,
 };
@@ -110,8 +110,11 @@ pub(super) fn wanted(machine: &Machine, index: usize) -> Vec<Wanted> {
     match &entry.family {
         // Moves carry their speeds and ramps; that an axis goes along with another is kept by the board.
         DriveFamily::InterpCnc(_) => {
-            let id = ParameterId { station: 0, number: COUPLING };
-            wanted.push(Wanted { id, must: Must::Be(0), axis: None, key: Key::None });
+            // A counter that homing leaves as it is counts from anywhere.
+            for (number, value) in [(COUPLING, 0), (ZERO_AFTER_HOMING, 1)] {
+                let (id, must) = (ParameterId { station: 0, number }, Must::Be(value));
+                wanted.push(Wanted { id, must, axis: None, key: Key::None });
+            }
         }
         DriveFamily::SmartDrive(bus) => {
             for (_, axis) in machine.axes_of(index) {

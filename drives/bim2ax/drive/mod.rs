@@ -342,34 +342,24 @@ impl Drive for Bim2AxDrive {
         let slowest = Duration::try_from_secs_f64(ramps.fold(0.0, f64::max)).unwrap_or_default();
         let patience = slowest + 20 * self.options.driver.deadline;
         self.runtime.block_on(async {
-            let late = self.module.is_late();
             self.module.abandon(&no_clock).await?;
-            if late {
-                // An order that was given before the stop may arrive after it.
-                self.module.outlast().await;
-                self.module.abandon(&no_clock).await?;
-            }
             self.module.rested(patience, &no_clock).await.map(|_| ())
         })
     }
 
     fn hard_stop(&mut self) -> Result<(), DriveError> {
         self.forget();
-        self.runtime.block_on(async {
-            let late = self.module.is_late();
-            self.module.stop_hard(&no_clock).await?;
-            if late {
-                self.module.outlast().await;
-                self.module.stop_hard(&no_clock).await?;
+        self.runtime.block_on(self.module.stop_hard(&no_clock))?;
+        // One look may have been spoilt.
+        for _ in 0..STRAY_LOOKS {
+            let (seen, _) = self.look(&no_clock)?;
+            let moving = self.moving(&seen);
+            if moving != 0 {
+                let at = self.module.at(Action::ReadState);
+                return Err(DriveError::Moving { at, axes: self.names(moving) });
             }
-            Ok(())
-        })?;
-        let (seen, _) = self.look(&no_clock)?;
-        let moving = self.moving(&seen);
-        if moving == 0 {
-            return Ok(());
         }
-        Err(DriveError::Moving { at: self.module.at(Action::ReadState), axes: self.names(moving) })
+        Ok(())
     }
 
     fn limits(&mut self) -> Result<[DeviceLimits; MAX_DRIVE_AXES], DriveError> {

@@ -233,11 +233,6 @@ impl Bim2Ax {
         })
     }
 
-    /// Whether an order or an answer may still be on its way.
-    pub(crate) fn is_late(&self) -> bool {
-        self.late
-    }
-
     /// Waits until no late answer can come any more, if one can.
     async fn settle(&mut self) {
         if self.late {
@@ -246,7 +241,7 @@ impl Bim2Ax {
     }
 
     /// Waits until nothing that was given before can arrive any more.
-    pub(crate) async fn outlast(&mut self) {
+    async fn outlast(&mut self) {
         sleep(self.options.worst_latency).await;
         self.late = false;
     }

@@ -45,7 +45,8 @@ impl Bim2Ax {
         let [one, two] = orders.uc;
         let action = Action::Order { bits: one | two, name };
         // A stop does not wait: it stops, whatever is answered.
-        if (one | two) & (uc::ABANDON | uc::HARD_STOP) == 0 {
+        let stops = (one | two) & (uc::ABANDON | uc::HARD_STOP) != 0 || orders == Orders::default();
+        if !stops {
             self.settle().await;
         }
         self.check_others(action, &orders, clock).await?;
@@ -204,13 +205,13 @@ impl Bim2Ax {
         self.check_started("manual move", order, &[axis], &acknowledged, never, clock).await
     }
 
-    /// Ends manual moves.
+    /// Ends manual moves. Sent again once if no answer comes or an axis still acknowledges its move, and if an order that was
+    /// given before may arrive after it.
     ///
     /// # Errors
     /// If the module does not answer: the axes may go on.
     pub async fn manual_stop(&mut self, clock: &dyn Clock) -> Result<(), DriveError> {
-        self.manual = [0; AXES];
-        self.same("end of manual moves", 0, &[], clock).await.map(|_| ())
+        self.stopping("end of manual moves", 0, clock).await
     }
 
     /// Starts a move to the + or − end switch at the start-stop speed.
@@ -232,7 +233,7 @@ impl Bim2Ax {
     }
 
     /// Abandons moves: both axes brake on their ramps. Sent again once if no answer comes
-    /// or an axis goes on without having acknowledged it.
+    /// or an axis goes on without having acknowledged it, and if an order that was given before may arrive after it.
     ///
     /// # Errors
     /// If the module does not answer.
@@ -241,7 +242,7 @@ impl Bim2Ax {
     }
 
     /// Stops both axes without ramp; homing is lost where one moved. Sent again once if no answer comes
-    /// or an axis goes on without having acknowledged it.
+    /// or an axis goes on without having acknowledged it, and if an order that was given before may arrive after it.
     ///
     /// # Errors
     /// If the module does not answer.
@@ -256,10 +257,32 @@ impl Bim2Ax {
         clock: &dyn Clock,
     ) -> Result<(), DriveError> {
         self.manual = [0; AXES];
-        match self.same(name, order, &ModuleAxis::ALL, clock).await {
+        let late = self.late;
+        let told = self.told_to_stop(name, order, clock).await;
+        if !late {
+            return told;
+        }
+        // An order that was given before the stop may arrive after it.
+        self.outlast().await;
+        self.told_to_stop(name, order, clock).await
+    }
+
+    /// Gives a stop, and once more if it may not have been heard; order 0 ends manual moves.
+    async fn told_to_stop(
+        &mut self,
+        name: &'static str,
+        order: u16,
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        let axes: &[ModuleAxis] = if order == 0 { &[] } else { &ModuleAxis::ALL };
+        match self.same(name, order, axes, clock).await {
             Err(DriveError::Timeout { .. } | DriveError::Protocol { .. }) => {}
             Ok(acknowledged) => {
-                let lacks = acknowledged.uc.map(|word| word & order == 0);
+                let manual = uc::MANUAL_PLUS | uc::MANUAL_MINUS;
+                let lacks = acknowledged.uc.map(|word| match order {
+                    0 => word & manual != 0,
+                    order => word & order == 0,
+                });
                 if lacks == [false; AXES] {
                     return Ok(());
                 }
@@ -272,7 +295,7 @@ impl Bim2Ax {
             }
             Err(error) => return Err(error),
         }
-        self.same(name, order, &ModuleAxis::ALL, clock).await.map(|_| ())
+        self.same(name, order, axes, clock).await.map(|_| ())
     }
 
     /// Switches phases on or off at standstill (on: revision D).

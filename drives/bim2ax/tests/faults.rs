@@ -339,3 +339,44 @@ async fn a_memory_that_is_gone_is_told() {
     assert!(matches!(error, DriveError::Transport { .. }), "{error}");
     assert!(error.to_string().starts_with("/dev/uio3: order $0100 (hard stop): "), "{error}");
 }
+
+/// The module hears a move, whichever of its parts, 15 ms late: after the driver has given it up and stopped.
+#[tokio::test(start_paused = true)]
+async fn a_stop_outlasts_an_order_that_arrives_late() {
+    for late in 0..6 {
+        for hard in [false, true] {
+            let mut rig = doing(Doing::Idle).await;
+            let clock = &clock();
+            let fault = WireFault::Delay { ns: 15_000_000 };
+            let rule = FaultRule { direction: Direction::Request, when: When::After(late), fault };
+            rig.module.module().control(Control::Fault(rule));
+            drop(rig.driver.start([Some(Start::to(50_000)), None], clock).await);
+            if hard {
+                rig.driver.stop_hard(clock).await.unwrap();
+            } else {
+                rig.driver.abandon(clock).await.unwrap();
+            }
+            sleep(seconds(3)).await;
+            assert!(rig.speed() <= 0.0, "{late}, hard: {hard}");
+            rig.sound();
+        }
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn an_end_of_manual_moves_that_is_not_heard_is_given_again() {
+    let directions = [Direction::Request, Direction::Answer];
+    for (direction, late) in directions.into_iter().flat_map(|way| [(way, 0), (way, 1)]) {
+        let mut rig = doing(Doing::Idle).await;
+        let clock = &clock();
+        rig.driver.manual(ModuleAxis::One, true, clock).await.unwrap();
+        sleep(seconds(1)).await;
+        assert!(rig.speed() > 0.0);
+        let rule = FaultRule { direction, when: When::After(late), fault: WireFault::Drop };
+        rig.module.module().control(Control::Fault(rule));
+        rig.driver.manual_stop(clock).await.unwrap();
+        rig.driver.rested(seconds(5), clock).await.unwrap();
+        assert!(rig.speed() <= 0.0, "{direction:?}, {late}");
+        rig.sound();
+    }
+}

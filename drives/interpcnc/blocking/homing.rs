@@ -4,7 +4,7 @@ use super::{InterpCncDrive, no_clock};
 use crate::{
     Action, Axes, DriveError, HomingWays, MAX_DRIVE_AXES,
     interpcnc::{
-        AxisValues, BoardState, Command, parameters,
+        AxisValues, BoardAxis, BoardState, Command, parameters,
         registers::{AXES, AxisMask, Status},
     },
 };
@@ -82,8 +82,10 @@ impl InterpCncDrive {
 
     /// Which axes are homed, as far as board and driver know.
     pub(super) fn homed_axes(&mut self) -> Result<[Option<bool>; MAX_DRIVE_AXES], DriveError> {
-        let (BoardState { status, .. }, _) = self.state(&no_clock)?;
+        let (BoardState { status, positions }, _) = self.state(&no_clock)?;
+        let ending = self.homing.under_way;
         self.homing.seen(status);
+        self.check_zero(ending.intersection(self.homing.homed), &positions)?;
         let failed = self.failed_before(status)?;
         let mut homed = [None; MAX_DRIVE_AXES];
         for (place, axis) in homed.iter_mut().zip(self.axes()) {
@@ -94,6 +96,20 @@ impl InterpCncDrive {
             };
         }
         Ok(homed)
+    }
+
+    /// Checks that the counters of axes that have just come home are 0: the board makes them so only if parameter 128 says so.
+    fn check_zero(&mut self, home: AxisMask, positions: &[i32; AXES]) -> Result<(), DriveError> {
+        for (axis, found) in BoardAxis::ALL.into_iter().zip(*positions) {
+            if home.contains(axis) && found != 0 {
+                self.homing.homed = self.homing.homed.without(home);
+                let at = self.board.at(Command::HomeMachine { max_strokes: [None; AXES] }.action());
+                let axis = Axes::Letters(axis.mask().bits());
+                let (target, found) = (0, found.into());
+                return Err(DriveError::NotArrived { at, axis, target, found });
+            }
+        }
+        Ok(())
     }
 
     /// Axes that this driver has not homed and of which the board says that homing has failed: each by its own command 78, all

@@ -338,13 +338,7 @@ impl Drive for InterpCncDrive {
 
     fn soft_stop(&mut self) -> Result<(), DriveError> {
         self.restart();
-        let late = self.board.is_late();
-        self.send(&Command::RampStop, &no_clock)?;
-        if late {
-            // A move that was sent before the stop may arrive after it: the board is asked only when none can any more.
-            self.state(&no_clock)?;
-            self.send(&Command::RampStop, &no_clock)?;
-        }
+        self.runtime.block_on(self.board.send_stop(&Command::RampStop, &no_clock))?;
         let options = self.board.options();
         let braking = |axis: &super::AxisOptions| {
             f64::from(axis.max_speed_hz) / (1e3 * f64::from(axis.deceleration_khz_per_s.max(1)))

@@ -115,12 +115,36 @@ impl InterpCnc {
         self.asked_twice(action, &request, clock, |answer| (*answer == done).then_some(())).await
     }
 
-    /// Address of entry `first` of an area, if `count` entries from there on are in it.
+    /// Address of entry `first` of an area, if `count` entries from there on, which are to be written, are in it.
     pub(super) fn within_area(
         &self,
         what: &'static str,
         start: u16,
         size: u16,
+        first: u16,
+        count: usize,
+    ) -> Result<u16, DriveError> {
+        let writing = |address, count| Action::Write { what, address, count };
+        self.entry(writing, (start, size), first, count)
+    }
+
+    /// The same of entries that are to be read.
+    pub(super) fn within_read(
+        &self,
+        what: &'static str,
+        start: u16,
+        size: u16,
+        first: u16,
+        count: usize,
+    ) -> Result<u16, DriveError> {
+        let reading = |address, count| Action::Read { what, address, count };
+        self.entry(reading, (start, size), first, count)
+    }
+
+    fn entry(
+        &self,
+        action: impl Fn(u16, u16) -> Action,
+        (start, size): (u16, u16),
         first: u16,
         count: usize,
     ) -> Result<u16, DriveError> {
@@ -130,7 +154,7 @@ impl InterpCnc {
         }
         let counted = u16::try_from(count).unwrap_or(u16::MAX);
         let address = start.saturating_add(first);
-        let at = self.at(Action::Write { what, address, count: counted });
+        let at = self.at(action(address, counted));
         let value = f64::from(u32::try_from(end).unwrap_or(u32::MAX));
         Err(DriveError::Range { at, register: start, value, low: 1.0, high: size.into() })
     }

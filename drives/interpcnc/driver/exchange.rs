@@ -137,13 +137,7 @@ impl InterpCnc {
             }
             Ok(Ok(Err(code))) => {
                 (self.in_step, self.late) = (true, late);
-                let code = code.into();
-                let locked = self.options.assumptions.locked_exception == Some(code);
-                return Err(if locked {
-                    DriveError::Locked { at }
-                } else {
-                    DriveError::Device { at, code }
-                });
+                return Err(DriveError::Device { at, code: code.into() });
             }
             Ok(Err(Error::Protocol(mismatch))) => {
                 DriveError::Protocol { at, fault: fault(&mismatch) }

@@ -22,8 +22,9 @@ impl InterpCnc {
         let (state, _) = self.state(clock).await?;
         self.check_obeys(&state, command.action())
     }
-    /// What an error means, where locked boards refuse with an exception: with that exception, that the board is locked
-    /// if it is.
+
+    /// What an error of a request that locked boards refuse means, where they do so with an exception: with that exception,
+    /// that the board is locked, if it says so. Others may refuse with the same number: a full buffer, a broken EEPROM.
     pub(super) async fn if_locked(&mut self, error: DriveError, clock: &dyn Clock) -> DriveError {
         let DriveError::Device { at, code } = &error else { return error };
         if self.options().assumptions.locked_exception != Some(*code) {
@@ -32,7 +33,8 @@ impl InterpCnc {
         let action = at.action;
         match self.state(clock).await {
             Ok((state, _)) => self.check_obeys(&state, action).err().unwrap_or(error),
-            Err(other) => other,
+            // What the board has refused says more than that it does not answer any more.
+            Err(_) => error,
         }
     }
 }

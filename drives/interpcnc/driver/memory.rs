@@ -157,7 +157,9 @@ impl InterpCnc {
                 high,
             });
         }
-        self.write_bits(what, address, on, clock).await?;
+        if let Err(error) = self.write_bits(what, address, on, clock).await {
+            return Err(self.if_locked(error, clock).await);
+        }
         let found = self.read_bits(what, address, count, true, clock).await?;
         if found == on { Ok(()) } else { Err(DriveError::Locked { at: self.at(action) }) }
     }
@@ -167,7 +169,11 @@ impl InterpCnc {
     /// # Errors
     /// If the board refuses or is locked, or no proper answer comes.
     pub async fn set_outputs(&mut self, outputs: u32, clock: &dyn Clock) -> Result<(), DriveError> {
-        self.write_holding("outputs", OUTPUT_WORDS, &words(outputs), clock).await?;
+        let outputs_words = words(outputs);
+        if let Err(error) = self.write_holding("outputs", OUTPUT_WORDS, &outputs_words, clock).await
+        {
+            return Err(self.if_locked(error, clock).await);
+        }
         let found = self.read_holding("outputs", OUTPUT_WORDS, 2, clock).await?;
         if long(&found) == Some(outputs) {
             return Ok(());
@@ -310,7 +316,9 @@ impl InterpCnc {
                 high: MAX_ANALOG.into(),
             });
         }
-        self.write_holding(what, address, &[value], clock).await?;
+        if let Err(error) = self.write_holding(what, address, &[value], clock).await {
+            return Err(self.if_locked(error, clock).await);
+        }
         let found = self.read_holding(what, address, 1, clock).await?;
         if found == [value] { Ok(()) } else { Err(DriveError::Locked { at: self.at(action) }) }
     }

@@ -249,7 +249,10 @@ impl InterpCnc {
         let arguments = (COMMAND + 1..).zip(arguments);
         for (address, value) in arguments.chain(std::iter::once((COMMAND, number))) {
             let request = Request::WriteSingleRegister(address, *value);
-            let (answer, then) = self.settled_exchange(action, request, clock).await?;
+            let (answer, then) = match self.settled_exchange(action, request, clock).await {
+                Ok(done) => done,
+                Err(error) => return Err(self.if_locked(error, clock).await),
+            };
             if answer != Response::WriteSingleRegister(address, *value) {
                 return Err(self.distrust(action, ProtocolFault::Garbled));
             }

@@ -131,6 +131,22 @@ impl InterpCnc {
         self.stop_by(&Command::RampStopAxes { axes }, axes, patience, clock).await
     }
 
+    /// Sends what stops axes, and once more if a move that was sent before may arrive after it.
+    pub(crate) async fn send_stop(
+        &mut self,
+        command: &Command,
+        clock: &dyn Clock,
+    ) -> Result<(), DriveError> {
+        let late = self.is_late();
+        self.send(command, clock).await?;
+        if late {
+            // The board is asked only when nothing can arrive any more.
+            self.state(clock).await?;
+            self.send(command, clock).await?;
+        }
+        Ok(())
+    }
+
     async fn stop_by(
         &mut self,
         command: &Command,
@@ -138,7 +154,7 @@ impl InterpCnc {
         patience: Duration,
         clock: &dyn Clock,
     ) -> Result<BoardState, DriveError> {
-        self.send(command, clock).await?;
+        self.send_stop(command, clock).await?;
         let action = command.action();
         let independent_only = matches!(command, Command::RampStopAxes { .. });
         self.wait(action, patience, clock, |_, state| {

@@ -66,9 +66,19 @@ impl InterpCnc {
     }
 
     /// Address of a parameter.
-    fn parameter_address(&self, number: u16, count: usize) -> Result<u16, DriveError> {
+    fn parameter_address(
+        &self,
+        number: u16,
+        count: usize,
+        written: bool,
+    ) -> Result<u16, DriveError> {
+        let (what, size) = ("parameter", 2 * PARAMETERS);
         let first = number.saturating_mul(2);
-        self.within_area("parameter", FIRST_PARAMETER, 2 * PARAMETERS, first, 2 * count)
+        if written {
+            self.within_area(what, FIRST_PARAMETER, size, first, 2 * count)
+        } else {
+            self.within_read(what, FIRST_PARAMETER, size, first, 2 * count)
+        }
     }
 
     /// Parameter `number` (0 to 383).
@@ -90,7 +100,7 @@ impl InterpCnc {
         count: u16,
         clock: &dyn Clock,
     ) -> Result<Vec<u32>, DriveError> {
-        let address = self.parameter_address(first, count.into())?;
+        let address = self.parameter_address(first, count.into(), false)?;
         let registers = self.read_holding("parameter", address, 2 * count, clock).await?;
         let pairs = registers.chunks_exact(2);
         Ok(pairs
@@ -100,7 +110,7 @@ impl InterpCnc {
     }
 
     /// Writes a parameter, waits until the EEPROM has it and reads it back. Writes only what is not so already: every
-    /// write wears the EEPROM.
+    /// write wears the EEPROM. After a write that has failed (B15) what is read may be in RAM alone, and is written again.
     ///
     /// # Errors
     /// If there is none, the board refuses it, the EEPROM fails or is not ready in time, the parameter reads back
@@ -112,9 +122,13 @@ impl InterpCnc {
         patience: Duration,
         clock: &dyn Clock,
     ) -> Result<(), DriveError> {
-        let address = self.parameter_address(number, 1)?;
+        let address = self.parameter_address(number, 1, true)?;
         if self.parameter(number, clock).await? == value {
-            return Ok(());
+            let (state, _) = self.state(clock).await?;
+            let doubtful = [Status::EEPROM_BUSY, Status::EEPROM_ERROR];
+            if !doubtful.into_iter().any(|bit| state.status.has(bit)) {
+                return Ok(());
+            }
         }
         self.write_kept("parameter", address, &words(value), patience, clock).await?;
         let found = self.parameter(number, clock).await?;
@@ -167,7 +181,7 @@ impl InterpCnc {
         clock: &dyn Clock,
     ) -> Result<Vec<u16>, DriveError> {
         let (what, start) = ("user memory", FIRST_USER_MEMORY);
-        let address = self.within_area(what, start, USER_MEMORY, first, count.into())?;
+        let address = self.within_read(what, start, USER_MEMORY, first, count.into())?;
         self.read_holding(what, address, count, clock).await
     }
 
@@ -261,7 +275,9 @@ impl InterpCnc {
     /// If there is no such page, the board refuses it (exception 2: beyond the stored ones) or no proper answer comes.
     pub async fn recipe(&mut self, page: u16, clock: &dyn Clock) -> Result<Vec<u16>, DriveError> {
         let size = self.recipes(clock).await?.size;
-        let address = self.recipe_address(page, 0, size, size.into())?;
+        self.within_read("recipe page", RECIPE_INDEX, RECIPE_PAGES, page, 1)?;
+        let start = FIRST_RECIPE + RECIPE_PAGE * page;
+        let address = self.within_read("recipe", start, size, 0, size.into())?;
         self.read_holding("recipe", address, size, clock).await
     }
 

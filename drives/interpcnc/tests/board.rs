@@ -398,6 +398,41 @@ fn an_eeprom_that_fails_is_an_error_of_its_own() {
     }
 }
 
+/// The number of the exception says nothing: a board that is not locked says so.
+#[test]
+fn a_broken_eeprom_is_no_lock_and_stays_broken_when_asked_again() {
+    let usual = Assumptions::default();
+    for (locked_exception, eeprom_refuses) in [(Some(4), true), (None, true), (None, false)] {
+        let assumptions = Assumptions { locked_exception, eeprom_refuses, ..usual };
+        let options = BoardOptions { assumptions, ..BoardOptions::default() };
+        with_board(
+            &options,
+            Bench::default(),
+            |_| {},
+            |mut driver, hand| async move {
+                let clock = &no_clock;
+                let locked = driver.set_output(3, true, clock).await;
+                assert!(matches!(locked, Err(DriveError::Locked { .. })), "{locked:?}");
+                for unlocked in [false, true] {
+                    if unlocked {
+                        driver.unlock(clock).await.unwrap();
+                    }
+                    hand.send(Control::Event(Event::BreakEeprom(true))).await.unwrap();
+                    // The first leaves the value in RAM, where it reads back.
+                    for _ in 0..3 {
+                        let failed = driver.set_parameter(4, 78, LONG, clock).await;
+                        let told = matches!(failed, Err(DriveError::EepromFailed { .. }));
+                        assert!(told, "{assumptions:?}: {failed:?}");
+                    }
+                    hand.send(Control::Event(Event::BreakEeprom(false))).await.unwrap();
+                    driver.set_parameter(4, 78, LONG, clock).await.unwrap();
+                    driver.set_parameter(4, 77, LONG, clock).await.unwrap();
+                }
+            },
+        );
+    }
+}
+
 #[test]
 fn recipes_and_user_memory_are_kept() {
     let ((), board) = with_usual(|mut driver, _hand| async move {

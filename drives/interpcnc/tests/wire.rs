@@ -184,10 +184,66 @@ fn an_exception_is_an_error_with_its_code_and_command() {
     );
 }
 
+/// The answer to a question for the state, all axes at 0.
+fn state_with(status: u32) -> Vec<u8> {
+    let mut answer = vec![1, 4, 24];
+    answer.extend(status.to_be_bytes());
+    answer.extend([0; 20]);
+    seal(answer)
+}
+
+/// A move that was given up may be heard after the stop that follows: the stop is sent once more when nothing can.
+#[test]
+fn a_stop_by_hand_outlasts_a_move_that_arrives_late() {
+    run(async {
+        let (mut driver, mut far) = attached(1000, 30);
+        {
+            let command = move_x(20_000, 5);
+            let moving = driver.send(&command, &no_clock);
+            tokio::select! {
+                _ = moving => panic!("nobody answers"),
+                () = sleep(Duration::from_millis(10)) => {}
+            }
+        }
+        assert_eq!(request(&mut far).await[8], 80);
+        let board = async {
+            let mut heard = Vec::new();
+            loop {
+                let asked = request(&mut far).await;
+                if asked.is_empty() {
+                    return heard;
+                }
+                let answer = if asked[1] == 16 {
+                    heard.push(asked[8]);
+                    seal(asked[..6].to_vec())
+                } else {
+                    heard.push(0);
+                    state_with(Status::BUFFER_EMPTY)
+                };
+                far.write_all(&answer).await.unwrap();
+            }
+        };
+        let stopping = async {
+            driver.ramp_stop(Duration::from_secs(1), &no_clock).await.unwrap();
+            drop(driver);
+        };
+        let (heard, ()) = tokio::join!(board, stopping);
+        // Stop, a look when nothing can arrive any more, stop, and whether it stands.
+        assert_eq!(heard[..4], [42, 0, 42, 0], "{heard:?}");
+    });
+}
+
 #[test]
 fn the_exception_of_a_locked_board_is_told_as_such_where_it_is_known() {
     let refused = [1, 0x90, 6];
-    for (known, locked) in [(None, false), (Some(6), true), (Some(4), false)] {
+    // Also where another refusal has the same number, the board says itself whether it is locked.
+    let cases = [
+        (None, 0, false),
+        (Some(6), Status::BOARD_LOCKED, true),
+        (Some(6), 0, false),
+        (Some(4), 0, false),
+    ];
+    for (known, status, locked) in cases {
         let told = run(async {
             let (near, mut far) = duplex(4096);
             let mut options = InterpCncOptions::new(vec![AxisOptions::new(BoardAxis::X)]);
@@ -197,6 +253,10 @@ fn the_exception_of_a_locked_board_is_told_as_such_where_it_is_known() {
             let board = async {
                 request(&mut far).await;
                 far.write_all(&seal(refused.to_vec())).await.unwrap();
+                if known == Some(6) {
+                    assert_eq!(request(&mut far).await[1], 4);
+                    far.write_all(&state_with(status)).await.unwrap();
+                }
             };
             tokio::join!(driver.send(&command, &no_clock), board).0.unwrap_err()
         });

@@ -112,7 +112,7 @@ impl SmartDriveBus {
         };
         let slowest = options.axes.iter().map(braking).fold(0.0, f64::max);
         let count = u32::try_from(options.axes.len()).unwrap_or(1);
-        let exchange = 2 * (options.deadline + options.worst_latency);
+        let exchange = 4 * (options.deadline + options.worst_latency);
         let patience = Duration::from_secs_f64(slowest) + exchange * count;
         let addresses: Vec<u8> = self.axes().collect();
         let mut failed = None;
@@ -120,7 +120,8 @@ impl SmartDriveBus {
             let at_rest = async {
                 loop {
                     let (state, _) = self.bus.state(address, &no_clock).await?;
-                    if !state.moving() {
+                    // An answer from before the stop must not be taken for one of now.
+                    if !state.moving() && self.bus.witness(address, &Command::Ping).await? {
                         return Ok(());
                     }
                 }

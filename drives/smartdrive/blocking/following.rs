@@ -6,6 +6,9 @@ use crate::{
     smartdrive::{Command, DriveState, TrajectoryFlags},
 };
 
+/// Time between two questions with known answers while following.
+const WITNESS_PERIOD_NS: u64 = 500_000_000;
+
 impl SmartDriveBus {
     /// One round: a command or a look for each drive.
     pub(super) fn follow_round(
@@ -50,7 +53,24 @@ impl SmartDriveBus {
             }
             seen.push((state, stamp));
         }
+        self.check_step(stream)?;
         Ok(self.to_sample(&seen))
+    }
+
+    /// From time to time asks a drive, one after the other, what is known: samples that are one behind would show nowhere else.
+    fn check_step(&mut self, stream: &dyn SetpointStream) -> Result<(), DriveError> {
+        let now_ns = stream.now_ns();
+        if now_ns.saturating_sub(self.witnessed.0).unsigned_abs() < WITNESS_PERIOD_NS {
+            return Ok(());
+        }
+        let count = self.axes().count().max(1);
+        let address = self.axes().nth(self.witnessed.1 % count).unwrap_or(0);
+        self.witnessed = (now_ns, self.witnessed.1.wrapping_add(1));
+        if !self.runtime.block_on(self.bus.witness(address, &Command::Ping))? {
+            // Positions may have been those of before: start again from what the next sample shows.
+            self.follower.restart();
+        }
+        Ok(())
     }
 
     /// Where the drives have been sent, in the caller's increments.

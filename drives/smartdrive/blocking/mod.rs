@@ -62,6 +62,8 @@ pub struct SmartDriveBus {
     commanded: [Option<i32>; MAX_DRIVE_AXES],
     /// Drives that [`Drive::soft_stop`] has seen at rest, until something moves them.
     standing: Vec<u8>,
+    /// When the stream's clock showed that drives were last asked what is known, and how often.
+    witnessed: (i64, usize),
     /// Last, so that the port is closed while its runtime exists.
     runtime: Runtime,
 }
@@ -87,6 +89,7 @@ impl SmartDriveBus {
         let outdated = [false; MAX_DRIVE_AXES];
         let (sent, standing, commanded) = (Vec::new(), Vec::new(), [None; MAX_DRIVE_AXES]);
         let frozen = [Frozen::default(); MAX_DRIVE_AXES];
+        let witnessed = (0, 0);
         Ok(Self {
             bus,
             follower,
@@ -97,6 +100,7 @@ impl SmartDriveBus {
             frozen,
             commanded,
             standing,
+            witnessed,
             runtime,
         })
     }

@@ -1,9 +1,9 @@
 //! Positions of the caller and counters of the drives.
 
-use super::{Seen, SmartDriveBus};
+use super::{Seen, SmartDriveBus, no_clock};
 use crate::{
     Action, Axes, DriveError, IncrementMotion, Increments, Sample, SetpointStream,
-    smartdrive::{DriveState, TrajectoryFlags, follow::GoTo},
+    smartdrive::{Command, DriveState, Init, TrajectoryFlags, follow::GoTo},
 };
 
 /// A drive that is on its way shows another counter sooner than this, ns: at the least speed and rate of its registers,
@@ -51,6 +51,35 @@ impl SmartDriveBus {
         let (index, target, position) = found?;
         let address = self.axes().nth(index)?;
         Some(self.elsewhere(index, address, f64::from(target), position))
+    }
+
+    /// Makes the counter of the drive of an axis (index of the arrays) 0 where it stands (TRJINIT 1), and with it moves its
+    /// position limits; the caller's positions stay as they are. Unlike [`crate::Drive::set_position`] it outlasts this
+    /// driver, until the drive's mode changes.
+    ///
+    /// # Errors
+    /// If there is no such axis, the drive moves, is not in REMOTE or refuses, or its counter is not 0 afterwards.
+    pub fn zero_here(&mut self, axis: usize) -> Result<(), DriveError> {
+        let Some(address) = self.axes().nth(axis) else {
+            let at = self.bus.at(0, Action::ReadState);
+            return Err(DriveError::Unsupported { at, what: "axis of that number" });
+        };
+        let seen = self.states(&no_clock)?;
+        self.check_rest(&seen)?;
+        let before = seen.get(axis).map_or(0, |(state, _)| state.position);
+        self.restart();
+        let command = Command::TrajectoryInit(Init::Position);
+        self.runtime.block_on(self.bus.init(address, Init::Position))?;
+        let (after, _) = self.state(address, &no_clock)?;
+        if after.position != 0 {
+            let (at, axis) = (self.bus.at(address, command.action()), Axes::Only);
+            let found = after.position.into();
+            return Err(DriveError::NotWritten { at, axis, written: 0, found });
+        }
+        if let Some(zero) = self.zeros.get_mut(axis) {
+            *zero = zero.saturating_add(before.into());
+        }
+        Ok(())
     }
 
     /// The first drive that says it is done and is elsewhere than it was sent: a target that was spoilt on its way (two

@@ -2,6 +2,7 @@
 
 mod assumptions;
 mod faults;
+mod in_step;
 mod requests;
 mod terminal;
 mod vectors;

@@ -42,11 +42,22 @@ pub(super) fn attached(deadline_ms: u64, worst_latency_ms: u64) -> (SmartDrive, 
     (SmartDrive::attach(Arc::from("wire"), near, &options), far)
 }
 
-/// The next command; the driver writes each in one piece. Empty if the driver is gone.
+/// The next command but GET of PID and CID, which every drive answers the same; the driver writes each in one piece. Empty
+/// if the driver is gone.
 pub(super) async fn received(far: &mut DuplexStream) -> Vec<u8> {
     let mut buffer = [0; 256];
-    let count = far.read(&mut buffer).await.unwrap();
-    buffer[..count].to_vec()
+    loop {
+        let count = far.read(&mut buffer).await.unwrap();
+        let known: [u8; 2] = match &buffer[..count] {
+            [1, 0x12, 12, 0, 0, 0, _] => [0x42, 0x53],
+            [1, 0x12, 13, 0, 0, 0, _] => [0x01, 0x01],
+            command => return command.to_vec(),
+        };
+        let [low, high] = known;
+        let mut answer = vec![0x86, 0x01, low, high, low, high, low, high];
+        answer.push(answer.iter().fold(0, |sum, byte| sum ^ byte));
+        far.write_all(&answer).await.unwrap();
+    }
 }
 
 /// All commands, none answered, until the driver is gone.

@@ -5,11 +5,11 @@ use crate::clock::Clock;
 use crate::command::Failure;
 use crate::command::run::Interrupt;
 use crate::startup::Still;
-use twin_drives::Drive;
 use twin_drives::axis::Direction;
 use twin_drives::axis::homing::{
     HomingError, HomingMode, HomingOptions, HomingRun, Switch, home_by_switch,
 };
+use twin_drives::{Drive, DriveError, MAX_DRIVE_AXES};
 
 /// How an axis is homed by a switch.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -109,7 +109,74 @@ impl BySwitch {
         name: &str,
         consent: Consent,
     ) -> Result<(), Failure> {
-        let Some(mode) = self.mode else { return Ok(()) };
+        let (said, _) = self.find(drive, name, consent, "")?;
+        say!("{said}");
+        Ok(())
+    }
+
+    /// The same of a drive whose own counter can only be made 0, where the axis stands: `keep` does that, at 0.
+    pub(super) fn carry_out_at_zero<D: Drive>(
+        &self,
+        drive: &mut D,
+        name: &str,
+        consent: Consent,
+        keep: impl FnOnce(&mut D) -> Result<(), DriveError>,
+    ) -> Result<(), Failure> {
+        let most = i64::from(self.max_slow_way);
+        if i64::from(self.home_position).abs() > most {
+            return Err(Failure::Usage(format!(
+                "{name} can make its counter 0 where it stands, and give it no other value: from its home at {} it would go to 0, \
+                 which is beyond --max-slow-way ({most} increments)",
+                self.home_position
+            )));
+        }
+        let (said, interrupt) =
+            self.find(drive, name, consent, ", then to 0, where its counter becomes 0")?;
+        if let Err(failed) = self.return_to_zero(drive, &interrupt) {
+            let stopped = drive.soft_stop().err();
+            let stopped = stopped.map_or(String::new(), |error| {
+                format!("; and the axis could not be stopped: {error}; use the emergency stop")
+            });
+            let message = format!(
+                "{name} has found its home, which its counter does not show: {failed}{stopped}"
+            );
+            return Err(Failure::Usage(message));
+        }
+        keep(drive)?;
+        say!("{said}; it stands at 0, and so does its counter");
+        Ok(())
+    }
+
+    /// Moves the axis to position 0, slowly.
+    fn return_to_zero(&self, drive: &mut dyn Drive, interrupt: &Interrupt) -> Result<(), Failure> {
+        let stream = Still::new(Clock::start());
+        let mut speed = [0.0; MAX_DRIVE_AXES];
+        speed.iter_mut().take(1).for_each(|speed| *speed = f64::from(self.slow));
+        drive.move_to(&[0; MAX_DRIVE_AXES], &speed)?;
+        loop {
+            let sample = drive.sample(&stream)?;
+            if interrupt.count() > 0 {
+                return Err(Failure::Usage("stopped by Ctrl-C".to_owned()));
+            }
+            let at = sample.position.first().copied().unwrap_or(0);
+            if !sample.moving && at == 0 {
+                return Ok(());
+            }
+            if !sample.moving {
+                return Err(Failure::Usage(format!("it stands at {at} instead of 0")));
+            }
+        }
+    }
+
+    /// Finds the home; what there is to say of it.
+    fn find(
+        &self,
+        drive: &mut dyn Drive,
+        name: &str,
+        consent: Consent,
+        afterwards: &str,
+    ) -> Result<(String, Interrupt), Failure> {
+        let mode = self.mode.unwrap_or(HomingMode::FastBslowSStop);
         let stream = Still::new(Clock::start());
         let from = drive.probe(&stream)?.position.first().copied().unwrap_or(0);
         let direction = if self.positive { Direction::Positive } else { Direction::Negative };
@@ -132,7 +199,7 @@ impl BySwitch {
         let at = self.input.map_or("its home switch".to_owned(), |input| format!("input {input}"));
         consent.ask(&format!(
             "home {name} from {from} towards {sign} until {at} says so, {most} increments at most, at {fast} increments/s, and off \
-             it at {slow}"
+             it at {slow}{afterwards}"
         ))?;
         let interrupt = Interrupt::catch()?;
         drive.enable()?;
@@ -152,11 +219,11 @@ impl BySwitch {
         let stands = drive.sample(&stream)?.position.first().copied().unwrap_or(0);
         #[expect(clippy::cast_precision_loss, reason = "milliseconds")]
         let looks_s = report.longest_look_ns as f64 * 1e-9;
-        say!(
+        let said = format!(
             "{name} is home, at {stands}; the switch was at {:.1}, known to {:.1} increments",
             report.reference,
             options.uncertainty(looks_s)
         );
-        Ok(())
+        Ok((said, interrupt))
     }
 }

@@ -7,7 +7,10 @@ use super::Ramps;
 use crate::command::Failure;
 use std::time::Duration;
 use twin_drives::DriveError;
-use twin_drives::interpcnc::{AxisValues, BoardAxis, InterpCnc, MoveProfile, parameters};
+use twin_drives::interpcnc::registers::Status;
+use twin_drives::interpcnc::{
+    AxisValues, BoardAxis, BoardState, InterpCnc, MoveProfile, parameters,
+};
 
 impl Stopping for InterpCnc {
     async fn soft_stop(&mut self) -> Result<(), DriveError> {
@@ -26,12 +29,22 @@ impl Stopping for InterpCnc {
     }
 }
 
+/// The state of a board none of whose axes moves.
+fn standing(session: &Session, board: &mut InterpCnc, what: &str) -> Result<BoardState, Failure> {
+    let (state, _) = session.ask(board.state(&no_clock))?;
+    if state.status.moving().is_empty() && !state.status.has(Status::HOMING_IN_PROGRESS) {
+        return Ok(state);
+    }
+    Err(Failure::Usage(format!("an axis moves: `stop` before `{what}`")))
+}
+
+/// Where an axis stands; no axis of the board may move.
 pub(super) fn position(
     session: &Session,
     board: &mut InterpCnc,
     axis: BoardAxis,
 ) -> Result<i32, Failure> {
-    let (state, _) = session.ask(board.state(&no_clock))?;
+    let state = standing(session, board, "move")?;
     Ok(state.positions.get(axis.index()).copied().unwrap_or(0))
 }
 
@@ -70,7 +83,7 @@ pub(super) fn home(
     axes: &[BoardAxis],
     max_stroke: i32,
 ) -> Result<(), Failure> {
-    let (state, _) = session.ask(board.state(&no_clock))?;
+    let state = standing(session, board, "home")?;
     let mut strokes = AxisValues::default();
     let mut said = Vec::with_capacity(axes.len());
     let mut patience = Duration::ZERO;

@@ -226,7 +226,8 @@ impl Arguments {
             axis.acceleration_rpm_per_s = rate.max(1);
         }
         let mut drive = SmartDriveBus::open(&self.port, &options)?;
-        by_switch.carry_out(&mut drive, &format!("drive {}", self.address), self.consent())
+        let name = format!("drive {}", self.address);
+        by_switch.carry_out_at_zero(&mut drive, &name, self.consent(), |drive| drive.zero_here(0))
     }
 }
 

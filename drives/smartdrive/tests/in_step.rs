@@ -1,0 +1,141 @@
+//! Answers that come late or twice must not be taken for those to the next questions: nothing in them tells.
+
+use std::{collections::HashMap, sync::Arc, time::Duration};
+
+use tokio::{
+    io::{AsyncReadExt, AsyncWriteExt, DuplexStream, duplex},
+    sync::Mutex,
+    time::sleep,
+};
+
+use super::wire::axis;
+use crate::{
+    DriveError, ProtocolFault,
+    smartdrive::{
+        SmartDrive, SmartDriveOptions,
+        emulator::{Device, DeviceOptions},
+        parameters::PARAMETERS,
+    },
+};
+
+/// Between a command and its answer.
+const RESPONSE: Duration = Duration::from_millis(2);
+
+/// What becomes of an answer: how much later it comes, and how much later than that it comes once more.
+type Fate = (Duration, Option<Duration>);
+
+/// A device whose answers, counted from 0, come as `fate` says, each in a write of its own.
+async fn serve(far: DuplexStream, fate: impl Fn(u64) -> Fate) {
+    let mut device = Device::new(&DeviceOptions::default());
+    let (mut from, to) = tokio::io::split(far);
+    let to = Arc::new(Mutex::new(to));
+    let mut buffer = [0; 256];
+    for count in 0.. {
+        let length = from.read(&mut buffer).await.unwrap();
+        if length == 0 {
+            return;
+        }
+        let Some(answer) = device.handle(&buffer[..length]) else { continue };
+        let (later, again) = fate(count);
+        for wait in [Some(later), again.map(|again| later + again)].into_iter().flatten() {
+            let (to, answer) = (Arc::clone(&to), answer.clone());
+            tokio::spawn(async move {
+                sleep(RESPONSE + wait).await;
+                // The driver may be gone by then.
+                drop(to.lock().await.write_all(&answer).await);
+            });
+        }
+    }
+}
+
+/// All parameters as they are read over such a wire, `times` times over.
+async fn read_all(
+    fate: impl Fn(u64) -> Fate,
+    times: usize,
+) -> Vec<HashMap<u16, Result<i64, DriveError>>> {
+    let (near, far) = duplex(4096);
+    let mut options = SmartDriveOptions::new(vec![axis(1)]);
+    // As `twin drive` has them.
+    options.deadline = Duration::from_millis(100);
+    options.worst_latency = Duration::from_millis(100);
+    let mut driver = SmartDrive::attach(Arc::from("wire"), near, &options);
+    let reading = async {
+        let mut all = Vec::new();
+        for _ in 0..times {
+            let mut found = HashMap::new();
+            for entry in &PARAMETERS {
+                let value = driver.parameter(1, entry.index).await;
+                found.insert(entry.index, value.map(|copies| copies.working));
+            }
+            all.push(found);
+        }
+        drop(driver);
+        all
+    };
+    tokio::join!(serve(far, fate), reading).1
+}
+
+/// Holds what was read against the factory's values, which the device has in use; how many are missing, each because
+/// answers were out of step or did not come.
+fn check(all: &[HashMap<u16, Result<i64, DriveError>>], what: &str) -> usize {
+    let mut missing = 0;
+    for found in all {
+        for entry in &PARAMETERS {
+            match &found[&entry.index] {
+                Ok(value) => assert_eq!(*value, entry.factory, "{}, {what}", entry.name),
+                Err(
+                    DriveError::Protocol { fault: ProtocolFault::OutOfStep, .. }
+                    | DriveError::Timeout { .. },
+                ) => missing += 1,
+                Err(other) => panic!("{}, {what}: {other}", entry.name),
+            }
+        }
+    }
+    missing
+}
+
+#[tokio::test(start_paused = true)]
+async fn an_answer_beyond_the_latency_leaves_no_value_in_the_place_of_another() {
+    for ms in (20..=500).step_by(10) {
+        for place in [0, 1, 12, 13] {
+            let late = Duration::from_millis(ms);
+            let fate = |count| (if count == place { late } else { Duration::ZERO }, None);
+            let all = read_all(fate, 1).await;
+            assert_eq!(check(&all, "late"), 0, "answer {place} late by {ms} ms");
+        }
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn answers_that_all_come_too_late_are_none() {
+    // Beyond deadline and latency; the manual allows 50 ms.
+    for ms in [105, 150, 210, 290, 410] {
+        let late = Duration::from_millis(ms);
+        let fate = |count| (if count >= 12 { late } else { Duration::ZERO }, None);
+        let all = read_all(fate, 1).await;
+        assert!(check(&all, &format!("all late by {ms} ms")) > 0);
+    }
+}
+
+#[tokio::test(start_paused = true)]
+async fn copies_of_answers_are_not_taken_for_others() {
+    // Some copies, however late: everything is read, and right. Of very many all that is read is.
+    for us in (0..12_000).step_by(500) {
+        for every in [5, 7, 20] {
+            let copy = Some(Duration::from_micros(us));
+            let fate = |count: u64| (Duration::ZERO, copy.filter(|_| count % every == 3));
+            let all = read_all(fate, 3).await;
+            let missing = check(&all, &format!("each {every}th again after {us} µs"));
+            assert!(missing == 0 || every < 20, "each {every}th again after {us} µs: {missing}");
+        }
+    }
+    // Every answer twice, the copy right behind.
+    let all = read_all(|_| (Duration::ZERO, Some(Duration::ZERO)), 3).await;
+    assert_eq!(check(&all, "all again at once"), 0);
+    // The copy of each in the answer to the next: what can be read is right.
+    for ms in [1, 3, 5, 8] {
+        let fate = |_| (Duration::ZERO, Some(Duration::from_millis(ms)));
+        let all = read_all(fate, 1).await;
+        check(&all, &format!("all again after {ms} ms"));
+    }
+}
