@@ -32,7 +32,7 @@ pub(super) fn homing_speeds(
     drives: &mut [Attached],
     to_home: &[usize],
 ) -> Vec<Option<f64>> {
-    let mut speed = |(index, axis): (usize, &Axis)| {
+    let speed = |(index, axis): (usize, &Axis)| {
         let place = axis.drive.as_ref().filter(|_| to_home.contains(&index))?;
         let attached = drives.iter_mut().find(|attached| attached.device == place.device)?;
         let (id, increments) = homing_parameter(machine, axis)?;
@@ -41,7 +41,7 @@ pub(super) fn homing_speeds(
         #[expect(clippy::cast_precision_loss, reason = "parameters have 32 bits")]
         Some(told as f64 * increments / axis.increments_per_si().abs())
     };
-    machine.axes.iter().enumerate().map(|axis| speed(axis)).collect()
+    machine.axes.iter().enumerate().map(speed).collect()
 }
 
 /// The parameter with the speed of homing, and how many increments/s its unit is.

@@ -26,7 +26,7 @@ use twin_motion::cam::{AxisState, Cam, Quantity, Shape, StartMode};
 /// A run (CSV of time, master, slave) tells offsets and scalings by least squares, each with the half width of its 95 %
 /// interval. `slave` is where the slave was measured while the coupling of the cam's file was in effect; wanted is the cam with
 /// that coupling, or with `wanted_…` of `[coupling]` where the file has them (--write puts them there). What is proposed undoes
-/// the deviation: a slave that lags gets a MasterOffset that leads. Outputs recorded beside it (columns `tappet_N`) tell the dead time of what tappets switch. Without a run what is
+/// the deviation: a slave that lags gets a master offset that leads. Outputs recorded beside it (columns `tappet_N`) tell the dead time of what tappets switch. Without a run what is
 /// to be found is changed by as little as keeps the limits. Points are moved within their tolerances by linear programs
 /// (Clarabel): velocity and acceleration stay continuous, and the slave stays where it is at every tappet. What the data do
 /// not say, or contradict, is said and not fitted.

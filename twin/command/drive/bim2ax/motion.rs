@@ -131,17 +131,17 @@ mod tests {
     #[test]
     fn homing_has_time_for_the_way_between_the_soft_limits() {
         let unlimited = AxisSettings::default();
-        assert_eq!(homing_time(&unlimited), Duration::from_secs(60));
+        assert_eq!(homing_time(&unlimited), Duration::from_mins(1));
         let limited = AxisSettings { soft_minus: -80_000, soft_plus: 400_000, ..unlimited };
         assert_eq!(homing_time(&limited), Duration::from_secs(310));
         // Off the cam by the hysteresis and back, and on by the way to the origin: 3200 µsteps are 2 s.
         let further = AxisSettings { hysteresis: 1600, origin_stop: 1600, ..limited };
         assert_eq!(homing_time(&further), Duration::from_secs(313));
         let short = AxisSettings { soft_minus: 0, soft_plus: 1600, ..unlimited };
-        assert_eq!(homing_time(&short), Duration::from_secs(60));
+        assert_eq!(homing_time(&short), Duration::from_mins(1));
         let endless = AxisSettings { soft_minus: 0, ..unlimited };
         assert_eq!(homing_time(&endless), Duration::from_secs(2631));
         let slow = AxisSettings { start_stop_speed: 1, ..endless };
-        assert_eq!(homing_time(&slow), Duration::from_secs(3600));
+        assert_eq!(homing_time(&slow), Duration::from_hours(1));
     }
 }

@@ -68,7 +68,7 @@ fn wanted(
 fn in_hex(values: &Values) -> String {
     match values {
         Values::Between(low, high) => format!("${low:04X} to ${high:04X} (bits)"),
-        other => format!("{other} (bits)"),
+        other @ Values::OneOf(_) => format!("{other} (bits)"),
     }
 }
 
