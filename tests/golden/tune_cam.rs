@@ -153,6 +153,12 @@ fn what_the_data_do_not_say_is_said() {
     tune("slip.csv").ended(1, "contradict each other");
     desk.write("other.csv", &run(0..400, |index| f64::from(index * 7919 % 1000)));
     tune("other.csv").ended(1, "offsets and scalings");
+    // The way of another master, twice as fast in the middle.
+    desk.write(
+        "another.csv",
+        &run(0..400, |index| lift(f64::from(index) * 3.0 + 6.0 * (f64::from(index) * 0.05).sin())),
+    );
+    tune("another.csv").ended(1, "nothing is written");
     assert!(!desk.path("new.toml").exists());
     desk.write("wrong.csv", "time,master,slave\n0,1,2\n0,2,3\n");
     tune("wrong.csv").ended(2, "wrong.csv: line 3: time 0 s is not later");

@@ -249,12 +249,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if let Some(path) = &arguments.output {
         picture(path, &file, &after_file, &report, recorded.as_ref())?;
     }
-    if let Some(target) = &arguments.write {
+    // A fit that the data contradict is for reading, not for files.
+    let target = arguments.write.as_ref().filter(|_| !report.doubtful);
+    if let Some(target) = target {
         apply(&file, &after_file, &report, target.as_deref())?;
     }
     report
-        .write(arguments.format, arguments.write.is_some(), &mut io::stdout().lock())
+        .write(arguments.format, target.is_some(), &mut io::stdout().lock())
         .map_err(Failure::Stdio)?;
+    if arguments.write.is_some() && report.doubtful {
+        eprintln!("nothing is written: the data contradict what was found");
+    }
     show_findings(&check.findings);
     let unfit = finding::unfit(&check.findings) || report.doubtful;
     Ok(if unfit { Status::Unfit } else { Status::Fit })
