@@ -268,9 +268,8 @@ fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
         (DeviceFault::Stuck, Family::Segments, Doing::Moving) => Survived,
         (DeviceFault::Stuck, _, Doing::Homing) => Told(&[Unfinished]),
         (DeviceFault::Stuck, _, _) if doing.stops() || doing.halts() => Told(&[Unfinished]),
-        // On its way and at the same place for longer than any that moves.
-        (DeviceFault::Stuck, _, Doing::Looking) => Told(&[Elsewhere]),
-        (DeviceFault::Stuck, _, Doing::Idle) => Told(&[Elsewhere]),
+        // While looking: on its way and at the same place for longer than any that moves.
+        (DeviceFault::Stuck, _, Doing::Idle | Doing::Looking) => Told(&[Elsewhere]),
         (DeviceFault::Stuck, Family::Bim2Ax, Doing::Moving) => Told(&[Unfinished, Elsewhere]),
         (DeviceFault::Stuck, _, _) => Told(&[Elsewhere]),
     }

@@ -5,14 +5,6 @@ mod error;
 mod guard;
 mod merge;
 mod stream;
-/// What was found of a device, in words.
-fn restarted(device: &str, certain: bool) -> String {
-    let found = format!(
-        "device `{device}` answers again, at position 0 and not enabled: it has been restarted"
-    );
-    if certain { found } else { format!("{found}, or the stop has switched it off") }
-}
-
 #[cfg(test)]
 mod tests;
 mod unit;
@@ -39,6 +31,14 @@ pub const HORIZON_NS: i64 = 250_000_000;
 /// How long devices may take to stop until those are named that have not confirmed it: longer than ramps take, and then a hard
 /// stop with the same patience.
 const LONGEST_STOP: Duration = Duration::from_secs(25);
+
+/// What was found of a device, in words.
+fn restarted(device: &str, certain: bool) -> String {
+    let found = format!(
+        "device `{device}` answers again, at position 0 and not enabled: it has been restarted"
+    );
+    if certain { found } else { format!("{found}, or the stop has switched it off") }
+}
 
 /// A device that axes of a machine hang on, and the driver that speaks to it. The axes of its arrays are those axes, in the
 /// order of the machine file.
