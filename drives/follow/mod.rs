@@ -15,8 +15,8 @@
 //! command is due.
 //!
 //! An axis that has been left behind (an answer was lost, the axis was held) comes back at no more than three times
-//! the speed of the plan around it, and never so fast that it could not stop where the plan rests or turns: nobody has
-//! agreed to an axis that catches up as fast as it can.
+//! the speed of the plan around it (or a twentieth of what it can, where that is more), and never so fast that it could
+//! not stop where the plan rests or turns: nobody has agreed to an axis that catches up as fast as it can.
 //!
 //! What the registers of a family can say, its [`Registers`] tell: which speeds and rates there are, and whether
 //! acceleration and deceleration are one number.
