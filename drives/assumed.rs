@@ -5,7 +5,7 @@ use std::{fmt::Display, ops::RangeInclusive, str::FromStr};
 use crate::OpenQuestion;
 
 /// What is assumed about a family, by name.
-pub trait Assumed: Default {
+pub trait Assumed: Default + PartialEq {
     /// Names, those of the fields. What is within a field has its name after it, as in `exceptions_value`.
     const NAMES: &'static [&'static str];
     /// What the manual leaves open about the family.
@@ -25,6 +25,25 @@ pub trait Assumed: Default {
         // One name may begin like another, shorter one.
         let found = Self::QUESTIONS.iter().filter(|question| of(question.option));
         found.max_by_key(|question| question.option.len())
+    }
+
+    /// What is assumed if nothing is said, as [`Self::set`] takes it; none if there is no such assumption.
+    fn usual(name: &str) -> Option<String> {
+        let is_usual = |value: &str| {
+            let mut assumed = Self::default();
+            assumed.set(name, value).is_ok() && assumed == Self::default()
+        };
+        let allowed = Self::allowed(name)?;
+        // Choices are named in what is allowed, numbers in the question.
+        let shown = Self::question(name).map_or("", |question| question.default);
+        let numbers = shown.split(|letter: char| !letter.is_ascii_digit());
+        let mut values = allowed.split(" or ").chain(numbers.filter(|digits| !digits.is_empty()));
+        values.find(|value| is_usual(value)).map(str::to_owned)
+    }
+
+    /// The unit of an assumption that is a number, or what it counts; empty for others.
+    fn unit(_name: &str) -> &'static str {
+        ""
     }
 
     /// What an assumption can be, in words; none if there is no such assumption.

@@ -5,8 +5,11 @@ use crate::machine::{Axis, DriveFamily, Machine, Parity};
 use twin_drives::ParameterId;
 use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
 use twin_drives::bim2ax::{ByteOrder, MOST_POSITION, ModuleAxis};
-use twin_drives::interpcnc::parameters::COUPLING;
+use twin_drives::interpcnc::parameters;
 use twin_drives::smartdrive::parameters::{PARAMETERS, POSITION_MAX, POSITION_MIN};
+
+/// How the line begins that says what makes parameters count.
+pub(crate) const THEN: &str = "then:";
 
 /// `twin drive FAMILY --port …` for a device of the machine file, with all that its line needs; `address` is that of a drive
 /// on a bus.
@@ -45,33 +48,47 @@ pub(crate) fn command(machine: &Machine, device: usize, address: usize) -> Optio
     Some(command + &deadline + &assumed.collect::<String>())
 }
 
-/// The commands that give a parameter of a device a value, and let it count.
-pub(crate) fn set(machine: &Machine, device: usize, id: ParameterId, value: i64) -> Vec<String> {
-    let Some(command) = command(machine, device, id.station.into()) else { return Vec::new() };
-    let Some(entry) = machine.drives.get(device) else { return Vec::new() };
-    let (name, then) = match &entry.family {
-        // They are kept as soon as they are set.
-        DriveFamily::InterpCnc(_) if id.number == COUPLING => ("coupling".to_owned(), None),
-        DriveFamily::InterpCnc(_) => (id.number.to_string(), None),
+/// The command that gives a parameter of a device a value, which may be a word for one.
+pub(crate) fn set_to(
+    machine: &Machine,
+    device: usize,
+    id: ParameterId,
+    value: &str,
+) -> Option<String> {
+    let command = command(machine, device, id.station.into())?;
+    let name = match &machine.drives.get(device)?.family {
+        DriveFamily::InterpCnc(_) => parameters::name(id.number).unwrap_or(id.number.to_string()),
         DriveFamily::SmartDrive(_) => {
             let known = PARAMETERS.iter().find(|entry| entry.index == id.number);
-            let name = known.map_or(id.number.to_string(), |entry| entry.name.to_owned());
-            (
-                name,
-                Some(("save", "keeps it when the drive is switched off; its position becomes 0")),
-            )
+            known.map_or(id.number.to_string(), |entry| entry.name.to_owned())
         }
-        DriveFamily::Bim2Ax(_) => match Parameter::from_number(id.number) {
-            Some(parameter) => {
-                let reset = ("reset", "lets it act; positions and homing are lost");
-                (module_parameter(parameter), parameter.needs_reset().then_some(reset))
-            }
-            None => (id.number.to_string(), None),
-        },
+        DriveFamily::Bim2Ax(_) => {
+            Parameter::from_number(id.number).map_or(id.number.to_string(), Parameter::word)
+        }
     };
-    let set = format!("set it: {command} set {name} {value}");
-    let then = then.map(|(word, why)| format!("then:   {command} {word}   ({why})"));
-    std::iter::once(set).chain(then).collect()
+    Some(format!("set it: {command} set {name} {value}"))
+}
+
+/// The commands that give a parameter of a device a value, and let it count.
+pub(crate) fn set(machine: &Machine, device: usize, id: ParameterId, value: i64) -> Vec<String> {
+    let set = set_to(machine, device, id, &value.to_string());
+    set.into_iter().chain(then(machine, device, id)).collect()
+}
+
+/// The command that lets a parameter count once it is set; none where it does at once, and is kept.
+fn then(machine: &Machine, device: usize, id: ParameterId) -> Option<String> {
+    let command = command(machine, device, id.station.into())?;
+    let (word, why) = match &machine.drives.get(device)?.family {
+        // They are kept as soon as they are set.
+        DriveFamily::InterpCnc(_) => return None,
+        DriveFamily::SmartDrive(_) => {
+            ("save", "keeps it when the drive is switched off; its position becomes 0")
+        }
+        DriveFamily::Bim2Ax(_) => Parameter::from_number(id.number)
+            .filter(|parameter| parameter.needs_reset())
+            .map(|_| ("reset", "lets it act; positions and homing are lost"))?,
+    };
+    Some(format!("{THEN}   {command} {word}   ({why})"))
 }
 
 /// The commands that give the device the software limits of the machine file, and what the machine file would have to say for
@@ -110,29 +127,6 @@ pub(crate) fn set_limits(machine: &Machine, device: usize, axis: &Axis) -> Vec<S
     let (name, file) = (&axis.name, machine.path.display());
     said.push(format!("or {least} and {most} of axis {name} in {file}"));
     said
-}
-
-/// Name of a module's parameter on the command line: that of the manual in lower case, without blanks, with the axis at its
-/// end.
-pub(crate) fn module_parameter(parameter: Parameter) -> String {
-    let words: Vec<&str> = parameter.name().split(' ').map(sign).collect();
-    let name = words.join("-").to_lowercase();
-    match parameter {
-        Parameter::Axis(AxisParameter::Reference(place), axis) => {
-            format!("{name}-{place}-{}", axis.number())
-        }
-        Parameter::Axis(_, axis) => format!("{name}-{}", axis.number()),
-        _ => name,
-    }
-}
-
-/// Signs in words, lest they look like options.
-fn sign(word: &str) -> &str {
-    match word {
-        "+" => "plus",
-        "-" => "minus",
-        other => other,
-    }
 }
 
 /// A path as a shell takes it.

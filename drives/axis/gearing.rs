@@ -1,4 +1,8 @@
 //! Configuration of an axis: ratio, sense, movement type and period (2.1.3), and its change (`SMC_ChangeGearingRatio`).
+//!
+//! For masters that keep an axis as SoftMotion does, and for [`super::Encoder`]. `twin` reads its ratios from machine files, where
+//! they are whatever a builder reads off gear and belt (10^12 increments, 9.525 mm) and need not fit the 32 bits of a
+//! [`Ratio`]; it never changes one while it runs.
 
 use super::{AxisError, Modulo, Place, Ratio};
 

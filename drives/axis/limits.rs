@@ -1,7 +1,11 @@
 //! Software maxima of set values (`SMC_CheckLimits`, 2.2.5) and the window of positions, by software and by switches
 //! (2.1.3).
+//!
+//! `twin` holds the ramps of devices against what its plans may ask for with [`SoftwareMaxima::beyond`], before a run. It does not
+//! use [`SoftwareMaxima::exceeded`] and [`LimitWatch`], which are for masters that hand on set values as they come: `twin check`
+//! knows every set-point of a program beforehand, with its line, jerk and slack for rounding, and a run ends by the path.
 
-use super::{AxisError, Gearing, Movement};
+use super::{AxisError, Movement};
 use crate::{AxisSignals, DeviceLimits};
 
 /// What an axis is asked for at one instant, technical units.
@@ -42,12 +46,13 @@ impl SoftwareMaxima {
             || acceleration && beyond(set.acceleration, most)
     }
 
-    /// What of a device's own limits is below these maxima: name, the device's and this one, technical units. Empty if
+    /// What of a device's own limits is below these maxima: name, the device's and this one, technical units, of which each
+    /// is so many increments ([`super::Ratio::increments_of`] of 1, or a ratio of the caller's that no 32 bits hold). Empty if
     /// the device does whatever may be asked of it, as far as it tells.
     pub fn beyond(
         &self,
         device: &DeviceLimits,
-        gearing: &Gearing,
+        increments_per_unit: f64,
     ) -> Vec<(&'static str, f64, f64)> {
         let pairs = [
             ("velocity", device.speed, self.velocity),
@@ -55,7 +60,7 @@ impl SoftwareMaxima {
             ("deceleration", device.deceleration, self.deceleration),
         ];
         let in_units = |(name, of_device, wanted): (_, Option<f64>, f64)| {
-            let most = gearing.ratio().units_of(of_device?).abs();
+            let most = (of_device? / increments_per_unit).abs();
             // Ratios are rounded, and a limit that is met is not exceeded.
             (wanted > most * (1.0 + 1e-12)).then_some((name, most, wanted))
         };
@@ -123,7 +128,6 @@ impl LimitWatch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::axis::Direction;
 
     #[test]
     fn set_values_are_held_against_their_maxima() {
@@ -145,11 +149,10 @@ mod tests {
 
     #[test]
     fn a_device_that_does_less_is_found() {
-        let gearing = Gearing::new(-1, 100, Direction::Positive, Movement::Linear).unwrap();
         let device =
             DeviceLimits { speed: Some(1000.0), acceleration: Some(1999.0), ..Default::default() };
         let maxima = SoftwareMaxima { velocity: 10.0, acceleration: 20.0, deceleration: 1e9 };
-        assert_eq!(maxima.beyond(&device, &gearing), [("acceleration", 19.99, 20.0)]);
+        assert_eq!(maxima.beyond(&device, -100.0), [("acceleration", 19.99, 20.0)]);
     }
 
     #[test]

@@ -1,4 +1,8 @@
 //! What is exchanged with a drive, and what its loop controls (2.1.3, 2.2.4).
+//!
+//! All three families take positions and tell positions, and close what loop they have themselves: there is nothing that a run
+//! could choose, and a master that asks for another type or mode is refused here with the manual's error. That is all these
+//! types are for; `twin` has no key for what can only be one value.
 
 use super::AxisError;
 

@@ -1,4 +1,8 @@
 //! Rotary axes, whose positions repeat, and counters, which wrap.
+//!
+//! [`super::Encoder`] and [`Gearing`](super::Gearing) are made of them. `twin` plans axes with a period unwound, turn by turn, and
+//! drives follow the whole counter: folding positions into a period would lose the turns that programs count, and the tools'
+//! directions. Its periods fold only what is shown, in the axis's own unit.
 
 use super::{AxisError, Ratio, ratio::quotient};
 

@@ -21,6 +21,23 @@ pub enum CamStart {
     FarEdge,
 }
 
+/// How a module corrects programmed moves after what its encoder shows. The manual says that it does, and that a message bit
+/// tells "au moins une correction" (2.2.4); not when it corrects, nor how often. The emulated module behaves by it; the
+/// driver asks for neither number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Corrections {
+    /// Corrections of one move, at most. Nothing in the manual; default 3.
+    pub most: u8,
+    /// µsteps by which encoder and counter may differ uncorrected: 3.1.15 has "1 ou 2 pas" for rounding alone. Default 2.
+    pub tolerance: u16,
+}
+
+impl Default for Corrections {
+    fn default() -> Self {
+        Self { most: 3, tolerance: 2 }
+    }
+}
+
 /// What is assumed where the manual is silent. The emulated module behaves by it, and the driver expects it where it
 /// matters to it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,8 +65,8 @@ pub struct Assumptions {
     pub refusal_stops: bool,
     /// What homing does that begins on a cam it does not clear (§4). Default the edge is taken.
     pub cam_start: CamStart,
-    /// The counter goes on counting through homing instead of being 0 at its end (§4). The driver reads it. Default
-    /// false.
+    /// The counter goes on counting through homing instead of being 0 at its end (§4). The driver reads it, and tells
+    /// when it is not so ([`crate::DriveError::HomeCount`]). Default false.
     pub homing_keeps_position: bool,
     /// A move that is abandoned costs homing (§4). The driver reads message bit 4. Default false.
     pub abandon_loses_homing: bool,

@@ -32,7 +32,7 @@ mod tests;
 mod vectors;
 pub mod zone;
 
-pub use assumptions::{Assumptions, CamStart, EntryOrder};
+pub use assumptions::{Assumptions, CamStart, Corrections, EntryOrder};
 pub use axis::{
     AxisSettings, Bench, Contact, EncoderBench, EncoderKind, MOST_POSITION, REFERENCES,
 };

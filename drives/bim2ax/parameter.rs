@@ -189,6 +189,15 @@ pub enum Parameter {
     Version,
 }
 
+/// Signs in words, lest they look like options.
+fn sign(word: &str) -> &str {
+    match word {
+        "+" => "plus",
+        "-" => "minus",
+        other => other,
+    }
+}
+
 impl Parameter {
     /// Its number; none for a reference position other than 1 to 10.
     pub fn number(self) -> Option<u16> {
@@ -236,6 +245,28 @@ impl Parameter {
     pub fn needs_reset(self) -> bool {
         let Self::Axis(parameter, _) = self else { return false };
         PAIRS.iter().any(|(known, _, _, _, reset)| *known == parameter && *reset)
+    }
+
+    /// The one name that it has in files, in messages and on the command line: that of the manual in lower case, without
+    /// blanks, with the axis at its end.
+    pub fn word(self) -> String {
+        let words: Vec<&str> = self.name().split(' ').map(sign).collect();
+        let name = words.join("-").to_lowercase();
+        match self {
+            Self::Axis(AxisParameter::Reference(place), axis) => {
+                format!("{name}-{place}-{}", axis.number())
+            }
+            Self::Axis(_, axis) => format!("{name}-{}", axis.number()),
+            _ => name,
+        }
+    }
+
+    /// The parameter of a name: its [`Self::word`], or the manual's with its axis, as in "fast speed of axis 2", whatever its
+    /// case.
+    pub fn named(text: &str) -> Option<Self> {
+        let plain = text.to_lowercase().replace(" of axis ", "-");
+        let plain = plain.split(' ').map(sign).collect::<Vec<_>>().join("-");
+        (0..=0x63).filter_map(Self::from_number).find(|parameter| parameter.word() == plain)
     }
 
     /// What it is called.

@@ -3,7 +3,7 @@
 use crate::OpenQuestion;
 
 /// What the manual of the module leaves open, in the order of its digest.
-pub const OPEN_QUESTIONS: [OpenQuestion; 15] = [
+pub const OPEN_QUESTIONS: [OpenQuestion; 16] = [
     OpenQuestion::new(
         15,
         "In which byte order are the module's numbers?",
@@ -86,7 +86,7 @@ pub const OPEN_QUESTIONS: [OpenQuestion; 15] = [
         "What is the position after homing?",
         ("Assumptions.homing_keeps_position", "false"),
         "what it was, counted on",
-        "reads it",
+        "reads it, and tells where it is not so",
     ),
     OpenQuestion::new(
         100,
@@ -108,5 +108,12 @@ pub const OPEN_QUESTIONS: [OpenQuestion; 15] = [
         ("ModuleOptions.phases_on_order", "true"),
         "no, before revision D",
         "tests the motor instead",
+    ),
+    OpenQuestion::new(
+        0,
+        "From which difference between encoder and counter on, and how often, is a move corrected?",
+        ("ModuleOptions.corrections", "Corrections { most: 3, tolerance: 2 }"),
+        "any number and difference, also never",
+        "shows that there was a correction, and asks for no number",
     ),
 ];

@@ -26,6 +26,7 @@ impl DriveError {
             | Self::Unfinished { at, .. }
             | Self::NotArrived { at, .. }
             | Self::HomingFailed { at, .. }
+            | Self::HomeCount { at, .. }
             | Self::ProbeFailed { at }
             | Self::EepromFailed { at }
             | Self::NotKept { at, .. }

@@ -188,6 +188,28 @@ pub enum DriveError {
         /// Which.
         axes: Axes,
     },
+    /// Homing has ended on its switch, and the counter shows something else than what is assumed of the device: a module that
+    /// does not make it 0, or makes it 0 where it is expected to count on (BIM2AX, assumption `homing_keeps_position`).
+    #[error(
+        "{at}: {axis} is home and counts {found}, {}",
+        if *counted_on {
+            format!("after {before} a moment ago: its counter has not counted on, as `homing_keeps_position` assumes")
+        } else {
+            "not 0: does it count on through homing (assumption `homing_keeps_position`)?".to_owned()
+        }
+    )]
+    HomeCount {
+        /// Where.
+        at: Exchange,
+        /// Which.
+        axis: Axes,
+        /// Whether the counter is expected to count on through homing.
+        counted_on: bool,
+        /// What it counted last on its way, increments.
+        before: i64,
+        /// What it counts at home, increments.
+        found: i64,
+    },
     /// The input that a probing move awaited did not come.
     #[error("{at}: the probe has found nothing")]
     ProbeFailed {

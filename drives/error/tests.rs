@@ -31,6 +31,13 @@ fn every_message_names_port_station_and_command() {
         DriveError::Unfinished { at: at(), patience: Duration::from_secs(3) },
         DriveError::NotArrived { at: at(), axis: Axes::Numbers(2), target: 5, found: 4 },
         DriveError::HomingFailed { at: at(), axes: Axes::Letters(3) },
+        DriveError::HomeCount {
+            at: at(),
+            axis: Axes::Numbers(1),
+            counted_on: false,
+            before: 5,
+            found: 4,
+        },
         DriveError::ProbeFailed { at: at() },
         DriveError::EepromFailed { at: at() },
         DriveError::ParameterDiffers { at: at(), number: 4, expected: 5, found: 4 },

@@ -41,6 +41,19 @@ impl Assumed for Assumptions {
     ];
     const QUESTIONS: &'static [OpenQuestion] = &OPEN_QUESTIONS;
 
+    fn unit(name: &str) -> &'static str {
+        match &*field(name) {
+            "buffer_segments" => "segments",
+            "silence" => "µs",
+            "most_read" | "most_written" => "registers",
+            "segment_acceleration" | "segment_start_stop" => "(number of a parameter)",
+            "reversal_gap_ns" | "eeprom_write_ns" => "ns",
+            "locked_exception" | "exceptions_address" | "exceptions_value"
+            | "exceptions_failure" => "(code)",
+            _ => "",
+        }
+    }
+
     fn set(&mut self, name: &str, value: &str) -> Result<(), AssumedError> {
         const BAUD: [(&str, BaudCode); 3] =
             [("raw", BaudCode::Raw), ("hundreds", BaudCode::Hundreds), ("index", BaudCode::Index)];

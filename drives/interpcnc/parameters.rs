@@ -125,28 +125,68 @@ pub fn values(number: u16) -> Values {
     Values::Between(0, u32::MAX.into())
 }
 
-/// Number, name and unit of what belongs to the board as a whole.
-const NAMES: [(u16, &str, &str); 19] = [
-    (DEFAULT_ACCELERATION, "EE_DEFAULT_ACCEL", "1000 steps/s²"),
-    (DEFAULT_START_STOP, "EE_DEFAULT_STARTF", "steps/s"),
-    (HOME_START_STOP, "EE_ORIGINE_STARTF_RAPIDE", "steps/s"),
-    (HOME_SLOW_SPEED, "EE_ORIGINE_SPEED_LENTE", "steps/s"),
-    (EMERGENCY_STOP_INPUT, "EE_AU", ""),
-    (SPECIAL_POLARITY, "EE_POLARITY_FDC", ""),
-    (HOME_POLARITY, "EE_POLARITY_OM", ""),
-    (OUTPUTS_AT_START, "EE_OUTPUT_START", ""),
-    (COUPLING, "EE_COUPLAGE_AXE", ""),
-    (SET_WHEN_UNLOCKED, "EE_OUTPUT_SET_NC_READY", ""),
-    (UNLOCK_INPUT, "EE_INPUT_UNLOCK", ""),
-    (UNLOCK_POLARITY, "EE_INPUT_UNLOCK_POLARITY", ""),
-    (RESET_WHEN_UNLOCKED, "EE_OUTPUT_RESET_NC_READY", ""),
-    (SET_WHEN_LOCKED, "EE_OUTPUT_SET_NC_NOT_READY", ""),
-    (RESET_WHEN_LOCKED, "EE_OUTPUT_RESET_NC_NOT_READY", ""),
-    (MODBUS_SPEED, "EE_MODBUS_SPEED", ""),
-    (MODBUS_PARITY, "EE_MODBUS_POLARITY", ""),
-    (MODBUS_ADDRESS, "EE_MODBUS_BASE_ADRESS", ""),
-    (ZERO_AFTER_HOMING, "EE_ORIGINE_RESET_POS_SOFT", ""),
+/// Number, name, the vendor's name and unit of what belongs to the board as a whole.
+const NAMES: [(u16, &str, &str, &str); 19] = [
+    (DEFAULT_ACCELERATION, "default-acceleration", "EE_DEFAULT_ACCEL", "1000 steps/s²"),
+    (DEFAULT_START_STOP, "default-start-stop", "EE_DEFAULT_STARTF", "steps/s"),
+    (HOME_START_STOP, "home-start-stop", "EE_ORIGINE_STARTF_RAPIDE", "steps/s"),
+    (HOME_SLOW_SPEED, "home-slow-speed", "EE_ORIGINE_SPEED_LENTE", "steps/s"),
+    (EMERGENCY_STOP_INPUT, "emergency-stop-input", "EE_AU", ""),
+    (SPECIAL_POLARITY, "special-polarity", "EE_POLARITY_FDC", ""),
+    (HOME_POLARITY, "home-polarity", "EE_POLARITY_OM", ""),
+    (OUTPUTS_AT_START, "outputs-at-start", "EE_OUTPUT_START", ""),
+    (COUPLING, "coupling", "EE_COUPLAGE_AXE", ""),
+    (SET_WHEN_UNLOCKED, "set-when-unlocked", "EE_OUTPUT_SET_NC_READY", ""),
+    (UNLOCK_INPUT, "unlock-input", "EE_INPUT_UNLOCK", ""),
+    (UNLOCK_POLARITY, "unlock-polarity", "EE_INPUT_UNLOCK_POLARITY", ""),
+    (RESET_WHEN_UNLOCKED, "reset-when-unlocked", "EE_OUTPUT_RESET_NC_READY", ""),
+    (SET_WHEN_LOCKED, "set-when-locked", "EE_OUTPUT_SET_NC_NOT_READY", ""),
+    (RESET_WHEN_LOCKED, "reset-when-locked", "EE_OUTPUT_RESET_NC_NOT_READY", ""),
+    (MODBUS_SPEED, "modbus-speed", "EE_MODBUS_SPEED", ""),
+    (MODBUS_PARITY, "modbus-parity", "EE_MODBUS_POLARITY", ""),
+    (MODBUS_ADDRESS, "modbus-address", "EE_MODBUS_BASE_ADRESS", ""),
+    (ZERO_AFTER_HOMING, "zero-after-homing", "EE_ORIGINE_RESET_POS_SOFT", ""),
 ];
+
+/// What each axis has: which number, the name before that of the axis, and the unit.
+fn of_each(axis: BoardAxis) -> [(u16, &'static str, &'static str); 8] {
+    let limit = |positive| limit_input(axis, positive);
+    [
+        (home_direction(axis), "home-direction", ""),
+        (home_speed(axis), "home-speed", "steps/s"),
+        (home_acceleration(axis), "home-acceleration", "1000 steps/s²"),
+        (home_input(axis), "home-input", ""),
+        (limit(false), "limit-minus-input", ""),
+        (limit(false) + 1, "limit-minus-polarity", ""),
+        (limit(true), "limit-plus-input", ""),
+        (limit(true) + 1, "limit-plus-polarity", ""),
+    ]
+}
+
+/// The one name that a parameter has in files, in messages and on the command line; none of those that nobody explains.
+pub fn name(number: u16) -> Option<String> {
+    if let Some((_, name, ..)) = NAMES.iter().find(|(known, ..)| *known == number) {
+        return Some((*name).to_owned());
+    }
+    for axis in BoardAxis::ALL {
+        let found = of_each(axis).into_iter().find(|(known, ..)| *known == number);
+        if let Some((_, name, _)) = found {
+            return Some(format!("{name}-{}", axis.to_string().to_lowercase()));
+        }
+    }
+    let output = number.checked_sub(ANALOG_LOCKED).filter(|output| *output <= 1)?;
+    Some(format!("analog-{}-locked", output + 1))
+}
+
+/// The parameter of a name, ours or the vendor's, whatever its case.
+pub fn named(text: &str) -> Option<u16> {
+    let of_vendor = NAMES.iter().find(|(_, _, vendor, _)| vendor.eq_ignore_ascii_case(text));
+    let ours = || {
+        (0..PARAMETERS)
+            .find(|number| name(*number).is_some_and(|name| name.eq_ignore_ascii_case(text)))
+    };
+    of_vendor.map(|(number, ..)| *number).or_else(ours)
+}
 
 /// What is known about a parameter; `place` says which axis of the caller's an axis of the board is.
 pub(crate) fn describe(number: u16, place: impl Fn(BoardAxis) -> Option<usize>) -> ParameterInfo {
@@ -156,30 +196,17 @@ pub(crate) fn describe(number: u16, place: impl Fn(BoardAxis) -> Option<usize>) 
         of_the_line: (MODBUS_SPEED..=MODBUS_ADDRESS).contains(&number),
         ..ParameterInfo::new(id, name, values(number))
     };
-    if let Some((_, name, unit)) = NAMES.iter().find(|(known, ..)| *known == number) {
-        return info((*name).to_owned(), *unit);
+    if let Some((.., unit)) = NAMES.iter().find(|(known, ..)| *known == number) {
+        return info(name(number).unwrap_or_default(), *unit);
     }
     for axis in BoardAxis::ALL {
-        let limit = |positive| limit_input(axis, positive);
-        let of_axis = [
-            (home_direction(axis), "home direction", ""),
-            (home_speed(axis), "home speed", "steps/s"),
-            (home_acceleration(axis), "home acceleration", "1000 steps/s²"),
-            (home_input(axis), "home switch input", ""),
-            (limit(false), "limit switch - input", ""),
-            (limit(false) + 1, "limit switch - polarity", ""),
-            (limit(true), "limit switch + input", ""),
-            (limit(true) + 1, "limit switch + polarity", ""),
-        ];
-        if let Some((_, name, unit)) = of_axis.into_iter().find(|(known, ..)| *known == number) {
-            let named = info(format!("{name} of {axis}"), unit);
+        let found = of_each(axis).into_iter().find(|(known, ..)| *known == number);
+        if let Some((.., unit)) = found {
+            let named = info(name(number).unwrap_or_default(), unit);
             return ParameterInfo { axis: place(axis), ..named };
         }
     }
-    match number.checked_sub(ANALOG_LOCKED) {
-        Some(output @ 0..=1) => info(format!("EE_AOUT{}_LOCKED_VALUE", output + 1), ""),
-        _ => info(format!("parameter {number}"), ""),
-    }
+    info(name(number).unwrap_or_else(|| format!("parameter {number}")), "")
 }
 
 #[cfg(test)]
@@ -211,17 +238,22 @@ mod tests {
     #[test]
     fn parameters_are_described() {
         let place = |axis| (axis == BoardAxis::Y).then_some(0);
-        let named = |number| describe(number, place).name;
-        assert_eq!((named(4), named(101)), ("EE_DEFAULT_ACCEL".into(), "EE_MODBUS_SPEED".into()));
-        assert_eq!(
-            (named(104), named(105)),
-            ("limit switch - input of X".into(), "limit switch - polarity of X".into())
-        );
-        assert_eq!(
-            (named(123), named(131)),
-            ("limit switch + polarity of B".into(), "EE_AOUT2_LOCKED_VALUE".into())
-        );
-        assert_eq!(named(383), "parameter 383");
+        let called = |number| describe(number, place).name;
+        for (number, said) in [
+            (4, "default-acceleration"),
+            (101, "modbus-speed"),
+            (104, "limit-minus-input-x"),
+            (105, "limit-minus-polarity-x"),
+            (123, "limit-plus-polarity-b"),
+            (131, "analog-2-locked"),
+            (383, "parameter 383"),
+        ] {
+            assert_eq!(called(number), said);
+            assert_eq!(named(said), (number != 383).then_some(number), "{said}");
+        }
+        // The vendor's names are understood, too.
+        assert_eq!((named("EE_DEFAULT_ACCEL"), named("ee_modbus_speed")), (Some(4), Some(101)));
+        assert_eq!(named("nonsense"), None);
         assert_eq!((describe(30, place).axis, describe(29, place).axis), (Some(0), None));
         let of_the_line: Vec<_> =
             (0..PARAMETERS).filter(|number| describe(*number, place).of_the_line).collect();

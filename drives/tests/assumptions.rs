@@ -175,6 +175,12 @@ fn check_names<A: Assumed + std::fmt::Debug + PartialEq>() {
         // Each value is another assumption, and not all are the usual one.
         assert_eq!(seen.len(), count, "{name}: {allowed}");
         assert!(count > 1, "{name}: {allowed}");
+        // What is assumed otherwise nothing, as people say it.
+        let usual = A::usual(name).unwrap_or_else(|| panic!("{name} has no usual value"));
+        let mut said = A::default();
+        said.set(name, &usual).unwrap();
+        assert_eq!(said, A::default(), "{name}");
+        assert!(A::unit(name).is_empty() == !allowed.contains(" to "), "{name}: {}", A::unit(name));
         let wrong = A::default().set(name, "perhaps");
         assert!(matches!(wrong, Err(AssumedError::Value { .. })), "{wrong:?}");
     }

@@ -187,7 +187,7 @@ fn an_interpcnc_describes_its_parameters() {
     let mut bench = interpcnc();
     let all = described(&mut *bench.drive);
     assert_eq!(all.len(), 384);
-    assert_eq!((all[53].name.as_str(), all[53].axis), ("home speed of Y", Some(1)));
+    assert_eq!((all[53].name.as_str(), all[53].axis), ("home-speed-y", Some(1)));
     let limits = bench.drive.limits().unwrap();
     assert_eq!(limits[1], DeviceLimits { speed: Some(200e3), ..DeviceLimits::default() });
     assert_eq!(limits[2], DeviceLimits::default());

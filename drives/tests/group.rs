@@ -3,9 +3,7 @@
 use super::bench::{Bench, bim2ax, interpcnc, smartdrive};
 use crate::{
     DriveError, ParameterId,
-    axis::{
-        AxisGroup, Direction, Gearing, GroupPhase, GroupTask, Movement, SoftwareMaxima, StartStep,
-    },
+    axis::{AxisGroup, GroupPhase, GroupTask, SoftwareMaxima, StartStep},
 };
 
 /// One task of the group. `maxima` is what is wanted of the axes, a unit being 100 increments.
@@ -25,9 +23,8 @@ fn carry_out(
         StartStep::Identity => drive.drive.identity().map(|_| ()).map_err(text),
         StartStep::Parameters => drive.drive.parameters().map(|_| ()).map_err(text),
         StartStep::Limits => {
-            let gearing = Gearing::new(1, 100, Direction::Positive, Movement::Linear).unwrap();
             let limits = drive.drive.limits().map_err(text)?;
-            let beyond = maxima.beyond(&limits[0], &gearing);
+            let beyond = maxima.beyond(&limits[0], 100.0);
             let named = |(name, most, wanted): &(&str, f64, f64)| {
                 format!("{name} {wanted} is beyond {most}")
             };

@@ -447,8 +447,13 @@ fn parameters_go_to_a_file_and_back() {
 fn an_axis_is_homed_by_a_switch_that_the_drive_only_shows() {
     let (running, hand) = a_board(1);
     hand.refuses("home X Y --by-switch 0 --yes", "homes one axis at a time");
-    hand.refuses("home X --by-switch 3 --yes", "the modes are 0, 1, 4 and 5");
-    hand.refuses("home X --by-switch 2 --yes", "need an index pulse, which no drive shows");
+    hand.refuses("home X --by-switch 3 --yes", "the modes are 0, 1, 2, 4, 5 and 6");
+    hand.refuses("home X --by-switch 2 --yes", "--index-input N says at which input it is");
+    hand.refuses(
+        "home X --by-switch 0 --index-input 6 --yes",
+        "--index-input says nothing in mode 0",
+    );
+    hand.refuses("home X --by-switch 4 --ignore-limits --yes", "limit switches");
     hand.refuses("home X --input 5", "--by-switch");
     let ask = "home X --by-switch 0 --input 5 --fast 4000 --slow 500 --max-way 5000";
     hand.refuses(

@@ -1,8 +1,10 @@
 //! `twin drive … home --by-switch`: switches that the drive only shows.
 
-use crate::drive::{a_bus, a_module};
+use crate::drive::{a_board, a_bus, a_module, row};
 use twin_drives::bim2ax::emulator::Event;
 use twin_drives::bim2ax::{Contact, ModuleAxis};
+use twin_drives::interpcnc::BoardAxis;
+use twin_drives::interpcnc::emulator as board;
 
 /// As a look at the switch takes, some tens of µsteps at the slow speed, with the time of this computer.
 const LATE: f64 = 150.0;
@@ -43,4 +45,51 @@ fn an_axis_of_a_bim2ax_is_homed_by_its_cam_and_by_an_input() {
         let home = f64::from(shaft) - module.position(ModuleAxis::One);
         assert!((home + 400.0).abs() <= LATE, "{home}");
     }
+}
+
+/// Home of X, steps from where it was switched on, after homing with these words; and where the axis stands then.
+fn homed(words: &str) -> (f64, f64) {
+    let (running, hand) = a_board(1);
+    let cam = |input, from, to| {
+        let axis = BoardAxis::X;
+        board::Cam { input, axis, from, to, normally_closed: false }
+    };
+    // Backwards: an index pulse on IN6, the home switch on IN5, another pulse, a limit switch on IN7.
+    let cams = vec![
+        cam(6, -1200, -1100),
+        cam(5, -3000, -1500),
+        cam(6, -3500, -3400),
+        cam(7, -9000, -5000),
+    ];
+    let bench = board::Bench { cams, encoder: None };
+    running.control(board::Control::Event(board::Event::Bench(bench))).expect("it runs");
+    hand.does("set limit-minus-input-x 7");
+    let ask =
+        format!("home X {words} --fast 4000 --slow 500 --max-way 8000 --max-slow-way 5000 --yes");
+    let done = hand.does(&ask);
+    assert!(done.stdout.contains("axis X is home, at "), "{}", done.stdout);
+    let counter: f64 = row(&hand.does("status"), 0, "X")[1].parse().expect("a position");
+    let board = running.stop().expect("it runs");
+    assert!(board.status().moving().is_empty());
+    let mechanical = board.mechanical(BoardAxis::X);
+    (mechanical - counter, counter)
+}
+
+/// 2.2.7: fast in the direction until the switch closes, then slowly back (0 to 2) or on (4 to 6) until it opens; home is there (0,
+/// 4) or the next index pulse (2, 6). What is seen is as late as a look, at most a tenth of a second of 500 steps/s.
+#[test]
+fn home_is_where_the_mode_and_the_options_say() {
+    for (words, edge) in [
+        ("--by-switch 2 --input 5 --index-input 6", -1200.0),
+        ("--by-switch 6 --input 5 --index-input 6", -3400.0),
+        // The switch tells what was 0.2 s ago: 100 steps further back.
+        ("--by-switch 0 --input 5 --signal-delay 200", -1600.0),
+        ("--by-switch 0 --on-limit", -5000.0),
+    ] {
+        let (home, _) = homed(words);
+        assert!((home - edge).abs() <= 50.0, "{words}: {home} instead of {edge}");
+    }
+    // It goes to 0 in the end.
+    let (home, counter) = homed("--by-switch 0 --input 5 --home-position 250 --return-to-zero");
+    assert!((home + 1750.0).abs() <= 50.0 && counter.abs() < 1e-9, "{home}, {counter}");
 }

@@ -1,220 +1,22 @@
 //! `twin run --drives real` on emulators in this process as the real devices, whose own state says what has become of it.
 
-use crate::process::{Desk, Done, number};
+use crate::process::{Desk, number};
+use crate::shop::{SHORT, Shop, a_board, clock, listens, mixture};
 use serde_json::Value;
-use std::cell::RefCell;
 use std::io::Write;
-use std::path::Path;
 use std::process::{Command, Stdio};
-use std::time::Duration;
-use twin::clock::Clock;
-use twin_drives::Control;
-use twin_drives::bim2ax::emulator as module;
-use twin_drives::bim2ax::{Contact, ModuleAxis};
-use twin_drives::interpcnc::BoardAxis;
-use twin_drives::interpcnc::emulator as board;
 use twin_drives::smartdrive::emulator as bus;
-
-fn clock() -> impl Fn() -> i64 + Send + Sync {
-    let clock = Clock::start();
-    move || clock.now_ns()
-}
-
-/// There and back, 0.7 s. All axes are at 0 where it begins.
-const SHORT: &str = "% short\nN10 G1 X10 Y5 Z-35 U8 F50 E500 E-500\nN20 G1 X0 Y0 Z-40 U0\n";
-/// Half a minute.
-const LONG: &str = "% long\nN10 G1 X200 Y100 Z20 U60 F15 E300 E-300\nN20 G1 X0 Y0 Z-40 U0\n";
-
-/// X and Y on a board, Z on a bus, U on a module; all of them have plenty of time to answer beside other tests.
-fn mixture(desk: &Desk) -> String {
-    let text = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
-    let devices = "name = \"board\"\nkind = \"interpcnc\"\nport = \"board\"\nanswer_deadline_ms = 2000\n\n\
-                   [[drives]]\nname = \"bus\"\nkind = \"smartdrive\"\nport = \"bus\"\nanswer_deadline_ms = 2000\n\
-                   firmware = \"1.2.0\"\n\n\
-                   [[drives]]\nname = \"module\"\nkind = \"bim2ax\"\nport = \"module\"\nanswer_deadline_ms = 2000";
-    let u = "\n[[axes]]\nname = \"U\"\nkind = \"linear\"\nposition_min_mm = -100.0\nposition_max_mm = 100.0\n\
-             max_velocity_mm_per_s = 100.0\nmax_acceleration_mm_per_s2 = 1000.0\ndrive = \"module\"\n\
-             drive_axis = \"1\"\nincrements = 3200\nper_mm = 10.0\n";
-    let old = "name = \"board\"\nkind = \"interpcnc\"\nport = \"/dev/ttyUSB0\"";
-    let of_z = "drive = \"board\"\ndrive_axis = \"Z\"";
-    assert!(text.contains(old) && text.contains(of_z));
-    // A computer that is busy lets axes fall behind.
-    let text = text.replace("max_following_error_mm = 0.5", "max_following_error_mm = 100.0");
-    text.replace(old, devices).replace(of_z, "drive = \"bus\"\ndrive_address = 1") + u
-}
-
-/// Three devices that somebody has commissioned for the mixture, and its machine file.
-struct Shop {
-    desk: Desk,
-    board: board::EmulatedBoard,
-    bus: RefCell<Option<bus::EmulatedBus>>,
-    module: module::EmulatedModule,
-}
-
-/// What `twin drive` sets on a drive of the bus and on a module.
-const BUS: [&str; 5] = [
-    "Trj_VelMax 2880",
-    "Trj_AccMax 30000",
-    "Trj_DecMax 30000",
-    "Trj_PosMin -38400",
-    "Trj_PosMax 76800",
-];
-const MODULE: [&str; 4] = [
-    "acceleration-1 65535",
-    "fast-speed-1 2400",
-    "soft-limit-plus-1 32001",
-    "soft-limit-minus-1 -32001",
-];
-
-fn a_board(link: &Path) -> board::EmulatedBoard {
-    let options =
-        board::EmulatorOptions { link: Some(link.to_owned()), ..board::EmulatorOptions::default() };
-    board::EmulatedBoard::start(&options, clock()).expect("it starts")
-}
-
-fn a_bus(link: &Path) -> bus::EmulatedBus {
-    let devices = vec![bus::DeviceOptions::default()];
-    let link = Some(link.to_owned());
-    let options = bus::EmulatorOptions { devices, link, ..bus::EmulatorOptions::default() };
-    bus::EmulatedBus::start(&options, clock()).expect("it starts")
-}
-
-/// Its cam is 400 to 900 µsteps behind the start.
-fn a_module(path: &Path) -> module::EmulatedModule {
-    let mut options = module::EmulatorOptions::new(path);
-    options.module.boot_ns = crate::drive::QUICK_BOOT_NS;
-    for bench in &mut options.surroundings.benches {
-        bench.cam = Some(Contact::between(-900, -400, true));
-    }
-    crate::drive::started(&options)
-}
-
-/// The firmware of drives starts within 300 ms: until then nobody answers.
-fn listens(desk: &Desk, port: &str) {
-    let status = ["drive", "smartdrive", "--port", port, "--deadline", "300", "status"];
-    assert!((0..50).any(|_| desk.twin(&status).status == Some(0)), "nobody answers");
-}
-
-impl Shop {
-    fn new() -> Self {
-        let desk = Desk::new();
-        desk.write("mixture.toml", &mixture(&desk));
-        desk.write("short.cnc", SHORT);
-        desk.write("long.cnc", LONG);
-        let board = a_board(&desk.path("board"));
-        let bus = RefCell::new(Some(a_bus(&desk.path("bus"))));
-        let module = a_module(&desk.path("module"));
-        let shop = Self { desk, board, bus, module };
-        shop.by_hand("interpcnc", "board", "unlock");
-        listens(&shop.desk, "bus");
-        shop.commission_bus();
-        for set in MODULE {
-            shop.by_hand("bim2ax", "module", &format!("set {set}"));
-        }
-        shop.by_hand("bim2ax", "module", "reset");
-        shop.by_hand("bim2ax", "module", "unlock 1");
-        shop
-    }
-
-    /// Waits until the program has X on its way.
-    fn under_way(&self) {
-        let begun = |_| {
-            std::thread::sleep(Duration::from_millis(10));
-            self.board.look().expect("it runs").position(BoardAxis::X) > 5.0 * 320.0
-        };
-        assert!((0..6000).any(begun), "X does not move");
-    }
-
-    /// A cam that is never reached.
-    fn hide_the_cam(&self) {
-        let mut module = self.module.module();
-        let mut surroundings = *module.surroundings();
-        for bench in &mut surroundings.benches {
-            bench.cam = Some(Contact::between(-4_000_000, -3_900_000, true));
-        }
-        module.set_surroundings(&surroundings);
-    }
-
-    fn commission_bus(&self) {
-        for set in BUS {
-            self.by_hand("smartdrive", "bus", &format!("set {set}"));
-        }
-        self.by_hand("smartdrive", "bus", "unlock");
-    }
-
-    /// Carries out every command of the start-up checks that sets something.
-    #[track_caller]
-    fn copy_commands(&self, done: &Done) {
-        let said = ["set it: twin ", "then:   twin "];
-        let commands = done.stderr.lines().filter_map(|line| {
-            said.iter().find_map(|start| line.trim().strip_prefix(start)).map(|rest| {
-                let command = rest.split("   (").next().unwrap_or(rest);
-                command.split_whitespace().collect::<Vec<_>>()
-            })
-        });
-        let commands: Vec<_> = commands.collect();
-        assert!(commands.len() >= 3, "{}", done.stderr);
-        for command in commands {
-            self.desk.twin(&command).ended(0, "");
-        }
-    }
-
-    #[track_caller]
-    fn by_hand(&self, family: &str, port: &str, action: &str) {
-        let words = ["drive", family, "--port", port, "--deadline", "2000"];
-        let action = action.split(' ');
-        let words: Vec<_> = words.into_iter().chain(action).collect();
-        self.desk.twin(&words).ended(0, "");
-    }
-
-    /// Arguments of `twin run PROGRAM --drives real …`.
-    fn arguments<'a>(program: &'a str, more: &'a str) -> Vec<&'a str> {
-        let run = ["run", program, "-m", "mixture.toml", "--drives", "real"];
-        run.into_iter().chain(more.split_whitespace()).collect()
-    }
-
-    fn run(&self, program: &str, more: &str) -> Done {
-        self.desk.twin(&Self::arguments(program, more))
-    }
-
-    /// Homed by hand, but for the module, which has to be homed in any case.
-    fn homed(&self, program: &str, more: &str) -> Done {
-        self.run(program, &format!("--homed --home=U --yes {more}"))
-    }
-
-    /// Ends all devices; where their axes stand, in mm, and that they rest.
-    #[track_caller]
-    fn at_rest(self) -> [Option<f64>; 4] {
-        let u = {
-            let module = self.module.module();
-            assert!(module.velocity(ModuleAxis::One).abs() < f64::EPSILON, "U moves");
-            module.position(ModuleAxis::One) / 320.0
-        };
-        let board = self.board.stop().expect("it runs");
-        assert!(board.status().moving().is_empty(), "the board moves");
-        let [x, y] = [BoardAxis::X, BoardAxis::Y].map(|axis| board.position(axis) / 320.0);
-        let z = self.bus.into_inner().map(|bus| {
-            let devices = bus.stop().expect("it runs");
-            assert!(devices[0].motion().1.abs() < f64::EPSILON, "Z moves");
-            f64::from(devices[0].counter()) / 640.0
-        });
-        [Some(x), Some(y), z, Some(u)]
-    }
-
-    /// Nothing has moved.
-    #[track_caller]
-    fn untouched(self) {
-        assert_eq!(self.at_rest(), [Some(0.0), Some(0.0), Some(0.0), Some(0.0)]);
-    }
-}
 
 /// What a run on real drives shows is what was predicted, as far as that can be: an axis of speed v is as much farther away as it
 /// moves while nobody corrects it longer than planned, the longest gap between samples (and 12 ms at most for what a time stamp
 /// is uncertain by: an order to a module); and it is not far nearer either.
 #[track_caller]
 fn is_as_predicted(report: &Value, axes: &[&str]) {
-    let gap = number(&report["drive_samples"]["longest_gap_ms"]) * 1e-3 + 0.012;
+    let heard = &report["drive_samples"];
     for axis in axes {
+        let device = report["predicted_following"]["axes"][axis]["device"].as_str();
+        let device = &heard["devices"][device.expect("its name")];
+        let gap = number(&device["longest_gap_ms"]) * 1e-3 + 0.012;
         let predicted = number(&report["predicted_following"]["axes"][axis]["max"]);
         let found = number(&report["axis_error"][axis]["drives"]["max"]);
         let speed = number(&report["peak"][axis]["velocity"]["value"]);
@@ -222,6 +24,7 @@ fn is_as_predicted(report: &Value, axes: &[&str]) {
         assert!(found <= predicted + speed * gap, "{told}");
         assert!(found >= 0.1 * predicted, "{told}");
     }
+    let gap = number(&heard["longest_gap_ms"]) * 1e-3 + 0.012;
     let predicted = number(&report["predicted_following"]["tool_mm"]["max"]);
     let found = number(&report["tool_error_mm"]["drives"]["max"]);
     assert!(found <= predicted + 60.0 * gap && found >= 0.1 * predicted, "{found}, {predicted}");
@@ -271,7 +74,7 @@ fn every_check_that_fails_is_told_with_what_was_found_and_what_is_wanted() {
     let done = shop.run("short.cnc", "--homed --yes");
     for said in [
         "✗ device `board`: InterpCNC at board, address 1: the ENABLE input is open; closed is wanted",
-        "(EE_ORIGINE_RESET_POS_SOFT) is 0; 1 is wanted",
+        "(zero-after-homing) is 0; 1 is wanted",
         "✗ device `bus`: address 1: the firmware is 1.2.0; 1.3.0 is wanted",
         "✗ device `bus`: axis Z: parameter 30 at address 1 (Trj_VelMax) is 500 rpm; at least 2880 rpm is wanted",
         "✗ device `bus`: axis Z: the device's software limits are -60.0000 … 140.6250 mm; at least as tight as -60.0000 … 120.0000 mm is wanted",
@@ -286,12 +89,23 @@ fn every_check_that_fails_is_told_with_what_was_found_and_what_is_wanted() {
     ] {
         done.ended(2, said);
     }
+    // What makes them count is said once for the drive, and once for the module.
+    for (device, word) in [("smartdrive", "save"), ("bim2ax", "reset")] {
+        let saving = |line: &&str| {
+            line.contains(&format!("then:   twin drive {device}"))
+                && line.contains(&format!(" {word} "))
+        };
+        let said = done.stderr.lines().filter(saving).count();
+        assert_eq!(said, usize::from(device == "smartdrive"), "{}", done.stderr);
+    }
     // What is said can be copied: the parameters are right then.
     shop.copy_commands(&done);
     let done = shop.run("short.cnc", "--homed --yes");
     done.ended(2, "or `firmware = \"1.2.0\"` of [[drives]] \"bus\" in mixture.toml");
     assert!(
-        ["Trj_VelMax", "140.6250", "EE_ORIGINE"].iter().all(|gone| !done.stderr.contains(gone)),
+        ["Trj_VelMax", "140.6250", "(zero-after-homing)"]
+            .iter()
+            .all(|gone| !done.stderr.contains(gone)),
         "{}",
         done.stderr
     );
@@ -462,93 +276,6 @@ fn nothing_moves_without_a_yes() {
     shop.untouched();
 }
 
-#[test]
-fn ctrl_c_brings_everything_to_rest_on_the_path_and_nobody_else_has_the_ports() {
-    let shop = Shop::new();
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes --report run.json");
-    let done = shop.desk.meanwhile("-INT", "axis U is home", &run, || {
-        shop.under_way();
-        // They belong to somebody.
-        for (family, port) in [("interpcnc", "board"), ("smartdrive", "bus")] {
-            let other = shop.desk.twin(&["drive", family, "--port", port, "status"]);
-            other.ended(2, &format!("{port}, address 1: opening the port"));
-        }
-        let other = shop.desk.twin(&["drive", "bim2ax", "--port", "module", "status"]);
-        other.ended(2, "module: opening the port: another program is the master of module: end it");
-    });
-    done.ended(2, "stopped by the user at line 2 (N10)");
-    assert_eq!(shop.desk.read("run.json")["completed"], false);
-    let [x, y, z, u] = shop.at_rest().map(|found| found.expect("it is there"));
-    assert!(x > 1.0 && x < 199.0, "{x}");
-    // On the straight line of the block, to an increment of each.
-    for (found, part) in [(y, 0.5), (z, 0.3), (u, 0.3)] {
-        assert!((found - part * x).abs() < 2.0 / 320.0, "{x} {y} {z} {u}");
-    }
-}
-
-/// Whoever is its master, a module is stopped by hand for good, and the run notices.
-#[test]
-fn a_stop_by_hand_gets_through_to_the_module_of_a_run() {
-    let shop = Shop::new();
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
-    let done = shop.desk.meanwhile("-CONT", "axis U is home", &run, || {
-        shop.under_way();
-        shop.by_hand("bim2ax", "module", "stop");
-    });
-    done.ended(2, "the drives failed at line 2 (N10): ");
-    done.ended(2, "module");
-    let [x, _, _, u] = shop.at_rest().map(|found| found.expect("it is there"));
-    assert!(x > 1.0 && x < 199.0 && u < 59.0, "{x} {u}");
-}
-
-/// The driver of the board waits two seconds for each answer; the others do not go on for so long.
-#[test]
-fn a_device_that_keeps_silent_stops_all_others_on_the_path() {
-    let shop = Shop::new();
-    let deadline = "port = \"board\"\nanswer_deadline_ms = 2000";
-    let text = mixture(&shop.desk);
-    assert!(text.contains(deadline));
-    let silent = format!("{deadline}\nlongest_silence_ms = 1000");
-    shop.desk.write("mixture.toml", &text.replace(deadline, &silent));
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
-    let done = shop.desk.meanwhile("-CONT", "axis U is home", &run, || {
-        shop.under_way();
-        shop.board.control(Control::Disconnect(true)).expect("it runs");
-        // The others come to rest; the driver of the board goes on asking.
-        let rests = |_| {
-            std::thread::sleep(Duration::from_millis(10));
-            let bus = shop.bus.borrow();
-            let devices = bus.as_ref().expect("it is there").look().expect("it runs");
-            let still = devices[0].motion().1.abs() < f64::EPSILON;
-            still && shop.module.module().velocity(ModuleAxis::One).abs() < f64::EPSILON
-        };
-        assert!((0..6000).any(rests), "the others go on");
-    });
-    done.ended(2, "device `board` has not answered for");
-    done.ended(2, "(longest_silence_ms = 1000)");
-    let [_, _, z, u] = shop.at_rest().map(|found| found.expect("it is there"));
-    // On the straight line of the block, far from its end.
-    assert!(u > 0.5 && u < 59.0 && (z - u).abs() < 2.0 / 320.0, "{z} {u}");
-}
-
-#[test]
-fn a_device_that_dies_stops_all_others() {
-    let shop = Shop::new();
-    let run = Shop::arguments("long.cnc", "--homed --home=U --yes");
-    let done = shop.desk.meanwhile("-CONT", "axis U is home", &run, || {
-        shop.under_way();
-        drop(shop.bus.borrow_mut().take());
-    });
-    // How far they come until nobody answers any more is the deadline's business.
-    done.ended(2, "the drives failed at line");
-    // The others are at rest on the path before its driver has given it up, unless this computer is busy.
-    done.ended(2, "device `bus` has not answered for");
-    done.ended(2, "; then: bus, address 1: ");
-    let [x, y, _, u] = shop.at_rest();
-    let [x, y, u] = [x, y, u].map(|found| found.expect("it is there"));
-    assert!(x > 1.0 && x < 200.0 && y > 0.0 && u > 0.0, "{x} {y} {u}");
-}
-
 /// A module does not limit the way to its cam: the run does, at one and a half times 1.2 times the 12 mm between the limits.
 #[test]
 fn a_home_that_is_nowhere_is_given_up() {
@@ -573,29 +300,6 @@ fn a_home_that_is_nowhere_is_given_up() {
     // 320 µsteps per mm; it brakes on its ramp behind that.
     let u = u.expect("it is there");
     assert!(u < -21.6 && u > -30.0, "{u} mm");
-}
-
-#[test]
-fn ctrl_c_stops_homing_and_the_approach() {
-    // The module looks for its cam until it is told to stop.
-    let shop = Shop::new();
-    shop.hide_the_cam();
-    let run = Shop::arguments("short.cnc", "--homed --home=U --yes");
-    let done = shop.desk.interrupted("-INT", "home axes, move all", &run);
-    done.ended(2, "stopped by the user while axis U was homed");
-    let [x, y, z, u] = shop.at_rest();
-    assert_eq!([x, y, z], [Some(0.0); 3]);
-    assert!(u.expect("it is there") < 0.0);
-
-    // A long way to the start of the program: 300 mm with 100 mm/s.
-    let shop = Shop::new();
-    shop.desk.write("far.cnc", "% far\nN10 G92 X300 Y0 Z-40 U0\nN20 G1 X310 F50 E500 E-500\n");
-    let run = Shop::arguments("far.cnc", "--homed --home=U --yes");
-    let done = shop.desk.interrupted("-INT", "axis U is home", &run);
-    done.ended(2, "stopped by the user on the way to the start of the program");
-    let [x, ..] = shop.at_rest();
-    let x = x.expect("it is there");
-    assert!(x > 1.0 && x < 299.0, "{x}");
 }
 
 /// Two or three axes on devices of one family.

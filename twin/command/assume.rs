@@ -67,12 +67,40 @@ fn list<A: Assumed>() -> String {
     table.set_header(["name", "it can be", "assumed", "question of the manual"]);
     for name in A::NAMES {
         let question = A::question(name);
+        let unit = A::unit(name);
+        let with_unit = |text: String| {
+            if unit.is_empty() { text } else { format!("{text} {unit}") }
+        };
         table.add_row([
             (*name).to_owned(),
-            A::allowed(name).unwrap_or_default(),
-            question.map_or("", |question| question.default).to_owned(),
+            with_unit(A::allowed(name).unwrap_or_default()),
+            with_unit(A::usual(name).unwrap_or_default()),
             question.map_or("", |question| question.question).to_owned(),
         ]);
     }
     table.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::list;
+
+    /// What is listed can be said: no names of the program's own, and numbers with their units.
+    #[test]
+    fn what_is_assumed_is_listed_as_it_is_said() {
+        let flat = |table: String| table.split_whitespace().collect::<Vec<_>>().join(" ");
+        let board = flat(list::<twin_drives::interpcnc::Assumptions>());
+        for said in
+            ["raw or hundreds or index raw", "0 to 10000000000 ns 5000000 ns", "none or 1 to"]
+        {
+            assert!(board.contains(said), "{said}: {board}");
+        }
+        let drives = flat(list::<twin_drives::smartdrive::Assumptions>());
+        assert!(drives.contains("is-offset or goes-offset is-offset"), "{drives}");
+        let module = flat(list::<twin_drives::bim2ax::Assumptions>());
+        assert!(module.contains("edge-taken or far-edge edge-taken"), "{module}");
+        for debug in ["AtOnce", "IsOffset", "EdgeTaken", "ExceptionCodes", "None"] {
+            assert!(![&board, &drives, &module].iter().any(|list| list.contains(debug)), "{debug}");
+        }
+    }
 }

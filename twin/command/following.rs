@@ -1,10 +1,12 @@
 //! How well drives will follow, for people.
 
 use super::show::{against, amount, table};
-use crate::check::PredictedFollowing;
+use crate::check::{Outcome, PredictedFollowing};
 use crate::compare::Statistics;
 use crate::machine::Machine;
+use crate::real;
 use comfy_table::{Cell, CellAlignment, Table};
+use std::time::Duration;
 use twin_drives::WireRates;
 
 /// The table of how well the drives will follow.
@@ -55,4 +57,31 @@ pub(super) fn predicted(machine: &Machine, predicted: &PredictedFollowing) -> Ta
 /// What a wire carries, in words.
 pub(super) fn rates(rates: &WireRates) -> String {
     format!("{:.0} commands/s, {:.0} samples/s", rates.commands_per_s, rates.samples_per_s)
+}
+
+/// What one lost answer would cost: nobody corrects the axes of its device until the driver has given it up and asked again,
+/// and an axis whose way of that time is longer than its `max_following_error` stops the run.
+pub(super) fn lost_answers(machine: &Machine, outcome: &Outcome) -> Vec<String> {
+    let mut notes = Vec::new();
+    for (index, entry) in machine.drives.iter().enumerate() {
+        let lost: Duration = real::waits(entry).into_iter().sum();
+        for (place, axis) in machine.axes_of(index) {
+            let peak = outcome.peaks.get(place).map(|peak| peak.velocity);
+            let Some((limit, peak)) = axis.max_following_error.zip(peak) else { continue };
+            let way = peak.value * lost.as_secs_f64();
+            if way <= limit {
+                continue;
+            }
+            let (unit, name) = (axis.unit(), &axis.name);
+            let [way, limit, speed] = [way, limit, peak.value].map(|si| axis.from_si(si));
+            notes.push(format!(
+                "note: with real drives, one lost answer of device `{}` takes up to {} ms; at the program's {speed:.1} {unit}/s (line {}) axis {name} is \
+                 then up to {way:.2} {unit} off, more than its max_following_error of {limit:.2} {unit}: the run would be stopped",
+                entry.name,
+                lost.as_millis(),
+                peak.place.line
+            ));
+        }
+    }
+    notes
 }

@@ -202,9 +202,9 @@ pub(crate) enum Failure {
     /// The user stopped the drives before the program began.
     #[error("stopped by the user on the way to the start of the program")]
     StoppedOnTheWay,
-    /// The handler for Ctrl-C.
+    /// What listens for Ctrl-C and its like.
     #[error("Ctrl-C cannot be caught: {0}")]
-    Interrupt(#[from] ctrlc::Error),
+    Interrupt(#[source] std::io::Error),
     /// A combination of options that makes no sense.
     #[error("{0}")]
     Usage(String),

@@ -3,6 +3,7 @@
 mod device;
 mod error;
 mod guard;
+mod heard;
 mod merge;
 mod stream;
 #[cfg(test)]
@@ -15,6 +16,7 @@ use crate::plant::{AxisFeedback, Plant};
 use crate::setpoint::AxisSetpoint;
 pub use error::HardwareError;
 pub use guard::Guarded;
+pub use heard::Heard;
 use merge::{Measured, Track};
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -78,6 +80,8 @@ pub struct Hardware {
     failures: VecDeque<HardwareError>,
     /// Since the program has begun.
     clock: Option<Clock>,
+    /// How often each has been heard of since.
+    heard: Vec<Heard>,
 }
 
 /// An output to be switched.
@@ -128,6 +132,7 @@ impl Hardware {
         // From the first one on they are stopped together if another one does not start.
         let mut hardware = Self {
             tracks: drives.iter().map(|_| Track::default()).collect(),
+            heard: vec![Heard::default(); drives.len()],
             units: Vec::with_capacity(drives.len()),
             switching_unit: boards.unwrap_or(0),
             axes: machine.axes.len(),
@@ -230,6 +235,12 @@ impl Hardware {
         &self.not_stopped
     }
 
+    /// How often each device, by its name, has been heard of since the program began.
+    pub fn heard(&self) -> Vec<(String, Heard)> {
+        let units = self.units.iter().zip(&self.heard);
+        units.map(|(unit, heard)| (unit.device.clone(), *heard)).collect()
+    }
+
     /// Devices that were found restarted after they had failed, in words: the cause of the failure.
     pub fn restarted(&self) -> &[String] {
         &self.restarted
@@ -262,11 +273,15 @@ impl Hardware {
 
     /// Takes what the devices have said.
     fn listen(&mut self) {
-        for (unit, track) in self.units.iter_mut().zip(&mut self.tracks) {
+        let tracks = self.tracks.iter_mut().zip(&mut self.heard);
+        for (unit, (track, of_unit)) in self.units.iter_mut().zip(tracks) {
             loop {
                 match unit.event() {
                     Ok(Some(Event::Sample(sample))) => {
                         let measured = measured(unit, &sample);
+                        if self.clock.is_some() {
+                            of_unit.include(sample.time_ns);
+                        }
                         let heard = (sample.time_ns, sample.moving);
                         self.failures.extend(unit.guard.heard(heard, &measured.deviation));
                         track.push(measured);

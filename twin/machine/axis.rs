@@ -1,6 +1,7 @@
 //! `[[axes]]`: what each axis of the machine is and can do.
 
-use super::drives::{Abilities, Seen};
+use super::axis_drive::{self, AxisDrive};
+use super::drives::Seen;
 use super::limits::{DriveLimits, VelocityLimits, read_headroom};
 use super::section::Section;
 use super::simulated::{self, SimulatedAxis, SimulatedMotor};
@@ -52,28 +53,6 @@ impl AxisKind {
     }
 }
 
-/// How many increments of a drive one unit of the axis is, as an exact ratio (the manual's
-/// `dwRatioTechUnitsDenom` / `iRatioTechUnitsNum`).
-///
-/// Not [`twin_drives::axis::Ratio`], which is a fraction of whole numbers in 32 bits, as SoftMotion's blocks hand it on: a
-/// machine file says what its builder reads off the gear, the belt and the encoder, 10^12 increments and 9.525 mm among it,
-/// and what of that fits 32 bits would have to be refused or rounded.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct IncrementRatio {
-    /// Increments …
-    pub increments: i64,
-    /// … per this many degrees or millimetres.
-    pub per_units: f64,
-}
-
-impl IncrementRatio {
-    /// Increments per degree or millimetre.
-    #[expect(clippy::cast_precision_loss, reason = "read from a file where it is at most 10^12")]
-    fn per_unit(&self) -> f64 {
-        self.increments as f64 / self.per_units
-    }
-}
-
 /// One axis of the machine. SI inside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
@@ -104,17 +83,6 @@ pub struct Axis {
     pub simulated: SimulatedAxis,
     /// Its drive, if it has one.
     pub drive: Option<AxisDrive>,
-}
-
-/// The drive an axis hangs on.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AxisDrive {
-    /// Index into [`super::Machine::drives`].
-    pub device: usize,
-    /// Which axis of that device: from 0 (X of an InterpCNC board, 1 of a BIM2AX module), or the address of a SmartDRIVE.
-    pub index: usize,
-    /// Increments per unit.
-    pub ratio: IncrementRatio,
 }
 
 impl Axis {
@@ -231,7 +199,7 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
         max_velocity.map(|velocity| velocity * kind.scale()),
         drive_limits.motor_turns.map(|turns| turns / kind.scale()),
     );
-    let drive = read_drive(section, unit, devices);
+    let drive = axis_drive::read(section, unit, devices);
     let abilities = |drive: &AxisDrive| devices.get(drive.device)?.abilities.as_ref();
     let joint = JointEntry::read(section, kind);
     let (min, max) = if limited {
@@ -262,12 +230,12 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
         let velocity = VelocityLimits { step_frequency: None, ..velocities }.smallest().value;
         if let Some(able) = abilities(drive) {
             let frequency = drive_limits.step_frequency_hz;
-            check_drive(section, unit, &drive.ratio, able, [min, max], (velocity, frequency));
+            axis_drive::check(section, unit, &drive.ratio, able, [min, max], (velocity, frequency));
         }
     }
     if let (Some(drive), SimulatedMotor::Stepper(stepper)) = (&drive, &simulated.motor) {
         let microsteps = f64::from(stepper.microsteps) / stepper.full_step * kind.scale();
-        check_steps(section, unit, drive.ratio.per_unit(), microsteps);
+        axis_drive::check_steps(section, unit, drive.ratio.per_unit(), microsteps);
     }
     let scale = kind.scale();
     let velocity_limits = velocities.scaled(scale);
@@ -292,103 +260,4 @@ pub(super) fn read(section: &Section<'_>, devices: &[Seen]) -> Option<AxisEntry>
         driven: section.has("drive"),
         joint,
     })
-}
-
-fn read_drive(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Option<AxisDrive> {
-    let device = section.text("drive");
-    // Which of them it is depends on the device.
-    let axis_keys = ["drive_axis", "drive_address"];
-    for key in axis_keys {
-        section.accept(key);
-    }
-    let increments = section.integer("increments", -1_000_000_000_000..=1_000_000_000_000);
-    let per_key = format!("per_{unit}");
-    let per_units = section.number(&per_key, 1e-6..=1e9);
-    let Some(device) = device else {
-        if !section.has("drive") {
-            let keys = ["drive_axis", "drive_address", "increments", &per_key];
-            for key in keys.into_iter().chain(["max_step_frequency_khz"]) {
-                if section.has(key) {
-                    section.complain_at(key, format!("`{key}` says nothing without a `drive`"));
-                }
-            }
-        }
-        return None;
-    };
-    let Some(found) = devices.iter().position(|seen| seen.name == device) else {
-        let known = if devices.is_empty() {
-            "there is no [[drives]]".to_owned()
-        } else {
-            let names: Vec<_> = devices.iter().map(|device| device.name.as_str()).collect();
-            format!("the [[drives]] are named {}", names.join(", "))
-        };
-        section.complain_at("drive", format!("`drive` is \"{device}\", but {known}"));
-        return None;
-    };
-    let kind = devices.get(found).and_then(|device| device.kind);
-    // Without a kind it is not known which axes there are.
-    let kind = kind?;
-    let index = kind.axis(section);
-    for key in axis_keys.into_iter().filter(|key| *key != kind.axis_key() && section.has(key)) {
-        let message = format!("axes of this drive are named by `{}`", kind.axis_key());
-        section.complain_at(key, message);
-    }
-    for key in [kind.axis_key(), "increments", &per_key] {
-        if !section.has(key) {
-            section.complain(format!("an axis with a `drive` needs `{key}` too"));
-        }
-    }
-    if increments == Some(0) {
-        section.complain_at(
-            "increments",
-            "`increments` is 0; a drive that never steps moves nothing".to_owned(),
-        );
-        return None;
-    }
-    let ratio = IncrementRatio { increments: increments?, per_units: per_units? };
-    Some(AxisDrive { device: found, index: index?, ratio })
-}
-
-/// Whether an increment of the drive is a microstep of the step motor that the simulated machine has.
-fn check_steps(section: &Section<'_>, unit: &str, increments: f64, microsteps: f64) {
-    if (increments.abs() / microsteps - 1.0).abs() > 1e-6 {
-        let message = format!(
-            "the drive makes {:.6} increments per {unit}, the motor of [axes.physics.stepper] has {microsteps:.6} microsteps \
-             per {unit}: one of `increments`, `full_steps_per_turn`, `microsteps` and the transmission is wrong",
-            increments.abs()
-        );
-        section.complain_at("increments", message);
-    }
-}
-
-/// Whether the drive can count and step as far and as fast as the axis may go; a step frequency that is given keeps the
-/// axis within it.
-fn check_drive(
-    section: &Section<'_>,
-    unit: &str,
-    ratio: &IncrementRatio,
-    able: &Abilities,
-    limits: [f64; 2],
-    (max_velocity, step_frequency_hz): (f64, Option<f64>),
-) {
-    let per_unit = ratio.per_unit().abs();
-    let speed = (max_velocity * per_unit).min(step_frequency_hz.unwrap_or(f64::INFINITY));
-    let Abilities { speeds, counts } = able;
-    if !speeds.contains(&speed) {
-        let (low, high) = (speeds.start(), speeds.end());
-        let mut message = format!(
-            "{max_velocity} {unit}/s are {speed:.0} steps/s; the drive makes {low} to {high} steps/s"
-        );
-        if speed > *high {
-            message += ", and `max_step_frequency_khz` would keep the axis within them";
-        }
-        section.complain_at("increments", message);
-    }
-    let farthest = limits.into_iter().map(f64::abs).fold(0.0, f64::max);
-    let count = farthest * per_unit;
-    if count > *counts {
-        let message =
-            format!("{farthest} {unit} are {count:.0} increments; the drive counts to {counts}");
-        section.complain_at("increments", message);
-    }
 }

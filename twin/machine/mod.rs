@@ -1,6 +1,7 @@
 //! The machine file: one TOML file that describes a machine. `machines/*.toml` are commented as documentation.
 
 mod axis;
+mod axis_drive;
 mod conditions;
 mod couplings;
 mod direction;
@@ -20,7 +21,8 @@ mod surroundings;
 mod tests;
 mod tool;
 
-pub use axis::{Axis, AxisDrive, AxisKind, IncrementRatio};
+pub use axis::{Axis, AxisKind};
+pub use axis_drive::{AxisDrive, IncrementRatio, Switches};
 pub(crate) use conditions::said as tool_table_problem;
 pub use conditions::{PreparationInputs, ProgramConditions};
 pub(crate) use couplings::{CamAxis, read_cam, read_ratio};

@@ -1,6 +1,7 @@
 //! What of a model with closed loops is a tripod.
 
 use nalgebra::{Matrix3, Point3, Vector3};
+use twin_kinematics::tripod::{Tripod, TripodDeviations, TripodDimensions};
 use twin_urdf::{Joint, JointDrive, JointKind, Loop, Model};
 
 use super::bodies::{MassProperties, Tree};
@@ -9,6 +10,9 @@ use super::tripod::Carriage;
 
 /// What counts as rounding, in parts of a length, of an inertia, or of 1.
 const ROUNDING: f64 = 1e-9;
+
+/// Rods whose lengths and places differ by no more of a length are alike.
+const EQUAL: f64 = 1e-13;
 
 /// A rod, with what its motion takes.
 #[derive(Clone, Copy, Debug)]
@@ -234,4 +238,25 @@ fn others(model: &Model, axis_count: usize) -> Result<Option<Tree>, PhysicsError
     }
     let tree = Tree::new(&rest, axis_count);
     tree.map(Some).map_err(|error| error.renumbered(&joints, &links))
+}
+
+/// The tripod of level pairs that these are, if they are.
+pub(super) fn level_tripod(rods: &[RodBody; 6]) -> Option<Tripod> {
+    let beyond = |rod: &RodBody| rod.upper - rod.lower;
+    let [first, ..] = rods;
+    let [x, y, z]: [f64; 3] = beyond(first).into();
+    let dimensions = TripodDimensions {
+        inner_radius: 0.0,
+        outer_radius: x.hypot(y),
+        rod_length: first.length,
+        rod_distance: 0.0,
+        rotation: y.atan2(x),
+    };
+    let tripod = Tripod::new(dimensions, [-z; 3]).ok()?;
+    let designed = dimensions.rods(&TripodDeviations::default()).ok()?;
+    let same = rods.iter().zip(&designed).all(|(rod, designed)| {
+        let apart = beyond(rod) - (designed.upper - designed.lower) - Vector3::z() * z;
+        apart.norm().max((rod.length - first.length).abs()) <= EQUAL * first.length
+    });
+    same.then_some(tripod)
 }

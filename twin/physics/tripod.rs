@@ -28,7 +28,7 @@
 //! Held against a derivation by others, checked against a model of 24 degrees of freedom with its loops closed.
 
 use nalgebra::{Isometry3, Matrix3, Matrix6, SMatrix, Vector3, Vector6};
-use twin_kinematics::tripod::{CalibratedTripod, Rod, Tripod, TripodDeviations, TripodDimensions};
+use twin_kinematics::tripod::{CalibratedTripod, Rod, Tripod};
 use twin_kinematics::{MAX_AXES, Transform};
 use twin_urdf::Model;
 
@@ -37,10 +37,7 @@ use super::dynamics::{Dynamics, JointMatrix, JointVector, at};
 use super::error::PhysicsError;
 use super::level::LevelTripod;
 use super::linear::{solve, solve_and_invert};
-use super::linkage::{Linkage, RodBody};
-
-/// What counts as rounding, in parts of the length of a rod.
-const ROUNDING: f64 = 1e-13;
+use super::linkage::{Linkage, RodBody, level_tripod};
 
 /// A carriage.
 #[derive(Clone, Copy, Debug)]
@@ -121,7 +118,7 @@ impl TripodDynamics {
         let kinematics = CalibratedTripod::new(rods.each_ref().map(of_rod), [0.0; 3])
             .map_err(|_no_such_tripod| unknown)?;
         let rotorless = JointVector::zeros();
-        let level = level(&rods);
+        let level = level_tripod(&rods);
         let closed = level.and_then(|_| {
             let axes = carriages.map(|carriage| carriage.axis);
             let [a, b, c] = axes;
@@ -381,27 +378,6 @@ impl TripodDynamics {
     fn of_carriages(&self, values: &JointVector) -> Vector3<f64> {
         self.carriages.map(|carriage| at(values, carriage.axis)).into()
     }
-}
-
-/// The tripod of level pairs that these are, if they are.
-fn level(rods: &[RodBody; 6]) -> Option<Tripod> {
-    let beyond = |rod: &RodBody| rod.upper - rod.lower;
-    let [first, ..] = rods;
-    let [x, y, z]: [f64; 3] = beyond(first).into();
-    let dimensions = TripodDimensions {
-        inner_radius: 0.0,
-        outer_radius: x.hypot(y),
-        rod_length: first.length,
-        rod_distance: 0.0,
-        rotation: y.atan2(x),
-    };
-    let tripod = Tripod::new(dimensions, [-z; 3]).ok()?;
-    let designed = dimensions.rods(&TripodDeviations::default()).ok()?;
-    let same = rods.iter().zip(&designed).all(|(rod, designed)| {
-        let apart = beyond(rod) - (designed.upper - designed.lower) - Vector3::z() * z;
-        apart.norm().max((rod.length - first.length).abs()) <= ROUNDING * first.length
-    });
-    same.then_some(tripod)
 }
 
 /// The value of a carriage, upwards.

@@ -157,13 +157,26 @@ impl OverrideChangeReport {
 }
 
 /// How often the drives were heard of.
-#[derive(Clone, Copy, Debug, serde::Serialize)]
+#[derive(Clone, Debug, serde::Serialize)]
 pub struct DriveSamplesReport {
+    /// Number of samples, of all devices.
+    pub count: u32,
+    /// Mean rate of all together, 1/s.
+    pub per_s: f64,
+    /// Longest time without a sample of one device, ms: while it lasts nobody corrects its axes.
+    pub longest_gap_ms: f64,
+    /// The same of each, by its name in the machine file.
+    pub devices: PerAxis<DeviceSamplesReport>,
+}
+
+/// How often one device was heard of.
+#[derive(Clone, Copy, Debug, serde::Serialize)]
+pub struct DeviceSamplesReport {
     /// Number of samples.
     pub count: u32,
     /// Mean rate, 1/s.
     pub per_s: f64,
-    /// Longest time without one, ms: while it lasts nobody corrects the drives.
+    /// Longest time without one, ms.
     pub longest_gap_ms: f64,
 }
 

@@ -12,7 +12,7 @@ mod run;
 use crate::clock::Clock;
 use crate::compare::{Comparison, Measured};
 use crate::coupled::AxesError;
-use crate::hardware::{Hardware, HardwareError};
+use crate::hardware::{Hardware, HardwareError, Heard};
 use crate::limit::{LimitFailure, Limits};
 use crate::m_function::{Acknowledge, Acknowledgement, MCall};
 use crate::machine::{Machine, SimulationError};
@@ -114,6 +114,8 @@ pub struct Ending {
     pub late_plans: u64,
     /// How late the cycles were taken up, in step with the wall clock.
     pub punctuality: Option<Punctuality>,
+    /// How often each device, by its name, was heard of.
+    pub heard: Vec<(String, Heard)>,
     /// Outputs of the drives that are perhaps still on although the run has ended early.
     pub left_on: Vec<u8>,
     /// Devices that did not confirm that they stop, and why: whether their axes move is not known.
@@ -138,6 +140,7 @@ impl Ending {
             overrides: Vec::new(),
             late_plans: 0,
             punctuality: None,
+            heard: Vec::new(),
             left_on: Vec::new(),
             not_stopped: Vec::new(),
             restarted: Vec::new(),

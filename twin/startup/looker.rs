@@ -1,7 +1,7 @@
 //! One device, step by step.
 
 use super::parameters::{Must, wanted};
-use super::{Check, Homed, Looked, Needs, Still, home_by_hand, in_units, position};
+use super::{Check, Homed, Looked, Needs, Still, Verdict, home_by_hand, position};
 use crate::advice::{RELEASE, advice_in_run};
 use crate::by_hand;
 use crate::clock::Clock;
@@ -23,8 +23,8 @@ pub(super) struct Looker<'a> {
     /// An InterpCNC: of homing it keeps that it has failed.
     is_board: bool,
     /// With their places in the machine file.
-    axes: Vec<(usize, &'a Axis)>,
-    needs: &'a [Needs],
+    pub(super) axes: Vec<(usize, &'a Axis)>,
+    pub(super) needs: &'a [Needs],
     pub(super) looked: Looked,
 }
 
@@ -38,14 +38,25 @@ impl<'a> Looker<'a> {
         Self { name, firmware, is_board, axes, needs, looked: Looked::default() }
     }
 
-    fn add(&mut self, passed: bool, told: String) {
+    pub(super) fn add(&mut self, passed: bool, told: String) {
         self.add_with(passed, told, Vec::new());
     }
 
+    /// What the device does not do, or what only the user can judge.
+    pub(super) fn tell(&mut self, told: String, help: Vec<String>) {
+        self.looked.checks.push(Check { verdict: Verdict::Told, told, help });
+    }
+
+    /// Who says that an axis, by its place in the machine file, is homed.
+    pub(super) fn who_homes(&self, index: usize) -> Homed {
+        self.needs.get(index).map_or(Homed::Unknown, |needs| needs.homed)
+    }
+
     /// With what can be done about it.
-    fn add_with(&mut self, passed: bool, told: String, help: Vec<String>) {
+    pub(super) fn add_with(&mut self, passed: bool, told: String, help: Vec<String>) {
+        let verdict = if passed { Verdict::Passed } else { Verdict::Failed };
         let told = if passed { told } else { format!("device `{}`: {told}", self.name) };
-        self.looked.checks.push(Check { passed, told, help });
+        self.looked.checks.push(Check { verdict, told, help });
     }
 
     pub(super) fn failed(&mut self, error: &DriveError) {
@@ -68,7 +79,10 @@ impl<'a> Looker<'a> {
             StartStep::Connecting => Ok(()),
             StartStep::Identity => self.identity(machine, drive),
             StartStep::Parameters => self.parameters(machine, (index, drive)),
-            StartStep::Limits => self.limits(machine, (index, drive)),
+            StartStep::Limits => {
+                self.limits(machine, (index, drive))?;
+                self.switches(machine, (index, drive))
+            }
             StartStep::Enabling => self.may_be_enabled((machine, index), drive, stream),
             StartStep::Homed => {
                 self.homed(machine, drive, stream)?;
@@ -98,7 +112,7 @@ impl<'a> Looker<'a> {
             }
             // Each of them is told already, with all others that are wrong.
             Err(DriveError::Parameter { .. } | DriveError::EnableOpen { .. })
-                if self.looked.checks.iter().any(|check| !check.passed) =>
+                if self.looked.checks.iter().any(Check::has_failed) =>
             {
                 Ok(())
             }
@@ -200,54 +214,6 @@ impl<'a> Looker<'a> {
         Ok(())
     }
 
-    /// Software limits of the device: no wider than those of the machine file, and no tighter than the program.
-    fn limits(
-        &mut self,
-        machine: &Machine,
-        (device, drive): (usize, &mut dyn Drive),
-    ) -> Result<(), DriveError> {
-        let limits = drive.limits()?;
-        let mut has_limits = false;
-        for ((index, axis), limits) in self.axes.clone().into_iter().zip(limits) {
-            let name = &axis.name;
-            let (Some(low), Some(high)) = (limits.lowest, limits.highest) else { continue };
-            has_limits = true;
-            let unit = axis.unit();
-            let [lowest, highest] = in_units(axis, [low, high]);
-            let found = format!(
-                "axis {name}: the device's software limits are {lowest:.4} … {highest:.4} {unit}"
-            );
-            // What rounding to increments makes, and one that lets an axis stand on its limit.
-            let slack = 2.5 / axis.increments_per_si().abs();
-            let [lowest, highest] = [lowest, highest].map(|limit| axis.to_si(limit));
-            let [least, most] = axis.position_limits;
-            let too_wide = axis.limited && (lowest < least - slack || highest > most + slack);
-            let range = self.needs.get(index).and_then(|needs| needs.range);
-            let too_tight =
-                range.filter(|[from, to]| lowest > from + slack || highest < to - slack);
-            if too_wide {
-                let [least, most] = axis.position_limits.map(|limit| axis.from_si(limit));
-                let wanted =
-                    format!("at least as tight as {least:.4} … {most:.4} {unit} is wanted");
-                let help = by_hand::set_limits(machine, device, axis);
-                self.add_with(false, format!("{found}; {wanted}"), help);
-            } else if let Some(range) = too_tight {
-                let [from, to] = range.map(|position| axis.from_si(position));
-                let told = format!("{found}; the program goes from {from:.4} to {to:.4} {unit}");
-                self.add_with(false, told, by_hand::set_limits(machine, device, axis));
-            } else {
-                self.add(true, found);
-            }
-        }
-        if !has_limits {
-            self.add(
-                true,
-                "software limits: those of the machine file, the device has none".to_owned(),
-            );
-        }
-        Ok(())
-    }
-
     fn signals(&mut self, drive: &mut dyn Drive, stream: Still) -> Result<(), DriveError> {
         let signals = drive.signals(&|| stream.now_ns())?;
         match signals.enable {
@@ -273,7 +239,7 @@ impl<'a> Looker<'a> {
     /// Axes that are home stand within their limits; where others stand says nothing yet.
     fn stands(&mut self, found: &Increments) {
         for (slot, (index, axis)) in self.axes.clone().into_iter().enumerate() {
-            let who = self.needs.get(index).map_or(Homed::Unknown, |needs| needs.homed);
+            let who = self.who_homes(index);
             let home = !matches!(who, Homed::First | Homed::Emulated);
             let Some(at) = position(axis, slot, found).filter(|_| axis.limited && home) else {
                 continue;
@@ -320,7 +286,7 @@ impl<'a> Looker<'a> {
         };
         let switches = drive.signals(&|| stream.now_ns())?.axes.map(|axis| axis.home);
         for (slot, ((index, axis), known)) in self.axes.clone().into_iter().zip(known).enumerate() {
-            let who = self.needs.get(index).map_or(Homed::Unknown, |needs| needs.homed);
+            let who = self.who_homes(index);
             let name = &axis.name;
             if who == Homed::First && self.is_board && switches.get(slot) == Some(&None) {
                 self.no_home_switch(machine, axis);

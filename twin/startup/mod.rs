@@ -6,9 +6,12 @@
 //! told with all others instead of ending the start-up. Only a device that does not answer ends that of its group.
 
 mod homing;
+mod limits;
 mod looker;
 mod parameters;
+mod switches;
 
+use crate::by_hand;
 use crate::clock::Clock;
 use crate::hardware::Attached;
 use crate::machine::{Axis, Machine};
@@ -18,11 +21,22 @@ use std::fmt;
 use twin_drives::axis::{AxisGroup, GroupTask};
 use twin_drives::{IncrementMotion, Increments, MAX_DRIVE_AXES, SetpointStream};
 
+/// What a check has come to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is as it must be.
+    Passed,
+    /// Nothing is wrong, but the device does not do what others do: the user has to know.
+    Told,
+    /// It is not as it must be: nothing moves.
+    Failed,
+}
+
 /// What was looked at, and whether it is as it must be.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Check {
     /// Whether it is.
-    pub passed: bool,
+    pub verdict: Verdict,
     /// What was found; if it is not as it must be, also of which device, address, axis and parameter, and what is wanted.
     pub told: String,
     /// What can be done about it: commands to copy, keys of the machine file, where to look.
@@ -30,15 +44,25 @@ pub struct Check {
 }
 
 impl Check {
+    /// Whether nothing may move because of it.
+    pub fn has_failed(&self) -> bool {
+        self.verdict == Verdict::Failed
+    }
+
     /// Of a device that cannot be spoken to.
     pub fn failed(told: String, help: Option<String>) -> Self {
-        Self { passed: false, told, help: help.into_iter().collect() }
+        Self { verdict: Verdict::Failed, told, help: help.into_iter().collect() }
     }
 }
 
 impl fmt::Display for Check {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}", if self.passed { '✓' } else { '✗' }, self.told)?;
+        let mark = match self.verdict {
+            Verdict::Passed => '✓',
+            Verdict::Told => '!',
+            Verdict::Failed => '✗',
+        };
+        write!(f, "{mark} {}", self.told)?;
         self.help.iter().try_for_each(|line| write!(f, "\n      {line}"))
     }
 }
@@ -112,7 +136,25 @@ pub fn look(machine: &Machine, attached: &mut Attached, needs: &[Needs]) -> Look
             error.to_string()
         }));
     }
-    looker.looked
+    let mut looked = looker.looked;
+    say_once(&mut looked.checks);
+    looked
+}
+
+/// What makes parameters count (a save, a reset) is said once for a device, after all that are to be set.
+fn say_once(checks: &mut [Check]) {
+    let mut said = Vec::new();
+    for check in checks.iter_mut().rev() {
+        let mut kept: Vec<String> = check.help.drain(..).rev().collect();
+        kept.retain(|line| {
+            !line.starts_with(by_hand::THEN) || {
+                let first = !said.contains(line);
+                said.push(line.clone());
+                first
+            }
+        });
+        check.help.extend(kept.into_iter().rev());
+    }
 }
 
 /// Counts as positions in the axis's unit, the smaller one first.
@@ -127,4 +169,30 @@ pub fn position(axis: &Axis, slot: usize, found: &Increments) -> Option<f64> {
     let count = *found.get(slot).filter(|_| slot < MAX_DRIVE_AXES)?;
     let [position, _] = in_units(axis, [count, count]);
     Some(position)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Check, say_once};
+
+    #[test]
+    fn a_device_is_saved_once_after_all_that_is_set() {
+        let check = |lines: &[&str]| {
+            let mut check = Check::failed(String::new(), None);
+            check.help = lines.iter().map(|line| (*line).to_owned()).collect();
+            check
+        };
+        let (save, other) = ("then:   twin --address 1 save", "then:   twin --address 2 save");
+        let mut checks = [
+            check(&["set it: a 1", save, "or `a`"]),
+            check(&["set it: b 2", other]),
+            check(&["set it: c 3", "set it: d 4", save]),
+            check(&[]),
+        ];
+        say_once(&mut checks);
+        let left: Vec<_> = checks.iter().map(|check| check.help.clone()).collect();
+        assert_eq!(left[0], ["set it: a 1", "or `a`"]);
+        assert_eq!(left[1], ["set it: b 2", other]);
+        assert_eq!(left[2], ["set it: c 3", "set it: d 4", save]);
+    }
 }

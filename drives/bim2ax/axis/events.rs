@@ -6,11 +6,6 @@ use crate::{
     ramp::Motion,
 };
 
-/// Corrections after what the encoder shows, at most; the manual gives no number.
-const MOST_CORRECTIONS: u8 = 3;
-/// Steps by which encoder and counter differ from rounding alone (3.1.15: "1 ou 2 pas").
-const CORRECTION_TOLERANCE: i64 = 2;
-
 /// What can happen to a moving axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Event {
@@ -175,8 +170,8 @@ impl Axis {
         let target = i64::from(programmed.target);
         let lack = self.encoder.steps(self.shaft()).map(|steps| target - i64::from(steps));
         if let Some(lack) = lack
-            && lack.abs() > CORRECTION_TOLERANCE
-            && programmed.corrections < MOST_CORRECTIONS
+            && lack.abs() > self.corrections.tolerance.into()
+            && programmed.corrections < self.corrections.most
         {
             self.corrected = true;
             self.declare(super::saturated(target - lack));

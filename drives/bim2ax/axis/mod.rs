@@ -28,7 +28,7 @@ pub(crate) use orders::AxisOrder;
 pub use settings::{AxisSettings, REFERENCES};
 
 use super::{
-    Assumptions,
+    Assumptions, Corrections,
     bits::{coefficient, message, uc},
 };
 use crate::ramp::{Motion, State};
@@ -102,6 +102,7 @@ pub(crate) struct Axis {
     /// Ends of moves so far.
     ends: u64,
     assumptions: Assumptions,
+    corrections: Corrections,
 }
 
 impl Axis {
@@ -133,6 +134,7 @@ impl Axis {
             stored,
             ends: 0,
             assumptions: Assumptions::default(),
+            corrections: Corrections::default(),
         };
         axis.offset = shaft - axis.direction() * i64::from(position);
         if bench.stalled {
@@ -149,6 +151,11 @@ impl Axis {
     /// Has it behave otherwise where the manual says nothing.
     pub(crate) fn set_assumptions(&mut self, assumptions: Assumptions) {
         self.assumptions = assumptions;
+    }
+
+    /// Has it correct its moves otherwise.
+    pub(crate) fn set_corrections(&mut self, corrections: Corrections) {
+        self.corrections = corrections;
     }
 
     /// Lets time pass up to `time_ns`, never backwards.

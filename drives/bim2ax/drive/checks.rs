@@ -27,7 +27,7 @@ impl Bim2AxDrive {
             looks += 1;
             // Homing turns round on end switches.
             let turns = if self.homing { message::PLUS_SWITCH | message::MINUS_SWITCH } else { 0 };
-            self.homing &= self.moving(&seen.0) != 0;
+            self.watch_homing(&seen);
             let obeys = self.check(&seen.0, Action::ReadState, |messages| {
                 let moving = messages & message::MOVING != 0;
                 messages & STOPPED & !if moving { turns } else { 0 } != 0

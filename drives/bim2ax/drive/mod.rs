@@ -10,6 +10,7 @@ use std::time::Duration;
 
 use tokio::{runtime::Runtime, time::sleep};
 
+use homing::Homes;
 use leg::mean;
 
 use super::{
@@ -68,6 +69,8 @@ pub struct Bim2AxDrive {
     following: Following,
     /// Homing has been begun and its end not been seen.
     homing: bool,
+    /// What is known of the axes that are homed, until their counters have been looked at.
+    homes: Homes,
     /// Where the axes in use have been sent, until something else moves or stops them.
     sent: Option<[i32; AXES]>,
     timing: Timing,
@@ -115,6 +118,7 @@ impl Bim2AxDrive {
             follower: Follower::new(&[], timing),
             following: Following::Unknown,
             homing: false,
+            homes: Homes::default(),
             sent: None,
             timing,
             runtime,
@@ -150,6 +154,7 @@ impl Bim2AxDrive {
     fn forget(&mut self) {
         self.following = Following::Unknown;
         self.sent = None;
+        self.homes = Homes::default();
     }
 }
 

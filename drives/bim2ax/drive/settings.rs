@@ -31,14 +31,9 @@ fn describe(
         Range::Distance | Range::Position => "µsteps",
         _ => "",
     };
-    let (name, axis) = match parameter {
-        Parameter::Axis(AxisParameter::Reference(place), axis) => {
-            (format!("reference position {place} of axis {}", axis.number()), Some(axis))
-        }
-        Parameter::Axis(_, axis) => {
-            (format!("{} of axis {}", parameter.name(), axis.number()), Some(axis))
-        }
-        _ => (parameter.name().to_owned(), None),
+    let axis = match parameter {
+        Parameter::Axis(_, axis) => Some(axis),
+        _ => None,
     };
     let at_once = matches!(parameter, Parameter::Axis(AxisParameter::HoldingCurrent, _))
         && assumed.holding_current_at_once;
@@ -47,7 +42,7 @@ fn describe(
         unit,
         writable: parameter.range() != Range::ReadOnly,
         needs_restart: parameter.needs_reset() && !at_once,
-        ..ParameterInfo::new(ParameterId { station: 0, number }, name, values)
+        ..ParameterInfo::new(ParameterId { station: 0, number }, parameter.word(), values)
     })
 }
 
@@ -226,7 +221,7 @@ mod tests {
         let one = |axis| (axis == ModuleAxis::Two).then_some(0);
         let usual = Assumptions::default();
         let reference = describe(0x29, 1000, &usual, one).unwrap();
-        assert_eq!(reference.name, "reference position 10 of axis 2");
+        assert_eq!(reference.name, "reference-position-10-2");
         assert_eq!(
             (reference.axis, describe(0x28, 1000, &usual, |_| None).unwrap().axis),
             (Some(0), None)

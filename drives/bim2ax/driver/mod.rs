@@ -124,6 +124,11 @@ impl Bim2Ax {
         }
     }
 
+    /// The settings it was made with.
+    pub fn options(&self) -> &Bim2AxOptions {
+        &self.options
+    }
+
     /// Where and in the course of what something happens.
     pub(crate) fn at(&self, action: Action) -> Exchange {
         Exchange { port: Arc::clone(&self.port), station: 0, action }

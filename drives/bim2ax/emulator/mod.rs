@@ -24,7 +24,7 @@ pub use eeprom::Eeprom;
 pub use thread::{EmulatedModule, EmulatorOptions};
 
 use super::{
-    AXES, Assumptions, Bench, EncoderBench, ModuleAxis,
+    AXES, Assumptions, Bench, Corrections, EncoderBench, ModuleAxis,
     axis::{Axis, AxisSettings},
     bits::{coefficient, encoder_message, message},
     memory::{
@@ -59,6 +59,8 @@ pub struct ModuleOptions {
     pub plugs_ns: i64,
     /// The order "phases on" is known, which revision D of the manual has added.
     pub phases_on_order: bool,
+    /// How it corrects moves after what its encoders show.
+    pub corrections: Corrections,
     /// What is assumed where the manual is silent.
     pub assumptions: Assumptions,
 }
@@ -74,6 +76,7 @@ impl Default for ModuleOptions {
             boot_ns: 500_000_000,
             plugs_ns: 700_000_000,
             phases_on_order: true,
+            corrections: Corrections::default(),
             assumptions: Assumptions::default(),
         }
     }

@@ -176,6 +176,7 @@ impl Module {
             Axis::power_up(self.now_ns, &settings, before.bench(), shaft, position, last);
         *started.encoder_mut() = encoder;
         started.set_assumptions(self.options.assumptions);
+        started.set_corrections(self.options.corrections);
         started
     }
 }

@@ -4,7 +4,7 @@ use std::time::Instant as WallClock;
 
 use super::*;
 use crate::{
-    Drive, DriveError, IncrementMotion, SetpointStream,
+    Axes, Drive, DriveError, IncrementMotion, SetpointStream,
     bim2ax::{
         Bim2AxDrive, Bim2AxDriveOptions, MemoryFile,
         bits::message,
@@ -193,6 +193,21 @@ fn files_that_are_no_memory_or_in_use_are_left_alone() {
 
 /// A drive in virtual time, which only passes while it sleeps; the module; the time.
 fn virtually() -> (Bim2AxDrive, SharedModule, impl Fn() -> i64 + Send + Sync + Clone) {
+    let mut eeprom = eeprom();
+    for axis in BOTH {
+        // Nothing in its way.
+        let bits = coefficient::PRESENT | coefficient::IGNORE_SWITCHES;
+        set(&mut eeprom, axis, AxisParameter::Coefficient, bits.into());
+    }
+    let module = ModuleOptions { boot_ns: 0, ..ModuleOptions::default() };
+    virtual_drive(&module, (&eeprom, &Surroundings::default()), &Bim2AxDriveOptions::new())
+}
+
+fn virtual_drive(
+    module: &ModuleOptions,
+    (eeprom, surroundings): (&Eeprom, &Surroundings),
+    options: &Bim2AxDriveOptions,
+) -> (Bim2AxDrive, SharedModule, impl Fn() -> i64 + Send + Sync + Clone + use<>) {
     let runtime = tokio::runtime::Builder::new_current_thread()
         .enable_time()
         .start_paused(true)
@@ -204,18 +219,59 @@ fn virtually() -> (Bim2AxDrive, SharedModule, impl Fn() -> i64 + Send + Sync + C
         let _inside = handle.enter();
         i64::try_from(zero.elapsed().as_nanos()).unwrap()
     };
-    let options = ModuleOptions { boot_ns: 0, ..ModuleOptions::default() };
-    let mut eeprom = eeprom();
-    for axis in BOTH {
-        // Nothing in its way.
-        let bits = coefficient::PRESENT | coefficient::IGNORE_SWITCHES;
-        set(&mut eeprom, axis, AxisParameter::Coefficient, bits.into());
-    }
-    let module = Module::new(&options, &eeprom, &Surroundings::default());
+    let module = Module::new(module, eeprom, surroundings);
     let module = SharedModule::new(module, clock.clone());
-    let options = Bim2AxDriveOptions::new();
-    let drive = Bim2AxDrive::on(runtime, "module", module.clone(), &options).unwrap();
+    let drive = Bim2AxDrive::on(runtime, "module", module.clone(), options).unwrap();
     (drive, module, clock)
+}
+
+/// §4 of the digest leaves open what a module counts at home. The cam of both ends at −400: axes that count 700 and −900 where
+/// they start from 0 have 300 and −1300 there if they count on, else 0.
+#[test]
+fn a_count_at_home_that_contradicts_what_is_assumed_is_told() {
+    let ways = [Some(1), Some(1), None, None, None];
+    for (device, driver) in [(false, false), (true, true), (true, false), (false, true)] {
+        let mut module = ModuleOptions { boot_ns: 0, ..ModuleOptions::default() };
+        module.assumptions.homing_keeps_position = device;
+        let mut options = Bim2AxDriveOptions::new();
+        options.driver.assumptions.homing_keeps_position = driver;
+        let (mut drive, _module, clock) =
+            virtual_drive(&module, (&eeprom(), &surroundings()), &options);
+        let plan = Plan { clock: clock.clone(), start_ns: i64::MAX / 2 };
+        drive.probe(&plan).unwrap();
+        drive.enable().unwrap();
+        drive.set_position(&[700, -900, 0, 0, 0]).unwrap();
+        drive.begin_homing(&ways).unwrap();
+        let last = loop {
+            let sample = drive.sample(&plan).unwrap();
+            if !sample.moving {
+                break sample.position;
+            }
+            assert!(clock() < 60_000_000_000, "it does not end");
+        };
+        let home = if device { [300, -1300] } else { [0, 0] };
+        assert_eq!(last[..2], home, "{device} {driver}");
+        let homed = drive.homed();
+        if device == driver {
+            assert_eq!(homed.unwrap()[..2], [Some(true); 2], "{device} {driver}");
+            continue;
+        }
+        let error = homed.unwrap_err();
+        let said = error.to_string();
+        assert!(said.contains("`homing_keeps_position`"), "{said}");
+        match error {
+            DriveError::HomeCount {
+                axis: Axes::Numbers(0b01), counted_on, before, found, ..
+            } => {
+                assert_eq!((counted_on, found), (driver, home[0].into()));
+                // It was last seen within a look of 300: 20 ms at 1000 µsteps/s are 20.
+                assert!((300..=320).contains(&before), "{said}");
+            }
+            other => panic!("{other}"),
+        }
+        // It is told once; that the axes are homed the module says.
+        assert_eq!(drive.homed().unwrap()[..2], [Some(true); 2]);
+    }
 }
 
 #[test]

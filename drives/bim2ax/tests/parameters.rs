@@ -4,7 +4,7 @@ use super::*;
 use crate::{
     DriveError,
     bim2ax::{
-        EncoderBench, EncoderKind, Start,
+        Corrections, EncoderBench, EncoderKind, Start,
         bits::{card, definition, encoder_message, message},
     },
 };
@@ -163,6 +163,11 @@ async fn the_last_position_is_stored_and_recalled_after_a_brown_out() {
 
 /// A rig whose first axis has an encoder with the manual's 200 µsteps and 2000 points per turn.
 async fn with_encoder(bench: EncoderBench, bits: u16, offset: i64) -> Rig {
+    encoded(bench, (bits, offset), &ModuleOptions::default()).await
+}
+
+/// The same of a module with these options.
+async fn encoded(bench: EncoderBench, (bits, offset): (u16, i64), options: &ModuleOptions) -> Rig {
     let mut eeprom = eeprom();
     for (parameter, value) in [
         (AxisParameter::Dividend, 200),
@@ -175,8 +180,7 @@ async fn with_encoder(bench: EncoderBench, bits: u16, offset: i64) -> Rig {
     }
     let mut surroundings = surroundings();
     surroundings.encoders[0] = Some(bench);
-    let options = ModuleOptions::default();
-    Rig::new(&options, &Bim2AxOptions::default(), &eeprom, &surroundings).await
+    Rig::new(options, &Bim2AxOptions::default(), &eeprom, &surroundings).await
 }
 
 #[tokio::test(start_paused = true)]
@@ -218,6 +222,37 @@ async fn a_motor_that_loses_steps_is_corrected_by_its_encoder() {
     rig.driver.rested(seconds(10), clock).await.unwrap();
     let (found, _) = rig.driver.encoder_steps(clock).await.unwrap();
     assert_eq!(found.messages[0] & encoder_message::CORRECTED, 0);
+}
+
+/// The motor is held for 0.3 s of 1000 µsteps/s: what it has lost then is left as it is by a module that never corrects, and by
+/// one that lets so much pass.
+#[tokio::test(start_paused = true)]
+async fn moves_are_corrected_as_often_and_from_the_difference_on_that_is_assumed() {
+    let usual = Corrections::default();
+    for (corrections, corrected) in [
+        (usual, true),
+        (Corrections { most: 1, ..usual }, true),
+        (Corrections { most: 0, ..usual }, false),
+        (Corrections { tolerance: 1999, ..usual }, false),
+    ] {
+        let options = ModuleOptions { corrections, ..ModuleOptions::default() };
+        let mut rig = encoded(EncoderBench::default(), (0, 0), &options).await;
+        let clock = &clock();
+        let start = Start { speed: Some(1000), ..Start::to(2000) };
+        rig.driver.start([Some(start), None], clock).await.unwrap();
+        sleep(Duration::from_millis(500)).await;
+        rig.rewire(|surroundings| surroundings.benches[0].stalled = true);
+        sleep(Duration::from_millis(300)).await;
+        rig.rewire(|surroundings| surroundings.benches[0].stalled = false);
+        let (seen, _) = rig.driver.rested(seconds(10), clock).await.unwrap();
+        assert_eq!(seen.positions[0], 2000, "{corrections:?}");
+        let (found, _) = rig.driver.encoder_steps(clock).await.unwrap();
+        let lack = (found.positions[0] - 2000).abs();
+        assert_eq!(lack <= 2, corrected, "{corrections:?}: {lack}");
+        assert!(corrected || (250..1999).contains(&lack), "{corrections:?}: {lack}");
+        let told = found.messages[0] & encoder_message::CORRECTED != 0;
+        assert_eq!(told, corrected, "{corrections:?}");
+    }
 }
 
 #[tokio::test(start_paused = true)]

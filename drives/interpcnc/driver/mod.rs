@@ -12,6 +12,7 @@ mod lock;
 mod memory;
 mod motion;
 mod outcome;
+mod ranges;
 mod segments;
 mod settings;
 
@@ -22,10 +23,7 @@ pub use settings::{Identity, Recipes};
 use super::{
     Command, InterpCncOptions, Line, Parity,
     port::SharedPort,
-    registers::{
-        AXES, COMMAND, FIRST_OUTPUT, INPUTS, MAX_SPEED_HZ, OUTPUTS, STATE_REGISTERS, STATUS,
-        Status, join,
-    },
+    registers::{AXES, COMMAND, FIRST_OUTPUT, OUTPUTS, STATE_REGISTERS, STATUS, Status, join},
 };
 use crate::{
     Action, Clock, DriveError, Exchange, ProtocolFault, Stamp, pause::Pause, port::open_serial,
@@ -305,60 +303,6 @@ impl InterpCnc {
             Err(DriveError::Locked { at: self.at(action) })
         } else {
             Ok(())
-        }
-    }
-
-    /// Checks values that fit the registers and not the board.
-    fn check(&self, command: &Command) -> Result<(), DriveError> {
-        let within = |register: u16, value: u32, high: u32| {
-            if (1..=high).contains(&value) {
-                return Ok(());
-            }
-            let at = self.at(command.action());
-            Err(DriveError::Range {
-                at,
-                register,
-                value: value.into(),
-                low: 1.0,
-                high: high.into(),
-            })
-        };
-        match command {
-            Command::Move { profile, .. } => {
-                within(COMMAND + 3, profile.acceleration_khz_per_s.into(), u16::MAX.into())?;
-                within(COMMAND + 4, profile.speed_hz, MAX_SPEED_HZ)?;
-                within(COMMAND + 6, profile.deceleration_khz_per_s.into(), u16::MAX.into())
-            }
-            Command::ChangeSpeed { speed_hz, .. } | Command::Interpolated { speed_hz, .. } => {
-                within(COMMAND + 2, *speed_hz, MAX_SPEED_HZ)
-            }
-            Command::Probe {
-                speed_hz,
-                acceleration_khz_per_s,
-                deceleration_khz_per_s,
-                input,
-                ..
-            } => {
-                within(COMMAND + 3, (*input).into(), INPUTS.into())?;
-                within(COMMAND + 7, *speed_hz, MAX_SPEED_HZ)?;
-                within(COMMAND + 10, (*acceleration_khz_per_s).into(), u16::MAX.into())?;
-                within(COMMAND + 11, (*deceleration_khz_per_s).into(), u16::MAX.into())
-            }
-            Command::HomeAxis {
-                fast_hz,
-                slow_hz,
-                acceleration_khz_per_s,
-                deceleration_khz_per_s,
-                input,
-                ..
-            } => {
-                within(COMMAND + 2, (*input).into(), INPUTS.into())?;
-                within(COMMAND + 4, (*acceleration_khz_per_s).into(), u16::MAX.into())?;
-                within(COMMAND + 5, *fast_hz, MAX_SPEED_HZ)?;
-                within(COMMAND + 7, (*deceleration_khz_per_s).into(), u16::MAX.into())?;
-                within(COMMAND + 10, (*slow_hz).into(), u16::MAX.into())
-            }
-            _ => Ok(()),
         }
     }
 

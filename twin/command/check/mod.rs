@@ -190,6 +190,9 @@ fn report(
             show::findings(program, &outcome.findings);
             if let Some(predicted) = &outcome.following {
                 writeln!(out, "{}", following::predicted(machine, predicted))?;
+                for note in following::lost_answers(machine, outcome) {
+                    writeln!(out, "{note}")?;
+                }
             }
             summary(&mut out, machine, program, outcome)
         }

@@ -9,14 +9,14 @@ use twin_drives::axis::Direction;
 use twin_drives::axis::homing::{
     HomingError, HomingMode, HomingOptions, HomingRun, Switch, home_by_switch,
 };
-use twin_drives::{Drive, DriveError, MAX_DRIVE_AXES};
+use twin_drives::{Drive, DriveError, MAX_DRIVE_AXES, Signals};
 
 /// How an axis is homed by a switch.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(super) struct BySwitch {
     /// Home one axis by looking at a switch and moving the axis, not by the drive's own homing, in this mode of `SMC_Homing`: 0
     /// fast onto the switch, slowly back off it, where it opens is home; 1 as 0, but where the axis then stands is home; 4 and 5
-    /// as 0 and 1, but slowly on over the switch
+    /// as 0 and 1, but slowly on over the switch; 2 and 6 as 0 and 4, but the next index pulse is home (--index-input)
     #[arg(long = "by-switch", id = "by_switch", value_name = "MODE", value_parser = mode)]
     mode: Option<HomingMode>,
 
@@ -28,6 +28,31 @@ pub(super) struct BySwitch {
     /// The input is off while the switch is pressed
     #[arg(long, requires = "input")]
     normally_closed: bool,
+
+    /// The home switch is the limit switch in the direction of the search, which does not end homing then
+    #[arg(long, requires = "by_switch", conflicts_with = "input")]
+    on_limit: bool,
+
+    /// Limit switches do not end homing (`bIgnoreHWLimit`); not in modes 4, 5 and 6, which go on in their direction
+    #[arg(long, requires = "by_switch")]
+    ignore_limits: bool,
+
+    /// Modes 2 and 6: the index pulse is at this input, which has to be on for longer than one look takes: at 100 looks a second
+    /// and --slow 200, 2 increments and more
+    #[arg(long, value_name = "N", requires = "by_switch", value_parser = clap::value_parser!(u8).range(1..=64))]
+    index_input: Option<u8>,
+
+    /// The index input is off during the pulse
+    #[arg(long, requires = "index_input")]
+    index_low: bool,
+
+    /// The switch tells what was so long ago, ms (`fSignalDelay`): home is where the axis was then
+    #[arg(long, value_name = "MS", default_value_t = 0.0, requires = "by_switch", value_parser = delay_ms)]
+    signal_delay: f64,
+
+    /// Go to position 0 at the end, at the fast speed (`bReturnToZero`)
+    #[arg(long, requires = "by_switch")]
+    return_to_zero: bool,
 
     /// Look for the switch towards larger positions
     #[arg(long, requires = "by_switch")]
@@ -62,17 +87,36 @@ pub(super) struct BySwitch {
 
 fn mode(text: &str) -> Result<HomingMode, String> {
     let mode = text.parse().ok().and_then(HomingMode::from_number);
-    match mode {
-        Some(HomingMode::FastBslowISStop | HomingMode::FastSlowISStop) => {
-            Err("modes 2 and 6 need an index pulse, which no drive shows".to_owned())
-        }
-        Some(mode) => Ok(mode),
-        None => Err("the modes are 0, 1, 4 and 5".to_owned()),
+    mode.ok_or_else(|| "the modes are 0, 1, 2, 4, 5 and 6".to_owned())
+}
+
+/// Up to a second: what is older says nothing about where an axis is.
+fn delay_ms(text: &str) -> Result<f64, String> {
+    let delay = text.parse().ok().filter(|delay| (0.0..=1000.0).contains(delay));
+    delay.ok_or_else(|| "expected 0 to 1000 ms".to_owned())
+}
+
+/// Waits for the edge of an index pulse.
+struct Index {
+    /// Which input, and its level during the pulse.
+    input: Option<(u8, bool)>,
+    /// It has been seen without the pulse, since the switch has opened.
+    armed: bool,
+}
+
+impl Index {
+    /// Where the axis was when the pulse was first seen.
+    fn seen(&mut self, signals: &Signals, position: f64) -> Option<f64> {
+        let (number, level) = self.input?;
+        let on = signals.inputs.get(number)? == level;
+        let begins = on && self.armed;
+        self.armed |= !on;
+        begins.then_some(position)
     }
 }
 
 /// Why homing has failed, without the axis, whose only name is that of its drive.
-fn why(error: &HomingError) -> String {
+fn why(error: &HomingError, interrupt: &Interrupt) -> String {
     match error {
         HomingError::Axis { error, .. } => error.to_string(),
         HomingError::Drive(error) => error.to_string(),
@@ -84,10 +128,10 @@ fn why(error: &HomingError) -> String {
         HomingError::NotStopped { why: first, source } => {
             format!(
                 "{}; and the axis could not be stopped: {source}; use the emergency stop",
-                why(first)
+                why(first, interrupt)
             )
         }
-        HomingError::Aborted { .. } => "stopped by Ctrl-C".to_owned(),
+        HomingError::Aborted { .. } => format!("stopped by {}", interrupt.name()),
     }
 }
 
@@ -156,7 +200,7 @@ impl BySwitch {
         loop {
             let sample = drive.sample(&stream)?;
             if interrupt.count() > 0 {
-                return Err(Failure::Usage("stopped by Ctrl-C".to_owned()));
+                return Err(Failure::Usage(format!("stopped by {}", interrupt.name())));
             }
             let at = sample.position.first().copied().unwrap_or(0);
             if !sample.moving && at == 0 {
@@ -166,6 +210,36 @@ impl BySwitch {
                 return Err(Failure::Usage(format!("it stands at {at} instead of 0")));
             }
         }
+    }
+
+    /// Where the index pulse of modes 2 and 6 is seen.
+    fn index(&self, drive: &mut dyn Drive, mode: HomingMode) -> Result<Index, Failure> {
+        let by_index = matches!(mode, HomingMode::FastBslowISStop | HomingMode::FastSlowISStop);
+        let number = mode.number();
+        let message = match self.index_input {
+            None if by_index => {
+                // No drive latches one for its master, and the index of an encoder is at no input: it would have to be wired to one.
+                format!(
+                    "mode {number} ends on an index pulse, which no drive tells its master by itself: --index-input N says at which input it \
+                     is; a BIM2AX homes on the index of its encoder by itself (bit 3 of encoder-definition, then `home` without --by-switch)"
+                )
+            }
+            Some(_) if !by_index => {
+                format!(
+                    "--index-input says nothing in mode {number}: modes 2 and 6 go to an index pulse"
+                )
+            }
+            Some(input) => {
+                let clock = Clock::start();
+                let count = drive.signals(&|| clock.now_ns())?.inputs.count();
+                if input <= count {
+                    return Ok(Index { input: Some((input, !self.index_low)), armed: false });
+                }
+                format!("--index-input {input}: the drive shows {count} inputs")
+            }
+            None => return Ok(Index { input: None, armed: false }),
+        };
+        Err(Failure::Usage(message))
     }
 
     /// Finds the home; what there is to say of it.
@@ -182,8 +256,11 @@ impl BySwitch {
         let direction = if self.positive { Direction::Positive } else { Direction::Negative };
         let switch = match self.input {
             Some(number) => Switch::Input { number, pressed: !self.normally_closed },
+            None if self.on_limit && self.positive => Switch::PositiveLimit,
+            None if self.on_limit => Switch::NegativeLimit,
             None => Switch::Home,
         };
+        let mut index = self.index(drive, mode)?;
         let (slow, fast) = (f64::from(self.slow), f64::from(self.fast));
         let (most, most_slow) = (f64::from(self.max_way), f64::from(self.max_slow_way));
         let options = HomingOptions {
@@ -191,21 +268,39 @@ impl BySwitch {
             velocity_fast: fast,
             direction,
             mode,
+            signal_delay: self.signal_delay * 1e-3,
+            return_to_zero: self.return_to_zero,
+            ignore_hardware_limit: self.ignore_limits || self.on_limit,
             // Ramps are the drive's.
             ..HomingOptions::new(slow, fast, most, most_slow)
         };
         options.check().map_err(|error| Failure::Usage(error.to_string()))?;
         let sign = if self.positive { '+' } else { '-' };
-        let at = self.input.map_or("its home switch".to_owned(), |input| format!("input {input}"));
+        let at = match (self.input, self.on_limit) {
+            (Some(input), _) => format!("input {input}"),
+            (None, true) => "its limit switch".to_owned(),
+            (None, false) => "its home switch".to_owned(),
+        };
+        let afterwards = match self.index_input {
+            Some(input) => format!(" until the index pulse comes at input {input}{afterwards}"),
+            None => afterwards.to_owned(),
+        };
+        let returns = if self.return_to_zero { ", then to 0" } else { "" };
         consent.ask(&format!(
             "home {name} from {from} towards {sign} until {at} says so, {most} increments at most, at {fast} increments/s, and off \
-             it at {slow}{afterwards}"
+             it at {slow}{afterwards}{returns}"
         ))?;
         let interrupt = Interrupt::catch()?;
         drive.enable()?;
         let run = HomingRun { axis: 0, switch, options };
         let stopped = || interrupt.count() > 0;
-        let report = match home_by_switch(drive, &run, &stream, &mut |_, _| None, &stopped) {
+        let report = match home_by_switch(
+            drive,
+            &run,
+            &stream,
+            &mut |signals, position| index.seen(signals, position),
+            &stopped,
+        ) {
             Ok(report) => report,
             Err(error) => {
                 // A drive that says nothing any more is no reason to say less.
@@ -213,7 +308,10 @@ impl BySwitch {
                 let stands = sample.and_then(|sample| sample.position.first().copied());
                 let stands =
                     stands.map_or(String::new(), |at| format!("; it stands at {at} increments"));
-                return Err(Failure::Usage(format!("homing {name}: {}{stands}", why(&error))));
+                return Err(Failure::Usage(format!(
+                    "homing {name}: {}{stands}",
+                    why(&error, &interrupt)
+                )));
             }
         };
         let stands = drive.sample(&stream)?.position.first().copied().unwrap_or(0);
@@ -225,5 +323,36 @@ impl BySwitch {
             options.uncertainty(looks_s)
         );
         Ok((said, interrupt))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Index, delay_ms, mode};
+    use twin_drives::axis::homing::HomingMode;
+    use twin_drives::{Bits, Signals};
+
+    /// 2.2.7: the pulse counts once the switch has opened. One under way then began before.
+    #[test]
+    fn an_index_pulse_counts_from_its_edge_on() {
+        let with =
+            |level: u64| Signals { inputs: Bits::new(level << 2, 8, &[]), ..Signals::default() };
+        let mut index = Index { input: Some((3, true)), armed: false };
+        let seen = [(1, 10.0), (0, 11.0), (0, 12.0), (1, 13.0)];
+        let found = seen.map(|(level, position)| index.seen(&with(level), position));
+        assert_eq!(found, [None, None, None, Some(13.0)]);
+        // One that is off during the pulse.
+        let mut index = Index { input: Some((3, false)), armed: false };
+        let found = seen.map(|(level, position)| index.seen(&with(level), position));
+        assert_eq!(found, [None, Some(11.0), Some(12.0), None]);
+    }
+
+    #[test]
+    fn all_six_modes_can_be_said() {
+        let said = ["0", "1", "2", "4", "5", "6"].map(|text| mode(text).ok());
+        assert_eq!(said, HomingMode::ALL.map(Some));
+        assert!(mode("3").is_err() && mode("7").is_err() && mode("").is_err());
+        assert_eq!((delay_ms("12.5"), delay_ms("-1").is_err()), (Ok(12.5), true));
+        assert!(delay_ms("1001").is_err() && delay_ms("nan").is_err());
     }
 }

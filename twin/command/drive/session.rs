@@ -66,8 +66,8 @@ impl Session {
         self.interruptible(drive, motion, || pressed(&interrupt))
     }
 
-    /// The same, with what `pressed` waits for as Ctrl-C.
-    fn interruptible<D: Stopping, T, F: Future<Output = ()>>(
+    /// The same, with what `pressed` waits for, and calls, as Ctrl-C.
+    fn interruptible<D: Stopping, T, F: Future<Output = &'static str>>(
         &self,
         drive: &mut D,
         motion: impl AsyncFnOnce(&mut D) -> Result<T, DriveError>,
@@ -75,21 +75,21 @@ impl Session {
     ) -> Result<T, Failure> {
         let ended = self.runtime.block_on(async {
             tokio::select! {
-                ended = motion(drive) => Some(ended),
-                () = pressed() => None,
+                ended = motion(drive) => Ok(ended),
+                name = pressed() => Err(name),
             }
         });
         let why = match ended {
-            Some(Ok(value)) => return Ok(value),
-            Some(Err(error)) => Some(error),
-            None => {
-                eprintln!("Ctrl-C: stopping");
-                None
+            Ok(Ok(value)) => return Ok(value),
+            Ok(Err(error)) => Ok(error),
+            Err(name) => {
+                eprintln!("{name}: stopping");
+                Err(name)
             }
         };
-        let failed = |source: Option<DriveError>, at_rest: String| match source {
-            Some(source) => Failure::Motion { source: Box::new(source), at_rest },
-            None => Failure::Usage(format!("stopped by Ctrl-C; {at_rest}")),
+        let failed = |why: Result<DriveError, &str>, at_rest: String| match why {
+            Ok(source) => Failure::Motion { source: Box::new(source), at_rest },
+            Err(name) => Failure::Usage(format!("stopped by {name}; {at_rest}")),
         };
         let at_rest = match self.stop(drive, pressed()) {
             Ok(at_rest) => at_rest,
@@ -109,13 +109,13 @@ impl Session {
     fn stop<D: Stopping>(
         &self,
         drive: &mut D,
-        impatient: impl Future<Output = ()>,
+        impatient: impl Future<Output = &'static str>,
     ) -> Result<&'static str, String> {
         let soft = self.runtime.block_on(async {
             tokio::select! {
                 biased;
                 stopped = drive.soft_stop() => stopped.map_err(|error| error.to_string()),
-                () = impatient => Err("Ctrl-C again".to_owned()),
+                name = impatient => Err(format!("{name} again")),
             }
         });
         let Err(why) = soft else { return Ok("the axes are at rest") };
@@ -129,12 +129,13 @@ impl Session {
     }
 }
 
-/// Returns on the next Ctrl-C.
-async fn pressed(interrupt: &Interrupt) {
+/// Returns on the next Ctrl-C, or what is like it, with its name.
+async fn pressed(interrupt: &Interrupt) -> &'static str {
     let before = interrupt.count();
     while interrupt.count() == before {
         tokio::time::sleep(LOOK).await;
     }
+    interrupt.name()
 }
 
 #[cfg(test)]
@@ -210,7 +211,7 @@ mod tests {
             let at = Exchange { port: "p".into(), station: 7, action: Action::ReadState };
             Err::<(), _>(DriveError::Stalled { at })
         };
-        let said = session.interruptible(&mut drive, moved, pending::<()>);
+        let said = session.interruptible(&mut drive, moved, pending::<&str>);
         let said = said.expect_err("it fails").to_string();
         assert!(
             said.contains("the motor has stalled") && said.contains("emergency stop"),
@@ -219,10 +220,27 @@ mod tests {
     }
 
     #[test]
+    fn what_has_asked_for_the_stop_is_called_by_its_name() {
+        let session = Session::start().expect("a runtime");
+        let mut drive = Drive { confirms: [true, true], told: Vec::new() };
+        let moved = async |_: &mut Drive| pending::<Result<(), DriveError>>().await;
+        let asked = std::cell::Cell::new(0);
+        // The second time it is who cannot wait.
+        let pressed = || {
+            asked.set(asked.get() + 1);
+            let first = asked.get() == 1;
+            async move { if first { "SIGTERM" } else { pending().await } }
+        };
+        let said = session.interruptible(&mut drive, moved, pressed);
+        let said = said.expect_err("it is stopped").to_string();
+        assert_eq!(said, "stopped by SIGTERM; the axes are at rest, at 17");
+    }
+
+    #[test]
     fn who_cannot_wait_stops_at_once() {
         let session = Session::start().expect("a runtime");
         let mut drive = Drive { confirms: [true, true], told: Vec::new() };
-        let said = session.stop(&mut drive, ready(()));
+        let said = session.stop(&mut drive, ready("Ctrl-C"));
         assert_eq!(said.ok(), Some("the axes were stopped at once"));
         assert_eq!(drive.told.last(), Some(&"hard"));
     }

@@ -5,7 +5,6 @@ use crate::command::show;
 use crate::emulated::CATCH_UP;
 use crate::hardware::Attached;
 use crate::machine::{Axis, DriveFamily, Machine};
-use crate::real;
 use crate::startup::{self, way_in_all};
 use comfy_table::{Cell, CellAlignment};
 use twin_drives::bim2ax::ModuleAxis;
@@ -130,31 +129,4 @@ pub(super) fn allowance() -> String {
         "an axis that lags behind its set-points may go faster than the program, up to {:.0} % of its largest velocity",
         100.0 * CATCH_UP
     )
-}
-
-/// What one lost answer would cost: nobody corrects the axes of its device until the driver has given it up and asked again,
-/// and an axis whose way of that time is longer than its `max_following_error` stops the run.
-pub(super) fn lost_answers(machine: &Machine, outcome: &Outcome) -> Vec<String> {
-    let mut notes = Vec::new();
-    for (index, entry) in machine.drives.iter().enumerate() {
-        let lost: std::time::Duration = real::waits(entry).into_iter().sum();
-        for (place, axis) in machine.axes_of(index) {
-            let peak = outcome.peaks.get(place).map(|peak| peak.velocity);
-            let Some((limit, peak)) = axis.max_following_error.zip(peak) else { continue };
-            let way = peak.value * lost.as_secs_f64();
-            if way <= limit {
-                continue;
-            }
-            let (unit, name) = (axis.unit(), &axis.name);
-            let [way, limit, speed] = [way, limit, peak.value].map(|si| axis.from_si(si));
-            notes.push(format!(
-                "note: one lost answer of device `{}` takes up to {} ms; at the program's {speed:.1} {unit}/s (line {}) axis {name} is \
-                 then up to {way:.2} {unit} off, more than its max_following_error of {limit:.2} {unit}: the run would be stopped",
-                entry.name,
-                lost.as_millis(),
-                peak.place.line
-            ));
-        }
-    }
-    notes
 }

@@ -201,6 +201,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     if let Some(reason) = &reason {
         eprintln!("{reason}");
     }
+    if let (Some(Stopped::Interrupted(_)), Some(signal)) =
+        (&done.ending.stopped, interrupt.signal())
+    {
+        eprintln!("what asked for it was {signal}, nobody at the keyboard");
+    }
     if let Some(rest) = &done.ending.rest {
         eprintln!("{}", rest.told(&machine));
     }

@@ -2,12 +2,13 @@
 
 use super::interrupt::Interrupt;
 use super::prompt::Prompt;
-use super::summary::{DriveSamples, Report};
+use super::summary::Report;
 use super::watcher::{Watcher, open_keys};
 use super::{APPROACH, Arguments, Drives, startup};
 use crate::command::progress::ProgressLines;
 use crate::command::{Failure, show};
 use crate::drive_report::AxisMaximaReport;
+use crate::hardware::Heard;
 use crate::machine::DeviceEntry;
 use crate::picture::Picture;
 use crate::report::seconds;
@@ -19,7 +20,7 @@ use twin_viz::{Playback, SceneOptions};
 /// A run that has come to its end, wherever that was.
 pub(super) struct Done<'m> {
     pub(super) ending: Ending,
-    pub(super) samples: DriveSamples,
+    pub(super) samples: Heard,
     /// Of the axes, if they are wanted.
     pub(super) maxima: Option<Vec<(String, AxisMaximaReport)>>,
     /// On the wall clock, s.
@@ -97,7 +98,7 @@ pub(super) fn perform<'m>(
         axes,
         lines: ProgressLines::new(format!("running {}", program.path().display())),
         last_shown_ns: i64::MIN,
-        samples: DriveSamples::default(),
+        samples: Heard::default(),
         prompt: Prompt::default(),
         keys: if paced { open_keys(program) } else { None },
     };

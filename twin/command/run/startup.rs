@@ -1,21 +1,22 @@
 //! Drives before they move: their start-up checks, what will move where, whether it may, and homing.
 
-use super::agreed::{Asked, allowance, homing_speeds, lost_answers, moves};
+use super::agreed::{Asked, allowance, homing_speeds, moves};
 use super::interrupt::Interrupt;
 use super::{APPROACH, tell_not_stopped};
 use crate::check::Outcome;
 use crate::command::Failure;
 use crate::command::drive::consent::Consent;
+use crate::command::following::lost_answers;
 use crate::emulated::Emulator;
 use crate::hardware::{Attached, Guarded, Hardware};
 use crate::machine::{Axis, Machine};
 use crate::real;
-use crate::startup::{self, Check, Homed, Looked, Needs};
+use crate::startup::{self, Check, Homed, Looked, Needs, Verdict};
 use indicatif::ProgressBar;
 use std::time::Duration;
 use twin_kinematics::AxisVector;
 
-/// How real drives are started up.
+/// How real drives are started up. Positions of devices are compared to two and a half increments, as the guide says.
 #[derive(Clone, Debug, clap::Args)]
 pub(super) struct StartUpOptions {
     #[command(flatten)]
@@ -159,7 +160,7 @@ fn needs(outcome: &Outcome, homed: impl Fn(usize) -> Homed) -> Vec<Needs> {
 
 /// All failures have been told, each.
 fn refuse_failed(checks: &[Check]) -> Result<(), Failure> {
-    let failed = checks.iter().filter(|check| !check.passed).count();
+    let failed = checks.iter().filter(|check| check.has_failed()).count();
     if failed == 0 {
         return Ok(());
     }
@@ -175,11 +176,12 @@ fn emulated(
 ) -> Result<usize, Failure> {
     let needs = needs(outcome, |_| Homed::Emulated);
     let looked = startup::look(machine, attached, &needs);
-    for check in looked.checks.iter().filter(|check| !check.passed) {
+    for check in looked.checks.iter().filter(|check| check.has_failed()) {
         eprintln!("  {check}");
     }
     refuse_failed(&looked.checks)?;
-    Ok(looked.checks.len())
+    let passed = |check: &&Check| check.verdict == Verdict::Passed;
+    Ok(looked.checks.iter().filter(passed).count())
 }
 
 impl Ready {

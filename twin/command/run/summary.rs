@@ -6,51 +6,30 @@ use crate::command::whole::{WholeFile, unwritable};
 use crate::command::{Failure, show};
 use crate::compare::{Comparison, ErrorStatistics, Statistics};
 use crate::drive_report::AxisMaximaReport;
+use crate::hardware::Heard;
 use crate::machine::Machine;
 use crate::program::ProgramFile;
 use crate::report::{
-    AxisErrorReport, CheckReport, ComparisonReport, DriveSamplesReport, LatenessReport,
-    OverrideChangeReport, PerAxis, RestReport, RunReport, seconds,
+    AxisErrorReport, CheckReport, ComparisonReport, DeviceSamplesReport, DriveSamplesReport,
+    LatenessReport, OverrideChangeReport, PerAxis, RestReport, RunReport, seconds,
 };
 use crate::session::Ending;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// How often the drives were heard of.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct DriveSamples {
-    count: u32,
-    first_ns: i64,
-    last_ns: i64,
-    longest_gap_ns: i64,
-}
-
-impl DriveSamples {
-    pub(super) fn include(&mut self, time_ns: i64) {
-        if self.count == 0 {
-            self.first_ns = time_ns;
-        } else {
-            self.longest_gap_ns = self.longest_gap_ns.max(time_ns - self.last_ns);
-        }
-        self.last_ns = time_ns;
-        self.count += 1;
-    }
-
-    fn per_s(self) -> f64 {
-        let time = seconds(self.last_ns - self.first_ns);
-        if time > 0.0 { f64::from(self.count.saturating_sub(1)) / time } else { 0.0 }
-    }
-
-    fn longest_gap_ms(self) -> f64 {
-        seconds(self.longest_gap_ns) * 1e3
-    }
-
-    fn report(self) -> DriveSamplesReport {
-        DriveSamplesReport {
-            count: self.count,
-            per_s: self.per_s(),
-            longest_gap_ms: self.longest_gap_ms(),
-        }
+/// How often drives were heard of, all together and each.
+fn samples_report(all: Heard, devices: &[(String, Heard)]) -> DriveSamplesReport {
+    let of = |heard: Heard| DeviceSamplesReport {
+        count: heard.count,
+        per_s: heard.per_s(),
+        longest_gap_ms: heard.longest_gap_ms(),
+    };
+    let longest = devices.iter().map(|(_, heard)| heard.longest_gap_ms());
+    DriveSamplesReport {
+        count: all.count,
+        per_s: all.per_s(),
+        longest_gap_ms: longest.fold(0.0, f64::max),
+        devices: PerAxis(devices.iter().map(|(name, heard)| (name.clone(), of(*heard))).collect()),
     }
 }
 
@@ -98,20 +77,23 @@ pub(super) fn summary(out: &mut impl Write, machine: &Machine, done: &Done<'_>) 
         )?;
     }
     if samples.count > 0 {
-        writeln!(
-            out,
-            "drives: {} samples, {:.0} per second, longest gap {:.0} ms",
-            samples.count,
-            samples.per_s(),
-            samples.longest_gap_ms()
-        )?;
-        if samples.longest_gap_ns > LONGEST_USUAL_GAP_NS {
+        writeln!(out, "drives: {} samples, {:.0} per second", samples.count, samples.per_s())?;
+        for (device, heard) in &ending.heard {
             writeln!(
                 out,
-                "note: for {:.0} ms nobody corrected the drives; this computer was busy, and their errors are partly \
-                 its doing",
-                samples.longest_gap_ms()
+                "device `{device}`: {} samples, {:.0} per second, longest gap {:.0} ms",
+                heard.count,
+                heard.per_s(),
+                heard.longest_gap_ms()
             )?;
+            if heard.longest_gap_ns > LONGEST_USUAL_GAP_NS {
+                writeln!(
+                    out,
+                    "note: for {:.0} ms nobody corrected the axes of device `{device}`; this computer was busy, and their errors are \
+                     partly its doing",
+                    heard.longest_gap_ms()
+                )?;
+            }
         }
     }
     let mut table = show::table();
@@ -153,7 +135,7 @@ impl Report<'_> {
     pub(super) fn write(
         &self,
         ending: &Ending,
-        (samples, maxima): (DriveSamples, Option<Vec<(String, AxisMaximaReport)>>),
+        (samples, maxima): (Heard, Option<Vec<(String, AxisMaximaReport)>>),
         stopped_because: Option<String>,
     ) -> Result<(), Failure> {
         let Some(path) = self.path else { return Ok(()) };
@@ -166,7 +148,7 @@ impl Report<'_> {
             rest: ending.rest.as_ref().map(|rest| RestReport::new(self.machine, rest)),
             executed_s: seconds(ending.executed_ns),
             override_changes: ending.overrides.iter().map(OverrideChangeReport::new).collect(),
-            drive_samples: (samples.count > 0).then(|| samples.report()),
+            drive_samples: (samples.count > 0).then(|| samples_report(samples, &ending.heard)),
             cycle_lateness: ending.punctuality.as_ref().map(LatenessReport::new),
             tool_error_mm: ComparisonReport::new(tool, 1e3),
             axis_error: PerAxis(
@@ -183,7 +165,7 @@ impl Report<'_> {
 
     /// Writes that a run came to nothing, and why.
     pub(super) fn write_nothing(&self, reason: &str) -> Result<(), Failure> {
-        let nothing = (DriveSamples::default(), None);
+        let nothing = (Heard::default(), None);
         self.write(&Ending::nothing(self.machine), nothing, Some(reason.to_owned()))
     }
 }

@@ -3,8 +3,8 @@
 use super::axis_watch::AxisWatch;
 use super::keys::{self, Keys};
 use super::prompt::Prompt;
-use super::summary::DriveSamples;
 use crate::command::progress::ProgressLines;
+use crate::hardware::Heard;
 use crate::m_function::MCall;
 use crate::picture::Picture;
 use crate::program::ProgramFile;
@@ -19,7 +19,7 @@ pub(super) struct Watcher<'a, 'm> {
     pub(super) lines: ProgressLines,
     pub(super) axes: AxisWatch<'m>,
     pub(super) last_shown_ns: i64,
-    pub(super) samples: DriveSamples,
+    pub(super) samples: Heard,
     pub(super) prompt: Prompt,
     /// Where there is a terminal.
     pub(super) keys: Option<Keys>,

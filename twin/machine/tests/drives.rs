@@ -108,3 +108,30 @@ fn an_address_is_told_where_it_belongs() {
         assert!(message.contains(parts[0]) && help.contains(parts[1]), "{message}; {help}");
     }
 }
+
+/// What a device has to know of switches; the axis's own sense counts, whichever way its drive turns.
+#[test]
+fn switches_are_said_beside_the_drive() {
+    let with = |lines: &str| edited(SHORT, "per_mm = 10\n", &format!("per_mm = 10\n{lines}\n"));
+    let of = |lines: &str| load(&with(lines)).axes[0].drive.as_ref().unwrap().switches;
+    let none = of("");
+    assert_eq!((none.limits, none.home_positive), (None, None));
+    for (word, limits) in [
+        ("none", [false, false]),
+        ("negative", [true, false]),
+        ("positive", [false, true]),
+        ("both", [true, true]),
+    ] {
+        assert_eq!(of(&format!("limit_switches = \"{word}\"")).limits, Some(limits));
+    }
+    assert_eq!(of("home_direction = \"positive\"").home_positive, Some(true));
+    assert_eq!(of("home_direction = \"negative\"").home_positive, Some(false));
+    let found = problems(&with("limit_switches = \"left\""));
+    assert_eq!((found.len(), found[0].0.as_str()), (1, "\"left\""), "{found:#?}");
+    assert!(found[0].1.contains("both"), "{found:#?}");
+    let without = edited(SHORT, "drive = \"board\"\n", "home_direction = \"positive\"\n");
+    let said = "`home_direction` says nothing without a `drive`";
+    assert!(problems(&without).iter().any(|(_, message, _)| message == said));
+    let reversed = edited(SHORT, "= 3200\nper_mm = 10", "= -3200\nper_mm = 10");
+    assert!(load(&reversed).axes[0].drive.as_ref().unwrap().reversed());
+}

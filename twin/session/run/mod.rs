@@ -165,6 +165,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
         let told = hardware.as_ref();
         let not_stopped = told.map(|told| told.not_stopped().to_vec()).unwrap_or_default();
         let restarted = told.map(|told| told.restarted().to_vec()).unwrap_or_default();
+        let heard = told.map(Hardware::heard).unwrap_or_default();
         let left_on = told.map(|told| told.left_on().to_vec()).unwrap_or_default();
         let stopping = hardware.filter(Hardware::is_running);
         let overrides = overrides.into_changes();
@@ -178,6 +179,7 @@ impl<'a, 'i, P: Plant<Error = PhysicsError>> Run<'a, 'i, P> {
             overrides,
             late_plans,
             punctuality,
+            heard,
             left_on,
             not_stopped,
             restarted,

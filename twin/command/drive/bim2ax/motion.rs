@@ -71,11 +71,24 @@ pub(super) fn home(
     }
     let longest = patience.as_secs();
     consent.ask(&format!("home {}, for {longest} s at most", said.join("; ")))?;
-    let seen = session.motion(module, async |module| {
+    let after = session.motion(module, async |module| {
         module.driver.home_to_end(axes, patience, &no_clock).await
     })?;
+    let counts_on = module.driver.options().assumptions.homing_keeps_position;
     for axis in axes {
-        say!("axis {} is home, at {}", axis.number(), of(&seen, *axis).0);
+        let (number, at) = (axis.number(), of(&after, *axis).0);
+        if !counts_on && at != 0 {
+            return Err(Failure::Usage(format!(
+                "axis {number} is home, and counts {at} instead of 0: does the module count on through homing? Then say so, here and to runs: \
+                 `--assume homing_keeps_position=true`, or `homing_keeps_position = \"true\"` in [drives.assumptions]"
+            )));
+        }
+        say!("axis {number} is home, at {at}");
+        if counts_on && at == 0 && of(&seen, *axis).0 != 0 {
+            say!(
+                "note: it counts 0 now, though `homing_keeps_position` is assumed; if its home was not at 0 before, that is wrong"
+            );
+        }
     }
     Ok(())
 }

@@ -2,7 +2,6 @@
 
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, right};
-use crate::by_hand::module_parameter as name;
 use crate::command::{Failure, show};
 use twin_drives::Values;
 use twin_drives::bim2ax::parameter::{AxisParameter, Parameter, Range};
@@ -23,9 +22,8 @@ fn find(text: &str) -> Result<Parameter, Failure> {
             words::unknown_number(number, "they are 0 to 65, 98 and 99 ($0 to $41, $62, $63)")
         });
     }
-    let named = |parameter: &Parameter| name(*parameter).eq_ignore_ascii_case(text);
-    all().find(named).ok_or_else(|| {
-        let names: Vec<String> = all().map(name).collect();
+    Parameter::named(text).ok_or_else(|| {
+        let names: Vec<String> = all().map(Parameter::word).collect();
         words::unknown_name("parameter", text, names.iter().map(String::as_str))
     })
 }
@@ -36,7 +34,7 @@ fn wanted(
     (value, unit): (i64, &str),
     rating_ma: i64,
 ) -> Result<(String, u32), Failure> {
-    let named = format!("{} (${:02X})", name(parameter), parameter.number().unwrap_or_default());
+    let named = format!("{} (${:02X})", parameter.word(), parameter.number().unwrap_or_default());
     let range = parameter.range();
     if range == Range::ReadOnly {
         return Err(Failure::Usage(format!(
@@ -83,7 +81,7 @@ pub(super) fn set_unseen(
     // It does not tell its rating either, and refuses itself what is too much for it.
     let (_, bits) = wanted(parameter, (value, ""), MOST_RATING_MA)?;
     session.ask(module.set_parameter(parameter, bits, &no_clock))?;
-    say!("{}: ? -> {}", name(parameter), shown(parameter, bits));
+    say!("{}: ? -> {}", parameter.word(), shown(parameter, bits));
     say!(
         "the check sum is right again, and parameters that have not been written since may hold anything: when all are, `reset`, then `get`"
     );
@@ -155,7 +153,7 @@ pub(super) fn get(
         let number = parameter.number().unwrap_or_default();
         table.add_row([
             right(format!("${number:02X}")),
-            name(parameter).into(),
+            parameter.word().into(),
             right(shown(parameter, value)),
             unit(parameter, per_step).into(),
         ]);
@@ -179,7 +177,7 @@ pub(super) fn set(
     session.ask(module.set_parameter(parameter, bits, &no_clock))?;
     say!(
         "{}: {} -> {} {}",
-        name(parameter),
+        parameter.word(),
         shown(parameter, old),
         shown(parameter, bits),
         of_value
@@ -192,7 +190,7 @@ pub(super) fn set(
 
 #[cfg(test)]
 mod tests {
-    use super::{all, find, name, shown};
+    use super::{all, find, shown};
     use twin_drives::bim2ax::ModuleAxis;
     use twin_drives::bim2ax::parameter::{AxisParameter, Parameter};
 
@@ -202,12 +200,14 @@ mod tests {
         assert_eq!(all().count(), 0x42 + 2);
         for parameter in all() {
             let number = parameter.number().map(|number| format!("${number:X}"));
-            assert_eq!(find(&name(parameter)).ok(), Some(parameter));
+            assert_eq!(find(&parameter.word()).ok(), Some(parameter));
             assert_eq!(number.and_then(|number| find(&number).ok()), Some(parameter));
         }
         let fast = Parameter::Axis(AxisParameter::FastSpeed, ModuleAxis::Two);
         assert_eq!(find("fast-speed-2").ok(), Some(fast));
         assert_eq!(find("11").ok(), Some(fast));
+        // As the manual has it.
+        assert_eq!(find("Fast speed of axis 2").ok(), Some(fast));
         let minus = Parameter::Axis(AxisParameter::SoftMinus, ModuleAxis::One);
         assert_eq!(find("soft-limit-minus-1").ok(), Some(minus));
         assert!(find("$42").is_err() && find("soft-limit").is_err());

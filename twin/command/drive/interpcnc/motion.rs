@@ -116,9 +116,23 @@ pub(super) fn home(
     consent.ask(&format!("home {}, for {longest} s at most", said.join("; ")))?;
     let state = session
         .motion(board, async |board| board.home_machine(&strokes, patience, &no_clock).await)?;
+    let zeroes = session.ask(board.parameter(parameters::ZERO_AFTER_HOMING, &no_clock))? == 1;
     for axis in axes {
         let position = state.positions.get(axis.index()).copied().unwrap_or(0);
+        if zeroes && position != 0 {
+            return Err(Failure::Usage(format!(
+                "axis {axis} is home, and counts {position} instead of 0, though parameter {} is 1 (zero-after-homing): has something \
+                 else moved it or written its counter? `status`, then `home` again",
+                parameters::ZERO_AFTER_HOMING
+            )));
+        }
         say!("axis {axis} is home, at {position}");
+    }
+    if !zeroes {
+        say!(
+            "note: the board leaves its counters as they are (zero-after-homing is 0), so that they do not count from home; a run wants \
+             `set zero-after-homing 1`, and homing after that"
+        );
     }
     Ok(())
 }

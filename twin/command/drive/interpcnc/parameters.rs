@@ -1,4 +1,5 @@
-//! The parameters of an InterpCNC board that are known, by names of ours: the board has numbers only.
+//! The parameters of an InterpCNC board that are known, by names of ours, which backups have, too: the board has numbers only.
+//! The vendor's names (`EE_…`) are understood.
 
 use super::super::session::{Session, no_clock};
 use super::super::words::{self, right};
@@ -21,56 +22,49 @@ struct Known {
     unit: &'static str,
 }
 
-/// Number, name, unit of those that are there once.
-const SINGLE: [(u16, &str, &str); 21] = [
-    (numbers::DEFAULT_ACCELERATION, "default-acceleration", "1000 steps/s²"),
-    (numbers::DEFAULT_START_STOP, "default-start-stop", "steps/s"),
-    (numbers::HOME_START_STOP, "home-start-stop", "steps/s"),
-    (numbers::HOME_SLOW_SPEED, "home-slow-speed", "steps/s"),
-    (numbers::EMERGENCY_STOP_INPUT, "emergency-stop-input", "input, 0 = none"),
-    (numbers::SPECIAL_POLARITY, "special-polarity", "bits"),
-    (numbers::HOME_POLARITY, "home-polarity", "bits, X first"),
-    (numbers::OUTPUTS_AT_START, "outputs-at-start", "bits, OUT1 first"),
-    (numbers::COUPLING, "coupling", "1 = A with X, 2 = B with X"),
-    (numbers::SET_WHEN_UNLOCKED, "set-when-unlocked", "bits, OUT1 first"),
-    (numbers::UNLOCK_INPUT, "unlock-input", "input, 0 = none"),
-    (numbers::UNLOCK_POLARITY, "unlock-polarity", "0 = NO, 1 = NC"),
-    (numbers::RESET_WHEN_UNLOCKED, "reset-when-unlocked", "bits, OUT1 first"),
-    (numbers::SET_WHEN_LOCKED, "set-when-locked", "bits, OUT1 first"),
-    (numbers::RESET_WHEN_LOCKED, "reset-when-locked", "bits, OUT1 first"),
-    (numbers::MODBUS_SPEED, "modbus-speed", "code"),
-    (numbers::MODBUS_PARITY, "modbus-parity", "code"),
-    (numbers::MODBUS_ADDRESS, "modbus-address", "station"),
-    (numbers::ZERO_AFTER_HOMING, "zero-after-homing", "0 or 1"),
-    (numbers::ANALOG_LOCKED, "analog-1-locked", "0 to 1023"),
-    (numbers::ANALOG_LOCKED + 1, "analog-2-locked", "0 to 1023"),
+/// Number and unit, or what the numbers mean, of those that are there once.
+const SINGLE: [(u16, &str); 21] = [
+    (numbers::DEFAULT_ACCELERATION, "1000 steps/s²"),
+    (numbers::DEFAULT_START_STOP, "steps/s"),
+    (numbers::HOME_START_STOP, "steps/s"),
+    (numbers::HOME_SLOW_SPEED, "steps/s"),
+    (numbers::EMERGENCY_STOP_INPUT, "input, 0 = none"),
+    (numbers::SPECIAL_POLARITY, "bits"),
+    (numbers::HOME_POLARITY, "bits, X first"),
+    (numbers::OUTPUTS_AT_START, "bits, OUT1 first"),
+    (numbers::COUPLING, "1 = A with X, 2 = B with X"),
+    (numbers::SET_WHEN_UNLOCKED, "bits, OUT1 first"),
+    (numbers::UNLOCK_INPUT, "input, 0 = none"),
+    (numbers::UNLOCK_POLARITY, "0 = NO, 1 = NC"),
+    (numbers::RESET_WHEN_UNLOCKED, "bits, OUT1 first"),
+    (numbers::SET_WHEN_LOCKED, "bits, OUT1 first"),
+    (numbers::RESET_WHEN_LOCKED, "bits, OUT1 first"),
+    (numbers::MODBUS_SPEED, "code"),
+    (numbers::MODBUS_PARITY, "code"),
+    (numbers::MODBUS_ADDRESS, "station"),
+    (numbers::ZERO_AFTER_HOMING, "0 or 1"),
+    (numbers::ANALOG_LOCKED, "0 to 1023"),
+    (numbers::ANALOG_LOCKED + 1, "0 to 1023"),
 ];
 
 /// All that are known, by number.
 fn known() -> Vec<Known> {
-    let single = SINGLE.iter().map(|(number, name, unit)| Known {
-        number: *number,
-        name: (*name).to_owned(),
-        unit,
-    });
     let of_axes = BoardAxis::ALL.into_iter().flat_map(|axis| {
-        let named = |number, name: &str, unit| {
-            let name = format!("{name}-{}", axis.to_string().to_lowercase());
-            Known { number, name, unit }
-        };
         let (minus, plus) = (numbers::limit_input(axis, false), numbers::limit_input(axis, true));
         [
-            named(numbers::home_direction(axis), "home-direction", "1 = positive"),
-            named(numbers::home_speed(axis), "home-speed", "steps/s"),
-            named(numbers::home_acceleration(axis), "home-acceleration", "1000 steps/s²"),
-            named(numbers::home_input(axis), "home-input", "input, 0 = none"),
-            named(minus, "limit-minus-input", "input, 0 = none"),
-            named(minus + 1, "limit-minus-polarity", "0 = NO, 1 = NC"),
-            named(plus, "limit-plus-input", "input, 0 = none"),
-            named(plus + 1, "limit-plus-polarity", "0 = NO, 1 = NC"),
+            (numbers::home_direction(axis), "1 = positive"),
+            (numbers::home_speed(axis), "steps/s"),
+            (numbers::home_acceleration(axis), "1000 steps/s²"),
+            (numbers::home_input(axis), "input, 0 = none"),
+            (minus, "input, 0 = none"),
+            (minus + 1, "0 = NO, 1 = NC"),
+            (plus, "input, 0 = none"),
+            (plus + 1, "0 = NO, 1 = NC"),
         ]
     });
-    let mut all: Vec<Known> = single.chain(of_axes).collect();
+    let all = SINGLE.into_iter().chain(of_axes);
+    let named = |(number, unit)| Some(Known { number, name: numbers::name(number)?, unit });
+    let mut all: Vec<Known> = all.filter_map(named).collect();
     all.sort_by_key(|parameter| parameter.number);
     all
 }
@@ -84,10 +78,9 @@ fn find(text: &str) -> Result<Known, Failure> {
             let range = format!("they are 0 to {}", numbers::PARAMETERS - 1);
             Some(known.ok_or_else(|| words::unknown_number(number, &range))?)
         }
-        None => None,
+        None => numbers::named(text),
     };
-    let found =
-        all.iter().find(|one| number == Some(one.number) || one.name.eq_ignore_ascii_case(text));
+    let found = all.iter().find(|one| number == Some(one.number));
     match (found, number) {
         (Some(found), _) => Ok(found.clone()),
         (None, Some(number)) => Ok(Known { number, name: "unknown".to_owned(), unit: "" }),
@@ -208,5 +201,10 @@ mod tests {
         assert_eq!(number("modbus-speed"), Some(101));
         assert_eq!(number("modbus-address"), Some(103));
         assert_eq!(number("limit-plus-polarity-b"), Some(123));
+        assert_eq!(
+            super::find("EE_MODBUS_SPEED").ok().map(|one| one.name),
+            Some("modbus-speed".into())
+        );
+        assert_eq!(all.len(), 21 + 5 * 8);
     }
 }

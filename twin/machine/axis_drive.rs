@@ -1,0 +1,173 @@
+//! The drive of an axis as `[[axes]]` says it: which one, how many increments it makes, what it has to know.
+
+use super::drives::{Abilities, Seen};
+use super::section::Section;
+
+/// How many increments of a drive one unit of the axis is, as an exact ratio (the manual's
+/// `dwRatioTechUnitsDenom` / `iRatioTechUnitsNum`).
+///
+/// Not [`twin_drives::axis::Ratio`], which is a fraction of whole numbers in 32 bits, as SoftMotion's blocks hand it on: a
+/// machine file says what its builder reads off the gear, the belt and the encoder, 10^12 increments and 9.525 mm among it,
+/// and what of that fits 32 bits would have to be refused or rounded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IncrementRatio {
+    /// Increments …
+    pub increments: i64,
+    /// … per this many degrees or millimetres.
+    pub per_units: f64,
+}
+
+impl IncrementRatio {
+    /// Increments per degree or millimetre.
+    #[expect(clippy::cast_precision_loss, reason = "read from a file where it is at most 10^12")]
+    pub(super) fn per_unit(&self) -> f64 {
+        self.increments as f64 / self.per_units
+    }
+}
+
+/// The drive an axis hangs on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisDrive {
+    /// Index into [`super::Machine::drives`].
+    pub device: usize,
+    /// Which axis of that device: from 0 (X of an InterpCNC board, 1 of a BIM2AX module), or the address of a SmartDRIVE.
+    pub index: usize,
+    /// Increments per unit.
+    pub ratio: IncrementRatio,
+    /// What the file says of its switches.
+    pub switches: Switches,
+}
+
+/// What the machine file says of the switches of an axis: what its device has to know of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Switches {
+    /// Whether there is a limit switch towards smaller positions, and towards larger ones.
+    pub limits: Option<[bool; 2]>,
+    /// Whether homing goes towards larger positions.
+    pub home_positive: Option<bool>,
+}
+
+impl Switches {
+    const KEYS: [&'static str; 2] = ["limit_switches", "home_direction"];
+
+    fn read(section: &Section<'_>) -> Self {
+        let ends = [
+            ("none", [false, false]),
+            ("negative", [true, false]),
+            ("positive", [false, true]),
+            ("both", [true, true]),
+        ];
+        Self {
+            limits: section.choice("limit_switches", &ends),
+            home_positive: section
+                .choice("home_direction", &[("negative", false), ("positive", true)]),
+        }
+    }
+}
+
+impl AxisDrive {
+    /// Whether the drive counts down where the axis goes towards larger positions.
+    pub const fn reversed(&self) -> bool {
+        self.ratio.increments < 0
+    }
+}
+
+pub(super) fn read(section: &Section<'_>, unit: &str, devices: &[Seen]) -> Option<AxisDrive> {
+    let device = section.text("drive");
+    // Which of them it is depends on the device.
+    let axis_keys = ["drive_axis", "drive_address"];
+    for key in axis_keys {
+        section.accept(key);
+    }
+    let increments = section.integer("increments", -1_000_000_000_000..=1_000_000_000_000);
+    let per_key = format!("per_{unit}");
+    let per_units = section.number(&per_key, 1e-6..=1e9);
+    let switches = Switches::read(section);
+    let Some(device) = device else {
+        if !section.has("drive") {
+            let keys = ["drive_axis", "drive_address", "increments", &per_key];
+            for key in keys.into_iter().chain(["max_step_frequency_khz"]).chain(Switches::KEYS) {
+                if section.has(key) {
+                    section.complain_at(key, format!("`{key}` says nothing without a `drive`"));
+                }
+            }
+        }
+        return None;
+    };
+    let Some(found) = devices.iter().position(|seen| seen.name == device) else {
+        let known = if devices.is_empty() {
+            "there is no [[drives]]".to_owned()
+        } else {
+            let names: Vec<_> = devices.iter().map(|device| device.name.as_str()).collect();
+            format!("the [[drives]] are named {}", names.join(", "))
+        };
+        section.complain_at("drive", format!("`drive` is \"{device}\", but {known}"));
+        return None;
+    };
+    let kind = devices.get(found).and_then(|device| device.kind);
+    // Without a kind it is not known which axes there are.
+    let kind = kind?;
+    let index = kind.axis(section);
+    for key in axis_keys.into_iter().filter(|key| *key != kind.axis_key() && section.has(key)) {
+        let message = format!("axes of this drive are named by `{}`", kind.axis_key());
+        section.complain_at(key, message);
+    }
+    for key in [kind.axis_key(), "increments", &per_key] {
+        if !section.has(key) {
+            section.complain(format!("an axis with a `drive` needs `{key}` too"));
+        }
+    }
+    if increments == Some(0) {
+        section.complain_at(
+            "increments",
+            "`increments` is 0; a drive that never steps moves nothing".to_owned(),
+        );
+        return None;
+    }
+    let ratio = IncrementRatio { increments: increments?, per_units: per_units? };
+    Some(AxisDrive { device: found, index: index?, ratio, switches })
+}
+
+/// Whether an increment of the drive is a microstep of the step motor that the simulated machine has.
+pub(super) fn check_steps(section: &Section<'_>, unit: &str, increments: f64, microsteps: f64) {
+    if (increments.abs() / microsteps - 1.0).abs() > 1e-6 {
+        let message = format!(
+            "the drive makes {:.6} increments per {unit}, the motor of [axes.physics.stepper] has {microsteps:.6} microsteps \
+             per {unit}: one of `increments`, `full_steps_per_turn`, `microsteps` and the transmission is wrong",
+            increments.abs()
+        );
+        section.complain_at("increments", message);
+    }
+}
+
+/// Whether the drive can count and step as far and as fast as the axis may go; a step frequency that is given keeps the
+/// axis within it.
+pub(super) fn check(
+    section: &Section<'_>,
+    unit: &str,
+    ratio: &IncrementRatio,
+    able: &Abilities,
+    limits: [f64; 2],
+    (max_velocity, step_frequency_hz): (f64, Option<f64>),
+) {
+    let per_unit = ratio.per_unit().abs();
+    let speed = (max_velocity * per_unit).min(step_frequency_hz.unwrap_or(f64::INFINITY));
+    let Abilities { speeds, counts } = able;
+    if !speeds.contains(&speed) {
+        let (low, high) = (speeds.start(), speeds.end());
+        let mut message = format!(
+            "{max_velocity} {unit}/s are {speed:.0} steps/s; the drive makes {low} to {high} steps/s"
+        );
+        if speed > *high {
+            message += ", and `max_step_frequency_khz` would keep the axis within them";
+        }
+        section.complain_at("increments", message);
+    }
+    let farthest = limits.into_iter().map(f64::abs).fold(0.0, f64::max);
+    let count = farthest * per_unit;
+    if count > *counts {
+        let message =
+            format!("{farthest} {unit} are {count:.0} increments; the drive counts to {counts}");
+        section.complain_at("increments", message);
+    }
+}

@@ -1,0 +1,106 @@
+//! The limits that devices keep themselves, and what keeps an axis from its ends where they keep none.
+
+use super::in_units;
+use super::looker::Looker;
+use crate::by_hand;
+use crate::machine::{Axis, DriveFamily, Machine};
+use twin_drives::axis::SoftwareMaxima;
+use twin_drives::{DeviceLimits, Drive, DriveError};
+
+/// What is left where the device does not limit the way of an axis: the words that end such a message.
+pub(super) fn what_is_left(axis: &Axis) -> String {
+    let [least, most] = axis.position_limits.map(|limit| axis.from_si(limit));
+    let unit = axis.unit();
+    format!(
+        "only twin's own limits, {least:.4} … {most:.4} {unit}, keep it from its ends, and no longer than twin runs: a move that was \
+         sent goes to its target"
+    )
+}
+
+impl Looker<'_> {
+    /// Software limits of the device: no wider than those of the machine file, and no tighter than the program.
+    pub(super) fn limits(
+        &mut self,
+        machine: &Machine,
+        (device, drive): (usize, &mut dyn Drive),
+    ) -> Result<(), DriveError> {
+        let limits = drive.limits()?;
+        let family = machine.drives.get(device).map(|entry| &entry.family);
+        for ((index, axis), limits) in self.axes.clone().into_iter().zip(limits) {
+            self.maxima(axis, &limits);
+            let name = &axis.name;
+            let (Some(low), Some(high)) = (limits.lowest, limits.highest) else {
+                // What a board has instead is looked at with its switches.
+                if matches!(family, Some(DriveFamily::SmartDrive(_))) {
+                    self.without_limits(machine, device, axis);
+                }
+                continue;
+            };
+            let unit = axis.unit();
+            let [lowest, highest] = in_units(axis, [low, high]);
+            let found = format!(
+                "axis {name}: the device's software limits are {lowest:.4} … {highest:.4} {unit}"
+            );
+            // What rounding to increments makes, and one that lets an axis stand on its limit.
+            let slack = 2.5 / axis.increments_per_si().abs();
+            let [lowest, highest] = [lowest, highest].map(|limit| axis.to_si(limit));
+            let [least, most] = axis.position_limits;
+            let too_wide = axis.limited && (lowest < least - slack || highest > most + slack);
+            let range = self.needs.get(index).and_then(|needs| needs.range);
+            let too_tight =
+                range.filter(|[from, to]| lowest > from + slack || highest < to - slack);
+            if too_wide {
+                let [least, most] = axis.position_limits.map(|limit| axis.from_si(limit));
+                let wanted =
+                    format!("at least as tight as {least:.4} … {most:.4} {unit} is wanted");
+                let help = by_hand::set_limits(machine, device, axis);
+                self.add_with(false, format!("{found}; {wanted}"), help);
+            } else if let Some(range) = too_tight {
+                let [from, to] = range.map(|position| axis.from_si(position));
+                let told = format!("{found}; the program goes from {from:.4} to {to:.4} {unit}");
+                self.add_with(false, told, by_hand::set_limits(machine, device, axis));
+            } else {
+                self.add(true, found);
+            }
+        }
+        Ok(())
+    }
+
+    /// Ramps that are gentler than what a plan may ask for: the axis falls behind it there. Speeds are parameters, which are looked
+    /// at as such.
+    fn maxima(&mut self, axis: &Axis, limits: &DeviceLimits) {
+        let [velocity, most] =
+            [axis.max_velocity, axis.max_acceleration].map(|si| axis.from_si(si));
+        let maxima = SoftwareMaxima { velocity, acceleration: most, deceleration: most };
+        let per_unit = axis.increments_per_si() * axis.to_si(1.0);
+        let unit = axis.unit();
+        for (what, device, wanted) in maxima.beyond(limits, per_unit) {
+            if what != "velocity" {
+                let told = format!(
+                    "axis {}: the device's {what} is {device:.1} {unit}/s² at most, plans may ask for {wanted:.1} {unit}/s² \
+                     (max_acceleration): where they do it falls behind",
+                    axis.name
+                );
+                self.tell(told, Vec::new());
+            }
+        }
+    }
+
+    /// Of a drive whose limits are switched off, Trj_PosMin not being below Trj_PosMax.
+    fn without_limits(&mut self, machine: &Machine, device: usize, axis: &Axis) {
+        let name = &axis.name;
+        if !axis.limited {
+            self.add(true, format!("axis {name}: no software limits, as in the machine file"));
+            return;
+        }
+        let left = what_is_left(axis);
+        let told = format!(
+            "axis {name}: the software limits of its drive are off (Trj_PosMin is not below Trj_PosMax); {left}, or to a limit \
+             switch if one is wired to LIMP or LIMN, which the drive does not tell"
+        );
+        let mut help = by_hand::set_limits(machine, device, axis);
+        // The machine file has its limits: those of the drive are to follow, not the other way round.
+        help.pop();
+        self.tell(told, help);
+    }
+}
