@@ -84,7 +84,9 @@ impl Expected {
         #[expect(clippy::cast_precision_loss, reason = "a counter")]
         let apart = (cell.truth.counter as f64 - cell.truth.mechanical).abs();
         match (self, &cell.outcome) {
-            (_, Outcome::Lost(what)) => return Err(format!("lost unnoticed: {what}")),
+            (_, Outcome::Lost(what) | Outcome::Astray(what)) => {
+                return Err(format!("lost unnoticed: {what}"));
+            }
             (_, Outcome::NotBegun(error)) => return Err(format!("it does not begin: {error}")),
             (Self::Unseen, Outcome::Survived) if apart < 100.0 => {
                 return Err("the mechanics have not been held".to_owned());
@@ -105,11 +107,17 @@ impl Expected {
         }
     }
 
-    /// Whether nothing is wrong with a cell but a deadline that was not to pass: a machine that is too busy may keep sound
-    /// devices waiting for longer. What was lost unnoticed or could not be stopped is no accident, nor is any other error.
-    pub(crate) fn is_surplus_timeout(self, cell: &Cell) -> bool {
-        let (Outcome::Told(error) | Outcome::NotBegun(error)) = &cell.outcome else { return false };
-        let late = matches!(error, DriveError::Timeout { .. });
+    /// Whether nothing is wrong with a cell but that something was late: a computer that is too busy may keep sound devices
+    /// waiting beyond their deadlines, or from going where they were sent, so that they arrive where they should but are
+    /// behind the plan on the way. What was lost unnoticed or could not be stopped is no accident, nor is any other error.
+    pub(crate) fn is_late(self, cell: &Cell) -> bool {
+        let late = match &cell.outcome {
+            Outcome::Told(error) | Outcome::NotBegun(error) => {
+                matches!(error, DriveError::Timeout { .. })
+            }
+            Outcome::Astray(_) => true,
+            Outcome::Survived | Outcome::Lost(_) => false,
+        };
         late && self.check(cell).is_err() && cell.stopped && cell.usable.is_ok()
     }
 
@@ -276,7 +284,7 @@ fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
 }
 
 #[test]
-fn only_a_deadline_that_was_not_to_pass_is_made_again() {
+fn only_what_is_late_is_made_again() {
     use twin_drives::{Action, Axes, Exchange};
 
     use crate::rig::Truth;
@@ -292,22 +300,25 @@ fn only_a_deadline_that_was_not_to_pass_is_made_again() {
         goes_on: None,
     };
     let late = cell(Outcome::Told(timeout()));
-    assert!(Survived.is_surplus_timeout(&late) && Told(&[Refused]).is_surplus_timeout(&late));
-    assert!(Survived.is_surplus_timeout(&cell(Outcome::NotBegun(timeout()))));
-    // One that was to pass is no surplus; anything else is no deadline.
-    assert!(!Told(&[NoAnswer]).is_surplus_timeout(&late));
+    assert!(Survived.is_late(&late) && Told(&[Refused]).is_late(&late));
+    assert!(Survived.is_late(&cell(Outcome::NotBegun(timeout()))));
+    let astray = || Outcome::Astray("it was behind".to_owned());
+    assert!(Survived.is_late(&cell(astray())));
+    // A deadline that was to pass is not late; nor is anything else.
+    assert!(!Told(&[NoAnswer]).is_late(&late));
     for wrong in [
         cell(Outcome::Lost("it has gone on".to_owned())),
         cell(Outcome::Told(DriveError::Moving { at: at(), axes: Axes::Only })),
         cell(Outcome::NotBegun(DriveError::Moving { at: at(), axes: Axes::Only })),
         cell(Outcome::Survived),
         Cell { stopped: false, ..cell(Outcome::Told(timeout())) },
+        Cell { stopped: false, ..cell(astray()) },
         Cell { usable: Err("it is not".to_owned()), ..cell(Outcome::Told(timeout())) },
     ] {
         assert!(Told(&[Refused]).check(&wrong).is_err(), "{wrong:?}");
-        assert!(!Told(&[Refused]).is_surplus_timeout(&wrong), "{wrong:?}");
+        assert!(!Told(&[Refused]).is_late(&wrong), "{wrong:?}");
     }
     // One that goes on as it was to, but for another reason, could not be stopped.
     let gone = Cell { stopped: false, goes_on: Some(Ok(())), ..late };
-    assert!(!GoesOn(&[Gone]).is_surplus_timeout(&gone));
+    assert!(!GoesOn(&[Gone]).is_late(&gone));
 }

@@ -55,6 +55,8 @@ pub(crate) enum Outcome {
     Told(DriveError),
     /// The driver said nothing, and it was not done.
     Lost(String),
+    /// The driver said nothing and it was done, but on the way the axis was farther from the plan than outages explain.
+    Astray(String),
     /// What was to go wrong had not begun: a sound device could not be brought to what it was to be doing.
     NotBegun(DriveError),
 }
@@ -270,9 +272,10 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         let outcome = self.follows(trial, &mut tracks, &mut astray);
         // What the driver has told is not lost.
         let near = tracks.iter().try_for_each(|track| track.check(usual, PEAK));
-        let outcome = match (outcome, astray.and(near)) {
-            (Outcome::Survived, Err(lost)) if trial.is_some() => Outcome::Lost(lost),
-            (outcome, _) => outcome,
+        let outcome = match (outcome, astray, near) {
+            (Outcome::Survived, Err(lost), _) if trial.is_some() => Outcome::Lost(lost),
+            (Outcome::Survived, _, Err(far)) if trial.is_some() => Outcome::Astray(far),
+            (outcome, ..) => outcome,
         };
         (outcome, tracks)
     }
@@ -404,7 +407,7 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
         | Doing::FarHalting => None,
     };
     let mut ends = None;
-    if let (Outcome::Survived, Some(last)) = (&outcome, last) {
+    if let (Outcome::Survived | Outcome::Astray(_), Some(last)) = (&outcome, last) {
         match rig.ends(last) {
             Ok(found) => ends = Some(found),
             Err(lost) => outcome = Outcome::Lost(lost),

@@ -2,11 +2,14 @@
 //!
 //! A driver that loses a set-point without noticing believes that the axis is under way while it stands. So the axis may
 //! be away from the plan by what following costs without faults, and by what the plan goes on while the driver waits for
-//! the device: outage × speed. For a while after an outage it makes good what it has missed; then it has to be as near as
-//! ever.
+//! the device: outage × speed. For a while after an outage it makes good what it has missed; what the next outage costs
+//! during that time comes on top. Then it has to be as near as ever.
 
 /// How long an axis may take to make good what it has missed during an outage, ns of the device.
 const CATCHING_UP_NS: i64 = 2_000_000_000;
+
+/// Pauses between looks that are so many times as long as the middle one of all are outages.
+const OUTAGE: i64 = 3;
 
 /// One look at the device.
 #[derive(Clone, Copy, Debug)]
@@ -33,14 +36,14 @@ impl Track {
 
     /// How far it was away at most beyond what outages explain, increments.
     pub(crate) fn usual(&self, speed: f64) -> f64 {
-        let beyond = (0..self.0.len()).map(|place| self.0[place].off - self.outage(place, speed));
-        beyond.fold(0.0, f64::max)
+        let outages = self.0.iter().zip(self.outages(speed));
+        outages.map(|(look, outage)| look.off - outage).fold(0.0, f64::max)
     }
 
     /// Fails if it was ever farther away than twice what is usual and what outages explain.
     pub(crate) fn check(&self, usual: f64, speed: f64) -> Result<(), String> {
-        for (place, look) in self.0.iter().enumerate() {
-            let allowed = 2.0 * usual + self.outage(place, speed);
+        for (look, outage) in self.0.iter().zip(self.outages(speed)) {
+            let allowed = 2.0 * usual + outage;
             if look.off > allowed {
                 return Err(format!(
                     "{:.0} off the plan at {} ms, {allowed:.0} would be the outage",
@@ -52,16 +55,27 @@ impl Track {
         Ok(())
     }
 
-    /// The way of the plan during the longest outage of late, twice: what was decided before it is acted on during it, and
-    /// made good with the exchange after it, which knows the device as late.
-    fn outage(&self, place: usize, speed: f64) -> f64 {
-        let now_ns = self.0[place].time_ns;
-        let of_late = self.0[..=place].iter().rev();
-        let of_late = of_late.take_while(|look| now_ns - look.time_ns < CATCHING_UP_NS);
-        let outage_ns = of_late.map(|look| look.gap_ns).max().unwrap_or(0);
-        #[expect(clippy::cast_precision_loss, reason = "seconds")]
-        let seconds = outage_ns as f64 * 1e-9;
-        2.0 * speed * seconds
+    /// For each look the way of the plan during the outages of late, and once more during the longest pause: what was
+    /// decided before it is acted on during it, and made good with the exchange after it, which knows the device as late.
+    fn outages(&self, speed: f64) -> impl Iterator<Item = f64> {
+        let mut gaps: Vec<i64> = self.0.iter().map(|look| look.gap_ns).collect();
+        gaps.sort_unstable();
+        let middle_ns = gaps.get(gaps.len() / 2).copied().unwrap_or(0);
+        (0..self.0.len()).map(move |place| {
+            let now_ns = self.0[place].time_ns;
+            let of_late = self.0[..=place].iter().rev();
+            let of_late = of_late.take_while(|look| now_ns - look.time_ns < CATCHING_UP_NS);
+            let (mut longest_ns, mut sum_ns) = (0, 0);
+            for look in of_late {
+                longest_ns = longest_ns.max(look.gap_ns);
+                if look.gap_ns > OUTAGE * middle_ns {
+                    sum_ns += look.gap_ns;
+                }
+            }
+            #[expect(clippy::cast_precision_loss, reason = "seconds")]
+            let seconds = (longest_ns + sum_ns.max(longest_ns)) as f64 * 1e-9;
+            speed * seconds
+        })
     }
 }
 
@@ -86,4 +100,30 @@ fn a_set_point_that_is_lost_shows_and_an_outage_is_allowed_for() {
     assert!(lost.starts_with("50 off the plan at 1040 ms"), "{lost}");
     // 300 when it goes on, of which 20 are explained by looks every 10 ms.
     assert!((track(false).usual(1000.0) - 280.0).abs() < 1e-9);
+}
+
+#[test]
+fn outages_in_a_row_add_up() {
+    const MS: i64 = 1_000_000;
+    // 1000 increments/s, looked at every 10 ms but for two pauses of 100 ms, after each of which the axis is so much farther
+    // behind than before.
+    let track = |first: f64, second: f64| {
+        let mut track = Track::default();
+        for time_ms in (0_i64..3000).step_by(10) {
+            let pauses = (1000..1100).contains(&time_ms) || (1200..1300).contains(&time_ms);
+            if !pauses {
+                let plan = f64::from(u32::try_from(time_ms).expect("small"));
+                let behind = f64::from(u8::from((1100..2000).contains(&time_ms))) * first
+                    + f64::from(u8::from((1300..2000).contains(&time_ms))) * second;
+                track.note((time_ms * MS, time_ms * MS), (plan, plan), plan - behind);
+            }
+        }
+        track
+    };
+    assert!(track(100.0, 100.0).check(10.0, 1000.0).is_ok());
+    // Both pauses of 110 ms, the longest once more, and twice what is usual: 350.
+    assert!(track(100.0, 249.0).check(10.0, 1000.0).is_ok());
+    assert!(track(100.0, 251.0).check(10.0, 1000.0).is_err());
+    // The second was not yet when the first had been.
+    assert!(track(241.0, 0.0).check(10.0, 1000.0).is_err());
 }

@@ -46,7 +46,9 @@ impl Contact {
             (true, true) => self.high.checked_add(1)?,
             (true, false) => self.low.checked_sub(1)?,
         };
-        ((edge - shaft).signum() == sense).then_some(edge)
+        // Compared, for an end may be as far away as there are numbers.
+        let ahead = if sense > 0 { edge > shaft } else { edge < shaft };
+        ahead.then_some(edge)
     }
 }
 
@@ -104,5 +106,8 @@ mod tests {
         assert_eq!((end.next_change(0, 1), end.next_change(100, 1)), (Some(100), None));
         assert_eq!(end.next_change(200, -1), Some(99));
         assert_eq!(Contact::below(-5, true).next_change(-9, 1), Some(-4));
+        // Contacts that are crossed: the one that is behind is asked for.
+        assert_eq!(Contact::below(-5, true).next_change(9, 1), None);
+        assert_eq!(Contact::above(5, true).next_change(-9, -1), None);
     }
 }

@@ -1,5 +1,7 @@
 //! Parameters, plugs, RESET.
 
+use std::time::Duration;
+
 use tokio::time::{sleep, timeout};
 
 use super::{
@@ -13,6 +15,9 @@ use crate::{
         parameter::{AxisParameter, Parameter, order},
     },
 };
+
+/// Longest time between two looks whether plugs have been read: the module has better to do meanwhile.
+const PLUGS_LOOK: Duration = Duration::from_millis(10);
 
 impl Bim2Ax {
     /// Writes the zone "Paramètre" and gives the answer.
@@ -169,7 +174,7 @@ impl Bim2Ax {
         let asked = ParameterExchange { order: order::READ_PLUGS, number, ..Default::default() };
         let mut answer = self.parameter_exchange(action, asked, clock).await?;
         let (byte_order, deadline) = (self.options.byte_order, self.options.plugs_deadline);
-        let pause = self.options.deadline;
+        let pause = self.options.deadline.min(PLUGS_LOOK);
         let reading = async {
             while (answer.order, answer.number) != (asked.order, asked.number) {
                 sleep(pause).await;

@@ -1,27 +1,78 @@
-//! The second reading of the manual, in Python, against driver and emulator. Without Python there is no witness,
-//! which is said.
+//! The second reading of the manual, in Python, against emulator and driver. Without Python there is no witness, which
+//! is said.
 
 use std::{
-    io::{BufRead, BufReader},
-    process::{Command, Stdio},
+    io::{BufRead, BufReader, Write},
+    path::Path,
+    process::{Child, ChildStdin, ChildStdout, Command, Stdio},
 };
 
 use super::*;
-use crate::bim2ax::{
-    FILE_LENGTH, MemoryFile, Start,
-    bits::message,
-    emulator::{EmulatedModule, EmulatorOptions},
+use crate::{
+    DriveError, Speed,
+    bim2ax::{
+        EncoderBench, EncoderKind, FILE_LENGTH, MemoryFile, Move, Start,
+        bits::{bloc, card, encoder_message, message, uc},
+        emulator::{EmulatedModule, EmulatorOptions, Event},
+    },
 };
 
-fn python() -> Option<Command> {
-    let mut python = Command::new("python3");
-    if !python.arg("--version").output().is_ok_and(|output| output.status.success()) {
-        println!("no python3 here: not witnessed");
-        return None;
+/// Parts of the manual that the host goes through, as it names them.
+const PARTS: [&str; 13] = [
+    "handshakes",
+    "parameters",
+    "manual_moves",
+    "homing",
+    "programmed",
+    "approach",
+    "stops",
+    "refusals",
+    "limits",
+    "motors",
+    "plugs",
+    "encoders",
+    "checksum",
+];
+
+/// The other reading as `face` at a memory file, with its standard streams to talk to.
+struct Witness {
+    process: Child,
+    input: Option<ChildStdin>,
+    output: BufReader<ChildStdout>,
+}
+
+impl Witness {
+    /// `None`, and a word about it, without Python.
+    fn start(face: &str, path: &Path) -> Option<Self> {
+        let version = Command::new("python3").arg("--version").output();
+        if !version.is_ok_and(|output| output.status.success()) {
+            println!("no python3 here: not witnessed");
+            return None;
+        }
+        let mut python = Command::new("python3");
+        python.args(["-B", concat!(env!("CARGO_MANIFEST_DIR"), "/bim2ax/tests/reference"), face]);
+        python.arg(path).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut process = python.spawn().unwrap();
+        let input = process.stdin.take();
+        let output = BufReader::new(process.stdout.take().unwrap());
+        Some(Self { process, input, output })
     }
-    let mut python = Command::new("python3");
-    python.arg(concat!(env!("CARGO_MANIFEST_DIR"), "/bim2ax/tests/reference.py"));
-    Some(python)
+
+    /// Its next line; empty at its end.
+    fn line(&mut self) -> String {
+        let mut line = String::new();
+        self.output.read_line(&mut line).unwrap();
+        line.trim_end().to_owned()
+    }
+
+    fn say(&mut self, line: &str) {
+        writeln!(self.input.as_mut().unwrap(), "{line}").unwrap();
+    }
+
+    fn end(mut self) {
+        drop(self.input.take());
+        assert!(self.process.wait().unwrap().success());
+    }
 }
 
 #[expect(
@@ -33,51 +84,257 @@ fn wall_clock() -> impl Fn() -> i64 + Send + Sync + Copy {
     move || i64::try_from(zero.elapsed().as_nanos()).unwrap()
 }
 
+/// Does at the module what the host wants done; false if that is nothing known.
+fn happens(module: &mut Module, wish: &str) -> bool {
+    let mut words = wish.split(' ');
+    let (what, axis, how) = (words.next(), words.next(), words.next().unwrap_or_default());
+    let axis = if axis == Some("2") { ModuleAxis::Two } else { ModuleAxis::One };
+    let mut around = *module.surroundings();
+    let encoder = &mut around.encoders[axis.index()];
+    let kind = |kind| Some(EncoderBench { kind: Some(kind), origin: 12_345, ..<_>::default() });
+    match (what, how) {
+        (Some("power"), how) => module.happen(Event::Power(axis, how == "on")),
+        (Some("open"), how) => module.happen(Event::PhaseOpen(axis, how == "on")),
+        (Some("short"), how) => module.happen(Event::PhaseShort(axis, how == "on")),
+        (Some("checksum"), _) => module.happen(Event::SpoilEeprom),
+        (Some("plug"), number) => {
+            around.plugs[axis.index()] = Some(u32::from_str_radix(number, 16).unwrap());
+            module.set_surroundings(&around);
+        }
+        (Some("encoder"), how) => {
+            match how {
+                "none" => *encoder = None,
+                "incremental" => *encoder = kind(EncoderKind::Incremental),
+                "ssi" => *encoder = kind(EncoderKind::Ssi),
+                "endat" => *encoder = kind(EncoderKind::EnDat),
+                "reversed" => encoder.as_mut().unwrap().inverted = true,
+                "lost" => encoder.as_mut().unwrap().disconnected = true,
+                "alarm" => encoder.as_mut().unwrap().alarm = true,
+                _ => return false,
+            }
+            module.set_surroundings(&around);
+        }
+        _ => return false,
+    }
+    true
+}
+
 #[test]
-fn another_host_drives_the_emulated_module() {
-    let Some(mut python) = python() else { return };
+fn another_host_finds_everything_in_the_emulated_module_as_it_reads_the_manual() {
     let folder = tempfile::tempdir().unwrap();
     let image = folder.path().join("eeprom");
     std::fs::write(&image, eeprom().to_bytes()).unwrap();
     let mut options = EmulatorOptions::new(&folder.path().join("module"));
     options.eeprom = Some(image);
     options.surroundings = surroundings();
+    options.speed = Speed::times(4);
     let module = EmulatedModule::start(&options, wall_clock()).unwrap();
-    let output = python.arg("host").arg(module.path()).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    assert!(module.module().served() > 30);
+    let Some(mut host) = Witness::start("host", module.path()) else { return };
+    let mut passed = Vec::new();
+    loop {
+        let wish = host.line();
+        if wish.is_empty() {
+            break;
+        }
+        match wish.strip_prefix("passed ") {
+            Some(part) => passed.push(part.to_owned()),
+            None => assert!(happens(&mut module.module(), &wish), "{wish}"),
+        }
+        host.say("done");
+    }
+    host.end();
+    assert_eq!(passed, PARTS);
 }
 
 #[tokio::test]
-async fn the_driver_drives_another_module() {
-    let Some(mut python) = python() else { return };
+async fn the_driver_has_everything_done_by_another_module() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("module");
     std::fs::write(&path, [0; FILE_LENGTH]).unwrap();
-    let python = python.arg("module").arg(&path).stdin(Stdio::piped()).stdout(Stdio::piped());
-    let mut other = python.spawn().unwrap();
-    let mut ready = String::new();
-    BufReader::new(other.stdout.take().unwrap()).read_line(&mut ready).unwrap();
-    assert_eq!(ready, "ready\n");
+    let Some(mut other) = Witness::start("module", &path) else { return };
+    assert_eq!(other.line(), "ready");
 
-    let options = Bim2AxOptions { deadline: seconds(5), ..Bim2AxOptions::default() };
+    let options = Bim2AxOptions {
+        deadline: seconds(5),
+        plugs_deadline: seconds(20),
+        reset_start: seconds(5),
+        reset_deadline: seconds(20),
+        ..Bim2AxOptions::default()
+    };
     let memory = MemoryFile::open(&path).unwrap();
     let mut driver = Bim2Ax::new("other", memory, &options);
     let clock = &wall_clock();
+    driver.reset().await.unwrap();
     let identity = driver.identify(clock).await.unwrap();
     assert_eq!((identity.rating_ma, identity.version), (5000, 17));
-    let fast = Parameter::Axis(AxisParameter::FastSpeed, ModuleAxis::Two);
-    driver.set_parameter(fast, 1234, clock).await.unwrap();
-    assert_eq!(driver.parameter(fast, clock).await.unwrap(), 1234);
+    assert_eq!(identity.card_messages, card::AXIS_1 | card::AXIS_2);
+
+    parameters(&mut driver, clock).await;
+    moves(&mut driver, clock).await;
+    positions(&mut driver, clock).await;
+    stops(&mut driver, clock).await;
+    switches(&mut driver, clock).await;
+    encoders_and_plugs(&mut driver, clock).await;
+    other.end();
+}
+
+fn of(parameter: AxisParameter, axis: ModuleAxis) -> Parameter {
+    Parameter::Axis(parameter, axis)
+}
+
+/// Each number is written and read back by the other's own table of them.
+async fn parameters(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
+    let settings = driver.axis_settings(ModuleAxis::Two, clock).await.unwrap();
+    let known = (settings.fast_speed, settings.start_stop_speed, settings.acceleration);
+    assert_eq!(known, (10_000, 2000, 20_000));
+    assert_eq!((settings.soft_plus, settings.soft_minus), (4_194_303, -4_194_303));
+    let mut written = 0;
+    for number in 0..=0x37 {
+        let Some(parameter @ Parameter::Axis(..)) = Parameter::from_number(number) else {
+            continue;
+        };
+        let before = driver.parameter(parameter, clock).await.unwrap();
+        // In the range of all: of currents, speeds, numbers of bits.
+        let value = match parameter {
+            Parameter::Axis(AxisParameter::EncoderBits, _) => 13,
+            _ => 300 + u32::from(number),
+        };
+        driver.set_parameter(parameter, value, clock).await.unwrap();
+        assert_eq!(driver.parameter(parameter, clock).await.unwrap(), value, "{parameter:?}");
+        driver.set_parameter(parameter, before, clock).await.unwrap();
+        written += 1;
+    }
+    assert_eq!(written, 0x38);
+    let refused = driver.set_parameter(Parameter::Rating, 1, clock).await;
+    assert!(
+        matches!(refused, Err(DriveError::CardMessages { messages: card::BAD_WRITE, .. })),
+        "{refused:?}"
+    );
+}
+
+async fn rest(driver: &mut Bim2Ax, clock: &dyn crate::Clock) -> ([i32; 2], [u16; 2]) {
+    let (seen, _) = driver.rested(seconds(20), clock).await.unwrap();
+    (seen.positions, seen.messages)
+}
+
+/// Programmed moves, in their own time, and what is refused on the way.
+async fn moves(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
     driver.set_phases(&BOTH, true, clock).await.unwrap();
-    driver.start([Some(Start::to(-70_000)), Some(Start::to(5))], clock).await.unwrap();
-    let (seen, _) = driver.rested(seconds(5), clock).await.unwrap();
-    assert_eq!((seen.positions, seen.messages), ([-70_000, 5], [0, 0]));
-    driver.home(&[ModuleAxis::One], clock).await.unwrap();
+    driver.start([Some(Start::to(-2000)), Some(Start::to(5))], clock).await.unwrap();
+    let acknowledged = driver.acknowledgements(clock).await.unwrap();
+    assert_eq!(acknowledged.uc[0], uc::PROGRAMMED);
+    assert_eq!(rest(driver, clock).await, ([-2000, 5], [0, 0]));
+    let by = Start { to: Move::By(3000), speed: Some(2000), directly: true };
+    driver.start([Some(by), None], clock).await.unwrap();
+    // The first is under way for 1.5 s.
+    let second = driver.start([Some(Start::to(0)), None], clock).await;
+    let Err(DriveError::AxisMessages { messages, axis: 1, .. }) = second else {
+        // An acknowledgement is that of the move before.
+        assert!(second.is_ok(), "{second:?}");
+        let (seen, _) = driver.positions(clock).await.unwrap();
+        assert_ne!(seen.messages[0] & message::REFUSED, 0);
+        assert_eq!(rest(driver, clock).await.0, [1000, 5]);
+        return references(driver, clock).await;
+    };
+    assert_ne!(messages & message::REFUSED, 0);
+    assert_eq!(rest(driver, clock).await.0, [1000, 5]);
+    references(driver, clock).await;
+}
+
+async fn references(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
+    for place in [1, 10] {
+        let number = of(AxisParameter::Reference(place), ModuleAxis::Two);
+        driver.set_parameter(number, 70 * u32::from(place), clock).await.unwrap();
+        let to = Start { to: Move::Reference(place), speed: None, directly: false };
+        driver.start([None, Some(to)], clock).await.unwrap();
+        assert_eq!(rest(driver, clock).await.0[1], 70 * i32::from(place));
+        let acknowledged = driver.acknowledgements(clock).await.unwrap();
+        assert_eq!(acknowledged.bloc[1] & bloc::REFERENCE, u32::from(place));
+    }
+}
+
+/// Homing, and positions that are declared.
+async fn positions(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
+    driver.home(&BOTH, clock).await.unwrap();
+    let acknowledged = driver.acknowledgements(clock).await.unwrap();
+    assert!(acknowledged.uc.contains(&uc::HOME), "{acknowledged:?}");
+    // The cam is left by one µstep, and its edge is where it is 0.
+    let homed = message::HOMED | message::ON_CAM;
+    assert_eq!(rest(driver, clock).await, ([0, 0], [homed; 2]));
+    let last = of(AxisParameter::LastPosition, ModuleAxis::One);
+    driver.start([Some(Start::to(-77)), None], clock).await.unwrap();
+    assert_eq!(rest(driver, clock).await.0, [-77, 0]);
+    assert_eq!(driver.parameter(last, clock).await.unwrap().cast_signed(), -77);
     driver.preset(ModuleAxis::Two, -4_194_303, clock).await.unwrap();
-    let (seen, _) = driver.positions(clock).await.unwrap();
-    assert_eq!((seen.positions, seen.messages), ([0, -4_194_303], [message::HOMED; 2]));
-    assert_eq!(driver.plugs(clock).await.unwrap().values, [None, Some(0x0102_0304)]);
-    drop(other.stdin.take());
-    assert!(other.wait().unwrap().success());
+    driver.zero(ModuleAxis::One, clock).await.unwrap();
+    assert_eq!(rest(driver, clock).await.0, [0, -4_194_303]);
+    driver.recall(ModuleAxis::One, clock).await.unwrap();
+    driver.zero(ModuleAxis::Two, clock).await.unwrap();
+    assert_eq!(rest(driver, clock).await.0, [-77, 0]);
+}
+
+async fn stops(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
+    let slowly = |to| Some(Start { to: Move::To(to), speed: Some(500), directly: false });
+    driver.start([slowly(2000), slowly(2000)], clock).await.unwrap();
+    driver.abandon(clock).await.unwrap();
+    let (seen, messages) = rest(driver, clock).await;
+    assert!(seen.iter().all(|position| *position < 2000), "{seen:?}");
+    assert!(messages.iter().all(|word| word & message::HOMED != 0), "{messages:?}");
+    driver.start([slowly(2000), None], clock).await.unwrap();
+    driver.stop_hard(clock).await.unwrap();
+    let (_, messages) = rest(driver, clock).await;
+    assert_eq!(messages[0] & (message::HARD_STOPPED | message::HOMED), message::HARD_STOPPED);
+    assert_eq!(messages[1] & (message::HARD_STOPPED | message::HOMED), message::HOMED);
+    driver.test_motors(&BOTH, clock).await.unwrap();
+    driver.set_phases(&BOTH, false, clock).await.unwrap();
+    let (_, messages) = rest(driver, clock).await;
+    assert!(messages.iter().all(|word| word & message::PHASES_OFF != 0), "{messages:?}");
+    // By the holding current too.
+    let holding = of(AxisParameter::HoldingCurrent, ModuleAxis::One);
+    driver.set_parameter(holding, 400, clock).await.unwrap();
+    let (_, messages) = rest(driver, clock).await;
+    let off = messages.map(|word| word & message::PHASES_OFF);
+    assert_eq!(off, [0, message::PHASES_OFF]);
+}
+
+async fn switches(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
+    for (plus, switch) in [(true, message::PLUS_SWITCH), (false, message::MINUS_SWITCH)] {
+        driver.manual(ModuleAxis::Two, plus, clock).await.unwrap();
+        let moving = driver.set_parameter(of(AxisParameter::Approach, ModuleAxis::One), 1, clock);
+        let moving = moving.await;
+        assert!(
+            matches!(moving, Err(DriveError::CardMessages { messages: card::MOVING, .. })),
+            "{moving:?}"
+        );
+        driver.manual_stop(clock).await.unwrap();
+        rest(driver, clock).await;
+        driver.to_switch(ModuleAxis::Two, plus, clock).await.unwrap();
+        let (_, messages) = rest(driver, clock).await;
+        assert_ne!(messages[1] & switch, 0);
+        let beyond = driver.manual(ModuleAxis::Two, plus, clock).await;
+        assert!(matches!(beyond, Err(DriveError::AxisMessages { axis: 2, .. })), "{beyond:?}");
+    }
+    driver.home(&[ModuleAxis::Two], clock).await.unwrap();
+    assert_eq!(rest(driver, clock).await.0[1], 0);
+}
+
+/// The examples of 6.4.1: 2000 steps are 20000 points.
+async fn encoders_and_plugs(driver: &mut Bim2Ax, clock: &dyn crate::Clock) {
+    let definition = of(AxisParameter::EncoderDefinition, ModuleAxis::Two);
+    driver.set_parameter(definition, 1, clock).await.unwrap();
+    driver.start([None, Some(Start::to(2000))], clock).await.unwrap();
+    rest(driver, clock).await;
+    let (points, _) = driver.encoder_points(clock).await.unwrap();
+    let (steps, _) = driver.encoder_steps(clock).await.unwrap();
+    assert_eq!((points.positions[1], steps.positions[1]), (20_000, 2000));
+    let messages = [encoder_message::PLUG, encoder_message::INCREMENTAL | encoder_message::PLUG];
+    assert_eq!(points.messages, messages);
+    assert_eq!(driver.plugs(clock).await.unwrap().values, [None, None]);
+    let plugs = driver.read_plugs(true, true, clock).await.unwrap();
+    assert_eq!(plugs.values, [None, Some(0x0102_0304)]);
+    driver.reset().await.unwrap();
+    let moving = driver.start([None, Some(Start::to(9_000_000))], clock).await;
+    assert!(matches!(moving, Err(DriveError::Range { .. })), "{moving:?}");
+    let (_, messages) = rest(driver, clock).await;
+    assert_eq!(messages.map(|word| word & message::PHASES_OFF), [message::PHASES_OFF; 2]);
 }
