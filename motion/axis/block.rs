@@ -116,6 +116,14 @@ impl<M: Motion + Clone> Block<M> {
         self.taken.as_ref().map(|taken| taken.owner)
     }
 
+    /// `Active`: whether the block controls its axis (manual 5.4). No block waits for another one's end here, so that it is
+    /// as long as `busy`; a gear that waits for its master already has the slave.
+    #[doc(alias = "Active")]
+    #[must_use]
+    pub fn is_active(&self) -> bool {
+        self.taken.is_some()
+    }
+
     /// What goes on in it.
     #[must_use]
     pub fn running(&self) -> Option<&M::Run> {

@@ -30,7 +30,8 @@ impl Axis {
             _ => {}
         }
         let unregulated = matches!(feedback.mode, ControllerMode::Torque | ControllerMode::Current);
-        if !powered || (unregulated && self.values.owner == 0) {
+        let moved = self.values.owner != 0 || self.overlay_owner != 0;
+        if !powered || (unregulated && !moved) {
             self.follow_drive();
         }
     }

@@ -42,7 +42,7 @@ pub use knot::{Derivatives, Knot, quintic};
 pub use largest::{Largest, LimitError};
 pub use passage::Trigger;
 pub use reference::{Cam, Shape};
-pub use register::{CamRegister, RegisterInput};
+pub use register::{CamRegister, RegisterError, RegisterInput};
 pub use selection::{CamInput, CamTable, StartMode};
 pub use source::{Compile, Element, Kind, Scale, Source};
 pub use table::{Equidistant, Interpolation, PairTable, TableScale, VariableType};

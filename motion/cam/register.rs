@@ -20,6 +20,9 @@ pub struct RegisterInput {
     pub dead_time_s: f64,
     /// The master's period, if it is a rotary axis, u.
     pub master_period: Option<f64>,
+    /// `MAX_NUM_TAPPETS`: the bits that there are, for groups from 1 on. None for as many as the cam has groups, whatever
+    /// their numbers; the manual does not say what the constant is.
+    pub max_num_tappets: Option<i16>,
 }
 
 impl Default for RegisterInput {
@@ -30,6 +33,35 @@ impl Default for RegisterInput {
             hysteresis: 0.0,
             dead_time_s: 0.0,
             master_period: None,
+            max_num_tappets: None,
+        }
+    }
+}
+
+/// Why a register does not begin.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RegisterError {
+    /// Error 600, `SMC_CR_NO_TAPPETS_IN_CAM`.
+    #[error("the cam has no tappets (error 600)")]
+    NoTappets,
+    /// Error 601, `SMC_CR_TOO_MANY_TAPPETS`.
+    #[error("tappet {index} is of group {group}, there are 1 to {most} (error 601)")]
+    NoSuchGroup {
+        /// Which tappet, from 1.
+        index: usize,
+        /// Its group.
+        group: i16,
+        /// `MAX_NUM_TAPPETS`.
+        most: i16,
+    },
+}
+
+impl RegisterError {
+    /// The manual's number (`SMC_ERROR`, 9.3).
+    pub const fn number(&self) -> u16 {
+        match self {
+            Self::NoTappets => 600,
+            Self::NoSuchGroup { .. } => 601,
         }
     }
 }
@@ -37,7 +69,8 @@ impl Default for RegisterInput {
 /// Switches the bits of a cam's tappets as a master moves; the curve does not count (`SMC_CAMRegister`, manual 5.5). The
 /// cam is put end to end.
 ///
-/// There are as many bits as the cam has groups: `MAX_NUM_TAPPETS` is not needed.
+/// A register has its own bits and only reads the cam, so that any number of them may use one: nothing counts accesses
+/// (the manual's error 602).
 #[doc(alias = "SMC_CAMRegister")]
 #[derive(Clone, Debug)]
 pub struct CamRegister {
@@ -53,14 +86,27 @@ pub struct CamRegister {
 
 impl CamRegister {
     /// Enables the block: all bits are off.
-    pub fn new(cam: Arc<Cam>, input: RegisterInput) -> Self {
+    ///
+    /// # Errors
+    /// [`RegisterError`] for a cam without tappets (600), or one with groups that have no bit (601).
+    pub fn new(cam: Arc<Cam>, input: RegisterInput) -> Result<Self, RegisterError> {
+        if cam.tappets().is_empty() {
+            return Err(RegisterError::NoTappets);
+        }
+        if let Some(most) = input.max_num_tappets {
+            let mut numbered = (1..).zip(cam.tappets());
+            if let Some((index, tappet)) = numbered.find(|(_, it)| !(1..=most).contains(&it.group))
+            {
+                return Err(RegisterError::NoSuchGroup { index, group: tappet.group, most });
+            }
+        }
         let width = cam.curve().end() - cam.curve().start();
         let mut groups: Vec<_> = cam.tappets().iter().map(|tappet| tappet.group).collect();
         groups.sort_unstable();
         groups.dedup();
         let watch = Watch::new(cam.tappets(), input.hysteresis, Some(width));
         let bits = groups.into_iter().map(|group| (group, TappetBit::default())).collect();
-        Self {
+        Ok(Self {
             cam,
             input,
             unwrap: None,
@@ -69,7 +115,7 @@ impl CamRegister {
             passes: 0.0,
             end_of_profile: false,
             bits,
-        }
+        })
     }
 
     /// Where the register looks for tappets, on the scale of the cam: (position + velocity · dead time) · scaling +

@@ -101,20 +101,21 @@ impl Default for CamInput {
 impl CamInput {
     /// What a ramp may use (error 627 without).
     pub(super) fn ramp_limits(&self) -> Result<BridgeLimits, CouplingError> {
-        for (name, value) in [
+        let [velocity, acceleration, deceleration] = self.ramp()?;
+        Ok(BridgeLimits { velocity, acceleration, deceleration })
+    }
+
+    /// The same as numbers: velocity, acceleration and deceleration.
+    pub(crate) fn ramp(&self) -> Result<[f64; 3], CouplingError> {
+        let inputs = [
             ("VelocityDiff", self.velocity_difference),
             ("Acceleration", self.acceleration),
             ("Deceleration", self.deceleration),
-        ] {
-            if value <= 0.0 {
-                return Err(CouplingError::RampNeedsValues { name, value });
-            }
+        ];
+        match inputs.into_iter().find(|(_, value)| *value <= 0.0) {
+            Some((name, value)) => Err(CouplingError::RampNeedsValues { name, value }),
+            None => Ok(inputs.map(|(_, value)| value)),
         }
-        Ok(BridgeLimits {
-            velocity: self.velocity_difference,
-            acceleration: self.acceleration,
-            deceleration: self.deceleration,
-        })
     }
 
     pub(super) fn check(&self) -> Result<(), CouplingError> {

@@ -18,12 +18,19 @@ fn an_error_in_the_language_asked_for() {
         assert!(english.contains(part), "{english}");
     }
     assert!(said(&["smc_gi_ratio_denom", "--language", "de"]).contains("675 SMC_GI_RATIO_DENOM"));
+    let german = said(&["675", "--language", "de"]);
+    assert!(german.contains("was zu tun ist: RatioDenominator auf einen"), "{german}");
+    let french = said(&["675", "--language", "fr"]);
+    assert!(french.contains("que faire: donner à RatioDenominator"), "{french}");
     let all = said(&["775", "1003", "--language", "all"]);
     for part in [
         "775 SMC_GIP_MASTER_DIRECTION_CHANGE",
         "1003 SMC_INT_DATA_UNDERRUN",
         "Deutsch: ",
         "français : ",
+        "what to do: ",
+        "was zu tun ist: ",
+        "que faire: ",
     ] {
         assert!(all.contains(part), "{all}");
     }
@@ -48,6 +55,7 @@ fn all_errors_as_a_table_and_as_objects() {
     assert_eq!(error["name"], "SMC_DI_SWLIMITS_EXCEEDED");
     for language in ["en", "de", "fr"] {
         assert!(error["text"][language].as_str().is_some_and(|text| text.len() > 10), "{error}");
+        assert!(error["remedies"][language].as_str().is_some_and(|text| text.contains("MC_Reset")));
     }
 }
 

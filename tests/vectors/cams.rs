@@ -3,9 +3,9 @@
 use super::vector::{Vector, check};
 use std::sync::Arc;
 use twin_motion::cam::{
-    AxisState, Cam, CamCoupling, CamInput, CamRegister, CamTable, Curve, Derivatives, Equidistant,
-    Factors, Interpolation, Knot, MasterMotion, PairTable, RegisterInput, Shape, TableScale,
-    VariableType, quintic,
+    Action, AxisState, Cam, CamCoupling, CamInput, CamRegister, CamTable, Curve, Derivatives,
+    Equidistant, Factors, Interpolation, Knot, MasterMotion, PairTable, Passage, RegisterInput,
+    Shape, TableScale, Tappet, VariableType, quintic,
 };
 
 fn knot(vector: &Vector, name: &str) -> Knot {
@@ -175,8 +175,10 @@ pub(crate) fn dead_time() {
             dead_time_s: vector.number("dt"),
             ..RegisterInput::default()
         };
-        let cam = cam(&[Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)]);
-        let register = CamRegister::new(cam, input);
+        let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
+        let tappet = Tappet { group: 1, master: 10.0, passage: Passage::Every, action: Action::On };
+        let cam = Cam::new("cam", Shape::Polynomial(knots), vec![tappet]).expect("a cam");
+        let register = CamRegister::new(Arc::new(cam), input).expect("a cam with tappets");
         vector.expect("x", [register.looks_at(vector.number("master"), vector.number("v"))]);
     });
 }

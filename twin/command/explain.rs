@@ -21,8 +21,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     list: bool,
 
-    /// The language of the texts; German or French if `LC_ALL`, `LC_MESSAGES` or `LANG` say so, else English. What to do about it
-    /// is in English
+    /// The language of the texts; German or French if `LC_ALL`, `LC_MESSAGES` or `LANG` say so, else English. Rules are in English
     #[arg(long, value_enum)]
     language: Option<Texts>,
 
@@ -180,18 +179,28 @@ fn tell(out: &mut impl Write, topic: Topic, texts: Texts, behind: bool) -> io::R
     match topic {
         Topic::Error(error) => {
             writeln!(out, "{} {}", error.number(), error.name())?;
+            let name = |language| if texts == Texts::All { long(language) } else { "" };
             for language in texts.languages() {
-                let name = if texts == Texts::All { long(*language) } else { "" };
-                writeln!(out, "  {name}{}", error.text(*language))?;
+                writeln!(out, "  {}{}", name(*language), error.text(*language))?;
             }
             writeln!(out, "  raised by: {}", error.raised_by())?;
-            writeln!(out, "  what to do: {}", error.remedy())
+            texts.languages().iter().try_for_each(|language| {
+                writeln!(out, "  {}: {}", to_do(*language), error.remedy(*language))
+            })
         }
         Topic::Rule(rule) => {
             let [meaning, remedy] = rule.meaning();
             writeln!(out, "{} (rule of twin)", rule.name())?;
             writeln!(out, "  {meaning}\n  what to do: {remedy}")
         }
+    }
+}
+
+fn to_do(language: Language) -> &'static str {
+    match language {
+        Language::English => "what to do",
+        Language::German => "was zu tun ist",
+        Language::French => "que faire",
     }
 }
 
@@ -215,7 +224,12 @@ fn object(topic: Topic) -> Value {
                 "fr": error.text(Language::French),
             },
             "raised_by": error.raised_by(),
-            "remedy": error.remedy(),
+            "remedy": error.remedy(Language::English),
+            "remedies": {
+                "en": error.remedy(Language::English),
+                "de": error.remedy(Language::German),
+                "fr": error.remedy(Language::French),
+            },
         }),
         Topic::Rule(rule) => {
             let [meaning, remedy] = rule.meaning();

@@ -1,13 +1,24 @@
 //! Blocks of any kind behind one interface.
 
 use std::fmt;
-use twin_motion::axis::{Axis, Block, CamIn, Master, Motion, MoveSuperImposed, Outputs};
+use twin_motion::axis::{
+    Axis, Block, CamIn, Master, Motion, MoveSuperImposed, Outputs, Trigger as Input,
+};
 use twin_motion::cam::{TappetData, Trigger};
+
+/// What a block is called with beside its axis.
+#[derive(Debug)]
+pub(super) struct With<'a> {
+    /// The axis that it follows.
+    pub(super) master: Option<Master>,
+    /// The triggers of the job.
+    pub(super) triggers: &'a mut [Input],
+}
 
 /// A block, called once a cycle.
 pub(super) trait Called: fmt::Debug + Send {
-    /// Calls it with Execute, the axis it moves and the one it follows.
-    fn call(&mut self, execute: bool, axis: &mut Axis, master: Option<Master>) -> Outputs;
+    /// Calls it with Execute, the axis it moves, and what else it needs.
+    fn call(&mut self, execute: bool, axis: &mut Axis, with: With<'_>) -> Outputs;
 
     /// Groups of the tappets that it may switch.
     fn groups(&self) -> Vec<i16> {
@@ -18,6 +29,21 @@ pub(super) trait Called: fmt::Debug + Send {
     fn tappets(&self) -> Option<&TappetData> {
         None
     }
+
+    /// How much ahead of the master tappets are looked for, s.
+    fn dead_time(&self) -> f64 {
+        0.0
+    }
+
+    /// `EndOfProfile` of the last call.
+    fn ends_profile(&self) -> bool {
+        false
+    }
+
+    /// A position that it has recorded, for as long as it is done.
+    fn recorded(&self) -> Option<f64> {
+        None
+    }
 }
 
 /// A block whose axis follows a cam.
@@ -25,8 +51,8 @@ pub(super) trait Called: fmt::Debug + Send {
 struct OnCam(Block<CamIn>);
 
 impl Called for OnCam {
-    fn call(&mut self, execute: bool, axis: &mut Axis, master: Option<Master>) -> Outputs {
-        match master {
+    fn call(&mut self, execute: bool, axis: &mut Axis, with: With<'_>) -> Outputs {
+        match with.master {
             Some(master) => self.0.call_with(execute, axis, master),
             None => Outputs::default(),
         }
@@ -40,6 +66,14 @@ impl Called for OnCam {
     fn tappets(&self) -> Option<&TappetData> {
         self.0.running().map(|run| &run.coupling().output().tappets)
     }
+
+    fn dead_time(&self) -> f64 {
+        self.0.inputs.input.tappet_dead_time_s
+    }
+
+    fn ends_profile(&self) -> bool {
+        self.0.running().is_some_and(|run| run.coupling().output().end_of_profile)
+    }
 }
 
 /// Moves the zero of an axis, not the axis.
@@ -52,7 +86,7 @@ struct SetPosition {
 }
 
 impl Called for SetPosition {
-    fn call(&mut self, _execute: bool, axis: &mut Axis, _master: Option<Master>) -> Outputs {
+    fn call(&mut self, _execute: bool, axis: &mut Axis, _with: With<'_>) -> Outputs {
         *self.shown.get_or_insert_with(|| {
             let error = axis.shift_zero(self.position, self.relative).err();
             Outputs { done: error.is_none(), error, ..Outputs::default() }
@@ -79,6 +113,8 @@ pub(super) struct Fired {
     pub(super) master: usize,
     /// What it does; its time is that of the job.
     pub(super) trigger: Trigger,
+    /// How much ahead of the master it has been looked for, s of the job.
+    pub(super) dead_time: f64,
 }
 
 /// A block that moves an axis by itself.
@@ -90,7 +126,7 @@ where
     M: Motion<With = ()> + Clone + fmt::Debug + Send,
     M::Run: Send,
 {
-    fn call(&mut self, execute: bool, axis: &mut Axis, _master: Option<Master>) -> Outputs {
+    fn call(&mut self, execute: bool, axis: &mut Axis, _with: With<'_>) -> Outputs {
         self.0.call(execute, axis)
     }
 }
@@ -104,8 +140,8 @@ where
     M: Motion<With = Master> + Clone + fmt::Debug + Send,
     M::Run: Send,
 {
-    fn call(&mut self, execute: bool, axis: &mut Axis, master: Option<Master>) -> Outputs {
-        match master {
+    fn call(&mut self, execute: bool, axis: &mut Axis, with: With<'_>) -> Outputs {
+        match with.master {
             Some(master) => self.0.call_with(execute, axis, master),
             None => Outputs::default(),
         }
@@ -113,7 +149,7 @@ where
 }
 
 impl Called for MoveSuperImposed {
-    fn call(&mut self, execute: bool, axis: &mut Axis, _master: Option<Master>) -> Outputs {
+    fn call(&mut self, execute: bool, axis: &mut Axis, _with: With<'_>) -> Outputs {
         Self::call(self, execute, axis)
     }
 }

@@ -1,6 +1,8 @@
 //! Which blocks a job may call, and what they are told.
 
 use super::block::{Called, alone, following, on_cam, set_position};
+use super::direct::{Gaps, direct};
+use super::probe::{abort, probe};
 use super::read::FAR;
 use super::values::Values;
 use crate::machine::{CamSelection, read_cam, read_ratio};
@@ -12,7 +14,7 @@ use twin_motion::axis::{
 };
 
 /// Blocks by the names of the manual.
-pub(super) const BLOCKS: [(&str, Kind); 21] = [
+pub(super) const BLOCKS: [(&str, Kind); 29] = [
     ("MC_MoveAbsolute", Kind::MoveAbsolute),
     ("MC_MoveRelative", Kind::MoveRelative),
     ("MC_MoveAdditive", Kind::MoveAdditive),
@@ -34,7 +36,23 @@ pub(super) const BLOCKS: [(&str, Kind); 21] = [
     ("MC_AccelerationProfile", Kind::AccelerationProfile),
     ("MC_Home", Kind::Home),
     ("MC_SetPosition", Kind::SetPosition),
+    ("MC_TouchProbe", Kind::TouchProbe),
+    ("MC_AbortTrigger", Kind::AbortTrigger),
+    ("SMC_FollowPosition", Kind::Follow(Asks::Position)),
+    ("SMC_FollowVelocity", Kind::Follow(Asks::Velocity)),
+    ("SMC_FollowPositionVelocity", Kind::Follow(Asks::Both)),
+    ("SMC_ControlAxisByPos", Kind::ControlAxisBy(Asks::Position)),
+    ("SMC_ControlAxisByVel", Kind::ControlAxisBy(Asks::Velocity)),
+    ("SMC_ControlAxisByPosVel", Kind::ControlAxisBy(Asks::Both)),
 ];
+
+/// What set-points say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Asks {
+    Position,
+    Velocity,
+    Both,
+}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
@@ -57,6 +75,10 @@ pub(super) enum Kind {
     AccelerationProfile,
     Home,
     SetPosition,
+    TouchProbe,
+    AbortTrigger,
+    Follow(Asks),
+    ControlAxisBy(Asks),
 }
 
 impl Kind {
@@ -90,7 +112,8 @@ impl Kind {
                 Box::new(MoveSuperImposed::new(distance, velocity, acceleration, deceleration))
             }
             Self::MoveVelocity => {
-                let (rates, direction) = (of.rates("velocity"), of.direction(Direction::Positive));
+                // As in the manual: as the axis has moved last, forwards if it has not yet.
+                let (rates, direction) = (of.rates("velocity"), of.direction(Direction::Current));
                 let [velocity, acceleration, deceleration] = rates?;
                 alone(MoveVelocity { velocity, acceleration, deceleration, direction })
             }
@@ -163,6 +186,24 @@ impl Kind {
                 set_position(of.length("position")?, relative)
             }
             Self::CamIn => on_cam(cam_in(of, path)?),
+            Self::TouchProbe => {
+                let (trigger, window) = (of.trigger(), of.window());
+                probe(trigger?, window?)
+            }
+            Self::AbortTrigger => abort(of.trigger()?),
+            Self::Follow(asks) => direct(of.setpoints(asks)?, None)?,
+            Self::ControlAxisBy(asks) => {
+                let gap = |name: &str, suffix: &str| {
+                    let key = format!("{}{suffix}", of.key(name));
+                    of.section.number(&key, 1e-6..=FAR).unwrap_or(0.0)
+                };
+                let gaps = Gaps {
+                    velocity: gap("gap_velocity", "_per_s"),
+                    acceleration: gap("gap_acceleration", "_per_s2"),
+                    deceleration: gap("gap_deceleration", "_per_s2"),
+                };
+                direct(of.setpoints(asks)?, Some(gaps))?
+            }
         })
     }
 }

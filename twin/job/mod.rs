@@ -29,12 +29,20 @@
 mod block;
 #[cfg(test)]
 mod block_tests;
+mod direct;
+#[cfg(test)]
+mod direct_tests;
 mod engine;
+#[cfg(test)]
+mod guide_tests;
 #[cfg(test)]
 mod hostile_tests;
 mod kind;
+#[cfg(test)]
+mod machine_tests;
 mod order;
 mod pace;
+mod probe;
 mod read;
 mod stream;
 #[cfg(test)]
@@ -49,6 +57,7 @@ pub(crate) use stream::JobSetpoints;
 use crate::machine::Machine;
 use crate::tappets::Tracks;
 use block::Called;
+use probe::JobTrigger;
 use twin_motion::axis::profile::RampType;
 
 /// A job as it is written, for one machine.
@@ -62,6 +71,8 @@ pub(crate) struct Job {
     starts: Vec<(usize, f64)>,
     /// Axes behind those of the machine.
     virtual_axes: Vec<VirtualAxis>,
+    /// Inputs that latch positions.
+    triggers: Vec<JobTrigger>,
     /// What the tappets of its cams switch.
     tracks: Tracks,
     /// What is called.
@@ -125,6 +136,8 @@ enum Begins {
     At(f64),
     /// With the block before it.
     WithPrevious,
+    /// In the cycle in which the block before it, an `MC_CamIn`, shows `EndOfProfile` first.
+    EndOfProfile,
     /// At the beginning, by the machine file.
     Standing,
 }

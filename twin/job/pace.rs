@@ -143,6 +143,11 @@ impl Pace {
         }
     }
 
+    /// How far it is between two set-points of the job, 0 to 1.
+    pub(super) fn phase(&self) -> f64 {
+        self.phase
+    }
+
     /// How fast time passes.
     pub(super) fn rate(&self) -> f64 {
         self.rate

@@ -2,6 +2,7 @@
 
 use super::block::{following, on_cam};
 use super::kind::BLOCKS;
+use super::probe::{JobTrigger, When};
 use super::values::Values;
 use super::{Begins, Call, Job, VirtualAxis, order};
 use crate::machine::section::{Section, parse};
@@ -23,7 +24,7 @@ pub(super) const FAR: f64 = 1e9;
 /// With everything that is wrong with it, in file order.
 pub(crate) fn read(text: &str, path: &Path, machine: &Machine) -> Result<Job, Vec<Problem>> {
     parse(text, |root| {
-        let reader = Reader { text, path, axes: Vec::new() };
+        let reader = Reader { text, path, axes: Vec::new(), triggers: Vec::new() };
         reader.job(root, machine)
     })
 }
@@ -36,10 +37,11 @@ pub(super) struct Known {
     pub(super) max_acceleration: Option<f64>,
 }
 
-struct Reader<'t> {
-    text: &'t str,
-    path: &'t Path,
-    axes: Vec<Known>,
+pub(super) struct Reader<'t> {
+    pub(super) text: &'t str,
+    pub(super) path: &'t Path,
+    pub(super) axes: Vec<Known>,
+    pub(super) triggers: Vec<JobTrigger>,
 }
 
 impl Reader<'_> {
@@ -63,11 +65,18 @@ impl Reader<'_> {
         let starts = root.sections("start");
         let starts: Vec<_> =
             starts.into_iter().filter_map(|section| self.start(section, machine)).collect();
+        self.triggers = self.triggers(root);
         let sections = root.sections("blocks");
         if sections.is_empty() {
             root.complain("the file lacks [[blocks]]: nothing would move".to_owned());
         }
-        let calls: Vec<_> = sections.iter().map(|section| self.call(section)).collect();
+        let mut previous = None;
+        let calls = sections.iter().map(|section| {
+            let call = self.call(section, previous);
+            previous = call.as_ref().map(|call| (call.name, call.axis));
+            call
+        });
+        let calls: Vec<_> = calls.collect();
         sections.into_iter().for_each(Section::finish);
         root.check_unknown();
         let written: Vec<_> = calls.into_iter().collect::<Option<_>>()?;
@@ -83,7 +92,8 @@ impl Reader<'_> {
             }
         };
         let tracks = self.tracks(root, &calls)?;
-        Some(Job { ramp, duration, starts, virtual_axes, tracks, calls, order })
+        let triggers = self.triggers;
+        Some(Job { ramp, duration, starts, virtual_axes, triggers, tracks, calls, order })
     }
 
     /// What the tappets of all cams switch.
@@ -136,6 +146,32 @@ impl Reader<'_> {
         found
     }
 
+    /// The inputs that latch.
+    fn triggers(&self, root: &Section<'_>) -> Vec<JobTrigger> {
+        let mut found: Vec<JobTrigger> = Vec::new();
+        for section in root.sections("triggers") {
+            let name = section.required_text("name");
+            let at = section.number("at_s", 0.0..=LONGEST).map(When::At);
+            let passes = section.has("axis").then(|| self.axis(&section, "axis")).flatten();
+            let passes = passes.and_then(|(axis, known)| {
+                let key = format!("position_{}", known.kind.unit());
+                Some(When::Passes(axis, section.required_number(&key, -FAR..=FAR)?))
+            });
+            if section.has("at_s") == section.has("axis") {
+                let message = "a trigger comes `at_s`, or where an `axis` passes a position";
+                section.complain(message.to_owned());
+            }
+            if let (Some(name), Some(when)) = (name, at.or(passes)) {
+                if found.iter().any(|trigger| trigger.name == name) {
+                    section.complain_at("name", format!("there is a trigger \"{name}\" already"));
+                }
+                found.push(JobTrigger { name: name.to_owned(), when });
+            }
+            section.finish();
+        }
+        found
+    }
+
     fn start(&self, section: Section<'_>, machine: &Machine) -> Option<(usize, f64)> {
         let Some((axis, known)) = self.axis(&section, "axis") else {
             section.accept_all();
@@ -163,7 +199,12 @@ impl Reader<'_> {
         found
     }
 
-    fn call(&self, section: &Section<'_>) -> Option<Call> {
+    /// A block behind the `previous` one, of which name and axis are known.
+    pub(super) fn call(
+        &self,
+        section: &Section<'_>,
+        previous: Option<(&str, usize)>,
+    ) -> Option<Call> {
         let names = BLOCKS.map(|(name, kind)| (name, (name, kind)));
         let (Some((name, kind)), Some((axis, known))) =
             (section.required_choice("block", &names), self.axis(section, "axis"))
@@ -185,9 +226,14 @@ impl Reader<'_> {
         } else {
             None
         };
-        let inputs = Values { section, known, master: master.map(|(_, known)| known) };
+        let triggers = &self.triggers;
+        let inputs = Values { section, known, master: master.map(|(_, known)| known), triggers };
         let block = kind.block(&inputs, self.path);
         let begins = begins(section);
+        if begins == Begins::EndOfProfile && previous != Some(("MC_CamIn", axis)) {
+            let message = "the block before this one is no MC_CamIn of the same axis";
+            section.complain_at("at_end_of_profile", message.to_owned());
+        }
         let line = 1 + self.text.get(..section.span_of("block").start)?.matches('\n').count();
         let line = u32::try_from(line).unwrap_or(u32::MAX);
         let master = master.map(|(index, _)| index);
@@ -196,7 +242,7 @@ impl Reader<'_> {
 }
 
 impl Known {
-    fn of(axis: &crate::machine::Axis) -> Self {
+    pub(super) fn of(axis: &crate::machine::Axis) -> Self {
         let max_acceleration = Some(axis.from_si(axis.max_acceleration));
         Self { name: axis.name.clone(), kind: axis.kind, max_acceleration }
     }
@@ -234,14 +280,17 @@ fn begins(section: &Section<'_>) -> Begins {
     let at = section.number("at_s", 0.0..=LONGEST);
     let after = section.number("after_s", 0.0..=LONGEST);
     let with_previous = section.flag("with_previous").unwrap_or(false);
-    let said = ["at_s", "after_s", "with_previous"].map(|key| section.has(key));
-    if said.into_iter().filter(|said| *said).count() > 1 {
-        let message = "a block begins `at_s`, `after_s` or `with_previous`: one of them";
+    let at_end = section.flag("at_end_of_profile").unwrap_or(false);
+    let keys = ["at_s", "after_s", "with_previous", "at_end_of_profile"];
+    if keys.into_iter().filter(|key| section.has(key)).count() > 1 {
+        let message =
+            "a block begins `at_s`, `after_s`, `with_previous` or `at_end_of_profile`: one of them";
         section.complain(message.to_owned());
     }
     match at {
         Some(time) => Begins::At(time),
         None if with_previous => Begins::WithPrevious,
+        None if at_end => Begins::EndOfProfile,
         None => after.map_or(Begins::Next, Begins::After),
     }
 }

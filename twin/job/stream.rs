@@ -46,6 +46,8 @@ pub(crate) struct JobSetpoints<'m> {
     last: Option<AxisSetpoint>,
     /// What tappets switch.
     tracks: Tracks,
+    /// Those that have acted in the job's time and not yet in ours.
+    pending: Vec<Fired>,
     /// Axes that they may be passed by, from the engine: name, period and unit.
     masters: Vec<(String, Option<f64>, &'static str)>,
     lost: u64,
@@ -95,6 +97,7 @@ impl<'m> JobSetpoints<'m> {
             length: 0.0,
             last: None,
             tracks: Tracks::default(),
+            pending: Vec::new(),
             masters: Vec::new(),
             lost: 0,
         };
@@ -167,6 +170,8 @@ impl<'m> JobSetpoints<'m> {
     fn go_on(&mut self, engine: &mut Engine) -> Result<(), Box<Finding>> {
         std::mem::swap(&mut self.from, &mut self.to);
         self.to.clone_from(&self.next);
+        // Of what comes is known already what acts.
+        self.pending.append(&mut self.to.fired);
         self.over = self.done;
         self.next.fired.clear();
         if !self.done {
@@ -179,6 +184,7 @@ impl<'m> JobSetpoints<'m> {
                 self.next.fired.extend_from_slice(engine.fired());
                 self.next.time_ns = engine.now_ns();
                 self.lost = engine.lost();
+                self.problems.extend(engine.take_notes());
             } else {
                 self.done = true;
             }
@@ -186,13 +192,26 @@ impl<'m> JobSetpoints<'m> {
         Ok(())
     }
 
-    /// What tappets have switched on at `time_ns`. Their delays and durations pass as time does, whatever the pace.
+    /// What tappets have switched on at `time_ns`. Their delays and durations pass as time does, whatever the pace; so does
+    /// a dead time: a master at half the pace is looked for half as far ahead.
     fn tappets(&mut self, time_ns: i64) -> TappetBits {
-        for Fired { slave, master, trigger } in self.from.fired.drain(..) {
-            let ago_ns = self.from.time_ns.saturating_sub(trigger.time_ns);
-            let trigger = Trigger { time_ns: time_ns.saturating_sub(ago_ns), ..trigger };
-            self.tracks.take(slave, master, &trigger);
-        }
+        let rate = self.pace.rate();
+        let now = self.pace.phase() * seconds(self.machine.cycle_ns);
+        let (tracks, from_ns) = (&mut self.tracks, self.from.time_ns);
+        self.pending.retain(|fired| {
+            let Fired { slave, master, trigger, dead_time } = fired;
+            // How long ago that is in the time of the job. What has been told too late for another dead time acts now.
+            let told = seconds(from_ns.saturating_sub(trigger.time_ns)) + now;
+            let ago = told - (dead_time * (1.0 - rate)).max(0.0);
+            if ago < 0.0 {
+                return true;
+            }
+            let ago = if rate > 0.0 { ago / rate } else { 0.0 };
+            #[expect(clippy::cast_possible_truncation, reason = "some cycles; it saturates")]
+            let time_ns = time_ns.saturating_sub((ago * 1e9).round() as i64);
+            tracks.take(*slave, *master, &Trigger { time_ns, ..*trigger });
+            false
+        });
         self.tracks.at(time_ns)
     }
 

@@ -8,6 +8,7 @@ use crate::program::{Dialect, ProgramFile};
 use crate::settings::ReadSettings;
 use crate::tappets::Switched;
 use std::path::Path;
+use twin_motion::interpolate::Override;
 
 fn outcome(machine: &Machine, program: &ProgramFile) -> Outcome {
     let outcome = check(machine, program, CheckOptions::default(), &mut |_| {}).unwrap();
@@ -123,6 +124,32 @@ fn dead_time_is_compensated() {
         (7, false, early(100.1) + 25.2e-3),
     ];
     assert_told(&switched, &expected, |time| 10.0 + 200.0 * (time - 0.1));
+}
+
+/// At half the pace places are passed after twice the time, and looked for as long before as ever: a dead time is one of the
+/// outputs and what is behind them, like delays and durations.
+#[test]
+fn dead_time_is_compensated_at_any_pace() {
+    for (factor, dead_time) in [(0.5, 0.0073), (0.25, 0.0073), (0.5, 0.0)] {
+        let key = format!("dead_time_s = {dead_time:?}");
+        let job = job(&JOB.replace("dead_time_s = 0.0", &key));
+        std::fs::write(job.folder.path().join("flat.toml"), CAM).unwrap();
+        let mut settings = ReadSettings::default();
+        settings.inputs.override_factor = Override::new(factor).unwrap();
+        let path = job.folder.path().join("job.toml");
+        let program = ProgramFile::new(&path, Some(Dialect::Job), settings).unwrap();
+        let switched = outcome(&machine(), &program).tappets;
+        let early = |x: f64| passes(x) / factor - dead_time;
+        let expected = [
+            (1, true, early(50.1)),
+            (1, false, early(70.1)),
+            (2, true, early(90.1)),
+            (2, false, early(95.1)),
+            (7, true, early(100.1) + 5.2e-3),
+            (7, false, early(100.1) + 25.2e-3),
+        ];
+        assert_told(&switched, &expected, |time| 10.0 + 200.0 * (factor * time - 0.1));
+    }
 }
 
 /// There and back between 0 and 60 mm: within the band of hysteresis around 50.1 mm the tappet acts once.

@@ -1,15 +1,20 @@
 //! The inputs of blocks as a job's file says them.
 
+use super::direct::Point;
+use super::kind::Asks;
+use super::probe::JobTrigger;
 use super::read::{FAR, Known, LONGEST};
 use crate::machine::section::Section;
 use twin_motion::axis::profile::{MOST_POINTS, ProfilePoint};
-use twin_motion::axis::{Direction, Points};
+use twin_motion::axis::{Direction, Follow, Points};
 
 /// The inputs of a block, in units of its axis and its master.
 pub(super) struct Values<'s> {
     pub(super) section: &'s Section<'s>,
     pub(super) known: &'s Known,
     pub(super) master: Option<&'s Known>,
+    /// Those of the job.
+    pub(super) triggers: &'s [JobTrigger],
 }
 
 impl Values<'_> {
@@ -112,5 +117,73 @@ impl Values<'_> {
         let key = format!("{}{suffix}", self.key("offset"));
         let offset = self.section.number(&key, -FAR..=FAR).unwrap_or(0.0);
         Some(Points { absolute, scale, offset, ..Points::new(points?) })
+    }
+
+    /// The number of the trigger that is named.
+    pub(super) fn trigger(&self) -> Option<usize> {
+        let name = self.section.required_text("trigger")?;
+        let found = self.triggers.iter().position(|trigger| trigger.name == name);
+        if found.is_none() {
+            let names: Vec<_> = self.triggers.iter().map(|one| one.name.as_str()).collect();
+            let there = if names.is_empty() {
+                "there are no [[triggers]]".to_owned()
+            } else {
+                format!("there are {}", names.join(", "))
+            };
+            let message = format!("there is no trigger \"{name}\"; {there}");
+            self.section.complain_at("trigger", message);
+        }
+        found
+    }
+
+    /// The places between which a probe counts, if it is so limited; `None` if that is half said.
+    #[expect(clippy::option_option, reason = "what is wrong, and what is not there")]
+    pub(super) fn window(&self) -> Option<Option<[f64; 2]>> {
+        let keys = ["first_position", "last_position"].map(|name| self.key(name));
+        let [first, last] = keys.each_ref().map(|key| self.section.number(key, -FAR..=FAR));
+        match (first, last) {
+            (Some(first), Some(last)) => Some(Some([first, last])),
+            (None, None) => Some(None),
+            _ => {
+                let [first, last] = keys;
+                self.section.complain(format!("a window has both `{first}` and `{last}`"));
+                None
+            }
+        }
+    }
+
+    /// Set-points over time.
+    pub(super) fn setpoints(&self, asks: Asks) -> Option<Vec<Point>> {
+        let sections = self.section.sections("points");
+        if sections.is_empty() {
+            self.section.complain("set-points need `points`".to_owned());
+        }
+        let (place, speed) = (self.key("position"), format!("{}_per_s", self.key("velocity")));
+        let count = sections.len();
+        let points = (1..).zip(sections).map(|(index, point)| {
+            let after = point.required_number("delta_s", 1e-6..=LONGEST);
+            let position = || point.required_number(&place, -FAR..=FAR);
+            let velocity = || point.required_number(&speed, -FAR..=FAR);
+            let setpoint = match asks {
+                Asks::Position => position().map(Follow::Position),
+                Asks::Velocity => velocity().map(Follow::Velocity),
+                Asks::Both => {
+                    let both = (position(), velocity());
+                    both.0.zip(both.1).map(|(y, v)| Follow::PositionVelocity(y, v))
+                }
+            };
+            let (Some(Follow::Velocity(last)) | Some(Follow::PositionVelocity(_, last))) = setpoint
+            else {
+                point.finish();
+                return Some(Point { after: after?, setpoint: setpoint? });
+            };
+            if index == count && last.abs() > 0.0 {
+                let message = format!("the last `{speed}` is {last}: set-points end at rest, 0");
+                point.complain_at(&speed, message);
+            }
+            point.finish();
+            Some(Point { after: after?, setpoint: setpoint? })
+        });
+        points.collect::<Vec<_>>().into_iter().collect()
     }
 }

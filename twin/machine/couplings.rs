@@ -256,5 +256,11 @@ pub(crate) fn read_cam(
 fn told(path: &Path, error: &CamFileError) -> String {
     let said = error.to_string();
     let named = path.display().to_string();
-    if said.contains(&named) { said } else { format!("{named}: {said}") }
+    // SMC_RCAM_FILE_DOESNT_EXIST (manual 9.3): what cannot be opened is told as SMC_ReadCAM would.
+    let number = if matches!(error, CamFileError::Read { .. }) { " (error 2200)" } else { "" };
+    if said.contains(&named) {
+        format!("{said}{number}")
+    } else {
+        format!("{named}: {said}{number}")
+    }
 }

@@ -14,6 +14,8 @@
 mod english;
 mod french;
 mod german;
+#[cfg(test)]
+mod manual;
 mod number;
 mod remedy;
 #[cfg(test)]

@@ -61,9 +61,25 @@ fn every_error_has_a_text_in_three_languages() {
         let [english, german, french] = texts;
         assert!(english != german && german != french && french != english, "{error}");
     }
+    let mut german = 0;
     for error in SmcError::ALL {
-        assert!(error.remedy().len() >= 15, "{error}: {}", error.remedy());
+        let all = [Language::English, Language::German, Language::French];
+        let [english, other, french] = all.map(|language| error.remedy(language));
+        for text in [english, other, french] {
+            assert!(text.chars().count() >= 15, "{error}: {text}");
+        }
+        assert!(english != other && other != french && french != english, "{error}");
+        // Names of inputs, blocks and constants are the same in all of them.
+        let names = |text: &str| {
+            let words = text.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+            let named = words.filter(|word| word.contains('_') && word.len() > 4);
+            named.map(str::to_owned).collect::<std::collections::BTreeSet<_>>()
+        };
+        assert_eq!(names(english), names(other), "{error}");
+        assert_eq!(names(english), names(french), "{error}");
+        german += usize::from(other.contains('ä') || other.contains('ü') || other.contains('ö'));
     }
+    assert!(german > 20, "{german}");
     let error = SmcError::CiMasterOutOfScale;
     assert_eq!(
         error.text(Language::German),
@@ -80,7 +96,7 @@ fn every_error_has_a_text_in_three_languages() {
 #[test]
 fn directions_of_end_velocities_are_told() {
     for error in [SmcError::McrInvalidDirection, SmcError::McaInvalidDirection] {
-        let remedy = error.remedy();
+        let remedy = error.remedy(Language::English);
         assert!(remedy.starts_with("give positive, negative or current as EndVelocityDirection"));
     }
 }

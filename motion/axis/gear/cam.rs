@@ -1,7 +1,8 @@
 //! `MC_CamIn`.
 
+use super::approach::{Approach, Gap};
 use crate::axis::ownership::Start;
-use crate::axis::profile::State;
+use crate::axis::profile::{AxisLimits, ProfileError, RampType, State};
 use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
 use crate::cam::{self, CamCoupling, CamInput, CamTable, CouplingError, StartMode};
 
@@ -13,6 +14,10 @@ use crate::cam::{self, CamCoupling, CamInput, CamTable, CouplingError, StartMode
 ///
 /// The slave is strictly where the master's position has it (manual 4.6.2): where `MC_SetPosition` moves the master's zero
 /// under an absolute cam, it steps. A cam with `MasterAbsolute` FALSE lies where the master was, and stays there.
+///
+/// A ramp onto the cam has the ramps of the axis: with sigmoid and parabolic ones the slave's acceleration does not step,
+/// and beside the jerk of the cam itself there is never more than the axis's (`fMaxJerk`). The manual's block has no input
+/// for it.
 ///
 /// A lift of 50 u, once a turn of the master; the slave comes onto it with a ramp:
 ///
@@ -81,12 +86,65 @@ pub struct CamRun {
     restarted: bool,
     /// The master's zero at the start: a cam that lies where the master was stays there.
     zero: f64,
+    /// The way to the cam where it is one with limited jerk; others are the coupling's.
+    approach: Option<Approach>,
 }
 
 impl CamRun {
-    /// The coupling as it is.
+    /// The coupling as it is: cam, tappets, `EndOfProfile`. Where a ramp with limited jerk leads onto the cam, the coupling
+    /// has the slave on it from the beginning; [`Self::is_in_sync`] says when it is.
     pub fn coupling(&self) -> &CamCoupling {
         &self.coupling
+    }
+
+    /// `InSync`: whether the slave is on its cam.
+    #[must_use]
+    pub fn is_in_sync(&self) -> bool {
+        self.approach.is_none() && self.coupling.output().in_sync
+    }
+}
+
+impl CamIn {
+    /// Whether the slave comes onto its cam with a ramp.
+    fn ramps(&self) -> bool {
+        !matches!(self.input.start_mode, StartMode::Absolute | StartMode::Relative)
+    }
+
+    /// What a ramp with limited jerk may use; none for another start.
+    fn limited(&self, axis: &Axis) -> Result<Option<AxisLimits>, CouplingError> {
+        if !self.ramps() || axis.ramp() == RampType::Trapezoid {
+            return Ok(None);
+        }
+        let [velocity, acceleration, deceleration] = self.input.ramp()?;
+        Ok(Some(axis.limits(velocity, acceleration, deceleration)))
+    }
+}
+
+/// Why a cam is not followed.
+enum Refused {
+    Coupling(CouplingError),
+    /// The axis's jerk, or the way, is none that there is a ramp for.
+    Ramp,
+}
+
+impl From<CouplingError> for Refused {
+    fn from(error: CouplingError) -> Self {
+        Self::Coupling(error)
+    }
+}
+
+impl From<ProfileError> for Refused {
+    fn from(_: ProfileError) -> Self {
+        Self::Ramp
+    }
+}
+
+impl From<Refused> for SmcError {
+    fn from(refused: Refused) -> Self {
+        match refused {
+            Refused::Coupling(error) => number(error),
+            Refused::Ramp => Self::CiRampinNeedsVelaccValues,
+        }
     }
 }
 
@@ -104,29 +162,37 @@ impl Motion for CamIn {
             if moved { (axis.total_after_cycle(), 0.0) } else { (start.state, start.lead) };
         let State { position, velocity, acceleration } = state;
         let mut from = now(master);
-        if !matches!(self.input.start_mode, StartMode::Absolute | StartMode::Relative) {
+        if self.ramps() {
             // A bridge begins where the slave was a cycle ago, and so at where the master was.
             from.velocity -= master.acceleration * lead;
             from.position -= f64::midpoint(from.velocity, master.velocity) * lead;
         }
-        let master_zero = master.zero;
+        let zero = master.zero;
+        let limits = self.limited(axis).map_err(number)?;
+        let start_mode = if limits.is_some() { StartMode::Absolute } else { self.input.start_mode };
+        let input = CamInput { start_mode, ..self.input };
         let begin = |master: &cam::AxisState, position: f64, lead: f64| {
             let inside = axis.in_program(position);
             let slave = cam::AxisState { position: inside, velocity, acceleration };
-            let coupling = CamCoupling::start(table.clone(), self.input, master, &slave, 0)?;
+            let coupling = CamCoupling::start(table.clone(), input, master, &slave, 0)?;
+            let on_cam = coupling.output().slave;
+            let gap = Gap {
+                distance: on_cam.position - inside,
+                velocity: velocity - on_cam.velocity,
+                acceleration: acceleration - on_cam.acceleration,
+                period: axis.period(),
+                mode: self.input.start_mode,
+            };
+            let approach = limits.map(|limits| Approach::new(gap, limits, axis.ramp()));
+            let (approach, turned) = approach.transpose()?.unzip();
+            let shift = position - inside - turned.unwrap_or_default();
             let seconds = lead - axis.cycle();
-            Ok(CamRun {
-                coupling,
-                shift: position - inside,
-                seconds,
-                restarted: true,
-                zero: master_zero,
-            })
+            Ok::<_, Refused>(CamRun { coupling, shift, seconds, restarted: true, zero, approach })
         };
         // A master that has come onto the cam in this very cycle is on it; the slave goes on until then.
         begin(&from, position, lead)
             .or_else(|_beside| begin(&now(master), position + velocity * lead, 0.0))
-            .map_err(number)
+            .map_err(SmcError::from)
     }
 
     fn step(
@@ -146,10 +212,16 @@ impl Motion for CamIn {
         if std::mem::take(&mut run.restarted) {
             run.coupling.mark_restarted();
         }
-        let coupled = run.coupling.output();
-        let cam::AxisState { position, velocity, acceleration } = coupled.slave;
-        let setpoint = State { position: position + run.shift, velocity, acceleration };
-        let stage = if coupled.in_sync { Stage::Reached } else { Stage::Busy };
+        let cam::AxisState { position, velocity, acceleration } = run.coupling.output().slave;
+        let on_cam = State { position: position + run.shift, velocity, acceleration };
+        // A cycle that rounds to just before the end is the end.
+        let time = run.seconds + 1e-9 * axis.cycle();
+        let ramped = run.approach.as_ref().and_then(|approach| approach.at(time, on_cam));
+        if ramped.is_none() {
+            run.approach = None;
+        }
+        let setpoint = ramped.unwrap_or(on_cam);
+        let stage = if run.is_in_sync() { Stage::Reached } else { Stage::Busy };
         Ok(Progress { setpoint, stage })
     }
 }

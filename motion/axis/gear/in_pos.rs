@@ -1,14 +1,18 @@
 //! `SMC_GearInPos`.
 
 use crate::axis::ownership::Start;
-use crate::axis::profile::State;
+use crate::axis::profile::{AxisLimits, Profile, RampType, State};
 use crate::axis::{Axis, AxisState, Master, Motion, Progress, SmcError, Stage};
 
-/// Velocity and position follow the master from a place on (`SMC_GearInPos`, manual 5.4). `done` is `InSync`.
+/// Velocity and position follow the master from a place on (`SMC_GearInPos`, manual 5.4). `done` is `InSync`, `StartSync`
+/// is [`GearInPosRun::is_coupling`] and `Active` is [`Block::is_active`](crate::axis::Block::is_active).
 ///
 /// When the master is at `master_sync_position`, the slave is at `slave_sync_position` with the ratio of velocities.
 /// Before that it goes along a polynomial of fifth degree over the master's position, from its own velocity to that of
-/// the ratio, with the curvature 0 at both ends; the manual says a polynomial only. It may reverse for a moment.
+/// the ratio, with the curvature 0 at both ends; the manual says a polynomial only. It may reverse for a moment. With
+/// sigmoid and parabolic ramps it begins with the curvature that the slave's acceleration has, so that this does not step;
+/// how fast it changes on the way follows from the places and from the master's velocity, which the block cannot choose.
+/// Where such a slave waits for its master, it takes an acceleration that it has back within its jerk.
 ///
 /// With a `master_start_distance` above 0 the slave goes on as it does until the master is so close to the place; with 0
 /// it begins at once. A slave that moves already waits for a master whose velocity has changed by less than a quarter in
@@ -57,7 +61,7 @@ impl GearInPosRun {
     }
 }
 
-/// y over x from (x0, y0) with slope v0 on by h, curvature 0 at both ends.
+/// y over x from (x0, y0) with slope v0 and curvature k0 on by h, where the curvature is 0.
 #[derive(Clone, Copy, Debug)]
 struct Quintic {
     x0: f64,
@@ -69,12 +73,20 @@ struct Quintic {
 }
 
 impl Quintic {
-    fn new([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], [v0, v1]: [f64; 2]) -> Self {
+    fn new([x0, x1]: [f64; 2], [y0, y1]: [f64; 2], [v0, v1]: [f64; 2], k0: f64) -> Self {
         let h = x1 - x0;
-        let rise = y1 - y0 - v0 * h;
-        let p = h * (v1 - v0);
-        let coefficients =
-            [y0, v0 * h, 0.0, 10.0 * rise - 4.0 * p, -15.0 * rise + 7.0 * p, 6.0 * rise - 3.0 * p];
+        let c2 = 0.5 * k0 * h * h;
+        // What the upper three have to give to value, slope and, halved, curvature at the end.
+        let rise = y1 - y0 - v0 * h - c2;
+        let p = h * (v1 - v0) - 2.0 * c2;
+        let coefficients = [
+            y0,
+            v0 * h,
+            c2,
+            10.0 * rise - 4.0 * p - c2,
+            -15.0 * rise + 7.0 * p + 2.0 * c2,
+            6.0 * rise - 3.0 * p - c2,
+        ];
         Self { x0, h, coefficients, end: y1 }
     }
 
@@ -98,11 +110,14 @@ impl GearInPos {
     fn polynomial(&self, run: &GearInPosRun, master: &Master, axis: &Axis) -> Option<Quintic> {
         /// By which part of it the master's velocity may have changed.
         const STEADY: f64 = 0.25;
-        let GearInPosRun { unwound, master: Master { velocity: before, .. }, .. } = *run;
+        let GearInPosRun { unwound, master: Master { velocity: before, acceleration, .. }, .. } =
+            *run;
         let Master { velocity, period, .. } = *master;
         let from = axis.saved_base;
-        let steady = from.velocity == 0.0 || (velocity - before).abs() <= STEADY * before.abs();
-        if !steady {
+        let limited = axis.ramp() != RampType::Trapezoid;
+        let stands = from.velocity == 0.0 && (from.acceleration == 0.0 || !limited);
+        let steady = before != 0.0 && (velocity - before).abs() <= STEADY * before.abs();
+        if !stands && !steady {
             return None;
         }
         let sign = velocity.signum();
@@ -117,7 +132,12 @@ impl GearInPos {
         if velocity == 0.0 || ahead <= 0.0 || !near {
             return None;
         }
-        let slope = if from.velocity == 0.0 { 0.0 } else { from.velocity / before };
+        let slope = if stands { 0.0 } else { from.velocity / before };
+        let curvature = if stands || !limited {
+            0.0
+        } else {
+            (from.acceleration - slope * acceleration) / (before * before)
+        };
         let slopes = [slope, self.ratio()];
         let way = sign * ahead;
         let target = axis.to_drive(self.slave_sync_position);
@@ -126,7 +146,8 @@ impl GearInPos {
         let target = axis
             .period()
             .map_or(target, |period| target + period * ((natural - target) / period).round());
-        Some(Quintic::new([unwound, unwound + way], [from.position, target], slopes))
+        let places = [from.position, target];
+        Some(Quintic::new([unwound, unwound + way], places, slopes, curvature))
     }
 }
 
@@ -193,13 +214,25 @@ impl Motion for GearInPos {
 }
 
 impl Axis {
-    /// One cycle on with the velocity there is.
+    /// One cycle on with the velocity there is; with limited jerk with the one that is there once the acceleration has been
+    /// taken back.
     fn goes_on(&self) -> State {
-        let it = self.saved_base;
-        State {
-            position: it.position + it.velocity * self.cycle(),
-            velocity: it.velocity,
-            acceleration: 0.0,
+        let State { position, velocity, acceleration } = self.saved_base;
+        let cycle = self.cycle();
+        let on = State { position: position + velocity * cycle, velocity, acceleration: 0.0 };
+        if self.ramp() == RampType::Trapezoid || acceleration == 0.0 {
+            return on;
         }
+        let jerk = self.values.max_jerk;
+        let settled = velocity + 0.5 * acceleration * acceleration.abs() / jerk;
+        let limits = AxisLimits {
+            velocity: settled.abs().max(velocity.abs()).max(f64::MIN_POSITIVE),
+            acceleration: acceleration.abs(),
+            deceleration: acceleration.abs(),
+            jerk,
+        };
+        // Without a valid jerk there is no way to keep it.
+        Profile::to_velocity(self.saved_base, settled, limits, self.ramp())
+            .map_or(on, |profile| profile.at(cycle))
     }
 }

@@ -1,5 +1,6 @@
 //! Axes that follow another one (manual 5.4) and switches along an axis (manual 5.5).
 
+mod approach;
 mod cam;
 mod follower;
 mod in_pos;

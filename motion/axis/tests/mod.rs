@@ -14,6 +14,7 @@ mod framework;
 mod gears;
 mod homing;
 mod invariants;
+mod jerk;
 mod parameters;
 mod rig;
 mod silence;

@@ -5,8 +5,8 @@ use super::framework::to;
 use super::rig::{CYCLE, Rig, linear};
 use crate::axis::profile::RampType;
 use crate::axis::{
-    AxisConfig, AxisState, Block, CamIn, ControlAxisBy, Follow, GearIn, GearInPos, GearInPosRun,
-    Home, MoveSuperImposed, MoveVelocity,
+    AxisConfig, AxisState, Block, CamIn, ControlAxisBy, ControllerMode, Follow, GearIn, GearInPos,
+    GearInPosRun, Home, MoveSuperImposed, MoveVelocity, SetControllerMode,
 };
 use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
 use std::sync::Arc;
@@ -255,4 +255,17 @@ fn a_cam_takes_over_both_motions_that_there_are() {
     let way = slave.axis.set_position() - before;
     assert!((way - 8.0 * CYCLE).abs() < 1e-9, "{way}");
     assert!((slave.axis.set_velocity() - 8.0).abs() < 1e-9);
+}
+
+/// A drive without control of its position is where it is, and the set-point with it; but not under what moves the axis.
+#[test]
+fn a_motion_on_top_alone_goes_its_way_in_torque_mode() {
+    let mut rig = linear();
+    let mut mode = SetControllerMode::new(ControllerMode::Torque);
+    rig.until(|axis| mode.call(true, axis).done);
+    let mut block = MoveSuperImposed::new(10.0, 20.0, 100.0, 100.0);
+    // 10 u with 20 u/s and 100 u/s²: 0.2 s up and down each with 2 u, 6 u between in 0.3 s.
+    let cycles = rig.until(|axis| block.call(true, axis).done);
+    assert!((70..=71).contains(&cycles), "{cycles}");
+    assert!((rig.axis.set_position() - 10.0).abs() < 1e-9, "{}", rig.axis.set_position());
 }

@@ -295,10 +295,7 @@ impl Content<'_> {
                 let [master, slave, velocity, acceleration] = this.numbers()?;
                 Ok(Knot { master, slave, velocity, acceleration })
             })?),
-            kind => {
-                let (field, value) = ("type of cams", kind.into());
-                return Err(CamReadError::Unknown { offset: 10, field, value });
-            }
+            value => return Err(CamReadError::CompileType { offset: 10, value }),
         };
         let tappets = self.list("tappets", MAX_TAPPETS, Self::tappet)?;
         Ok(Cam::new(&name, shape, tappets)?)

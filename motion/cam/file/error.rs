@@ -26,6 +26,14 @@ pub enum CamReadError {
         /// Its version.
         version: u16,
     },
+    /// It has been compiled in a way that is none of the manual's (4.7): not as polynomial (3), equidistant (1) or pairs (2).
+    #[error("byte {offset}: {value} is no type of cams (error 2202)")]
+    CompileType {
+        /// Where.
+        offset: u64,
+        /// Its `byType`.
+        value: u8,
+    },
     /// It ends too early.
     #[error("byte {offset}: the file ends within the cam (error 2204)")]
     Truncated {
@@ -76,6 +84,7 @@ impl CamReadError {
     pub const fn number(&self) -> Option<u16> {
         match self {
             Self::TooMany { .. } => Some(2201),
+            Self::CompileType { .. } => Some(2202),
             Self::Version { .. } => Some(2203),
             Self::Truncated { .. } => Some(2204),
             Self::Io { .. }

@@ -139,7 +139,15 @@ fn sealed_nonsense_is_refused() {
         read(bytes.as_slice()).expect_err("nonsense")
     };
     let unknown = |error, at, name| matches!(error, CamReadError::Unknown { offset, field, .. } if offset == at && field == name);
-    assert!(unknown(sealed(10, &[9]), 10, "type of cams"));
+    // 2202, another way to compile cams than the manual's (`SMC_ReadCAM`, manual 9.3).
+    for value in [0, 4, 9] {
+        let error = sealed(10, &[value]);
+        assert!(
+            matches!(error, CamReadError::CompileType { offset: 10, value: it } if it == value)
+        );
+        assert_eq!(error.number(), Some(2202));
+        assert!(error.to_string().ends_with("(error 2202)"), "{error}");
+    }
     assert!(unknown(sealed(11, &[2]), 11, "flags"));
     // The name has 11 bytes, so the type of variables stands at 35.
     assert!(unknown(sealed(35, &[7]), 35, "type of variables"));

@@ -16,7 +16,7 @@ fn tappet(group: i16, master: f64, passage: Passage, action: Action) -> Tappet {
 fn register(tappets: Vec<Tappet>, input: RegisterInput) -> CamRegister {
     let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
     let cam = Cam::new("register", Shape::Polynomial(knots), tappets).expect("a cam");
-    CamRegister::new(Arc::new(cam), input)
+    CamRegister::new(Arc::new(cam), input).expect("a cam with tappets")
 }
 
 /// The bit of group 1 after each position, a cycle apart.
@@ -253,5 +253,30 @@ proptest! {
             at > 0.0 && at <= 1000.0
         });
         prop_assert_eq!(bit, passages.count() % 2 == 1);
+    }
+}
+
+/// 600 and 601 (`SMC_CAMRegister`, manual 9.3); `bTappet` is an array from 1 to `MAX_NUM_TAPPETS` (5.5).
+#[test]
+fn registers_without_bits_to_switch_are_refused() {
+    let new = |groups: &[i16], max_num_tappets: Option<i16>| {
+        let tappet = |group: &i16| Tappet {
+            group: *group,
+            master: 10.0,
+            passage: Passage::Every,
+            action: Action::On,
+        };
+        let knots = vec![Knot::at_rest(0.0, 0.0), Knot::at_rest(360.0, 0.0)];
+        let tappets = groups.iter().map(tappet).collect();
+        let cam = Cam::new("cam", Shape::Polynomial(knots), tappets).expect("a cam");
+        let input = RegisterInput { max_num_tappets, ..RegisterInput::default() };
+        CamRegister::new(Arc::new(cam), input).map(|_| ()).map_err(|error| error.number())
+    };
+    assert_eq!(new(&[], None), Err(600));
+    assert_eq!(new(&[], Some(8)), Err(600));
+    assert_eq!(new(&[1, 8], Some(8)), Ok(()));
+    for wrong in [9, 0, -1] {
+        assert_eq!(new(&[1, wrong], Some(8)), Err(601), "{wrong}");
+        assert_eq!(new(&[1, wrong], None), Ok(()), "{wrong}");
     }
 }

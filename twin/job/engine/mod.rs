@@ -1,18 +1,19 @@
 //! The controller of a job: its axes and blocks, cycle by cycle.
 
+mod inputs;
+mod moved;
 mod watch;
 
-use super::block::Fired;
+use super::block::{Fired, With};
 use super::read::LONGEST;
 use super::{Begins, Call, Job};
-use crate::finding::{Finding, Rule};
+use crate::finding::{Finding, Rule, Severity};
 use crate::machine::Machine;
 use crate::report::seconds;
+use inputs::Inputs;
+use moved::{Moved, Moving};
 use twin_motion::Place;
-use twin_motion::axis::{
-    Axis, AxisConfig, AxisState, Block, Halt, Language, Master, Movement, Outputs, Power, SmcError,
-    VirtualDrive,
-};
+use twin_motion::axis::{AxisConfig, AxisState, Language, Master, Outputs, SmcError};
 use twin_motion::cam::Trigger;
 
 /// Where an axis is and how it moves, in its unit; a rotary axis from period to period.
@@ -26,12 +27,6 @@ pub(super) struct State {
 /// The block that keeps its axis when it is done.
 const STOP: &str = "MC_Stop";
 
-/// Cycles until a drive has its power.
-const SWITCHING_ON: usize = 3;
-
-/// Jerk of an axis whose limit nobody gives, in terms of its acceleration: it is up within a tenth of a second.
-const JERK: f64 = 10.0;
-
 /// Values of a virtual axis that nobody limits.
 const UNLIMITED: f64 = 1e9;
 
@@ -42,6 +37,10 @@ pub(super) struct Engine {
     calls: Vec<Running>,
     /// Axes, masters first, each with the numbers of its calls.
     order: Vec<(usize, Vec<usize>)>,
+    /// The triggers of probes.
+    inputs: Inputs,
+    /// What blocks have had to tell since it was asked for.
+    notes: Vec<Finding>,
     /// Tappets that acted in the last cycle.
     fired: Vec<Fired>,
     /// Those that had no room in it, since the beginning.
@@ -56,22 +55,6 @@ pub(super) struct Engine {
     /// The block that has begun last.
     line: u32,
     last_line: u32,
-}
-
-/// An axis with its drive.
-#[derive(Debug)]
-struct Moved {
-    name: String,
-    axis: Axis,
-    drive: VirtualDrive,
-    state: State,
-    /// The last set-point as the drive gets it.
-    shown: f64,
-    /// Brings it to rest at the end.
-    halt: Option<Block<Halt>>,
-    max_acceleration: f64,
-    /// The block that has taken it last.
-    taken_by: Option<usize>,
 }
 
 /// A block under way, or before or after that.
@@ -99,12 +82,12 @@ impl Engine {
             let velocity = of(axis.max_velocity);
             let limits = (velocity, acceleration, jerk);
             let (name, period, start) = (axis.name.clone(), axis.period.map(of), *start);
-            Moving { name, period, limits, start }
+            Moving { name, unit: axis.unit(), period, limits, start }
         });
         let imagined = job.virtual_axes.iter().map(|axis| {
             let limits = (UNLIMITED, axis.max_acceleration.unwrap_or(UNLIMITED), axis.max_jerk);
             let (name, period, start) = (axis.name.clone(), axis.period, axis.start);
-            Moving { name, period, limits, start }
+            Moving { name, unit: axis.unit, period, limits, start }
         });
         // Blocks tell axes by their numbers.
         let config = |drive_id| AxisConfig { drive_id, ..config };
@@ -119,6 +102,8 @@ impl Engine {
             last_line,
             calls: job.calls.into_iter().map(running).collect(),
             order: job.order,
+            inputs: Inputs::new(&job.triggers),
+            notes: Vec::new(),
             fired: Vec::new(),
             lost: 0,
             cycle_ns,
@@ -141,6 +126,11 @@ impl Engine {
     /// Tappets that acted in the last cycle.
     pub(super) fn fired(&self) -> &[Fired] {
         &self.fired
+    }
+
+    /// What blocks have told since the last time.
+    pub(super) fn take_notes(&mut self) -> Vec<Finding> {
+        std::mem::take(&mut self.notes)
     }
 
     /// Tappets that did not because there were too many in a cycle, since the beginning.
@@ -175,6 +165,7 @@ impl Engine {
         self.now_ns += self.cycle_ns;
         self.fired.clear();
         self.axes.iter_mut().for_each(Moved::begin);
+        self.inputs.see(begin_ns, self.cycle_ns, &self.axes);
         self.raise(begin_ns);
         let order = std::mem::take(&mut self.order);
         let called = order.iter().try_for_each(|(axis, calls)| self.call_on(*axis, calls));
@@ -207,6 +198,8 @@ impl Engine {
                 Begins::At(time) => Some(nanoseconds(time)),
                 Begins::WithPrevious => previous_begun,
                 Begins::Standing => Some(0),
+                // In the middle of a cycle.
+                Begins::EndOfProfile => None,
                 Begins::Next => previous_over,
                 Begins::After(pause) => {
                     previous_over.map(|over: i64| over.saturating_add(nanoseconds(pause)))
@@ -234,9 +227,25 @@ impl Engine {
         Ok(())
     }
 
+    /// Whether the block before this one, which has been called in this cycle, has come to the end of its cam.
+    fn comes_behind_a_profile(&self, index: usize) -> bool {
+        let waits = self.calls.get(index).is_some_and(|running| {
+            running.begun_ns.is_none() && running.call.begins == Begins::EndOfProfile
+        });
+        let before = index.checked_sub(1).and_then(|before| self.calls.get(before));
+        waits && !self.is_halting() && before.is_some_and(|before| before.call.block.ends_profile())
+    }
+
     /// Calls a block, if it has begun.
     fn call(&mut self, index: usize) -> Result<(), Box<Finding>> {
+        let follows = self.comes_behind_a_profile(index);
         let Some(running) = self.calls.get_mut(index) else { return Ok(()) };
+        if follows {
+            let begin_ns = self.now_ns - self.cycle_ns;
+            running.begun_ns = Some(begin_ns);
+            self.moved_ns = begin_ns;
+            self.line = running.call.line.max(1);
+        }
         let Some(begun_ns) = running.begun_ns else { return Ok(()) };
         let first = begun_ns + self.cycle_ns == self.now_ns;
         let call = &mut running.call;
@@ -245,10 +254,11 @@ impl Engine {
         let Some(moved) = self.axes.get_mut(call.axis) else { return Ok(()) };
         // A stop keeps its axis until Execute falls: when the axis stands, so that others may move it.
         let execute = !(call.name == STOP && running.over_ns.is_some());
+        let with = With { master, triggers: self.inputs.triggers() };
         let Outputs { done, command_aborted, error, busy: _ } =
-            call.block.call(execute, &mut moved.axis, master);
+            call.block.call(execute, &mut moved.axis, with);
+        let place = Place { line: call.line, block: None };
         if let Some(error) = error {
-            let place = Place { line: call.line, block: None };
             let message = format!("{} of axis {}: {}", call.name, moved.name, told(error));
             let mut finding = Finding::error(Rule::FunctionBlock, place, message);
             finding.axis = Some(moved.name.clone());
@@ -258,14 +268,22 @@ impl Engine {
         if let (Some(data), Some(master)) = (call.block.tappets(), call.master) {
             self.lost = self.lost.saturating_add(u64::try_from(data.lost).unwrap_or(u64::MAX));
             let (slave, later_ns) = (call.axis, self.now_ns - data.now_ns);
+            let dead_time = call.block.dead_time();
             self.fired.extend(data.triggers().map(|trigger| {
                 let time_ns = trigger.time_ns.saturating_add(later_ns);
-                Fired { slave, master, trigger: Trigger { time_ns, ..*trigger } }
+                Fired { slave, master, trigger: Trigger { time_ns, ..*trigger }, dead_time }
             }));
         }
         let over = running.over_ns.is_some();
         if done || command_aborted {
             running.over_ns.get_or_insert(self.now_ns);
+        }
+        if let Some(position) = call.block.recorded().filter(|_| !over) {
+            let Moved { name, unit, .. } = moved;
+            let message = format!("{} has recorded axis {name} at {position:.6} {unit}", call.name);
+            let mut note = Finding::error(Rule::FunctionBlock, place, message);
+            (note.severity, note.axis) = (Severity::Note, Some(name.clone()));
+            self.notes.push(note);
         }
         if command_aborted && !over && !self.is_halting() {
             return self.loses(index);
@@ -319,6 +337,8 @@ impl Engine {
             let due = match running.call.begins {
                 Begins::At(_) | Begins::Standing => true,
                 Begins::WithPrevious => previous_begun,
+                // By a master that moves.
+                Begins::EndOfProfile => false,
                 Begins::Next | Begins::After(_) => previous_over,
             };
             if running.call.begins != Begins::Standing {
@@ -340,87 +360,6 @@ impl Engine {
 
 /// Where everything has stood for so long and nothing is due, nothing will move any more, ns.
 const STUCK_NS: i64 = 1_000_000_000;
-
-/// What an axis is made from: name, period, largest velocity, acceleration and jerk, and where it starts.
-struct Moving {
-    name: String,
-    period: Option<f64>,
-    limits: (f64, f64, Option<f64>),
-    start: f64,
-}
-
-impl Moved {
-    fn new(moving: Moving, config: AxisConfig) -> Self {
-        let Moving { name, period, limits: (velocity, acceleration, jerk), start } = moving;
-        let axis = Axis::new(AxisConfig {
-            movement: period.map_or(Movement::Linear, |period| Movement::Rotary { period }),
-            jerk: jerk.unwrap_or(JERK * acceleration),
-            max_velocity: velocity,
-            max_acceleration: acceleration,
-            max_deceleration: acceleration,
-            ..config
-        });
-        let shown = axis.wrapped(start);
-        Self {
-            name,
-            axis,
-            drive: VirtualDrive::new(shown),
-            state: State { position: start, ..State::default() },
-            shown,
-            halt: None,
-            taken_by: None,
-            max_acceleration: acceleration,
-        }
-    }
-
-    fn switched_on(mut self) -> Self {
-        for _ in 0..SWITCHING_ON {
-            self.begin();
-            self.end();
-        }
-        self
-    }
-
-    fn begin(&mut self) {
-        self.axis.begin_cycle(&self.drive.feedback());
-        Power { regulator_on: true, drive_start: true }.call(true, &mut self.axis);
-    }
-
-    fn end(&mut self) {
-        let command = self.axis.end_cycle();
-        self.drive.follow(&command);
-        let mut way = command.position - self.shown;
-        if let Some(period) = self.axis.period() {
-            way -= period * (way / period).round();
-        }
-        // The drive has given its positions another zero while it stood.
-        self.shown = match command.home {
-            Some(_) => self.drive.feedback().position,
-            None => command.position,
-        };
-        self.state = State {
-            position: self.state.position + way,
-            velocity: command.velocity,
-            acceleration: command.acceleration,
-        };
-    }
-
-    /// At the end of the job: brakes, unless it follows a master, which does.
-    fn halt(&mut self) {
-        let moves =
-            matches!(self.axis.state(), AxisState::DiscreteMotion | AxisState::ContinuousMotion);
-        if self.halt.is_none() && moves {
-            self.halt = Some(Block::new(Halt { deceleration: self.max_acceleration }));
-        }
-        if let Some(halt) = &mut self.halt {
-            halt.call(true, &mut self.axis);
-        }
-    }
-
-    fn stands(&self) -> bool {
-        self.state.velocity == 0.0 && self.state.acceleration == 0.0
-    }
-}
 
 /// An error in words.
 fn told(error: SmcError) -> String {

@@ -5,8 +5,11 @@ use crate::finding::{Finding, Rule};
 use crate::report::seconds;
 use twin_motion::Place;
 
-/// Blocks that leave their axis to what moves it: what moves on top of that, and what moves its zero.
-const ON_TOP: [&str; 2] = ["MC_MoveSuperImposed", "MC_SetPosition"];
+/// A block that only looks at its axis, and that another one may end.
+const PROBE: &str = "MC_TouchProbe";
+
+/// Blocks that leave their axis to what moves it: what moves on top of that, what moves its zero, and what looks at it.
+const ON_TOP: [&str; 4] = ["MC_MoveSuperImposed", "MC_SetPosition", PROBE, "MC_AbortTrigger"];
 
 /// Blocks that let a slave of the machine file go.
 const RELEASES: [&str; 2] = ["MC_CamOut", "MC_GearOut"];
@@ -49,6 +52,9 @@ impl Engine {
     pub(super) fn loses(&self, index: usize) -> Result<(), Box<Finding>> {
         let Some(loser) = self.calls.get(index) else { return Ok(()) };
         let call = &loser.call;
+        if call.name == PROBE {
+            return Ok(());
+        }
         let Some(moved) = self.axes.get(call.axis) else { return Ok(()) };
         let taker = moved.taken_by.filter(|taker| *taker != index);
         let taker = taker.and_then(|taker| self.calls.get(taker));

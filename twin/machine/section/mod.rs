@@ -83,6 +83,12 @@ impl<'a> Section<'a> {
         self.complaints.add(self.span_of(key), message, help);
     }
 
+    /// The keys that have been asked for.
+    #[cfg(test)]
+    pub(crate) fn asked_for(&self) -> std::collections::BTreeSet<String> {
+        self.known.borrow().iter().cloned().collect()
+    }
+
     /// The keys that are there, none of which is unknown then.
     pub(crate) fn keys(&self) -> Vec<&'a str> {
         self.accept_all();

@@ -1,15 +1,15 @@
 //! Every block that moves an axis, with inputs that change at random.
 
-use super::checker::Promise;
+use super::checker::{Limits, Promise};
 use super::random::Random;
-use super::{FASTEST, STEEPEST};
+use super::{FASTEST, JERK, STEEPEST};
 use crate::axis::profile::{ProfilePoint, State};
 use crate::axis::{
-    AbortTrigger, AccelerationProfile, Axis, Block, CamIn, ControlAxisBy, Decouple, Direction,
-    Follow, GearIn, GearInPos, Halt, Home, HomingBySwitch, HomingMode, Master, Motion,
+    AbortTrigger, AccelerationProfile, Axis, Block, CamIn, ControlAxisBy, ControllerMode, Decouple,
+    Direction, Follow, GearIn, GearInPos, Halt, Home, HomingBySwitch, HomingMode, Master, Motion,
     MoveAbsolute, MoveAdditive, MoveContinuousAbsolute, MoveContinuousRelative, MoveRelative,
-    MoveSuperImposed, MoveVelocity, Outputs, Phasing, Points, PositionProfile, Stop, TouchProbe,
-    Trigger, VelocityProfile,
+    MoveSuperImposed, MoveVelocity, Outputs, Phasing, Points, PositionProfile, SetControllerMode,
+    Stop, TouchProbe, Trigger, VelocityProfile,
 };
 use crate::cam::{Cam, CamInput, CamTable, Knot, Shape, StartMode};
 use std::any::type_name;
@@ -43,14 +43,19 @@ pub(super) trait Called {
         let name = self.name();
         [
             name.contains("Follow") || name.contains("ControlAxis"),
-            name.contains("Probe"),
-            name.contains("Stop") || name.contains("Hom"),
+            name.contains("Probe") || name.contains("Mode"),
+            name.contains("Stop") || name.contains("Hom") || name.contains("Mode"),
         ]
     }
 
     /// What it keeps while it moves the axis.
     fn promise(&self) -> Promise {
         Promise::USUAL
+    }
+
+    /// What it keeps while it moves on top of another block.
+    fn on_top(&self) -> Option<Limits> {
+        None
     }
 }
 
@@ -72,11 +77,17 @@ impl Take for Master {
 /// A [`Block`], how its inputs are chosen, and how those that count every cycle change.
 struct Moving<M: Motion> {
     block: Block<M>,
-    promise: Promise,
+    promise: Keeps<M>,
+    /// What it was given when it began, and whether it has been done since, whatever it shows.
+    taken: M,
+    done: bool,
     inputs: fn(&mut Random, &Axis, &Axis) -> M,
     live: Live<M>,
     execute: bool,
 }
+
+/// What a block keeps that was given these inputs, and is done (in gear) or not yet.
+type Keeps<M> = fn(&M, bool) -> Promise;
 
 /// How inputs that count every cycle change, with how the axis goes on from the last cycle.
 type Live<M> = fn(&mut M, &mut Random, &Axis, State);
@@ -95,7 +106,13 @@ impl<M: Motion<With: Take> + Clone> Called for Moving<M> {
         let goes_on = self.block.owner() == Some(axis.owner()) && !rises;
         let from = if goes_on { axis.saved_base } else { axis.saved };
         (self.live)(&mut self.block.inputs, random, axis, from);
-        self.block.call_with(execute, axis, M::With::take(master))
+        if rises {
+            self.taken = self.block.inputs.clone();
+            self.done = false;
+        }
+        let shown = self.block.call_with(execute, axis, M::With::take(master));
+        self.done |= shown.done;
+        shown
     }
 
     fn change(&mut self, random: &mut Random, axis: &Axis, master: &Axis) {
@@ -111,38 +128,69 @@ impl<M: Motion<With: Take> + Clone> Called for Moving<M> {
     }
 
     fn promise(&self) -> Promise {
-        self.promise
+        (self.promise)(&self.taken, self.done)
     }
 }
 
-/// A block that keeps the usual limits.
+/// A block that keeps what it promises, and whose inputs are taken over at the rising edge.
 fn limited<M: Motion<With: Take> + Clone + 'static>(
+    promise: Keeps<M>,
     inputs: fn(&mut Random, &Axis, &Axis) -> M,
 ) -> Box<dyn Called> {
-    any(Promise::USUAL, inputs, |_, _, _, _| ())
+    any(promise, inputs, |_, _, _, _| ())
 }
 
 fn any<M: Motion<With: Take> + Clone + 'static>(
-    promise: Promise,
+    promise: Keeps<M>,
     inputs: fn(&mut Random, &Axis, &Axis) -> M,
     live: Live<M>,
 ) -> Box<dyn Called> {
     let nowhere = Axis::new(crate::axis::AxisConfig::default());
     let block = Block::new(inputs(&mut Random(1), &nowhere, &nowhere));
-    Box::new(Moving { block, promise, inputs, live, execute: false })
+    let taken = block.inputs.clone();
+    Box::new(Moving { block, promise, taken, done: false, inputs, live, execute: false })
 }
 
-struct OnTop(MoveSuperImposed);
+/// The block's own velocity, acceleration and deceleration.
+fn own(velocity: f64, acceleration: f64, deceleration: f64) -> Promise {
+    Promise::Limits(Limits::new(velocity, acceleration, deceleration))
+}
+
+/// What it was given when it began, too.
+struct OnTop(MoveSuperImposed, Limits, bool);
 
 impl Called for OnTop {
     fn call(&mut self, execute: bool, _: &mut Random, axis: &mut Axis, _: &Axis) -> Outputs {
+        if execute && !self.2 {
+            let MoveSuperImposed { velocity_diff, acceleration, deceleration, .. } = self.0;
+            self.1 = Limits::new(velocity_diff, acceleration, deceleration);
+        }
+        self.2 = execute;
         self.0.call(execute, axis)
+    }
+
+    fn on_top(&self) -> Option<Limits> {
+        Some(self.1)
     }
 
     fn change(&mut self, random: &mut Random, _: &Axis, _: &Axis) {
         self.0.distance = random.between(-6.0, 6.0);
         self.0.velocity_diff = speed(random);
         (self.0.acceleration, self.0.deceleration) = (rate(random), rate(random));
+    }
+}
+
+/// Another controller mode, now and then.
+struct Mode(SetControllerMode);
+
+impl Called for Mode {
+    fn call(&mut self, execute: bool, _: &mut Random, axis: &mut Axis, _: &Axis) -> Outputs {
+        self.0.call(execute, axis)
+    }
+
+    fn change(&mut self, random: &mut Random, _: &Axis, _: &Axis) {
+        use ControllerMode::{Current, Position, Torque, Velocity};
+        self.0.mode = random.one_of(&[Position, Position, Position, Velocity, Torque, Current]);
     }
 }
 
@@ -181,40 +229,59 @@ fn way(random: &mut Random) -> f64 {
 /// Moves of the axis alone.
 pub(super) fn single() -> Vec<Box<dyn Called>> {
     vec![
-        limited(|random, _, _| MoveAbsolute {
-            position: random.between(0.0, 90.0),
-            velocity: speed(random),
-            acceleration: rate(random),
-            deceleration: rate(random),
-            direction: random.direction(),
-        }),
-        limited(|random, _, _| MoveRelative {
-            distance: way(random),
-            velocity: speed(random),
-            acceleration: rate(random),
-            deceleration: rate(random),
-        }),
-        limited(|random, _, _| MoveAdditive {
-            distance: way(random),
-            velocity: speed(random),
-            acceleration: rate(random),
-            deceleration: rate(random),
-        }),
-        limited(|random, _, _| MoveVelocity {
-            velocity: speed(random),
-            acceleration: rate(random),
-            deceleration: rate(random),
-            direction: random.direction(),
-        }),
-        limited(|random, _, _| Halt { deceleration: rate(random) }),
-        limited(|random, _, _| Stop { deceleration: rate(random) }),
+        limited(
+            |it: &MoveAbsolute, _| own(it.velocity, it.acceleration, it.deceleration),
+            |random, _, _| MoveAbsolute {
+                position: random.between(0.0, 90.0),
+                velocity: speed(random),
+                acceleration: rate(random),
+                deceleration: rate(random),
+                direction: random.direction(),
+            },
+        ),
+        limited(
+            |it: &MoveRelative, _| own(it.velocity, it.acceleration, it.deceleration),
+            |random, _, _| MoveRelative {
+                distance: way(random),
+                velocity: speed(random),
+                acceleration: rate(random),
+                deceleration: rate(random),
+            },
+        ),
+        limited(
+            |it: &MoveAdditive, _| own(it.velocity, it.acceleration, it.deceleration),
+            |random, _, _| MoveAdditive {
+                distance: way(random),
+                velocity: speed(random),
+                acceleration: rate(random),
+                deceleration: rate(random),
+            },
+        ),
+        limited(
+            |it: &MoveVelocity, _| own(it.velocity, it.acceleration, it.deceleration),
+            |random, _, _| MoveVelocity {
+                velocity: speed(random),
+                acceleration: rate(random),
+                deceleration: rate(random),
+                direction: random.direction(),
+            },
+        ),
+        limited(
+            |it: &Halt, _| own(0.0, it.deceleration, it.deceleration),
+            |random, _, _| Halt { deceleration: rate(random) },
+        ),
+        limited(
+            |it: &Stop, _| own(0.0, it.deceleration, it.deceleration),
+            |random, _, _| Stop { deceleration: rate(random) },
+        ),
         on_top(),
     ]
 }
 
 /// Called last, as the manual has it.
 fn on_top() -> Box<dyn Called> {
-    Box::new(OnTop(MoveSuperImposed::new(1.0, 1.0, 1.0, 1.0)))
+    let limits = Limits::new(1.0, 1.0, 1.0);
+    Box::new(OnTop(MoveSuperImposed::new(1.0, 1.0, 1.0, 1.0), limits, false))
 }
 
 fn probe(trigger: Trigger) -> Box<dyn Called> {
@@ -229,6 +296,7 @@ pub(super) fn all() -> Vec<Box<dyn Called>> {
     blocks.extend(coupled());
     blocks.extend(direct());
     blocks.extend(homed());
+    blocks.push(Box::new(Mode(SetControllerMode::default())));
     blocks.extend([probe(Trigger::of_program()), probe(Trigger::of_drive(1)), on_top()]);
     blocks
 }
@@ -248,60 +316,82 @@ fn continued() -> Vec<Box<dyn Called>> {
         }
         Points::new(points)
     }
-    let smooth = Promise::Smooth;
     vec![
-        limited(|random, _, _| MoveContinuousAbsolute {
-            position: random.between(0.0, 90.0),
-            velocity: 0.5 * FASTEST,
-            end_velocity: speed(random),
-            end_velocity_direction: random.direction(),
-            acceleration: rate(random),
-            deceleration: rate(random),
-            direction: random.direction(),
-        }),
-        limited(|random, _, _| MoveContinuousRelative {
-            distance: way(random),
-            velocity: 0.5 * FASTEST,
-            end_velocity: speed(random),
-            end_velocity_direction: random.direction(),
-            acceleration: rate(random),
-            deceleration: rate(random),
-        }),
-        any(
-            smooth,
+        limited(
+            |it: &MoveContinuousAbsolute, _| own(it.velocity, it.acceleration, it.deceleration),
+            |random, _, _| MoveContinuousAbsolute {
+                position: random.between(0.0, 90.0),
+                velocity: 0.5 * FASTEST,
+                end_velocity: speed(random),
+                end_velocity_direction: random.direction(),
+                acceleration: rate(random),
+                deceleration: rate(random),
+                direction: random.direction(),
+            },
+        ),
+        limited(
+            |it: &MoveContinuousRelative, _| own(it.velocity, it.acceleration, it.deceleration),
+            |random, _, _| MoveContinuousRelative {
+                distance: way(random),
+                velocity: 0.5 * FASTEST,
+                end_velocity: speed(random),
+                end_velocity_direction: random.direction(),
+                acceleration: rate(random),
+                deceleration: rate(random),
+            },
+        ),
+        limited(
+            |_, _| Promise::Smooth,
             |random, _, _| PositionProfile(Points { absolute: false, ..points(random, 3.0, None) }),
-            |_, _, _, _| (),
         ),
-        any(
-            smooth,
+        limited(
+            |_, _| Promise::Smooth,
             |random, _, _| VelocityProfile(points(random, 10.0, Some(0.0))),
-            |_, _, _, _| (),
         ),
-        any(
-            smooth,
+        limited(
+            |_, _| Promise::Smooth,
             |random, _, _| AccelerationProfile(points(random, 20.0, None)),
-            |_, _, _, _| (),
         ),
     ]
 }
 
-/// Behind a master that does at most 10 u/s and 60 u/s².
+/// Behind a master that does at most 10 u/s and 60 u/s², with half the jerk.
 fn coupled() -> Vec<Box<dyn Called>> {
     vec![
-        limited(|random, _, _| GearIn {
-            ratio_numerator: random.one_of(&[-3, -2, -1, 0, 1, 2, 3]),
-            ratio_denominator: random.one_of(&[2, 2, 3, 5, 0]),
-            acceleration: rate(random),
-            deceleration: rate(random),
-        }),
-        limited(|random, _, _| Phasing {
-            phase_shift: way(random),
-            velocity: random.between(0.1, 5.0),
-            acceleration: rate(random).min(100.0),
-            deceleration: rate(random).min(100.0),
-        }),
-        any(
-            Promise::Smooth,
+        limited(
+            |it: &GearIn, in_gear| {
+                let ratio = f64::from(it.ratio_numerator) / f64::from(it.ratio_denominator);
+                let (fastest, steepest) = (10.0 * ratio.abs(), 60.0 * ratio.abs());
+                // In gear it does what the master does, in whatever direction.
+                let rate = |own: f64| {
+                    if in_gear { it.acceleration.max(it.deceleration).max(steepest) } else { own }
+                };
+                own(fastest, rate(it.acceleration), rate(it.deceleration))
+            },
+            |random, _, _| GearIn {
+                ratio_numerator: random.one_of(&[-3, -2, -1, 0, 1, 2, 3]),
+                ratio_denominator: random.one_of(&[2, 2, 3, 5, 0]),
+                acceleration: rate(random),
+                deceleration: rate(random),
+            },
+        ),
+        limited(
+            |it: &Phasing, _| {
+                // What falls in the shift may grow in the sum.
+                let rate = it.acceleration.max(it.deceleration) + 60.0;
+                let velocity = it.velocity + 10.0;
+                let jerk = 1.5 * JERK;
+                Promise::Limits(Limits { velocity, acceleration: rate, deceleration: rate, jerk })
+            },
+            |random, _, _| Phasing {
+                phase_shift: way(random),
+                velocity: random.between(0.1, 5.0),
+                acceleration: rate(random).min(100.0),
+                deceleration: rate(random).min(100.0),
+            },
+        ),
+        limited(
+            |_, _| Promise::Smooth,
             |random, axis, master| {
                 let sign = if master.set_velocity() < 0.0 { -1.0 } else { 1.0 };
                 GearInPos {
@@ -312,16 +402,25 @@ fn coupled() -> Vec<Box<dyn Called>> {
                     master_start_distance: random.one_of(&[0.0, 5.0, 20.0]),
                 }
             },
-            |_, _, _, _| (),
         ),
-        any(
-            Promise::Smooth,
-            |random, _, _| CamIn { table: cam(random), input: cam_input(random) },
-            |_, _, _, _| (),
-        ),
+        on_cam(),
+        // One more, so that cams are switched between.
+        on_cam(),
         // On with whatever velocity there was.
-        any(Promise::Limits([f64::INFINITY, STEEPEST]), |_, _, _| Decouple, |_, _, _, _| ()),
+        limited(|_, _| own(f64::INFINITY, STEEPEST, STEEPEST), |_, _, _| Decouple),
     ]
+}
+
+/// The cam itself has at most 0.94·1500 u/s³ of the master's jerk, 3·0.072·15·90 of its velocity and acceleration and
+/// 0.019·15³ of its velocity alone, 1762 u/s³ together; the ramp onto it has the axis's beside that.
+fn on_cam() -> Box<dyn Called> {
+    limited(
+        |it: &CamIn, _| {
+            let absolute = it.table.as_ref().is_some_and(|table| table.master_absolute);
+            if absolute { Promise::OnMaster(JERK + 1762.0) } else { Promise::Jerk(JERK + 1762.0) }
+        },
+        |random, _, _| CamIn { table: cam(random), input: cam_input(random) },
+    )
 }
 
 fn cam(random: &mut Random) -> Option<CamTable> {
@@ -371,9 +470,13 @@ fn direct() -> Vec<Box<dyn Called>> {
         random.one_of(&kinds)
     }
     vec![
-        any(Promise::Smooth, |random, _, _| kind(random), walk),
+        any(|_, _| Promise::Smooth, |random, _, _| kind(random), walk),
         any(
-            Promise::Rates([FASTEST, STEEPEST]),
+            // Set-points of the program have no jerk.
+            |_, _| {
+                let limits = Limits::new(FASTEST, STEEPEST, STEEPEST);
+                Promise::Limits(Limits { jerk: f64::INFINITY, ..limits })
+            },
             |random, _, _| ControlAxisBy {
                 setpoint: kind(random),
                 avoid_gaps: true,
@@ -412,7 +515,9 @@ fn homed() -> Vec<Box<dyn Called>> {
     ];
     vec![
         any(
-            Promise::USUAL,
+            |it: &HomingBySwitch, _| {
+                own(it.velocity_fast.max(it.velocity_slow), it.acceleration, it.deceleration)
+            },
             |random, _, _| HomingBySwitch {
                 home_position: way(random),
                 velocity_slow: random.between(0.5, 3.0),
@@ -436,6 +541,6 @@ fn homed() -> Vec<Box<dyn Called>> {
                 it.index_position = axis.in_program(at.floor());
             },
         ),
-        any(Promise::Nothing, |random, _, _| Home { position: way(random) }, |_, _, _, _| ()),
+        limited(|_, _| Promise::Nothing, |random, _, _| Home { position: way(random) }),
     ]
 }

@@ -1,9 +1,10 @@
 //! What has to hold, cycle after cycle, whatever is called.
 
 use super::{FASTEST, JERK, STEEPEST};
-use crate::axis::profile::RampType;
+use crate::axis::profile::{RampType, State};
 use crate::axis::tests::rig::CYCLE;
 use crate::axis::{Axis, AxisState, Outputs};
+use std::cmp::Ordering;
 
 /// One begun execution of a block, from its edge on.
 #[derive(Clone, Copy, Debug, Default)]
@@ -16,19 +17,41 @@ struct Tally {
 /// What moves the axis has promised to keep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Promise {
-    /// Velocity, u/s, and rate, u/s², once it has come back to them, and the jerk of parabolic ramps.
-    Limits([f64; 2]),
-    /// The same without the jerk.
-    Rates([f64; 2]),
+    /// The block's own limits, once it has come back to them.
+    Limits(Limits),
     /// That position, velocity and acceleration belong together.
     Smooth,
+    /// The same, and on axes with limited jerk so much of it, u/s³.
+    Jerk(f64),
+    /// As that, where the slave steps with the master's zero.
+    OnMaster(f64),
     /// Nothing: the drive moves itself.
     Nothing,
 }
 
+/// What a block is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Limits {
+    /// u/s.
+    pub(super) velocity: f64,
+    /// How fast the speed may grow, u/s².
+    pub(super) acceleration: f64,
+    /// How fast it may fall, u/s².
+    pub(super) deceleration: f64,
+    /// Of ramps with limited jerk, u/s³.
+    pub(super) jerk: f64,
+}
+
+impl Limits {
+    /// With the jerk of the axis.
+    pub(super) const fn new(velocity: f64, acceleration: f64, deceleration: f64) -> Self {
+        Self { velocity, acceleration, deceleration, jerk: JERK }
+    }
+}
+
 impl Promise {
-    /// Of an axis that moves by blocks with limits, or by nothing.
-    pub(super) const USUAL: Self = Self::Limits([0.5 * FASTEST, STEEPEST]);
+    /// Of an axis that brakes by itself, or that nothing moves.
+    pub(super) const USUAL: Self = Self::Limits(Limits::new(0.5 * FASTEST, STEEPEST, STEEPEST));
 }
 
 /// What the last cycle was, and which executions of blocks have not come to their end.
@@ -37,6 +60,8 @@ pub(super) struct Checker {
     state: AxisState,
     /// Drive's position, velocity and acceleration of the last set-point.
     motion: [f64; 3],
+    /// What was on top of the motion in the last set-point.
+    overlay: State,
     tallies: Vec<Tally>,
 }
 
@@ -45,6 +70,7 @@ impl Checker {
         Self {
             state: axis.state(),
             motion: [axis.to_drive(axis.set_position()), 0.0, 0.0],
+            overlay: State::default(),
             tallies: vec![Tally::default(); blocks],
         }
     }
@@ -100,12 +126,13 @@ impl Checker {
     }
 
     /// What the axis does in this cycle; `owners` are who the blocks say they are. `followed` u/s² is what the master's
-    /// change of velocity makes of the slave's.
+    /// change of velocity makes of the slave's, `on_top` what a motion on top keeps.
     pub(super) fn cycle(
         &mut self,
         axis: &Axis,
         owners: &[i64],
         promise: Promise,
+        on_top: &Limits,
         followed: f64,
     ) -> Result<(), String> {
         // States: every step of this cycle is a way of the diagram (two of them at most).
@@ -131,13 +158,20 @@ impl Checker {
         if may_be_owned && !moving {
             return Err(format!("nobody moves it in {:?}", axis.state()));
         }
-        self.motion(axis, promise, followed)?;
+        self.motion(axis, promise, on_top, followed)?;
+        self.overlay = axis.overlay;
         self.state = axis.state();
         Ok(())
     }
 
     /// Continuous, and within the limits. Positions are the drive's: where the zero is moves nothing.
-    fn motion(&mut self, axis: &Axis, promise: Promise, followed: f64) -> Result<(), String> {
+    fn motion(
+        &mut self,
+        axis: &Axis,
+        promise: Promise,
+        above: &Limits,
+        followed: f64,
+    ) -> Result<(), String> {
         let wrapped = axis.set_position();
         if axis.period().is_some_and(|period| !(0.0..period).contains(&wrapped)) {
             return Err(format!("{wrapped} is outside the period"));
@@ -157,8 +191,13 @@ impl Checker {
         if !axis.is_powered() || promise == Promise::Nothing {
             return Ok(());
         }
-        let on_top = if axis.overlay_moved { STEEPEST } else { 0.0 };
-        let (Promise::Limits([fastest, steep]) | Promise::Rates([fastest, steep])) = promise else {
+        let limited = axis.ramp() != RampType::Trapezoid;
+        let on_top = if axis.overlay_moved {
+            above.acceleration.max(above.deceleration).max(self.overlay.acceleration.abs())
+        } else {
+            0.0
+        };
+        let Promise::Limits(limits) = promise else {
             // What the accelerations at both ends allow, and half as much for what was between them.
             let steepest = steepest.max(STEEPEST) + on_top + followed;
             if off > 0.75 * steepest * CYCLE * CYCLE + 1e-9 {
@@ -167,26 +206,25 @@ impl Checker {
             if change > 1.5 * steepest * CYCLE + 1e-9 {
                 return Err(format!("{velocity} after {v0} u/s with {acceleration} after {a0}"));
             }
+            if let Promise::Jerk(jerk) | Promise::OnMaster(jerk) = promise
+                && limited
+            {
+                let from = axis.saved_base.acceleration;
+                step(from, axis.base.acceleration, jerk)?;
+            }
             return Ok(());
         };
         // Beyond the limits it first comes back to them; an acceleration takes its time under limited jerk.
         let (base, overlay) = (axis.base, axis.overlay);
         // An axis in errorstop brakes both together.
-        let stopping = axis.state() == AxisState::ErrorStop;
+        let stopping = axis.braking.is_some();
         let from = if stopping { axis.saved } else { axis.saved_base };
-        let settling = 0.5 * from.acceleration * from.acceleration / JERK;
-        let settling = if axis.ramp() == RampType::Trapezoid { 0.0 } else { settling };
-        let allowed = fastest.max(from.velocity.abs() + settling);
-        if base.velocity.abs() > allowed * (1.0 + 1e-9) {
-            return Err(format!("{base:?} after {from:?}, allowed {fastest} u/s"));
+        within(from, base, &limits, limited)?;
+        if axis.overlay_moved {
+            within(self.overlay, overlay, above, limited)
+                .map_err(|what| format!("{what} on top"))?;
         }
-        let allowed = steep.max(from.acceleration.abs());
-        if base.acceleration.abs() > allowed * (1.0 + 1e-9) {
-            return Err(format!("{base:?} after {from:?}, allowed {steep} u/s²"));
-        }
-        if overlay.velocity.abs() > 0.5 * FASTEST || overlay.acceleration.abs() > STEEPEST {
-            return Err(format!("{overlay:?} on top"));
-        }
+        let steep = limits.acceleration.max(limits.deceleration);
         // Both together from here on.
         let rate = (steep + on_top).max(a0.abs());
         // No step of the position: the way is the mean velocity's, but for what the rate can add.
@@ -196,13 +234,35 @@ impl Checker {
         if change > rate * CYCLE * (1.0 + 1e-9) + 1e-9 {
             return Err(format!("{velocity} after {v0} u/s, allowed {rate} u/s²"));
         }
-        if axis.ramp() == RampType::Parabolic && matches!(promise, Promise::Limits(_)) {
-            let change = (acceleration - a0).abs();
-            // Two motions on top of each other have the jerk each.
-            if change > 2.0 * JERK * CYCLE * (1.0 + 1e-6) {
-                return Err(format!("{acceleration} after {a0} u/s²"));
-            }
-        }
         Ok(())
     }
+}
+
+/// The limits are kept, once a motion has come back to them: an acceleration takes its time under limited jerk.
+fn within(from: State, now: State, limits: &Limits, limited: bool) -> Result<(), String> {
+    let settling = 0.5 * from.acceleration * from.acceleration / JERK;
+    let settling = if limited { settling } else { 0.0 };
+    let fastest = limits.velocity.max(from.velocity.abs() + settling);
+    let growth = now.acceleration * now.velocity.signum();
+    let rate = match growth.total_cmp(&0.0) {
+        _ if now.velocity == 0.0 => limits.acceleration.max(limits.deceleration),
+        Ordering::Less => limits.deceleration,
+        _ => limits.acceleration,
+    };
+    // What it has come with may be more.
+    let steepest = rate.max(from.acceleration.abs());
+    if now.velocity.abs() > fastest * (1.0 + 1e-9)
+        || now.acceleration.abs() > steepest * (1.0 + 1e-9)
+    {
+        return Err(format!("{now:?} after {from:?}, allowed {limits:?}"));
+    }
+    if limited { step(from.acceleration, now.acceleration, limits.jerk) } else { Ok(()) }
+}
+
+/// The acceleration changes in a cycle by no more than the jerk, u/s³, allows.
+fn step(before: f64, now: f64, jerk: f64) -> Result<(), String> {
+    if (now - before).abs() > jerk * CYCLE * (1.0 + 1e-6) {
+        return Err(format!("{now} after {before} u/s², allowed {jerk} u/s³"));
+    }
+    Ok(())
 }

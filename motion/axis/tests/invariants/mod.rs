@@ -12,7 +12,7 @@ use crate::axis::{
     Outputs, Power, Reset, VirtualDrive,
 };
 use called::Called;
-use checker::{Checker, Promise};
+use checker::{Checker, Limits, Promise};
 use random::Random;
 use std::fmt::Write as _;
 
@@ -104,6 +104,8 @@ struct Run {
     reset: Reset,
     around: Around,
     without_power: u32,
+    /// The block that has taken the axis in this cycle, and may have come to its end already.
+    taker: Option<usize>,
     /// What a follower of the master's positions gets from its change of velocity, u/s².
     followed: f64,
     seen: Vec<Seen>,
@@ -140,6 +142,7 @@ impl Run {
             reset: Reset::default(),
             around,
             without_power: 0,
+            taker: None,
             followed: 0.0,
             resets: 0,
             calls: 0,
@@ -177,6 +180,7 @@ impl Run {
         spoil: &mut impl FnMut(u32, &mut Axis, &mut Outputs),
     ) -> Result<(), String> {
         let was_moving = self.mover();
+        self.taker = None;
         self.disturb();
         self.axis.begin_cycle(&self.drive.feedback());
         self.without_power = self.without_power.saturating_sub(1);
@@ -185,6 +189,15 @@ impl Run {
             let place = self.random.between(-50.0, 50.0);
             let relative = self.random.one_in(2);
             self.axis.shift_zero(place, relative).expect("a number");
+        }
+        // The master's, too, but under an absolute cam: a slave goes where it has it at once.
+        let steps = was_moving.map(|index| self.blocks[index].promise());
+        if self.around == Around::Everything
+            && self.random.one_in(300)
+            && !matches!(steps, Some(Promise::OnMaster(_)))
+        {
+            let place = self.random.between(0.0, 90.0);
+            self.lead.axis.shift_zero(place, false).expect("a number");
         }
         // Now and then a cycle without the program: error 30.
         let forgotten = self.random.one_in(600);
@@ -197,9 +210,18 @@ impl Run {
         let owners: Vec<_> = self.blocks.iter().map(|block| block.owner()).collect();
         // A block that is not called does not know yet that it has lost the axis.
         let promise = self.promise(was_moving);
-        checker.cycle(&self.axis, &owners, promise, self.followed).map_err(|what| {
+        let on_top = self.blocks.iter().find_map(|block| block.on_top());
+        let on_top = on_top.unwrap_or(Limits::new(0.0, 0.0, 0.0));
+        let checked = checker.cycle(&self.axis, &owners, promise, &on_top, self.followed);
+        checked.map_err(|what| {
             let name = |index: Option<usize>| index.map_or("", |index| self.blocks[index].name());
-            format!("{what}, moved by {} after {}", name(self.mover()), name(was_moving))
+            let (state, error) = (self.axis.state(), self.axis.error_id());
+            format!(
+                "{what}, moved by {} after {}, taken by {}, in {state:?} with {error:?}",
+                name(self.mover()),
+                name(was_moving),
+                name(self.taker)
+            )
         })
     }
 
@@ -222,7 +244,11 @@ impl Run {
             }
             let execute = self.execute[index];
             let block = &mut self.blocks[index];
+            let owners = self.axis.values.owners;
             let mut shown = block.call(execute, random, &mut self.axis, &self.lead.axis);
+            if self.axis.values.owners != owners && block.on_top().is_none() {
+                self.taker = Some(index);
+            }
             self.calls += 1;
             spoil(self.calls, &mut self.axis, &mut shown);
             let before = checker.before(index);
@@ -263,10 +289,17 @@ impl Run {
     fn promise(&self, was_moving: Option<usize>) -> Promise {
         let of = |index: Option<usize>| index.map(|index| self.blocks[index].promise());
         let (before, now) = (of(was_moving), of(self.mover()));
-        if before == Some(Promise::Nothing) {
+        let mode = self.axis.values.real_controller_mode;
+        let nobody = self.axis.owner() == 0 && self.axis.overlay_owner == 0;
+        let unregulated = [1, 4].contains(&mode) && nobody && self.taker.is_none();
+        // Without a position to keep it is where its drive is.
+        if before == Some(Promise::Nothing) || unregulated {
             return Promise::Nothing;
         }
-        now.or(before).unwrap_or(Promise::USUAL)
+        if self.axis.braking.is_some() {
+            return Promise::USUAL;
+        }
+        of(self.taker).or(now).or(before).unwrap_or(Promise::USUAL)
     }
 
     fn total(&self) -> Seen {

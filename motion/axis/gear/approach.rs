@@ -1,0 +1,71 @@
+//! The way onto a cam under limited jerk (`ramp_in`, manual 4.6.1).
+
+use crate::axis::profile::{AxisLimits, Profile, ProfileError, RampType, State};
+use crate::cam::StartMode;
+
+/// What the slave still has to go to its cam, as a motion of its own on top of the cam's: from the difference of
+/// position, velocity and acceleration that there is to none, with the axis's ramps. Nothing steps, and beside the cam's
+/// own jerk there is never more than the axis's.
+#[derive(Clone, Debug)]
+pub(super) struct Approach {
+    profile: Profile,
+    /// From the slave to its cam at the beginning, u.
+    distance: f64,
+}
+
+/// Where an approach begins, and which way it may go.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gap {
+    /// From the slave to its cam, u.
+    pub(super) distance: f64,
+    /// The slave's velocity beside the cam's, u/s.
+    pub(super) velocity: f64,
+    /// The slave's acceleration beside the cam's, u/s².
+    pub(super) acceleration: f64,
+    /// Of a rotary slave, u.
+    pub(super) period: Option<f64>,
+    pub(super) mode: StartMode,
+}
+
+impl Approach {
+    /// The way over a gap, and how many periods of a rotary slave the cam lies elsewhere then: so much is to be taken
+    /// from its positions.
+    ///
+    /// # Errors
+    ///
+    /// As [`Profile::to_position`].
+    pub(super) fn new(
+        gap: Gap,
+        limits: AxisLimits,
+        ramp: RampType,
+    ) -> Result<(Self, f64), ProfileError> {
+        let Gap { distance, velocity, acceleration, period, mode } = gap;
+        let from = State { position: 0.0, velocity, acceleration };
+        let mut turned = 0.0;
+        if let Some(period) = period.filter(|period| *period > 0.0) {
+            let stop = Profile::halt(from, limits, ramp)?.end().position;
+            let turns = match mode {
+                // As far ahead as a slave that is too fast goes until it stands, and less than a turn further.
+                StartMode::RampInPositive => ((distance - stop.max(0.0)) / period).floor(),
+                StartMode::RampInNegative => ((distance - stop.min(0.0)) / period).ceil(),
+                _ => (distance / period).round(),
+            };
+            turned = turns * period;
+        }
+        let distance = distance - turned;
+        let profile = Profile::to_position(from, distance, 0.0, limits, ramp)?;
+        Ok((Self { profile, distance }, turned))
+    }
+
+    /// How a slave moves `time` s after the beginning whose cam moves like this; none once it is there.
+    pub(super) fn at(&self, time: f64, cam: State) -> Option<State> {
+        (time < self.profile.duration()).then(|| {
+            let State { position, velocity, acceleration } = self.profile.at(time);
+            State {
+                position: cam.position - self.distance + position,
+                velocity: cam.velocity + velocity,
+                acceleration: cam.acceleration + acceleration,
+            }
+        })
+    }
+}

@@ -1,0 +1,53 @@
+//! Inputs of the job's program, which probes wait for: when they are TRUE.
+
+use super::Moved;
+use super::nanoseconds;
+use crate::job::probe::{JobTrigger, When};
+use twin_motion::axis::Trigger;
+
+/// The triggers of a job.
+#[derive(Debug)]
+pub(super) struct Inputs {
+    when: Vec<When>,
+    triggers: Vec<Trigger>,
+    /// Where the axes were that they look at, a cycle ago.
+    before: Vec<Option<f64>>,
+}
+
+impl Inputs {
+    pub(super) fn new(triggers: &[JobTrigger]) -> Self {
+        Self {
+            when: triggers.iter().map(|trigger| trigger.when).collect(),
+            triggers: vec![Trigger::of_program(); triggers.len()],
+            before: vec![None; triggers.len()],
+        }
+    }
+
+    pub(super) fn triggers(&mut self) -> &mut [Trigger] {
+        &mut self.triggers
+    }
+
+    /// Looks at time and axes at the begin of a cycle. Each is TRUE for the first cycle that sees what it waits for.
+    pub(super) fn see(&mut self, begin_ns: i64, cycle_ns: i64, axes: &[Moved]) {
+        for ((when, trigger), before) in
+            self.when.iter().zip(&mut self.triggers).zip(&mut self.before)
+        {
+            trigger.input = match when {
+                When::At(time) => {
+                    (begin_ns - cycle_ns < nanoseconds(*time)) && nanoseconds(*time) <= begin_ns
+                }
+                When::Passes(axis, place) => axes.get(*axis).is_some_and(|moved| {
+                    let now = moved.axis.act_position();
+                    let short = |way: f64| match moved.axis.period() {
+                        Some(period) => way - period * (way / period).round(),
+                        None => way,
+                    };
+                    let from = before.replace(now).unwrap_or(now);
+                    let (way, ahead) = (short(now - from), short(place - from));
+                    // It has passed where it has come to, not where it comes from.
+                    way * ahead > 0.0 && ahead.abs() <= way.abs()
+                }),
+            };
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! An axis of a job with its drive, which does as it is told.
+
+use super::State;
+use twin_motion::axis::{Axis, AxisConfig, AxisState, Block, Halt, Movement, Power, VirtualDrive};
+
+/// Cycles until a drive has its power.
+const SWITCHING_ON: usize = 3;
+
+/// Jerk of an axis whose limit nobody gives, in terms of its acceleration: it is up within a tenth of a second.
+const JERK: f64 = 10.0;
+
+/// An axis with its drive.
+#[derive(Debug)]
+pub(super) struct Moved {
+    pub(super) name: String,
+    /// mm or deg.
+    pub(super) unit: &'static str,
+    pub(super) axis: Axis,
+    pub(super) drive: VirtualDrive,
+    pub(super) state: State,
+    /// The last set-point as the drive gets it.
+    pub(super) shown: f64,
+    /// Brings it to rest at the end.
+    pub(super) halt: Option<Block<Halt>>,
+    pub(super) max_acceleration: f64,
+    /// The block that has taken it last.
+    pub(super) taken_by: Option<usize>,
+}
+
+/// What an axis is made from: name, period, largest velocity, acceleration and jerk, and where it starts.
+pub(super) struct Moving {
+    pub(super) name: String,
+    pub(super) unit: &'static str,
+    pub(super) period: Option<f64>,
+    pub(super) limits: (f64, f64, Option<f64>),
+    pub(super) start: f64,
+}
+
+impl Moved {
+    pub(super) fn new(moving: Moving, config: AxisConfig) -> Self {
+        let Moving { name, unit, period, limits: (velocity, acceleration, jerk), start } = moving;
+        let axis = Axis::new(AxisConfig {
+            movement: period.map_or(Movement::Linear, |period| Movement::Rotary { period }),
+            jerk: jerk.unwrap_or(JERK * acceleration),
+            max_velocity: velocity,
+            max_acceleration: acceleration,
+            max_deceleration: acceleration,
+            ..config
+        });
+        let shown = axis.wrapped(start);
+        Self {
+            name,
+            unit,
+            axis,
+            drive: VirtualDrive::new(shown),
+            state: State { position: start, ..State::default() },
+            shown,
+            halt: None,
+            taken_by: None,
+            max_acceleration: acceleration,
+        }
+    }
+
+    pub(super) fn switched_on(mut self) -> Self {
+        for _ in 0..SWITCHING_ON {
+            self.begin();
+            self.end();
+        }
+        self
+    }
+
+    pub(super) fn begin(&mut self) {
+        self.axis.begin_cycle(&self.drive.feedback());
+        Power { regulator_on: true, drive_start: true }.call(true, &mut self.axis);
+    }
+
+    pub(super) fn end(&mut self) {
+        let command = self.axis.end_cycle();
+        self.drive.follow(&command);
+        let mut way = command.position - self.shown;
+        if let Some(period) = self.axis.period() {
+            way -= period * (way / period).round();
+        }
+        // The drive has given its positions another zero while it stood.
+        self.shown = match command.home {
+            Some(_) => self.drive.feedback().position,
+            None => command.position,
+        };
+        self.state = State {
+            position: self.state.position + way,
+            velocity: command.velocity,
+            acceleration: command.acceleration,
+        };
+    }
+
+    /// At the end of the job: brakes, unless it follows a master, which does.
+    pub(super) fn halt(&mut self) {
+        let moves =
+            matches!(self.axis.state(), AxisState::DiscreteMotion | AxisState::ContinuousMotion);
+        if self.halt.is_none() && moves {
+            self.halt = Some(Block::new(Halt { deceleration: self.max_acceleration }));
+        }
+        if let Some(halt) = &mut self.halt {
+            halt.call(true, &mut self.axis);
+        }
+    }
+
+    pub(super) fn stands(&self) -> bool {
+        self.state.velocity == 0.0 && self.state.acceleration == 0.0
+    }
+}

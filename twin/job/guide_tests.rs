@@ -1,0 +1,67 @@
+//! The guide's table of blocks is what jobs take: every block, and every key of each.
+
+use super::kind::BLOCKS;
+use super::read::{Known, Reader};
+use super::tests::machine;
+use crate::machine::AxisKind;
+use crate::machine::section::{Section, parse};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// Keys of every block.
+const COMMON: [&str; 6] =
+    ["block", "axis", "at_s", "after_s", "with_previous", "at_end_of_profile"];
+
+const BEGIN: &str = "| block | keys | the next block begins |";
+
+/// The keys that the reader asks for, with `…` for the units.
+fn asked(name: &str) -> BTreeSet<String> {
+    let machine = machine();
+    // X is one of mm; its master turns, so that both units are seen.
+    let mut axes: Vec<_> = machine.axes.iter().map(Known::of).collect();
+    axes.push(Known { name: "shaft".to_owned(), kind: AxisKind::Rotary, max_acceleration: None });
+    let text = format!("[[blocks]]\nblock = \"{name}\"\naxis = \"X\"\nmaster = \"shaft\"\n");
+    let mut keys = BTreeSet::new();
+    let reader = Reader { text: &text, path: Path::new("job.toml"), axes, triggers: Vec::new() };
+    let _complaints = parse(&text, |root| {
+        let sections = root.sections("blocks");
+        for section in &sections {
+            reader.call(section, None);
+            keys = section.asked_for();
+        }
+        sections.iter().for_each(Section::accept_all);
+        Some(())
+    });
+    let unit = |key: &String| key.replace("_mm", "_…").replace("_deg", "_…");
+    keys.iter().map(unit).filter(|key| !COMMON.contains(&key.as_str())).collect()
+}
+
+/// The keys between backticks in the guide's row of each block.
+fn told() -> BTreeMap<String, BTreeSet<String>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/guide.md");
+    let guide = std::fs::read_to_string(path).unwrap();
+    let table = guide.split_once(BEGIN).expect("the table").1;
+    let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
+    let quoted = |cell: &str| -> Vec<String> {
+        cell.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+    };
+    let mut found = BTreeMap::new();
+    for row in rows {
+        let cells: Vec<_> = row.split('|').collect();
+        for block in quoted(cells[1]) {
+            let keys = quoted(cells[2]).into_iter().collect();
+            assert!(found.insert(block.clone(), keys).is_none(), "{block} twice");
+        }
+    }
+    found
+}
+
+#[test]
+fn the_table_of_blocks_is_what_jobs_take() {
+    let told = told();
+    let names: BTreeSet<_> = BLOCKS.iter().map(|(name, _)| (*name).to_owned()).collect();
+    assert_eq!(told.keys().cloned().collect::<BTreeSet<_>>(), names);
+    for (name, keys) in &told {
+        assert_eq!(keys, &asked(name), "{name}");
+    }
+}
