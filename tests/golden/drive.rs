@@ -442,7 +442,7 @@ fn parameters_go_to_a_file_and_back() {
 }
 
 /// The switch of X is pressed from 1500 to 3000 steps behind the start: backwards onto it, and slowly off it again, is home; that
-/// is seen as late as a look at the switch takes, some 20 steps of 500 a second with the time of this computer.
+/// is seen as late as a look at the switch takes, a few steps of 200 a second with the time of this computer.
 #[test]
 fn an_axis_is_homed_by_a_switch_that_the_drive_only_shows() {
     let (running, hand) = a_board(1);
@@ -455,7 +455,7 @@ fn an_axis_is_homed_by_a_switch_that_the_drive_only_shows() {
     );
     hand.refuses("home X --by-switch 4 --ignore-limits --yes", "limit switches");
     hand.refuses("home X --input 5", "--by-switch");
-    let ask = "home X --by-switch 0 --input 5 --fast 4000 --slow 500 --max-way 5000";
+    let ask = "home X --by-switch 0 --input 5 --fast 1000 --slow 200 --max-way 5000";
     hand.refuses(
         ask,
         "home axis X from 0 towards - until input 5 says so, 5000 increments at most",
@@ -467,7 +467,7 @@ fn an_axis_is_homed_by_a_switch_that_the_drive_only_shows() {
     let board = running.stop().expect("it runs");
     let mechanical = board.mechanical(BoardAxis::X);
     assert!(board.status().moving().is_empty() && mechanical > -1500.0, "{mechanical}");
-    // 0 is where the switch opened, at most a tenth of a second late.
+    // 0 is where the switch opened, at most a quarter of a second late.
     let home = mechanical - counter;
     assert!((home + 1500.0).abs() <= 50.0, "{mechanical}, {counter}");
 

@@ -57,15 +57,15 @@ fn homed(words: &str) -> (f64, f64) {
     // Backwards: an index pulse on IN6, the home switch on IN5, another pulse, a limit switch on IN7.
     let cams = vec![
         cam(6, -1200, -1100),
-        cam(5, -3000, -1500),
-        cam(6, -3500, -3400),
-        cam(7, -9000, -5000),
+        cam(5, -2600, -1500),
+        cam(6, -3100, -2900),
+        cam(7, -9000, -4000),
     ];
     let bench = board::Bench { cams, encoder: None };
     running.control(board::Control::Event(board::Event::Bench(bench))).expect("it runs");
     hand.does("set limit-minus-input-x 7");
     let ask =
-        format!("home X {words} --fast 4000 --slow 500 --max-way 8000 --max-slow-way 5000 --yes");
+        format!("home X {words} --fast 1000 --slow 200 --max-way 8000 --max-slow-way 5000 --yes");
     let done = hand.does(&ask);
     assert!(done.stdout.contains("axis X is home, at "), "{}", done.stdout);
     let counter: f64 = row(&hand.does("status"), 0, "X")[1].parse().expect("a position");
@@ -76,15 +76,15 @@ fn homed(words: &str) -> (f64, f64) {
 }
 
 /// 2.2.7: fast in the direction until the switch closes, then slowly back (0 to 2) or on (4 to 6) until it opens; home is there (0,
-/// 4) or the next index pulse (2, 6). What is seen is as late as a look, at most a tenth of a second of 500 steps/s.
+/// 4) or the next index pulse (2, 6). What is seen is as late as a look, at most a quarter of a second of 200 steps/s.
 #[test]
 fn home_is_where_the_mode_and_the_options_say() {
     for (words, edge) in [
         ("--by-switch 2 --input 5 --index-input 6", -1200.0),
-        ("--by-switch 6 --input 5 --index-input 6", -3400.0),
-        // The switch tells what was 0.2 s ago: 100 steps further back.
-        ("--by-switch 0 --input 5 --signal-delay 200", -1600.0),
-        ("--by-switch 0 --on-limit", -5000.0),
+        ("--by-switch 6 --input 5 --index-input 6", -2900.0),
+        // The switch tells what was a second ago: 200 steps further back.
+        ("--by-switch 0 --input 5 --signal-delay 1000", -1700.0),
+        ("--by-switch 0 --on-limit", -4000.0),
     ] {
         let (home, _) = homed(words);
         assert!((home - edge).abs() <= 50.0, "{words}: {home} instead of {edge}");
