@@ -82,8 +82,8 @@ fn home_is_where_the_mode_and_the_options_say() {
     for (words, edge) in [
         ("--by-switch 2 --input 5 --index-input 6", -1200.0),
         ("--by-switch 6 --input 5 --index-input 6", -2900.0),
-        // The switch tells what was a second ago: 200 steps further back.
-        ("--by-switch 0 --input 5 --signal-delay 1000", -1700.0),
+        // The switch tells what was a second ago: 200 steps before its end.
+        ("--by-switch 4 --input 5 --signal-delay 1000", -2400.0),
         ("--by-switch 0 --on-limit", -4000.0),
     ] {
         let (home, _) = homed(words);
