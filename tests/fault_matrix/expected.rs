@@ -193,7 +193,8 @@ fn on_modbus(wire: WireFault, doing: Doing) -> Expected {
         (WireFault::Duplicate, _) => Survived,
         // Reads and stops are repeated, but not where the board itself refuses.
         (WireFault::Refuse { .. }, _) => Told(&[Refused]),
-        (_, Doing::Idle | Doing::Moving) => Told(&[NoAnswer]),
+        // Command 71 is sent once, as moves are.
+        (_, Doing::Idle | Doing::Moving | Doing::ToHome) => Told(&[NoAnswer]),
         _ => Survived,
     }
 }
@@ -203,6 +204,15 @@ fn on_atb(direction: Direction, wire: WireFault, doing: Doing) -> Expected {
         // Stops are broadcast three times, and broadcasts are not answered.
         (WireFault::Refuse { .. }, _) if doing.stops() || doing.halts() => Survived,
         (WireFault::Refuse { .. }, _) => Told(&[Refused]),
+        // An echo is skipped, and what comes after an answer thrown away.
+        (WireFault::Echo, Doing::ToHome) => Survived,
+        // A drive that is told twice refuses the second time: a long command is running. Of two answers at once the last counts.
+        (WireFault::Duplicate, Doing::ToHome) if direction == Direction::Request => {
+            Told(&[Refused])
+        }
+        (WireFault::Duplicate, Doing::ToHome) => Survived,
+        // TRJINIT is sent once: a drive that has homed meanwhile would home again.
+        (_, Doing::ToHome) => Told(&[NoAnswer]),
         // The XOR is the same: the drive goes to another target. Elsewhere the first two bytes change places (`seed`),
         // and what comes is addressed to nobody.
         (WireFault::Reorder, Doing::Idle) if direction == Direction::Request => Told(&[Elsewhere]),
@@ -215,17 +225,21 @@ fn on_bus(direction: Direction, wire: WireFault, doing: Doing) -> Expected {
     match (wire, doing) {
         (WireFault::Duplicate, _) => Survived,
         // Reads are not refused, and stops are repeated where they are not acknowledged.
-        (WireFault::Refuse { .. }, Doing::Idle | Doing::Moving) => Told(&[Refused]),
+        (WireFault::Refuse { .. }, Doing::Idle | Doing::Moving | Doing::ToHome) => Told(&[Refused]),
         (WireFault::Refuse { .. }, _) => Survived,
-        (WireFault::Drop | WireFault::Delay { .. }, Doing::Idle | Doing::Moving) => {
-            Told(&[NoAnswer])
-        }
+        (
+            WireFault::Drop | WireFault::Delay { .. },
+            Doing::Idle | Doing::Moving | Doing::ToHome,
+        ) => Told(&[NoAnswer]),
+        // The zone with the order alone: of its first word one byte is missing, and 0 is no order. Nothing begins.
+        (WireFault::Truncate { .. }, Doing::ToHome) if request => Told(&[Refused]),
         // Orders that do not come whole or not first are not taken: there is no receipt.
-        (WireFault::Truncate { .. } | WireFault::Reorder, Doing::Idle | Doing::Moving)
-            if request =>
-        {
-            Told(&[NoAnswer])
-        }
+        (
+            WireFault::Truncate { .. } | WireFault::Reorder,
+            Doing::Idle | Doing::Moving | Doing::ToHome,
+        ) if request => Told(&[NoAnswer]),
+        // The number of the zone is another one (`seed`): what is asked for is not what comes back.
+        (WireFault::Corrupt { .. }, Doing::ToHome) if request => Told(&[NoAnswer]),
         // The target is another one (`seed`). While a leg is under way it is a look that is spoilt.
         (WireFault::Corrupt { .. }, Doing::Idle) if request => Told(&[Elsewhere]),
         // What is read falsely once is read rightly the next time.
@@ -235,6 +249,10 @@ fn on_bus(direction: Direction, wire: WireFault, doing: Doing) -> Expected {
 
 fn of_device(family: Family, fault: DeviceFault, doing: Doing) -> Expected {
     match (fault, family, doing) {
+        // Nobody answers before the supply is back. What asks again for long enough finds what a reset leaves behind.
+        (DeviceFault::Outage, Family::Bim2Ax, _) => Told(&[NoAnswer, Reset]),
+        (DeviceFault::Outage, _, _) => Told(&[NoAnswer]),
+
         // What a hard stop is to bring about is there already: boards are locked and drives off after power-up, without
         // ENABLE and in alarm, and stand. (A module keeps obeying, and says what is wrong.)
         (

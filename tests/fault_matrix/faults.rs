@@ -27,6 +27,8 @@ pub(crate) enum Doing {
     Idle,
     /// It moves to a target, and is asked where it is.
     Looking,
+    /// It is told to home: the fault befalls the command itself.
+    ToHome,
     /// It is being homed.
     Homing,
     /// It follows a plan.
@@ -42,9 +44,10 @@ pub(crate) enum Doing {
 }
 
 impl Doing {
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 9] = [
         Self::Idle,
         Self::Looking,
+        Self::ToHome,
         Self::Homing,
         Self::Moving,
         Self::Stopping,
@@ -69,6 +72,8 @@ impl Doing {
 pub(crate) enum DeviceFault {
     /// The supply fails for a moment: it starts anew.
     BrownOut,
+    /// The supply is away for longer than a driver waits, and comes back.
+    Outage,
     /// The shaft is held.
     Stall,
     /// ENABLE is lost (InterpCNC), overtemperature (SmartDRIVE), the power at the axis is gone (BIM2AX).
@@ -106,6 +111,7 @@ impl Fault {
         let requests = [refuse, WireFault::Echo].map(|fault| Self::Wire(Direction::Request, fault));
         let device = [
             DeviceFault::BrownOut,
+            DeviceFault::Outage,
             DeviceFault::Stall,
             DeviceFault::Alarm,
             DeviceFault::Gone,
@@ -126,6 +132,7 @@ impl Fault {
                 format!("{of}: {what}")
             }
             Self::Device(DeviceFault::BrownOut) => "brown-out, reset".to_owned(),
+            Self::Device(DeviceFault::Outage) => "without supply for 2 s".to_owned(),
             Self::Device(DeviceFault::Stall) => "stall".to_owned(),
             Self::Device(DeviceFault::Alarm) => "alarm".to_owned(),
             Self::Device(DeviceFault::Gone) => "disconnect, reconnect".to_owned(),

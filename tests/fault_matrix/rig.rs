@@ -33,6 +33,10 @@ pub(crate) const DEADLINE: Duration = Duration::from_millis(400);
 /// Frames that are delayed come after the deadline and before the driver trusts the wire again, ns of the device.
 pub(crate) const DELAY_NS: i64 = 500_000_000 * SPEED as i64;
 pub(crate) const WORST_LATENCY: Duration = Duration::from_millis(650);
+/// How long the supply is away: longer than the drivers wait for one answer, repeats and late ones included.
+pub(crate) const OUTAGE: Duration = Duration::from_secs(2);
+/// The same, ns of the device.
+const OUTAGE_NS: i64 = 2_000_000_000 * SPEED as i64;
 /// Longest time that homing may take, ns of the device.
 const HOMING_NS: i64 = 4_000_000_000 * SPEED as i64;
 /// The longest way to the home switch, increments, for devices that take one.
@@ -236,6 +240,12 @@ impl<C: Clock + Copy + 'static> Rig<C> {
         if matches!(self.device, Device::Module(..)) { 2 + u32::from(again) } else { 1 }
     }
 
+    /// Which request of homing tells the device to: a board is asked first whether it knows a home switch (parameter 29), and
+    /// told that an error of an earlier homing is void (command 66).
+    pub(crate) fn homing_order(&self) -> u32 {
+        if matches!(self.device, Device::Board(..)) { 3 } else { 1 }
+    }
+
     /// What a device must be told before it homes the first time.
     pub(crate) fn prepare_homing(&mut self) -> Result<(), DriveError> {
         let is_board = matches!(self.device, Device::Board(..));
@@ -327,6 +337,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                 let event = |event| Control::Event(event);
                 let what = match fault {
                     DeviceFault::BrownOut => event(Event::BrownOut { off_ns: 0 }),
+                    DeviceFault::Outage => event(Event::BrownOut { off_ns: OUTAGE_NS }),
                     DeviceFault::Stall => event(Event::Stall(BoardAxis::X, on)),
                     DeviceFault::Alarm => event(Event::Enable(!on)),
                     DeviceFault::Stuck => event(Event::StuckStatus(on)),
@@ -338,6 +349,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                 use smartdrive::emulator::Event;
                 let what = match fault {
                     DeviceFault::BrownOut => Event::BrownOut { off_ns: 0 }.to(0),
+                    DeviceFault::Outage => Event::BrownOut { off_ns: OUTAGE_NS }.to(0),
                     DeviceFault::Stall => Event::Stall.to(0),
                     DeviceFault::Alarm => {
                         Event::Fault { alarms: Alarms::OVERTEMPERATURE, present: on }.to(0)
@@ -351,6 +363,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                 use bim2ax::emulator::Event;
                 let what = match fault {
                     DeviceFault::BrownOut => Control::Event(Event::BrownOut { off_ns: 0 }),
+                    DeviceFault::Outage => Control::Event(Event::BrownOut { off_ns: OUTAGE_NS }),
                     DeviceFault::Stall => Control::Event(Event::Stall(ModuleAxis::One, on)),
                     DeviceFault::Alarm => Control::Event(Event::Power(ModuleAxis::One, !on)),
                     DeviceFault::Stuck => Control::Event(Event::StuckStatus(on)),
@@ -379,7 +392,10 @@ impl<C: Clock + Copy + 'static> Rig<C> {
                     std::thread::sleep(Duration::from_millis(1));
                 }
             }
-            (Device::Module(module, ..), DeviceFault::BrownOut | DeviceFault::Gone) => {
+            (
+                Device::Module(module, ..),
+                DeviceFault::BrownOut | DeviceFault::Outage | DeviceFault::Gone,
+            ) => {
                 // The emulator writes its status byte into the file when it next looks at it.
                 let mut memory = MemoryFile::beside(module.path()).expect("it is there");
                 let mut status = [0];

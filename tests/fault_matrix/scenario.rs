@@ -10,7 +10,7 @@ use twin_drives::{
 use crate::{
     assumed::Otherwise,
     faults::{DeviceFault, Doing, Family, Fault},
-    rig::{AxisTruth, Rest, Rig, Truth},
+    rig::{AxisTruth, OUTAGE, Rest, Rig, Truth},
     track::Track,
 };
 
@@ -254,7 +254,8 @@ impl<C: Clock + Copy + 'static> Rig<C> {
             return Outcome::NotBegun(error);
         }
         // The first requests begin homing; later ones ask how far it is.
-        self.goes_wrong(trial, 8);
+        let after = if trial.doing == Doing::ToHome { self.homing_order() } else { 8 };
+        self.goes_wrong(trial, after);
         match self.home() {
             Ok(()) if self.is_on_switches() => {
                 self.rests().map_or_else(Outcome::Told, |_| Outcome::Survived)
@@ -337,10 +338,14 @@ impl<C: Clock + Copy + 'static> Rig<C> {
     fn recover(&mut self, trial: &Trial, family: Family) -> Result<(), String> {
         self.mend();
         if let Fault::Device(fault) = trial.fault
-            && fault != DeviceFault::BrownOut
+            && !matches!(fault, DeviceFault::BrownOut | DeviceFault::Outage)
             && !(matches!(family, Family::SmartDrive | Family::Pair) && fault == DeviceFault::Stall)
         {
             self.upset(fault, false, 0);
+        }
+        if trial.fault == Fault::Device(DeviceFault::Outage) {
+            // Whoever wants it back waits for its supply.
+            thread::sleep(OUTAGE);
         }
         let mut last = String::new();
         for attempt in 0..MOST_ATTEMPTS {
@@ -385,7 +390,7 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
     let outcome = match trial.doing {
         Doing::Idle => rig.idle(trial),
         Doing::Looking => rig.looking(trial),
-        Doing::Homing => rig.homing(trial),
+        Doing::ToHome | Doing::Homing => rig.homing(trial),
         Doing::Moving => rig.moving(Some(trial), usual(family, clock)).0,
         Doing::Stopping | Doing::Halting | Doing::FarStopping | Doing::FarHalting => {
             rig.stopping(trial)
@@ -400,7 +405,8 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
         #[expect(clippy::cast_precision_loss, reason = "a small number")]
         Doing::Idle | Doing::Looking => Some(ratio().units_of(TARGET as f64)),
         Doing::Moving => Some(STROKE_U),
-        Doing::Homing
+        Doing::ToHome
+        | Doing::Homing
         | Doing::Stopping
         | Doing::Halting
         | Doing::FarStopping
@@ -414,7 +420,7 @@ pub(crate) fn cell<C: Clock + Copy + 'static>(family: Family, trial: &Trial, clo
         }
     }
     // Homing goes to one side in all drives.
-    if trial.doing != Doing::Homing
+    if !matches!(trial.doing, Doing::ToHome | Doing::Homing)
         && let Err(lost) = rig.sides(family)
     {
         outcome = Outcome::Lost(lost);
@@ -485,9 +491,11 @@ pub(crate) fn is_meant(family: Family, fault: Fault, doing: Doing) -> bool {
         Family::Segments => matches!(doing, Doing::Moving | Doing::Stopping | Doing::Halting),
         _ => true,
     };
+    // What befalls the device while it is told to home shows when it homes.
+    let of_command = doing != Doing::ToHome || of_wire;
     // What becomes of a device that moves shows in the other columns; of two, the other moves as well.
     let looks = doing != Doing::Looking || of_wire || family == Family::Pair;
-    differs && looks && is_meaningless(family, fault).is_none()
+    differs && of_command && looks && is_meaningless(family, fault).is_none()
 }
 
 /// Whether a fault means nothing to a family.

@@ -190,7 +190,7 @@ impl<C: Clock + Copy + 'static> Rig<C> {
             // The plug was pulled before it was told anything.
             Doing::Idle => end.counter == 0,
             Doing::Looking => end.counter == TARGET,
-            Doing::Homing => self.is_on_switches(),
+            Doing::ToHome | Doing::Homing => self.is_on_switches(),
             Doing::Moving => on_plan(),
             Doing::FarStopping | Doing::FarHalting => {
                 // All axes of the line.

@@ -185,7 +185,8 @@ impl Bim2Ax {
     /// If an axis does not start, or the module does not answer.
     pub async fn home(&mut self, axes: &[ModuleAxis], clock: &dyn Clock) -> Result<(), DriveError> {
         let acknowledged = self.same("homing", uc::HOME, axes, clock).await?;
-        let done = |_, _, messages: u16| messages & message::HOMED != 0;
+        // One whose acknowledgement was not seen has ended, or moves; if it moves for another reason this order was refused.
+        let done = |_, _, messages: u16| messages & (message::HOMED | message::MOVING) != 0;
         self.check_started("homing", uc::HOME, axes, &acknowledged, done, clock).await
     }
 

@@ -102,6 +102,10 @@ impl Homings {
 impl Board {
     /// Command 71.
     pub(super) fn home_machine(&mut self, strokes: &AxisValues) {
+        // A homing of these axes that is under way ends with this one, which clears B11.
+        for (axis, _) in BoardAxis::ALL.into_iter().zip(strokes).filter(|(_, way)| way.is_some()) {
+            self.abandon_homing(axis.mask());
+        }
         self.homings.machine_failed = false;
         self.homings.waiting.clear();
         let value = |number: u16| self.memory.parameter(number);
