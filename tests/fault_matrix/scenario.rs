@@ -476,7 +476,15 @@ fn usual<C: Clock + Copy + 'static>(family: Family, clock: C) -> f64 {
     static USUAL: [OnceLock<f64>; Family::ALL.len()] = [const { OnceLock::new() }; 5];
     let place = Family::ALL.iter().position(|other| *other == family).expect("one of all");
     *USUAL[place].get_or_init(|| {
-        let (outcome, tracks) = sound(family, 0, clock, None).moving(None, 0.0);
+        let attempt = || sound(family, 0, clock, None).moving(None, 0.0);
+        let (mut outcome, mut tracks) = attempt();
+        for _ in 1..MOST_ATTEMPTS {
+            // A machine that is busy may keep even a sound device waiting for too long.
+            if !matches!(outcome, Outcome::Told(DriveError::Timeout { .. })) {
+                break;
+            }
+            (outcome, tracks) = attempt();
+        }
         assert!(matches!(outcome, Outcome::Survived), "{family:?} without faults: {outcome:?}");
         let usual = tracks.iter().map(|track| track.usual(PEAK)).fold(0.0, f64::max);
         println!("{family:?} is {usual:.0} increments off the plan without faults");
