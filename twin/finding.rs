@@ -1,7 +1,9 @@
 //! What is found wrong with a program, and where.
 
+use crate::machine::Elsewhere;
 use serde::Serialize;
 use std::ops::Range;
+use std::sync::Arc;
 use twin_motion::Place;
 
 /// The rule a finding belongs to. The names are part of the command-line contract.
@@ -266,6 +268,9 @@ pub struct Finding {
     /// Bytes of the line to underline.
     #[serde(skip)]
     pub columns: Option<Range<usize>>,
+    /// What is wrong with the file that is named there, for people.
+    #[serde(skip)]
+    pub elsewhere: Option<Arc<Elsewhere>>,
 }
 
 impl Finding {
@@ -284,6 +289,7 @@ impl Finding {
             largest_feed_mm_per_s: None,
             hint: None,
             columns: None,
+            elsewhere: None,
         }
     }
 

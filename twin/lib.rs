@@ -40,5 +40,6 @@ mod in_loop;
 mod job;
 mod page;
 mod planning;
+mod ring;
 mod table;
 mod touch_probe;

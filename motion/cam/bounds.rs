@@ -52,6 +52,9 @@ pub struct Bounds {
     /// `dMinAccDec`, `dMaxAccDec`: its acceleration with the master at its largest velocity, and its acceleration
     /// anywhere between both signs, u/s².
     pub acceleration: Range,
+    /// Its jerk with the master at its largest velocity, its acceleration and jerk anywhere between both signs, u/s³. The
+    /// block gives none.
+    pub jerk: Range,
 }
 
 /// Magnitudes a slave must not exceed; infinite where there is no limit.
@@ -115,29 +118,35 @@ pub struct Peak {
 }
 
 impl Curve {
-    /// Extremes of the slave's position, velocity and acceleration when the master moves as fast as `master`
-    /// (`SMC_CAMBounds`, manual 5.5); exact.
+    /// Extremes of the slave's position, velocity, acceleration and jerk when the master moves as fast as `master`
+    /// (`SMC_CAMBounds`, manual 5.5); exact. Acceleration and jerk of the slave are linear in those of the master, so their
+    /// extremes are where these have one sign or the other.
     ///
     /// Jumps of the derivatives, which tables have, are not among them: see [`Curve::jumps`].
     pub fn bounds(&self, master: &MasterMotion, factors: Factors) -> Bounds {
-        let mut found = [Extremes::NONE; 3];
+        let mut found = [Extremes::NONE; 4];
         let v = master.velocity * factors.master;
         let a = master.acceleration * factors.master;
+        let j = master.jerk * factors.master;
         for piece in self.pieces() {
-            let [y, first, second, _] = piece.polynomials().map(|c| c.map(|c| c * factors.slave));
-            let [position, velocity, acceleration] = &mut found;
+            let [y, first, second, third] =
+                piece.polynomials().map(|c| c.map(|c| c * factors.slave));
+            let [position, velocity, acceleration, jerk] = &mut found;
             let join = |into: &mut Extremes, c: &Coefficients| {
                 into.join(&extremes(c, piece.width), piece.start);
             };
             join(position, &y);
             join(velocity, &first.map(|c| c * v));
-            join(acceleration, &weighted(&second, v * v, &first, a));
-            if a != 0.0 {
-                join(acceleration, &weighted(&second, v * v, &first, -a));
+            for a in signs(a) {
+                join(acceleration, &weighted(&second, v * v, &first, a));
+                let both = weighted(&third, v * v * v, &second, 3.0 * v * a);
+                for j in signs(j) {
+                    join(jerk, &weighted(&both, 1.0, &first, j));
+                }
             }
         }
-        let [position, velocity, acceleration] = found.map(Range::from);
-        Bounds { position, velocity, acceleration }
+        let [position, velocity, acceleration, jerk] = found.map(Range::from);
+        Bounds { position, velocity, acceleration, jerk }
     }
 
     /// The slave's largest velocity, acceleration or jerk in magnitude, whatever the master does up to `master`; exact.

@@ -95,6 +95,16 @@ pub enum CamError {
         /// Its greatest.
         max: f64,
     },
+    /// A value has a fraction where the type of a table's variables has whole numbers only.
+    #[error("value {index}: {value} is no whole number, as {kind} needs it")]
+    Fraction {
+        /// Which value, from 1.
+        index: usize,
+        /// The value, in units of the table.
+        value: f64,
+        /// The type's name.
+        kind: &'static str,
+    },
     /// The scaling of a table maps nothing or everything onto a point (error 628, `SMC_CI_SCALING_INCORRECT`).
     #[error("scaling of the {axis}: {} to {} cannot stand for {} to {} (error 628)",
         Short(*.table_min), Short(*.table_max), Short(*.min), Short(*.max))]

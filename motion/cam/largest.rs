@@ -188,6 +188,21 @@ impl Curve {
             .map(|(jump, size)| (jump.by.abs() > ROUNDING * size).then_some(jump))
     }
 
+    /// What jumps where a pass ends that is not repeated (manual 4.6.1, `Periodic` FALSE): the slave stays where the curve
+    /// leads, so what is left of its velocity and acceleration is gone at once. The pass ends at the end of the range, or,
+    /// with `backwards`, at its begin. What is rounding alone is none.
+    pub fn stop_jumps(&self, backwards: bool) -> [Option<Jump>; 2] {
+        let master = if backwards { self.start() } else { self.end() };
+        let here = self.at(master);
+        let extremes = self.extremes();
+        let width = self.end() - self.start();
+        let velocity = extremes.velocity.magnitude().max(extremes.position.magnitude() / width);
+        let acceleration = extremes.acceleration.magnitude().max(velocity / width);
+        [(here.velocity, velocity), (here.acceleration, acceleration)].map(|(left, size)| {
+            (left.abs() > ROUNDING * size).then_some(Jump { master, by: -left })
+        })
+    }
+
     fn refuse_jumps(&self, limits: &SlaveLimits, repeated: bool) -> Result<(), LimitError> {
         let [position, velocity, acceleration] = self.real_jumps(repeated);
         // What follows a jump has no bound either.

@@ -11,6 +11,7 @@ mod bit;
 mod bounds;
 mod bridge;
 mod cells;
+mod coupled;
 mod coupling;
 mod curve;
 mod error;

@@ -2,6 +2,7 @@
 //! 4.4).
 
 use super::error::CamError;
+use super::file::clean;
 use super::knot::Knot;
 use super::reference::{Cam, Shape};
 use super::table::{Equidistant, Interpolation, PairTable, TableScale, VariableType};
@@ -267,7 +268,7 @@ impl Source {
                 let mut pairs = Vec::with_capacity(points);
                 for (index, at) in (1..).zip(masters) {
                     let [x, y] = [master.number(at), slave.number(whole.curve().at(at).position)];
-                    pairs.push([variable.hold(index, x)?, variable.hold(index, y)?]);
+                    pairs.push([variable.hold(index, clean(x))?, variable.hold(index, clean(y))?]);
                 }
                 let periodic = self.period.is_some();
                 Shape::Pairs(PairTable { variable, master, slave, periodic, interpolation, pairs })
@@ -302,7 +303,7 @@ impl Source {
         let mut values = Vec::with_capacity(points);
         for index in 0..points {
             let position = whole.curve().at(table.master(index)).position;
-            values.push(variable.hold(index + 1, slave.number(position))?);
+            values.push(variable.hold(index + 1, clean(slave.number(position)))?);
         }
         table.values = values;
         Ok(Shape::Equidistant(table))

@@ -87,6 +87,19 @@ impl VariableType {
         }
         Err(CamError::OutsideType { index, value, kind: self.name(), min, max })
     }
+
+    /// A value of a table of this type; whole numbers have no fraction.
+    ///
+    /// # Errors
+    /// [`CamError::Fraction`], and as [`Self::hold`].
+    fn taken(self, index: usize, value: f64) -> Result<f64, CamError> {
+        let held = self.hold(index, value)?;
+        let whole = !matches!(self, Self::Real | Self::Lreal);
+        if whole && value.fract() != 0.0 {
+            return Err(CamError::Fraction { index, value, kind: self.name() });
+        }
+        Ok(held)
+    }
 }
 
 /// How a table goes on between its points (`byInterpolationQuality`).
@@ -186,7 +199,7 @@ impl Equidistant {
         }
         let mut knots = Vec::with_capacity(self.values.len() + 1);
         for (index, number) in self.values.iter().enumerate() {
-            let held = self.variable.hold(index + 1, *number)?;
+            let held = self.variable.taken(index + 1, *number)?;
             knots.push(Knot::at_rest(self.master(index), self.slave.position(held)));
         }
         if self.periodic
@@ -237,8 +250,8 @@ impl PairTable {
         self.slave.check("slave")?;
         let mut knots = Vec::with_capacity(self.pairs.len());
         for (index, [master, slave]) in self.pairs.iter().enumerate() {
-            let master = self.master.position(self.variable.hold(index + 1, *master)?);
-            let slave = self.slave.position(self.variable.hold(index + 1, *slave)?);
+            let master = self.master.position(self.variable.taken(index + 1, *master)?);
+            let slave = self.slave.position(self.variable.taken(index + 1, *slave)?);
             knots.push(Knot::at_rest(master, slave));
         }
         curve(knots, self.interpolation, self.periodic)

@@ -213,12 +213,158 @@ fn shipped_cams_are_checked_and_drawn() {
     desk.twin(&["cam", "check", &index, "--max-acceleration", "1000"]).ended(1, "cam-continuity");
 }
 
+#[test]
+fn what_the_master_does_is_in_table_and_picture() {
+    let desk = desk();
+    desk.twin(&["cam", "sample", "lift.toml", "--step", "1e-9"])
+        .ended(2, "--step: a step of 0.000000001 makes 360000000001 places")
+        .ended(2, "more than 100000000");
+    let master = ["--master-velocity", "10", "--master-acceleration", "6", "--points", "5"];
+    let done = desk.twin(&[&["cam", "sample", "lift.toml"], &master[..]].concat());
+    done.ended(0, "");
+    let row = done.stdout.lines().nth(2).expect("a row at 90");
+    let row: Vec<f64> = row.split(',').map(|cell| cell.parse().expect("a number")).collect();
+    // y′ is 15/8 · 100/180 there, y″ 0.
+    assert!((row[5] + 6.25).abs() < 1e-9 && (row[6] - 6.25).abs() < 1e-9, "{row:?}");
+    let plot = ["cam", "plot", "lift.toml", "-o", "lift.svg", "--master-acceleration", "6"];
+    desk.twin(&plot).ended(0, "");
+    let picture = std::fs::read_to_string(desk.path("lift.svg")).expect("written");
+    assert!(picture.contains("least and greatest while the master accelerates and jerks"));
+}
+
+/// Places of the points of a line.
+type Line = Vec<(f64, f64)>;
+
+/// Places of texts that are numbers, and of lines, in a picture.
+fn parts(picture: &str) -> (Vec<(f64, f64, f64)>, Vec<Line>) {
+    let attribute = |tag: &str, name: &str| -> Option<f64> {
+        tag.split(&format!(" {name}=\"")).nth(1)?.split('"').next()?.parse().ok()
+    };
+    let mut numbers = Vec::new();
+    let mut lines = Vec::new();
+    for tag in picture.split('<') {
+        if let Some((head, text)) = tag.split_once('>')
+            && head.starts_with("text ")
+            && let Ok(number) = text.trim().replace('\u{2212}', "-").parse::<f64>()
+            && let (Some(x), Some(y)) = (attribute(head, "x"), attribute(head, "y"))
+        {
+            numbers.push((x, y, number));
+        }
+        if tag.starts_with("polyline ") {
+            let points = tag.split(" points=\"").nth(1).and_then(|rest| rest.split('"').next());
+            let point = |pair: &str| {
+                let (x, y) = pair.split_once(',')?;
+                Some((x.parse().ok()?, y.parse().ok()?))
+            };
+            lines.push(points.unwrap_or_default().split_whitespace().filter_map(point).collect());
+        }
+    }
+    (numbers, lines)
+}
+
+/// The scale of an axis of a picture: what stands at a place, from two numbers beside it that are far apart.
+fn scale(numbers: &[(f64, f64)]) -> impl Fn(f64) -> f64 + use<> {
+    let by = |one: &&(f64, f64), other: &&(f64, f64)| one.0.total_cmp(&other.0);
+    let (low, high) = (numbers.iter().min_by(by), numbers.iter().max_by(by));
+    let (low, high) = (*low.expect("a number"), *high.expect("another one"));
+    assert!(high.0 > low.0, "{numbers:?}");
+    move |place| low.1 + (place - low.0) / (high.0 - low.0) * (high.1 - low.1)
+}
+
+/// Every point of the four curves lies where y, y′, y″ and y‴ of the quintic are, by the numbers beside the rows.
+#[test]
+fn the_picture_is_the_curve() {
+    let desk = desk();
+    // At 1 deg/s derivatives by time are those by the master.
+    desk.twin(&["cam", "plot", "lift.toml", "--master-velocity", "1", "-o", "lift.svg"])
+        .ended(0, "");
+    let (numbers, lines) = parts(&std::fs::read_to_string(desk.path("lift.svg")).expect("written"));
+    // Numbers of rows stand in one column, those of the master in one line below.
+    let left = numbers.iter().map(|(x, ..)| *x).fold(f64::INFINITY, f64::min);
+    let below = numbers.iter().map(|(_, y, _)| *y).fold(f64::NEG_INFINITY, f64::max);
+    let masters: Vec<_> = numbers
+        .iter()
+        .filter(|(_, y, _)| *y >= below)
+        .map(|(x, _, number)| (*x, *number))
+        .collect();
+    let master = scale(&masters);
+    let beside: Vec<_> = numbers
+        .iter()
+        .filter(|(x, y, _)| *x <= left && *y < below)
+        .map(|(_, y, number)| (*y, *number))
+        .collect();
+    // y and derivatives of the rise, 100 over 180; the way back is its mirror image.
+    let curve = |x: f64, derivative: usize| {
+        let s = x.min(360.0 - x) / 180.0;
+        let (h, w) = (100.0, 180.0_f64);
+        let sign = if x > 180.0 && derivative % 2 == 1 { -1.0 } else { 1.0 };
+        sign * match derivative {
+            0 => h * (10.0 * s.powi(3) - 15.0 * s.powi(4) + 6.0 * s.powi(5)),
+            1 => h / w * (30.0 * s.powi(2) - 60.0 * s.powi(3) + 30.0 * s.powi(4)),
+            2 => h / w.powi(2) * (60.0 * s - 180.0 * s.powi(2) + 120.0 * s.powi(3)),
+            _ => h / w.powi(3) * (60.0 - 360.0 * s + 360.0 * s.powi(2)),
+        }
+    };
+    let curves: Vec<_> = lines.into_iter().filter(|line: &Vec<_>| line.len() > 100).collect();
+    // A row begins on the left; what jumps half way, as the jerk does, goes on in another line.
+    let mut rows: Vec<Line> = Vec::new();
+    for line in curves {
+        match rows.last_mut() {
+            Some(row) if master(line[0].0) >= 90.0 => row.extend(line),
+            _ => rows.push(line),
+        }
+    }
+    assert_eq!(rows.len(), 4, "rows of curves");
+    for (derivative, points) in rows.iter().enumerate() {
+        let (top, bottom) = points
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), (_, y)| (a.min(*y), b.max(*y)));
+        // A row has a margin of an eighth above and below.
+        let margin = 0.15 * (bottom - top);
+        let of_row: Vec<_> = beside
+            .iter()
+            .filter(|(y, _)| *y >= top - margin && *y <= bottom + margin)
+            .copied()
+            .collect();
+        let value = scale(&of_row);
+        let pixel = (value(1.0) - value(0.0)).abs();
+        let across = (master(1.0) - master(0.0)).abs();
+        assert!(points.len() > 700, "{} points", points.len());
+        let (first, last) = (points[0].0, points[points.len() - 1].0);
+        assert!(master(first).abs() <= across && (master(last) - 360.0).abs() <= across);
+        for (x, y) in points {
+            let (place, found) = (master(*x).clamp(0.0, 360.0), value(*y));
+            // Half a step of the picture either way, and as much of the numbers beside.
+            let steep = (curve((place + across).min(360.0), derivative)
+                - curve((place - across).max(0.0), derivative))
+            .abs();
+            let near_jump = derivative == 3 && (place - 180.0).abs() <= 2.0 * across;
+            let tolerance = 2.0 * pixel + steep;
+            let expected = curve(place, derivative);
+            let mirrored = near_jump && (found + expected).abs() <= tolerance;
+            assert!(
+                (found - expected).abs() <= tolerance || mirrored,
+                "derivative {derivative} at {place}: {found}, expected {expected}"
+            );
+        }
+    }
+}
+
 /// What a form leaves behind, and files of another kind, are told.
 #[test]
 fn what_is_lost_or_mistaken_is_told() {
     let desk = desk();
     desk.twin(&["cam", "convert", "lift.toml", "lift.csv"])
-        .ended(0, "1 of lift.toml are left behind");
+        .ended(0, "1 of lift.toml are left behind")
+        .ended(0, "lift.csv: lost: the slave's period, 100")
+        .ended(0, "lift.csv: lost: this form has no tappets");
+    let table = std::fs::read_to_string(desk.path("lift.csv")).expect("written");
+    assert!(
+        table.starts_with("master_deg,slave_mm,velocity_mm_per_deg,acceleration_mm_per_deg2\n")
+    );
+    let kept = desk.twin(&["cam", "convert", "lift.toml", "kept.cam"]);
+    kept.ended(0, "");
+    assert!(!kept.stderr.contains("lost"), "{}", kept.stderr);
     let plot = ["cam", "plot", "lift.toml", "--master-velocity", "360", "-o", "lift.png"];
     desk.twin(&plot).ended(2, "pictures are SVG");
     assert!(!desk.path("lift.png").exists());

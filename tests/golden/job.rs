@@ -100,6 +100,34 @@ fn a_slave_that_is_too_fast_is_told_with_its_line() {
     done.ended(1, "velocity");
 }
 
+/// What is wrong with a cam is told with the cam's own lines, whoever names it.
+#[test]
+fn a_broken_cam_is_told_with_its_own_lines() {
+    let desk = desk(360.0);
+    desk.write("lift.toml", &LIFT.replace("min = 0, max = 40", "min = 0, maximum = 40"));
+    let named =
+        job(360.0).lines().position(|line| line.contains("lift.toml")).expect("it is there") + 1;
+    let done = desk.twin(&["check", "job.toml", "--machine", "machine.toml"]);
+    done.ended(1, "lift.toml: line 4: ")
+        .ended(1, "unknown key `maximum`")
+        .ended(1, &format!("job.toml:{named}"))
+        .ended(1, "lift.toml:4:")
+        .ended(1, "slave = { min = 0, maximum = 40");
+    let done = desk.twin(&["check", "job.toml", "--machine", "machine.toml", "--format", "json"]);
+    let report: serde_json::Value = serde_json::from_str(&done.stdout).expect("an object");
+    let message = report["findings"][0]["message"].as_str().expect("a message");
+    assert!(message.contains("lift.toml: line 4: "), "{message}");
+    let machine = std::fs::read_to_string(desk.path("machine.toml")).expect("readable");
+    let cam = "\n[[cams]]\naxis = \"Z\"\nmaster = \"X\"\ncam = \"lift.toml\"\n";
+    desk.write("cams.toml", &format!("{machine}{cam}"));
+    let line = format!("{machine}{cam}").lines().count();
+    desk.twin(&["machine", "cams.toml"])
+        .ended(2, "lift.toml: line 4: ")
+        .ended(2, &format!("cams.toml:{line}"))
+        .ended(2, "lift.toml:4:")
+        .ended(2, "slave = { min = 0, maximum = 40");
+}
+
 /// The emulated board follows a job as it follows a path.
 #[test]
 fn drives_follow_a_job() {

@@ -237,3 +237,30 @@ fn a_ramp_and_what_it_takes() {
     }
     desk.twin(&[&tune[..], &["--within", "1"]].concat()).ended(1, "not within 1 s");
 }
+
+/// What is asked for in vain, and a sample that a sensor spoilt, are said so that it is clear what to do.
+#[test]
+fn mistakes_are_told() {
+    let desk = Desk::new();
+    desk.write("lift.toml", LIFT);
+    let tune = |more: &[&str]| desk.twin(&[&["tune", "cam", "lift.toml"], more].concat());
+    tune(&["--find", "slave-scaling"]).ended(2, "none is given");
+    tune(&["--ramp-in", "0,35"]).ended(1, "a ramp needs a limit of the slave's velocity");
+    desk.twin(&["cam", "check", "lift.toml", "--master-velocity", "-5"])
+        .ended(2, "-5 is less than 0: the master's velocity is told without its sign");
+    // 0 to 100 into 0 to 70.
+    let done = tune(&["--find", "slave-scaling", "--position-min", "0", "--position-max", "70"]);
+    done.ended(0, "");
+    assert!(done.stdout.contains("  slave_scaling = 0.7\n"), "{}", done.stdout);
+    let text = recorded();
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    let cells: Vec<_> = lines[700].split(',').map(str::to_owned).collect();
+    let slave: f64 = cells[2].parse().expect("a number");
+    lines[700] = format!("{},{},{},{}", cells[0], cells[1], slave + 5.0, cells[3]);
+    desk.write("run.csv", &lines.join("\n"));
+    tune(&["--run", "run.csv"]).ended(1, "line 701 (by ").ended(1, "the slave is far from");
+    let still: Vec<_> =
+        (0..60).map(|index| format!("{},90,{}", 0.01 * f64::from(index), 3)).collect();
+    desk.write("still.csv", &format!("time,master,slave\n{}\n", still.join("\n")));
+    tune(&["--run", "still.csv"]).ended(1, "the master stands at 90 in all 60 samples");
+}

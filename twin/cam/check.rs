@@ -1,86 +1,11 @@
 //! What a cam asks of its slave, against what the slave can do.
 
-use super::{AxisScale, CamFile, Coupling};
+use super::CamFile;
+pub use super::usage::{AxisLimits, CamUse, unit_fits};
 use crate::finding::{Finding, Rule, Severity};
-use crate::machine::{Axis, AxisKind};
 use serde_json::{Value, json};
 use twin_motion::Place;
-use twin_motion::cam::{
-    Bounds, Factors, Jump, Largest, LimitError, MasterMotion, Quantity, Range, SlaveLimits, Tappet,
-};
-
-/// What the slave can do, u; infinite where there is no limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxisLimits {
-    /// Least and greatest position.
-    pub position: [f64; 2],
-    /// Velocity, acceleration and jerk.
-    pub motion: SlaveLimits,
-}
-
-impl AxisLimits {
-    /// Nothing is limited.
-    pub const NONE: Self =
-        Self { position: [f64::NEG_INFINITY, f64::INFINITY], motion: SlaveLimits::NONE };
-
-    /// Those of an axis of a machine, in degrees or mm.
-    pub fn of(axis: &Axis) -> Self {
-        Self {
-            position: if axis.limited {
-                axis.position_limits.map(|limit| axis.from_si(limit))
-            } else {
-                Self::NONE.position
-            },
-            motion: SlaveLimits {
-                velocity: axis.from_si(axis.max_velocity),
-                acceleration: axis.from_si(axis.max_acceleration),
-                jerk: axis.max_jerk.map_or(f64::INFINITY, |jerk| axis.from_si(jerk)),
-            },
-        }
-    }
-}
-
-/// Whether a scale that names its unit fits an axis.
-pub fn unit_fits(scale: &AxisScale, kind: AxisKind) -> bool {
-    let known: &[&str] = match kind {
-        AxisKind::Rotary => &["deg", "°", "degree", "degrees"],
-        AxisKind::Linear => &["mm"],
-    };
-    scale.unit.is_empty() || known.contains(&scale.unit.trim())
-}
-
-/// What a cam is checked with.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CamUse {
-    /// What the master does at most, in its own units.
-    pub master: MasterMotion,
-    /// Offsets and scalings.
-    pub coupling: Coupling,
-    /// Whether the cam is put end to end.
-    pub repeated: bool,
-    /// What the slave can do.
-    pub limits: AxisLimits,
-}
-
-impl CamUse {
-    /// Factors of master and slave.
-    pub fn factors(&self) -> Factors {
-        let input = &self.coupling.input;
-        Factors { master: input.master_scaling, slave: input.slave_scaling }
-    }
-
-    /// Where the master is when the cam is at `place` (of the pass that begins there).
-    pub fn master_at(&self, place: f64) -> f64 {
-        let input = &self.coupling.input;
-        (place - input.master_offset) / input.master_scaling
-    }
-
-    /// Where the slave is when the cam says `y`.
-    pub fn slave_at(&self, y: f64) -> f64 {
-        let input = &self.coupling.input;
-        y * input.slave_scaling + input.slave_offset
-    }
-}
+use twin_motion::cam::{Bounds, Jump, Largest, LimitError, Passage, Range, SlaveLimits, Tappet};
 
 /// A limit that is exceeded by less than this part is kept.
 const ROUNDING: f64 = 1e-12;
@@ -90,13 +15,13 @@ const ROUNDING: f64 = 1e-12;
 pub struct CamCheck<'a> {
     file: &'a CamFile,
     using: CamUse,
-    /// Position, velocity and acceleration of the slave.
+    /// Position, velocity, acceleration and jerk of the slave.
     pub bounds: Bounds,
-    /// Its jerk; no larger with any motion of the master up to what is given.
-    pub jerk: Range,
     /// Where position, velocity and acceleration jump.
     pub jumps: [Option<Jump>; 3],
-    /// The largest velocity of the master.
+    /// What jumps where a pass ends that is not repeated: velocity and acceleration of a slave that stays there.
+    pub stop: [Option<Jump>; 2],
+    /// The largest velocity of the master, on the cam.
     pub largest: Result<Largest, LimitError>,
     /// What is wrong.
     pub findings: Vec<Finding>,
@@ -112,17 +37,16 @@ impl<'a> CamCheck<'a> {
             at_max: using.master_at(range.at_max),
             ..range
         };
-        let Bounds { position, velocity, acceleration } = curve.bounds(&using.master, factors);
+        let Bounds { position, velocity, acceleration, jerk } =
+            curve.bounds(&using.master, factors);
         let offset = using.coupling.input.slave_offset;
         let position = Range { min: position.min + offset, max: position.max + offset, ..position };
         let bounds = Bounds {
             position: place(position),
             velocity: place(velocity),
             acceleration: place(acceleration),
+            jerk: place(jerk),
         };
-        let peak = curve.peak(Quantity::Jerk, &using.master, factors);
-        let at = using.master_at(peak.master);
-        let jerk = Range { min: -peak.value, at_min: at, max: peak.value, at_max: at };
         let scaled = |jump: Jump, by: f64| Jump {
             master: using.master_at(jump.master),
             by: jump.by * by * factors.slave,
@@ -134,13 +58,20 @@ impl<'a> CamCheck<'a> {
             two.map(|jump| scaled(jump, v)),
             three.map(|jump| scaled(jump, v * v)),
         ];
+        let stop = if using.repeated {
+            [None; 2]
+        } else {
+            // With the master going forwards.
+            let [one, two] = curve.stop_jumps(factors.master < 0.0);
+            [one.map(|jump| scaled(jump, v)), two.map(|jump| scaled(jump, v * v))]
+        };
         let largest = curve.largest_master_velocity(
             &using.limits.motion,
             &using.master,
             factors,
             using.repeated,
         );
-        let mut check = Self { file, using, bounds, jerk, jumps, largest, findings: Vec::new() };
+        let mut check = Self { file, using, bounds, jumps, stop, largest, findings: Vec::new() };
         check.find();
         check
     }
@@ -192,7 +123,7 @@ impl<'a> CamCheck<'a> {
         for (derivative, rule, range, limit) in [
             (1, Rule::AxisVelocity, self.bounds.velocity, limits.motion.velocity),
             (2, Rule::AxisAcceleration, self.bounds.acceleration, limits.motion.acceleration),
-            (3, Rule::AxisJerk, self.jerk, limits.motion.jerk),
+            (3, Rule::AxisJerk, self.bounds.jerk, limits.motion.jerk),
         ] {
             let (value, at) = if range.max >= -range.min {
                 (range.max, range.at_max)
@@ -231,18 +162,10 @@ impl<'a> CamCheck<'a> {
     }
 
     fn find_jumps(&mut self) {
-        let SlaveLimits { acceleration, jerk, .. } = self.using.limits.motion;
         let names = ["position", "velocity", "acceleration"];
         for (derivative, name) in names.into_iter().enumerate() {
             let Some(jump) = self.jumps.get(derivative).copied().flatten() else { continue };
-            // A jump asks for more than any limit of what comes next.
-            let severity = match derivative {
-                0 => Severity::Error,
-                1 if acceleration.is_finite() || jerk.is_finite() => Severity::Error,
-                1 => Severity::Warning,
-                _ if jerk.is_finite() => Severity::Error,
-                _ => Severity::Note,
-            };
+            let severity = self.severity(derivative);
             let message = format!(
                 "the slave's {name} jumps by {} {} at master {} {}",
                 super::file::digits(jump.by),
@@ -259,6 +182,43 @@ impl<'a> CamCheck<'a> {
             };
             self.add(Rule::CamContinuity, severity, message, None, hint);
         }
+        self.find_stop();
+    }
+
+    /// A jump asks for more than any limit of what comes next.
+    fn severity(&self, derivative: usize) -> Severity {
+        let SlaveLimits { acceleration, jerk, .. } = self.using.limits.motion;
+        match derivative {
+            0 => Severity::Error,
+            1 if acceleration.is_finite() || jerk.is_finite() => Severity::Error,
+            1 => Severity::Warning,
+            _ if jerk.is_finite() => Severity::Error,
+            _ => Severity::Note,
+        }
+    }
+
+    /// What a slave that stays where the pass ends still has of velocity and acceleration.
+    fn find_stop(&mut self) {
+        let mut first = self.stop.iter().zip(["velocity", "acceleration"]).zip(1..);
+        // What follows a jump jumps, too: the first one says it.
+        let Some((jump, name, derivative)) =
+            first.find_map(|((jump, name), d)| Some(((*jump)?, name, d)))
+        else {
+            return;
+        };
+        let message = format!(
+            "the pass ends at master {} {} and is not repeated: the slave stays there, its {name} jumps by {} {}",
+            super::file::digits(jump.master),
+            self.file.master.unit(),
+            super::file::digits(jump.by),
+            self.unit(derivative),
+        );
+        let hint = format!(
+            "a cam that ends with {name} 0 has no such jump; nor has one that is repeated (--end-to-end), or followed at \
+             EndOfProfile by one that goes on as it ends"
+        );
+        let severity = self.severity(derivative);
+        self.add(Rule::CamContinuity, severity, message, None, &hint);
     }
 
     fn add(
@@ -285,9 +245,25 @@ impl<'a> CamCheck<'a> {
         })
     }
 
+    /// When the master passes a tappet, s after the pass began, going forwards at its velocity; none of a tappet that is
+    /// passed the other way only. With a negative factor of the master the pass goes from the end of the cam to its begin.
+    pub fn passed_after(&self, tappet: &Tappet) -> Option<f64> {
+        let curve = self.file.cam.curve();
+        let factor = self.using.factors().master;
+        let (begin, other) = if factor < 0.0 {
+            (curve.end(), Passage::Positive)
+        } else {
+            (curve.start(), Passage::Negative)
+        };
+        let speed = (self.using.master.velocity * factor).abs();
+        (tappet.passage != other).then(|| (tappet.master - begin).abs() / speed)
+    }
+
     /// How smooth the cam is: how many of its derivatives, the position counted, do not jump.
     pub fn smoothness(&self) -> &'static str {
         match self.jumps {
+            [None, ..] if matches!(self.stop, [Some(_), _]) => "C0",
+            [None, None, _] if matches!(self.stop, [_, Some(_)]) => "C1",
             [Some(_), ..] => "discontinuous",
             [_, Some(_), _] => "C0",
             [_, _, Some(_)] => "C1",
@@ -309,6 +285,7 @@ impl<'a> CamCheck<'a> {
         let jump =
             |jump: &Option<Jump>| jump.map(|jump| json!({ "master": jump.master, "by": jump.by }));
         let [one, two, three] = &self.jumps;
+        let [stop, stopped] = &self.stop;
         let largest = match &self.largest {
             Ok(Largest { value, limited }) => json!({
                 "velocity": finite(*value),
@@ -324,7 +301,8 @@ impl<'a> CamCheck<'a> {
             })
         });
         let tappets = self.tappets().map(|(tappet, master, slave)| {
-            json!({ "group": tappet.group, "master": master, "slave": slave })
+            let after_s = self.passed_after(tappet);
+            json!({ "group": tappet.group, "master": master, "slave": slave, "after_s": after_s })
         });
         let curve = self.file.cam.curve();
         let input = &self.using.coupling.input;
@@ -346,9 +324,10 @@ impl<'a> CamCheck<'a> {
             "position": range(&self.bounds.position, self.using.limits.position),
             "velocity": range(&self.bounds.velocity, both(velocity)),
             "acceleration": range(&self.bounds.acceleration, both(acceleration)),
-            "jerk": range(&self.jerk, both(jerk)),
+            "jerk": range(&self.bounds.jerk, both(jerk)),
             "continuity": self.smoothness(),
             "jumps": { "position": jump(one), "velocity": jump(two), "acceleration": jump(three) },
+            "stop": { "velocity": jump(stop), "acceleration": jump(stopped) },
             "largest_master": largest,
             "tappets": tappets.collect::<Vec<_>>(),
             "findings": findings.collect::<Vec<_>>(),

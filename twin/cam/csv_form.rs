@@ -5,6 +5,7 @@ use super::file::pair_table;
 use super::toml_writer::Number;
 use super::{CamFile, CamFileError};
 use std::path::Path;
+use twin_motion::cam::file::clean;
 use twin_motion::cam::{Interpolation, Knot, Shape};
 
 /// Two columns are a table of pairs, four are points with velocity and acceleration.
@@ -55,7 +56,6 @@ pub(super) fn csv_shape(
 /// A table as CSV: its pairs, or the points of a polynomial with velocity and acceleration; `points` positions of a curve
 /// instead, both ends included.
 pub fn csv_of(file: &CamFile, points: Option<usize>) -> String {
-    let (master, slave) = (file.master.key(), file.slave.key());
     let number = |value: f64| Number(value).to_string();
     let mut text = String::new();
     let mut row = |cells: &[String]| {
@@ -63,14 +63,14 @@ pub fn csv_of(file: &CamFile, points: Option<usize>) -> String {
         text.push('\n');
     };
     let positions = |row: &mut dyn FnMut(&[String]), pairs: &mut dyn Iterator<Item = [f64; 2]>| {
-        row(&[format!("master_{master}"), format!("slave_{slave}")]);
+        row(&[file.master.column("master"), file.slave.column("slave")].map(quoted));
         for [x, y] in pairs {
             row(&[number(x), number(y)]);
         }
     };
     match (file.cam.shape(), points) {
         (Shape::Polynomial(knots), None) => {
-            row(&["master", "slave", "velocity", "acceleration"].map(str::to_owned));
+            row(&names(file).map(quoted));
             for Knot { master, slave, velocity, acceleration } in knots {
                 row(&[*master, *slave, *velocity, *acceleration].map(number));
             }
@@ -81,14 +81,44 @@ pub fn csv_of(file: &CamFile, points: Option<usize>) -> String {
         }
         (Shape::Equidistant(_), None) => {
             let curve = file.cam.curve();
-            positions(&mut row, &mut curve.joints().map(|x| [x, curve.at(x).position]));
+            positions(&mut row, &mut curve.joints().map(|x| [clean(x), curve.at(x).position]));
         }
         (_, Some(points)) => {
             let curve = file.cam.curve();
-            positions(&mut row, &mut evenly(file, points).map(|x| [x, curve.at(x).position]));
+            // A cam that comes back does so to the last digit.
+            let last = curve.at(curve.start()).position + curve.rise();
+            let position = |x: f64| if x < curve.end() { curve.at(x).position } else { last };
+            positions(&mut row, &mut evenly(file, points).map(|x| [x, clean(position(x))]));
         }
     }
     text
+}
+
+/// The columns of points: their units, where the file says them.
+fn names(file: &CamFile) -> [String; 4] {
+    let plain = ["master", "slave", "velocity", "acceleration"].map(str::to_owned);
+    if file.master.unit.is_empty() && file.slave.unit.is_empty() {
+        return plain;
+    }
+    let [.., velocity, acceleration] = plain;
+    let ends = [file.master.column("master"), file.slave.column("slave")];
+    let (x, y) = (file.master.key(), file.slave.key());
+    // Units of more than letters and digits make no names.
+    let told = ends.iter().all(|name| !name.contains('('));
+    let [master, slave] = ends;
+    if !told {
+        return [master, slave, velocity, acceleration];
+    }
+    [master, slave, format!("{velocity}_{y}_per_{x}"), format!("{acceleration}_{y}_per_{x}2")]
+}
+
+/// A cell with quotation marks where it needs them.
+fn quoted(cell: String) -> String {
+    if cell.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", cell.replace('"', "\"\""))
+    } else {
+        cell
+    }
 }
 
 /// Masters at equal distances, both ends included; at least two.
@@ -98,6 +128,6 @@ fn evenly(file: &CamFile, points: usize) -> impl Iterator<Item = f64> {
     (0..=last).map(move |index| {
         #[expect(clippy::cast_precision_loss, reason = "nobody writes 2^53 points")]
         let share = index as f64 / last as f64;
-        if index == last { end } else { start + (end - start) * share }
+        if index == last { end } else { clean(start + (end - start) * share) }
     })
 }

@@ -2,6 +2,7 @@
 
 use super::columns;
 use super::csv_form::{csv_of, csv_shape};
+use super::form::unit_of;
 use super::toml_form::{self, TomlCam};
 use super::{AxisScale, CamFileError, Coupling, write_toml};
 use crate::machine::MachineFileError;
@@ -12,11 +13,12 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use twin_motion::cam::file::{
-    read as read_binary, read_ascii, read_text as read_words, write as write_binary, write_ascii,
-    write_text,
+    Beside, read_ascii, read_beside as read_binary, read_text as read_words, write_ascii,
+    write_beside as write_binary, write_text,
 };
 use twin_motion::cam::{
-    Cam, Compile, Interpolation, Kind, PairTable, Scale, Shape, Source, TableScale, VariableType,
+    Cam, CamInput, Compile, Interpolation, Kind, PairTable, Scale, Shape, Source, TableScale,
+    VariableType,
 };
 
 /// How a cam is written.
@@ -61,7 +63,7 @@ pub struct CamFile {
     pub form: Form,
     /// The cam.
     pub cam: Cam,
-    /// What people edit; none of tables and of `.CAM` files.
+    /// What people edit; none of tables and of `.CAM` files of version 1.0.
     pub source: Option<Source>,
     /// Whether it is put end to end, as far as the file says so: by the slave's period, by a table's flag, or by an end that
     /// goes on as the begin does.
@@ -100,7 +102,11 @@ impl CamFile {
             }
             Form::Csv => {
                 let read = columns::read(path, &bytes(path)?)?;
-                Self::of_table(path, form, csv_shape(path, &read, interpolation)?)
+                let mut file = Self::of_table(path, form, csv_shape(path, &read, interpolation)?)?;
+                if let Some([master, slave, ..]) = read.names.as_deref() {
+                    (file.master.unit, file.slave.unit) = (unit_of(master), unit_of(slave));
+                }
+                Ok(file)
             }
             Form::Ascii => {
                 let pairs = read_ascii(bytes(path)?.as_slice())
@@ -108,9 +114,13 @@ impl CamFile {
                 Self::of_table(path, form, pair_table(pairs, interpolation))
             }
             Form::Binary => {
-                let cam = read_binary(bytes(path)?.as_slice())
+                let (cam, beside) = read_binary(bytes(path)?.as_slice())
                     .map_err(|source| CamFileError::Binary { path: path.to_owned(), source })?;
-                Ok(Self::of_cam(path, form, cam))
+                let mut file = Self::of_cam(path, form, cam);
+                if let Some(beside) = beside {
+                    file.take(&beside);
+                }
+                Ok(file)
             }
         }
     }
@@ -163,7 +173,7 @@ impl CamFile {
     fn of_cam(path: &Path, form: Form, cam: Cam) -> Self {
         let curve = cam.curve();
         let slave = curve.extremes().position;
-        let scale = |min, max| AxisScale { min, max, unit: String::new() };
+        let scale = AxisScale::bare;
         let goes_on = curve.real_jumps(true).into_iter().all(|jump| jump.is_none());
         Self {
             path: path.to_owned(),
@@ -176,6 +186,34 @@ impl CamFile {
             coupling: Coupling::default(),
             text: None,
             cam,
+        }
+    }
+
+    /// What a `.CAM` file says beside the cam.
+    fn take(&mut self, beside: &Beside) {
+        self.source = beside.source(&self.cam);
+        (self.master, self.slave) = ((&beside.master).into(), (&beside.slave).into());
+        (self.period, self.repeated) = (beside.period, beside.repeated);
+        let dead_time_s = beside.input.tappet_dead_time_s;
+        let input = CamInput { tappet_dead_time_s: 0.0, ..beside.input };
+        self.coupling = Coupling { input, dead_time_s, wanted: beside.wanted };
+    }
+
+    /// What a `.CAM` file says beside the cam.
+    fn beside(&self) -> Beside {
+        let frame = self.source.clone().unwrap_or_else(|| self.frame());
+        Beside {
+            kind: frame.kind,
+            master: frame.master,
+            slave: frame.slave,
+            period: self.period,
+            repeated: self.repeated,
+            elements: self.source.as_ref().map(|source| source.elements.clone()),
+            input: CamInput {
+                tappet_dead_time_s: self.coupling.dead_time_s,
+                ..self.coupling.input
+            },
+            wanted: self.coupling.wanted,
         }
     }
 
@@ -208,7 +246,7 @@ impl CamFile {
             min: axis.min,
             // A slave that rests has a scale, too.
             max: if axis.max > axis.min { axis.max } else { axis.min + 1.0 },
-            step: if axis.max > axis.min { (axis.max - axis.min) / 10.0 } else { 0.1 },
+            step: axis.step,
             unit: axis.unit.clone(),
         };
         let name = self.cam.name();
@@ -305,7 +343,7 @@ pub fn write_file(
         }
         Form::Binary => {
             let mut bytes = Vec::new();
-            write_binary(&file.cam, &mut bytes)
+            write_binary(&file.cam, &file.beside(), &mut bytes)
                 .map_err(|source| CamFileError::Large { path: target.to_owned(), source })?;
             Ok(bytes)
         }

@@ -9,6 +9,8 @@ pub struct AxisScale {
     pub min: f64,
     /// Greatest value, u.
     pub max: f64,
+    /// Distance of marks, u.
+    pub step: f64,
     /// What u is; empty if the file does not say.
     pub unit: String,
 }
@@ -25,11 +27,33 @@ impl AxisScale {
         let plain: String = unit.chars().filter(char::is_ascii_alphanumeric).collect();
         if plain.is_empty() { "u".to_owned() } else { plain }
     }
+
+    /// Without a unit; a scale of no width is 1 wide, in tenths.
+    pub(super) fn bare(min: f64, max: f64) -> Self {
+        let step = if max > min { (max - min) / 10.0 } else { 0.1 };
+        Self { min, max, step, unit: String::new() }
+    }
+
+    /// A column of positions: `master_deg`, or `master (1/min)` if the unit is more than letters and digits.
+    pub(super) fn column(&self, name: &str) -> String {
+        let key = self.key();
+        if self.unit.is_empty() || key == self.unit || self.unit == "°" {
+            format!("{name}_{key}")
+        } else {
+            format!("{name} ({})", self.unit)
+        }
+    }
+}
+
+/// What a column says of its unit; `u` says that it is not known.
+pub(super) fn unit_of(column: &str) -> String {
+    let unit = super::columns::unit(column);
+    if unit == "u" { String::new() } else { unit.to_owned() }
 }
 
 impl From<&Scale> for AxisScale {
     fn from(scale: &Scale) -> Self {
-        Self { min: scale.min, max: scale.max, unit: scale.unit.clone() }
+        Self { min: scale.min, max: scale.max, step: scale.step, unit: scale.unit.clone() }
     }
 }
 

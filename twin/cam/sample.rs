@@ -17,7 +17,41 @@ pub enum Sampling {
 /// More places are not written.
 pub const MOST: usize = 100_000_000;
 
+/// More places than are written.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "a step of {step} makes {} places of {start} to {end}, more than {MOST}; {} is the least step",
+    super::file::digits(*.places), super::file::digits(*.least)
+)]
+pub struct TooMany {
+    /// The step.
+    pub step: f64,
+    /// Where the cam begins.
+    pub start: f64,
+    /// Where it ends.
+    pub end: f64,
+    /// How many places it would be.
+    pub places: f64,
+    /// The least step there may be.
+    pub least: f64,
+}
+
 impl Sampling {
+    /// Whether it is no more than is written.
+    ///
+    /// # Errors
+    /// [`TooMany`] with how many it would be.
+    pub fn check(self, start: f64, end: f64) -> Result<(), TooMany> {
+        let Self::Step(step) = self else { return Ok(()) };
+        #[expect(clippy::cast_precision_loss, reason = "a limit far below 2^53")]
+        let most = MOST as f64;
+        let places = ((end - start) / step - 1e-9).ceil().max(1.0) + 1.0;
+        if places <= most {
+            return Ok(());
+        }
+        Err(TooMany { step, start, end, places, least: (end - start) / (most - 1.0) })
+    }
+
     fn places(self, start: f64, end: f64) -> impl Iterator<Item = f64> {
         let (last, step) = match self {
             Self::Count(count) => {
@@ -34,7 +68,7 @@ impl Sampling {
                 )]
                 // What is a whole number of steps but for rounding is one.
                 let last = ((end - start) / step - 1e-9).ceil().max(1.0) as usize;
-                (last.min(MOST), step)
+                (last.min(MOST - 1), step)
             }
         };
         (0..=last).map(move |index| {
@@ -46,7 +80,8 @@ impl Sampling {
 }
 
 /// Writes master, slave and its derivatives by time with the master at its velocity, twelve significant digits each, behind a
-/// header with their units.
+/// header with their units. Where the master accelerates or jerks the least and the greatest acceleration and jerk of the
+/// slave follow, as its acceleration and jerk are anywhere between both signs.
 ///
 /// # Errors
 /// If it cannot be written.
@@ -59,14 +94,47 @@ pub fn write(
     let (master, slave) = (file.master.key(), file.slave.key());
     writeln!(
         out,
-        "master_{master},slave_{slave},velocity_{slave}_per_s,acceleration_{slave}_per_s2,jerk_{slave}_per_s3"
+        "master_{master},slave_{slave},velocity_{slave}_per_s,acceleration_{slave}_per_s2,jerk_{slave}_per_s3{}",
+        if reaches(using) {
+            format!(
+                ",least_acceleration_{slave}_per_s2,greatest_acceleration_{slave}_per_s2,\
+                 least_jerk_{slave}_per_s3,greatest_jerk_{slave}_per_s3"
+            )
+        } else {
+            String::new()
+        }
     )?;
     let curve = file.cam.curve();
     for place in sampling.places(curve.start(), curve.end()) {
         let row = at(file, using, place);
-        writeln!(out, "{}", row.map(digits).join(","))?;
+        write!(out, "{}", row.map(digits).join(","))?;
+        if reaches(using) {
+            let [acceleration, jerk] = reach(file, using, place);
+            let cells = [acceleration[0], acceleration[1], jerk[0], jerk[1]];
+            write!(out, ",{}", cells.map(digits).join(","))?;
+        }
+        writeln!(out)?;
     }
     Ok(())
+}
+
+/// Whether the master does more than go at its velocity.
+pub fn reaches(using: &CamUse) -> bool {
+    using.master.acceleration != 0.0 || using.master.jerk != 0.0
+}
+
+/// Least and greatest acceleration and jerk of the slave at a place of the cam, with the master at its velocity and its
+/// acceleration and jerk anywhere between both signs: y″·v² ± |y′|·a and y‴·v³ ± (3·|y″|·v·a + |y′|·j).
+pub fn reach(file: &CamFile, using: &CamUse, place: f64) -> [[f64; 2]; 2] {
+    let found = file.cam.curve().at(place);
+    let [_, _, _, acceleration, jerk] = at(file, using, place);
+    let factors = using.factors();
+    let [v, a, j] = [using.master.velocity, using.master.acceleration, using.master.jerk]
+        .map(|value| (value * factors.master).abs());
+    let [first, second] =
+        [found.velocity, found.acceleration].map(|value| (value * factors.slave).abs());
+    let (pull, jolt) = (first * a, 3.0 * second * v * a + first * j);
+    [[acceleration - pull, acceleration + pull], [jerk - jolt, jerk + jolt]]
 }
 
 /// Master, slave, velocity, acceleration and jerk at a place of the cam, with the master at its velocity and its acceleration 0.

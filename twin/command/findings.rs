@@ -31,7 +31,8 @@ pub(super) fn findings(program: &ProgramFile, findings: &[Finding]) {
             let name = program.path().display().to_string();
             (Line { name, number: finding.line, text }, words)
         });
-        let shown = ShownFinding { finding, source, dialect: program.dialect() };
+        let others = finding.elsewhere.as_ref().map_or_else(Vec::new, |other| other.shown());
+        let shown = ShownFinding { finding, others, source, dialect: program.dialect() };
         let mut text = String::new();
         let handler = miette::GraphicalReportHandler::new_themed(theme()).with_links(false);
         if handler.render_report(&mut text, &shown).is_ok() {
@@ -162,6 +163,8 @@ impl SourceCode for Line {
 #[derive(Debug)]
 struct ShownFinding<'a> {
     finding: &'a Finding,
+    /// Problems of the file that is named there.
+    others: Vec<crate::machine::Shown>,
     /// The line and the words to underline.
     source: Option<(Line, Vec<Range<usize>>)>,
     /// In which words to speak of feeds.
@@ -212,6 +215,11 @@ impl Diagnostic for ShownFinding<'_> {
         let (_, words) = self.source.as_ref()?;
         let label = |word: &Range<usize>| LabeledSpan::new_with_span(None, word.clone());
         Some(Box::new(words.iter().map(label)))
+    }
+
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
+        let others = self.others.iter().map(|other| other as &dyn Diagnostic);
+        (!self.others.is_empty()).then(|| Box::new(others) as Box<dyn Iterator<Item = _>>)
     }
 }
 

@@ -1,15 +1,16 @@
 //! In which order axes are moved: a master before its slaves, so that these are where it is in the same cycle.
 
 use super::Call;
+use crate::ring;
 
 /// The axes, masters first, each with the numbers of its calls in the order of the file; of `calls` among `axes` axes.
 ///
 /// # Errors
-/// With an axis that follows itself by way of others.
+/// With a ring of axes that follow each other, from master to slave.
 pub(super) fn masters_first(
     calls: &[Call],
     axes: usize,
-) -> Result<Vec<(usize, Vec<usize>)>, usize> {
+) -> Result<Vec<(usize, Vec<usize>)>, Vec<usize>> {
     let couplings = || calls.iter().filter_map(|call| Some((call.master?, call.axis)));
     // How many masters in a row an axis has above it; in a ring it grows beyond the number of axes.
     let mut depths = vec![0usize; axes];
@@ -21,8 +22,8 @@ pub(super) fn masters_first(
             }
         }
     }
-    if let Some(axis) = depths.iter().position(|depth| *depth > axes) {
-        return Err(axis);
+    if depths.iter().any(|depth| *depth > axes) {
+        return Err(ring::find(&couplings().collect::<Vec<_>>()).unwrap_or_default());
     }
     let mut sorted: Vec<_> = depths.into_iter().zip(0..).collect();
     sorted.sort_unstable();

@@ -7,6 +7,7 @@ use super::values::Values;
 use super::{Begins, Call, Job, VirtualAxis, order};
 use crate::machine::section::{Section, parse};
 use crate::machine::{AxisKind, CamAxis, CamSelection, CoupledBy, Coupling, Machine, Problem};
+use crate::ring;
 use crate::tappets::{MOST_SIGNALS, Tracks};
 use std::path::Path;
 use twin_motion::axis::profile::RampType;
@@ -63,8 +64,11 @@ impl Reader<'_> {
         self.axes = machine.axes.iter().map(Known::of).collect();
         let virtual_axes = self.virtual_axes(root, duration.is_some());
         let starts = root.sections("start");
-        let starts: Vec<_> =
-            starts.into_iter().filter_map(|section| self.start(section, machine)).collect();
+        let mut said: Vec<(usize, f64)> = Vec::new();
+        for section in starts {
+            said.extend(self.start(section, machine, &said));
+        }
+        let starts = said;
         self.triggers = self.triggers(root);
         let sections = root.sections("blocks");
         if sections.is_empty() {
@@ -85,9 +89,13 @@ impl Reader<'_> {
         let calls: Vec<_> = standing.chain(written).collect();
         let order = match order::masters_first(&calls, self.axes.len()) {
             Ok(order) => order,
-            Err(axis) => {
-                let name = self.axes.get(axis).map_or("", |axis| &axis.name);
-                root.complain(format!("axis \"{name}\" follows itself, by way of its masters"));
+            Err(axes) => {
+                let name = |axis: usize| self.axes.get(axis).map_or("", |axis| axis.name.as_str());
+                let first = axes.first().map_or("", |axis| name(*axis));
+                let ring = ring::told(&axes, name);
+                root.complain(format!(
+                    "axis \"{first}\" follows itself, by way of its masters: {ring}"
+                ));
                 return None;
             }
         };
@@ -172,7 +180,13 @@ impl Reader<'_> {
         found
     }
 
-    fn start(&self, section: Section<'_>, machine: &Machine) -> Option<(usize, f64)> {
+    /// `said` are those before it.
+    fn start(
+        &self,
+        section: Section<'_>,
+        machine: &Machine,
+        said: &[(usize, f64)],
+    ) -> Option<(usize, f64)> {
         let Some((axis, known)) = self.axis(&section, "axis") else {
             section.accept_all();
             return None;
@@ -181,6 +195,10 @@ impl Reader<'_> {
         let position = section.required_number(&key, -FAR..=FAR);
         if axis >= machine.axes.len() {
             let message = "where a virtual axis starts is said in [[virtual_axes]]".to_owned();
+            section.complain_at("axis", message);
+        }
+        if said.iter().any(|(other, _)| *other == axis) {
+            let message = format!("two [[start]] say where axis \"{}\" starts", known.name);
             section.complain_at("axis", message);
         }
         section.finish();

@@ -368,7 +368,7 @@ fn start(machine: &Machine, said: &[(usize, f64)]) -> Result<Vec<f64>, Box<Findi
 
 /// What is wrong with the file, as a finding.
 fn finding(text: &str, problem: &Problem) -> Finding {
-    let Problem { span, message, help } = problem;
+    let Problem { span, message, help, elsewhere } = problem;
     let before = text.get(..span.start).unwrap_or_default();
     let line = u32::try_from(before.matches('\n').count() + 1).unwrap_or(u32::MAX);
     let begin = before.rfind('\n').map_or(0, |end| end + 1);
@@ -378,6 +378,7 @@ fn finding(text: &str, problem: &Problem) -> Finding {
     let place = Place { line, block: None };
     let mut finding = Finding::error(Rule::Syntax, place, message.clone());
     finding.hint.clone_from(help);
+    finding.elsewhere.clone_from(elsewhere);
     finding.columns = Some(column..end);
     finding
 }

@@ -333,6 +333,23 @@ fn mistakes_are_told_with_their_lines() {
             "follows itself",
         ),
         (
+            "[[blocks]]\nblock = \"MC_GearIn\"\naxis = \"Z\"\nmaster = \"Y\"\nratio_numerator = 1\n[[blocks]]\n\
+             block = \"MC_GearIn\"\naxis = \"Y\"\nmaster = \"Z\"\nratio_numerator = 1\n",
+            1,
+            "axis \"Y\" follows itself, by way of its masters: Y -> Z -> Y",
+        ),
+        (
+            "[[blocks]]\nblock = \"MC_GearIn\"\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 0\n",
+            5,
+            "`ratio_numerator` is 0: the slave would never move",
+        ),
+        (
+            "[[start]]\naxis = \"X\"\nposition_mm = 1\n[[start]]\naxis = \"X\"\nposition_mm = 2\n\
+             [[blocks]]\nblock = \"MC_Halt\"\naxis = \"X\"\n",
+            5,
+            "two [[start]] say where axis \"X\" starts",
+        ),
+        (
             "[[blocks]]\nblock = \"MC_CamIn\"\naxis = \"X\"\nmaster = \"Y\"\ncam = \"none.cam\"\n",
             5,
             "none.cam",

@@ -1,9 +1,11 @@
 //! `[[gears]]` and `[[cams]]`: axes that follow others from the beginning of every program (`MC_GearIn`, `MC_CamIn`, manual 5.4).
 
 use super::axis::{Axis, AxisKind};
+use super::problem::{Elsewhere, MachineFileError};
 use super::section::Section;
 use crate::cam::check::unit_fits;
 use crate::cam::{CamFile, CamFileError, START_MODES};
+use crate::ring;
 use crate::tappets::MOST_SIGNALS;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -100,9 +102,14 @@ pub(super) fn read(
         ));
         whole = false;
     }
+    let pairs: Vec<_> = found.iter().map(|one| (one.master, one.axis)).collect();
     let sorted = masters_first(found);
     if sorted.is_none() {
-        root.complain("axes of [[gears]] and [[cams]] follow each other in a ring".to_owned());
+        let ring = ring::find(&pairs).unwrap_or_default();
+        let names = ring::told(&ring, |axis| axes.get(axis).map_or("", |axis| &axis.name));
+        root.complain(format!(
+            "axes of [[gears]] and [[cams]] follow each other in a ring: {names}"
+        ));
     }
     sorted.filter(|_| whole)
 }
@@ -164,12 +171,17 @@ fn masters_first(mut left: Vec<Coupling>) -> Option<Vec<Coupling>> {
     Some(sorted)
 }
 
-/// `ratio_numerator` and `ratio_denominator` (1 if absent, and at least 1).
+/// `ratio_numerator` (not 0) and `ratio_denominator` (1 if absent, and at least 1).
 pub(crate) fn read_ratio(section: &Section<'_>) -> Option<(i32, i32)> {
     let most = i64::from(i32::MAX);
     let numerator = section.required_integer("ratio_numerator", -most..=most);
     let denominator = section.integer("ratio_denominator", 1..=most);
     if section.has("ratio_denominator") && denominator.is_none() {
+        return None;
+    }
+    if numerator == Some(0) {
+        let message = "`ratio_numerator` is 0: the slave would never move; it must not be 0";
+        section.complain_at("ratio_numerator", message.to_owned());
         return None;
     }
     let denominator = denominator.unwrap_or(1);
@@ -204,7 +216,7 @@ pub(crate) fn read_cam(
     let file = section.required_text("cam").and_then(|name| {
         let path = path.parent().unwrap_or(Path::new("")).join(name);
         let file = CamFile::load(&path, between);
-        let file = file.map_err(|error| section.complain_at("cam", told(&path, &error))).ok()?;
+        let file = file.map_err(|error| complain(section, &path, error)).ok()?;
         for (which, scale, axis) in
             [("slave", &file.slave, slave_axis), ("master", &file.master, master_axis)]
         {
@@ -252,15 +264,18 @@ pub(crate) fn read_cam(
     Some(CamSelection { table, input })
 }
 
-/// What is wrong with a cam's file, in a line.
-fn told(path: &Path, error: &CamFileError) -> String {
+/// What is wrong with a cam's file: in a line, and, where its lines are known, with these.
+fn complain(section: &Section<'_>, path: &Path, error: CamFileError) {
     let said = error.to_string();
     let named = path.display().to_string();
+    if let CamFileError::Toml(MachineFileError::Content { path, text, problems, .. }) = error {
+        let elsewhere = Elsewhere { path, text, problems };
+        section.complain_elsewhere("cam", elsewhere);
+        return;
+    }
     // SMC_RCAM_FILE_DOESNT_EXIST (manual 9.3): what cannot be opened is told as SMC_ReadCAM would.
     let number = if matches!(error, CamFileError::Read { .. }) { " (error 2200)" } else { "" };
-    if said.contains(&named) {
-        format!("{said}{number}")
-    } else {
-        format!("{named}: {said}{number}")
-    }
+    let said = if said.contains(&named) { said } else { format!("{named}: {said}") };
+    let message = format!("{said}{number}");
+    section.complain_at("cam", message);
 }

@@ -31,7 +31,8 @@ pub use direction::DirectionRule;
 use drives::Seen;
 pub use drives::{Bim2AxEntry, DeviceEntry, DriveFamily, InterpCncEntry, Parity, SmartDriveEntry};
 pub use limits::{AxisLimit, PathLimits, VelocityLimit, VelocityLimits, VelocitySource};
-pub use problem::{MachineFileError, Problem};
+pub(crate) use problem::Shown;
+pub use problem::{Elsewhere, MachineFileError, Problem};
 pub use refusal::SimulationError;
 pub use scenario::{FaultAt, FaultKind, FaultStart, Scenario};
 pub use simulated::{

@@ -4,6 +4,7 @@ use miette::{Diagnostic, LabeledSpan, NamedSource, Severity, SourceCode};
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// One thing wrong, and where in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -14,6 +15,45 @@ pub struct Problem {
     pub message: String,
     /// What would be right, where that can be guessed.
     pub help: Option<String>,
+    /// What is wrong with the file that is named here.
+    pub elsewhere: Option<Arc<Elsewhere>>,
+}
+
+/// What is wrong with a file that another one names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Elsewhere {
+    /// The file.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+    /// Everything that is wrong with it, in file order.
+    pub problems: Vec<Problem>,
+}
+
+impl Elsewhere {
+    /// A diagnostic for every problem, with its line.
+    pub(crate) fn shown(&self) -> Vec<Shown> {
+        self.problems.iter().map(|problem| shown(&self.path, &self.text, problem)).collect()
+    }
+}
+
+impl fmt::Display for Elsewhere {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.path.display())?;
+        for (index, problem) in self.problems.iter().enumerate() {
+            let before = self.text.get(..problem.span.start).unwrap_or_default();
+            let line = before.matches('\n').count() + 1;
+            let parting = if index == 0 { ":" } else { ";" };
+            write!(f, "{parting} line {line}: {}", problem.message)?;
+        }
+        Ok(())
+    }
+}
+
+fn shown(path: &Path, text: &str, problem: &Problem) -> Shown {
+    let source = NamedSource::new(path.display().to_string(), text.to_owned());
+    let others = problem.elsewhere.as_ref().map_or_else(Vec::new, |elsewhere| elsewhere.shown());
+    Shown { problem: problem.clone(), source, others }
 }
 
 /// Why a machine file, or a scenario for one, cannot be used.
@@ -49,11 +89,8 @@ impl MachineFileError {
         match self {
             Self::Read { .. } => vec![miette::Report::msg(self.to_string())],
             Self::Content { path, text, problems, .. } => problems
-                .into_iter()
-                .map(|problem| {
-                    let source = NamedSource::new(path.display().to_string(), text.clone());
-                    miette::Report::new(Shown { problem, source })
-                })
+                .iter()
+                .map(|problem| miette::Report::new(shown(&path, &text, problem)))
                 .collect(),
         }
     }
@@ -61,9 +98,11 @@ impl MachineFileError {
 
 /// A problem together with the text it is about.
 #[derive(Debug)]
-struct Shown {
+pub(crate) struct Shown {
     problem: Problem,
     source: NamedSource<String>,
+    /// Problems of the file that is named here.
+    others: Vec<Shown>,
 }
 
 impl fmt::Display for Shown {
@@ -90,6 +129,11 @@ impl Diagnostic for Shown {
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let label = LabeledSpan::new_with_span(Some("here".to_owned()), self.problem.span.clone());
         Some(Box::new(std::iter::once(label)))
+    }
+
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
+        let others = self.others.iter().map(|other| other as &dyn Diagnostic);
+        (!self.others.is_empty()).then(|| Box::new(others) as Box<dyn Iterator<Item = _>>)
     }
 }
 

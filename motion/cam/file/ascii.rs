@@ -66,7 +66,7 @@ pub enum AsciiError {
 const COLUMNS: [&str; 4] = ["master", "slave", "velocity", "acceleration"];
 
 /// Writes `points` positions of a curve, both ends included, one to a line that ends with CR LF (manual 4.4.3). The numbers
-/// are the shortest that read back as they were. Less than 2 points are 2.
+/// are the shortest that read back as they were, without the last digits of rounding. Less than 2 points are 2.
 ///
 /// # Errors
 /// If they cannot be written.
@@ -76,10 +76,22 @@ pub fn write_ascii(curve: &Curve, points: usize, mut writer: impl Write) -> io::
         #[expect(clippy::cast_precision_loss, reason = "nobody writes 2^53 points")]
         let share = index as f64 / last as f64;
         let inside = curve.start() + (curve.end() - curve.start()) * share;
-        let master = if index == last { curve.end() } else { inside };
-        write!(writer, "{master};{}\r\n", curve.at(master).position)?;
+        let master = if index == last { curve.end() } else { clean(inside) };
+        // A cam that comes back does so to the last digit.
+        let slave = if index == last {
+            curve.at(curve.start()).position + curve.rise()
+        } else {
+            curve.at(master).position
+        };
+        write!(writer, "{master};{}\r\n", clean(slave))?;
     }
     writer.flush()
+}
+
+/// A number of twelve digits or less if that is what it is but for rounding, 0.3 for 0.30000000000000004; else as it is.
+pub fn clean(value: f64) -> f64 {
+    let short: f64 = format!("{value:.11e}").parse().unwrap_or(value);
+    if (short - value).abs() <= 8.0 * f64::EPSILON * value.abs() { short } else { value }
 }
 
 /// Reads positions of master and slave, a point to a line, and sorts them by their masters. Columns are parted by `;` or

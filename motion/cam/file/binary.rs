@@ -4,27 +4,48 @@ use super::super::knot::Knot;
 use super::super::reference::{Cam, Shape};
 use super::super::table::{Equidistant, Interpolation, PairTable, TableScale, VariableType};
 use super::super::tappet::{Action, Passage, Tappet};
+use super::beside::{self, Beside};
 use super::{CamReadError, CamWriteError, MAX_ELEMENTS, MAX_TAPPETS};
 use std::io::{ErrorKind, Read, Write};
 
-/// The version of the layout.
+/// The version of the layout of a cam alone: 1.0, the minor one in the upper byte.
 pub const VERSION: u16 = 1;
+
+/// The version with what stands beside the cam: 1.1. Its number is two bits from that of 1.0, so that one wrong bit never
+/// makes one of the other.
+pub const VERSION_BESIDE: u16 = 0x0301;
 
 /// The first bytes of a file. One is no text and the line ends are of both kinds, so that a file that was taken for
 /// text on its way is found out at once.
 const MAGIC: [u8; 8] = *b"\x95CAM\r\n\x1a\n";
 const HEADER_BYTES: usize = 20;
 /// The longest name, bytes.
-const MAX_NAME: u32 = 255;
-/// A name, elements and tappets, as many as there may be.
-const MAX_PAYLOAD: u32 = 1024 + 32 * MAX_ELEMENTS + 28 * MAX_TAPPETS;
+pub(super) const MAX_NAME: u32 = 255;
+/// A name, points, elements and tappets, as many as there may be, and what else stands beside them.
+const MAX_PAYLOAD: u32 = 2048 + (32 + 33) * MAX_ELEMENTS + 28 * MAX_TAPPETS;
 
 /// Writes a cam (`SMC_WriteCAM`, manual 10.3).
 ///
 /// # Errors
 /// [`CamWriteError`] if it cannot be written or is larger than a file may be.
 #[doc(alias = "SMC_WriteCAM")]
-pub fn write(cam: &Cam, mut writer: impl Write) -> Result<(), CamWriteError> {
+pub fn write(cam: &Cam, writer: impl Write) -> Result<(), CamWriteError> {
+    write_as(cam, None, writer)
+}
+
+/// Writes a cam with what is known beside it (version 1.1).
+///
+/// # Errors
+/// As [`write`].
+pub fn write_beside(cam: &Cam, beside: &Beside, writer: impl Write) -> Result<(), CamWriteError> {
+    write_as(cam, Some(beside), writer)
+}
+
+fn write_as(
+    cam: &Cam,
+    beside: Option<&Beside>,
+    mut writer: impl Write,
+) -> Result<(), CamWriteError> {
     let mut payload = Payload::default();
     payload.count("bytes of the name", cam.name().len(), MAX_NAME)?;
     payload.0.extend(cam.name().as_bytes());
@@ -57,10 +78,14 @@ pub fn write(cam: &Cam, mut writer: impl Write) -> Result<(), CamWriteError> {
     for tappet in cam.tappets() {
         payload.tappet(tappet);
     }
+    if let Some(beside) = beside {
+        beside::write(beside, &mut payload)?;
+    }
+    let version = if beside.is_some() { VERSION_BESIDE } else { VERSION };
     let Payload(payload) = payload;
     let mut header = Vec::with_capacity(HEADER_BYTES);
     header.extend(MAGIC);
-    header.extend(VERSION.to_le_bytes());
+    header.extend(version.to_le_bytes());
     header.extend([cam.shape().number(), u8::from(periodic)]);
     let length = u32::try_from(payload.len()).ok().filter(|length| *length <= MAX_PAYLOAD);
     let length = length.ok_or_else(|| CamWriteError::TooMany {
@@ -78,10 +103,10 @@ pub fn write(cam: &Cam, mut writer: impl Write) -> Result<(), CamWriteError> {
 }
 
 #[derive(Default)]
-struct Payload(Vec<u8>);
+pub(super) struct Payload(pub(super) Vec<u8>);
 
 impl Payload {
-    fn count(
+    pub(super) fn count(
         &mut self,
         field: &'static str,
         value: usize,
@@ -94,7 +119,7 @@ impl Payload {
         Ok(())
     }
 
-    fn numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
+    pub(super) fn numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
         self.0.extend(numbers.into_iter().flat_map(f64::to_le_bytes));
     }
 
@@ -129,6 +154,14 @@ impl Payload {
 /// [`CamReadError`] if it cannot be read, is damaged, or describes no cam.
 #[doc(alias = "SMC_ReadCAM")]
 pub fn read(reader: impl Read) -> Result<Cam, CamReadError> {
+    Ok(read_beside(reader)?.0)
+}
+
+/// Reads a cam with what is known beside it; none of files of version 1.0.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_beside(reader: impl Read) -> Result<(Cam, Option<Beside>), CamReadError> {
     let mut source = Source { reader, offset: 0 };
     let mut header = [0; HEADER_BYTES];
     let begun = source.fill(&mut header);
@@ -141,7 +174,7 @@ pub fn read(reader: impl Read) -> Result<Cam, CamReadError> {
     begun?;
     let [_, _, _, _, _, _, _, _, low, high, kind, flags, l0, l1, l2, l3, sum @ ..] = header;
     let version = u16::from_le_bytes([low, high]);
-    if version != VERSION {
+    if version != VERSION && version != VERSION_BESIDE {
         return Err(CamReadError::Version { version });
     }
     let [covered @ .., _, _, _, _] = &header;
@@ -178,8 +211,12 @@ pub fn read(reader: impl Read) -> Result<Cam, CamReadError> {
     }
     let mut content = Content { rest: &payload, length: payload.len() };
     let cam = content.cam(kind, flags == 1)?;
+    let beside = match version {
+        VERSION_BESIDE => Some(beside::read(&mut content, &cam)?),
+        _ => None,
+    };
     if content.rest.is_empty() {
-        Ok(cam)
+        Ok((cam, beside))
     } else {
         Err(CamReadError::Trailing { offset: content.offset() })
     }
@@ -208,17 +245,17 @@ impl<R: Read> Source<R> {
 }
 
 /// A payload whose checksum is right; what it says may still be nonsense.
-struct Content<'a> {
+pub(super) struct Content<'a> {
     rest: &'a [u8],
     length: usize,
 }
 
 impl Content<'_> {
-    fn offset(&self) -> u64 {
+    pub(super) fn offset(&self) -> u64 {
         (HEADER_BYTES + self.length - self.rest.len()) as u64
     }
 
-    fn array<const N: usize>(&mut self) -> Result<[u8; N], CamReadError> {
+    pub(super) fn array<const N: usize>(&mut self) -> Result<[u8; N], CamReadError> {
         let Some((bytes, rest)) = self.rest.split_first_chunk::<N>() else {
             return Err(CamReadError::Truncated { offset: self.offset() });
         };
@@ -230,7 +267,7 @@ impl Content<'_> {
         Ok(f64::from_le_bytes(self.array()?))
     }
 
-    fn numbers<const N: usize>(&mut self) -> Result<[f64; N], CamReadError> {
+    pub(super) fn numbers<const N: usize>(&mut self) -> Result<[f64; N], CamReadError> {
         let mut numbers = [0.0; N];
         for number in &mut numbers {
             *number = self.number()?;
@@ -238,7 +275,7 @@ impl Content<'_> {
         Ok(numbers)
     }
 
-    fn unknown<T>(
+    pub(super) fn unknown<T>(
         &self,
         field: &'static str,
         value: u64,
@@ -252,7 +289,7 @@ impl Content<'_> {
         Ok(TableScale { min, max, table_min, table_max })
     }
 
-    fn list<T>(
+    pub(super) fn list<T>(
         &mut self,
         field: &'static str,
         limit: u32,
@@ -267,14 +304,31 @@ impl Content<'_> {
         (0..count).map(|_| item(self)).collect()
     }
 
-    fn cam(&mut self, kind: u8, periodic: bool) -> Result<Cam, CamReadError> {
-        let name = self.list("bytes of the name", MAX_NAME, Self::array::<1>)?;
-        let name: Vec<u8> = name.into_iter().flatten().collect();
-        let name = String::from_utf8(name).map_err(|error| CamReadError::Unknown {
-            offset: (HEADER_BYTES + 4 + error.utf8_error().valid_up_to()) as u64,
+    /// A byte that is 0 or 1.
+    pub(super) fn flag(&mut self) -> Result<bool, CamReadError> {
+        let [flag] = self.array()?;
+        self.unknown("flag", flag.into(), (flag <= 1).then_some(flag == 1))
+    }
+
+    /// Length in bytes, and UTF-8.
+    pub(super) fn text(&mut self, field: &'static str) -> Result<String, CamReadError> {
+        let begin = self.offset() + 4;
+        let bytes = self.list(field, MAX_NAME, Self::array::<1>)?;
+        let bytes: Vec<u8> = bytes.into_iter().flatten().collect();
+        String::from_utf8(bytes).map_err(|error| CamReadError::Unknown {
+            offset: begin + error.utf8_error().valid_up_to() as u64,
             field: "UTF-8",
             value: 0,
-        })?;
+        })
+    }
+
+    /// A number, read just before, that cannot be.
+    pub(super) fn wrong(&self, field: &'static str, value: f64) -> CamReadError {
+        CamReadError::NoNumber { offset: self.offset(), field, value }
+    }
+
+    fn cam(&mut self, kind: u8, periodic: bool) -> Result<Cam, CamReadError> {
+        let name = self.text("bytes of the name")?;
         let shape = match kind {
             1 => {
                 let (variable, interpolation) = self.table()?;

@@ -21,7 +21,10 @@ pub enum CamReadError {
         offset: u64,
     },
     /// It is of another version.
-    #[error("version {version} of cam files is not known, {} is (error 2203)", super::VERSION)]
+    #[error(
+        "version {}.{} of cam files is not known, 1.0 and 1.1 are (error 2203)",
+        .version & 0xff, .version >> 8
+    )]
     Version {
         /// Its version.
         version: u16,
@@ -62,6 +65,22 @@ pub enum CamReadError {
         /// What it is.
         value: u64,
     },
+    /// A number that cannot be stands before this place.
+    #[error("byte {offset}: before it {value} stands as {field}")]
+    NoNumber {
+        /// Behind it.
+        offset: u64,
+        /// What it should be.
+        field: &'static str,
+        /// The number.
+        value: f64,
+    },
+    /// The elements make another curve than the cam's points.
+    #[error("byte {offset}: the elements before it are not those of the cam")]
+    OtherElements {
+        /// Where what stands beside the cam ends.
+        offset: u64,
+    },
     /// There is more than a cam may have.
     #[error("byte {offset}: {value} {field} are more than {limit} (error 2201)")]
     TooMany {
@@ -92,6 +111,8 @@ impl CamReadError {
             | Self::Checksum { .. }
             | Self::Trailing { .. }
             | Self::Unknown { .. }
+            | Self::NoNumber { .. }
+            | Self::OtherElements { .. }
             | Self::Cam(_) => None,
         }
     }

@@ -14,17 +14,30 @@
 //! end       4  u32 CRC-32 of the payload
 //! ```
 //!
+//! Version 1.0 ends the payload with the tappets. Version 1.1 goes on with what is known beside the cam ([`Beside`]):
+//!
+//! ```text
+//! beside       u8 kind (1 cam, 2 tappets only) · u8 put end to end · scale of the master · scale of the slave · u8 1 and the
+//!              period, or 0 · u8 1 and elements, or 0 · 9 numbers of the coupling · u8 start mode · u8 1 and 4 numbers, or 0
+//!   scale      min · max · step · unit as the name
+//!   elements   u32 number of them · per element u8 1 point and X, Y, V, A, or 2 line and X, Y of both ends
+//!   coupling   MasterOffset, MasterScaling, SlaveOffset, SlaveScaling, VelocityDiff, Acceleration, Deceleration,
+//!              TappetHysteresis, DeadTimeCompensation; the 4 are offsets and scalings that are wanted, master first
+//! ```
+//!
 //! Nothing follows. So a file that is cut anywhere, has one byte more or less, or one bit changed, is told from a whole
 //! one, and nothing is read from it.
 
 mod ascii;
+mod beside;
 mod binary;
 mod error;
 mod text;
 mod text_writer;
 
-pub use ascii::{AsciiError, MAX_LINES, read_ascii, read_knots, reduce, write_ascii};
-pub use binary::{VERSION, read, write};
+pub use ascii::{AsciiError, MAX_LINES, clean, read_ascii, read_knots, reduce, write_ascii};
+pub use beside::Beside;
+pub use binary::{VERSION, VERSION_BESIDE, read, read_beside, write, write_beside};
 pub use error::{CamReadError, CamWriteError};
 pub use text::{TextError, read_text};
 pub use text_writer::write_text;

@@ -26,6 +26,40 @@ fn extremes_of_the_rest_to_rest_quintic() {
     );
 }
 
+/// With the master at v, a and j either way: y‴ is 60·h/w³ at both ends and −30·h/w³ in the middle, where y″ is 0 and y′
+/// 15/8·h/w; the least jerk of the slave is not its greatest with the other sign.
+#[test]
+fn jerks_have_a_least_and_a_greatest() {
+    let (h, w, v, j) = (100.0, 180.0_f64, 40.0_f64, 5000.0);
+    let still = MasterMotion { velocity: v, acceleration: 0.0, jerk: 0.0 };
+    let found = rest_to_rest().bounds(&still, Factors::default()).jerk;
+    let unit = h / w.powi(3) * v.powi(3);
+    assert!((found.max - 60.0 * unit).abs() < 1e-12 && (found.min + 30.0 * unit).abs() < 1e-12);
+    assert!((found.at_min - 90.0).abs() < 1e-6);
+    // Backwards, as far below as above before.
+    let found = rest_to_rest().bounds(&still, Factors { master: -1.0, slave: 1.0 }).jerk;
+    assert!((found.max - 30.0 * unit).abs() < 1e-12 && (found.min + 60.0 * unit).abs() < 1e-12);
+    // The jerk of the master counts where the slave is fastest: so much that nothing else does.
+    let jolted = MasterMotion { jerk: j, ..still };
+    let found = rest_to_rest().bounds(&jolted, Factors::default()).jerk;
+    let middle = -30.0 * unit - 15.0 / 8.0 * h / w * j;
+    assert!((found.min / middle - 1.0).abs() < 1e-12 && (found.at_min - 90.0).abs() < 1e-6);
+    assert!(found.max < -middle && found.max > 0.0);
+}
+
+/// What is left where a pass ends: y′ and y″ there, and nothing where the curve comes to rest.
+#[test]
+fn what_stops_where_a_pass_ends() {
+    assert_eq!(rest_to_rest().stop_jumps(false), [None, None]);
+    let end = Knot { master: 90.0, slave: 50.0, velocity: 1.5, acceleration: -0.25 };
+    let cam = curve(&[Knot::at_rest(0.0, 0.0), end]);
+    let [velocity, acceleration] = cam.stop_jumps(false).map(|jump| jump.expect("a jump"));
+    assert!((velocity.by + 1.5).abs() < 1e-12 && (acceleration.by - 0.25).abs() < 1e-12);
+    assert_eq!((velocity.master, acceleration.master), (90.0, 90.0));
+    // Backwards it ends where it is at rest.
+    assert_eq!(cam.stop_jumps(true), [None, None]);
+}
+
 #[test]
 fn largest_velocities_in_closed_form() {
     let cam = rest_to_rest();
@@ -118,15 +152,17 @@ proptest! {
     fn bounds_are_exact(knots in knots(), master in motion(), factors in factors()) {
         let cam = curve(&knots);
         let found = cam.bounds(&master, factors);
-        let mut sampled = [(f64::INFINITY, f64::NEG_INFINITY); 3];
+        let mut sampled = [(f64::INFINITY, f64::NEG_INFINITY); 4];
         for x in samples(&cam, 200) {
             let d = cam.at(x);
             let v = master.velocity * factors.master;
             let a = master.acceleration * factors.master;
+            let jolt = (3.0 * d.acceleration * v * a).abs() + (d.velocity * master.jerk * factors.master).abs();
             let values = [
                 (d.position, d.position),
                 (d.velocity * v, d.velocity * v),
                 (d.acceleration * v * v + d.velocity * a, d.acceleration * v * v - d.velocity * a),
+                (d.jerk * v * v * v + jolt, d.jerk * v * v * v - jolt),
             ];
             for (range, (one, other)) in sampled.iter_mut().zip(values) {
                 for value in [one * factors.slave, other * factors.slave] {
@@ -134,9 +170,15 @@ proptest! {
                 }
             }
         }
-        for (range, (min, max)) in [found.position, found.velocity, found.acceleration].iter().zip(sampled) {
+        let all = [found.position, found.velocity, found.acceleration, found.jerk];
+        for (index, (range, (min, max))) in all.iter().zip(sampled).enumerate() {
             let size = range.magnitude();
             prop_assert!(min >= range.min - 1e-9 * size && max <= range.max + 1e-9 * size);
+            if index == 3 {
+                // Jerks jump between pieces, and have kinks: as near as a step of 1/200 of a piece comes.
+                prop_assert!(range.max - max <= 5e-2 * size && min - range.min <= 5e-2 * size, "{range:?} {min} {max}");
+                continue;
+            }
             // Half a step from a smooth extreme of at most degree 5.
             prop_assert!(range.max - max <= 2e-3 * size && min - range.min <= 2e-3 * size, "{range:?} {min} {max}");
         }

@@ -2,12 +2,13 @@
 
 use super::{curve, knots};
 use crate::cam::file::{
-    AsciiError, CamReadError, CamWriteError, MAX_ELEMENTS, TextError, read, read_ascii, read_knots,
-    read_text, reduce, write, write_ascii, write_text,
+    AsciiError, Beside, CamReadError, CamWriteError, MAX_ELEMENTS, TextError, clean, read,
+    read_ascii, read_beside, read_knots, read_text, reduce, write, write_ascii, write_beside,
+    write_text,
 };
 use crate::cam::{
-    Action, Cam, CamError, Compile, Element, Equidistant, Interpolation, Kind, Knot, PairTable,
-    Passage, Scale, Shape, TableScale, Tappet, VariableType,
+    Action, Cam, CamError, CamInput, Compile, Element, Equidistant, Interpolation, Kind, Knot,
+    PairTable, Passage, Scale, Shape, Source, StartMode, TableScale, Tappet, VariableType,
 };
 use proptest::prelude::*;
 
@@ -65,6 +66,103 @@ fn bytes(cam: &Cam) -> Vec<u8> {
 fn cams_come_back() {
     for cam in cams() {
         assert_eq!(read(bytes(&cam).as_slice()).expect("a cam"), cam);
+    }
+}
+
+/// Everything that TOML knows: a line, units, period, coupling; and a table's.
+fn besides() -> Vec<(Cam, Beside)> {
+    let mut source = Source::new("lift");
+    source.slave.unit = "mm".to_owned();
+    source.period = Some(100.0);
+    source.insert_point(0.0, 0.0);
+    source.insert_line([100.0, 40.0], [200.0, 90.0]);
+    source.insert_point(360.0, 0.0);
+    let cam = source.compile(Compile::Polynomial).expect("a cam");
+    let input = CamInput {
+        master_offset: -12.5,
+        slave_scaling: 0.3,
+        start_mode: StartMode::RampInNegative,
+        velocity_difference: 7.0,
+        tappet_dead_time_s: -0.004,
+        ..CamInput::default()
+    };
+    let of_source = Beside {
+        kind: source.kind,
+        master: source.master.clone(),
+        slave: source.slave.clone(),
+        period: source.period,
+        repeated: true,
+        elements: Some(source.elements.clone()),
+        input,
+        wanted: Some([1.0, 2.0, 3.0, 4.0]),
+    };
+    let of_table =
+        Beside { period: None, repeated: false, elements: None, wanted: None, ..of_source.clone() };
+    vec![(cam, of_source), (cams()[1].clone(), of_table)]
+}
+
+fn bytes_beside(cam: &Cam, beside: &Beside) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write_beside(cam, beside, &mut bytes).expect("written");
+    bytes
+}
+
+/// Version 1.1 holds what stands beside the cam; files of version 1.0 are read as ever, byte for byte what they were.
+#[test]
+fn what_stands_beside_comes_back() {
+    for (cam, beside) in besides() {
+        let whole = bytes_beside(&cam, &beside);
+        assert_eq!(&whole[8..10], [1, 3]);
+        let found = read_beside(whole.as_slice()).expect("a cam");
+        assert_eq!(found, (cam.clone(), Some(beside)));
+        // Who asks for the cam alone gets it.
+        assert_eq!(read(whole.as_slice()).expect("a cam"), cam);
+        let old = bytes(&cam);
+        assert_eq!(&old[8..10], [1, 0]);
+        assert_eq!(read_beside(old.as_slice()).expect("a cam"), (cam, None));
+        for length in 0..whole.len() {
+            let error = read_beside(&whole[..length]).expect_err("cut");
+            assert!(matches!(error, CamReadError::Truncated { .. }), "{length}: {error}");
+        }
+        for bit in 0..whole.len() * 8 {
+            let mut damaged = whole.clone();
+            damaged[bit / 8] ^= 1 << (bit % 8);
+            assert!(read_beside(damaged.as_slice()).is_err(), "bit {bit}");
+        }
+    }
+}
+
+/// Elements of another curve, and numbers that cannot be, with right checksums.
+#[test]
+fn nonsense_beside_a_cam_is_refused() {
+    let (cam, beside) = besides().swap_remove(0);
+    let refused = |beside: Beside| {
+        read_beside(bytes_beside(&cam, &beside).as_slice()).expect_err("nonsense").to_string()
+    };
+    let mut other = beside.clone();
+    other.elements.as_mut().expect("elements")[1] =
+        Element::Line { from: [100.0, 40.0], to: [200.0, 91.0] };
+    assert!(refused(other).contains("are not those of the cam"));
+    let mut other = beside.clone();
+    other.input.slave_scaling = 0.0;
+    assert!(refused(other).contains("0 stands as scaling"));
+    let mut other = beside.clone();
+    other.input.acceleration = -1.0;
+    assert!(refused(other).contains("-1 stands as input of MC_CamIn"));
+    let mut other = beside.clone();
+    other.master.max = other.master.min;
+    assert!(refused(other).contains("end of a scale"));
+    let other = Beside { period: Some(f64::NAN), ..beside };
+    assert!(refused(other).contains("period"));
+}
+
+/// 0.1 · 3 is 0.30000000000000004; a third stays a third.
+#[test]
+fn numbers_are_clean() {
+    assert_eq!(clean(0.1 * 3.0).to_bits(), 0.3_f64.to_bits());
+    assert_eq!(clean(10.351_562_500_000_002).to_string(), "10.3515625");
+    for value in [1.0 / 3.0, 0.0, -2.5e-300, 1e300 / 7.0, 0.123_456_789_012_3] {
+        assert_eq!(clean(value).to_bits(), value.to_bits());
     }
 }
 

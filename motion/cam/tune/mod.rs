@@ -6,9 +6,11 @@
 //! not say what is asked for, or contradict it, are refused.
 
 mod along;
+mod chance;
 mod dead_time;
 mod fit;
 mod ramp_in;
+mod ramp_wish;
 mod reshape;
 mod student;
 #[cfg(test)]
@@ -84,6 +86,35 @@ pub enum FitError {
         /// The other one.
         other: f64,
     },
+    /// The master does not move.
+    #[error("the master stands at {} in all {samples} samples: nothing tells {}", Short(*.master), .unknowns.join(" and "))]
+    Still {
+        /// Where, u.
+        master: f64,
+        /// How many there are.
+        samples: usize,
+        /// What was to be found.
+        unknowns: Vec<&'static str>,
+    },
+    /// The slave does not move: the run shows a dwell of the cam alone.
+    #[error(
+        "the slave rests in all of the run (it moves {}, the cam {}): a dwell does not tell {}",
+        Short(*.moved), Short(*.height), .unknowns.join(" and ")
+    )]
+    Resting {
+        /// How far the slave moves, u.
+        moved: f64,
+        /// How far it moves on the cam, u.
+        height: f64,
+        /// What was to be found.
+        unknowns: Vec<&'static str>,
+    },
+    /// Some samples have nothing to do with the others.
+    #[error("{}", said_of_outliers(.outliers))]
+    Outliers {
+        /// Which, from 1, and how far the slave is from where the others have it, u.
+        outliers: Vec<(usize, f64)>,
+    },
     /// The model does not describe the data.
     #[error("the data do not follow the cam: {} are left over of a spread of {}", Short(*.rms), Short(*.spread))]
     Unexplained {
@@ -98,4 +129,12 @@ pub enum FitError {
         /// How many times larger than by chance the difference is.
         f: f64,
     },
+}
+
+fn said_of_outliers(outliers: &[(usize, f64)]) -> String {
+    let each = outliers.iter().map(|(index, by)| format!("{index} (by {})", Short(*by)));
+    format!(
+        "the slave is far from where the other samples have it in sample {}",
+        each.collect::<Vec<_>>().join(", ")
+    )
 }

@@ -10,94 +10,13 @@
 //! long as that is better; whether it is, and keeps the limits, is always found exactly.
 
 use super::super::bridge::Bridge;
-use super::super::coupling::{AxisState, CamCoupling, CouplingError};
+use super::super::coupling::CamCoupling;
 use super::super::curve::{Curve, CurveExtremes, Range};
-use super::super::polynomial::{Coefficients, Extremes, extremes};
-use super::super::selection::{CamInput, CamTable, StartMode};
+use super::super::polynomial::{Coefficients, Extremes, extremes, value};
+use super::super::selection::{CamInput, StartMode};
 use super::along::{along, extremes_along};
+pub use super::ramp_wish::{RampError, RampGoal, RampIn, RampWish};
 use crate::cam::SlaveLimits;
-use crate::short::Short;
-
-/// What a ramp is to be best in.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum RampGoal {
-    /// The slave is on its cam as soon as its limits allow.
-    Soonest,
-    /// The largest acceleration of the slave until it is on its cam is as small as can be, and it is there in this time, s.
-    Gentlest {
-        /// s.
-        within_s: f64,
-    },
-}
-
-/// A start with a ramp.
-#[derive(Clone, Debug)]
-pub struct RampWish {
-    /// The cam as `MC_CamTableSelect` gives it.
-    pub table: CamTable,
-    /// Inputs of `MC_CamIn`; what it says of a ramp does not count but for the direction of the start mode.
-    pub input: CamInput,
-    /// Where the master is at the start and how fast it goes on; its acceleration does not count.
-    pub master: AxisState,
-    /// Where the slave is at the start, and its velocity.
-    pub slave: AxisState,
-    /// What the slave may do; velocity and acceleration finite. Ramps have steps of acceleration: jerk does not count.
-    pub limits: SlaveLimits,
-    /// What the ramp is to be best in.
-    pub goal: RampGoal,
-}
-
-/// A ramp, and what comes of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RampIn {
-    /// `VelocityDiff`, u/s.
-    pub velocity_difference: f64,
-    /// `Acceleration`, u/s².
-    pub acceleration: f64,
-    /// `Deceleration`, u/s².
-    pub deceleration: f64,
-    /// When the slave is on its cam, s after the start.
-    pub duration_s: f64,
-    /// The largest velocity of the slave until then, exact, u/s.
-    pub peak_velocity: f64,
-    /// The largest acceleration of the slave until then, exact, u/s².
-    pub peak_acceleration: f64,
-}
-
-/// Why there is no ramp.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum RampError {
-    /// The coupling does not start.
-    #[error(transparent)]
-    Coupling(#[from] CouplingError),
-    /// A ramp needs a limit of this.
-    #[error("the limit of the slave's {what} is {value}: a ramp needs one greater than 0")]
-    NoLimit {
-        /// Velocity or acceleration.
-        what: &'static str,
-        /// What it is.
-        value: f64,
-    },
-    /// The cam leaves nothing over for a ramp.
-    #[error("the cam alone takes the slave's {what} to {}, its limit is {}: nothing is left for a ramp",
-        Short(*.peak), Short(*.limit))]
-    NoRoom {
-        /// Velocity or acceleration.
-        what: &'static str,
-        /// What the cam reaches, u/s or u/s².
-        peak: f64,
-        /// What is allowed.
-        limit: f64,
-    },
-    /// The limits do not allow a ramp as short as it should be.
-    #[error("the slave is on its cam after {} s at the earliest, not within {} s", Short(*.soonest_s), Short(*.within_s))]
-    TooLate {
-        /// The shortest ramp that was found, s.
-        soonest_s: f64,
-        /// The time it was to take at most, s.
-        within_s: f64,
-    },
-}
 
 /// Rounds in which the way of the master gets shorter.
 const ROUNDS: usize = 50;
@@ -105,6 +24,8 @@ const ROUNDS: usize = 50;
 const FIRST_CHANGE: f64 = 1.5;
 /// The last one: what is gained by less is not looked for.
 const LAST_CHANGE: f64 = 1.0 + 1e-7;
+/// The gentlest ramp that is tried, as a part of the limits.
+const LEAST: f64 = 1.0 / 8_388_608.0;
 /// Of a limit this part is rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -134,7 +55,7 @@ pub fn ramp_in(wish: &RampWish) -> Result<RampIn, RampError> {
         let middle = f64::midpoint(low, high);
         let [velocity, up, down] = values(&best);
         let tried = problem.ramp([velocity, up * middle, down * middle])?;
-        if tried.duration_s <= within_s {
+        if tried.duration_s <= within_s && problem.keeps(&tried) {
             high = middle;
             if tried.peak_acceleration < gentle.peak_acceleration {
                 gentle = tried;
@@ -198,9 +119,28 @@ impl Problem<'_> {
                 self.ramp([velocity * part, acceleration * part, acceleration * part])?,
             );
         }
+        // Steps as large as the jerk allows, and so slow that between them is a cycle or more.
+        let pull = acceleration.min(self.wish.limits.jerk * self.wish.cycle_s);
+        let slower = if self.wish.limits.jerk.is_finite() { 48 } else { 0 };
+        for halvings in 0..slower {
+            let part = 0.5_f64.powf(f64::from(halvings) / 2.0);
+            take(&mut best, self.ramp([velocity * part, pull, pull])?);
+        }
+        let hardest = self.ramp([velocity, acceleration, acceleration])?;
+        let gentlest =
+            self.ramp([velocity, acceleration, acceleration].map(|limit| limit * LEAST))?;
         best.ok_or_else(|| {
             let [v, a] = peaks;
-            if v >= velocity {
+            let [least, greatest] = hardest.positions;
+            let [low, high] = self.wish.position;
+            let jerk = self.wish.limits.jerk;
+            if v < velocity && a < acceleration && least < low {
+                RampError::Beyond { what: "position", reached: least, limit: low }
+            } else if v < velocity && a < acceleration && greatest > high {
+                RampError::Beyond { what: "position", reached: greatest, limit: high }
+            } else if v < velocity && a < acceleration && gentlest.peak_jerk > jerk {
+                RampError::Beyond { what: "jerk", reached: gentlest.peak_jerk, limit: jerk }
+            } else if v >= velocity {
                 RampError::NoRoom { what: "velocity", peak: v, limit: velocity }
             } else {
                 RampError::NoRoom { what: "acceleration", peak: a, limit: acceleration }
@@ -254,6 +194,8 @@ impl Problem<'_> {
             duration_s: 0.0,
             peak_velocity: slave.velocity.abs(),
             peak_acceleration: 0.0,
+            peak_jerk: 0.0,
+            positions: [slave.position; 2],
         };
         if let Some(bridge) = coupling.bridge() {
             self.follow(bridge, coupling.place(), &mut found);
@@ -267,15 +209,26 @@ impl Problem<'_> {
         let factor = self.wish.input.slave_scaling;
         let mut velocity = bridge.velocity();
         let mut from = place;
+        let mut position = self.wish.slave.position;
+        let mut jerk = 0.0_f64;
+        // The slave comes without acceleration, and the cam has its own from the start on.
+        let table = &self.wish.table;
+        let here = self.curve();
+        let here = if table.periodic { here.repeated(place) } else { here.at(place) };
+        let mut changes = vec![(0.0, -here.acceleration * speed * speed * factor)];
         for (duration, pull) in bridge.pieces() {
             let way = speed * duration;
+            if duration > 0.0 {
+                changes.push((found.duration_s, pull));
+            }
             let mut both = [Extremes::NONE; 2];
+            let mut reached = Extremes::NONE;
             along(
                 self.curve(),
                 from,
                 way,
                 self.wish.table.periodic,
-                &mut |[_, first, second, _], width, gone| {
+                &mut |[y, first, second, third], width, gone| {
                     // Time is the way over the speed; a master that stands takes the whole duration at one place.
                     let (per_way, at_once) =
                         if speed == 0.0 { (0.0, duration) } else { (1.0 / speed.abs(), 0.0) };
@@ -288,24 +241,65 @@ impl Problem<'_> {
                     let mut sum = second.map(|c| c * speed * speed * factor);
                     sum[0] += pull;
                     both[1].join(&extremes(&sum, width), 0.0);
+                    let own = extremes(&third, width);
+                    let own = own.min.abs().max(own.max.abs());
+                    jerk = jerk.max((own * speed.powi(3) * factor).abs());
+                    // From where the stretch begins on, over the way; over the time of a master that stands.
+                    let mut sum = y.map(|c| c * factor);
+                    sum[0] = position;
+                    let over = if speed == 0.0 {
+                        sum = [0.0; 7];
+                        sum[0] = position;
+                        (1.0, duration)
+                    } else {
+                        (per_way, width)
+                    };
+                    sum[1] += begin * over.0;
+                    sum[2] += pull / 2.0 * over.0 * over.0;
+                    reached.join(&extremes(&sum, over.1), 0.0);
+                    position = value(&sum, over.1);
                 },
             );
             if duration > 0.0 {
                 let [v, a] = both.map(|extremes| Range::from(extremes).magnitude());
                 found.peak_velocity = found.peak_velocity.max(v);
                 found.peak_acceleration = found.peak_acceleration.max(a);
+                let [least, greatest] = &mut found.positions;
+                (*least, *greatest) = (least.min(reached.min), greatest.max(reached.max));
             }
             found.duration_s += duration;
             velocity += pull * duration;
             from += way;
         }
+        changes.push((found.duration_s, 0.0));
+        found.peak_jerk = self.step(&changes) / self.wish.cycle_s + jerk;
+    }
+
+    /// The largest change of the ramp's acceleration within a cycle, of its times and values from then on.
+    fn step(&self, changes: &[(f64, f64)]) -> f64 {
+        let mut largest = 0.0_f64;
+        for (index, (_, before)) in changes.iter().enumerate() {
+            let mut after = changes.iter().skip(index + 1);
+            let Some((from, value)) = after.next() else { break };
+            largest = largest.max((value - before).abs());
+            // What follows less than a cycle later changes it in the same one.
+            let at_once = after.take_while(|(at, _)| at - from < self.wish.cycle_s);
+            largest = at_once.fold(largest, |most, (_, value)| most.max((value - before).abs()));
+        }
+        largest
     }
 
     fn keeps(&self, ramp: &RampIn) -> bool {
         let SlaveLimits { velocity, acceleration, .. } = self.wish.limits;
         // What the slave moves at from before is not the ramp's doing.
         let velocity = velocity.max(self.wish.slave.velocity.abs());
-        ramp.peak_velocity <= velocity * (1.0 + ROUNDING)
+        let [low, high] = self.wish.position;
+        let [least, greatest] = ramp.positions;
+        let room = ROUNDING * least.abs().max(greatest.abs());
+        least >= low - room
+            && greatest <= high + room
+            && ramp.peak_jerk <= self.wish.limits.jerk * (1.0 + ROUNDING)
+            && ramp.peak_velocity <= velocity * (1.0 + ROUNDING)
             && ramp.peak_acceleration <= acceleration * (1.0 + ROUNDING)
     }
 

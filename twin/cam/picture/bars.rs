@@ -1,16 +1,22 @@
 //! When tappets are on.
 
 use super::Shown;
-use twin_motion::cam::{Action, Passage};
+use twin_motion::cam::{Action, Passage, Tappet};
 
-/// Stretches of the cam on which the bit of a group is on when the master goes forwards, pass after pass.
+/// Stretches of the cam on which the bit of a group is on when the master goes forwards, pass after pass. With a negative
+/// factor of the master the passes go from the end of the cam to its begin.
 pub(in crate::cam) fn on_stretches(shown: &Shown<'_>, group: i16) -> Vec<[f64; 2]> {
     let curve = shown.file.cam.curve();
     let (start, end) = (curve.start(), curve.end());
-    let tappets = || {
-        let all = shown.file.cam.tappets().iter();
-        all.filter(|tappet| tappet.group == group && tappet.passage != Passage::Negative)
-    };
+    let backwards = shown.using.factors().master < 0.0;
+    let other = if backwards { Passage::Positive } else { Passage::Negative };
+    // Backwards is forwards on the mirrored cam.
+    let mirrored = |place: f64| if backwards { start + end - place } else { place };
+    let all = shown.file.cam.tappets().iter();
+    let passed = all.filter(|tappet| tappet.group == group && tappet.passage != other);
+    let mut tappets: Vec<_> =
+        passed.map(|tappet| Tappet { master: mirrored(tappet.master), ..*tappet }).collect();
+    tappets.sort_by(|one, other| one.master.total_cmp(&other.master));
     let speed = (shown.using.master.velocity * shown.using.factors().master).abs();
     let mut on = false;
     let mut since = start;
@@ -19,7 +25,7 @@ pub(in crate::cam) fn on_stretches(shown: &Shown<'_>, group: i16) -> Vec<[f64; 2
     for _pass in 0..if shown.using.repeated { 2 } else { 1 } {
         found.clear();
         since = start;
-        for tappet in tappets() {
+        for tappet in &tappets {
             let next = match tappet.action {
                 Action::On => true,
                 Action::Off => false,
@@ -44,6 +50,9 @@ pub(in crate::cam) fn on_stretches(shown: &Shown<'_>, group: i16) -> Vec<[f64; 2
     }
     if on {
         found.push([since, end]);
+    }
+    if backwards {
+        found = found.into_iter().map(|[begin, end]| [mirrored(end), mirrored(begin)]).collect();
     }
     found
 }

@@ -7,7 +7,7 @@ pub(super) use bars::on_stretches;
 
 use super::check::CamUse;
 use super::file::digits;
-use super::sample::at;
+use super::sample::{at, reach as reached, reaches};
 use crate::chart::{
     Area, Failure, GAP, LEFT, RIGHT, Row, Sign, TOP, WIDTH, color_of, dashes, legend,
     legend_places, line, ticks, title, words,
@@ -72,6 +72,8 @@ struct Strip {
     unit: String,
     row: Row,
     curves: Vec<Vec<Vec<(f64, f64)>>>,
+    /// Least and greatest of the last one, whatever its master does.
+    sides: Vec<Vec<(f64, f64)>>,
     limits: Vec<f64>,
 }
 
@@ -98,11 +100,23 @@ impl<'a> Page<'a> {
         let unit = cams.last().map_or("u", |shown| shown.file.slave.unit());
         for (index, (name, per)) in QUANTITIES.into_iter().enumerate() {
             let curves: Vec<_> = cams.iter().map(|shown| curve(shown, index)).collect();
-            page.add(name, format!("{unit}{per}"), curves, page.limits(index));
+            // What the last one may reach while its master accelerates and jerks either way.
+            let mut sides = Vec::new();
+            let last = cams.last().filter(|shown| reaches(shown.using));
+            if let (Some(shown), Some(quantity)) = (last, index.checked_sub(2)) {
+                for side in 0..2 {
+                    sides.extend(line_of(shown, &|place| {
+                        let both = reached(shown.file, shown.using, place);
+                        both.get(quantity).and_then(|both| both.get(side)).copied().unwrap_or(0.0)
+                    }));
+                }
+            }
+            let limits = page.limits(index);
+            page.add(name, format!("{unit}{per}"), curves, sides, limits);
         }
         if recorded.errors.iter().any(|errors| !errors.is_empty()) {
             let curves = recorded.errors.iter().map(|errors| vec![errors.clone()]).collect();
-            page.add("error of the slave", unit.to_owned(), curves, vec![0.0]);
+            page.add("error of the slave", unit.to_owned(), curves, Vec::new(), vec![0.0]);
         }
         page
     }
@@ -124,16 +138,19 @@ impl<'a> Page<'a> {
         name: &'static str,
         mut unit: String,
         mut curves: Vec<Vec<Vec<(f64, f64)>>>,
+        mut sides: Vec<Vec<(f64, f64)>>,
         mut limits: Vec<f64>,
     ) {
         // Numbers of more than five digits have no room beside the row.
-        let reached = curves.iter().flatten().flatten().map(|(_, value)| value.abs());
+        let pieces = curves.iter().flatten().chain(&sides);
+        let reached = pieces.flatten().map(|(_, value)| value.abs());
         let most = reached.filter(|value| value.is_finite()).fold(0.0, f64::max);
         if most >= 1e5 {
             #[expect(clippy::cast_possible_truncation, reason = "a power of ten")]
             let power = (most.log10() / 3.0).floor() as i32 * 3;
             let scale = 10_f64.powi(power);
-            for (_, value) in curves.iter_mut().flatten().flatten() {
+            let pieces = curves.iter_mut().flatten().chain(&mut sides);
+            for (_, value) in pieces.flatten() {
                 *value /= scale;
             }
             for limit in &mut limits {
@@ -141,7 +158,8 @@ impl<'a> Page<'a> {
             }
             unit = format!("10{} {unit}", superscript(power));
         }
-        let values = curves.iter().flatten().flatten().map(|(_, value)| *value);
+        let pieces = curves.iter().flatten().chain(&sides);
+        let values = pieces.flatten().map(|(_, value)| *value);
         let of_run = self.recorded.points.iter().map(|(_, slave)| *slave);
         let of_run = of_run.filter(|_| name == "position");
         let [low, high] = reach(values.chain(of_run)).unwrap_or([0.0, 1.0]);
@@ -155,7 +173,7 @@ impl<'a> Page<'a> {
         let room = ((high - low) * 0.12).max(f64::MIN_POSITIVE);
         let range = if high > low { [low - room, high + room] } else { [low - 1.0, high + 1.0] };
         let row = Row { top: self.bottom, height: HEIGHT, range };
-        self.strips.push(Strip { name, unit, row, curves, limits: near });
+        self.strips.push(Strip { name, unit, row, curves, sides, limits: near });
         self.bottom += HEIGHT + GAP;
     }
 
@@ -201,7 +219,7 @@ impl<'a> Page<'a> {
     }
 
     fn strip(&self, root: &Area<'_>, strip: &Strip) -> Result<(), Failure> {
-        let Strip { name, unit, row, curves, limits } = strip;
+        let Strip { name, unit, row, curves, sides, limits } = strip;
         let at: Vec<_> = self.ticks().into_iter().map(|(x, _)| x).collect();
         row.draw_over(root, &at, [name, &format!("({unit})")])?;
         if *name == "position" {
@@ -210,20 +228,11 @@ impl<'a> Page<'a> {
                 root.draw(&Circle::new(place, stroke(1.5), MARK.mix(0.55).filled()))?;
             }
         }
+        let beside = color_of(3).stroke_width(stroke(0.9));
+        sides.iter().try_for_each(|piece| self.path(root, row, piece, beside))?;
         for (index, pieces) in curves.iter().enumerate() {
             let style = shade(index, curves.len()).stroke_width(stroke(1.6));
-            for piece in pieces {
-                for inside in row.within(piece) {
-                    let mut points: Vec<(i32, i32)> = Vec::with_capacity(inside.len());
-                    for (master, value) in inside {
-                        let point = (fine(self.x(master)), fine(row.y(value)));
-                        if points.last() != Some(&point) {
-                            points.push(point);
-                        }
-                    }
-                    root.draw(&PathElement::new(points, style))?;
-                }
-            }
+            pieces.iter().try_for_each(|piece| self.path(root, row, piece, style))?;
         }
         for limit in limits {
             dashes(root, [(LEFT, row.y(*limit)), (RIGHT, row.y(*limit))], MARK)?;
@@ -236,6 +245,26 @@ impl<'a> Page<'a> {
                 words(root, &text, (RIGHT + 12.0, y), shade(index, curves.len()))?;
                 y += 18.0;
             }
+        }
+        Ok(())
+    }
+
+    fn path(
+        &self,
+        root: &Area<'_>,
+        row: &Row,
+        piece: &[(f64, f64)],
+        style: ShapeStyle,
+    ) -> Result<(), Failure> {
+        for inside in row.within(piece) {
+            let mut points: Vec<(i32, i32)> = Vec::with_capacity(inside.len());
+            for (master, value) in inside {
+                let point = (fine(self.x(master)), fine(row.y(value)));
+                if points.last() != Some(&point) {
+                    points.push(point);
+                }
+            }
+            root.draw(&PathElement::new(points, style))?;
         }
         Ok(())
     }
@@ -291,6 +320,10 @@ impl<'a> Page<'a> {
         if !self.recorded.points.is_empty() {
             items.push((Sign::Patch(MARK), "recorded".to_owned()));
         }
+        if self.strips.iter().any(|strip| !strip.sides.is_empty()) {
+            let what = "least and greatest while the master accelerates and jerks";
+            items.push((Sign::Line(color_of(3)), what.to_owned()));
+        }
         if self.strips.iter().any(|strip| !strip.limits.is_empty()) {
             items.push((Sign::Dashes(MARK), "limit".to_owned()));
         }
@@ -301,8 +334,16 @@ impl<'a> Page<'a> {
     }
 }
 
-/// Pieces of a curve: each polynomial for itself, for what jumps between them.
+/// Pieces of a curve of one quantity.
 fn curve(shown: &Shown<'_>, quantity: usize) -> Vec<Vec<(f64, f64)>> {
+    line_of(shown, &|place| {
+        let [_, others @ ..] = at(shown.file, shown.using, place);
+        others.get(quantity).copied().unwrap_or_default()
+    })
+}
+
+/// Pieces of a line over the master: each polynomial for itself, for what jumps between them.
+fn line_of(shown: &Shown<'_>, value: &dyn Fn(f64) -> f64) -> Vec<Vec<(f64, f64)>> {
     let joints: Vec<_> = shown.file.cam.curve().joints().collect();
     let width = shown.file.cam.curve().end() - shown.file.cam.curve().start();
     let mut pieces: Vec<Vec<(f64, f64)>> = Vec::new();
@@ -320,9 +361,7 @@ fn curve(shown: &Shown<'_>, quantity: usize) -> Vec<Vec<(f64, f64)>> {
             let inside = from + (to - from) * index as f64 / count as f64;
             // Its own end, not the begin of the next.
             let place = if index == count { to.next_down() } else { inside };
-            let row = at(shown.file, shown.using, place);
-            let [master, others @ ..] = row;
-            piece.push((master, others.get(quantity).copied().unwrap_or_default()));
+            piece.push((shown.using.master_at(place), value(place)));
         }
         match (pieces.last_mut(), piece.first()) {
             // What does not jump is one line.

@@ -1,7 +1,7 @@
 //! What is written is read again, and what is wrong is told with its place.
 
 use crate::cam::edit::{self, Change, EditError};
-use crate::cam::{CamFile, CamFileError, Coupling, Form, csv_of, write_file, write_toml};
+use crate::cam::{CamFile, CamFileError, Coupling, Form, csv_of, lost, write_file, write_toml};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 use twin_motion::cam::{
@@ -117,6 +117,105 @@ fn what_is_wrong_is_told_with_its_place() {
     assert!(found[0].0.contains("begin at master 5"), "{found:?}");
     let found = problems("name = \"x\"");
     assert!(found.iter().any(|(said, _)| said.contains("no `elements`")), "{found:?}");
+}
+
+/// Elements may stand in any order; what is wrong is still told at the one that is wrong.
+#[test]
+fn elements_out_of_order() {
+    let point = "  { master = 90, slave = 40, velocity = 0.5 },      # on the way\n";
+    let moved = LIFT.replace(point, "").replace("]\ntappets", &format!("{point}]\ntappets"));
+    assert!(moved.find("master = 240") < moved.find("master = 90"));
+    assert_eq!(read(&moved).expect("a cam").source, read(LIFT).expect("a cam").source);
+    let found = problems(&moved.replace("master = 90", "master = 150"));
+    let [(said, at)] = found.as_slice() else { panic!("{found:?}") };
+    assert!(said.contains("does not lie behind"), "{said}");
+    assert_eq!(at, "{ master = 150, slave = 40, velocity = 0.5 }");
+}
+
+#[test]
+fn whole_numbers_have_no_fraction() {
+    let table = |kind: &str, value: &str| {
+        format!(
+            "name = \"t\"\nmaster = {{ min = 0, max = 2 }}\nslave = {{ min = 0, max = 9 }}\n\
+             [table]\ntype = \"{kind}\"\nvalues = [0, {value}, 2]\n"
+        )
+    };
+    for kind in ["INT", "UINT", "DINT", "UDINT"] {
+        let found = problems(&table(kind, "1.5"));
+        assert_eq!(found[0].0, format!("value 2: 1.5 is no whole number, as {kind} needs it"));
+        assert!(read(&table(kind, "1.0")).is_ok());
+    }
+    for kind in ["REAL", "LREAL"] {
+        assert!(read(&table(kind, "1.5")).is_ok());
+    }
+}
+
+/// `.CAM` keeps what TOML says, comments aside; what other forms lose is told.
+#[test]
+fn cam_files_keep_what_toml_says() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = read(LIFT).expect("a cam");
+    let through = |file: &CamFile, name: &str, points: Option<usize>| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, write_file(file, &path, points).expect("bytes")).expect("written");
+        CamFile::load(&path, Interpolation::Linear).expect("a cam")
+    };
+    let again = through(&file, "lift.cam", None);
+    assert_eq!(again.source, file.source);
+    assert_eq!((again.coupling, again.repeated, again.period), (file.coupling, true, Some(100.0)));
+    assert_eq!((&again.master, &again.slave), (&file.master, &file.slave));
+    assert_eq!(again.to_toml().expect("text"), file.to_toml().expect("text"));
+    assert_eq!(lost(&file, &again), [""; 0]);
+    // Points as CSV: units stay, the rest is told.
+    let again = through(&file, "other.csv", None);
+    assert_eq!((again.master.unit.as_str(), again.slave.unit.as_str()), ("deg", "mm"));
+    let header = csv_of(&file, None).lines().next().map(str::to_owned);
+    let expected = "master_deg,slave_mm,velocity_mm_per_deg,acceleration_mm_per_deg2";
+    assert_eq!(header.as_deref(), Some(expected));
+    let said = lost(&file, &again);
+    for line in [
+        "the name \"lift\" (read again it is \"other\")",
+        "the slave's period, 100",
+        "that 1 of its elements are straight lines: they are points now",
+        "this form has no tappets; 2 of cam.toml are left behind (.toml, .txt and .cam have them)",
+        "[coupling] slave_offset = 12.5",
+    ] {
+        assert!(said.iter().any(|told| told == line), "{line}: {said:?}");
+    }
+    assert!(!said.iter().any(|line| line.contains("unit of")), "{said:?}");
+    let again = through(&file, "lift.asc", Some(7));
+    let said = lost(&file, &again);
+    for line in ["the unit of the master, deg", "the unit of the slave, mm"] {
+        assert!(said.iter().any(|told| told == line), "{line}: {said:?}");
+    }
+    assert!(said.iter().any(|line| line.contains("the polynomials between its points")));
+    // A unit that is no word.
+    let odd = read(&LIFT.replace("unit = \"mm\"", "unit = \"1/min, \\\"x\\\"\"")).expect("a cam");
+    assert_eq!(through(&odd, "odd.csv", None).slave.unit, "1/min, \"x\"");
+    let unknown = read(&LIFT.replace(", unit = \"mm\"", "")).expect("a cam");
+    assert_eq!(through(&unknown, "unknown.csv", None).slave.unit, "");
+}
+
+/// A tenth of three and the like: no digits of rounding.
+#[test]
+fn tables_are_written_in_clean_numbers() {
+    let file = read(
+        "name = \"t\"\nmaster = { min = 0, max = 1 }\nslave = { min = 0, max = 3 }\n\
+         elements = [{ from = [0, 0], to = [1, 3] }]\n",
+    );
+    let file = file.expect("a cam");
+    let text = csv_of(&file, Some(11));
+    let rows: Vec<_> = text.lines().skip(1).collect();
+    let expected: Vec<_> = (0..=10)
+        .map(|tenth| {
+            let [x, y] = [tenth, 3 * tenth].map(|tenths| f64::from(tenths) / 10.0);
+            format!("{x},{y}")
+        })
+        .collect();
+    assert_eq!(rows, expected);
+    let ascii = write_file(&file, Path::new("t.asc"), Some(11)).expect("bytes");
+    let ascii = String::from_utf8(ascii).expect("text");
+    assert_eq!(ascii.lines().nth(3), Some("0.3;0.9"));
 }
 
 #[test]

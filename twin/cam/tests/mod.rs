@@ -5,4 +5,5 @@
 mod files;
 mod found;
 mod hostile;
+mod sampled;
 mod tuned;

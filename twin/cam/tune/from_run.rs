@@ -4,8 +4,9 @@ use super::super::CamFile;
 use super::super::check::CamUse;
 use super::super::run::{RecordedRun, RunSample};
 use super::TuneError;
+use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{
-    DeadTime, Estimate, Fit, FitOptions, Free, Sample, Switching, dead_time, fit,
+    DeadTime, Estimate, Fit, FitError, FitOptions, Free, Sample, Switching, dead_time, fit,
 };
 use twin_motion::cam::{Action, Passage, Tappet};
 
@@ -35,14 +36,22 @@ pub fn fit_run(
         .iter()
         .map(|sample| Sample { master: sample.master, slave: sample.slave, weight: 1.0 })
         .collect();
-    fit(file.cam.curve(), &samples, &options).map_err(TuneError::Fit)
+    fit(file.cam.curve(), &samples, &options).map_err(|error| match error {
+        // Of the file that was read, not of the samples.
+        FitError::Outliers { outliers } => {
+            let line = |index: usize| run.samples.get(index.wrapping_sub(1)).map(|one| one.line);
+            let told = |(index, by): (usize, f64)| Some((line(index)?, by));
+            TuneError::Outliers { outliers: outliers.into_iter().filter_map(told).collect() }
+        }
+        other => TuneError::Fit(other),
+    })
 }
 
 /// The value to a thousandth of its interval: digits beyond say nothing. What was given stays as it is.
 pub fn rounded(estimate: Estimate) -> f64 {
     let Estimate { value, half_width } = estimate;
     if !(half_width > 0.0 && half_width.is_finite()) {
-        return value;
+        return clean(value);
     }
     let unit = 10_f64.powf((half_width * 1e-3).log10().floor());
     // Through text: a multiple of a power of ten is not the nearest number to its decimal.

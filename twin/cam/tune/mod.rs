@@ -13,6 +13,7 @@ use super::edit::Change;
 use super::{CamFile, WANTED};
 use crate::number::significant;
 use std::sync::Arc;
+use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{
     FitError, Free, RampError, RampGoal, RampIn, RampWish, ReshapeError, ramp_in,
 };
@@ -24,6 +25,12 @@ pub enum TuneError {
     /// Offsets and scalings.
     #[error("offsets and scalings: {0}")]
     Fit(#[source] FitError),
+    /// Samples that do not fit the others.
+    #[error("offsets and scalings: the slave is far from where the other samples have it in {}", lines(.outliers))]
+    Outliers {
+        /// Lines of the run, and how far the slave is off there, u.
+        outliers: Vec<(u64, f64)>,
+    },
     /// The dead time of tappets.
     #[error("dead time of the tappets: {0}")]
     DeadTime(#[source] FitError),
@@ -101,6 +108,16 @@ pub enum TuneError {
     },
 }
 
+/// `line 17 (by 3.2), line 41 (by -2.7)`.
+fn lines(outliers: &[(u64, f64)]) -> String {
+    let each =
+        outliers.iter().map(|(line, by)| format!("line {line} (by {})", significant(*by, 4)));
+    each.collect::<Vec<_>>().join(", ")
+}
+
+/// Time from one set-point to the next, s.
+const CYCLE_S: f64 = 1e-3;
+
 /// Finds a ramp for a start.
 ///
 /// # Errors
@@ -114,15 +131,18 @@ pub fn ramp(
 ) -> Result<RampIn, TuneError> {
     let mut table = CamTable::new(Arc::new(file.cam.clone()));
     table.periodic = using.repeated;
-    table.slave_period = file.period.filter(|_| file.cam.curve().rise() != 0.0);
+    // An axis of a machine file says itself whether it goes round.
+    let of_cam = file.period.filter(|_| file.cam.curve().rise() != 0.0);
+    table.slave_period = using.limits.period.or(of_cam);
     let mut input = using.coupling.input;
     if matches!(input.start_mode, StartMode::Absolute | StartMode::Relative) {
         input.start_mode = StartMode::RampIn;
     }
     let velocity = using.master.velocity;
     let master = AxisState { position: master, velocity, acceleration: 0.0 };
-    let limits = using.limits.motion;
-    Ok(ramp_in(&RampWish { table, input, master, slave, limits, goal })?)
+    let (limits, position) = (using.limits.motion, using.limits.position);
+    let wish = RampWish { table, input, master, slave, limits, position, cycle_s: CYCLE_S, goal };
+    Ok(ramp_in(&wish)?)
 }
 
 /// The nearest offset and scalings with which the cam keeps the limits, at the motion of the master: what is free is changed
@@ -175,6 +195,9 @@ pub fn within_limits(file: &CamFile, using: &CamUse, free: Free) -> Result<CamUs
             let scaling = found.coupling.input.slave_scaling.abs();
             share = share.min((high - low) / (height * scaling)).min(1.0);
         }
+        if !free.slave_offset {
+            share = share.min(within_positions(&found, [position.min, position.max])?);
+        }
         found.coupling.input.slave_scaling *= share * (1.0 - 2.0 * f64::EPSILON);
         if same(share, 1.0) {
             found.coupling.input.slave_scaling = using.coupling.input.slave_scaling;
@@ -197,6 +220,18 @@ pub fn within_limits(file: &CamFile, using: &CamUse, free: Free) -> Result<CamUs
         };
         found.coupling.input.slave_offset += by;
     }
+    // What is changed is for files.
+    let input = &mut found.coupling.input;
+    let old = &using.coupling.input;
+    for (new, old) in [
+        (&mut input.master_scaling, old.master_scaling),
+        (&mut input.slave_scaling, old.slave_scaling),
+        (&mut input.slave_offset, old.slave_offset),
+    ] {
+        if !same(*new, old) {
+            *new = clean(*new);
+        }
+    }
     let names = ["velocity", "acceleration", "jerk"];
     for (part, name) in peak(&found).into_iter().zip(names) {
         if part > 1.0 + 1e-9 && (free.master_scaling || free.slave_scaling) {
@@ -205,6 +240,40 @@ pub fn within_limits(file: &CamFile, using: &CamUse, free: Free) -> Result<CamUs
         }
     }
     Ok(found)
+}
+
+/// The largest part of the slave's scaling, 1 at most, with which a cam from `ends[0]` to `ends[1]` stays within its positions
+/// where its offset is.
+fn within_positions(using: &CamUse, ends: [f64; 2]) -> Result<f64, TuneError> {
+    let input = &using.coupling.input;
+    let [low, high] = using.limits.position;
+    let offset = input.slave_offset;
+    let mut share: f64 = 1.0;
+    for way in ends.map(|y| y * input.slave_scaling) {
+        let (beyond, limit) =
+            if offset + way > high { (true, high) } else { (offset + way < low, low) };
+        // What goes beyond a limit is nearer to it the smaller it is, if the other end of it is not beyond, too.
+        let part = (limit - offset) / way;
+        if beyond && !(part > 0.0 && part < 1.0) {
+            let why = format!("the slave's offset alone, {offset}, leaves {low} to {high}");
+            return Err(TuneError::NoRoom { what: "SlaveScaling", why });
+        }
+        if beyond {
+            share = share.min(part);
+        }
+    }
+    // Made smaller for one end, a cam that is all on one side of 0 may be too near for the other limit.
+    let kept = ends.iter().all(|y| {
+        let at = offset + y * input.slave_scaling * share;
+        let room = 1e-12 * at.abs().max(1.0);
+        at >= low - room && at <= high + room
+    });
+    if kept {
+        return Ok(share);
+    }
+    let why =
+        format!("what keeps one of {low} to {high} leaves the other; --find slave-offset as well");
+    Err(TuneError::NoRoom { what: "SlaveScaling", why })
 }
 
 /// The same number.

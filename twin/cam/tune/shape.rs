@@ -3,6 +3,7 @@
 use super::super::CamFile;
 use super::super::check::CamUse;
 use super::{TuneError, same};
+use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{Tolerance, Wish, reshape, soften};
 use twin_motion::cam::{Element, Knot, Quantity, Shape, SlaveLimits, Source};
 
@@ -63,6 +64,7 @@ pub fn shape(
             acceleration: acceleration / far,
             jerk: jerk / far,
         },
+        position: positions(file, using),
         master_acceleration: using.master.acceleration * fast,
         repeated: using.repeated,
     };
@@ -70,7 +72,7 @@ pub fn shape(
         ShapeGoal::Speed => {
             let found = reshape(knots, &wish)?;
             Ok(Shaped {
-                knots: found.knots,
+                knots: cleaned(found.knots),
                 before: found.before.value / fast,
                 after: found.after.value / fast,
                 limited: found
@@ -83,7 +85,7 @@ pub fn shape(
         ShapeGoal::Peak(quantity) => {
             let found = soften(knots, &wish, quantity, using.master.velocity * fast)?;
             Ok(Shaped {
-                knots: found.knots,
+                knots: cleaned(found.knots),
                 before: found.before.value * far,
                 after: found.after.value * far,
                 limited: Some((quantity, using.master_at(found.after.master))),
@@ -91,6 +93,28 @@ pub fn shape(
             })
         }
     }
+}
+
+/// Without the last digits of rounding, for files.
+fn cleaned(knots: Vec<Knot>) -> Vec<Knot> {
+    let cleaned = |knot: Knot| Knot {
+        slave: clean(knot.slave),
+        velocity: clean(knot.velocity),
+        acceleration: clean(knot.acceleration),
+        ..knot
+    };
+    knots.into_iter().map(cleaned).collect()
+}
+
+/// Limits of the slave's position on the scale of the cam; none of a cam that gains in every pass, which goes everywhere.
+fn positions(file: &CamFile, using: &CamUse) -> [f64; 2] {
+    if using.repeated && file.cam.curve().rise() != 0.0 {
+        return [f64::NEG_INFINITY, f64::INFINITY];
+    }
+    let input = &using.coupling.input;
+    let [one, other] =
+        using.limits.position.map(|limit| (limit - input.slave_offset) / input.slave_scaling);
+    [one.min(other), one.max(other)]
 }
 
 /// One for every point; the ends of lines have none.

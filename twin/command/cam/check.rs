@@ -17,7 +17,7 @@ use twin_motion::cam::{Action, Largest, Passage, Range};
 /// Check a cam: exact bounds of the slave against its limits, how fast the master may go, jumps, tappets
 ///
 /// Everything follows from the polynomials in closed form; nothing is sampled. Bounds are those of the slave with the
-/// master at its velocity and its acceleration anywhere between both signs.
+/// master at its velocity, its acceleration and jerk anywhere between both signs.
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct Arguments {
@@ -96,19 +96,20 @@ fn tell(
     )?;
     writeln!(
         out,
-        "master at {} {master}/s, {} {master}/s²",
+        "master at {} {master}/s, its acceleration within ±{} {master}/s², its jerk within ±{} {master}/s³",
         short(motion.velocity),
-        short(motion.acceleration)
+        short(motion.acceleration),
+        short(motion.jerk)
     )?;
     let mut rows = table();
     rows.set_header(["slave", "least", "at master", "greatest", "at master", "limit"]);
-    let AxisLimits { position, motion: limits } = using.limits;
+    let AxisLimits { position, motion: limits, .. } = using.limits;
     let both = |limit: f64| [-limit, limit];
     for (name, unit, range, limit) in [
         ("position", "", &check.bounds.position, position),
         ("velocity", "/s", &check.bounds.velocity, both(limits.velocity)),
         ("acceleration", "/s²", &check.bounds.acceleration, both(limits.acceleration)),
-        ("jerk", "/s³", &check.jerk, both(limits.jerk)),
+        ("jerk", "/s³", &check.bounds.jerk, both(limits.jerk)),
     ] {
         let Range { min, at_min, max, at_max } = range;
         // What is rounding beside the whole is nothing.
@@ -134,11 +135,17 @@ fn tell(
         "C0" => "C0: the position is continuous, the velocity jumps",
         _ => "the position jumps",
     };
-    writeln!(
-        out,
-        "{smooth}{}",
-        if using.repeated { ", from its end to its begin, too" } else { "" }
-    )?;
+    let seam = match check.stop {
+        _ if using.repeated => ", from its end to its begin, too",
+        [Some(_), _] => " where the pass ends, as the slave stays there",
+        [_, Some(_)] if check.jumps[1].is_none() => {
+            " where the pass ends, as the slave stays there"
+        }
+        _ => "",
+    };
+    // What jumps on the cam, too, jumps not only there.
+    let alone = check.jumps.iter().all(Option::is_none);
+    writeln!(out, "{smooth}{}", if alone || using.repeated { seam } else { "" })?;
     match &check.largest {
         Ok(Largest { value, limited: Some((quantity, place)) }) => writeln!(
             out,
@@ -151,7 +158,7 @@ fn tell(
         }
         Err(error) => writeln!(out, "no velocity of the master is slow enough: {error}")?,
     }
-    tappets(out, file, using, check)
+    tappets(out, file, check)
 }
 
 fn limit_text([low, high]: [f64; 2]) -> String {
@@ -164,12 +171,7 @@ fn limit_text([low, high]: [f64; 2]) -> String {
     }
 }
 
-fn tappets(
-    out: &mut impl Write,
-    file: &CamFile,
-    using: &CamUse,
-    check: &CamCheck<'_>,
-) -> io::Result<()> {
+fn tappets(out: &mut impl Write, file: &CamFile, check: &CamCheck<'_>) -> io::Result<()> {
     if file.cam.tappets().is_empty() {
         return Ok(());
     }
@@ -178,7 +180,6 @@ fn tappets(
     let header = ["tappets of group", "passage", "action"].map(str::to_owned);
     let places = [format!("master ({master})"), format!("slave ({slave})"), "time (ms)".to_owned()];
     rows.set_header(header.into_iter().chain(places));
-    let begin = using.master_at(file.cam.curve().start());
     for (tappet, at, position) in check.tappets() {
         let passage = match tappet.passage {
             Passage::Positive => "positive",
@@ -193,14 +194,14 @@ fn tappets(
                 format!("after {} ms for {} ms", milliseconds(delay_ns), milliseconds(duration_ns))
             }
         };
-        let after = (at - begin).abs() / using.master.velocity * 1e3;
+        let after = check.passed_after(tappet).map_or("–".to_owned(), |after| short(after * 1e3));
         rows.add_row([
             tappet.group.to_string(),
             passage.to_owned(),
             action,
             short(at),
             short(position),
-            short(after),
+            after,
         ]);
     }
     writeln!(out, "{rows}")

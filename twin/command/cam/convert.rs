@@ -1,7 +1,7 @@
 //! `twin cam convert`: a cam in another form.
 
 use super::options::{Between, load, magnitude};
-use crate::cam::{CamFile, Form, write_file};
+use crate::cam::{CamFile, Form, lost, write_file};
 use crate::command::whole;
 use crate::command::{Failure, Status};
 use crate::number::significant;
@@ -15,7 +15,9 @@ use twin_motion::cam::{
 
 /// Write a cam in another form: what it is read and written as say the endings of the files
 ///
-/// .toml and .cam keep everything, .csv points with velocity and acceleration or the pairs of a table, .asc positions.
+/// .toml and .cam keep everything: curve, straight lines, tappets, scales with units, [coupling]. .txt keeps points, lines,
+/// tappets and scales, and refuses a cam with a [coupling]. .csv keeps points with velocity and acceleration or the pairs of a
+/// table, and units in its header; .asc positions alone. What a form does not keep is told line by line.
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct Arguments {
@@ -86,8 +88,8 @@ impl From<Numbers> for VariableType {
 
 pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     Form::of(&arguments.to).map_err(Box::new)?;
-    let read = [arguments.from.as_path()];
-    whole::check_targets(None, read, [("OUT", arguments.to.as_path())])?;
+    let from = [arguments.from.as_path()];
+    whole::check_targets(None, from, [("OUT", arguments.to.as_path())])?;
     let mut file = load(&arguments.from, arguments.interpolation)?;
     let whole_curve = file.cam.curve().clone();
     if let Some(kind) = arguments.table {
@@ -112,16 +114,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
 fn tell(file: &CamFile, whole: &Curve, arguments: &Arguments) -> Result<(), Failure> {
     let again = CamFile::load(&arguments.to, arguments.interpolation.into()).map_err(Box::new)?;
     let Peak { value: far, master: at } = whole.largest_distance(again.cam.curve());
-    let tappets = file.cam.tappets().len();
-    if tappets > again.cam.tappets().len() {
-        eprintln!(
-            "{}: this form has no tappets; {tappets} of {} are left behind (.toml, .txt and .cam have them)",
-            arguments.to.display(),
-            file.path.display()
-        );
+    for line in lost(file, &again) {
+        eprintln!("{}: lost: {line}", arguments.to.display());
     }
     let unit = file.slave.unit();
-    let difference = if far == 0.0 {
+    // Rounding of decimals that were cleaned moves nothing.
+    let height = whole.extremes().position.magnitude();
+    let difference = if far <= 1e-13 * height {
         "the slave is where it was everywhere".to_owned()
     } else {
         format!(

@@ -26,6 +26,19 @@ pub(in crate::command) fn magnitude(text: &str) -> Result<f64, String> {
     if number >= 0.0 { Ok(number) } else { Err(format!("{number} is less than 0")) }
 }
 
+/// How fast the master goes.
+fn velocity(text: &str) -> Result<f64, String> {
+    let number = number(text)?;
+    if number > 0.0 {
+        Ok(number)
+    } else if number < 0.0 {
+        let message = "the master's velocity is told without its sign; --master-scaling with the other sign turns its direction round";
+        Err(format!("{number} is less than 0: {message}"))
+    } else {
+        Err("0 is not greater than 0: a master that stands moves nothing".to_owned())
+    }
+}
+
 /// A factor that is not 0.
 fn factor(text: &str) -> Result<f64, String> {
     let number = number(text)?;
@@ -120,8 +133,8 @@ impl UseOptions {
 #[command(next_help_heading = "Master")]
 #[expect(clippy::struct_field_names, reason = "the names of the options")]
 pub(in crate::command) struct MasterOptions {
-    /// Its velocity, u/s
-    #[arg(long, value_name = "U/S", default_value = "1", value_parser = positive)]
+    /// Its velocity, u/s; a master that goes backwards has a negative --master-scaling
+    #[arg(long, value_name = "U/S", default_value = "1", allow_hyphen_values = true, value_parser = velocity)]
     master_velocity: f64,
 
     /// Its acceleration and deceleration, u/s²

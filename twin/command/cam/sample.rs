@@ -9,6 +9,9 @@ use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 
 /// Sample a cam: CSV of master, slave and its velocity, acceleration and jerk with the master at its velocity
+///
+/// With --master-acceleration or --master-jerk the least and the greatest acceleration and jerk of the slave follow: those
+/// that it may have there, as acceleration and jerk of the master are anywhere between both signs.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// The cam
@@ -48,6 +51,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let file = load(&arguments.cam, arguments.coupling.interpolation)?;
     let using = arguments.coupling.using(&file, arguments.master.motion(), AxisLimits::NONE);
     let sampling = arguments.step.map_or(Sampling::Count(arguments.points), Sampling::Step);
+    let curve = file.cam.curve();
+    sampling
+        .check(curve.start(), curve.end())
+        .map_err(|error| Failure::Usage(format!("--step: {error}")))?;
     if let Some(path) = &arguments.output {
         whole::check_targets(None, [arguments.cam.as_path()], [("--output", path.as_path())])?;
         let mut out = WholeFile::create(path)?;

@@ -1,14 +1,14 @@
 //! `twin tune cam`: offsets, scalings, dead times, ramps and shapes of cams.
 
+use super::outcome::{apply, moved, picture, with_knots};
 use super::report::Report;
-use crate::cam::check::{CamCheck, CamUse};
-use crate::cam::picture::{Recorded, Shown, draw};
+use crate::cam::CamFile;
+use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::run::RecordedRun;
 use crate::cam::tune::{
     self, PointTolerance, ShapeGoal, TuneError, changes, errors, fit_run, ramp, shape, switchings,
     tappet_dead_time, within_limits,
 };
-use crate::cam::{CamFile, Form, edit};
 use crate::command::cam::{
     LimitOptions, MasterOptions, UseOptions, load, magnitude, number, positive, show_findings,
 };
@@ -17,9 +17,10 @@ use crate::command::{Failure, Status};
 use crate::finding;
 use clap::ValueEnum;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use twin_motion::cam::file::clean;
 use twin_motion::cam::tune::{Free, RampGoal, Tolerance};
-use twin_motion::cam::{AxisState, Cam, Quantity, Shape, StartMode};
+use twin_motion::cam::{AxisState, Quantity, StartMode};
 
 /// Tune a cam: offsets and scalings from a recorded run or within limits, the dead time of tappets, ramps, shapes
 ///
@@ -28,8 +29,8 @@ use twin_motion::cam::{AxisState, Cam, Quantity, Shape, StartMode};
 /// that coupling, or with `wanted_…` of `[coupling]` where the file has them (--write puts them there). What is proposed undoes
 /// the deviation: a slave that lags gets a master offset that leads. Outputs recorded beside it (columns `tappet_N`) tell the dead time of what tappets switch. Without a run what is
 /// to be found is changed by as little as keeps the limits. Points are moved within their tolerances by linear programs
-/// (Clarabel): velocity and acceleration stay continuous, and the slave stays where it is at every tappet. What the data do
-/// not say, or contradict, is said and not fitted.
+/// (Clarabel): velocity and acceleration stay continuous, and the slave stays within its limits, and where it is at every tappet.
+/// What the data do not say, or contradict, is said and not fitted: samples that are far from the others with their lines.
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct Arguments {
@@ -64,7 +65,8 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value = "speed")]
     goal: Goal,
 
-    /// Find `VelocityDiff`, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity
+    /// Find `VelocityDiff`, Acceleration and Deceleration for a start from here: master, slave, and the slave's velocity.
+    /// Within the limits of velocity, acceleration, position and jerk; a step of acceleration is a jerk of the step by 1 ms
     #[arg(long, value_name = "MASTER,SLAVE[,VELOCITY]", allow_hyphen_values = true, value_parser = start)]
     ramp_in: Option<[f64; 3]>,
 
@@ -225,6 +227,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     arguments.check_targets()?;
     let file = load(&arguments.cam, arguments.coupling.interpolation)?;
     let limits = arguments.limits.limits(&file)?;
+    let AxisLimits { position, motion, .. } = limits;
+    let all = [position[0], position[1], motion.velocity, motion.acceleration, motion.jerk];
+    let unlimited = all.into_iter().all(f64::is_infinite);
+    if unlimited && arguments.run.is_none() && !arguments.find.is_empty() {
+        let message = "--find without a --run keeps the limits of the slave, and none is given: --machine FILE --axis NAME, or \
+                       --max-velocity, --max-acceleration, --max-jerk, --position-min, --position-max";
+        return Err(Failure::Usage(message.to_owned()));
+    }
     let before = arguments.coupling.using(&file, arguments.master.motion(), limits);
     let recorded = arguments.run.as_deref().map(RecordedRun::load).transpose().map_err(Box::new)?;
     let mut report = Report::new(&file, before);
@@ -328,105 +338,13 @@ fn tuned(
         };
         let found = ramp(cam, &report.after, master, slave, goal)?;
         let input = &mut report.after.coupling.input;
-        input.velocity_difference = found.velocity_difference;
-        input.acceleration = found.acceleration;
-        input.deceleration = found.deceleration;
+        input.velocity_difference = clean(found.velocity_difference);
+        input.acceleration = clean(found.acceleration);
+        input.deceleration = clean(found.deceleration);
         if matches!(input.start_mode, StartMode::Absolute | StartMode::Relative) {
             input.start_mode = StartMode::RampIn;
         }
         report.ramp = Some(found);
     }
-    Ok(())
-}
-
-/// The cam with other points.
-fn with_knots(file: &CamFile, knots: &[twin_motion::cam::Knot]) -> Option<CamFile> {
-    let shape = Shape::Polynomial(knots.to_vec());
-    let cam = Cam::new(file.cam.name(), shape, file.cam.tappets().to_vec()).ok()?;
-    Some(CamFile { cam, ..file.clone() })
-}
-
-fn moved(file: &CamFile, report: &Report<'_>) -> Result<CamFile, Failure> {
-    let Some(shaped) = &report.shaped else { return Ok(file.clone()) };
-    let message = "the points that were found make no cam";
-    with_knots(file, &shaped.knots).ok_or_else(|| Failure::Usage(message.to_owned()))
-}
-
-fn picture(
-    path: &Path,
-    file: &CamFile,
-    after: &CamFile,
-    report: &Report<'_>,
-    run: Option<&RecordedRun>,
-) -> Result<(), Failure> {
-    let mut recorded = Recorded::default();
-    if let Some(run) = run {
-        // On one pass of the cam, where the picture is.
-        let using = &report.after;
-        let input = &using.coupling.input;
-        let place = |master: f64| {
-            let x = master * input.master_scaling + input.master_offset;
-            let (inside, passes) = if using.repeated { file.cam.curve().wrap(x) } else { (x, 0.0) };
-            (using.master_at(inside), passes * file.cam.curve().rise() * input.slave_scaling)
-        };
-        let point = |sample: &crate::cam::run::RunSample| {
-            let (master, gained) = place(sample.master);
-            (master, sample.slave - gained)
-        };
-        recorded.points = run.samples.iter().map(point).collect();
-        let before = report.wanted.as_ref().unwrap_or(&report.before);
-        let after = report.did.as_ref().unwrap_or(&report.after);
-        for (slot, using) in recorded.errors.iter_mut().zip([before, after]) {
-            let mut errors: Vec<_> = errors(file, using, run)
-                .into_iter()
-                .map(|(master, error)| (place(master).0, error))
-                .collect();
-            errors.sort_by(|one, other| one.0.total_cmp(&other.0));
-            *slot = errors;
-        }
-    }
-    let shown = [
-        Shown { file, using: &report.before, name: "before" },
-        Shown { file: after, using: &report.after, name: "after" },
-    ];
-    let heading = format!("{} ({})", file.cam.name(), file.path.display());
-    let text = draw(&heading, &report.headline(), &shown, &recorded)
-        .map_err(|error| Failure::Usage(error.to_string()))?;
-    whole::write(path, text.as_bytes())
-}
-
-/// Writes what was found: into the text of a TOML file, comments kept, or as a new one.
-fn apply(
-    file: &CamFile,
-    after: &CamFile,
-    report: &Report<'_>,
-    target: Option<&Path>,
-) -> Result<(), Failure> {
-    let target = target.unwrap_or(&file.path);
-    if Form::of(target).map_err(Box::new)? != Form::Toml {
-        let message = format!("{}: what was found is written as .toml", target.display());
-        return Err(Failure::Usage(message));
-    }
-    let wrong = |message: String| Failure::Usage(format!("{}: {message}", target.display()));
-    let text = match &file.text {
-        Some(text) if file.form == Form::Toml => {
-            edit::apply(text, &report.changes).map_err(|error| wrong(error.to_string()))?
-        }
-        _ => {
-            let mut other = after.clone();
-            other.coupling = report.after.coupling;
-            if report.shaped.is_some() {
-                other.source = None;
-            }
-            other.to_toml().map_err(Box::new)?
-        }
-    };
-    // What is written is what was found, or nothing is written.
-    let again = CamFile::from_toml(target, text.clone()).map_err(Box::new)?;
-    if again.coupling != report.after.coupling || again.cam.shape() != after.cam.shape() {
-        return Err(wrong("the file cannot be changed so that it says what was found".to_owned()));
-    }
-    whole::write(target, text.as_bytes())?;
-    eprintln!("written to {}", target.display());
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! `twin tune`: parameters found offline, from recorded runs and limits.
 
 mod cam;
+mod outcome;
 mod report;
 
 use super::{Failure, Status};

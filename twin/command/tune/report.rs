@@ -175,10 +175,14 @@ impl<'a> Report<'a> {
         if let Some(ramp) = &self.ramp {
             writeln!(
                 out,
-                "ramp: on the cam after {} s; the slave reaches {} {slave}/s and {} {slave}/s²",
+                "ramp: on the cam after {} s; the slave reaches {} {slave}/s, {} {slave}/s² and, as its acceleration steps within a \
+                 millisecond, {} {slave}/s³, and goes from {} to {} {slave}",
                 short(ramp.duration_s),
                 short(ramp.peak_velocity),
-                short(ramp.peak_acceleration)
+                short(ramp.peak_acceleration),
+                short(ramp.peak_jerk),
+                short(ramp.positions[0]),
+                short(ramp.positions[1]),
             )?;
         }
         if self.refused.is_some() {
@@ -327,6 +331,7 @@ impl<'a> Report<'a> {
                 "velocity_difference": ramp.velocity_difference, "acceleration": ramp.acceleration,
                 "deceleration": ramp.deceleration, "duration_s": ramp.duration_s,
                 "peak_velocity": ramp.peak_velocity, "peak_acceleration": ramp.peak_acceleration,
+                "peak_jerk": ramp.peak_jerk, "position_min": ramp.positions[0], "position_max": ramp.positions[1],
             })
         });
         let (file, block) = self.lines();

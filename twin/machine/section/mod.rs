@@ -2,9 +2,10 @@
 
 mod numbers;
 
-use super::problem::Problem;
+use super::problem::{Elsewhere, Problem};
 use std::cell::RefCell;
 use std::ops::Range;
+use std::sync::Arc;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -16,7 +17,13 @@ pub(crate) struct Complaints {
 
 impl Complaints {
     pub(crate) fn add(&self, span: Range<usize>, message: String, help: Option<String>) {
-        self.list.borrow_mut().push(Problem { span, message, help });
+        self.list.borrow_mut().push(Problem { span, message, help, elsewhere: None });
+    }
+
+    fn add_elsewhere(&self, span: Range<usize>, elsewhere: Elsewhere) {
+        let message = elsewhere.to_string();
+        let elsewhere = Some(Arc::new(elsewhere));
+        self.list.borrow_mut().push(Problem { span, message, help: None, elsewhere });
     }
 
     pub(crate) fn into_list(self) -> Vec<Problem> {
@@ -36,7 +43,7 @@ pub(crate) fn parse<T>(
 ) -> Result<T, Vec<Problem>> {
     let table = DeTable::parse(text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
-        vec![Problem { span, message: error.message().to_owned(), help: None }]
+        vec![Problem { span, message: error.message().to_owned(), help: None, elsewhere: None }]
     })?;
     let complaints = Complaints::default();
     let result = read(&Section::root(&table, &complaints));
@@ -87,6 +94,11 @@ impl<'a> Section<'a> {
     #[cfg(test)]
     pub(crate) fn asked_for(&self) -> std::collections::BTreeSet<String> {
         self.known.borrow().iter().cloned().collect()
+    }
+
+    /// Complains about the value of `key`, which names a file that something is wrong with.
+    pub(crate) fn complain_elsewhere(&self, key: &str, elsewhere: Elsewhere) {
+        self.complaints.add_elsewhere(self.span_of(key), elsewhere);
     }
 
     /// The keys that are there, none of which is unknown then.

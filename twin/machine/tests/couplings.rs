@@ -123,6 +123,11 @@ fn what_cannot_follow_is_told() {
     said(&format!("{GEAR}{}", GEAR.replace("\"X\"", "\"Z\"")), "follows another one already");
     let ring = "[[gears]]\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 1\n";
     said(&format!("{GEAR}{ring}"), "in a ring");
+    said(&format!("{GEAR}{ring}"), "follow each other in a ring: X -> Y -> X");
+    said(
+        "[[gears]]\naxis = \"X\"\nmaster = \"Y\"\nratio_numerator = 0\n",
+        "`ratio_numerator` is 0: the slave would never move",
+    );
     said("[[cams]]\naxis = \"X\"\nmaster = \"Y\"\ncam = \"none.cam\"\n", "none.cam");
     said("[[cams]]\naxis = \"X\"\nmaster = \"Y\"\n", "lacks `cam`");
     assert!(Machine::load(Path::new("none.toml")).is_err());

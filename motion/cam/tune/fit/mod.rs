@@ -4,10 +4,12 @@
 //! the other two follow from a line, so these are looked for on a grid first; the best of every valley is then improved by
 //! Gauss and Newton's method with exact derivatives, all together.
 
+mod outliers;
 mod refuse;
 mod search;
 
 use super::super::curve::Curve;
+use super::chance::correlation_exceeds;
 use super::student::student_975;
 use super::{Estimate, FitError};
 use nalgebra::{DMatrix, DVector};
@@ -104,14 +106,33 @@ pub struct Fit {
 
 impl Fit {
     /// Whether what is left over looks like noise that is independent from sample to sample, as the intervals need it.
+    ///
+    /// Of few samples no correlation is five times its standard deviation, 1/√n: there it is one that noise has in one run of
+    /// ten thousand.
     pub fn is_noise(&self, samples: usize) -> bool {
+        if samples < FEW {
+            return correlation_exceeds(self.correlation, samples) > CHANCE;
+        }
         #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
         let chance = 1.0 / (samples.max(1) as f64).sqrt();
         self.correlation.abs() <= 5.0 * chance
     }
 }
 
+/// Below so many samples, what is by chance is asked of the distribution itself.
+const FEW: usize = 50;
+/// What is told of few samples noise does in one run of so many.
+const CHANCE: f64 = 1e-4;
+
 type Parameters = [f64; 4];
+
+/// Bottoms of valleys: the deepest one, and all.
+struct Fitted {
+    /// What it leaves over.
+    left: f64,
+    best: Parameters,
+    answers: Vec<(f64, Parameters)>,
+}
 
 /// Finds offsets and scalings.
 ///
@@ -130,17 +151,16 @@ pub fn fit(curve: &Curve, samples: &[Sample], options: &FitOptions) -> Result<Fi
     }
     check(samples)?;
     let problem = Problem { curve, samples, free: &free, repeated: options.repeated };
-    let mut answers: Vec<(f64, Parameters)> = Vec::new();
-    for start in problem.valleys(options) {
-        if let Some(answer) = problem.descend(start) {
-            answers.push(answer);
-        }
-    }
-    answers.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((left, best)) = answers.first().copied() else {
+    problem.refuse_still(options.free)?;
+    let Some(fitted) = problem.solved(options) else {
         return Err(FitError::Undetermined { unknowns: problem.names() });
     };
-    problem.report(left, best, &answers)
+    problem.report(&fitted, options).map_err(|error| match error {
+        FitError::Undetermined { .. } | FitError::Unexplained { .. } => {
+            problem.resting(&fitted).unwrap_or(error)
+        }
+        other => other,
+    })
 }
 
 fn check(samples: &[Sample]) -> Result<(), FitError> {
@@ -167,6 +187,15 @@ struct Problem<'a> {
 impl Problem<'_> {
     fn names(&self) -> Vec<&'static str> {
         self.free.iter().filter_map(|index| NAMES.get(*index).copied()).collect()
+    }
+
+    /// Down into all valleys.
+    fn solved(&self, options: &FitOptions) -> Option<Fitted> {
+        let mut answers: Vec<(f64, Parameters)> =
+            self.valleys(options).into_iter().filter_map(|start| self.descend(start)).collect();
+        answers.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (left, best) = answers.first().copied()?;
+        Some(Fitted { left, best, answers })
     }
 
     fn width(&self) -> f64 {
@@ -196,13 +225,19 @@ impl Problem<'_> {
         let n = self.free.len();
         let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
         for sample in samples {
-            let (value, all) = self.model(p, sample.master);
-            let pick = |index: &usize| all.get(*index).copied().unwrap_or(0.0);
-            let row = DVector::from_iterator(n, self.free.iter().map(pick));
+            let (value, _) = self.model(p, sample.master);
+            let row = self.row(p, sample);
             right.axpy(sample.weight * (sample.slave - value), &row, 1.0);
             matrix.ger(sample.weight, &row, &row, 1.0);
         }
         (matrix, right)
+    }
+
+    /// Derivatives of the model by what is looked for.
+    fn row(&self, p: Parameters, sample: &Sample) -> DVector<f64> {
+        let (_, all) = self.model(p, sample.master);
+        let pick = |index: &usize| all.get(*index).copied().unwrap_or(0.0);
+        DVector::from_iterator(self.free.len(), self.free.iter().map(pick))
     }
 
     fn moved(&self, mut p: Parameters, by: &DVector<f64>) -> Parameters {
@@ -214,18 +249,15 @@ impl Problem<'_> {
         p
     }
 
-    fn report(
-        &self,
-        left: f64,
-        mut best: Parameters,
-        answers: &[(f64, Parameters)],
-    ) -> Result<Fit, FitError> {
+    fn report(&self, fitted: &Fitted, options: &FitOptions) -> Result<Fit, FitError> {
+        let Fitted { left, mut best, ref answers } = *fitted;
         let unknowns = self.free.len();
         let freedom = self.samples.len() - unknowns;
         #[expect(clippy::cast_precision_loss, reason = "a count of samples")]
         let variance = left / freedom as f64;
         let (matrix, _) = self.normal(best, self.samples);
         let inverse = self.invert(&matrix)?;
+        self.refuse_outliers(fitted, options)?;
         self.refuse_unexplained(left)?;
         self.refuse_contradiction(best, left)?;
         self.refuse_second(left, &best, answers, variance)?;

@@ -1,12 +1,18 @@
 //! Answers that are none: the data contradict the cam, themselves, or fit another one alike.
 
+use super::super::super::curve::Range;
 use super::super::FitError;
-use super::{NAMES, Parameters, Problem, Sample};
+use super::super::chance::fisher_exceeds;
+use super::{CHANCE, Fitted, Free, NAMES, Parameters, Problem, Sample};
 
 /// Of the spread of the slave this part at most may be left over.
 const UNEXPLAINED: f64 = 0.5;
 /// Two answers fit alike if the worse one leaves over less than this many times what chance does.
 const ALIKE: f64 = 25.0;
+/// With so many degrees of freedom what is left over is known well enough for that.
+const MANY: f64 = 20.0;
+/// A slave that moves by no more than this part of what it does on the cam rests, but for noise.
+const RESTING: f64 = 0.05;
 
 impl Problem<'_> {
     pub(super) fn refuse_unexplained(&self, left: f64) -> Result<(), FitError> {
@@ -23,7 +29,7 @@ impl Problem<'_> {
     /// Lets both halves have their own answers and looks whether that leaves over much less.
     pub(super) fn refuse_contradiction(&self, p: Parameters, left: f64) -> Result<(), FitError> {
         let unknowns = self.free.len();
-        let Some(freedom) = self.samples.len().checked_sub(2 * unknowns + 20) else {
+        let Some(freedom) = self.samples.len().checked_sub(2 * unknowns).filter(|n| *n > 0) else {
             return Ok(());
         };
         let (first, second) = self.samples.split_at(self.samples.len() / 2);
@@ -34,12 +40,41 @@ impl Problem<'_> {
             gained += right.dot(&factors.solve(&right));
         }
         #[expect(clippy::cast_precision_loss, reason = "counts of samples and unknowns")]
-        let (freedom, unknowns) = ((freedom + 20) as f64, unknowns as f64);
+        let (freedom, unknowns) = (freedom as f64, unknowns as f64);
         let rest = (left - gained).max(f64::MIN_POSITIVE);
         let f = (gained / unknowns) / (rest / freedom);
         // Rounding of data without noise is not a contradiction.
         let size: f64 = self.samples.iter().map(|s| s.weight * s.slave.powi(2)).sum();
-        if f > ALIKE && gained > 1e-18 * size { Err(FitError::Contradictory { f }) } else { Ok(()) }
+        // Where what is left over is known from few samples, F is often large by chance: its own distribution says how often.
+        let beyond =
+            if freedom < MANY { fisher_exceeds(f, unknowns, freedom) < CHANCE } else { f > ALIKE };
+        if beyond && gained > 1e-18 * size { Err(FitError::Contradictory { f }) } else { Ok(()) }
+    }
+
+    /// Nothing but the slave's offset is told by a master that stands.
+    pub(super) fn refuse_still(&self, free: Free) -> Result<(), FitError> {
+        let masters = self.samples.iter().map(|sample| sample.master);
+        let (low, high) =
+            masters.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), m| (a.min(m), b.max(m)));
+        let still = high - low <= 1e-12 * low.abs().max(high.abs()).max(self.width());
+        let both = free.slave_offset && free.slave_scaling;
+        let asked = free.master_offset || free.master_scaling || both;
+        if still && asked {
+            let (samples, unknowns) = (self.samples.len(), self.names());
+            return Err(FitError::Still { master: low, samples, unknowns });
+        }
+        Ok(())
+    }
+
+    /// What to say if the slave rests, so that nothing was found.
+    pub(super) fn resting(&self, fitted: &Fitted) -> Option<FitError> {
+        let slaves = self.samples.iter().map(|sample| sample.slave);
+        let (low, high) =
+            slaves.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), s| (a.min(s), b.max(s)));
+        let Range { min, max, .. } = self.curve.extremes().position;
+        let (moved, height) = (high - low, (max - min) * fitted.best[3].abs());
+        let rests = height > 0.0 && moved <= RESTING * height;
+        rests.then(|| FitError::Resting { moved, height, unknowns: self.names() })
     }
 
     /// Whether another valley is as deep as the best one.

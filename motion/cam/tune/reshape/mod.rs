@@ -43,6 +43,8 @@ pub struct Wish {
     pub held: Vec<f64>,
     /// What the slave may do; at least one of them finite.
     pub limits: SlaveLimits,
+    /// Least and greatest position of the slave, u; infinite where there is no limit.
+    pub position: [f64; 2],
     /// The master's acceleration that counts beside its velocity, u/s².
     pub master_acceleration: f64,
     /// Whether the cam is put end to end: what is changed at its begin is changed at its end.
@@ -121,6 +123,8 @@ const PEAK: f64 = 1e-7;
 /// The last step in velocity, as a part of it, that is worth another trial.
 const GAIN: f64 = 1e-7;
 
+/// A position beyond its limit by less than this part of the cam's height is rounding.
+pub(super) const POSITION: f64 = 1e-12;
 /// A limit that is exceeded by less than this part is kept.
 const KEPT: f64 = 1e-6;
 
@@ -136,20 +140,30 @@ pub fn reshape(knots: &[Knot], wish: &Wish) -> Result<Reshaped, ReshapeError> {
     }
     let mut problem = Problem::new(knots, wish, &Weights::fastest(wish, 1.0));
     let mut best = Reshaped { knots: knots.to_vec(), before, after: before, programs: 0 };
+    // What leaves its way as it is has to be changed, whatever that costs.
+    let mut kept = keeps_position(knots, wish)?;
     if problem.unknowns.is_empty() {
-        return Ok(best);
+        return if kept { Ok(best) } else { Err(ReshapeError::NoShape) };
     }
     for _ in 0..TRIALS {
         let velocity = best.after.value;
         let moved = problem.solve(&Weights::fastest(wish, velocity))?;
         let Ok(after) = largest(&Curve::polynomial(&moved)?, wish) else { break };
-        let gain = after.value / velocity - 1.0;
-        if gain > 0.0 {
-            (best.knots, best.after) = (moved, after);
-        }
-        if gain <= GAIN || after.limited.is_none() {
+        if !keeps_position(&moved, wish)? {
             break;
         }
+        let gain = after.value / velocity - 1.0;
+        let first = !kept;
+        if gain > 0.0 || first {
+            (best.knots, best.after) = (moved, after);
+            kept = true;
+        }
+        if (gain <= GAIN && !first) || after.limited.is_none() {
+            break;
+        }
+    }
+    if !kept {
+        return Err(ReshapeError::NoShape);
     }
     best.programs = problem.programs;
     Ok(best)
@@ -200,11 +214,15 @@ pub fn soften(
     let mut best = Softened { knots: knots.to_vec(), before, after: before, programs: 0 };
     let weights = Weights::gentlest(wish, velocity, quantity, before.value);
     let mut problem = Problem::new(knots, wish, &weights);
+    let stays = keeps_position(knots, wish)?;
     if problem.unknowns.is_empty() || before.value == 0.0 {
-        return Ok(best);
+        return if stays { Ok(best) } else { Err(ReshapeError::NoShape) };
     }
     let moved = problem.solve(&weights)?;
     best.programs = problem.programs;
+    if !keeps_position(&moved, wish)? {
+        return if stays { Ok(best) } else { Err(ReshapeError::NoShape) };
+    }
     // The others: Clarabel's last digits aside.
     let curve = Curve::polynomial(&moved)?;
     for other in Quantity::ALL.into_iter().filter(|other| *other != quantity) {
@@ -224,7 +242,7 @@ pub fn soften(
             reached.value <= wish.limits.of(other) * (1.0 + KEPT)
         }))
     };
-    if after.value < before.value || !kept(knots)? {
+    if after.value < before.value || !stays || !kept(knots)? {
         (best.knots, best.after) = (moved, after);
     }
     Ok(best)
@@ -244,6 +262,14 @@ fn check(knots: &[Knot], wish: &Wish) -> Result<(), ReshapeError> {
         }
     }
     Ok(())
+}
+
+/// Whether the slave stays within its positions; rounding aside.
+fn keeps_position(knots: &[Knot], wish: &Wish) -> Result<bool, CamError> {
+    let [low, high] = wish.position;
+    let found = Curve::polynomial(knots)?.extremes().position;
+    let room = POSITION * (found.max - found.min).max(found.magnitude());
+    Ok(found.min >= low - room && found.max <= high + room)
 }
 
 fn largest(curve: &Curve, wish: &Wish) -> Result<Largest, LimitError> {

@@ -4,7 +4,7 @@ use super::super::super::knot::{Derivatives, Knot, Piece};
 use super::super::super::polynomial::{Coefficients, extremes};
 use super::rows::Rows;
 use super::weight::Weights;
-use super::{PEAK, ROUNDS, ReshapeError, Wish};
+use super::{PEAK, POSITION, ROUNDS, ReshapeError, Wish};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettings, DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT,
@@ -33,8 +33,13 @@ pub(super) struct Problem<'a> {
     wish: &'a Wish,
     pub(super) unknowns: Vec<Unknown>,
     places: Vec<Place>,
+    /// Pieces and places in them where the slave's position is limited.
+    positions: Vec<(usize, f64)>,
     pub(super) programs: usize,
 }
+
+/// Of the tolerances: so far from a limit of the position what is solved stays, so that Clarabel's last digits keep it.
+const MARGIN: f64 = 1e-6;
 
 fn values(knot: &Knot) -> [f64; 3] {
     [knot.slave, knot.velocity, knot.acceleration]
@@ -74,7 +79,16 @@ impl<'a> Problem<'a> {
             })
             .flatten()
             .collect();
-        Self { knots, wish, unknowns, places, programs: 0 }
+        let bounded = wish.position.iter().any(|limit| limit.is_finite());
+        let positions = (0..last)
+            .filter(|_| bounded)
+            .filter_map(|piece| {
+                let width = knots.get(piece + 1)?.master - knots.get(piece)?.master;
+                Some([0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (piece, share * width)))
+            })
+            .flatten()
+            .collect();
+        Self { knots, wish, unknowns, places, positions, programs: 0 }
     }
 
     /// The points that make the largest part of a limit smallest.
@@ -100,11 +114,22 @@ impl<'a> Problem<'a> {
 
     /// Adds the places where the new points exceed what the program says; whether there were any.
     fn add_peaks(&mut self, moved: &[Knot], weights: &Weights, part: f64) -> bool {
-        let before = self.places.len();
+        let before = self.places.len() + self.positions.len();
+        let [lowest, highest] = self.wish.position;
         for (piece, pair) in moved.windows(2).enumerate() {
             let [from, to] = pair else { continue };
             let polynomial = Piece::between(from, to);
-            let [_, first, second, third] = polynomial.polynomials();
+            let [position, first, second, third] = polynomial.polynomials();
+            let found = extremes(&position, polynomial.width);
+            let room = POSITION * found.max.abs().max(found.min.abs());
+            for (u, beyond) in [
+                (found.at_min, found.min < lowest - room),
+                (found.at_max, found.max > highest + room),
+            ] {
+                if beyond && !self.positions.contains(&(piece, u)) {
+                    self.positions.push((piece, u));
+                }
+            }
             for (row, weight) in weights.rows.iter().enumerate() {
                 let [a, b, c] = weight.factors;
                 let most = if weight.counts { part } else { 1.0 };
@@ -123,7 +148,7 @@ impl<'a> Problem<'a> {
                 }
             }
         }
-        self.places.len() > before
+        self.places.len() + self.positions.len() > before
     }
 
     /// How much one value of one end of a piece adds to y, y′, y″ and y‴ at a place.
@@ -194,6 +219,21 @@ impl<'a> Problem<'a> {
                 // What counts is the part that is made small, the others keep their limits.
                 let (part, most) = if weight.counts { (-1.0, 0.0) } else { (0.0, 1.0) };
                 rows.add(entries.chain([(n, part)]), most - sign * constant);
+            }
+        }
+        let [lowest, highest] = self.wish.position;
+        for (piece, u) in &self.positions {
+            let (constant, factors) = self.form(*piece, *u, &|d| d.position);
+            let size: f64 = factors.iter().map(|(_, factor)| factor.abs()).sum();
+            // What no unknown moves is as it is.
+            if size == 0.0 {
+                continue;
+            }
+            for (sign, limit) in [(1.0, highest), (-1.0, -lowest)] {
+                if limit.is_finite() {
+                    let entries = factors.iter().map(|(column, f)| (*column, sign * f / size));
+                    rows.add(entries, (limit - sign * constant) / size - MARGIN);
+                }
             }
         }
         for column in 0..n {

@@ -75,6 +75,124 @@ fn without_noise_the_truth_is_found() {
     assert_eq!((found.master_scaling.value, found.master_scaling.half_width), (1.0, 0.0));
 }
 
+/// Fourteen samples of two turns, two unknowns: of 1,000 runs of noise one at most is taken for a contradiction, an outlier or
+/// no noise (each is so in one of ten thousand), and 95 % of the others hit.
+#[test]
+fn few_samples_raise_no_false_alarms() {
+    let curve = lift();
+    let (mut hits, mut alarms) = ([0_usize; 2], 0);
+    for seed in 0..TRIALS {
+        let mut random = Random(seed + 90_000);
+        let truth = [random.between(-170.0, 170.0), 1.0, random.between(-50.0, 50.0), 1.0];
+        let samples = run(&mut random, &curve, truth, 0.1, 14);
+        match fit(&curve, &samples, &FitOptions::default()) {
+            Ok(found) => {
+                alarms += usize::from(!found.is_noise(samples.len()));
+                hits[0] += usize::from(found.master_offset.holds(truth[0]));
+                hits[1] += usize::from(found.slave_offset.holds(truth[2]));
+            }
+            Err(FitError::Contradictory { .. } | FitError::Outliers { .. }) => alarms += 1,
+            Err(error) => panic!("{seed}: {error}"),
+        }
+    }
+    assert!(alarms <= 2, "{alarms} of {TRIALS}");
+    assert!(hits.iter().all(|hits| HITS.contains(hits)), "{hits:?} of {TRIALS}");
+}
+
+/// A coupling that slipped half way, and a slave that drifts away, in as few as 14 samples.
+#[test]
+fn few_samples_contradict_each_other_too() {
+    let curve = lift();
+    let (mut slips, mut drifts) = (0, 0);
+    for seed in 0..100 {
+        let mut random = Random(seed + 600);
+        let truth = [10.0, 1.0, 0.0, 1.0];
+        let mut slipped = run(&mut random, &curve, truth, 0.1, 14);
+        let rest = run(&mut random, &curve, [22.0, 1.0, 0.0, 1.0], 0.1, 14);
+        slipped[7..].copy_from_slice(&rest[7..]);
+        let found = fit(&curve, &slipped, &FitOptions::default());
+        slips += usize::from(match found {
+            Err(FitError::Contradictory { .. } | FitError::Outliers { .. }) => true,
+            Ok(found) => !found.is_noise(14),
+            Err(error) => panic!("{seed}: {error}"),
+        });
+        // By 12 u over the run: what is left over of a line goes on from sample to sample.
+        let mut drifting = run(&mut random, &curve, truth, 0.1, 20);
+        for (sample, by) in drifting.iter_mut().zip(0..) {
+            sample.slave += 0.6 * f64::from(by);
+        }
+        let found = fit(&curve, &drifting, &FitOptions::default());
+        drifts += usize::from(match found {
+            Err(FitError::Contradictory { .. } | FitError::Outliers { .. }) => true,
+            Ok(found) => !found.is_noise(20),
+            Err(error) => panic!("{seed}: {error}"),
+        });
+    }
+    assert!(slips >= 95 && drifts >= 95, "{slips} {drifts}");
+}
+
+/// Two sensors' slips among sixty samples, one hiding behind the other; one among twelve; and none in clean data.
+#[test]
+fn outliers_are_named() {
+    let curve = lift();
+    let truth = [42.0, 1.0, -3.0, 1.0];
+    for seed in 0..50 {
+        let mut samples = run(&mut Random(seed + 70), &curve, truth, 0.2, 60);
+        samples[20].slave += 9.0;
+        samples[43].slave -= 8.0;
+        let error = fit(&curve, &samples, &FitOptions::default()).expect_err("two");
+        let FitError::Outliers { outliers } = &error else { panic!("{seed}: {error}") };
+        let named: Vec<_> = outliers.iter().map(|(index, _)| *index).collect();
+        assert_eq!(named, [21, 44], "{seed}: {error}");
+        assert!((outliers[0].1 - 9.0).abs() < 2.0 && (outliers[1].1 + 8.0).abs() < 2.0);
+    }
+    // Exact but for one: the others say it alone.
+    let mut samples = run(&mut Random(1), &curve, truth, 0.0, 12);
+    samples[4].slave += 0.01;
+    let error = fit(&curve, &samples, &FitOptions::default()).expect_err("one");
+    let FitError::Outliers { outliers } = &error else { panic!("{error}") };
+    assert_eq!((outliers.len(), outliers[0].0), (1, 5));
+    // A position that is no position at all.
+    let mut samples = run(&mut Random(2), &curve, truth, 0.2, 60);
+    samples[30].slave = 1e6;
+    let error = fit(&curve, &samples, &FitOptions::default()).expect_err("one");
+    assert!(matches!(&error, FitError::Outliers { outliers } if outliers[0].0 == 31), "{error}");
+}
+
+/// A master that stands, and one that stays where the cam rests.
+#[test]
+fn rests_are_told() {
+    let curve = lift();
+    let mut random = Random(3);
+    let still: Vec<_> = (0..40)
+        .map(|_| Sample { master: 50.0, slave: 20.0 + 0.1 * random.normal(), weight: 1.0 })
+        .collect();
+    let error = fit(&curve, &still, &FitOptions::default()).expect_err("it stands");
+    let said =
+        "the master stands at 50 in all 40 samples: nothing tells MasterOffset and SlaveOffset";
+    assert_eq!(error.to_string(), said);
+    let free = Free {
+        master_offset: false,
+        master_scaling: false,
+        slave_offset: true,
+        slave_scaling: false,
+    };
+    let offset = FitOptions { free, ..FitOptions::default() };
+    assert!(!matches!(fit(&curve, &still, &offset), Err(FitError::Still { .. })));
+    for noise in [0.0, 0.05] {
+        let dwell: Vec<_> = (0..40)
+            .map(|index| Sample {
+                master: 112.0 + f64::from(index),
+                slave: 80.0 + noise * random.normal(),
+                weight: 1.0,
+            })
+            .collect();
+        let error = fit(&curve, &dwell, &FitOptions::default()).expect_err("it rests");
+        let FitError::Resting { moved, height, .. } = error else { panic!("{noise}: {error}") };
+        assert!(moved <= 0.4 && (height - 80.0).abs() < 1e-6, "{noise}: {moved} {height}");
+    }
+}
+
 #[test]
 fn what_data_do_not_say_is_not_fitted() {
     let curve = lift();

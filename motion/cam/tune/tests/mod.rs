@@ -7,7 +7,7 @@ mod ramp_in;
 mod reshape;
 
 /// Numbers that come again with their seed (splitmix64).
-struct Random(u64);
+pub(super) struct Random(pub(super) u64);
 
 impl Random {
     /// 0 to 1, neither included.
@@ -25,7 +25,7 @@ impl Random {
     }
 
     /// Normal, of mean 0 and variance 1 (Box and Muller).
-    fn normal(&mut self) -> f64 {
+    pub(super) fn normal(&mut self) -> f64 {
         let radius = (-2.0 * self.share().ln()).sqrt();
         radius * (std::f64::consts::TAU * self.share()).cos()
     }

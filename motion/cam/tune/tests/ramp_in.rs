@@ -24,6 +24,8 @@ fn wish(knots: &[Knot], master: AxisState, slave: AxisState, limits: SlaveLimits
         master,
         slave,
         limits,
+        position: [f64::NEG_INFINITY, f64::INFINITY],
+        cycle_s: 1e-3,
         goal: RampGoal::Soonest,
     }
 }
@@ -61,6 +63,97 @@ fn the_gentlest_ramp_onto_a_dwell_is_known() {
         assert!((found.peak_acceleration / expected - 1.0).abs() < 1e-5, "{found:?}");
         assert!(found.duration_s <= within_s);
     }
+}
+
+/// Onto a dwell 1 u away with steps of the acceleration of a = J·T at most, a cycle T apart at least: up for v/a, T at v, and
+/// down; v²/a + v·T = 1, which takes 2·v/a + T = √(T² + 4/a). Without the T between them up and down were one step of 2·a.
+#[test]
+fn the_jerk_of_a_ramp_is_its_steps() {
+    let limits = SlaveLimits { velocity: 100.0, acceleration: 50.0, jerk: 4000.0 };
+    let wish = wish(&dwell(), moving(5.0, 3.0), moving(9.0, 0.0), limits);
+    for cycle_s in [1e-3, 1e-2] {
+        let found = ramp_in(&RampWish { cycle_s, ..wish.clone() }).expect("a ramp");
+        assert!(found.peak_jerk <= 4000.0 * (1.0 + 1e-9), "{found:?}");
+        assert!(found.peak_jerk >= 4000.0 * (1.0 - 1e-3), "{found:?}");
+        let expected = (cycle_s * cycle_s + 4.0 / (4000.0 * cycle_s)).sqrt();
+        assert!((found.duration_s / expected - 1.0).abs() < 1e-3, "{found:?} {expected}");
+    }
+    // A cam whose own jerk is more: nothing helps.
+    let limits = SlaveLimits { velocity: 1e4, acceleration: 1e6, jerk: 10.0 };
+    let wish = RampWish { limits, ..wish_on_lift(moving(90.0, 300.0), moving(0.0, 0.0)) };
+    let error = ramp_in(&wish).expect_err("jerk");
+    assert!(matches!(error, RampError::Beyond { what: "jerk", .. }), "{error}");
+}
+
+fn wish_on_lift(master: AxisState, slave: AxisState) -> RampWish {
+    wish(&lift(), master, slave, limits(1e4, 1e6))
+}
+
+/// From 9 at −4 u/s onto a dwell at 10 with d it turns at 9 − 16/(2·d): with a limit of 8 d has to be 8 u/s² or more; and no
+/// deceleration keeps 8.99 with 50 u/s².
+#[test]
+fn positions_on_the_way_are_kept() {
+    let limits = SlaveLimits { velocity: 100.0, acceleration: 50.0, ..SlaveLimits::NONE };
+    let wish = wish(&dwell(), moving(5.0, 3.0), moving(9.0, -4.0), limits);
+    let within = |low: f64| RampWish { position: [low, 20.0], ..wish.clone() };
+    let gentle = RampWish { goal: RampGoal::Gentlest { within_s: 5.0 }, ..within(8.0) };
+    let found = ramp_in(&gentle).expect("a ramp");
+    assert!(found.positions[0] >= 8.0 - 1e-9, "{found:?}");
+    assert!(found.deceleration >= 8.0 - 1e-6 || found.acceleration >= 8.0 - 1e-6, "{found:?}");
+    let free = ramp_in(&RampWish { position: [0.0, 20.0], ..gentle }).expect("a ramp");
+    assert!(free.positions[0] < 8.0, "{free:?}");
+    let error = ramp_in(&within(8.99)).expect_err("no room");
+    assert!(matches!(error, RampError::Beyond { what: "position", .. }), "{error}");
+    // The positions are those of the coupling: on a moving cam, by driving it.
+    for seed in 0..20 {
+        let mut random = Random(seed);
+        let sign = if seed % 2 == 0 { -1.0 } else { 1.0 };
+        let master = moving(random.between(0.0, 360.0), sign * random.between(20.0, 300.0));
+        let slave = moving(random.between(-50.0, 150.0), random.between(-20.0, 20.0));
+        let wish = wish_on_lift(master, slave);
+        let values = [random.between(50.0, 300.0), random.between(300.0, 3000.0)];
+        let limits = SlaveLimits {
+            velocity: values[0] + 400.0,
+            acceleration: values[1] + 4000.0,
+            ..SlaveLimits::NONE
+        };
+        let wish = RampWish { limits, ..wish };
+        let found = ramp_in(&wish).expect("a ramp");
+        let [low, high] = driven_positions(&wish, &found);
+        let [least, greatest] = found.positions;
+        assert!(least <= low + 1e-6 && greatest >= high - 1e-6, "{seed}: {low} {high} {found:?}");
+        assert!(
+            (least - low).abs() < 0.05 && (greatest - high).abs() < 0.05,
+            "{seed}: {low} {high} {found:?}"
+        );
+    }
+}
+
+/// Least and greatest position until the slave is on its cam.
+fn driven_positions(wish: &RampWish, ramp: &RampIn) -> [f64; 2] {
+    let input = CamInput {
+        velocity_difference: ramp.velocity_difference,
+        acceleration: ramp.acceleration,
+        deceleration: ramp.deceleration,
+        ..wish.input
+    };
+    let (master, slave) = (&wish.master, &wish.slave);
+    let mut coupling =
+        CamCoupling::start(wish.table.clone(), input, master, slave, 0).expect("a start");
+    let mut reached = [slave.position; 2];
+    for cycle in 0..10_000_000 {
+        let now_ns = cycle * 100_000;
+        #[expect(clippy::cast_precision_loss, reason = "seconds")]
+        let seconds = now_ns as f64 * 1e-9;
+        let at = moving(master.position + master.velocity * seconds, master.velocity);
+        let coupled = coupling.step(&at, now_ns).expect("a master");
+        if coupled.in_sync {
+            return reached;
+        }
+        let position = coupled.slave.position;
+        reached = [reached[0].min(position), reached[1].max(position)];
+    }
+    unreachable!("a ramp ends")
 }
 
 #[test]

@@ -5,7 +5,14 @@ use crate::cam::tune::{ReshapeError, Tolerance, Wish, reshape, soften};
 use crate::cam::{Curve, Factors, Knot, MasterMotion, Quantity, SlaveLimits};
 
 fn wish(tolerances: Vec<Tolerance>, limits: SlaveLimits) -> Wish {
-    Wish { tolerances, held: Vec::new(), limits, master_acceleration: 0.0, repeated: false }
+    Wish {
+        tolerances,
+        held: Vec::new(),
+        limits,
+        position: [f64::NEG_INFINITY, f64::INFINITY],
+        master_acceleration: 0.0,
+        repeated: false,
+    }
 }
 
 fn acceleration(acceleration: f64) -> SlaveLimits {
@@ -103,6 +110,44 @@ fn random_cams_get_faster_within_their_tolerances() {
             assert!(peak.value <= limit * (1.0 + 1e-12), "{seed}: {quantity} {peak:?}");
         }
     }
+}
+
+/// A point that is free in its height, between two that stay at rest: the faster, the higher it goes, and beyond 60 it may not.
+/// From rest to rest over a free middle the slave overshoots, too: exactly its greatest position is kept.
+#[test]
+fn positions_are_kept() {
+    let knots = [
+        Knot::at_rest(0.0, 0.0),
+        Knot { velocity: 0.9, ..Knot::at_rest(90.0, 55.0) },
+        Knot::at_rest(180.0, 58.0),
+        Knot::at_rest(300.0, 0.0),
+    ];
+    let none = Tolerance::default();
+    let free = Tolerance { slave: 20.0, velocity: 2.0, acceleration: 0.05 };
+    let tolerances = vec![none, free, free, none];
+    let greatest = |knots: &[Knot]| Curve::polynomial(knots).expect("a curve").extremes().position;
+    let loose = wish(tolerances.clone(), acceleration(100.0));
+    let far = greatest(&reshape(&knots, &loose).expect("a shape").knots);
+    let before = greatest(&knots);
+    // As it is it leaves 60; with 60 as its limit it has to be changed.
+    assert!(before.max > 60.0, "{before:?}");
+    let kept = Wish { position: [-1e-3, 60.0], ..loose.clone() };
+    let found = reshape(&knots, &kept).expect("a shape");
+    let reached = greatest(&found.knots);
+    assert!(reached.max <= 60.0 + 1e-9 && reached.min >= -1e-3 - 1e-9, "{reached:?}");
+    assert!(
+        found.after.value <= reshape(&knots, &loose).expect("a shape").after.value * (1.0 + 1e-6)
+    );
+    // Where the limits are never reached, they change nothing.
+    let wide = Wish { position: [far.min - 1.0, far.max + 1.0], ..loose.clone() };
+    let (one, other) = (reshape(&knots, &wide), reshape(&knots, &loose));
+    let [one, other] = [one, other].map(|found| found.expect("a shape").after.value);
+    assert!((one / other - 1.0).abs() < 1e-5, "{one} {other}");
+    let soft = soften(&knots, &kept, Quantity::Acceleration, 50.0).expect("a shape");
+    assert!(greatest(&soft.knots).max <= 60.0 + 1e-9);
+    // A point that stays at 58 does not keep 50.
+    let none = Wish { position: [-1.0, 30.0], ..loose };
+    assert_eq!(reshape(&knots, &none), Err(ReshapeError::NoShape));
 }
 
 #[test]

@@ -1,0 +1,113 @@
+//! What couplings are told and give: states of axes, tappets that acted, and why one does not start.
+
+use super::passage::Trigger;
+use crate::short::Short;
+
+/// Where an axis is and how it moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AxisState {
+    /// u.
+    pub position: f64,
+    /// u/s.
+    pub velocity: f64,
+    /// u/s².
+    pub acceleration: f64,
+}
+
+impl AxisState {
+    pub(super) fn check(&self, axis: &'static str) -> Result<(), CouplingError> {
+        let all = [self.position, self.velocity, self.acceleration];
+        match all.into_iter().find(|value| !value.is_finite()) {
+            Some(value) => Err(CouplingError::NotFinite { what: axis, value }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Tappets that can be told in one cycle (`SMC_TappetData`); a register has no such limit.
+pub const MAX_TRIGGERS: usize = 3;
+
+/// Tappets that acted in a cycle (`SMC_TappetData`): the first [`MAX_TRIGGERS`] of them.
+#[doc(alias = "SMC_TappetData")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TappetData {
+    pub(super) triggers: [Option<Trigger>; MAX_TRIGGERS],
+    /// How many more there were, which are lost.
+    pub lost: usize,
+    /// Whether this is the first cycle after a start of `MC_CamIn`.
+    pub restarted: bool,
+    /// Time of the cycle, ns.
+    pub now_ns: i64,
+}
+
+impl TappetData {
+    /// In the order in which the master passed them.
+    pub fn triggers(&self) -> impl Iterator<Item = &Trigger> {
+        self.triggers.iter().flatten()
+    }
+}
+
+/// What a coupling gives in a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coupled {
+    /// The slave's set-point. Its position does not jump at the ends of a period.
+    pub slave: AxisState,
+    /// Whether the slave is on the cam.
+    pub in_sync: bool,
+    /// Whether the cam has been left at an end; of one that is put end to end, in this cycle only.
+    pub end_of_profile: bool,
+    /// Tappets.
+    pub tappets: TappetData,
+}
+
+/// Why a coupling does not start.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum CouplingError {
+    /// Error 626, `SMC_CI_MASTER_OUT_OF_SCALE`.
+    #[error("the master is at {} of the cam, which goes from {} to {} (error 626)", Short(*.master), Short(*.min), Short(*.max))]
+    MasterOutOfRange {
+        /// Where, u of the cam.
+        master: f64,
+        /// Begin of the cam.
+        min: f64,
+        /// End of the cam.
+        max: f64,
+    },
+    /// Error 627, `SMC_CI_RAMPIN_NEEDS_VELACC_VALUES`.
+    #[error("a start with a ramp needs {name} greater than 0, it is {value} (error 627)")]
+    RampNeedsValues {
+        /// Which input.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A position, velocity or input is no finite number.
+    #[error("{what}: {value} is no finite number")]
+    NotFinite {
+        /// What.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A cam that runs may only be exchanged for one with as many elements and tappets (manual 4.5).
+    #[error("the cam has {found} {what}, the one that runs {expected}")]
+    OtherSize {
+        /// Elements or tappets.
+        what: &'static str,
+        /// How many the new one has.
+        found: usize,
+        /// How many the old one has.
+        expected: usize,
+    },
+}
+
+impl CouplingError {
+    /// The manual's number (`SMC_ERROR`, 9.3); none for what it has no number for.
+    pub const fn number(&self) -> Option<u16> {
+        match self {
+            Self::MasterOutOfRange { .. } => Some(626),
+            Self::RampNeedsValues { .. } => Some(627),
+            Self::NotFinite { .. } | Self::OtherSize { .. } => None,
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! What is wished of a ramp, what came of it, and why there is none.
+
+use super::super::coupling::{AxisState, CouplingError};
+use super::super::selection::{CamInput, CamTable};
+use crate::cam::SlaveLimits;
+use crate::short::Short;
+
+/// What a ramp is to be best in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RampGoal {
+    /// The slave is on its cam as soon as its limits allow.
+    Soonest,
+    /// The largest acceleration of the slave until it is on its cam is as small as can be, and it is there in this time, s.
+    Gentlest {
+        /// s.
+        within_s: f64,
+    },
+}
+
+/// A start with a ramp.
+#[derive(Clone, Debug)]
+pub struct RampWish {
+    /// The cam as `MC_CamTableSelect` gives it.
+    pub table: CamTable,
+    /// Inputs of `MC_CamIn`; what it says of a ramp does not count but for the direction of the start mode.
+    pub input: CamInput,
+    /// Where the master is at the start and how fast it goes on; its acceleration does not count.
+    pub master: AxisState,
+    /// Where the slave is at the start, and its velocity.
+    pub slave: AxisState,
+    /// What the slave may do; velocity and acceleration finite. Ramps have steps of acceleration, which are a jerk of the
+    /// step by the time of a cycle.
+    pub limits: SlaveLimits,
+    /// Least and greatest position of the slave, u; infinite where there is no limit.
+    pub position: [f64; 2],
+    /// Time from one set-point to the next, s.
+    pub cycle_s: f64,
+    /// What the ramp is to be best in.
+    pub goal: RampGoal,
+}
+
+/// A ramp, and what comes of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RampIn {
+    /// `VelocityDiff`, u/s.
+    pub velocity_difference: f64,
+    /// `Acceleration`, u/s².
+    pub acceleration: f64,
+    /// `Deceleration`, u/s².
+    pub deceleration: f64,
+    /// When the slave is on its cam, s after the start.
+    pub duration_s: f64,
+    /// The largest velocity of the slave until then, exact, u/s.
+    pub peak_velocity: f64,
+    /// The largest acceleration of the slave until then, exact, u/s².
+    pub peak_acceleration: f64,
+    /// The largest jerk of the slave until then, u/s³: the largest step of the ramp's acceleration by the time of a cycle,
+    /// and the largest jerk of the cam beside it.
+    pub peak_jerk: f64,
+    /// Least and greatest position of the slave until then, exact, u.
+    pub positions: [f64; 2],
+}
+
+/// Why there is no ramp.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum RampError {
+    /// The coupling does not start.
+    #[error(transparent)]
+    Coupling(#[from] CouplingError),
+    /// A ramp needs a limit of this.
+    #[error("a ramp needs a limit of the slave's {what} that is greater than 0; {}",
+        if .value.is_infinite() { "none is given".to_owned() } else { format!("it is {value}") })]
+    NoLimit {
+        /// Velocity or acceleration.
+        what: &'static str,
+        /// What it is.
+        value: f64,
+    },
+    /// No ramp that was found stays within the positions of the slave, or is gentle enough for its jerk.
+    #[error("no ramp keeps the slave's {what}: it reaches {}, its limit is {}", Short(*.reached), Short(*.limit))]
+    Beyond {
+        /// Position or jerk.
+        what: &'static str,
+        /// The position that a ramp with all of the acceleration reaches, u, or the jerk of the gentlest one, u/s³.
+        reached: f64,
+        /// What is allowed.
+        limit: f64,
+    },
+    /// The cam leaves nothing over for a ramp.
+    #[error("the cam alone takes the slave's {what} to {}, its limit is {}: nothing is left for a ramp",
+        Short(*.peak), Short(*.limit))]
+    NoRoom {
+        /// Velocity or acceleration.
+        what: &'static str,
+        /// What the cam reaches, u/s or u/s².
+        peak: f64,
+        /// What is allowed.
+        limit: f64,
+    },
+    /// The limits do not allow a ramp as short as it should be.
+    #[error("the slave is on its cam after {} s at the earliest, not within {} s", Short(*.soonest_s), Short(*.within_s))]
+    TooLate {
+        /// The shortest ramp that was found, s.
+        soonest_s: f64,
+        /// The time it was to take at most, s.
+        within_s: f64,
+    },
+}

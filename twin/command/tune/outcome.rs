@@ -1,0 +1,103 @@
+//! What is made of what was found: the cam with other points, a picture, the file.
+
+use super::report::Report;
+use crate::cam::picture::{Recorded, Shown, draw};
+use crate::cam::run::RecordedRun;
+use crate::cam::tune::errors;
+use crate::cam::{CamFile, Form, edit};
+use crate::command::Failure;
+use crate::command::whole;
+use std::path::Path;
+use twin_motion::cam::{Cam, Shape};
+
+/// The cam with other points.
+pub(super) fn with_knots(file: &CamFile, knots: &[twin_motion::cam::Knot]) -> Option<CamFile> {
+    let shape = Shape::Polynomial(knots.to_vec());
+    let cam = Cam::new(file.cam.name(), shape, file.cam.tappets().to_vec()).ok()?;
+    Some(CamFile { cam, ..file.clone() })
+}
+
+pub(super) fn moved(file: &CamFile, report: &Report<'_>) -> Result<CamFile, Failure> {
+    let Some(shaped) = &report.shaped else { return Ok(file.clone()) };
+    let message = "the points that were found make no cam";
+    with_knots(file, &shaped.knots).ok_or_else(|| Failure::Usage(message.to_owned()))
+}
+
+pub(super) fn picture(
+    path: &Path,
+    file: &CamFile,
+    after: &CamFile,
+    report: &Report<'_>,
+    run: Option<&RecordedRun>,
+) -> Result<(), Failure> {
+    let mut recorded = Recorded::default();
+    if let Some(run) = run {
+        // On one pass of the cam, where the picture is.
+        let using = &report.after;
+        let input = &using.coupling.input;
+        let place = |master: f64| {
+            let x = master * input.master_scaling + input.master_offset;
+            let (inside, passes) = if using.repeated { file.cam.curve().wrap(x) } else { (x, 0.0) };
+            (using.master_at(inside), passes * file.cam.curve().rise() * input.slave_scaling)
+        };
+        let point = |sample: &crate::cam::run::RunSample| {
+            let (master, gained) = place(sample.master);
+            (master, sample.slave - gained)
+        };
+        recorded.points = run.samples.iter().map(point).collect();
+        let before = report.wanted.as_ref().unwrap_or(&report.before);
+        let after = report.did.as_ref().unwrap_or(&report.after);
+        for (slot, using) in recorded.errors.iter_mut().zip([before, after]) {
+            let mut errors: Vec<_> = errors(file, using, run)
+                .into_iter()
+                .map(|(master, error)| (place(master).0, error))
+                .collect();
+            errors.sort_by(|one, other| one.0.total_cmp(&other.0));
+            *slot = errors;
+        }
+    }
+    let shown = [
+        Shown { file, using: &report.before, name: "before" },
+        Shown { file: after, using: &report.after, name: "after" },
+    ];
+    let heading = format!("{} ({})", file.cam.name(), file.path.display());
+    let text = draw(&heading, &report.headline(), &shown, &recorded)
+        .map_err(|error| Failure::Usage(error.to_string()))?;
+    whole::write(path, text.as_bytes())
+}
+
+/// Writes what was found: into the text of a TOML file, comments kept, or as a new one.
+pub(super) fn apply(
+    file: &CamFile,
+    after: &CamFile,
+    report: &Report<'_>,
+    target: Option<&Path>,
+) -> Result<(), Failure> {
+    let target = target.unwrap_or(&file.path);
+    if Form::of(target).map_err(Box::new)? != Form::Toml {
+        let message = format!("{}: what was found is written as .toml", target.display());
+        return Err(Failure::Usage(message));
+    }
+    let wrong = |message: String| Failure::Usage(format!("{}: {message}", target.display()));
+    let text = match &file.text {
+        Some(text) if file.form == Form::Toml => {
+            edit::apply(text, &report.changes).map_err(|error| wrong(error.to_string()))?
+        }
+        _ => {
+            let mut other = after.clone();
+            other.coupling = report.after.coupling;
+            if report.shaped.is_some() {
+                other.source = None;
+            }
+            other.to_toml().map_err(Box::new)?
+        }
+    };
+    // What is written is what was found, or nothing is written.
+    let again = CamFile::from_toml(target, text.clone()).map_err(Box::new)?;
+    if again.coupling != report.after.coupling || again.cam.shape() != after.cam.shape() {
+        return Err(wrong("the file cannot be changed so that it says what was found".to_owned()));
+    }
+    whole::write(target, text.as_bytes())?;
+    eprintln!("written to {}", target.display());
+    Ok(())
+}

@@ -1,0 +1,55 @@
+//! Rings of axes that follow each other.
+
+use std::collections::VecDeque;
+
+/// A ring of axes that follow each other, from master to slave; the axis of the least number that is in one stands at its
+/// begin and again at its end. `couplings` are masters with their slaves. None if nobody follows itself.
+pub(crate) fn find(couplings: &[(usize, usize)]) -> Option<Vec<usize>> {
+    let mut axes: Vec<_> = couplings.iter().map(|(master, _)| *master).collect();
+    axes.sort_unstable();
+    axes.dedup();
+    axes.into_iter().find_map(|axis| back_to(axis, couplings))
+}
+
+/// The shortest way from an axis by way of its slaves back to itself.
+fn back_to(axis: usize, couplings: &[(usize, usize)]) -> Option<Vec<usize>> {
+    let mut seen = vec![axis];
+    let mut ways = VecDeque::from([vec![axis]]);
+    while let Some(way) = ways.pop_front() {
+        let last = way.last().copied()?;
+        for (_, slave) in couplings.iter().filter(|(master, _)| *master == last) {
+            let mut further = way.clone();
+            further.push(*slave);
+            if *slave == axis {
+                return Some(further);
+            }
+            if !seen.contains(slave) {
+                seen.push(*slave);
+                ways.push_back(further);
+            }
+        }
+    }
+    None
+}
+
+/// It in words: `X -> Y -> X`.
+pub(crate) fn told<'n>(ring: &[usize], name: impl Fn(usize) -> &'n str) -> String {
+    ring.iter().map(|axis| name(*axis)).collect::<Vec<_>>().join(" -> ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{find, told};
+
+    #[test]
+    fn rings_in_their_order() {
+        assert_eq!(find(&[]), None);
+        assert_eq!(find(&[(0, 1), (1, 2), (0, 2)]), None);
+        assert_eq!(find(&[(3, 1), (1, 3)]), Some(vec![1, 3, 1]));
+        // 0 moves the ring and is not in it; 1 moves 4, that moves 2, that moves 1.
+        let ring = find(&[(0, 2), (2, 1), (1, 4), (4, 2), (4, 5)]).expect("a ring");
+        assert_eq!(ring, [1, 4, 2, 1]);
+        let names = ["X", "Y", "Z", "A", "B"];
+        assert_eq!(told(&ring, |axis| names[axis]), "Y -> B -> Z -> Y");
+    }
+}
