@@ -69,8 +69,8 @@ fn switches_and_homing_are_held_against_the_machine_file() {
     );
 }
 
-/// Trj_PosMin and Trj_PosMax of 0 are no limits, and a board has none at all. What is left is said, and no check has passed.
-/// App_PosOffset is what a drive counts at its home: 3200 µsteps are 5 mm.
+/// `Trj_PosMin` and `Trj_PosMax` of 0 are no limits, and a board has none at all. What is left is said, and no check has passed.
+/// `App_PosOffset` is what a drive counts at its home: 3200 µsteps are 5 mm.
 #[test]
 fn what_a_device_does_not_limit_is_told_with_what_is_left() {
     let shop = Shop::new();
