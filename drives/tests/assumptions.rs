@@ -180,7 +180,7 @@ fn check_names<A: Assumed + std::fmt::Debug + PartialEq>() {
         let mut said = A::default();
         said.set(name, &usual).unwrap();
         assert_eq!(said, A::default(), "{name}");
-        assert!(A::unit(name).is_empty() == !allowed.contains(" to "), "{name}: {}", A::unit(name));
+        assert_ne!(A::unit(name).is_empty(), allowed.contains(" to "), "{name}: {}", A::unit(name));
         let wrong = A::default().set(name, "perhaps");
         assert!(matches!(wrong, Err(AssumedError::Value { .. })), "{wrong:?}");
     }

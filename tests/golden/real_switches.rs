@@ -69,8 +69,8 @@ fn switches_and_homing_are_held_against_the_machine_file() {
     );
 }
 
-/// Trj_PosMin and Trj_PosMax of 0 are no limits, and a board has none at all. What is left is said, and no check has passed.
-/// App_PosOffset is what a drive counts at its home: 3200 µsteps are 5 mm.
+/// `Trj_PosMin` and `Trj_PosMax` of 0 are no limits, and a board has none at all. What is left is said, and no check has passed.
+/// `App_PosOffset` is what a drive counts at its home: 3200 µsteps are 5 mm.
 #[test]
 fn what_a_device_does_not_limit_is_told_with_what_is_left() {
     let shop = Shop::new();
@@ -116,4 +116,36 @@ fn homing_by_hand_looks_at_the_counter() {
     done.ended(0, "");
     assert!(done.stdout.contains("axis X is home, at 0"), "{}", done.stdout);
     assert!(!done.stdout.contains("zero-after-homing"), "{}", done.stdout);
+}
+
+/// An axis whose drive counts down where it goes up has its switches and its homing the other way round on the board. Ramps of 500
+/// rpm/s are 26667 µsteps/s², of which 640 are a mm.
+#[test]
+fn a_drive_that_turns_the_other_way_and_gentle_ramps_are_told_for_what_they_are() {
+    let shop = Shop::new();
+    for set in ["set limit-plus-input-x 8", "set home-input-x 5", "set home-direction-x 0"] {
+        shop.by_hand("interpcnc", "board", set);
+    }
+    shop.by_hand("smartdrive", "bus", "set Trj_AccMax 500");
+    with_keys(
+        &shop,
+        &[
+            (X, "limit_switches = \"negative\"\nhome_direction = \"positive\""),
+            ("port = \"bus\"", "acceleration_rpm_per_s = 500"),
+        ],
+    );
+    let text = std::fs::read_to_string(shop.desk.path("mixture.toml")).expect("it was written");
+    let (before, after) = text.split_once(X).expect("an axis");
+    let after = after.replacen("increments = 3200", "increments = -3200", 1);
+    shop.desk.write("mixture.toml", &format!("{before}{X}{after}"));
+    let done = shop.run("short.cnc", "--homed --home=U");
+    for said in [
+        "! axis X: limit switches - at IN8, NO, and it has no software limits: only twin's own limits",
+        "✓ axis X: homes towards + at 15.625 mm/s, to its switch at IN5",
+        "! axis Z: the device's acceleration is 41.7 mm/s² at most, plans may ask for 2000.0 mm/s² (max_acceleration)",
+        "nothing has moved",
+    ] {
+        done.ended(2, said);
+    }
+    shop.untouched();
 }

@@ -86,7 +86,7 @@ impl Looker<'_> {
         }
     }
 
-    /// Of a drive whose limits are switched off, Trj_PosMin not being below Trj_PosMax.
+    /// Of a drive whose limits are switched off, `Trj_PosMin` not being below `Trj_PosMax`.
     fn without_limits(&mut self, machine: &Machine, device: usize, axis: &Axis) {
         let name = &axis.name;
         if !axis.limited {

@@ -201,7 +201,7 @@ impl Looker<'_> {
         Ok(())
     }
 
-    /// App_PosOffset: what the drive counts where homing has found its switch. The machine file has no key for it: it says what
+    /// `App_PosOffset`: what the drive counts where homing has found its switch. The machine file has no key for it: it says what
     /// is wanted of the axis by its limits.
     fn drive_origin(
         &mut self,

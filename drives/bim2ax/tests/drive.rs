@@ -263,7 +263,7 @@ fn a_count_at_home_that_contradicts_what_is_assumed_is_told() {
             DriveError::HomeCount {
                 axis: Axes::Numbers(0b01), counted_on, before, found, ..
             } => {
-                assert_eq!((counted_on, found), (driver, home[0].into()));
+                assert_eq!((counted_on, found), (driver, home[0]));
                 // It was last seen within a look of 300: 20 ms at 1000 µsteps/s are 20.
                 assert!((300..=320).contains(&before), "{said}");
             }

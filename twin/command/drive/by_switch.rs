@@ -13,6 +13,7 @@ use twin_drives::{Drive, DriveError, MAX_DRIVE_AXES, Signals};
 
 /// How an axis is homed by a switch.
 #[derive(Clone, Copy, Debug, clap::Args)]
+#[expect(clippy::struct_excessive_bools, reason = "options of a command, each given or not")]
 pub(super) struct BySwitch {
     /// Home one axis by looking at a switch and moving the axis, not by the drive's own homing, in this mode of `SMC_Homing`: 0
     /// fast onto the switch, slowly back off it, where it opens is home; 1 as 0, but where the axis then stands is home; 4 and 5

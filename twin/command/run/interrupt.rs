@@ -6,18 +6,14 @@ use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use std::time::Duration;
 use tokio::signal::unix::{SignalKind, signal};
 
-/// What asks for an end, and what people call it.
-const ASKING: [(&str, fn() -> SignalKind); 3] = [
-    ("Ctrl-C", SignalKind::interrupt),
-    ("SIGTERM", SignalKind::terminate),
-    ("SIGHUP", SignalKind::hangup),
-];
+/// What people call what asks for an end.
+const NAMES: [&str; 3] = ["Ctrl-C", "SIGTERM", "SIGHUP"];
 
 /// How often somebody has asked for the end.
 #[derive(Clone, Debug)]
 pub(in crate::command) struct Interrupt {
     count: Arc<AtomicU32>,
-    /// Place among [`ASKING`] of the first that came.
+    /// Place among [`NAMES`] of the first that came.
     first: Arc<AtomicU8>,
 }
 
@@ -30,11 +26,12 @@ impl Interrupt {
             Self { count: Arc::new(AtomicU32::new(0)), first: Arc::new(AtomicU8::new(NONE)) };
         let runtime = tokio::runtime::Builder::new_current_thread().enable_io().build();
         let runtime = runtime.map_err(Failure::Interrupt)?;
-        let mut signals = Vec::with_capacity(ASKING.len());
-        for (_, kind) in ASKING {
+        let kinds = [SignalKind::interrupt(), SignalKind::terminate(), SignalKind::hangup()];
+        let mut signals = Vec::with_capacity(kinds.len());
+        for kind in kinds {
             let _inside = runtime.enter();
             // From here on they end nothing by themselves.
-            signals.push(signal(kind()).map_err(Failure::Interrupt)?);
+            signals.push(signal(kind).map_err(Failure::Interrupt)?);
         }
         let counter = caught.clone();
         let listen = move || {
@@ -69,7 +66,7 @@ impl Interrupt {
     /// What has asked for the end, as people call it.
     pub(in crate::command) fn name(&self) -> &'static str {
         let first = usize::from(self.first.load(Ordering::Relaxed));
-        ASKING.get(first).map_or("Ctrl-C", |(name, _)| *name)
+        NAMES.get(first).copied().unwrap_or("Ctrl-C")
     }
 
     /// What ends the run, where that is nobody at the keyboard.

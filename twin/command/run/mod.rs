@@ -69,7 +69,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "TIME=FACTOR", value_delimiter = ',')]
     override_at: Vec<OverrideAt>,
 
-    /// Drives to run in parallel to the simulated machine
+    /// Drives to run in parallel to the simulated machine; positions of real ones are held against the machine file to two and a
+    /// half increments: half of one is rounding at each end, and one lets an axis stand on its limit
     #[arg(long, value_enum, default_value = "emulated")]
     drives: Drives,
 
