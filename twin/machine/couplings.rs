@@ -1,6 +1,7 @@
 //! `[[gears]]` and `[[cams]]`: axes that follow others from the beginning of every program (`MC_GearIn`, `MC_CamIn`, manual 5.4).
 
 use super::axis::{Axis, AxisKind};
+use super::problem::MachineFileError;
 use super::section::Section;
 use crate::cam::check::unit_fits;
 use crate::cam::{CamFile, CamFileError, START_MODES};
@@ -257,7 +258,11 @@ fn told(path: &Path, error: &CamFileError) -> String {
     let said = error.to_string();
     let named = path.display().to_string();
     // SMC_RCAM_FILE_DOESNT_EXIST (manual 9.3): what cannot be opened is told as SMC_ReadCAM would.
-    let number = if matches!(error, CamFileError::Read { .. }) { " (error 2200)" } else { "" };
+    let unread = matches!(
+        error,
+        CamFileError::Read { .. } | CamFileError::Toml(MachineFileError::Read { .. })
+    );
+    let number = if unread { " (error 2200)" } else { "" };
     if said.contains(&named) {
         format!("{said}{number}")
     } else {
