@@ -28,7 +28,8 @@ impl Jacobian {
         self.entries.get((coordinate.index(), axis)).copied().unwrap_or_default()
     }
 
-    pub(crate) fn set(&mut self, coordinate: Coordinate, axis: usize, value: f64) {
+    /// Sets the velocity of a tool coordinate per unit velocity of an axis; nothing for an axis beyond the last.
+    pub fn set(&mut self, coordinate: Coordinate, axis: usize, value: f64) {
         if let Some(entry) = self.entries.get_mut((coordinate.index(), axis)) {
             *entry = value;
         }

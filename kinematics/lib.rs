@@ -9,6 +9,9 @@
 //! The manual's `SMC_TRAFO_x` (path to axes) is [`Kinematics::inverse`], `SMC_TRAFOF_x` (axes to path) is
 //! [`Kinematics::forward`], `SMC_TRAFOV_x` (with velocities) is [`Kinematics::inverse_motion`]. [`Transform`] is the same
 //! for who knows the machine when compiling and needs speed.
+//!
+//! A transform of one's own beside those here (manual 11.8) implements [`Kinematics`] and goes wherever they go, into
+//! [`MachineAxes`] with tool and further axes for one: `tests/own_transform` is a turntable under a slide.
 
 mod axes;
 mod branch;

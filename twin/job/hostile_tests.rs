@@ -15,7 +15,7 @@ const TEXT: &str = "duration_s = 0.1\n[[start]]\naxis = \"X\"\nposition_mm = 60\
     velocity_mm_per_s = 250\n[[blocks]]\nblock = \"MC_PositionProfile\"\naxis = \"X\"\n\
     with_previous = true\npoints = [{ delta_s = 0.05, position_mm = 61 }, { delta_s = 0.05, position_mm = 60 }]\n";
 
-const PIECES: [&str; 26] = [
+const PIECES: [&str; 32] = [
     "\n",
     "=",
     "[",
@@ -41,6 +41,12 @@ const PIECES: [&str; 26] = [
     "master = \"X\"\n",
     "block = \"MC_Home\"\n",
     "cam = \"job.toml\"\n",
+    "block = \"MC_TouchProbe\"\ntrigger = \"mark\"\n",
+    "[[triggers]]\nname = \"mark\"\nat_s = 0.01\n",
+    "block = \"SMC_FollowPositionVelocity\"\n",
+    "block = \"SMC_ControlAxisByVel\"\n",
+    "points = [{ delta_s = 1e-6, position_mm = 1e9, velocity_mm_per_s = 0 }]\n",
+    "at_end_of_profile = true\n",
     "#",
 ];
 

@@ -186,12 +186,21 @@ impl Kind {
                 set_position(of.length("position")?, relative)
             }
             Self::CamIn => on_cam(cam_in(of, path)?),
+            Self::TouchProbe | Self::AbortTrigger | Self::Follow(_) | Self::ControlAxisBy(_) => {
+                return self.of_program(of);
+            }
+        })
+    }
+
+    /// The same for blocks that need something of the job's program: triggers or set-points.
+    fn of_program(self, of: &Values<'_>) -> Option<Box<dyn Called>> {
+        match self {
             Self::TouchProbe => {
                 let (trigger, window) = (of.trigger(), of.window());
-                probe(trigger?, window?)
+                Some(probe(trigger?, window?))
             }
-            Self::AbortTrigger => abort(of.trigger()?),
-            Self::Follow(asks) => direct(of.setpoints(asks)?, None)?,
+            Self::AbortTrigger => Some(abort(of.trigger()?)),
+            Self::Follow(asks) => direct(of.setpoints(asks)?, None),
             Self::ControlAxisBy(asks) => {
                 let gap = |name: &str, suffix: &str| {
                     let key = format!("{}{suffix}", of.key(name));
@@ -202,9 +211,10 @@ impl Kind {
                     acceleration: gap("gap_acceleration", "_per_s2"),
                     deceleration: gap("gap_deceleration", "_per_s2"),
                 };
-                direct(of.setpoints(asks)?, Some(gaps))?
+                direct(of.setpoints(asks)?, Some(gaps))
             }
-        })
+            _ => None,
+        }
     }
 }
 

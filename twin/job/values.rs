@@ -172,8 +172,7 @@ impl Values<'_> {
                     both.0.zip(both.1).map(|(y, v)| Follow::PositionVelocity(y, v))
                 }
             };
-            let (Some(Follow::Velocity(last)) | Some(Follow::PositionVelocity(_, last))) = setpoint
-            else {
+            let Some(Follow::Velocity(last) | Follow::PositionVelocity(_, last)) = setpoint else {
                 point.finish();
                 return Some(Point { after: after?, setpoint: setpoint? });
             };

@@ -1,4 +1,4 @@
-//! Programs on machines with gears, within the limits of all axes, against closed forms.
+//! Programs on machines with gears and cams, within the limits of all axes, against closed forms.
 
 use crate::check::{CheckOptions, check};
 use crate::limit::Limits;
@@ -68,5 +68,50 @@ fn a_program_is_slowed_to_what_slaves_in_gear_bear() {
 #[test]
 fn otherwise_the_check_refuses_it() {
     let told = seconds(&gantry(&gears([3, 1], None)), Limits::Softmotion).unwrap_err();
+    assert!(told.iter().any(|message| message.contains('Y')), "{told:?}");
+}
+
+/// Y on a cam behind X.
+fn on_cam(cam: &str, keys: &str) -> Machine {
+    let folder = tempfile::tempdir().unwrap();
+    let head = "name = \"cam\"\nmaster = { min = 0, max = 120, unit = \"mm\" }\nslave = { min = 0, max = 400, unit = \"mm\" }\n";
+    std::fs::write(folder.path().join("cam.toml"), [head, cam].concat()).unwrap();
+    let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("../machines/gantry3.toml");
+    let text = std::fs::read_to_string(shipped).unwrap();
+    let cams = format!("\n[[cams]]\naxis = \"Y\"\nmaster = \"X\"\ncam = \"cam.toml\"\n{keys}");
+    let path = folder.path().join("gantry3.toml");
+    let mut machine = Machine::parse(&path, &[text, cams].concat()).unwrap();
+    for axis in &mut machine.axes {
+        axis.simulated.effort_limit = f64::INFINITY;
+    }
+    machine
+}
+
+/// A cam that is a straight line is a gear, wherever it begins and however it is scaled.
+#[test]
+fn a_straight_cam_is_a_gear() {
+    let line = "elements = [{ master = 0, slave = 0, velocity = 3 }, { master = 120, slave = 360, velocity = 3 }]\n";
+    let third = trapezoid(400.0 / 3.0, 1000.0);
+    near(&on_cam(line, ""), third);
+    near(&on_cam(line, "slave_absolute = false\nslave_offset_mm = 20\n"), third);
+    near(&on_cam(line, "master_absolute = false\nmaster_offset_mm = 10\n"), third);
+    near(&on_cam(line, "slave_scaling = -0.5\n"), trapezoid(400.0 / 1.5, 2000.0));
+    near(
+        &on_cam(line, "master_scaling = 0.5\nmaster_offset_mm = 30\n"),
+        trapezoid(400.0 / 1.5, 2000.0),
+    );
+}
+
+/// 80 mm over 120 mm from rest to rest: its slope is 15/8 · 80/120 = 1.25 at most, its curvature 5.774 · 80/120² = 0.0321/mm. No
+/// motion is faster than X alone would be; with 200 mm/s and 1370 mm/s² of X the slave has 0.0321 · 200² + 1.25 · 1370 = 2996
+/// mm/s² at most, so that the fastest motion is at least as fast as that. The check looks at every set-point.
+#[test]
+fn a_program_is_slowed_to_what_slaves_on_cams_bear() {
+    let lift = "elements = [{ master = 0, slave = 0 }, { master = 120, slave = 80 }]\n";
+    let machine = on_cam(lift, "");
+    let found = seconds(&machine, Limits::Axes).unwrap();
+    assert!(found > trapezoid(400.0, 3000.0) * 1.02, "{found}");
+    assert!(found < trapezoid(200.0, 1370.0), "{found}");
+    let told = seconds(&machine, Limits::Softmotion).unwrap_err();
     assert!(told.iter().any(|message| message.contains('Y')), "{told:?}");
 }

@@ -1,6 +1,6 @@
 //! A machine as feed limiting sees it.
 
-use super::gears::Gears;
+use super::slaves::Slaves;
 use crate::machine::{DirectionRule, Machine, SimulationError};
 use crate::physics::{AxisEffort, EffortRow, PathDynamics, TorqueAlongPath};
 use std::cell::RefCell;
@@ -51,7 +51,7 @@ pub struct MachinePath<'m> {
     dynamics: Option<RefCell<PathDynamics>>,
     /// The axes whose motors are limited.
     motors: Vec<usize>,
-    gears: Gears,
+    slaves: Slaves,
 }
 
 impl<'m> MachinePath<'m> {
@@ -74,7 +74,13 @@ impl<'m> MachinePath<'m> {
         } else {
             Vec::new()
         };
-        Ok(Self { machine, limits: limits.collect(), dynamics, motors, gears: Gears::of(machine) })
+        Ok(Self {
+            machine,
+            limits: limits.collect(),
+            dynamics,
+            motors,
+            slaves: Slaves::of(machine),
+        })
     }
 
     /// The axis that a row of [`AxisPath::further`] is about.
@@ -201,7 +207,7 @@ impl AxisPath for MachinePath<'_> {
     }
 
     fn home(&self) -> AxisVector {
-        self.gears.with(&self.machine.middle())
+        self.slaves.with(&self.machine.middle())
     }
 
     fn axes(
@@ -226,12 +232,12 @@ impl AxisPath for MachinePath<'_> {
         let frame = &self.machine.frame;
         let jerk = frame.jerk_to_machine(&work, &work_jerk);
         let motion = frame.motion_to_machine(&work);
-        let near = self.gears.without(near);
+        let near = self.slaves.without(near);
         let mut point = axis_point(&*self.machine.kinematics, &motion, &jerk, &near)?;
         if let Some(extra) = &extra {
             self.add_additional(extra, &mut point);
         }
-        self.gears.lead(&mut point);
+        self.slaves.lead(&mut point);
         Ok(point)
     }
 

@@ -17,7 +17,6 @@ mod explain;
 mod feeds;
 #[cfg(test)]
 mod gear_tests;
-mod gears;
 mod json;
 mod lines;
 mod losses;
@@ -25,6 +24,7 @@ mod machine_path;
 mod picture;
 mod plan;
 mod sample;
+mod slaves;
 mod summary;
 #[cfg(test)]
 mod tests;

@@ -274,7 +274,11 @@ fn complain(section: &Section<'_>, path: &Path, error: CamFileError) {
         return;
     }
     // SMC_RCAM_FILE_DOESNT_EXIST (manual 9.3): what cannot be opened is told as SMC_ReadCAM would.
-    let number = if matches!(error, CamFileError::Read { .. }) { " (error 2200)" } else { "" };
+    let unread = matches!(
+        error,
+        CamFileError::Read { .. } | CamFileError::Toml(MachineFileError::Read { .. })
+    );
+    let number = if unread { " (error 2200)" } else { "" };
     let said = if said.contains(&named) { said } else { format!("{named}: {said}") };
     let message = format!("{said}{number}");
     section.complain_at("cam", message);

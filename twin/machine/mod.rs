@@ -176,6 +176,11 @@ impl Machine {
 
     /// Where the tool is and the axes are when a program starts that does not say where, if that can be reached.
     pub fn start_axes(&self) -> Option<AxisVector> {
+        Coupled::at_rest(self, self.start_without_slaves()?).ok()
+    }
+
+    /// The same before slaves are put where their masters have them.
+    pub(crate) fn start_without_slaves(&self) -> Option<AxisVector> {
         let mut axes = self.kinematics.inverse(&self.start_pose(), &self.middle()).ok()?;
         // The transform knows nothing of additional axes: they start where the file says.
         let sources = self.kinematics.sources().iter().zip(&self.axes);
@@ -186,7 +191,7 @@ impl Machine {
                 *slot = axis.to_si(*start);
             }
         }
-        Coupled::at_rest(self, axes).ok()
+        Some(axes)
     }
 
     /// Where the tool is when a program starts that does not say where, machine frame.

@@ -12,7 +12,7 @@ use crate::limit::{
     AxisRules, ControllerProfile, LimitFailure, LimitReport, LimitRules, LimitSummary, Limits,
     Profile, ProfileItem, Summing, Windows, write_lines, write_summary,
 };
-use crate::machine::{CoupledBy, Coupling, Machine};
+use crate::machine::Machine;
 use crate::program::{Dialect, ProgramFile};
 use indicatif::ProgressBar;
 use outputs::Outputs;
@@ -186,15 +186,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<Status, Failure> {
     let machine = arguments.machine()?;
     let program = arguments.read.program(&arguments.program, machine.conditions.rs274.units)?;
     arguments.check_for(&program)?;
-    let by_cam = |coupling: &&Coupling| matches!(coupling.by, CoupledBy::Cam(_));
-    let cam = machine.couplings.iter().find(by_cam);
-    if let (Limits::Axes, Some(coupling)) = (arguments.limits, cam) {
-        return Err(Failure::Usage(format!(
-            "{}: plans within the limits of the axes do not know the limits of slaves of cams ({}); `twin check` looks at them",
-            machine.path.display(),
-            coupling.describe(&machine.axes)
-        )));
-    }
     arguments.check_targets(&program)?;
     let mut outputs = Outputs::new(&machine, &arguments.output)?;
     let mut job = Job::new(&machine, &program)?;
