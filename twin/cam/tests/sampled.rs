@@ -3,8 +3,10 @@
 use super::found::{LIFT, cam, using};
 use crate::cam::check::{AxisLimits, CamCheck, CamUse};
 use crate::cam::sample::{MOST, Sampling, reach, write};
+use crate::cam::tune::ramp;
 use crate::finding::{Rule, Severity};
-use twin_motion::cam::{MasterMotion, SlaveLimits};
+use twin_motion::cam::tune::RampGoal;
+use twin_motion::cam::{AxisState, MasterMotion, SlaveLimits};
 
 /// In the middle of the rise y′ = 15/8·h/w, y″ = 0 and y‴ = −30·h/w³; a quarter of it: y″ = 60·(s − 3·s² + 2·s³)·h/w².
 #[test]
@@ -124,4 +126,23 @@ fn the_end_of_a_pass_that_is_not_repeated() {
     let [None, Some(stop)] = check.stop else { panic!("{:?}", check.stop) };
     assert!((stop.by + 50.0).abs() < 1e-9, "{stop:?}");
     assert_eq!((check.smoothness(), check.findings[0].severity), ("C1", Severity::Note));
+}
+
+/// From 350 onto a cam at 0: on an axis of the machine file that goes round in 360 it is 10 on, 2·√(10/1000) s at 1000 u/s²; on
+/// another one 350 back, 350/100 + 100/1000 s.
+#[test]
+fn a_ramp_goes_round_by_the_shorter_way() {
+    let file = cam(&LIFT.replace(", period = 100", ""));
+    let motion = SlaveLimits { velocity: 100.0, acceleration: 1000.0, ..SlaveLimits::NONE };
+    for (period, expected, ends) in
+        [(Some(360.0), 2.0 * 0.01_f64.sqrt(), [350.0, 360.0]), (None, 3.6, [0.0, 350.0])]
+    {
+        let use_it = using(&file, 0.1, AxisLimits { motion, period, ..AxisLimits::NONE });
+        let slave = AxisState { position: 350.0, ..AxisState::default() };
+        let found = ramp(&file, &use_it, 0.0, slave, RampGoal::Soonest).expect("a ramp");
+        assert!((found.duration_s - expected).abs() < 1e-4, "{found:?}");
+        for (found, expected) in found.positions.into_iter().zip(ends) {
+            assert!((found - expected).abs() < 1e-3, "{found} {expected}");
+        }
+    }
 }

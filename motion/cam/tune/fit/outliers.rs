@@ -4,8 +4,8 @@ use super::super::FitError;
 use super::super::chance::student_exceeds;
 use super::{FitOptions, Fitted, Parameters, Problem, Sample};
 
-/// A sample is told as an outlier if no more than one run in so many has one as far by chance.
-const CHANCE: f64 = 1e-4;
+/// A sample is told as an outlier if no more than one run in a million has one as far by chance.
+const CHANCE: f64 = 1e-6;
 /// What is farther than so many times the usual is looked at at all.
 const SUSPECT: f64 = 4.0;
 /// One in so many samples may be an outlier: more of them are no exceptions.

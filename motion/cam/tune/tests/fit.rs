@@ -75,8 +75,8 @@ fn without_noise_the_truth_is_found() {
     assert_eq!((found.master_scaling.value, found.master_scaling.half_width), (1.0, 0.0));
 }
 
-/// Fourteen samples of two turns, two unknowns: of 1,000 runs of noise one at most is taken for a contradiction, an outlier or
-/// no noise (each is so in one of ten thousand), and 95 % of the others hit.
+/// Fourteen samples of two turns, two unknowns: of 1,000 runs of noise two at most are taken for a contradiction, an outlier or
+/// no noise (each is so in one of ten thousand at most), and 95 % of the others hit.
 #[test]
 fn few_samples_raise_no_false_alarms() {
     let curve = lift();
